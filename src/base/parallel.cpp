@@ -1,0 +1,43 @@
+#include "base/parallel.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+
+namespace scanmill {
+
+void parallelFor(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body) {
+  if (count == 0) return;
+  grain = std::max<std::size_t>(grain, 1);
+  if (count <= grain) {
+    body(0, count);
+    return;
+  }
+  // TBB halves a range down to half its grain: the loop is over whole grains, so that no body gets less than one.
+  const std::size_t grains = (count - 1) / grain + 1;
+  // Isolated: a thread that waits here must not start unrelated outer work, which would hold its buffers meanwhile.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grains), [&](const tbb::blocked_range<std::size_t>& r) {
+      body(r.begin() * grain, r.end() == grains ? count : r.end() * grain);
+    });
+  });
+}
+
+ThreadLimit::ThreadLimit(int threads) {
+  const int limit = threads > 0 ? threads : tbb::info::default_concurrency();
+  control_ = new tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(limit));
+}
+
+ThreadLimit::~ThreadLimit() {
+  delete static_cast<tbb::global_control*>(control_);
+}
+
+int threadCount() {
+  return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
+}  // namespace scanmill

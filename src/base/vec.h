@@ -1,0 +1,205 @@
+#pragma once
+
+// Vectors, rotations and transforms. Right-handed, metres and radians; x forward, y left, z up (REP 103).
+
+#include <array>
+#include <cmath>
+
+namespace scanmill {
+
+template <class T>
+struct Vec3 {
+  T x{};
+  T y{};
+  T z{};
+
+  constexpr Vec3 operator+(const Vec3& o) const { return {x + o.x, y + o.y, z + o.z}; }
+  constexpr Vec3 operator-(const Vec3& o) const { return {x - o.x, y - o.y, z - o.z}; }
+  constexpr Vec3 operator-() const { return {-x, -y, -z}; }
+  constexpr Vec3 operator*(T s) const { return {x * s, y * s, z * s}; }
+  constexpr Vec3& operator+=(const Vec3& o) { return *this = *this + o; }
+  constexpr bool operator==(const Vec3&) const = default;
+
+  template <class U>
+  constexpr explicit operator Vec3<U>() const {
+    return {static_cast<U>(x), static_cast<U>(y), static_cast<U>(z)};
+  }
+};
+
+using Vec3d = Vec3<double>;
+using Vec3f = Vec3<float>;
+
+struct Vec2f {
+  float x{};
+  float y{};
+  constexpr bool operator==(const Vec2f&) const = default;
+};
+
+template <class T>
+constexpr T dot(const Vec3<T>& a, const Vec3<T>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+template <class T>
+constexpr Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+template <class T>
+T length(const Vec3<T>& v) {
+  return std::sqrt(dot(v, v));
+}
+
+// The zero vector stays zero.
+template <class T>
+Vec3<T> normalized(const Vec3<T>& v) {
+  const T l = length(v);
+  return l > T(0) ? v * (T(1) / l) : v;
+}
+
+template <class T>
+bool isFinite(const Vec3<T>& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// A 3 x 3 matrix by its columns: the images of the axes.
+struct Mat3 {
+  Vec3d x{1, 0, 0};
+  Vec3d y{0, 1, 0};
+  Vec3d z{0, 0, 1};
+
+  constexpr Vec3d operator*(const Vec3d& v) const { return x * v.x + y * v.y + z * v.z; }
+  constexpr Mat3 operator*(const Mat3& o) const { return {*this * o.x, *this * o.y, *this * o.z}; }
+  constexpr bool operator==(const Mat3&) const = default;
+
+  static constexpr Mat3 scale(const Vec3d& s) { return {{s.x, 0, 0}, {0, s.y, 0}, {0, 0, s.z}}; }
+};
+
+constexpr double determinant(const Mat3& m) {
+  return dot(m.x, cross(m.y, m.z));
+}
+
+constexpr Mat3 transposed(const Mat3& m) {
+  return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
+}
+
+// Undefined for a singular matrix: check determinant() first.
+constexpr Mat3 inverse(const Mat3& m) {
+  const double s = 1.0 / determinant(m);
+  return transposed({cross(m.y, m.z) * s, cross(m.z, m.x) * s, cross(m.x, m.y) * s});
+}
+
+// p -> linear * p + translation.
+struct Affine {
+  Mat3 linear;
+  Vec3d translation;
+
+  constexpr Vec3d operator*(const Vec3d& point) const { return linear * point + translation; }
+  constexpr Affine operator*(const Affine& o) const {
+    return {linear * o.linear, linear * o.translation + translation};
+  }
+  constexpr bool operator==(const Affine&) const = default;
+};
+
+constexpr Affine inverse(const Affine& a) {
+  const Mat3 linear = inverse(a.linear);
+  return {linear, -(linear * a.translation)};
+}
+
+// A unit quaternion, w first.
+struct Quat {
+  double w = 1;
+  double x = 0;
+  double y = 0;
+  double z = 0;
+  constexpr bool operator==(const Quat&) const = default;
+};
+
+constexpr Quat operator*(const Quat& a, const Quat& b) {
+  return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+          a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+}
+
+constexpr Mat3 toMatrix(const Quat& q) {
+  return {{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.w * q.z), 2 * (q.x * q.z - q.w * q.y)},
+          {2 * (q.x * q.y - q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z + q.w * q.x)},
+          {2 * (q.x * q.z + q.w * q.y), 2 * (q.y * q.z - q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}};
+}
+
+// Rz(yaw) * Ry(pitch) * Rx(roll), radians. Positive pitch looks down (x forward, z up).
+inline Quat fromYawPitchRoll(double yaw, double pitch, double roll) {
+  const Quat qz{std::cos(yaw / 2), 0, 0, std::sin(yaw / 2)};
+  const Quat qy{std::cos(pitch / 2), 0, std::sin(pitch / 2), 0};
+  const Quat qx{std::cos(roll / 2), std::sin(roll / 2), 0, 0};
+  return qz * qy * qx;
+}
+
+// Shortest-arc spherical interpolation; t in [0, 1].
+inline Quat slerp(const Quat& a, Quat b, double t) {
+  double c = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
+  if (c < 0) {
+    b = {-b.w, -b.x, -b.y, -b.z};
+    c = -c;
+  }
+  double wa = 1 - t;
+  double wb = t;
+  if (c < 1 - 1e-8) {
+    const double angle = std::acos(c);
+    wa = std::sin((1 - t) * angle) / std::sin(angle);
+    wb = std::sin(t * angle) / std::sin(angle);
+  }
+  const Quat q{wa * a.w + wb * b.w, wa * a.x + wb * b.x, wa * a.y + wb * b.y, wa * a.z + wb * b.z};
+  const double n = 1 / std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  return {q.w * n, q.x * n, q.y * n, q.z * n};
+}
+
+// A rigid motion: where a frame stands in another.
+struct Pose {
+  Quat rotation;
+  Vec3d translation;
+
+  constexpr Vec3d operator*(const Vec3d& point) const { return toMatrix(rotation) * point + translation; }
+  constexpr Pose operator*(const Pose& o) const { return {rotation * o.rotation, *this * o.translation}; }
+  constexpr bool operator==(const Pose&) const = default;
+};
+
+constexpr Pose inverse(const Pose& p) {
+  const Quat r{p.rotation.w, -p.rotation.x, -p.rotation.y, -p.rotation.z};
+  return {r, -(toMatrix(r) * p.translation)};
+}
+
+inline Pose interpolate(const Pose& a, const Pose& b, double t) {
+  return {slerp(a.rotation, b.rotation, t), a.translation + (b.translation - a.translation) * t};
+}
+
+constexpr Affine toAffine(const Pose& p) {
+  return {toMatrix(p.rotation), p.translation};
+}
+
+struct Box {
+  Vec3d low{INFINITY, INFINITY, INFINITY};
+  Vec3d high{-INFINITY, -INFINITY, -INFINITY};
+
+  bool empty() const { return !(low.x <= high.x); }
+  void add(const Vec3d& p) {
+    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
+    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
+  }
+  void add(const Box& b) {
+    if (!b.empty()) {
+      add(b.low);
+      add(b.high);
+    }
+  }
+  Vec3d center() const { return (low + high) * 0.5; }
+};
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double radians(double degrees) {
+  return degrees * (kPi / 180.0);
+}
+constexpr double degrees(double radians) {
+  return radians * (180.0 / kPi);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,71 @@
+#include "commands/arguments.h"
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+std::string Arguments::positional(const std::string& what) const {
+  const auto values =
+      options.count("input") == 0 ? std::vector<std::string>{} : options["input"].as<std::vector<std::string>>();
+  if (values.size() == 1) return values.front();
+  throw InputError(values.empty() ? fmt::format("{} is missing; see --help", what)
+                                  : fmt::format("one {} at a time, not also '{}'", what, values[1]));
+}
+
+const Command& commandNamed(std::string_view name) {
+  for (const Command& command : commands()) {
+    if (command.name == name) return command;
+  }
+  throw Error(fmt::format("no command '{}'", name));
+}
+
+cxxopts::Options describe(const Command& command) {
+  cxxopts::Options options("scanmill " + std::string(command.name), std::string(command.summary));
+  options.positional_help(std::string(command.usage)).show_positional_help();
+  options.add_options()("h,help", "this text");
+  options.add_options("positional")("input", "", cxxopts::value<std::vector<std::string>>());
+  options.parse_positional({"input"});
+  return options;
+}
+
+Arguments parseArguments(const Command& command, cxxopts::Options& options, const std::vector<std::string>& arguments,
+                         const std::string& examples) {
+  std::vector<const char*> argv{command.name.data()};
+  for (const std::string& a : arguments) argv.push_back(a.c_str());
+  Arguments parsed;
+  try {
+    parsed.options = options.parse(static_cast<int>(argv.size()), argv.data());
+  } catch (const std::exception& e) {
+    throw InputError(fmt::format("{}; see `scanmill {} --help`", e.what(), command.name));
+  }
+  if (parsed.options.count("help") > 0) {
+    fmt::print("{}\n\nExamples:\n{}", options.help({""}), examples);
+    parsed.help = true;
+  }
+  return parsed;
+}
+
+void addPipelineOptions(cxxopts::Options& options) {
+  options.add_options()("threads", "how many threads to use, 0 for all cores",
+                        cxxopts::value<int>()->default_value("0"))(
+      "seed", "seed of the sensors' noise, in place of the pipeline's", cxxopts::value<std::string>())(
+      "set", "override a key, such as --set motion=none or --set output.shard_mb=64 (may be repeated)",
+      cxxopts::value<std::vector<std::string>>(), "key=value");
+}
+
+std::vector<std::string> pipelineOverrides(const Arguments& arguments) {
+  std::vector<std::string> overrides;
+  if (arguments.options.count("set") > 0) overrides = arguments.options["set"].as<std::vector<std::string>>();
+  if (arguments.options.count("seed") > 0) overrides.push_back("seed=" + arguments.options["seed"].as<std::string>());
+  return overrides;
+}
+
+int threadOption(const Arguments& arguments) {
+  const int threads = arguments.options["threads"].as<int>();
+  if (threads < 0 || threads > 1024) throw InputError(fmt::format("--threads must be from 0 to 1024, not {}", threads));
+  return threads;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,37 @@
+#pragma once
+
+// Reading a subcommand's options, the same way for all of them.
+
+// Values such as --set 'seeds=[1,2]' and file names may hold commas: only a NUL, which no argument holds, parts a list.
+#define CXXOPTS_VECTOR_DELIMITER '\0'
+#include <cxxopts.hpp>
+#include <string>
+#include <vector>
+
+#include "commands/command.h"
+
+namespace scanmill {
+
+struct Arguments {
+  cxxopts::ParseResult options;
+  bool help = false;  // it was asked for and has been printed
+
+  // The one positional argument. Throws InputError that says what is missing.
+  std::string positional(const std::string& what) const;
+};
+
+// Adds --help, parses and, if asked, prints the help with `examples`. Throws InputError for unknown options.
+Arguments parseArguments(const Command& command, cxxopts::Options& options, const std::vector<std::string>& arguments,
+                         const std::string& examples);
+
+// cxxopts::Options with the command's usage line and one positional argument.
+cxxopts::Options describe(const Command& command);
+
+const Command& commandNamed(std::string_view name);
+
+// --threads, --seed and --set, for commands that read a pipeline.
+void addPipelineOptions(cxxopts::Options& options);
+std::vector<std::string> pipelineOverrides(const Arguments& arguments);
+int threadOption(const Arguments& arguments);
+
+}  // namespace scanmill

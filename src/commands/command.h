@@ -1,0 +1,29 @@
+#pragma once
+
+// A subcommand of the program. Adding one is a new file and a row in commands().
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace scanmill {
+
+struct Command {
+  std::string_view name;
+  std::string_view usage;    // "PIPELINE -o DIR"
+  std::string_view summary;  // one line
+  // `arguments` starts after the subcommand's name. Returns the exit code; throws Error.
+  int (*run)(const std::vector<std::string>& arguments);
+};
+
+std::span<const Command> commands();
+
+int runGenerate(const std::vector<std::string>& arguments);
+int runPlan(const std::vector<std::string>& arguments);
+int runVerify(const std::vector<std::string>& arguments);
+int runInfo(const std::vector<std::string>& arguments);
+int runPicture(const std::vector<std::string>& arguments);
+int runList(const std::vector<std::string>& arguments);
+
+}  // namespace scanmill

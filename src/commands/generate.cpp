@@ -1,0 +1,77 @@
+#include "pipeline/generate.h"
+
+#include <fmt/core.h>
+
+#include <atomic>
+#include <csignal>
+
+#include "base/parallel.h"
+#include "commands/arguments.h"
+#include "commands/table.h"
+#include "pipeline/progress.h"
+
+namespace scanmill {
+
+namespace {
+
+// Set by SIGINT and SIGTERM: the run ends at the next frame.
+std::atomic<bool> stopRequested = false;
+static_assert(std::atomic<bool>::is_always_lock_free);  // or a signal handler may not touch it
+
+void catchStopSignals() {
+  for (const int s : {SIGINT, SIGTERM}) {
+    std::signal(s, [](int number) {
+      stopRequested = true;
+      std::signal(number, SIG_DFL);  // a second one ends the program at once
+    });
+  }
+}
+
+void printSummary(const GenerateSummary& s, const std::string& folder) {
+  std::vector<std::vector<std::string>> rows{{"class", "points", "share"}};
+  for (const auto& [id, count] : s.pointsPerClass) {
+    const SemanticClass* c = s.manifest.ontology.find(id);
+    rows.push_back({c == nullptr ? std::to_string(id) : c->name, grouped(count),
+                    percent(static_cast<double>(count), static_cast<double>(s.points))});
+  }
+  fmt::print("{}", formatTable(rows));
+  fmt::print("\n{} samples in {} shards, {}, in {}\n", s.manifest.samples.size(), s.manifest.shards.size(),
+             shortBytes(static_cast<double>(s.bytes)), folder);
+  fmt::print("{} rays gave {} points in {}: {} rays/s, {:.2f} bytes a point\n", grouped(s.rays), grouped(s.points),
+             shortTime(s.seconds), shortNumber(static_cast<double>(s.rays) / s.seconds),
+             s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
+  fmt::print("stages (s of thread time):");
+  for (const auto& [name, seconds] : s.manifest.stages) fmt::print(" {} {:.2f}", name, seconds);
+  fmt::print("\nnext: scanmill verify {0}; scanmill info {0}\n", folder);
+}
+
+}  // namespace
+
+int runGenerate(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("generate");
+  cxxopts::Options options = describe(command);
+  options.add_options()("o,out", "folder of the dataset (made where absent)", cxxopts::value<std::string>(), "DIR")(
+      "overwrite", "replace a dataset that is there already")("q,quiet", "no progress");
+  addPipelineOptions(options);
+  const Arguments parsed = parseArguments(command, options, arguments,
+                                          "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
+                                          "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
+                                          "--set 'scenes.0.seeds=[4,5]'\n");
+  if (parsed.help) return 0;
+  const std::string file = parsed.positional("PIPELINE");
+  if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty())
+    throw InputError("-o DIR is missing: where should the dataset go?");
+  const ThreadLimit limit(threadOption(parsed));
+  const Plan plan(readPipeline(file, pipelineOverrides(parsed)));
+  GenerateOptions generateOptions;
+  generateOptions.folder = parsed.options["out"].as<std::string>();
+  generateOptions.overwrite = parsed.options.count("overwrite") > 0;
+  generateOptions.quiet = parsed.options.count("quiet") > 0;
+  generateOptions.stop = &stopRequested;
+  catchStopSignals();
+  const GenerateSummary summary = generate(plan, generateOptions);
+  printSummary(summary, generateOptions.folder.string());
+  return 0;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,96 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "commands/arguments.h"
+#include "commands/table.h"
+#include "config/fields.h"
+#include "effects/effect.h"
+#include "formats/format.h"
+#include "methods/method.h"
+#include "pipeline/resources.h"
+#include "scene/ontology.h"
+#include "sensors/sensor.h"
+
+namespace scanmill {
+
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+template <class Entries>
+Rows entryRows(const Entries& entries) {
+  Rows rows;
+  for (const auto& entry : entries) rows.push_back({std::string(entry.name), std::string(entry.summary)});
+  return rows;
+}
+
+std::vector<std::filesystem::path> yamlFiles(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  if (std::filesystem::is_directory(folder)) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+Rows sensorRows() {
+  Rows rows;
+  for (const auto& file : yamlFiles(resourceFolder() / "pipelines" / "sensors")) {
+    const Value value = readYaml(file);
+    const SensorSize size = sensorSize(value);
+    const Value* model = value.find("model");
+    rows.push_back({file.stem().string(),
+                    fmt::format("{}, {} x {}", model == nullptr ? "" : model->text, size.rings, size.columns)});
+  }
+  return rows;
+}
+
+Rows ontologyRows() {
+  Rows rows;
+  for (const auto& file : yamlFiles(resourceFolder() / "labels")) {
+    if (readYaml(file).find("classes") == nullptr) continue;
+    const Ontology ontology = readOntology(file);
+    rows.push_back({file.stem().string(), fmt::format("{} classes", ontology.classes.size())});
+  }
+  return rows;
+}
+
+Rows exampleRows(const char* folder) {
+  Rows rows;
+  for (const auto& file : yamlFiles(resourceFolder() / folder)) rows.push_back({file.stem().string(), file.string()});
+  return rows;
+}
+
+}  // namespace
+
+int runList(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("list");
+  cxxopts::Options options = describe(command);
+  const Arguments parsed = parseArguments(command, options, arguments, "  scanmill list\n  scanmill list effects\n");
+  if (parsed.help) return 0;
+  const std::string wanted = parsed.options.count("input") == 0 ? "" : parsed.positional("KIND");
+  const std::vector<std::pair<std::string, Rows (*)()>> kinds{
+      {"methods", [] { return entryRows(methods()); }},
+      {"sensors", sensorRows},
+      {"effects", [] { return entryRows(effects()); }},
+      {"formats", [] { return entryRows(formats()); }},
+      {"ontologies", ontologyRows},
+      {"scenes", [] { return exampleRows("scenes"); }},
+      {"pipelines", [] { return exampleRows("pipelines"); }},
+  };
+  std::vector<std::string> names;
+  for (const auto& [name, rows] : kinds) names.push_back(name);
+  if (!wanted.empty() && std::find(names.begin(), names.end(), wanted) == names.end()) {
+    throw InputError(fmt::format("nothing is called '{}' here{}", wanted, suggestion(wanted, names)));
+  }
+  for (const auto& [name, rows] : kinds) {
+    if (wanted.empty() || wanted == name) fmt::print("{}:\n{}", name, formatTable(rows()));
+  }
+  return 0;
+}
+
+}  // namespace scanmill

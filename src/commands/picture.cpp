@@ -1,0 +1,114 @@
+#include "viewer/picture.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <filesystem>
+#include <span>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "commands/arguments.h"
+#include "viewer/scan_source.h"
+
+namespace scanmill {
+
+namespace {
+
+// The place of an option's word among `names`.
+std::size_t choice(const Arguments& parsed, const std::string& option, std::span<const std::string_view> names) {
+  const auto word = parsed.options[option].as<std::string>();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == word) return i;
+  }
+  throw InputError(fmt::format("--{} is one of {}, not '{}'", option, fmt::join(names, ", "), word));
+}
+
+std::string textOption(const Arguments& parsed, const std::string& option) {
+  return parsed.options.count(option) == 0 ? std::string() : parsed.options[option].as<std::string>();
+}
+
+void readSize(const std::string& text, PictureOptions& options) {
+  const char* const end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, options.width);
+  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
+    const auto height = std::from_chars(width.ptr + 1, end, options.height);
+    const auto fits = [](int side) { return side >= kLeastPictureSide && side <= kMostPictureSide; };
+    if (height.ec == std::errc() && height.ptr == end && fits(options.width) && fits(options.height) &&
+        options.width * options.height <= kMostPicturePixels) {
+      return;
+    }
+  }
+  throw InputError(
+      fmt::format("--size is WIDTHxHEIGHT in pixels, {} to {} each and {} million in all, such as 1600x900, "
+                  "not '{}'",
+                  kLeastPictureSide, kMostPictureSide, kMostPicturePixels / 1000000, text));
+}
+
+double factor(const Arguments& parsed, const std::string& option) {
+  constexpr double kMost = 100;
+  const double value = parsed.options[option].as<double>();
+  if (!(value >= 1 / kMost && value <= kMost)) {
+    throw InputError(fmt::format("--{} must be from {} to {}, not {}", option, 1 / kMost, kMost, value));
+  }
+  return value;
+}
+
+}  // namespace
+
+int runPicture(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("picture");
+  cxxopts::Options options = describe(command);
+  const auto text = [](const char* fallback) { return cxxopts::value<std::string>()->default_value(fallback); };
+  options.add_options()("o,out", "the picture, a PNG", cxxopts::value<std::string>(), "FILE")(
+      "sample", "key or index of a sample; the middle one where not given", cxxopts::value<std::string>(), "KEY")(
+      "sensor", "sensor on the vehicle; the first where not given", cxxopts::value<std::string>(), "NAME")(
+      "color", fmt::format("{}; the first that the scan has where not given", fmt::join(kColorNames, ", ")),
+      cxxopts::value<std::string>(), "WHAT")("view", fmt::format("{}", fmt::join(kViewNames, ", ")), text("chase"),
+                                             "NAME")("size", "width and height in pixels", text("1600x900"), "WxH")(
+      "zoom", "factor on the size of everything", cxxopts::value<double>()->default_value("1"), "F")(
+      "point-size", "factor on the size of the points", cxxopts::value<double>()->default_value("1"), "N")(
+      "flat", "no darkening of depth edges")("range-image",
+                                             "rings x columns, as the sensor orders them, instead of a view")(
+      "ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)",
+      cxxopts::value<std::string>(), "FILE");
+  const Arguments parsed =
+      parseArguments(command, options, arguments,
+                     "  scanmill picture out/quickstart -o street.png\n"
+                     "  scanmill picture out/quickstart -o street.png --sample 12 --color intensity --view above\n"
+                     "  scanmill picture out/quickstart/train/train-000000.tar -o ranges.png --range-image\n"
+                     "  scanmill picture scan.pcd -o scan.png --color height --size 3840x2160 --zoom 2\n");
+  if (parsed.help) return 0;
+  const std::filesystem::path file = parsed.positional("DATASET|SHARD|SCAN");
+  if (parsed.options.count("out") == 0) throw InputError("-o FILE is missing: where should the picture go?");
+  const std::filesystem::path out = parsed.options["out"].as<std::string>();
+  if (out.extension() != ".png") throw InputError({out.string()}, "pictures are PNG: let the name end in .png");
+
+  PictureOptions picture;
+  if (parsed.options.count("color") > 0) picture.colorBy = static_cast<ColorBy>(choice(parsed, "color", kColorNames));
+  picture.view = static_cast<View>(choice(parsed, "view", kViewNames));
+  readSize(parsed.options["size"].as<std::string>(), picture);
+  picture.zoom = factor(parsed, "zoom");
+  picture.splats.size = factor(parsed, "point-size");
+  picture.splats.depthEdges = parsed.options.count("flat") == 0;
+
+  ScanSource source = findScan(file, textOption(parsed, "sample"), textOption(parsed, "sensor"));
+  if (const auto ontology = textOption(parsed, "ontology"); !ontology.empty()) {
+    source.ontology = readOntology(ontology);
+  }
+  const Ontology* ontology = source.ontology ? &*source.ontology : nullptr;
+  Image image;
+  try {
+    image = parsed.options.count("range-image") > 0
+                ? drawRangeImage(source.scan, ontology, picture.colorBy, source.title)
+                : drawPicture(source.scan, ontology, picture, source.title);
+  } catch (const InputError& e) {
+    throw InputError({file.string()}, e.what());
+  }
+  writeFile(out, encodePng(image));
+  fmt::print("{}: {} x {}, {}\n", out.string(), image.width, image.height, source.title);
+  return 0;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,99 @@
+#include "pipeline/plan.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+
+#include "base/parallel.h"
+#include "commands/arguments.h"
+#include "commands/table.h"
+#include "pipeline/progress.h"
+
+namespace scanmill {
+
+namespace {
+
+void printSensors(const Plan& plan) {
+  std::vector<std::vector<std::string>> rows{{"sensor", "model", "rings", "columns", "beams", "turns/s", "range m"}};
+  for (std::size_t s = 0; s < plan.beams().size(); ++s) {
+    const BeamTable& b = *plan.beams()[s];
+    rows.push_back({plan.pipeline().sensors[s].name, b.model, std::to_string(b.rings), std::to_string(b.columns),
+                    grouped(b.size()), fmt::format("{:.3g}", 1 / b.period),
+                    fmt::format("{:.3g} to {:.3g}", b.minRange, b.maxRange)});
+  }
+  fmt::print("{}\n", formatTable(rows));
+}
+
+void printSequences(const Pipeline& pipeline) {
+  std::vector<std::vector<std::string>> rows{{"sequence", "frames", "split"}};
+  for (const Sequence& s : pipeline.sequences) {
+    rows.push_back({s.key(), std::to_string(s.trajectory->frames()), s.split});
+  }
+  fmt::print("{}\n", formatTable(rows));
+}
+
+void printUnlabeled(const std::map<std::string, std::uint64_t>& unlabeled) {
+  if (unlabeled.empty()) {
+    fmt::print("unlabelled geometry: none\n");
+    return;
+  }
+  std::vector<std::pair<std::string, std::uint64_t>> sorted(unlabeled.begin(), unlabeled.end());
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  fmt::print("unlabelled geometry (no rule gives it a class):\n");
+  std::vector<std::vector<std::string>> rows{{"asset: node (material)", "triangles"}};
+  for (const auto& [what, triangles] : sorted) rows.push_back({what, grouped(triangles)});
+  fmt::print("{}", formatTable(rows));
+}
+
+}  // namespace
+
+int runPlan(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("plan");
+  cxxopts::Options options = describe(command);
+  addPipelineOptions(options);
+  const Arguments parsed = parseArguments(command, options, arguments, "  scanmill plan pipelines/truck_town.yaml\n");
+  if (parsed.help) return 0;
+  const ThreadLimit limit(threadOption(parsed));
+  const Plan plan(readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed)));
+  const Pipeline& pipeline = plan.pipeline();
+  printSensors(plan);
+  printSequences(pipeline);
+
+  std::vector<std::vector<std::string>> scenes{
+      {"scene", "triangles", "placed", "instances", "things", "materials", "dropped"}};
+  std::map<std::string, std::uint64_t> unlabeled;
+  std::vector<std::string> modelled = plan.modelled();
+  std::uint64_t sceneBytes = 0;
+  for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
+    const Sequence& s = pipeline.sequences[i];
+    if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;
+    const std::string name = fmt::format("{} seed {}", s.scene, s.sceneSeed);
+    const Scene scene = plan.loadScene(s);
+    const auto method = plan.makeMethod(scene);
+    scenes.push_back({name, grouped(scene.triangles()), grouped(scene.placedTriangles()),
+                      grouped(scene.instances.size()), grouped(scene.things()), grouped(scene.materials.size()),
+                      grouped(scene.dropped.total())});
+    for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
+    for (const std::string& line : method->modelled()) {
+      if (std::find(modelled.begin(), modelled.end(), line) == modelled.end()) modelled.push_back(line);
+    }
+    sceneBytes = std::max(sceneBytes, method->memoryBytes());
+  }
+  fmt::print("{}\n", formatTable(scenes));
+
+  fmt::print("modelled and left out:\n");
+  for (const std::string& line : modelled) fmt::print("  {}\n", line);
+  fmt::print("\n");
+  printUnlabeled(unlabeled);
+  const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
+  const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());
+  fmt::print("\n{} frames x {} beams = {} rays ({} allowed)\n", grouped(pipeline.frames()),
+             grouped(pipeline.raysPerFrame()), shortNumber(rays), shortNumber(pipeline.maxRays));
+  fmt::print("memory: about {} for the scene and {} for frames in flight\n",
+             shortBytes(static_cast<double>(sceneBytes)), shortBytes(inFlight));
+  fmt::print("disk: at most about {}\n", shortBytes(plan.estimatedDatasetBytes()));
+  return 0;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,59 @@
+#include "commands/table.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdint>
+
+namespace scanmill {
+
+namespace {
+
+// Characters, not bytes: UTF-8 continuation bytes take no room.
+std::size_t widthOf(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+bool looksNumeric(const std::string& cell) {
+  return cell.empty() || std::isdigit(static_cast<unsigned char>(cell.front())) != 0 || cell.front() == '-';
+}
+
+}  // namespace
+
+std::string formatTable(const std::vector<std::vector<std::string>>& rows) {
+  if (rows.empty()) return {};
+  const std::size_t columns = rows.front().size();
+  std::vector<std::size_t> width(columns);
+  std::vector<bool> right(columns, rows.size() > 1);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (std::size_t c = 0; c < columns; ++c) {
+      width[c] = std::max(width[c], widthOf(rows[r][c]));
+      if (r > 0 && !looksNumeric(rows[r][c])) right[c] = false;
+    }
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line = " ";
+    for (std::size_t c = 0; c < columns; ++c) {
+      const std::string gap(width[c] - widthOf(row[c]), ' ');
+      line += " " + (right[c] ? gap + row[c] : row[c] + gap) + " ";
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::string grouped(std::uint64_t value) {
+  std::string digits = std::to_string(value);
+  for (auto i = static_cast<std::ptrdiff_t>(digits.size()) - 3; i > 0; i -= 3)
+    digits.insert(static_cast<std::size_t>(i), ",");
+  return digits;
+}
+
+std::string percent(double part, double whole) {
+  return fmt::format("{:.2f} %", whole > 0 ? 100 * part / whole : 0.0);
+}
+
+}  // namespace scanmill

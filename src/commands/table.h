@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace scanmill {
+
+// Rows of cells in aligned columns, the first row a heading. Columns whose cells all look like numbers are
+// right-aligned.
+std::string formatTable(const std::vector<std::vector<std::string>>& rows);
+
+// 1,234,567
+std::string grouped(std::uint64_t value);
+
+// "12.3 %"
+std::string percent(double part, double whole);
+
+}  // namespace scanmill

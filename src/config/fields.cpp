@@ -1,0 +1,155 @@
+#include "config/fields.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "config/text.h"
+
+namespace scanmill {
+
+Fields::Fields(const Value& value, std::string what) : value_(value), what_(std::move(what)) {
+  if (value.kind == Value::Kind::Map || value.kind == Value::Kind::Null) return;
+  throw InputError(value.where,
+                   fmt::format("{} must be a map of keys and values, not {}", what_,
+                               value.kind == Value::Kind::Scalar ? quotedForMessage(value.text) : "a list"));
+}
+
+bool Fields::has(std::string_view key) const {
+  const Value* value = value_.find(key);
+  return value != nullptr && value->kind != Value::Kind::Null;
+}
+
+const Value* Fields::find(std::string_view key) {
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
+  const Value* value = value_.find(key);
+  return value != nullptr && value->kind != Value::Kind::Null ? value : nullptr;
+}
+
+const Value& Fields::require(std::string_view key) {
+  if (const Value* value = find(key)) return *value;
+  if (const Value* empty = value_.find(key)) return *empty;
+  throw InputError(value_.where, fmt::format("{}: the key '{}' is missing", what_, key));
+}
+
+double Fields::number(std::string_view key, Range range) {
+  return readNumber(require(key), fmt::format("{}: {}", what_, key), range);
+}
+
+double Fields::number(std::string_view key, Range range, double fallback) {
+  return find(key) != nullptr ? number(key, range) : fallback;
+}
+
+std::int64_t Fields::integer(std::string_view key, std::int64_t low, std::int64_t high) {
+  return readInteger(require(key), fmt::format("{}: {}", what_, key), low, high);
+}
+
+std::int64_t Fields::integer(std::string_view key, std::int64_t low, std::int64_t high, std::int64_t fallback) {
+  return find(key) != nullptr ? integer(key, low, high) : fallback;
+}
+
+bool Fields::boolean(std::string_view key, bool fallback) {
+  const Value* value = find(key);
+  return value != nullptr ? readBool(*value, fmt::format("{}: {}", what_, key)) : fallback;
+}
+
+std::string Fields::text(std::string_view key) {
+  return readText(require(key), fmt::format("{}: {}", what_, key));
+}
+
+std::string Fields::text(std::string_view key, std::string_view fallback) {
+  return find(key) != nullptr ? text(key) : std::string(fallback);
+}
+
+std::string Fields::choice(std::string_view key, const std::vector<std::string>& names, std::string_view fallback) {
+  const Value* value = find(key);
+  if (value == nullptr) return std::string(fallback);
+  const std::string name = text(key);
+  if (std::find(names.begin(), names.end(), name) != names.end()) return name;
+  throw InputError(value->where,
+                   fmt::format("{}: {} may not be {}{}", what_, key, quotedForMessage(name), suggestion(name, names)));
+}
+
+Vec3d Fields::vec3(std::string_view key, const Vec3d& fallback) {
+  const Value* value = find(key);
+  return value != nullptr ? readVec3(*value, fmt::format("{}: {}", what_, key)) : fallback;
+}
+
+std::vector<double> Fields::numbers(std::string_view key, Range range) {
+  return readNumbers(require(key), fmt::format("{}: {}", what_, key), range);
+}
+
+std::vector<std::string> Fields::texts(std::string_view key) {
+  const Value* value = find(key);
+  if (value == nullptr) return {};
+  const std::string what = fmt::format("{}: {}", what_, key);
+  if (value->kind == Value::Kind::Scalar) return {value->text};
+  if (value->kind == Value::Kind::Map)
+    throw InputError(value->where, what + " must be text or a list of texts, not a map");
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < value->items.size(); ++i) {
+    texts.push_back(readText(value->items[i], fmt::format("{}[{}]", what, i)));
+  }
+  return texts;
+}
+
+std::filesystem::path Fields::path(std::string_view key) {
+  const Value& value = require(key);
+  const std::string name = text(key);
+  if (name.empty()) throw InputError(value.where, fmt::format("{}: {} must be a path, not an empty text", what_, key));
+  return resolvePath(value.where, name);
+}
+
+std::optional<std::filesystem::path> Fields::optionalPath(std::string_view key) {
+  if (find(key) == nullptr) return std::nullopt;
+  return path(key);
+}
+
+Pose Fields::pose() {
+  Pose pose;
+  pose.translation = vec3("position", {});
+  const Value* rotation = find("rotation");
+  const bool angles = find("yaw_deg") != nullptr || find("pitch_deg") != nullptr || find("roll_deg") != nullptr;
+  const double yaw = number("yaw_deg", {}, 0);
+  const double pitch = number("pitch_deg", {}, 0);
+  const double roll = number("roll_deg", {}, 0);
+  if (rotation == nullptr) {
+    pose.rotation = fromYawPitchRoll(radians(yaw), radians(pitch), radians(roll));
+    return pose;
+  }
+  const std::string what = what_ + ": rotation";
+  if (angles) {
+    throw InputError(rotation->where, what + " and yaw_deg, pitch_deg or roll_deg exclude each other");
+  }
+  const std::vector<double> q = readNumbers(*rotation, what);
+  if (q.size() != 4) {
+    throw InputError(rotation->where,
+                     fmt::format("{} must be a quaternion [w, x, y, z], not a list of {}", what, q.size()));
+  }
+  // Scaled first, so that no square over- or underflows.
+  double largest = 0;
+  for (const double c : q) largest = std::fmax(largest, std::fabs(c));
+  if (largest == 0) throw InputError(rotation->where, what + " must be a quaternion [w, x, y, z] of non-zero length");
+  Quat scaled{q[0] / largest, q[1] / largest, q[2] / largest, q[3] / largest};
+  const double norm = std::sqrt(scaled.w * scaled.w + scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z);
+  pose.rotation = {scaled.w / norm, scaled.x / norm, scaled.y / norm, scaled.z / norm};
+  return pose;
+}
+
+void Fields::finish() const {
+  for (const auto& [key, value] : value_.entries) {
+    if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
+    const Location where =
+        value.keyLine > 0 ? Location{value.where.file, value.keyLine, value.keyColumn} : value.where;
+    throw InputError(where, fmt::format("{}: unknown key {}{}", what_, quotedForMessage(key), suggestion(key, known_)));
+  }
+}
+
+std::filesystem::path resolvePath(const Location& where, const std::string& name) {
+  const std::filesystem::path path(name);
+  // The command line is not a file: what it names is relative to the current folder.
+  if (path.is_absolute() || where.file.starts_with("--set ")) return path;
+  return std::filesystem::path(where.file).parent_path() / path;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,273 @@
+// parseYaml(): yaml-cpp's events, checked one by one as they come, so that a hostile file is refused before it costs
+// memory.
+
+#include <fmt/core.h>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/mark.h>
+#include <yaml-cpp/parser.h>
+
+#include <algorithm>
+#include <array>
+#include <new>
+#include <sstream>
+#include <unordered_map>
+
+#include "config/text.h"
+#include "config/value.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kMaxDepth = 64;
+constexpr std::size_t kMaxNodes = 1'000'000;
+constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // of all scalars, aliases and variables expanded
+
+struct Extent {
+  std::size_t nodes = 1;
+  std::size_t bytes = 0;
+  std::size_t depth = 0;
+};
+
+Extent extentOf(const Value& value) {
+  Extent sum;
+  sum.bytes = value.text.size();
+  const auto add = [&](const Value& child) {
+    const Extent e = extentOf(child);
+    sum.nodes += e.nodes;
+    sum.bytes += e.bytes;
+    sum.depth = std::max(sum.depth, e.depth);
+  };
+  for (const Value& item : value.items) add(item);
+  for (const auto& [key, entry] : value.entries) {
+    sum.bytes += key.size();
+    add(entry);
+  }
+  if (value.kind == Value::Kind::Sequence || value.kind == Value::Kind::Map) ++sum.depth;
+  return sum;
+}
+
+// yaml-cpp's words for the commonest mistakes, and what their author can do.
+std::string explain(const std::string& message) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kAdvice{{
+      {YAML::ErrorMsg::END_OF_SEQ_FLOW, "a list [ ... ] is not closed"},
+      {YAML::ErrorMsg::END_OF_MAP_FLOW, "a map { ... } is not closed"},
+      {YAML::ErrorMsg::FLOW_END, "a closing bracket without its opening one"},
+      {YAML::ErrorMsg::EOF_IN_SCALAR, "a quotation mark is not closed"},
+      {YAML::ErrorMsg::MAP_VALUE, "a colon that does not follow a key: check the indentation, or quote the text"},
+      {YAML::ErrorMsg::MAP_KEY, "a key cannot stand here: check the indentation"},
+      {YAML::ErrorMsg::BLOCK_ENTRY, "a list item cannot stand here: put it on a line of its own"},
+      {YAML::ErrorMsg::END_OF_MAP, "this does not belong to the map above: check the indentation"},
+      {YAML::ErrorMsg::END_OF_SEQ, "this does not belong to the list above: check the indentation"},
+      {YAML::ErrorMsg::UNKNOWN_TOKEN, "text cannot start with this character: quote it"},
+  }};
+  for (const auto& [words, advice] : kAdvice) {
+    if (message == words) return fmt::format("invalid YAML: {} ({})", advice, message);
+  }
+  return "invalid YAML: " + message;
+}
+
+// Builds the tree from events.
+class TreeBuilder : public YAML::EventHandler {
+ public:
+  TreeBuilder(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {
+    root_.where = {file_, 1, 1};
+  }
+
+  Value take() { return std::move(root_); }
+
+  Location place(const YAML::Mark& mark) const {
+    if (mark.is_null()) return {file_};
+    return {file_, mark.line + 1, mark.column + 1};
+  }
+
+  // Where the innermost list or map that is not closed begins: the mark of such an error is of no help.
+  const Location& innermost() const { return open_.empty() ? root_.where : open_.back().value.where; }
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (documents_++ == 0) return;
+    const bool marked = text_.substr(std::min(text_.size(), static_cast<std::size_t>(mark.pos))).starts_with("---");
+    throw InputError(place(mark), marked ? "a second document: one file holds one YAML document"
+                                         : "this does not belong to what stands above: check the indentation");
+  }
+  void OnDocumentEnd() override {}
+
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    refuseAsKey(mark, "is empty");
+    Value value;
+    value.where = place(mark);
+    // The event of a value that was left out carries the mark of whatever comes next.
+    if (!open_.empty() && open_.back().value.kind == Value::Kind::Map && open_.back().keyWhere.line != mark.line + 1) {
+      value.where = open_.back().keyWhere;
+    }
+    count(mark, {});
+    add(std::move(value), anchor);
+  }
+
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    refuseAsKey(mark, "is an alias");
+    const auto found = anchors_.find(anchor);
+    if (found == anchors_.end()) throw InputError(place(mark), "this alias names a node that holds it: a cycle");
+    const Extent extent = extentOf(found->second);
+    count(mark, extent);
+    add(found->second, 0);
+  }
+
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& text) override {
+    if (text.find('\0') != std::string::npos) throw InputError(place(mark), "a NUL character in text");
+    if (awaitsKey()) {
+      openKey(mark, text);
+      return;
+    }
+    Value value;
+    value.kind = Value::Kind::Scalar;
+    value.where = place(mark);
+    value.quoted = checkTag(mark, tag);
+    value.text = expandVariables(text, value.where);
+    count(mark, {1, value.text.size(), 0});
+    add(std::move(value), anchor);
+  }
+
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value /*style*/) override {
+    open(mark, tag, anchor, Value::Kind::Sequence);
+  }
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value /*style*/) override {
+    open(mark, tag, anchor, Value::Kind::Map);
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapEnd() override { close(); }
+
+ private:
+  struct Open {
+    Value value;
+    YAML::anchor_t anchor = 0;
+    bool hasKey = false;
+    std::string key;
+    Location keyWhere;
+    std::unordered_map<std::string, std::pair<int, int>> seen;  // line and column of each key
+  };
+
+  bool awaitsKey() const {
+    return !open_.empty() && open_.back().value.kind == Value::Kind::Map && !open_.back().hasKey;
+  }
+
+  void refuseAsKey(const YAML::Mark& mark, const char* what) const {
+    if (awaitsKey()) throw InputError(place(mark), fmt::format("a key must be text; this one {}", what));
+  }
+
+  // Whether the tag makes a scalar text whatever it looks like: "!" is yaml-cpp's tag of everything that is not plain.
+  bool checkTag(const YAML::Mark& mark, const std::string& tag) const {
+    if (tag.empty() || tag == "?" || tag == "tag:yaml.org,2002:map" || tag == "tag:yaml.org,2002:seq") return false;
+    if (tag == "!" || tag == "tag:yaml.org,2002:str") return true;
+    throw InputError(place(mark), fmt::format("the tag {} is not supported: leave it out", quotedForMessage(tag)));
+  }
+
+  void openKey(const YAML::Mark& mark, const std::string& key) {
+    Open& map = open_.back();
+    const auto [first, added] = map.seen.try_emplace(key, mark.line + 1, mark.column + 1);
+    if (!added) {
+      throw InputError(place(mark), fmt::format("duplicate key {} (first at {}:{})", quotedForMessage(key),
+                                                first->second.first, first->second.second));
+    }
+    count(mark, {0, key.size(), 0});
+    map.key = key;
+    map.keyWhere = place(mark);
+    map.hasKey = true;
+  }
+
+  void open(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, Value::Kind kind) {
+    refuseAsKey(mark, kind == Value::Kind::Map ? "is a map, or a map that is not closed"
+                                               : "is a list, or a list that is not closed");
+    checkTag(mark, tag);
+    count(mark, {1, 0, 1});
+    Open& node = open_.emplace_back();
+    node.value.kind = kind;
+    node.value.where = place(mark);
+    node.anchor = anchor;
+  }
+
+  void close() {
+    Value value = std::move(open_.back().value);
+    const YAML::anchor_t anchor = open_.back().anchor;
+    open_.pop_back();
+    add(std::move(value), anchor);
+  }
+
+  // Counts what is about to be added at `mark`, before it costs anything.
+  void count(const YAML::Mark& mark, const Extent& extent) {
+    nodes_ += extent.nodes;
+    bytes_ += extent.bytes;
+    if (open_.size() + extent.depth > kMaxDepth) {
+      throw InputError(place(mark), fmt::format("nested deeper than {} levels", kMaxDepth));
+    }
+    if (nodes_ > kMaxNodes) {
+      throw InputError(place(mark), fmt::format("more than {} values, aliases expanded", kMaxNodes));
+    }
+    if (bytes_ > kMaxTextBytes) {
+      throw InputError(place(mark), fmt::format("more than {} bytes of text, aliases expanded", kMaxTextBytes));
+    }
+  }
+
+  void add(Value value, YAML::anchor_t anchor) {
+    if (anchor != 0) {
+      // The anchor's copy is paid for like an alias: nested anchors must not multiply a document.
+      const Extent extent = extentOf(value);
+      nodes_ += extent.nodes;
+      bytes_ += extent.bytes;
+      anchors_[anchor] = value;
+    }
+    if (open_.empty()) {
+      root_ = std::move(value);
+      return;
+    }
+    Open& parent = open_.back();
+    if (parent.value.kind == Value::Kind::Sequence) {
+      parent.value.items.push_back(std::move(value));
+      return;
+    }
+    value.keyLine = parent.keyWhere.line;
+    value.keyColumn = parent.keyWhere.column;
+    parent.value.entries.emplace_back(std::move(parent.key), std::move(value));
+    parent.hasKey = false;
+  }
+
+  std::string_view text_;
+  std::string file_;
+  Value root_;
+  std::vector<Open> open_;
+  std::unordered_map<YAML::anchor_t, Value> anchors_;
+  std::size_t nodes_ = 0;
+  std::size_t bytes_ = 0;
+  int documents_ = 0;
+};
+
+}  // namespace
+
+Value parseYaml(std::string_view text, const std::string& file) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  checkText(text, file);
+  TreeBuilder builder(text, file);
+  try {
+    std::istringstream stream{std::string(text)};
+    YAML::Parser parser(stream);
+    while (parser.HandleNextDocument(builder)) {
+    }
+  } catch (const Error&) {
+    throw;
+  } catch (const YAML::Exception& e) {
+    const bool unclosed = e.msg == YAML::ErrorMsg::END_OF_SEQ_FLOW || e.msg == YAML::ErrorMsg::END_OF_MAP_FLOW;
+    throw InputError(unclosed ? builder.innermost() : builder.place(e.mark), explain(e.msg));
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw InputError({file}, fmt::format("invalid YAML: {}", e.what()));
+  }
+  return builder.take();
+}
+
+}  // namespace scanmill

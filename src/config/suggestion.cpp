@@ -1,0 +1,77 @@
+// Which known word was meant.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "config/fields.h"
+
+namespace scanmill {
+
+namespace {
+
+// Case and the two usual joints between words are no difference.
+std::string folded(std::string_view word) {
+  std::string plain(word);
+  for (char& c : plain) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (c == '-' || c == ' ') c = '_';
+  }
+  return plain;
+}
+
+// Insertions, deletions, replacements and swaps of neighbours that lead from a to b (optimal string alignment).
+std::size_t editDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> beforeLast(b.size() + 1);
+  std::vector<std::size_t> last(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(last.begin(), last.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+      if (swapped) row[j] = std::min(row[j], beforeLast[j - 2] + 1);
+    }
+    std::swap(beforeLast, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+// A word cut short (`yaw` for `yaw_deg`), or with something added.
+bool isPrefix(std::string_view a, std::string_view b) {
+  return std::min(a.size(), b.size()) >= 3 && (a.starts_with(b) || b.starts_with(a));
+}
+
+}  // namespace
+
+std::string nearest(std::string_view word, const std::vector<std::string>& names) {
+  constexpr std::size_t kLongestWord = 100;
+  if (word.empty() || word.size() > kLongestWord) return {};
+  const std::string plain = folded(word);
+  std::string best;
+  std::size_t bestDistance = 0;
+  for (const std::string& name : names) {
+    const std::string other = folded(name);
+    const std::size_t distance = editDistance(plain, other);
+    const std::size_t near = std::max<std::size_t>(1, std::max(plain.size(), other.size()) / 3);
+    if (distance > near && !isPrefix(plain, other)) continue;
+    if (distance == std::max(plain.size(), other.size())) continue;
+    if (best.empty() || distance < bestDistance) {
+      best = name;
+      bestDistance = distance;
+    }
+  }
+  return best;
+}
+
+std::string suggestion(std::string_view word, const std::vector<std::string>& names) {
+  if (names.empty()) return {};
+  const std::string name = nearest(word, names);
+  if (!name.empty()) return fmt::format(" (did you mean '{}'?)", name);
+  return fmt::format(" (known: {})", fmt::join(names, ", "));
+}
+
+}  // namespace scanmill

@@ -1,0 +1,147 @@
+#include "config/text.h"
+
+#include <fmt/core.h>
+
+#include <cstdlib>
+
+namespace scanmill {
+
+namespace {
+
+unsigned char byteAt(std::string_view text, std::size_t i) {
+  return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
+}
+
+// Bytes of the well-formed UTF-8 sequence at `i` (Unicode 15, table 3-7), 0 where it is ill-formed.
+std::size_t utf8Length(std::string_view text, std::size_t i) {
+  const unsigned char first = byteAt(text, i);
+  if (first < 0x80) return 1;
+  const auto continues = [&](std::size_t from, std::size_t count) {
+    for (std::size_t k = from; k < from + count; ++k) {
+      if ((byteAt(text, k) & 0xC0) != 0x80) return false;
+    }
+    return true;
+  };
+  const unsigned char second = byteAt(text, i + 1);
+  if (first >= 0xC2 && first <= 0xDF) return continues(i + 1, 1) ? 2 : 0;
+  if (first >= 0xE0 && first <= 0xEF) {
+    const bool overlong = first == 0xE0 && second < 0xA0;
+    const bool surrogate = first == 0xED && second > 0x9F;
+    return !overlong && !surrogate && continues(i + 1, 2) ? 3 : 0;
+  }
+  if (first >= 0xF0 && first <= 0xF4) {
+    const bool overlong = first == 0xF0 && second < 0x90;
+    const bool tooLarge = first == 0xF4 && second > 0x8F;
+    return !overlong && !tooLarge && continues(i + 1, 3) ? 4 : 0;
+  }
+  return 0;
+}
+
+// Whether only a comment or nothing follows the blanks at `i`.
+bool restIsBlank(std::string_view text, std::size_t i) {
+  i = text.find_first_not_of(" \t", i);
+  return i == std::string_view::npos || text[i] == '\n' || text[i] == '\r' || text[i] == '#';
+}
+
+bool isNameCharacter(char c, bool first) {
+  return c == '_' || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (!first && c >= '0' && c <= '9');
+}
+
+// What stands between the braces of ${...}: NAME or NAME:-fallback.
+std::string variable(std::string_view inside, const Location& where) {
+  std::size_t end = 0;
+  while (end < inside.size() && isNameCharacter(inside[end], end == 0)) ++end;
+  const std::string name(inside.substr(0, end));
+  const std::string_view rest = inside.substr(end);
+  if (name.empty() || (!rest.empty() && !rest.starts_with(":-"))) {
+    throw InputError(where, fmt::format("{} is not a variable: write ${{NAME}} or ${{NAME:-fallback}}, and $$ for a "
+                                        "dollar",
+                                        quotedForMessage(fmt::format("${{{}}}", inside))));
+  }
+  const char* value = std::getenv(name.c_str());
+  if (rest.empty()) {
+    if (value != nullptr) return value;
+    throw InputError(
+        where, fmt::format("the environment variable {0} is not set: set it by `export {0}=...`, or give a fallback as "
+                           "${{{0}:-fallback}}",
+                           name));
+  }
+  if (rest.find("${") != std::string_view::npos) {
+    throw InputError(where, fmt::format("the fallback of ${{{}}} may not hold another variable", name));
+  }
+  return value != nullptr && *value != '\0' ? std::string(value) : std::string(rest.substr(2));
+}
+
+}  // namespace
+
+void checkText(std::string_view text, const std::string& file) {
+  if (text.size() > kMaxYamlBytes) {
+    throw InputError({file}, fmt::format("has {} bytes; a YAML file may have at most {}", text.size(), kMaxYamlBytes));
+  }
+  int line = 1;
+  std::size_t lineStart = 0;
+  bool indenting = true;
+  for (std::size_t i = 0; i < text.size();) {
+    const unsigned char c = byteAt(text, i);
+    const Location where{file, line, static_cast<int>(i - lineStart) + 1};
+    if (c == '\n') {
+      ++line;
+      lineStart = ++i;
+      indenting = true;
+      continue;
+    }
+    if (c == 0) throw InputError(where, "a NUL byte: this is not a YAML text in UTF-8");
+    if ((c < 0x20 && c != '\t' && c != '\r') || c == 0x7F) {
+      throw InputError(where, fmt::format("the control character 0x{:02X} may not stand in YAML", c));
+    }
+    if (c == '\t' && indenting && !restIsBlank(text, i)) {
+      throw InputError(where, "a tab in the indentation: YAML allows only spaces there");
+    }
+    indenting = indenting && (c == ' ' || c == '\t');
+    const std::size_t length = utf8Length(text, i);
+    if (length == 0) throw InputError(where, fmt::format("the byte 0x{:02X} is not valid UTF-8", c));
+    i += length;
+  }
+}
+
+std::string expandVariables(std::string_view text, const Location& where) {
+  std::string expanded;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t dollar = text.find('$', i);
+    expanded += text.substr(i, dollar - i);
+    if (dollar == std::string_view::npos) break;
+    const char next = dollar + 1 < text.size() ? text[dollar + 1] : '\0';
+    if (next == '{') {
+      const std::size_t close = text.find('}', dollar);
+      if (close == std::string_view::npos) {
+        throw InputError(where, fmt::format("{} lacks its closing brace", quotedForMessage(text.substr(dollar))));
+      }
+      expanded += variable(text.substr(dollar + 2, close - dollar - 2), where);
+      i = close + 1;
+    } else {
+      expanded += '$';
+      i = dollar + (next == '$' ? 2 : 1);
+    }
+  }
+  return expanded;
+}
+
+std::string quotedForMessage(std::string_view text) {
+  constexpr std::size_t kLongest = 60;
+  std::string shown = "'";
+  std::size_t i = 0;
+  while (i < text.size() && shown.size() <= kLongest) {
+    const std::size_t length = utf8Length(text, i);
+    const unsigned char c = byteAt(text, i);
+    if (length == 0 || c < 0x20 || c == 0x7F) {
+      shown += fmt::format("\\x{:02x}", c);
+      ++i;
+    } else {
+      shown += text.substr(i, length);
+      i += length;
+    }
+  }
+  return shown + (i < text.size() ? "...'" : "'");
+}
+
+}  // namespace scanmill

@@ -1,0 +1,104 @@
+#include "config/value.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <system_error>
+
+#include "base/file.h"
+#include "config/text.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kMaxPathLength = 64;
+
+std::vector<std::string> split(std::string_view path) {
+  std::vector<std::string> parts;
+  for (;;) {
+    const std::size_t dot = path.find('.');
+    parts.emplace_back(path.substr(0, dot));
+    if (dot == std::string_view::npos) return parts;
+    path.remove_prefix(dot + 1);
+  }
+}
+
+std::size_t readIndex(const std::string& part, const Value& list, const std::string& parent, const Location& where) {
+  std::size_t index = 0;
+  const char* end = part.data() + part.size();
+  const auto [stop, error] = std::from_chars(part.data(), end, index);
+  if (error == std::errc::invalid_argument || stop != end) {
+    throw InputError(
+        where, fmt::format("{} is a list: {} must be the number of an item, from 0", parent, quotedForMessage(part)));
+  }
+  if (error == std::errc() && index < list.items.size()) return index;
+  throw InputError(where, list.items.empty() ? fmt::format("{} is a list without items", parent)
+                                             : fmt::format("item {} of {} is out of range: the list has items 0 to {}",
+                                                           part, parent, list.items.size() - 1));
+}
+
+}  // namespace
+
+const Value* Value::find(std::string_view key) const {
+  const auto found =
+      std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.first == key; });
+  return found == entries.end() ? nullptr : &found->second;
+}
+
+Value readYaml(const std::filesystem::path& path) {
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  if (!unknown && size > kMaxYamlBytes) {
+    throw InputError({path.string()},
+                     fmt::format("has {} bytes; a YAML file may have at most {}", size, kMaxYamlBytes));
+  }
+  return parseYaml(readFile(path), path.string());
+}
+
+void setValue(Value& root, std::string_view assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string_view::npos) {
+    throw InputError({fmt::format("--set {}", assignment)},
+                     "lacks a value: write key=value or key.key.0.key=value, such as --set seed=7");
+  }
+  const std::string_view path = assignment.substr(0, equals);
+  const Location where{fmt::format("--set {}", path)};
+  const std::vector<std::string> parts = split(path);
+  if (std::find(parts.begin(), parts.end(), "") != parts.end()) {
+    throw InputError(where, "an empty key: write key=value or key.key.0.key=value, such as --set seed=7");
+  }
+  if (parts.size() > kMaxPathLength) throw InputError(where, fmt::format("more than {} keys deep", kMaxPathLength));
+
+  Value value = parseYaml(assignment.substr(equals + 1), where.file);
+  // A single value needs no line and column beside the name of its key.
+  if (value.kind == Value::Kind::Null || value.kind == Value::Kind::Scalar) value.where = where;
+
+  Value* node = &root;
+  std::string parent = "the whole file";
+  std::string prefix;
+  for (const std::string& part : parts) {
+    if (node->kind == Value::Kind::Scalar) {
+      throw InputError(where, fmt::format("{} is a single value and holds no {}", parent, quotedForMessage(part)));
+    }
+    if (node->kind == Value::Kind::Sequence) {
+      node = &node->items[readIndex(part, *node, parent, where)];
+    } else {
+      node->kind = Value::Kind::Map;
+      const auto found = std::find_if(node->entries.begin(), node->entries.end(),
+                                      [&](const auto& entry) { return entry.first == part; });
+      if (found != node->entries.end()) {
+        node = &found->second;
+      } else {
+        node = &node->entries.emplace_back(part, Value{}).second;
+        node->where = where;
+      }
+    }
+    prefix += (prefix.empty() ? "" : ".") + part;
+    parent = quotedForMessage(prefix);
+  }
+  *node = std::move(value);
+}
+
+}  // namespace scanmill

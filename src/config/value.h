@@ -1,0 +1,40 @@
+#pragma once
+
+// A YAML document as a checked, immutable tree whose every node knows its place in the file.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+struct Value {
+  enum class Kind { Null, Scalar, Sequence, Map };
+
+  Kind kind = Kind::Null;
+  Location where;
+  std::string text;                                    // Scalar: as written, variables expanded
+  bool quoted = false;                                 // Scalar: "..." or '...', hence a string whatever it looks like
+  std::vector<Value> items;                            // Sequence
+  std::vector<std::pair<std::string, Value>> entries;  // Map, in the file's order, keys unique
+  int keyLine = 0;                                     // where the key stands, for a map's entry; 0 where --set made it
+  int keyColumn = 0;
+
+  const Value* find(std::string_view key) const;  // Map: null where absent
+};
+
+// Parses one document. `${NAME}` in scalars is replaced by the environment variable; an unset one is an error that
+// names it (`${NAME:-fallback}` gives a fallback for an unset or empty one; `$$` is a dollar). Refuses duplicate keys,
+// cyclic and exploding aliases, depth over 64 and more than a million nodes. Throws InputError with file:line:column.
+Value parseYaml(std::string_view text, const std::string& file);
+Value readYaml(const std::filesystem::path& path);
+
+// One override "dotted.path.0.key=value" (list items by index), as given by --set; the value is parsed as YAML. Creates
+// missing map keys: unknown ones are refused later by whoever reads the map, with a suggestion.
+void setValue(Value& root, std::string_view assignment);
+
+}  // namespace scanmill

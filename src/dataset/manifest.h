@@ -1,0 +1,88 @@
+#pragma once
+
+// manifest.json: what a dataset holds and how it was made. Its JSON Schema is docs/manifest.schema.json.
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/vec.h"
+#include "scene/ontology.h"
+#include "sensors/beams.h"
+
+namespace scanmill {
+
+struct SensorRecord {
+  std::string name;  // on the vehicle
+  BeamTable beams;   // written compactly: per-ring tables, not per beam
+  Pose vehicleFromSensor;
+};
+
+// One scan: a sensor's turn in a sample.
+struct ScanRecord {
+  std::string sensor;
+  std::string method;
+  double time = 0;                    // s since the start of the sequence
+  std::vector<Pose> worldFromSensor;  // at the start of the turn; and of its last step where the sensor moves
+  std::uint64_t beams = 0;
+  std::uint64_t points = 0;
+  std::map<std::uint16_t, std::uint64_t> pointsPerClass;
+  std::uint32_t instances = 0;  // distinct, in view
+};
+
+// "top.ray_tracing.pcd": the name of a scan's member in one format, after the sample's key and a dot; lower-case.
+std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix);
+
+struct SampleRecord {
+  std::string key;  // scene-seed-trajectory-frame, no dots
+  std::string split;
+  std::uint32_t shard = 0;  // index into Manifest::shards
+  std::vector<ScanRecord> scans;
+  std::vector<std::string> members;  // names in the shard, in order
+};
+
+struct ShardRecord {
+  std::string file;  // relative to the manifest
+  std::string split;
+  std::string sha256;
+  std::uint64_t bytes = 0;
+  std::uint64_t samples = 0;
+};
+
+struct FormatRecord {
+  std::string name;
+  std::string suffix;
+  double maxErrorMetres = 0;
+};
+
+struct Manifest {
+  static constexpr int kSchemaVersion = 1;
+  std::string programVersion;
+  std::string name;
+  std::string pipelineText;  // with the overrides applied
+  std::string pipelineSha256;
+  std::uint64_t seed = 0;
+  bool organised = false;
+  bool deskewed = false;
+  std::vector<std::string> columns;  // of every scan
+  std::vector<FormatRecord> formats;
+  Ontology ontology;
+  std::vector<SensorRecord> sensors;
+  std::vector<std::string> modelled;  // what was modelled and what was left out, one line each
+  std::map<std::string, double>
+      stages;  // seconds of processor time per stage ("trace", "effects", "encode", "write", ...)
+  std::vector<ShardRecord> shards;
+  std::vector<SampleRecord> samples;
+};
+
+std::string toJson(const Manifest& manifest);
+// Throws InputError that names `file` and what is wrong where.
+Manifest parseManifest(const std::string& text, const std::string& file);
+// `folder` holds manifest.json.
+Manifest readManifest(const std::filesystem::path& folder);
+
+}  // namespace scanmill

@@ -1,0 +1,268 @@
+// Manifests and sample members as JSON text: keys in a fixed order, numbers that round-trip, the same bytes always.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "dataset/manifest.h"
+#include "dataset/sample_json.h"
+
+namespace scanmill {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kLineWidth = 120;
+
+std::string scalarText(const Json& value) {
+  // Text that is not UTF-8 (a comment of a pipeline, say) must not cost the run its manifest.
+  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+bool isNumberList(const Json& value) {
+  return value.is_array() && std::all_of(value.begin(), value.end(), [](const Json& v) { return v.is_number(); });
+}
+
+// What fits a line stays on one, and so do lists of numbers; the rest is indented by one space a level.
+std::string layOut(const Json& value, std::size_t indent) {
+  if (!value.is_structured()) return scalarText(value);
+  std::vector<std::string> parts;
+  std::size_t width = indent + 2;
+  bool flat = true;
+  for (const auto& [key, child] : value.items()) {
+    std::string part = value.is_object() ? scalarText(key) + ": " : std::string();
+    part += layOut(child, indent + 1);
+    flat = flat && part.find('\n') == std::string::npos;
+    width += part.size() + 2;
+    parts.push_back(std::move(part));
+  }
+  flat = flat && (width <= kLineWidth || isNumberList(value));
+  const std::string separator = flat ? ", " : ",\n" + std::string(indent + 1, ' ');
+  std::string text(1, value.is_object() ? '{' : '[');
+  if (!flat) text += "\n" + std::string(indent + 1, ' ');
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i > 0) text += separator;
+    text += parts[i];
+  }
+  if (!flat) text += "\n" + std::string(indent, ' ');
+  text += value.is_object() ? '}' : ']';
+  return text;
+}
+
+// JSON has no infinities.
+double finite(double value, std::string_view what) {
+  if (!std::isfinite(value)) throw Error(fmt::format("{} is {}: a manifest cannot hold it", what, value));
+  return value;
+}
+
+Json finiteList(const std::vector<double>& values, std::string_view what) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(finite(value, what));
+  return list;
+}
+
+Json poseJson(const Pose& pose, std::string_view what) {
+  const Quat& q = pose.rotation;
+  const Vec3d& t = pose.translation;
+  return {{"rotation", finiteList({q.w, q.x, q.y, q.z}, what)}, {"translation", finiteList({t.x, t.y, t.z}, what)}};
+}
+
+// `ontology` adds the classes' names where it is given.
+Json scanJson(const ScanRecord& scan, const std::string& key, const Ontology* ontology) {
+  if (scan.worldFromSensor.empty()) throw Error(fmt::format("{}: a scan of {} has no pose", key, scan.sensor));
+  Json poses = Json::array();
+  for (const Pose& pose : scan.worldFromSensor) poses.push_back(poseJson(pose, key + ": world_from_sensor"));
+  Json classes = Json::array();
+  for (const auto& [id, points] : scan.pointsPerClass) {
+    Json entry = Json::object();
+    entry["id"] = id;
+    if (ontology != nullptr) {
+      const SemanticClass* known = ontology->find(id);
+      if (known == nullptr) throw Error(fmt::format("{}: class {} is not in ontology '{}'", key, id, ontology->name));
+      entry["name"] = known->name;
+    }
+    entry["points"] = points;
+    classes.push_back(std::move(entry));
+  }
+  return {{"sensor", scan.sensor},
+          {"method", scan.method},
+          {"time", finite(scan.time, key + ": time")},
+          {"world_from_sensor", std::move(poses)},
+          {"beams", scan.beams},
+          {"points", scan.points},
+          {"instances", scan.instances},
+          {"points_per_class", std::move(classes)}};
+}
+
+Json framesJson(const Manifest& manifest) {
+  return {
+      {"sensor", "right-handed; x forward, y left, z up"},
+      {"world", "right-handed; z up"},
+      {"vehicle", "right-handed; x forward, y left, z up"},
+      {"quaternion", "w, x, y, z; unit"},
+      {"vehicle_from_sensor", "vehicle point = rotation * sensor point + translation"},
+      {"world_from_sensor",
+       "world point = rotation * sensor point + translation; the first pose is at the start of the turn, a second one "
+       "at its end"},
+      {"points", manifest.deskewed ? "in the sensor's frame at the start of the turn"
+                                   : "in the sensor's frame at the time of their own column"},
+      {"ring", "0 to rings - 1, in the order of the sensor's elevation list; top_down: ring 0 is the highest"},
+      {"azimuth", "from x towards y (counter-clockwise seen from above), whatever way the sensor turns"},
+      {"column",
+       "column 0 fires first; the head's azimuth t = first_azimuth +- field * swept (minus where clockwise), where "
+       "swept is column / columns in a full turn (field 2 pi), column / (columns - 1) in a smaller field, and 0.5 in a "
+       "smaller field of one column"},
+      {"beam",
+       "index ring * columns + column; direction (cos(t + a) cos e, sin(t + a) cos e, sin e) with a = "
+       "azimuth_offset[ring] and e = elevation[ring]; origin (origin_offset cos t, origin_offset sin t, "
+       "origin_height)"},
+      {"time",
+       "scans: since the start of the sequence, of column 0; points: since the start of the turn, period * field / "
+       "(2 pi) * column / columns + firing_offset[ring]"},
+  };
+}
+
+Json ontologyJson(const Ontology& ontology) {
+  Json classes = Json::array();
+  for (const SemanticClass& c : ontology.classes) {
+    Json entry{{"id", c.id}, {"name", c.name}, {"color", c.color}, {"thing", c.thing}};
+    if (!c.aliases.empty()) entry["aliases"] = c.aliases;
+    classes.push_back(std::move(entry));
+  }
+  return {{"name", ontology.name}, {"source", ontology.source}, {"classes", std::move(classes)}};
+}
+
+Json sensorJson(const SensorRecord& sensor) {
+  const BeamTable& b = sensor.beams;
+  for (const std::vector<double>* table : {&b.elevation, &b.azimuthOffset, &b.firingOffset}) {
+    if (table->size() != b.rings) {
+      throw Error(fmt::format("sensor {}: a table of {} entries for {} rings", sensor.name, table->size(), b.rings));
+    }
+  }
+  const auto number = [&](double value, std::string_view what) {
+    return finite(value, sensor.name + ": " + what.data());
+  };
+  return {{"name", sensor.name},
+          {"model", b.model},
+          {"source", b.source},
+          {"vehicle_from_sensor", poseJson(sensor.vehicleFromSensor, sensor.name + ": vehicle_from_sensor")},
+          {"rings", b.rings},
+          {"columns", b.columns},
+          {"period", number(b.period, "period")},
+          {"clockwise", b.clockwise},
+          {"top_down", b.topDown},
+          {"min_range", number(b.minRange, "min_range")},
+          {"max_range", number(b.maxRange, "max_range")},
+          {"first_azimuth", number(b.firstAzimuth, "first_azimuth")},
+          {"field", number(b.field, "field")},
+          {"origin_offset", number(b.originOffset, "origin_offset")},
+          {"origin_height", number(b.originHeight, "origin_height")},
+          {"elevation", finiteList(b.elevation, sensor.name + ": elevation")},
+          {"azimuth_offset", finiteList(b.azimuthOffset, sensor.name + ": azimuth_offset")},
+          {"firing_offset", finiteList(b.firingOffset, sensor.name + ": firing_offset")}};
+}
+
+template <class Records, class Make>
+Json listOf(const Records& records, const Make& make) {
+  Json list = Json::array();
+  for (const auto& record : records) list.push_back(make(record));
+  return list;
+}
+
+Json manifestJson(const Manifest& m) {
+  Json stages = Json::object();
+  for (const auto& [stage, seconds] : m.stages) stages[stage] = finite(seconds, "stage " + stage);
+  return {
+      {"schema_version", Manifest::kSchemaVersion},
+      {"program", {{"name", "scanmill"}, {"version", m.programVersion}}},
+      {"name", m.name},
+      {"seed", m.seed},
+      {"pipeline", {{"sha256", m.pipelineSha256}, {"text", m.pipelineText}}},
+      {"units", {{"length", "metres"}, {"time", "seconds"}, {"angle", "radians"}}},
+      {"frames", framesJson(m)},
+      {"scans", {{"organised", m.organised}, {"deskewed", m.deskewed}, {"columns", m.columns}}},
+      {"formats", listOf(m.formats,
+                         [](const FormatRecord& f) {
+                           return Json{{"name", f.name},
+                                       {"suffix", f.suffix},
+                                       {"max_error", finite(f.maxErrorMetres, "max_error of " + f.name)}};
+                         })},
+      {"ontology", ontologyJson(m.ontology)},
+      {"sensors", listOf(m.sensors, sensorJson)},
+      {"modelled", m.modelled},
+      {"stages", std::move(stages)},
+      {"shards", listOf(m.shards,
+                        [](const ShardRecord& s) {
+                          return Json{{"file", s.file},
+                                      {"split", s.split},
+                                      {"sha256", s.sha256},
+                                      {"bytes", s.bytes},
+                                      {"samples", s.samples}};
+                        })},
+      {"samples", listOf(m.samples,
+                         [&m](const SampleRecord& s) {
+                           return Json{{"key", s.key},
+                                       {"split", s.split},
+                                       {"shard", s.shard},
+                                       {"members", s.members},
+                                       {"scans", listOf(s.scans, [&](const ScanRecord& scan) {
+                                          return scanJson(scan, s.key, &m.ontology);
+                                        })}};
+                         })},
+  };
+}
+
+Json sampleObject(const SampleRecord& sample) {
+  const KeyParts parts = partsOfKey(sample.key);
+  Json json{{"key", sample.key}, {"sequence", parts.sequence}, {"frame", parts.frame}, {"split", sample.split}};
+  if (!sample.scans.empty()) json["time"] = finite(sample.scans.front().time, sample.key + ": time");
+  json["scans"] = listOf(sample.scans, [&](const ScanRecord& scan) { return scanJson(scan, sample.key, nullptr); });
+  return json;
+}
+
+}  // namespace
+
+std::string toJson(const Manifest& manifest) {
+  return layOut(manifestJson(manifest), 0) + "\n";
+}
+
+std::string sampleJson(const SampleRecord& sample) {
+  return layOut(sampleObject(sample), 0) + "\n";
+}
+
+std::string differenceOfSampleJson(std::string_view text, const SampleRecord& sample) {
+  if (text == sampleJson(sample)) return {};
+  const Json found = Json::parse(text, nullptr, false);
+  if (found.is_discarded()) return "is no valid JSON";
+  const Json expected = sampleObject(sample);
+  const Json changes = Json::diff(expected, found);
+  if (changes.empty()) return {};
+  std::string place = changes[0]["path"].get<std::string>();
+  const std::string operation = changes[0]["op"].get<std::string>();
+  if (place.ends_with("/-"))
+    return fmt::format("{} has more entries than the manifest says", place.erase(place.size() - 2));
+  if (operation == "remove") return fmt::format("{} is missing", place);
+  if (operation == "add") return fmt::format("{} is not in the manifest", place);
+  return fmt::format("{} is {}, not {}", place, scalarText(changes[0]["value"]),
+                     scalarText(expected[Json::json_pointer(place)]));
+}
+
+std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix) {
+  std::string suffix = fmt::format("{}.{}.{}", scan.sensor, scan.method, formatSuffix);
+  for (char& c : suffix) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return suffix;
+}
+
+KeyParts partsOfKey(const std::string& key) {
+  const std::size_t dash = key.rfind('-');
+  if (dash == std::string::npos || dash + 1 == key.size()) return {};
+  const std::string frame = key.substr(dash + 1);
+  if (frame.find_first_not_of("0123456789") != std::string::npos) return {};
+  return {key.substr(0, dash), frame};
+}
+
+}  // namespace scanmill

@@ -1,0 +1,191 @@
+#include "dataset/scan_check.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_set>
+
+namespace scanmill {
+
+namespace {
+
+// Noise may carry a point beyond the sensor's maximum range: the `shell` effect by half the range, Gaussian noise in
+// principle without limit. What lies farther out than this is damage.
+constexpr double kNoiseReach = 1.5;
+// Ranges are stored in float32, or in CSV's decimal digits.
+constexpr double kRangeRounding = 1e-5;
+
+// Counts the points that break a rule and remembers the first.
+class Rule {
+ public:
+  explicit Rule(std::string what) : what_(std::move(what)) {}
+  void check(bool holds, std::size_t point) {
+    if (holds) return;
+    if (count_++ == 0) first_ = point;
+  }
+  void report(std::vector<std::string>& problems) const {
+    if (count_ == 0) return;
+    problems.push_back(
+        fmt::format("{} point{} {} (the first is point {})", count_, count_ == 1 ? "" : "s", what_, first_));
+  }
+
+ private:
+  std::string what_;
+  std::size_t count_ = 0;
+  std::size_t first_ = 0;
+};
+
+// How far the sensor moves during the turn (m): deskewed points are given where it started.
+double egoMotion(const ScanRecord& record) {
+  return length(record.worldFromSensor.back().translation - record.worldFromSensor.front().translation);
+}
+
+class ScanCheck {
+ public:
+  ScanCheck(const Scan& scan, const ScanRecord& record, const Manifest& manifest, double maxError)
+      : scan_(scan), record_(record), manifest_(manifest), maxError_(maxError) {
+    for (const SensorRecord& sensor : manifest.sensors) {
+      if (sensor.name == record.sensor) beams_ = &sensor.beams;
+    }
+  }
+
+  std::vector<std::string> run() {
+    checkShape();
+    if (problems_.empty()) {
+      checkPositions();
+      checkTable();
+      checkClasses();
+      checkInstances();
+    }
+    return std::move(problems_);
+  }
+
+ private:
+  template <class... Parts>
+  void problem(fmt::format_string<Parts...> text, Parts&&... parts) {
+    problems_.push_back(fmt::format(text, std::forward<Parts>(parts)...));
+  }
+
+  // Of the dataset, not of the scan: CSV keeps misses as rows, but not that they form an image.
+  bool isMiss(std::size_t i) const {
+    const Vec3f& p = scan_.position[i];
+    return manifest_.organised && std::isnan(p.x) && std::isnan(p.y) && std::isnan(p.z);
+  }
+
+  void checkShape() {
+    if (record_.beams != beams_->size()) problem("{} beams, but its sensor has {}", record_.beams, beams_->size());
+    if (scan_.organised && scan_.size() != beams_->size()) {
+      problem("{} x {} points, but its sensor has {} rings of {} columns", scan_.height(), scan_.width(), beams_->rings,
+              beams_->columns);
+    }
+    if (scan_.size() > 0) checkColumns();
+  }
+
+  // A format may leave `time` out: it follows from ring, column and the beam table. An empty scan shows no columns.
+  void checkColumns() {
+    const std::vector<std::string> found = columnNames(scan_);
+    const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    for (const std::string& name : found) {
+      if (!has(manifest_.columns, name)) problem("column {}, of which the manifest says nothing", name);
+    }
+    for (const std::string& name : manifest_.columns) {
+      if (!has(found, name) && name != "time") problem("no column {}, but the manifest says so", name);
+    }
+  }
+
+  void checkPositions() {
+    const double reach = kNoiseReach * beams_->maxRange + std::hypot(beams_->originOffset, beams_->originHeight) +
+                         egoMotion(record_) + maxError_;
+    Rule finite("not finite");
+    Rule near(fmt::format("farther than {:.6g} m, the sensor's reach", reach));
+    std::uint64_t points = 0;
+    for (std::size_t i = 0; i < scan_.size(); ++i) {
+      if (isMiss(i)) continue;
+      ++points;
+      const bool known = isFinite(scan_.position[i]);
+      finite.check(known, i);
+      if (known) near.check(length(static_cast<Vec3d>(scan_.position[i])) <= reach, i);
+    }
+    finite.report(problems_);
+    near.report(problems_);
+    if (points != record_.points) problem("{} points, but the manifest says {}", points, record_.points);
+  }
+
+  // The columns that the beam table limits.
+  void checkTable() {
+    Rule ring(fmt::format("of a ring beyond {}", beams_->rings - 1));
+    for (std::size_t i = 0; i < scan_.ring.size(); ++i) ring.check(scan_.ring[i] < beams_->rings, i);
+    ring.report(problems_);
+    Rule column(fmt::format("of a column beyond {}", beams_->columns - 1));
+    for (std::size_t i = 0; i < scan_.column.size(); ++i) column.check(scan_.column[i] < beams_->columns, i);
+    column.report(problems_);
+    Rule range(fmt::format("of a noise-free range outside {:.6g} to {:.6g} m", beams_->minRange, beams_->maxRange));
+    const double slack = maxError_ + kRangeRounding * beams_->maxRange;
+    for (std::size_t i = 0; i < scan_.rangeTrue.size(); ++i) {
+      const double r = scan_.rangeTrue[i];
+      range.check(isMiss(i) || (r >= beams_->minRange - slack && r <= beams_->maxRange + slack), i);
+    }
+    range.report(problems_);
+    Rule time("of a time that is not finite");
+    for (std::size_t i = 0; i < scan_.time.size(); ++i) time.check(std::isfinite(scan_.time[i]), i);
+    time.report(problems_);
+    Rule intensity("of an intensity that is not finite");
+    for (std::size_t i = 0; i < scan_.intensity.size(); ++i) intensity.check(std::isfinite(scan_.intensity[i]), i);
+    intensity.report(problems_);
+  }
+
+  void checkClasses() {
+    if (scan_.label.empty()) return;
+    std::map<std::uint16_t, std::uint64_t> counts;
+    for (std::size_t i = 0; i < scan_.size(); ++i) {
+      if (!isMiss(i)) ++counts[scan_.label[i]];
+    }
+    for (const auto& [id, points] : counts) {
+      const SemanticClass* known = manifest_.ontology.find(id);
+      if (known == nullptr) {
+        problem("{} points of class {}, which ontology '{}' lacks", points, id, manifest_.ontology.name);
+        continue;
+      }
+      const auto listed = record_.pointsPerClass.find(id);
+      const std::uint64_t expected = listed == record_.pointsPerClass.end() ? 0 : listed->second;
+      if (points != expected) problem("{} points of {}, but the manifest says {}", points, known->name, expected);
+    }
+    for (const auto& [id, expected] : record_.pointsPerClass) {
+      if (expected == 0 || counts.contains(id)) continue;
+      problem("no points of {}, but the manifest says {}", manifest_.ontology.find(id)->name, expected);
+    }
+  }
+
+  void checkInstances() {
+    if (scan_.instance.empty()) return;
+    std::unordered_set<std::uint32_t> instances;
+    std::uint32_t last = 0;  // neighbours mostly see the same object
+    for (const std::uint32_t id : scan_.instance) {
+      if (id != last && id != 0) instances.insert(id);
+      last = id;
+    }
+    if (instances.size() != record_.instances) {
+      problem("{} instances, but the manifest says {}", instances.size(), record_.instances);
+    }
+  }
+
+  const Scan& scan_;
+  const ScanRecord& record_;
+  const Manifest& manifest_;
+  const BeamTable* beams_ = nullptr;
+  double maxError_;
+  std::vector<std::string> problems_;
+};
+
+}  // namespace
+
+std::vector<std::string> checkScan(const Scan& scan, const ScanRecord& record, const Manifest& manifest,
+                                   double maxError) {
+  return ScanCheck(scan, record, manifest, maxError).run();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,106 @@
+#include "dataset/shard.h"
+
+#include <archive.h>
+#include <archive_entry.h>
+#include <fmt/core.h>
+
+#include <exception>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/hash.h"
+
+namespace scanmill {
+
+namespace {
+
+// libarchive hands over blocks of this size: large enough for the disk and SHA-256 to run at their full rates.
+constexpr int kBlockBytes = 1 << 18;
+constexpr std::uint64_t kTarBlock = 512;
+constexpr std::size_t kUstarName = 100;
+
+std::uint64_t wholeBlocks(std::uint64_t bytes) {
+  return (bytes + kTarBlock - 1) / kTarBlock * kTarBlock;
+}
+
+}  // namespace
+
+struct ShardFile::State {
+  std::filesystem::path path;
+  AtomicFile file;
+  Sha256 hash;
+  archive* tar = archive_write_new();
+  archive_entry* entry = archive_entry_new();
+  std::exception_ptr failure;  // of writeBlock: an exception must not cross libarchive's C frames
+  bool discard = false;        // nothing is written any more
+
+  explicit State(const std::filesystem::path& where) : path(where), file(where) {}
+  ~State() {
+    archive_entry_free(entry);
+    discard = true;  // freeing an unfinished archive flushes it
+    archive_write_free(tar);
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  static la_ssize_t writeBlock(archive*, void* self, const void* data, std::size_t size) {
+    State& state = *static_cast<State*>(self);
+    if (state.discard) return static_cast<la_ssize_t>(size);
+    try {
+      const std::string_view block(static_cast<const char*>(data), size);
+      state.hash.add(block);
+      state.file.write(block);
+    } catch (...) {
+      // libarchive is not told, since it leaks its buffers after a failed write; check() tells our caller.
+      state.failure = std::current_exception();
+      state.discard = true;
+    }
+    return static_cast<la_ssize_t>(size);
+  }
+
+  void check(la_ssize_t result) {
+    if (failure) std::rethrow_exception(failure);
+    if (result < ARCHIVE_OK) {
+      throw Error(fmt::format("{}: cannot be written as tar: {}", path.string(), archive_error_string(tar)));
+    }
+  }
+};
+
+ShardFile::ShardFile(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {
+  State& s = *state_;
+  s.check(archive_write_set_format_pax_restricted(s.tar));
+  s.check(archive_write_set_bytes_per_block(s.tar, kBlockBytes));
+  s.check(archive_write_set_bytes_in_last_block(s.tar, 1));  // no padding to whole blocks
+  s.check(archive_write_open(s.tar, &s, nullptr, &State::writeBlock, nullptr));
+}
+
+ShardFile::~ShardFile() = default;
+
+void ShardFile::add(const std::string& name, std::string_view bytes) {
+  State& s = *state_;
+  archive_entry_clear(s.entry);
+  archive_entry_set_pathname(s.entry, name.c_str());
+  archive_entry_set_filetype(s.entry, AE_IFREG);
+  archive_entry_set_perm(s.entry, 0644);
+  archive_entry_set_size(s.entry, static_cast<la_int64_t>(bytes.size()));
+  archive_entry_set_mtime(s.entry, 0, 0);
+  s.check(archive_write_header(s.tar, s.entry));
+  s.check(archive_write_data(s.tar, bytes.data(), bytes.size()));
+  s.check(archive_write_finish_entry(s.tar));
+}
+
+ShardFile::Whole ShardFile::close() {
+  State& s = *state_;
+  s.check(archive_write_close(s.tar));
+  s.file.commit();
+  return {s.hash.hex(), s.file.size()};
+}
+
+std::uint64_t ShardFile::memberBytes(std::size_t nameLength, std::uint64_t bytes) {
+  std::uint64_t size = kTarBlock + wholeBlocks(bytes);
+  // The pax header and its one record: "<length> path=<name>\n".
+  if (nameLength > kUstarName) size += kTarBlock + wholeBlocks(nameLength + 16);
+  return size;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,149 @@
+#include "dataset/split.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "config/fields.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::array<const char*, 3> kSplits = {"train", "val", "test"};
+using Assignment = std::map<std::string, std::string>;  // group -> split
+
+std::string groupOf(const SequenceName& sequence, bool bySeed) {
+  return bySeed ? std::to_string(sequence.seed) : sequence.trajectory;
+}
+
+std::string plural(const std::string& by) {
+  return by == "seed" ? "seeds" : "trajectories";
+}
+
+// Each group draws its rank from the seed and its own name, so that neither their order nor a further group reshuffles
+// them.
+std::vector<std::string> shuffled(const std::set<std::string>& groups, std::uint64_t seed) {
+  std::map<std::string, std::string> ranked;
+  for (const std::string& group : groups) ranked[sha256(fmt::format("split {} {}", seed, group))] = group;
+  std::vector<std::string> order;
+  for (const auto& [rank, group] : ranked) order.push_back(group);
+  return order;
+}
+
+// How many groups each share gets: the whole part of its quota, then one each to the largest remainders; among equal
+// ones to the split that is named first.
+std::array<std::size_t, kSplits.size()> apportion(const std::array<double, kSplits.size()>& shares,
+                                                  std::size_t groups) {
+  std::array<std::size_t, kSplits.size()> counts{};
+  std::array<double, kSplits.size()> remainders{};
+  std::size_t given = 0;
+  for (std::size_t i = 0; i < kSplits.size(); ++i) {
+    const double quota = shares[i] * static_cast<double>(groups);
+    counts[i] = static_cast<std::size_t>(std::floor(quota + 1e-9));  // 0.1 * 30 may fall short of 3
+    remainders[i] = quota - static_cast<double>(counts[i]);
+    given += counts[i];
+  }
+  for (; given < groups; ++given) {
+    std::size_t largest = 0;
+    for (std::size_t i = 1; i < kSplits.size(); ++i) {
+      if (remainders[i] > remainders[largest] + 1e-9) largest = i;
+    }
+    ++counts[largest];
+    remainders[largest] -= 1;
+  }
+  return counts;
+}
+
+Assignment byShares(Fields& fields, const std::set<std::string>& groups, const std::string& by, std::uint64_t seed) {
+  std::array<double, kSplits.size()> shares{};
+  double sum = 0;
+  for (std::size_t i = 0; i < kSplits.size(); ++i) {
+    shares[i] = fields.number(kSplits[i], {0, 1}, 0);
+    sum += shares[i];
+  }
+  if (std::abs(sum - 1) > 1e-6) throw InputError(fields.where(), fmt::format("the shares sum to {}, not to 1", sum));
+  const auto counts = apportion(shares, groups.size());
+  const std::vector<std::string> order = shuffled(groups, seed);
+  Assignment splits;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < kSplits.size(); ++i) {
+    if (shares[i] > 0 && counts[i] == 0) {
+      throw InputError(fields.require(kSplits[i]).where,
+                       fmt::format("{}: a share of {} of {} {} is none at all: add {}, change the shares, or list each "
+                                   "split's {}",
+                                   kSplits[i], shares[i], groups.size(), groups.size() == 1 ? by : plural(by),
+                                   plural(by), plural(by)));
+    }
+    for (std::size_t n = 0; n < counts[i]; ++n) splits[order[next++]] = kSplits[i];
+  }
+  return splits;
+}
+
+Assignment byLists(Fields& fields, const std::set<std::string>& groups, const std::string& by) {
+  std::string known;
+  for (const std::string& group : groups) known += (known.empty() ? "" : ", ") + group;
+  Assignment splits;
+  for (const char* split : kSplits) {
+    const Value* list = fields.find(split);
+    if (list == nullptr) continue;
+    for (const Value& item : list->items) {
+      const std::string group =
+          by == "seed" ? std::to_string(readInteger(item, "seed", 0, std::numeric_limits<std::int64_t>::max()))
+                       : readText(item, "trajectory");
+      if (!groups.contains(group)) {
+        throw InputError(item.where, fmt::format("no sequence has the {} {} (there are: {})", by, group, known));
+      }
+      const auto [entry, isNew] = splits.emplace(group, split);
+      if (!isNew) throw InputError(item.where, fmt::format("{} {} is in '{}' already", by, group, entry->second));
+    }
+  }
+  for (const std::string& group : groups) {
+    if (!splits.contains(group)) {
+      throw InputError(fields.where(), fmt::format("{} {} is in no list: add it to train, val or test", by, group));
+    }
+  }
+  return splits;
+}
+
+// Whether the splits are lists; shares and lists cannot be mixed.
+bool usesLists(Fields& fields) {
+  bool any = false;
+  bool lists = false;
+  for (const char* split : kSplits) {
+    const Value* value = fields.find(split);
+    if (value == nullptr) continue;
+    const bool isList = value->kind == Value::Kind::Sequence;
+    if (any && isList != lists) throw InputError(value->where, "shares and lists cannot be mixed");
+    any = true;
+    lists = isList;
+  }
+  if (!any) throw InputError(fields.where(), "splits name no train, val or test");
+  return lists;
+}
+
+}  // namespace
+
+std::vector<std::string> assignSplits(const Value* value, const std::vector<SequenceName>& sequences,
+                                      std::uint64_t seed) {
+  if (value == nullptr || value->kind == Value::Kind::Null) return std::vector<std::string>(sequences.size(), "train");
+  Fields fields(*value, "splits");
+  const std::string by = fields.choice("by", {"seed", "trajectory"}, "seed");
+  std::set<std::string> groups;
+  for (const SequenceName& sequence : sequences) groups.insert(groupOf(sequence, by == "seed"));
+  const bool lists = usesLists(fields);
+  fields.finish();
+  const Assignment splits = lists ? byLists(fields, groups, by) : byShares(fields, groups, by, seed);
+  std::vector<std::string> result;
+  for (const SequenceName& sequence : sequences) result.push_back(splits.at(groupOf(sequence, by == "seed")));
+  return result;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,243 @@
+#include "dataset/verify.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string_view>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/parallel.h"
+#include "dataset/manifest.h"
+#include "dataset/reader.h"
+#include "dataset/sample_json.h"
+#include "dataset/scan_check.h"
+#include "dataset/shard_name.h"
+
+namespace scanmill {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// One shard: its file, its members, its scans.
+class ShardCheck {
+ public:
+  ShardCheck(const fs::path& folder, const Manifest& manifest, std::uint32_t shard)
+      : manifest_(manifest), record_(manifest.shards[shard]), file_(folder / record_.file) {
+    for (const SampleRecord& sample : manifest.samples) {
+      if (sample.shard != shard) continue;
+      ++samples_;
+      for (const std::string& member : sample.members) {
+        expected_.push_back(member);
+        owner_.emplace(member, &sample);
+      }
+    }
+  }
+
+  void run(Verification& result) {
+    if (samples_ != record_.samples) {
+      problem(fmt::format("{} samples, but the manifest lists {}", record_.samples, samples_));
+    }
+    std::error_code failure;
+    if (!fs::is_regular_file(file_, failure)) {
+      problem("is missing");
+    } else {
+      checkBytes();
+      checkMembers();
+    }
+    result.samples += samples_;
+    result.scans += scans_;
+    result.points += points_;
+    result.problems.insert(result.problems.end(), problems_.begin(), problems_.end());
+  }
+
+ private:
+  void problem(std::string_view text) { problems_.push_back(fmt::format("{}: {}", record_.file, text)); }
+
+  void checkBytes() {
+    std::ifstream stream(file_, std::ios::binary);
+    std::vector<char> block(1 << 20);
+    Sha256 hash;
+    std::uint64_t bytes = 0;
+    while (stream) {
+      stream.read(block.data(), static_cast<std::streamsize>(block.size()));
+      const auto got = static_cast<std::size_t>(stream.gcount());
+      hash.add({block.data(), got});
+      bytes += got;
+    }
+    if (!stream.eof()) problem(fmt::format("cannot be read after byte {}", bytes));
+    if (bytes != record_.bytes) problem(fmt::format("has {} bytes, but the manifest says {}", bytes, record_.bytes));
+    const std::string found = hash.hex();
+    if (found != record_.sha256)
+      problem(fmt::format("its SHA-256 is {}, but the manifest says {}", found, record_.sha256));
+  }
+
+  void checkMembers() {
+    std::vector<std::string> found;
+    try {
+      readTar(file_, [&](const std::string& name, std::string_view bytes) {
+        found.push_back(name);
+        checkMember(name, bytes);
+      });
+    } catch (const InputError& error) {
+      std::string_view text = error.what();
+      const std::string place = file_.string() + ": ";
+      if (text.starts_with(place)) text.remove_prefix(place.size());
+      problem(text);
+    }
+    checkOrder(found);
+  }
+
+  void checkMember(const std::string& name, std::string_view bytes) {
+    const auto owner = owner_.find(name);
+    if (owner == owner_.end()) return;  // reported by checkOrder()
+    const SampleRecord& sample = *owner->second;
+    if (name == sample.key + ".json") {
+      const std::string difference = differenceOfSampleJson(bytes, sample);
+      if (!difference.empty()) problem(fmt::format("{}: {}", name, difference));
+      return;
+    }
+    try {
+      checkDecoded(name, decodeMember(name, bytes), sample);
+    } catch (const std::exception& error) {
+      problem(error.what());
+    }
+  }
+
+  void checkDecoded(const std::string& name, const Scan& scan, const SampleRecord& sample) {
+    ++scans_;
+    const std::string format = name.substr(name.rfind('.') + 1);
+    const auto record = std::find_if(sample.scans.begin(), sample.scans.end(), [&](const ScanRecord& r) {
+      return name == sample.key + "." + memberSuffix(r, format);
+    });
+    if (record == sample.scans.end()) {
+      problem(fmt::format("{}: the manifest has no scan of this sensor and method", name));
+      return;
+    }
+    points_ += record->points;
+    double maxError = 0;
+    for (const FormatRecord& f : manifest_.formats) {
+      if (f.suffix == format) maxError = f.maxErrorMetres;
+    }
+    for (const std::string& text : checkScan(scan, *record, manifest_, maxError)) {
+      problem(fmt::format("{}: {}", name, text));
+    }
+  }
+
+  void checkOrder(const std::vector<std::string>& found) {
+    if (found == expected_) return;
+    const std::size_t before = problems_.size();
+    std::set<std::string> seen;
+    for (const std::string& name : found) {
+      if (!seen.insert(name).second) problem(fmt::format("{}: is there twice", name));
+      if (!owner_.contains(name)) problem(fmt::format("{}: is not in the manifest", name));
+    }
+    for (const std::string& name : expected_) {
+      if (!seen.contains(name)) problem(fmt::format("{}: is missing", name));
+    }
+    if (problems_.size() > before) return;
+    const auto first = std::mismatch(found.begin(), found.end(), expected_.begin());
+    problem(fmt::format("members out of order: '{}' where '{}' belongs", *first.first, *first.second));
+  }
+
+  const Manifest& manifest_;
+  const ShardRecord& record_;
+  fs::path file_;
+  std::vector<std::string> expected_;                 // members, in order
+  std::map<std::string, const SampleRecord*> owner_;  // of each member
+  std::vector<std::string> problems_;
+  std::uint64_t samples_ = 0;
+  std::uint64_t scans_ = 0;
+  std::uint64_t points_ = 0;
+};
+
+// What the manifest says of itself.
+void checkManifest(const Manifest& manifest, std::vector<std::string>& problems) {
+  const auto problem = [&](const std::string& text) { problems.push_back(std::string(kManifestName) + ": " + text); };
+  if (sha256(manifest.pipelineText) != manifest.pipelineSha256) {
+    problem("the SHA-256 of the pipeline's text is not the one stated");
+  }
+  std::map<std::string, std::string> splitOf;
+  std::set<std::string> parted;
+  for (const SampleRecord& sample : manifest.samples) {
+    const std::string sequence = partsOfKey(sample.key).sequence;
+    if (!sequence.empty() && splitOf.emplace(sequence, sample.split).first->second != sample.split &&
+        parted.insert(sequence).second) {
+      problem(fmt::format("frames of sequence {} are in several splits", sequence));
+    }
+    for (const ScanRecord& scan : sample.scans) {
+      for (const FormatRecord& format : manifest.formats) {
+        const std::string member = sample.key + "." + memberSuffix(scan, format.suffix);
+        if (std::find(sample.members.begin(), sample.members.end(), member) == sample.members.end()) {
+          problem(fmt::format("sample {} lists no member {}", sample.key, member));
+        }
+      }
+    }
+  }
+}
+
+// Files that look like part of the dataset and are not: anything beside the shards of a split, and any tar or temporary
+// file. Notes and pictures in the dataset's own folder are nobody's business.
+void checkStrangers(const fs::path& folder, const Manifest& manifest, std::vector<std::string>& problems) {
+  std::set<std::string> listed;
+  std::set<std::string> splits;
+  for (const ShardRecord& shard : manifest.shards) {
+    listed.insert(shard.file);
+    splits.insert(shard.split);
+  }
+  std::set<std::string> strangers;
+  const auto look = [&](const fs::path& file, bool besideShards) {
+    const std::string name = fs::relative(file, folder).generic_string();
+    const bool suspect = besideShards || name.ends_with(".tar") || name.find(".partial-") != std::string::npos;
+    if (suspect && !listed.contains(name)) strangers.insert(name);
+  };
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!entry.is_directory()) {
+      look(entry.path(), false);
+      continue;
+    }
+    const bool isSplit = splits.contains(entry.path().filename().string());
+    for (const fs::directory_entry& inner : fs::directory_iterator(entry.path())) look(inner.path(), isSplit);
+  }
+  for (const std::string& name : strangers) problems.push_back(name + ": is not in the manifest");
+}
+
+}  // namespace
+
+Verification verifyDataset(const fs::path& folder, const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+  const Manifest manifest = readManifest(folder);
+  Verification total;
+  total.shards = manifest.shards.size();
+  checkManifest(manifest, total.problems);
+
+  std::vector<Verification> parts(manifest.shards.size());
+  std::mutex mutex;
+  std::uint64_t done = 0;
+  parallelFor(parts.size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      ShardCheck(folder, manifest, static_cast<std::uint32_t>(i)).run(parts[i]);
+      if (!progress) continue;
+      const std::scoped_lock lock(mutex);
+      progress(++done, parts.size());
+    }
+  });
+  for (const Verification& part : parts) {
+    total.samples += part.samples;
+    total.scans += part.scans;
+    total.points += part.points;
+    total.problems.insert(total.problems.end(), part.problems.begin(), part.problems.end());
+  }
+  try {
+    checkStrangers(folder, manifest, total.problems);
+  } catch (const fs::filesystem_error& error) {
+    total.problems.push_back(fmt::format("{}: cannot be listed: {}", error.path1().string(), error.code().message()));
+  }
+  return total;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,80 @@
+// angular_jitter: the beam did not point quite where the sensor believes. The point is reported at the right range, in
+// a wrong direction.
+//
+//   angular_jitter: {sigma_deg: 0.01}
+//   angular_jitter: {azimuth_sigma_deg: 0.02, elevation_sigma_deg: 0.005}
+//
+// Azimuth errors turn the beam about the sensor's z axis (an encoder's error: they move a steep beam less), elevation
+// errors tilt it. Both are Gaussian and independent from beam to beam. Runs last, on the range that is reported.
+
+#include "effects/makers.h"
+#include "effects/normal_random.h"
+
+namespace scanmill {
+namespace {
+
+// 6.76 sigma, the largest normal number, stays below the 45 degrees that sinCosSmall() knows.
+constexpr Range kSigmaDeg{0, 5};
+
+class AngularJitter : public Effect {
+ public:
+  AngularJitter(double azimuthSigma, double elevationSigma)
+      : azimuthSigma_(azimuthSigma), elevationSigma_(elevationSigma) {}
+
+  Channels reads() const override { return Channel::Range; }
+
+  void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
+    if (azimuthSigma_ == 0 && elevationSigma_ == 0) return;
+    returns.displacement.resize(returns.range.size());
+    RandomWords words;
+    forBatches(returns.range, [&](std::size_t first, std::size_t count) {
+      const float* const range = returns.range.data() + first;
+      const Vec3d* const direction = shot.beams->direction.data() + first;
+      Vec3f* const displacement = returns.displacement.data() + first;
+      drawWords(shot, Purpose::AngularJitter, first, words);
+      for (std::size_t i = 0; i < count; ++i) {
+        const NormalPair normal = normalPair(words.a[i], words.b[i]);
+        const SinCos turn = sinCosSmall(azimuthSigma_ * normal.first);
+        const SinCos tilt = sinCosSmall(elevationSigma_ * normal.second);
+        const double x = direction[i].x;
+        const double y = direction[i].y;
+        const double z = direction[i].z;
+        // A vertical beam tilts towards x.
+        const double level = std::sqrt(x * x + y * y);
+        const double inverseLevel = 1 / (level > 0 ? level : 1.0);
+        const double forwardX = level > 0 ? x * inverseLevel : 1.0;
+        const double forwardY = y * inverseLevel;
+        const double tiltedLevel = level * tilt.cos - z * tilt.sin;
+        const double dx = (forwardX * turn.cos - forwardY * turn.sin) * tiltedLevel - x;
+        const double dy = (forwardY * turn.cos + forwardX * turn.sin) * tiltedLevel - y;
+        const double dz = z * tilt.cos + level * tilt.sin - z;
+        const double scale = range[i] < kMiss ? range[i] : 0.0;
+        displacement[i].x += static_cast<float>(scale * dx);
+        displacement[i].y += static_cast<float>(scale * dy);
+        displacement[i].z += static_cast<float>(scale * dz);
+      }
+    });
+  }
+
+ private:
+  double azimuthSigma_;    // rad
+  double elevationSigma_;  // rad
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> makeAngularJitter(Fields& options) {
+  const bool both = options.has("sigma_deg");
+  const bool each = options.has("azimuth_sigma_deg") || options.has("elevation_sigma_deg");
+  if (both == each) {
+    throw InputError(options.where(),
+                     "effect angular_jitter: give either sigma_deg or azimuth_sigma_deg and elevation_sigma_deg");
+  }
+  const double sigma = options.number("sigma_deg", kSigmaDeg, 0);
+  const double azimuth = options.number("azimuth_sigma_deg", kSigmaDeg, sigma);
+  const double elevation = options.number("elevation_sigma_deg", kSigmaDeg, sigma);
+  options.finish();
+  return std::make_unique<AngularJitter>(radians(azimuth), radians(elevation));
+}
+
+}  // namespace scanmill

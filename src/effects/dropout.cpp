@@ -1,0 +1,68 @@
+// dropout: beams whose echo the sensor does not report.
+//
+//   dropout: {threshold: 0.002}      # echoes with less power than this are lost; 1 is a white target at the
+//                                    # reference range of the intensity effect, before gain and saturation
+//   dropout: {probability: 0.01}     # lost at random, independent from beam to beam
+//
+// Both may be given. A threshold needs the intensity effect.
+
+#include "effects/makers.h"
+#include "effects/normal_random.h"
+
+namespace scanmill {
+namespace {
+
+class DropOut : public Effect {
+ public:
+  DropOut(float threshold, double probability) : threshold_(threshold), probability_(probability) {}
+
+  Channels reads() const override { return Channel::Range; }
+  bool needsIntensity() const override { return threshold_ > 0; }
+
+  void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
+    if (threshold_ > 0) loseFaint(returns);
+    if (probability_ > 0) loseAtRandom(shot, returns);
+    if (returns.intensity.empty()) return;
+    for (std::size_t beam = 0; beam < returns.range.size(); ++beam) {
+      returns.intensity[beam] = returns.range[beam] < kMiss ? returns.intensity[beam] : 0.0f;
+    }
+  }
+
+ private:
+  void loseFaint(Returns& returns) const {
+    if (returns.power.size() != returns.range.size()) {
+      throw InputError("effect dropout: a threshold needs the effect intensity");
+    }
+    for (std::size_t beam = 0; beam < returns.range.size(); ++beam) {
+      returns.range[beam] = returns.power[beam] >= threshold_ ? returns.range[beam] : kMiss;
+    }
+  }
+
+  void loseAtRandom(const Shot& shot, Returns& returns) const {
+    RandomWords words;
+    forBatches(returns.range, [&](std::size_t first, std::size_t count) {
+      float* const range = returns.range.data() + first;
+      drawWords(shot, Purpose::DropOut, first, words);
+      for (std::size_t i = 0; i < count; ++i) {
+        range[i] = (toDouble(words.a[i]) + 0.5) * 0x1p-32 < probability_ ? kMiss : range[i];
+      }
+    });
+  }
+
+  float threshold_;
+  double probability_;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> makeDropOut(Fields& options) {
+  const double threshold = options.number("threshold", {0, 1e6}, 0);
+  const double probability = options.number("probability", {0, 1}, 0);
+  options.finish();  // first: a misspelt key is the likelier reason for the lack of one
+  if (!options.has("threshold") && !options.has("probability")) {
+    throw InputError(options.where(), "effect dropout: give threshold, probability or both");
+  }
+  return std::make_unique<DropOut>(static_cast<float>(threshold), probability);
+}
+
+}  // namespace scanmill

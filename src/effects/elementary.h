@@ -1,0 +1,95 @@
+#pragma once
+
+// Elementary functions made of additions, multiplications, divisions and bits only: the same bytes on every machine
+// (mathematical libraries differ in the last bit), without branches. Loops over beams become vector code
+// where the compiler need not set errno or trap as the source does (-fno-math-errno, -fno-trapping-math): three to six
+// times as fast, the same bytes.
+
+#include <bit>
+#include <cstdint>
+
+#include "base/vec.h"
+
+namespace scanmill {
+
+struct SinCos {
+  double sin;
+  double cos;
+};
+
+// Angle in rad, at most pi / 4 either way. Taylor series to the 15th and 16th power: errors under 3e-16.
+inline SinCos sinCosSmall(double a) {
+  const double z = a * a;
+  const double sinTail =
+      z * (-1.0 / 6 +
+           z * (1.0 / 120 +
+                z * (-1.0 / 5040 + z * (1.0 / 362880 +
+                                        z * (-1.0 / 39916800 + z * (1.0 / 6227020800 + z * (-1.0 / 1307674368000)))))));
+  const double cosTail =
+      z * (-0.5 +
+           z * (1.0 / 24 +
+                z * (-1.0 / 720 + z * (1.0 / 40320 + z * (-1.0 / 3628800 +
+                                                          z * (1.0 / 479001600 + z * (-1.0 / 87178291200 +
+                                                                                      z * (1.0 / 20922789888000))))))));
+  return {a + a * sinTail, 1.0 + cosTail};
+}
+
+// Exact: the bits become the mantissa of a number between 2^52 and 2^53.
+inline double toDouble(std::uint32_t bits) {
+  return std::bit_cast<double>(0x4330000000000000u | bits) - 0x1p52;
+}
+
+// A random angle of the whole circle, from 32 random bits. A quarter of the angle is doubled twice, so that no quadrant
+// has to be told from another.
+inline SinCos sinCosRandom(std::uint32_t bits) {
+  const SinCos quarter = sinCosSmall((toDouble(bits) + (0.5 - 0x1p31)) * (kPi * 0x1p-33));
+  const SinCos half{2 * quarter.sin * quarter.cos, 1 - 2 * quarter.sin * quarter.sin};
+  return {2 * half.sin * half.cos, 1 - 2 * half.sin * half.sin};
+}
+
+// For positive normal numbers. x = 2^k m with m in [sqrt(1/2), sqrt(2)); log m = 2 artanh((m - 1) / (m + 1)) by its
+// series (Abramowitz and Stegun, 4.1.27) to the 19th power: relative errors under 1e-14.
+inline double naturalLog(double x) {
+  constexpr std::uint64_t kSqrtHalf = 0x3FE6A09E667F3BCDu;  // bits of sqrt(1/2)
+  constexpr std::uint64_t kBias = 1023;
+  const std::uint64_t shifted = std::bit_cast<std::uint64_t>(x) - kSqrtHalf + (kBias << 52);
+  const double k = std::bit_cast<double>(0x4330000000000000u | (shifted >> 52)) - (0x1p52 + kBias);
+  const double m = std::bit_cast<double>((shifted & 0x000FFFFFFFFFFFFFu) + kSqrtHalf);
+  const double s = (m - 1) / (m + 1);
+  const double z = s * s;
+  const double tail =
+      z *
+      (1.0 / 3 +
+       z * (1.0 / 5 +
+            z * (1.0 / 7 +
+                 z * (1.0 / 9 + z * (1.0 / 11 + z * (1.0 / 13 + z * (1.0 / 15 + z * (1.0 / 17 + z * (1.0 / 19)))))))));
+  return k * 0.693147180559945309417 + 2 * (s + s * tail);
+}
+
+// For arguments of -700 to 700; what is beyond is taken as the limit. exp(x) = 2^k exp(f), |f| <= log(2) / 2, by the
+// Taylor series to the 12th power: relative errors under 1e-13.
+inline double exponential(double x) {
+  constexpr double kLog2High = 0x1.62e42feep-1;  // the product with an integer k is exact
+  constexpr double kLog2Low = 1.90821492927058770002e-10;
+  x = x > -700 ? x : -700;
+  x = x < 700 ? x : 700;
+  const double shifted = x * 1.44269504088896340736 + 0x1.8p52;  // rounds to the nearest integer in the last bits
+  const double k = shifted - 0x1.8p52;
+  const double f = (x - k * kLog2High) - k * kLog2Low;
+  double series = 1.0 + f * (1.0 / 12);
+  series = 1.0 + f * (1.0 / 11) * series;
+  series = 1.0 + f * (1.0 / 10) * series;
+  series = 1.0 + f * (1.0 / 9) * series;
+  series = 1.0 + f * (1.0 / 8) * series;
+  series = 1.0 + f * (1.0 / 7) * series;
+  series = 1.0 + f * (1.0 / 6) * series;
+  series = 1.0 + f * (1.0 / 5) * series;
+  series = 1.0 + f * (1.0 / 4) * series;
+  series = 1.0 + f * (1.0 / 3) * series;
+  series = 1.0 + f * (1.0 / 2) * series;
+  series = 1.0 + f * series;
+  const double power = std::bit_cast<double>(std::bit_cast<std::uint64_t>(k + (0x1p52 + 1023)) << 52);
+  return power * series;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,18 @@
+#pragma once
+
+// The makers behind the rows of effects(), one per file.
+
+#include <memory>
+
+#include "effects/effect.h"
+
+namespace scanmill {
+
+std::unique_ptr<Effect> makeIntensity(Fields& options);
+std::unique_ptr<Effect> makeDropOut(Fields& options);
+std::unique_ptr<Effect> makeRangeNoise(Fields& options);
+std::unique_ptr<Effect> makeShellNoise(Fields& options);
+std::unique_ptr<Effect> makeQuantize(Fields& options);
+std::unique_ptr<Effect> makeAngularJitter(Fields& options);
+
+}  // namespace scanmill

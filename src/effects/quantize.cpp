@@ -1,0 +1,40 @@
+// quantize: the sensor reports ranges in whole steps.
+//
+//   quantize: {step_m: 0.008}
+//
+// A return stays a return: what is nearer than half a step is reported at one step.
+
+#include <cmath>
+
+#include "effects/makers.h"
+
+namespace scanmill {
+namespace {
+
+class Quantize : public Effect {
+ public:
+  explicit Quantize(double step) : step_(step) {}
+
+  Channels reads() const override { return Channel::Range; }
+
+  void apply(const Hits&, const Shot&, std::span<const Material>, Returns& returns) const override {
+    const double stepsPerMetre = 1 / step_;
+    for (float& range : returns.range) {
+      const double steps = std::floor(range * stepsPerMetre + 0.5);
+      range = static_cast<float>((steps > 1 ? steps : 1.0) * step_);
+    }
+  }
+
+ private:
+  double step_;  // m
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> makeQuantize(Fields& options) {
+  const double step = options.number("step_m", {1e-6, 10});
+  options.finish();
+  return std::make_unique<Quantize>(step);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,114 @@
+// range_noise: a Gaussian error of the range, along the beam.
+//
+//   range_noise: {sigma_m: 0.02, sigma_per_m: 0.0005}        # sigma(r) = 0.02 + 0.0005 r
+//   range_noise: {table: [[1, 0.03], [20, 0.01], [100, 0.05]]}  # linear between, constant beyond
+//
+// A noisy range is never nearer than 1 mm (or than the true range, where that is nearer): no point passes behind the
+// sensor. It may exceed the sensor's maximum range. A sigma of zero everywhere leaves every bit as it was.
+
+#include "effects/makers.h"
+#include "effects/normal_random.h"
+
+namespace scanmill {
+namespace {
+
+constexpr double kNearest = 0.001;  // m
+
+// Sigma rises by slope per metre from `start` on, for at most `length` metres.
+struct Ramp {
+  double start;
+  double length;
+  double slope;
+};
+
+struct Sigma {
+  double base = 0;    // m
+  double growth = 0;  // m per m
+  std::vector<Ramp> ramps;
+
+  bool zero() const { return base == 0 && growth == 0 && ramps.empty(); }
+};
+
+Sigma readTable(const Value& table) {
+  const char* what = "effect range_noise: table";
+  if (table.kind != Value::Kind::Sequence || table.items.empty()) {
+    throw InputError(table.where, std::string(what) + " must be a list of [range, sigma] pairs in metres");
+  }
+  Sigma sigma;
+  double lastRange = 0;
+  double lastSigma = 0;
+  for (const Value& row : table.items) {
+    const std::vector<double> pair = readNumbers(row, what, {0, 1e5});
+    if (pair.size() != 2) throw InputError(row.where, std::string(what) + ": each row is [range, sigma] in metres");
+    const bool first = &row == &table.items.front();
+    if (first) {
+      sigma.base = pair[1];
+    } else if (pair[0] <= lastRange) {
+      throw InputError(row.where, std::string(what) + ": ranges must rise from row to row");
+    } else if (pair[1] != lastSigma) {
+      const double length = pair[0] - lastRange;
+      sigma.ramps.push_back({lastRange, length, (pair[1] - lastSigma) / length});
+    }
+    lastRange = pair[0];
+    lastSigma = pair[1];
+  }
+  return sigma;
+}
+
+class RangeNoise : public Effect {
+ public:
+  explicit RangeNoise(Sigma sigma) : sigma_(std::move(sigma)) {}
+
+  Channels reads() const override { return Channel::Range; }
+
+  void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
+    if (sigma_.zero()) return;
+    RandomWords words;
+    Batch<double> sigma;
+    forBatches(returns.range, [&](std::size_t first, std::size_t count) {
+      float* const range = returns.range.data() + first;
+      drawWords(shot, Purpose::RangeNoise, first, words);
+      for (std::size_t i = 0; i < count; ++i) sigma[i] = sigma_.base + sigma_.growth * range[i];
+      for (const Ramp& ramp : sigma_.ramps) {
+        for (std::size_t i = 0; i < count; ++i) {
+          double along = range[i] - ramp.start;
+          along = along > 0 ? along : 0;
+          along = along < ramp.length ? along : ramp.length;
+          sigma[i] += ramp.slope * along;
+        }
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        const double exact = range[i];
+        const double nearest = exact < kNearest ? exact : kNearest;
+        double noisy = exact + sigma[i] * normalPair(words.a[i], words.b[i]).first;
+        noisy = noisy > nearest ? noisy : nearest;
+        range[i] = range[i] < kMiss ? static_cast<float>(noisy) : kMiss;
+      }
+    });
+  }
+
+ private:
+  Sigma sigma_;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> makeRangeNoise(Fields& options) {
+  Sigma sigma;
+  const bool constant = options.has("sigma_m") || options.has("sigma_per_m");
+  if (const Value* table = options.find("table")) {
+    if (constant) {
+      throw InputError(table->where, "effect range_noise: give either a table or sigma_m and sigma_per_m");
+    }
+    sigma = readTable(*table);
+  }
+  sigma.base += options.number("sigma_m", {0, 100}, 0);
+  sigma.growth = options.number("sigma_per_m", {0, 1}, 0);
+  options.finish();  // first: a misspelt key is the likelier reason for the lack of one
+  if (!constant && !options.has("table")) {
+    throw InputError(options.where(), "effect range_noise: give sigma_m, sigma_per_m or a table");
+  }
+  return std::make_unique<RangeNoise>(std::move(sigma));
+}
+
+}  // namespace scanmill

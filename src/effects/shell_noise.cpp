@@ -1,0 +1,60 @@
+// shell: a random unit vector times a scale, added to the point. Points end on a sphere around the true one and leave
+// their beam: no sensor errs like this, but published datasets do, and it is kept for comparison with them.
+//
+//   shell: {scale_m: 0.0, growth_per_m: 0.01}     # scale(r) = scale_m + growth_per_m * r; 1 cm per metre
+//
+// The scale is at most half the range: no point passes behind the sensor.
+
+#include "effects/makers.h"
+#include "effects/normal_random.h"
+
+namespace scanmill {
+namespace {
+
+class ShellNoise : public Effect {
+ public:
+  ShellNoise(double scale, double growth) : scale_(scale), growth_(growth) {}
+
+  Channels reads() const override { return Channel::Range; }
+
+  void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
+    if (scale_ == 0 && growth_ == 0) return;
+    returns.displacement.resize(returns.range.size());
+    RandomWords words;
+    forBatches(returns.range, [&](std::size_t first, std::size_t count) {
+      const float* const range = returns.range.data() + first;
+      Vec3f* const displacement = returns.displacement.data() + first;
+      drawWords(shot, Purpose::ShellNoise, first, words);
+      for (std::size_t i = 0; i < count; ++i) {
+        const double r = range[i] < kMiss ? range[i] : 0.0;
+        const double wanted = scale_ + growth_ * r;
+        const double scale = wanted < 0.5 * r ? wanted : 0.5 * r;
+        // Equal areas of a sphere have equal heights (Archimedes).
+        const double z = (toDouble(words.a[i]) + 0.5) * 0x1p-31 - 1;
+        const double level = std::sqrt(1 - z * z);
+        const SinCos angle = sinCosRandom(words.b[i]);
+        displacement[i].x += static_cast<float>(scale * level * angle.cos);
+        displacement[i].y += static_cast<float>(scale * level * angle.sin);
+        displacement[i].z += static_cast<float>(scale * z);
+      }
+    });
+  }
+
+ private:
+  double scale_;   // m
+  double growth_;  // m per m
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> makeShellNoise(Fields& options) {
+  const double scale = options.number("scale_m", {0, 100}, 0);
+  const double growth = options.number("growth_per_m", {0, 0.5}, 0);
+  options.finish();  // first: a misspelt key is the likelier reason for the lack of one
+  if (!options.has("scale_m") && !options.has("growth_per_m")) {
+    throw InputError(options.where(), "effect shell: give scale_m, growth_per_m or both");
+  }
+  return std::make_unique<ShellNoise>(scale, growth);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,239 @@
+#include "formats/draco_reader.h"
+
+#include <draco/compression/decode.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <memory>
+
+#include "base/error.h"
+#include "formats/columns.h"
+
+namespace scanmill {
+
+namespace {
+
+// A header can announce any number of points, and Draco allocates what it says. Points of which nothing changes take
+// no bits at all, hence the first of the two limits, the largest sensor that we know of (2048 x 2048).
+constexpr std::uint64_t kPointsWithoutBytes = std::uint64_t{1} << 22;
+constexpr std::uint64_t kPointsPerByte = 64;
+constexpr std::uint64_t kMostBytesPerPoint = 256;
+constexpr int kDeepestMetadata = 8;
+
+// Walks over what comes before the values, and refuses what would make the decoder allocate without need.
+class HeaderCheck {
+ public:
+  HeaderCheck(std::string_view bytes, const std::string& what) : bytes_(bytes), where_{what, 0, 0} {}
+
+  void run() {
+    if (!bytes_.starts_with("DRACO")) fail("not a Draco file");
+    skip(7);  // and the version, which the decoder judges
+    if (byte() != draco::POINT_CLOUD) fail("a Draco mesh, not a point cloud");
+    const std::uint8_t method = byte();
+    if (method > draco::POINT_CLOUD_KD_TREE_ENCODING) fail("unknown Draco method");
+    const auto flags = number<std::uint16_t>();
+    if ((flags & METADATA_FLAG_MASK) != 0) {
+      const std::uint64_t attributes = varint();
+      for (std::uint64_t i = 0; i < attributes; ++i) {
+        varint();
+        skipMetadata(0);
+      }
+      skipMetadata(0);
+    }
+    const auto points = number<std::int32_t>();
+    const std::uint64_t most = std::max<std::uint64_t>(kPointsWithoutBytes, bytes_.size() * kPointsPerByte);
+    if (points < 0 || static_cast<std::uint64_t>(points) > most) {
+      fail(fmt::format("{} points cannot be in {} bytes", points, bytes_.size()));
+    }
+    checkAttributes(method);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const { throw InputError(where_, message); }
+
+  void skip(std::uint64_t count) {
+    if (count > bytes_.size() - at_) fail("truncated in the header");
+    at_ += count;
+  }
+
+  template <class T>
+  T number() {
+    skip(sizeof(T));
+    T value;
+    std::memcpy(&value, bytes_.data() + at_ - sizeof(T), sizeof(T));
+    return value;
+  }
+
+  std::uint8_t byte() { return number<std::uint8_t>(); }
+
+  std::uint64_t varint() {
+    std::uint64_t value = 0;
+    for (unsigned shift = 0; shift < 64; shift += 7) {
+      const std::uint8_t next = byte();
+      value |= std::uint64_t{next & 127u} << shift;
+      if (next < 128) return value;
+    }
+    fail("damaged header");
+  }
+
+  void skipMetadata(int depth) {
+    if (depth > kDeepestMetadata) fail("metadata nested too deeply");
+    const std::uint64_t entries = varint();
+    for (std::uint64_t i = 0; i < entries; ++i) {
+      skip(byte());
+      skip(varint());
+    }
+    const std::uint64_t inner = varint();
+    for (std::uint64_t i = 0; i < inner; ++i) {
+      skip(byte());
+      skipMetadata(depth + 1);
+    }
+  }
+
+  void checkAttributes(std::uint8_t method) {
+    const std::uint8_t groups = byte();
+    std::uint64_t pointBytes = 0;
+    for (int group = 0; group < groups; ++group) {
+      const std::uint64_t attributes = varint();
+      for (std::uint64_t i = 0; i < attributes; ++i) {
+        skip(1);
+        const std::uint8_t type = byte();
+        const std::uint8_t components = byte();
+        skip(1);
+        varint();
+        if (type == draco::DT_INVALID || type >= draco::DT_TYPES_COUNT || components == 0) fail("damaged attributes");
+        pointBytes += std::uint64_t{components} * draco::DataTypeLength(static_cast<draco::DataType>(type));
+        if (pointBytes > kMostBytesPerPoint) fail("too many attributes for a scan");
+      }
+      if (method == draco::POINT_CLOUD_SEQUENTIAL_ENCODING) skip(attributes);
+    }
+  }
+
+  std::string_view bytes_;
+  std::size_t at_ = 0;
+  Location where_;
+};
+
+class CloudReader {
+ public:
+  CloudReader(const draco::PointCloud& cloud, const std::string& what) : cloud_(cloud), where_{what, 0, 0} {}
+
+  Scan read() const {
+    Scan scan;
+    scan.rings = entry("rings");
+    scan.columns = entry("columns");
+    const draco::PointAttribute* position = cloud_.GetNamedAttribute(draco::GeometryAttribute::POSITION);
+    if (cloud_.num_points() == 0) return scan;
+    if (!position || position->num_components() != 3) throw InputError(where_, "there are no positions x, y, z");
+    scan.position.resize(cloud_.num_points());
+    readAttribute(*position, "position", &scan.position[0].x);
+    visitOptionalColumns(scan, [&](std::string_view name, auto& column) {
+      const draco::PointAttribute* attribute = find(name);
+      if (!attribute) return;
+      column.resize(cloud_.num_points());
+      readAttribute(*attribute, name, column.data());
+    });
+    return scan;
+  }
+
+ private:
+  std::uint32_t entry(const char* name) const {
+    std::int32_t value = 0;
+    if (!cloud_.GetMetadata() || !cloud_.GetMetadata()->GetEntryInt(name, &value)) return 0;
+    return static_cast<std::uint32_t>(value);
+  }
+
+  const draco::PointAttribute* find(std::string_view name) const {
+    if (!cloud_.GetMetadata()) return nullptr;
+    for (int i = 0; i < cloud_.num_attributes(); ++i) {
+      const draco::AttributeMetadata* metadata = cloud_.GetAttributeMetadataByAttributeId(i);
+      std::string found;
+      if (!metadata || !metadata->GetEntryString("name", &found) || found != name) continue;
+      if (cloud_.attribute(i)->num_components() != 1) {
+        throw InputError(where_, fmt::format("{} has {} values a point", name, cloud_.attribute(i)->num_components()));
+      }
+      return cloud_.attribute(i);
+    }
+    return nullptr;
+  }
+
+  // Fills components after each other, point by point.
+  template <class T>
+  void readAttribute(const draco::PointAttribute& attribute, std::string_view name, T* to) const {
+    const auto as = [&]<class Stored>(Stored) { convert<Stored>(attribute, name, to); };
+    switch (attribute.data_type()) {
+      case draco::DT_INT8:
+        return as(std::int8_t{});
+      case draco::DT_UINT8:
+      case draco::DT_BOOL:
+        return as(std::uint8_t{});
+      case draco::DT_INT16:
+        return as(std::int16_t{});
+      case draco::DT_UINT16:
+        return as(std::uint16_t{});
+      case draco::DT_INT32:
+        return as(std::int32_t{});
+      case draco::DT_UINT32:
+        return as(std::uint32_t{});
+      case draco::DT_INT64:
+        return as(std::int64_t{});
+      case draco::DT_UINT64:
+        return as(std::uint64_t{});
+      case draco::DT_FLOAT32:
+        return as(float{});
+      case draco::DT_FLOAT64:
+        return as(double{});
+      default:
+        throw InputError(where_, fmt::format("{} has an unknown type", name));
+    }
+  }
+
+  template <class Stored, class T>
+  void convert(const draco::PointAttribute& attribute, std::string_view name, T* to) const {
+    const auto components = static_cast<std::size_t>(attribute.num_components());
+    const std::size_t values = attribute.size();
+    const std::size_t bytes = attribute.buffer()->data_size();
+    for (std::uint32_t i = 0; i < cloud_.num_points(); ++i) {
+      const draco::AttributeValueIndex index = attribute.mapped_index(draco::PointIndex(i));
+      const auto offset = static_cast<std::size_t>(attribute.GetBytePos(index));
+      if (index.value() >= values || offset + components * sizeof(Stored) > bytes) {
+        throw InputError(where_, fmt::format("{} has no value for point {}", name, i));
+      }
+      for (std::size_t c = 0; c < components; ++c) {
+        Stored stored;
+        std::memcpy(&stored, attribute.buffer()->data() + offset + c * sizeof(Stored), sizeof(Stored));
+        if constexpr (!std::is_same_v<Stored, T> && std::is_integral_v<T>) {
+          // Written so that NaN fails it too.
+          const bool fits = stored >= Stored(0) && static_cast<long double>(stored) <= std::numeric_limits<T>::max();
+          if (!fits || static_cast<Stored>(static_cast<T>(stored)) != stored) {
+            throw InputError(where_, fmt::format("{} of point {} is {}: no integer of 0 to {}", name, i, stored,
+                                                 std::numeric_limits<T>::max()));
+          }
+        }
+        *to++ = static_cast<T>(stored);
+      }
+    }
+  }
+
+  const draco::PointCloud& cloud_;
+  Location where_;
+};
+
+}  // namespace
+
+Scan readDraco(std::string_view bytes, const std::string& what) {
+  HeaderCheck(bytes, what).run();
+  draco::DecoderBuffer buffer;
+  buffer.Init(bytes.data(), bytes.size());
+  draco::Decoder decoder;
+  draco::StatusOr<std::unique_ptr<draco::PointCloud>> cloud = decoder.DecodePointCloudFromBuffer(&buffer);
+  if (!cloud.ok()) {
+    const std::string reason = cloud.status().error_msg_string();
+    throw InputError(Location{what, 0, 0}, "truncated or damaged Draco data" + (reason.empty() ? "" : ": " + reason));
+  }
+  return CloudReader(*cloud.value(), what).read();
+}
+
+}  // namespace scanmill

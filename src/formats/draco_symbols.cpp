@@ -1,0 +1,258 @@
+#include "formats/draco_symbols.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "formats/scratch.h"
+
+namespace scanmill {
+
+namespace {
+
+using Counts = std::vector<std::uint32_t>;
+
+constexpr int kMaxRawBits = 18;  // of a symbol that has an entry of its own in the table of probabilities
+constexpr std::uint8_t kTagged = 0;
+constexpr std::uint8_t kRaw = 1;
+constexpr int kTagPrecisionBits = 12;
+
+struct Histogram {
+  Counts counts;  // up to the largest symbol
+  std::uint64_t total = 0;
+  std::uint32_t unique = 0;
+  double bits = 0;  // Shannon: what the symbols take, without the table
+};
+
+// Runs of one symbol are the rule (a label, a column): four tables keep an increment from waiting for the last one.
+template <class Symbol>
+Histogram histogram(const Symbol* symbols, std::size_t count, std::uint32_t largest) {
+  constexpr std::size_t kTables = 4;
+  const std::size_t size = std::size_t{largest} + 1;
+  const std::size_t tables = size <= 4096 ? kTables : 1;
+  Counts counts(size * tables);
+  std::size_t i = 0;
+  if (tables == kTables) {
+    for (; i + kTables <= count; i += kTables) {
+      ++counts[symbols[i]];
+      ++counts[size + symbols[i + 1]];
+      ++counts[2 * size + symbols[i + 2]];
+      ++counts[3 * size + symbols[i + 3]];
+    }
+  }
+  for (; i < count; ++i) ++counts[symbols[i]];
+  for (std::size_t table = 1; table < tables; ++table) {
+    for (std::size_t s = 0; s < size; ++s) counts[s] += counts[table * size + s];
+  }
+  counts.resize(size);
+  Histogram result{std::move(counts), count, 0, 0};
+  double sum = 0;
+  for (const std::uint32_t n : result.counts) {
+    if (n == 0) continue;
+    ++result.unique;
+    if (n > 1) sum += n * std::log2(static_cast<double>(n));
+  }
+  result.bits = static_cast<double>(count) * std::log2(static_cast<double>(std::max<std::size_t>(count, 1))) - sum;
+  return result;
+}
+
+// About what the table takes: two bytes for a symbol that occurs, one for up to 64 in a row that do not.
+double tableBits(const Histogram& h) {
+  return 16.0 * h.unique + 8.0 * std::min<double>(h.unique, static_cast<double>(h.counts.size() - h.unique)) +
+         static_cast<double>(h.counts.size()) / 8;
+}
+
+// Probabilities in units of 2^-precisionBits: at least 1 for a symbol that occurs, their sum exactly 1.
+std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) {
+  const std::int64_t whole = std::int64_t{1} << precisionBits;
+  std::vector<std::uint32_t> result(h.counts.size());
+  const double scale = static_cast<double>(whole) / static_cast<double>(h.total);
+  std::int64_t sum = 0;
+  std::size_t largest = 0;
+  for (std::size_t s = 0; s < result.size(); ++s) {
+    if (h.counts[s] == 0) continue;
+    result[s] = std::max(1u, static_cast<std::uint32_t>(h.counts[s] * scale + 0.5));
+    sum += result[s];
+    if (result[s] > result[largest]) largest = s;
+  }
+  if (sum <= whole) {
+    result[largest] += static_cast<std::uint32_t>(whole - sum);
+    return result;
+  }
+  // Many rare symbols were rounded up to 1: the others give way in proportion.
+  while (sum > whole) {
+    std::int64_t shrinkable = 0;
+    for (const std::uint32_t p : result) shrinkable += p > 1 ? p - 1 : 0;
+    const double share = static_cast<double>(sum - whole) / static_cast<double>(shrinkable);
+    for (std::uint32_t& p : result) {
+      if (p <= 1 || sum == whole) continue;
+      const auto cut = std::min<std::int64_t>(static_cast<std::int64_t>(std::ceil((p - 1) * share)), sum - whole);
+      p -= static_cast<std::uint32_t>(cut);
+      sum -= cut;
+    }
+  }
+  return result;
+}
+
+void appendTable(const std::vector<std::uint32_t>& probability, std::string& out) {
+  appendVarint(probability.size(), out);
+  for (std::size_t s = 0; s < probability.size(); ++s) {
+    const std::uint32_t p = probability[s];
+    if (p == 0) {
+      // The two low bits 3, then how many more symbols do not occur; the last one always does.
+      std::size_t more = 0;
+      while (more < 63 && probability[s + more + 1] == 0) ++more;
+      out.push_back(static_cast<char>((more << 2) | 3));
+      s += more;
+      continue;
+    }
+    const int extra = p >= (1u << 14) ? 2 : p >= (1u << 6) ? 1 : 0;
+    out.push_back(static_cast<char>((p << 2) | static_cast<std::uint32_t>(extra)));
+    for (int byte = 1; byte <= extra; ++byte) out.push_back(static_cast<char>(p >> (8 * byte - 2)));
+  }
+}
+
+// Coding a symbol of probability p: bytes leave until the state is below 1024 p, then the state becomes
+// (state / p) * 2^precision + state % p + start, that is state + (state / p) * rest + start. The state lies between
+// 4 and 1024 times 2^precision, so for each symbol either `bits` or `bits` + 8 leave, and the division is a
+// multiplication that is exact for states below 2^31, of the state before its bits leave: the chain from one state to
+// the next is two multiplications long, where Draco's has a division and unpredictable branches.
+struct Step {
+  std::uint32_t reciprocal;  // 2^(shift - bits) / p, rounded up
+  std::uint32_t limit;       // from this state on, 8 more bits leave
+  std::uint32_t rest;        // 2^precision - p
+  std::uint32_t start;       // sum of the probabilities before
+  std::uint16_t bits;
+  std::uint16_t shift;
+};
+
+std::vector<Step> steps(const std::vector<std::uint32_t>& probability, int precisionBits) {
+  std::vector<Step> result(probability.size());
+  std::uint32_t start = 0;
+  for (std::size_t s = 0; s < probability.size(); ++s) {
+    const std::uint32_t p = probability[s];
+    if (p == 0) continue;
+    const auto division = 31 + static_cast<unsigned>(std::bit_width(p - 1));
+    unsigned bits = 0;
+    while ((4u << precisionBits >> bits) >= p << 10) bits += 8;
+    result[s] = {static_cast<std::uint32_t>(((std::uint64_t{1} << division) + p - 1) / p),
+                 p << 10 << bits,
+                 (1u << precisionBits) - p,
+                 start,
+                 static_cast<std::uint16_t>(bits),
+                 static_cast<std::uint16_t>(division + bits)};
+    start += p;
+  }
+  return result;
+}
+
+// The table and the symbols, which a rANS decoder reads in reverse order.
+template <class Symbol>
+void appendRans(const Symbol* symbols, const Histogram& h, int precisionBits, std::string& out) {
+  const std::vector<std::uint32_t> probability = probabilities(h, precisionBits);
+  appendTable(probability, out);
+  const std::uint32_t base = 4u << precisionBits;
+  std::uint32_t state = base;
+  thread_local Scratch<char> scratch;
+  char* const room = scratch.get(3 * h.total + 8);
+  char* to = room;
+  if (h.unique > 1) {  // one symbol alone has probability 1 and takes no bits
+    const std::vector<Step> table = steps(probability, precisionBits);
+    for (std::size_t i = h.total; i-- > 0;) {
+      const Step& step = table[symbols[i]];
+      std::memcpy(to, &state, sizeof(state));
+      const unsigned more = state >= step.limit ? 8 : 0;
+      const auto quotient = static_cast<std::uint32_t>((std::uint64_t{state} * step.reciprocal) >> (step.shift + more));
+      const unsigned bits = step.bits + more;
+      to += bits / 8;
+      state = (state >> bits) + step.start + quotient * step.rest;
+    }
+  }
+  // The last state, its length in the two high bits.
+  const std::uint32_t last = state - base;
+  const int bytes = last < (1u << 6) ? 1 : last < (1u << 14) ? 2 : last < (1u << 22) ? 3 : 4;
+  const std::uint32_t tail = last | (static_cast<std::uint32_t>(bytes - 1) << (8 * bytes - 2));
+  std::memcpy(to, &tail, sizeof(tail));
+  to += bytes;
+  appendVarint(static_cast<std::uint64_t>(to - room), out);
+  out.append(room, to);
+}
+
+std::uint8_t bitLength(std::uint32_t value) {
+  return static_cast<std::uint8_t>(std::bit_width(value | 1u));
+}
+
+// The length in bits of each entry's widest component; valid until the thread asks for others.
+template <std::size_t kComponents>
+std::span<const std::uint8_t> bitLengths(std::span<const std::uint32_t> symbols) {
+  thread_local Scratch<std::uint8_t> scratch;
+  const std::size_t entries = symbols.size() / kComponents;
+  std::uint8_t* const lengths = scratch.get(entries);
+  for (std::size_t i = 0; i < entries; ++i) {
+    std::uint32_t any = 0;
+    for (std::size_t c = 0; c < kComponents; ++c) any |= symbols[i * kComponents + c];
+    lengths[i] = bitLength(any);
+  }
+  return {lengths, entries};
+}
+
+// Every entry's length through rANS, then its components with that many bits each.
+void appendTagged(std::span<const std::uint32_t> symbols, int components, std::span<const std::uint8_t> lengths,
+                  const Histogram& h, std::string& out) {
+  out.push_back(static_cast<char>(kTagged));
+  appendRans(lengths.data(), h, kTagPrecisionBits, out);
+  thread_local Scratch<char> scratch;
+  char* const room = scratch.get(4 * symbols.size() + 8);
+  char* to = room;
+  std::uint64_t pending = 0;
+  unsigned pendingBits = 0;
+  for (std::size_t i = 0; i < symbols.size(); ++i) {
+    pending |= std::uint64_t{symbols[i]} << pendingBits;
+    pendingBits += lengths[i / static_cast<std::size_t>(components)];
+    std::memcpy(to, &pending, sizeof(pending));
+    to += pendingBits / 8;
+    pending >>= pendingBits & ~7u;
+    pendingBits &= 7u;
+  }
+  if (pendingBits > 0) *to++ = static_cast<char>(pending);
+  out.append(room, to);
+}
+
+// Draco's rule for the precision: from the number of symbols that occur, and the level.
+int symbolBits(std::uint32_t unique, int level) {
+  const int more = level < 4 ? -2 : level < 6 ? -1 : level > 9 ? 2 : level > 7 ? 1 : 0;
+  return std::clamp(static_cast<int>(std::bit_width(unique)) + more, 1, kMaxRawBits);
+}
+
+}  // namespace
+
+void appendVarint(std::uint64_t value, std::string& out) {
+  for (; value >= 128; value >>= 7) out.push_back(static_cast<char>(value | 128));
+  out.push_back(static_cast<char>(value));
+}
+
+void appendSymbols(std::span<const std::uint32_t> symbols, int components, int level, std::string& out) {
+  if (symbols.empty()) return;
+  const std::uint32_t largest = *std::max_element(symbols.begin(), symbols.end());
+  const std::span<const std::uint8_t> lengths = components == 3 ? bitLengths<3>(symbols) : bitLengths<1>(symbols);
+  const Histogram tags = histogram(lengths.data(), lengths.size(), bitLength(largest));
+  double taggedBits = tags.bits + tableBits(tags);
+  for (std::size_t length = 0; length < tags.counts.size(); ++length) {
+    taggedBits += static_cast<double>(length) * tags.counts[length] * components;
+  }
+  if (bitLength(largest) <= kMaxRawBits) {
+    const Histogram values = histogram(symbols.data(), symbols.size(), largest);
+    if (values.bits + tableBits(values) <= taggedBits) {
+      const int bits = symbolBits(values.unique, level);
+      out.push_back(static_cast<char>(kRaw));
+      out.push_back(static_cast<char>(bits));
+      return appendRans(symbols.data(), values, std::clamp(3 * bits / 2, 12, 20), out);
+    }
+  }
+  appendTagged(symbols, components, lengths, tags, out);
+}
+
+}  // namespace scanmill

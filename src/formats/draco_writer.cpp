@@ -1,0 +1,192 @@
+#include "formats/draco_writer.h"
+
+#include <draco/attributes/geometry_attribute.h>
+#include <draco/compression/config/compression_shared.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "formats/draco_symbols.h"
+#include "formats/scratch.h"
+
+namespace scanmill {
+
+namespace {
+
+// From 25 bits on, a decoder's step = range / float(2^bits - 1) is range / 2^bits: exactly the step that we mean.
+constexpr int kLeastBits = 25;
+
+template <class T>
+void appendRaw(const T& value, std::string& out) {
+  out.append(reinterpret_cast<const char*>(&value), sizeof(value));
+}
+
+void appendEntry(std::string_view key, std::string_view value, std::string& out) {
+  out.push_back(static_cast<char>(key.size()));
+  out += key;
+  appendVarint(value.size(), out);
+  out += value;
+}
+
+std::uint32_t zigzag(std::int32_t value) {
+  return (static_cast<std::uint32_t>(value) << 1) ^ static_cast<std::uint32_t>(value >> 31);
+}
+
+struct Symbols {
+  std::span<std::uint32_t> values;  // valid until the thread makes others
+  std::int32_t low = 0;
+  std::int32_t high = 0;
+  bool predicted = true;  // from the point before; else the values themselves
+};
+
+// Differences to the point before, wrapped around the range of the values ("wrap transform" of the specification).
+template <class T>
+Symbols correct(std::span<const T> values, std::size_t components) {
+  thread_local Scratch<std::uint32_t> scratch;
+  Symbols result{{scratch.get(values.size()), values.size()}, 0, 0, true};
+  const auto at = [&](std::size_t i) { return static_cast<std::int32_t>(values[i]); };
+  std::int32_t low = at(0);
+  std::int32_t high = at(0);
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    low = std::min(low, at(i));
+    high = std::max(high, at(i));
+  }
+  result.low = low;
+  result.high = high;
+  const std::int64_t span = std::int64_t{high} - low + 1;
+  if (span > std::numeric_limits<std::int32_t>::max()) {
+    result.predicted = false;
+    for (std::size_t i = 0; i < values.size(); ++i) result.values[i] = zigzag(at(i));
+    return result;
+  }
+  const auto period = static_cast<std::int32_t>(span);
+  const std::int32_t least = -(period / 2);
+  const std::int32_t most = (period - 1) / 2;
+  const auto correction = [=](std::int32_t value, std::int32_t prediction) {
+    std::int32_t difference = value - prediction;
+    difference -= difference > most ? period : 0;
+    difference += difference < least ? period : 0;
+    return zigzag(difference);
+  };
+  for (std::size_t i = 0; i < components; ++i) result.values[i] = correction(at(i), std::clamp(0, low, high));
+  for (std::size_t i = components; i < values.size(); ++i) {
+    result.values[i] = correction(at(i), at(i - components));
+  }
+  return result;
+}
+
+}  // namespace
+
+void DracoWriter::addEntry(std::string_view key, std::int32_t value) {
+  addEntry(key, std::string_view(reinterpret_cast<const char*>(&value), sizeof(value)));
+}
+
+void DracoWriter::addEntry(std::string_view key, std::string_view value) {
+  appendEntry(key, value, entryBytes_);
+  ++entries_;
+}
+
+void DracoWriter::addPosition(const QuantisedColumn& column) {
+  describe("position", draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, column.low.size(),
+           draco::SEQUENTIAL_ATTRIBUTE_ENCODER_QUANTIZATION);
+  addGrid(column);
+}
+
+void DracoWriter::addQuantised(std::string_view name, const QuantisedColumn& column) {
+  describe(name, draco::GeometryAttribute::GENERIC, draco::DT_FLOAT32, column.low.size(),
+           draco::SEQUENTIAL_ATTRIBUTE_ENCODER_QUANTIZATION);
+  addGrid(column);
+}
+
+void DracoWriter::addIntegers(std::string_view name, std::span<const std::uint16_t> values) {
+  addNarrowed(name, values);
+}
+
+void DracoWriter::addIntegers(std::string_view name, std::span<const std::uint32_t> values) {
+  addNarrowed(name, values);
+}
+
+void DracoWriter::addFloats(std::string_view name, std::span<const float> values) {
+  describe(name, draco::GeometryAttribute::GENERIC, draco::DT_FLOAT32, 1, draco::SEQUENTIAL_ATTRIBUTE_ENCODER_GENERIC);
+  values_.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+}
+
+std::string DracoWriter::finish() const {
+  std::string out = "DRACO";
+  out.push_back(static_cast<char>(draco::kDracoPointCloudBitstreamVersionMajor));
+  out.push_back(static_cast<char>(draco::kDracoPointCloudBitstreamVersionMinor));
+  out.push_back(static_cast<char>(draco::POINT_CLOUD));
+  out.push_back(static_cast<char>(draco::POINT_CLOUD_SEQUENTIAL_ENCODING));
+  appendRaw(std::uint16_t{METADATA_FLAG_MASK}, out);
+  appendVarint(attributes_, out);
+  out += names_;
+  appendVarint(entries_, out);
+  out += entryBytes_;
+  appendVarint(0, out);  // no metadata within
+  appendRaw(points_, out);
+  out.push_back(attributes_ > 0 ? 1 : 0);  // groups of attributes
+  if (attributes_ == 0) return out;
+  appendVarint(attributes_, out);
+  out.reserve(out.size() + descriptors_.size() + encoders_.size() + values_.size() + grids_.size());
+  out += descriptors_;
+  out += encoders_;
+  out += values_;
+  out += grids_;
+  return out;
+}
+
+void DracoWriter::describe(std::string_view name, int attributeType, int dataType, std::size_t components,
+                           int encoder) {
+  appendVarint(attributes_, names_);
+  appendVarint(1, names_);
+  appendEntry("name", name, names_);
+  appendVarint(0, names_);
+  descriptors_.push_back(static_cast<char>(attributeType));
+  descriptors_.push_back(static_cast<char>(dataType));
+  descriptors_.push_back(static_cast<char>(components));
+  descriptors_.push_back(0);  // not normalised
+  appendVarint(attributes_, descriptors_);
+  encoders_.push_back(static_cast<char>(encoder));
+  ++attributes_;
+}
+
+template <class T>
+void DracoWriter::addNarrowed(std::string_view name, std::span<const T> values) {
+  T any = 0;
+  for (const T value : values) any |= value;
+  const int type = any < (1u << 8) ? draco::DT_UINT8 : any < (1u << 16) ? draco::DT_UINT16 : draco::DT_UINT32;
+  describe(name, draco::GeometryAttribute::GENERIC, type, 1, draco::SEQUENTIAL_ATTRIBUTE_ENCODER_INTEGER);
+  addSymbols(values, 1);
+}
+
+template <class T>
+void DracoWriter::addSymbols(std::span<const T> values, int components) {
+  const Symbols symbols = correct(values, static_cast<std::size_t>(components));
+  if (symbols.predicted) {
+    values_.push_back(draco::PREDICTION_DIFFERENCE);
+    values_.push_back(draco::PREDICTION_TRANSFORM_WRAP);
+    values_.push_back(1);  // entropy coded
+    appendSymbols(symbols.values, components, level_, values_);
+    appendRaw(symbols.low, values_);
+    appendRaw(symbols.high, values_);
+  } else {
+    values_.push_back(static_cast<char>(draco::PREDICTION_NONE));
+    values_.push_back(0);  // as they are, with
+    values_.push_back(sizeof(std::uint32_t));
+    values_.append(reinterpret_cast<const char*>(symbols.values.data()), symbols.values.size_bytes());
+  }
+}
+
+void DracoWriter::addGrid(const QuantisedColumn& column) {
+  addSymbols(column.indices, static_cast<int>(column.low.size()));
+  std::uint32_t any = 0;
+  for (const std::int32_t index : column.indices) any |= static_cast<std::uint32_t>(index);
+  const int bits = std::max(kLeastBits, static_cast<int>(std::bit_width(any)));
+  for (const float low : column.low) appendRaw(low, grids_);
+  appendRaw(std::ldexp(column.step, bits), grids_);
+  grids_.push_back(static_cast<char>(bits));
+}
+
+}  // namespace scanmill

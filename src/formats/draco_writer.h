@@ -1,0 +1,60 @@
+#pragma once
+
+// Writes point clouds in Draco's bit stream, version 2.3, sequential method (https://google.github.io/draco/spec).
+//
+// Draco's own encoder copies every column into an attribute, from there into 32-bit integers and from there into
+// corrections, value by value, and searches the entropy of each: see draco.cpp for what that costs. Here a column
+// becomes symbols in one pass over it. Any Draco decoder reads the result.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace scanmill {
+
+// Positions of a regular grid: low + index * step, per component.
+struct QuantisedColumn {
+  std::span<const std::int32_t> indices;  // components after each other, point by point; 0 or more
+  std::span<const float> low;             // one per component
+  float step = 0;
+};
+
+class DracoWriter {
+ public:
+  DracoWriter(std::uint32_t points, int level) : points_(points), level_(level) {}
+
+  // Entries of the geometry's metadata.
+  void addEntry(std::string_view key, std::int32_t value);
+  void addEntry(std::string_view key, std::string_view value);
+
+  // Columns, in the order of the attributes; `name` becomes the attribute's metadata entry "name".
+  void addPosition(const QuantisedColumn& column);
+  void addQuantised(std::string_view name, const QuantisedColumn& column);
+  void addIntegers(std::string_view name, std::span<const std::uint16_t> values);  // u8 where they all fit
+  void addIntegers(std::string_view name, std::span<const std::uint32_t> values);  // u8, u16 or u32
+  void addFloats(std::string_view name, std::span<const float> values);            // as they are
+
+  std::string finish() const;
+
+ private:
+  void describe(std::string_view name, int attributeType, int dataType, std::size_t components, int encoder);
+  template <class T>
+  void addNarrowed(std::string_view name, std::span<const T> values);
+  template <class T>
+  void addSymbols(std::span<const T> values, int components);
+  void addGrid(const QuantisedColumn& column);
+
+  std::uint32_t points_;
+  int level_;
+  std::uint32_t attributes_ = 0;
+  std::uint32_t entries_ = 0;
+  std::string entryBytes_;
+  std::string names_;        // metadata of the attributes
+  std::string descriptors_;  // of the attributes
+  std::string encoders_;     // one byte each
+  std::string values_;
+  std::string grids_;
+};
+
+}  // namespace scanmill

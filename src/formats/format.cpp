@@ -1,0 +1,40 @@
+#include "formats/format.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "formats/makers.h"
+
+namespace scanmill {
+
+std::span<const FormatEntry> formats() {
+  static constexpr std::array<FormatEntry, 3> kFormats{{
+      {"pcd", "pcd", "PCD 0.7 of the Point Cloud Library, lossless; encoding: binary_compressed, binary or ascii",
+       makePcd},
+      {"draco", "drc",
+       "Draco, positions within max_error_mm (1) and ids exact, misses left out; time only where asked for, as it "
+       "follows from ring and column",
+       makeDraco},
+      {"csv", "csv", "comma-separated text with a header line, lossless", makeCsv},
+  }};
+  return kFormats;
+}
+
+const FormatEntry& requireFormat(std::string_view name, const Location& where) {
+  std::vector<std::string> names;
+  for (const FormatEntry& entry : formats()) {
+    if (entry.name == name) return entry;
+    names.emplace_back(entry.name);
+  }
+  throw InputError(where, fmt::format("unknown format '{}'{}", name, suggestion(name, names)));
+}
+
+const FormatEntry* formatBySuffix(std::string_view suffix) {
+  for (const FormatEntry& entry : formats()) {
+    if (entry.suffix == suffix) return &entry;
+  }
+  return nullptr;
+}
+
+}  // namespace scanmill

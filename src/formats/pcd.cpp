@@ -1,0 +1,172 @@
+// pcd: PCD 0.7, the Point Cloud Library's own format, lossless.
+//
+//   format: pcd
+//   encoding: binary_compressed   # LZF over whole columns; or binary, rows as they are; or ascii
+//
+// Fields: x y z intensity time range_true F 4, label instance U 4, ring column U 2, as far as the scan has them. An
+// organised scan keeps WIDTH and HEIGHT, its misses are NaN. A comment keeps the sensor's rings and columns.
+
+#include <fmt/format.h>
+#include <pcl/io/lzf.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <memory>
+
+#include "formats/columns.h"
+#include "formats/makers.h"
+#include "formats/pcd_reader.h"
+#include "formats/scratch.h"
+#include "formats/text_rows.h"
+
+namespace scanmill {
+
+namespace {
+
+enum class Encoding { Compressed, Binary, Ascii };
+
+// As stored: class ids are U 4, as PCL's PointXYZL has them; everything else as in memory.
+template <class T>
+constexpr std::size_t storedSize(std::string_view name) {
+  return name == "label" ? 4 : sizeof(T);
+}
+
+std::size_t rowSize(const Scan& scan) {
+  std::size_t size = sizeof(Vec3f);
+  visitOptionalColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& column) {
+    if (!column.empty()) size += storedSize<T>(name);
+  });
+  return size;
+}
+
+std::string header(const Scan& scan, std::string_view data) {
+  std::string fields = "x y z";
+  std::string sizes = "4 4 4";
+  std::string types = "F F F";
+  std::string counts = "1 1 1";
+  visitOptionalColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& column) {
+    if (column.empty()) return;
+    fields += fmt::format(" {}", name);
+    sizes += fmt::format(" {}", storedSize<T>(name));
+    types += std::is_floating_point_v<T> ? " F" : " U";
+    counts += " 1";
+  });
+  return fmt::format(
+      "# .PCD v0.7 - Point Cloud Data file format\n{} {} {} {}\nVERSION 0.7\nFIELDS {}\nSIZE {}\nTYPE {}\nCOUNT {}\n"
+      "WIDTH {}\nHEIGHT {}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA {}\n",
+      kPcdSensorComment, scan.rings, scan.columns, scan.organised ? "organised" : "dense", fields, sizes, types, counts,
+      scan.width(), scan.height(), scan.size(), data);
+}
+
+template <class Stored, class T>
+void scatter(const T* values, std::size_t count, char* to, std::size_t stride) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto stored = static_cast<Stored>(values[i]);
+    std::memcpy(to + i * stride, &stored, sizeof(Stored));
+  }
+}
+
+// Rows. A block stays in the first-level cache while one column after the other is spread over it.
+void appendBinary(const Scan& scan, std::string& out) {
+  constexpr std::size_t kBlock = 256;
+  constexpr std::size_t kWidest = 40;
+  const std::size_t stride = rowSize(scan);
+  out.reserve(out.size() + stride * scan.size());
+  char block[kBlock * kWidest];
+  for (std::size_t first = 0; first < scan.size(); first += kBlock) {
+    const std::size_t count = std::min(kBlock, scan.size() - first);
+    scatter<Vec3f>(scan.position.data() + first, count, block, stride);
+    char* to = block + sizeof(Vec3f);
+    visitOptionalColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& column) {
+      if (column.empty()) return;
+      if (name == "label") {
+        scatter<std::uint32_t>(column.data() + first, count, to, stride);
+      } else {
+        scatter<T>(column.data() + first, count, to, stride);
+      }
+      to += storedSize<T>(name);
+    });
+    out.append(block, stride * count);
+  }
+}
+
+// One column after the other, LZF over all, behind the sizes before and after decompression.
+void appendCompressed(const Scan& scan, std::string& out) {
+  const std::size_t size = scan.size();
+  const std::size_t raw = rowSize(scan) * size;
+  const std::size_t room = raw + raw / 16 + 64;  // LZF adds at most one byte in 32
+  if (room > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(fmt::format("{} points are more than a compressed PCD holds: use encoding binary", size));
+  }
+  thread_local Scratch<char> planesScratch;
+  thread_local Scratch<char> packedScratch;
+  char* const planes = planesScratch.get(raw);
+  char* to = planes;
+  for (const auto axis : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
+    for (std::size_t i = 0; i < size; ++i) {
+      std::memcpy(to + i * sizeof(float), &(scan.position[i].*axis), sizeof(float));
+    }
+    to += sizeof(float) * size;
+  }
+  visitOptionalColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& column) {
+    if (column.empty()) return;
+    if (name == "label") {
+      scatter<std::uint32_t>(column.data(), size, to, sizeof(std::uint32_t));
+    } else {
+      std::memcpy(to, column.data(), sizeof(T) * size);
+    }
+    to += storedSize<T>(name) * size;
+  });
+  char* const packed = packedScratch.get(room);
+  const unsigned packedSize = pcl::lzfCompress(planes, static_cast<unsigned>(raw), packed, static_cast<unsigned>(room));
+  if (packedSize == 0) throw Error("LZF compression failed");
+  const std::uint32_t sizes[2] = {packedSize, static_cast<std::uint32_t>(raw)};
+  out.reserve(out.size() + sizeof(sizes) + packedSize);
+  out.append(reinterpret_cast<const char*>(sizes), sizeof(sizes));
+  out.append(packed, packedSize);
+}
+
+class Pcd : public Format {
+ public:
+  explicit Pcd(Encoding encoding) : encoding_(encoding) {}
+
+  std::string_view suffix() const override { return "pcd"; }
+  double maxError() const override { return 0; }
+  bool keepsMisses() const override { return true; }
+
+  std::string encode(const Scan& scan) const override {
+    requireConsistent(scan);
+    std::string out;
+    if (encoding_ == Encoding::Ascii) {
+      out = header(scan, "ascii");
+      appendRows(scan, ' ', out);
+    } else if (encoding_ == Encoding::Binary || scan.size() == 0) {
+      // LZF has no empty block: without points the header says it all.
+      out = header(scan, "binary");
+      appendBinary(scan, out);
+    } else {
+      out = header(scan, "binary_compressed");
+      appendCompressed(scan, out);
+    }
+    return out;
+  }
+
+  Scan decode(std::string_view bytes, const std::string& what) const override { return readPcd(bytes, what); }
+
+ private:
+  Encoding encoding_;
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makePcd(Fields& options) {
+  const std::string encoding =
+      options.choice("encoding", {"binary_compressed", "binary", "ascii"}, "binary_compressed");
+  options.finish();
+  return std::make_unique<Pcd>(encoding == "binary"  ? Encoding::Binary
+                               : encoding == "ascii" ? Encoding::Ascii
+                                                     : Encoding::Compressed);
+}
+
+}  // namespace scanmill

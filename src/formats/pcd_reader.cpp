@@ -1,0 +1,381 @@
+#include "formats/pcd_reader.h"
+
+#include <fmt/format.h>
+#include <pcl/io/lzf.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "base/error.h"
+#include "formats/columns.h"
+#include "formats/text_rows.h"
+
+namespace scanmill {
+
+namespace {
+
+using Words = std::vector<std::string_view>;
+
+struct PcdField {
+  std::string_view name;
+  std::uint64_t size = 0;   // bytes of one element
+  char type = 0;            // F, U or I
+  std::uint64_t count = 1;  // elements
+  std::uint64_t offset = 0;
+};
+
+struct PcdHeader {
+  std::vector<PcdField> fields;
+  std::uint64_t width = 0;
+  std::uint64_t height = 0;
+  std::uint64_t points = 0;
+  std::uint64_t rowBytes = 0;
+  std::uint64_t rowWords = 0;  // elements in a row
+  std::string_view data;
+  std::string_view body;
+  int bodyLine = 0;                                    // where the body starts
+  std::optional<std::array<std::uint64_t, 2>> sensor;  // rings and columns
+  bool organised = false;
+};
+
+constexpr std::uint64_t kMostFields = 1024;
+constexpr std::uint64_t kMostElements = 65536;
+// LZF's longest back reference gives 264 bytes for 3.
+constexpr std::uint64_t kLzfGain = 88;
+
+Words split(std::string_view line) {
+  Words words;
+  constexpr std::string_view kBlank = " \t\r";
+  for (std::size_t at = line.find_first_not_of(kBlank); at != line.npos && words.size() < kMostFields + 2;) {
+    const std::size_t end = std::min(line.find_first_of(kBlank, at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(kBlank, end);
+  }
+  return words;
+}
+
+std::uint64_t readCount(std::string_view word, std::string_view what, std::uint64_t most, const Location& where) {
+  std::uint64_t value = 0;
+  const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || stop != word.data() + word.size() || value > most) {
+    throw InputError(where, fmt::format("{} must be an integer of 0 to {}, not '{}'", what, most, word.substr(0, 40)));
+  }
+  return value;
+}
+
+class HeaderReader {
+ public:
+  HeaderReader(std::string_view bytes, const std::string& what) : rest_(bytes), where_{what, 0, 0} {}
+
+  PcdHeader read() {
+    while (header_.data.empty()) {
+      const std::size_t end = rest_.find('\n');
+      ++where_.line;
+      if (end == rest_.npos) throw InputError(where_, "not a PCD file, or its header is truncated");
+      const std::string_view line = rest_.substr(0, end);
+      rest_.remove_prefix(end + 1);
+      if (line.starts_with('#')) {
+        readComment(line);
+      } else {
+        readLine(split(line));
+      }
+    }
+    header_.body = rest_;
+    header_.bodyLine = where_.line + 1;
+    check();
+    return std::move(header_);
+  }
+
+ private:
+  void readComment(std::string_view line) {
+    if (!line.starts_with(kPcdSensorComment)) return;
+    const Words words = split(line.substr(kPcdSensorComment.size()));
+    if (words.size() != 3) throw InputError(where_, "the sensor comment must hold rings, columns and a word");
+    header_.sensor = {readCount(words[0], "rings", UINT32_MAX, where_),
+                      readCount(words[1], "columns", UINT32_MAX, where_)};
+    header_.organised = words[2] == "organised";
+  }
+
+  void readLine(const Words& words) {
+    if (words.empty()) return;
+    const std::string_view key = words[0];
+    if (key == "VERSION" || key == "VIEWPOINT") return;
+    if (key == "FIELDS" || key == "COLUMNS") {
+      if (words.size() - 1 > kMostFields) throw InputError(where_, fmt::format("more than {} fields", kMostFields));
+      header_.fields.resize(words.size() - 1);
+      perField(words, [&](PcdField& field, std::string_view word) { field.name = word; });
+    } else if (key == "SIZE") {
+      perField(words, [&](PcdField& field, std::string_view word) { field.size = readCount(word, key, 8, where_); });
+    } else if (key == "TYPE") {
+      perField(words, [&](PcdField& field, std::string_view word) { field.type = word[0]; });
+    } else if (key == "COUNT") {
+      perField(words, [&](PcdField& field, std::string_view word) {
+        field.count = readCount(word, key, kMostElements, where_);
+      });
+    } else if (key == "WIDTH") {
+      header_.width = single(words, UINT32_MAX);
+    } else if (key == "HEIGHT") {
+      header_.height = single(words, UINT32_MAX);
+      heightKnown_ = true;
+    } else if (key == "POINTS") {
+      header_.points = single(words, UINT32_MAX);
+      pointsKnown_ = true;
+    } else if (key == "DATA" && words.size() == 2) {
+      header_.data = words[1];
+    } else {
+      throw InputError(where_, fmt::format("not a PCD header line: '{}'", key.substr(0, 40)));
+    }
+  }
+
+  template <class Set>
+  void perField(const Words& words, Set&& set) {
+    if (header_.fields.empty() || words.size() - 1 != header_.fields.size()) {
+      throw InputError(
+          where_, fmt::format("{} has {} values for {} fields", words[0], words.size() - 1, header_.fields.size()));
+    }
+    for (std::size_t i = 0; i < header_.fields.size(); ++i) set(header_.fields[i], words[i + 1]);
+  }
+
+  std::uint64_t single(const Words& words, std::uint64_t most) {
+    if (words.size() != 2) throw InputError(where_, fmt::format("{} must have one value", words[0]));
+    return readCount(words[1], words[0], most, where_);
+  }
+
+  void check() {
+    const Location where{where_.file, 0, 0};
+    PcdHeader& h = header_;
+    if (h.fields.empty()) throw InputError(where, "the header names no fields");
+    for (PcdField& field : h.fields) {
+      const bool integer = field.type == 'U' || field.type == 'I';
+      const bool known = field.type == 'F'
+                             ? field.size == 4 || field.size == 8
+                             : integer && (field.size == 1 || field.size == 2 || field.size == 4 || field.size == 8);
+      if (!known) {
+        throw InputError(where, fmt::format("field {} has type {} and size {}: PCD knows F 4 8 and U, I 1 2 4 8",
+                                            field.name, field.type == 0 ? '?' : field.type, field.size));
+      }
+      field.offset = h.rowBytes;
+      h.rowBytes += field.size * field.count;
+      h.rowWords += field.count;
+    }
+    if (!heightKnown_) h.height = 1;
+    if (!pointsKnown_) h.points = h.width * h.height;
+    if (h.width * h.height != h.points) {
+      throw InputError(where, fmt::format("{} x {} (WIDTH x HEIGHT) are not {} POINTS", h.width, h.height, h.points));
+    }
+    if (h.sensor && h.organised && (h.width != (*h.sensor)[1] || h.height != (*h.sensor)[0])) {
+      throw InputError(where, "WIDTH and HEIGHT disagree with the sensor comment");
+    }
+  }
+
+  std::string_view rest_;
+  Location where_;
+  PcdHeader header_;
+  bool heightKnown_ = false;
+  bool pointsKnown_ = false;
+};
+
+// Values of one field: `first` is its first byte, `step` the bytes to the next point's. Fills to[0], to[stride] ...
+template <class Stored, class T>
+void convert(const PcdField& field, const char* first, std::size_t step, T* to, std::size_t stride, std::size_t points,
+             const Location& where) {
+  for (std::size_t i = 0; i < points; ++i, first += step, to += stride) {
+    Stored stored;
+    std::memcpy(&stored, first, sizeof(stored));
+    if constexpr (!std::is_same_v<Stored, T> && std::is_integral_v<T>) {
+      // Written so that NaN fails it too.
+      const bool fits = stored >= Stored(0) && static_cast<long double>(stored) <= std::numeric_limits<T>::max();
+      if (!fits || static_cast<Stored>(static_cast<T>(stored)) != stored) {
+        throw InputError(where, fmt::format("{} of point {} is {}: no integer of 0 to {}", field.name, i, stored,
+                                            std::numeric_limits<T>::max()));
+      }
+    }
+    *to = static_cast<T>(stored);
+  }
+}
+
+template <class T>
+void readField(const PcdField& field, const char* first, std::size_t step, T* to, std::size_t stride,
+               std::size_t points, const Location& where) {
+  const auto as = [&]<class Stored>(Stored) { convert<Stored>(field, first, step, to, stride, points, where); };
+  switch (field.type) {
+    case 'F':
+      return field.size == 4 ? as(float{}) : as(double{});
+    case 'U':
+      return field.size == 1   ? as(std::uint8_t{})
+             : field.size == 2 ? as(std::uint16_t{})
+             : field.size == 4 ? as(std::uint32_t{})
+                               : as(std::uint64_t{});
+    default:
+      return field.size == 1   ? as(std::int8_t{})
+             : field.size == 2 ? as(std::int16_t{})
+             : field.size == 4 ? as(std::int32_t{})
+                               : as(std::int64_t{});
+  }
+}
+
+class BodyReader {
+ public:
+  BodyReader(const PcdHeader& header, const std::string& what) : header_(header), where_{what, 0, 0} {}
+
+  Scan read() {
+    if (header_.data == "ascii") return readAscii();
+    if (header_.data == "binary") {
+      if (header_.points * header_.rowBytes > header_.body.size()) {
+        throw InputError(where_,
+                         fmt::format("truncated: {} points of {} bytes need {} bytes, {} are left", header_.points,
+                                     header_.rowBytes, header_.points * header_.rowBytes, header_.body.size()));
+      }
+      return readTable(header_.body.data(), false);
+    }
+    if (header_.data == "binary_compressed") return readCompressed();
+    throw InputError(where_,
+                     fmt::format("unknown DATA '{}': ascii, binary or binary_compressed", header_.data.substr(0, 40)));
+  }
+
+ private:
+  const PcdField* find(std::string_view name) const {
+    const auto found = std::find_if(header_.fields.begin(), header_.fields.end(),
+                                    [&](const PcdField& field) { return field.name == name; });
+    if (found == header_.fields.end()) return nullptr;
+    if (found->count != 1) throw InputError(where_, fmt::format("field {} has {} values a point", name, found->count));
+    return &*found;
+  }
+
+  const PcdField& require(std::string_view name) const {
+    const PcdField* field = find(name);
+    if (!field) throw InputError(where_, fmt::format("there is no field {}", name));
+    return *field;
+  }
+
+  Scan newScan() const {
+    require("x"), require("y"), require("z");
+    Scan scan;
+    scan.organised = header_.sensor ? header_.organised : header_.height > 1;
+    scan.rings = static_cast<std::uint32_t>(header_.sensor   ? (*header_.sensor)[0]
+                                            : scan.organised ? header_.height
+                                                             : 0);
+    scan.columns = static_cast<std::uint32_t>(header_.sensor   ? (*header_.sensor)[1]
+                                              : scan.organised ? header_.width
+                                                               : 0);
+    return scan;
+  }
+
+  Scan readCompressed() const {
+    std::uint32_t sizes[2] = {0, 0};
+    if (header_.body.size() < sizeof(sizes)) {
+      if (header_.points == 0) return newScan();
+      throw InputError(where_, "truncated: the compressed sizes are missing");
+    }
+    std::memcpy(sizes, header_.body.data(), sizeof(sizes));
+    const std::string_view packed = header_.body.substr(sizeof(sizes));
+    if (sizes[1] != header_.points * header_.rowBytes) {
+      throw InputError(where_, fmt::format("{} points of {} bytes are not the {} bytes of the compressed block",
+                                           header_.points, header_.rowBytes, sizes[1]));
+    }
+    if (sizes[0] > packed.size()) {
+      throw InputError(
+          where_, fmt::format("truncated: {} compressed bytes are announced, {} are left", sizes[0], packed.size()));
+    }
+    if (header_.points == 0) return newScan();
+    if (sizes[1] > sizes[0] * kLzfGain) throw InputError(where_, "the compressed block is too short for its points");
+    const auto planes = std::make_unique_for_overwrite<char[]>(sizes[1]);
+    if (pcl::lzfDecompress(packed.data(), sizes[0], planes.get(), sizes[1]) != sizes[1]) {
+      throw InputError(where_, "the compressed block is damaged");
+    }
+    return readTable(planes.get(), true);
+  }
+
+  // Rows of fields, or one field after the other where `planar`.
+  Scan readTable(const char* table, bool planar) const {
+    Scan scan = newScan();
+    const std::size_t points = header_.points;
+    const auto fill = [&](const PcdField& field, auto* to, std::size_t stride) {
+      const char* first = table + field.offset * (planar ? points : 1);
+      readField(field, first, planar ? field.size : header_.rowBytes, to, stride, points, where_);
+    };
+    scan.position.resize(points);
+    if (points == 0) return scan;
+    fill(require("x"), &scan.position[0].x, 3);
+    fill(require("y"), &scan.position[0].y, 3);
+    fill(require("z"), &scan.position[0].z, 3);
+    visitOptionalColumns(scan, [&](std::string_view name, auto& column) {
+      const PcdField* field = find(name);
+      if (!field) return;
+      column.resize(points);
+      fill(*field, column.data(), 1);
+    });
+    return scan;
+  }
+
+  Scan readAscii() const {
+    Scan scan = newScan();
+    // A row takes at least a digit and a separator per element: no header makes us reserve more than that.
+    if (header_.points > 0 && header_.points > header_.body.size() / (2 * header_.rowWords) + 1) {
+      throw InputError(where_,
+                       fmt::format("truncated: {} points do not fit in {} bytes", header_.points, header_.body.size()));
+    }
+    scan.position.resize(header_.points);
+    visitOptionalColumns(scan, [&](std::string_view name, auto& column) {
+      if (find(name)) column.resize(header_.points);
+    });
+    std::string_view rest = header_.body;
+    Location where{where_.file, header_.bodyLine - 1, 0};
+    for (std::size_t point = 0; point < header_.points;) {
+      const std::size_t end = rest.find('\n');
+      if (end == rest.npos) {
+        throw InputError(where, fmt::format("truncated after {} of {} points", point, header_.points));
+      }
+      ++where.line;
+      const std::string_view line = rest.substr(0, end);
+      rest.remove_prefix(end + 1);
+      if (line.find_first_not_of(" \t\r") == line.npos) continue;
+      readAsciiRow(line, point++, where, scan);
+    }
+    return scan;
+  }
+
+  void readAsciiRow(std::string_view line, std::size_t point, const Location& where, Scan& scan) const {
+    for (const PcdField& field : header_.fields) {
+      for (std::uint64_t element = 0; element < field.count; ++element) {
+        const std::size_t start = line.find_first_not_of(" \t\r");
+        if (start == line.npos) throw InputError(where, fmt::format("there is no value of field {}", field.name));
+        line.remove_prefix(start);
+        const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
+        line.remove_prefix(word.size());
+        readWord(field, word, point, where, scan);
+      }
+    }
+    if (line.find_first_not_of(" \t\r") != line.npos) {
+      throw InputError(where, fmt::format("more values than the {} fields have", header_.fields.size()));
+    }
+  }
+
+  static void readWord(const PcdField& field, std::string_view word, std::size_t point, const Location& where,
+                       Scan& scan) {
+    Vec3f& position = scan.position[point];
+    if (field.name == "x") return readNumber(word, position.x, field.name, where);
+    if (field.name == "y") return readNumber(word, position.y, field.name, where);
+    if (field.name == "z") return readNumber(word, position.z, field.name, where);
+    visitOptionalColumns(scan, [&](std::string_view name, auto& column) {
+      if (name == field.name) readNumber(word, column[point], name, where);
+    });
+  }
+
+  const PcdHeader& header_;
+  Location where_;
+};
+
+}  // namespace
+
+Scan readPcd(std::string_view bytes, const std::string& what) {
+  const PcdHeader header = HeaderReader(bytes, what).read();
+  return BodyReader(header, what).read();
+}
+
+}  // namespace scanmill

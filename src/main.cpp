@@ -1,0 +1,69 @@
+// scanmill: 3D scenes in, labelled LiDAR datasets out. This file finds the subcommand and catches every error.
+
+#include <fmt/core.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "commands/command.h"
+#include "config/fields.h"
+#include "pipeline/version.h"
+
+namespace {
+
+using namespace scanmill;
+
+void printHelp() {
+  fmt::print("scanmill {}: labelled LiDAR datasets from 3D scenes\n\n", kVersion);
+  for (const Command& c : commands()) fmt::print("  scanmill {:9} {:16} {}\n", c.name, c.usage, c.summary);
+  fmt::print(
+      "\nEach has a --help with examples. Start with:\n"
+      "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n");
+}
+
+int dispatch(const std::vector<std::string>& arguments) {
+  if (arguments.empty() || arguments[0] == "--help" || arguments[0] == "-h" || arguments[0] == "help") {
+    printHelp();
+    return arguments.empty() ? 2 : 0;
+  }
+  if (arguments[0] == "--version") {
+    fmt::print("scanmill {}\n", kVersion);
+    return 0;
+  }
+  std::vector<std::string> names;
+  for (const Command& c : commands()) {
+    if (c.name == arguments[0]) return c.run({arguments.begin() + 1, arguments.end()});
+    names.emplace_back(c.name);
+  }
+  throw InputError(fmt::format("no command '{}'{}", arguments[0], suggestion(arguments[0], names)));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    const int code = dispatch({argv + 1, argv + argc});
+    // A reader that has seen enough (`| head`) is no failure; a full disk is one.
+    if (std::fflush(stdout) != 0 && errno != EPIPE) {
+      throw Error(fmt::format("standard output: {}", std::strerror(errno)));
+    }
+    return code;
+  } catch (const InputError& e) {
+    fmt::print(stderr, "error: {}\n", e.what());
+    return 2;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "error: out of memory: take fewer rings, columns or formats, or a smaller scene\n");
+    return 1;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "error: {}\n", e.what());
+    return 1;
+  }
+}

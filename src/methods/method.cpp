@@ -1,0 +1,30 @@
+#include "methods/method.h"
+
+#include <array>
+
+#include "methods/ray_tracing/ray_tracing.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::array kMethods{
+    MethodEntry{"ray_tracing", "Embree on all cores: exact, the reference of the other methods", makeRayTracing},
+};
+
+}  // namespace
+
+std::span<const MethodEntry> methods() {
+  return kMethods;
+}
+
+const MethodEntry& requireMethod(std::string_view name, const Location& where) {
+  std::vector<std::string> names;
+  for (const MethodEntry& entry : kMethods) {
+    if (entry.name == name) return entry;
+    names.emplace_back(entry.name);
+  }
+  throw InputError(where, "unknown method '" + std::string(name) + "'" + suggestion(name, names));
+}
+
+}  // namespace scanmill

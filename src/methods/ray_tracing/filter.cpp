@@ -1,0 +1,202 @@
+#include "methods/ray_tracing/filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace scanmill {
+
+namespace {
+
+// Offsets of the fields of RTCRayN and RTCHitN, in lanes of N (Embree 3 API, rtcore_ray.h).
+enum RayField { kDirX = 4, kDirY = 5, kDirZ = 6, kFar = 8, kId = 10 };
+enum HitField { kNgX = 0, kNgY = 1, kNgZ = 2, kU = 3, kV = 4, kPrimitive = 5, kGeometry = 6, kInstance = 7 };
+
+struct Candidate {
+  std::uint32_t instance, geometry, primitive;
+};
+
+std::uint32_t instanceIdOf(const World& world, const Candidate& c) {
+  if (c.instance == RTC_INVALID_GEOMETRY_ID) {
+    return world.baked.surfaceOf(world.baked.global(c.geometry, c.primitive)).instance;
+  }
+  const PlacedBlock& placed = world.placed[c.instance - World::kFirstPlaced];
+  const TriangleBlock& block = *placed.block;
+  const std::uint32_t object = block.surfaceOf(block.global(c.geometry, c.primitive)).instance;
+  return object == 0 ? 0 : placed.firstInstanceId + object - 1;
+}
+
+bool precedes(const World& world, const Candidate& a, const Candidate& b) {
+  return std::tuple(instanceIdOf(world, a), a.instance, a.geometry, a.primitive) <
+         std::tuple(instanceIdOf(world, b), b.instance, b.geometry, b.primitive);
+}
+
+// Cosine between a ray and the normal of a triangle, in the triangle's own frame.
+float cosineOf(const World& world, const Candidate& c, const Vec3f& direction) {
+  const TriangleBlock& block =
+      c.instance == RTC_INVALID_GEOMETRY_ID ? world.baked : *world.placed[c.instance - World::kFirstPlaced].block;
+  const Triangle& corners = block.triangles[block.global(c.geometry, c.primitive)].corners;
+  const Vec3d a = block.vertex(corners[0]);
+  Vec3d normal = cross(block.vertex(corners[1]) - a, block.vertex(corners[2]) - a);
+  if (c.instance != RTC_INVALID_GEOMETRY_ID) {
+    const Mat3& linear = world.placed[c.instance - World::kFirstPlaced].originFromMesh.linear;
+    normal = transposed(inverse(linear)) * normal;
+  }
+  return static_cast<float>(std::abs(dot(normalized(normal), normalized(Vec3d(direction)))));
+}
+
+float reachOf(float distance, float floor) {
+  return distance + (distance * kReach + floor);
+}
+
+// One lane: whether the candidate at `distance` is taken; updates the context and the ray's far end. `direction` is the
+// ray's in the world.
+bool decide(TieContext& context, std::uint32_t lane, float distance, const Vec3f& direction, const Candidate& candidate,
+            float& far) {
+  const float best = context.distance[lane];
+  bool tied = false;
+  if (std::abs(distance - best) <= distance * kReach + context.floor) {
+    const Candidate holder{context.instance[lane], context.geometry[lane], context.primitive[lane]};
+    const float cosine =
+        std::max(cosineOf(*context.world, candidate, direction), cosineOf(*context.world, holder, direction));
+    tied = std::abs(distance - best) * cosine <= kCoplanar * distance + context.floor;
+    if (tied && !precedes(*context.world, candidate, holder)) return false;
+  }
+  if (!tied && !(distance < best)) return false;
+  const float nearest = tied ? std::min(distance, best) : distance;
+  context.distance[lane] = nearest;
+  context.instance[lane] = candidate.instance;
+  context.geometry[lane] = candidate.geometry;
+  context.primitive[lane] = candidate.primitive;
+  far = reachOf(nearest, context.floor);
+  return true;
+}
+
+// Lanes one by one: any packet width.
+void filterLanes(const RTCFilterFunctionNArguments* a, TieContext& context) {
+  const unsigned n = a->N;
+  auto* ray = reinterpret_cast<float*>(a->ray);
+  const auto* ids = reinterpret_cast<const std::uint32_t*>(ray) + kId * n;
+  const auto* hitIds = reinterpret_cast<const std::uint32_t*>(a->hit);
+  for (unsigned i = 0; i < n; ++i) {
+    if (a->valid[i] == 0) continue;
+    Vec3f direction{ray[kDirX * n + i], ray[kDirY * n + i], ray[kDirZ * n + i]};
+    const Candidate candidate{hitIds[kInstance * n + i], hitIds[kGeometry * n + i], hitIds[kPrimitive * n + i]};
+    if (candidate.instance != RTC_INVALID_GEOMETRY_ID) {  // Embree gives the ray in the instance's frame
+      const PlacedBlock& placed = context.world->placed[candidate.instance - World::kFirstPlaced];
+      direction = Vec3f(placed.originFromMesh.linear * Vec3d(direction));
+    }
+    float& far = ray[kFar * n + i];
+    const float distance = far;
+    if (!decide(context, ids[i], distance, direction, candidate, far)) {
+      a->valid[i] = 0;
+      far = distance;
+    }
+  }
+}
+
+// N numbers of 4 bytes, unaligned.
+template <int N>
+struct Lanes;
+
+template <>
+struct Lanes<4> {
+  typedef float Floats __attribute__((vector_size(16), aligned(4), may_alias));
+  typedef int Ints __attribute__((vector_size(16), aligned(4), may_alias));
+};
+
+template <>
+struct Lanes<8> {
+  typedef float Floats __attribute__((vector_size(32), aligned(4), may_alias));
+  typedef int Ints __attribute__((vector_size(32), aligned(4), may_alias));
+};
+
+template <>
+struct Lanes<16> {
+  typedef float Floats __attribute__((vector_size(64), aligned(4), may_alias));
+  typedef int Ints __attribute__((vector_size(64), aligned(4), may_alias));
+};
+
+// All lanes at once as long as no two surfaces are near each other, which is nearly always. Written with vector types
+// because the compiler does not vectorise the loop above.
+template <int N>
+void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
+  using Floats = typename Lanes<N>::Floats;
+  using Ints = typename Lanes<N>::Ints;
+  auto* ray = reinterpret_cast<float*>(a->ray);
+  const auto* hit = reinterpret_cast<const float*>(a->hit);
+  auto& far = *reinterpret_cast<Floats*>(ray + kFar * N);
+  auto& validLanes = *reinterpret_cast<Ints*>(a->valid);
+  const std::uint32_t first = reinterpret_cast<const std::uint32_t*>(ray)[kId * N];
+  auto& best = *reinterpret_cast<Floats*>(context.distance + first);
+
+  const Ints valid = validLanes;
+  const Floats distance = far;
+  const Floats reach = distance * kReach + context.floor;
+  const Floats ahead = best - distance;
+  const Ints near = valid & (ahead <= reach) & (-ahead <= reach);
+  const Ints taken = valid & (ahead > 0);
+  int anyNear = 0;
+  for (int i = 0; i < N; ++i) anyNear |= near[i];
+  if (anyNear != 0) {
+    filterLanes(a, context);
+    return;
+  }
+  best = taken ? distance : best;
+  const auto keep = [&](std::uint32_t* column, int field) {
+    auto& kept = *reinterpret_cast<Ints*>(column + first);
+    kept = taken ? *reinterpret_cast<const Ints*>(hit + field * N) : kept;
+  };
+  keep(context.geometry, kGeometry);
+  keep(context.primitive, kPrimitive);
+  keep(context.instance, kInstance);
+  far = taken ? distance + reach : distance;
+  validLanes = taken;
+}
+
+// Lets beams through where the base colour is transparent.
+void dropTransparent(const RTCFilterFunctionNArguments* a, const World& world) {
+  const unsigned n = a->N;
+  const auto* hit = reinterpret_cast<const float*>(a->hit);
+  const auto* hitIds = reinterpret_cast<const std::uint32_t*>(hit);
+  for (unsigned i = 0; i < n; ++i) {
+    if (a->valid[i] == 0) continue;
+    const std::uint32_t instance = hitIds[kInstance * n + i];
+    const TriangleBlock& block =
+        instance == RTC_INVALID_GEOMETRY_ID ? world.baked : *world.placed[instance - World::kFirstPlaced].block;
+    const std::uint32_t triangle = block.global(hitIds[kGeometry * n + i], hitIds[kPrimitive * n + i]);
+    const Material& material = world.scene->materials[block.surfaceOf(triangle).material];
+    const std::uint8_t* texel =
+        texelAt(block, triangle, *material.texture, double{hit[kU * n + i]}, double{hit[kV * n + i]});
+    if (static_cast<float>(texel[3]) < material.alphaCutoff * 255.0f) a->valid[i] = 0;
+  }
+}
+
+}  // namespace
+
+void TieContext::reset() {
+  std::fill_n(distance, kPacket, std::numeric_limits<float>::infinity());
+  std::fill_n(instance, kPacket, RTC_INVALID_GEOMETRY_ID);
+}
+
+void tieFilter(const RTCFilterFunctionNArguments* arguments) {
+  auto& context = *reinterpret_cast<TieContext*>(arguments->context);
+  switch (arguments->N) {
+    case 16:
+      return filterPacket<16>(arguments, context);
+    case 8:
+      return filterPacket<8>(arguments, context);
+    case 4:
+      return filterPacket<4>(arguments, context);
+    default:
+      return filterLanes(arguments, context);
+  }
+}
+
+void alphaTieFilter(const RTCFilterFunctionNArguments* arguments) {
+  dropTransparent(arguments, *reinterpret_cast<TieContext*>(arguments->context)->world);
+  tieFilter(arguments);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,46 @@
+#pragma once
+
+// Embree's intersection filter: the tie rule, and alpha-tested textures.
+
+#include <embree3/rtcore.h>
+
+#include <cstdint>
+
+#include "methods/ray_tracing/world.h"
+
+namespace scanmill {
+
+constexpr int kPacket = 16;
+
+// Follows a packet through Embree: what each lane's ray holds so far. Lane i belongs to the ray whose id is i.
+struct TieContext {
+  RTCIntersectContext embree;
+  const World* world;
+  float floor;                          // m, see coplanarFloor()
+  alignas(64) float distance[kPacket];  // to the nearest surface; infinite: nothing was hit
+  alignas(64) std::uint32_t geometry[kPacket];
+  alignas(64) std::uint32_t primitive[kPacket];
+  alignas(64) std::uint32_t instance[kPacket];
+
+  void reset();
+};
+
+// Surfaces are coplanar where they lie within kCoplanar x distance + floor of each other, measured along their normals.
+// Among them the lowest instance id wins, then the lowest Embree instance, geometry and primitive, whatever order the
+// traversal visits them in. The tolerance is what rounding to float32 does: to distances, and to corners near the
+// sensor.
+constexpr float kCoplanar = 4e-7f;
+constexpr float kCoplanarCorners = 64;  // m, from the sensor
+
+inline float coplanarFloor(float sensorToOrigin) {
+  return 2.5e-7f * (sensorToOrigin + kCoplanarCorners);
+}
+
+// A hit is accepted with a far end that reaches past it by this share of its distance, so that its rivals are visited
+// too, in any order: enough for coplanar surfaces at up to 89.98 degrees of incidence.
+constexpr float kReach = 1e-3f;
+
+void tieFilter(const RTCFilterFunctionNArguments* arguments);
+void alphaTieFilter(const RTCFilterFunctionNArguments* arguments);
+
+}  // namespace scanmill

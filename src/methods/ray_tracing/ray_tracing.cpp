@@ -1,0 +1,146 @@
+// Ray tracing with Embree: the reference of all methods.
+//
+// The scene is rebased to an origin near the sensor and traced in float32, 16 beams at a time; the range is recomputed
+// in double from the triangle that was hit. Origins lie on a grid of 256 m anchored at the scene's centre, so that
+// they depend on the shot alone and move with the scene.
+
+#include "methods/ray_tracing/ray_tracing.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <list>
+#include <mutex>
+
+#include "base/parallel.h"
+#include "methods/ray_tracing/packet.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kOriginGrid = 1024;  // m
+constexpr double kRingWeight = 3.5;
+constexpr std::size_t kWorldsInMemory = 2;  // origins that a drive across a grid line needs at once
+
+class RayTracing : public Method {
+ public:
+  RayTracing(const Scene& scene, const RayTracingOptions& options)
+      : scene_(scene),
+        options_(options),
+        anchor_(scene.bounds().center()),
+        device_(makeDevice()),
+        instanced_(instancedMeshes(scene, options.instancing)),
+        shared_(buildSharedMeshes(device_.get(), scene, instanced_, options)) {
+    for (const Material& m : scene.materials) {
+      CompactMaterial compact{m.reflectance, 0, nullptr};
+      if (m.textured && m.texture != nullptr && m.textureMean > 0) {
+        compact.texture = m.texture.get();
+        compact.textureGain = m.reflectance / m.textureMean;
+      }
+      materials_.push_back(compact);
+    }
+  }
+
+  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    const BeamTable& beams = *shot.beams;
+    hits.reset(beams.rings, beams.columns, channels);
+    const std::shared_ptr<const World> world = worldNear(shot.worldFromSensor.front().translation);
+    ShotFrame frame;
+    for (const Pose& pose : shot.worldFromSensor) {
+      frame.rotation.push_back(toMatrix(pose.rotation));
+      frame.position.push_back(pose.translation - world->origin);
+    }
+    const PacketJob job{*world, materials_,      shot,
+                        frame,  options_.packet, coplanarFloor(static_cast<float>(length(frame.position.front())))};
+    const std::uint32_t width = tileColumns(beams);
+    const std::uint32_t rows = kPacket / width;
+    const std::uint32_t across = (beams.columns + width - 1) / width;
+    const std::uint32_t down = (beams.rings + rows - 1) / rows;
+    parallelFor(std::size_t{across} * down, 128, [&](std::size_t first, std::size_t last) {
+      std::vector<Tile> tiles;
+      tiles.reserve(last - first);
+      for (std::size_t i = first; i < last; ++i) {
+        const auto ring = static_cast<std::uint32_t>(i / across) * rows;
+        const auto column = static_cast<std::uint32_t>(i % across) * width;
+        tiles.push_back({ring, column, std::min(rows, beams.rings - ring), std::min(width, beams.columns - column)});
+      }
+      tracePackets(job, tiles, hits);
+    });
+  }
+
+  std::vector<std::string> modelled() const override {
+    std::uint64_t instancedCount = 0;
+    for (const Instance& i : scene_.instances) instancedCount += instanced_[i.mesh] ? 1 : 0;
+    const bool alpha =
+        std::any_of(scene_.materials.begin(), scene_.materials.end(), [](const Material& m) { return m.alphaTested; });
+    const bool textured = std::any_of(materials_.begin(), materials_.end(),
+                                      [](const CompactMaterial& m) { return m.texture != nullptr; });
+    return {
+        fmt::format("geometry: exact triangles, one return per beam{}", options_.robust ? ", watertight" : ""),
+        instancedCount > 0 ? fmt::format("instancing: {} placed objects share their meshes", instancedCount)
+                           : std::string("instancing: left out, the scene is small enough to be flattened"),
+        alpha ? "alpha cut-outs: modelled, some materials have them" : "alpha cut-outs: left out, no material has one",
+        textured ? "reflectance textures: modelled" : "reflectance textures: left out, no material has one",
+        "transmission through glass, mirror images, beam divergence, motion of objects: left out",
+    };
+  }
+
+  std::uint64_t memoryBytes() const override { return scene_.placedTriangles() * 130; }
+
+ private:
+  // Columns of a packet's tile: as square as possible in angle, since packets trace best when their beams stay
+  // together.
+  std::uint32_t tileColumns(const BeamTable& beams) const {
+    if (options_.tileColumns != 0) return static_cast<std::uint32_t>(options_.tileColumns);
+    if (beams.rings < 2) return kPacket;
+    const auto [low, high] = std::minmax_element(beams.elevation.begin(), beams.elevation.end());
+    const double down = beams.elevation.empty() ? 0 : (*high - *low) / (beams.rings - 1);
+    const double across = 2 * kPi / beams.columns;
+    std::uint32_t best = kPacket;
+    double bestSpread = INFINITY;
+    for (std::uint32_t width = kPacket; width >= 1; width /= 2) {
+      const double spread = std::max(across * width, kRingWeight * down * (kPacket / width));
+      if (spread < bestSpread) {
+        bestSpread = spread;
+        best = width;
+      }
+    }
+    return best;
+  }
+
+  std::shared_ptr<const World> worldNear(const Vec3d& sensor) const {
+    const auto cell = [](double d) { return std::round(d / kOriginGrid) * kOriginGrid; };
+    const Vec3d offset = sensor - anchor_;
+    const Vec3d origin = anchor_ + Vec3d{cell(offset.x), cell(offset.y), cell(offset.z)};
+    const std::scoped_lock lock(worldsMutex_);
+    for (auto it = worlds_.begin(); it != worlds_.end(); ++it) {
+      if ((*it)->origin == origin) {
+        worlds_.splice(worlds_.begin(), worlds_, it);
+        return worlds_.front();
+      }
+    }
+    if (worlds_.size() >= kWorldsInMemory) worlds_.pop_back();
+    worlds_.push_front(buildWorld(device_.get(), scene_, origin, instanced_, shared_, options_));
+    return worlds_.front();
+  }
+
+  const Scene& scene_;
+  RayTracingOptions options_;
+  Vec3d anchor_;
+  DeviceHandle device_;
+  std::vector<bool> instanced_;
+  SharedMeshes shared_;
+  std::vector<CompactMaterial> materials_;
+  mutable std::mutex worldsMutex_;
+  mutable std::list<std::shared_ptr<const World>> worlds_;
+};
+
+}  // namespace
+
+std::unique_ptr<Method> makeRayTracing(const Scene& scene, Fields& options) {
+  return std::make_unique<RayTracing>(scene, readRayTracingOptions(options));
+}
+
+}  // namespace scanmill

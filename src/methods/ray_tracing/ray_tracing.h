@@ -1,0 +1,11 @@
+#pragma once
+
+#include <memory>
+
+#include "methods/method.h"
+
+namespace scanmill {
+
+std::unique_ptr<Method> makeRayTracing(const Scene& scene, Fields& options);
+
+}  // namespace scanmill

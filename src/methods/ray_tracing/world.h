@@ -1,0 +1,104 @@
+#pragma once
+
+// The scene as Embree sees it: float32 triangles near an origin, and beside them the exact ones in double precision.
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "base/vec.h"
+#include "methods/ray_tracing/options.h"
+#include "scene/scene.h"
+
+struct RTCDeviceTy;
+struct RTCSceneTy;
+
+namespace scanmill {
+
+// What a triangle's hit tells.
+struct HitSurface {
+  std::uint32_t instance = 0;
+  std::uint16_t semantic = 0;
+  std::uint16_t material = 0;
+};
+
+// Corners (indices of vertices), what the triangle belongs to (an index into TriangleBlock::surfaces) and its index in
+// its mesh: side by side, because a hit reads them all and each lookup may miss the caches.
+struct BlockTriangle {
+  Triangle corners;
+  std::uint32_t surface;
+  std::uint32_t primitive;
+};
+
+// Triangles in one frame. Those with an alpha-tested material come last and form an Embree geometry of their own (id
+// 1), so that only they pay for the alpha test; the others are geometry 0.
+struct TriangleBlock {
+  std::vector<Vec3f> rounded;  // for Embree, padded by one: it reads 16 bytes a vertex
+  std::vector<Vec3d> exact;    // the same vertices; empty where `rounded` is exact (the mesh's own frame)
+  std::vector<Vec2f> uvs;      // empty, or one per vertex
+  std::vector<BlockTriangle> triangles;
+  std::vector<HitSurface> surfaces;  // instance: the id (baked), or the object's number in its mesh (instanced)
+  std::uint32_t firstAlpha = 0;      // triangles from here on are alpha-tested
+
+  const HitSurface& surfaceOf(std::uint32_t triangle) const { return surfaces[triangles[triangle].surface]; }
+  Vec3d vertex(std::uint32_t index) const { return exact.empty() ? Vec3d(rounded[index]) : exact[index]; }
+  void prefetchVertex(std::uint32_t index) const {
+    __builtin_prefetch(exact.empty() ? static_cast<const void*>(&rounded[index]) : &exact[index]);
+  }
+  std::uint32_t global(std::uint32_t geometry, std::uint32_t primitiveOfGeometry) const {
+    return primitiveOfGeometry + (geometry == 0 ? 0 : firstAlpha);
+  }
+};
+
+// A mesh placed by an Embree instance.
+struct PlacedBlock {
+  const TriangleBlock* block = nullptr;
+  Affine originFromMesh;  // exact, relative to the world's origin
+  std::uint32_t firstInstanceId = 0;
+};
+
+// Owners of Embree's reference-counted handles.
+struct DeviceDeleter {
+  void operator()(RTCDeviceTy* device) const;
+};
+struct SceneDeleter {
+  void operator()(RTCSceneTy* scene) const;
+};
+using DeviceHandle = std::unique_ptr<RTCDeviceTy, DeviceDeleter>;
+using SceneHandle = std::unique_ptr<RTCSceneTy, SceneDeleter>;
+
+DeviceHandle makeDevice();
+
+// Meshes that many instances share: built once, whatever the origin.
+struct SharedMeshes {
+  std::vector<std::unique_ptr<TriangleBlock>> blocks;  // per mesh of the scene; null where it is baked
+  std::vector<SceneHandle> scenes;
+};
+
+// Which meshes are instanced: those placed more than once in a scene too large to be flattened.
+std::vector<bool> instancedMeshes(const Scene& scene, RayTracingOptions::Instancing instancing);
+
+SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
+                               const RayTracingOptions& options);
+
+// The whole scene relative to one origin. Read-only once built.
+struct World {
+  Vec3d origin;
+  const Scene* scene = nullptr;
+  TriangleBlock baked;              // frame: world axes, relative to origin
+  std::vector<PlacedBlock> placed;  // Embree instance id k + kFirstPlaced
+  SceneHandle embree;
+  bool alpha = false;
+  static constexpr std::uint32_t kFirstPlaced = 2;  // 0 and 1 are the baked geometries
+};
+
+std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const Vec3d& origin,
+                                  const std::vector<bool>& instanced, const SharedMeshes& shared,
+                                  const RayTracingOptions& options);
+
+// Base colour's alpha and linear luminance at a triangle's barycentric coordinates (of its second and third corner).
+const std::uint8_t* texelAt(const TriangleBlock& block, std::uint32_t triangle, const Texture& texture, double u,
+                            double v);
+
+}  // namespace scanmill

@@ -1,0 +1,252 @@
+#include "pipeline/generate.h"
+
+#include <fmt/core.h>
+#include <tbb/parallel_pipeline.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "base/hash.h"
+#include "base/parallel.h"
+#include "dataset/writer.h"
+#include "pipeline/progress.h"
+#include "pipeline/version.h"
+
+namespace scanmill {
+
+namespace {
+
+// Seconds of processor time per stage, summed over threads. Threads run each stage's work by themselves, but for
+// tracing, which may be helped by idle ones; so the sum is close to, not exactly, the time on processors.
+struct StageTimes {
+  enum Stage { Setup, Trace, Effects, Encode, Write, Count };
+  std::array<std::atomic<std::int64_t>, Count> nanoseconds{};
+
+  std::map<std::string, double> seconds() const {
+    static constexpr std::array kNames{"setup", "trace", "effects", "encode", "write"};
+    std::map<std::string, double> result;
+    for (std::size_t i = 0; i < Count; ++i) result[kNames[i]] = static_cast<double>(nanoseconds[i].load()) * 1e-9;
+    return result;
+  }
+};
+
+class StageTimer {
+ public:
+  StageTimer(StageTimes& times, StageTimes::Stage stage)
+      : total_(times.nanoseconds[stage]), start_(std::chrono::steady_clock::now()) {}
+  ~StageTimer() {
+    total_ += std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start_).count();
+  }
+  StageTimer(const StageTimer&) = delete;
+  StageTimer& operator=(const StageTimer&) = delete;
+
+ private:
+  std::atomic<std::int64_t>& total_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+// Buffers that go from frame to frame, so that memory stays flat.
+struct Workspace {
+  Hits hits;
+  Returns returns;
+  Scan scan;
+};
+
+class WorkspacePool {
+ public:
+  std::unique_ptr<Workspace> take() {
+    const std::scoped_lock lock(mutex_);
+    if (idle_.empty()) return std::make_unique<Workspace>();
+    auto workspace = std::move(idle_.back());
+    idle_.pop_back();
+    return workspace;
+  }
+  void give(std::unique_ptr<Workspace> workspace) {
+    const std::scoped_lock lock(mutex_);
+    idle_.push_back(std::move(workspace));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Workspace>> idle_;
+};
+
+ScanRecord describe(const Shot& shot, const Hits& hits, const Scan& scan, std::string_view method) {
+  ScanRecord record;
+  record.sensor = shot.sensorName;
+  record.method = method;
+  record.time = shot.time;
+  record.worldFromSensor.push_back(shot.worldFromSensor.front());
+  if (shot.worldFromSensor.size() > 1) record.worldFromSensor.push_back(shot.worldFromSensor.back());
+  record.beams = hits.size();
+  std::vector<std::uint64_t> perClass;
+  std::vector<std::uint32_t> instances;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (!isFinite(scan.position[i])) continue;
+    ++record.points;
+    if (!scan.label.empty()) {
+      if (scan.label[i] >= perClass.size()) perClass.resize(scan.label[i] + std::size_t{1});
+      ++perClass[scan.label[i]];
+    }
+    if (!scan.instance.empty() && scan.instance[i] != 0 &&
+        (instances.empty() || instances.back() != scan.instance[i])) {
+      instances.push_back(scan.instance[i]);
+    }
+  }
+  for (std::size_t c = 0; c < perClass.size(); ++c) {
+    if (perClass[c] > 0) record.pointsPerClass[static_cast<std::uint16_t>(c)] = perClass[c];
+  }
+  std::sort(instances.begin(), instances.end());
+  record.instances = static_cast<std::uint32_t>(std::unique(instances.begin(), instances.end()) - instances.begin());
+  return record;
+}
+
+// One frame: all sensors, traced, sensed and encoded.
+Sample makeSample(const Plan& plan, const Scene& scene, const Method& method, std::size_t sequence, std::uint32_t frame,
+                  Workspace& work, StageTimes& times) {
+  const Pipeline& pipeline = plan.pipeline();
+  Sample sample;
+  sample.key = pipeline.sequences[sequence].key(frame);
+  sample.split = pipeline.sequences[sequence].split;
+  for (const Shot& shot : plan.shots(sequence, frame)) {
+    {
+      const StageTimer timer(times, StageTimes::Trace);
+      method.trace(shot, plan.channels(), work.hits);
+    }
+    {
+      const StageTimer timer(times, StageTimes::Effects);
+      sense(work.hits, shot, pipeline.effects, scene.materials, pipeline.columns, work.returns, work.scan);
+      sample.scans.push_back(describe(shot, work.hits, work.scan, pipeline.method.entry->name));
+    }
+    const StageTimer timer(times, StageTimes::Encode);
+    for (const FormatChoice& f : pipeline.formats) {
+      sample.members.push_back({memberSuffix(sample.scans.back(), f.format->suffix()), f.format->encode(work.scan)});
+    }
+  }
+  return sample;
+}
+
+std::vector<std::string> columnsWritten(const Pipeline& pipeline) {
+  const bool intensity = std::any_of(pipeline.effects.begin(), pipeline.effects.end(),
+                                     [](const auto& effect) { return effect->setsIntensity(); });
+  const ScanColumns& c = pipeline.columns;
+  std::vector<std::string> names{"x", "y", "z"};
+  const std::pair<bool, const char*> optional[] = {{c.intensity && intensity, "intensity"},
+                                                   {c.label, "label"},
+                                                   {c.instance, "instance"},
+                                                   {c.ring, "ring"},
+                                                   {c.column, "column"},
+                                                   {c.time, "time"},
+                                                   {c.rangeTrue, "range_true"}};
+  for (const auto& [asked, name] : optional) {
+    if (asked) names.emplace_back(name);
+  }
+  return names;
+}
+
+Manifest startManifest(const Plan& plan) {
+  const Pipeline& pipeline = plan.pipeline();
+  Manifest manifest;
+  manifest.programVersion = kVersion;
+  manifest.name = pipeline.name;
+  manifest.pipelineText = pipeline.text;
+  manifest.pipelineSha256 = sha256(pipeline.text);
+  manifest.seed = pipeline.seed;
+  manifest.organised = pipeline.columns.organised;
+  manifest.deskewed = pipeline.motion.deskew;
+  manifest.columns = columnsWritten(pipeline);
+  for (const FormatChoice& f : pipeline.formats) {
+    manifest.formats.push_back({std::string(f.entry->name), std::string(f.entry->suffix), f.format->maxError()});
+  }
+  for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
+    manifest.sensors.push_back({pipeline.sensors[s].name, *plan.beams()[s], pipeline.sensors[s].vehicleFromSensor});
+    BeamTable& beams = manifest.sensors.back().beams;  // the manifest holds the table per ring
+    beams.direction = {};
+    beams.origin = {};
+    beams.time = {};
+  }
+  manifest.modelled = plan.modelled();
+  return manifest;
+}
+
+}  // namespace
+
+GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
+  const Pipeline& pipeline = plan.pipeline();
+  GenerateSummary summary;
+  summary.manifest = startManifest(plan);
+  StageTimes times;
+  WorkspacePool pool;
+  std::optional<DatasetWriter> writer;
+  std::unique_ptr<Scene> scene;
+  std::unique_ptr<Method> method;
+  Progress progress("generate", pipeline.frames(), "frames", "rays", options.quiet);
+  const auto raysPerFrame = static_cast<double>(pipeline.raysPerFrame());
+  const std::size_t inFlight = plan.framesInFlight();
+
+  for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
+    const Sequence& sequence = pipeline.sequences[s];
+    if (s == 0 || !sequence.sameScene(pipeline.sequences[s - 1])) {
+      const StageTimer timer(times, StageTimes::Setup);
+      method.reset();
+      scene.reset();
+      scene = std::make_unique<Scene>(plan.loadScene(sequence));
+      method = plan.makeMethod(*scene);
+    }
+    if (!writer) {
+      // Only now: a scene or a method that cannot be used must not cost the dataset that --overwrite replaces.
+      writer.emplace(options.folder, options.overwrite, pipeline.shardBytes);
+      summary.manifest.ontology = scene->ontology;
+    }
+    for (const std::string& line : method->modelled()) {
+      auto& lines = summary.manifest.modelled;
+      if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+    }
+
+    std::uint32_t next = 0;
+    const auto source = [&](tbb::flow_control& control) -> std::uint32_t {
+      if (next == sequence.trajectory->frames() || (options.stop != nullptr && *options.stop)) {
+        control.stop();
+        return 0;
+      }
+      return next++;
+    };
+    const auto make = [&](std::uint32_t frame) {
+      auto work = pool.take();
+      auto sample = std::make_shared<const Sample>(makeSample(plan, *scene, *method, s, frame, *work, times));
+      pool.give(std::move(work));
+      return sample;
+    };
+    const auto write = [&](const std::shared_ptr<const Sample>& sample) {
+      {
+        const StageTimer timer(times, StageTimes::Write);
+        writer->add(*sample);
+      }
+      for (const ScanRecord& record : sample->scans) {
+        summary.rays += record.beams;
+        summary.points += record.points;
+        for (const auto& [id, count] : record.pointsPerClass) summary.pointsPerClass[id] += count;
+      }
+      progress.advance(1, raysPerFrame);
+    };
+    tbb::parallel_pipeline(
+        inFlight, tbb::make_filter<void, std::uint32_t>(tbb::filter_mode::serial_in_order, source) &
+                      tbb::make_filter<std::uint32_t, std::shared_ptr<const Sample>>(tbb::filter_mode::parallel, make) &
+                      tbb::make_filter<std::shared_ptr<const Sample>, void>(tbb::filter_mode::serial_in_order, write));
+    if (options.stop != nullptr && *options.stop) {
+      throw Error("stopped: the folder holds no manifest, hence no finished dataset");
+    }
+  }
+  summary.manifest.stages = times.seconds();
+  writer->finish(summary.manifest);
+  summary.bytes = writer->bytesWritten();
+  summary.seconds = progress.seconds();
+  return summary;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,36 @@
+#pragma once
+
+// The whole way: shots -> hits -> effects -> scans -> bytes -> shards -> manifest.
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "dataset/manifest.h"
+#include "pipeline/plan.h"
+
+namespace scanmill {
+
+struct GenerateOptions {
+  std::filesystem::path folder;
+  bool overwrite = false;
+  bool quiet = false;
+  const std::atomic<bool>* stop = nullptr;  // set by a signal handler: generate() then throws Error
+};
+
+struct GenerateSummary {
+  Manifest manifest;
+  double seconds = 0;
+  std::uint64_t rays = 0;
+  std::uint64_t points = 0;
+  std::uint64_t bytes = 0;
+  std::map<std::uint16_t, std::uint64_t> pointsPerClass;
+};
+
+// Throws InputError for an unusable scene or folder, Error where the work fails. Without a manifest nothing in the
+// folder counts as a dataset.
+GenerateSummary generate(const Plan& plan, const GenerateOptions& options);
+
+}  // namespace scanmill

@@ -1,0 +1,337 @@
+// A pipeline, all keys:
+//
+//   name: quickstart                 # default: the file's name
+//   seed: 1                          # of the sensor's noise; scenes have their own
+//   labels: ../labels/x.yaml         # an ontology in place of the scenes' own
+//   wavelength_nm: 905               # 850, 905 or 1064: which column of the material table
+//   scenes:
+//     - scene: ../scenes/street.yaml
+//       seeds: [1, 2, 3]             # a sequence each; default [1]
+//       trajectories: [...]          # default: the pipeline's
+//   trajectories:                    # see sensors/trajectory.h
+//     - {name: lane, waypoints: [...], speed: 8, frames: 10}
+//   sensors:                         # see sensors/sensor.h
+//     - {name: top, preset: sensors/paper_64.yaml, mount: {position: [0, 0, 1.9]}}
+//   motion: none                     # none | per_column | {steps: 360, deskew: false}
+//   method: ray_tracing              # or {ray_tracing: {...}}
+//   effects: [{intensity: {...}}, {range_noise: {...}}]
+//   splits: {by: seed, train: 0.8, val: 0.1, test: 0.1}
+//   output:
+//     layout: dense                  # or organised
+//     columns: [intensity, label, instance, ring, column, time, range_true]
+//     formats: [pcd, {draco: {max_error_mm: 1}}]
+//     shard_mb: 256
+//   limits: {max_rays: 1e11}
+
+#include "pipeline/pipeline.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "base/file.h"
+#include "dataset/split.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kDefaultMaxRays = 1e11;
+
+// Lower-case letters, digits, '-' and '_': sample keys must hold no dot and no slash.
+std::string keyPart(std::string text) {
+  for (char& c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) == 0 && c != '_' && c != '-') c = '_';
+    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return text;
+}
+
+// What stands after "# " in a comment, on lines of its own where it has several.
+std::string commented(const std::string& text) {
+  std::string comment;
+  for (const char c : text) {
+    comment += c == '\r' ? '\n' : c;
+    if (comment.back() == '\n') comment += "# ";
+  }
+  return comment;
+}
+
+// "name" or {name: {options}}: one entry of a list of effects or formats, or a method.
+struct Named {
+  std::string name;
+  Location where;
+  Value options;
+};
+
+Named readNamed(const Value& value, const std::string& what) {
+  Named named{"", value.where, {}};
+  named.options.where = value.where;
+  if (value.kind == Value::Kind::Map && value.entries.size() == 1) {
+    named.name = value.entries.front().first;
+    named.options = value.entries.front().second;
+    return named;
+  }
+  if (value.kind != Value::Kind::Scalar) {
+    throw InputError(value.where, fmt::format("{} must be a name or one pair `name: {{options}}`", what));
+  }
+  named.name = readText(value, what);
+  return named;
+}
+
+const Value& requireList(Fields& fields, std::string_view key) {
+  const Value& value = fields.require(key);
+  if (value.kind != Value::Kind::Sequence || value.items.empty()) {
+    throw InputError(value.where, fmt::format("{} must be a list with at least one item", key));
+  }
+  return value;
+}
+
+using Trajectories = std::vector<std::shared_ptr<const Trajectory>>;
+
+Trajectories readTrajectories(const Value& list, double period) {
+  if (list.kind != Value::Kind::Sequence || list.items.empty()) {
+    throw InputError(list.where, "trajectories must be a list with at least one item");
+  }
+  Trajectories trajectories;
+  std::set<std::string> names;
+  for (const Value& item : list.items) {
+    const std::string fallback = fmt::format("t{}", trajectories.size());
+    auto trajectory = std::make_shared<const Trajectory>(readTrajectory(item, fallback, period));
+    if (trajectory->name().empty()) {
+      throw InputError(item.where, "a trajectory's name becomes part of file names: it is empty");
+    }
+    if (!names.insert(keyPart(trajectory->name())).second) {
+      throw InputError(item.where, fmt::format("two trajectories are named '{}'", trajectory->name()));
+    }
+    trajectories.push_back(std::move(trajectory));
+  }
+  return trajectories;
+}
+
+std::vector<std::uint64_t> readSeeds(const Value* value) {
+  if (value == nullptr) return {1};
+  std::vector<std::uint64_t> seeds;
+  const auto add = [&](const Value& v) {
+    const auto seed = static_cast<std::uint64_t>(readInteger(v, "seeds", 0, 1'000'000'000'000));
+    if (std::find(seeds.begin(), seeds.end(), seed) != seeds.end()) {
+      throw InputError(v.where, fmt::format("seed {} stands twice: both sequences would be the same", seed));
+    }
+    seeds.push_back(seed);
+  };
+  if (value->kind == Value::Kind::Sequence) {
+    for (const Value& item : value->items) add(item);
+  } else {
+    add(*value);
+  }
+  if (seeds.empty()) throw InputError(value->where, "seeds must name at least one seed");
+  return seeds;
+}
+
+std::vector<Sequence> readSequences(Fields& fields, double period) {
+  const Value* shared = fields.find("trajectories");
+  const Trajectories common = shared == nullptr ? Trajectories{} : readTrajectories(*shared, period);
+  std::vector<Sequence> sequences;
+  std::set<std::string> keys;
+  for (const Value& item : requireList(fields, "scenes").items) {
+    Fields scene(item, "scene");
+    const std::filesystem::path file = scene.path("scene");
+    const std::vector<std::uint64_t> seeds = readSeeds(scene.find("seeds"));
+    const Value* own = scene.find("trajectories");
+    scene.finish();
+    if (own == nullptr && common.empty()) {
+      throw InputError(item.where, "no trajectories, neither here nor for the whole pipeline");
+    }
+    const Trajectories trajectories = own == nullptr ? common : readTrajectories(*own, period);
+    for (const std::uint64_t seed : seeds) {
+      for (const auto& trajectory : trajectories) {
+        sequences.push_back({keyPart(file.stem().string()), file, seed, trajectory, ""});
+        if (!keys.insert(sequences.back().key()).second) {
+          throw InputError(item.where, fmt::format("the sequence '{}' stands twice", sequences.back().key()));
+        }
+      }
+    }
+  }
+  return sequences;
+}
+
+std::vector<MountedSensor> readSensors(Fields& fields) {
+  std::vector<MountedSensor> sensors;
+  for (const Value& item : requireList(fields, "sensors").items) {
+    Fields own(item, "sensor");
+    MountedSensor sensor;
+    sensor.name = own.text("name", fmt::format("lidar{}", sensors.size()));
+    const Value* name = own.find("name");
+    if (sensor.name.empty()) throw InputError(name->where, "a sensor's name becomes part of file names: it is empty");
+    if (sensor.name != keyPart(sensor.name)) {
+      throw InputError(name->where, fmt::format("a sensor's name becomes part of file names: use lower-case letters, "
+                                                "digits, '-' and '_', such as '{}'",
+                                                keyPart(sensor.name)));
+    }
+    for (const MountedSensor& other : sensors) {
+      if (other.name == sensor.name) {
+        throw InputError(item.where, fmt::format("two sensors are named '{}'", sensor.name));
+      }
+    }
+    if (const Value* mount = own.find("mount")) {
+      Fields pose(*mount, "mount");
+      sensor.vehicleFromSensor = pose.pose();
+      pose.finish();
+    }
+    sensor.description = resolveSensor(item);
+    sensor.size = sensorSize(sensor.description);
+    sensors.push_back(std::move(sensor));
+  }
+  if (sensors.size() > 4095) throw InputError(fields.where(), "at most 4095 sensors fit a vehicle");
+  return sensors;
+}
+
+// The effects run in the order of their stages, whatever the order of the file.
+void readEffects(Fields& fields, Pipeline& pipeline) {
+  const Value* list = fields.find("effects");
+  if (list == nullptr) return;
+  if (list->kind != Value::Kind::Sequence) throw InputError(list->where, "effects must be a list");
+  struct Made {
+    const EffectEntry* entry;
+    Location where;
+    std::unique_ptr<Effect> effect;
+  };
+  std::vector<Made> made;
+  for (const Value& item : list->items) {
+    const Named named = readNamed(item, "an effect");
+    const EffectEntry& entry = requireEffect(named.name, named.where);
+    if (std::any_of(made.begin(), made.end(), [&](const Made& m) { return m.entry == &entry; })) {
+      throw InputError(named.where, fmt::format("the effect '{}' stands twice: both would draw the same random numbers",
+                                                named.name));
+    }
+    Fields options(named.options, "effect " + named.name);
+    made.push_back({&entry, named.where, entry.make(options)});
+  }
+  std::stable_sort(made.begin(), made.end(),
+                   [](const Made& a, const Made& b) { return a.entry->stage < b.entry->stage; });
+  bool intensity = false;
+  for (Made& m : made) {
+    if (m.effect->needsIntensity() && !intensity) {
+      throw InputError(
+          m.where, fmt::format("the effect '{}' looks at the intensity: add the effect `intensity`", m.entry->name));
+    }
+    if (m.effect->setsIntensity() && intensity) {
+      throw InputError(m.where,
+                       fmt::format("the effect '{}' sets the intensity, as an earlier one does", m.entry->name));
+    }
+    intensity = intensity || m.effect->setsIntensity();
+    pipeline.effectEntries.push_back(m.entry);
+    pipeline.effects.push_back(std::move(m.effect));
+  }
+}
+
+void readOutput(const Value& value, Pipeline& pipeline) {
+  Fields output(value, "output");
+  pipeline.columns.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
+  if (const Value* list = output.find("columns")) {
+    if (list->kind != Value::Kind::Sequence) throw InputError(list->where, "columns must be a list of names");
+    ScanColumns& c = pipeline.columns;
+    const std::vector<std::pair<std::string, bool*>> table{
+        {"intensity", &c.intensity}, {"label", &c.label}, {"instance", &c.instance},    {"ring", &c.ring},
+        {"column", &c.column},       {"time", &c.time},   {"range_true", &c.rangeTrue},
+    };
+    std::vector<std::string> names;
+    for (const auto& [name, flag] : table) {
+      names.push_back(name);
+      *flag = false;
+    }
+    for (const Value& item : list->items) {
+      const std::string name = readText(item, "columns");
+      const auto row = std::find_if(table.begin(), table.end(), [&](const auto& r) { return r.first == name; });
+      if (row == table.end()) {
+        throw InputError(item.where, "unknown column '" + name + "'" + suggestion(name, names));
+      }
+      *row->second = true;
+    }
+  }
+  std::set<std::string> suffixes;
+  for (const Value& item : requireList(output, "formats").items) {
+    const Named named = readNamed(item, "a format");
+    const FormatEntry& entry = requireFormat(named.name, named.where);
+    Fields options(named.options, "format " + named.name);
+    pipeline.formats.push_back({&entry, entry.make(options)});
+    if (!suffixes.insert(std::string(entry.suffix)).second) {
+      throw InputError(named.where, fmt::format("two formats write '.{}' files", entry.suffix));
+    }
+  }
+  pipeline.shardBytes = static_cast<std::uint64_t>(output.number("shard_mb", {1, 1e6}, 256) * 1e6);
+  output.finish();
+}
+
+}  // namespace
+
+std::string Sequence::key() const {
+  return fmt::format("{}-s{}-{}", scene, sceneSeed, keyPart(trajectory->name()));
+}
+
+std::string Sequence::key(std::uint32_t frame) const {
+  return fmt::format("{}-{:06}", key(), frame);
+}
+
+std::uint64_t Pipeline::frames() const {
+  std::uint64_t count = 0;
+  for (const Sequence& s : sequences) count += s.trajectory->frames();
+  return count;
+}
+
+std::uint64_t Pipeline::raysPerFrame() const {
+  std::uint64_t count = 0;
+  for (const MountedSensor& s : sensors) count += s.size.rings * s.size.columns;
+  return count;
+}
+
+Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  Pipeline pipeline;
+  pipeline.file = file;
+  pipeline.text = readFile(file);
+  Value root = parseYaml(pipeline.text, file.string());
+  if (!overrides.empty() && !pipeline.text.ends_with('\n')) pipeline.text += '\n';
+  for (const std::string& assignment : overrides) {
+    setValue(root, assignment);
+    pipeline.text += "# --set " + commented(assignment) + "\n";
+  }
+  Fields fields(root, "pipeline");
+  pipeline.name = fields.text("name", file.stem().string());
+  pipeline.seed = static_cast<std::uint64_t>(fields.integer("seed", 0, std::int64_t{1} << 62, 1));
+  pipeline.ontology = fields.optionalPath("labels").value_or("");
+  pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064"}, "905"));
+  pipeline.sensors = readSensors(fields);
+  const double period = 1.0 / Fields(pipeline.sensors.front().description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
+  pipeline.sequences = readSequences(fields, period);
+  pipeline.motion = readMotion(fields.find("motion"));
+  const Named method = readNamed(fields.require("method"), "method");
+  pipeline.method = {&requireMethod(method.name, method.where), method.options};
+  readEffects(fields, pipeline);
+  readOutput(fields.require("output"), pipeline);
+  std::vector<SequenceName> names;
+  for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectory->name()});
+  const std::vector<std::string> splits = assignSplits(fields.find("splits"), names, pipeline.seed);
+  for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
+  pipeline.maxRays = kDefaultMaxRays;
+  if (const Value* value = fields.find("limits")) {
+    Fields limits(*value, "limits");
+    pipeline.maxRays = limits.number("max_rays", {1, 1e18}, kDefaultMaxRays);
+    limits.finish();
+  }
+  fields.finish();
+  const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
+  if (rays > pipeline.maxRays) {
+    throw InputError(
+        {file.string()},
+        fmt::format("{} frames x {} beams = {:.3g} rays, more than limits.max_rays = {:.3g}; at 20 million "
+                    "rays a second that is {:.1f} hours. Take fewer frames, rings or columns, or raise the "
+                    "limit",
+                    pipeline.frames(), pipeline.raysPerFrame(), rays, pipeline.maxRays, rays / 20e6 / 3600));
+  }
+  return pipeline;
+}
+
+}  // namespace scanmill

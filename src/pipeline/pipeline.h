@@ -1,0 +1,78 @@
+#pragma once
+
+// A pipeline file: which scenes, sensors and trajectories become which dataset. Everything is checked when it is read.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/vec.h"
+#include "config/value.h"
+#include "effects/effect.h"
+#include "formats/format.h"
+#include "methods/method.h"
+#include "sensors/sensor.h"
+#include "sensors/shot.h"
+#include "sensors/trajectory.h"
+
+namespace scanmill {
+
+// A sensor on the vehicle. Its beam table is made by Plan, once the totals are known to be sane.
+struct MountedSensor {
+  std::string name;
+  Value description;  // preset and own keys merged
+  SensorSize size;
+  Pose vehicleFromSensor;
+};
+
+// One scene with one procedural seed, driven along one trajectory: the unit that splits never part.
+struct Sequence {
+  std::string scene;  // name of the scene file without its suffix, made fit for a key
+  std::filesystem::path sceneFile;
+  std::uint64_t sceneSeed = 1;
+  std::shared_ptr<const Trajectory> trajectory;
+  std::string split;
+
+  bool sameScene(const Sequence& other) const { return sceneFile == other.sceneFile && sceneSeed == other.sceneSeed; }
+  std::string key() const;                     // "street-s1-lane"
+  std::string key(std::uint32_t frame) const;  // "street-s1-lane-000012"
+};
+
+struct MethodChoice {
+  const MethodEntry* entry = nullptr;
+  Value options;  // its map; Null where the pipeline gives only the name
+};
+
+struct FormatChoice {
+  const FormatEntry* entry = nullptr;
+  std::unique_ptr<Format> format;
+};
+
+struct Pipeline {
+  std::string name;
+  std::filesystem::path file;
+  std::string text;  // as read, with the overrides as comments
+  std::uint64_t seed = 1;
+  std::filesystem::path ontology;  // empty: the scenes' own
+  int wavelengthNm = 905;
+  std::vector<Sequence> sequences;
+  std::vector<MountedSensor> sensors;
+  Motion motion;
+  MethodChoice method;
+  std::vector<std::unique_ptr<Effect>> effects;   // in the order in which they run
+  std::vector<const EffectEntry*> effectEntries;  // likewise
+  ScanColumns columns;
+  std::vector<FormatChoice> formats;
+  std::uint64_t shardBytes = 0;
+  double maxRays = 0;
+
+  std::uint64_t frames() const;
+  std::uint64_t raysPerFrame() const;
+};
+
+// `overrides` are the arguments of --set. Throws InputError with file:line:column.
+Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides);
+
+}  // namespace scanmill

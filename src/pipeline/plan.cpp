@@ -1,0 +1,163 @@
+#include "pipeline/plan.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <map>
+
+#include "base/parallel.h"
+
+namespace scanmill {
+
+namespace {
+
+bool setsIntensity(const Pipeline& pipeline) {
+  return std::any_of(pipeline.effects.begin(), pipeline.effects.end(),
+                     [](const auto& effect) { return effect->setsIntensity(); });
+}
+
+constexpr double kGibibyte = 1024.0 * 1024 * 1024;
+constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // of a beam table
+
+std::uint64_t machineBytes() {
+  return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+bool sameClasses(const Ontology& a, const Ontology& b) {
+  return std::equal(a.classes.begin(), a.classes.end(), b.classes.begin(), b.classes.end(),
+                    [](const SemanticClass& x, const SemanticClass& y) {
+                      return x.id == y.id && x.name == y.name && x.thing == y.thing;
+                    });
+}
+
+// A dataset has one ontology. The scene files are read for their ontology alone, so that one that is absent or differs
+// is known before hours of work.
+void checkOntologies(const Pipeline& pipeline) {
+  if (!pipeline.ontology.empty()) return;
+  std::map<std::filesystem::path, Ontology> known;  // by scene file
+  for (const Sequence& s : pipeline.sequences) {
+    if (known.contains(s.sceneFile)) continue;
+    const Value scene = readYaml(s.sceneFile);
+    Fields fields(scene, "scene");
+    const Ontology ontology = readOntology(fields.path("ontology"));
+    if (!known.empty() && !sameClasses(ontology, known.begin()->second)) {
+      throw InputError({pipeline.file.string()},
+                       fmt::format("the scenes {} and {} have different classes: name one ontology for all with the "
+                                   "key `labels`",
+                                   known.begin()->first.string(), s.sceneFile.string()));
+    }
+    known.emplace(s.sceneFile, ontology);
+  }
+}
+
+}  // namespace
+
+Plan::Plan(Pipeline pipeline) : pipeline_(std::move(pipeline)) {
+  checkOntologies(pipeline_);
+  channels_ = channelsFor(pipeline_.effects, pipeline_.columns);
+  const std::uint64_t beams = pipeline_.raysPerFrame();
+  const std::uint64_t bytes = beams * kBeamBytes + bytesPerFrameInMemory();
+  if (bytes > machineBytes()) {
+    throw InputError({pipeline_.file.string()},
+                     fmt::format("{} beams a frame x {} bytes = {:.1f} GiB, but this machine has {:.1f} GiB of memory: "
+                                 "take fewer sensors, rings or columns",
+                                 beams, bytes / beams, static_cast<double>(bytes) / kGibibyte,
+                                 static_cast<double>(machineBytes()) / kGibibyte));
+  }
+  for (const MountedSensor& sensor : pipeline_.sensors) {
+    beams_.push_back(makeBeams(sensor.description));
+    if (pipeline_.motion.kind == MotionKind::Steps && pipeline_.motion.steps > beams_.back()->columns) {
+      throw InputError(pipeline_.motion.where,
+                       fmt::format("{} steps are more than the {} columns of '{}'", pipeline_.motion.steps,
+                                   beams_.back()->columns, sensor.name));
+    }
+  }
+}
+
+Scene Plan::loadScene(const Sequence& sequence) const {
+  SceneOptions options;
+  options.seed = sequence.sceneSeed;
+  options.ontology = pipeline_.ontology;
+  options.wavelengthNm = pipeline_.wavelengthNm;
+  options.textures = channels_.has(Channel::Reflectance);
+  return readScene(sequence.sceneFile, options);
+}
+
+std::unique_ptr<Method> Plan::makeMethod(const Scene& scene) const {
+  Fields options(pipeline_.method.options, "method " + std::string(pipeline_.method.entry->name));
+  return pipeline_.method.entry->make(scene, options);
+}
+
+std::vector<Shot> Plan::shots(std::size_t sequence, std::uint32_t frame) const {
+  std::vector<Shot> shots;
+  for (std::size_t s = 0; s < beams_.size(); ++s) {
+    Shot shot = makeShot(beams_[s], *pipeline_.sequences[sequence].trajectory, frame,
+                         pipeline_.sensors[s].vehicleFromSensor, pipeline_.motion);
+    shot.seed = pipeline_.seed;
+    shot.scene = static_cast<std::uint32_t>(sequence);
+    shot.sensor = static_cast<std::uint32_t>(s);
+    shot.sensorName = pipeline_.sensors[s].name;
+    shots.push_back(std::move(shot));
+  }
+  return shots;
+}
+
+std::vector<std::string> Plan::modelled() const {
+  const ScanColumns& c = pipeline_.columns;
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("channels: {}", fmt::join(channelNames(channels_), ", ")));
+  std::string left;
+  for (const std::string& name : channelNames(Channels::all())) {
+    const auto asked = channelNames(channels_);
+    if (std::find(asked.begin(), asked.end(), name) == asked.end()) left += (left.empty() ? "" : ", ") + name;
+  }
+  if (!left.empty()) lines.push_back(fmt::format("channels left out, nothing reads them: {}", left));
+  if (c.intensity && !setsIntensity(pipeline_)) {
+    lines.emplace_back("intensity: left out, no effect sets it (add `effects: [intensity]`)");
+  }
+  if (!channels_.has(Channel::Reflectance)) {
+    lines.emplace_back("reflectance textures: left out, nothing reads the reflectance; only alpha is loaded");
+  }
+  if (pipeline_.effectEntries.empty()) lines.emplace_back("effects: none, the scans are noise-free");
+  for (const EffectEntry* entry : pipeline_.effectEntries) {
+    lines.push_back(fmt::format("effect {}: {}", entry->name, entry->summary));
+  }
+  switch (pipeline_.motion.kind) {
+    case MotionKind::None:
+      lines.emplace_back("ego motion: left out, each turn has one pose");
+      break;
+    case MotionKind::PerColumn:
+      lines.emplace_back("ego motion: a pose per column");
+      break;
+    case MotionKind::Steps:
+      lines.push_back(fmt::format("ego motion: {} poses a turn", pipeline_.motion.steps));
+      break;
+  }
+  lines.push_back(c.organised ? "misses: kept, as NaN"
+                              : "misses: left out of the files; ring and column tell the beam");
+  if (!c.rangeTrue) lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");
+  return lines;
+}
+
+std::uint64_t Plan::bytesPerFrameInMemory() const {
+  // Hits, returns, scan and encoded bytes; the beam tables are shared by all frames.
+  const std::uint64_t perBeam = 4 + (channels_.has(Channel::Normal) ? 12 : 0) + 20 + 20 + 45 + 40;
+  return perBeam * pipeline_.raysPerFrame();
+}
+
+std::size_t Plan::framesInFlight() const {
+  const std::uint64_t fitting = machineBytes() / 2 / bytesPerFrameInMemory();
+  return std::clamp<std::uint64_t>(fitting, 1, static_cast<std::uint64_t>(threadCount()) + 2);
+}
+
+double Plan::estimatedDatasetBytes() const {
+  double perPoint = 0;
+  for (const FormatChoice& f : pipeline_.formats) {
+    perPoint += f.entry->suffix == "pcd" ? 24 : f.entry->suffix == "drc" ? 5 : 60;
+  }
+  return perPoint * static_cast<double>(pipeline_.frames()) * static_cast<double>(pipeline_.raysPerFrame());
+}
+
+}  // namespace scanmill

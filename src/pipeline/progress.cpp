@@ -1,0 +1,91 @@
+#include "pipeline/progress.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+namespace scanmill {
+
+namespace {
+
+constexpr int kBarWidth = 30;
+constexpr double kBarInterval = 0.1;   // s
+constexpr double kLineInterval = 5.0;  // s
+
+}  // namespace
+
+Progress::Progress(std::string what, std::uint64_t total, std::string unit, std::string workUnit, bool quiet)
+    : what_(std::move(what)),
+      unit_(std::move(unit)),
+      workUnit_(std::move(workUnit)),
+      total_(total),
+      quiet_(quiet),
+      terminal_(::isatty(STDERR_FILENO) == 1),
+      start_(std::chrono::steady_clock::now()),
+      lastShown_(start_) {}
+
+Progress::~Progress() {
+  if (!quiet_ && terminal_ && shown_) std::fputc('\n', stderr);
+}
+
+double Progress::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+void Progress::advance(std::uint64_t count, double work) {
+  done_ += count;
+  work_ += work;
+  const auto now = std::chrono::steady_clock::now();
+  const double since = std::chrono::duration<double>(now - lastShown_).count();
+  if (done_ >= total_ || since >= (terminal_ ? kBarInterval : kLineInterval)) {
+    lastShown_ = now;
+    show(done_ >= total_);
+  }
+}
+
+void Progress::show(bool last) {
+  if (quiet_) return;
+  const double elapsed = std::max(seconds(), 1e-9);
+  const double share = total_ == 0 ? 1.0 : static_cast<double>(done_) / static_cast<double>(total_);
+  const std::string rest =
+      last ? fmt::format("in {}", shortTime(elapsed)) : fmt::format("ETA {}", shortTime(elapsed / share * (1 - share)));
+  const std::string text = fmt::format("{} {}/{} {}  {} {}/s  {}", what_, done_, total_, unit_,
+                                       shortNumber(work_ / elapsed), workUnit_, rest);
+  if (!terminal_) {
+    fmt::print(stderr, "{}\n", text);
+    return;
+  }
+  const int filled = static_cast<int>(share * kBarWidth);
+  fmt::print(stderr, "\r[{:#<{}}{:-<{}}] {}\033[K", "", filled, "", kBarWidth - filled, text);
+  std::fflush(stderr);
+  shown_ = true;
+}
+
+std::string shortNumber(double value) {
+  for (const auto& [scale, suffix] : {std::pair{1e12, " T"}, {1e9, " G"}, {1e6, " M"}, {1e3, " k"}}) {
+    if (std::abs(value) >= scale) return fmt::format("{:.3g}{}", value / scale, suffix);
+  }
+  return fmt::format("{:.3g}", value);
+}
+
+std::string shortBytes(double bytes) {
+  const std::pair<double, const char*> units[] = {
+      {1024.0 * 1024 * 1024 * 1024, "TiB"}, {1024.0 * 1024 * 1024, "GiB"}, {1024.0 * 1024, "MiB"}, {1024.0, "KiB"}};
+  for (const auto& [scale, suffix] : units) {
+    if (bytes >= scale) return fmt::format("{:.1f} {}", bytes / scale, suffix);
+  }
+  return fmt::format("{:.0f} B", bytes);
+}
+
+std::string shortTime(double seconds) {
+  if (seconds < 60) return fmt::format("{:.1f} s", seconds);
+  const auto whole = static_cast<long>(std::min(seconds, 1e12));
+  if (whole < 3600) return fmt::format("{}:{:02}", whole / 60, whole % 60);
+  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+}  // namespace scanmill

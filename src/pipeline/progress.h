@@ -1,0 +1,43 @@
+#pragma once
+
+// Progress of long work on standard error: a bar on a terminal, a plain line now and then elsewhere.
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace scanmill {
+
+class Progress {
+ public:
+  // `unit` names what is counted ("frames"), `workUnit` what the rate is of ("rays").
+  Progress(std::string what, std::uint64_t total, std::string unit, std::string workUnit, bool quiet);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void setTotal(std::uint64_t total) { total_ = total; }  // where it is known only once the work has begun
+  void advance(std::uint64_t count, double work);
+  double seconds() const;
+
+ private:
+  void show(bool last);
+
+  std::string what_, unit_, workUnit_;
+  std::uint64_t total_ = 0;
+  std::uint64_t done_ = 0;
+  double work_ = 0;
+  bool quiet_ = false;
+  bool terminal_ = false;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point start_, lastShown_;
+};
+
+// 12.3 M, 456 k, 7.
+std::string shortNumber(double value);
+// 1.2 GiB, 34 MiB.
+std::string shortBytes(double bytes);
+// 1:02:03, 4:05, 6 s.
+std::string shortTime(double seconds);
+
+}  // namespace scanmill

@@ -1,0 +1,41 @@
+#pragma once
+
+// What each fired beam meets: exact and noise-free, misses included.
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "base/vec.h"
+#include "scan/channels.h"
+
+namespace scanmill {
+
+// Range of a beam that met nothing between the sensor's minimum and maximum range.
+constexpr float kMiss = std::numeric_limits<float>::infinity();
+
+// An image of rings x columns as a structure of arrays. Beam index = ring * columns + column. A column that was not
+// asked for is empty. On a miss: range kMiss, everything else zero.
+struct Hits {
+  std::uint32_t rings = 0;
+  std::uint32_t columns = 0;
+  Channels channels;
+
+  std::vector<float> range;              // m, from the beam's own origin along the beam
+  std::vector<Vec3f> normal;             // unit, world axes, of the triangle, turned towards the sensor
+  std::vector<std::uint32_t> instance;   // 0: none (stuff)
+  std::vector<std::uint16_t> semantic;   // class id of the ontology; 0: unlabeled
+  std::vector<std::uint16_t> material;   // index into Scene::materials
+  std::vector<std::uint32_t> primitive;  // triangle index in its mesh
+  std::vector<float> reflectance;        // near-infrared, 0 to 1, texture applied
+  std::vector<float> incidence;          // cosine of the angle between the normal and the beam, 0 to 1
+
+  std::size_t size() const { return std::size_t{rings} * columns; }
+  bool hit(std::size_t beam) const { return range[beam] < kMiss; }
+
+  // Sizes the columns that `asked` names (Range always) and empties the others; contents are undefined.
+  void reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels asked);
+};
+
+}  // namespace scanmill

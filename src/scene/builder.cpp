@@ -1,0 +1,98 @@
+#include "scene/builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
+namespace scanmill {
+namespace {
+
+auto fieldsOf(const Material& m) {
+  return std::tie(m.name, m.reflectance, m.roughness, m.metallic, m.retroreflectance, m.source, m.textured, m.texture,
+                  m.textureMean, m.alphaTested, m.alphaCutoff);
+}
+
+// An exactly or nearly flat image of space: such a transform has no usable inverse.
+bool isSingular(const Mat3& m) {
+  const double volume = std::abs(determinant(m));
+  return !(volume > 1e-12 * length(m.x) * length(m.y) * length(m.z)) || !std::isfinite(1.0 / volume);
+}
+
+}  // namespace
+
+SceneBuilder::SceneBuilder(std::string name, std::uint64_t seed, Ontology ontology, MaterialLibrary library)
+    : library_(std::move(library)) {
+  scene_.name = std::move(name);
+  scene_.seed = seed;
+  scene_.ontology = std::move(ontology);
+  const auto standard = std::find_if(library_.materials.begin(), library_.materials.end(),
+                                     [](const Material& m) { return m.name == "default"; });
+  Material plain;
+  plain.name = "default";
+  scene_.materials.push_back(standard != library_.materials.end() ? *standard : plain);
+}
+
+std::uint16_t SceneBuilder::material(std::string_view name, const Location& where) {
+  return addMaterial(library_.require(name, where));
+}
+
+std::uint16_t SceneBuilder::addMaterial(const Material& material) {
+  for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
+    if (fieldsOf(scene_.materials[i]) == fieldsOf(material)) return static_cast<std::uint16_t>(i);
+  }
+  if (scene_.materials.size() > 65535) {
+    throw InputError("the scene has more than 65536 materials: merge them with rules that name a material");
+  }
+  scene_.materials.push_back(material);
+  return static_cast<std::uint16_t>(scene_.materials.size() - 1);
+}
+
+Surface SceneBuilder::surface(std::string_view className, std::string_view materialName, const Location& where) {
+  const SemanticClass& semantic = scene_.ontology.require(className, where);
+  Surface surface;
+  surface.semantic = semantic.id;
+  surface.object = semantic.thing ? 1 : 0;
+  surface.material = material(materialName, where);
+  return surface;
+}
+
+std::uint32_t SceneBuilder::addMesh(Mesh mesh) {
+  const bool fits = mesh.surfaceOf.size() == mesh.triangles.size() &&
+                    (mesh.uvs.empty() || mesh.uvs.size() == mesh.positions.size()) &&
+                    std::all_of(mesh.surfaceOf.begin(), mesh.surfaceOf.end(),
+                                [&](std::uint16_t s) { return s < mesh.surfaces.size(); });
+  if (!fits) throw Error(fmt::format("mesh '{}': surfaces or texture coordinates do not fit its triangles", mesh.name));
+  scene_.dropped += clean(mesh);
+  mesh.objects = 0;
+  for (const Surface& s : mesh.surfaces) mesh.objects = std::max(mesh.objects, s.object);
+  scene_.meshes.push_back(std::move(mesh));
+  return static_cast<std::uint32_t>(scene_.meshes.size() - 1);
+}
+
+void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where) {
+  const Mat3& linear = worldFromMesh.linear;
+  if (!isFinite(linear.x) || !isFinite(linear.y) || !isFinite(linear.z) || !isFinite(worldFromMesh.translation)) {
+    throw InputError(where, fmt::format("the transform of '{}' is not finite", name));
+  }
+  if (isSingular(linear)) {
+    throw InputError(where, fmt::format("the transform of '{}' flattens it: no scale may be zero", name));
+  }
+  const std::uint32_t objects = scene_.meshes.at(mesh).objects;
+  if (objects > std::numeric_limits<std::uint32_t>::max() - nextInstanceId_) {
+    throw InputError(where, "the scene holds more than 4294967294 things, beyond what instance ids can tell apart");
+  }
+  scene_.instances.push_back({mesh, worldFromMesh, objects > 0 ? nextInstanceId_ : 0, std::move(name)});
+  nextInstanceId_ += objects;
+}
+
+Scene SceneBuilder::finish() {
+  if (scene_.placedTriangles() == 0) {
+    throw InputError(
+        fmt::format("scene '{}' has no triangle ({} were dropped as broken)", scene_.name, scene_.dropped.total()));
+  }
+  return std::move(scene_);
+}
+
+}  // namespace scanmill

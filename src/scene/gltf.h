@@ -1,0 +1,20 @@
+#pragma once
+
+// Checks glTF 2.0 before it reaches the importer, and translates what the importer does not understand.
+
+#include <filesystem>
+#include <string>
+
+namespace scanmill {
+
+// The text of a .gltf or the bytes of a .glb, reduced to what a static scene needs: nodes, triangles with positions and
+// texture coordinates, materials, images. Every index, range and length in it has been checked against the files, the
+// nodes form a tree, names of files are decoded ("textures%2Fa.webp" -> "textures/a.webp"), and textures that only an
+// extension names (EXT_texture_webp and its kin) have a plain source. Throws InputError that names the file and what is
+// wrong with it. Terms are those of the glTF 2.0 specification, chapters 3 and 4.
+std::string checkedGltf(const std::filesystem::path& file);
+
+// "%2F" -> "/"; what is not an escape stays.
+std::string decodeUri(std::string_view uri);
+
+}  // namespace scanmill

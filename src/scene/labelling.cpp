@@ -1,0 +1,133 @@
+#include "scene/labelling.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <map>
+
+namespace scanmill {
+namespace {
+
+// What is under a rule's material stays what it looks like where that decides which beams pass: alpha cut-outs.
+Material dressed(const Material& material, const Material& look) {
+  Material m = material;
+  m.textured = material.textured && look.texture;
+  if (!m.textured && !look.alphaTested) return m;
+  m.texture = look.texture;
+  m.textureMean = look.textureMean;
+  m.alphaTested = look.alphaTested;
+  m.alphaCutoff = look.alphaCutoff;
+  m.name = fmt::format("{} ({})", material.name, look.name);
+  return m;
+}
+
+struct LabelledPart {
+  const SemanticClass* semantic = nullptr;  // null: no rule gave one
+  const Material* material = nullptr;       // null: the asset's own look
+};
+
+LabelledPart labelOf(const SceneBuilder& builder, const AssetPart& part, const Labelling& labelling) {
+  const Verdict verdict = matchRules(labelling.rules, {part.node, part.material, part.texture, labelling.file});
+  LabelledPart label;
+  if (const Rule* rule = verdict.className) {
+    label.semantic = &builder.ontology().require(rule->className, rule->where);
+  }
+  if (const Rule* rule = verdict.material) {
+    label.material = &builder.library().require(rule->materialName, rule->where);
+  }
+  return label;
+}
+
+std::string describe(const AssetPart& part, const std::string& file) {
+  return fmt::format("{}: {} ({})", file, part.node, part.material);
+}
+
+void append(Mesh& mesh, const AssetPart& part, std::uint16_t surface, bool withUvs) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
+  if (withUvs) {
+    mesh.uvs.insert(mesh.uvs.end(), part.uvs.begin(), part.uvs.end());
+    mesh.uvs.resize(mesh.positions.size());
+  }
+  for (const Triangle& t : part.triangles) {
+    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    mesh.surfaceOf.push_back(surface);
+  }
+}
+
+void checkSize(const Asset& asset, const Labelling& labelling, const Location& where) {
+  std::uint64_t vertices = 0;
+  for (const AssetPart& part : asset.parts) vertices += part.positions.size();
+  constexpr std::uint64_t kMostVertices = std::numeric_limits<std::uint32_t>::max();
+  constexpr std::size_t kMostParts = std::numeric_limits<std::uint16_t>::max();
+  if (vertices > kMostVertices || asset.parts.size() > kMostParts) {
+    throw InputError(where, fmt::format("'{}' has {} parts (node and material) and {} vertices; at most {} and {} fit "
+                                        "one file: split it",
+                                        labelling.file, asset.parts.size(), vertices, kMostParts, kMostVertices));
+  }
+}
+
+}  // namespace
+
+bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labelling& labelling) {
+  for (const AssetPart& part : asset.parts) {
+    if (part.texture.empty()) continue;
+    const LabelledPart label = labelOf(builder, part, labelling);
+    if (!label.material || label.material->textured) return true;
+  }
+  return false;
+}
+
+std::uint32_t addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling, const Location& where) {
+  checkSize(asset, labelling, where);
+  std::vector<LabelledPart> labels;
+  std::map<std::uint32_t, std::uint32_t> objectOfNode;  // things only, numbered in the order of the nodes
+  for (const AssetPart& part : asset.parts) {
+    labels.push_back(labelOf(builder, part, labelling));
+    if (labels.back().semantic && labels.back().semantic->thing) objectOfNode.emplace(part.nodeIndex, 1);
+  }
+  if (labelling.perNode) {
+    std::uint32_t number = 0;
+    for (auto& [node, object] : objectOfNode) object = ++number;
+  }
+
+  Mesh mesh;
+  mesh.name = labelling.file;
+  std::vector<Material> materials;
+  bool withUvs = false;
+  for (std::size_t i = 0; i < asset.parts.size(); ++i) {
+    const Material& look = asset.parts[i].look;
+    materials.push_back(labels[i].material ? dressed(*labels[i].material, look) : look);
+    withUvs = withUvs || materials.back().texture;
+  }
+  std::vector<std::string> descriptions;
+  for (std::size_t i = 0; i < asset.parts.size(); ++i) {
+    AssetPart part = std::move(asset.parts[i]);
+    Surface surface;
+    surface.material = builder.addMaterial(materials[i]);
+    surface.semantic = labels[i].semantic ? labels[i].semantic->id : std::uint16_t{0};
+    surface.object = labels[i].semantic && labels[i].semantic->thing ? objectOfNode.at(part.nodeIndex) : 0;
+    surface.node = part.node;
+    mesh.surfaces.push_back(std::move(surface));
+    append(mesh, part, static_cast<std::uint16_t>(i), withUvs);
+    descriptions.push_back(describe(part, labelling.file));
+  }
+
+  Dropped dropped = asset.dropped;
+  dropped += clean(mesh);
+  builder.addDropped(dropped);
+  if (mesh.triangles.empty()) {
+    throw InputError(where,
+                     fmt::format("'{}' has no triangle that can be traced: {} have vertices that are not finite, "
+                                 "{} no area, {} indices out of range",
+                                 labelling.file, dropped.nonFinite, dropped.degenerate, dropped.outOfRange));
+  }
+  std::vector<std::uint64_t> triangles(mesh.surfaces.size());
+  for (const std::uint16_t surface : mesh.surfaceOf) ++triangles[surface];
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (!labels[i].semantic && triangles[i] > 0) builder.addUnlabeled(descriptions[i], triangles[i]);
+  }
+  return builder.addMesh(std::move(mesh));
+}
+
+}  // namespace scanmill

@@ -1,0 +1,70 @@
+#include "scene/material.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "config/fields.h"
+
+namespace scanmill {
+namespace {
+
+// One number for all wavelengths, or a map from wavelength (nm) to number.
+float readReflectance(const Value& value, int wavelengthNm) {
+  if (value.kind != Value::Kind::Map) return static_cast<float>(readNumber(value, "reflectance", {0, 1}));
+  Fields f(value, "reflectance");
+  float chosen = 0;
+  for (const int wavelength : {850, 905, 1064}) {
+    const double r = f.number(std::to_string(wavelength), {0, 1});
+    if (wavelength == wavelengthNm) chosen = static_cast<float>(r);
+  }
+  f.finish();
+  return chosen;
+}
+
+}  // namespace
+
+const Material& MaterialLibrary::require(std::string_view name, const Location& where) const {
+  std::vector<std::string> names;
+  for (const Material& m : materials) {
+    if (m.name == name) return m;
+    names.push_back(m.name);
+  }
+  throw InputError(where, fmt::format("there is no material '{}'{}", name, suggestion(name, names)));
+}
+
+MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthNm) {
+  if (wavelengthNm != 850 && wavelengthNm != 905 && wavelengthNm != 1064) {
+    throw InputError(fmt::format("materials are known at 850, 905 and 1064 nm, not at {} nm", wavelengthNm));
+  }
+  const Value root = readYaml(path);
+  Fields f(root, "material table");
+  f.text("name", "");
+  const Value& list = f.require("materials");
+  f.finish();
+  if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "materials must be a list of materials");
+
+  MaterialLibrary library;
+  for (const Value& item : list.items) {
+    Fields m(item, "material");
+    Material material;
+    material.name = m.text("name");
+    if (material.name.empty()) throw InputError(item.where, "a material has an empty name");
+    material.reflectance = readReflectance(m.require("reflectance"), wavelengthNm);
+    material.source = m.text("source");
+    material.roughness = static_cast<float>(m.number("roughness", {0, 1}, 1));
+    material.metallic = static_cast<float>(m.number("metallic", {0, 1}, 0));
+    material.retroreflectance = static_cast<float>(m.number("retroreflectance", {0, 1e4}, 0));
+    material.textured = m.boolean("textured", false);
+    m.finish();
+    for (const Material& other : library.materials) {
+      if (other.name == material.name) {
+        throw InputError(item.where, fmt::format("material '{}' is there twice", material.name));
+      }
+    }
+    library.materials.push_back(std::move(material));
+  }
+  return library;
+}
+
+}  // namespace scanmill

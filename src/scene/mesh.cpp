@@ -1,0 +1,68 @@
+#include <algorithm>
+
+#include "scene/scene.h"
+
+namespace scanmill {
+namespace {
+
+// Twice the area is compared with the product of two sides: below this ratio the corners are in line as far as double
+// arithmetic on float32 coordinates can tell. The thinnest triangle that float32 can hold is far above it.
+constexpr double kCollinear = 1e-14;
+
+bool isDegenerate(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const Vec3d u = b - a;
+  const Vec3d v = c - a;
+  return !(length(cross(u, v)) > kCollinear * length(u) * length(v));
+}
+
+}  // namespace
+
+Dropped& Dropped::operator+=(const Dropped& o) {
+  nonFinite += o.nonFinite;
+  degenerate += o.degenerate;
+  outOfRange += o.outOfRange;
+  return *this;
+}
+
+// Only vertices that a triangle uses count: clean() leaves zeroed ones behind.
+Box Mesh::bounds() const {
+  Box box;
+  for (const Triangle& t : triangles) {
+    for (const std::uint32_t corner : t) box.add(Vec3d(positions[corner]));
+  }
+  return box;
+}
+
+Dropped clean(Mesh& mesh) {
+  Dropped dropped;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle t = mesh.triangles[i];
+    if (std::any_of(t.begin(), t.end(), [&](std::uint32_t corner) { return corner >= mesh.positions.size(); })) {
+      ++dropped.outOfRange;
+      continue;
+    }
+    const Vec3f& a = mesh.positions[t[0]];
+    const Vec3f& b = mesh.positions[t[1]];
+    const Vec3f& c = mesh.positions[t[2]];
+    if (!isFinite(a) || !isFinite(b) || !isFinite(c)) {
+      ++dropped.nonFinite;
+      continue;
+    }
+    if (isDegenerate(Vec3d(a), Vec3d(b), Vec3d(c))) {
+      ++dropped.degenerate;
+      continue;
+    }
+    mesh.triangles[kept] = t;
+    mesh.surfaceOf[kept] = mesh.surfaceOf[i];
+    ++kept;
+  }
+  mesh.triangles.resize(kept);
+  mesh.surfaceOf.resize(kept);
+  for (Vec3f& p : mesh.positions) {
+    if (!isFinite(p)) p = {};
+  }
+  return dropped;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,102 @@
+#include "scene/ontology.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "config/fields.h"
+
+namespace scanmill {
+namespace {
+
+std::array<std::uint8_t, 3> readColor(const Value& value) {
+  const std::vector<double> parts = readNumbers(value, "color", {0, 255});
+  if (parts.size() != 3) {
+    throw InputError(value.where, fmt::format("color must be [red, green, blue], found {} numbers", parts.size()));
+  }
+  std::array<std::uint8_t, 3> color{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (parts[i] != std::floor(parts[i])) {
+      throw InputError(value.where, fmt::format("color must be whole numbers from 0 to 255, found {}", parts[i]));
+    }
+    color[i] = static_cast<std::uint8_t>(parts[i]);
+  }
+  return color;
+}
+
+SemanticClass readClass(const Value& value) {
+  Fields f(value, "class");
+  SemanticClass c;
+  c.id = static_cast<std::uint16_t>(f.integer("id", 0, 65535));
+  c.name = f.text("name");
+  c.color = readColor(f.require("color"));
+  c.thing = f.boolean("thing", false);
+  c.aliases = f.texts("aliases");
+  f.finish();
+  if (c.name.empty()) throw InputError(value.where, "a class has an empty name");
+  return c;
+}
+
+}  // namespace
+
+const SemanticClass* Ontology::find(std::uint16_t id) const {
+  for (const SemanticClass& c : classes) {
+    if (c.id == id) return &c;
+  }
+  return nullptr;
+}
+
+const SemanticClass& Ontology::require(std::string_view nameOrAlias, const Location& where) const {
+  for (const SemanticClass& c : classes) {
+    if (c.name == nameOrAlias) return c;
+  }
+  std::vector<std::string> names;
+  for (const SemanticClass& c : classes) {
+    names.push_back(c.name);
+    for (const std::string& alias : c.aliases) {
+      if (alias == nameOrAlias) return c;
+      names.push_back(alias);
+    }
+  }
+  throw InputError(where,
+                   fmt::format("ontology '{}' has no class '{}'{}", name, nameOrAlias, suggestion(nameOrAlias, names)));
+}
+
+Ontology readOntology(const std::filesystem::path& path) {
+  const Value root = readYaml(path);
+  Fields f(root, "ontology");
+  Ontology ontology;
+  ontology.name = f.text("name", path.stem().string());
+  ontology.source = f.text("source", "");
+  const Value& list = f.require("classes");
+  f.finish();
+  if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "classes must be a list of classes");
+
+  std::set<std::uint16_t> ids;
+  std::map<std::string, std::string> owner;  // of each name and alias
+  for (const Value& item : list.items) {
+    SemanticClass c = readClass(item);
+    if (!ids.insert(c.id).second) {
+      throw InputError(item.where, fmt::format("class '{}' has id {}, as an earlier class", c.name, c.id));
+    }
+    std::vector<std::string> words = c.aliases;
+    words.push_back(c.name);
+    for (const std::string& word : words) {
+      const auto [known, isNew] = owner.emplace(word, c.name);
+      if (!isNew) {
+        throw InputError(item.where, fmt::format("the name '{}' of class '{}' is already a name of class '{}'", word,
+                                                 c.name, known->second));
+      }
+    }
+    ontology.classes.push_back(std::move(c));
+  }
+  const SemanticClass* zero = ontology.find(0);
+  if (!zero || zero->name != "unlabeled") {
+    throw InputError(list.where, "class 0 must be there and be named 'unlabeled': it is what no rule matched");
+  }
+  return ontology;
+}
+
+}  // namespace scanmill

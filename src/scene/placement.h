@@ -1,0 +1,50 @@
+#pragma once
+
+// Where an object of a scene file stands, and how often: position, rotation, scale and copies.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "base/vec.h"
+#include "config/fields.h"
+
+namespace scanmill {
+
+// YAML keys of an object:
+//
+//   position: [x, y, z]                        # m
+//   yaw_deg, pitch_deg, roll_deg: ...          # or rotation: [w, x, y, z]
+//   scale: 2.0 or [x, y, z]                    # negative mirrors; zero is refused
+//   copies:
+//     at: [{position, yaw_deg, ..., scale}]    # in the object's frame, in metres
+//     grid: {count: [nx, ny, nz], spacing: [x, y, z]}
+//
+// Position and rotation make the object's frame; a copy stands in that frame at its grid cell plus its own position,
+// and its scale multiplies the object's. Scales act on the geometry alone, never on the distances between copies. The
+// grid is not centred: its first cell is at the object's position. Copies come in the order of the grid's cells (x
+// fastest, then y, then z), in each cell in the order of `at`.
+struct Placement {
+  struct Copy {
+    Pose pose;
+    Vec3d scale{1, 1, 1};
+  };
+  Copy object;
+  bool scaled = false;  // `scale` is there
+  bool copied = false;  // `copies` is there
+  std::vector<Copy> at{Copy{}};
+  std::array<std::int64_t, 3> gridCount{1, 1, 1};
+  Vec3d gridSpacing;
+
+  static constexpr std::uint64_t kMostCopies = 10'000'000;
+
+  std::uint64_t count() const;
+  // Calls visit(worldFromMesh) for each copy in order.
+  void forEach(const std::function<void(const Affine&)>& visit) const;
+};
+
+// Reads these keys from the object's map. InputError with the place; too many copies are refused with the arithmetic.
+Placement readPlacement(Fields& object);
+
+}  // namespace scanmill

@@ -1,0 +1,42 @@
+#include "scene/scene.h"
+
+namespace scanmill {
+
+std::uint64_t Scene::triangles() const {
+  std::uint64_t count = 0;
+  for (const Mesh& mesh : meshes) count += mesh.triangles.size();
+  return count;
+}
+
+std::uint64_t Scene::placedTriangles() const {
+  std::uint64_t count = 0;
+  for (const Instance& instance : instances) count += meshes[instance.mesh].triangles.size();
+  return count;
+}
+
+std::uint32_t Scene::things() const {
+  std::uint32_t count = 0;
+  for (const Instance& instance : instances) count += meshes[instance.mesh].objects;
+  return count;
+}
+
+// The corners of each mesh's box are placed, not its vertices: a million copies cost a million boxes. The result holds
+// every vertex, and is tight where meshes are not turned.
+Box Scene::bounds() const {
+  std::vector<Box> meshBounds;
+  meshBounds.reserve(meshes.size());
+  for (const Mesh& mesh : meshes) meshBounds.push_back(mesh.bounds());
+  Box box;
+  for (const Instance& instance : instances) {
+    const Box& local = meshBounds[instance.mesh];
+    if (local.empty()) continue;
+    for (int corner = 0; corner < 8; ++corner) {
+      box.add(instance.worldFromMesh * Vec3d{corner & 1 ? local.high.x : local.low.x,
+                                             corner & 2 ? local.high.y : local.low.y,
+                                             corner & 4 ? local.high.z : local.low.z});
+    }
+  }
+  return box;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,95 @@
+#pragma once
+
+// A scene in memory: meshes shared by instances, materials, labels. Methods read it and never change it.
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/vec.h"
+#include "config/value.h"
+#include "scene/material.h"
+#include "scene/ontology.h"
+
+namespace scanmill {
+
+// What a triangle belongs to. Triangles of one mesh share few surfaces.
+struct Surface {
+  std::uint16_t material = 0;  // index into Scene::materials
+  std::uint16_t semantic = 0;  // class id
+  std::uint32_t object = 0;    // 0: stuff; n > 0: the n-th thing of this mesh (see Instance::firstInstanceId)
+  std::string node;            // name in the asset, for reports
+};
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+// Triangles in the frame of an asset or a primitive: metres, z up. Every index is in range, every vertex finite, no
+// triangle has zero area: whoever makes a mesh calls clean().
+struct Mesh {
+  std::string name;
+  std::vector<Vec3f> positions;
+  std::vector<Vec2f> uvs;  // empty, or one per position
+  std::vector<Triangle> triangles;
+  std::vector<std::uint16_t> surfaceOf;  // per triangle: index into surfaces
+  std::vector<Surface> surfaces;
+  std::uint32_t objects = 0;  // how many things the mesh holds
+
+  Box bounds() const;
+};
+
+// What clean() took away.
+struct Dropped {
+  std::uint64_t nonFinite = 0;   // a vertex was NaN or infinite
+  std::uint64_t degenerate = 0;  // zero area, or a corner named twice
+  std::uint64_t outOfRange = 0;  // an index beyond the vertices
+  std::uint64_t total() const { return nonFinite + degenerate + outOfRange; }
+  Dropped& operator+=(const Dropped& o);
+};
+
+// Drops triangles that cannot be traced and zeroes vertices that are not finite. The order of the others is kept.
+Dropped clean(Mesh& mesh);
+
+// A mesh placed in the world.
+struct Instance {
+  std::uint32_t mesh = 0;
+  Affine worldFromMesh;               // determinant is not zero; negative (mirrored) is allowed
+  std::uint32_t firstInstanceId = 0;  // object n of the mesh has the id firstInstanceId + n - 1
+  std::string name;
+};
+
+struct Scene {
+  std::string name;
+  std::uint64_t seed = 0;
+  std::filesystem::path file;
+  Ontology ontology;
+  std::vector<Material> materials;  // index 0 is the default material
+  std::vector<Mesh> meshes;
+  std::vector<Instance> instances;
+  Dropped dropped;
+  std::map<std::string, std::uint64_t> unlabeled;  // "file: node (material)" -> triangles that no rule matched
+
+  std::uint64_t triangles() const;        // in memory
+  std::uint64_t placedTriangles() const;  // instances counted
+  std::uint32_t things() const;           // instance ids given
+  Box bounds() const;                     // world
+};
+
+// Instance id of a surface of a placed mesh; 0 for stuff.
+inline std::uint32_t instanceId(const Instance& instance, const Surface& surface) {
+  return surface.object == 0 ? 0 : instance.firstInstanceId + surface.object - 1;
+}
+
+struct SceneOptions {
+  std::uint64_t seed = 1;          // of procedural scenes
+  std::filesystem::path ontology;  // overrides the scene's own where not empty
+  int wavelengthNm = 905;          // of the material table
+  bool textures = true;            // false: no base colour is loaded unless alpha needs it
+};
+
+// Reads scenes/*.yaml with all it names. Throws InputError with the place.
+Scene readScene(const std::filesystem::path& path, const SceneOptions& options);
+
+}  // namespace scanmill

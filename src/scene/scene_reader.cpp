@@ -1,0 +1,285 @@
+// A scene file, scenes/*.yaml:
+//
+//   name: town                           # default: the file's name
+//   ontology: ../labels/scanmill.yaml    # relative to this file, as all paths
+//   materials: ../labels/materials.yaml
+//   assets: ${SCANMILL_ASSETS}/town      # where relative `file`s start; default: this file's folder
+//   rules: [{match: {node: "Road*"}, class: road, material: asphalt}, ...]
+//   objects: [...]
+//
+// An object is one of
+//
+//   file: car.glb                        # an asset
+//   up: y                                # the file's up axis, x, y or z; default y for .gltf, .glb, .dae, .fbx and .ac
+//                                        # (the importer turns COLLADA and FBX, which name their axis, to y), else z
+//   unit: 0.01                           # metres per unit of the file; default 1
+//   instances: node                      # node: each node with a thing class is a thing of its own;
+//                                        # object (default): the placed asset is one thing
+//   rules: [...]                         # tried before the scene's
+//   class: car, material: car_paint      # for all that the object's own rules leave, before the scene's rules
+//
+//   primitive: box                       # class and material are required. Centred at the origin, in metres:
+//   size: [x, y, z]                      #   box; plane: [x, y] at z = 0, facing up, cut into cells x cells
+//   radius, height, segments: ...        #   sphere (radius), cylinder and cone (along z), capsule (height is that of
+//                                        #   the cylinder between the half spheres)
+//
+//   street: {...}                        # see scene/street.h
+//
+// and has a name, a position and copies (see scene/placement.h).
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "scene/asset.h"
+#include "scene/builder.h"
+#include "scene/labelling.h"
+#include "scene/placement.h"
+#include "scene/primitives.h"
+#include "scene/rules.h"
+#include "scene/street.h"
+
+namespace scanmill {
+namespace {
+
+constexpr Range kLength{1e-6, 1e6};  // m
+
+class SceneReader {
+ public:
+  SceneReader(SceneBuilder& builder, const SceneOptions& options, std::vector<Rule> rules,
+              std::filesystem::path assetFolder)
+      : builder_(builder), options_(options), rules_(std::move(rules)), assetFolder_(std::move(assetFolder)) {
+    checkNames(rules_);
+  }
+
+  void readObject(const Value& value) {
+    Fields f(value, "object");
+    const bool kinds[] = {f.has("file"), f.has("primitive"), f.has("street")};
+    if (std::count(std::begin(kinds), std::end(kinds), true) != 1) {
+      throw InputError(value.where, "an object is exactly one of file, primitive and street");
+    }
+    if (kinds[0]) return readFileObject(f);
+    if (kinds[1]) return readPrimitive(f);
+    readStreet(f);
+  }
+
+ private:
+  void placeAll(std::uint32_t mesh, const std::string& name, const Placement& placement, const Location& where) {
+    placed_ += placement.count();
+    if (placed_ > Placement::kMostCopies) {
+      throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects; at most {} are made",
+                                          placement.count(), placed_, Placement::kMostCopies));
+    }
+    std::uint64_t number = 0;
+    placement.forEach([&](const Affine& worldFromMesh) {
+      ++number;
+      builder_.place(mesh, worldFromMesh, placement.count() == 1 ? name : fmt::format("{}#{}", name, number), where);
+    });
+  }
+
+  void readFileObject(Fields& f) {
+    const Value& fileValue = f.require("file");
+    Labelling labelling;
+    labelling.file = f.text("file");
+    const std::filesystem::path file = assetPath(labelling.file, fileValue);
+    AssetOptions asset;
+    asset.textures = options_.textures;
+    asset.metresPerUnit = f.number("unit", {1e-9, 1e9}, 1.0);
+    asset.up = f.choice("up", {"x", "y", "z"}, defaultUp(file))[0];
+    labelling.perNode = f.choice("instances", {"object", "node"}, "object") == "node";
+    labelling.rules = rulesOf(f);
+    const std::string name = f.text("name", file.stem().string());
+    const Placement placement = readPlacement(f);
+    f.finish();
+
+    const std::string key = meshKey(file, asset, labelling);
+    auto mesh = meshes_.find(key);
+    if (mesh == meshes_.end()) {
+      mesh = meshes_
+                 .emplace(key,
+                          addAsset(builder_, load(file, asset, labelling, fileValue.where), labelling, fileValue.where))
+                 .first;
+    }
+    placeAll(mesh->second, name, placement, f.where());
+  }
+
+  // The object's own rules, its shorthand, the scene's rules.
+  std::vector<Rule> rulesOf(Fields& f) {
+    std::vector<Rule> rules;
+    if (const Value* own = f.find("rules")) rules = readRules(*own);
+    Rule shorthand;
+    if (const Value* value = f.find("class")) {
+      shorthand.where = value->where;
+      shorthand.className = f.text("class");
+    }
+    if (const Value* value = f.find("material")) {
+      if (shorthand.className.empty()) shorthand.where = value->where;
+      shorthand.materialName = f.text("material");
+    }
+    if (!shorthand.className.empty() || !shorthand.materialName.empty()) rules.push_back(std::move(shorthand));
+    checkNames(rules);
+    rules.insert(rules.end(), rules_.begin(), rules_.end());
+    return rules;
+  }
+
+  // A typing error is found even where the rule matches nothing.
+  void checkNames(const std::vector<Rule>& rules) const {
+    for (const Rule& rule : rules) {
+      if (!rule.className.empty()) builder_.ontology().require(rule.className, rule.where);
+      if (!rule.materialName.empty()) builder_.library().require(rule.materialName, rule.where);
+    }
+  }
+
+  std::filesystem::path assetPath(const std::string& name, const Value& value) const {
+    if (name.empty()) throw InputError(value.where, "file is empty");
+    if (assetFolder_.empty() || std::filesystem::path(name).is_absolute()) return resolvePath(value.where, name);
+    return assetFolder_ / name;
+  }
+
+  static std::string defaultUp(const std::filesystem::path& file) {
+    std::string kind = file.extension().string();
+    std::transform(kind.begin(), kind.end(), kind.begin(),
+                   [](char c) { return 'A' <= c && c <= 'Z' ? char(c + 32) : c; });
+    const auto yUp = {".gltf", ".glb", ".dae", ".fbx", ".ac"};
+    return std::find(yUp.begin(), yUp.end(), kind) != yUp.end() ? "y" : "z";
+  }
+
+  // Objects with equal keys share a mesh.
+  static std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset, const Labelling& labelling) {
+    std::error_code ignored;
+    const std::filesystem::path canonical = std::filesystem::weakly_canonical(file, ignored);
+    std::string key = fmt::format("{}\n{}\n{}\n{}\n{}", (ignored ? file : canonical).string(), labelling.file,
+                                  asset.metresPerUnit, asset.up, labelling.perNode);
+    for (const Rule& r : labelling.rules) {
+      for (const std::string* text : {&r.node, &r.material, &r.texture, &r.file, &r.className, &r.materialName}) {
+        key += fmt::format("\n{}:{}", text->size(), *text);
+      }
+    }
+    return key;
+  }
+
+  // Decoding base colours can cost more than all the rest, and materials of the library seldom need them: where rules
+  // name materials, the asset is read without textures first, and again only if some part shows its own.
+  Asset load(const std::filesystem::path& file, const AssetOptions& options, const Labelling& labelling,
+             const Location& where) const {
+    try {
+      const bool mayDoWithout = std::any_of(labelling.rules.begin(), labelling.rules.end(),
+                                            [](const Rule& rule) { return !rule.materialName.empty(); });
+      if (!options.textures || !mayDoWithout) return readAsset(file, options);
+      AssetOptions plain = options;
+      plain.textures = false;
+      Asset asset = readAsset(file, plain);
+      if (showsTextures(builder_, asset, labelling)) asset = readAsset(file, options);
+      return asset;
+    } catch (const InputError& e) {
+      throw InputError(where, e.what());
+    }
+  }
+
+  // The shape of a primitive: reads its keys, and appends it to a mesh with the key that equal shapes share.
+  static std::string appendPrimitive(Fields& f, const std::string& kind, Mesh& mesh) {
+    if (kind == "box") {
+      const Vec3d size = readSize(f.require("size"), 3);
+      appendBox(mesh, 0, {}, size);
+      return fmt::format("box {} {} {}", size.x, size.y, size.z);
+    }
+    if (kind == "plane") {
+      const Vec3d size = readSize(f.require("size"), 2);
+      const auto cells = static_cast<int>(f.integer("cells", 1, 2048, 1));
+      appendPlane(mesh, 0, {}, size.x, size.y, cells);
+      return fmt::format("plane {} {} {}", size.x, size.y, cells);
+    }
+    const double radius = f.number("radius", kLength);
+    const double height = kind == "sphere" ? 0 : f.number("height", kLength);
+    const auto segments = static_cast<int>(f.integer("segments", 3, 4096, 32));
+    if (kind == "sphere") appendSphere(mesh, 0, {}, radius, segments);
+    if (kind == "cylinder") appendCylinder(mesh, 0, {}, radius, radius, height, segments);
+    if (kind == "cone") appendCylinder(mesh, 0, {}, radius, 0, height, segments);
+    if (kind == "capsule") appendCapsule(mesh, 0, {}, radius, height, segments);
+    return fmt::format("{} {} {} {}", kind, radius, height, segments);
+  }
+
+  static Vec3d readSize(const Value& value, std::size_t count) {
+    std::vector<double> size = readNumbers(value, "size", kLength);
+    if (size.size() != count) {
+      throw InputError(value.where, fmt::format("size must be {}, found {} numbers",
+                                                count == 3 ? "[x, y, z]" : "[x, y]", size.size()));
+    }
+    size.resize(3);
+    return {size[0], size[1], size[2]};
+  }
+
+  void readPrimitive(Fields& f) {
+    const std::string kind = f.choice("primitive", {"box", "sphere", "cylinder", "cone", "plane", "capsule"}, "");
+    Mesh mesh;
+    mesh.name = kind;
+    const std::string shape = appendPrimitive(f, kind, mesh);
+    const Value& className = f.require("class");
+    const Value& materialName = f.require("material");
+    Surface surface;
+    const SemanticClass& semantic = builder_.ontology().require(f.text("class"), className.where);
+    surface.semantic = semantic.id;
+    surface.object = semantic.thing ? 1 : 0;
+    surface.material = builder_.material(f.text("material"), materialName.where);
+    const std::string name = f.text("name", kind);
+    const Placement placement = readPlacement(f);
+    f.finish();
+
+    const std::string key = fmt::format("primitive {} {} {}", shape, surface.semantic, surface.material);
+    mesh.surfaces.push_back(std::move(surface));
+    auto shared = meshes_.find(key);
+    if (shared == meshes_.end()) shared = meshes_.emplace(key, builder_.addMesh(std::move(mesh))).first;
+    placeAll(shared->second, name, placement, f.where());
+  }
+
+  void readStreet(Fields& f) {
+    const Value& street = f.require("street");
+    f.text("name", "street");
+    const Placement placement = readPlacement(f);
+    f.finish();
+    if (placement.scaled || placement.copied) {
+      throw InputError(f.where(), "a street has neither scale nor copies: give its lengths, or write another street");
+    }
+    Fields fields(street, "street");
+    // Odd, so that the streets of one scene and those of the scenes with the next seeds all differ.
+    constexpr std::uint64_t kNextStreet = 0x9E3779B97F4A7C15;
+    addStreet(builder_, fields, options_.seed + kNextStreet * streets_++, toAffine(placement.object.pose));
+  }
+
+  SceneBuilder& builder_;
+  const SceneOptions& options_;
+  std::vector<Rule> rules_;
+  std::filesystem::path assetFolder_;
+  std::map<std::string, std::uint32_t> meshes_;
+  std::uint64_t placed_ = 0;
+  std::uint64_t streets_ = 0;
+};
+
+}  // namespace
+
+Scene readScene(const std::filesystem::path& path, const SceneOptions& options) {
+  const Value root = readYaml(path);
+  Fields f(root, "scene");
+  const std::string name = f.text("name", path.stem().string());
+  const std::filesystem::path ontology = f.path("ontology");
+  const std::filesystem::path materials = f.path("materials");
+  const std::filesystem::path assets = f.optionalPath("assets").value_or(std::filesystem::path());
+  std::vector<Rule> rules;
+  if (const Value* value = f.find("rules")) rules = readRules(*value);
+  const Value& objects = f.require("objects");
+  f.finish();
+  if (objects.kind != Value::Kind::Sequence || objects.items.empty()) {
+    throw InputError(objects.where, "objects must be a list of at least one object");
+  }
+
+  SceneBuilder builder(name, options.seed, readOntology(options.ontology.empty() ? ontology : options.ontology),
+                       readMaterials(materials, options.wavelengthNm));
+  SceneReader reader(builder, options, std::move(rules), assets);
+  for (const Value& object : objects.items) reader.readObject(object);
+  Scene scene = builder.finish();
+  scene.file = path;
+  return scene;
+}
+
+}  // namespace scanmill

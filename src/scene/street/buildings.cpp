@@ -1,0 +1,370 @@
+// Houses: walls with real openings, windows and doors inset into them, roofs with eaves, chimneys, balconies.
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/street/parts.h"
+
+namespace scanmill::street {
+namespace {
+
+constexpr double kReveal = 0.14;      // depth of the openings, m
+constexpr double kFoundation = -0.4;  // walls begin below the ground, m
+constexpr double kStorey = 2.9;       // m
+
+struct Opening {
+  Span u, v;
+  enum { Window, Door, Gate } what = Window;
+};
+
+class HouseMaker {
+ public:
+  HouseMaker(SceneBuilder& builder, std::uint64_t seed, const House& house)
+      : h_(house),
+        draw_(seed, Kind::House, house.number),
+        s_(builder, "house"),
+        wall_(s_.skin("building", draw_.chance(0.45) ? "brick" : "plaster")),
+        trim_(s_.skin("building", "concrete")),
+        wood_(s_.skin("building", "wood")),
+        metal_(s_.skin("building", "painted_metal")),
+        tile_(s_.skin("building", "roof_tile")),
+        glass_(s_.skin("window", "glass")),
+        casing_(s_.skin("window", draw_.chance(0.5) ? "wood" : "painted_metal")) {
+    storey_ = draw_.around(kStorey, 0.06);
+    base_ = draw_.in(0.15, 0.5);
+    wallTop_ = base_ + storey_ * h_.floors + (h_.roof == Roof::Flat ? 0.5 : 0.1);
+    windowWidth_ = std::min(draw_.in(0.9, 1.5), h_.width / h_.columns - 0.5);
+    windowHeight_ = draw_.in(1.2, 1.6);
+    sill_ = draw_.in(0.75, 0.95);
+    pitch_ = std::tan(radians(draw_.in(30, 46)));
+    shutters_ = !h_.shop && draw_.chance(0.3) && h_.width / h_.columns > windowWidth_ * 2 + 0.2;
+    balconies_ = h_.floors >= 3 && draw_.chance(0.7);
+  }
+
+  Model make() {
+    walls();
+    plinth();
+    switch (h_.roof) {
+      case Roof::Flat:
+        flatRoof();
+        break;
+      case Roof::Gable:
+        gableRoof(Mat3{}, {0, 0, 0}, h_.width, h_.depth);
+        break;
+      case Roof::CrossGable:
+        gableRoof({{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}, {h_.width, 0, 0}, h_.depth, h_.width);
+        break;
+      case Roof::Hip:
+        hipRoof();
+        break;
+    }
+    downpipes();
+    return s_.finish();
+  }
+
+ private:
+  void walls() {
+    std::vector<Opening> front = windows(h_.columns, h_.width, true);
+    facade({{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 0, 0}}, h_.width, std::move(front), true);
+    const int back = std::max(2, h_.columns - draw_.below(2));
+    facade({{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {h_.width, h_.depth, 0}}, h_.width, windows(back, h_.width, false),
+           false);
+    const int sides = std::max(1, static_cast<int>(h_.depth / 4));
+    facade({{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {h_.width, 0, 0}}, h_.depth, windows(sides, h_.depth, false), false);
+    facade({{{0, -1, 0}, {0, 0, 1}, {-1, 0, 0}}, {0, h_.depth, 0}}, h_.depth, windows(sides, h_.depth, false), false);
+  }
+
+  std::vector<Opening> windows(int columns, double width, bool front) {
+    std::vector<Opening> openings;
+    const double pitch = width / columns;
+    for (int floor = 0; floor < h_.floors; ++floor) {
+      const double z = base_ + floor * storey_;
+      for (int c = 0; c < columns; ++c) {
+        const double u = (c + 0.5) * pitch;
+        if (front && floor == 0 && c == h_.doorColumn) {
+          openings.push_back({{u - 0.55, u + 0.55}, {base_ - 0.1, base_ + 2.1}, Opening::Door});
+        } else if (front && floor == 0 && h_.shop) {
+          const double half = pitch / 2 - 0.22;
+          openings.push_back({{u - half, u + half}, {base_ + 0.25, base_ + 2.45}, Opening::Window});
+        } else if (front && floor > 0 && balconies_ && c == h_.doorColumn) {
+          openings.push_back({{u - 0.6, u + 0.6}, {z + 0.1, z + 2.2}, Opening::Window});
+          balcony(u, z);
+        } else if (front || draw_.chance(0.85)) {
+          const double half = windowWidth_ / 2;
+          openings.push_back({{u - half, u + half}, {z + sill_, z + sill_ + windowHeight_}, Opening::Window});
+        }
+      }
+    }
+    return openings;
+  }
+
+  // A wall with holes. In `wallFrame` x goes along the wall (to the right, seen from outside), y up, z outwards.
+  void facade(const Affine& wallFrame, double width, std::vector<Opening> openings, bool front) {
+    const Affine outer = s_.frame;
+    s_.frame = outer * wallFrame;
+    std::vector<double> us{0, width};
+    std::vector<double> vs{kFoundation, wallTop_};
+    for (const Opening& o : openings) {
+      us.insert(us.end(), {o.u.low, o.u.high});
+      vs.insert(vs.end(), {o.v.low, o.v.high});
+    }
+    for (std::vector<double>* lines : {&us, &vs}) {
+      std::sort(lines->begin(), lines->end());
+      lines->erase(std::unique(lines->begin(), lines->end(), [](double a, double b) { return b - a < 1e-6; }),
+                   lines->end());
+    }
+    for (std::size_t j = 0; j + 1 < vs.size(); ++j) {
+      for (std::size_t i = 0; i + 1 < us.size(); ++i) {
+        const double u = (us[i] + us[i + 1]) / 2;
+        const double v = (vs[j] + vs[j + 1]) / 2;
+        const bool hole = std::any_of(openings.begin(), openings.end(),
+                                      [&](const Opening& o) { return o.u.holds(u) && o.v.holds(v); });
+        if (hole) continue;
+        s_.quad(wall_, {us[i], vs[j], 0}, {us[i + 1], vs[j], 0}, {us[i + 1], vs[j + 1], 0}, {us[i], vs[j + 1], 0});
+      }
+    }
+    for (const Opening& o : openings) {
+      reveal(o);
+      o.what == Opening::Window ? window(o, front) : door(o);
+    }
+    s_.frame = outer;
+  }
+
+  void reveal(const Opening& o) {
+    const double w = -kReveal;
+    const auto [u0, u1] = o.u;
+    const auto [v0, v1] = o.v;
+    s_.quad(trim_, {u0, v0, 0}, {u1, v0, 0}, {u1, v0, w}, {u0, v0, w});
+    s_.quad(trim_, {u1, v1, 0}, {u0, v1, 0}, {u0, v1, w}, {u1, v1, w});
+    s_.quad(trim_, {u0, v1, 0}, {u0, v0, 0}, {u0, v0, w}, {u0, v1, w});
+    s_.quad(trim_, {u1, v0, 0}, {u1, v1, 0}, {u1, v1, w}, {u1, v0, w});
+  }
+
+  void window(const Opening& o, bool front) {
+    const auto [u0, u1] = o.u;
+    const auto [v0, v1] = o.v;
+    constexpr double kFrame = 0.07;  // width of the casing, m
+    const double w = -kReveal;
+    s_.quad(glass_, {u0, v0, w}, {u1, v0, w}, {u1, v1, w}, {u0, v1, w});
+    // The casing begins behind the plane of the reveals, so that no two faces share a plane.
+    const double middleU = (u0 + u1) / 2;
+    const double middleV = (v0 + v1) / 2;
+    const double inside = v1 - v0 - kFrame * 2;
+    for (const double u : {u0 + kFrame / 2 - 0.005, u1 - kFrame / 2 + 0.005}) {
+      s_.box(casing_, {u, middleV, w + 0.02}, {kFrame + 0.01, v1 - v0 + 0.02, 0.06});
+    }
+    for (const double v : {v0 + kFrame / 2 - 0.004, v1 - kFrame / 2 + 0.004}) {
+      s_.box(casing_, {middleU, v, w + 0.019}, {u1 - u0 - kFrame, kFrame + 0.008, 0.058});
+    }
+    const int panes = u1 - u0 > 1.8 ? static_cast<int>((u1 - u0) / 0.9) : 2;
+    for (int k = 1; k < panes; ++k) {
+      s_.box(casing_, {lerp(u0, u1, double(k) / panes), middleV, w + 0.015}, {0.05, inside, 0.05});
+    }
+    const bool shopWindow = v1 - v0 > 2;
+    if (!shopWindow) {
+      s_.box(casing_, {middleU, v1 - (v1 - v0) * 0.3, w + 0.013}, {u1 - u0 - kFrame * 2, 0.04, 0.046});
+      s_.box(trim_, {middleU, v0 - 0.02, -0.035}, {u1 - u0 + 0.12, 0.05, 0.19});
+    }
+    if (shutters_ && front && !shopWindow) {
+      const double leaf = (u1 - u0) / 2;
+      for (const double u : {u0 - leaf / 2 - 0.02, u1 + leaf / 2 + 0.02}) {
+        s_.box(wood_, {u, middleV, 0.01}, {leaf, v1 - v0, 0.06});
+      }
+    }
+  }
+
+  void door(const Opening& o) {
+    const auto [u0, u1] = o.u;
+    const auto [v0, v1] = o.v;
+    const double w = -kReveal;
+    const double middle = (u0 + u1) / 2;
+    s_.quad(wood_, {u0, v0, w}, {u1, v0, w}, {u1, v1, w}, {u0, v1, w});
+    for (const double v : {v0 + 0.45, v0 + 1.1}) s_.box(wood_, {middle, v, w}, {u1 - u0 - 0.35, 0.45, 0.05});
+    s_.quad(glass_, {u0 + 0.2, v1 - 0.5, w + 0.02}, {u1 - 0.2, v1 - 0.5, w + 0.02}, {u1 - 0.2, v1 - 0.15, w + 0.02},
+            {u0 + 0.2, v1 - 0.15, w + 0.02});
+    s_.tube(metal_, {u1 - 0.12, v0 + 1.0, w + 0.05}, {u1 - 0.12, v0 + 1.15, w + 0.05}, 0.015, 0.015, 6);
+    // Steps down to the path, and a small roof.
+    const int steps = std::max(1, static_cast<int>(std::ceil(v0 / 0.17)));
+    for (int k = 0; k < steps; ++k) {
+      const double top = v0 - 0.01 - k * v0 / steps;
+      const double out = 0.55 + 0.28 * k;
+      s_.box(trim_, {middle, (top + kFoundation) / 2, out / 2 - 0.05}, {1.5 + 0.02 * k, top - kFoundation, out});
+    }
+    s_.box(tile_, {middle, v1 + 0.25, 0.4}, {1.7, 0.08, 0.9});
+  }
+
+  void balcony(double u, double z) {
+    const double width = 2.2;
+    const double out = 1.2;
+    s_.box(trim_, {u, -out / 2 + 0.05, z}, {width, out + 0.1, 0.16});
+    const double rail = z + 1.05;
+    const double y = -out + 0.06;
+    const double x0 = u - width / 2 + 0.06;
+    const double x1 = u + width / 2 - 0.06;
+    s_.pipe(metal_, {{x0, 0.02, rail}, {x0, y, rail}, {x1, y, rail}, {x1, 0.02, rail}}, {0.025, 0.025, 0.025, 0.025},
+            6);
+    for (double x = x0; x < x1 + 1e-6; x += (x1 - x0) / 14) s_.tube(metal_, {x, y, z}, {x, y, rail}, 0.01, 0.01, 4);
+    for (const double x : {x0, x1}) {
+      for (int k = 1; k < 7; ++k) {
+        const double at = lerp(0.0, y, k / 7.0);
+        s_.tube(metal_, {x, at, z}, {x, at, rail}, 0.01, 0.01, 4);
+      }
+    }
+  }
+
+  // A base of the walls that stands 3 cm proud of them.
+  void plinth() {
+    const double z = (base_ - 0.12 + kFoundation) / 2;
+    const double height = base_ - 0.12 - kFoundation;
+    if (height < 0.5 - 0.12) return;
+    const double door = h_.doorX();
+    const double left = door - 0.75 + 0.03;
+    const double right = h_.width + 0.03 - door - 0.75;
+    if (left > 0.1) s_.box(trim_, {left / 2 - 0.03, 0.02, z}, {left, 0.1, height});
+    if (right > 0.1) s_.box(trim_, {h_.width + 0.03 - right / 2, 0.02, z}, {right, 0.1, height});
+    s_.box(trim_, {h_.width / 2, h_.depth - 0.02, z}, {h_.width + 0.06, 0.1, height});
+    for (const double x : {0.02, h_.width - 0.02}) s_.box(trim_, {x, h_.depth / 2, z}, {0.1, h_.depth - 0.14, height});
+  }
+
+  void flatRoof() {
+    const double z = wallTop_ - 0.35;
+    s_.quad(trim_, {0, 0, z}, {h_.width, 0, z}, {h_.width, h_.depth, z}, {0, h_.depth, z});
+    // The inner side of the parapet, and its coping.
+    const double t = 0.2;
+    const double w = h_.width;
+    const double d = h_.depth;
+    s_.quad(wall_, {t, t, z}, {t, t, wallTop_}, {w - t, t, wallTop_}, {w - t, t, z});
+    s_.quad(wall_, {w - t, d - t, z}, {w - t, d - t, wallTop_}, {t, d - t, wallTop_}, {t, d - t, z});
+    s_.quad(wall_, {t, d - t, z}, {t, d - t, wallTop_}, {t, t, wallTop_}, {t, t, z});
+    s_.quad(wall_, {w - t, t, z}, {w - t, t, wallTop_}, {w - t, d - t, wallTop_}, {w - t, d - t, z});
+    for (const double y : {t / 2, d - t / 2}) s_.box(metal_, {w / 2, y, wallTop_}, {w + 0.1, t + 0.1, 0.05});
+    for (const double x : {t / 2, w - t / 2}) s_.box(metal_, {x, d / 2, wallTop_}, {t + 0.1, d - 2 * t - 0.1, 0.05});
+    const double x = draw_.in(2, w - 2);
+    s_.box(metal_, {x, d / 2, z + 0.5}, {1.6, 1.2, 1.1});
+    s_.tube(metal_, {w - 1.2, d - 1.5, z - 0.1}, {w - 1.2, d - 1.5, z + 1.2}, 0.15, 0.15, 10);
+  }
+
+  // A flat slab: a, b along the eaves, c, d along the ridge; counter-clockwise from outside. Its side at the ridge is
+  // hidden and left out.
+  void slab(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, double thickness) {
+    const Vec3d down{0, 0, -thickness};
+    s_.quad(tile_, a, b, c, d);
+    s_.quad(tile_, a + down, d + down, c + down, b + down);
+    s_.quad(tile_, a + down, b + down, b, a);
+    s_.quad(tile_, b + down, c + down, c, b);
+    s_.quad(tile_, d + down, a + down, a, d);
+  }
+
+  // The ridge runs along x of the given frame, over a plan of width x depth.
+  void gableRoof(const Mat3& turn, const Vec3d& origin, double width, double depth) {
+    const Affine outer = s_.frame;
+    s_.frame = outer * Affine{turn, origin};
+    constexpr double kEaves = 0.4;
+    constexpr double kRake = 0.3;
+    constexpr double kThickness = 0.16;
+    const double ridge = wallTop_ + depth / 2 * pitch_;
+    s_.triangle(wall_, {0, depth, wallTop_}, {0, 0, wallTop_}, {0, depth / 2, ridge});
+    s_.triangle(wall_, {width, 0, wallTop_}, {width, depth, wallTop_}, {width, depth / 2, ridge});
+    const double top = ridge + kThickness;
+    const double eaves = wallTop_ - kEaves * pitch_ + kThickness;
+    const double x0 = -kRake;
+    const double x1 = width + kRake;
+    slab({x0, -kEaves, eaves}, {x1, -kEaves, eaves}, {x1, depth / 2, top}, {x0, depth / 2, top}, kThickness);
+    slab({x1, depth + kEaves, eaves}, {x0, depth + kEaves, eaves}, {x0, depth / 2, top}, {x1, depth / 2, top},
+         kThickness);
+    s_.tube(tile_, {x0 - 0.02, depth / 2, top}, {x1 + 0.02, depth / 2, top}, 0.1, 0.1, 8);
+    for (const double y : {-kEaves - 0.06, depth + kEaves + 0.06}) {
+      s_.tube(metal_, {x0, y, eaves - 0.1}, {x1, y, eaves - 0.1}, 0.06, 0.06, 8);
+    }
+    skylights(width, depth, eaves, kEaves);
+    chimney(draw_.in(0.15, 0.85) * width, depth * draw_.in(0.35, 0.65), ridge);
+    s_.frame = outer;
+  }
+
+  void skylights(double width, double depth, double eaves, double overhang) {
+    const int count = draw_.below(4);
+    const double slope = std::atan(pitch_);
+    for (int k = 0; k < count; ++k) {
+      const double x = width * (k + 0.5) / count;
+      const double y = depth * 0.25;
+      const double z = eaves + (y + overhang) * pitch_;
+      const Affine lying{{{1, 0, 0}, {0, std::cos(slope), std::sin(slope)}, {0, -std::sin(slope), std::cos(slope)}},
+                         {x, y, z}};
+      s_.boxAt(metal_, lying, {0.9, 1.2, 0.12});
+      s_.boxAt(glass_, lying * at({0, 0, 0.02}), {0.74, 1.04, 0.11});
+    }
+  }
+
+  void chimney(double x, double y, double ridge) {
+    if (!draw_.chance(0.75)) return;
+    const Skin brick = s_.skin("building", "brick");
+    const double low = wallTop_ - 0.2;
+    const double high = ridge + draw_.in(0.5, 0.9);
+    s_.box(brick, {x, y, (low + high) / 2}, {0.7, 0.55, high - low});
+    s_.box(trim_, {x, y, high}, {0.85, 0.7, 0.1});
+    for (const double dx : {-0.16, 0.16}) s_.tube(brick, {x + dx, y, high}, {x + dx, y, high + 0.4}, 0.1, 0.08, 10);
+  }
+
+  void hipRoof() {
+    constexpr double kEaves = 0.45;
+    constexpr double kThickness = 0.16;
+    const double w = h_.width;
+    const double d = h_.depth;
+    const double low = wallTop_ - 0.05;  // the walls end inside the roof
+    const double eaves = low + kThickness;
+    const double short_ = std::min(w, d) / 2 + kEaves;
+    const double top = eaves + short_ * pitch_;
+    const double x0 = -kEaves;
+    const double x1 = w + kEaves;
+    const double y0 = -kEaves;
+    const double y1 = d + kEaves;
+    const Vec3d a = w >= d ? Vec3d{x0 + short_, d / 2, top} : Vec3d{w / 2, y0 + short_, top};
+    const Vec3d b = w >= d ? Vec3d{x1 - short_, d / 2, top} : Vec3d{w / 2, y1 - short_, top};
+    const std::array<Vec3d, 4> corner{Vec3d{x0, y0, eaves}, {x1, y0, eaves}, {x1, y1, eaves}, {x0, y1, eaves}};
+    const Vec3d down{0, 0, -kThickness};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vec3d& p = corner[k];
+      const Vec3d& q = corner[(k + 1) % 4];
+      s_.quad(tile_, p + down, q + down, q, p);
+    }
+    s_.quad(trim_, corner[0] + down, corner[3] + down, corner[2] + down, corner[1] + down);
+    const auto slope = [&](const Vec3d& p, const Vec3d& q, const Vec3d& r, const Vec3d& s) {
+      s_.triangle(tile_, p, q, r);
+      if (length(r - s) > 0.01) s_.triangle(tile_, p, r, s);
+    };
+    if (w >= d) {
+      slope(corner[0], corner[1], b, a);
+      slope(corner[1], corner[2], b, b);
+      slope(corner[2], corner[3], a, b);
+      slope(corner[3], corner[0], a, a);
+    } else {
+      slope(corner[0], corner[1], a, a);
+      slope(corner[1], corner[2], b, a);
+      slope(corner[2], corner[3], b, b);
+      slope(corner[3], corner[0], a, b);
+    }
+    chimney(w * draw_.in(0.35, 0.65), d * 0.4, top);
+  }
+
+  void downpipes() {
+    const double top = wallTop_ - 0.1;
+    for (const double x : {0.12, h_.width - 0.12}) {
+      s_.tube(metal_, {x, -0.07, kFoundation}, {x, -0.07, top}, 0.045, 0.045, 8);
+    }
+  }
+
+  const House& h_;
+  Draw draw_;
+  Shape s_;
+  Skin wall_, trim_, wood_, metal_, tile_, glass_, casing_;
+  double storey_ = 0, base_ = 0, wallTop_ = 0, windowWidth_ = 0, windowHeight_ = 0, sill_ = 0, pitch_ = 0;
+  bool shutters_ = false, balconies_ = false;
+};
+
+}  // namespace
+
+Model makeHouse(SceneBuilder& builder, std::uint64_t seed, const House& house) {
+  return HouseMaker(builder, seed, house).make();
+}
+
+}  // namespace scanmill::street

@@ -1,0 +1,259 @@
+#pragma once
+
+// The workshop of the procedural street: numbers, a mesh under construction, the plan of the plot, and one function per
+// kind of object. Frame of an object: metres, x forward, z up, ground at z = 0. Nothing outside this folder and
+// street.cpp includes this header.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/random.h"
+#include "base/vec.h"
+#include "config/fields.h"
+#include "scene/builder.h"
+#include "scene/scene.h"
+
+namespace scanmill::street {
+
+// Whom a random number is for. Every kind has its own numbers, so that more of one leaves the others as they are.
+// The values are part of what a seed means: append, never renumber.
+enum class Kind : std::uint32_t {
+  Plot = 1,
+  Lot,
+  Terrain,
+  House,
+  Tree,
+  Bush,
+  Hedge,
+  Car,
+  Truck,
+  Bus,
+  Bicycle,
+  Motorcycle,
+  Person,
+  Sign,
+  Lamp,
+  Light,
+  Furniture,
+  Shelter,
+  Boundary,
+  Traffic,
+  Cyclist,
+  Markings,
+};
+
+// The numbers of one object, in the order in which they are asked for.
+class Draw {
+ public:
+  Draw(std::uint64_t seed, Kind kind, std::uint32_t object = 0);
+  double next();  // in (0, 1)
+  double in(double low, double high) { return low + (high - low) * next(); }
+  double around(double mean, double share) { return mean * in(1 - share, 1 + share); }
+  int below(int count) { return static_cast<int>(next() * count); }
+  bool chance(double probability) { return next() < probability; }
+  double sign() { return chance(0.5) ? 1.0 : -1.0; }
+  Vec3d direction();  // uniform on the unit sphere
+
+ private:
+  RandomAddress address_;
+  RandomBlock block_{};
+  std::size_t used_ = 4;
+};
+
+using Skin = std::uint16_t;  // index into Mesh::surfaces
+
+struct Point2 {
+  double x = 0;
+  double y = 0;
+};
+
+constexpr double lerp(double a, double b, double t) {
+  return a + (b - a) * t;
+}
+double smooth(double t);  // smoothstep of t clamped to [0, 1]
+
+Affine at(const Vec3d& position);
+Affine at(const Vec3d& position, double yaw);
+// Maps z to the direction, with x and y anyhow.
+Affine along(const Vec3d& position, const Vec3d& direction);
+
+// A mesh that a scene holds, and the room it takes.
+struct Model {
+  std::uint32_t mesh = 0;
+  Box bounds;
+};
+
+// A mesh under construction. Everything appended goes through `frame`.
+class Shape {
+ public:
+  Shape(SceneBuilder& builder, std::string name);
+
+  Skin skin(std::string_view className, std::string_view material);
+
+  void triangle(Skin skin, const Vec3d& a, const Vec3d& b, const Vec3d& c);
+  void quad(Skin skin, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
+  void box(Skin skin, const Vec3d& center, const Vec3d& size);
+  void boxAt(Skin skin, const Affine& place, const Vec3d& size);
+  void ball(Skin skin, const Vec3d& center, const Vec3d& radii, int segments = 12);
+  // A closed pipe along a polyline with a radius at each point.
+  void pipe(Skin skin, const std::vector<Vec3d>& points, const std::vector<double>& radii, int segments = 8);
+  void tube(Skin skin, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
+  // Turns a profile of (radius, z) about z. Outside is to the right of the profile's direction (bottom to top).
+  void revolve(Skin skin, const Affine& place, const std::vector<Point2>& profile, int segments, bool closed = false);
+  void torus(Skin skin, const Affine& place, double radius, double thickness, int segments, int around = 8);
+  // A convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`: `front` at the top, `rim` elsewhere.
+  void prism(Skin front, Skin rim, const Affine& place, const std::vector<Point2>& polygon, double thickness);
+  // Quads between rows of equal length; corners that coincide make triangles. Counter-clockwise is row, next column.
+  void grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap, const std::function<Skin(int row, int column)>& of);
+
+  // Hands the mesh to the scene.
+  Model finish();
+
+  Affine frame;
+  Mesh mesh;
+
+ private:
+  std::uint32_t vertex(const Vec3d& p);
+
+  SceneBuilder& builder_;
+  std::vector<std::pair<std::string, Skin>> skins_;
+};
+
+// What the YAML says. Densities are objects per 100 m of street, both sides together.
+struct Parameters {
+  double length = 200, roadWidth = 7, parkingWidth = 2.2, curbHeight = 0.12, sidewalkWidth = 2.5, frontGarden = 4;
+  double terrain = 80, beyond = 150;
+  bool crossStreet = true;
+  double buildings = 0.9, boundaries = 0.6;  // shares of the lots
+  double trees = 22, bushes = 20, cars = 14, traffic = 2, trucks = 1, buses = 0.5, motorcycles = 2, bicycles = 6;
+  double cyclists = 1, pedestrians = 10, signs = 6, lamps = 5, furniture = 10, shelters = 1;
+
+  int count(double density) const;
+};
+
+Parameters readParameters(Fields& fields);
+
+struct Span {
+  double low = 0;
+  double high = 0;
+  bool holds(double v) const { return v > low && v < high; }
+};
+
+enum class Roof { Flat, Gable, CrossGable, Hip };
+
+// Local frame: the front wall lies in y = 0 and looks to -y, x goes along it from 0 to width, the house to y = depth.
+struct House {
+  Affine streetFromHouse;
+  double width = 10, depth = 9;
+  int floors = 2, columns = 4, doorColumn = 1;
+  Roof roof = Roof::Gable;
+  bool shop = false;
+  std::uint32_t number = 0;
+
+  double doorX() const { return width * (doorColumn + 0.5) / columns; }
+};
+
+enum class Fencing { None, Pickets, Bars, Brick, Hedge };
+
+// A plot along the street. side is -1 for y < 0 (right when driving along +x) and 1 for y > 0.
+struct Lot {
+  int side = 1;
+  Span x;
+  Fencing fencing = Fencing::None;
+  Span driveway;         // empty (low == high) where there is none
+  bool lowered = false;  // the curb, at the driveway
+  Span walkway;
+  std::uint32_t number = 0;
+};
+
+enum class Ground { Road, Parking, Curb, LoweredCurb, Sidewalk, Ramp, Driveway, Path, Terrain };
+
+// Where everything stands. y is mirrored: distances from the centre line hold for both sides.
+struct Layout {
+  Layout(const Parameters& parameters, std::uint64_t seed);
+
+  static constexpr double kCurb = 0.15;            // width of a curb stone, m
+  static constexpr double kRamp = 0.45;            // sidewalk that slopes at a driveway, m
+  static constexpr double kLoweredCurb = 0.03;     // height of the curb at a driveway, m
+  static constexpr double kDrivewayDepth = 7;      // beyond the front line, m
+  static constexpr double kPathDepth = 1.5;        // beyond the front line: the houses' greatest setback, m
+  static constexpr double kCrossSidewalkEnd = 18;  // beyond the back of the gardens, m
+
+  Ground kindAt(double x, double y) const;
+  // Height of the surface of this kind at a point on or inside its border.
+  double heightAt(Ground kind, double x, double y) const;
+  double heightAt(double x, double y) const { return heightAt(kindAt(x, y), x, y); }
+  bool inCorner(double x, double y) const;  // the squares that hold the rounded corners of the crossing
+  bool onDriveway(double x, int side, double margin = 0) const;
+
+  Parameters p;
+  std::uint64_t seed;
+  double roadEdge, parkingEdge, walkInner, walkOuter, front;  // distances from the centre line, m
+  double halfLength, halfX, halfY;
+  bool cross;
+  double crossX = 0, crossEdge = 0, crossWalk = 0, cornerRadius = 0;
+  double crossSidewalkEnd = 0;
+  std::vector<Span> parking;  // along x, the same on both sides
+  std::vector<Lot> lots;
+  std::vector<House> houses;
+
+ private:
+  bool besideParking(double x, double margin) const;
+  double terrainHeight(double x, double y) const;
+  void addLots(int side, Span x);
+  void addCrossHouses();
+
+  std::array<double, 12> waves_{};
+};
+
+Model makeGround(SceneBuilder& builder, const Layout& layout);
+Model makeMarkings(SceneBuilder& builder, const Layout& layout);
+Model makeHouse(SceneBuilder& builder, std::uint64_t seed, const House& house);
+
+struct TreeModel {
+  Model model;
+  double crownRadius = 2;
+};
+constexpr int kTreeForms = 8;
+constexpr int kBroadleafForms = 6;  // the first of them
+TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form);
+Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form);
+Model makeHedge(SceneBuilder& builder, std::uint64_t seed);  // 2 m along x, 0.6 m wide
+
+enum class CarForm { Hatchback, Sedan, Wagon, Suv, Van, Pickup, Delivery };
+constexpr int kCarForms = 7;
+Model makeCar(SceneBuilder& builder, std::uint64_t seed, CarForm form, int number);
+Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form);
+Model makeBus(SceneBuilder& builder, std::uint64_t seed);
+// Tyre and rim in the plane y = 0 about the origin, outside to +y.
+void appendWheel(Shape& shape, std::string_view className, const Affine& place, double radius, double width);
+
+// Where a rider touches a bicycle, in its frame.
+struct BicycleFit {
+  Vec3d saddle, leftGrip, rightGrip, leftPedal, rightPedal;
+};
+Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, BicycleFit* fit = nullptr);
+Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form);
+
+Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form);
+Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const BicycleFit& fit);
+
+Model makeSign(SceneBuilder& builder, std::uint64_t seed, int form);  // faces +x
+Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form);  // its arm reaches to +x
+Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed);    // faces +x
+
+enum class Furnishing { Bin, WheelieBin, Hydrant, Bench, LetterBox, PowerBox, BicycleRack, Bollard, Planter, Count };
+Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what);
+Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                   // open to -y
+Model makeColumn(SceneBuilder& builder, std::uint64_t seed);                    // for posters
+Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what);  // 2 m along x, centred
+
+// Puts everything but ground and houses into the scene.
+void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromStreet);
+
+}  // namespace scanmill::street

@@ -1,0 +1,73 @@
+#include "sensors/path.h"
+
+#include <algorithm>
+#include <array>
+
+namespace scanmill {
+
+// Gauss-Legendre quadrature of the speed, five points (Abramowitz and Stegun, table 25.4).
+double Path::Segment::travelled(double from, double to) const {
+  constexpr std::array<double, 5> kNode = {0.0, -0.538469310105683, 0.538469310105683, -0.906179845938664,
+                                           0.906179845938664};
+  constexpr std::array<double, 5> kWeight = {0.568888888888889, 0.478628670499366, 0.478628670499366, 0.236926885056189,
+                                             0.236926885056189};
+  const double half = (to - from) / 2;
+  const double middle = (to + from) / 2;
+  double sum = 0;
+  for (std::size_t i = 0; i < kNode.size(); ++i)
+    sum += kWeight[i] * scanmill::length(derivative(middle + half * kNode[i]));
+  return sum * half;
+}
+
+Path::Path(const std::vector<Vec3d>& points) {
+  const std::size_t count = points.size() - 1;
+  // Centripetal knots: the parameter grows by the square root of the chord.
+  std::vector<double> knot(count);
+  std::vector<Vec3d> slope(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3d chord = points[i + 1] - points[i];
+    knot[i] = std::sqrt(scanmill::length(chord));
+    slope[i] = chord * (1 / knot[i]);
+  }
+  std::vector<Vec3d> tangent(points.size());
+  tangent.front() = slope.front();
+  tangent.back() = slope.back();
+  for (std::size_t i = 1; i < count; ++i) {
+    const Vec3d across = (points[i + 1] - points[i - 1]) * (1 / (knot[i - 1] + knot[i]));
+    tangent[i] = slope[i - 1] - across + slope[i];
+  }
+
+  travelled_.push_back(0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3d chord = points[i + 1] - points[i];
+    const Vec3d start = tangent[i] * knot[i];
+    const Vec3d end = tangent[i + 1] * knot[i];
+    segments_.push_back({points[i], start, chord * 3 - start * 2 - end, start + end - chord * 2});
+    for (std::size_t part = 0; part < kParts; ++part) {
+      const double from = static_cast<double>(part) / kParts;
+      travelled_.push_back(travelled_.back() + segments_.back().travelled(from, from + 1.0 / kParts));
+    }
+  }
+}
+
+Pose Path::pose(double distance) const {
+  distance = std::clamp(distance, 0.0, length());
+  const auto after = std::upper_bound(travelled_.begin() + 1, travelled_.end() - 1, distance);
+  const std::size_t part = static_cast<std::size_t>(after - travelled_.begin()) - 1;
+  const Segment& segment = segments_[part / kParts];
+  const double from = static_cast<double>(part % kParts) / kParts;
+
+  // Newton's method on the distance within the part, which is smooth and increases.
+  const double wanted = distance - travelled_[part];
+  double u = from + wanted / (travelled_[part + 1] - travelled_[part]) / kParts;
+  for (int i = 0; i < 4; ++i) {
+    u -= (segment.travelled(from, u) - wanted) / scanmill::length(segment.derivative(u));
+    u = std::clamp(u, from, from + 1.0 / kParts);
+  }
+  const Vec3d heading = segment.derivative(u);
+  const double yaw = std::atan2(heading.y, heading.x);
+  const double pitch = -std::atan2(heading.z, std::hypot(heading.x, heading.y));
+  return {fromYawPitchRoll(yaw, pitch, 0), segment.position(u)};
+}
+
+}  // namespace scanmill

@@ -1,0 +1,40 @@
+#pragma once
+
+// A smooth curve through waypoints, measured by the distance travelled along it.
+
+#include <cstddef>
+#include <vector>
+
+#include "base/vec.h"
+
+namespace scanmill {
+
+// A centripetal Catmull-Rom spline: it passes every point, never loops or cusps between two of them, and its heading is
+// continuous, since the tangent at a point bisects the directions before and after it. Yuksel, Schaefer, Keyser,
+// "Parameterization and applications of Catmull-Rom curves", Computer-Aided Design 43(7), 2011.
+class Path {
+ public:
+  // At least two points; consecutive ones must differ, and the path must not turn straight back.
+  explicit Path(const std::vector<Vec3d>& points);
+
+  double length() const { return travelled_.back(); }  // m
+  // Heading along the path, without roll; a distance before or after the path gives its end.
+  Pose pose(double distance) const;
+  // Distance at which the path passes a point (m).
+  double distanceOfPoint(std::size_t point) const { return travelled_[point * kParts]; }
+
+ private:
+  // position = a + u (b + u (c + u d)), u in [0, 1].
+  struct Segment {
+    Vec3d a, b, c, d;
+    Vec3d position(double u) const { return a + (b + (c + d * u) * u) * u; }
+    Vec3d derivative(double u) const { return b + (c * 2 + d * (3 * u)) * u; }
+    double travelled(double from, double to) const;
+  };
+  static constexpr std::size_t kParts = 16;
+
+  std::vector<Segment> segments_;
+  std::vector<double> travelled_;  // m, at the start of each of the kParts equal parts of each segment, and at the end
+};
+
+}  // namespace scanmill

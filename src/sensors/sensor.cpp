@@ -1,0 +1,219 @@
+#include "sensors/sensor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "config/fields.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kMaxRings = 4096;
+constexpr double kMaxColumns = 65536;
+
+// A count as a double, so that 1e12 is read and then refused with the arithmetic.
+double readCount(const Value& value, std::string_view what) {
+  const double count = readNumber(value, what);
+  if (count != std::floor(count)) {
+    throw InputError(value.where, fmt::format("{} must be a whole number, not {}", what, value.text));
+  }
+  return count;
+}
+
+void refuseUnlessElevations(const Value& value) {
+  if (value.kind == Value::Kind::Scalar || value.kind == Value::Kind::Null) {
+    throw InputError(value.where,
+                     "elevation_deg must be a list of angles, one per ring, or {top: 15, bottom: -15, rings: 16}");
+  }
+}
+
+// Per ring, degrees, in ring order.
+std::vector<double> uniformElevations(const Value& value, std::uint32_t rings, const std::string& order,
+                                      const Location& orderWhere) {
+  Fields fields(value, "elevation_deg");
+  const double top = fields.number("top", {-90, 90});
+  const double bottom = fields.number("bottom", {-90, 90});
+  fields.require("rings");
+  fields.finish();
+  if (top < bottom || (top == bottom && rings > 1)) {
+    throw InputError(value.where, fmt::format("elevation_deg: top ({}) must be above bottom ({})", top, bottom));
+  }
+  if (order == "unordered") {
+    throw InputError(orderWhere, "uniform elevations are ordered: ring_order must be top_down or bottom_up");
+  }
+  std::vector<double> elevation(rings, (top + bottom) / 2);
+  for (std::uint32_t ring = 0; ring < rings && rings > 1; ++ring) {
+    const std::uint32_t fromTop = order == "top_down" ? ring : rings - 1 - ring;
+    const double part = static_cast<double>(fromTop) / (rings - 1);
+    elevation[ring] = top * (1 - part) + bottom * part;
+  }
+  return elevation;
+}
+
+std::vector<double> listedElevations(const Value& value, const std::string& order) {
+  const std::vector<double> elevation = readNumbers(value, "elevation_deg", {-90, 90});
+  for (std::size_t ring = 1; ring < elevation.size() && order != "unordered"; ++ring) {
+    const bool above = elevation[ring] > elevation[ring - 1];
+    const bool below = elevation[ring] < elevation[ring - 1];
+    if (order == "top_down" ? above : below) {
+      throw InputError(
+          value.items[ring].where,
+          fmt::format("ring {} at {} deg is {} ring {} at {} deg, against ring_order: {}; sort the list or "
+                      "say ring_order: unordered",
+                      ring, elevation[ring], above ? "above" : "below", ring - 1, elevation[ring - 1], order));
+    }
+  }
+  return elevation;
+}
+
+// A pattern that repeats over the rings, degrees.
+std::vector<double> readAzimuthOffsets(const Value* value, std::uint32_t rings) {
+  if (value == nullptr) return std::vector<double>(rings, 0.0);
+  std::vector<double> pattern = readNumbers(*value, "azimuth_offset_deg", {-180, 180});
+  if (pattern.empty() || rings % pattern.size() != 0) {
+    throw InputError(
+        value->where,
+        fmt::format("azimuth_offset_deg has {} entries: it needs one per ring ({}) or a number that divides "
+                    "the rings, to be repeated",
+                    pattern.size(), rings));
+  }
+  const std::size_t period = pattern.size();
+  pattern.resize(rings);
+  for (std::size_t ring = period; ring < rings; ++ring) pattern[ring] = pattern[ring - period];
+  return pattern;
+}
+
+// Per ring, microseconds.
+std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) {
+  if (value == nullptr) return std::vector<double>(table.rings, 0.0);
+  constexpr Range kMicroseconds{0, 1e8};
+  std::vector<double> times;
+  if (value->kind == Value::Kind::Sequence) {
+    times = readNumbers(*value, "firing_time_us", kMicroseconds);
+    if (times.size() != table.rings) {
+      throw InputError(value->where, fmt::format("firing_time_us has {} entries for {} rings: it needs one per ring",
+                                                 times.size(), table.rings));
+    }
+  } else {
+    Fields fields(*value, "firing_time_us");
+    const double step = fields.number("step_us", kMicroseconds);
+    fields.finish();
+    for (std::uint32_t ring = 0; ring < table.rings; ++ring) times.push_back(step * ring);
+  }
+  const double last = *std::max_element(times.begin(), times.end());
+  const double column = table.columnPeriod() * 1e6;
+  if (last >= column) {
+    throw InputError(value->where,
+                     fmt::format("firing_time_us: the last ring fires {:.6g} us after the first, but a column lasts "
+                                 "{:.6g} us (1 s / {:.6g} turns x {:.6g} of a turn / {} columns)",
+                                 last, column, 1 / table.period, table.field / (2 * kPi), table.columns));
+  }
+  return times;
+}
+
+std::vector<double> scaled(std::vector<double> values, double factor) {
+  for (double& value : values) value *= factor;
+  return values;
+}
+
+void readRange(Fields& fields, BeamTable& table) {
+  const Value& value = fields.require("range_m");
+  const std::vector<double> limits = readNumbers(value, "range_m", {0, 1e6});
+  if (limits.size() != 2 || limits[0] >= limits[1]) {
+    throw InputError(value.where, "range_m must be [nearest, farthest] in metres, the nearest below the farthest");
+  }
+  table.minRange = limits[0];
+  table.maxRange = limits[1];
+}
+
+}  // namespace
+
+Value resolveSensor(const Value& value) {
+  Fields fields(value, "sensor");
+  Value merged;
+  merged.kind = Value::Kind::Map;
+  merged.where = value.where;
+  if (const Value* preset = fields.find("preset")) {
+    const Value file = readYaml(resolvePath(preset->where, readText(*preset, "preset")));
+    if (file.kind == Value::Kind::Null) throw InputError(file.where, "the sensor preset is empty");
+    merged.entries = Fields(file, "sensor preset").value().entries;
+  }
+  for (const auto& entry : value.entries) {
+    if (entry.first == "name" || entry.first == "preset" || entry.first == "mount") continue;
+    const auto old = std::find_if(merged.entries.begin(), merged.entries.end(),
+                                  [&](const auto& other) { return other.first == entry.first; });
+    if (old != merged.entries.end()) {
+      old->second = entry.second;
+    } else {
+      merged.entries.push_back(entry);
+    }
+  }
+  return merged;
+}
+
+SensorSize sensorSize(const Value& value) {
+  Fields fields(value, "sensor");
+  const Value& columnValue = fields.require("columns");
+  const Value& elevation = fields.require("elevation_deg");
+  refuseUnlessElevations(elevation);
+  const double columns = readCount(columnValue, "columns");
+
+  const Value* ringValue = &elevation;
+  double rings = static_cast<double>(elevation.items.size());
+  if (elevation.kind == Value::Kind::Map) {
+    ringValue = &Fields(elevation, "elevation_deg").require("rings");
+    rings = readCount(*ringValue, "rings");
+  }
+  const bool ringsFit = rings >= 1 && rings <= kMaxRings;
+  if (!ringsFit || columns < 1 || columns > kMaxColumns) {
+    throw InputError(
+        ringsFit ? columnValue.where : ringValue->where,
+        fmt::format("rings x columns = {:.15g} x {:.15g} = {:.15g} beams a turn: a sensor has 1 to {} rings "
+                    "and 1 to {} columns",
+                    rings, columns, rings * columns, kMaxRings, kMaxColumns));
+  }
+  return {static_cast<std::uint64_t>(rings), static_cast<std::uint64_t>(columns)};
+}
+
+std::shared_ptr<const BeamTable> makeBeams(const Value& value) {
+  const SensorSize size = sensorSize(value);
+  auto table = std::make_shared<BeamTable>();
+  table->rings = static_cast<std::uint32_t>(size.rings);
+  table->columns = static_cast<std::uint32_t>(size.columns);
+
+  Fields fields(value, "sensor");
+  fields.require("columns");
+  table->model = fields.text("model", "custom");
+  table->source = fields.text("source", "");
+  table->period = 1 / fields.number("rate_hz", {0.01, 1000});
+  table->clockwise = fields.choice("direction", {"clockwise", "counterclockwise"}, "counterclockwise") == "clockwise";
+  table->firstAzimuth = radians(fields.number("first_azimuth_deg", {-360, 360}, 0));
+  const double field = fields.number("field_deg", {0, 360}, 360);
+  if (field <= 0) throw InputError(fields.find("field_deg")->where, "field_deg must be above 0");
+  table->field = field < 360 ? radians(field) : 2 * kPi;
+
+  const std::string order = fields.choice("ring_order", {"top_down", "bottom_up", "unordered"}, "top_down");
+  const Value* orderValue = fields.find("ring_order");
+  const Value& elevationValue = fields.require("elevation_deg");
+  const std::vector<double> elevation =
+      elevationValue.kind == Value::Kind::Sequence
+          ? listedElevations(elevationValue, order)
+          : uniformElevations(elevationValue, table->rings, order, orderValue ? orderValue->where : value.where);
+  table->elevation = scaled(elevation, radians(1));
+  const double highest = *std::max_element(elevation.begin(), elevation.end());
+  table->topDown = order == "top_down" || (order == "unordered" && elevation.front() == highest);
+  table->azimuthOffset = scaled(readAzimuthOffsets(fields.find("azimuth_offset_deg"), table->rings), radians(1));
+  table->firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), *table), 1e-6);
+  table->originOffset = fields.number("origin_offset_m", {0, 10}, 0);
+  table->originHeight = fields.number("origin_height_m", {-10, 10}, 0);
+  readRange(fields, *table);
+  fields.finish();
+
+  fillBeams(*table);
+  return table;
+}
+
+}  // namespace scanmill

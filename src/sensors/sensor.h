@@ -1,0 +1,45 @@
+#pragma once
+
+// Reads pipelines/sensors/*.yaml.
+//
+//   model: OS1-128                     # names the sensor and the source of its figures, for the manifest
+//   source: ...
+//   columns: 1024                      # per turn (per field, where the field is partial)
+//   rate_hz: 10                        # turns per second
+//   direction: clockwise               # or counterclockwise (default), seen from above
+//   first_azimuth_deg: 180             # where column 0 points: 0 is forward, 90 is left (default 0)
+//   field_deg: 360                     # horizontal; less is swept from edge to edge (default 360)
+//   elevation_deg: [15, 13, ...]       # one per ring, or {top: 15, bottom: -15, rings: 16}
+//   ring_order: top_down               # or bottom_up; a list may be `unordered` (default top_down)
+//   azimuth_offset_deg: [4.2, ...]     # counter-clockwise, one per ring or a pattern that repeats (default 0)
+//   origin_offset_m: 0.0158            # beam origin to the axis of rotation, towards the head's azimuth (default 0)
+//   origin_height_m: 0.036             # beam origin above the sensor's own origin (default 0)
+//   firing_time_us: [0, 2.3, ...]      # within a column, one per ring, or {step_us: 2.3} from ring to ring (default 0)
+//   range_m: [0.5, 120]                # nearest and farthest report
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "config/value.h"
+#include "sensors/beams.h"
+
+namespace scanmill {
+
+// How many beams a sensor file asks for, without making the table: plans are refused before memory is taken.
+struct SensorSize {
+  std::uint64_t rings = 0;
+  std::uint64_t columns = 0;
+};
+
+// The sensor map of a pipeline's {name:, preset: sensors/os1_128.yaml, mount: {...}, any sensor key}: the preset's
+// keys, replaced by the pipeline's own; each keeps its place. Without a preset: the own keys alone.
+Value resolveSensor(const Value& value);
+
+// `value` is a sensor map (an own file or inline in a pipeline). Limits: 1 to 4096 rings, 1 to 65536 columns; what is
+// beyond is refused. Throws InputError with the place.
+SensorSize sensorSize(const Value& value);
+std::shared_ptr<const BeamTable> makeBeams(const Value& value);
+
+}  // namespace scanmill

@@ -1,0 +1,66 @@
+#include "sensors/shot.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "config/fields.h"
+
+namespace scanmill {
+
+Motion readMotion(const Value* value) {
+  Motion motion;
+  if (value == nullptr) return motion;
+  motion.where = value->where;
+  if (value->kind == Value::Kind::Scalar && value->text == "none") return motion;
+  if (value->kind == Value::Kind::Scalar && value->text == "per_column") {
+    motion.kind = MotionKind::PerColumn;
+    return motion;
+  }
+  if (value->kind != Value::Kind::Map) {
+    throw InputError(value->where,
+                     fmt::format("motion must be none, per_column or {{steps: 360, deskew: false}}{}",
+                                 value->kind == Value::Kind::Scalar ? suggestion(value->text, {"none", "per_column"})
+                                                                    : std::string()));
+  }
+  Fields fields(*value, "motion");
+  const Value& steps = fields.require("steps");
+  if (steps.kind == Value::Kind::Scalar && steps.text == "per_column") {
+    motion.kind = MotionKind::PerColumn;
+  } else {
+    motion.kind = MotionKind::Steps;
+    motion.steps = static_cast<std::uint32_t>(readInteger(steps, "steps", 1, 65536));
+  }
+  motion.deskew = fields.boolean("deskew", false);
+  fields.finish();
+  return motion;
+}
+
+Shot makeShot(std::shared_ptr<const BeamTable> beams, const Trajectory& trajectory, std::uint32_t frame,
+              const Pose& vehicleFromSensor, const Motion& motion) {
+  std::uint64_t steps = 1;
+  if (motion.kind == MotionKind::PerColumn) steps = beams->columns;
+  if (motion.kind == MotionKind::Steps) steps = motion.steps;
+  if (steps > beams->columns) {
+    throw InputError(motion.where, fmt::format("motion has {} steps a turn, but sensor {} has {} columns: use at most "
+                                               "{}, or per_column",
+                                               steps, beams->model, beams->columns, beams->columns));
+  }
+  // A vehicle that stands still needs one pose, whatever was asked.
+  if (trajectory.still()) steps = 1;
+
+  Shot shot;
+  shot.frame = frame;
+  shot.time = trajectory.frameTime(frame);
+  shot.deskew = motion.deskew;
+  shot.worldFromSensor.reserve(steps);
+  for (std::uint64_t step = 0; step < steps; ++step) {
+    // The first column with column * steps / columns == step.
+    const auto column = static_cast<std::uint32_t>((step * beams->columns + steps - 1) / steps);
+    shot.worldFromSensor.push_back(trajectory.pose(frame, beams->columnTime(column)) * vehicleFromSensor);
+  }
+  shot.beams = std::move(beams);
+  return shot;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,140 @@
+#include "sensors/trajectory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "config/fields.h"
+#include "sensors/path.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kFarthest = 1e9;  // m, of a coordinate
+constexpr double kNearest = 1e-6;  // m, between two waypoints
+constexpr double kSteepest = 85;   // deg, of a slope: beyond, "heading along the path" says no yaw
+constexpr double kSharpest = 175;  // deg, of a turn at a waypoint: beyond, the path goes straight back
+constexpr Range kStep{1e-9, 1e9};  // s or m
+
+Vec3d checkedPosition(const Vec3d& position, const Location& where) {
+  if (std::fabs(position.x) > kFarthest || std::fabs(position.y) > kFarthest || std::fabs(position.z) > kFarthest) {
+    throw InputError(where, fmt::format("position [{:g}, {:g}, {:g}] is farther than {:g} m from the origin",
+                                        position.x, position.y, position.z, kFarthest));
+  }
+  return position;
+}
+
+std::vector<Pose> readPoses(const Value& value) {
+  if (value.kind != Value::Kind::Sequence || value.items.empty()) {
+    throw InputError(value.where, "poses must be a list such as [{position: [0, 0, 2], yaw_deg: 90}]");
+  }
+  std::vector<Pose> poses;
+  poses.reserve(value.items.size());
+  for (const Value& item : value.items) {
+    Fields fields(item, "pose");
+    poses.push_back(fields.pose());
+    fields.finish();
+    checkedPosition(poses.back().translation, item.where);
+  }
+  return poses;
+}
+
+std::vector<Vec3d> readWaypoints(const Value& value) {
+  if (value.kind != Value::Kind::Sequence || value.items.size() < 2) {
+    throw InputError(
+        value.where,
+        "waypoints must be a list of at least two positions such as [[0, 0, 0], [50, 0, 0]]; for a vehicle "
+        "that stands still use poses");
+  }
+  std::vector<Vec3d> points;
+  points.reserve(value.items.size());
+  for (const Value& item : value.items) {
+    points.push_back(checkedPosition(readVec3(item, "waypoint"), item.where));
+    const std::size_t last = points.size() - 1;
+    if (last < 1) continue;
+    const Vec3d chord = points[last] - points[last - 1];
+    if (length(chord) < kNearest) {
+      throw InputError(item.where, fmt::format("waypoint {} repeats the one before it; remove one of them", last + 1));
+    }
+    if (std::fabs(chord.z) > length(chord) * std::sin(radians(kSteepest))) {
+      throw InputError(item.where, fmt::format("the path to waypoint {} is steeper than {} deg: a vehicle that heads "
+                                               "along it would have no yaw; use poses",
+                                               last + 1, kSteepest));
+    }
+    if (last < 2) continue;
+    const Vec3d before = normalized(points[last - 1] - points[last - 2]);
+    if (dot(before, normalized(chord)) < std::cos(radians(kSharpest))) {
+      throw InputError(
+          value.items[last - 1].where,
+          fmt::format("the path goes straight back at waypoint {}; add waypoints that make the turn", last));
+    }
+  }
+  return points;
+}
+
+// Frames from the start of the path to its end, or the limit where that comes first.
+std::uint32_t countFrames(double duration, double interval, double pathLength, double speed, double limit,
+                          const Location& where) {
+  // A frame that falls on the end of the path counts, whatever the rounding.
+  const double count = std::min(std::floor(duration / interval * (1 + 1e-12) + 1e-9) + 1, limit);
+  if (count > Trajectory::kMaxFrames) {
+    throw InputError(where, fmt::format("{:.6g} m of path / {:.6g} m/s / {:.6g} s a frame = {:.6g} frames, more than "
+                                        "{}; set every_s, every_m, speed or frames",
+                                        pathLength, speed, interval, count, Trajectory::kMaxFrames));
+  }
+  return static_cast<std::uint32_t>(count);
+}
+
+}  // namespace
+
+Pose Trajectory::pose(std::uint32_t frame, double dt) const {
+  if (frame >= frames_) throw Error(fmt::format("frame {} of a trajectory of {} frames", frame, frames_));
+  return path_ ? path_->pose(speed_ * (frameTime(frame) + dt)) : poses_[frame];
+}
+
+double Trajectory::pathLength() const {
+  return path_ ? path_->length() : 0;
+}
+
+Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod) {
+  Fields fields(value, "trajectory");
+  Trajectory result;
+  result.name_ = fields.text("name", name);
+  const double limit =
+      fields.has("frames") ? static_cast<double>(fields.integer("frames", 1, Trajectory::kMaxFrames)) : INFINITY;
+
+  if (fields.has("poses")) {
+    if (fields.has("waypoints")) {
+      throw InputError(fields.require("waypoints").where, "a trajectory has either poses or waypoints, not both");
+    }
+    result.poses_ = readPoses(fields.require("poses"));
+    result.interval_ = fields.number("every_s", kStep, fallbackPeriod);
+    fields.finish();
+    result.frames_ = static_cast<std::uint32_t>(std::min(static_cast<double>(result.poses_.size()), limit));
+    return result;
+  }
+
+  if (!fields.has("waypoints")) {
+    throw InputError(value.where, fmt::format("trajectory {} needs poses or waypoints", result.name_));
+  }
+  const Value& waypoints = fields.require("waypoints");
+  result.path_ = std::make_shared<const Path>(readWaypoints(waypoints));
+  result.speed_ = fields.number("speed", {0, 100});
+  if (result.speed_ <= 0) {
+    throw InputError(fields.require("speed").where,
+                     "speed must be above 0 m/s; for a vehicle that stands still use poses");
+  }
+  if (fields.has("every_s") && fields.has("every_m")) {
+    throw InputError(fields.require("every_m").where, "a frame comes either every_s or every_m, not both");
+  }
+  result.interval_ = fields.has("every_m") ? fields.number("every_m", kStep) / result.speed_
+                                           : fields.number("every_s", kStep, fallbackPeriod);
+  fields.finish();
+  const double length = result.path_->length();
+  result.frames_ = countFrames(length / result.speed_, result.interval_, length, result.speed_, limit, waypoints.where);
+  return result;
+}
+
+}  // namespace scanmill

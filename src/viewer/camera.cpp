@@ -1,0 +1,54 @@
+#include "viewer/camera.h"
+
+#include <algorithm>
+
+namespace scanmill {
+
+namespace {
+
+void lookAt(Camera& camera, const Vec3d& target) {
+  camera.forward = normalized(target - camera.eye);
+  camera.right = normalized(cross(camera.forward, Vec3d{0, 0, 1}));
+  camera.down = cross(camera.forward, camera.right);
+}
+
+}  // namespace
+
+Projected Camera::project(const Vec3d& point) const {
+  const Vec3d p = point - eye;
+  Projected out;
+  out.depth = dot(p, forward);
+  out.scale = orthographic ? focal : focal / out.depth;
+  out.x = centerX + dot(p, right) * out.scale;
+  out.y = centerY + dot(p, down) * out.scale;
+  return out;
+}
+
+Camera makeCamera(View view, int width, int height, double zoom) {
+  Camera camera;
+  camera.centerX = width / 2.0;
+  camera.centerY = height / 2.0;
+  // As wide an angle as a picture of 16 : 9 needs, whatever the shape.
+  const double side = std::min(width / 16.0 * 9.0, static_cast<double>(height));
+  switch (view) {
+    case View::Driver:
+      camera.focal = side * 0.9 * zoom;  // 89 degrees across
+      break;
+    case View::Above:
+      camera.orthographic = true;
+      camera.eye = {0, 0, 1000};  // above anything that a LiDAR reports
+      camera.right = {1, 0, 0};
+      camera.down = {0, -1, 0};
+      camera.forward = {0, 0, -1};
+      camera.focal = side / 50.0 * zoom;  // 50 m from top to bottom
+      break;
+    case View::Chase:
+      camera.eye = {-12, 0, 6.5};
+      lookAt(camera, {12, 0, -2.1});
+      camera.focal = side * 1.15 * zoom;  // 75 degrees across
+      break;
+  }
+  return camera;
+}
+
+}  // namespace scanmill

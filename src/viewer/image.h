@@ -1,0 +1,42 @@
+#pragma once
+
+// Pictures in memory and as PNG.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace scanmill {
+
+using Rgb = std::array<std::uint8_t, 3>;  // sRGB
+
+// The first row is the top one.
+struct Image {
+  int width = 0;
+  int height = 0;
+  std::vector<Rgb> pixels;
+
+  Image() = default;
+  Image(int imageWidth, int imageHeight, const Rgb& fill)
+      : width(imageWidth), height(imageHeight), pixels(std::size_t(imageWidth) * std::size_t(imageHeight), fill) {}
+
+  Rgb& at(int x, int y) { return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
+  const Rgb& at(int x, int y) const { return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
+  bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
+};
+
+// From a to b, t from 0 to 1.
+Rgb mix(const Rgb& a, const Rgb& b, double t);
+
+// Fills the part of the rectangle that lies in the image.
+void fillRectangle(Image& image, int x, int y, int width, int height, const Rgb& color);
+
+// Copies `source` into `image` with its upper left corner at (x, y); what juts out is left out.
+void paste(Image& image, const Image& source, int x, int y);
+
+// 8 bit RGB. The same picture gives the same bytes: no clock is written.
+std::string encodePng(const Image& image);
+
+}  // namespace scanmill

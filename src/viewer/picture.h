@@ -1,0 +1,41 @@
+#pragma once
+
+// A scan as a picture, without a display.
+
+#include <optional>
+#include <string>
+
+#include "scan/scan.h"
+#include "scene/ontology.h"
+#include "viewer/camera.h"
+#include "viewer/coloring.h"
+#include "viewer/image.h"
+#include "viewer/splats.h"
+
+namespace scanmill {
+
+constexpr int kLeastPictureSide = 64;
+constexpr int kMostPictureSide = 8192;
+constexpr int kMostPicturePixels = 36'000'000;  // 8K; drawing takes about 28 bytes for each
+
+struct PictureOptions {
+  std::optional<ColorBy> colorBy;  // absent: what colorScan() takes
+  View view = View::Chase;
+  int width = 1600;
+  int height = 900;
+  double zoom = 1;
+  SplatStyle splats;
+};
+
+// The scan seen from outside. `title` says what it is; points and colours are named beside it. An empty scan gives a
+// picture that says so.
+Image drawPicture(const Scan& scan, const Ontology* ontology, const PictureOptions& options, const std::string& title);
+
+// The scan as the sensor orders it: a row per ring, the highest beams on top, and a column per column, the first on
+// the left. Pixels are enlarged in whole steps until the image is readable. A head whose rings look past one another
+// (azimuth offsets) gives ragged upright edges: nothing is shifted. Of two points on a pixel the nearer wins.
+// Throws InputError where the scan is not organised and lacks ring or column, or is too large for a picture.
+Image drawRangeImage(const Scan& scan, const Ontology* ontology, std::optional<ColorBy> colorBy,
+                     const std::string& title);
+
+}  // namespace scanmill

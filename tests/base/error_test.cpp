@@ -1,0 +1,44 @@
+#include "base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+#include <vector>
+
+namespace scanmill {
+namespace {
+
+TEST(Location, ShowsWhatIsKnown) {
+  EXPECT_EQ((Location{"a.yaml", 3, 7}.text()), "a.yaml:3:7");
+  EXPECT_EQ((Location{"a.yaml", 3, 0}.text()), "a.yaml:3");
+  EXPECT_EQ((Location{"a.yaml", 0, 0}.text()), "a.yaml");
+  EXPECT_EQ(Location{}.text(), "");
+}
+
+TEST(InputError, StartsWithItsPlace) {
+  EXPECT_STREQ(InputError({"a.yaml", 3, 7}, "is odd").what(), "a.yaml:3:7: is odd");
+  EXPECT_STREQ(InputError({}, "is odd").what(), "is odd");
+  EXPECT_STREQ(InputError("is odd").what(), "is odd");
+  EXPECT_THROW(throw InputError("x"), Error);
+}
+
+TEST(Warn, SaysEachTextOnce) {
+  const std::size_t before = warningCount();
+  testing::internal::CaptureStderr();
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 8; ++i) {
+    threads.emplace_back([] {
+      warn("the texture leaf.png is missing");
+      warn("the texture bark.png is missing");
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  const std::string shown = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(warningCount(), before + 2);
+  const std::string leaf = "warning: the texture leaf.png is missing\n";
+  const std::string bark = "warning: the texture bark.png is missing\n";
+  EXPECT_TRUE(shown == leaf + bark || shown == bark + leaf) << shown;
+}
+
+}  // namespace
+}  // namespace scanmill

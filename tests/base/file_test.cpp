@@ -1,0 +1,171 @@
+#include "base/file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <iterator>
+
+#include "base/error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string content(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::size_t entries(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+template <class Action>
+std::string messageOf(const Action& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(ReadFile, GivesAllBytes) {
+  const TemporaryFolder folder;
+  std::string bytes;
+  for (int i = 0; i < 200'000; ++i) bytes += static_cast<char>(i * 7);
+  EXPECT_EQ(readFile(folder.write("a.bin", bytes)), bytes);
+  EXPECT_EQ(readFile(folder.write("empty", "")), "");
+}
+
+TEST(ReadFile, RefusesWhatIsNoFile) {
+  const TemporaryFolder folder;
+  const std::filesystem::path absent = folder.path() / "absent";
+  EXPECT_THROW(readFile(absent), InputError);
+  EXPECT_THAT(messageOf([&] { readFile(absent); }),
+              AllOf(StartsWith(absent.string() + ": "), HasSubstr("No such file")));
+  EXPECT_THAT(messageOf([&] { readFile(folder.path()); }), StartsWith(folder.path().string() + ": is not a file"));
+  EXPECT_THROW(readFile(""), InputError);
+  EXPECT_THROW(readFile("/dev/zero"), InputError);
+  const std::filesystem::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(readFile(pipe), InputError);
+}
+
+TEST(AtomicFile, IsThereOnlyAfterCommit) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "a.txt";
+  AtomicFile file(path);
+  file.write("one ");
+  file.write("");
+  file.write("two");
+  EXPECT_EQ(file.size(), 7u);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  file.commit();
+  EXPECT_EQ(content(path), "one two");
+  EXPECT_EQ(entries(folder.path()), 1u);
+}
+
+TEST(AtomicFile, LeavesNothingWithoutCommit) {
+  const TemporaryFolder folder;
+  { AtomicFile(folder.path() / "a.txt").write("half"); }
+  EXPECT_EQ(entries(folder.path()), 0u);
+  const std::filesystem::path existing = folder.write("b.txt", "old");
+  try {
+    AtomicFile file(existing);
+    file.write("half");
+    throw Error("interrupted");
+  } catch (const Error&) {
+  }
+  EXPECT_EQ(content(existing), "old");
+  EXPECT_EQ(entries(folder.path()), 1u);
+}
+
+TEST(AtomicFile, ReplacesAWholeFile) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.write("a.txt", "a long old text");
+  writeFile(path, "new");
+  EXPECT_EQ(content(path), "new");
+  EXPECT_EQ(entries(folder.path()), 1u);
+}
+
+TEST(AtomicFile, NamesThePathItCannotWrite) {
+  const TemporaryFolder folder;
+  const std::filesystem::path inNoFolder = folder.path() / "absent" / "a.txt";
+  EXPECT_THAT(messageOf([&] { writeFile(inNoFolder, "x"); }),
+              AllOf(StartsWith(inNoFolder.string() + ": cannot be written: "), HasSubstr("No such file")));
+  EXPECT_THAT(messageOf([&] { AtomicFile file(folder.path()); }), StartsWith(folder.path().string()));
+}
+
+TEST(AtomicFile, NeverReplacesADevice) {
+  EXPECT_THAT(messageOf([] { AtomicFile file("/dev/full"); }), StartsWith("/dev/full: cannot be written"));
+  struct stat status {};
+  ASSERT_EQ(::stat("/dev/full", &status), 0);
+  EXPECT_TRUE(S_ISCHR(status.st_mode));
+}
+
+// The limit on a file's size stands for any write that fails half-way; every system has it.
+TEST(AtomicFile, AFailedWriteLeavesTheOldFile) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.write("a.bin", "old");
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit small = before;
+  small.rlim_cur = 4096;
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const std::string message = messageOf([&] { writeFile(path, std::string(100'000, 'x')); });
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(message, path.string() + ": cannot be written: File too large");
+  EXPECT_EQ(content(path), "old");
+  EXPECT_EQ(entries(folder.path()), 1u);
+}
+
+// In a process of its own: a file system of 64 KiB, then a write of 1 MiB. The exit code says what happened.
+int writeToFullDisk(const std::filesystem::path& folder) {
+  constexpr int kCannotMount = 77;
+  if (::unshare(CLONE_NEWNS) != 0 && ::unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0) return kCannotMount;
+  ::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
+  if (::mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=64k") != 0) return kCannotMount;
+  const std::filesystem::path path = folder / "a.bin";
+  writeFile(path, "old");
+  const std::string message = messageOf([&] { writeFile(path, std::string(1 << 20, 'x')); });
+  if (message != path.string() + ": cannot be written: No space left on device") return 1;
+  if (content(path) != "old") return 2;
+  return entries(folder) == 1 ? 0 : 3;
+}
+
+TEST(AtomicFile, AFullDiskLeavesTheOldFile) {
+  const TemporaryFolder folder;
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    int code = 4;
+    try {
+      code = writeToFullDisk(folder.path());
+    } catch (...) {
+    }
+    ::_exit(code);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "no right to mount a small file system here";
+  EXPECT_EQ(WEXITSTATUS(status), 0) << "1: wrong message, 2: old file changed, 3: temporary left, 4: another exception";
+}
+
+}  // namespace
+}  // namespace scanmill

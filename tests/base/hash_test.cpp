@@ -1,0 +1,38 @@
+#include "base/hash.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+
+namespace scanmill {
+namespace {
+
+// FIPS 180-4 examples.
+TEST(Sha256, GivesTheKnownAnswers) {
+  EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
+            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  EXPECT_EQ(sha256(std::string(1'000'000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+TEST(Sha256, PiecesAddUpToTheWhole) {
+  const std::string text(1000, 'x');
+  for (const std::size_t cut : {0u, 1u, 63u, 64u, 65u, 999u, 1000u}) {
+    Sha256 hash;
+    hash.add(std::string_view(text).substr(0, cut));
+    hash.add(std::string_view(text).substr(cut));
+    EXPECT_EQ(hash.hex(), sha256(text)) << cut;
+  }
+}
+
+TEST(Sha256, MovesWithItsState) {
+  Sha256 first;
+  first.add("ab");
+  Sha256 second = std::move(first);
+  second.add("c");
+  EXPECT_EQ(second.hex(), sha256("abc"));
+}
+
+}  // namespace
+}  // namespace scanmill

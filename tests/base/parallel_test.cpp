@@ -1,0 +1,87 @@
+#include "base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <mutex>
+#include <vector>
+
+#include "base/error.h"
+
+namespace scanmill {
+namespace {
+
+class ParallelFor : public ::testing::TestWithParam<int> {};
+
+TEST_P(ParallelFor, CoversEachIndexOnce) {
+  const ThreadLimit limit(GetParam());
+  for (const std::size_t count : {0u, 1u, 7u, 1000u, 100'003u}) {
+    for (const std::size_t grain : {0u, 1u, 16u, 1000u, 1'000'000u}) {
+      std::vector<std::atomic<int>> visits(count);
+      parallelFor(count, grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) ++visits[i];
+      });
+      for (const std::atomic<int>& n : visits) ASSERT_EQ(n, 1);
+    }
+  }
+}
+
+TEST_P(ParallelFor, RangesHoldAtLeastAGrain) {
+  const ThreadLimit limit(GetParam());
+  constexpr std::size_t kCount = 10'001;
+  constexpr std::size_t kGrain = 64;
+  std::mutex mutex;
+  std::vector<std::pair<std::size_t, std::size_t>> ranges;
+  parallelFor(kCount, kGrain, [&](std::size_t first, std::size_t last) {
+    const std::scoped_lock lock(mutex);
+    ranges.emplace_back(first, last);
+  });
+  for (const auto& [first, last] : ranges) {
+    EXPECT_LT(first, last);
+    EXPECT_TRUE(last - first >= kGrain || last == kCount) << first << " " << last;
+  }
+}
+
+TEST_P(ParallelFor, Nests) {
+  const ThreadLimit limit(GetParam());
+  std::atomic<std::size_t> sum{0};
+  parallelFor(50, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      parallelFor(100, 3, [&](std::size_t from, std::size_t to) { sum += to - from; });
+    }
+  });
+  EXPECT_EQ(sum, 5000u);
+}
+
+TEST_P(ParallelFor, HandsErrorsOn) {
+  const ThreadLimit limit(GetParam());
+  const auto fails = [](std::size_t first, std::size_t last) {
+    if (first <= 500 && 500 < last) throw InputError("beam 500 is odd");
+  };
+  EXPECT_THROW(parallelFor(1000, 1, fails), InputError);
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, ParallelFor, ::testing::Values(1, 2, 8));
+
+TEST(ThreadLimit, HoldsWhileItLives) {
+  const int before = threadCount();
+  {
+    const ThreadLimit one(1);
+    EXPECT_EQ(threadCount(), 1);
+    std::atomic<int> inside{0};
+    std::atomic<int> most{0};
+    parallelFor(2000, 1, [&](std::size_t, std::size_t) {
+      const int now = ++inside;
+      int seen = most;
+      while (now > seen && !most.compare_exchange_weak(seen, now)) {
+      }
+      --inside;
+    });
+    EXPECT_EQ(most, 1);
+  }
+  EXPECT_EQ(threadCount(), before);
+  EXPECT_GE(before, 1);
+}
+
+}  // namespace
+}  // namespace scanmill

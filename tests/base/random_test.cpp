@@ -1,0 +1,113 @@
+#include "base/random.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <set>
+#include <vector>
+
+namespace scanmill {
+namespace {
+
+constexpr std::uint32_t kOnes = 0xFFFFFFFF;
+
+// Known answers of the Random123 distribution (kat_vectors, philox4x32 10).
+TEST(Philox, GivesTheKnownAnswers) {
+  EXPECT_EQ(philox4x32({0, 0, 0, 0}, {0, 0}), (RandomBlock{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
+  EXPECT_EQ(philox4x32({kOnes, kOnes, kOnes, kOnes}, {kOnes, kOnes}),
+            (RandomBlock{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
+  EXPECT_EQ(philox4x32({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
+            (RandomBlock{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
+}
+
+TEST(RandomBlock, IsAFunctionOfItsAddress) {
+  constexpr RandomAddress kAddress{.seed = 7, .scene = 1, .frame = 2, .sensor = 3, .beam = 4, .echo = 1};
+  static_assert(randomBlock(kAddress) == randomBlock(kAddress));
+  EXPECT_EQ(randomBlock(kAddress), randomBlock(kAddress));
+}
+
+TEST(RandomBlock, EveryPartOfTheAddressCounts) {
+  const RandomAddress base{.seed = 7, .scene = 1, .frame = 2, .sensor = 3, .beam = 4, .echo = 1};
+  std::vector<RandomAddress> addresses(9, base);
+  addresses[1].seed = 8;
+  addresses[2].seed += std::uint64_t{1} << 32;
+  addresses[3].scene = 2;
+  addresses[4].frame = 3;
+  addresses[5].sensor = 4095;
+  addresses[6].beam = 5;
+  addresses[7].echo = 15;
+  addresses[8].purpose = Purpose::RangeNoise;
+  std::set<RandomBlock> blocks;
+  for (const RandomAddress& address : addresses) blocks.insert(randomBlock(address));
+  EXPECT_EQ(blocks.size(), addresses.size());
+}
+
+TEST(RandomBlock, NoTwoAddressesShareACounter) {
+  // Philox is a bijection of the counter, so distinct addresses of one seed must give distinct blocks.
+  std::set<RandomBlock> blocks;
+  std::size_t addresses = 0;
+  for (const std::uint32_t sensor : {0u, 1u, 15u, 16u, 4095u}) {
+    for (std::uint32_t echo = 0; echo < 16; ++echo) {
+      for (const Purpose purpose : {Purpose::RangeNoise, Purpose::AngularJitter, Purpose::ShellNoise, Purpose::DropOut,
+                                    Purpose::Street, Purpose::Test}) {
+        for (std::uint32_t beam = 0; beam < 3; ++beam) {
+          blocks.insert(randomBlock({.sensor = sensor, .beam = beam, .echo = echo, .purpose = purpose}));
+          ++addresses;
+        }
+      }
+    }
+  }
+  EXPECT_EQ(blocks.size(), addresses);
+}
+
+TEST(RandomBlock, OneBitOfTheAddressTurnsHalfTheBits) {
+  double turned = 0;
+  constexpr std::uint32_t kBeams = 2000;
+  for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
+    const RandomBlock a = randomBlock({.seed = 3, .beam = beam});
+    const RandomBlock b = randomBlock({.seed = 3, .beam = beam ^ (1u << (beam % 32))});
+    for (std::size_t k = 0; k < 4; ++k) turned += std::popcount(a[k] ^ b[k]);
+  }
+  // Binomial with n = 256,000, p = 1/2: standard deviation 253.
+  EXPECT_NEAR(turned, kBeams * 64.0, 5 * 253.0);
+}
+
+TEST(Uniform, StaysInsideTheOpenInterval) {
+  EXPECT_GT(uniform(0), 0.0);
+  EXPECT_LT(uniform(kOnes), 1.0);
+  EXPECT_TRUE(std::isfinite(std::log(uniform(0))));
+  EXPECT_EQ(uniform(0x7FFFFFFF) + uniform(0x80000000), 1.0);
+}
+
+TEST(Uniform, HasTheMomentsOfTheUniformLaw) {
+  constexpr std::uint32_t kBlocks = 100'000;
+  constexpr double kCount = 4.0 * kBlocks;
+  constexpr std::size_t kBins = 64;
+  double mean = 0;
+  double second = 0;
+  double neighbours = 0;
+  std::vector<double> bins(kBins);
+  for (std::uint32_t beam = 0; beam < kBlocks; ++beam) {
+    const RandomBlock block = randomBlock({.seed = 42, .beam = beam});
+    for (const std::uint32_t bits : block) {
+      const double u = uniform(bits);
+      mean += u / kCount;
+      second += (u - 0.5) * (u - 0.5) / kCount;
+      bins[static_cast<std::size_t>(u * kBins)] += 1;
+    }
+    const RandomBlock next = randomBlock({.seed = 42, .beam = beam + 1});
+    neighbours += (uniform(block[0]) - 0.5) * (uniform(next[0]) - 0.5) / kBlocks;
+  }
+  // Five standard errors each: Var u = 1/12, Var (u - 1/2)^2 = 1/180, Var of the product = 1/144.
+  EXPECT_NEAR(mean, 0.5, 5 * std::sqrt(1 / 12.0 / kCount));
+  EXPECT_NEAR(second, 1 / 12.0, 5 * std::sqrt(1 / 180.0 / kCount));
+  EXPECT_NEAR(neighbours, 0, 5 * std::sqrt(1 / 144.0 / kBlocks));
+  double chiSquare = 0;
+  for (const double n : bins) chiSquare += (n - kCount / kBins) * (n - kCount / kBins) / (kCount / kBins);
+  // 63 degrees of freedom: mean 63, standard deviation sqrt(126).
+  EXPECT_NEAR(chiSquare, 63, 5 * std::sqrt(126.0));
+}
+
+}  // namespace
+}  // namespace scanmill

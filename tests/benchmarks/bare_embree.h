@@ -1,0 +1,120 @@
+#pragma once
+
+// What Embree alone costs: the yardstick of our trace stage.
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "base/parallel.h"
+#include "scene/scene.h"
+#include "sensors/beams.h"
+
+namespace scanmill {
+
+// The same triangles in one Embree geometry without filters, and packets in the better of two orders.
+class BareEmbree {
+ public:
+  // Beams leave from `sensor`, which becomes the origin.
+  BareEmbree(const Scene& from, const BeamTable& beams, const Vec3d& sensor = {})
+      : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+    for (const Instance& instance : from.instances) {
+      const Mesh& mesh = from.meshes[instance.mesh];
+      const auto base = static_cast<std::uint32_t>(positions_.size());
+      for (const Vec3f& p : mesh.positions) positions_.push_back(Vec3f(instance.worldFromMesh * Vec3d(p) - sensor));
+      for (const Triangle& t : mesh.triangles) triangles_.push_back({t[0] + base, t[1] + base, t[2] + base});
+    }
+    positions_.emplace_back();
+    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions_.data(), 0,
+                               sizeof(Vec3f), positions_.size() - 1);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles_.data(), 0,
+                               sizeof(Triangle), triangles_.size());
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+    rtcCommitScene(scene_);
+    for (const bool byRing : {false, true}) {
+      std::vector<RTCRay16> packets(beams.size() / 16);
+      for (std::size_t i = 0; i < packets.size() * 16; ++i) {
+        const std::size_t ring = byRing ? i % beams.rings : i / beams.columns;
+        const std::size_t column = byRing ? i / beams.rings : i % beams.columns;
+        put(packets[i / 16], i % 16, beams.direction[ring * beams.columns + column], beams.maxRange);
+      }
+      orders_.push_back(std::move(packets));
+    }
+  }
+  ~BareEmbree() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+  BareEmbree(const BareEmbree&) = delete;
+  BareEmbree& operator=(const BareEmbree&) = delete;
+
+  void trace(std::size_t order, std::size_t width) {
+    const std::vector<RTCRay16>& packets = orders_[order];
+    results_.resize(packets.size());
+    parallelFor(packets.size(), 128, [&](std::size_t first, std::size_t last) {
+      alignas(64) int valid[16];
+      std::fill_n(valid, 16, -1);
+      for (std::size_t i = first; i < last; ++i) {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        RTCRayHit16& r = results_[i];
+        r.ray = packets[i];
+        std::fill_n(r.hit.geomID, 16, RTC_INVALID_GEOMETRY_ID);
+        std::fill_n(r.hit.instID[0], 16, RTC_INVALID_GEOMETRY_ID);
+        if (width == 16) {
+          rtcIntersect16(valid, scene_, &context, &r);
+        } else {
+          for (unsigned k = 0; k < 16; ++k) traceOne(r, k, context);
+        }
+      }
+    });
+  }
+
+ private:
+  static void put(RTCRay16& p, std::size_t i, const Vec3d& d, double far) {
+    p.org_x[i] = p.org_y[i] = p.org_z[i] = p.tnear[i] = p.time[i] = 0;
+    p.dir_x[i] = static_cast<float>(d.x);
+    p.dir_y[i] = static_cast<float>(d.y);
+    p.dir_z[i] = static_cast<float>(d.z);
+    p.tfar[i] = static_cast<float>(far);
+    p.mask[i] = ~0u;
+    p.id[i] = static_cast<unsigned>(i);
+    p.flags[i] = 0;
+  }
+
+  void traceOne(RTCRayHit16& packet, unsigned k, RTCIntersectContext& context) const {
+    RTCRayHit one;
+    one.ray = {packet.ray.org_x[k],
+               packet.ray.org_y[k],
+               packet.ray.org_z[k],
+               0,
+               packet.ray.dir_x[k],
+               packet.ray.dir_y[k],
+               packet.ray.dir_z[k],
+               0,
+               packet.ray.tfar[k],
+               ~0u,
+               k,
+               0};
+    one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene_, &context, &one);
+    packet.ray.tfar[k] = one.ray.tfar;
+    packet.hit.primID[k] = one.hit.primID;
+  }
+
+  RTCDevice device_;
+  RTCScene scene_;
+  std::vector<Vec3f> positions_;
+  std::vector<Triangle> triangles_;
+  std::vector<std::vector<RTCRay16>> orders_;
+  std::vector<RTCRayHit16> results_;
+};
+
+}  // namespace scanmill

@@ -1,0 +1,83 @@
+// Our trace stage, with all columns, against bare Embree on the same triangles, beams and threads. The counter
+// `of_bare` is the ratio of both times in one run; 64 x 2048 beams into 1.2 million triangles.
+
+#include "tests/methods/trace.h"
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/random.h"
+#include "tests/benchmarks/bare_embree.h"
+#include "tests/benchmarks/timing.h"
+#include "tests/support/test_scene.h"
+
+namespace scanmill {
+namespace {
+
+// Rolling ground of half a million triangles and 350 spheres of 2,000.
+Scene bigScene() {
+  SceneBuilder builder = testBuilder();
+  Mesh ground = meshOf(builder, "ground");
+  appendPlane(ground, 0, {}, 200, 200, 500);
+  for (Vec3f& p : ground.positions) p.z = 0.2f * std::sin(p.x * 0.12f) * std::cos(p.y * 0.17f) - 1.8f;
+  builder.place(builder.addMesh(ground), {}, "ground");
+  for (std::uint32_t i = 0; i < 350; ++i) {
+    const RandomBlock b = randomBlock({3, 0, 0, 0, i, 0, Purpose::Test});
+    Mesh sphere = meshOf(builder, "thing");
+    appendSphere(sphere, 0, {}, 0.5 + 1.5 * uniform(b[3]), 46);
+    const double x = 180 * uniform(b[0]) - 90;
+    const double y = 180 * uniform(b[1]) - 90;
+    builder.place(builder.addMesh(sphere), at(x + (x * x + y * y < 16 ? 8 : 0), y, 3 * uniform(b[2]) - 1), "sphere");
+  }
+  return builder.finish();
+}
+
+const Scene& scene() {
+  static const Scene made = bigScene();
+  return made;
+}
+
+void traceAgainstBare(benchmark::State& state) {
+  const auto rings = static_cast<std::uint32_t>(state.range(0));
+  const auto beams = spinning(rings, 2048, -24.8, 2, 120);
+  const auto method = rayTracing(scene());
+  const Shot shot = shotAt(beams);
+  Hits hits;
+  BareEmbree bare(scene(), *beams);
+  const auto ours = [&] { method->trace(shot, Channels::all(), hits); };
+  ours();
+  for (std::size_t order : {0, 1}) bare.trace(order, 16);
+  std::vector<double> oursSeconds;
+  std::vector<double> bareSeconds[2];
+  std::vector<double> oneSeconds;
+  for (auto _ : state) {
+    const double seconds = secondsAfterWarmUp(ours);
+    oursSeconds.push_back(seconds);
+    state.SetIterationTime(seconds);
+    for (std::size_t order : {0, 1}) {
+      bareSeconds[order].push_back(secondsAfterWarmUp([&] { bare.trace(order, 16); }));
+    }
+    oneSeconds.push_back(secondsOf([&] { bare.trace(0, 1); }));
+  }
+  const double best = std::min(median(bareSeconds[0]), median(bareSeconds[1]));
+  const auto rays = static_cast<double>(beams->size());
+  state.counters["rays/s"] = rays / median(oursSeconds);
+  state.counters["bare_rays/s"] = rays / best;
+  state.counters["of_bare"] = best / median(oursSeconds);
+  state.counters["one_ray_at_a_time_of_bare"] = best / median(oneSeconds);
+}
+BENCHMARK(traceAgainstBare)->Arg(64)->Arg(512)->UseManualTime()->Unit(benchmark::kMillisecond)->MinTime(2);
+
+void setUp(benchmark::State& state) {
+  const Shot shot = shotAt(spinning(1, 1, 0, 0));
+  Hits hits;
+  for (auto _ : state) rayTracing(scene())->trace(shot, Channel::Range, hits);
+  state.counters["triangles"] = static_cast<double>(scene().placedTriangles());
+}
+BENCHMARK(setUp)->Unit(benchmark::kMillisecond)->UseRealTime()->MinTime(2);
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,220 @@
+// Datasets as other programs find them, and runs that cannot end well.
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <thread>
+
+#include "base/file.h"
+#include "dataset/manifest.h"
+#include "dataset/reader.h"
+#include "tests/commands/program.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+class Generate : public SmallWorld {
+ protected:
+  // Hours of work in shards of a megabyte.
+  std::vector<std::string> longRun() const {
+    return {SCANMILL_PROGRAM,
+            "generate",
+            pipeline_,
+            "-o",
+            at("out"),
+            "--set",
+            "output={formats: [csv], shard_mb: 1}",
+            "--set",
+            "trajectories.0.every_s=1e-5",
+            "--set",
+            "trajectories.0.frames=200000",
+            "--set",
+            "sensors.0.columns=512"};
+  }
+
+  // Waits until some shards have their names.
+  void awaitShards(Process& process, std::size_t count) const {
+    while (filesEndingIn(".tar", at("out")).size() < count) {
+      ASSERT_TRUE(process.running()) << process.wait().error;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  }
+
+  void expectWholeShardsAndNoManifest() const {
+    EXPECT_FALSE(std::filesystem::exists(at("out/manifest.json")));
+    for (const auto& shard : filesEndingIn(".tar", at("out"))) {
+      std::size_t members = 0;
+      EXPECT_NO_THROW(readTar(shard, [&](const std::string& name, std::string_view bytes) {
+        ++members;
+        if (name.ends_with(".csv")) {
+          EXPECT_GT(decodeMember(name, bytes).size(), 0u);
+        }
+      }));
+      EXPECT_GT(members, 0u);
+    }
+    expectRefused(scanmill({"verify", at("out")}), "manifest.json");
+  }
+};
+
+TEST_F(Generate, TellsWhatWasMadeAndVerifies) {
+  const Outcome made = scanmill({"generate", pipeline_, "-o", at("out")});
+  EXPECT_EQ(made.code, 0) << made.error;
+  EXPECT_THAT(made.out, AllOf(HasSubstr("ground"), HasSubstr("4 samples in 1 shards"), HasSubstr("2,048 rays gave"),
+                              HasSubstr("rays/s"), HasSubstr("scanmill verify")));
+  EXPECT_THAT(made.error, HasSubstr("generate 4/4 frames"));
+  const Outcome sound = scanmill({"verify", at("out")});
+  EXPECT_EQ(sound.code, 0);
+  EXPECT_THAT(sound.out, HasSubstr("12 scans"));
+  EXPECT_THAT(sound.out, HasSubstr(": sound"));
+  EXPECT_EQ(scanmill({"generate", pipeline_, "-q", "--overwrite", "-o", at("out")}).error, "");
+}
+
+TEST_F(Generate, ThreadsAndSeedsDoWhatTheySay) {
+  const std::string noise = "effects=[range_noise: {sigma_m: 0.1}]";
+  const auto shard = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"generate", pipeline_, "-q", "-o", at(name), "--set", noise};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome o = scanmill(arguments);
+    EXPECT_EQ(o.code, 0) << o.error;
+    return readFile(at(name + "/train/train-000000.tar"));
+  };
+  const std::string one = shard("one", {"--threads", "1"});
+  EXPECT_TRUE(one == shard("three", {"--threads=3"}));
+  EXPECT_TRUE(one == shard("same", {"--seed", "1"}));
+  EXPECT_FALSE(one == shard("other", {"--seed", "2"}));
+}
+
+TEST_F(Generate, VerifyFindsAFlippedByte) {
+  ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out")}).code, 0);
+  const std::string shard = at("out/train/train-000000.tar");
+  std::string bytes = readFile(shard);
+  bytes[bytes.size() / 2] ^= 1;
+  std::ofstream(shard, std::ios::binary) << bytes;
+  const Outcome o = scanmill({"verify", at("out")});
+  EXPECT_EQ(o.code, 1);
+  EXPECT_THAT(o.error, AllOf(HasSubstr("train/train-000000.tar"), HasSubstr("SHA-256")));
+  EXPECT_THAT(o.out, AllOf(HasSubstr("problem"), Not(HasSubstr("sound"))));
+}
+
+// What webdataset does: members that follow each other and share the name up to the first dot are a sample.
+TEST_F(Generate, PythonGroupsTheMembersAsWebDatasetDoes) {
+  if (std::system("python3 -c 'import tarfile' >/dev/null 2>&1") != 0) GTEST_SKIP() << "no python3";
+  ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--set", "trajectories.0.frames=9"}).code, 0);
+  const std::string script = folder_
+                                 .write("group.py", R"(import json, sys, tarfile
+samples, seen = [], set()
+with tarfile.open(sys.argv[1]) as tar:
+    for member in tar:
+        key, suffix = member.name.split(".", 1)
+        if not samples or samples[-1]["__key__"] != key:
+            assert key not in seen, key + " is not contiguous"
+            seen.add(key)
+            samples.append({"__key__": key})
+        assert suffix == suffix.lower() and suffix not in samples[-1], suffix
+        samples[-1][suffix] = tar.extractfile(member).read()
+for sample in samples:
+    assert json.loads(sample["json"])["key"] == sample["__key__"]
+    header, *rows = sample["top.ray_tracing.csv"].decode().splitlines()
+    points = json.loads(sample["json"])["scans"][0]["points"]
+    assert len(rows) == points and header.startswith("x,y,z,"), (len(rows), points, header)
+print(len(samples), *sorted(samples[0]))
+)")
+                                 .string();
+  const Outcome o = Process({"python3", script, at("out/train/train-000000.tar")}).wait();
+  EXPECT_EQ(o.code, 0) << o.error;
+  EXPECT_EQ(o.out, "9 __key__ json top.ray_tracing.csv top.ray_tracing.drc top.ray_tracing.pcd\n");
+}
+
+TEST_F(Generate, MemoryStaysFlatHoweverManyScansAreMade) {
+  const auto peak = [&](int frames) {
+    const Outcome o =
+        scanmill({"generate", pipeline_, "-q", "--threads", "2", "-o", at(fmt::format("f{}", frames)), "--set",
+                  "sensors.0.columns=1024", "--set", "sensors.0.elevation_deg.rings=32", "--set",
+                  "trajectories.0.every_s=0.001", "--set", fmt::format("trajectories.0.frames={}", frames), "--set",
+                  "output={formats: [pcd, draco], shard_mb: 8}"});
+    EXPECT_EQ(o.code, 0) << o.error;
+    return static_cast<double>(o.peakBytes);
+  };
+  const double few = peak(30);
+  EXPECT_LT(peak(300), 1.2 * few);
+}
+
+TEST_F(Generate, AFolderInUseIsRefusedAndReplacedWhereAsked) {
+  ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out")}).code, 0);
+  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out")}), "--overwrite");
+  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", pipeline_}), "is a file");
+  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("scene.yaml/below")}), "scene.yaml");
+  EXPECT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--overwrite"}).code, 0);
+  EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
+}
+
+TEST_F(Generate, AFolderInWhichNobodyMayWriteIsNamed) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
+  std::filesystem::create_directories(at("shut"));
+  std::filesystem::permissions(at("shut"), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  for (const std::string folder : {"shut", "shut/out"}) {
+    const Outcome o = scanmill({"generate", pipeline_, "-q", "-o", at(folder)});
+    EXPECT_NE(o.code, 0);
+    EXPECT_EQ(o.signal, 0);
+    EXPECT_THAT(o.error, AllOf(HasSubstr(at("shut")), HasSubstr("Permission denied")));
+  }
+}
+
+// In a mount namespace of its own, so that nothing stays mounted whatever happens.
+TEST_F(Generate, AFullDiskIsNamedAndLeavesNothingThatLooksFinished) {
+  const std::string disk = at("disk");
+  std::filesystem::create_directories(disk);
+  const auto onTinyDisk = [&](const std::string& command) {
+    return Process({"unshare", "-m", "sh", "-c", "mount -t tmpfs -o size=200k none " + disk + " && " + command}).wait();
+  };
+  if (onTinyDisk("true").code != 0) GTEST_SKIP() << "a tiny file system cannot be mounted here";
+  const std::string list = "; code=$?; find " + disk + " -type f; exit $code";
+  for (const std::string more : {"--set output.formats=[csv] --set sensors.0.columns=2000",  // a shard is too large
+                                 "--set trajectories.0.every_s=0.0001 --set trajectories.0.frames=2000"}) {
+    const Outcome o =
+        onTinyDisk(fmt::format("{} generate {} -q -o {}/out {}", SCANMILL_PROGRAM, pipeline_, disk, more) + list);
+    EXPECT_EQ(o.code, 1) << o.error;
+    EXPECT_THAT(o.error, AllOf(HasSubstr(disk + "/out/train"), HasSubstr("No space left on device")));
+    EXPECT_EQ(o.out, "");
+  }
+}
+
+TEST_F(Generate, KilledRunsLeaveWholeShardsOnly) {
+  Process process(longRun());
+  awaitShards(process, 2);
+  process.send(SIGKILL);
+  EXPECT_EQ(process.wait().signal, SIGKILL);
+  expectWholeShardsAndNoManifest();
+  // The next run cleans up.
+  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out")}), "--overwrite");
+  EXPECT_EQ(scanmill({"generate", pipeline_, "-q", "--overwrite", "-o", at("out")}).code, 0);
+  EXPECT_EQ(filesEndingIn("", at("out")).size(), 2u);
+  EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
+}
+
+TEST_F(Generate, StoppedRunsSaySo) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::filesystem::remove_all(at("out"));
+    Process process(longRun());
+    awaitShards(process, 1);
+    process.send(signal);
+    const Outcome o = process.wait(10);
+    EXPECT_FALSE(o.late);
+    EXPECT_EQ(o.code, 1) << o.error;
+    EXPECT_THAT(o.error, HasSubstr("error: stopped"));
+    expectWholeShardsAndNoManifest();
+    for (const auto& file : filesEndingIn("", at("out"))) EXPECT_EQ(file.extension(), ".tar");
+  }
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,105 @@
+// What `plan` and `info` tell.
+
+#include <fmt/core.h>
+
+#include "base/file.h"
+#include "dataset/manifest.h"
+#include "dataset/reader.h"
+#include "tests/commands/program.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+class Tell : public SmallWorld {
+ protected:
+  std::string told(const std::vector<std::string>& arguments) const {
+    const Outcome o = scanmill(arguments);
+    EXPECT_EQ(o.code, 0) << o.error;
+    EXPECT_EQ(o.error, "");
+    return o.out;
+  }
+
+  // A square of two triangles and a lone triangle, each its own object and material.
+  std::string asset() const {
+    return folder_
+        .write("shed.obj",
+               "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\no Shed_Wall\nusemtl planks\nf 1 2 3 4\no Shed_Roof\nusemtl tin\n"
+               "f 1 2 3\n")
+        .string();
+  }
+};
+
+TEST_F(Tell, PlanPrintsRaysMemoryAndWhatIsLeftOut) {
+  const std::string out = told({"plan", pipeline_});
+  EXPECT_THAT(out, AllOf(HasSubstr("4 frames x 512 beams = 2.05 k rays (100 G allowed)"),
+                         ContainsRegex("memory: about [0-9.]+ [KMG]?i?B for the scene"), HasSubstr("disk: at most"),
+                         HasSubstr("channels left out, nothing reads them:"), HasSubstr("scene-s1-drive"),
+                         HasSubstr("unlabelled geometry: none")));
+}
+
+TEST_F(Tell, PlanListsUnlabelledGeometryOfEveryScene) {
+  const std::string file = asset();
+  for (const std::string folder : {"a", "b"}) {
+    folder_.write(folder + "/town.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\n"
+                                                     "materials: {0}/labels/materials.yaml\n"
+                                                     "objects:\n  - file: {1}\n    rules: [{{match: {{node: {2}}}, "
+                                                     "class: building, material: wood}}]\n",
+                                                     SCANMILL_SOURCE_DIR, file, folder == "a" ? "'*'" : "'*Roof*'"));
+  }
+  // Scenes of the same name and seed are still two scenes.
+  const std::string out =
+      told({"plan", pipeline_, "--set",
+            fmt::format("scenes=[{{scene: {0}}}, {{scene: {1}, trajectories: [{{name: spot, poses: [{{position: [0, 0, "
+                        "1]}}]}}]}}]",
+                        at("a/town.yaml"), at("b/town.yaml"))});
+  EXPECT_THAT(out, AllOf(HasSubstr("no rule gives it a class"), ContainsRegex("shed.obj: Shed_Wall \\(planks\\) +2\n"),
+                         Not(HasSubstr("Shed_Roof"))));
+}
+
+TEST_F(Tell, PlanRefusesAbsurdSizesWithTheArithmetic) {
+  expectRefused(scanmill({"plan", pipeline_, "--set", "trajectories.0.waypoints=[[0,0,0],[1e6,0,0]]", "--set",
+                          "trajectories.0.frames=10000000", "--set", "trajectories.0.every_s=0.0001", "--set",
+                          "trajectories.0.speed=100", "--set", "sensors.0.elevation_deg.rings=100", "--set",
+                          "sensors.0.columns=1000"}),
+                "10000000 frames x 100000 beams = 1e+12 rays");
+}
+
+TEST_F(Tell, InfoOnEveryKindOfFile) {
+  ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out")}).code, 0);
+  const Manifest m = readManifest(at("out"));
+  const std::string shard = at("out/" + m.shards.at(0).file);
+
+  const std::string dataset = told({"info", at("out")});
+  EXPECT_THAT(dataset, AllOf(HasSubstr("dataset small: 4 samples"), HasSubstr("train/train-000000.tar"),
+                             HasSubstr("ray_tracing"), HasSubstr("ground"), HasSubstr("positions within 1 mm"),
+                             HasSubstr("modelled and left out:")));
+  EXPECT_EQ(told({"info", at("out/manifest.json")}), dataset);
+  EXPECT_THAT(told({"info", shard}),
+              AllOf(HasSubstr("member"), HasSubstr("scene-s1-drive-000003.top.ray_tracing.drc")));
+
+  const std::uint64_t points = m.samples[0].scans[0].points;
+  readTar(shard, [&](const std::string& name, std::string_view bytes) {
+    if (!name.starts_with("scene-s1-drive-000000.") || name.ends_with(".json")) return;
+    const std::string file = folder_.write(name, bytes).string();
+    EXPECT_THAT(told({"info", file}), AllOf(HasSubstr(fmt::format("scan {}: {} points", file, points)),
+                                            HasSubstr("intensity"), HasSubstr("label"), HasSubstr("distance (m)")));
+  });
+
+  EXPECT_THAT(told({"info", at("scene.yaml")}),
+              AllOf(HasSubstr("scene scene: "), HasSubstr("3 instances, 1 things"), HasSubstr("brick")));
+  EXPECT_THAT(told({"info", SCANMILL_SOURCE_DIR "/pipelines/sensors/os1_128.yaml"}),
+              AllOf(HasSubstr("sensor OS1-128: 128 rings x 1024 columns"), HasSubstr("20.950"), HasSubstr("source: ")));
+  EXPECT_THAT(told({"info", SCANMILL_SOURCE_DIR "/labels/semantic_kitti.yaml"}),
+              AllOf(HasSubstr("car"), HasSubstr("thing"), HasSubstr("#")));
+  EXPECT_THAT(told({"info", pipeline_}), HasSubstr("4 frames x 512 beams"));
+  EXPECT_THAT(told({"info", asset()}),
+              AllOf(HasSubstr("3 triangles"), HasSubstr("Shed_Roof"), HasSubstr("planks"), HasSubstr("material")));
+}
+
+}  // namespace
+}  // namespace scanmill

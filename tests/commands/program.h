@@ -1,0 +1,70 @@
+#pragma once
+
+// Runs the program as a user does.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+
+struct Outcome {
+  int code = -1;       // exit code; -1 where a signal ended the program
+  int signal = 0;      // that ended it
+  bool late = false;   // it was killed since it took too long
+  std::string out;     // standard output
+  std::string error;   // standard error
+  long peakBytes = 0;  // resident
+};
+
+// A program in the background. Its output goes to files, so that it never waits for a reader.
+class Process {
+ public:
+  // `variables` such as "NAME=value" are added to the environment.
+  explicit Process(std::vector<std::string> command, const std::vector<std::string>& variables = {});
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void send(int signal) const;
+  bool running();
+  // Kills it after so many seconds.
+  Outcome wait(double seconds = 60);
+
+ private:
+  bool reap(bool block);
+
+  TemporaryFolder folder_;
+  int pid_ = -1;
+  bool ended_ = false;
+  Outcome outcome_;
+};
+
+// `scanmill ARGUMENTS`, to its end.
+Outcome scanmill(const std::vector<std::string>& arguments, const std::vector<std::string>& variables = {});
+
+// Several, some at a time.
+std::vector<Outcome> scanmillEach(const std::vector<std::vector<std::string>>& arguments);
+
+// The program refused its input: exit code 2, a line on standard error that holds `text`, nothing on standard output.
+void expectRefused(const Outcome& outcome, const std::string& text);
+
+// A small scene and pipeline in a temporary folder.
+class SmallWorld : public testing::Test {
+ protected:
+  SmallWorld();
+  std::string at(const std::string& name) const { return (folder_.path() / name).string(); }
+  // Every file in a folder, below it too, whose name ends so.
+  static std::vector<std::filesystem::path> filesEndingIn(const std::string& suffix,
+                                                          const std::filesystem::path& folder);
+
+  TemporaryFolder folder_;
+  std::string pipeline_;  // 8 x 64 beams, 4 frames
+};
+
+}  // namespace scanmill

@@ -1,0 +1,105 @@
+// Help, lists, and wrong usage.
+
+#include "tests/commands/program.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST(Usage, HelpOfEverythingHasExamples) {
+  const std::vector<std::string> commands{"generate", "plan", "verify", "info", "list"};
+  std::vector<std::vector<std::string>> all{{"--help"}};
+  for (const std::string& command : commands) all.push_back({command, "--help"});
+  const std::vector<Outcome> outcomes = scanmillEach(all);
+  for (const Outcome& o : outcomes) {
+    EXPECT_EQ(o.code, 0);
+    EXPECT_EQ(o.error, "");
+  }
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    EXPECT_THAT(outcomes[0].out, HasSubstr("scanmill " + commands[i]));
+    EXPECT_THAT(outcomes[i + 1].out, AllOf(HasSubstr("Usage:"), HasSubstr("Examples:\n  scanmill " + commands[i])))
+        << commands[i];
+  }
+}
+
+TEST(Usage, VersionIsShort) {
+  const Outcome o = scanmill({"--version"});
+  EXPECT_EQ(o.code, 0);
+  EXPECT_THAT(o.out, testing::MatchesRegex("scanmill [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+TEST(Usage, ListNamesWhatThePipelineMayName) {
+  const Outcome all = scanmill({"list"});
+  EXPECT_EQ(all.code, 0);
+  EXPECT_THAT(all.out, AllOf(HasSubstr("methods:"), HasSubstr("ray_tracing"), HasSubstr("os1_128"),
+                             HasSubstr("range_noise"), HasSubstr("draco"), HasSubstr("semantic_kitti")));
+  const Outcome formats = scanmill({"list", "formats"});
+  EXPECT_EQ(formats.code, 0);
+  EXPECT_THAT(formats.out, AllOf(HasSubstr("pcd"), testing::Not(HasSubstr("ray_tracing"))));
+  EXPECT_THAT(all.out, HasSubstr(formats.out));
+}
+
+TEST(Usage, WrongUsageIsRefusedWithAdvice) {
+  const std::pair<std::vector<std::string>, std::string> cases[] = {
+      {{"generat"}, "did you mean 'generate'?"},
+      {{"generate"}, "PIPELINE is missing"},
+      {{"generate", "p.yaml"}, "-o DIR is missing"},
+      {{"generate", "p.yaml", "-o", ""}, "-o DIR is missing"},
+      {{"generate", "p.yaml", "-o"}, "--help"},
+      {{"generate", "p.yaml", "q.yaml", "-o", "x"}, "not also 'q.yaml'"},
+      {{"generate", "p.yaml", "-o", "x", "--thread", "2"}, "thread"},
+      {{"generate", "p.yaml", "-o", "x", "--threads", "two"}, "two"},
+      {{"generate", "p.yaml", "-o", "x", "--threads", "-1"}, "--threads must be from 0 to 1024"},
+      {{"generate", "p.yaml", "-o", "x", "--threads", "99999999999999999999"}, "9999"},
+      {{"plan"}, "PIPELINE is missing"},
+      {{"plan", "absent.yaml"}, "absent.yaml"},
+      {{"verify"}, "DIR is missing"},
+      {{"verify", "absent"}, "absent"},
+      {{"info"}, "FILE|DIR is missing"},
+      {{"info", "absent,too.pcd"}, "absent,too.pcd: does not exist"},
+      {{"info", std::string(5000, 'a')}, "File name too long"},
+      {{"list", "format"}, "did you mean 'formats'?"}};
+  std::vector<std::vector<std::string>> all;
+  for (const auto& [arguments, says] : cases) all.push_back(arguments);
+  const std::vector<Outcome> outcomes = scanmillEach(all);
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    SCOPED_TRACE(testing::PrintToString(all[i]));
+    expectRefused(outcomes[i], cases[i].second);
+  }
+  const Outcome nothing = scanmill({});
+  EXPECT_EQ(nothing.code, 2);
+  EXPECT_THAT(nothing.out, HasSubstr("Start with:"));
+}
+
+TEST(Usage, AFullStandardOutputIsAFailure) {
+  const Outcome full = Process({"sh", "-c", std::string(SCANMILL_PROGRAM) + " list > /dev/full"}).wait();
+  EXPECT_EQ(full.code, 1);
+  EXPECT_THAT(full.error, HasSubstr("No space left on device"));
+  // A reader that has seen enough is none.
+  const Outcome closed =
+      Process({"sh", "-c", "{ " + std::string(SCANMILL_PROGRAM) + " list; echo code $? >&2; } | true"}).wait();
+  EXPECT_EQ(closed.error, "code 0\n");
+}
+
+class Overrides : public SmallWorld {};
+
+// Values hold commas, as in the example of the help.
+TEST_F(Overrides, ListsAreOneValue) {
+  const Outcome o = scanmill({"plan", pipeline_, "--set", "scenes.0.seeds=[4,5]", "--set",
+                              "splits={by: seed, train: [4], val: [5]}", "--seed", "7"});
+  EXPECT_EQ(o.code, 0) << o.error;
+  EXPECT_THAT(o.out, AllOf(HasSubstr("scene-s4-drive"), HasSubstr("scene-s5-drive"), HasSubstr("val")));
+}
+
+TEST_F(Overrides, MistakesAreNamed) {
+  expectRefused(scanmill({"plan", pipeline_, "--set", "nonsense"}), "nonsense");
+  expectRefused(scanmill({"plan", pipeline_, "--set", "output.shard_md=3"}), "did you mean 'shard_mb'?");
+  expectRefused(scanmill({"plan", pipeline_, "--set", "scenes.7.seeds=[1]"}), "scenes");
+  expectRefused(scanmill({"plan", pipeline_, "--seed", "minus"}), "seed");
+  expectRefused(scanmill({"plan", pipeline_, "--set", "name=\xff"}), "UTF-8");
+}
+
+}  // namespace
+}  // namespace scanmill

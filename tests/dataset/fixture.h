@@ -1,0 +1,204 @@
+#pragma once
+
+// A small dataset: two sensors, two formats, three splits, scans that follow from sample and sensor numbers.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/hash.h"
+#include "base/random.h"
+#include "dataset/manifest.h"
+#include "dataset/reader.h"
+#include "dataset/shard.h"
+#include "dataset/writer.h"
+#include "formats/format.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+
+inline BeamTable testBeams(std::uint32_t rings, std::uint32_t columns) {
+  BeamTable beams;
+  beams.model = "test \"head\" \xC3\xA9";  // quotes and UTF-8 must survive
+  beams.source = "closed form";
+  beams.rings = rings;
+  beams.columns = columns;
+  beams.minRange = 0.5;
+  beams.maxRange = 80;
+  beams.period = 0.1;
+  beams.clockwise = true;
+  beams.topDown = true;
+  beams.firstAzimuth = radians(123.4);
+  beams.originOffset = 0.027;
+  beams.originHeight = 0.0362;
+  for (std::uint32_t ring = 0; ring < rings; ++ring) {
+    beams.elevation.push_back(radians(10.0 - 1.0 / 3 * ring));
+    beams.azimuthOffset.push_back(radians(ring % 2 ? 0.7 : -0.7));
+    beams.firingOffset.push_back(1e-6 * ring);
+  }
+  fillBeams(beams);
+  return beams;
+}
+
+inline Manifest testManifest() {
+  Manifest m;
+  m.programVersion = "0.1.0";
+  m.name = "small";
+  m.pipelineText = "name: small\n# a tab\tand a quote \"\nseed: 18446744073709551615\n";
+  m.pipelineSha256 = sha256(m.pipelineText);
+  m.seed = 18446744073709551615u;
+  m.columns = {"x", "y", "z", "intensity", "label", "instance", "ring", "column", "time", "range_true"};
+  m.formats = {{"pcd", "pcd", 0}, {"csv", "csv", 0}};
+  m.ontology = {"ours",
+                "made for tests",
+                {{0, "unlabeled", {0, 0, 0}, false, {}},
+                 {7, "road", {128, 64, 128}, false, {"street", "lane"}},
+                 {65535, "car", {0, 0, 255}, true, {}}}};
+  const Pose mount{fromYawPitchRoll(0.3, 0.1, -0.2), {1.2, 0, 1.9}};
+  m.sensors = {{"top", testBeams(4, 16), mount}, {"Rear", testBeams(1, 8), {}}};
+  m.modelled = {"modelled: range, class", "left out: glass (no material of the scene is transparent)"};
+  m.stages = {{"trace", 1.25}, {"write", 0.1}};
+  return m;
+}
+
+// Two beams in three return; labels cycle through the ontology; cars are instances 1 to 3.
+inline Scan testScan(const BeamTable& beams, std::uint32_t number) {
+  Scan scan;
+  scan.rings = beams.rings;
+  scan.columns = beams.columns;
+  for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
+    const RandomBlock random = randomBlock({.scene = number, .beam = beam});
+    if (random[0] % 3 == 0) continue;
+    const auto range = static_cast<float>(beams.minRange + uniform(random[1]) * (beams.maxRange - beams.minRange));
+    const bool car = random[2] % 3 == 2;
+    scan.position.push_back(static_cast<Vec3f>(beams.direction[beam] * static_cast<double>(range)));
+    scan.intensity.push_back(static_cast<float>(uniform(random[3])));
+    scan.label.push_back(car ? 65535 : random[2] % 3 == 1 ? 7 : 0);
+    scan.instance.push_back(car ? 1 + random[2] / 3 % 3 : 0);
+    scan.ring.push_back(static_cast<std::uint16_t>(beam / beams.columns));
+    scan.column.push_back(static_cast<std::uint16_t>(beam % beams.columns));
+    scan.time.push_back(beams.time[beam]);
+    scan.rangeTrue.push_back(range);
+  }
+  return scan;
+}
+
+inline Scan organised(const Scan& dense) {
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  Scan image;
+  image.rings = dense.rings;
+  image.columns = dense.columns;
+  image.organised = true;
+  const std::size_t beams = std::size_t{dense.rings} * dense.columns;
+  image.position.assign(beams, {kNaN, kNaN, kNaN});
+  image.intensity.assign(beams, 0);
+  image.label.assign(beams, 0);
+  image.instance.assign(beams, 0);
+  image.ring.assign(beams, 0);
+  image.column.assign(beams, 0);
+  image.time.assign(beams, 0);
+  image.rangeTrue.assign(beams, kNaN);
+  for (std::size_t i = 0; i < dense.size(); ++i) {
+    const std::size_t beam = std::size_t{dense.ring[i]} * dense.columns + dense.column[i];
+    image.position[beam] = dense.position[i];
+    image.intensity[beam] = dense.intensity[i];
+    image.label[beam] = dense.label[i];
+    image.instance[beam] = dense.instance[i];
+    image.ring[beam] = dense.ring[i];
+    image.column[beam] = dense.column[i];
+    image.time[beam] = dense.time[i];
+    image.rangeTrue[beam] = dense.rangeTrue[i];
+  }
+  return image;
+}
+
+inline ScanRecord testRecord(const SensorRecord& sensor, const Scan& scan, double time) {
+  ScanRecord record;
+  record.sensor = sensor.name;
+  record.method = "ray_tracing";
+  record.time = time;
+  record.worldFromSensor = {sensor.vehicleFromSensor,
+                            {fromYawPitchRoll(1.0 / 3, 0, 0), {4e5 + 1.0 / 3, 5e6 + time, 0.1}}};
+  record.worldFromSensor[1].translation = record.worldFromSensor[0].translation + Vec3d{1.0 / 3, 0, 0};
+  record.beams = sensor.beams.size();
+  std::vector<std::uint32_t> instances;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (!isFinite(scan.position[i])) continue;
+    ++record.points;
+    ++record.pointsPerClass[scan.label[i]];
+    const std::uint32_t id = scan.instance[i];
+    if (id != 0 && std::find(instances.begin(), instances.end(), id) == instances.end()) instances.push_back(id);
+  }
+  record.instances = static_cast<std::uint32_t>(instances.size());
+  return record;
+}
+
+inline std::string encode(const std::string& format, const Scan& scan) {
+  Value none;
+  none.kind = Value::Kind::Map;
+  Fields options(none, "format");
+  return requireFormat(format, {}).make(options)->encode(scan);
+}
+
+inline Sample testSample(const Manifest& manifest, std::uint32_t number, const std::string& key,
+                         const std::string& split) {
+  Sample sample{key, split, {}, {}};
+  for (std::size_t s = 0; s < manifest.sensors.size(); ++s) {
+    const SensorRecord& sensor = manifest.sensors[s];
+    const Scan dense = testScan(sensor.beams, number * 10 + static_cast<std::uint32_t>(s));
+    const Scan scan = manifest.organised ? organised(dense) : dense;
+    sample.scans.push_back(testRecord(sensor, scan, 0.1 * number));
+    for (const FormatRecord& format : manifest.formats) {
+      sample.members.push_back({memberSuffix(sample.scans.back(), format.suffix), encode(format.name, scan)});
+    }
+  }
+  return sample;
+}
+
+// Nine frames, six in train (several small shards), two in val, one in test.
+inline Manifest writeTestDataset(const std::filesystem::path& folder, bool overwrite = false, bool images = false,
+                                 std::uint64_t shardBytes = 30000) {
+  Manifest manifest = testManifest();
+  manifest.organised = images;
+  DatasetWriter writer(folder, overwrite, shardBytes);
+  for (std::uint32_t i = 0; i < 9; ++i) {
+    const std::string split = i < 6 ? "train" : i < 8 ? "val" : "test";
+    writer.add(testSample(manifest, i, split + "_street-1-drive-00000" + std::to_string(i), split));
+  }
+  writer.finish(manifest);
+  return manifest;
+}
+
+using Members = std::vector<std::pair<std::string, std::string>>;
+
+inline Members membersOf(const std::filesystem::path& shard) {
+  Members members;
+  readTar(shard, [&](const std::string& name, std::string_view bytes) { members.emplace_back(name, bytes); });
+  return members;
+}
+
+inline void writeMembers(const std::filesystem::path& shard, const Members& members) {
+  ShardFile file(shard);
+  for (const auto& [name, bytes] : members) file.add(name, bytes);
+  file.close();
+}
+
+// The message of the exception that `work` throws; empty where it throws none.
+template <class Exception>
+std::string messageOf(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Exception& error) {
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace scanmill

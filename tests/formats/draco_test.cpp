@@ -1,0 +1,291 @@
+#include <draco/compression/decode.h>
+#include <draco/compression/expert_encode.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cstring>
+
+#include "base/file.h"
+#include "formats/grid.h"
+#include "tests/formats/scans.h"
+#include "tests/support/shared_data.h"
+
+namespace scanmill {
+namespace {
+
+using ::testing::HasSubstr;
+
+Scan roundTrip(const Scan& scan, std::string_view options = "{}") {
+  const auto format = makeFormat("draco", options);
+  return format->decode(format->encode(scan), "test.drc");
+}
+
+double largestError(const Scan& a, const Scan& b) {
+  EXPECT_EQ(a.size(), b.size());
+  double worst = 0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    worst = std::fmax(worst, length(Vec3d(a.position[i]) - Vec3d(b.position[i])));
+  }
+  return worst;
+}
+
+std::unique_ptr<draco::PointCloud> byDraco(const std::string& bytes) {
+  draco::DecoderBuffer buffer;
+  buffer.Init(bytes.data(), bytes.size());
+  draco::Decoder decoder;
+  auto cloud = decoder.DecodePointCloudFromBuffer(&buffer);
+  EXPECT_TRUE(cloud.ok()) << cloud.status().error_msg_string();
+  return cloud.ok() ? std::move(cloud).value() : nullptr;
+}
+
+TEST(Draco, ErrorStaysWithinTheBound) {
+  for (const double bound : {0.1, 1.0, 10.0}) {
+    for (const float reach : {0.5f, 1.0f, 7.0f, 30.0f, 100.0f, 150.0f, 299.0f, 300.0f}) {
+      for (const float shift : {0.0f, 0.7f * reach}) {
+        SCOPED_TRACE(fmt::format("{} mm, {} m, shifted {}", bound, reach, shift));
+        Scan scan = randomScan(17, 40, 500, 0, false, reach);
+        for (Vec3f& p : scan.position) p = {std::fmin(p.x + shift, 300.0f), p.y, p.z * 0.1f};
+        const double error = largestError(scan, roundTrip(scan, fmt::format("max_error_mm: {}", bound)));
+        EXPECT_LE(error, bound * 1e-3);
+        EXPECT_GT(error, bound * 0.3e-3) << "the step is far smaller than it need be";
+      }
+    }
+  }
+}
+
+TEST(Draco, FloatsThatCannotKeepTheBoundAreRefused) {
+  const Scan far = randomScan(1, 2, 50, 0, false, 300);
+  EXPECT_THAT(inputErrorOf([&] { roundTrip(far, "max_error_mm: 0.001"); }),
+              AllOf(HasSubstr("0.001 mm"), HasSubstr("possible")));
+  EXPECT_THAT(inputErrorOf([&] { roundTrip(extremeScan()); }), HasSubstr("possible"));
+  const Scan near = randomScan(1, 2, 50, 0, false, 2);
+  EXPECT_LE(largestError(near, roundTrip(near, "max_error_mm: 0.001")), 1e-6);
+}
+
+TEST(Draco, SmallestPossibleBoundIsTheOneNamed) {
+  for (const float reach : {1.0f, 40.0f, 300.0f}) {
+    const Scan scan = randomScan(23, 20, 100, 0, false, reach);
+    const float low[3] = {-reach, -reach, -reach};
+    const float high[3] = {reach, reach, reach};
+    double bound = 1e-3;
+    try {
+      for (;; bound *= 0.97) chooseGrid(low, high, bound, "scan");
+    } catch (const InputError&) {
+      bound /= 0.97;
+    }
+    EXPECT_GT(bound, reach * 1e-8);
+    EXPECT_LT(bound, reach * 1e-6);
+    if (bound < 1e-6) continue;
+    EXPECT_LE(largestError(scan, roundTrip(scan, fmt::format("max_error_mm: {}", bound * 1e3))), bound);
+  }
+}
+
+TEST(Draco, IntegersAreNeverChangedAndOrderIsKept) {
+  for (const unsigned columns : {2u, 4u, 8u, 16u, 30u, 31u, kAllColumns}) {
+    for (const auto& [rings, width] : {std::pair{1u, 1u}, {3u, 50u}, {64u, 300u}, {2u, 70'000u}}) {
+      SCOPED_TRACE(fmt::format("columns {:x}, {} x {}", columns, rings, width));
+      Scan scan = randomScan(columns, rings, width, columns, false, 100);
+      const Scan read = roundTrip(scan);
+      EXPECT_EQ(read.label, scan.label);
+      EXPECT_EQ(read.instance, scan.instance);
+      EXPECT_EQ(read.ring, scan.ring);
+      EXPECT_EQ(read.column, scan.column);
+      EXPECT_EQ(read.rings, scan.rings);
+      EXPECT_EQ(read.columns, scan.columns);
+      EXPECT_LE(largestError(scan, read), 1e-3);
+    }
+  }
+}
+
+TEST(Draco, IdsAtTheEndsOfTheirTypes) {
+  Scan scan = extremeScan();
+  for (std::size_t i = 0; i < scan.size(); ++i) scan.position[i] = {static_cast<float>(i), 0, 1};
+  scan.rangeTrue.clear();
+  const Scan read = roundTrip(scan);
+  EXPECT_EQ(read.label, scan.label);
+  EXPECT_EQ(read.instance, scan.instance);
+  EXPECT_EQ(read.ring, scan.ring);
+  EXPECT_EQ(read.column, scan.column);
+  expectSameBits(read.intensity, scan.intensity, "intensity");
+  for (const std::uint32_t id : {0u, 255u, 256u, 65535u, 65536u, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFFu}) {
+    scan.instance.assign(scan.size(), id);
+    EXPECT_EQ(roundTrip(scan).instance, scan.instance);
+    scan.instance[3] = 0;
+    EXPECT_EQ(roundTrip(scan).instance, scan.instance);
+  }
+}
+
+TEST(Draco, IdenticalPointsStay) {
+  Scan scan;
+  scan.position.assign(1000, {1, 2, 3});
+  scan.label.assign(1000, 9);
+  const Scan read = roundTrip(scan);
+  EXPECT_EQ(read.size(), 1000u);
+  EXPECT_LE(largestError(scan, read), 1e-3);
+  EXPECT_EQ(read.label, scan.label);
+}
+
+TEST(Draco, MissesAreLeftOutAndRingAndColumnJoinTheRest) {
+  const Scan scan = randomScan(31, 16, 100, kAllColumns, true, 80);
+  const Scan read = roundTrip(scan, "{time: true}");
+  EXPECT_FALSE(makeFormat("draco")->keepsMisses());
+  EXPECT_FALSE(read.organised);
+  EXPECT_EQ(read.rings, 16u);
+  EXPECT_EQ(read.columns, 100u);
+  std::size_t next = 0;
+  for (std::size_t beam = 0; beam < scan.size(); ++beam) {
+    if (!isFinite(scan.position[beam])) continue;
+    ASSERT_LT(next, read.size());
+    EXPECT_EQ(read.ring[next] * 100u + read.column[next], beam);
+    EXPECT_LE(length(Vec3d(read.position[next]) - Vec3d(scan.position[beam])), 1e-3);
+    EXPECT_LE(std::fabs(double{read.rangeTrue[next]} - double{scan.rangeTrue[beam]}), 1e-3);
+    EXPECT_EQ(read.time[next], scan.time[beam]);
+    EXPECT_EQ(read.intensity[next], scan.intensity[beam]);
+    ++next;
+  }
+  EXPECT_EQ(next, read.size());
+  EXPECT_TRUE(roundTrip(scan).time.empty()) << "time is left out unless asked for";
+}
+
+TEST(Draco, EmptyScans) {
+  Scan empty;
+  empty.rings = 64;
+  empty.columns = 2048;
+  expectSame(roundTrip(empty), empty);
+  EXPECT_EQ(byDraco(makeFormat("draco")->encode(empty))->num_points(), 0u);
+  Scan misses = randomScan(1, 4, 4, kAllColumns, true, 10);
+  for (Vec3f& p : misses.position) p.z = std::nanf("");
+  EXPECT_EQ(roundTrip(misses).size(), 0u);
+}
+
+TEST(Draco, IntensitiesAreNarrowedOnlyWhereNothingIsLost) {
+  const auto typeOf = [](std::vector<float> intensity) {
+    Scan scan;
+    scan.position.assign(intensity.size(), {1, 2, 3});
+    scan.intensity = intensity;
+    const auto format = makeFormat("draco");
+    const std::string bytes = format->encode(scan);
+    expectSameBits(format->decode(bytes, "x").intensity, intensity, "intensity");
+    return byDraco(bytes)->attribute(1)->data_type();
+  };
+  EXPECT_EQ(typeOf({0, 1, 255}), draco::DT_UINT8);
+  EXPECT_EQ(typeOf({0, 1, 256}), draco::DT_UINT16);
+  EXPECT_EQ(typeOf({65535}), draco::DT_UINT16);
+  for (const float odd : {0.5f, 65536.0f, -1.0f, -0.0f, std::nanf(""), INFINITY, 1e-45f}) {
+    EXPECT_EQ(typeOf({0, 1, odd}), draco::DT_FLOAT32) << odd;
+  }
+}
+
+TEST(Draco, IntensityBitsBoundTheError) {
+  Scan scan = randomScan(3, 10, 100, 0, false, 10);
+  std::mt19937 generator(8);
+  std::uniform_real_distribution<float> uniform(-3, 7);
+  for (std::size_t i = 0; i < scan.size(); ++i) scan.intensity.push_back(uniform(generator));
+  for (const int bits : {1, 4, 8, 12, 16}) {
+    const Scan read = roundTrip(scan, fmt::format("intensity_bits: {}", bits));
+    double worst = 0;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      worst = std::fmax(worst, std::fabs(double{read.intensity[i]} - double{scan.intensity[i]}));
+    }
+    EXPECT_LE(worst, 10 / (std::exp2(bits) - 1) / 2) << bits;
+  }
+  scan.intensity.assign(scan.size(), 0.3f);
+  EXPECT_EQ(roundTrip(scan, "intensity_bits: 8").intensity, scan.intensity);
+}
+
+TEST(Draco, AnyDracoReaderFindsMetresAndNames) {
+  const Scan scan = randomScan(12, 8, 60, kAllColumns, false, 70);
+  const auto cloud = byDraco(makeFormat("draco", "{time: true}")->encode(scan));
+  ASSERT_EQ(cloud->num_points(), scan.size());
+  const draco::PointAttribute* position = cloud->GetNamedAttribute(draco::GeometryAttribute::POSITION);
+  ASSERT_NE(position, nullptr);
+  EXPECT_EQ(position->data_type(), draco::DT_FLOAT32);
+  for (std::uint32_t i = 0; i < cloud->num_points(); ++i) {
+    Vec3f p;
+    position->GetMappedValue(draco::PointIndex(i), &p);
+    ASSERT_LE(length(Vec3d(p) - Vec3d(scan.position[i])), 1e-3);
+  }
+  const std::vector<std::string> names = {"position", "intensity", "label", "instance",
+                                          "ring",     "column",    "time",  "range_true"};
+  ASSERT_EQ(cloud->num_attributes(), static_cast<int>(names.size()));
+  for (int i = 0; i < cloud->num_attributes(); ++i) {
+    EXPECT_EQ(cloud->GetAttributeIdByMetadataEntry("name", names[static_cast<std::size_t>(i)]), i);
+  }
+  std::int32_t rings = 0;
+  EXPECT_TRUE(cloud->GetMetadata()->GetEntryInt("rings", &rings));
+  EXPECT_EQ(rings, 8);
+}
+
+// Draco's own encoder, with both of its methods: foreign to us, and valid.
+TEST(Draco, ForeignCloudsAreRead) {
+  const Scan scan = randomScan(12, 8, 60, 0, false, 70);
+  draco::PointCloud cloud;
+  cloud.set_num_points(static_cast<std::uint32_t>(scan.size()));
+  draco::GeometryAttribute shape;
+  shape.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_FLOAT32, false, sizeof(Vec3f), 0);
+  const int id = cloud.AddAttribute(shape, true, cloud.num_points());
+  std::memcpy(cloud.attribute(id)->buffer()->data(), scan.position.data(), scan.size() * sizeof(Vec3f));
+  for (const int method : {draco::POINT_CLOUD_SEQUENTIAL_ENCODING, draco::POINT_CLOUD_KD_TREE_ENCODING}) {
+    draco::ExpertEncoder encoder(cloud);
+    encoder.SetEncodingMethod(method);
+    encoder.SetAttributeQuantization(id, 18);
+    draco::EncoderBuffer buffer;
+    ASSERT_TRUE(encoder.EncodeToBuffer(&buffer).ok());
+    const Scan read = makeFormat("draco")->decode({buffer.data(), buffer.size()}, "foreign.drc");
+    EXPECT_EQ(read.size(), scan.size());
+    Vec3d sum;
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      sum += Vec3d(read.position[i]) - Vec3d(scan.position[i]);
+    }
+    EXPECT_LT(length(sum) / static_cast<double>(read.size()), 1e-3) << method;
+  }
+}
+
+TEST(Draco, LyingHeadersAreRefused) {
+  const Scan scan = randomScan(12, 8, 60, kAllColumns, false, 70);
+  const auto format = makeFormat("draco");
+  const std::string good = format->encode(scan);
+  const std::string points(reinterpret_cast<const char*>("\xE0\x01\0\0"), 4);  // 480
+  const std::size_t at = good.find(points);
+  ASSERT_NE(at, std::string::npos);
+  for (const std::uint32_t lie : {481u, 0x00FFFFFFu, 0x7FFFFFFFu, 0xFFFFFFFFu}) {
+    std::string bad = good;
+    std::memcpy(&bad[at], &lie, sizeof(lie));
+    EXPECT_THAT(inputErrorOf([&] { format->decode(bad, "test.drc"); }), HasSubstr("test.drc")) << lie;
+  }
+  for (const char* text : {"", "DRACO", "DRACO\x02\x03", "# .PCD v0.7", "DRACO\x02\x03\x01\x01"}) {
+    EXPECT_THAT(inputErrorOf([&] { format->decode(text, "test.drc"); }), HasSubstr("test.drc"));
+  }
+}
+
+TEST(Draco, SpeedChangesSizeAlone) {
+  const Scan scan = randomScan(12, 64, 200, 30, false, 70);
+  for (int speed = 0; speed <= 10; ++speed) {
+    const Scan read = roundTrip(scan, fmt::format("speed: {}", speed));
+    EXPECT_EQ(read.label, scan.label);
+    EXPECT_LE(largestError(read, scan), 1e-3);
+  }
+}
+
+TEST(Draco, RealRecordingKeepsTheBound) {
+  const char* const kFrame = "lidar/ouster_os1_128/frame_1796.pcd";
+  SKIP_WITHOUT_SHARED_DATA(kFrame);
+  const Scan organised = makeFormat("pcd")->decode(readFile(sharedData() / kFrame), kFrame);
+  Scan dense;
+  for (std::size_t i = 0; i < organised.size(); ++i) {
+    if (!isFinite(organised.position[i])) continue;
+    dense.position.push_back(organised.position[i]);
+    dense.ring.push_back(organised.ring[i]);
+    dense.column.push_back(organised.column[i]);
+  }
+  EXPECT_GT(dense.size(), organised.size() / 2);
+  for (const double bound : {0.1, 1.0, 10.0}) {
+    const Scan read = roundTrip(organised, fmt::format("max_error_mm: {}", bound));
+    EXPECT_LE(largestError(read, dense), bound * 1e-3);
+    EXPECT_EQ(read.ring, dense.ring);
+    EXPECT_EQ(read.column, dense.column);
+  }
+}
+
+}  // namespace
+}  // namespace scanmill

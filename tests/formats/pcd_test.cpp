@@ -1,0 +1,267 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/point_types.h>
+
+#include <cstring>
+
+#include "base/file.h"
+#include "tests/formats/scans.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kEncodings[] = {"binary_compressed", "binary", "ascii"};
+
+std::unique_ptr<Format> pcd(const char* encoding) {
+  return makeFormat("pcd", fmt::format("encoding: {}", encoding));
+}
+
+Scan decoded(const std::string& bytes) {
+  return makeFormat("pcd")->decode(bytes, "test.pcd");
+}
+
+TEST(Pcd, RoundTripIsExactForAllSetsOfColumns) {
+  for (const char* encoding : kEncodings) {
+    for (unsigned columns = 0; columns <= kAllColumns; ++columns) {
+      for (const bool organised : {false, true}) {
+        SCOPED_TRACE(fmt::format("{} columns {:x} organised {}", encoding, columns, organised));
+        const Scan scan = randomScan(columns, 7, 45, columns, organised);
+        expectSame(decoded(pcd(encoding)->encode(scan)), scan);
+      }
+    }
+  }
+}
+
+TEST(Pcd, RoundTripHoldsAtTheEdges) {
+  Scan empty;
+  empty.rings = 64;
+  empty.columns = 2048;
+  for (const char* encoding : kEncodings) {
+    SCOPED_TRACE(encoding);
+    expectSame(decoded(pcd(encoding)->encode(empty)), empty);
+    expectSame(decoded(pcd(encoding)->encode(Scan{})), Scan{});
+    expectSame(decoded(pcd(encoding)->encode(extremeScan())), extremeScan());
+    for (const bool organised : {false, true}) {
+      const Scan point = randomScan(9, 1, 1, kAllColumns, organised);
+      expectSame(decoded(pcd(encoding)->encode(point)), point);
+      const Scan ring = randomScan(9, 1, 300, kAllColumns, organised);
+      expectSame(decoded(pcd(encoding)->encode(ring)), ring);
+    }
+  }
+}
+
+template <class T>
+std::vector<T> fieldOf(const pcl::PCLPointCloud2& cloud, const std::string& name) {
+  for (const pcl::PCLPointField& field : cloud.fields) {
+    if (field.name != name) continue;
+    std::vector<T> values(std::size_t{cloud.width} * cloud.height);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      std::memcpy(&values[i], &cloud.data[i * cloud.point_step + field.offset], sizeof(T));
+    }
+    return values;
+  }
+  return {};
+}
+
+void expectPclReads(const Scan& scan, const std::filesystem::path& file) {
+  pcl::PCLPointCloud2 cloud;
+  ASSERT_EQ(pcl::PCDReader().read(file.string(), cloud), 0);
+  EXPECT_EQ(cloud.width, scan.width());
+  EXPECT_EQ(cloud.height, scan.height());
+  std::vector<std::string> names;
+  for (const pcl::PCLPointField& field : cloud.fields) names.push_back(field.name);
+  EXPECT_EQ(names, columnNames(scan));
+  Scan read;
+  const std::vector<float> x = fieldOf<float>(cloud, "x");
+  const std::vector<float> y = fieldOf<float>(cloud, "y");
+  const std::vector<float> z = fieldOf<float>(cloud, "z");
+  for (std::size_t i = 0; i < x.size(); ++i) read.position.push_back({x[i], y[i], z[i]});
+  read.intensity = fieldOf<float>(cloud, "intensity");
+  for (const std::uint32_t label : fieldOf<std::uint32_t>(cloud, "label")) {
+    ASSERT_LT(label, 65536u);
+    read.label.push_back(static_cast<std::uint16_t>(label));
+  }
+  read.instance = fieldOf<std::uint32_t>(cloud, "instance");
+  read.ring = fieldOf<std::uint16_t>(cloud, "ring");
+  read.column = fieldOf<std::uint16_t>(cloud, "column");
+  read.time = fieldOf<float>(cloud, "time");
+  read.rangeTrue = fieldOf<float>(cloud, "range_true");
+  expectSameColumns(read, scan);
+}
+
+TEST(Pcd, PclReadsWhatWeWrite) {
+  const TemporaryFolder folder;
+  for (const char* encoding : kEncodings) {
+    for (const unsigned columns : {0u, 1u, 2u, 28u, 60u, kAllColumns}) {
+      for (const bool organised : {false, true}) {
+        SCOPED_TRACE(fmt::format("{} columns {:x} organised {}", encoding, columns, organised));
+        const Scan scan = randomScan(columns + 1, 6, 50, columns, organised, 120);
+        expectPclReads(scan, folder.write("scan.pcd", pcd(encoding)->encode(scan)));
+      }
+    }
+    SCOPED_TRACE(encoding);
+    expectPclReads(extremeScan(), folder.write("extreme.pcd", pcd(encoding)->encode(extremeScan())));
+  }
+}
+
+TEST(Pcd, PclLoadsPointXyz) {
+  const TemporaryFolder folder;
+  const Scan scan = randomScan(2, 4, 33, kAllColumns, true, 50);
+  for (const char* encoding : kEncodings) {
+    pcl::PointCloud<pcl::PointXYZ> cloud;
+    ASSERT_EQ(pcl::io::loadPCDFile(folder.write("scan.pcd", pcd(encoding)->encode(scan)).string(), cloud), 0);
+    ASSERT_EQ(cloud.size(), scan.size());
+    EXPECT_TRUE(cloud.isOrganized());
+    Scan read;
+    for (const pcl::PointXYZ& p : cloud) read.position.push_back({p.x, p.y, p.z});
+    expectSameBits(coordinates(read), coordinates(scan), encoding);
+  }
+}
+
+TEST(Pcd, PclReadsAnEmptyScan) {
+  const TemporaryFolder folder;
+  for (const char* encoding : kEncodings) {
+    pcl::PCLPointCloud2 cloud;
+    EXPECT_EQ(pcl::PCDReader().read(folder.write("empty.pcd", pcd(encoding)->encode(Scan{})).string(), cloud), 0);
+    EXPECT_EQ(cloud.width * cloud.height, 0u) << encoding;
+    EXPECT_EQ(cloud.fields.size(), 3u) << encoding;
+  }
+}
+
+TEST(Pcd, WeReadWhatPclWrites) {
+  const TemporaryFolder folder;
+  pcl::PointCloud<pcl::PointXYZL> cloud(5, 2);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const auto f = static_cast<float>(i);
+    cloud[i].x = f;
+    cloud[i].y = -f / 3;
+    cloud[i].z = f * f;
+    cloud[i].label = static_cast<std::uint32_t>(i * 7);
+  }
+  const std::string file = (folder.path() / "pcl.pcd").string();
+  const auto expectRead = [&] {
+    const Scan scan = decoded(readFile(file));
+    EXPECT_TRUE(scan.organised);
+    EXPECT_EQ(scan.rings, 2u);
+    EXPECT_EQ(scan.columns, 5u);
+    ASSERT_EQ(scan.size(), cloud.size());
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      EXPECT_NEAR(scan.position[i].y, cloud[i].y, 1e-6f);
+      EXPECT_EQ(scan.label[i], cloud[i].label);
+    }
+  };
+  pcl::io::savePCDFileASCII(file, cloud);
+  expectRead();
+  pcl::io::savePCDFileBinary(file, cloud);
+  expectRead();
+  pcl::io::savePCDFileBinaryCompressed(file, cloud);
+  expectRead();
+}
+
+// Foreign files: other orders, types and fields of no interest.
+TEST(Pcd, FieldsMayComeInAnyOrderAndType) {
+  const Scan scan = decoded(
+      "# a comment\nVERSION .7\nFIELDS label normal z y _ x ring\nSIZE 8 4 8 4 1 4 1\nTYPE I F F F U F U\n"
+      "COUNT 1 3 1 1 2 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n"
+      "4 9 9 9 3 2 8 8 1 5\n65535 9 9 9 nan 2.5 8 8 -1e-3 6\n");
+  ASSERT_EQ(scan.size(), 2u);
+  EXPECT_EQ(scan.position[0], (Vec3f{1, 2, 3}));
+  EXPECT_EQ(scan.position[1].x, -1e-3f);
+  EXPECT_TRUE(std::isnan(scan.position[1].z));
+  EXPECT_EQ(scan.label, (std::vector<std::uint16_t>{4, 65535}));
+  EXPECT_EQ(scan.ring, (std::vector<std::uint16_t>{5, 6}));
+  EXPECT_TRUE(scan.instance.empty());
+  EXPECT_FALSE(scan.organised);
+}
+
+TEST(Pcd, ValuesThatDoNotFitAreRefused) {
+  const std::string head = "FIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F {}\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA {}\n";
+  const float xyz[3] = {1, 2, 3};
+  const auto binary = [&](char type, auto label) {
+    return fmt::format(fmt::runtime(head), type, "binary") + std::string(reinterpret_cast<const char*>(xyz), 12) +
+           std::string(reinterpret_cast<const char*>(&label), 4);
+  };
+  EXPECT_EQ(decoded(binary('F', 65535.0f)).label[0], 65535);
+  EXPECT_EQ(decoded(binary('I', 65535)).label[0], 65535);
+  for (const std::string& bytes :
+       {binary('U', 65536u), binary('I', -1), binary('F', 0.5f), binary('F', std::nanf("")), binary('F', 1e10f),
+        fmt::format(fmt::runtime(head), 'U', "ascii") + "1 2 3 65536\n"}) {
+    EXPECT_THAT(inputErrorOf([&] { decoded(bytes); }), AllOf(HasSubstr("test.pcd"), HasSubstr("label")));
+  }
+}
+
+TEST(Pcd, LyingHeadersAreRefused) {
+  const auto file = [](std::uint64_t width, std::uint64_t height, std::uint64_t points, const std::string& body) {
+    return fmt::format("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {}\nHEIGHT {}\nPOINTS {}\nDATA {}",
+                       width, height, points, body);
+  };
+  const std::string zeros(24, '\0');
+  const auto compressed = [](std::uint32_t packed, std::uint32_t raw, std::size_t bytes) {
+    std::string body = "binary_compressed\n";
+    body.append(reinterpret_cast<const char*>(&packed), 4);
+    body.append(reinterpret_cast<const char*>(&raw), 4);
+    return body + std::string(bytes, '\xff');
+  };
+  const std::string bad[] = {
+      "",
+      "hello",
+      file(1'000'000'000'000, 1, 1'000'000'000'000, "binary\n" + zeros),
+      file(1'000'000'000, 1, 1'000'000'000, "binary\n" + zeros),
+      file(1'000'000'000, 4, 4'000'000'000, "ascii\n1 2 3\n"),
+      file(2, 2, 2, "binary\n" + zeros),
+      file(3, 1, 3, "binary\n" + zeros),
+      file(2, 1, 2, "zip\n" + zeros),
+      file(2, 1, 2, "ascii\n1 2 3\n"),
+      file(1, 1, 1, "ascii\n1 2 3 4\n"),
+      file(1, 1, 1, "ascii\n1 2\n"),
+      file(1, 1, 1, "ascii\n1 2 three\n"),
+      file(2, 1, 2, compressed(8, 24, 8)),
+      file(2, 1, 2, compressed(9, 24, 8)),
+      file(2, 1, 2, compressed(8, 25, 8)),
+      file(300'000'000, 1, 300'000'000, compressed(8, 3'600'000'000u, 8)),
+      "FIELDS x y\nSIZE 4 4\nTYPE F F\nWIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA ascii\n",
+      "FIELDS x y z\nSIZE 4 4 3\nTYPE F F F\nWIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA ascii\n",
+      "FIELDS x y z\nSIZE 4 4\nTYPE F F F\nWIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA ascii\n",
+      "SIZE 4 4 4\nFIELDS x y z\nTYPE F F F\nWIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA ascii\n",
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 2\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3 4\n",
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F Q\nWIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA ascii\n",
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH -1\nHEIGHT 1\nPOINTS 0\nDATA ascii\n",
+  };
+  for (const std::string& bytes : bad) {
+    EXPECT_THAT(inputErrorOf([&] { decoded(bytes); }), HasSubstr("test.pcd")) << bytes;
+  }
+}
+
+TEST(Pcd, TextErrorsNameTheLine) {
+  const std::string text = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n1 2 3\n";
+  EXPECT_THAT(inputErrorOf([&] { decoded(text + "4 five 6\n"); }), HasSubstr("test.pcd:9: y"));
+  EXPECT_THAT(inputErrorOf([&] { decoded("FIELDS x y z\nNONSENSE 1\n"); }), HasSubstr("test.pcd:2"));
+}
+
+TEST(Pcd, RealRecordingIsReadAsPclReadsIt) {
+  const char* const kFrame = "lidar/ouster_os1_128/frame_1795.pcd";
+  SKIP_WITHOUT_SHARED_DATA(kFrame);
+  const std::string file = (sharedData() / kFrame).string();
+  const Scan scan = makeFormat("pcd")->decode(readFile(file), file);
+  EXPECT_TRUE(scan.organised);
+  EXPECT_EQ(scan.rings, 128u);
+  EXPECT_EQ(scan.columns, 1024u);
+  EXPECT_EQ(columnNames(scan), (std::vector<std::string>{"x", "y", "z", "ring", "column"}));
+  pcl::PCLPointCloud2 cloud;
+  ASSERT_EQ(pcl::PCDReader().read(file, cloud), 0);
+  const std::vector<float> x = fieldOf<float>(cloud, "x");
+  std::vector<float> ours;
+  for (const Vec3f& p : scan.position) ours.push_back(p.x);
+  expectSameBits(ours, x, "x");
+  EXPECT_EQ(scan.ring, fieldOf<std::uint16_t>(cloud, "ring"));
+  EXPECT_EQ(scan.column, fieldOf<std::uint16_t>(cloud, "column"));
+  for (const char* encoding : kEncodings) expectSame(decoded(pcd(encoding)->encode(scan)), scan);
+}
+
+}  // namespace
+}  // namespace scanmill

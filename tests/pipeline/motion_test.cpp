@@ -1,0 +1,112 @@
+// The vehicle drives while the sensor turns.
+
+#include <algorithm>
+#include <set>
+
+#include "tests/pipeline/small_world.h"
+
+namespace scanmill {
+namespace {
+
+class MotionTest : public Yard {
+ protected:
+  // Distance of each wall point to the yard's nearest inner face, when the point is seen from where the turn started.
+  std::vector<double> wallErrors(const Manifest& m, const std::string& name = "out") const {
+    const std::uint16_t wall = m.ontology.require("wall", {}).id;
+    std::vector<double> errors;
+    const std::vector<Scan> all = scans(".pcd", name);
+    for (std::size_t s = 0; s < all.size(); ++s) {
+      const Pose& start = m.samples[s].scans[0].worldFromSensor.front();
+      for (std::size_t i = 0; i < all[s].size(); ++i) {
+        if (all[s].label[i] != wall) continue;
+        const Vec3d p = start * Vec3d(all[s].position[i]);
+        errors.push_back(std::min(std::abs(std::abs(p.x) - 30), std::abs(std::abs(p.y) - 20)));
+      }
+    }
+    EXPECT_GT(errors.size(), 100u);
+    return errors;
+  }
+
+  static double worst(const std::vector<double>& errors) { return *std::max_element(errors.begin(), errors.end()); }
+};
+
+// 20 m/s for 0.1 s: 2 m, all but the last column's step.
+constexpr double kSkew = 2;
+
+TEST_F(MotionTest, WithoutMotionATurnHasOnePose) {
+  const Manifest m = sound({"motion=none"});
+  EXPECT_LT(worst(wallErrors(m)), 1e-4);
+  EXPECT_EQ(m.samples[0].scans[0].worldFromSensor.size(), 1u);
+  EXPECT_FALSE(m.deskewed);
+}
+
+TEST_F(MotionTest, PerColumnSkewsByTheWayDriven) {
+  const Manifest m = sound({"motion=per_column"});
+  const double skew = worst(wallErrors(m));
+  EXPECT_GT(skew, 0.8 * kSkew);
+  EXPECT_LT(skew, kSkew);
+  const auto& poses = m.samples[0].scans[0].worldFromSensor;
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_NEAR(poses[1].translation.x - poses[0].translation.x, kSkew * 63 / 64, 1e-9);
+}
+
+TEST_F(MotionTest, DeskewedWallsAreFlat) {
+  for (const char* motion : {"motion={steps: per_column, deskew: true}", "motion={steps: 7, deskew: true}"}) {
+    const Manifest m = sound({motion}, motion);
+    EXPECT_TRUE(m.deskewed);
+    EXPECT_LT(worst(wallErrors(m, motion)), 1e-4) << motion;
+  }
+}
+
+TEST_F(MotionTest, DeskewedWallsAreFlatInABend) {
+  const std::vector<std::string> bend{"trajectories.0.waypoints=[[-15, -8, 0], [0, 0, 0], [2, 12, 1]]",
+                                      "motion={steps: per_column, deskew: true}"};
+  EXPECT_LT(worst(wallErrors(sound(bend))), 1e-4);
+  std::vector<std::string> skewed = bend;
+  skewed[1] = "motion=per_column";
+  EXPECT_GT(worst(wallErrors(sound(skewed, "skewed"), "skewed")), 1);
+}
+
+// A number of steps that does not divide the columns keeps every ray.
+TEST_F(MotionTest, StepsKeepEveryRay) {
+  const auto beams = [](const std::vector<Scan>& all) {
+    std::size_t count = 0;
+    for (const Scan& s : all) count += s.size();
+    return count;
+  };
+  sound({}, "none");
+  for (const int steps : {1, 7, 63, 64}) {
+    const std::string name = fmt::format("s{}", steps);
+    const Manifest m = sound({fmt::format("motion={{steps: {}}}", steps)}, name);
+    EXPECT_EQ(beams(scans(".pcd", name)), beams(scans(".pcd", "none"))) << steps;  // the yard is closed: no misses
+  }
+  sound({"motion=per_column"}, "per_column");
+  EXPECT_TRUE(members("per_column") == members("s64"));
+  EXPECT_TRUE(members("none") == members("s1"));
+}
+
+TEST_F(MotionTest, TimesFollowTheColumns) {
+  for (const char* motion : {"motion=none", "motion=per_column", "motion={steps: 5}"}) {
+    sound({motion, "sensors.0.firing_time_us={step_us: 10}"}, motion);
+    for (const Scan& s : scans(".pcd", motion)) {
+      for (std::size_t i = 0; i < s.size(); ++i) {
+        EXPECT_NEAR(s.time[i], s.column[i] * 0.1 / 64 + s.ring[i] * 10e-6, 1e-7);
+        if (i > 0) {
+          EXPECT_GE(s.time[i], s.time[i - 1]);
+        }
+      }
+    }
+  }
+}
+
+// Listed poses stand still in each frame, whatever is asked.
+TEST_F(MotionTest, ListedPosesStandStill) {
+  const Manifest m =
+      sound({"trajectories=[{name: drive, poses: [{position: [0, 0, 0]}, {position: [5, 1, 0], yaw_deg: 30}]}]",
+             "motion=per_column"});
+  EXPECT_LT(worst(wallErrors(m)), 1e-4);
+  EXPECT_EQ(m.samples.size(), 2u);
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,39 @@
+#include "scan/channels.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace scanmill {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(Channels, IsASet) {
+  constexpr Channels kAsked = Channel::Range | Channel::Semantic;
+  EXPECT_TRUE(kAsked.has(Channel::Range));
+  EXPECT_TRUE(kAsked.has(Channel::Semantic));
+  EXPECT_FALSE(kAsked.has(Channel::Instance));
+  EXPECT_EQ(kAsked | Channel::Range, kAsked);
+  EXPECT_EQ(Channel::Semantic | Channel::Range, kAsked);
+  EXPECT_FALSE(Channels{}.has(Channel::Range));
+  Channels grown;
+  grown |= Channel::Incidence;
+  EXPECT_EQ(grown, Channels(Channel::Incidence));
+}
+
+TEST(Channels, NamesFollowTheEnumeration) {
+  EXPECT_THAT(channelNames({}), IsEmpty());
+  EXPECT_THAT(channelNames(Channel::Incidence | Channel::Range), ElementsAre("range", "incidence"));
+  EXPECT_THAT(channelNames(Channels::all()), ElementsAre("range", "normal", "instance", "semantic", "material",
+                                                         "primitive", "reflectance", "incidence"));
+}
+
+TEST(Channels, AllIsTheUnionOfEach) {
+  Channels sum;
+  for (std::uint32_t bit = 0; bit < 8; ++bit) sum |= static_cast<Channel>(1u << bit);
+  EXPECT_EQ(sum, Channels::all());
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,63 @@
+#include "scan/hits.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+namespace scanmill {
+namespace {
+
+// Sizes of the columns in the order of Channel.
+std::array<std::size_t, 8> sizes(const Hits& h) {
+  return {h.range.size(),    h.normal.size(),    h.instance.size(),    h.semantic.size(),
+          h.material.size(), h.primitive.size(), h.reflectance.size(), h.incidence.size()};
+}
+
+TEST(Hits, OnlyWhatWasAskedForIsAllocated) {
+  for (std::uint32_t set = 0; set < 256; ++set) {
+    Channels asked;
+    for (std::uint32_t bit = 0; bit < 8; ++bit) {
+      if ((set >> bit & 1) != 0) asked |= static_cast<Channel>(1u << bit);
+    }
+    Hits hits;
+    hits.reset(3, 5, asked);
+    EXPECT_EQ(hits.size(), 15u);
+    EXPECT_EQ(hits.channels, asked | Channel::Range);
+    const auto held = sizes(hits);
+    EXPECT_EQ(held[0], 15u);
+    for (std::size_t bit = 1; bit < 8; ++bit) EXPECT_EQ(held[bit], (set >> bit & 1) != 0 ? 15u : 0u) << set;
+  }
+}
+
+TEST(Hits, ResetFollowsTheNewShape) {
+  Hits hits;
+  hits.reset(64, 2048, Channels::all());
+  for (const std::size_t n : sizes(hits)) EXPECT_EQ(n, 64u * 2048u);
+  hits.reset(1, 1, Channel::Semantic);
+  EXPECT_EQ(sizes(hits), (std::array<std::size_t, 8>{1, 0, 0, 1, 0, 0, 0, 0}));
+  hits.reset(0, 0, Channels::all());
+  EXPECT_EQ(hits.size(), 0u);
+  hits.reset(2048, 2048, Channel::Range);
+  EXPECT_EQ(hits.range.size(), 4'194'304u);
+}
+
+TEST(Hits, SizeDoesNotOverflow32Bits) {
+  Hits hits;
+  hits.rings = 1u << 20;
+  hits.columns = 1u << 20;
+  EXPECT_EQ(hits.size(), std::size_t{1} << 40);
+}
+
+TEST(Hits, AMissIsInfinitelyFar) {
+  Hits hits;
+  hits.reset(1, 3, Channel::Range);
+  hits.range = {12.5f, kMiss, 0.0f};
+  EXPECT_TRUE(hits.hit(0));
+  EXPECT_FALSE(hits.hit(1));
+  EXPECT_TRUE(hits.hit(2));
+  EXPECT_TRUE(std::isinf(kMiss));
+}
+
+}  // namespace
+}  // namespace scanmill

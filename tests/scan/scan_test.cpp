@@ -1,0 +1,52 @@
+#include "scan/scan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace scanmill {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(Scan, DenseIsOneRowOfItsPoints) {
+  Scan scan;
+  scan.rings = 4;
+  scan.columns = 8;
+  scan.position.resize(11);
+  EXPECT_EQ(scan.size(), 11u);
+  EXPECT_EQ(scan.width(), 11u);
+  EXPECT_EQ(scan.height(), 1u);
+  scan.position.clear();
+  EXPECT_EQ(scan.width(), 0u);
+  EXPECT_EQ(scan.height(), 1u);
+}
+
+TEST(Scan, OrganisedKeepsTheShapeOfTheSensor) {
+  Scan scan;
+  scan.rings = 4;
+  scan.columns = 8;
+  scan.organised = true;
+  scan.position.resize(32);
+  EXPECT_EQ(scan.width(), 8u);
+  EXPECT_EQ(scan.height(), 4u);
+  EXPECT_EQ(scan.width() * scan.height(), scan.size());
+}
+
+TEST(Scan, NamesTheColumnsItHolds) {
+  Scan scan;
+  scan.position.resize(2);
+  EXPECT_THAT(columnNames(scan), ElementsAre("x", "y", "z"));
+  scan.time.resize(2);
+  scan.label.resize(2);
+  EXPECT_THAT(columnNames(scan), ElementsAre("x", "y", "z", "label", "time"));
+  scan.intensity.resize(2);
+  scan.instance.resize(2);
+  scan.ring.resize(2);
+  scan.column.resize(2);
+  scan.rangeTrue.resize(2);
+  EXPECT_THAT(columnNames(scan),
+              ElementsAre("x", "y", "z", "intensity", "label", "instance", "ring", "column", "time", "range_true"));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,112 @@
+#include "scene/material.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "tests/scene/expect_input_error.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+const std::filesystem::path kMaterials = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels" / "materials.yaml";
+
+TEST(Materials, theTableHasWhatScenesNeed) {
+  const MaterialLibrary library = readMaterials(kMaterials);
+  for (const char* name : {"asphalt",    "concrete",
+                           "paving",     "road_paint",
+                           "brick",      "plaster",
+                           "glass",      "car_paint",
+                           "metal_bare", "metal_galvanised",
+                           "rubber",     "plastic_black",
+                           "leaf",       "leaf_conifer",
+                           "bark",       "grass",
+                           "grass_dry",  "soil",
+                           "wood",       "wood_weathered",
+                           "cloth",      "cloth_dark",
+                           "skin",       "sign_retroreflective",
+                           "roof_tile",  "water",
+                           "snow",       "painted_metal",
+                           "default"}) {
+    const Material& m = library.require(name, {});
+    EXPECT_GT(m.reflectance, 0) << name;
+    EXPECT_FALSE(m.source.empty()) << name;
+    EXPECT_FALSE(m.textured) << name;
+    EXPECT_EQ(m.texture, nullptr) << name;
+  }
+  EXPECT_GT(library.require("sign_retroreflective", {}).retroreflectance, 100);
+}
+
+TEST(Materials, theWavelengthPicksTheColumn) {
+  EXPECT_FLOAT_EQ(readMaterials(kMaterials, 850).require("snow", {}).reflectance, 0.938f);
+  EXPECT_FLOAT_EQ(readMaterials(kMaterials, 905).require("snow", {}).reflectance, 0.911f);
+  EXPECT_FLOAT_EQ(readMaterials(kMaterials, 1064).require("snow", {}).reflectance, 0.829f);
+  expectInputError([] { readMaterials(kMaterials, 532); }, {"532", "905"});
+}
+
+// A source "row: name of the library" quotes a row of measurements: its figures must be that row's.
+TEST(Materials, quotedFiguresAreThoseOfTheirSource) {
+  SKIP_WITHOUT_SHARED_DATA("materials/nir_reflectance.csv");
+  std::ifstream file(sharedData() / "materials" / "nir_reflectance.csv");
+  std::map<std::string, std::array<double, 3>> rows;
+  std::map<std::string, std::string> sources;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream cells(line);
+    std::string name, r850, r905, r1064, source;
+    if (!std::getline(cells, name, ',') || !std::getline(cells, r850, ',') || !std::getline(cells, r905, ',') ||
+        !std::getline(cells, r1064, ',') || !std::getline(cells, source) || name[0] == '#' || name == "material") {
+      continue;
+    }
+    rows[name] = {std::stod(r850) / 100, std::stod(r905) / 100, std::stod(r1064) / 100};
+    sources[name] = source;
+  }
+  ASSERT_GT(rows.size(), 20u);
+  const int wavelengths[] = {850, 905, 1064};
+  int quoted = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const Material& m : readMaterials(kMaterials, wavelengths[i]).materials) {
+      const std::string row = m.source.substr(0, m.source.find(':'));
+      if (row == "estimate" || row == "computed") continue;
+      ASSERT_TRUE(rows.contains(row)) << m.name << " quotes " << m.source;
+      EXPECT_EQ(m.source, row + ": " + sources[row]);
+      EXPECT_NEAR(m.reflectance, rows[row][i], 1e-6) << m.name;
+      ++quoted;
+    }
+  }
+  EXPECT_GE(quoted, 3 * 15);
+}
+
+TEST(Materials, glassFollowsFresnel) {
+  const double face = std::pow((1.52 - 1) / (1.52 + 1), 2);
+  const double pane = 2 * face / (1 + face);  // both faces, all inner reflections
+  EXPECT_NEAR(readMaterials(kMaterials).require("glass", {}).reflectance, pane, 1e-3);
+}
+
+TEST(Materials, unknownOneIsRefusedWithSuggestion) {
+  const MaterialLibrary library = readMaterials(kMaterials);
+  expectInputError([&] { library.require("asfalt", {"s.yaml", 4, 1}); }, {"s.yaml:4:1", "'asfalt'", "asphalt"});
+}
+
+TEST(Materials, badFilesAreRefusedWithTheirPlace) {
+  const TemporaryFolder folder;
+  const auto refuse = [&](const std::string& text, const std::vector<std::string>& words) {
+    const auto file = folder.write("bad.yaml", text);
+    SCOPED_TRACE(text);
+    expectInputError([&] { readMaterials(file); }, words);
+  };
+  refuse("materials: {}\n", {"bad.yaml:1"});
+  refuse("materials:\n  - {name: a, reflectance: 1.5, source: x}\n", {"bad.yaml:2", "reflectance"});
+  refuse("materials:\n  - {name: a, reflectance: .nan, source: x}\n", {"bad.yaml:2", "reflectance"});
+  refuse("materials:\n  - {name: a, reflectance: {850: 0.1, 905: 0.1}, source: x}\n", {"bad.yaml:2", "1064"});
+  refuse("materials:\n  - {name: a, reflectance: 0.5}\n", {"bad.yaml:2", "source"});
+  refuse("materials:\n  - {name: a, reflectance: 0.5, source: x, roughnes: 1}\n", {"bad.yaml:2", "roughness"});
+  refuse("materials:\n  - {name: a, reflectance: 0, source: x}\n  - {name: a, reflectance: 0, source: x}\n",
+         {"bad.yaml:3", "twice"});
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,117 @@
+#include "scene/ontology.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <set>
+
+#include "tests/scene/expect_input_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
+
+TEST(Ontology, idsOfOurClassesNeverChange) {
+  const Ontology o = readOntology(kLabels / "scanmill.yaml");
+  const std::vector<std::pair<std::uint16_t, std::string>> expected = {
+      {0, "unlabeled"},      {1, "road"},         {2, "road_marking"},   {3, "sidewalk"},    {4, "curb"},
+      {5, "terrain"},        {6, "building"},     {7, "window"},         {8, "wall"},        {9, "fence"},
+      {10, "vegetation"},    {11, "tree"},        {12, "trunk"},         {13, "pole"},       {14, "traffic_sign"},
+      {15, "traffic_light"}, {16, "street_lamp"}, {20, "car"},           {21, "truck"},      {22, "bus"},
+      {23, "motorcycle"},    {24, "bicycle"},     {25, "other_vehicle"}, {30, "pedestrian"}, {31, "rider"},
+      {32, "animal"},        {40, "structure"},   {41, "ground"},        {42, "parking"},    {43, "water"},
+      {50, "object"}};
+  ASSERT_EQ(o.classes.size(), expected.size());
+  for (const auto& [id, name] : expected) {
+    ASSERT_NE(o.find(id), nullptr) << id;
+    EXPECT_EQ(o.find(id)->name, name);
+  }
+  EXPECT_EQ(o.find(17), nullptr);
+}
+
+TEST(Ontology, thingsAreWhatCanBeCounted) {
+  const Ontology o = readOntology(kLabels / "scanmill.yaml");
+  for (const char* name : {"building", "tree", "trunk", "pole", "car", "pedestrian", "object"}) {
+    EXPECT_TRUE(o.require(name, {}).thing) << name;
+  }
+  for (const char* name : {"road", "sidewalk", "window", "vegetation", "structure", "water"}) {
+    EXPECT_FALSE(o.require(name, {}).thing) << name;
+  }
+}
+
+TEST(Ontology, coloursCanBeToldApart) {
+  const Ontology o = readOntology(kLabels / "scanmill.yaml");
+  for (std::size_t i = 0; i < o.classes.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      int distance = 0;
+      for (std::size_t k = 0; k < 3; ++k) distance += std::abs(o.classes[i].color[k] - o.classes[j].color[k]);
+      EXPECT_GE(distance, 60) << o.classes[i].name << " and " << o.classes[j].name;
+    }
+  }
+}
+
+TEST(Ontology, everyClassOfOursResolvesInSemanticKitti) {
+  const Ontology ours = readOntology(kLabels / "scanmill.yaml");
+  const Ontology kitti = readOntology(kLabels / "semantic_kitti.yaml");
+  for (const SemanticClass& c : ours.classes) EXPECT_NO_THROW(kitti.require(c.name, {})) << c.name;
+  EXPECT_EQ(kitti.require("window", {}).name, "building");
+  EXPECT_EQ(kitti.require("curb", {}).name, "sidewalk");
+  EXPECT_EQ(kitti.require("pedestrian", {}).id, 30);
+  EXPECT_EQ(kitti.require("tree", {}).id, 70);
+  EXPECT_EQ(kitti.require("street_lamp", {}).id, 80);
+}
+
+TEST(Ontology, semanticKittiColoursAreRgb) {
+  const Ontology kitti = readOntology(kLabels / "semantic_kitti.yaml");
+  EXPECT_EQ(kitti.classes.size(), 34u);
+  EXPECT_EQ(kitti.find(10)->color, (std::array<std::uint8_t, 3>{100, 150, 245}));  // cars are blue
+  EXPECT_EQ(kitti.find(30)->color, (std::array<std::uint8_t, 3>{255, 30, 30}));    // persons are red
+  EXPECT_EQ(kitti.find(259)->name, "moving-other-vehicle");
+}
+
+TEST(Ontology, namesGoBeforeAliases) {
+  const TemporaryFolder folder;
+  const Ontology o = readOntology(folder.write("o.yaml",
+                                               "classes:\n"
+                                               "  - {id: 0, name: unlabeled, color: [0, 0, 0]}\n"
+                                               "  - {id: 7, name: a, color: [1, 2, 3], thing: true, aliases: [c]}\n"
+                                               "  - {id: 65535, name: b, color: [255, 0, 9]}\n"));
+  EXPECT_EQ(o.name, "o");
+  EXPECT_EQ(o.require("c", {}).id, 7);
+  EXPECT_EQ(o.require("b", {}).id, 65535);
+}
+
+TEST(Ontology, unknownClassIsRefusedWithSuggestion) {
+  const Ontology o = readOntology(kLabels / "scanmill.yaml");
+  expectInputError([&] { o.require("bilding", {"s.yaml", 3, 9}); }, {"s.yaml:3:9", "'bilding'", "building"});
+}
+
+TEST(Ontology, badFilesAreRefusedWithTheirPlace) {
+  const TemporaryFolder folder;
+  const std::string zero = "classes:\n  - {id: 0, name: unlabeled, color: [0, 0, 0]}\n";
+  const auto refuse = [&](const std::string& text, const std::vector<std::string>& words) {
+    const auto file = folder.write("bad.yaml", text);
+    SCOPED_TRACE(text);
+    expectInputError([&] { readOntology(file); }, words);
+  };
+  expectInputError([&] { readOntology(folder.path() / "absent.yaml"); }, {"absent.yaml"});
+  refuse("", {"bad.yaml"});
+  refuse("classes: 3\n", {"bad.yaml:1"});
+  refuse("classes: []\n", {"unlabeled"});
+  refuse("classes:\n  - {id: 0, name: road, color: [0, 0, 0]}\n", {"unlabeled"});
+  refuse(zero + "  - {id: 0, name: a, color: [0, 0, 0]}\n", {"bad.yaml:3", "id 0"});
+  refuse(zero + "  - {id: 1, name: unlabeled, color: [0, 0, 0]}\n", {"bad.yaml:3", "'unlabeled'"});
+  refuse(zero + "  - {id: 1, name: a, color: [0, 0, 0], aliases: [unlabeled]}\n", {"bad.yaml:3", "'unlabeled'"});
+  refuse(zero + "  - {id: 65536, name: a, color: [0, 0, 0]}\n", {"bad.yaml:3", "65535"});
+  refuse(zero + "  - {id: -1, name: a, color: [0, 0, 0]}\n", {"bad.yaml:3"});
+  refuse(zero + "  - {id: 1, name: a, color: [0, 0]}\n", {"bad.yaml:3", "color"});
+  refuse(zero + "  - {id: 1, name: a, color: [0, 0, 256]}\n", {"bad.yaml:3", "255"});
+  refuse(zero + "  - {id: 1, name: a, color: [0, 0, 1.5]}\n", {"bad.yaml:3", "whole"});
+  refuse(zero + "  - {id: 1, name: '', color: [0, 0, 1]}\n", {"bad.yaml:3", "empty"});
+  refuse(zero + "  - {id: 1, name: a, colour: [0, 0, 1], color: [0, 0, 1]}\n", {"bad.yaml:3", "colour"});
+}
+
+}  // namespace
+}  // namespace scanmill

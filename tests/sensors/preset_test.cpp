@@ -1,0 +1,167 @@
+// The presets against closed forms and against the vendors' own files.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "base/file.h"
+#include "config/fields.h"
+#include "sensors/sensor.h"
+#include "tests/support/shared_data.h"
+
+namespace scanmill {
+namespace {
+
+std::shared_ptr<const BeamTable> preset(const std::string& name) {
+  return makeBeams(readYaml(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / "sensors" / name));
+}
+
+std::vector<double> numbersOf(const Value& map, const char* key) {
+  return readNumbers(*map.find(key), key);
+}
+
+TEST(Presets, EveryFileIsASensorWithASource) {
+  int count = 0;
+  const auto folder = std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / "sensors";
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const auto beams = preset(entry.path().filename().string());
+    EXPECT_NE(beams->model, "custom") << entry.path();
+    EXPECT_FALSE(beams->source.empty()) << entry.path();
+    EXPECT_GT(beams->maxRange, beams->minRange);
+    ++count;
+  }
+  EXPECT_GE(count, 4);
+}
+
+TEST(Presets, Vlp16FollowsTheManual) {
+  const auto beams = preset("vlp_16.yaml");
+  ASSERT_EQ(beams->rings, 16u);
+  EXPECT_FALSE(beams->topDown);
+  for (std::uint32_t ring = 0; ring < 16; ++ring) {
+    const int laser = static_cast<int>(ring < 8 ? 2 * ring : 2 * (ring - 8) + 1);
+    EXPECT_NEAR(degrees(beams->elevation[ring]), -15.0 + 2 * ring, 1e-12);
+    EXPECT_NEAR(beams->firingOffset[ring], laser * 2.304e-6, 1e-12);
+    // What the head turns until the laser fires, clockwise.
+    EXPECT_NEAR(degrees(beams->azimuthOffset[ring]), -3600 * beams->firingOffset[ring], 1e-9);
+  }
+  EXPECT_NEAR(beams->columnPeriod(), 55.296e-6, 0.02e-6);
+}
+
+TEST(Presets, Vlp16AgreesWithTheCalibrationTable) {
+  SKIP_WITHOUT_SHARED_DATA("sensors/velodyne/VLP16db.yaml");
+  const Value file = readYaml(sharedData() / "sensors/velodyne/VLP16db.yaml");
+  const auto beams = preset("vlp_16.yaml");
+  for (const Value& laser : file.find("lasers")->items) {
+    const double elevation = readNumber(*laser.find("vert_correction"), "vert_correction");
+    const auto id = readInteger(*laser.find("laser_id"), "laser_id", 0, 15);
+    const auto ring = std::find_if(beams->elevation.begin(), beams->elevation.end(),
+                                   [&](double e) { return std::fabs(e - elevation) < 1e-9; });
+    ASSERT_NE(ring, beams->elevation.end());
+    EXPECT_NEAR(beams->firingOffset[ring - beams->elevation.begin()], static_cast<double>(id) * 2.304e-6, 1e-12);
+  }
+}
+
+TEST(Presets, Paper64SpansItsFieldOfView) {
+  const auto beams = preset("paper_64.yaml");
+  EXPECT_EQ(beams->rings, 64u);
+  EXPECT_EQ(beams->columns, 2048u);
+  EXPECT_NEAR(degrees(beams->elevation.front() - beams->elevation.back()), 26.8, 1e-12);
+  for (std::size_t ring = 1; ring < 64; ++ring) {
+    EXPECT_NEAR(degrees(beams->elevation[ring - 1] - beams->elevation[ring]), 26.8 / 63, 1e-12);
+  }
+}
+
+TEST(Presets, Hdl64eAgreesWithTheCalibrationTable) {
+  const auto beams = preset("hdl_64e.yaml");
+  ASSERT_EQ(beams->rings, 64u);
+  EXPECT_TRUE(beams->topDown);
+  SKIP_WITHOUT_SHARED_DATA("sensors/velodyne/64e_utexas.yaml");
+  const Value file = readYaml(sharedData() / "sensors/velodyne/64e_utexas.yaml");
+  std::vector<std::pair<double, double>> lasers;
+  for (const Value& laser : file.find("lasers")->items) {
+    lasers.emplace_back(readNumber(*laser.find("vert_correction"), "vert_correction"),
+                        readNumber(*laser.find("rot_correction"), "rot_correction"));
+  }
+  std::sort(lasers.rbegin(), lasers.rend());
+  ASSERT_EQ(lasers.size(), 64u);
+  for (std::size_t ring = 0; ring < 64; ++ring) {
+    EXPECT_NEAR(degrees(beams->elevation[ring]), degrees(lasers[ring].first), 5.1e-4);
+    EXPECT_NEAR(degrees(beams->azimuthOffset[ring]), degrees(lasers[ring].second), 5.1e-4);
+  }
+}
+
+TEST(Presets, Os1AgreesWithItsMetadata) {
+  const auto beams = preset("os1_128.yaml");
+  ASSERT_EQ(beams->rings, 128u);
+  EXPECT_EQ(beams->columns, 1024u);
+  EXPECT_TRUE(beams->topDown);
+  EXPECT_TRUE(beams->clockwise);
+  SKIP_WITHOUT_SHARED_DATA("sensors/ouster/OS-1-128_v2.3.0_1024x10.json");
+  const Value file = readYaml(sharedData() / "sensors/ouster/OS-1-128_v2.3.0_1024x10.json");  // JSON is YAML
+  const std::vector<double> altitude = numbersOf(file, "beam_altitude_angles");
+  const std::vector<double> azimuth = numbersOf(file, "beam_azimuth_angles");
+  ASSERT_EQ(altitude.size(), 128u);
+  for (std::size_t ring = 0; ring < 128; ++ring) {
+    EXPECT_NEAR(degrees(beams->elevation[ring]), altitude[ring], 1e-12);
+    EXPECT_NEAR(degrees(beams->azimuthOffset[ring]), -azimuth[ring], 1e-12);
+  }
+  EXPECT_DOUBLE_EQ(beams->originOffset * 1000, readNumber(*file.find("lidar_origin_to_beam_origin_mm"), "n"));
+  EXPECT_NEAR(beams->originHeight * 1000, numbersOf(file, "lidar_to_sensor_transform")[11], 1e-12);
+}
+
+// Every point of a real turn lies on our beam: the vendor's decoder and our table agree on directions, origins, the way
+// the sensor turns and the order of rings and columns.
+TEST(Presets, Os1BeamsPassThroughARealRecording) {
+  SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128/frame_1795.pcd");
+  const std::string bytes = readFile(sharedData() / "lidar/ouster_os1_128/frame_1795.pcd");
+  const std::string marker = "DATA binary\n";
+  const char* row = bytes.data() + bytes.find(marker) + marker.size();
+  constexpr std::size_t kRow = 4 * sizeof(float) + 1 + 3 * sizeof(std::uint16_t);
+
+  const auto beams = preset("os1_128.yaml");
+  ASSERT_GE(bytes.size() - static_cast<std::size_t>(row - bytes.data()), beams->size() * kRow);
+  std::size_t hits = 0;
+  double worst = 0;
+  for (std::size_t i = 0; i < beams->size(); ++i, row += kRow) {
+    float point[4];  // x y z range, lidar frame: half a turn and 36.18 mm from the sensor frame
+    std::uint16_t place[2];
+    std::memcpy(point, row, sizeof(point));
+    std::memcpy(place, row + kRow - sizeof(place), sizeof(place));
+    if (!std::isfinite(point[0])) continue;
+    ++hits;
+    const std::size_t beam = std::size_t{place[0]} * beams->columns + place[1];
+    const Vec3d measured{-point[0], -point[1], point[2] + beams->originHeight};
+    const double range = point[3] - beams->originOffset;  // the sensor counts from its axis
+    const Vec3d ours = static_cast<Vec3d>(beams->origin[beam]) + beams->direction[beam] * range;
+    worst = std::max(worst, length(ours - measured));
+  }
+  EXPECT_GT(hits, 100000u);
+  EXPECT_LT(worst, 5e-5);  // float32 positions at up to 217 m
+}
+
+// Unused beams of 32- and 16-beam sensors are zeros in between, hence unordered.
+TEST(Presets, EveryOusterBeamTableCanBeDescribed) {
+  SKIP_WITHOUT_SHARED_DATA("sensors/ouster");
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(sharedData() / "sensors/ouster")) {
+    if (entry.path().extension() != ".json") continue;
+    std::string text = readFile(entry.path());
+    std::replace(text.begin(), text.end(), '\t', ' ');  // JSON allows tabs, YAML does not
+    const Value file = parseYaml(text, entry.path().string());
+    const Value* intrinsics = file.kind == Value::Kind::Map ? file.find("beam_intrinsics") : nullptr;
+    const Value& angles = intrinsics != nullptr ? *intrinsics : file;
+    const Value* altitude = angles.find("beam_altitude_angles");
+    if (altitude == nullptr) continue;
+    Value sensor = parseYaml("{columns: 512, rate_hz: 10, range_m: [0.3, 100], ring_order: unordered}", "s.yaml");
+    sensor.entries.emplace_back("elevation_deg", *altitude);
+    sensor.entries.emplace_back("azimuth_offset_deg", *angles.find("beam_azimuth_angles"));
+    EXPECT_EQ(makeBeams(sensor)->rings, altitude->items.size()) << entry.path();
+    ++count;
+  }
+  EXPECT_GT(count, 5);
+}
+
+}  // namespace
+}  // namespace scanmill

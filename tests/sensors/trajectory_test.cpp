@@ -1,0 +1,184 @@
+#include "sensors/trajectory.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sensors/path.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+Trajectory trajectoryOf(const std::string& text) {
+  return readTrajectory(parseYaml(text, "trip.yaml"), "trip", 0.1);
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    trajectoryOf(text);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+Vec3d headingOf(const Pose& pose) {
+  return toMatrix(pose.rotation).x;
+}
+
+const std::vector<Vec3d> kCorners = {{0, 0, 0},    {50, 0, 0},   {60, 10, 1},   {60, 90, 2},  {55, 95, 2.5},
+                                     {-40, 95, 0}, {-45, 90, 0}, {-45, 20, -3}, {-30, 5, -1}, {0, 0, 0}};
+
+TEST(Path, PassesEveryWaypoint) {
+  const Path path(kCorners);
+  double before = -1;
+  for (std::size_t i = 0; i < kCorners.size(); ++i) {
+    const double distance = path.distanceOfPoint(i);
+    EXPECT_GT(distance, before);
+    EXPECT_LT(length(path.pose(distance).translation - kCorners[i]), 1e-9) << i;
+    before = distance;
+  }
+  EXPECT_DOUBLE_EQ(before, path.length());
+}
+
+TEST(Path, StraightLineIsItsOwnLength) {
+  const Path path({{1, 2, 3}, {1, 5, 3}, {1, 6, 3}, {1, 106, 3}});
+  EXPECT_NEAR(path.length(), 104, 1e-9);
+  for (double s = 0; s <= 104; s += 0.37) {
+    const Pose pose = path.pose(s);
+    EXPECT_LT(length(pose.translation - Vec3d{1, 2 + s, 3}), 1e-9);
+    EXPECT_LT(length(headingOf(pose) - Vec3d{0, 1, 0}), 1e-9);
+  }
+}
+
+TEST(Path, SpeedIsConstantAndHeadingIsContinuousAndAlongTheMotion) {
+  const Path path(kCorners);
+  const double step = 0.01;
+  Pose before = path.pose(0);
+  for (double s = step; s < path.length(); s += step) {
+    const Pose pose = path.pose(s);
+    const Vec3d moved = pose.translation - before.translation;
+    ASSERT_NEAR(length(moved) / step, 1, 0.01) << s;
+    ASSERT_GT(dot(normalized(moved), headingOf(pose)), 0.9999) << s;
+    ASSERT_GT(dot(headingOf(before), headingOf(pose)), 0.9999) << s;
+    ASSERT_NEAR(toMatrix(pose.rotation).y.z, 0, 1e-12);  // no roll
+    before = pose;
+  }
+}
+
+TEST(Path, HairpinKeepsTheSpeed) {
+  const double turn = radians(174);
+  const Path path({{0, 0, 0}, {80, 0, 0}, {80 + 30 * std::cos(turn), 30 * std::sin(turn), 0}});
+  const double step = 1e-3;
+  Vec3d before = path.pose(0).translation;
+  double travelled = 0;
+  for (double s = step; s < path.length(); s += step) {
+    const Vec3d position = path.pose(s).translation;
+    ASSERT_NEAR(length(position - before) / step, 1, 0.01) << s;
+    travelled += length(position - before);
+    before = position;
+  }
+  EXPECT_NEAR(travelled, path.length(), 2e-3);
+}
+
+TEST(Path, MovedFarAwayItKeepsItsShape) {
+  std::vector<Vec3d> moved = kCorners;
+  for (Vec3d& p : moved) p += Vec3d{1e7, -1e7, 100};
+  const Path here(kCorners);
+  const Path there(moved);
+  EXPECT_NEAR(here.length(), there.length(), 1e-5);
+  for (double s = 0; s < here.length(); s += 3.3) {
+    EXPECT_LT(length(here.pose(s).translation + Vec3d{1e7, -1e7, 100} - there.pose(s).translation), 1e-5);
+  }
+}
+
+TEST(Path, UphillPitchesUp) {
+  const Pose pose = Path({{0, 0, 0}, {10, 0, 1}}).pose(5);
+  EXPECT_GT(headingOf(pose).z, 0);
+  EXPECT_NEAR(headingOf(pose).z / headingOf(pose).x, 0.1, 1e-12);
+}
+
+TEST(Trajectory, ConstantVelocityIsLinearInTime) {
+  const Trajectory trip = trajectoryOf("{waypoints: [[0, 0, 1], [30, 40, 1]], speed: 5, every_s: 0.5}");
+  EXPECT_FALSE(trip.still());
+  EXPECT_EQ(trip.frames(), 21u);  // 10 s, the frame at the end included
+  EXPECT_NEAR(trip.pathLength(), 50, 1e-9);
+  for (std::uint32_t frame = 0; frame < 20; ++frame) {
+    EXPECT_NEAR(trip.frameTime(frame), 0.5 * frame, 1e-12);
+    for (const double dt : {0.0, 0.03, 0.1}) {
+      const double time = 0.5 * frame + dt;
+      const Pose pose = trip.pose(frame, dt);
+      EXPECT_LT(length(pose.translation - Vec3d{3 * time, 4 * time, 1}), 1e-9);
+      EXPECT_LT(length(headingOf(pose) - Vec3d{0.6, 0.8, 0}), 1e-12);
+    }
+  }
+}
+
+TEST(Trajectory, StopsAtTheEndOfThePath) {
+  const Trajectory trip = trajectoryOf("{waypoints: [[0, 0, 0], [10, 0, 0]], speed: 10, frames: 500}");
+  EXPECT_EQ(trip.frames(), 11u);
+  EXPECT_EQ(trip.pose(10, 5).translation, (Vec3d{10, 0, 0}));
+  EXPECT_THROW(trip.pose(11, 0), Error);
+}
+
+TEST(Trajectory, FramesComeByDistanceByTimeOrByTheTurn) {
+  const std::string way = "{waypoints: [[0, 0, 0], [100, 0, 0]], speed: 20";
+  EXPECT_EQ(trajectoryOf(way + ", every_m: 2}").frames(), 51u);
+  EXPECT_NEAR(trajectoryOf(way + ", every_m: 2}").frameTime(10), 1, 1e-12);
+  EXPECT_EQ(trajectoryOf(way + ", every_s: 1}").frames(), 6u);
+  EXPECT_EQ(trajectoryOf(way + "}").frames(), 51u);  // the sensor's turn, 0.1 s
+  EXPECT_EQ(trajectoryOf(way + ", frames: 3}").frames(), 3u);
+  EXPECT_EQ(trajectoryOf("{waypoints: [[0, 0, 0], [1, 0, 0]], speed: 1, every_s: 100}").frames(), 1u);
+}
+
+TEST(Trajectory, ListedPosesStandStill) {
+  const Trajectory trip =
+      trajectoryOf("{poses: [{position: [1, 2, 3]}, {position: [4, 5, 6], yaw_deg: 90}, {}], every_s: 2, name: stops}");
+  EXPECT_TRUE(trip.still());
+  EXPECT_EQ(trip.name(), "stops");
+  ASSERT_EQ(trip.frames(), 3u);
+  EXPECT_EQ(trip.pose(1, 0), trip.pose(1, 1.5));
+  EXPECT_EQ(trip.pose(1, 0).translation, (Vec3d{4, 5, 6}));
+  EXPECT_LT(length(headingOf(trip.pose(1, 0)) - Vec3d{0, 1, 0}), 1e-12);
+  EXPECT_DOUBLE_EQ(trip.frameTime(2), 4);
+  EXPECT_EQ(trajectoryOf("{poses: [{}, {}, {}], frames: 2}").frames(), 2u);
+  EXPECT_DOUBLE_EQ(trajectoryOf("{poses: [{}, {}]}").frameTime(1), 0.1);
+}
+
+TEST(Trajectory, MalformedOnesAreRefusedWithTheirPlace) {
+  const std::string line = "waypoints: [[0, 0, 0], [100, 0, 0]]\n";
+  EXPECT_THAT(refusal(""), HasSubstr("needs poses or waypoints"));
+  EXPECT_THAT(refusal("{poses: []}"), HasSubstr("trip.yaml:1:9: "));
+  EXPECT_THAT(refusal("{poses: [{position: [0, 0]}]}"), HasSubstr("trip.yaml:1:"));
+  EXPECT_THAT(refusal("{poses: [{yaw: 3}]}"), HasSubstr("yaw_deg"));
+  EXPECT_THAT(refusal("{poses: [{}], speed: 3}"), HasSubstr("speed"));
+  EXPECT_THAT(refusal("{poses: [{position: [1e300, 0, 0]}]}"), HasSubstr("farther than"));
+  EXPECT_THAT(refusal(line + "speed: 3\nposes: [{}]"), HasSubstr("not both"));
+  EXPECT_THAT(refusal(line), HasSubstr("speed"));
+  EXPECT_THAT(refusal(line + "speed: 0"), HasSubstr("trip.yaml:2:8: "));
+  EXPECT_THAT(refusal(line + "speed: -1"), HasSubstr("trip.yaml:2:8: "));
+  EXPECT_THAT(refusal(line + "speed: 101"), HasSubstr("trip.yaml:2:8: "));
+  EXPECT_THAT(refusal(line + "speed: 1\nevery_s: 0"), HasSubstr("trip.yaml:3:10: "));
+  EXPECT_THAT(refusal(line + "speed: 1\nevery_s: 1\nevery_m: 1"), HasSubstr("trip.yaml:4:10: "));
+  EXPECT_THAT(refusal(line + "speed: 1\nframes: 0"), HasSubstr("trip.yaml:3:9: "));
+  EXPECT_THAT(refusal(line + "speed: 1\nframes: 1e9"), HasSubstr("trip.yaml:3:9: "));
+  EXPECT_THAT(refusal(line + "speed: 1\nevery: 2"), HasSubstr("trip.yaml:3:"));
+  EXPECT_THAT(refusal("{waypoints: [[0, 0, 0]], speed: 1}"), HasSubstr("at least two"));
+  EXPECT_THAT(refusal("{waypoints: [[0, 0, 0], [0, 0, 0]], speed: 1}"), HasSubstr("trip.yaml:1:25: "));
+  EXPECT_THAT(refusal("{waypoints: [[0, 0, 0], [0, 0, 9]], speed: 1}"), HasSubstr("steeper"));
+  EXPECT_THAT(refusal("{waypoints: [[0, 0, 0], [9, 0, 0], [1, 0, 0]], speed: 1}"), HasSubstr("straight back"));
+  EXPECT_THAT(refusal("{waypoints: [[0, 0, 0], [1e12, 0, 0]], speed: 1}"), HasSubstr("farther than"));
+}
+
+TEST(Trajectory, HugeFrameCountsAreRefusedWithTheArithmetic) {
+  const std::string message = refusal("{waypoints: [[0, 0, 0], [1000, 0, 0]], speed: 10, every_m: 1e-6}");
+  EXPECT_THAT(message, HasSubstr("1000 m of path / 10 m/s / 1e-07 s a frame = 1e+09 frames"));
+  EXPECT_THAT(message, HasSubstr("10000000"));
+  EXPECT_EQ(trajectoryOf("{waypoints: [[0, 0, 0], [1000, 0, 0]], speed: 10, every_m: 1e-6, frames: 9}").frames(), 9u);
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,104 @@
+#pragma once
+
+// Small scenes and beam tables made in code.
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "base/vec.h"
+#include "scene/builder.h"
+#include "scene/primitives.h"
+#include "sensors/beams.h"
+#include "sensors/shot.h"
+
+namespace scanmill {
+
+inline Ontology testOntology() {
+  Ontology ontology;
+  ontology.name = "test";
+  ontology.classes = {{0, "unlabeled", {0, 0, 0}, false, {}},
+                      {1, "ground", {1, 2, 3}, false, {}},
+                      {2, "thing", {4, 5, 6}, true, {}},
+                      {3, "other", {7, 8, 9}, true, {}}};
+  return ontology;
+}
+
+inline MaterialLibrary testMaterials() {
+  MaterialLibrary library;
+  Material grey;
+  grey.name = "grey";
+  grey.reflectance = 0.5f;
+  Material dark;
+  dark.name = "dark";
+  dark.reflectance = 0.1f;
+  library.materials = {grey, dark};
+  return library;
+}
+
+inline SceneBuilder testBuilder() {
+  return SceneBuilder("test", 1, testOntology(), testMaterials());
+}
+
+inline Mesh meshOf(SceneBuilder& builder, const char* className, const char* material = "grey") {
+  Mesh mesh;
+  mesh.name = className;
+  mesh.surfaces.push_back(builder.surface(className, material));
+  return mesh;
+}
+
+inline Affine at(double x, double y, double z) {
+  return {{}, {x, y, z}};
+}
+
+// A beam table with given directions, as one ring.
+inline std::shared_ptr<BeamTable> beamsOf(const std::vector<Vec3d>& directions, double minRange = 0,
+                                          double maxRange = 1000) {
+  auto beams = std::make_shared<BeamTable>();
+  beams->model = "test";
+  beams->rings = 1;
+  beams->columns = static_cast<std::uint32_t>(directions.size());
+  for (const Vec3d& d : directions) beams->direction.push_back(normalized(d));
+  beams->time.assign(directions.size(), 0.0f);
+  beams->minRange = minRange;
+  beams->maxRange = maxRange;
+  beams->period = 0.1;
+  beams->elevation = {0};
+  return beams;
+}
+
+// Rings spread evenly over [low, high] degrees, full turns.
+inline std::shared_ptr<BeamTable> spinning(std::uint32_t rings, std::uint32_t columns, double low, double high,
+                                           double maxRange = 1000) {
+  auto beams = std::make_shared<BeamTable>();
+  beams->model = "test";
+  beams->rings = rings;
+  beams->columns = columns;
+  beams->maxRange = maxRange;
+  beams->period = 0.1;
+  for (std::uint32_t r = 0; r < rings; ++r) {
+    const double share = rings == 1 ? 0.5 : static_cast<double>(r) / (rings - 1);
+    beams->elevation.push_back(radians(high + (low - high) * share));
+  }
+  for (std::uint32_t r = 0; r < rings; ++r) {
+    for (std::uint32_t c = 0; c < columns; ++c) {
+      const double azimuth = 2 * kPi * c / columns;
+      const double e = beams->elevation[r];
+      beams->direction.push_back({std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), std::sin(e)});
+      beams->time.push_back(static_cast<float>(0.1 * c / columns));
+    }
+  }
+  return beams;
+}
+
+inline Shot shotAt(std::shared_ptr<const BeamTable> beams, const Pose& worldFromSensor = {}) {
+  Shot shot;
+  shot.seed = 1;
+  shot.sensorName = "lidar";
+  shot.beams = std::move(beams);
+  shot.worldFromSensor = {worldFromSensor};
+  return shot;
+}
+
+}  // namespace scanmill

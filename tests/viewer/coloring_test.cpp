@@ -1,0 +1,146 @@
+#include "viewer/coloring.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "base/error.h"
+#include "tests/support/test_scene.h"
+#include "viewer/color_map.h"
+
+namespace scanmill {
+
+namespace {
+
+double luma(const Rgb& c) {
+  return 0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2];
+}
+
+Scan scanOf(std::size_t points) {
+  Scan scan;
+  for (std::size_t i = 0; i < points; ++i) scan.position.push_back({static_cast<float>(i + 1), 0, -1});
+  return scan;
+}
+
+std::vector<std::string> names(const Legend& legend) {
+  std::vector<std::string> out;
+  for (const LegendEntry& e : legend.entries) out.push_back(e.name);
+  return out;
+}
+
+TEST(Viridis, EndsAndEvenBrightness) {
+  EXPECT_EQ(viridis(0), (Rgb{68, 1, 84}));
+  EXPECT_EQ(viridis(1), (Rgb{253, 231, 37}));
+  EXPECT_EQ(viridis(-3), viridis(0));
+  EXPECT_EQ(viridis(7), viridis(1));
+  for (int i = 1; i <= 100; ++i) EXPECT_GT(luma(viridis(i / 100.0)), luma(viridis((i - 1) / 100.0)));
+}
+
+TEST(ClassColor, IsTheOntologysUnlessTooDark) {
+  Ontology ontology = testOntology();
+  ontology.classes[1].color = {200, 100, 50};
+  ontology.classes[2].color = {0, 0, 140};
+  EXPECT_EQ(classColor(&ontology, 1), (Rgb{200, 100, 50}));
+  EXPECT_GE(luma(classColor(&ontology, 2)), 59);
+  EXPECT_GE(luma(classColor(&ontology, 0)), 59) << "black would not be seen";
+  EXPECT_GT(classColor(&ontology, 2)[2], classColor(&ontology, 2)[0]) << "still blue";
+  EXPECT_NE(classColor(nullptr, 1), classColor(nullptr, 2));
+  EXPECT_EQ(classColor(&ontology, 77), classColor(nullptr, 77));
+}
+
+TEST(ColorScan, LegendNamesTheClassesInTheScanAlone) {
+  const Ontology ontology = testOntology();
+  Scan scan = scanOf(4);
+  scan.label = {3, 1, 3, 500};
+  const Coloring c = colorScan(scan, ColorBy::Class, &ontology);
+  EXPECT_THAT(names(c.legend), testing::ElementsAre("ground", "other", "class 500"));
+  EXPECT_EQ(c.colors[0], c.colors[2]);
+  EXPECT_EQ(c.colors[0], c.legend.entries[1].color);
+  EXPECT_EQ(c.colors[1], c.legend.entries[0].color);
+  EXPECT_THAT(names(colorScan(scan, ColorBy::Class, nullptr).legend),
+              testing::ElementsAre("class 1", "class 3", "class 500"));
+}
+
+TEST(ColorScan, MissesDoNotReachTheLegend) {
+  const Ontology ontology = testOntology();
+  Scan scan = scanOf(2);
+  scan.position[1].x = std::numeric_limits<float>::quiet_NaN();
+  scan.label = {3, 0};
+  EXPECT_THAT(names(colorScan(scan, ColorBy::Class, &ontology).legend), testing::ElementsAre("other"));
+}
+
+TEST(ColorScan, PercentilesClipIntensity) {
+  Scan scan = scanOf(1001);
+  for (std::size_t i = 0; i <= 1000; ++i) scan.intensity.push_back(static_cast<float>(i));
+  scan.intensity[1000] = 1e9f;
+  const Coloring c = colorScan(scan, ColorBy::Intensity, nullptr);
+  EXPECT_EQ(c.legend.low, 10);
+  EXPECT_EQ(c.legend.high, 990);
+  EXPECT_EQ(c.colors[0], viridis(0));
+  EXPECT_EQ(c.colors[995], viridis(1));
+  EXPECT_EQ(c.colors[1000], viridis(1));
+  EXPECT_EQ(c.colors[255], viridis(0.5)) << "a quarter of the span: half the root";
+}
+
+TEST(ColorScan, RingAndTimeSpanAll) {
+  Scan scan = scanOf(3);
+  scan.ring = {0, 31, 62};
+  scan.time = {0, 0.025f, 0.1f};
+  const Coloring ring = colorScan(scan, ColorBy::Ring, nullptr);
+  EXPECT_EQ(ring.legend.low, 0);
+  EXPECT_EQ(ring.legend.high, 62);
+  EXPECT_EQ(ring.colors[1], viridis(0.5));
+  EXPECT_NEAR(colorScan(scan, ColorBy::Time, nullptr).legend.high, 100, 1e-4) << "ms";
+}
+
+TEST(ColorScan, RangeAndHeightNeedNoColumn) {
+  const Scan scan = scanOf(2);
+  EXPECT_NEAR(colorScan(scan, ColorBy::Range, nullptr).legend.high, std::hypot(2, 1), 1e-6);
+  const Coloring height = colorScan(scan, ColorBy::Height, nullptr);
+  EXPECT_EQ(height.legend.low, -1);
+  EXPECT_EQ(height.colors[0], viridis(0.5)) << "one value alone is in the middle";
+}
+
+TEST(ColorScan, NoNumberIsGrey) {
+  Scan scan = scanOf(2);
+  scan.intensity = {1, std::numeric_limits<float>::quiet_NaN()};
+  EXPECT_EQ(colorScan(scan, ColorBy::Intensity, nullptr).colors[1], kNoValue);
+}
+
+TEST(ColorScan, InstancesDiffer) {
+  Scan scan = scanOf(4);
+  scan.instance = {0, 7, 8, 7};
+  const Coloring c = colorScan(scan, ColorBy::Instance, nullptr);
+  EXPECT_EQ(c.colors[0], kNoValue);
+  EXPECT_EQ(c.colors[1], c.colors[3]);
+  EXPECT_NE(c.colors[1], c.colors[2]);
+  EXPECT_THAT(names(c.legend), testing::ElementsAre("2 instances, a colour each", "no instance"));
+}
+
+TEST(ColorScan, SaysWhichColumnIsMissing) {
+  Scan scan = scanOf(2);
+  scan.ring = {0, 1};
+  for (const auto& [by, column] : {std::pair{ColorBy::Class, "'label'"}, std::pair{ColorBy::Intensity, "'intensity'"},
+                                   std::pair{ColorBy::Instance, "'instance'"}, std::pair{ColorBy::Time, "'time'"}}) {
+    try {
+      colorScan(scan, by, nullptr);
+      ADD_FAILURE() << column;
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), testing::AllOf(testing::HasSubstr(column), testing::HasSubstr("x, y, z, ring")));
+    }
+  }
+}
+
+TEST(ColorScan, DefaultIsTheBestThatTheScanHas) {
+  Scan scan = scanOf(2);
+  EXPECT_EQ(colorScan(scan, {}, nullptr).legend.title, "range (m)");
+  scan.intensity = {1, 2};
+  EXPECT_EQ(colorScan(scan, {}, nullptr).legend.title, "intensity");
+  scan.label = {1, 2};
+  EXPECT_EQ(colorScan(scan, {}, nullptr).legend.title, "class");
+}
+
+}  // namespace
+
+}  // namespace scanmill
