@@ -19,6 +19,9 @@ namespace scanmill {
 class Method {
  public:
   virtual ~Method() = default;
+  // Does now what trace() would do first for a shot at such a place, such as building a hierarchy, so that set-up and
+  // tracing can be timed apart. Never needed for the result.
+  virtual void prepare(const Shot& shot) const = 0;
   // Fills `hits` with the channels asked for. Safe to call from several threads at once; the result depends on the
   // shot alone. A hit nearer than the sensor's minimum range, or farther than its maximum, is a miss.
   virtual void trace(const Shot& shot, Channels channels, Hits& hits) const = 0;

@@ -197,6 +197,7 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
       scene.reset();
       scene = std::make_unique<Scene>(plan.loadScene(sequence));
       method = plan.makeMethod(*scene);
+      method->prepare(plan.shots(s, 0).front());
     }
     if (!writer) {
       // Only now: a scene or a method that cannot be used must not cost the dataset that --overwrite replaces.

@@ -71,8 +71,8 @@ Named readNamed(const Value& value, const std::string& what) {
   Named named{"", value.where, {}};
   named.options.where = value.where;
   if (value.kind == Value::Kind::Map && value.entries.size() == 1) {
-    named.name = value.entries.front().first;
-    named.options = value.entries.front().second;
+    named.name = value.entries.front().key;
+    named.options = value.entries.front().value;
     return named;
   }
   if (value.kind != Value::Kind::Scalar) {

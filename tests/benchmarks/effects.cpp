@@ -24,7 +24,8 @@ Room makeRoom(std::uint32_t rings, std::uint32_t columns) {
   beams->rings = rings;
   beams->columns = columns;
   room.materials.resize(40);
-  for (std::size_t m = 0; m < room.materials.size(); ++m) room.materials[m].roughness = 0.3f + 0.015f * static_cast<float>(m);
+  for (std::size_t m = 0; m < room.materials.size(); ++m)
+    room.materials[m].roughness = 0.3f + 0.015f * static_cast<float>(m);
   room.hits.reset(rings, columns, Channels::all());
   for (std::uint32_t ring = 0; ring < rings; ++ring) {
     const double elevation = radians(22.5 - 45.0 * ring / rings);

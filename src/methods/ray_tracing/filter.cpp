@@ -32,18 +32,13 @@ bool precedes(const World& world, const Candidate& a, const Candidate& b) {
          std::tuple(instanceIdOf(world, b), b.instance, b.geometry, b.primitive);
 }
 
-// Cosine between a ray and the normal of a triangle, in the triangle's own frame.
+// Cosine between a ray, given in the world, and the normal of a triangle.
 float cosineOf(const World& world, const Candidate& c, const Vec3f& direction) {
-  const TriangleBlock& block =
-      c.instance == RTC_INVALID_GEOMETRY_ID ? world.baked : *world.placed[c.instance - World::kFirstPlaced].block;
-  const Triangle& corners = block.triangles[block.global(c.geometry, c.primitive)].corners;
-  const Vec3d a = block.vertex(corners[0]);
-  Vec3d normal = cross(block.vertex(corners[1]) - a, block.vertex(corners[2]) - a);
-  if (c.instance != RTC_INVALID_GEOMETRY_ID) {
-    const Mat3& linear = world.placed[c.instance - World::kFirstPlaced].originFromMesh.linear;
-    normal = transposed(inverse(linear)) * normal;
-  }
-  return static_cast<float>(std::abs(dot(normalized(normal), normalized(Vec3d(direction)))));
+  const bool baked = c.instance == RTC_INVALID_GEOMETRY_ID;
+  const TriangleBlock& block = baked ? world.baked : *world.placed[c.instance - World::kFirstPlaced].block;
+  Vec3d normal = block.triangles[block.global(c.geometry, c.primitive)].normal;
+  if (!baked) normal = normalized(world.placed[c.instance - World::kFirstPlaced].normalFromMesh * normal);
+  return static_cast<float>(std::abs(dot(normal, Vec3d(direction))));
 }
 
 float reachOf(float distance, float floor) {

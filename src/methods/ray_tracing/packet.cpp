@@ -19,14 +19,13 @@ struct Rays {
   alignas(64) Lane ox, oy, oz, dx, dy, dz;
 };
 
-// The hit triangles' corners, likewise, and what was asked of them.
+// The planes of the hit triangles, likewise, and what was asked of them.
 struct Resolved {
-  alignas(64) Lane ax, ay, az, bx, by, bz, cx, cy, cz;
-  alignas(64) Lane nx, ny, nz;  // not normalised
-  alignas(64) Lane present;     // 1 where the lane hit a triangle, else 0
+  alignas(64) Lane nx, ny, nz;  // unit normals
+  alignas(64) Lane offset;      // normal . p of the plane
+  alignas(64) Lane traced;      // m, Embree's distance; infinite for a miss
   alignas(64) Lane range;       // m; infinite for a miss
-  alignas(64) Lane cosine;      // of normal and beam, times length
-  alignas(64) Lane length;      // of the normal
+  alignas(64) Lane cosine;      // of normal and beam, signed
 };
 
 void setUp(const PacketJob& job, const Tile& tile, Rays& rays) {
@@ -120,87 +119,68 @@ HitTriangle triangleOf(const World& world, const TieContext& context, int lane) 
   return {block, placed, block->global(context.geometry[lane], context.primitive[lane])};
 }
 
-void loadCorners(const HitTriangle& triangle, Resolved& r, int lane) {
-  const Triangle& corners = triangle.block->triangles[triangle.index].corners;
-  Vec3d a = triangle.block->vertex(corners[0]);
-  Vec3d b = triangle.block->vertex(corners[1]);
-  Vec3d c = triangle.block->vertex(corners[2]);
-  if (triangle.placed != nullptr) {
-    a = triangle.placed->originFromMesh * a;
-    b = triangle.placed->originFromMesh * b;
-    c = triangle.placed->originFromMesh * c;
+void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lane) {
+  const BlockTriangle& triangle = hit.block->triangles[hit.index];
+  Vec3d normal = triangle.normal;
+  double offset = triangle.offset;
+  if (hit.placed != nullptr) {
+    normal = hit.placed->normalFromMesh * normal;
+    const double scale = 1 / length(normal);
+    normal = normal * scale;
+    offset = offset * scale + dot(normal, hit.placed->originFromMesh.translation);
   }
-  r.ax[lane] = a.x;
-  r.ay[lane] = a.y;
-  r.az[lane] = a.z;
-  r.bx[lane] = b.x;
-  r.by[lane] = b.y;
-  r.bz[lane] = b.z;
-  r.cx[lane] = c.x;
-  r.cy[lane] = c.y;
-  r.cz[lane] = c.z;
-  r.present[lane] = 1;
+  r.nx[lane] = normal.x;
+  r.ny[lane] = normal.y;
+  r.nz[lane] = normal.z;
+  r.offset[lane] = offset;
+  r.traced[lane] = double{traced};
 }
 
-// Any triangle will do where a lane missed.
-void loadNothing(Resolved& r, int lane) {
-  for (double* corner : {r.ax, r.ay, r.az, r.bx, r.by, r.bz, r.cx, r.cy, r.cz, r.present}) corner[lane] = 0;
+void loadMiss(Resolved& r, int lane) {
+  r.nx[lane] = r.ny[lane] = r.nz[lane] = r.offset[lane] = 0;
+  r.traced[lane] = std::numeric_limits<double>::infinity();
 }
 
-// Distance along each ray to the plane of its triangle, kept within the triangle's own extent along the ray: where the
-// triangle is seen edge-on the plane says little. All lanes at once, in double.
+// How far the distance to a plane may lie from Embree's: seen edge-on, a plane says little of where its triangle is.
+constexpr double kTrust = 1e-2;  // of the distance, and m
+
+// Distance along each ray to the plane of its triangle, all lanes at once, in double.
 void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r) {
   const double nearest = beams.minRange > 0 ? beams.minRange : std::numeric_limits<double>::denorm_min();
   const double farthest = beams.maxRange * (1 + 1e-12);
   constexpr double kNothing = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kPacket; ++i) {
-    const double ux = r.bx[i] - r.ax[i];
-    const double uy = r.by[i] - r.ay[i];
-    const double uz = r.bz[i] - r.az[i];
-    const double vx = r.cx[i] - r.ax[i];
-    const double vy = r.cy[i] - r.ay[i];
-    const double vz = r.cz[i] - r.az[i];
-    const double nx = uy * vz - uz * vy;
-    const double ny = uz * vx - ux * vz;
-    const double nz = ux * vy - uy * vx;
-    const double sx = r.ax[i] - rays.ox[i];
-    const double sy = r.ay[i] - rays.oy[i];
-    const double sz = r.az[i] - rays.oz[i];
-    const double along = nx * rays.dx[i] + ny * rays.dy[i] + nz * rays.dz[i];
-    const double toA = sx * rays.dx[i] + sy * rays.dy[i] + sz * rays.dz[i];
-    const double toB = toA + (ux * rays.dx[i] + uy * rays.dy[i] + uz * rays.dz[i]);
-    const double toC = toA + (vx * rays.dx[i] + vy * rays.dy[i] + vz * rays.dz[i]);
-    double low = toA < toB ? toA : toB;
-    low = low < toC ? low : toC;
-    double high = toA > toB ? toA : toB;
-    high = high > toC ? high : toC;
-    const double plane = (nx * sx + ny * sy + nz * sz) / along;
+    const double along = r.nx[i] * rays.dx[i] + r.ny[i] * rays.dy[i] + r.nz[i] * rays.dz[i];
+    const double origin = r.nx[i] * rays.ox[i] + r.ny[i] * rays.oy[i] + r.nz[i] * rays.oz[i];
+    const double plane = (r.offset[i] - origin) / along;
+    const double low = r.traced[i] - (kTrust * r.traced[i] + kTrust);
+    const double high = r.traced[i] + (kTrust * r.traced[i] + kTrust);
     double range = plane > low ? plane : low;  // also where plane is NaN
     range = range < high ? range : high;
-    const bool inside = (range >= nearest) & (range <= farthest) & (r.present[i] > 0);
+    const bool inside = (range >= nearest) & (range <= farthest) & (r.traced[i] < kNothing);
     r.range[i] = inside ? range : kNothing;
-    r.nx[i] = nx;
-    r.ny[i] = ny;
-    r.nz[i] = nz;
     r.cosine[i] = along;
-    r.length[i] = nx * nx + ny * ny + nz * nz;
   }
-  for (int i = 0; i < kPacket; ++i) r.length[i] = std::sqrt(r.length[i]);
 }
 
 // Base colour's linear luminance over the texture's mean, times the material's reflectance.
-float texturedReflectance(const HitTriangle& triangle, const CompactMaterial& material, const Rays& rays,
-                          const Resolved& r, int i) {
-  const Vec3d n{r.nx[i], r.ny[i], r.nz[i]};
-  const Vec3d a{r.ax[i], r.ay[i], r.az[i]};
+float texturedReflectance(const HitTriangle& hit, const CompactMaterial& material, const Rays& rays, const Resolved& r,
+                          int i) {
+  const Triangle& corners = hit.block->corners[hit.index];
+  const auto corner = [&](int k) {
+    const Vec3d p(hit.block->vertices[corners[k]]);
+    return hit.placed == nullptr ? p : hit.placed->originFromMesh * p;
+  };
+  const Vec3d a = corner(0);
+  const Vec3d ab = corner(1) - a;
+  const Vec3d ac = corner(2) - a;
+  const Vec3d n = cross(ab, ac);
   const Vec3d p =
       Vec3d{rays.ox[i], rays.oy[i], rays.oz[i]} + Vec3d{rays.dx[i], rays.dy[i], rays.dz[i]} * r.range[i] - a;
-  const Vec3d ab = Vec3d{r.bx[i], r.by[i], r.bz[i]} - a;
-  const Vec3d ac = Vec3d{r.cx[i], r.cy[i], r.cz[i]} - a;
   const double square = dot(n, n);
   const double u = std::clamp(dot(n, cross(p, ac)) / square, 0.0, 1.0);
   const double v = std::clamp(dot(n, cross(ab, p)) / square, 0.0, 1.0 - u);
-  const std::uint8_t* texel = texelAt(*triangle.block, triangle.index, *material.texture, u, v);
+  const std::uint8_t* texel = texelAt(*hit.block, hit.index, *material.texture, u, v);
   return std::min(1.0f, material.textureGain * luminance(texel));
 }
 
@@ -254,7 +234,7 @@ void storeReflectance(const PacketJob& job, const Tile& tile, const Rays& rays, 
 void storeIncidence(const Tile& tile, const Resolved& r, Hits& hits) {
   alignas(64) float incidence[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    const double cosine = std::abs(r.cosine[i]) / r.length[i];
+    const double cosine = std::abs(r.cosine[i]);
     const double bounded = cosine < 1 ? cosine : 1;
     incidence[i] = static_cast<float>(r.range[i] < kMiss ? bounded : 0);
   }
@@ -264,7 +244,7 @@ void storeIncidence(const Tile& tile, const Resolved& r, Hits& hits) {
 void storeNormals(const Tile& tile, const Resolved& r, Hits& hits) {
   alignas(64) float x[kPacket], y[kPacket], z[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    const double towards = (r.cosine[i] > 0 ? -1 : 1) / r.length[i];
+    const double towards = r.cosine[i] > 0 ? -1 : 1;
     const double scale = r.range[i] < kMiss ? towards : 0;
     x[i] = static_cast<float>(r.nx[i] * scale);
     y[i] = static_cast<float>(r.ny[i] * scale);
@@ -292,13 +272,20 @@ void store(const PacketJob& job, const Tile& tile, const Rays& rays, const Resol
   if (asked.has(Channel::Reflectance)) storeReflectance(job, tile, rays, r, triangles, range, looked, hits);
 }
 
-// A packet on its way: traced, then its triangles' records on their way to the caches, then their corners, then
-// resolved.
+// A packet on its way: traced, while its triangles' records come to the caches; then resolved.
 struct Pending {
   Tile tile;
   Rays rays;
   HitTriangle triangles[kPacket];
+  float traced[kPacket];  // m
 };
+
+// A record may lie across two cache lines.
+void prefetch(const BlockTriangle& triangle) {
+  const auto* bytes = reinterpret_cast<const char*>(&triangle);
+  __builtin_prefetch(bytes);
+  __builtin_prefetch(bytes + sizeof triangle - 1);
+}
 
 void begin(const PacketJob& job, const Tile& tile, Pending& p) {
   p.tile = tile;
@@ -315,17 +302,8 @@ void begin(const PacketJob& job, const Tile& tile, Pending& p) {
   }
   for (int i = 0; i < kPacket; ++i) {
     p.triangles[i] = i < p.rays.count ? triangleOf(job.world, context, i) : HitTriangle{};
-    if (p.triangles[i].block != nullptr) __builtin_prefetch(&p.triangles[i].block->triangles[p.triangles[i].index]);
-  }
-}
-
-void fetchCorners(const Pending& p) {
-  for (int i = 0; i < p.rays.count; ++i) {
-    const HitTriangle& t = p.triangles[i];
-    if (t.block == nullptr) continue;
-    const BlockTriangle& triangle = t.block->triangles[t.index];
-    for (const std::uint32_t corner : triangle.corners) t.block->prefetchVertex(corner);
-    __builtin_prefetch(&t.block->surfaces[triangle.surface]);
+    p.traced[i] = context.distance[i];
+    if (p.triangles[i].block != nullptr) prefetch(p.triangles[i].block->triangles[p.triangles[i].index]);
   }
 }
 
@@ -333,9 +311,9 @@ void finish(const PacketJob& job, const Pending& p, Hits& hits) {
   Resolved resolved;
   for (int i = 0; i < kPacket; ++i) {
     if (p.triangles[i].block != nullptr) {
-      loadCorners(p.triangles[i], resolved, i);
+      loadPlane(p.triangles[i], p.traced[i], resolved, i);
     } else {
-      loadNothing(resolved, i);
+      loadMiss(resolved, i);
     }
   }
   intersectPlanes(p.rays, *job.shot.beams, resolved);
@@ -345,14 +323,13 @@ void finish(const PacketJob& job, const Pending& p, Hits& hits) {
 }  // namespace
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits) {
-  // Three packets in flight: while Embree traces one, what resolving the two before it reads comes from memory.
-  constexpr std::size_t kInFlight = 3;
-  Pending pending[kInFlight];
-  for (std::size_t i = 0; i < tiles.size() + kInFlight - 1; ++i) {
-    if (i < tiles.size()) begin(job, tiles[i], pending[i % kInFlight]);
-    if (i >= 1 && i - 1 < tiles.size()) fetchCorners(pending[(i - 1) % kInFlight]);
-    if (i >= 2) finish(job, pending[(i - 2) % kInFlight], hits);
+  // Two packets in flight: while Embree traces one, what resolving the other reads comes from memory.
+  Pending pending[2];
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    begin(job, tiles[i], pending[i % 2]);
+    if (i > 0) finish(job, pending[(i - 1) % 2], hits);
   }
+  if (!tiles.empty()) finish(job, pending[(tiles.size() - 1) % 2], hits);
 }
 
 }  // namespace scanmill

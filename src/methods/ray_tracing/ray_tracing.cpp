@@ -22,7 +22,9 @@ namespace {
 
 constexpr double kOriginGrid = 1024;  // m
 constexpr double kRingWeight = 3.5;
-constexpr std::size_t kWorldsInMemory = 2;  // origins that a drive across a grid line needs at once
+constexpr std::uint64_t kBytesPerTriangle = 150;      // measured: hierarchy, corners, records
+constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // measured: the scene's own mesh
+constexpr std::size_t kWorldsInMemory = 2;            // origins that a drive across a grid line needs at once
 
 class RayTracing : public Method {
  public:
@@ -42,6 +44,8 @@ class RayTracing : public Method {
       materials_.push_back(compact);
     }
   }
+
+  void prepare(const Shot& shot) const override { worldNear(shot.worldFromSensor.front().translation); }
 
   void trace(const Shot& shot, Channels channels, Hits& hits) const override {
     const BeamTable& beams = *shot.beams;
@@ -87,7 +91,15 @@ class RayTracing : public Method {
     };
   }
 
-  std::uint64_t memoryBytes() const override { return scene_.placedTriangles() * 130; }
+  std::uint64_t memoryBytes() const override {
+    std::uint64_t triangles = 0;  // of the hierarchy: each baked copy, each instanced mesh once
+    for (const Instance& i : scene_.instances)
+      triangles += instanced_[i.mesh] ? 0 : scene_.meshes[i.mesh].triangles.size();
+    for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
+      triangles += instanced_[m] ? scene_.meshes[m].triangles.size() : 0;
+    }
+    return triangles * kBytesPerTriangle + scene_.triangles() * kBytesPerSceneTriangle;
+  }
 
  private:
   // Columns of a packet's tile: as square as possible in angle, since packets trace best when their beams stay

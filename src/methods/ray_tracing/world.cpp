@@ -14,7 +14,7 @@ namespace scanmill {
 
 namespace {
 
-// A scene with fewer placed triangles is flattened: one level traces faster than two, and costs about 130 bytes a
+// A scene with fewer placed triangles is flattened: one level traces faster than two, and costs about 150 bytes a
 // triangle.
 constexpr std::uint64_t kFlattenedTriangles = 1'500'000;
 
@@ -30,24 +30,53 @@ bool alphaTested(const Scene& scene, const Surface& surface) {
   return material.alphaTested && material.texture != nullptr;
 }
 
-// Appends a mesh's triangles, opaque ones or alpha-tested ones.
-void appendTriangles(TriangleBlock& block, const Scene& scene, const Mesh& mesh, std::uint32_t firstVertex,
-                     std::uint32_t firstSurface, bool alpha) {
+// A mesh on its way into a block.
+struct Source {
+  const Mesh* mesh;
+  Affine blockFromMesh;
+  std::uint32_t firstVertex, firstSurface;
+};
+
+// Appends a mesh's triangles, opaque ones or alpha-tested ones; their planes come later, in parallel.
+void appendTriangles(TriangleBlock& block, const Scene& scene, const Source& source, bool alpha) {
+  const Mesh& mesh = *source.mesh;
   std::vector<bool> wanted(mesh.surfaces.size());
   for (std::size_t s = 0; s < wanted.size(); ++s) wanted[s] = alphaTested(scene, mesh.surfaces[s]) == alpha;
+  const std::uint32_t first = source.firstVertex;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!wanted[mesh.surfaceOf[t]]) continue;
-    const Triangle& corners = mesh.triangles[t];
-    block.triangles.push_back({{corners[0] + firstVertex, corners[1] + firstVertex, corners[2] + firstVertex},
-                               firstSurface + mesh.surfaceOf[t],
-                               t});
+    const Triangle& c = mesh.triangles[t];
+    block.corners.push_back({c[0] + first, c[1] + first, c[2] + first});
+    block.triangles.push_back({{}, 0, source.firstSurface + mesh.surfaceOf[t], t});
   }
 }
 
-void reserve(TriangleBlock& block, std::size_t vertices, std::size_t triangles, bool uvs) {
-  block.rounded.reserve(vertices + 1);
-  if (uvs) block.uvs.reserve(vertices);
-  block.triangles.reserve(triangles);
+void fillVertices(TriangleBlock& block, const std::vector<Source>& sources) {
+  parallelFor(sources.size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const Source& source = sources[i];
+      for (std::size_t v = 0; v < source.mesh->positions.size(); ++v) {
+        block.vertices[source.firstVertex + v] = Vec3f(source.blockFromMesh * Vec3d(source.mesh->positions[v]));
+      }
+    }
+  });
+}
+
+// From the meshes' own corners, which no rebasing has rounded.
+void fillPlanes(TriangleBlock& block, const std::vector<Source>& sources) {
+  parallelFor(block.triangles.size(), 4096, [&](std::size_t first, std::size_t last) {
+    for (std::size_t t = first; t < last; ++t) {
+      const auto next = std::upper_bound(sources.begin(), sources.end(), block.corners[t][0],
+                                         [](std::uint32_t v, const Source& s) { return v < s.firstVertex; });
+      const Source& source = *std::prev(next);
+      BlockTriangle& triangle = block.triangles[t];
+      const Triangle& corners = source.mesh->triangles[triangle.primitive];
+      const auto corner = [&](int i) { return source.blockFromMesh * Vec3d(source.mesh->positions[corners[i]]); };
+      const Vec3d a = corner(0);
+      triangle.normal = normalized(cross(corner(1) - a, corner(2) - a));
+      triangle.offset = dot(triangle.normal, a);
+    }
+  });
 }
 
 bool needsUvs(const Scene& scene, const Mesh& mesh) {
@@ -68,10 +97,10 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
                      std::uint32_t last, unsigned id, RTCFilterFunctionN filter) {
   if (first == last) return;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, block.rounded.data(), 0,
-                             sizeof(Vec3f), block.rounded.size() - 1);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, block.triangles.data(),
-                             first * sizeof(BlockTriangle), sizeof(BlockTriangle), last - first);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, block.vertices.data(), 0,
+                             sizeof(Vec3f), block.vertices.size() - 1);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, block.corners.data(),
+                             first * sizeof(Triangle), sizeof(Triangle), last - first);
   rtcSetGeometryIntersectFilterFunction(geometry, filter);
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene, geometry, id);
@@ -101,72 +130,57 @@ SceneHandle newScene(RTCDevice device, const RayTracingOptions& options) {
   return scene;
 }
 
-// Embree reads 16 bytes at each 12-byte vertex.
-void pad(TriangleBlock& block) {
-  block.rounded.emplace_back();
+void fill(TriangleBlock& block, const Scene& scene, const std::vector<Source>& sources) {
+  std::size_t vertices = 0;
+  std::size_t triangles = 0;
+  bool uvs = false;
+  for (const Source& s : sources) {
+    vertices += s.mesh->positions.size();
+    triangles += s.mesh->triangles.size();
+    uvs = uvs || needsUvs(scene, *s.mesh);
+  }
+  block.vertices.resize(vertices + 1);
+  block.corners.reserve(triangles);
+  block.triangles.reserve(triangles);
+  for (const bool alpha : {false, true}) {
+    for (const Source& s : sources) appendTriangles(block, scene, s, alpha);
+    if (!alpha) block.firstAlpha = static_cast<std::uint32_t>(block.triangles.size());
+  }
+  fillVertices(block, sources);
+  fillPlanes(block, sources);
+  if (uvs) {
+    block.uvs.reserve(vertices);
+    for (const Source& s : sources) appendUvs(block, *s.mesh);
+  }
 }
 
 std::unique_ptr<TriangleBlock> sharedBlock(const Scene& scene, const Mesh& mesh) {
   auto block = std::make_unique<TriangleBlock>();
-  reserve(*block, mesh.positions.size(), mesh.triangles.size(), needsUvs(scene, mesh));
-  block->rounded.insert(block->rounded.end(), mesh.positions.begin(), mesh.positions.end());
-  if (needsUvs(scene, mesh)) appendUvs(*block, mesh);
   for (const Surface& s : mesh.surfaces) block->surfaces.push_back({s.object, s.semantic, s.material});
-  appendTriangles(*block, scene, mesh, 0, 0, false);
-  block->firstAlpha = static_cast<std::uint32_t>(block->triangles.size());
-  appendTriangles(*block, scene, mesh, 0, 0, true);
-  pad(*block);
+  fill(*block, scene, {{&mesh, {}, 0, 0}});
   return block;
 }
 
 void bake(World& world, const std::vector<bool>& instanced) {
   const Scene& scene = *world.scene;
   TriangleBlock& block = world.baked;
-  struct Source {
-    const Instance* instance;
-    const Mesh* mesh;
-    std::uint32_t firstVertex, firstSurface;
-  };
   std::vector<Source> sources;
-  std::size_t vertices = 0;
-  std::size_t triangles = 0;
-  bool uvs = false;
+  std::uint64_t vertices = 0;
   for (const Instance& instance : scene.instances) {
-    if (instanced[instance.mesh]) continue;
     const Mesh& mesh = scene.meshes[instance.mesh];
-    sources.push_back(
-        {&instance, &mesh, static_cast<std::uint32_t>(vertices), static_cast<std::uint32_t>(block.surfaces.size())});
+    if (instanced[instance.mesh] || mesh.triangles.empty()) continue;
+    const Affine& place = instance.worldFromMesh;
+    sources.push_back({&mesh,
+                       {place.linear, place.translation - world.origin},
+                       static_cast<std::uint32_t>(vertices),
+                       static_cast<std::uint32_t>(block.surfaces.size())});
     for (const Surface& s : mesh.surfaces) block.surfaces.push_back({instanceId(instance, s), s.semantic, s.material});
     vertices += mesh.positions.size();
-    triangles += mesh.triangles.size();
-    uvs = uvs || needsUvs(scene, mesh);
-  }
-  if (triangles > 0xFFFFFFF0u || vertices > 0xFFFFFFF0u) {
-    throw Error(fmt::format("the scene has {} triangles outside instances; 4 billion is the limit", triangles));
-  }
-  reserve(block, vertices, triangles, uvs);
-  block.rounded.resize(vertices);
-  block.exact.resize(vertices);
-  parallelFor(sources.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      const Source& source = sources[i];
-      const Affine originFromMesh{source.instance->worldFromMesh.linear,
-                                  source.instance->worldFromMesh.translation - world.origin};
-      for (std::size_t v = 0; v < source.mesh->positions.size(); ++v) {
-        const Vec3d p = originFromMesh * Vec3d(source.mesh->positions[v]);
-        block.exact[source.firstVertex + v] = p;
-        block.rounded[source.firstVertex + v] = Vec3f(p);
-      }
+    if (vertices > 0xFFFFFFF0u) {
+      throw Error("the scene has over 4 billion vertices outside instances: place its meshes as copies of one object");
     }
-  });
-  for (const bool alpha : {false, true}) {
-    for (const Source& s : sources) appendTriangles(block, scene, *s.mesh, s.firstVertex, s.firstSurface, alpha);
-    if (!alpha) block.firstAlpha = static_cast<std::uint32_t>(block.triangles.size());
   }
-  if (uvs) {
-    for (const Source& s : sources) appendUvs(block, *s.mesh);
-  }
-  pad(block);
+  fill(block, scene, sources);
 }
 
 void attachInstance(RTCDevice device, RTCScene scene, RTCScene shared, const Affine& a, unsigned id) {
@@ -239,7 +253,8 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
     if (!instanced[instance.mesh]) continue;
     const Affine originFromMesh{instance.worldFromMesh.linear, instance.worldFromMesh.translation - origin};
     const auto id = World::kFirstPlaced + static_cast<unsigned>(world->placed.size());
-    world->placed.push_back({shared.blocks[instance.mesh].get(), originFromMesh, instance.firstInstanceId});
+    world->placed.push_back({shared.blocks[instance.mesh].get(), originFromMesh,
+                             transposed(inverse(originFromMesh.linear)), instance.firstInstanceId});
     attachInstance(device, world->embree.get(), shared.scenes[instance.mesh].get(), originFromMesh, id);
   }
   rtcCommitScene(world->embree.get());
@@ -250,7 +265,7 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
 const std::uint8_t* texelAt(const TriangleBlock& block, std::uint32_t triangle, const Texture& texture, double u,
                             double v) {
   if (block.uvs.empty()) return texture.texel(0, 0);
-  const Triangle& corners = block.triangles[triangle].corners;
+  const Triangle& corners = block.corners[triangle];
   const Vec2f a = block.uvs[corners[0]];
   const Vec2f b = block.uvs[corners[1]];
   const Vec2f c = block.uvs[corners[2]];

@@ -1,6 +1,6 @@
 #pragma once
 
-// The scene as Embree sees it: float32 triangles near an origin, and beside them the exact ones in double precision.
+// The scene as Embree sees it: float32 triangles near an origin, and beside them their exact planes.
 
 #include <cstdint>
 #include <memory>
@@ -23,29 +23,26 @@ struct HitSurface {
   std::uint16_t material = 0;
 };
 
-// Corners (indices of vertices), what the triangle belongs to (an index into TriangleBlock::surfaces) and its index in
-// its mesh: side by side, because a hit reads them all and each lookup may miss the caches.
+// What resolving a hit reads, in one place: a hit touches few cache lines. The plane is exact, normal . p = offset,
+// made in double from the mesh's own corners; the normal is a unit vector.
 struct BlockTriangle {
-  Triangle corners;
-  std::uint32_t surface;
-  std::uint32_t primitive;
+  Vec3d normal;
+  double offset;
+  std::uint32_t surface;    // index into TriangleBlock::surfaces
+  std::uint32_t primitive;  // the triangle's index in its mesh
 };
 
 // Triangles in one frame. Those with an alpha-tested material come last and form an Embree geometry of their own (id
 // 1), so that only they pay for the alpha test; the others are geometry 0.
 struct TriangleBlock {
-  std::vector<Vec3f> rounded;  // for Embree, padded by one: it reads 16 bytes a vertex
-  std::vector<Vec3d> exact;    // the same vertices; empty where `rounded` is exact (the mesh's own frame)
-  std::vector<Vec2f> uvs;      // empty, or one per vertex
+  std::vector<Vec3f> vertices;    // for Embree, padded by one: it reads 16 bytes a vertex
+  std::vector<Triangle> corners;  // likewise: indices of vertices
+  std::vector<Vec2f> uvs;         // empty, or one per vertex
   std::vector<BlockTriangle> triangles;
   std::vector<HitSurface> surfaces;  // instance: the id (baked), or the object's number in its mesh (instanced)
   std::uint32_t firstAlpha = 0;      // triangles from here on are alpha-tested
 
   const HitSurface& surfaceOf(std::uint32_t triangle) const { return surfaces[triangles[triangle].surface]; }
-  Vec3d vertex(std::uint32_t index) const { return exact.empty() ? Vec3d(rounded[index]) : exact[index]; }
-  void prefetchVertex(std::uint32_t index) const {
-    __builtin_prefetch(exact.empty() ? static_cast<const void*>(&rounded[index]) : &exact[index]);
-  }
   std::uint32_t global(std::uint32_t geometry, std::uint32_t primitiveOfGeometry) const {
     return primitiveOfGeometry + (geometry == 0 ? 0 : firstAlpha);
   }
@@ -55,6 +52,7 @@ struct TriangleBlock {
 struct PlacedBlock {
   const TriangleBlock* block = nullptr;
   Affine originFromMesh;  // exact, relative to the world's origin
+  Mat3 normalFromMesh;    // the inverse transposed of its linear part
   std::uint32_t firstInstanceId = 0;
 };
 
