@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "commands/command.h"
 #include "config/fields.h"
-#include "pipeline/version.h"
+#include "config/version.h"
 
 namespace {
 

@@ -2,7 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <system_error>
+
 #include "base/error.h"
+#include "dataset/shard_name.h"
 
 namespace scanmill {
 
@@ -60,6 +63,17 @@ std::vector<std::string> pipelineOverrides(const Arguments& arguments) {
   if (arguments.options.count("set") > 0) overrides = arguments.options["set"].as<std::vector<std::string>>();
   if (arguments.options.count("seed") > 0) overrides.push_back("seed=" + arguments.options["seed"].as<std::string>());
   return overrides;
+}
+
+void expectDataset(const std::filesystem::path& folder, std::string_view command) {
+  std::error_code unreadable;
+  if (std::filesystem::exists(folder, unreadable) && !std::filesystem::is_directory(folder, unreadable)) {
+    throw InputError({folder.string()}, fmt::format("{} takes the folder of a dataset, not a file", command));
+  }
+  const std::filesystem::path manifest = folder / kManifestName;
+  if (std::filesystem::exists(manifest, unreadable)) return;
+  throw InputError({folder.string()}, fmt::format("{} takes the folder of a dataset: {} is not there{}", command,
+                                                  manifest.string(), unreadable ? ": " + unreadable.message() : ""));
 }
 
 int threadOption(const Arguments& arguments) {

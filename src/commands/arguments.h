@@ -5,6 +5,7 @@
 // Values such as --set 'seeds=[1,2]' and file names may hold commas: only a NUL, which no argument holds, parts a list.
 #define CXXOPTS_VECTOR_DELIMITER '\0'
 #include <cxxopts.hpp>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -33,5 +34,8 @@ const Command& commandNamed(std::string_view name);
 void addPipelineOptions(cxxopts::Options& options);
 std::vector<std::string> pipelineOverrides(const Arguments& arguments);
 int threadOption(const Arguments& arguments);
+
+// Throws InputError unless the folder holds a manifest.
+void expectDataset(const std::filesystem::path& folder, std::string_view command);
 
 }  // namespace scanmill

@@ -11,7 +11,7 @@ std::span<const Command> commands() {
       Command{"verify", "DIR", "re-hash and decode a dataset, and compare it with its manifest", runVerify},
       Command{"info", "FILE|DIR", "a dataset, shard, scan, scene, sensor or pipeline as tables", runInfo},
       Command{"picture", "DATASET|SHARD|SCAN -o FILE.png", "a look at a scan, without a display", runPicture},
-      Command{"list", "[KIND]", "methods, sensors, effects, formats, ontologies", runList},
+      Command{"list", "[KIND]", "methods, sensors, effects, formats, ontologies; with KIND, their keys", runList},
   };
   return kCommands;
 }

@@ -27,6 +27,13 @@ void catchStopSignals() {
   }
 }
 
+void printMade(const GenerateSummary& s, const std::string& folder) {
+  const std::size_t warned = warningCount();
+  fmt::print("{} samples in {} shards, {}, in {}{}\n", s.manifest.samples.size(), s.manifest.shards.size(),
+             shortBytes(static_cast<double>(s.bytes)), folder,
+             warned == 0 ? std::string() : fmt::format("; {} warning{}", warned, warned == 1 ? "" : "s"));
+}
+
 void printSummary(const GenerateSummary& s, const std::string& folder) {
   std::vector<std::vector<std::string>> rows{{"class", "points", "share"}};
   for (const auto& [id, count] : s.pointsPerClass) {
@@ -34,9 +41,8 @@ void printSummary(const GenerateSummary& s, const std::string& folder) {
     rows.push_back({c == nullptr ? std::to_string(id) : c->name, grouped(count),
                     percent(static_cast<double>(count), static_cast<double>(s.points))});
   }
-  fmt::print("{}", formatTable(rows));
-  fmt::print("\n{} samples in {} shards, {}, in {}\n", s.manifest.samples.size(), s.manifest.shards.size(),
-             shortBytes(static_cast<double>(s.bytes)), folder);
+  fmt::print("{}\n", formatTable(rows));
+  printMade(s, folder);
   fmt::print("{} rays gave {} points in {}: {} rays/s, {:.2f} bytes a point\n", grouped(s.rays), grouped(s.points),
              shortTime(s.seconds), shortNumber(static_cast<double>(s.rays) / s.seconds),
              s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
@@ -51,7 +57,7 @@ int runGenerate(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("generate");
   cxxopts::Options options = describe(command);
   options.add_options()("o,out", "folder of the dataset (made where absent)", cxxopts::value<std::string>(), "DIR")(
-      "overwrite", "replace a dataset that is there already")("q,quiet", "no progress");
+      "overwrite", "replace a dataset that is there already")("q,quiet", "one line in place of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed = parseArguments(command, options, arguments,
                                           "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
@@ -70,7 +76,12 @@ int runGenerate(const std::vector<std::string>& arguments) {
   generateOptions.stop = &stopRequested;
   catchStopSignals();
   const GenerateSummary summary = generate(plan, generateOptions);
-  printSummary(summary, generateOptions.folder.string());
+  for (const std::string& warning : summary.warnings) warn(warning);
+  if (generateOptions.quiet) {
+    printMade(summary, generateOptions.folder.string());
+  } else {
+    printSummary(summary, generateOptions.folder.string());
+  }
   return 0;
 }
 

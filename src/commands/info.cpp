@@ -11,10 +11,12 @@
 #include "base/file.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
+#include "config/file_kind.h"
 #include "dataset/manifest.h"
 #include "dataset/reader.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/progress.h"
+#include "pipeline/warnings.h"
 #include "scene/asset.h"
 #include "scene/scene.h"
 #include "sensors/sensor.h"
@@ -120,6 +122,33 @@ void printShard(const std::filesystem::path& file) {
   fmt::print("shard {}\n\n{}", file.string(), formatTable(rows));
 }
 
+std::string sizeText(const Box& box) {
+  const Vec3d size = box.high - box.low;
+  return fmt::format("{:.5g} x {:.5g} x {:.5g}", size.x, size.y, size.z);
+}
+
+// The first of the placed objects, so that a wrong unit or axis shows. Copies of a mesh are one row: the first of them.
+void printObjects(const Scene& scene) {
+  constexpr std::size_t kMostObjects = 30;
+  std::map<std::uint32_t, std::uint64_t> placed;
+  std::vector<const Instance*> firsts;
+  for (const Instance& instance : scene.instances) {
+    if (++placed[instance.mesh] == 1) firsts.push_back(&instance);
+  }
+  Rows rows{{"object", "size x, y, z (m)", "lowest z (m)", "triangles", "placed"}};
+  for (std::size_t i = 0; i < std::min(firsts.size(), kMostObjects); ++i) {
+    const Mesh& mesh = scene.meshes[firsts[i]->mesh];
+    Box box;
+    for (const Vec3f& p : mesh.positions) box.add(firsts[i]->worldFromMesh * Vec3d(p));
+    if (box.empty()) continue;
+    rows.push_back({firsts[i]->name, sizeText(box), fmt::format("{:.5g}", box.low.z), grouped(mesh.triangles.size()),
+                    grouped(placed[firsts[i]->mesh])});
+  }
+  fmt::print("\n{} meshes, {} times placed\n{}", grouped(scene.meshes.size()), grouped(scene.instances.size()),
+             formatTable(rows));
+  if (firsts.size() > kMostObjects) fmt::print("and {} more meshes\n", grouped(firsts.size() - kMostObjects));
+}
+
 void printScene(const std::filesystem::path& file) {
   const Scene scene = readScene(file, {});
   const Box box = scene.bounds();
@@ -132,6 +161,7 @@ void printScene(const std::filesystem::path& file) {
     fmt::print("dropped triangles: {} degenerate, {} with NaN or infinite corners, {} with indices out of range\n",
                grouped(scene.dropped.degenerate), grouped(scene.dropped.nonFinite), grouped(scene.dropped.outOfRange));
   }
+  printObjects(scene);
   struct PerClass {
     std::uint64_t triangles = 0;
     std::set<std::uint32_t> instances;
@@ -161,6 +191,7 @@ void printScene(const std::filesystem::path& file) {
                          m.source});
   }
   fmt::print("\n{}", formatTable(materials));
+  for (const std::string& line : sizeWarnings(scene)) warn(line);
 }
 
 void printSensor(const Value& value) {
@@ -180,41 +211,117 @@ void printSensor(const Value& value) {
   fmt::print("{}", formatTable(rows));
 }
 
-void printAsset(const std::filesystem::path& file) {
-  AssetOptions options;
-  options.textures = false;
+// The axis that readAsset() takes for up: see AssetOptions::up.
+std::string upUsed(const std::filesystem::path& file, const AssetOptions& options) {
+  if (options.up) return std::string(1, *options.up);
+  std::string kind = file.extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(),
+                 [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  if (kind == ".dae" || kind == ".fbx") return "as the file declares";
+  return kind == ".gltf" || kind == ".glb" || kind == ".ac" ? "y, as its kind has it" : "z, as its kind does not say";
+}
+
+void printAsset(const std::filesystem::path& file, const AssetOptions& options) {
+  constexpr std::size_t kMostNodes = 20;
   const Asset asset = readAsset(file, options);
+  struct Node {
+    std::string name;
+    Box box;
+  };
   Rows rows{{"node", "material", "texture", "triangles"}};
   std::uint64_t triangles = 0;
+  Box whole;
+  std::map<std::uint32_t, Node> byIndex;
   for (const AssetPart& part : asset.parts) {
     rows.push_back({part.node, part.material, part.texture, grouped(part.triangles.size())});
     triangles += part.triangles.size();
+    Node& node = byIndex[part.nodeIndex];
+    node.name = part.node;
+    for (const Vec3f& p : part.positions) {
+      if (!isFinite(p)) continue;
+      node.box.add(Vec3d(p));
+      whole.add(Vec3d(p));
+    }
   }
-  fmt::print("asset {}: {} triangles; rules of a scene match these names\n\n{}", file.string(), grouped(triangles),
+  fmt::print("asset {}: {} triangles; rules of a scene match these names\n\n{}\n", file.string(), grouped(triangles),
              formatTable(rows));
+  std::vector<Node> nodes;
+  for (auto& [index, node] : byIndex) {
+    if (!node.box.empty()) nodes.push_back(std::move(node));
+  }
+  if (nodes.empty()) return;
+  fmt::print("from [{:.5g}, {:.5g}, {:.5g}] to [{:.5g}, {:.5g}, {:.5g}]: {} m\n", whole.low.x, whole.low.y, whole.low.z,
+             whole.high.x, whole.high.y, whole.high.z, sizeText(whole));
+  fmt::print(
+      "read with unit: {:g} (m per unit) and up: {}; others by --unit and --up here, by the keys `unit` and `up` of "
+      "the object in a scene\n",
+      options.metresPerUnit, upUsed(file, options));
+  if (nodes.size() < 2) return;
+  const auto diagonal = [](const Node& n) { return length(n.box.high - n.box.low); };
+  std::stable_sort(nodes.begin(), nodes.end(), [&](const Node& a, const Node& b) { return diagonal(a) > diagonal(b); });
+  Rows sizes{{"node", "size x, y, z (m)", "lowest z (m)"}};
+  for (std::size_t i = 0; i < std::min(nodes.size(), kMostNodes); ++i) {
+    sizes.push_back({nodes[i].name, sizeText(nodes[i].box), fmt::format("{:.5g}", nodes[i].box.low.z)});
+  }
+  fmt::print("\n{}", formatTable(sizes));
+  if (nodes.size() > kMostNodes) fmt::print("and {} smaller ones\n", nodes.size() - kMostNodes);
+}
+
+void printOntology(const std::filesystem::path& file) {
+  Rows rows{{"id", "class", "kind", "colour"}};
+  for (const SemanticClass& c : readOntology(file).classes) {
+    rows.push_back({std::to_string(c.id), c.name, c.thing ? "thing" : "stuff",
+                    fmt::format("#{:02x}{:02x}{:02x}", c.color[0], c.color[1], c.color[2])});
+  }
+  fmt::print("{}", formatTable(rows));
+}
+
+void printMaterials(const std::filesystem::path& file) {
+  constexpr int kWavelength = 905;  // nm, the commonest
+  Rows rows{{"material", fmt::format("reflectance at {} nm", kWavelength), "roughness", "metallic", "source"}};
+  for (const Material& m : readMaterials(file, kWavelength).materials) {
+    rows.push_back({m.name, fmt::format("{:.3f}", m.reflectance), fmt::format("{:.2f}", m.roughness),
+                    fmt::format("{:.0f}", m.metallic), m.source});
+  }
+  fmt::print("{}", formatTable(rows));
 }
 
 void printYaml(const std::filesystem::path& file) {
   const Value value = readYaml(file);
-  if (value.find("objects") != nullptr) return printScene(file);
-  if (value.find("elevation_deg") != nullptr) return printSensor(value);
-  if (value.find("sensors") != nullptr) {
-    const std::vector<std::string> plan{file.string()};
-    runPlan(plan);
-    return;
-  }
-  if (value.find("classes") != nullptr) {
-    Rows rows{{"id", "class", "kind", "colour"}};
-    for (const SemanticClass& c : readOntology(file).classes) {
-      rows.push_back({std::to_string(c.id), c.name, c.thing ? "thing" : "stuff",
-                      fmt::format("#{:02x}{:02x}{:02x}", c.color[0], c.color[1], c.color[2])});
+  switch (fileKind(value)) {
+    case FileKind::Pipeline: {
+      const std::vector<std::string> plan{file.string()};
+      runPlan(plan);
+      return;
     }
-    fmt::print("{}", formatTable(rows));
-    return;
+    case FileKind::Scene:
+      return printScene(file);
+    case FileKind::Sensor:
+      return printSensor(value);
+    case FileKind::Ontology:
+      return printOntology(file);
+    case FileKind::Materials:
+      return printMaterials(file);
+    case FileKind::Unknown:
+      break;
   }
-  throw InputError({file.string()},
-                   "is neither a scene (objects), a sensor (elevation_deg), a pipeline (sensors) nor an "
-                   "ontology (classes)");
+  throw InputError(
+      {file.string()},
+      "is neither a scene (objects), a sensor (elevation_deg), a pipeline (sensors), an ontology (classes) "
+      "nor a material table (materials)");
+}
+
+AssetOptions assetOptions(const Arguments& parsed) {
+  AssetOptions options;
+  options.textures = false;
+  options.metresPerUnit =
+      readNumber(parseYaml(parsed.options["unit"].as<std::string>(), "--unit"), "--unit", {1e-9, 1e9});
+  if (parsed.options.count("up") > 0) {
+    const std::string up = parsed.options["up"].as<std::string>();
+    if (up != "x" && up != "y" && up != "z") throw InputError(fmt::format("--up must be x, y or z, not '{}'", up));
+    options.up = up[0];
+  }
+  return options;
 }
 
 }  // namespace
@@ -222,12 +329,16 @@ void printYaml(const std::filesystem::path& file) {
 int runInfo(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("info");
   cxxopts::Options options = describe(command);
-  const Arguments parsed = parseArguments(command, options, arguments,
-                                          "  scanmill info out/quickstart\n"
-                                          "  scanmill info out/quickstart/train/train-000000.tar\n"
-                                          "  scanmill info scenes/street.yaml\n"
-                                          "  scanmill info pipelines/sensors/os1_128.yaml\n"
-                                          "  scanmill info model.glb       # names that labelling rules can match\n");
+  options.add_options()("unit", "metres per unit of a 3D file", cxxopts::value<std::string>()->default_value("1"))(
+      "up", "up axis of a 3D file: x, y or z (default: as the file or its kind says)", cxxopts::value<std::string>());
+  const Arguments parsed =
+      parseArguments(command, options, arguments,
+                     "  scanmill info out/quickstart\n"
+                     "  scanmill info out/quickstart/train/train-000000.tar\n"
+                     "  scanmill info scenes/street.yaml\n"
+                     "  scanmill info pipelines/sensors/os1_128.yaml\n"
+                     "  scanmill info model.glb       # names that labelling rules can match, and sizes\n"
+                     "  scanmill info model.obj --unit 0.01 --up y\n");
   if (parsed.help) return 0;
   const std::filesystem::path file = parsed.positional("FILE|DIR");
   std::string suffix = file.extension().string();
@@ -237,6 +348,7 @@ int runInfo(const std::vector<std::string>& arguments) {
     throw InputError({file.string()}, failure ? "cannot be read: " + failure.message() : "does not exist");
   }
   if (std::filesystem::is_directory(file)) {
+    expectDataset(file, "info");
     printDataset(file);
   } else if (file.filename() == "manifest.json") {
     printDataset(file.parent_path());
@@ -247,7 +359,7 @@ int runInfo(const std::vector<std::string>& arguments) {
   } else if (formatBySuffix(suffix) != nullptr) {
     printScan(decodeMember(file.string(), readFile(file)), file.string());
   } else {
-    printAsset(file);
+    printAsset(file, assetOptions(parsed));
   }
   return 0;
 }

@@ -6,10 +6,10 @@
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "config/fields.h"
+#include "config/resources.h"
 #include "effects/effect.h"
 #include "formats/format.h"
 #include "methods/method.h"
-#include "pipeline/resources.h"
 #include "scene/ontology.h"
 #include "sensors/sensor.h"
 
@@ -24,6 +24,21 @@ Rows entryRows(const Entries& entries) {
   Rows rows;
   for (const auto& entry : entries) rows.push_back({std::string(entry.name), std::string(entry.summary)});
   return rows;
+}
+
+// What stands behind each name in a pipeline: its keys, a line each.
+template <class Entries>
+void printKeys(const Entries& entries) {
+  fmt::print("\nkeys, with their defaults (more in docs/keys.md):\n");
+  for (const auto& entry : entries) {
+    fmt::print("  {}{}\n", entry.name, entry.keys.empty() ? ": none" : "");
+    std::string_view rest = entry.keys;
+    while (!rest.empty()) {
+      const std::size_t end = std::min(rest.find("; "), rest.size());
+      fmt::print("    {}\n", rest.substr(0, end));
+      rest.remove_prefix(std::min(end + 2, rest.size()));
+    }
+  }
 }
 
 std::vector<std::filesystem::path> yamlFiles(const std::filesystem::path& folder) {
@@ -83,6 +98,7 @@ int runList(const std::vector<std::string>& arguments) {
       {"pipelines", [] { return exampleRows("pipelines"); }},
   };
   std::vector<std::string> names;
+  names.reserve(kinds.size());
   for (const auto& [name, rows] : kinds) names.push_back(name);
   if (!wanted.empty() && std::find(names.begin(), names.end(), wanted) == names.end()) {
     throw InputError(fmt::format("nothing is called '{}' here{}", wanted, suggestion(wanted, names)));
@@ -90,6 +106,9 @@ int runList(const std::vector<std::string>& arguments) {
   for (const auto& [name, rows] : kinds) {
     if (wanted.empty() || wanted == name) fmt::print("{}:\n{}", name, formatTable(rows()));
   }
+  if (wanted == "methods") printKeys(methods());
+  if (wanted == "effects") printKeys(effects());
+  if (wanted == "formats") printKeys(formats());
   return 0;
 }
 

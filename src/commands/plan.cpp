@@ -9,6 +9,7 @@
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "pipeline/progress.h"
+#include "pipeline/warnings.h"
 
 namespace scanmill {
 
@@ -74,6 +75,8 @@ int runPlan(const std::vector<std::string>& arguments) {
     scenes.push_back({name, grouped(scene.triangles()), grouped(scene.placedTriangles()),
                       grouped(scene.instances.size()), grouped(scene.things()), grouped(scene.materials.size()),
                       grouped(scene.dropped.total())});
+    for (const std::string& line : sizeWarnings(scene)) warn(line);
+    for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
     for (const std::string& line : method->modelled()) {
       if (std::find(modelled.begin(), modelled.end(), line) == modelled.end()) modelled.push_back(line);

@@ -17,6 +17,7 @@ int runVerify(const std::vector<std::string>& arguments) {
   const Arguments parsed = parseArguments(command, options, arguments, "  scanmill verify out/quickstart\n");
   if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
+  expectDataset(folder, "verify");
   const ThreadLimit limit(threadOption(parsed));
   Progress progress("verify", 0, "shards", "shards", parsed.options.count("quiet") > 0);
   const Verification v = verifyDataset(folder, [&](std::uint64_t, std::uint64_t total) {

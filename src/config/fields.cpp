@@ -29,6 +29,12 @@ const Value* Fields::find(std::string_view key) {
 const Value& Fields::require(std::string_view key) {
   if (const Value* value = find(key)) return *value;
   if (const Value* empty = value_.find(key)) return *empty;
+  std::vector<std::string> unread;
+  for (const auto& [other, value] : value_.entries) {
+    if (std::find(known_.begin(), known_.end(), other) == known_.end()) unread.push_back(other);
+  }
+  const std::string typo = nearest(key, unread);
+  if (!typo.empty()) refuseUnknown(typo, *value_.find(typo), fmt::format(" (did you mean '{}'?)", key));
   throw InputError(value_.where, fmt::format("{}: the key '{}' is missing", what_, key));
 }
 
@@ -64,7 +70,7 @@ std::string Fields::text(std::string_view key, std::string_view fallback) {
 std::string Fields::choice(std::string_view key, const std::vector<std::string>& names, std::string_view fallback) {
   const Value* value = find(key);
   if (value == nullptr) return std::string(fallback);
-  const std::string name = text(key);
+  std::string name = text(key);
   if (std::find(names.begin(), names.end(), name) != names.end()) return name;
   throw InputError(value->where,
                    fmt::format("{}: {} may not be {}{}", what_, key, quotedForMessage(name), suggestion(name, names)));
@@ -97,12 +103,24 @@ std::filesystem::path Fields::path(std::string_view key) {
   const Value& value = require(key);
   const std::string name = text(key);
   if (name.empty()) throw InputError(value.where, fmt::format("{}: {} must be a path, not an empty text", what_, key));
-  return resolvePath(value.where, name);
+  return resolvePath(value, name);
 }
 
 std::optional<std::filesystem::path> Fields::optionalPath(std::string_view key) {
   if (find(key) == nullptr) return std::nullopt;
   return path(key);
+}
+
+std::filesystem::path Fields::resource(std::string_view key, const std::string& subfolder) {
+  const Value& value = require(key);
+  const std::string name = text(key);
+  if (name.empty()) throw InputError(value.where, fmt::format("{}: {} must be a path, not an empty text", what_, key));
+  return resolveResource(value, name, subfolder);
+}
+
+std::optional<std::filesystem::path> Fields::optionalResource(std::string_view key, const std::string& subfolder) {
+  if (find(key) == nullptr) return std::nullopt;
+  return resource(key, subfolder);
 }
 
 Pose Fields::pose() {
@@ -136,20 +154,32 @@ Pose Fields::pose() {
   return pose;
 }
 
+Fields& Fields::also(std::initializer_list<std::string_view> keys) {
+  for (const std::string_view key : keys) {
+    if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
+  }
+  return *this;
+}
+
+Fields& Fields::alsoDescribed(std::string_view keys) {
+  while (!keys.empty()) {
+    also({keys.substr(0, keys.find(':'))});
+    const std::size_t end = keys.find("; ");
+    keys = end == std::string_view::npos ? std::string_view() : keys.substr(end + 2);
+  }
+  return *this;
+}
+
 void Fields::finish() const {
   for (const auto& [key, value] : value_.entries) {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-    const Location where =
-        value.keyLine > 0 ? Location{value.where.file, value.keyLine, value.keyColumn} : value.where;
-    throw InputError(where, fmt::format("{}: unknown key {}{}", what_, quotedForMessage(key), suggestion(key, known_)));
+    refuseUnknown(key, value, suggestion(key, known_));
   }
 }
 
-std::filesystem::path resolvePath(const Location& where, const std::string& name) {
-  const std::filesystem::path path(name);
-  // The command line is not a file: what it names is relative to the current folder.
-  if (path.is_absolute() || where.file.starts_with("--set ")) return path;
-  return std::filesystem::path(where.file).parent_path() / path;
+void Fields::refuseUnknown(std::string_view key, const Value& value, const std::string& advice) const {
+  const Location where = value.keyLine > 0 ? Location{value.where.file, value.keyLine, value.keyColumn} : value.where;
+  throw InputError(where, fmt::format("{}: unknown key {}{}", what_, quotedForMessage(key), advice));
 }
 
 }  // namespace scanmill

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -66,21 +67,38 @@ class Fields {
   // Relative paths are relative to the file that names them.
   std::filesystem::path path(std::string_view key);
   std::optional<std::filesystem::path> optionalPath(std::string_view key);
+  // A YAML file: its path, or the name of one that comes with the program; see resolveResource().
+  std::filesystem::path resource(std::string_view key, const std::string& subfolder);
+  std::optional<std::filesystem::path> optionalResource(std::string_view key, const std::string& subfolder);
 
   // {position: [x, y, z], yaw_deg:, pitch_deg:, roll_deg:} or {position:, rotation: [w, x, y, z]}, read from this
   // map's own keys.
   Pose pose();
 
+  // Names keys that are read later, or by others, so that the messages know them. Followed by finish(), it refuses
+  // every other key at once: before any that is missing.
+  Fields& also(std::initializer_list<std::string_view> keys);
+  // Likewise the keys of a text such as "step_m: 1 m, what it is; gain: 2".
+  Fields& alsoDescribed(std::string_view keys);
+
   // Throws for the first key that nobody asked for, with its place and the nearest known key.
   void finish() const;
 
  private:
+  [[noreturn]] void refuseUnknown(std::string_view key, const Value& value, const std::string& advice) const;
+
   const Value& value_;
   std::string what_;
   std::vector<std::string> known_;
 };
 
-// Resolves `name` against the folder of the file that `where` is in.
-std::filesystem::path resolvePath(const Location& where, const std::string& name);
+// Resolves `name` against the folder of the file that `value` is in. What --set names starts in the folder of the file
+// that it changes or, where there is nothing, in the current one.
+std::filesystem::path resolvePath(const Value& value, const std::string& name);
+
+// The YAML file that `value` calls `name`: a path as resolvePath() takes it, else one below `subfolder` of the
+// program's own files (or beside it: both os1_128 and sensors/os1_128.yaml are found in pipelines/sensors). The suffix
+// may be left out. Throws InputError that says where it looked, with the nearest name that is there.
+std::filesystem::path resolveResource(const Value& value, const std::string& name, const std::string& subfolder);
 
 }  // namespace scanmill

@@ -50,7 +50,7 @@ Extent extentOf(const Value& value) {
 
 // yaml-cpp's words for the commonest mistakes, and what their author can do.
 std::string explain(const std::string& message) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kAdvice{{
+  static const std::array<std::pair<std::string_view, std::string_view>, 10> kAdvice{{
       {YAML::ErrorMsg::END_OF_SEQ_FLOW, "a list [ ... ] is not closed"},
       {YAML::ErrorMsg::END_OF_MAP_FLOW, "a map { ... } is not closed"},
       {YAML::ErrorMsg::FLOW_END, "a closing bracket without its opening one"},
@@ -231,7 +231,7 @@ class TreeBuilder : public YAML::EventHandler {
     }
     value.keyLine = parent.keyWhere.line;
     value.keyColumn = parent.keyWhere.column;
-    parent.value.entries.emplace_back(std::move(parent.key), std::move(value));
+    parent.value.entries.push_back({std::move(parent.key), std::move(value)});
     parent.hasKey = false;
   }
 

@@ -39,12 +39,17 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
                                                            part, parent, list.items.size() - 1));
 }
 
+void setFolder(Value& value, const std::string& folder) {
+  value.folder = folder;
+  for (Value& item : value.items) setFolder(item, folder);
+  for (Value::Entry& entry : value.entries) setFolder(entry.value, folder);
+}
+
 }  // namespace
 
 const Value* Value::find(std::string_view key) const {
-  const auto found =
-      std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.first == key; });
-  return found == entries.end() ? nullptr : &found->second;
+  const auto found = std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.key == key; });
+  return found == entries.end() ? nullptr : &found->value;
 }
 
 Value readYaml(const std::filesystem::path& path) {
@@ -74,6 +79,8 @@ void setValue(Value& root, std::string_view assignment) {
   Value value = parseYaml(assignment.substr(equals + 1), where.file);
   // A single value needs no line and column beside the name of its key.
   if (value.kind == Value::Kind::Null || value.kind == Value::Kind::Scalar) value.where = where;
+  const std::string folder = std::filesystem::path(root.where.file).parent_path().string();
+  setFolder(value, folder.empty() ? "." : folder);
 
   Value* node = &root;
   std::string parent = "the whole file";
@@ -87,11 +94,12 @@ void setValue(Value& root, std::string_view assignment) {
     } else {
       node->kind = Value::Kind::Map;
       const auto found = std::find_if(node->entries.begin(), node->entries.end(),
-                                      [&](const auto& entry) { return entry.first == part; });
+                                      [&](const auto& entry) { return entry.key == part; });
       if (found != node->entries.end()) {
-        node = &found->second;
+        node = &found->value;
       } else {
-        node = &node->entries.emplace_back(part, Value{}).second;
+        node->entries.push_back({part, Value{}});
+        node = &node->entries.back().value;
         node->where = where;
       }
     }

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -14,17 +13,24 @@ namespace scanmill {
 
 struct Value {
   enum class Kind { Null, Scalar, Sequence, Map };
+  struct Entry;
 
   Kind kind = Kind::Null;
   Location where;
-  std::string text;                                    // Scalar: as written, variables expanded
-  bool quoted = false;                                 // Scalar: "..." or '...', hence a string whatever it looks like
-  std::vector<Value> items;                            // Sequence
-  std::vector<std::pair<std::string, Value>> entries;  // Map, in the file's order, keys unique
-  int keyLine = 0;                                     // where the key stands, for a map's entry; 0 where --set made it
+  std::string text;            // Scalar: as written, variables expanded
+  bool quoted = false;         // Scalar: "..." or '...', hence a string whatever it looks like
+  std::vector<Value> items;    // Sequence
+  std::vector<Entry> entries;  // Map, in the file's order, keys unique
+  int keyLine = 0;             // where the key stands, for a map's entry; 0 where --set made it
   int keyColumn = 0;
+  std::string folder;  // where its relative paths start, of what --set made; else empty: the folder of where.file
 
   const Value* find(std::string_view key) const;  // Map: null where absent
+};
+
+struct Value::Entry {
+  std::string key;
+  Value value;
 };
 
 // Parses one document. `${NAME}` in scalars is replaced by the environment variable; an unset one is an error that
@@ -34,7 +40,8 @@ Value parseYaml(std::string_view text, const std::string& file);
 Value readYaml(const std::filesystem::path& path);
 
 // One override "dotted.path.0.key=value" (list items by index), as given by --set; the value is parsed as YAML. Creates
-// missing map keys: unknown ones are refused later by whoever reads the map, with a suggestion.
+// missing map keys: unknown ones are refused later by whoever reads the map, with a suggestion. Relative paths start in
+// the folder of the file that `root` was read from, as those beside them.
 void setValue(Value& root, std::string_view assignment);
 
 }  // namespace scanmill

@@ -25,6 +25,7 @@ struct EarlierRun {
   bool manifest = false;
   std::vector<std::string> shards;     // relative names
   std::vector<std::string> leftovers;  // relative names
+  std::string foreign;                 // the first name, by its letters, of what is neither; empty where there is none
 };
 
 // Names of plain files in the folder and one level below, relative, sorted.
@@ -45,19 +46,45 @@ std::vector<std::string> filesIn(const fs::path& folder) {
   return names;
 }
 
+// A folder with a split's name that holds no folders.
+bool couldBeSplit(const fs::path& folder) {
+  if (!isSplitName(folder.filename().string())) return false;
+  std::error_code unreadable;
+  const fs::directory_iterator inside(folder, unreadable);
+  return !unreadable &&
+         std::none_of(begin(inside), end(inside), [](const fs::directory_entry& e) { return e.is_directory(); });
+}
+
 EarlierRun earlierRunIn(const fs::path& folder) {
   EarlierRun run;
   for (const std::string& name : filesIn(folder)) {
-    if (name == kManifestName) run.manifest = true;
-    if (isShardName(name)) run.shards.push_back(name);
-    if (isLeftover(name)) run.leftovers.push_back(name);
+    if (name == kManifestName) {
+      run.manifest = true;
+    } else if (isShardName(name)) {
+      run.shards.push_back(name);
+    } else if (isLeftover(name)) {
+      run.leftovers.push_back(name);
+    } else if (run.foreign.empty()) {
+      run.foreign = name;
+    }
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_directory() && run.foreign.empty() && !couldBeSplit(entry.path())) {
+      run.foreign = entry.path().filename().string();
+    }
   }
   return run;
 }
 
 // Refuses what an overwriting run would destroy without having written it.
 void checkOwnership(const fs::path& folder, const EarlierRun& run) {
-  if (!run.manifest) return;
+  if (!run.manifest) {
+    if (run.foreign.empty()) return;
+    throw InputError({folder.string()},
+                     fmt::format("holds no dataset of this program, but files of others such as '{}': --overwrite "
+                                 "replaces datasets only; choose another output folder with -o",
+                                 run.foreign));
+  }
   const fs::path file = folder / kManifestName;
   std::vector<std::string> listed;
   try {
@@ -115,13 +142,14 @@ void prepareOutputFolder(const fs::path& folder, bool overwrite) {
       throw InputError({folder.string()}, "is a file: choose another output folder");
     }
     fs::create_directories(folder);
-    if (fs::is_empty(folder)) return;
-    if (!overwrite) {
+    const EarlierRun run = earlierRunIn(folder);
+    // Split folders that a stopped run left behind, and nothing in them.
+    const bool empty = !run.manifest && run.foreign.empty() && run.shards.empty() && run.leftovers.empty();
+    if (!empty && !overwrite) {
       throw InputError({folder.string()},
                        "exists and is not empty: add --overwrite to replace the dataset in it, or choose another "
                        "output folder with -o");
     }
-    const EarlierRun run = earlierRunIn(folder);
     checkOwnership(folder, run);
     removeEarlierRun(folder, run);
   } catch (const fs::filesystem_error& error) {

@@ -34,6 +34,7 @@ std::vector<std::string> shuffled(const std::set<std::string>& groups, std::uint
   std::map<std::string, std::string> ranked;
   for (const std::string& group : groups) ranked[sha256(fmt::format("split {} {}", seed, group))] = group;
   std::vector<std::string> order;
+  order.reserve(ranked.size());
   for (const auto& [rank, group] : ranked) order.push_back(group);
   return order;
 }
@@ -135,13 +136,14 @@ std::vector<std::string> assignSplits(const Value* value, const std::vector<Sequ
                                       std::uint64_t seed) {
   if (value == nullptr || value->kind == Value::Kind::Null) return std::vector<std::string>(sequences.size(), "train");
   Fields fields(*value, "splits");
+  fields.also({"by", "train", "val", "test"}).finish();
   const std::string by = fields.choice("by", {"seed", "trajectory"}, "seed");
   std::set<std::string> groups;
   for (const SequenceName& sequence : sequences) groups.insert(groupOf(sequence, by == "seed"));
   const bool lists = usesLists(fields);
-  fields.finish();
   const Assignment splits = lists ? byLists(fields, groups, by) : byShares(fields, groups, by, seed);
   std::vector<std::string> result;
+  result.reserve(sequences.size());
   for (const SequenceName& sequence : sequences) result.push_back(splits.at(groupOf(sequence, by == "seed")));
   return result;
 }

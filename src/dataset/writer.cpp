@@ -101,7 +101,14 @@ DatasetWriter::DatasetWriter(std::filesystem::path folder, bool overwrite, std::
   state_->shardBytes = shardBytes;
 }
 
-DatasetWriter::~DatasetWriter() = default;
+DatasetWriter::~DatasetWriter() {
+  if (state_->finished) return;
+  state_->open.clear();  // which removes their files
+  for (const auto& [split, count] : state_->shardsOfSplit) {
+    std::error_code notEmpty;
+    std::filesystem::remove(state_->folder / split, notEmpty);
+  }
+}
 
 void DatasetWriter::add(const Sample& sample) {
   State& s = *state_;

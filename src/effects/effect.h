@@ -40,6 +40,7 @@ class Effect {
 struct EffectEntry {
   std::string_view name;
   std::string_view summary;
+  std::string_view keys;  // of its options, "name: default, what it is; ..."
   int stage;  // effects run in the order of their stages whatever the YAML's order: 0 intensity, 1 detection, 2 noise,
               // 3 quantisation, 4 pointing
   std::unique_ptr<Effect> (*make)(Fields& options);

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <memory>
 
 #include "base/error.h"
+#include "formats/column_value.h"
 #include "formats/columns.h"
 
 namespace scanmill {
@@ -204,15 +204,7 @@ class CloudReader {
       for (std::size_t c = 0; c < components; ++c) {
         Stored stored;
         std::memcpy(&stored, attribute.buffer()->data() + offset + c * sizeof(Stored), sizeof(Stored));
-        if constexpr (!std::is_same_v<Stored, T> && std::is_integral_v<T>) {
-          // Written so that NaN fails it too.
-          const bool fits = stored >= Stored(0) && static_cast<long double>(stored) <= std::numeric_limits<T>::max();
-          if (!fits || static_cast<Stored>(static_cast<T>(stored)) != stored) {
-            throw InputError(where_, fmt::format("{} of point {} is {}: no integer of 0 to {}", name, i, stored,
-                                                 std::numeric_limits<T>::max()));
-          }
-        }
-        *to++ = static_cast<T>(stored);
+        *to++ = columnValue<T>(stored, name, i, where_);
       }
     }
   }

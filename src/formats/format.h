@@ -29,6 +29,7 @@ struct FormatEntry {
   std::string_view name;  // "pcd", "draco", "csv"
   std::string_view suffix;
   std::string_view summary;
+  std::string_view keys;  // of its options, "name: default, what it is; ..."
   std::unique_ptr<Format> (*make)(Fields& options);
 };
 

@@ -7,11 +7,11 @@
 #include <array>
 #include <charconv>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <optional>
 
 #include "base/error.h"
+#include "formats/column_value.h"
 #include "formats/columns.h"
 #include "formats/text_rows.h"
 
@@ -187,15 +187,7 @@ void convert(const PcdField& field, const char* first, std::size_t step, T* to, 
   for (std::size_t i = 0; i < points; ++i, first += step, to += stride) {
     Stored stored;
     std::memcpy(&stored, first, sizeof(stored));
-    if constexpr (!std::is_same_v<Stored, T> && std::is_integral_v<T>) {
-      // Written so that NaN fails it too.
-      const bool fits = stored >= Stored(0) && static_cast<long double>(stored) <= std::numeric_limits<T>::max();
-      if (!fits || static_cast<Stored>(static_cast<T>(stored)) != stored) {
-        throw InputError(where, fmt::format("{} of point {} is {}: no integer of 0 to {}", field.name, i, stored,
-                                            std::numeric_limits<T>::max()));
-      }
-    }
-    *to = static_cast<T>(stored);
+    *to = columnValue<T>(stored, field.name, i, where);
   }
 }
 

@@ -9,7 +9,13 @@ namespace scanmill {
 namespace {
 
 constexpr std::array kMethods{
-    MethodEntry{"ray_tracing", "Embree on all cores: exact, the reference of the other methods", makeRayTracing},
+    MethodEntry{"ray_tracing", "Embree on all cores: exact, the reference of the other methods",
+                "packet: 16 or 1, rays a call; "
+                "tile_columns: auto, 1, 2, 4, 8 or 16, columns of a packet; "
+                "robust: true, watertight at the edges of triangles; "
+                "bvh: medium, low or high, quality of the hierarchy; "
+                "instancing: auto, always or never",
+                makeRayTracing},
 };
 
 }  // namespace

@@ -33,6 +33,7 @@ class Method {
 struct MethodEntry {
   std::string_view name;
   std::string_view summary;
+  std::string_view keys;  // of its options, "name: default, what it is; ..."
   // `options` is the method's own map in the pipeline; finish() is called by the maker. The scene must outlive it.
   std::unique_ptr<Method> (*make)(const Scene& scene, Fields& options);
 };

@@ -11,11 +11,13 @@
 #include <optional>
 #include <vector>
 
+#include "base/handover.h"
 #include "base/hash.h"
 #include "base/parallel.h"
+#include "config/version.h"
 #include "dataset/writer.h"
 #include "pipeline/progress.h"
-#include "pipeline/version.h"
+#include "pipeline/warnings.h"
 
 namespace scanmill {
 
@@ -174,6 +176,12 @@ Manifest startManifest(const Plan& plan) {
   return manifest;
 }
 
+void addNew(const std::vector<std::string>& from, std::vector<std::string>& lines) {
+  for (const std::string& line : from) {
+    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+  }
+}
+
 }  // namespace
 
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
@@ -198,19 +206,22 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
       scene = std::make_unique<Scene>(plan.loadScene(sequence));
       method = plan.makeMethod(*scene);
       method->prepare(plan.shots(s, 0).front());
+      addNew(sizeWarnings(*scene), summary.warnings);
+      addNew(seedWarnings(pipeline, sequence, *scene), summary.warnings);
     }
     if (!writer) {
       // Only now: a scene or a method that cannot be used must not cost the dataset that --overwrite replaces.
       writer.emplace(options.folder, options.overwrite, pipeline.shardBytes);
       summary.manifest.ontology = scene->ontology;
     }
-    for (const std::string& line : method->modelled()) {
-      auto& lines = summary.manifest.modelled;
-      if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
-    }
+    addNew(method->modelled(), summary.manifest.modelled);
 
+    std::map<std::string, std::uint64_t> pointsOfSensor;
     std::uint32_t next = 0;
+    Handover begun;
+    Handover made;
     const auto source = [&](tbb::flow_control& control) -> std::uint32_t {
+      const Handover::Turn turn(begun, begun);
       if (next == sequence.trajectory->frames() || (options.stop != nullptr && *options.stop)) {
         control.stop();
         return 0;
@@ -218,12 +229,14 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
       return next++;
     };
     const auto make = [&](std::uint32_t frame) {
+      const Handover::Turn turn(begun, made);
       auto work = pool.take();
       auto sample = std::make_shared<const Sample>(makeSample(plan, *scene, *method, s, frame, *work, times));
       pool.give(std::move(work));
       return sample;
     };
     const auto write = [&](const std::shared_ptr<const Sample>& sample) {
+      const Handover::Turn turn(made, made);
       {
         const StageTimer timer(times, StageTimes::Write);
         writer->add(*sample);
@@ -231,14 +244,26 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
       for (const ScanRecord& record : sample->scans) {
         summary.rays += record.beams;
         summary.points += record.points;
+        pointsOfSensor[record.sensor] += record.points;
         for (const auto& [id, count] : record.pointsPerClass) summary.pointsPerClass[id] += count;
       }
       progress.advance(1, raysPerFrame);
     };
-    tbb::parallel_pipeline(
-        inFlight, tbb::make_filter<void, std::uint32_t>(tbb::filter_mode::serial_in_order, source) &
-                      tbb::make_filter<std::uint32_t, std::shared_ptr<const Sample>>(tbb::filter_mode::parallel, make) &
-                      tbb::make_filter<std::shared_ptr<const Sample>, void>(tbb::filter_mode::serial_in_order, write));
+    {
+      using tbb::filter_mode;
+      const Handover::Wait wait(begun, made);
+      tbb::parallel_pipeline(
+          inFlight, tbb::make_filter<void, std::uint32_t>(filter_mode::serial_in_order, source) &
+                        tbb::make_filter<std::uint32_t, std::shared_ptr<const Sample>>(filter_mode::parallel, make) &
+                        tbb::make_filter<std::shared_ptr<const Sample>, void>(filter_mode::serial_in_order, write));
+    }
+    for (const auto& [sensor, points] : pointsOfSensor) {
+      if (points > 0) continue;
+      summary.warnings.push_back(
+          fmt::format("sequence {}: the sensor '{}' sees nothing in {} frames: is the trajectory "
+                      "inside the scene?",
+                      sequence.key(), sensor, sequence.trajectory->frames()));
+    }
     if (options.stop != nullptr && *options.stop) {
       throw Error("stopped: the folder holds no manifest, hence no finished dataset");
     }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "dataset/manifest.h"
 #include "pipeline/plan.h"
@@ -27,6 +28,7 @@ struct GenerateSummary {
   std::uint64_t points = 0;
   std::uint64_t bytes = 0;
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
+  std::vector<std::string> warnings;  // what is legal, but seldom meant: see pipeline/warnings.h
 };
 
 // Throws InputError for an unusable scene or folder, Error where the work fails. Without a manifest nothing in the

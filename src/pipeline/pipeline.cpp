@@ -32,6 +32,7 @@
 #include <set>
 
 #include "base/file.h"
+#include "config/file_kind.h"
 #include "dataset/split.h"
 
 namespace scanmill {
@@ -138,10 +139,10 @@ std::vector<Sequence> readSequences(Fields& fields, double period) {
   std::set<std::string> keys;
   for (const Value& item : requireList(fields, "scenes").items) {
     Fields scene(item, "scene");
-    const std::filesystem::path file = scene.path("scene");
+    scene.also({"scene", "seeds", "trajectories"}).finish();
+    const std::filesystem::path file = scene.resource("scene", "scenes");
     const std::vector<std::uint64_t> seeds = readSeeds(scene.find("seeds"));
     const Value* own = scene.find("trajectories");
-    scene.finish();
     if (own == nullptr && common.empty()) {
       throw InputError(item.where, "no trajectories, neither here nor for the whole pipeline");
     }
@@ -163,6 +164,7 @@ std::vector<MountedSensor> readSensors(Fields& fields) {
   for (const Value& item : requireList(fields, "sensors").items) {
     Fields own(item, "sensor");
     MountedSensor sensor;
+    sensor.description = resolveSensor(item);
     sensor.name = own.text("name", fmt::format("lidar{}", sensors.size()));
     const Value* name = own.find("name");
     if (sensor.name.empty()) throw InputError(name->where, "a sensor's name becomes part of file names: it is empty");
@@ -181,7 +183,6 @@ std::vector<MountedSensor> readSensors(Fields& fields) {
       sensor.vehicleFromSensor = pose.pose();
       pose.finish();
     }
-    sensor.description = resolveSensor(item);
     sensor.size = sensorSize(sensor.description);
     sensors.push_back(std::move(sensor));
   }
@@ -193,7 +194,8 @@ std::vector<MountedSensor> readSensors(Fields& fields) {
 void readEffects(Fields& fields, Pipeline& pipeline) {
   const Value* list = fields.find("effects");
   if (list == nullptr) return;
-  if (list->kind != Value::Kind::Sequence) throw InputError(list->where, "effects must be a list");
+  if (list->kind != Value::Kind::Sequence)
+    throw InputError(list->where, "effects must be a list such as [intensity]; for none write []");
   struct Made {
     const EffectEntry* entry;
     Location where;
@@ -208,6 +210,7 @@ void readEffects(Fields& fields, Pipeline& pipeline) {
                                                 named.name));
     }
     Fields options(named.options, "effect " + named.name);
+    options.alsoDescribed(entry.keys).finish();
     made.push_back({&entry, named.where, entry.make(options)});
   }
   std::stable_sort(made.begin(), made.end(),
@@ -230,6 +233,7 @@ void readEffects(Fields& fields, Pipeline& pipeline) {
 
 void readOutput(const Value& value, Pipeline& pipeline) {
   Fields output(value, "output");
+  output.also({"layout", "columns", "formats", "shard_mb"}).finish();
   pipeline.columns.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
   if (const Value* list = output.find("columns")) {
     if (list->kind != Value::Kind::Sequence) throw InputError(list->where, "columns must be a list of names");
@@ -257,13 +261,13 @@ void readOutput(const Value& value, Pipeline& pipeline) {
     const Named named = readNamed(item, "a format");
     const FormatEntry& entry = requireFormat(named.name, named.where);
     Fields options(named.options, "format " + named.name);
+    options.alsoDescribed(entry.keys).finish();
     pipeline.formats.push_back({&entry, entry.make(options)});
     if (!suffixes.insert(std::string(entry.suffix)).second) {
       throw InputError(named.where, fmt::format("two formats write '.{}' files", entry.suffix));
     }
   }
   pipeline.shardBytes = static_cast<std::uint64_t>(output.number("shard_mb", {1, 1e6}, 256) * 1e6);
-  output.finish();
 }
 
 }  // namespace
@@ -298,10 +302,15 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
     setValue(root, assignment);
     pipeline.text += "# --set " + commented(assignment) + "\n";
   }
+  expectKind(root, FileKind::Pipeline);
   Fields fields(root, "pipeline");
+  fields
+      .also({"name", "seed", "labels", "wavelength_nm", "scenes", "trajectories", "sensors", "motion", "method",
+             "effects", "splits", "output", "limits"})
+      .finish();
   pipeline.name = fields.text("name", file.stem().string());
   pipeline.seed = static_cast<std::uint64_t>(fields.integer("seed", 0, std::int64_t{1} << 62, 1));
-  pipeline.ontology = fields.optionalPath("labels").value_or("");
+  pipeline.ontology = fields.optionalResource("labels", "labels").value_or("");
   pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064"}, "905"));
   pipeline.sensors = readSensors(fields);
   const double period = 1.0 / Fields(pipeline.sensors.front().description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
@@ -313,7 +322,10 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
   readOutput(fields.require("output"), pipeline);
   std::vector<SequenceName> names;
   for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectory->name()});
-  const std::vector<std::string> splits = assignSplits(fields.find("splits"), names, pipeline.seed);
+  const Value* splitting = fields.find("splits");
+  const std::vector<std::string> splits = assignSplits(splitting, names, pipeline.seed);
+  const Value* by = splitting == nullptr ? nullptr : splitting->find("by");
+  pipeline.splitsBySeed = splitting != nullptr && (by == nullptr || by->text == "seed");
   for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
   pipeline.maxRays = kDefaultMaxRays;
   if (const Value* value = fields.find("limits")) {
@@ -321,7 +333,6 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
     pipeline.maxRays = limits.number("max_rays", {1, 1e18}, kDefaultMaxRays);
     limits.finish();
   }
-  fields.finish();
   const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
   if (rays > pipeline.maxRays) {
     throw InputError(

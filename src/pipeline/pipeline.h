@@ -65,6 +65,7 @@ struct Pipeline {
   std::vector<const EffectEntry*> effectEntries;  // likewise
   ScanColumns columns;
   std::vector<FormatChoice> formats;
+  bool splitsBySeed = false;  // the splits part scenes by their seeds
   std::uint64_t shardBytes = 0;
   double maxRays = 0;
 

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/parallel.h"
+#include "config/file_kind.h"
 
 namespace scanmill {
 
@@ -40,8 +41,10 @@ void checkOntologies(const Pipeline& pipeline) {
   for (const Sequence& s : pipeline.sequences) {
     if (known.contains(s.sceneFile)) continue;
     const Value scene = readYaml(s.sceneFile);
+    expectKind(scene, FileKind::Scene);
     Fields fields(scene, "scene");
-    const Ontology ontology = readOntology(fields.path("ontology"));
+    fields.also({"name", "materials", "assets", "rules", "objects"});
+    const Ontology ontology = readOntology(fields.resource("ontology", "labels"));
     if (!known.empty() && !sameClasses(ontology, known.begin()->second)) {
       throw InputError({pipeline.file.string()},
                        fmt::format("the scenes {} and {} have different classes: name one ontology for all with the "
@@ -87,6 +90,7 @@ Scene Plan::loadScene(const Sequence& sequence) const {
 
 std::unique_ptr<Method> Plan::makeMethod(const Scene& scene) const {
   Fields options(pipeline_.method.options, "method " + std::string(pipeline_.method.entry->name));
+  options.alsoDescribed(pipeline_.method.entry->keys).finish();
   return pipeline_.method.entry->make(scene, options);
 }
 

@@ -10,20 +10,22 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
 #include <bit>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <exception>
+#include <fstream>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include "base/error.h"
 #include "scene/asset_look.h"
 #include "scene/gltf.h"
-#include "scene/ply_header.h"
+#include "scene/ply_check.h"
 #include "scene/trial.h"
 
 namespace scanmill {
@@ -35,6 +37,8 @@ constexpr std::uint64_t kMaxTriangles = std::uint64_t{1} << 28;
 
 constexpr std::uint64_t kTrialMemory = std::uint64_t{4} << 30;  // bytes, and 64 for every byte of the file
 constexpr unsigned kTrialSeconds = 300;
+
+constexpr std::string_view kCollada = "Collada Importer";
 
 // Gives the importer a checked text in place of the file's own; the files it names come from the disk.
 class CheckedFiles : public Assimp::DefaultIOSystem {
@@ -87,6 +91,7 @@ class AssetReader {
     import();
     Asset asset;
     asset.file = file_;
+    asset.up = options_.up.value_or(declaredUp());
     asset.dropped.outOfRange = dropBadFaces(*scene_);
     triangulate();
     looks_ = readLooks(*scene_, file_, gltf_, options_);
@@ -104,8 +109,8 @@ class AssetReader {
     if (!(options_.metresPerUnit > 0) || !std::isfinite(options_.metresPerUnit)) {
       fail(fmt::format("metresPerUnit is {}, but must be above 0", options_.metresPerUnit));
     }
-    if (options_.up != 'x' && options_.up != 'y' && options_.up != 'z') {
-      fail(fmt::format("the up axis is '{}', but must be x, y or z", options_.up));
+    if (options_.up && *options_.up != 'x' && *options_.up != 'y' && *options_.up != 'z') {
+      fail(fmt::format("the up axis is '{}', but must be x, y or z", *options_.up));
     }
     std::error_code error;
     if (!std::filesystem::exists(file_, error)) fail("there is no such file");
@@ -117,13 +122,13 @@ class AssetReader {
     configure(importer_);
     CheckedFiles* files = nullptr;
     if (kind_.empty() || !importer_.IsExtensionSupported(kind_)) {
-      fail(fmt::format("is of an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE or FBX", kind_));
+      fail(fmt::format("is of an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX or AC", kind_));
     }
     if (gltf_) {
       files = new CheckedFiles(file_.string(), checkedGltf(file_));
       importer_.SetIOHandler(files);  // which deletes it
     } else if (kind_ == ".ply") {
-      checkPlyHeader(file_);
+      checkPly(file_);
     } else if (!isSound()) {
       const std::uint64_t memory = kTrialMemory + 64 * std::filesystem::file_size(file_);
       const std::string failure = tryApart([&] { return importTrial(); }, memory, kTrialSeconds);
@@ -141,7 +146,7 @@ class AssetReader {
 
   void configure(Assimp::Importer& importer) const {
     importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
-    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up != 'z');
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up.has_value());
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
     if (gltf_) return;
@@ -220,20 +225,48 @@ class AssetReader {
   }
 
   // From the importer's frame to metres and z up.
-  Affine assetFromImported() const {
+  Affine assetFromImported(char up) const {
     double scale = options_.metresPerUnit;
-    char up = options_.up;
-    const std::string format = metadata(*scene_, AI_METADATA_SOURCE_FORMAT, aiString()).C_Str();
-    if (format == "Collada Importer" && up == 'z') up = 'y';  // the importer has turned the declared axis to y
+    const std::string format = importedAs();
+    if (format == kCollada && !options_.up) up = 'y';  // to which the importer has turned the declared axis
     if (format == "Autodesk FBX Importer") {
       scale *=
           static_cast<double>(metadata(*scene_, "UnitScaleFactor", 1.0f)) * 0.01;  // FBX states its unit in centimetres
-      const std::int32_t axis = metadata(*scene_, "UpAxis", std::int32_t{1});
-      if (up == 'z' && axis >= 0 && axis <= 2) up = "xyz"[axis];
     }
     if (!(scale > 0) || !std::isfinite(scale)) fail("declares a unit that is not above 0");
-    return {zUpFrom(up) * Mat3::scale({scale, scale, scale}), {}};
+    // The importer turns files of these kinds, which are z-up, to y-up.
+    const bool turned = format == "Discreet 3DS Importer" || format == "ASE Importer" ||
+                        format == "Drawing Interchange Format (DXF) Importer";
+    const Mat3 fileFromImported = turned ? zUpFrom('y') : Mat3();
+    return {zUpFrom(up) * fileFromImported * Mat3::scale({scale, scale, scale}), {}};
   }
+
+  // The up axis that the file states or its kind prescribes.
+  char declaredUp() const {
+    const std::string format = importedAs();
+    if (format == "Autodesk FBX Importer") {
+      const std::int32_t axis = metadata(*scene_, "UpAxis", std::int32_t{1});
+      return axis >= 0 && axis <= 2 ? "xyz"[axis] : 'y';
+    }
+    if (format == kCollada) return colladaUp();
+    return gltf_ || format == "AC3D Importer" ? 'y' : 'z';
+  }
+
+  // The importer keeps up_axis to itself. It is in the head of the file, since the schema puts `asset` first.
+  char colladaUp() const {
+    std::string head(1 << 16, '\0');
+    std::ifstream in(file_, std::ios::binary);
+    in.read(head.data(), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<std::size_t>(in.gcount()));
+    constexpr std::string_view kTag = "<up_axis>";
+    const std::size_t tag = head.find(kTag);
+    if (tag == std::string::npos) return 'y';
+    const std::size_t axis = head.find_first_not_of(" \t\r\n", tag + kTag.size());
+    if (axis == std::string::npos) return 'y';
+    return head[axis] == 'X' ? 'x' : head[axis] == 'Z' ? 'z' : 'y';
+  }
+
+  std::string importedAs() const { return metadata(*scene_, AI_METADATA_SOURCE_FORMAT, aiString()).C_Str(); }
 
   static std::string nodeName(const aiNode& node) {
     std::string name = node.mName.C_Str();
@@ -251,7 +284,7 @@ class AssetReader {
       Affine assetFromParent;
       std::string name;  // of the nearest ancestor that has one, but the root, which the importer often makes
     };
-    std::vector<Item> open{{scene_->mRootNode, assetFromImported(), {}}};
+    std::vector<Item> open{{scene_->mRootNode, assetFromImported(asset.up), {}}};
     for (std::uint32_t index = 0; !open.empty(); ++index) {
       const Item item = std::move(open.back());
       open.pop_back();
@@ -350,8 +383,8 @@ class AssetReader {
       }
       std::size_t slot = hash & (table.size() - 1);
       const auto same = [&](std::uint32_t other) {
-        return std::memcmp(&part.positions[other], &p, sizeof p) == 0 &&
-               (part.uvs.empty() || std::memcmp(&part.uvs[other], &uv, sizeof uv) == 0);
+        const auto bits = [](const auto& v) { return std::bit_cast<std::array<std::uint32_t, sizeof v / 4>>(v); };
+        return bits(part.positions[other]) == bits(p) && (part.uvs.empty() || bits(part.uvs[other]) == bits(uv));
       };
       while (table[slot] != kFree && !same(table[slot])) slot = (slot + 1) & (table.size() - 1);
       if (table[slot] == kFree) {

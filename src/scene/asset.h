@@ -3,6 +3,7 @@
 // Reads a 3D file: glTF/GLB, OBJ, PLY, STL, COLLADA, FBX, AC3D and what else assimp knows.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,24 +23,38 @@ struct AssetPart {
   std::vector<Triangle> triangles;
 };
 
+// Whether beams pass where a base colour's alpha is low.
+enum class AlphaUse {
+  // As the file says. glTF: alphaMode MASK (at alphaCutoff) and BLEND (at 0.5). Other kinds: at 0.5, where a material
+  // has an opacity map or an opacity between 0 and 1 (MTL map_d, d and Tr; COLLADA transparent; FBX TransparentColor;
+  // AC3D trans). Many files declare nothing and mean cut-outs (leaves) or something else altogether (which parts of a
+  // car take the paint); their alpha counts if it looks like cut-outs: see isCutOut() in scene/asset_alpha.h.
+  Auto,
+  Ignore,  // everything is solid
+  Test,    // at 0.5, or at the cutoff that the file gives
+};
+
 struct AssetOptions {
   // For kinds that declare their unit (COLLADA, FBX) it counts on top of the declared one, as the scale of an SDF does.
   double metresPerUnit = 1.0;
-  // The file's up axis, 'x', 'y' or 'z': (x, y, z) becomes (x, -z, y) from y-up and (-y, -z, x) from x-up.
-  // COLLADA and FBX declare theirs: 'z' leaves it to the declaration, 'x' and 'y' replace it.
-  char up = 'z';
+  // The up axis of the file's coordinates, 'x', 'y' or 'z': (x, y, z) becomes (x, -z, y) from y-up and (-y, -z, x) from
+  // x-up. It replaces what the file declares. Without one, the file decides: COLLADA by up_axis and FBX by UpAxis (y
+  // where there is none); glTF and AC3D are y-up by their specifications; OBJ, PLY, STL and the rest, which cannot say,
+  // are taken as z-up.
+  std::optional<char> up = std::nullopt;
+  AlphaUse alpha = AlphaUse::Auto;
   bool textures = true;  // false: only textures with alpha are loaded
 };
 
 struct Asset {
   std::filesystem::path file;
+  char up = 'z';  // the up axis of the file's coordinates: AssetOptions::up, or else what the file says
   std::vector<AssetPart> parts;
   Dropped dropped;  // triangles with indices out of range are dropped here; the rest is left to clean()
 };
 
 // Throws InputError that names the file and what is wrong (absent, empty, truncated, no triangles, unknown kind).
 // Missing textures are one warning each and leave the material's plain colour. Lines and points are left out silently.
-// `glTF` is always y-up and in metres by its specification: readAsset honours that where the caller passes up = 'y'.
 Asset readAsset(const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill

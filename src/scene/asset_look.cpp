@@ -16,6 +16,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "images/images.h"
+#include "scene/asset_alpha.h"
 #include "scene/gltf.h"
 #include "scene/texture.h"
 
@@ -43,7 +45,8 @@ class LookReader {
   LookReader(const aiScene& scene, const std::filesystem::path& file, bool gltf, const AssetOptions& options)
       : scene_(scene), file_(file), gltf_(gltf), options_(options) {}
 
-  AssetLook read(const aiMaterial& material) const {
+  AssetLook read(unsigned index) const {
+    const aiMaterial& material = *scene_.mMaterials[index];
     AssetLook look;
     look.material.name = text(material, AI_MATKEY_NAME);
     const bool made = look.material.name == AI_DEFAULT_MATERIAL_NAME || &material == gltfDefault();
@@ -58,9 +61,13 @@ class LookReader {
     look.uvChannel = color.name.empty() ? opacity.uvChannel : color.uvChannel;
 
     const aiColor4D factor = baseColor(material);
-    const Alpha alpha = alphaRule(material, factor);
+    Alpha alpha = alphaRule(material, factor, opacity);
     std::shared_ptr<const Texture> image;
     if (!color.name.empty() && (options_.textures || alpha.wanted)) image = load(color, !options_.textures);
+    if (image && alpha.wanted && !alpha.declared && !isCutOut(measureAlpha(scene_, index, look.uvChannel, *image))) {
+      alpha.wanted = false;
+      if (!options_.textures) image.reset();
+    }
     const bool colored = image != nullptr;
     // A map that names the colour's own file means that file's alpha, which the image has already.
     if (alpha.wanted && !opacity.name.empty() && opacity.name != color.name) {
@@ -87,7 +94,8 @@ class LookReader {
   };
 
   struct Alpha {
-    bool wanted = false;  // the file asks for the texture's alpha to be honoured
+    bool wanted = false;   // the texture's alpha is honoured,
+    bool declared = true;  // whatever it looks like
     float cutoff = 0.5f;
   };
 
@@ -133,14 +141,19 @@ class LookReader {
     return {fraction(color.r, 1), fraction(color.g, 1), fraction(color.b, 1), fraction(color.a, 1)};
   }
 
-  Alpha alphaRule(const aiMaterial& material, const aiColor4D& factor) const {
-    if (!gltf_) return {true, 0.5f};
+  Alpha alphaRule(const aiMaterial& material, const aiColor4D& factor, const Map& opacityMap) const {
+    if (options_.alpha == AlphaUse::Ignore) return {};
+    const bool asked = options_.alpha == AlphaUse::Test;
+    if (!gltf_) {
+      // 0 would hide the material: it comes from exporters that take the number for the opposite.
+      const float opacity = number(material, AI_MATKEY_OPACITY, 1.0f);
+      return {true, asked || !opacityMap.name.empty() || (opacity > 0 && opacity < 1), 0.5f};
+    }
     const std::string mode = text(material, AI_MATKEY_GLTF_ALPHAMODE);
-    if (mode == "BLEND") return {true, 0.5f};
-    if (mode != "MASK") return {};
+    if (mode != "MASK") return {asked || mode == "BLEND", true, 0.5f};
     // The factor's alpha multiplies the texture's before the comparison.
     const float cutoff = number(material, AI_MATKEY_GLTF_ALPHACUTOFF, 0.5f);
-    return {true, factor.a > 0 && std::isfinite(cutoff) ? cutoff / factor.a : 1.0f};
+    return {true, true, factor.a > 0 && std::isfinite(cutoff) ? cutoff / factor.a : 1.0f};
   }
 
   // Null, with a warning, where the image is missing or broken; null where only alpha is wanted and there is none.
@@ -259,7 +272,7 @@ std::vector<AssetLook> readLooks(const aiScene& scene, const std::filesystem::pa
                                  const AssetOptions& options) {
   const LookReader reader(scene, file, gltf, options);
   std::vector<AssetLook> looks;
-  for (unsigned i = 0; i < scene.mNumMaterials; ++i) looks.push_back(reader.read(*scene.mMaterials[i]));
+  for (unsigned i = 0; i < scene.mNumMaterials; ++i) looks.push_back(reader.read(i));
   return looks;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "config/fields.h"
+#include "config/file_kind.h"
 
 namespace scanmill {
 namespace {
@@ -38,6 +39,7 @@ MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthN
     throw InputError(fmt::format("materials are known at 850, 905 and 1064 nm, not at {} nm", wavelengthNm));
   }
   const Value root = readYaml(path);
+  expectKind(root, FileKind::Materials);
   Fields f(root, "material table");
   f.text("name", "");
   const Value& list = f.require("materials");

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "config/fields.h"
+#include "config/file_kind.h"
 
 namespace scanmill {
 namespace {
@@ -66,12 +67,13 @@ const SemanticClass& Ontology::require(std::string_view nameOrAlias, const Locat
 
 Ontology readOntology(const std::filesystem::path& path) {
   const Value root = readYaml(path);
+  expectKind(root, FileKind::Ontology);
   Fields f(root, "ontology");
+  f.also({"name", "source", "classes"}).finish();
   Ontology ontology;
   ontology.name = f.text("name", path.stem().string());
   ontology.source = f.text("source", "");
   const Value& list = f.require("classes");
-  f.finish();
   if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "classes must be a list of classes");
 
   std::set<std::uint16_t> ids;

@@ -1,12 +1,44 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace scanmill {
 
-// Checks the header of a PLY file, since the importer loops for ever on one that ends early and believes every count.
-// Throws InputError that names the file and what is wrong: no end_header, an unknown line or type, more elements than
-// the file has room for.
-void checkPlyHeader(const std::filesystem::path& file);
+struct PlyType {
+  enum class Kind { Unsigned, Signed, Float };
+
+  Kind kind = Kind::Unsigned;
+  std::uint64_t size = 0;  // bytes in a binary file
+};
+
+struct PlyProperty {
+  PlyType count{};  // of a list; its size is 0 where the property is a single value
+  PlyType value{};
+
+  bool isList() const { return count.size > 0; }
+};
+
+struct PlyElement {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<PlyProperty> properties{};
+};
+
+struct PlyHeader {
+  enum class Format { Ascii, LittleEndian, BigEndian };
+
+  Format format = Format::Ascii;
+  std::vector<PlyElement> elements;
+  std::uint64_t size = 0;  // bytes of the header
+  int lines = 0;
+  bool isMac = false;  // lines end with a carriage return alone
+};
+
+// Throws InputError that names the file, the line and what is wrong: no end_header, an unknown line or type, more
+// elements than the file has bytes.
+PlyHeader readPlyHeader(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -94,7 +94,7 @@ bool matchesGlob(std::string_view pattern, std::string_view text) {
 std::string readPattern(Fields& match, std::string_view key) {
   const Value* value = match.find(key);
   if (!value) return {};
-  const std::string pattern = readText(*value, key);
+  std::string pattern = readText(*value, key);
   if (pattern.empty()) {
     throw InputError(value->where, fmt::format("the pattern of '{}' is empty; leave it out, or write \"*\"", key));
   }

@@ -64,6 +64,7 @@ struct Scene {
   std::string name;
   std::uint64_t seed = 0;
   std::filesystem::path file;
+  bool procedural = false;  // some of it follows from the seed
   Ontology ontology;
   std::vector<Material> materials;  // index 0 is the default material
   std::vector<Mesh> meshes;

@@ -1,7 +1,7 @@
 // A scene file, scenes/*.yaml:
 //
 //   name: town                           # default: the file's name
-//   ontology: ../labels/scanmill.yaml    # relative to this file, as all paths
+//   ontology: ../labels/scanmill.yaml    # relative to this file, as all paths; or one of the program's own: scanmill
 //   materials: ../labels/materials.yaml
 //   assets: ${SCANMILL_ASSETS}/town      # where relative `file`s start; default: this file's folder
 //   rules: [{match: {node: "Road*"}, class: road, material: asphalt}, ...]
@@ -10,13 +10,22 @@
 // An object is one of
 //
 //   file: car.glb                        # an asset
-//   up: y                                # the file's up axis, x, y or z; default y for .gltf, .glb, .dae, .fbx and .ac
-//                                        # (the importer turns COLLADA and FBX, which name their axis, to y), else z
-//   unit: 0.01                           # metres per unit of the file; default 1
+//   up: y                                # the up axis of the file's coordinates, x, y or z, whatever it declares.
+//                                        # Without this key: as COLLADA and FBX declare, y for glTF and AC3D, z for
+//                                        # OBJ, PLY, STL and all others
+//   unit: 0.01                           # metres per unit of the file; default 1; COLLADA and FBX declare theirs, and
+//                                        # this is a factor on top
+//   alpha: auto                          # whether beams pass where a base colour's alpha is below 0.5: test (yes),
+//                                        # ignore (no: all is solid), auto (default: as the file's materials declare;
+//                                        # where they do not, what looks like cut-outs: see AlphaUse in scene/asset.h)
 //   instances: node                      # node: each node with a thing class is a thing of its own;
 //                                        # object (default): the placed asset is one thing
-//   rules: [...]                         # tried before the scene's
-//   class: car, material: car_paint      # for all that the object's own rules leave, before the scene's rules
+//   rules: [...]                         # see scene/rules.h; what match: {file: ...} sees is `file` as written here
+//   class: car, material: car_paint      # one more rule, which fits everything
+//
+//   The class of a part comes from the first that fits and names one, of: the object's rules in their order, the
+//   object's class, the scene's rules in their order. So does the material. Hence an object's class hides the classes
+//   of all the scene's rules, but not their materials, unless the object has a material too.
 //
 //   primitive: box                       # class and material are required. Centred at the origin, in metres:
 //   size: [x, y, z]                      #   box; plane: [x, y] at z = 0, facing up, cut into cells x cells
@@ -32,6 +41,7 @@
 #include <algorithm>
 #include <map>
 
+#include "config/file_kind.h"
 #include "scene/asset.h"
 #include "scene/builder.h"
 #include "scene/labelling.h"
@@ -57,12 +67,18 @@ class SceneReader {
     Fields f(value, "object");
     const bool kinds[] = {f.has("file"), f.has("primitive"), f.has("street")};
     if (std::count(std::begin(kinds), std::end(kinds), true) != 1) {
+      f.also({"file",     "primitive", "street", "name",  "position", "yaw_deg", "pitch_deg", "roll_deg",
+              "rotation", "scale",     "copies", "up",    "unit",     "alpha",   "instances", "rules",
+              "class",    "material",  "size",   "cells", "radius",   "height",  "segments"})
+          .finish();
       throw InputError(value.where, "an object is exactly one of file, primitive and street");
     }
     if (kinds[0]) return readFileObject(f);
     if (kinds[1]) return readPrimitive(f);
     readStreet(f);
   }
+
+  bool procedural() const { return streets_ > 0; }
 
  private:
   void placeAll(std::uint32_t mesh, const std::string& name, const Placement& placement, const Location& where) {
@@ -86,7 +102,9 @@ class SceneReader {
     AssetOptions asset;
     asset.textures = options_.textures;
     asset.metresPerUnit = f.number("unit", {1e-9, 1e9}, 1.0);
-    asset.up = f.choice("up", {"x", "y", "z"}, defaultUp(file))[0];
+    if (f.has("up")) asset.up = f.choice("up", {"x", "y", "z"}, "")[0];
+    const std::string alpha = f.choice("alpha", {"auto", "ignore", "test"}, "auto");
+    if (alpha != "auto") asset.alpha = alpha == "test" ? AlphaUse::Test : AlphaUse::Ignore;
     labelling.perNode = f.choice("instances", {"object", "node"}, "object") == "node";
     labelling.rules = rulesOf(f);
     const std::string name = f.text("name", file.stem().string());
@@ -133,24 +151,17 @@ class SceneReader {
 
   std::filesystem::path assetPath(const std::string& name, const Value& value) const {
     if (name.empty()) throw InputError(value.where, "file is empty");
-    if (assetFolder_.empty() || std::filesystem::path(name).is_absolute()) return resolvePath(value.where, name);
+    if (assetFolder_.empty() || std::filesystem::path(name).is_absolute()) return resolvePath(value, name);
     return assetFolder_ / name;
-  }
-
-  static std::string defaultUp(const std::filesystem::path& file) {
-    std::string kind = file.extension().string();
-    std::transform(kind.begin(), kind.end(), kind.begin(),
-                   [](char c) { return 'A' <= c && c <= 'Z' ? char(c + 32) : c; });
-    const auto yUp = {".gltf", ".glb", ".dae", ".fbx", ".ac"};
-    return std::find(yUp.begin(), yUp.end(), kind) != yUp.end() ? "y" : "z";
   }
 
   // Objects with equal keys share a mesh.
   static std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset, const Labelling& labelling) {
     std::error_code ignored;
     const std::filesystem::path canonical = std::filesystem::weakly_canonical(file, ignored);
-    std::string key = fmt::format("{}\n{}\n{}\n{}\n{}", (ignored ? file : canonical).string(), labelling.file,
-                                  asset.metresPerUnit, asset.up, labelling.perNode);
+    std::string key =
+        fmt::format("{}\n{}\n{}\n{}\n{}\n{}", (ignored ? file : canonical).string(), labelling.file,
+                    asset.metresPerUnit, asset.up.value_or('-'), static_cast<int>(asset.alpha), labelling.perNode);
     for (const Rule& r : labelling.rules) {
       for (const std::string* text : {&r.node, &r.material, &r.texture, &r.file, &r.className, &r.materialName}) {
         key += fmt::format("\n{}:{}", text->size(), *text);
@@ -260,25 +271,27 @@ class SceneReader {
 
 Scene readScene(const std::filesystem::path& path, const SceneOptions& options) {
   const Value root = readYaml(path);
+  expectKind(root, FileKind::Scene);
   Fields f(root, "scene");
+  f.also({"name", "ontology", "materials", "assets", "rules", "objects"}).finish();
   const std::string name = f.text("name", path.stem().string());
-  const std::filesystem::path ontology = f.path("ontology");
-  const std::filesystem::path materials = f.path("materials");
+  f.text("ontology");
+  const std::filesystem::path ontology = options.ontology.empty() ? f.resource("ontology", "labels") : options.ontology;
+  const std::filesystem::path materials = f.resource("materials", "labels");
   const std::filesystem::path assets = f.optionalPath("assets").value_or(std::filesystem::path());
   std::vector<Rule> rules;
   if (const Value* value = f.find("rules")) rules = readRules(*value);
   const Value& objects = f.require("objects");
-  f.finish();
   if (objects.kind != Value::Kind::Sequence || objects.items.empty()) {
     throw InputError(objects.where, "objects must be a list of at least one object");
   }
 
-  SceneBuilder builder(name, options.seed, readOntology(options.ontology.empty() ? ontology : options.ontology),
-                       readMaterials(materials, options.wavelengthNm));
+  SceneBuilder builder(name, options.seed, readOntology(ontology), readMaterials(materials, options.wavelengthNm));
   SceneReader reader(builder, options, std::move(rules), assets);
   for (const Value& object : objects.items) reader.readObject(object);
   Scene scene = builder.finish();
   scene.file = path;
+  scene.procedural = reader.procedural();
   return scene;
 }
 

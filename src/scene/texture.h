@@ -12,16 +12,12 @@
 
 namespace scanmill {
 
-// Reads PNG, JPEG, WebP, TGA, SGI, BMP, TIFF, EXR and what else OpenImageIO knows. A path is decoded once as long as
-// somebody holds its texture, from any thread. Throws InputError that names the file: absent, not an image, truncated,
-// wider or higher than 16384.
+// Reads what images/images.h reads, and throws what it throws. A path is decoded once as long as somebody holds its
+// texture, from any thread.
 std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path);
 
 // The same for an image inside another file; `name` stands for it in messages and in Texture::file.
 std::shared_ptr<const Texture> decodeTexture(std::string_view bytes, const std::string& name);
-
-// Whether the file's header speaks of an alpha channel; true where the header cannot be read.
-bool mayHaveAlpha(const std::filesystem::path& path);
 
 // The colour with the alpha of an opacity map: the map's own alpha where it has one, its brightness elsewhere. Without
 // a colour, white. The larger of the two sizes; the other is sampled at the nearest texel.

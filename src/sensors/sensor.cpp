@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "config/fields.h"
+#include "config/file_kind.h"
 
 namespace scanmill {
 
@@ -21,6 +22,12 @@ double readCount(const Value& value, std::string_view what) {
     throw InputError(value.where, fmt::format("{} must be a whole number, not {}", what, value.text));
   }
   return count;
+}
+
+Fields& alsoSensorKeys(Fields& fields) {
+  return fields.also({"model", "source", "columns", "rate_hz", "direction", "first_azimuth_deg", "field_deg",
+                      "elevation_deg", "ring_order", "azimuth_offset_deg", "origin_offset_m", "origin_height_m",
+                      "firing_time_us", "range_m"});
 }
 
 void refuseUnlessElevations(const Value& value) {
@@ -54,7 +61,7 @@ std::vector<double> uniformElevations(const Value& value, std::uint32_t rings, c
 }
 
 std::vector<double> listedElevations(const Value& value, const std::string& order) {
-  const std::vector<double> elevation = readNumbers(value, "elevation_deg", {-90, 90});
+  std::vector<double> elevation = readNumbers(value, "elevation_deg", {-90, 90});
   for (std::size_t ring = 1; ring < elevation.size() && order != "unordered"; ++ring) {
     const bool above = elevation[ring] > elevation[ring - 1];
     const bool below = elevation[ring] < elevation[ring - 1];
@@ -133,20 +140,25 @@ void readRange(Fields& fields, BeamTable& table) {
 
 Value resolveSensor(const Value& value) {
   Fields fields(value, "sensor");
+  fields.also({"name", "preset", "mount"});
+  alsoSensorKeys(fields).finish();
   Value merged;
   merged.kind = Value::Kind::Map;
   merged.where = value.where;
-  if (const Value* preset = fields.find("preset")) {
-    const Value file = readYaml(resolvePath(preset->where, readText(*preset, "preset")));
+  if (fields.has("preset")) {
+    const Value file = readYaml(fields.resource("preset", "pipelines/sensors"));
     if (file.kind == Value::Kind::Null) throw InputError(file.where, "the sensor preset is empty");
-    merged.entries = Fields(file, "sensor preset").value().entries;
+    expectKind(file, FileKind::Sensor);
+    Fields keys(file, "sensor preset");
+    alsoSensorKeys(keys).finish();
+    merged.entries = file.entries;
   }
   for (const auto& entry : value.entries) {
-    if (entry.first == "name" || entry.first == "preset" || entry.first == "mount") continue;
+    if (entry.key == "name" || entry.key == "preset" || entry.key == "mount") continue;
     const auto old = std::find_if(merged.entries.begin(), merged.entries.end(),
-                                  [&](const auto& other) { return other.first == entry.first; });
+                                  [&](const auto& other) { return other.key == entry.key; });
     if (old != merged.entries.end()) {
-      old->second = entry.second;
+      old->value = entry.value;
     } else {
       merged.entries.push_back(entry);
     }
@@ -156,6 +168,7 @@ Value resolveSensor(const Value& value) {
 
 SensorSize sensorSize(const Value& value) {
   Fields fields(value, "sensor");
+  alsoSensorKeys(fields).finish();
   const Value& columnValue = fields.require("columns");
   const Value& elevation = fields.require("elevation_deg");
   refuseUnlessElevations(elevation);
@@ -210,7 +223,6 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& value) {
   table->originOffset = fields.number("origin_offset_m", {0, 10}, 0);
   table->originHeight = fields.number("origin_height_m", {-10, 10}, 0);
   readRange(fields, *table);
-  fields.finish();
 
   fillBeams(*table);
   return table;

@@ -100,6 +100,7 @@ double Trajectory::pathLength() const {
 
 Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod) {
   Fields fields(value, "trajectory");
+  fields.also({"name", "poses", "waypoints", "speed", "every_s", "every_m", "frames"}).finish();
   Trajectory result;
   result.name_ = fields.text("name", name);
   const double limit =
@@ -109,9 +110,15 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
     if (fields.has("waypoints")) {
       throw InputError(fields.require("waypoints").where, "a trajectory has either poses or waypoints, not both");
     }
+    for (const char* key : {"speed", "every_m"}) {
+      if (const Value* moving = fields.find(key)) {
+        throw InputError(moving->where, fmt::format("{} is for waypoints: the vehicle stands still in each of `poses`, "
+                                                    "which are every_s apart",
+                                                    key));
+      }
+    }
     result.poses_ = readPoses(fields.require("poses"));
     result.interval_ = fields.number("every_s", kStep, fallbackPeriod);
-    fields.finish();
     result.frames_ = static_cast<std::uint32_t>(std::min(static_cast<double>(result.poses_.size()), limit));
     return result;
   }
@@ -131,7 +138,6 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
   }
   result.interval_ = fields.has("every_m") ? fields.number("every_m", kStep) / result.speed_
                                            : fields.number("every_s", kStep, fallbackPeriod);
-  fields.finish();
   const double length = result.path_->length();
   result.frames_ = countFrames(length / result.speed_, result.interval_, length, result.speed_, limit, waypoints.where);
   return result;

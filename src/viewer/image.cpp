@@ -1,14 +1,9 @@
 #include "viewer/image.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
-#include "base/error.h"
+#include "images/images.h"
 
 namespace scanmill {
 
@@ -35,19 +30,8 @@ void paste(Image& image, const Image& source, int x, int y) {
 }
 
 std::string encodePng(const Image& image) {
-  const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create("png");
-  if (!out) throw Error(fmt::format("no PNG writer: {}", OIIO::geterror()));
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput memory(bytes);
-  OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
-  spec.attribute("png:compressionLevel", 9);
-  spec.attribute("png:filter", 8);  // none: splats have no gradients, and become a quarter smaller without
-  spec.attribute("DateTime", "1970:01:01 00:00:00");  // else the writer takes the clock
-  if (!out->set_ioproxy(&memory) || !out->open("picture.png", spec) ||
-      !out->write_image(OIIO::TypeDesc::UINT8, image.pixels.data()) || !out->close()) {
-    throw Error(fmt::format("the PNG could not be encoded: {}", out->geterror()));
-  }
-  return {bytes.begin(), bytes.end()};
+  static_assert(sizeof(Rgb) == 3);
+  return encodePng(reinterpret_cast<const std::uint8_t*>(image.pixels.data()), image.width, image.height);
 }
 
 }  // namespace scanmill

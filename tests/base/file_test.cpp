@@ -14,6 +14,7 @@
 #include <iterator>
 
 #include "base/error.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -32,16 +33,6 @@ std::size_t entries(const std::filesystem::path& folder) {
   return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
 }
 
-template <class Action>
-std::string messageOf(const Action& action) {
-  try {
-    action();
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "no error";
-}
-
 TEST(ReadFile, GivesAllBytes) {
   const TemporaryFolder folder;
   std::string bytes;
@@ -54,9 +45,10 @@ TEST(ReadFile, RefusesWhatIsNoFile) {
   const TemporaryFolder folder;
   const std::filesystem::path absent = folder.path() / "absent";
   EXPECT_THROW(readFile(absent), InputError);
-  EXPECT_THAT(messageOf([&] { readFile(absent); }),
+  EXPECT_THAT(messageOf<Error>([&] { readFile(absent); }),
               AllOf(StartsWith(absent.string() + ": "), HasSubstr("No such file")));
-  EXPECT_THAT(messageOf([&] { readFile(folder.path()); }), StartsWith(folder.path().string() + ": is not a file"));
+  EXPECT_THAT(messageOf<Error>([&] { readFile(folder.path()); }),
+              StartsWith(folder.path().string() + ": is not a file"));
   EXPECT_THROW(readFile(""), InputError);
   EXPECT_THROW(readFile("/dev/zero"), InputError);
   const std::filesystem::path pipe = folder.path() / "pipe";
@@ -104,13 +96,13 @@ TEST(AtomicFile, ReplacesAWholeFile) {
 TEST(AtomicFile, NamesThePathItCannotWrite) {
   const TemporaryFolder folder;
   const std::filesystem::path inNoFolder = folder.path() / "absent" / "a.txt";
-  EXPECT_THAT(messageOf([&] { writeFile(inNoFolder, "x"); }),
+  EXPECT_THAT(messageOf<Error>([&] { writeFile(inNoFolder, "x"); }),
               AllOf(StartsWith(inNoFolder.string() + ": cannot be written: "), HasSubstr("No such file")));
-  EXPECT_THAT(messageOf([&] { AtomicFile file(folder.path()); }), StartsWith(folder.path().string()));
+  EXPECT_THAT(messageOf<Error>([&] { AtomicFile file(folder.path()); }), StartsWith(folder.path().string()));
 }
 
 TEST(AtomicFile, NeverReplacesADevice) {
-  EXPECT_THAT(messageOf([] { AtomicFile file("/dev/full"); }), StartsWith("/dev/full: cannot be written"));
+  EXPECT_THAT(messageOf<Error>([] { AtomicFile file("/dev/full"); }), StartsWith("/dev/full: cannot be written"));
   struct stat status {};
   ASSERT_EQ(::stat("/dev/full", &status), 0);
   EXPECT_TRUE(S_ISCHR(status.st_mode));
@@ -126,7 +118,7 @@ TEST(AtomicFile, AFailedWriteLeavesTheOldFile) {
   rlimit small = before;
   small.rlim_cur = 4096;
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
-  const std::string message = messageOf([&] { writeFile(path, std::string(100'000, 'x')); });
+  const std::string message = messageOf<Error>([&] { writeFile(path, std::string(100'000, 'x')); });
   ::setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
   EXPECT_EQ(message, path.string() + ": cannot be written: File too large");
@@ -142,7 +134,7 @@ int writeToFullDisk(const std::filesystem::path& folder) {
   if (::mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=64k") != 0) return kCannotMount;
   const std::filesystem::path path = folder / "a.bin";
   writeFile(path, "old");
-  const std::string message = messageOf([&] { writeFile(path, std::string(1 << 20, 'x')); });
+  const std::string message = messageOf<Error>([&] { writeFile(path, std::string(1 << 20, 'x')); });
   if (message != path.string() + ": cannot be written: No space left on device") return 1;
   if (content(path) != "old") return 2;
   return entries(folder) == 1 ? 0 : 3;

@@ -127,10 +127,10 @@ class BadInput : public SmallWorld {
 
 TEST_F(BadInput, Yaml) {
   folder_.write("ontology.yaml", kOntology);
-  folder_.write("materials.yaml", readFile(SCANMILL_SOURCE_DIR "/labels/materials.yaml"));
+  folder_.write("paints.yaml", readFile(SCANMILL_SOURCE_DIR "/labels/materials.yaml"));
   folder_.write("sensor.yaml", "model: tiny\ncolumns: 64\nrate_hz: 10\nelevation_deg: [5, 0, -5]\nrange_m: [1, 50]\n");
   folder_.write("scene.yaml",
-                "ontology: ontology.yaml\nmaterials: materials.yaml\nobjects:\n"
+                "ontology: ontology.yaml\nmaterials: paints.yaml\nobjects:\n"
                 "  - {name: floor, primitive: plane, size: [100, 100], class: ground, material: concrete}\n"
                 "  - {name: car, primitive: box, size: [4, 2, 2], class: car, material: painted_metal}\n");
   folder_.write("small.yaml",
@@ -139,7 +139,7 @@ TEST_F(BadInput, Yaml) {
                 "output: {formats: [pcd]}\n");
   EXPECT_EQ(scanmill({"generate", at("small.yaml"), "-q", "-o", at("whole")}).code, 0);
   std::filesystem::remove_all(at("whole"));
-  for (const std::string file : {"small.yaml", "scene.yaml", "ontology.yaml", "materials.yaml", "sensor.yaml"}) {
+  for (const std::string file : {"small.yaml", "scene.yaml", "ontology.yaml", "paints.yaml", "sensor.yaml"}) {
     std::vector<Damage> damages = damagesOf(file, true);
     damages.push_back({"list", file, [](const std::string&) { return std::string("[1, 2]\n"); }, false});
     damages.push_back({"unknown key", file, [](const std::string& s) { return s + "zzz: 1\n"; }, false});

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "tests/config/error_of.h"
+#include "tests/support/message_of.h"
 
 namespace scanmill {
 namespace {
@@ -40,35 +40,35 @@ TEST(ReadNumber, RefusesWhatOnlySomeReadAsANumber) {
        {"0x10", "0o17", "017",   "-007", "00.5",   "inf", "-inf", ".inf",  "nan",      ".nan", "1_000",
         "1,5",  "1.5m", "1e",    "e3",   ".",      "-",   "+",    "+-1",   "--1",      "1 2",  "1e999",
         "''",   "'1'",  "\"1\"", "[1]",  "{a: 1}", "~",   "true", "1.2.3", "infinity", "0b1",  "1:30"}) {
-    EXPECT_THAT(errorOf([&] { number(bad); }), AllOf(StartsWith("pipelines/x.yaml:1:1: n must be a number"))) << bad;
+    EXPECT_THAT(messageOf([&] { number(bad); }), AllOf(StartsWith("pipelines/x.yaml:1:1: n must be a number"))) << bad;
   }
-  EXPECT_THAT(errorOf([] { number("'1'"); }), HasSubstr("not '1' in quotes"));
+  EXPECT_THAT(messageOf([] { number("'1'"); }), HasSubstr("not '1' in quotes"));
 }
 
 TEST(ReadNumber, MessagesTellRangeAndFinding) {
   const Value root = yaml("sensor:\n  name: x\n  rate_hz: abc\n");
   Fields fields(*root.find("sensor"), "sensor");
-  EXPECT_EQ(errorOf([&] {
+  EXPECT_EQ(messageOf([&] {
               fields.number("rate_hz", {0.01, 1000}, 10.0);
             }),
             "pipelines/x.yaml:3:12: sensor: rate_hz must be a number from 0.01 to 1000, not 'abc'");
-  EXPECT_EQ(errorOf([] {
+  EXPECT_EQ(messageOf([] {
               number("-1", {0, INFINITY});
             }),
             "pipelines/x.yaml:1:1: n must be a number of at least 0, not '-1'");
-  EXPECT_EQ(errorOf([] {
+  EXPECT_EQ(messageOf([] {
               number("9", {-INFINITY, 2.5});
             }),
             "pipelines/x.yaml:1:1: n must be a number of at most 2.5, not '9'");
-  EXPECT_EQ(errorOf([] { number("[1, 2]"); }), "pipelines/x.yaml:1:1: n must be a number, not a list of 2");
-  EXPECT_EQ(errorOf([] { number(""); }), "pipelines/x.yaml:1:1: n must be a number, not nothing");
-  EXPECT_LT(errorOf([] { number(std::string(100'000, 'x')); }).size(), 150u);
+  EXPECT_EQ(messageOf([] { number("[1, 2]"); }), "pipelines/x.yaml:1:1: n must be a number, not a list of 2");
+  EXPECT_EQ(messageOf([] { number(""); }), "pipelines/x.yaml:1:1: n must be a number, not nothing");
+  EXPECT_LT(messageOf([] { number(std::string(100'000, 'x')); }).size(), 150u);
 }
 
 TEST(ReadNumber, BothEndsOfTheRangeAreIn) {
   EXPECT_EQ(number("0.01", {0.01, 1000}), 0.01);
   EXPECT_EQ(number("1000", {0.01, 1000}), 1000);
-  EXPECT_NE(errorOf([] { number("1000.0000001", {0.01, 1000}); }), "no error");
+  EXPECT_NE(messageOf([] { number("1000.0000001", {0.01, 1000}); }), "accepted");
 }
 
 TEST(ReadInteger, AcceptsWholeNumbersOfAllSizes) {
@@ -81,9 +81,9 @@ TEST(ReadInteger, AcceptsWholeNumbersOfAllSizes) {
   EXPECT_EQ(read("-9223372036854775808"), std::numeric_limits<std::int64_t>::min());
   EXPECT_EQ(read("9223372036854775807"), std::numeric_limits<std::int64_t>::max());
   for (const char* bad : {"9223372036854775808", "1.0", "1e3", "0x1", "010", "1_000", "'3'", "~", "[3]", "-", "+-1"}) {
-    EXPECT_THAT(errorOf([&] { read(bad); }), HasSubstr("n must be a whole number, not")) << bad;
+    EXPECT_THAT(messageOf([&] { read(bad); }), HasSubstr("n must be a whole number, not")) << bad;
   }
-  EXPECT_EQ(errorOf([] { readInteger(yaml("4097"), "rings", 1, 4096); }),
+  EXPECT_EQ(messageOf([] { readInteger(yaml("4097"), "rings", 1, 4096); }),
             "pipelines/x.yaml:1:1: rings must be a whole number from 1 to 4096, not '4097'");
 }
 
@@ -91,25 +91,27 @@ TEST(ReadBool, OnlyTrueAndFalse) {
   EXPECT_TRUE(readBool(yaml("true"), "b"));
   EXPECT_FALSE(readBool(yaml("false"), "b"));
   for (const char* bad : {"yes", "on", "1", "True", "'true'", "~", "[true]"}) {
-    EXPECT_THAT(errorOf([&] { readBool(yaml(bad), "b"); }), HasSubstr("b must be true or false, not")) << bad;
+    EXPECT_THAT(messageOf([&] { readBool(yaml(bad), "b"); }), HasSubstr("b must be true or false, not")) << bad;
   }
 }
 
 TEST(ReadText, TakesScalarsOnly) {
   EXPECT_EQ(readText(yaml("12"), "t"), "12");
   EXPECT_EQ(readText(yaml("''"), "t"), "");
-  EXPECT_EQ(errorOf([] { readText(yaml("{a: 1}"), "t"); }), "pipelines/x.yaml:1:1: t must be text, not a map");
-  EXPECT_THAT(errorOf([] { readText(yaml("~"), "t"); }), HasSubstr("t must be text, not nothing"));
+  EXPECT_EQ(messageOf([] { readText(yaml("{a: 1}"), "t"); }), "pipelines/x.yaml:1:1: t must be text, not a map");
+  EXPECT_THAT(messageOf([] { readText(yaml("~"), "t"); }), HasSubstr("t must be text, not nothing"));
 }
 
 TEST(ReadVectors, NameTheItem) {
   EXPECT_EQ(readVec3(yaml("[1, -2.5, 1e7]"), "v"), (Vec3d{1, -2.5, 1e7}));
-  EXPECT_THAT(errorOf([] { readVec3(yaml("[1, 2]"), "v"); }), HasSubstr("v must be a list of three numbers [x, y, z]"));
-  EXPECT_EQ(errorOf([] { readVec3(yaml("[1, x, 3]"), "v"); }), "pipelines/x.yaml:1:5: v[1] must be a number, not 'x'");
+  EXPECT_THAT(messageOf([] { readVec3(yaml("[1, 2]"), "v"); }),
+              HasSubstr("v must be a list of three numbers [x, y, z]"));
+  EXPECT_EQ(messageOf([] { readVec3(yaml("[1, x, 3]"), "v"); }),
+            "pipelines/x.yaml:1:5: v[1] must be a number, not 'x'");
   EXPECT_THAT(readNumbers(yaml("[3, 1]"), "l"), ElementsAre(3, 1));
   EXPECT_THAT(readNumbers(yaml("[]"), "l"), IsEmpty());
-  EXPECT_THAT(errorOf([] { readNumbers(yaml("[0, 91]"), "l", {-90, 90}); }), HasSubstr("l[1] must be a number from"));
-  EXPECT_THAT(errorOf([] { readNumbers(yaml("3"), "l"); }), HasSubstr("l must be a list of numbers, not '3'"));
+  EXPECT_THAT(messageOf([] { readNumbers(yaml("[0, 91]"), "l", {-90, 90}); }), HasSubstr("l[1] must be a number from"));
+  EXPECT_THAT(messageOf([] { readNumbers(yaml("3"), "l"); }), HasSubstr("l must be a list of numbers, not '3'"));
 }
 
 TEST(Nearest, FindsSlipsOfThePen) {
@@ -165,8 +167,8 @@ TEST(Fields, ReadsEveryType) {
 TEST(Fields, RequiredKeysAreNamedWithThePlaceOfTheMap) {
   const Value root = yaml("a: 1\nsensor:\n  rings: 4\n  name:\n");
   Fields f(*root.find("sensor"), "sensor");
-  EXPECT_EQ(errorOf([&] { f.number("rate_hz", {}); }), "pipelines/x.yaml:3:3: sensor: the key 'rate_hz' is missing");
-  EXPECT_THAT(errorOf([&] { f.text("name"); }), StartsWith("pipelines/x.yaml:4:3: sensor: name must be text"));
+  EXPECT_EQ(messageOf([&] { f.number("rate_hz", {}); }), "pipelines/x.yaml:3:3: sensor: the key 'rate_hz' is missing");
+  EXPECT_THAT(messageOf([&] { f.text("name"); }), StartsWith("pipelines/x.yaml:4:3: sensor: name must be text"));
 }
 
 TEST(Fields, NullCountsAsAbsent) {
@@ -187,9 +189,9 @@ TEST(Fields, NullCountsAsAbsent) {
 TEST(Fields, WantsAMap) {
   const Value list = yaml("[1]");
   const Value word = yaml("word");
-  EXPECT_EQ(errorOf([&] { Fields(list, "sensor"); }),
+  EXPECT_EQ(messageOf([&] { Fields(list, "sensor"); }),
             "pipelines/x.yaml:1:1: sensor must be a map of keys and values, not a list");
-  EXPECT_THAT(errorOf([&] { Fields(word, "sensor"); }), HasSubstr("not 'word'"));
+  EXPECT_THAT(messageOf([&] { Fields(word, "sensor"); }), HasSubstr("not 'word'"));
 }
 
 TEST(Fields, UnknownKeysAreRefusedWithTheNearest) {
@@ -198,14 +200,14 @@ TEST(Fields, UnknownKeysAreRefusedWithTheNearest) {
   f.integer("rings", 1, 4096);
   f.number("rate_hz", {0.01, 1000}, 10.0);
   f.text("name", "");
-  EXPECT_EQ(errorOf([&] { f.finish(); }),
+  EXPECT_EQ(messageOf([&] { f.finish(); }),
             "pipelines/x.yaml:3:1: sensor: unknown key 'rat_hz' (did you mean 'rate_hz'?)");
   const Value other = yaml("rings: 4\n  \nweather: {fog: 1}\n");
   Fields g(other, "sensor");
   g.has("weather");
   g.integer("rings", 1, 4096);
   g.text("name", "");
-  EXPECT_EQ(errorOf([&] { g.finish(); }), "pipelines/x.yaml:3:1: sensor: unknown key 'weather' (known: rings, name)");
+  EXPECT_EQ(messageOf([&] { g.finish(); }), "pipelines/x.yaml:3:1: sensor: unknown key 'weather' (known: rings, name)");
 }
 
 TEST(Fields, UnknownKeysFromTheCommandLineNameTheOption) {
@@ -214,17 +216,17 @@ TEST(Fields, UnknownKeysFromTheCommandLineNameTheOption) {
   Fields f(root, "sensor");
   f.integer("rings", 1, 4096);
   f.integer("columns", 1, 4096, 1);
-  EXPECT_EQ(errorOf([&] { f.finish(); }), "--set colums: sensor: unknown key 'colums' (did you mean 'columns'?)");
+  EXPECT_EQ(messageOf([&] { f.finish(); }), "--set colums: sensor: unknown key 'colums' (did you mean 'columns'?)");
 }
 
 TEST(Fields, ChoicesSuggest) {
   const Value root = yaml("motion: per_colum\nkind: spinning\n");
   Fields f(root, "shot");
-  EXPECT_EQ(errorOf([&] {
+  EXPECT_EQ(messageOf([&] {
               f.choice("motion", {"none", "per_column"}, "none");
             }),
             "pipelines/x.yaml:1:9: shot: motion may not be 'per_colum' (did you mean 'per_column'?)");
-  EXPECT_THAT(errorOf([&] { f.choice("kind", {"a", "b"}, "a"); }), HasSubstr("(known: a, b)"));
+  EXPECT_THAT(messageOf([&] { f.choice("kind", {"a", "b"}, "a"); }), HasSubstr("(known: a, b)"));
 }
 
 TEST(Fields, PathsAreRelativeToWhoNamesThem) {
@@ -232,14 +234,32 @@ TEST(Fields, PathsAreRelativeToWhoNamesThem) {
   {
     Fields f(root, "test");
     EXPECT_EQ(f.path("file"), "pipelines/s.yaml");
-    EXPECT_THAT(errorOf([&] { f.path("empty"); }), HasSubstr("empty must be a path"));
+    EXPECT_THAT(messageOf([&] { f.path("empty"); }), HasSubstr("empty must be a path"));
   }
-  setValue(root, "file=s.yaml");
-  Fields f(root, "test");
-  EXPECT_EQ(f.path("file"), "s.yaml");
-  EXPECT_EQ(resolvePath({"x.yaml", 1, 1}, "s.yaml"), "s.yaml");
-  EXPECT_EQ(resolvePath({"/a/b/x.yaml", 1, 1}, "../s.yaml"), "/a/b/../s.yaml");
-  EXPECT_EQ(resolvePath({}, "s.yaml"), "s.yaml");
+  const auto resolved = [](const Location& where, const std::string& name) {
+    Value value;
+    value.where = where;
+    return resolvePath(value, name);
+  };
+  EXPECT_EQ(resolved({"x.yaml", 1, 1}, "s.yaml"), "s.yaml");
+  EXPECT_EQ(resolved({"/a/b/x.yaml", 1, 1}, "../s.yaml"), "/a/b/../s.yaml");
+  EXPECT_EQ(resolved({}, "s.yaml"), "s.yaml");
+}
+
+TEST(Fields, ATypoIsReportedBeforeTheKeyThatItHides) {
+  const Value root = yaml("outptu: 3\nseed: 1\n");
+  Fields f(root, "pipeline");
+  EXPECT_EQ(messageOf([&] { f.require("output"); }),
+            "pipelines/x.yaml:1:1: pipeline: unknown key 'outptu' (did you mean 'output'?)");
+  // A key that is read later is no typo of another.
+  EXPECT_THAT(messageOf([&] { f.also({"outptu"}).require("output"); }), HasSubstr("the key 'output' is missing"));
+}
+
+TEST(Fields, KeysNamedAheadAreKnown) {
+  const Value root = yaml("name: a\nmout: 1\n");
+  Fields f(root, "sensor");
+  EXPECT_THAT(messageOf([&] { f.also({"name", "mount", "preset"}).finish(); }), HasSubstr("did you mean 'mount'?"));
+  EXPECT_EQ(messageOf([&] { f.also({"mout"}).finish(); }), "accepted");
 }
 
 Pose poseOf(const std::string& text) {
@@ -275,11 +295,12 @@ TEST(FieldsPose, QuaternionsAreNormalised) {
 }
 
 TEST(FieldsPose, RefusesWhatIsNoRotation) {
-  EXPECT_THAT(errorOf([] { poseOf("rotation: [0, 0, 0, 0]"); }),
+  EXPECT_THAT(messageOf([] { poseOf("rotation: [0, 0, 0, 0]"); }),
               AllOf(StartsWith("pipelines/x.yaml:1:11: sensor: rotation"), HasSubstr("non-zero length")));
-  EXPECT_THAT(errorOf([] { poseOf("rotation: [1, 0, 0]"); }), HasSubstr("a quaternion [w, x, y, z], not a list of 3"));
-  EXPECT_THAT(errorOf([] { poseOf("{rotation: [1, 0, 0, 0], yaw_deg: 0}"); }), HasSubstr("exclude each other"));
-  EXPECT_THAT(errorOf([] { poseOf("{yaw: 3}"); }), HasSubstr("unknown key 'yaw' (did you mean 'yaw_deg'?)"));
+  EXPECT_THAT(messageOf([] { poseOf("rotation: [1, 0, 0]"); }),
+              HasSubstr("a quaternion [w, x, y, z], not a list of 3"));
+  EXPECT_THAT(messageOf([] { poseOf("{rotation: [1, 0, 0, 0], yaw_deg: 0}"); }), HasSubstr("exclude each other"));
+  EXPECT_THAT(messageOf([] { poseOf("{yaw: 3}"); }), HasSubstr("unknown key 'yaw' (did you mean 'yaw_deg'?)"));
 }
 
 }  // namespace

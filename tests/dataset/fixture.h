@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -20,6 +19,7 @@
 #include "dataset/shard.h"
 #include "dataset/writer.h"
 #include "formats/format.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -188,17 +188,6 @@ inline void writeMembers(const std::filesystem::path& shard, const Members& memb
   ShardFile file(shard);
   for (const auto& [name, bytes] : members) file.add(name, bytes);
   file.close();
-}
-
-// The message of the exception that `work` throws; empty where it throws none.
-template <class Exception>
-std::string messageOf(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Exception& error) {
-    return error.what();
-  }
-  return {};
 }
 
 }  // namespace scanmill

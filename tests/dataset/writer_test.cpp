@@ -217,6 +217,10 @@ TEST(DatasetWriter, OverwritingRemovesTheOldDatasetAndNothingElse) {
                 ElementsAre("notes.txt", "train/notes.txt", "train/train-000000.tar.partial-mine", "train/train.tar"));
     EXPECT_FALSE(fs::exists(folder.path() / "val")) << "empty folders go too";
   }
+  // What is left is no dataset.
+  EXPECT_THAT(messageOf<InputError>([&] { DatasetWriter(folder.path(), true, 1 << 20); }),
+              HasSubstr("holds no dataset"));
+  for (const std::string& name : filesOf(folder.path())) fs::remove(folder.path() / name);
   writeTestDataset(folder.path(), true);
   EXPECT_EQ(toJson(readManifest(folder.path())), toJson(old));
 }
@@ -268,10 +272,31 @@ TEST(DatasetWriter, AKilledRunLeavesNothingThatLooksFinished) {
   EXPECT_EQ(partial, 2);
   EXPECT_THAT(messageOf<InputError>([&] { readManifest(data); }), HasSubstr("did not end"));
 
+  // Without a manifest nobody can tell whose the folder is, if there is more in it.
   folder.write("data/notes.txt", "mine");
+  EXPECT_THAT(messageOf<InputError>([&] { DatasetWriter(data, true, 1 << 20); }), HasSubstr("'notes.txt'"));
+  fs::remove(data / "notes.txt");
   EXPECT_THAT(messageOf<InputError>([&] { DatasetWriter(data, false, 1 << 20); }), HasSubstr("--overwrite"));
   const DatasetWriter again(data, true, 1 << 20);
-  EXPECT_THAT(filesOf(data), ElementsAre("notes.txt"));
+  EXPECT_THAT(filesOf(data), IsEmpty());
+}
+
+TEST(DatasetWriter, OverwritingRefusesFoldersOfOthers) {
+  for (const std::string name : {"photo.jpg", "train/notes.txt", "src/deep/main.c", "My Files/x"}) {
+    const TemporaryFolder folder;
+    folder.write(name, "mine");
+    folder.write("train/train-000000.tar", "a shard, by its name");
+    EXPECT_THAT(messageOf<InputError>([&] { DatasetWriter(folder.path(), true, 1 << 20); }),
+                AllOf(HasSubstr("holds no dataset"), HasSubstr(name.substr(0, name.find('/')))));
+    EXPECT_TRUE(fs::exists(folder.path() / name));
+    EXPECT_TRUE(fs::exists(folder.path() / "train/train-000000.tar"));
+  }
+}
+
+TEST(DatasetWriter, EmptySplitFoldersAreNoDataset) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder.path() / "train");
+  EXPECT_EQ(messageOf<InputError>([&] { DatasetWriter(folder.path(), false, 1 << 20); }), "accepted");
 }
 
 TEST(DatasetWriter, AnAbandonedRunLeavesNoTemporaryFiles) {
@@ -281,6 +306,7 @@ TEST(DatasetWriter, AnAbandonedRunLeavesNoTemporaryFiles) {
     writer.add(plainSample("k-0", 3000000));
   }
   EXPECT_THAT(filesOf(folder.path()), IsEmpty());
+  EXPECT_TRUE(fs::is_empty(folder.path() / "data"));
 }
 
 // A limit on the size of files fails as a full disk does, in the middle of a write.

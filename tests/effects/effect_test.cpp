@@ -23,13 +23,7 @@ TEST(Effects, RowsAreUniqueAndRunInTheOrderOfPhysics) {
 }
 
 TEST(Effects, UnknownNamesAreRefusedWithASuggestion) {
-  try {
-    requireEffect("range_nois", {"p.yaml", 3, 5});
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("p.yaml:3:5"));
-    EXPECT_THAT(error.what(), testing::HasSubstr("range_noise"));
-  }
+  expectInputError([] { requireEffect("range_nois", {"p.yaml", 3, 5}); }, {"p.yaml:3:5", "range_noise"});
 }
 
 TEST(Effects, ChannelsAreThoseThatSomebodyNeeds) {

@@ -13,6 +13,7 @@
 
 #include "base/random.h"
 #include "effects/effect.h"
+#include "tests/support/message_of.h"
 
 namespace scanmill {
 
@@ -105,12 +106,7 @@ inline Scan senseOnce(const World& world, const std::vector<std::string>& yaml, 
 }
 
 inline std::string refusal(const std::string& yaml) {
-  try {
-    makeEffect(yaml);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return messageOf([&] { makeEffect(yaml); });
 }
 
 struct Moments {

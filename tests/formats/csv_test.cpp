@@ -70,7 +70,7 @@ TEST(Csv, ErrorsNameTheLine) {
       {"x,y,z,instance\n1,2,3,4294967296\n", "4294967295"},
   };
   for (const auto& [text, message] : bad) {
-    EXPECT_THAT(inputErrorOf([&] { decoded(text); }), HasSubstr(message)) << text;
+    EXPECT_THAT(messageOf([&] { decoded(text); }), HasSubstr(message)) << text;
   }
 }
 

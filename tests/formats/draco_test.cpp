@@ -55,9 +55,9 @@ TEST(Draco, ErrorStaysWithinTheBound) {
 
 TEST(Draco, FloatsThatCannotKeepTheBoundAreRefused) {
   const Scan far = randomScan(1, 2, 50, 0, false, 300);
-  EXPECT_THAT(inputErrorOf([&] { roundTrip(far, "max_error_mm: 0.001"); }),
+  EXPECT_THAT(messageOf([&] { roundTrip(far, "max_error_mm: 0.001"); }),
               AllOf(HasSubstr("0.001 mm"), HasSubstr("possible")));
-  EXPECT_THAT(inputErrorOf([&] { roundTrip(extremeScan()); }), HasSubstr("possible"));
+  EXPECT_THAT(messageOf([&] { roundTrip(extremeScan()); }), HasSubstr("possible"));
   const Scan near = randomScan(1, 2, 50, 0, false, 2);
   EXPECT_LE(largestError(near, roundTrip(near, "max_error_mm: 0.001")), 1e-6);
 }
@@ -251,10 +251,10 @@ TEST(Draco, LyingHeadersAreRefused) {
   for (const std::uint32_t lie : {481u, 0x00FFFFFFu, 0x7FFFFFFFu, 0xFFFFFFFFu}) {
     std::string bad = good;
     std::memcpy(&bad[at], &lie, sizeof(lie));
-    EXPECT_THAT(inputErrorOf([&] { format->decode(bad, "test.drc"); }), HasSubstr("test.drc")) << lie;
+    EXPECT_THAT(messageOf([&] { format->decode(bad, "test.drc"); }), HasSubstr("test.drc")) << lie;
   }
   for (const char* text : {"", "DRACO", "DRACO\x02\x03", "# .PCD v0.7", "DRACO\x02\x03\x01\x01"}) {
-    EXPECT_THAT(inputErrorOf([&] { format->decode(text, "test.drc"); }), HasSubstr("test.drc"));
+    EXPECT_THAT(messageOf([&] { format->decode(text, "test.drc"); }), HasSubstr("test.drc"));
   }
 }
 

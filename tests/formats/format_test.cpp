@@ -21,18 +21,18 @@ TEST(Formats, TableAndSuffixesAgree) {
 }
 
 TEST(Formats, UnknownNamesGetASuggestion) {
-  EXPECT_THAT(inputErrorOf([] {
+  EXPECT_THAT(messageOf([] {
                 requireFormat("darco", {"a.yaml", 3, 4});
               }),
               AllOf(HasSubstr("a.yaml:3:4"), HasSubstr("draco")));
 }
 
 TEST(Formats, OptionsAreStrict) {
-  EXPECT_THAT(inputErrorOf([] { makeFormat("pcd", "encodign: ascii"); }), HasSubstr("encoding"));
-  EXPECT_THAT(inputErrorOf([] { makeFormat("pcd", "encoding: zip"); }), HasSubstr("zip"));
-  EXPECT_THAT(inputErrorOf([] { makeFormat("draco", "max_error_mm: 0"); }), HasSubstr("max_error_mm"));
-  EXPECT_THAT(inputErrorOf([] { makeFormat("draco", "speed: 11"); }), HasSubstr("speed"));
-  EXPECT_THAT(inputErrorOf([] { makeFormat("csv", "separator: tab"); }), HasSubstr("separator"));
+  EXPECT_THAT(messageOf([] { makeFormat("pcd", "encodign: ascii"); }), HasSubstr("encoding"));
+  EXPECT_THAT(messageOf([] { makeFormat("pcd", "encoding: zip"); }), HasSubstr("zip"));
+  EXPECT_THAT(messageOf([] { makeFormat("draco", "max_error_mm: 0"); }), HasSubstr("max_error_mm"));
+  EXPECT_THAT(messageOf([] { makeFormat("draco", "speed: 11"); }), HasSubstr("speed"));
+  EXPECT_THAT(messageOf([] { makeFormat("csv", "separator: tab"); }), HasSubstr("separator"));
 }
 
 TEST(Formats, ErrorBoundsAreThoseAskedFor) {

@@ -191,7 +191,7 @@ TEST(Pcd, ValuesThatDoNotFitAreRefused) {
   for (const std::string& bytes :
        {binary('U', 65536u), binary('I', -1), binary('F', 0.5f), binary('F', std::nanf("")), binary('F', 1e10f),
         fmt::format(fmt::runtime(head), 'U', "ascii") + "1 2 3 65536\n"}) {
-    EXPECT_THAT(inputErrorOf([&] { decoded(bytes); }), AllOf(HasSubstr("test.pcd"), HasSubstr("label")));
+    EXPECT_THAT(messageOf([&] { decoded(bytes); }), AllOf(HasSubstr("test.pcd"), HasSubstr("label")));
   }
 }
 
@@ -233,14 +233,14 @@ TEST(Pcd, LyingHeadersAreRefused) {
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH -1\nHEIGHT 1\nPOINTS 0\nDATA ascii\n",
   };
   for (const std::string& bytes : bad) {
-    EXPECT_THAT(inputErrorOf([&] { decoded(bytes); }), HasSubstr("test.pcd")) << bytes;
+    EXPECT_THAT(messageOf([&] { decoded(bytes); }), HasSubstr("test.pcd")) << bytes;
   }
 }
 
 TEST(Pcd, TextErrorsNameTheLine) {
   const std::string text = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n1 2 3\n";
-  EXPECT_THAT(inputErrorOf([&] { decoded(text + "4 five 6\n"); }), HasSubstr("test.pcd:9: y"));
-  EXPECT_THAT(inputErrorOf([&] { decoded("FIELDS x y z\nNONSENSE 1\n"); }), HasSubstr("test.pcd:2"));
+  EXPECT_THAT(messageOf([&] { decoded(text + "4 five 6\n"); }), HasSubstr("test.pcd:9: y"));
+  EXPECT_THAT(messageOf([&] { decoded("FIELDS x y z\nNONSENSE 1\n"); }), HasSubstr("test.pcd:2"));
 }
 
 TEST(Pcd, RealRecordingIsReadAsPclReadsIt) {

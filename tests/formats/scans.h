@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "config/value.h"
 #include "formats/format.h"
+#include "tests/support/message_of.h"
 
 namespace scanmill {
 
@@ -116,18 +117,6 @@ inline void expectSame(const Scan& a, const Scan& b) {
   EXPECT_EQ(a.rings, b.rings);
   EXPECT_EQ(a.columns, b.columns);
   EXPECT_EQ(a.organised, b.organised);
-}
-
-// The message of the InputError that work throws; fails where it throws none.
-template <class Work>
-std::string inputErrorOf(Work&& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "no InputError was thrown";
-  return {};
 }
 
 }  // namespace scanmill

@@ -331,7 +331,7 @@ TEST_F(GenerateTest, ABrokenRunDoesNotCostTheDatasetThatItWouldReplace) {
   for (const std::string& mistake :
        {"scenes.0.scene=" + (folder_.path() / "scenes/broken.yaml").string(),
         std::string("method={ray_tracing: {x: 1}}"), std::string("labels=/nowhere.yaml")}) {
-    EXPECT_NE(messageOf<InputError>([&] { run({mistake}, "out", true); }), "nothing was thrown") << mistake;
+    EXPECT_NE(messageOf<InputError>([&] { run({mistake}, "out", true); }), "accepted") << mistake;
     EXPECT_TRUE(shards() == before) << mistake;
   }
 }

@@ -74,6 +74,8 @@ TEST_F(ReadPipeline, FillsInDefaults) {
 }
 
 TEST_F(ReadPipeline, TakesEveryKey) {
+  folder_.write("labels.yaml", readFile(SCANMILL_SOURCE_DIR "/labels/scanmill.yaml"));
+  folder_.write("scenes/Other Yard.yaml", yardScene());
   const Pipeline p = readPipeline(folder_.write("deep/all.yaml", R"(name: all keys
 seed: 4611686018427387904
 labels: ../labels.yaml
@@ -196,7 +198,7 @@ const Refusal kRefusals[] = {
     {"MountKey", "[0, 0, 1.8]}", "[0, 0, 1.8], yaw: 3}", "yaw", {"yaw_deg"}},
     {"MotionKey", "method:", "motion: {steps: 3, deskw: true}\nmethod:", "deskw", {"did you mean 'deskew'"}},
     {"EffectKey", "method:", "effects: [range_noise: {sigma: 1}]\nmethod:", "sigma", {"sigma_m"}},
-    {"SplitsKey", "method:", "splits: {trian: 1}\nmethod:", "{trian", {"train"}},
+    {"SplitsKey", "method:", "splits: {trian: 1}\nmethod:", "trian", {"train"}},
     {"OutputKey", "  formats: [pcd]", "  format: [pcd]\n  formats: [pcd]", "format: ", {"did you mean 'formats'"}},
     {"FormatKey", "[pcd]", "[draco: {max_error: 1}]", "max_error", {"max_error_mm"}},
     {"LimitsKey", "method:", "limits: {max_ray: 3}\nmethod:", "max_ray", {"did you mean 'max_rays'"}},
@@ -275,6 +277,7 @@ const Refusal kRefusals[] = {
 
 TEST_F(ReadPipeline, MistakesAreRefusedWithTheirPlace) {
   const std::string file = (folder_.path() / "changed.yaml").string();
+  folder_.write("other/yard.yaml", yardScene());
   for (const Refusal& r : kRefusals) {
     SCOPED_TRACE(r.name);
     const std::string text = changed(r.from, r.to);

@@ -18,6 +18,7 @@
 #include "dataset/reader.h"
 #include "dataset/verify.h"
 #include "pipeline/generate.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -137,16 +138,6 @@ inline std::map<std::pair<int, int>, std::size_t> rowsByBeam(const Scan& scan) {
   std::map<std::pair<int, int>, std::size_t> rows;
   for (std::size_t i = 0; i < scan.size(); ++i) rows[{scan.ring[i], scan.column[i]}] = i;
   return rows;
-}
-
-template <class Exception, class Work>
-std::string messageOf(Work&& work) {
-  try {
-    work();
-  } catch (const Exception& e) {
-    return e.what();
-  }
-  return "nothing was thrown";
 }
 
 }  // namespace scanmill

@@ -8,12 +8,14 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "scene/asset_alpha.h"
 #include "scene/asset_look.h"
 #include "scene/gltf.h"
 #include "tests/support/shared_data.h"
@@ -287,9 +289,15 @@ TEST_F(AssetFiles, EveryKindGivesTheSameTriangle) {
                                                                {"a.stl", kStl},           {"a.ac", kAc},
                                                                {"a.gltf", Gltf().text()}, {"a.glb", glbOfTriangle()}};
   for (const auto& [name, text] : files) {
-    expectCorners(read(name, text), {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}, name);
-    expectCorners(read(name, text, {.metresPerUnit = 0.5}), {{0.5f, 0, 0}, {0, 1, 0}, {0, 0, 1.5f}}, name);
-    expectCorners(read(name, text, {.up = 'y'}), {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}}, name);
+    const std::vector<Vec3f> asWritten{{1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
+    const std::vector<Vec3f> fromYUp{{1, 0, 0}, {0, 0, 2}, {0, -3, 0}};
+    const bool yUp = name == "a.gltf" || name == "a.glb" || name == "a.ac";
+    expectCorners(read(name, text), yUp ? fromYUp : asWritten, name);
+    EXPECT_EQ(read(name, text).up, yUp ? 'y' : 'z') << name;
+    EXPECT_EQ(read(name, text, {.up = 'x'}).up, 'x') << name;
+    expectCorners(read(name, text, {.up = 'z'}), asWritten, name);
+    expectCorners(read(name, text, {.metresPerUnit = 0.5, .up = 'z'}), {{0.5f, 0, 0}, {0, 1, 0}, {0, 0, 1.5f}}, name);
+    expectCorners(read(name, text, {.up = 'y'}), fromYUp, name);
     expectCorners(read(name, text, {.up = 'x'}), {{0, 0, 1}, {-2, 0, 0}, {0, -3, 0}}, name);
   }
 }
@@ -306,13 +314,48 @@ TEST_F(AssetFiles, ColladaDeclaresItsUnitAndUpAxis) {
   const std::vector<Vec3f> turned{{11, -30, 20}, {10, -30, 22}, {10, -33, 20}};
   expectCorners(read("z.dae", dae("Z_UP", "1"), {.up = 'y'}), turned, "replaced");
   expectCorners(read("y.dae", dae("Y_UP", "1"), {.up = 'y'}), turned, "confirmed");
+  for (const char* declared : {"X_UP", "Y_UP", "Z_UP"}) {
+    expectCorners(read("any.dae", dae(declared, "1"), {.up = 'z'}), at(10, 20, 30), declared);
+    expectCorners(read("any.dae", dae(declared, "1"), {.up = 'x'}), {{-20, -30, 11}, {-22, -30, 10}, {-20, -33, 10}},
+                  declared);
+  }
+  const std::string silent = std::regex_replace(dae("Z_UP", "1"), std::regex("<up_axis>.*</up_axis>"), "");
+  expectCorners(read("silent.dae", silent), turned, "COLLADA's default");
+  EXPECT_EQ(read("x.dae", dae("X_UP", "1")).up, 'x');
+  EXPECT_EQ(read("y.dae", dae("Y_UP", "1")).up, 'y');
+  EXPECT_EQ(read("z.dae", dae("Z_UP", "1")).up, 'z');
+  EXPECT_EQ(read("z.dae", dae("Z_UP", "1"), {.up = 'y'}).up, 'y');
+  EXPECT_EQ(read("silent.dae", silent).up, 'y');
 }
 
 TEST_F(AssetFiles, FbxDeclaresItsUnitAndUpAxis) {
   expectCorners(read("z.fbx", fbx(2, 100)), {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}, "z up, metres");
   expectCorners(read("y.fbx", fbx(1, 100)), {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}}, "y up");
   expectCorners(read("cm.fbx", fbx(2, 1)), {{0.01f, 0, 0}, {0, 0.02f, 0}, {0, 0, 0.03f}}, "centimetres");
+  expectCorners(read("x.fbx", fbx(0, 100)), {{0, 0, 1}, {-2, 0, 0}, {0, -3, 0}}, "x up");
+  EXPECT_EQ(read("x.fbx", fbx(0, 100)).up, 'x');
+  EXPECT_EQ(read("z.fbx", fbx(2, 100)).up, 'z');
   expectCorners(read("z.fbx", fbx(2, 100), {.up = 'y'}), {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}}, "replaced");
+  expectCorners(read("y.fbx", fbx(1, 100), {.up = 'z'}), {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}, "replaced");
+}
+
+// The importer turns these kinds to y-up.
+TEST_F(AssetFiles, KindsThatAreZUpStandUpright) {
+  const std::string dxf =
+      "0\nSECTION\n2\nENTITIES\n0\n3DFACE\n8\n0\n10\n1\n20\n0\n30\n0\n11\n0\n21\n2\n31\n0\n"
+      "12\n0\n22\n0\n32\n3\n13\n0\n23\n0\n33\n3\n0\nENDSEC\n0\nEOF\n";
+  const auto chunk = [](std::uint16_t id, const std::string& content) {
+    return bytesOf<std::uint16_t>({id}) + bytesOf<std::uint32_t>({static_cast<std::uint32_t>(6 + content.size())}) +
+           content;
+  };
+  const std::string vertices = chunk(0x4110, bytesOf<std::uint16_t>({3}) + bytesOf<float>({1, 0, 0, 0, 2, 0, 0, 0, 3}));
+  const std::string faces = chunk(0x4120, bytesOf<std::uint16_t>({1, 0, 1, 2, 7}));
+  const std::string object = std::string("wing") + '\0' + chunk(0x4100, vertices + faces);
+  const std::string studio = chunk(0x4D4D, chunk(0x3D3D, chunk(0x4000, object)));
+  for (const auto& [name, text] : std::vector<std::pair<std::string, std::string>>{{"a.dxf", dxf}, {"a.3ds", studio}}) {
+    expectCorners(read(name, text), {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}, name);
+    expectCorners(read(name, text, {.up = 'y'}), {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}}, name);
+  }
 }
 
 TEST_F(AssetFiles, NamesAreTheFiles) {
@@ -342,7 +385,7 @@ TEST_F(AssetFiles, TransformsOfNodesAreAppliedInDoublePrecisionAndMirroringKeeps
                    {"name":"wing","scale":[-1,1,1],"mesh":0}])";
   const Asset asset = read("a.gltf", gltf.text());
   EXPECT_EQ(asset.parts.at(0).nodeIndex, 2u);
-  expectCorners(asset, {{-1, 0.25f, 0}, {0, 0.25f, 3}, {0, 2.25f, 0}}, "mirrored");
+  expectCorners(asset, {{-1, 0, 0.25f}, {0, -3, 0.25f}, {0, 0, 2.25f}}, "mirrored");
 }
 
 TEST_F(AssetFiles, EveryPlacementOfAMeshIsAPart) {
@@ -354,7 +397,7 @@ TEST_F(AssetFiles, EveryPlacementOfAMeshIsAPart) {
   EXPECT_EQ(asset.parts[0].node, "a");
   EXPECT_EQ(asset.parts[1].node, "b");
   EXPECT_LT(asset.parts[0].nodeIndex, asset.parts[1].nodeIndex);
-  EXPECT_EQ(asset.parts[1].positions[0].z - asset.parts[0].positions[0].z, 5);
+  EXPECT_EQ(asset.parts[1].positions[0].y - asset.parts[0].positions[0].y, -5);
 }
 
 TEST_F(AssetFiles, TexturesAreUprightInEveryKind) {
@@ -366,7 +409,7 @@ TEST_F(AssetFiles, TexturesAreUprightInEveryKind) {
   gltf.extra = R"(,"textures":[{"source":0}],"images":[{"uri":"colours.png"}])";
   for (const auto& [name, text] :
        std::vector<std::pair<std::string, std::string>>{{"a.obj", kObj}, {"a.ac", kAc}, {"a.gltf", gltf.text()}}) {
-    const Asset asset = read(name, text);
+    const Asset asset = read(name, text, {.up = 'z'});
     const AssetPart& part = asset.parts.at(0);
     expectColours(part, name);
     EXPECT_EQ(part.texture, "colours.png") << name;
@@ -395,7 +438,7 @@ TEST_F(AssetFiles, WebpAndEmbeddedTexturesOfGltfAreFound) {
        {std::string(R"({"uri":"my%20textures%2Fcolours.webp"})"),
         R"({"mimeType":"image/webp","uri":"data:image/webp;base64,)" + base64(image) + "\"}"}) {
     gltf.extra = texture + source + "]";
-    const Asset asset = read("a.gltf", gltf.text());
+    const Asset asset = read("a.gltf", gltf.text(), {.up = 'z'});
     expectColours(asset.parts.at(0), source.substr(0, 30));
     EXPECT_NEAR(asset.parts[0].look.reflectance, kColoursMean, 0.02);
   }
@@ -435,13 +478,162 @@ TEST_F(AssetFiles, OpacityMapsOfObjMakeHoles) {
   EXPECT_TRUE(look.alphaTested);
   EXPECT_EQ(look.texture->texel(0.25f, 0.25f)[3], 0);
   EXPECT_EQ(look.texture->texel(0.25f, 0.75f)[3], 255);
-  write("a.mtl", "newmtl paint\nKd 0.5 0.5 0.5\nmap_Kd holes.png\n");
-  EXPECT_TRUE(read("a.obj", kObj).parts.at(0).look.alphaTested);
   write("a.mtl", "newmtl paint\nKd 0.5 0.5 0.5\nmap_d holes.png\n");
   const Material plain = read("a.obj", kObj).parts.at(0).look;
   EXPECT_TRUE(plain.alphaTested);
   EXPECT_FALSE(plain.textured);
   EXPECT_NEAR(plain.reflectance, 0.5, 1e-6);
+}
+
+// Squares of the picture of writeColours(), whose blue quarter has no alpha: `squares` of the whole picture, of white
+// alone and of blue alone, of equal size.
+std::string squares(int whole, int white, int blue) {
+  std::string text =
+      "mtllib a.mtl\nusemtl paint\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 0.6 0.1\nvt 0.9 0.1\nvt 0.9 0.4\nvt 0.6 0.4\n"
+      "vt 0.1 0.1\nvt 0.4 0.1\nvt 0.4 0.4\nvt 0.1 0.4\n";
+  for (int i = 0; i < whole + white + blue; ++i) {
+    const int uv = i < whole ? 1 : i < whole + white ? 5 : 9;
+    for (const auto& [x, y] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}}) {
+      text += "v " + std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(i) + "\n";
+    }
+    text += "f";
+    for (int k = 0; k < 4; ++k) text += " " + std::to_string(4 * i + k + 1) + "/" + std::to_string(uv + k);
+    text += "\n";
+  }
+  return text;
+}
+
+TEST_F(AssetFiles, AlphaThatNobodyDeclaresCountsWhereItLooksLikeCutOuts) {
+  const std::string plain = "newmtl paint\nKd 0.5 0.5 0.5\nmap_Kd holes.png\n";
+  const auto tested = [&](const std::string& mtl, const std::string& obj, const AssetOptions& options = {}) {
+    write("a.mtl", mtl);
+    const Material look = read("a.obj", obj, options).parts.at(0).look;
+    EXPECT_EQ(look.texture != nullptr, look.alphaTested || options.textures);
+    EXPECT_EQ(look.textured, options.textures);
+    return look.alphaTested;
+  };
+  writeColours(folder_.path() / "holes.png", 0);
+  for (const bool textures : {true, false}) {
+    const AssetOptions options{.textures = textures};
+    EXPECT_TRUE(tested(plain, squares(10, 0, 0), options)) << "every card has a hole";
+    EXPECT_TRUE(tested(plain, squares(5, 4, 1), options)) << "a tenth would vanish";
+    EXPECT_FALSE(tested(plain, squares(5, 2, 3), options)) << "three tenths would vanish";
+    EXPECT_FALSE(tested(plain, squares(0, 10, 0), options)) << "nothing is cut away";
+    // Whatever it looks like, the material's word counts; `d 0` is no word, for the material would not be there.
+    for (const char* word : {"map_d holes.png\n", "d 0.9\n", "Tr 0.1\n"}) {
+      EXPECT_TRUE(tested(plain + word, squares(5, 2, 3), options)) << word;
+    }
+    for (const char* word : {"d 1\n", "d 0\n", "Tr 0\n", "illum 2\n"}) {
+      EXPECT_FALSE(tested(plain + word, squares(5, 2, 3), options)) << word;
+      EXPECT_TRUE(tested(plain + word, squares(10, 0, 0), options)) << word;
+    }
+    // And the caller's word before that.
+    EXPECT_TRUE(tested(plain, squares(5, 2, 3), {.alpha = AlphaUse::Test, .textures = textures}));
+    EXPECT_FALSE(tested(plain, squares(10, 0, 0), {.alpha = AlphaUse::Ignore, .textures = textures}));
+    EXPECT_FALSE(
+        tested(plain + "map_d holes.png\n", squares(10, 0, 0), {.alpha = AlphaUse::Ignore, .textures = textures}));
+  }
+  EXPECT_TRUE(tested(plain, squares(18, 0, 2)));
+  writeColours(folder_.path() / "holes.png", 100);
+  EXPECT_TRUE(tested(plain, squares(10, 0, 0)));
+  EXPECT_FALSE(tested(plain, squares(18, 0, 2))) << "a third of the surface is neither on nor off";
+}
+
+// A triangle wholly in the quarter without alpha: not how cut-outs look, so the declaration alone decides.
+TEST_F(AssetFiles, TransparencyOfColladaAndAc3dIsADeclaration) {
+  writeColours(folder_.path() / "holes.png", 0);
+  const auto replaced = [](std::string text, const std::string& mark, const std::string& by) {
+    const std::size_t at = text.find(mark);
+    EXPECT_NE(at, std::string::npos) << mark;
+    return text.replace(at, mark.size(), by);
+  };
+  const auto tested = [&](const std::string& name, const std::string& text) {
+    const Material look = read(name, text).parts.at(0).look;
+    EXPECT_TRUE(look.texture) << name;
+    return look.alphaTested;
+  };
+  std::string ac = replaced(kAc, "colours.png", "holes.png");
+  ac = replaced(replaced(ac, "1 0.75 0.25", "1 0.4 0.25"), "2 0.25 0.75", "2 0.25 0.4");
+  EXPECT_FALSE(tested("a.ac", ac));
+  EXPECT_TRUE(tested("a.ac", replaced(ac, "trans 0", "trans 0.25")));
+
+  std::string collada = dae("Z_UP", "1");
+  collada = replaced(collada, "<library_geometries>",
+                     R"(<library_images><image id="i"><init_from>holes.png</init_from></image></library_images>
+<library_effects><effect id="e"><profile_COMMON>
+<newparam sid="s"><surface type="2D"><init_from>i</init_from></surface></newparam>
+<newparam sid="t"><sampler2D><source>s</source></sampler2D></newparam>
+<technique sid="common"><lambert><diffuse><texture texture="t" texcoord="UV"/></diffuse><!--alpha--></lambert></technique>
+</profile_COMMON></effect></library_effects>
+<library_materials><material id="m" name="paint"><instance_effect url="#e"/></material></library_materials>
+<library_geometries>)");
+  collada = replaced(collada, "<vertices ",
+                     R"(<source id="u"><float_array id="ua" count="6">0.1 0.1 0.4 0.1 0.1 0.4</float_array>
+<technique_common><accessor source="#ua" count="3" stride="2"><param name="S" type="float"/><param name="T" type="float"/>
+</accessor></technique_common></source><vertices )");
+  collada = replaced(collada, R"(<triangles count="1">)", R"(<triangles count="1" material="p">)");
+  collada = replaced(collada, "<p>0 1 2</p>",
+                     R"(<input semantic="TEXCOORD" source="#u" offset="1" set="0"/><p>0 0 1 1 2 2</p>)");
+  collada = replaced(collada, R"(<instance_geometry url="#g"/>)",
+                     R"(<instance_geometry url="#g"><bind_material><technique_common>
+<instance_material symbol="p" target="#m"/></technique_common></bind_material></instance_geometry>)");
+  const auto with = [&](const std::string& alpha) { return tested("a.dae", replaced(collada, "<!--alpha-->", alpha)); };
+  EXPECT_FALSE(with(""));
+  EXPECT_FALSE(with(R"(<transparent opaque="A_ONE"><color>1 1 1 1</color></transparent>
+                       <transparency><float>1</float></transparency>)"));
+  EXPECT_TRUE(with(R"(<transparent opaque="A_ONE"><color>1 1 1 1</color></transparent>
+                      <transparency><float>0.5</float></transparency>)"));
+  EXPECT_TRUE(with(R"(<transparent opaque="A_ONE"><texture texture="t" texcoord="UV"/></transparent>)"));
+}
+
+TEST_F(AssetFiles, ScenesOverrideTheUpAxisAndTheAlpha) {
+  writeColours(folder_.path() / "holes.png", 0);
+  write("a.mtl", "newmtl paint\nKd 0.5 0.5 0.5\nmap_Kd holes.png\n");
+  write("leaves.obj", squares(10, 0, 0));
+  write("z.dae", dae("Z_UP", "1"));
+  const std::string labels = std::string(SCANMILL_SOURCE_DIR) + "/labels/";
+  const auto scene = [&](const std::string& object) {
+    return readScene(write("scene.yaml", "ontology: " + labels + "scanmill.yaml\nmaterials: " + labels +
+                                             "materials.yaml\nobjects:\n  - {" + object + "class: tree}\n"),
+                     {});
+  };
+  const auto tested = [&](const std::string& alpha) {
+    const Scene s = scene("file: leaves.obj, " + alpha);
+    return std::any_of(s.materials.begin(), s.materials.end(), [](const Material& m) { return m.alphaTested; });
+  };
+  EXPECT_TRUE(tested(""));
+  EXPECT_TRUE(tested("alpha: auto, "));
+  EXPECT_TRUE(tested("alpha: test, "));
+  EXPECT_FALSE(tested("alpha: ignore, "));
+  EXPECT_THROW(tested("alpha: perhaps, "), InputError);
+  EXPECT_EQ(scene("file: z.dae, ").bounds().low, (Vec3d{10, 20, 30}));
+  EXPECT_EQ(scene("file: z.dae, up: z, ").bounds().low, (Vec3d{10, 20, 30}));
+  EXPECT_EQ(scene("file: z.dae, up: y, ").bounds().low, (Vec3d{10, -33, 20}));
+}
+
+TEST_F(AssetFiles, AlphaUseOverridesTheModeOfGltf) {
+  writeColours(folder_.path() / "holes.png", 0);
+  const auto look = [&](const std::string& mode, AlphaUse alpha) {
+    Gltf gltf;
+    gltf.material = R"({"name":"leaf",)" + mode + R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
+    gltf.extra = R"(,"textures":[{"source":0}],"images":[{"uri":"holes.png"}])";
+    return read("a.gltf", gltf.text(), {.alpha = alpha}).parts.at(0).look;
+  };
+  const std::string mask = R"("alphaMode":"MASK","alphaCutoff":0.25,)";
+  EXPECT_FALSE(look(mask, AlphaUse::Ignore).alphaTested);
+  EXPECT_TRUE(look(mask, AlphaUse::Ignore).textured);
+  EXPECT_TRUE(look(mask, AlphaUse::Test).alphaTested);
+  EXPECT_EQ(look(mask, AlphaUse::Test).alphaCutoff, 0.25f);
+  EXPECT_TRUE(look("", AlphaUse::Test).alphaTested);
+  EXPECT_EQ(look("", AlphaUse::Test).alphaCutoff, 0.5f);
+}
+
+TEST(AlphaShares, LimitsAreOnTheSideOfCutOuts) {
+  EXPECT_TRUE(isCutOut({.low = 0.5, .graded = 0.1, .gone = 0.1}));
+  EXPECT_FALSE(isCutOut({.low = 0.001, .graded = 0, .gone = 0}));
+  EXPECT_FALSE(isCutOut({.low = 0.5, .graded = 0.5, .gone = 0}));
+  EXPECT_FALSE(isCutOut({.low = 0.5, .graded = 0, .gone = 0.2}));
+  EXPECT_FALSE(isCutOut({}));
 }
 
 TEST_F(AssetFiles, AMissingTextureIsOneWarningAndThePlainColour) {
@@ -680,7 +872,7 @@ TEST(SharedAssets, EveryFileLoadsOrIsRefused) {
 
 TEST(SharedAssets, TheTownHasItsTrianglesNodesAndTextures) {
   SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
-  const Asset town = readAsset(sharedData() / "scenes/truck_town/model/town_model.gltf", {.up = 'y'});
+  const Asset town = readAsset(sharedData() / "scenes/truck_town/model/town_model.gltf", {});
   EXPECT_EQ(countTriangles(town), 30477u);  // the sum over the nodes; collision shapes have no node with a mesh
   const Box box = bounds(town);
   EXPECT_NEAR(box.high.x - box.low.x, 2048, 16);
@@ -705,7 +897,7 @@ TEST(SharedAssets, TheTownHasItsTrianglesNodesAndTextures) {
 
 TEST(SharedAssets, OnlyTheLeavesOfTheTreeAreAlphaTested) {
   SKIP_WITHOUT_SHARED_DATA("scenes/truck_town/tree");
-  const Asset tree = readAsset(sharedData() / "scenes/truck_town/tree/scene.gltf", {.up = 'y', .textures = false});
+  const Asset tree = readAsset(sharedData() / "scenes/truck_town/tree/scene.gltf", {.textures = false});
   ASSERT_EQ(tree.parts.size(), 2u);
   for (const AssetPart& part : tree.parts) {
     EXPECT_EQ(part.look.alphaTested, part.material == "Leav_material");
@@ -733,13 +925,91 @@ TEST(SharedAssets, GazeboModelsHaveTheirRealSizes) {
                            {"fire_hydrant/meshes/fire_hydrant.dae", 1, 0.5, 1.2},
                            {"telephone_pole/meshes/telephone_pole.dae", 1, 6, 12},
                            {"lamp_post/meshes/lamp_post.dae", 3, 6, 12},
-                           {"oak_tree/meshes/oak_tree.dae", 1, 4, 9},
-                           {"house_1/meshes/house_1.dae", 1.5, 4, 10}}) {
+                           {"oak_tree/meshes/oak_tree.dae", 1, 6, 7},
+                           {"pine_tree/meshes/pine_tree.dae", 1, 5, 5.2},
+                           {"mailbox/meshes/mailbox.dae", 1, 1, 1.1},
+                           {"jersey_barrier/meshes/jersey_barrier.dae", 1, 1.1, 1.2},
+                           {"house_2/meshes/house_2.dae", 1, 4.5, 5},
+                           {"house_1/meshes/house_1.dae", 1, 5, 5.25}}) {
     const Box box =
         bounds(readAsset(sharedData() / "scenes/gazebo" / each.file, {.metresPerUnit = each.scale, .textures = false}));
     EXPECT_GT(box.high.z - box.low.z, each.low) << each.file;
     EXPECT_LT(box.high.z - box.low.z, each.high) << each.file;
     EXPECT_NEAR(box.low.z, 0, 0.15) << each.file;  // upright, standing on the ground
+  }
+}
+
+// The same through a scene file, with no word of an axis.
+TEST(SharedAssets, GazeboModelsStandUprightInAScene) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/gazebo");
+  const TemporaryFolder folder;
+  const std::string labels = std::string(SCANMILL_SOURCE_DIR) + "/labels/";
+  for (const auto& [model, height] : {std::pair("house_1", 5.124),
+                                      {"oak_tree", 6.598},
+                                      {"pickup", 1.865},
+                                      {"mailbox", 1.067},
+                                      {"fire_hydrant", 0.931},
+                                      {"lamp_post", 3.091},
+                                      {"telephone_pole", 9.223}}) {
+    const Scene scene = readScene(
+        folder.write("scene.yaml", "ontology: " + labels + "scanmill.yaml\nmaterials: " + labels + "materials.yaml\n" +
+                                       "assets: " + (sharedData() / "scenes/gazebo").string() +
+                                       "\nobjects:\n  - {file: " + model + "/meshes/" + model +
+                                       ".dae, class: object, material: wood}\n"),
+        {});
+    EXPECT_NEAR(scene.bounds().low.z, 0, 0.08) << model;
+    EXPECT_NEAR(scene.bounds().high.z - scene.bounds().low.z, height, 0.002) << model;
+  }
+}
+
+// Their bodies are 42 to 64 % without alpha, where the paint goes; the post's alpha is all outside its surface.
+TEST(SharedAssets, BodiesOfGazeboCarsAreSolid) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/gazebo");
+  for (const char* file : {"bus/meshes/bus.obj", "suv/meshes/suv.obj", "hatchback/meshes/hatchback.obj",
+                           "hatchback_blue/meshes/hatchback.obj", "ambulance/meshes/ambulance.obj",
+                           "pickup/meshes/pickup.dae", "lamp_post/meshes/lamp_post.dae"}) {
+    const std::filesystem::path path = sharedData() / "scenes/gazebo" / file;
+    int textured = 0;
+    for (const AssetPart& part : readAsset(path, {}).parts) {
+      EXPECT_FALSE(part.look.alphaTested) << file << ' ' << part.material;
+      textured += part.look.textured ? 1 : 0;
+    }
+    EXPECT_GT(textured, 0) << file;
+  }
+  bool tested = false;
+  for (const AssetPart& part :
+       readAsset(sharedData() / "scenes/gazebo/suv/meshes/suv.obj", {.alpha = AlphaUse::Test}).parts) {
+    tested = tested || part.look.alphaTested;
+  }
+  EXPECT_TRUE(tested);
+}
+
+// The trees name no texture themselves (scripts of Gazebo's renderer do): here they get those of the scripts.
+TEST(SharedAssets, BranchesOfGazeboTreesAreCutOut) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/gazebo/pine_tree");
+  const TemporaryFolder folder;
+  for (const auto& [tree, image] :
+       {std::pair("oak_tree", "branch_diffuse.png"), {"pine_tree", "branch_2_diffuse.png"}}) {
+    const std::filesystem::path model = sharedData() / "scenes/gazebo" / tree;
+    std::string text = readFile(model / "meshes" / (std::string(tree) + ".dae"));
+    const auto insert = [&](const std::string& mark, const std::string& replacement) {
+      const std::size_t at = text.find(mark);
+      ASSERT_NE(at, std::string::npos) << mark;
+      text.replace(at, mark.size(), replacement);
+    };
+    insert("<library_images/>", "<library_images><image id=\"i\"><init_from>" +
+                                    (model / "materials/textures" / image).string() +
+                                    "</init_from></image></library_images>");
+    insert("<profile_COMMON>",
+           "<profile_COMMON><newparam sid=\"s\"><surface type=\"2D\"><init_from>i</init_from></surface></newparam>"
+           "<newparam sid=\"t\"><sampler2D><source>s</source></sampler2D></newparam>");
+    insert("<color sid=\"diffuse\">0.64 0.64 0.64 1</color>", "<texture texture=\"t\" texcoord=\"UVMap\"/>");
+    int leafy = 0;
+    for (const AssetPart& part : readAsset(folder.write("tree.dae", text), {.textures = false}).parts) {
+      EXPECT_EQ(part.look.alphaTested, part.material.starts_with("Branch")) << tree << ' ' << part.material;
+      leafy += part.look.alphaTested ? 1 : 0;
+    }
+    EXPECT_EQ(leafy, 1) << tree;
   }
 }
 

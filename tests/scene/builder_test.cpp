@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "scene/primitives.h"
-#include "tests/scene/expect_input_error.h"
+#include "tests/support/message_of.h"
 
 namespace scanmill {
 namespace {

@@ -6,7 +6,7 @@
 #include <map>
 #include <sstream>
 
-#include "tests/scene/expect_input_error.h"
+#include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <set>
 
-#include "tests/scene/expect_input_error.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {

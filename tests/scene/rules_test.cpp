@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/scene/expect_input_error.h"
+#include "tests/support/message_of.h"
 
 namespace scanmill {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "scene/placement.h"
 #include "scene/scene.h"
-#include "tests/scene/expect_input_error.h"
+#include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 

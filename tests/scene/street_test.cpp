@@ -14,6 +14,7 @@
 #include "base/hash.h"
 #include "config/fields.h"
 #include "config/value.h"
+#include "tests/support/message_of.h"
 
 namespace scanmill {
 namespace {
@@ -377,14 +378,7 @@ TEST(Street, MovesAsAWhole) {
 }
 
 TEST(Street, RefusesBadParametersWithTheirPlace) {
-  const auto message = [](const std::string& yaml) -> std::string {
-    try {
-      makeStreet(yaml, 1);
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "accepted";
-  };
+  const auto message = [](const std::string& yaml) { return messageOf([&] { makeStreet(yaml, 1); }); };
   EXPECT_THAT(message("{length: 10}"),
               testing::AllOf(testing::HasSubstr("street.yaml:1:"), testing::HasSubstr("length")));
   EXPECT_THAT(message("length: 200\ntrees: -1\n"), testing::HasSubstr("street.yaml:2:"));

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "images/images.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 

@@ -155,8 +155,8 @@ TEST(Presets, EveryOusterBeamTableCanBeDescribed) {
     const Value* altitude = angles.find("beam_altitude_angles");
     if (altitude == nullptr) continue;
     Value sensor = parseYaml("{columns: 512, rate_hz: 10, range_m: [0.3, 100], ring_order: unordered}", "s.yaml");
-    sensor.entries.emplace_back("elevation_deg", *altitude);
-    sensor.entries.emplace_back("azimuth_offset_deg", *angles.find("beam_azimuth_angles"));
+    sensor.entries.push_back({"elevation_deg", *altitude});
+    sensor.entries.push_back({"azimuth_offset_deg", *angles.find("beam_azimuth_angles")});
     EXPECT_EQ(makeBeams(sensor)->rings, altitude->items.size()) << entry.path();
     ++count;
   }

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "config/fields.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -203,12 +204,7 @@ TEST(ResolveSensor, InlineSensorNeedsNoPreset) {
 
 TEST(ResolveSensor, MissingPresetIsNamed) {
   const Value own = parseYaml("{name: a, preset: sensors/no_such.yaml}", "/nowhere/p.yaml");
-  try {
-    resolveSensor(own);
-    FAIL();
-  } catch (const InputError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("no_such.yaml"));
-  }
+  expectInputError([&] { resolveSensor(own); }, {"no_such.yaml"});
 }
 
 struct BadSensor {
@@ -274,14 +270,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadSensor{"range_m: [-1, 5]", "range_m"}, BadSensor{"range_m: 100", "range_m"}));
 
 TEST(MalformedSensorFile, MissingKeysAndContradictionsAreRefused) {
-  const auto refusal = [](const std::string& text) -> std::string {
-    try {
-      beamsOf(text);
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "accepted";
-  };
+  const auto refusal = [](const std::string& text) { return messageOf([&] { beamsOf(text); }); };
   EXPECT_THAT(refusal(""), HasSubstr("columns"));
   EXPECT_THAT(refusal("[1, 2]"), HasSubstr("sensor.yaml"));
   EXPECT_THAT(refusal("{columns: 4}"), HasSubstr("elevation_deg"));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sensors/sensor.h"
+#include "tests/support/message_of.h"
 
 namespace scanmill {
 namespace {
@@ -26,12 +27,7 @@ Motion motionOf(const std::string& text) {
 }
 
 std::string refusal(const std::string& text) {
-  try {
-    motionOf(text);
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "accepted";
+  return messageOf([&] { motionOf(text); });
 }
 
 TEST(Motion, ReadsEveryForm) {
@@ -104,13 +100,8 @@ TEST(Shot, AStandingVehicleNeedsOnePose) {
 }
 
 TEST(Shot, MoreStepsThanColumnsAreRefused) {
-  try {
-    makeShot(beams(100), drive(), 0, {}, motionOf("{steps: 101}"));
-    FAIL();
-  } catch (const InputError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("motion.yaml:1:"));
-    EXPECT_THAT(e.what(), HasSubstr("101 steps"));
-  }
+  expectInputError([] { makeShot(beams(100), drive(), 0, {}, motionOf("{steps: 101}")); },
+                   {"motion.yaml:1:", "101 steps"});
 }
 
 }  // namespace

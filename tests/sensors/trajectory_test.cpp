@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sensors/path.h"
+#include "tests/support/message_of.h"
 
 namespace scanmill {
 namespace {
@@ -17,12 +18,7 @@ Trajectory trajectoryOf(const std::string& text) {
 }
 
 std::string refusal(const std::string& text) {
-  try {
-    trajectoryOf(text);
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "accepted";
+  return messageOf([&] { trajectoryOf(text); });
 }
 
 Vec3d headingOf(const Pose& pose) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
 #include "viewer/color_map.h"
 
@@ -123,12 +124,7 @@ TEST(ColorScan, SaysWhichColumnIsMissing) {
   scan.ring = {0, 1};
   for (const auto& [by, column] : {std::pair{ColorBy::Class, "'label'"}, std::pair{ColorBy::Intensity, "'intensity'"},
                                    std::pair{ColorBy::Instance, "'instance'"}, std::pair{ColorBy::Time, "'time'"}}) {
-    try {
-      colorScan(scan, by, nullptr);
-      ADD_FAILURE() << column;
-    } catch (const InputError& e) {
-      EXPECT_THAT(e.what(), testing::AllOf(testing::HasSubstr(column), testing::HasSubstr("x, y, z, ring")));
-    }
+    expectInputError([&] { colorScan(scan, by, nullptr); }, {column, "x, y, z, ring"});
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "scene/texture.h"
+#include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
 #include "viewer/color_map.h"
 #include "viewer/legend.h"
@@ -232,12 +233,7 @@ TEST(RangeImage, NearerWins) {
 TEST(RangeImage, SaysWhatIsMissing) {
   Scan scan = smallScan();
   scan.column.clear();
-  try {
-    drawRangeImage(scan, nullptr, ColorBy::Range, "no column");
-    ADD_FAILURE();
-  } catch (const InputError& e) {
-    EXPECT_THAT(e.what(), testing::HasSubstr("'column'"));
-  }
+  expectInputError([&] { drawRangeImage(scan, nullptr, ColorBy::Range, "no column"); }, {"'column'"});
   scan = smallScan();
   scan.column[3] = 65535;
   EXPECT_THROW(drawRangeImage(scan, nullptr, ColorBy::Range, "too wide"), InputError);

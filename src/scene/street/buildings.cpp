@@ -203,7 +203,10 @@ class HouseMaker {
     const double x1 = u + width / 2 - 0.06;
     s_.pipe(metal_, {{x0, 0.02, rail}, {x0, y, rail}, {x1, y, rail}, {x1, 0.02, rail}}, {0.025, 0.025, 0.025, 0.025},
             6);
-    for (double x = x0; x < x1 + 1e-6; x += (x1 - x0) / 14) s_.tube(metal_, {x, y, z}, {x, y, rail}, 0.01, 0.01, 4);
+    for (int k = 0; k <= 14; ++k) {
+      const double x = lerp(x0, x1, k / 14.0);
+      s_.tube(metal_, {x, y, z}, {x, y, rail}, 0.01, 0.01, 4);
+    }
     for (const double x : {x0, x1}) {
       for (int k = 1; k < 7; ++k) {
         const double at = lerp(0.0, y, k / 7.0);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "scene/street/parts.h"
 
@@ -86,8 +87,8 @@ class GroundMaker {
     }
     xs_ = cut(std::move(xs), -l.halfX, l.halfX);
     ys_ = cut(std::move(half), 0, l.halfY);
-    std::vector<double> mirrored;
-    for (auto y = ys_.rbegin(); y != ys_.rend(); ++y) mirrored.push_back(-*y);
+    std::vector<double> mirrored(ys_.size());
+    std::transform(ys_.rbegin(), ys_.rend(), mirrored.begin(), std::negate<>());
     ys_.insert(ys_.begin(), mirrored.begin(), mirrored.end() - 1);
   }
 

@@ -98,6 +98,7 @@ class PersonMaker {
       return ring;
     };
     std::vector<std::vector<Vec3d>> rows;
+    rows.reserve(rings.size());
     for (const Ring& r : rings) rows.push_back(place(r));
     const int seat = c_.coat ? 0 : 2;  // rows of the trousers
     s_.grid(rows, true, [&](int row, int) { return row < seat ? lower_ : upper_; });

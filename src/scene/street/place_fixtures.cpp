@@ -133,8 +133,10 @@ void placeFurniture(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.furniture);
   constexpr int kKinds = static_cast<int>(Furnishing::Count);
+  const int made = std::min(count, kKinds);
   std::vector<Model> forms;
-  for (int f = 0; f < std::min(count, kKinds); ++f) {
+  forms.reserve(static_cast<std::size_t>(made));
+  for (int f = 0; f < made; ++f) {
     forms.push_back(makeFurnishing(placer.builder, l.seed, static_cast<Furnishing>(f)));
   }
   for (int i = 0; i < count; ++i) {

@@ -42,7 +42,7 @@ void placeTrees(Placer& placer) {
       }
       const double reach = tree.crownRadius * s.scale * (inFront ? 0.35 : 0.75);
       const Footprint around{{s.x, s.y}, reach, reach, 0};
-      if (!placer.occupancy.free(around)) continue;
+      if (!placer.occupancy.isFree(around)) continue;
       placer.occupancy.add({{s.x, s.y}, 0.5, 0.5, 0});
       placer.put(tree.model, s, fmt::format("tree {}", i + 1), 0.05);
       break;

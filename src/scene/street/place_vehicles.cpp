@@ -137,7 +137,8 @@ void placeTraffic(Placer& placer, Fleet& fleet) {
     }
     if (l.cross && car >= 0 && car % 3 == 1) {
       const double side = car % 2 == 1 ? -1 : 1;
-      const double nose = l.walkOuter + 2.0 + m->bounds.high.x + draw.in(0, 0.6) + (car / 6) * 7.0;
+      const int row = car / 6;  // behind those that wait already
+      const double nose = l.walkOuter + 2.0 + m->bounds.high.x + draw.in(0, 0.6) + row * 7.0;
       const Spot s{l.crossX - side * l.crossEdge / 2 + draw.in(-0.15, 0.15), side * nose, -side * kPi / 2, 1, 0};
       placer.tryPut(*m, s, name);
       continue;
@@ -167,7 +168,7 @@ void placeCyclists(Placer& placer) {
     for (int k = 0; k < Placer::kTries; ++k) {
       const Spot s{placer.alongStreet(draw, 6), l.roadEdge - 0.6 + draw.in(-0.2, 0.1), kPi + draw.in(-0.06, 0.06), 1,
                    0};
-      if (!placer.occupancy.free(Placer::footprint(rider, s, Placer::kGap))) continue;
+      if (!placer.occupancy.isFree(Placer::footprint(rider, s, Placer::kGap))) continue;
       if (!placer.tryPut(bicycle, s, fmt::format("cyclist's bicycle {}", i + 1))) continue;
       placer.put(rider, s, fmt::format("cyclist {}", i + 1));
       break;

@@ -28,7 +28,7 @@ bool onWalkway(const Layout& layout, double x, int side, double margin) {
 }  // namespace
 
 // The separating axis theorem for rectangles.
-bool Occupancy::free(const Footprint& f) const {
+bool Occupancy::isFree(const Footprint& f) const {
   return std::none_of(taken_.begin(), taken_.end(),
                       [&](const Footprint& t) { return overlapOnAxes(f, t) && overlapOnAxes(t, f); });
 }
@@ -51,7 +51,7 @@ void Placer::put(const Model& m, const Spot& s, std::string name, double sink) {
 }
 
 bool Placer::tryPut(const Model& m, const Spot& s, std::string name, double sink) {
-  if (!occupancy.free(footprint(m, s, kGap))) return false;
+  if (!occupancy.isFree(footprint(m, s, kGap))) return false;
   occupancy.add(footprint(m, s, 0));
   put(m, s, std::move(name), sink);
   return true;

@@ -19,7 +19,7 @@ struct Footprint {
 
 class Occupancy {
  public:
-  bool free(const Footprint& f) const;
+  bool isFree(const Footprint& f) const;
   void add(const Footprint& f) { taken_.push_back(f); }
 
  private:

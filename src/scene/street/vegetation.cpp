@@ -139,7 +139,8 @@ void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, doub
   std::vector<Bough> boughs;
   double total = 0;
   const double pitch = 0.42;
-  for (double z = base; z < height - 0.25; z += pitch * draw.in(0.8, 1.2)) {
+  double z = base;
+  while (z < height - 0.25) {
     const double t = (z - base) / (height - base);
     const double reach = radius * std::pow(1 - t, 0.85) * draw.in(0.9, 1.1) + 0.12;
     const int count = t < 0.8 ? 9 : 6;
@@ -152,6 +153,7 @@ void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, doub
       boughs.push_back({{0, 0, root}, {out * std::cos(angle), out * std::sin(angle), root + droop * out}});
       total += out;
     }
+    z += pitch * draw.in(0.8, 1.2);
   }
   for (const Bough& b : boughs) {
     s.tube(branch, b.root, b.tip, 0.022, 0.006, 4);

@@ -201,7 +201,8 @@ Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form) {
   constexpr double kBed = 0.95;
   shape.box(metal, {middle, 0, (kBed + height) / 2}, {cargo, width, height - kBed});
   for (const double y : {-width / 2, width / 2}) {  // ribs, reflecting band and under-ride guard
-    for (double x = -end + 0.02; x < front; x += (cargo - 0.04) / 6) {
+    for (int k = 0; k <= 6; ++k) {
+      const double x = lerp(-end + 0.02, front - 0.02, k / 6.0);
       shape.box(metal, {x, y, (kBed + height) / 2}, {0.06, 0.05, height - kBed + 0.03});
     }
     shape.box(reflector, {middle, y, kBed + 0.09}, {cargo - 0.3, 0.02, 0.06});

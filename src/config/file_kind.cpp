@@ -1,0 +1,44 @@
+#include "config/file_kind.h"
+
+#include <fmt/core.h>
+
+namespace scanmill {
+
+namespace {
+
+const char* advice(FileKind kind) {
+  switch (kind) {
+    case FileKind::Pipeline:
+      return "this is a pipeline: give it to `scanmill generate` or `scanmill plan`";
+    case FileKind::Scene:
+      return "this is a scene: name it under `scenes:` of a pipeline";
+    case FileKind::Sensor:
+      return "this is a sensor: name it as `preset:` under `sensors:` of a pipeline";
+    case FileKind::Ontology:
+      return "this is an ontology: name it as `ontology:` of a scene, or as `labels:` of a pipeline";
+    case FileKind::Materials:
+      return "this is a material table: name it as `materials:` of a scene";
+    case FileKind::Unknown:
+      break;
+  }
+  return "";
+}
+
+}  // namespace
+
+FileKind fileKind(const Value& root) {
+  if (root.find("scenes") != nullptr || root.find("sensors") != nullptr) return FileKind::Pipeline;
+  if (root.find("objects") != nullptr) return FileKind::Scene;
+  if (root.find("elevation_deg") != nullptr) return FileKind::Sensor;
+  if (root.find("classes") != nullptr) return FileKind::Ontology;
+  const Value* materials = root.find("materials");
+  if (materials != nullptr && materials->kind == Value::Kind::Sequence) return FileKind::Materials;
+  return FileKind::Unknown;
+}
+
+void expectKind(const Value& root, FileKind expected) {
+  const FileKind kind = fileKind(root);
+  if (kind != FileKind::Unknown && kind != expected) throw InputError({root.where.file}, advice(kind));
+}
+
+}  // namespace scanmill

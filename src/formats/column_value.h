@@ -1,0 +1,32 @@
+#pragma once
+
+// Numbers of a file as those of a column. For the readers of this layer.
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <string_view>
+#include <type_traits>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+// Throws InputError where a column of integers cannot hold the number: negative, too large, broken or NaN.
+template <class T, class Stored>
+T columnValue(Stored stored, std::string_view name, std::size_t point, const Location& where) {
+  if constexpr (!std::is_same_v<Stored, T> && std::is_integral_v<T>) {
+    // Written so that NaN fails it too.
+    const bool fits = stored >= Stored(0) && static_cast<long double>(stored) <= std::numeric_limits<T>::max();
+    const T value = fits ? static_cast<T>(stored) : T{};  // NOLINT(bugprone-signed-char-misuse): it is not negative
+    if (!fits || static_cast<Stored>(value) != stored) {
+      throw InputError(where, fmt::format("{} of point {} is {}: no integer of 0 to {}", name, point, stored,
+                                          std::numeric_limits<T>::max()));
+    }
+    return value;
+  } else {
+    return static_cast<T>(stored);
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,38 @@
+#pragma once
+
+// Images in and out, by OpenImageIO. It is loaded at the first call, from any thread: it brings hundreds of shared
+// libraries, and most scenes have no image. Where it cannot be loaded, each of these throws an Error that names the
+// file that was looked for and what to install.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace scanmill {
+
+// 8 bit RGBA, the first row is the top one. Colours are not multiplied by alpha.
+struct DecodedImage {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  bool hasAlpha = false;           // some pixel's is below 255
+  std::vector<std::uint8_t> rgba;  // width * height * 4
+};
+
+// Decodes PNG, JPEG, WebP, TGA, SGI, BMP, TIFF, EXR and what else OpenImageIO knows; `name` stands for the bytes in
+// messages, and its ending for their kind where they do not show it. Throws InputError that starts with the name: not
+// an image, damaged, truncated, wider or higher than 16384.
+DecodedImage decodeImage(std::string_view bytes, const std::string& name);
+
+// The same for a file; also InputError where there is none.
+DecodedImage readImage(const std::filesystem::path& path);
+
+// Whether the file's header speaks of an alpha channel; true where the header cannot be read.
+bool mayHaveAlpha(const std::filesystem::path& path);
+
+// PNG of 8 bit RGB, 3 * width * height bytes, the top row first. The same pixels give the same bytes: no clock is
+// written.
+std::string encodePng(const std::uint8_t* rgb, int width, int height);
+
+}  // namespace scanmill

@@ -1,0 +1,28 @@
+#pragma once
+
+// Tells cut-outs from other uses of a texture's alpha, by how the alpha lies on the surfaces that show it.
+
+struct aiScene;
+
+namespace scanmill {
+
+struct Texture;
+
+// Shares of the area, in the frames of the meshes, of the triangles of one material; 0 where it has no texture
+// coordinates.
+struct AlphaShares {
+  double low = 0;     // alpha below 0.5
+  double graded = 0;  // alpha from 0.1 to 0.9
+  double gone = 0;    // triangles on which no alpha reaches 0.5
+};
+
+// By 36 points on each triangle, or on every n-th of many. The meshes are triangulated.
+AlphaShares measureAlpha(const aiScene& scene, unsigned material, unsigned uvChannel, const Texture& texture);
+
+// Whether that is how cut-outs look: some of the surface is cut away, the alpha is mostly on or off, and hardly any
+// triangle would vanish as a whole, for nobody models what is never seen. Where alpha says which parts of a car body
+// take the paint, whole panels have none. Measured on Gazebo's models: 0 and 8 % of the area would vanish from the
+// branches of oak and pine, 24, 35 and 53 % from the bodies of bus, hatchback and SUV.
+bool isCutOut(const AlphaShares& shares);
+
+}  // namespace scanmill

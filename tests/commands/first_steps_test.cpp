@@ -1,0 +1,203 @@
+// What somebody who has read only the README tries, and is told.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <set>
+
+#include "base/file.h"
+#include "effects/effect.h"
+#include "formats/format.h"
+#include "methods/method.h"
+#include "tests/commands/program.h"
+#include "tests/support/message_of.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+class FirstSteps : public SmallWorld {
+ protected:
+  // The pipeline, with one of its texts changed.
+  std::string changed(const std::string& from, const std::string& to) const {
+    std::string text = readFile(pipeline_);
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return folder_.write("changed.yaml", text.replace(at, from.size(), to)).string();
+  }
+};
+
+TEST_F(FirstSteps, NamesOfTheProgramsFilesWorkFromAnywhere) {
+  const std::string sensor = "sensors=[{preset: os1_128}]";
+  const Outcome o = scanmill({"plan", pipeline_, "--set", sensor, "--set", "labels=semantic_kitti"});
+  EXPECT_EQ(o.code, 0) << o.error;
+  EXPECT_THAT(o.out, HasSubstr("OS1-128"));
+  folder_.write("named.yaml",
+                "ontology: semantic_kitti\nmaterials: materials\nobjects:\n"
+                "  - {primitive: box, size: [1, 1, 1], class: car, material: brick}\n");
+  EXPECT_EQ(scanmill({"info", at("named.yaml")}).code, 0);
+  EXPECT_EQ(scanmill({"plan", pipeline_, "--set", "scenes.0.scene=named"}).code, 0);
+}
+
+TEST_F(FirstSteps, AbsentFilesAreNamedWhereTheyAreReferredTo) {
+  expectRefused(scanmill({"plan", changed("scene: scene.yaml", "scene: scnee.yaml")}),
+                "changed.yaml:2:18: there is no file '" + at("scnee.yaml") + "' (did you mean 'scene.yaml'?)");
+  expectRefused(scanmill({"plan", pipeline_, "--set", "sensors.0.preset=os1_182"}), "did you mean 'os1_128.yaml'?");
+  folder_.write("lost.yaml", "ontology: scanmil\nmaterials: materials\nobjects: []\n");
+  expectRefused(scanmill({"info", at("lost.yaml")}), "lost.yaml:1:11: there is no file");
+}
+
+TEST_F(FirstSteps, TyposComeBeforeWhatTheyHide) {
+  expectRefused(scanmill({"plan", changed("output:", "outptu:")}), "unknown key 'outptu' (did you mean 'output'?)");
+  expectRefused(scanmill({"plan", changed("mount:", "mout:")}), "unknown key 'mout' (did you mean 'mount'?)");
+  expectRefused(scanmill({"plan", changed("waypoints:", "waypoint:")}), "did you mean 'waypoints'?");
+  expectRefused(scanmill({"plan", changed("speed: 10", "sped: 10")}), "did you mean 'speed'?");
+  expectRefused(scanmill({"plan", changed("name: drive", "nothing: 1")}),
+                "(known: name, poses, waypoints, speed, every_s, every_m, frames)");
+  expectRefused(scanmill({"plan", changed("[intensity]", "[quantize: {zzz: 1}]")}),
+                "effect quantize: unknown key 'zzz' (known: step_m)");
+  expectRefused(scanmill({"plan", changed("[intensity]", "none")}), "for none write []");
+}
+
+TEST_F(FirstSteps, FilesInTheWrongPlaceAreCalledByTheirName) {
+  expectRefused(scanmill({"generate", at("scene.yaml"), "-o", at("out")}),
+                "scene.yaml: this is a scene: name it under `scenes:` of a pipeline");
+  expectRefused(scanmill({"plan", SCANMILL_SOURCE_DIR "/pipelines/sensors/vlp_16.yaml"}), "this is a sensor");
+  expectRefused(scanmill({"plan", SCANMILL_SOURCE_DIR "/labels/scanmill.yaml"}), "this is an ontology");
+  expectRefused(scanmill({"plan", changed("scene: scene.yaml", "scene: small.yaml")}), "this is a pipeline");
+  expectRefused(scanmill({"verify", pipeline_}), "verify takes the folder of a dataset, not a file");
+  expectRefused(scanmill({"verify", at(".")}), "verify takes the folder of a dataset: " + at("./manifest.json"));
+  expectRefused(scanmill({"info", at(".")}), "is not there");
+}
+
+TEST_F(FirstSteps, OverwriteNeverTouchesFoldersOfOthers) {
+  folder_.write("home/photo.jpg", "mine");
+  folder_.write("home/letters/train-000000.tar", "mine");
+  expectRefused(scanmill({"generate", pipeline_, "-q", "--overwrite", "-o", at("home")}), "holds no dataset");
+  EXPECT_EQ(filesEndingIn("", at("home")).size(), 2u);
+}
+
+TEST_F(FirstSteps, GenerateWarnsOfWhatIsSeldomMeant) {
+  const Outcome far = scanmill({"generate", pipeline_, "-q", "-o", at("far"), "--set",
+                                "trajectories=[{name: far, poses: [{position: [9000, 0, 0]}]}]"});
+  EXPECT_EQ(far.code, 0);
+  EXPECT_THAT(far.error, AllOf(HasSubstr("warning: sequence scene-s1-far: the sensor 'top' sees nothing"),
+                               HasSubstr("is the trajectory inside the scene?")));
+  EXPECT_THAT(far.out, HasSubstr("; 1 warning\n"));
+
+  const Outcome same = scanmill({"generate", pipeline_, "-q", "-o", at("same"), "--set", "scenes.0.seeds=[1, 2]",
+                                 "--set", "splits={by: seed, train: [1], val: [2]}"});
+  EXPECT_EQ(same.code, 0);
+  EXPECT_THAT(same.error, AllOf(HasSubstr("its 2 seeds give the same geometry"), HasSubstr("they leak")));
+  EXPECT_EQ(same.error.find("warning"), same.error.rfind("warning")) << same.error;
+
+  folder_.write("huge.yaml",
+                "ontology: scanmill\nmaterials: materials\nobjects:\n"
+                "  - {name: van, primitive: box, size: [9500, 2000, 2000], class: car, material: brick}\n"
+                "  - {name: nut, primitive: box, size: [1e-4, 1e-4, 1e-4], class: car, material: brick}\n");
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"info", at("huge.yaml")}, {"plan", pipeline_, "--set", "scenes.0.scene=huge.yaml"}}) {
+    const Outcome o = scanmill(arguments);
+    EXPECT_EQ(o.code, 0) << o.error;
+    EXPECT_THAT(o.error, AllOf(HasSubstr("the object 'van' is 9.5e+03 m large"), HasSubstr("'nut' is 0.0001 m large")));
+  }
+}
+
+TEST_F(FirstSteps, SeedsOfProceduralScenesAreNoMistake) {
+  const Outcome o = scanmill({"plan", pipeline_, "--set", "scenes=[{scene: street, seeds: [1, 2]}]", "--set",
+                              "splits={by: seed, train: [1], val: [2]}"});
+  EXPECT_EQ(o.code, 0);
+  EXPECT_EQ(o.error, "");
+}
+
+TEST_F(FirstSteps, QuietIsOneLine) {
+  const Outcome o = scanmill({"generate", pipeline_, "-q", "-o", at("out")});
+  EXPECT_EQ(o.error, "");
+  EXPECT_THAT(o.out, HasSubstr("4 samples in 1 shards"));
+  EXPECT_EQ(std::count(o.out.begin(), o.out.end(), '\n'), 1);
+}
+
+TEST_F(FirstSteps, InfoOfAnAssetTellsItsSizeAndHowItWasRead) {
+  folder_.write("shed.obj",
+                "o Wall\nv 0 0 0\nv 400 0 0\nv 400 0 250\nf 1 2 3\no Knob\nv 0 0 100\nv 5 0 100\nv 5 1 103\n"
+                "f 4 5 6\n");
+  const Outcome z = scanmill({"info", at("shed.obj")});
+  EXPECT_THAT(z.out, AllOf(HasSubstr("from [0, 0, 0] to [400, 1, 250]: 400 x 1 x 250 m"), HasSubstr("unit: 1"),
+                           HasSubstr("up: z"), ContainsRegex("Knob +5 x 1 x 3 +100\n")));
+  EXPECT_LT(z.out.rfind("Wall"), z.out.rfind("Knob"));
+  const Outcome y = scanmill({"info", at("shed.obj"), "--unit", "0.01", "--up", "y"});
+  EXPECT_THAT(y.out,
+              AllOf(HasSubstr("from [0, -2.5, 0] to [4, 0, 0.01]"), HasSubstr("unit: 0.01"), HasSubstr("up: y")));
+  expectRefused(scanmill({"info", at("shed.obj"), "--up", "w"}), "--up must be x, y or z");
+  expectRefused(scanmill({"info", at("shed.obj"), "--unit", "cm"}), "--unit");
+  folder_.write("shed.xyz", "no 3D file");
+  expectRefused(scanmill({"info", at("shed.xyz")}), "FBX or AC");
+}
+
+TEST_F(FirstSteps, InfoOfASceneTellsTheSizesOfItsObjects) {
+  const Outcome o = scanmill({"info", at("scene.yaml")});
+  EXPECT_THAT(o.out, AllOf(HasSubstr("3 meshes, 3 times placed"), ContainsRegex("wall +1 x 60 x 9 +-0\\.5 +12 +1\n"),
+                           ContainsRegex("car +4 x 2 x 2 +0 +12 +1\n")));
+  EXPECT_EQ(o.error, "");
+}
+
+// The keys that a reader of options asks for, from its own refusal of another.
+template <class Make>
+std::set<std::string> keysRead(std::string_view name, const Make& make) {
+  // Some want a key before they look at the others.
+  const std::string needs = name == "quantize" ? "step_m: 1, " : name == "angular_jitter" ? "sigma_deg: 1, " : "";
+  const Value value = parseYaml("{" + needs + "qqqqqqqqqqqqqqqqqqqq: 1}", "x.yaml");
+  Fields fields(value, "options");
+  std::string text = messageOf([&] { make(fields); });
+  EXPECT_THAT(text, HasSubstr("unknown key"));
+  std::set<std::string> keys;
+  const std::size_t at = text.find("(known: ");
+  if (at == std::string::npos) return keys;
+  for (text = text.substr(at + 8, text.size() - at - 9); !text.empty();) {
+    const std::size_t end = std::min(text.find(", "), text.size());
+    keys.insert(text.substr(0, end));
+    text.erase(0, end + 2);
+  }
+  return keys;
+}
+
+std::set<std::string> keysTold(std::string_view text) {
+  std::set<std::string> keys;
+  while (!text.empty()) {
+    keys.emplace(text.substr(0, text.find(':')));
+    text.remove_prefix(
+        std::min(text.find("; ") == std::string_view::npos ? text.size() : text.find("; ") + 2, text.size()));
+  }
+  return keys;
+}
+
+TEST(Keys, ListsAndReferenceNameAllKeysAndNoOthers) {
+  const std::string reference = readFile(SCANMILL_SOURCE_DIR "/docs/keys.md");
+  const auto check = [&](std::string_view name, std::string_view told, const std::set<std::string>& read) {
+    SCOPED_TRACE(name);
+    EXPECT_EQ(keysTold(told), read);
+    EXPECT_THAT(reference, HasSubstr(fmt::format("`{}`", name)));
+    for (const std::string& key : read) EXPECT_THAT(reference, HasSubstr(fmt::format("`{}`", key)));
+  };
+  for (const EffectEntry& e : effects()) check(e.name, e.keys, keysRead(e.name, e.make));
+  for (const FormatEntry& e : formats()) check(e.name, e.keys, keysRead(e.name, e.make));
+  const Scene scene;
+  for (const MethodEntry& e : methods()) {
+    check(e.name, e.keys, keysRead(e.name, [&](Fields& options) { e.make(scene, options); }));
+  }
+}
+
+TEST(Keys, AreListedForOneKindOnly) {
+  const Outcome effects = scanmill({"list", "effects"});
+  EXPECT_THAT(effects.out,
+              AllOf(HasSubstr("keys, with their defaults"), HasSubstr("\n  range_noise\n    sigma_m: 0 m")));
+  EXPECT_THAT(scanmill({"list", "formats"}).out, AllOf(HasSubstr("max_error_mm: 1 mm"), HasSubstr("  csv: none\n")));
+  EXPECT_THAT(scanmill({"list"}).out, Not(HasSubstr("sigma_m")));
+}
+
+}  // namespace
+}  // namespace scanmill

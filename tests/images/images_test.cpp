@@ -1,0 +1,192 @@
+#include "images/images.h"
+
+#include <dlfcn.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "images/loader.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<std::uint8_t> noise(int width, int height) {
+  std::vector<std::uint8_t> rgb(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
+  std::uint32_t state = 1;
+  for (std::uint8_t& value : rgb) value = static_cast<std::uint8_t>((state = state * 1664525 + 1013904223) >> 24);
+  return rgb;
+}
+
+std::vector<std::uint8_t> withoutAlpha(const DecodedImage& image) {
+  std::vector<std::uint8_t> rgb;
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) rgb.insert(rgb.end(), &image.rgba[i], &image.rgba[i + 3]);
+  return rgb;
+}
+
+// TGA: 18 bytes of header, then rows of blue, green, red and alpha, the top one first.
+std::string tga(int width, int height, const std::string& pixels, int bits, int alphaBits) {
+  std::string header(18, '\0');
+  header[2] = 2;
+  header[12] = static_cast<char>(width % 256);
+  header[13] = static_cast<char>(width / 256);
+  header[14] = static_cast<char>(height % 256);
+  header[15] = static_cast<char>(height / 256);
+  header[16] = static_cast<char>(bits);
+  header[17] = static_cast<char>(0x20 | alphaBits);
+  return header + pixels;
+}
+
+bool isOpenImageIoLoaded() {
+  return readFile("/proc/self/maps").find("libOpenImageIO") != std::string::npos;
+}
+
+TEST(Images, WhatIsEncodedIsDecoded) {
+  const TemporaryFolder folder;
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 7}, {640, 1}, {33, 17}, {256, 256}}) {
+    const std::vector<std::uint8_t> rgb = noise(width, height);
+    const std::string png = encodePng(rgb.data(), width, height);
+    EXPECT_EQ(png, encodePng(rgb.data(), width, height));
+    for (const DecodedImage& image : {decodeImage(png, "a"), readImage(folder.write("a.png", png))}) {
+      EXPECT_EQ(image.width, static_cast<std::uint32_t>(width));
+      EXPECT_EQ(image.height, static_cast<std::uint32_t>(height));
+      EXPECT_FALSE(image.hasAlpha);
+      EXPECT_EQ(withoutAlpha(image), rgb);
+    }
+    EXPECT_FALSE(mayHaveAlpha(folder.path() / "a.png"));
+  }
+}
+
+TEST(Images, NothingIsEncodedWithoutPixels) {
+  const std::vector<std::uint8_t> rgb(3);
+  EXPECT_THROW(encodePng(rgb.data(), 0, 1), Error);
+  EXPECT_THROW(encodePng(rgb.data(), 1, -1), Error);
+}
+
+TEST(Images, RowsChannelsAndAlphaAreWhereTheyBelong) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("a.tga", tga(1, 2, "\1\2\3\x80\4\5\6\xff", 32, 8));
+  const DecodedImage image = readImage(path);
+  EXPECT_TRUE(image.hasAlpha);
+  EXPECT_EQ(image.rgba, (std::vector<std::uint8_t>{3, 2, 1, 0x80, 6, 5, 4, 0xff}));
+  EXPECT_EQ(decodeImage(readFile(path), "a.tga").rgba, image.rgba);
+  EXPECT_TRUE(mayHaveAlpha(path));
+  EXPECT_FALSE(mayHaveAlpha(folder.write("b.tga", tga(1, 1, "\1\2\3", 24, 0))));
+  EXPECT_TRUE(mayHaveAlpha(folder.write("c.tga", "no image")));
+  EXPECT_TRUE(mayHaveAlpha(folder.path() / "absent.tga"));
+}
+
+TEST(Images, DamageIsRefusedAndNamedAndNothingIsPrinted) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const std::vector<std::uint8_t> rgb = noise(16, 16);
+  const std::string png = encodePng(rgb.data(), 16, 16);
+  for (std::size_t i = 0; i < png.size(); ++i) {
+    try {
+      decodeImage(std::string_view(png).substr(0, i), "a.png");
+      ADD_FAILURE() << i << " of " << png.size() << " bytes";
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), HasSubstr("a.png: "));
+    }
+    std::string text = png;
+    text[i] = static_cast<char>(~text[i]);
+    try {
+      EXPECT_EQ(withoutAlpha(decodeImage(text, "a.png")), rgb) << i;
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), HasSubstr("a.png: "));
+    }
+  }
+  EXPECT_THROW(decodeImage({}, "a.png"), InputError);
+  EXPECT_THROW(decodeImage("text", ""), InputError);
+  EXPECT_THROW(readImage("/absent/a.png"), InputError);
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(Images, SizesAreLimitedByTheHeader) {
+  EXPECT_EQ(decodeImage(tga(16384, 1, std::string(16384 * 3, 'x'), 24, 0), "a.tga").width, 16384u);
+  try {
+    decodeImage(tga(16385, 1, std::string(16385 * 3, 'x'), 24, 0), "a.tga");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("a.tga: the image of 16385 x 1 pixels is larger than 16384 x 16384"));
+  }
+}
+
+TEST(Images, TheTownsTexturesAreDecoded) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
+  int count = 0;
+  for (const auto& file : std::filesystem::directory_iterator(sharedData() / "scenes/truck_town/model/textures")) {
+    if (file.path().extension() != ".webp" || ++count > 8) continue;
+    const DecodedImage image = readImage(file.path());
+    EXPECT_EQ(image.rgba.size(), std::size_t{image.width} * image.height * 4) << file.path();
+    EXPECT_EQ(decodeImage(readFile(file.path()), "a.webp").rgba, image.rgba) << file.path();
+  }
+  EXPECT_GT(count, 0);
+}
+
+// In a process of its own, in which nothing was loaded yet: `threads` meet their first image at the same moment.
+[[noreturn]] void firstUse(int threads) {
+  const bool before = isOpenImageIoLoaded();
+  std::atomic<int> waiting{threads};
+  std::atomic<int> right{0};
+  {
+    std::vector<std::jthread> pool;
+    for (int i = 0; i < threads; ++i) {
+      pool.emplace_back([&, i] {
+        const std::vector<std::uint8_t> rgb = noise(20 + i, 30);
+        --waiting;
+        while (waiting > 0) std::this_thread::yield();
+        if (withoutAlpha(decodeImage(encodePng(rgb.data(), 20 + i, 30), "a.png")) == rgb) ++right;
+      });
+    }
+  }
+  std::exit(!before && isOpenImageIoLoaded() && right == threads ? 0 : 1);
+}
+
+TEST(ImagesModule, IsLoadedAtTheFirstUseByAnyNumberOfThreads) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // which starts this program anew
+  for (const int threads : {1, 2, 8}) EXPECT_EXIT(firstUse(threads), testing::ExitedWithCode(0), "");
+}
+
+std::string loadFailure(const std::vector<std::string>& folders) {
+  try {
+    loadImagesModule(folders);
+  } catch (const InputError& e) {
+    ADD_FAILURE() << "is no error of the input: " << e.what();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  ADD_FAILURE() << "was loaded";
+  return {};
+}
+
+TEST(ImagesModule, SaysWhatIsMissing) {
+  const TemporaryFolder folder;
+  const std::string missing = loadFailure({folder.path(), "/absent"});
+  EXPECT_THAT(missing, HasSubstr("looked for " + folder.path().string() + "/libscanmill_images.so, /absent/lib"));
+  EXPECT_THAT(missing, HasSubstr("cmake --install"));
+  const std::string garbage = loadFailure({"/absent", folder.write("libscanmill_images.so", "text").parent_path()});
+  EXPECT_THAT(garbage, HasSubstr(folder.path().string() + "/libscanmill_images.so cannot be loaded: "));
+  EXPECT_THAT(garbage, HasSubstr("libopenimageio-dev"));
+  std::filesystem::remove(folder.path() / "libscanmill_images.so");
+  Dl_info other{};
+  ASSERT_NE(dladdr(reinterpret_cast<void*>(&std::exit), &other), 0);
+  std::filesystem::create_symlink(other.dli_fname, folder.path() / "libscanmill_images.so");
+  EXPECT_THAT(loadFailure({folder.path()}), HasSubstr("another version"));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,13 @@
+#pragma once
+
+// Whether the program is built with a sanitizer: slower by far, and freed memory is kept for a while.
+
+namespace scanmill {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
+}  // namespace scanmill
