@@ -182,6 +182,32 @@ void addNew(const std::vector<std::string>& from, std::vector<std::string>& line
   }
 }
 
+// source gives numbers one after the other until it stops, make works on several at a time, write gets them in order.
+template <class Source, class Make, class Write>
+void inOrder(std::size_t inFlight, const Source& source, const Make& make, const Write& write) {
+  using Number = std::uint32_t;
+  Handover begun;
+  Handover made;
+  const Handover::Wait forFirst(begun, begun);
+  const Handover::Wait forThird(begun, made);
+  const auto first = [&](tbb::flow_control& control) SCANMILL_UNWATCHED -> Number {
+    const Handover::Turn turn(begun, begun);
+    return source(control);
+  };
+  const auto second = [&](Number number) SCANMILL_UNWATCHED -> Number {
+    const Handover::Turn turn(begun, made);
+    make(number);
+    return number;
+  };
+  const auto third = [&](Number number) SCANMILL_UNWATCHED {
+    const Handover::Turn turn(made, made);
+    write(number);
+  };
+  tbb::parallel_pipeline(inFlight, tbb::make_filter<void, Number>(tbb::filter_mode::serial_in_order, first) &
+                                       tbb::make_filter<Number, Number>(tbb::filter_mode::parallel, second) &
+                                       tbb::make_filter<Number, void>(tbb::filter_mode::serial_in_order, third));
+}
+
 }  // namespace
 
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
@@ -218,10 +244,9 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
 
     std::map<std::string, std::uint64_t> pointsOfSensor;
     std::uint32_t next = 0;
-    Handover begun;
-    Handover made;
+    // Both ends run in order: among the frames in flight, no two have the same slot.
+    std::vector<std::unique_ptr<const Sample>> slots(inFlight);
     const auto source = [&](tbb::flow_control& control) -> std::uint32_t {
-      const Handover::Turn turn(begun, begun);
       if (next == sequence.trajectory->frames() || (options.stop != nullptr && *options.stop)) {
         control.stop();
         return 0;
@@ -229,14 +254,13 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
       return next++;
     };
     const auto make = [&](std::uint32_t frame) {
-      const Handover::Turn turn(begun, made);
       auto work = pool.take();
-      auto sample = std::make_shared<const Sample>(makeSample(plan, *scene, *method, s, frame, *work, times));
+      slots[frame % inFlight] =
+          std::make_unique<const Sample>(makeSample(plan, *scene, *method, s, frame, *work, times));
       pool.give(std::move(work));
-      return sample;
     };
-    const auto write = [&](const std::shared_ptr<const Sample>& sample) {
-      const Handover::Turn turn(made, made);
+    const auto write = [&](std::uint32_t frame) {
+      const std::unique_ptr<const Sample> sample = std::move(slots[frame % inFlight]);
       {
         const StageTimer timer(times, StageTimes::Write);
         writer->add(*sample);
@@ -249,14 +273,7 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
       }
       progress.advance(1, raysPerFrame);
     };
-    {
-      using tbb::filter_mode;
-      const Handover::Wait wait(begun, made);
-      tbb::parallel_pipeline(
-          inFlight, tbb::make_filter<void, std::uint32_t>(filter_mode::serial_in_order, source) &
-                        tbb::make_filter<std::uint32_t, std::shared_ptr<const Sample>>(filter_mode::parallel, make) &
-                        tbb::make_filter<std::shared_ptr<const Sample>, void>(filter_mode::serial_in_order, write));
-    }
+    inOrder(inFlight, source, make, write);
     for (const auto& [sensor, points] : pointsOfSensor) {
       if (points > 0) continue;
       summary.warnings.push_back(

@@ -12,10 +12,10 @@ inline double secondsOf(const auto& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// The second of two runs in a row: the caches hold what this work reads, not what another left.
-inline double secondsAfterWarmUp(const auto& work) {
-  work();
-  return secondsOf(work);
+inline std::vector<double> secondsOfEach(int runs, const auto& work) {
+  std::vector<double> seconds;
+  for (int i = 0; i < runs; ++i) seconds.push_back(secondsOf(work));
+  return seconds;
 }
 
 inline double median(std::vector<double> values) {
