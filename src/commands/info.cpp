@@ -17,7 +17,7 @@
 #include "pipeline/pipeline.h"
 #include "pipeline/progress.h"
 #include "pipeline/warnings.h"
-#include "scene/asset.h"
+#include "scene/assets/asset.h"
 #include "scene/scene.h"
 #include "sensors/sensor.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "scene/texture.h"
+#include "scene/assets/texture.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
 #include "viewer/color_map.h"

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "scene/texture.h"
+#include "scene/assets/texture.h"
 
 namespace scanmill {
 

@@ -1,4 +1,4 @@
-#include "scene/asset_look.h"
+#include "scene/assets/asset_look.h"
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
@@ -17,9 +17,9 @@
 
 #include "base/error.h"
 #include "images/images.h"
-#include "scene/asset_alpha.h"
-#include "scene/gltf.h"
-#include "scene/texture.h"
+#include "scene/assets/asset_alpha.h"
+#include "scene/assets/gltf.h"
+#include "scene/assets/texture.h"
 
 namespace scanmill {
 

@@ -1,4 +1,4 @@
-#include "scene/asset_alpha.h"
+#include "scene/assets/asset_alpha.h"
 
 #include <assimp/mesh.h>
 #include <assimp/scene.h>

@@ -1,4 +1,4 @@
-#include "scene/trial.h"
+#include "scene/assets/trial.h"
 
 #include <fcntl.h>
 #include <fmt/core.h>

@@ -1,4 +1,4 @@
-#include "scene/asset.h"
+#include "scene/assets/asset.h"
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/MemoryIOWrapper.h>
@@ -23,10 +23,10 @@
 #include <utility>
 
 #include "base/error.h"
-#include "scene/asset_look.h"
-#include "scene/gltf.h"
-#include "scene/ply_check.h"
-#include "scene/trial.h"
+#include "scene/assets/asset_look.h"
+#include "scene/assets/gltf.h"
+#include "scene/assets/ply_check.h"
+#include "scene/assets/trial.h"
 
 namespace scanmill {
 

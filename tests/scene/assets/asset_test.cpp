@@ -1,4 +1,4 @@
-#include "scene/asset.h"
+#include "scene/assets/asset.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
@@ -15,9 +15,9 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "scene/asset_alpha.h"
-#include "scene/asset_look.h"
-#include "scene/gltf.h"
+#include "scene/assets/asset_alpha.h"
+#include "scene/assets/asset_look.h"
+#include "scene/assets/gltf.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 

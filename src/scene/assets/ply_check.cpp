@@ -1,4 +1,4 @@
-#include "scene/ply_check.h"
+#include "scene/assets/ply_check.h"
 
 #include <fmt/core.h>
 
@@ -14,7 +14,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "scene/ply_header.h"
+#include "scene/assets/ply_header.h"
 
 namespace scanmill {
 

@@ -1,4 +1,4 @@
-#include "scene/ply_check.h"
+#include "scene/assets/ply_check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "scene/asset.h"
+#include "scene/assets/asset.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/asset.h"
+#include "scene/assets/asset.h"
 
 struct aiScene;
 

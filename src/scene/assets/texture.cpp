@@ -1,4 +1,4 @@
-#include "scene/texture.h"
+#include "scene/assets/texture.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "scene/ply_header.h"
+#include "scene/assets/ply_header.h"
 
 #include <fmt/core.h>
 

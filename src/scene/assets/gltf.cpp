@@ -1,4 +1,4 @@
-#include "scene/gltf.h"
+#include "scene/assets/gltf.h"
 
 #include <fmt/core.h>
 
