@@ -17,7 +17,8 @@
 //                                        # this is a factor on top
 //   alpha: auto                          # whether beams pass where a base colour's alpha is below 0.5: test (yes),
 //                                        # ignore (no: all is solid), auto (default: as the file's materials declare;
-//                                        # where they do not, what looks like cut-outs: see AlphaUse in scene/assets/asset.h)
+//                                        # where they do not, what looks like cut-outs: see AlphaUse in
+//                                        scene/assets/asset.h)
 //   instances: node                      # node: each node with a thing class is a thing of its own;
 //                                        # object (default): the placed asset is one thing
 //   rules: [...]                         # see scene/rules.h; what match: {file: ...} sees is `file` as written here

@@ -1,5 +1,7 @@
 #include "methods/ray_tracing/packet.h"
 
+#include <embree3/rtcore.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>

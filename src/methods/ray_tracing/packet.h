@@ -2,8 +2,6 @@
 
 // One packet of beams: set up in double, traced by Embree in float32, resolved in double.
 
-#include <embree3/rtcore.h>
-
 #include <cstdint>
 #include <span>
 #include <vector>
