@@ -58,7 +58,7 @@ std::optional<fs::path> builtIn(const fs::path& name, const fs::path& subfolder)
   for (const fs::path& folder : {subfolder, subfolder.parent_path()}) {
     const fs::path inside = (folder / name).lexically_normal();
     if (*inside.begin() == "..") continue;
-    if (const auto file = fileAt(root / inside)) return file;
+    if (auto file = fileAt(root / inside)) return file;
   }
   return std::nullopt;
 }

@@ -86,7 +86,7 @@ class Node {
     return static_cast<Integer>(number);
   }
   std::string sha256() const {
-    const std::string hash = text();
+    std::string hash = text();
     if (hash.size() != 64 || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
       fail("is no SHA-256 (64 hexadecimal digits in lower case)");
     }
