@@ -78,6 +78,7 @@ Glyph makeGlyph(std::string_view rows) {
 const Glyph& glyphOf(char c) {
   static const std::vector<Glyph> glyphs = [] {
     std::vector<Glyph> made;
+    made.reserve(std::size(kGlyphs));
     for (const std::string_view rows : kGlyphs) made.push_back(makeGlyph(rows));
     return made;
   }();
@@ -138,7 +139,7 @@ std::string fitText(std::string_view text, double width, double cell) {
   if (textWidth(text, cell) <= width) return std::string(text);
   while (!text.empty()) {
     text.remove_suffix(1);
-    const std::string cut = std::string(text) + "...";
+    std::string cut = std::string(text) + "...";
     if (textWidth(cut, cell) <= width) return cut;
   }
   return {};

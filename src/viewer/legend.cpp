@@ -51,7 +51,7 @@ int legendHeight(const Legend& legend, int width, double cell) {
   return static_cast<int>(std::lround((rows * kRowHeight + (rows > 0 ? kMargin : 0)) * cell));
 }
 
-void drawScale(Image& image, const Layout& layout, const Legend& legend) {
+void drawScale(Image& image, const PictureLayout& layout, const Legend& legend) {
   constexpr int kTicks = 5;
   const double cell = layout.cell;
   const double top = layout.bottom + kMargin * 0.75 * cell;
@@ -77,7 +77,7 @@ void drawScale(Image& image, const Layout& layout, const Legend& legend) {
   }
 }
 
-void drawEntries(Image& image, const Layout& layout, const Legend& legend) {
+void drawEntries(Image& image, const PictureLayout& layout, const Legend& legend) {
   const double cell = layout.cell;
   const Table table = tableFor(legend, layout.width, cell);
   const double room = layout.height - layout.bottom - kMargin * cell;
@@ -87,7 +87,8 @@ void drawEntries(Image& image, const Layout& layout, const Legend& legend) {
   const int shown = count <= places ? count : places - 1;
   for (int i = 0; i < std::min(count, places); ++i) {
     // Down the columns; only a cut table has less rows than it wants.
-    const double x = kMargin * cell + (i / rows) * table.columnWidth;
+    const int tableColumn = i / rows;
+    const double x = kMargin * cell + tableColumn * table.columnWidth;
     const double y = layout.bottom + kMargin * 0.75 * cell + (i % rows) * kRowHeight * cell;
     if (i >= shown) {
       drawText(image, x, y, fmt::format("+ {} more", count - shown), kText, cell);
@@ -103,22 +104,22 @@ void drawEntries(Image& image, const Layout& layout, const Legend& legend) {
 
 }  // namespace
 
-Layout layoutPicture(int width, int height, const Legend& legend) {
-  Layout layout{width, height, 0, height, cellFor(width, height)};
+PictureLayout layoutPicture(int width, int height, const Legend& legend) {
+  PictureLayout layout{width, height, 0, height, cellFor(width, height)};
   layout.top = titleHeight(layout.cell);
   layout.bottom = height - std::min(legendHeight(legend, width, layout.cell), height * 2 / 5);
   return layout;
 }
 
-Layout layoutAround(int width, int bodyHeight, const Legend& legend) {
-  Layout layout{width, 0, 0, 0, cellFor(width, width)};
+PictureLayout layoutAround(int width, int bodyHeight, const Legend& legend) {
+  PictureLayout layout{width, 0, 0, 0, cellFor(width, width)};
   layout.top = titleHeight(layout.cell);
   layout.bottom = layout.top + bodyHeight;
   layout.height = layout.bottom + legendHeight(legend, width, layout.cell);
   return layout;
 }
 
-void drawTitle(Image& image, const Layout& layout, const std::string& left, const std::string& right) {
+void drawTitle(Image& image, const PictureLayout& layout, const std::string& left, const std::string& right) {
   fillRectangle(image, 0, 0, image.width, layout.top, kPanel);
   const double cell = layout.cell;
   const double margin = kMargin * cell;
@@ -129,7 +130,7 @@ void drawTitle(Image& image, const Layout& layout, const std::string& left, cons
   if (rightStart > 2 * margin + textWidth(fitted, cell)) drawText(image, rightStart, y, right, kNoValue, cell);
 }
 
-void drawLegend(Image& image, const Layout& layout, const Legend& legend) {
+void drawLegend(Image& image, const PictureLayout& layout, const Legend& legend) {
   fillRectangle(image, 0, layout.bottom, image.width, layout.height - layout.bottom, kPanel);
   if (legend.scale) {
     drawScale(image, layout, legend);
@@ -138,7 +139,7 @@ void drawLegend(Image& image, const Layout& layout, const Legend& legend) {
   }
 }
 
-void drawNotice(Image& image, const Layout& layout, const std::string& text) {
+void drawNotice(Image& image, const PictureLayout& layout, const std::string& text) {
   const double cell = layout.cell * 2;
   drawText(image, (image.width - textWidth(text, cell)) / 2, (layout.top + layout.bottom - kCapCells * cell) / 2, text,
            kText, cell);

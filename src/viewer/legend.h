@@ -10,7 +10,7 @@
 namespace scanmill {
 
 // The scan's own part of a picture: all rows from `top` to below `bottom`. Nothing else is drawn there.
-struct Layout {
+struct PictureLayout {
   int width = 0;
   int height = 0;
   int top = 0;
@@ -19,15 +19,15 @@ struct Layout {
 };
 
 // The legend takes at most two fifths of the height; entries for which there is no room are counted instead.
-Layout layoutPicture(int width, int height, const Legend& legend);
+PictureLayout layoutPicture(int width, int height, const Legend& legend);
 
 // For a scan's part of `bodyHeight` rows: the picture becomes as high as it must.
-Layout layoutAround(int width, int bodyHeight, const Legend& legend);
+PictureLayout layoutAround(int width, int bodyHeight, const Legend& legend);
 
-void drawTitle(Image& image, const Layout& layout, const std::string& left, const std::string& right);
-void drawLegend(Image& image, const Layout& layout, const Legend& legend);
+void drawTitle(Image& image, const PictureLayout& layout, const std::string& left, const std::string& right);
+void drawLegend(Image& image, const PictureLayout& layout, const Legend& legend);
 
 // In the middle of the scan's part, large.
-void drawNotice(Image& image, const Layout& layout, const std::string& text);
+void drawNotice(Image& image, const PictureLayout& layout, const std::string& text);
 
 }  // namespace scanmill

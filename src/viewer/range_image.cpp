@@ -104,7 +104,7 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, std::optional<C
   const int stepX = wholeSteps(kReadableWidth, grid.columns);
   const int stepY = wholeSteps(grid.columns * stepX * kReadableShare, grid.rings);
   const Image body = enlarged(nearestPoints(scan, grid, coloring.colors), stepX, stepY);
-  const Layout layout = layoutAround(body.width, body.height, coloring.legend);
+  const PictureLayout layout = layoutAround(body.width, body.height, coloring.legend);
   Image image(layout.width, layout.height, kBackground);
   paste(image, body, 0, layout.top);
   drawTitle(image, layout, fmt::format("{}, {} rings x {} columns", title, grid.rings, grid.columns),

@@ -76,7 +76,7 @@ double depthShade(const Canvas& canvas, int x, int y, double unit) {
   return std::exp(-kStrength * sum / 2);
 }
 
-Image averagedDown(const Canvas& canvas, const Camera& camera, int width, int height, bool depthEdges) {
+Image averagedDown(const Canvas& canvas, const ViewCamera& camera, int width, int height, bool depthEdges) {
   constexpr double kOrthographicUnit = 25;  // m
   constexpr double kDarkest = 0.3;
   Image image(width, height, kBackground);
@@ -107,7 +107,7 @@ Image averagedDown(const Canvas& canvas, const Camera& camera, int width, int he
 
 }  // namespace
 
-Image drawSplats(std::span<const Vec3f> points, std::span<const Rgb> colors, const Camera& camera, int width,
+Image drawSplats(std::span<const Vec3f> points, std::span<const Rgb> colors, const ViewCamera& camera, int width,
                  int height, const SplatStyle& style) {
   Canvas canvas;
   canvas.width = width * kOversampling;
@@ -119,7 +119,7 @@ Image drawSplats(std::span<const Vec3f> points, std::span<const Rgb> colors, con
     if (!isFinite(points[i])) continue;
     const Vec3d point(points[i]);
     const Projected p = camera.project(point);
-    if (!(p.depth >= Camera::kNear)) continue;
+    if (!(p.depth >= ViewCamera::kNear)) continue;
     const double radius = splatRadius(length(point), p.scale, style.size, unit) * kOversampling;
     const double x = p.x * kOversampling;
     const double y = p.y * kOversampling;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "viewer/camera.h"
 #include "viewer/image.h"
+#include "viewer/view_camera.h"
 
 namespace scanmill {
 
@@ -18,7 +18,7 @@ struct SplatStyle {
 
 // One colour per point; points that are not finite are left out. Of two points on a pixel the nearer wins, at equal
 // depth the first.
-Image drawSplats(std::span<const Vec3f> points, std::span<const Rgb> colors, const Camera& camera, int width,
+Image drawSplats(std::span<const Vec3f> points, std::span<const Rgb> colors, const ViewCamera& camera, int width,
                  int height, const SplatStyle& style);
 
 }  // namespace scanmill

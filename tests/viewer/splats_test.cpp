@@ -32,7 +32,7 @@ std::ptrdiff_t painted(const Image& image) {
 
 TEST(Splats, LandWhereTheCameraProjectsThem) {
   for (const View view : {View::Driver, View::Above, View::Chase}) {
-    const Camera camera = makeCamera(view, kWidth, kHeight, 1);
+    const ViewCamera camera = makeCamera(view, kWidth, kHeight, 1);
     for (const Vec3f point : {Vec3f{12, 3, -1}, Vec3f{9, -4, -2}, Vec3f{10, 0.5f, 1}}) {
       const Image image = drawn({point}, {kRed}, view, false, 3);
       const Projected p = camera.project(Vec3d(point));

@@ -113,7 +113,8 @@ class RayTracing : public Method {
     std::uint32_t best = kPacket;
     double bestSpread = INFINITY;
     for (std::uint32_t width = kPacket; width >= 1; width /= 2) {
-      const double spread = std::max(across * width, kRingWeight * down * (kPacket / width));
+      const std::uint32_t rings = kPacket / width;
+      const double spread = std::max(across * width, kRingWeight * down * rings);
       if (spread < bestSpread) {
         bestSpread = spread;
         best = width;

@@ -1,4 +1,4 @@
-#include "viewer/camera.h"
+#include "viewer/view_camera.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@ namespace {
 
 constexpr std::array kViews{View::Driver, View::Above, View::Chase};
 
-TEST(Camera, LookingAtTheMiddle) {
+TEST(ViewCamera, LookingAtTheMiddle) {
   for (const View view : kViews) {
-    const Camera camera = makeCamera(view, 640, 360, 1);
+    const ViewCamera camera = makeCamera(view, 640, 360, 1);
     for (const double distance : {1.0, 7.5, 300.0}) {
       const Projected p = camera.project(camera.eye + camera.forward * distance);
       EXPECT_NEAR(p.x, 320, 1e-9);
@@ -20,9 +20,9 @@ TEST(Camera, LookingAtTheMiddle) {
   }
 }
 
-TEST(Camera, AxesAreOrthonormalAndRightHanded) {
+TEST(ViewCamera, AxesAreOrthonormalAndRightHanded) {
   for (const View view : kViews) {
-    const Camera camera = makeCamera(view, 640, 360, 1);
+    const ViewCamera camera = makeCamera(view, 640, 360, 1);
     EXPECT_NEAR(length(camera.right), 1, 1e-12);
     EXPECT_NEAR(length(camera.forward), 1, 1e-12);
     const Vec3d forward = cross(camera.right, camera.down);
@@ -31,8 +31,8 @@ TEST(Camera, AxesAreOrthonormalAndRightHanded) {
 }
 
 // x = c + f X / Z, from the driver's seat: left is +y, up is +z.
-TEST(Camera, DriverIsAPinholeAtTheSensor) {
-  const Camera camera = makeCamera(View::Driver, 1600, 900, 1);
+TEST(ViewCamera, DriverIsAPinholeAtTheSensor) {
+  const ViewCamera camera = makeCamera(View::Driver, 1600, 900, 1);
   const Projected p = camera.project({20, 3, -2});
   EXPECT_NEAR(p.x, 800 - camera.focal * 3 / 20, 1e-9);
   EXPECT_NEAR(p.y, 450 + camera.focal * 2 / 20, 1e-9);
@@ -41,8 +41,8 @@ TEST(Camera, DriverIsAPinholeAtTheSensor) {
   EXPECT_NEAR(twiceAsFar.x - 800, (p.x - 800) / 2, 1e-9);
 }
 
-TEST(Camera, AboveIsAMap) {
-  const Camera camera = makeCamera(View::Above, 1600, 900, 1);
+TEST(ViewCamera, AboveIsAMap) {
+  const ViewCamera camera = makeCamera(View::Above, 1600, 900, 1);
   const Projected origin = camera.project({0, 0, 0});
   const Projected p = camera.project({10, 5, -1.7});
   EXPECT_NEAR(origin.x, 800, 1e-9);
@@ -53,8 +53,8 @@ TEST(Camera, AboveIsAMap) {
   EXPECT_NEAR(camera.project({10, 5, 30}).x, p.x, 1e-9);
 }
 
-TEST(Camera, ChaseSeesTheSensorBelowAndForwardAbove) {
-  const Camera camera = makeCamera(View::Chase, 1600, 900, 1);
+TEST(ViewCamera, ChaseSeesTheSensorBelowAndForwardAbove) {
+  const ViewCamera camera = makeCamera(View::Chase, 1600, 900, 1);
   const Projected sensor = camera.project({0, 0, 0});
   const Projected ahead = camera.project({40, 0, 0});
   EXPECT_NEAR(sensor.x, 800, 1e-9);
@@ -64,7 +64,7 @@ TEST(Camera, ChaseSeesTheSensorBelowAndForwardAbove) {
   EXPECT_LT(camera.project({10, 5, -2}).x, 800) << "left of the vehicle is left on the picture";
 }
 
-TEST(Camera, ZoomEnlargesAboutTheMiddle) {
+TEST(ViewCamera, ZoomEnlargesAboutTheMiddle) {
   const Vec3d point{12, 4, -1};
   for (const View view : kViews) {
     const Projected p = makeCamera(view, 640, 360, 1).project(point);

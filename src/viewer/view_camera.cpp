@@ -1,4 +1,4 @@
-#include "viewer/camera.h"
+#include "viewer/view_camera.h"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@ namespace scanmill {
 
 namespace {
 
-void lookAt(Camera& camera, const Vec3d& target) {
+void lookAt(ViewCamera& camera, const Vec3d& target) {
   camera.forward = normalized(target - camera.eye);
   camera.right = normalized(cross(camera.forward, Vec3d{0, 0, 1}));
   camera.down = cross(camera.forward, camera.right);
@@ -14,7 +14,7 @@ void lookAt(Camera& camera, const Vec3d& target) {
 
 }  // namespace
 
-Projected Camera::project(const Vec3d& point) const {
+Projected ViewCamera::project(const Vec3d& point) const {
   const Vec3d p = point - eye;
   Projected out;
   out.depth = dot(p, forward);
@@ -24,8 +24,8 @@ Projected Camera::project(const Vec3d& point) const {
   return out;
 }
 
-Camera makeCamera(View view, int width, int height, double zoom) {
-  Camera camera;
+ViewCamera makeCamera(View view, int width, int height, double zoom) {
+  ViewCamera camera;
   camera.centerX = width / 2.0;
   camera.centerY = height / 2.0;
   // As wide an angle as a picture of 16 : 9 needs, whatever the shape.

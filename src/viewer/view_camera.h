@@ -24,7 +24,7 @@ struct Projected {
 };
 
 // A pinhole, or an orthographic camera. Points are in the sensor frame: x forward, y left, z up, metres.
-struct Camera {
+struct ViewCamera {
   bool orthographic = false;
   Vec3d eye;
   Vec3d right{0, -1, 0};
@@ -41,6 +41,6 @@ struct Camera {
 };
 
 // For a picture of width x height pixels; `zoom` makes everything that many times larger.
-Camera makeCamera(View view, int width, int height, double zoom);
+ViewCamera makeCamera(View view, int width, int height, double zoom);
 
 }  // namespace scanmill
