@@ -1,0 +1,73 @@
+#include "base/module_loader.h"
+
+#include <dlfcn.h>
+#include <fmt/core.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kInstallAgain = "build or install Scanmill again (cmake --install)";
+
+std::string lastError() {
+  const char* text = ::dlerror();
+  return text != nullptr ? text : "for no reason given";
+}
+
+}  // namespace
+
+// Asked for instead of left to dlopen, which takes the RUNPATH of whoever calls it: under a sanitizer that is the
+// sanitizer's library, and not the program.
+std::vector<std::string> programLibraryFolders() {
+  void* program = ::dlopen(nullptr, RTLD_LAZY);
+  Dl_serinfo need{};
+  if (program == nullptr || ::dlinfo(program, RTLD_DI_SERINFOSIZE, &need) != 0) {
+    throw Error(fmt::format("the folders of this program's libraries are unknown: {}", lastError()));
+  }
+  const auto storage = std::make_unique<std::max_align_t[]>(need.dls_size / sizeof(std::max_align_t) + 1);
+  auto* info = reinterpret_cast<Dl_serinfo*>(storage.get());
+  *info = need;
+  if (::dlinfo(program, RTLD_DI_SERINFO, info) != 0) {
+    throw Error(fmt::format("the folders of this program's libraries are unknown: {}", lastError()));
+  }
+  std::vector<std::string> folders;
+  const Dl_serpath* paths = info->dls_serpath;
+  for (unsigned i = 0; i < info->dls_cnt; ++i) {
+    if (paths[i].dls_name[0] == '/') folders.emplace_back(paths[i].dls_name);  // never the working directory
+  }
+  return folders;
+}
+
+void* loadModule(const ModuleFile& module, const std::vector<std::string>& folders) {
+  std::string sought;
+  for (const std::string& folder : folders) {
+    const std::string file = folder + "/" + module.file;
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) {
+      sought += (sought.empty() ? "" : ", ") + file;
+      continue;
+    }
+    // Local: nothing of its libraries may stand in for a symbol of ours. Never closed: they keep threads and tables.
+    void* library = ::dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
+    if (library == nullptr) {
+      throw Error(fmt::format("{}, {} cannot be loaded: {}; {}, or {}", module.without, file, lastError(),
+                              module.install, kInstallAgain));
+    }
+    return ::dlsym(library, module.symbol.c_str());
+  }
+  throw Error(fmt::format("{}, {} is missing: looked for {}; {}", module.without, module.file, sought, kInstallAgain));
+}
+
+void failForeignModule(const ModuleFile& module) {
+  throw Error(
+      fmt::format("{}, {} belongs to another version of Scanmill: {}", module.without, module.file, kInstallAgain));
+}
+
+}  // namespace scanmill

@@ -1,0 +1,340 @@
+#include "base/process.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <list>
+#include <utility>
+
+namespace scanmill {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kKeptLines = 12;
+constexpr std::size_t kKeptLength = 400;  // bytes of a kept line
+constexpr std::size_t kMaxLine = std::size_t{16} << 20;
+constexpr double kSlice = 0.05;  // s, between looks at whether a child has ended whose pipes another holds open
+
+std::string reason(int code) {
+  return std::strerror(code);
+}
+
+class Deadline {
+ public:
+  explicit Deadline(double seconds)
+      : end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))) {}
+  double left() const { return std::max(0.0, std::chrono::duration<double>(end_ - Clock::now()).count()); }
+
+ private:
+  Clock::time_point end_;
+};
+
+class Descriptor {
+ public:
+  explicit Descriptor(int number = -1) : number_(number) {}
+  ~Descriptor() { close(); }
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  operator int() const { return number_; }  // NOLINT: a number, as system calls want it
+  bool open() const { return number_ >= 0; }
+  void close() {
+    if (open()) ::close(number_);
+    number_ = -1;
+  }
+
+ private:
+  int number_;
+};
+
+struct Pipe {
+  Descriptor ours;
+  Descriptor theirs;
+};
+
+// Above the standard streams, which the child's are made of one after the other.
+Descriptor lifted(int descriptor) {
+  if (descriptor > STDERR_FILENO) return Descriptor(descriptor);
+  const int above = ::fcntl(descriptor, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  ::close(descriptor);
+  if (above < 0) throw Error("no pipe: " + reason(errno));
+  return Descriptor(above);
+}
+
+// From the child to us; our end does not block.
+Pipe makePipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw Error("no pipe: " + reason(errno));
+  Pipe pipe{lifted(ends[0]), lifted(ends[1])};
+  ::fcntl(pipe.ours, F_SETFL, O_NONBLOCK);
+  return pipe;
+}
+
+// From us to the child. A socket, since writing to a pipe that nobody reads would end this program by a signal.
+Pipe makeSocket() {
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw Error("no pipe: " + reason(errno));
+  Pipe pipe{lifted(ends[0]), lifted(ends[1])};
+  ::shutdown(pipe.theirs, SHUT_WR);
+  return pipe;
+}
+
+// posix_spawn's arguments, freed in the end.
+struct SpawnActions {
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+
+  SpawnActions() {
+    ::posix_spawn_file_actions_init(&files);
+    ::posix_spawnattr_init(&attributes);
+    sigset_t none;
+    sigset_t all;
+    ::sigemptyset(&none);
+    ::sigfillset(&all);
+    ::posix_spawnattr_setsigmask(&attributes, &none);
+    ::posix_spawnattr_setsigdefault(&attributes, &all);
+    ::posix_spawnattr_setpgroup(&attributes, 0);  // its own, so that what it starts dies with it
+    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+  }
+  ~SpawnActions() {
+    ::posix_spawn_file_actions_destroy(&files);
+    ::posix_spawnattr_destroy(&attributes);
+  }
+  SpawnActions(const SpawnActions&) = delete;
+  SpawnActions& operator=(const SpawnActions&) = delete;
+};
+
+// Pointers to texts that live elsewhere, as execve wants them.
+std::vector<char*> pointersTo(std::vector<std::string>& texts) {
+  std::vector<char*> pointers(texts.size() + 1, nullptr);
+  std::transform(texts.begin(), texts.end(), pointers.begin(), [](std::string& text) { return text.data(); });
+  return pointers;
+}
+
+std::vector<std::string> environmentWith(const std::map<std::string, std::string>& changes) {
+  std::vector<std::string> all;
+  for (char** entry = environ; entry != nullptr && *entry != nullptr; ++entry) {
+    const std::string_view text = *entry;
+    if (!changes.contains(std::string(text.substr(0, text.find('='))))) all.emplace_back(text);
+  }
+  for (const auto& [name, value] : changes) all.push_back(name + "=" + value);
+  return all;
+}
+
+bool isProgram(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored) && ::access(path.c_str(), X_OK) == 0;
+}
+
+}  // namespace
+
+std::filesystem::path findProgram(const std::string& name) {
+  if (name.empty()) return {};
+  if (name.find('/') != std::string::npos) return isProgram(name) ? std::filesystem::path(name) : "";
+  const char* path = std::getenv("PATH");
+  std::string_view folders = path != nullptr ? path : "/usr/local/bin:/usr/bin:/bin";
+  while (true) {
+    const std::size_t end = std::min(folders.find(':'), folders.size());
+    const std::filesystem::path folder = end == 0 ? "." : folders.substr(0, end);
+    if (isProgram(folder / name)) return folder / name;
+    if (end == folders.size()) return {};
+    folders.remove_prefix(end + 1);
+  }
+}
+
+struct Process::State {
+  std::string name;
+  pid_t pid = -1;  // -1: it has ended and was waited for
+  int status = 0;
+  Descriptor input;
+  Descriptor output;
+  Descriptor errors;
+  std::string outputText;      // not yet asked for
+  std::size_t searched = 0;    // of it, without finding the end of a line
+  std::string unfinishedLine;  // of its standard error
+  std::list<std::string> lines;
+
+  void start(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment) {
+    Pipe in = makeSocket();
+    Pipe out = makePipe();
+    Pipe err = makePipe();
+    SpawnActions actions;
+    ::posix_spawn_file_actions_adddup2(&actions.files, in.theirs, STDIN_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions.files, out.theirs, STDOUT_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions.files, err.theirs, STDERR_FILENO);
+    ::posix_spawn_file_actions_addclosefrom_np(&actions.files, STDERR_FILENO + 1);
+    std::vector<std::string> words = command;
+    std::vector<std::string> variables = environmentWith(environment);
+    const int failure = ::posix_spawnp(&pid, words[0].c_str(), &actions.files, &actions.attributes,
+                                       pointersTo(words).data(), pointersTo(variables).data());
+    if (failure != 0) throw Error(fmt::format("{}: cannot be started: {}", name, reason(failure)));
+    input = std::move(in.ours);
+    output = std::move(out.ours);
+    errors = std::move(err.ours);
+  }
+
+  // Whether it has ended. What it left running is killed then: it would hold our pipes open.
+  bool reap(bool block) {
+    if (pid < 0) return true;
+    siginfo_t ended{};
+    int result = 0;
+    do {
+      result = ::waitid(P_PID, static_cast<id_t>(pid), &ended, WEXITED | WNOWAIT | (block ? 0 : WNOHANG));
+    } while (result != 0 && errno == EINTR);
+    if (result == 0 && ended.si_pid == 0) return false;
+    if (result == 0) ::kill(-pid, SIGKILL);  // as long as the number is still its own
+    while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    }
+    pid = -1;
+    return true;
+  }
+
+  void kill() {
+    if (pid < 0) return;
+    ::kill(-pid, SIGKILL);
+    reap(true);
+  }
+
+  // Reads what there is.
+  void take(Descriptor& from, std::string& into) const {
+    std::array<char, 1 << 16> block;
+    while (from.open() && into.size() <= kMaxLine) {
+      const ssize_t n = ::read(from, block.data(), block.size());
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0 && errno == EAGAIN) return;
+      if (n <= 0) from.close();
+      if (n > 0) into.append(block.data(), static_cast<std::size_t>(n));
+    }
+  }
+
+  void takeErrors() {
+    take(errors, unfinishedLine);
+    std::size_t begin = 0;
+    for (std::size_t end; (end = unfinishedLine.find('\n', begin)) != std::string::npos; begin = end + 1) {
+      keep(std::string_view(unfinishedLine).substr(begin, end - begin));
+    }
+    unfinishedLine.erase(0, begin);
+    if (!errors.open() || unfinishedLine.size() > kMaxLine) {
+      keep(unfinishedLine);
+      unfinishedLine.clear();
+    }
+  }
+
+  void keep(std::string_view line) {
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
+    if (line.empty()) return;
+    lines.emplace_back(line.substr(0, kKeptLength));
+    if (lines.size() > kKeptLines) lines.pop_front();
+  }
+
+  // Waits at most so long until something can be read or written, and does it.
+  void pump(double seconds, std::string_view& toWrite) {
+    std::array<pollfd, 3> polled{{{output, POLLIN, 0}, {errors, POLLIN, 0}, {-1, POLLOUT, 0}}};
+    if (!toWrite.empty()) polled[2].fd = input;
+    const int ready = ::poll(polled.data(), polled.size(), static_cast<int>(std::ceil(seconds * 1000)));
+    if (ready < 0 && errno != EINTR) throw Error(fmt::format("{}: cannot be waited for: {}", name, reason(errno)));
+    if (ready <= 0) return;
+    if (polled[0].revents != 0) take(output, outputText);
+    if (polled[1].revents != 0) takeErrors();
+    if (polled[2].revents == 0) return;
+    const ssize_t n = ::send(input, toWrite.data(), toWrite.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (n > 0) toWrite.remove_prefix(static_cast<std::size_t>(n));
+    if (n < 0 && errno != EAGAIN && errno != EINTR) {
+      input.close();
+      toWrite = {};
+    }
+  }
+
+  // Once it has ended: reads what it left in its pipes, whoever else holds them.
+  void finish() {
+    take(output, outputText);
+    output.close();
+    takeErrors();
+    errors.close();
+    keep(std::exchange(unfinishedLine, {}));
+  }
+};
+
+Process::Process(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment)
+    : state_(std::make_unique<State>()) {
+  state_->name = command.at(0);
+  state_->start(command, environment);
+}
+
+Process::~Process() {
+  state_->kill();
+}
+
+void Process::write(std::string_view text, double seconds) {
+  const Deadline deadline(seconds);
+  while (!text.empty() && state_->input.open()) {
+    if (deadline.left() <= 0) throw TimeOut(fmt::format("{}: took no input for {} s", state_->name, seconds));
+    state_->pump(std::min(deadline.left(), kSlice), text);
+    if (state_->reap(false)) return;
+  }
+}
+
+void Process::closeInput() {
+  state_->input.close();
+}
+
+std::optional<std::string> Process::readLine(double seconds) {
+  const Deadline deadline(seconds);
+  std::string& text = state_->outputText;
+  std::string_view nothing;
+  while (true) {
+    const std::size_t newline = text.find('\n', state_->searched);
+    if (newline != std::string::npos || (!state_->output.open() && !text.empty())) {
+      std::string line = text.substr(0, newline);
+      text.erase(0, newline == std::string::npos ? newline : newline + 1);
+      state_->searched = 0;
+      return line;
+    }
+    state_->searched = text.size();
+    if (text.size() > kMaxLine) throw Error(fmt::format("{}: a line of its output has no end", state_->name));
+    if (!state_->output.open()) return std::nullopt;
+    if (deadline.left() <= 0) throw TimeOut(fmt::format("{}: no answer within {} s", state_->name, seconds));
+    if (state_->reap(false)) {
+      state_->finish();
+    } else {
+      state_->pump(std::min(deadline.left(), kSlice), nothing);
+    }
+  }
+}
+
+std::string Process::wait(double seconds) {
+  const Deadline deadline(seconds);
+  std::string_view nothing;
+  while (!state_->reap(false)) {
+    if (deadline.left() <= 0) throw TimeOut(fmt::format("{}: did not end within {} s", state_->name, seconds));
+    state_->pump(std::min(deadline.left(), kSlice), nothing);
+  }
+  state_->finish();
+  const int status = state_->status;
+  if (!WIFSIGNALED(status)) return fmt::format("exit code {}", WEXITSTATUS(status));
+  const char* meaning = ::sigdescr_np(WTERMSIG(status));
+  return fmt::format("signal {} ({})", WTERMSIG(status), meaning != nullptr ? meaning : "unknown");
+}
+
+std::string Process::lastLines() const {
+  return fmt::format("{}", fmt::join(state_->lines, "\n"));
+}
+
+}  // namespace scanmill
