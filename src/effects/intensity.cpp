@@ -56,16 +56,28 @@ struct Lobes {
   float retro = 0;
 };
 
-Lobes lobesOf(const Material& material) {
-  const float roughness = std::clamp(material.roughness, 0.0f, 1.0f);
-  const float metallic = std::clamp(material.metallic, 0.0f, 1.0f);
+Lobes lobesOf(float givenRoughness, float givenMetallic, float retroreflectance) {
+  const float roughness = std::clamp(givenRoughness, 0.0f, 1.0f);
+  const float metallic = std::clamp(givenMetallic, 0.0f, 1.0f);
   // glTF's roughness is the root of GGX's alpha (Burley, "Physically based shading at Disney", 2012). A dielectric of
   // roughness 1 is matt: all that it reflects is diffuse; what is glossy is taken from the diffuse part.
   const float alpha = roughness * roughness;
   const float glossy = kDielectricF0 * (1 - alpha);
   const float width = std::max(alpha, kSmallestAlpha);
   return {(1 - metallic) * (1 - glossy), metallic, (1 - metallic) * glossy, width * width,
-          std::max(material.retroreflectance, 0.0f)};
+          std::max(retroreflectance, 0.0f)};
+}
+
+// A matt surface's `reflectance` at the cosine c of the angle of incidence, in units of a white one's at normal
+// incidence.
+float reflected(const Lobes& lobe, float c, float reflectance) {
+  const float sin2 = (1 - c) * (1 + c);
+  const float width = lobe.alpha2 * c * c + sin2;
+  const float f0 = lobe.glossy + lobe.metal * reflectance;
+  // pi D F0 G / (4 cos t), with cos t taken into G = 2 cos t / (cos t + sqrt(cos^2 t + alpha^2 sin^2 t)).
+  const float masking = c + std::sqrt(c * c + lobe.alpha2 * sin2);
+  const float specular = f0 * lobe.alpha2 / (2 * width * width * masking);
+  return c * (lobe.matt * reflectance + lobe.retro) + specular;
 }
 
 class Intensity : public Effect {
@@ -80,7 +92,7 @@ class Intensity : public Effect {
   void apply(const Hits& hits, const Shot&, std::span<const Material> materials, Returns& returns) const override {
     std::vector<Lobes> lobes;
     lobes.reserve(materials.size() + 1);
-    for (const Material& material : materials) lobes.push_back(lobesOf(material));
+    for (const Material& m : materials) lobes.push_back(lobesOf(m.roughness, m.metallic, m.retroreflectance));
     lobes.emplace_back();  // for what has no material: matt
 
     returns.power.assign(returns.range.size(), 0);
@@ -104,18 +116,19 @@ class Intensity : public Effect {
     const std::uint16_t* const material = hits.material.data() + first;
     const float* const reflectance = hits.reflectance.data() + first;
     const float* const incidence = hits.incidence.data() + first;
+    if (!hits.roughness.empty()) {  // as the hits say, not the materials
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t beam = first + i;
+        power[i] = reflected(lobesOf(hits.roughness[beam], hits.metallic[beam], hits.retroreflectance[beam]),
+                             incidence[i], reflectance[i]);
+      }
+      return;
+    }
     const Lobes* const table = lobes.data();
     const std::uint32_t last = static_cast<std::uint32_t>(lobes.size() - 1);
     for (std::size_t i = 0; i < count; ++i) {
       const Lobes lobe = table[std::min<std::uint32_t>(material[i], last)];
-      const float c = incidence[i];
-      const float sin2 = (1 - c) * (1 + c);
-      const float width = lobe.alpha2 * c * c + sin2;
-      const float f0 = lobe.glossy + lobe.metal * reflectance[i];
-      // pi D F0 G / (4 cos t), with cos t taken into G = 2 cos t / (cos t + sqrt(cos^2 t + alpha^2 sin^2 t)).
-      const float masking = c + std::sqrt(c * c + lobe.alpha2 * sin2);
-      const float specular = f0 * lobe.alpha2 / (2 * width * width * masking);
-      power[i] = c * (lobe.matt * reflectance[i] + lobe.retro) + specular;
+      power[i] = reflected(lobe, incidence[i], reflectance[i]);
     }
   }
 

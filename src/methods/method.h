@@ -3,6 +3,7 @@
 // A method turns a shot into Hits. Adding one is a new file and a row in methods().
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -28,6 +29,10 @@ class Method {
   // What it models of the scene and what it leaves out, one line each, for `plan` and the manifest.
   virtual std::vector<std::string> modelled() const = 0;
   virtual std::uint64_t memoryBytes() const = 0;
+  // Seconds of trace() so far, summed over threads, by the method's own stages; empty: it has but one.
+  virtual std::map<std::string, double> stageSeconds() const { return {}; }
+  // What its user should know of the shots so far, such as beams that it cannot see.
+  virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 struct MethodEntry {

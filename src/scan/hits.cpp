@@ -15,6 +15,9 @@ void Hits::reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels as
   fit(primitive, Channel::Primitive);
   fit(reflectance, Channel::Reflectance);
   fit(incidence, Channel::Incidence);
+  roughness.clear();
+  metallic.clear();
+  retroreflectance.clear();
 }
 
 }  // namespace scanmill

@@ -31,10 +31,16 @@ struct Hits {
   std::vector<float> reflectance;        // near-infrared, 0 to 1, texture applied
   std::vector<float> incidence;          // cosine of the angle between the normal and the beam, 0 to 1
 
+  // How the material looks at the hit: filled by methods that know it per beam (passes drawn by others); empty where the
+  // material's own figures hold. All three or none.
+  std::vector<float> roughness;         // 0 mirror to 1 matt
+  std::vector<float> metallic;          // 0 to 1
+  std::vector<float> retroreflectance;  // in units of a white Lambertian target
+
   std::size_t size() const { return std::size_t{rings} * columns; }
   bool hit(std::size_t beam) const { return range[beam] < kMiss; }
 
-  // Sizes the columns that `asked` names (Range always) and empties the others; contents are undefined.
+  // Sizes the columns that `asked` names (Range always) and empties the others, the look too; contents are undefined.
   void reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels asked);
 };
 

@@ -20,6 +20,7 @@ struct Shot {
   std::uint32_t frame = 0;   // in the sequence
   std::uint32_t sensor = 0;  // on the vehicle
   std::string sensorName;
+  std::string sample;  // the sample's key: names the files that are kept of the shot
   double time = 0;  // s since the start of the sequence, of column 0
   std::shared_ptr<const BeamTable> beams;
 

@@ -216,5 +216,27 @@ TEST(Intensity, RefusesBadOptions) {
   EXPECT_NE(refusal("intensity: {gain: .nan}"), "accepted");
 }
 
+// Passes drawn by others bring the look of each beam with them; the same figures give the same bits.
+TEST(Intensity, TheLookOfABeamStandsForItsMaterials) {
+  World world = makeRaggedWorld(4, 100);
+  world.materials = {surface(1, 0.1f, 0), surface(1, 0.5f, 1), surface(1, 0.9f, 0.3f)};
+  world.materials[2].retroreflectance = 5;
+  for (std::uint32_t beam = 0; beam < world.hits.size(); ++beam) {
+    world.hits.material[beam] = static_cast<std::uint16_t>(beam % 3);
+    world.hits.incidence[beam] = static_cast<float>(beam % 11) / 10;
+    world.hits.reflectance[beam] = static_cast<float>(beam % 7) / 7;
+  }
+  const Returns table = run(world, {"intensity: {}"});
+  for (const std::uint16_t m : world.hits.material) {
+    world.hits.roughness.push_back(world.materials[m].roughness);
+    world.hits.metallic.push_back(world.materials[m].metallic);
+    world.hits.retroreflectance.push_back(world.materials[m].retroreflectance);
+  }
+  std::fill(world.hits.material.begin(), world.hits.material.end(), std::uint16_t{0});
+  EXPECT_EQ(run(world, {"intensity: {}"}).intensity, table.intensity);
+  world.hits.retroreflectance[10] += 1;  // a hit
+  EXPECT_NE(run(world, {"intensity: {}"}).intensity, table.intensity);
+}
+
 }  // namespace
 }  // namespace scanmill

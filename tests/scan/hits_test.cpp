@@ -42,6 +42,17 @@ TEST(Hits, ResetFollowsTheNewShape) {
   EXPECT_EQ(hits.range.size(), 4'194'304u);
 }
 
+TEST(Hits, TheLookIsNotAskedForAndDoesNotOutliveAReset) {
+  Hits hits;
+  hits.reset(2, 3, Channels::all());
+  EXPECT_TRUE(hits.roughness.empty() && hits.metallic.empty() && hits.retroreflectance.empty());
+  hits.roughness.assign(6, 0.5f);
+  hits.metallic.assign(6, 1.0f);
+  hits.retroreflectance.assign(6, 2.0f);
+  hits.reset(2, 3, Channels::all());
+  EXPECT_TRUE(hits.roughness.empty() && hits.metallic.empty() && hits.retroreflectance.empty());
+}
+
 TEST(Hits, SizeDoesNotOverflow32Bits) {
   Hits hits;
   hits.rings = 1u << 20;
