@@ -24,6 +24,7 @@
 
 #include "base/error.h"
 #include "scene/assets/asset_look.h"
+#include "scene/assets/blend.h"
 #include "scene/assets/gltf.h"
 #include "scene/assets/ply_check.h"
 #include "scene/assets/trial.h"
@@ -49,6 +50,8 @@ class CheckedFiles : public Assimp::DefaultIOSystem {
     if (name_ != name) return DefaultIOSystem::Open(name, mode);
     return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes_.data()), bytes_.size());
   }
+
+  bool Exists(const char* name) const override { return name_ == name || DefaultIOSystem::Exists(name); }
 
   // Frees the text once it has been read.
   void forget() { bytes_ = std::string(); }
@@ -84,7 +87,11 @@ T metadata(const aiScene& scene, const char* key, T fallback) {
 class AssetReader {
  public:
   AssetReader(const std::filesystem::path& file, const AssetOptions& options)
-      : file_(file), options_(options), kind_(kindOf(file)), gltf_(kind_ == ".gltf" || kind_ == ".glb") {}
+      : file_(file),
+        options_(options),
+        kind_(kindOf(file)),
+        blend_(kind_ == ".blend"),
+        gltf_(blend_ || kind_ == ".gltf" || kind_ == ".glb") {}
 
   Asset read() {
     checkRequest();
@@ -122,10 +129,11 @@ class AssetReader {
     configure(importer_);
     CheckedFiles* files = nullptr;
     if (kind_.empty() || !importer_.IsExtensionSupported(kind_)) {
-      fail(fmt::format("is of an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX or AC", kind_));
+      fail(fmt::format("is of an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or BLEND",
+                       kind_));
     }
     if (gltf_) {
-      files = new CheckedFiles(file_.string(), checkedGltf(file_));
+      files = new CheckedFiles(importedName(), checkedGltf(blend_ ? BlendExport(file_).glb() : file_));
       importer_.SetIOHandler(files);  // which deletes it
     } else if (kind_ == ".ply") {
       checkPly(file_);
@@ -135,7 +143,7 @@ class AssetReader {
       if (!failure.empty()) fail(fmt::format("cannot be read: {}; {}", trimmed(failure), remedy()));
     }
     try {
-      scene_ = importer_.ReadFile(file_.string(), 0);
+      scene_ = importer_.ReadFile(importedName(), 0);
     } catch (const std::exception& e) {
       fail(fmt::format("cannot be read: {}; {}", e.what(), remedy()));
     }
@@ -143,6 +151,9 @@ class AssetReader {
     if (scene_ == nullptr) fail(fmt::format("cannot be read: {}; {}", reason(importer_), remedy()));
     if (scene_->mRootNode == nullptr) fail("cannot be read: it has no nodes; " + remedy());
   }
+
+  // The importer goes by the ending.
+  std::string importedName() const { return file_.string() + (blend_ ? ".glb" : ""); }
 
   void configure(Assimp::Importer& importer) const {
     importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
@@ -249,7 +260,7 @@ class AssetReader {
       return axis >= 0 && axis <= 2 ? "xyz"[axis] : 'y';
     }
     if (format == kCollada) return colladaUp();
-    return gltf_ || format == "AC3D Importer" ? 'y' : 'z';
+    return (gltf_ && !blend_) || format == "AC3D Importer" ? 'y' : 'z';
   }
 
   // The importer keeps up_axis to itself. It is in the head of the file, since the schema puts `asset` first.
@@ -409,6 +420,7 @@ class AssetReader {
   const std::filesystem::path& file_;
   const AssetOptions& options_;
   std::string kind_;
+  bool blend_;  // read as the GLB that Blender makes of it
   bool gltf_;
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;  // owned by the importer

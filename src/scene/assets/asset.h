@@ -1,6 +1,7 @@
 #pragma once
 
-// Reads a 3D file: glTF/GLB, OBJ, PLY, STL, COLLADA, FBX, AC3D and what else assimp knows.
+// Reads a 3D file: glTF/GLB, OBJ, PLY, STL, COLLADA, FBX, AC3D, what else assimp knows, and .blend where Blender is
+// installed.
 
 #include <filesystem>
 #include <optional>
@@ -39,8 +40,8 @@ struct AssetOptions {
   double metresPerUnit = 1.0;
   // The up axis of the file's coordinates, 'x', 'y' or 'z': (x, y, z) becomes (x, -z, y) from y-up and (-y, -z, x) from
   // x-up. It replaces what the file declares. Without one, the file decides: COLLADA by up_axis and FBX by UpAxis (y
-  // where there is none); glTF and AC3D are y-up by their specifications; OBJ, PLY, STL and the rest, which cannot say,
-  // are taken as z-up.
+  // where there is none); glTF and AC3D are y-up by their specifications, .blend is z-up; OBJ, PLY, STL and the rest,
+  // which cannot say, are taken as z-up.
   std::optional<char> up = std::nullopt;
   AlphaUse alpha = AlphaUse::Auto;
   bool textures = true;  // false: only textures with alpha are loaded

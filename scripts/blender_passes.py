@@ -1,0 +1,392 @@
+"""Runs inside Blender: renders the passes of a scene that Scanmill hands over, or exports the geometry of a .blend.
+
+    blender -b --factory-startup --disable-autoexec -noaudio --python-exit-code 3 --python blender_passes.py -- JOB ...
+
+    render FOLDER        takes requests, each a line of JSON on standard input: {"scene": FOLDER} for the scene that
+                         scene.json and scene.bin hold there, then one with "file" and a camera for each image
+    export FOLDER BLEND  writes what BLEND shows to FOLDER/scene.glb, z up, in metres
+
+Every answer is a line of JSON on standard output: {"what": "ready" | "scene" | "image" | "exported" | "error",
+"text": ..., "seconds": since the request}; an error says with "input" whether the user's file is at fault. What Blender
+itself prints goes to standard error. When its standard input ends, its owner is gone: the process removes FOLDER, which
+is a temporary one, and ends at once.
+"""
+
+import json
+import os
+import queue
+import shutil
+import struct
+import sys
+import threading
+import time
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+MAX_INDEX = 32767  # of objects and materials, by Blender's own limit
+EXACT = 1 << 24  # float32 holds whole numbers up to here
+
+
+class BadInput(Exception):
+    """The user's file is at fault."""
+
+
+class Owner:
+    """The program at the other end of the pipes."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        sys.stdout.flush()
+        self.answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+        os.dup2(2, 1)
+        self.lines = queue.Queue()
+        self.asked = time.perf_counter()
+        threading.Thread(target=self.listen, daemon=True).start()
+
+    def listen(self):
+        for line in sys.stdin:
+            self.lines.put(line)
+        shutil.rmtree(self.folder, ignore_errors=True)
+        os._exit(0)
+
+    def request(self):
+        line = self.lines.get()
+        self.asked = time.perf_counter()
+        return json.loads(line)
+
+    def answer(self, what, text, **more):
+        seconds = time.perf_counter() - self.asked
+        self.answers.write(json.dumps({"what": what, "text": text, "seconds": seconds, **more}) + "\n")
+        self.answers.flush()
+
+
+# Render: the scene
+
+
+def arrays_of(folder):
+    """scene.json, and a function that reads an array by {"at": byte in scene.bin, "type": ..., "shape": [...]}."""
+    with open(os.path.join(folder, "scene.json"), encoding="utf-8") as file:
+        index = json.load(file)
+    data = np.memmap(os.path.join(folder, "scene.bin"), dtype=np.uint8, mode="r")
+
+    def read(entry):
+        kind = np.dtype(entry["type"]).newbyteorder("<")
+        count = int(np.prod(entry["shape"]))
+        return data[entry["at"] : entry["at"] + count * kind.itemsize].view(kind).reshape(entry["shape"])
+
+    return index, read
+
+
+def make_image(mask, read):
+    """An alpha mask, one byte a texel, as an image of which Cycles takes the very texel."""
+    texels = read(mask)
+    height, width = texels.shape
+    image = bpy.data.images.new("mask", width, height, alpha=False, float_buffer=False, is_data=True)
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[:, :, :3] = (texels != 0)[:, :, None]
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    return image
+
+
+def make_material(index, mask, read):
+    """Writes what is seen to the pass `ids`: the object's number (red, and green what is beyond 2^24) and the triangle
+    of its mesh (blue). Cycles adds up what the surfaces along a line of sight write: those that let it pass write
+    zeroes."""
+    material = bpy.data.materials.new(f"material{index}")
+    material.pass_index = index if index <= MAX_INDEX else 0
+    material.use_nodes = True
+    material.cycles.sample_as_light = False
+    tree = material.node_tree
+    tree.nodes.clear()
+
+    def node(kind, **settings):
+        made = tree.nodes.new(kind)
+        for name, value in settings.items():
+            setattr(made, name, value)
+        return made
+
+    surface = node("ShaderNodeEmission")
+    surface.inputs["Strength"].default_value = 1  # a surface without light is not shaded, its ids not written
+    surface = surface.outputs["Emission"]
+    color = node("ShaderNodeSeparateRGB")
+    tree.links.new(node("ShaderNodeObjectInfo").outputs["Color"], color.inputs["Image"])
+    triangle = node("ShaderNodeAttribute", attribute_type="GEOMETRY", attribute_name="triangle")
+    ids = node("ShaderNodeCombineXYZ")
+    tree.links.new(color.outputs["R"], ids.inputs["X"])
+    tree.links.new(color.outputs["G"], ids.inputs["Y"])
+    tree.links.new(triangle.outputs["Fac"], ids.inputs["Z"])
+    ids = ids.outputs["Vector"]
+    if mask is not None:
+        texture = node("ShaderNodeTexImage", image=make_image(mask, read), interpolation="Closest", extension="REPEAT")
+        uvs = node("ShaderNodeUVMap", uv_map="uv")
+        tree.links.new(uvs.outputs["UV"], texture.inputs["Vector"])
+        mix = node("ShaderNodeMixShader")
+        opaque = node("ShaderNodeMath", operation="GREATER_THAN")  # 0 or 1: no share of the other is left
+        tree.links.new(texture.outputs["Color"], opaque.inputs[0])
+        tree.links.new(opaque.outputs["Value"], mix.inputs["Fac"])
+        tree.links.new(node("ShaderNodeBsdfTransparent").outputs["BSDF"], mix.inputs[1])
+        tree.links.new(surface, mix.inputs[2])
+        surface = mix.outputs["Shader"]
+        masked = node("ShaderNodeVectorMath", operation="SCALE")
+        tree.links.new(ids, masked.inputs["Vector"])
+        tree.links.new(opaque.outputs["Value"], masked.inputs["Scale"])
+        ids = masked.outputs["Vector"]
+    tree.links.new(surface, node("ShaderNodeOutputMaterial").inputs["Surface"])
+    tree.links.new(ids, node("ShaderNodeOutputAOV", name="ids").inputs["Color"])
+    return material
+
+
+def make_mesh(entry, read, materials):
+    positions = read(entry["positions"])
+    triangles = read(entry["triangles"])
+    count = len(triangles)
+    mesh = bpy.data.meshes.new("mesh")
+    mesh.vertices.add(len(positions))
+    mesh.vertices.foreach_set("co", positions.ravel())
+    mesh.loops.add(3 * count)
+    mesh.loops.foreach_set("vertex_index", triangles.astype(np.int32).ravel())
+    mesh.polygons.add(count)
+    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+    mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
+    slots, slot_of = np.unique(read(entry["materials"]), return_inverse=True)
+    for slot in slots:
+        mesh.materials.append(materials[slot])
+    if len(slots) > 1:
+        mesh.polygons.foreach_set("material_index", slot_of.astype(np.int32))
+    if entry["uvs"] is not None:
+        layer = mesh.uv_layers.new(name="uv", do_init=False)
+        layer.data.foreach_set("uv", read(entry["uvs"])[triangles].ravel())
+    attribute = mesh.attributes.new("triangle", "FLOAT", "FACE")
+    attribute.data.foreach_set("value", np.arange(count, dtype=np.float32))
+    mesh.update()
+    return mesh
+
+
+def make_objects(index, read, meshes):
+    matrices = np.zeros((index["objects"], 4, 4))
+    matrices[:, :3, :] = read(index["matrices"])
+    matrices[:, 3, 3] = 1
+    mesh_of = read(index["mesh_of"])
+    instances = read(index["instances"])
+    scene = bpy.context.scene
+    world = scene.camera.parent
+    for i in range(index["objects"]):
+        made = bpy.data.objects.new("object", meshes[mesh_of[i]])
+        place(made, world, matrices[i])
+        made.color = ((i + 1) % EXACT, (i + 1) // EXACT, 0, 1)
+        made.pass_index = int(instances[i]) if instances[i] <= MAX_INDEX else 0
+        scene.collection.objects.link(made)
+
+
+def place(thing, world, matrix):
+    """By the one matrix that Blender takes as it is: it keeps others as angles and scales, inexactly and unsheared."""
+    if thing.parent is None:  # naming it again would have Blender look at all objects again
+        thing.parent = world
+    thing.matrix_parent_inverse = matrix.T.tolist()
+
+
+def set_up(threads):
+    """One sample at the centre of every pixel, no light, no filter, nothing that varies."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = bpy.context.scene
+    scene.world = None
+    render = scene.render
+    render.engine = "CYCLES"
+    render.use_persistent_data = True
+    render.use_compositing = False
+    render.use_sequencer = False
+    render.film_transparent = False
+    render.threads_mode = "FIXED"
+    render.threads = threads
+    render.resolution_percentage = 100
+    render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    render.image_settings.color_depth = "32"
+    render.image_settings.exr_codec = "NONE"
+    cycles = scene.cycles
+    cycles.device = "CPU"
+    cycles.samples = 1
+    cycles.use_adaptive_sampling = False
+    cycles.use_denoising = False
+    cycles.use_auto_tile = False
+    cycles.pixel_filter_type = "GAUSSIAN"
+    cycles.filter_width = 0.01
+    cycles.max_bounces = 0
+    cycles.transparent_max_bounces = 1024
+    layer = bpy.context.view_layer
+    layer.use_pass_combined = False
+    layer.use_pass_z = True
+    aov = layer.aovs.add()
+    aov.name = "ids"
+    aov.type = "COLOR"
+    world = bpy.data.objects.new("world", None)
+    scene.collection.objects.link(world)
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    place(camera, world, np.eye(4))
+    camera.data.type = "PERSP"
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    return scene
+
+
+# Render: the images
+
+
+def place_camera(scene, asked):
+    """Of pinhole (fx, fy, cx, cy), pose (3 x 4, row by row; x right, y down, z forward) and limits."""
+    width, height = asked["width"], asked["height"]
+    render = scene.render
+    render.resolution_x, render.resolution_y = width, height
+    # A pixel is 1/fx wide and 1/fy high at depth 1; Blender wants both at least 1.
+    stretch = asked["fx"] / asked["fy"]
+    render.pixel_aspect_x, render.pixel_aspect_y = (1, stretch) if stretch >= 1 else (1 / stretch, 1)
+    camera = scene.camera
+    data = camera.data
+    data.lens_unit = "MILLIMETERS"
+    data.lens = 1024
+    data.sensor_fit = "HORIZONTAL"
+    data.sensor_width = 1024 * width / asked["fx"]
+    data.shift_x = 0.5 - asked["cx"] / width
+    # In units of the image's width, stretched as the pixels are.
+    data.shift_y = (asked["cy"] - height / 2) * stretch / width
+    data.clip_start, data.clip_end = asked["near"], asked["far"]
+    pose = np.array(asked["pose"], np.float64).reshape(3, 4)
+    matrix = np.eye(4)
+    matrix[:3] = pose
+    matrix[:3, 1:3] *= -1
+    place(camera, camera.parent, matrix)
+
+
+def draw(scene, asked):
+    place_camera(scene, asked)
+    layer = bpy.context.view_layer
+    passes = asked.get("passes", [])
+    layer.use_pass_normal = "Normal" in passes
+    layer.use_pass_object_index = "IndexOB" in passes
+    layer.use_pass_material_index = "IndexMA" in passes
+    scene.render.filepath = asked["file"]
+    bpy.ops.render.render(write_still=True)
+    if not os.path.exists(asked["file"]):
+        raise RuntimeError(f"no image was written to {asked['file']}")
+
+
+def load(folder):
+    index, read = arrays_of(folder)
+    scene = set_up(index["threads"])
+    materials = [make_material(i, mask, read) for i, mask in enumerate(index["materials"])]
+    meshes = [make_mesh(entry, read, materials) for entry in index["meshes"]]
+    make_objects(index, read, meshes)
+    return scene
+
+
+def render(owner):
+    owner.answer("ready", bpy.app.version_string)
+    scene = None
+    while True:
+        asked = owner.request()
+        if "scene" in asked:
+            scene = load(asked["scene"])
+            owner.answer("scene", asked["scene"])
+        else:
+            draw(scene, asked)
+            owner.answer("image", asked["file"])
+
+
+# Export
+
+
+def version_text(version):
+    return ".".join(str(part) for part in version[:2])
+
+
+def open_blend(path):
+    """No script, driver expression or handler of the file runs."""
+    try:
+        bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
+    except RuntimeError as failure:
+        reason = str(failure).strip().removeprefix("Error: ").replace(f"Loading '{path}' failed: ", "")
+        raise BadInput(f"Blender {bpy.app.version_string} cannot open it: {reason}") from failure
+    if bpy.data.version[:2] > bpy.app.version[:2]:
+        raise BadInput(
+            f"was saved by Blender {version_text(bpy.data.version)}, but {bpy.app.version_string} is installed and"
+            " would lose parts of it: install a newer Blender, set SCANMILL_BLENDER to one, or export it as GLB"
+        )
+
+
+def flatten():
+    """Replaces the objects by what they show, modifiers applied, every instance an object of its own. Returns what
+    their nodes are to have: the name, since Blender allows each but once, and the matrix, since an object's own cannot
+    be sheared."""
+    units = bpy.context.scene.unit_settings
+    metres = units.scale_length if units.system != "NONE" else 1.0
+    meshes = {}
+    placed = []
+    for instance in bpy.context.evaluated_depsgraph_get().object_instances:
+        shown = instance.object
+        # What evaluates to a mesh, such as a text, comes as an instance of type MESH beside its own.
+        if shown.type != "MESH" or not instance.show_self or shown.original.hide_render:
+            continue
+        key = (shown.data.as_pointer(), *(slot.material and slot.material.name_full for slot in shown.material_slots))
+        if key not in meshes:
+            meshes[key] = bpy.data.meshes.new_from_object(shown)
+        if len(meshes[key].polygons) > 0:
+            placed.append((shown.name, meshes[key], Matrix.Scale(metres, 4) @ instance.matrix_world))
+    for old in list(bpy.data.objects):
+        bpy.data.objects.remove(old)
+    nodes = {}
+    for i, (name, mesh, matrix) in enumerate(placed):
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new(f"object{i}", mesh))
+        nodes[f"object{i}"] = {"name": name, "matrix": [value for column in matrix.transposed() for value in column]}
+    return nodes
+
+
+def change_nodes(path, changes):
+    """In a GLB: a header of 12 bytes, then chunks of length, kind and bytes, the first of which is JSON."""
+    with open(path, "rb") as file:
+        glb = file.read()
+    length = struct.unpack_from("<I", glb, 12)[0]
+    document = json.loads(glb[20 : 20 + length])
+    for node in document.get("nodes", []):
+        node.update(changes[node["name"]])
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    rest = glb[20 + length :]
+    with open(path, "wb") as file:
+        file.write(struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest)
+
+
+def export(owner, blend):
+    glb = os.path.join(owner.folder, "scene.glb")
+    open_blend(blend)
+    nodes = flatten()
+    if not nodes:
+        raise BadInput("shows no surface: nothing with faces is visible in its active scene, in viewport and renders")
+    bpy.ops.export_scene.gltf(
+        filepath=glb,
+        export_format="GLB",
+        export_yup=False,
+        export_normals=False,
+        export_colors=False,
+        export_animations=False,
+        export_skins=False,
+        export_morph=False,
+        export_cameras=False,
+        export_lights=False,
+    )
+    change_nodes(glb, nodes)
+    owner.answer("exported", glb)
+
+
+def main():
+    job, folder, *arguments = sys.argv[sys.argv.index("--") + 1 :]
+    owner = Owner(folder)
+    try:
+        {"render": render, "export": export}[job](owner, *arguments)
+    except BadInput as failure:
+        owner.answer("error", str(failure), input=True)
+        sys.exit(3)
+
+
+main()
