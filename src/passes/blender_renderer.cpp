@@ -1,0 +1,268 @@
+// Blender's Cycles as a renderer: scripts/blender_passes.py draws depth and ids into OpenEXR files, which are read
+// here.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/scratch_folder.h"
+#include "passes/blender_scene.h"
+#include "passes/exr_file.h"
+#include "passes/renderer.h"
+#include "passes/resolver.h"
+#include "scene/assets/blender.h"
+
+namespace scanmill {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMaxImages = 8;
+constexpr std::uint32_t kMinSide = 4;    // px, Blender's
+constexpr double kMaxStretch = 200;      // of its pixels, likewise
+constexpr float kBlenderSky = 1e9f;      // m; it writes 1e10 where nothing is seen
+constexpr float kExact = 16777216.0f;    // 2^24: the two parts of an object's number, see the script
+constexpr double kReach = 512;           // m from the origin: float32 steps of 6e-5 m there
+constexpr double kPlaneShare = 1e-3;     // of the depth: how far a drawn depth may be from its triangle's plane
+constexpr std::size_t kGrain = 1 << 14;  // pixels
+
+double secondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+// What was drawn, in memory.
+class SeenSource : public PixelSource {
+ public:
+  SeenSource(std::shared_ptr<const Resolver> resolver, std::vector<Camera> cameras, std::vector<SeenTriangle> seen)
+      : resolver_(std::move(resolver)), cameras_(std::move(cameras)), seen_(std::move(seen)) {}
+
+  const std::vector<Camera>& cameras() const override { return cameras_; }
+
+  PassChoice available() const override {
+    return {Channel::Range | Channel::Normal | Channel::Instance | Channel::Semantic | Channel::Material |
+                Channel::Primitive | Channel::Reflectance,
+            true};
+  }
+
+  void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override {
+    fetched_.resize(addresses.size());
+    parallelFor(addresses.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        fetched_[i] = addresses[i] < seen_.size() ? seen_[addresses[i]] : SeenTriangle{};
+      }
+    });
+    resolver_->resolve(cameras_, addresses, fetched_, asked, planes);
+  }
+
+ private:
+  std::shared_ptr<const Resolver> resolver_;
+  std::vector<Camera> cameras_;
+  std::vector<SeenTriangle> seen_;     // by address
+  std::vector<SeenTriangle> fetched_;  // scratch
+};
+
+// The depth of triangles' planes at the centres of one camera's pixels, in double: Blender's own float32 is off by some
+// 1e-7 of the triangle's size and distance, which is much for a large one that is near.
+class ExactDepth {
+ public:
+  ExactDepth(const Scene& scene, const Camera& camera) : scene_(scene), camera_(camera) {
+    const Mat3 cameraFromWorld = transposed(toMatrix(camera.worldFromCamera.rotation));
+    for (const Instance& instance : scene.instances) {
+      const Affine& a = instance.worldFromMesh;
+      cameraFromMesh_.push_back(
+          {cameraFromWorld * a.linear, cameraFromWorld * (a.translation - camera.worldFromCamera.translation)});
+    }
+  }
+
+  // Where it is not near the drawn one, as on a triangle that is seen edge-on, the drawn one.
+  float at(std::size_t column, std::size_t row, const SeenTriangle& seen) const {
+    const Affine& place = cameraFromMesh_[seen.instance - 1];
+    const Mesh& mesh = scene_.meshes[scene_.instances[seen.instance - 1].mesh];
+    const Triangle& corners = mesh.triangles.at(seen.triangle);
+    const Vec3d a(mesh.positions[corners[0]]);
+    const Vec3d b(mesh.positions[corners[1]]);
+    const Vec3d c(mesh.positions[corners[2]]);
+    const Vec3d normal = cross(place.linear * (b - a), place.linear * (c - a));
+    const Vec3d sight = camera_.ray(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5);
+    const double exact = dot(place * a, normal) / dot(sight, normal);
+    const double drawn = seen.depth;
+    return std::abs(exact - drawn) <= kPlaneShare * drawn ? static_cast<float>(exact) : seen.depth;
+  }
+
+ private:
+  const Scene& scene_;
+  const Camera& camera_;
+  std::vector<Affine> cameraFromMesh_;  // per instance
+};
+
+class BlenderRenderer : public PassRenderer {
+ public:
+  explicit BlenderRenderer(const Scene& scene) : scene_(scene), resolver_(std::make_shared<Resolver>(scene)) {
+    start();
+  }
+
+  std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits,
+                                    PassChoice /*choice*/) override {
+    check(cameras, limits);
+    const std::lock_guard lock(mutex_);
+    try {
+      if (!job_) start();
+      if (!cameras.empty()) load(cameras[0].worldFromCamera.translation);
+      return std::make_unique<SeenSource>(resolver_, cameras, drawAll(cameras, limits));
+    } catch (...) {
+      job_.reset();  // its answers would be those to former questions
+      origin_.reset();
+      throw;
+    }
+  }
+
+  std::map<std::string, double> seconds() const override {
+    const std::lock_guard lock(mutex_);
+    return seconds_;
+  }
+
+  std::string device() const override {
+    const std::lock_guard lock(mutex_);
+    return device_;
+  }
+
+ private:
+  static void check(const std::vector<Camera>& cameras, const DrawLimits& limits) {
+    if (cameras.size() > kMaxImages) throw Error(fmt::format("{} images at once, but 8 is the most", cameras.size()));
+    if (!(limits.nearest > 0) || !(limits.farthest > limits.nearest)) {
+      throw Error(fmt::format("cannot draw from {} to {} m", limits.nearest, limits.farthest));
+    }
+    for (const Camera& camera : cameras) {
+      const double stretch = camera.fx / camera.fy;
+      if (camera.pixels() == 0 || !(stretch >= 1 / kMaxStretch) || !(stretch <= kMaxStretch)) {
+        throw Error(fmt::format("camera '{}': Blender cannot draw {} x {} pixels of focal lengths {} and {} px",
+                                camera.name, camera.width, camera.height, camera.fx, camera.fy));
+      }
+    }
+  }
+
+  void start() {
+    const auto begin = Clock::now();
+    job_.emplace("render", folder_.path(), std::vector<std::string>{});
+    threads_ = threadCount();
+    const BlenderAnswer ready = job_->answer();
+    device_ = fmt::format("Blender {} (Cycles on {} threads)", ready.text, threads_);
+    seconds_["upload"] += secondsSince(begin);
+  }
+
+  // Hands the scene over, relative to an origin near the cameras.
+  void load(const Vec3d& near) {
+    if (origin_ && length(near - *origin_) <= kReach) return;
+    const auto begin = Clock::now();
+    origin_ = near;
+    objects_ = writeBlenderScene(scene_, near, threads_, folder_.path());
+    job_->ask(nlohmann::json{{"scene", folder_.path().string()}}.dump());
+    job_->answer();
+    seconds_["upload"] += secondsSince(begin);
+  }
+
+  // While one image is read, Blender draws the next.
+  std::vector<SeenTriangle> drawAll(const std::vector<Camera>& cameras, const DrawLimits& limits) {
+    std::size_t pixels = 0;
+    for (const Camera& camera : cameras) pixels += camera.pixels();
+    std::vector<SeenTriangle> seen(pixels);
+    for (std::size_t i = 0; i < cameras.size(); ++i) job_->ask(request(cameras[i], limits, imageFile(i)));
+    SeenTriangle* at = seen.data();
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      const auto begin = Clock::now();
+      job_->answer();
+      const auto drawn = Clock::now();
+      read(imageFile(i), cameras[i], limits, at);
+      std::filesystem::remove(imageFile(i));
+      at += cameras[i].pixels();
+      seconds_["render"] += std::chrono::duration<double>(drawn - begin).count();
+      seconds_["read_back"] += secondsSince(drawn);
+    }
+    return seen;
+  }
+
+  std::filesystem::path imageFile(std::size_t index) const { return folder_.path() / fmt::format("{}.exr", index); }
+
+  std::string request(const Camera& camera, const DrawLimits& limits, const std::filesystem::path& file) const {
+    const Mat3 r = toMatrix(camera.worldFromCamera.rotation);
+    const Vec3d t = camera.worldFromCamera.translation - *origin_;
+    return nlohmann::json{{"file", file.string()},
+                          {"width", std::max(camera.width, kMinSide)},
+                          {"height", std::max(camera.height, kMinSide)},
+                          {"fx", camera.fx},
+                          {"fy", camera.fy},
+                          {"cx", camera.cx},
+                          {"cy", camera.cy},
+                          {"near", limits.nearest},
+                          {"far", limits.farthest},
+                          {"pose", {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z}}}
+        .dump();
+  }
+
+  void read(const std::filesystem::path& file, const Camera& camera, const DrawLimits& limits, SeenTriangle* seen) {
+    const ExrReader reader(file);
+    struct Pixel {
+      float depth, object, beyond, triangle;
+    };
+    std::vector<Pixel> pixels(reader.pixels());
+    const auto target = [&](const char* name, float Pixel::*member) {
+      const auto& channels = reader.channels();
+      const auto found = std::find_if(channels.begin(), channels.end(), [&](const ExrChannel& channel) {
+        return channel.name.ends_with(name) && channel.type == ExrType::Float32;
+      });
+      if (found == channels.end()) throw Error(fmt::format("Blender's image lacks the channel {}", name));
+      return ExrTarget{&*found, &(pixels.data()->*member), sizeof(Pixel)};
+    };
+    reader.read(std::vector<ExrTarget>{target(".Depth.Z", &Pixel::depth), target(".ids.R", &Pixel::object),
+                                       target(".ids.G", &Pixel::beyond), target(".ids.B", &Pixel::triangle)});
+    // A surface that lies on a limit may be drawn on either side of it.
+    const auto nearest = static_cast<float>(limits.nearest);
+    const auto farthest = std::min(static_cast<float>(limits.farthest), kBlenderSky);
+    const ExactDepth exact(scene_, camera);
+    parallelFor(camera.height, 1 + kGrain / camera.width, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row) {
+        for (std::size_t column = 0; column < camera.width; ++column) {
+          const Pixel& pixel = pixels[row * reader.width() + column];
+          const auto object = static_cast<std::size_t>(pixel.object + kExact * pixel.beyond);
+          if (!(pixel.depth >= nearest && pixel.depth <= farthest) || object == 0) continue;
+          const BlenderObject& drawn = objects_.at(object - 1);
+          SeenTriangle& found = seen[row * camera.width + column];
+          found = {pixel.depth, drawn.instance, drawn.firstTriangle + static_cast<std::uint32_t>(pixel.triangle)};
+          found.depth = std::clamp(exact.at(column, row, found), nearest, farthest);
+        }
+      }
+    });
+  }
+
+  const Scene& scene_;
+  std::shared_ptr<const Resolver> resolver_;
+  mutable std::mutex mutex_;  // of all below
+  ScratchFolder folder_;
+  std::optional<BlenderJob> job_;
+  std::optional<Vec3d> origin_;  // world, m, of the scene that Blender has; none: it has none
+  std::vector<BlenderObject> objects_;
+  int threads_ = 1;
+  std::string device_;
+  std::map<std::string, double> seconds_{{"upload", 0}, {"render", 0}, {"read_back", 0}};
+};
+
+}  // namespace
+
+std::unique_ptr<PassRenderer> makeBlenderRenderer(const Scene& scene) {
+  return std::make_unique<BlenderRenderer>(scene);
+}
+
+}  // namespace scanmill

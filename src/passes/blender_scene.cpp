@@ -1,0 +1,156 @@
+#include "passes/blender_scene.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+
+#include "base/error.h"
+#include "base/file.h"
+
+namespace scanmill {
+
+namespace {
+
+using Json = nlohmann::json;
+
+static_assert(std::endian::native == std::endian::little, "the arrays are written as they lie in memory");
+
+// scene.bin: arrays one after the other, each at a multiple of 8 bytes.
+class Arrays {
+ public:
+  explicit Arrays(const std::filesystem::path& file) : file_(file), out_(file, std::ios::binary | std::ios::trunc) {
+    add<double>(std::vector<double>{0}, "f8", {1});  // so that the file of an empty scene is not empty
+  }
+
+  // Returns where it lies. `type` as numpy calls it; `columns` numbers make a row.
+  template <class T>
+  Json add(std::span<const T> values, const char* type, std::vector<std::size_t> shape) {
+    static constexpr std::array<char, 8> kZeroes{};
+    const std::size_t gap = (8 - at_ % 8) % 8;
+    out_.write(kZeroes.data(), static_cast<std::streamsize>(gap));
+    at_ += gap;
+    Json entry{{"at", at_}, {"type", type}, {"shape", std::move(shape)}};
+    out_.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size_bytes()));
+    at_ += values.size_bytes();
+    return entry;
+  }
+
+  void finish() {
+    out_.close();
+    if (!out_) throw Error(fmt::format("{}: cannot be written: {}", file_.string(), std::strerror(errno)));
+  }
+
+ private:
+  std::filesystem::path file_;
+  std::ofstream out_;
+  std::size_t at_ = 0;
+};
+
+class SceneWriter {
+ public:
+  SceneWriter(const Scene& scene, const Vec3d& origin, const std::filesystem::path& folder, std::uint32_t limit)
+      : scene_(scene), origin_(origin), folder_(folder), limit_(limit), arrays_(folder / "scene.bin") {}
+
+  std::vector<BlenderObject> write(int threads) {
+    addMaterials();
+    std::vector<std::vector<std::uint32_t>> placed(scene_.meshes.size());  // instances of each mesh
+    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) placed[scene_.instances[i].mesh].push_back(i);
+    for (std::size_t m = 0; m < placed.size(); ++m) {
+      if (!scene_.meshes[m].triangles.empty() && !placed[m].empty()) addMesh(scene_.meshes[m], placed[m]);
+    }
+    const std::size_t count = objects_.size();
+    index_["threads"] = threads;
+    index_["objects"] = count;
+    index_["matrices"] = arrays_.add<double>(matrices_, "f8", {count, 3, 4});
+    index_["mesh_of"] = arrays_.add<std::uint32_t>(meshOf_, "u4", {count});
+    std::vector<std::uint32_t> instances;
+    for (const BlenderObject& object : objects_) instances.push_back(object.instance);
+    index_["instances"] = arrays_.add<std::uint32_t>(instances, "u4", {count});
+    arrays_.finish();
+    writeFile(folder_ / "scene.json", index_.dump());
+    return std::move(objects_);
+  }
+
+ private:
+  // Null, or which texels of an alpha-tested material are there.
+  void addMaterials() {
+    Json& list = index_["materials"] = Json::array();
+    std::vector<std::uint8_t> mask;
+    for (const Material& material : scene_.materials) {
+      list.push_back(nullptr);
+      if (!material.alphaTested || !material.texture) continue;
+      const Texture& texture = *material.texture;
+      mask.resize(std::size_t{texture.width} * texture.height);
+      for (std::size_t i = 0; i < mask.size(); ++i) {
+        mask[i] = static_cast<float>(texture.rgba[i * 4 + 3]) < material.alphaCutoff * 255.0f ? 0 : 1;
+      }
+      list.back() = arrays_.add<std::uint8_t>(mask, "u1", {texture.height, texture.width});
+    }
+  }
+
+  void addMesh(const Mesh& mesh, const std::vector<std::uint32_t>& instances) {
+    const bool moved = instances.size() == 1;
+    std::vector<Vec3f> positions = mesh.positions;
+    if (moved) {
+      const Affine originFromMesh = placement(instances[0]);
+      for (Vec3f& p : positions) p = static_cast<Vec3f>(originFromMesh * static_cast<Vec3d>(p));
+    }
+    const Json where = arrays_.add<Vec3f>(positions, "f4", {positions.size(), 3});
+    const Json uvs = mesh.uvs.empty() ? Json() : arrays_.add<Vec2f>(mesh.uvs, "f4", {mesh.uvs.size(), 2});
+    std::vector<std::uint16_t> materials;
+    for (std::size_t first = 0; first < mesh.triangles.size(); first += limit_) {
+      const std::size_t count = std::min<std::size_t>(limit_, mesh.triangles.size() - first);
+      materials.clear();
+      for (std::size_t i = 0; i < count; ++i) {
+        materials.push_back(mesh.surfaces[mesh.surfaceOf[first + i]].material);
+      }
+      const std::span<const Triangle> triangles(mesh.triangles.data() + first, count);
+      const auto number = static_cast<std::uint32_t>(index_["meshes"].size());
+      index_["meshes"].push_back({{"positions", where},
+                                  {"uvs", uvs},
+                                  {"triangles", arrays_.add<Triangle>(triangles, "u4", {count, 3})},
+                                  {"materials", arrays_.add<std::uint16_t>(materials, "u2", {count})}});
+      for (const std::uint32_t i : instances) addObject(i, number, first, moved ? Affine() : placement(i));
+    }
+  }
+
+  void addObject(std::uint32_t instance, std::uint32_t mesh, std::size_t firstTriangle, const Affine& a) {
+    objects_.push_back({instance + 1, static_cast<std::uint32_t>(firstTriangle)});
+    meshOf_.push_back(mesh);
+    matrices_.insert(matrices_.end(), {a.linear.x.x, a.linear.y.x, a.linear.z.x, a.translation.x,  //
+                                       a.linear.x.y, a.linear.y.y, a.linear.z.y, a.translation.y,  //
+                                       a.linear.x.z, a.linear.y.z, a.linear.z.z, a.translation.z});
+  }
+
+  Affine placement(std::uint32_t instance) const {
+    const Affine& worldFromMesh = scene_.instances[instance].worldFromMesh;
+    return {worldFromMesh.linear, worldFromMesh.translation - origin_};
+  }
+
+  const Scene& scene_;
+  Vec3d origin_;
+  const std::filesystem::path& folder_;
+  std::uint32_t limit_;
+  Arrays arrays_;
+  Json index_{{"meshes", Json::array()}};
+  std::vector<BlenderObject> objects_;
+  std::vector<std::uint32_t> meshOf_;
+  std::vector<double> matrices_;
+};
+
+}  // namespace
+
+std::vector<BlenderObject> writeBlenderScene(const Scene& scene, const Vec3d& origin, int threads,
+                                             const std::filesystem::path& folder, std::uint32_t trianglesOfAnObject) {
+  return SceneWriter(scene, origin, folder, trianglesOfAnObject).write(threads);
+}
+
+}  // namespace scanmill

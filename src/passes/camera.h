@@ -1,0 +1,40 @@
+#pragma once
+
+// Pinhole cameras.
+
+#include <cstdint>
+#include <string>
+
+#include "base/vec.h"
+
+namespace scanmill {
+
+// An ideal pinhole, without distortion. Camera axes, as OpenCV's: x right, y down, z forward (m). Pixel (column i, row
+// j) covers [i, i + 1) x [j, j + 1) of the image plane, its centre is at (i + 0.5, j + 0.5); row 0 is the top one.
+//
+//   u = cx + fx * x / z,  v = cy + fy * y / z
+struct Camera {
+  std::string name;  // "front"; part of file names
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  double fx = 0;  // px
+  double fy = 0;
+  double cx = 0;  // px, the principal point; may lie outside of the image
+  double cy = 0;
+  Pose worldFromCamera;
+
+  std::size_t pixels() const { return std::size_t{width} * height; }
+  double horizontalField() const;  // rad, between the outer edges of the image
+  double verticalField() const;
+  // The point at depth 1 m on the line of sight through (u, v), camera axes.
+  Vec3d ray(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1}; }
+};
+
+// Width and field (rad, more than 0 and less than pi) of a square-pixel camera whose principal point is the centre.
+// Throws InputError for a field of 180 degrees or more: a plane cannot hold it.
+Camera squareCamera(std::uint32_t width, std::uint32_t height, double horizontalField);
+
+// From the axes of a sensor or a vehicle (x forward, y left, z up) to those of a camera that looks along x.
+Quat vehicleFromOptical();
+
+}  // namespace scanmill

@@ -1,0 +1,182 @@
+#include "passes/camera_exr.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kMatrix = "cameraMatrix";
+constexpr const char* kPose = "worldFromCamera";
+constexpr const char* kQuaternionXyz = "worldFromCameraXyz";
+constexpr const char* kQuaternionW = "worldFromCameraW";
+constexpr const char* kHorizontalField = "horizontalFieldDeg";
+constexpr const char* kVerticalField = "verticalFieldDeg";
+
+ExrMatrix4 rowByRow(const Pose& pose) {
+  const Mat3 r = toMatrix(pose.rotation);
+  const Vec3d& t = pose.translation;
+  return {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z, 0, 0, 0, 1};
+}
+
+// OpenEXR's standard attribute: row vectors, and a left-handed camera with x right, y up, z forward.
+ExrMatrix4f standardWorldToCamera(const Pose& worldFromCamera) {
+  const Pose cameraFromWorld = inverse(worldFromCamera);
+  const Mat3 r = toMatrix(cameraFromWorld.rotation);
+  const Vec3d& t = cameraFromWorld.translation;
+  const double rows[] = {r.x.x, -r.x.y, r.x.z, 0, r.y.x, -r.y.y, r.y.z, 0, r.z.x, -r.z.y, r.z.z, 0, t.x, -t.y, t.z, 1};
+  ExrMatrix4f matrix;
+  std::transform(std::begin(rows), std::end(rows), matrix.begin(), [](double v) { return static_cast<float>(v); });
+  return matrix;
+}
+
+// Shepperd's method: the largest of the four components is found first, so that none is divided by little.
+Quat fromMatrix(const Mat3& m) {
+  const double trace = m.x.x + m.y.y + m.z.z;
+  Quat q;
+  if (trace >= m.x.x && trace >= m.y.y && trace >= m.z.z) {
+    q = {1 + trace, m.y.z - m.z.y, m.z.x - m.x.z, m.x.y - m.y.x};
+  } else if (m.x.x >= m.y.y && m.x.x >= m.z.z) {
+    q = {m.y.z - m.z.y, 1 + m.x.x - m.y.y - m.z.z, m.x.y + m.y.x, m.z.x + m.x.z};
+  } else if (m.y.y >= m.z.z) {
+    q = {m.z.x - m.x.z, m.x.y + m.y.x, 1 + m.y.y - m.x.x - m.z.z, m.y.z + m.z.y};
+  } else {
+    q = {m.x.y - m.y.x, m.z.x + m.x.z, m.y.z + m.z.y, 1 + m.z.z - m.x.x - m.y.y};
+  }
+  const double n = 1 / std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  return {q.w * n, q.x * n, q.y * n, q.z * n};
+}
+
+// Sum of the differences of all entries: NaN where one of them is.
+double difference(const Mat3& a, const Mat3& b) {
+  double sum = 0;
+  for (const Vec3d& d : {a.x - b.x, a.y - b.y, a.z - b.z}) sum += std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+  return sum;
+}
+
+class CameraReader {
+ public:
+  explicit CameraReader(const ExrReader& file) : file_(file) {}
+
+  Camera read() {
+    Camera camera;
+    camera.name = std::filesystem::path(file_.name()).stem().string();
+    if (const auto* name = optional<std::string>("camera", "string")) camera.name = *name;
+    const auto unfit = [](unsigned char c) { return c < ' ' || c == '/'; };  // it becomes part of file names
+    if (std::any_of(camera.name.begin(), camera.name.end(), unfit)) {
+      refuse("camera", "must be a name without '/' and control characters");
+    }
+    camera.width = file_.width();
+    camera.height = file_.height();
+    const auto* units = optional<std::string>("units", "string");
+    if (units != nullptr && *units != "m") refuse("units", fmt::format("must be 'm', not '{}'", *units));
+    readMatrix(camera);
+    readPose(camera);
+    checkField(kHorizontalField, degrees(camera.horizontalField()));
+    checkField(kVerticalField, degrees(camera.verticalField()));
+    return camera;
+  }
+
+ private:
+  [[noreturn]] void refuse(const char* attribute, const std::string& why) const {
+    throw InputError({file_.name()}, fmt::format("attribute '{}': {}", attribute, why));
+  }
+
+  template <class T>
+  const T* optional(const char* attribute, const char* type) const {
+    const ExrValue* value = file_.attribute(attribute);
+    if (value == nullptr) return nullptr;
+    if (const T* typed = std::get_if<T>(value)) return typed;
+    refuse(attribute, fmt::format("must be of type {}", type));
+  }
+
+  template <class T>
+  const T& require(const char* attribute, const char* type, const char* meaning) const {
+    const T* value = optional<T>(attribute, type);
+    if (value == nullptr) refuse(attribute, fmt::format("is absent: add it as {}, {}", type, meaning));
+    for (const double number : *value) {
+      if (!std::isfinite(number)) refuse(attribute, "holds a number that is not finite");
+    }
+    return *value;
+  }
+
+  void readMatrix(Camera& camera) const {
+    constexpr const char* kMeaning = "the rows fx 0 cx, 0 fy cy, 0 0 1 (px)";
+    const auto& k = require<ExrMatrix3>(kMatrix, "m33d", kMeaning);
+    if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1) {
+      refuse(kMatrix, fmt::format("must be {}", kMeaning));
+    }
+    if (!(k[0] > 0 && k[4] > 0)) refuse(kMatrix, fmt::format("fx {:g} and fy {:g} must be above 0", k[0], k[4]));
+    camera.fx = k[0];
+    camera.cx = k[2];
+    camera.fy = k[4];
+    camera.cy = k[5];
+  }
+
+  void readPose(Camera& camera) const {
+    constexpr const char* kMeaning =
+        "the rows of the 4 x 4 matrix that takes points as column vectors from the camera (x right, y down, z forward) "
+        "to "
+        "the world (m), the last one 0 0 0 1";
+    const auto& m = require<ExrMatrix4>(kPose, "m44d", kMeaning);
+    if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1) refuse(kPose, fmt::format("must be {}", kMeaning));
+    const Mat3 matrix{{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}};
+    constexpr double kRotation = 1e-5;  // float32 matrices are welcome
+    if (determinant(matrix) < 0) {
+      refuse(kPose, "mirrors: the camera's axes are right-handed, x right, y down, z forward");
+    }
+    if (!(difference(matrix * transposed(matrix), {}) < kRotation)) {
+      refuse(kPose, "its left upper 3 x 3 is no rotation: camera poses have no scale and no shear");
+    }
+    camera.worldFromCamera = {fromMatrix(matrix), {m[3], m[7], m[11]}};
+    // A matrix does not give back every bit of the quaternion that it was made of.
+    const auto* xyz = optional<Vec3d>(kQuaternionXyz, "v3d");
+    const auto* w = optional<double>(kQuaternionW, "double");
+    if (xyz == nullptr || w == nullptr) return;
+    const Quat exact{*w, xyz->x, xyz->y, xyz->z};
+    if (!(difference(toMatrix(exact), matrix) < kRotation)) {
+      refuse(kQuaternionXyz,
+             fmt::format("is not the rotation of '{}': remove it and '{}', or set them too", kPose, kQuaternionW));
+    }
+    camera.worldFromCamera.rotation = exact;
+  }
+
+  // Whoever scales an image seldom thinks of its camera matrix.
+  void checkField(const char* attribute, double field) const {
+    const auto* claimed = optional<double>(attribute, "double");
+    if (claimed == nullptr || std::abs(*claimed - field) < 1e-3) return;
+    refuse(attribute,
+           fmt::format("is {:.4f}, but by '{}' the image of {} x {} pixels spans {:.4f} degrees: keep the size "
+                       "that was rendered, or set both",
+                       *claimed, kMatrix, file_.width(), file_.height(), field));
+  }
+
+  const ExrReader& file_;
+};
+
+}  // namespace
+
+ExrAttributes cameraAttributes(const Camera& camera) {
+  const Quat& q = camera.worldFromCamera.rotation;
+  return {{"camera", camera.name},
+          {"units", "m"},
+          {kMatrix, ExrMatrix3{camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1}},
+          {kPose, rowByRow(camera.worldFromCamera)},
+          {kQuaternionXyz, Vec3d{q.x, q.y, q.z}},
+          {kQuaternionW, q.w},
+          {"worldToCamera", standardWorldToCamera(camera.worldFromCamera)},
+          {kHorizontalField, degrees(camera.horizontalField())},
+          {kVerticalField, degrees(camera.verticalField())}};
+}
+
+Camera readCamera(const ExrReader& file) {
+  return CameraReader(file).read();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,90 @@
+#pragma once
+
+// Images of named 32 bit planes with attributes, in OpenEXR files. OpenEXR's own types stay in exr_*.cpp.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "base/vec.h"
+
+namespace scanmill {
+
+using ExrMatrix3 = std::array<double, 9>;  // row by row
+using ExrMatrix4 = std::array<double, 16>;
+using ExrMatrix4f = std::array<float, 16>;
+// std::monostate: of a type that nobody here reads. Numbers and matrices are read from either precision, as double.
+using ExrValue = std::variant<std::monostate, std::string, double, Vec3d, ExrMatrix3, ExrMatrix4, ExrMatrix4f>;
+using ExrAttributes = std::map<std::string, ExrValue>;
+
+enum class ExrType { Uint32, Float16, Float32 };
+std::string_view exrTypeName(ExrType type);  // "UINT", "HALF", "FLOAT", as OpenEXR calls them
+
+enum class ExrCompression { None, Zip };
+
+// A plane to write: Uint32 or Float32 in memory, row by row from the top, `stride` bytes from pixel to pixel.
+struct ExrPlane {
+  std::string channel;
+  ExrType type = ExrType::Float32;
+  const void* pixels = nullptr;
+  std::size_t stride = 4;
+};
+
+// Scan lines, lossless, from the calling thread. The same image gives the same bytes; under its final name the file is
+// whole. Throws Error.
+void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
+              const ExrAttributes& attributes, std::span<const ExrPlane> planes, ExrCompression compression);
+
+// A channel of a file; its name starts with that of its part where there are several parts.
+struct ExrChannel {
+  std::string name;
+  ExrType type = ExrType::Float32;
+  int part = 0;
+  std::string nameInPart;
+};
+
+// Where a channel's pixels go: uint32 of a Uint32 channel, else float.
+struct ExrTarget {
+  const ExrChannel* channel = nullptr;
+  void* pixels = nullptr;
+  std::size_t stride = 4;  // bytes from pixel to pixel
+};
+
+// A file in memory, still encoded. Scan lines or tiles, one part or several of the same size; deep parts are left out.
+// All members throw InputError that names the file.
+class ExrReader {
+ public:
+  // Refuses what is no EXR, damaged headers, sizes that the file cannot hold, lossy compression, and data windows that
+  // are not the display window: part of an image would be taken for the whole.
+  explicit ExrReader(const std::filesystem::path& path);
+
+  const std::string& name() const { return name_; }  // of the file, for messages
+  std::uint32_t width() const { return width_; }
+  std::uint32_t height() const { return height_; }
+  std::size_t pixels() const { return std::size_t{width_} * height_; }
+  const std::vector<ExrChannel>& channels() const { return channels_; }  // by part, then by name
+  // Of the first part that has it; null: there is none.
+  const ExrValue* attribute(const std::string& attributeName) const;
+
+  // On all cores.
+  void read(std::span<const ExrTarget> targets) const;
+
+ private:
+  std::string name_;
+  std::string bytes_;
+  std::uint32_t width_ = 0;
+  std::uint32_t height_ = 0;
+  std::uint32_t bandRows_ = 32;  // rows that are decoded together
+  std::vector<ExrChannel> channels_;
+  ExrAttributes attributes_;
+};
+
+}  // namespace scanmill

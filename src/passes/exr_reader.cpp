@@ -1,0 +1,337 @@
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfTileDescription.h>
+#include <OpenEXR/ImfVecAttribute.h>
+#include <OpenEXR/ImfVersion.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstring>
+#include <iterator>
+#include <optional>
+#include <stdexcept>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "passes/exr_file.h"
+#include "passes/exr_zip.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::int64_t kMostAcross = 65536;  // pixels
+constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;
+constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 24;
+// No lossless method of OpenEXR packs tighter: deflate's longest match gives 258 bytes for 2 bits.
+constexpr std::uint64_t kMostGain = 1100;
+constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // what is worth a thread's turn
+
+// Encoded bytes as OpenEXR reads them; several may look at the same bytes.
+class MemoryStream : public Imf::IStream {
+ public:
+  MemoryStream(const char* name, std::string_view bytes) : Imf::IStream(name), bytes_(bytes) {}
+  bool read(char data[], int count) override {
+    const auto size = static_cast<std::size_t>(count);
+    if (position_ > bytes_.size() || bytes_.size() - position_ < size) throw std::runtime_error("the file ends early");
+    std::memcpy(data, bytes_.data() + position_, size);
+    position_ += size;
+    return position_ < bytes_.size();
+  }
+  std::uint64_t tellg() override { return position_; }
+  void seekg(std::uint64_t position) override { position_ = position; }
+
+ private:
+  std::string_view bytes_;
+  std::uint64_t position_ = 0;
+};
+
+[[noreturn]] void refuseDamage(const std::string& name, std::string_view what) {
+  throw InputError({name}, fmt::format("is damaged or truncated ({}): write it again", what));
+}
+
+// Walks the headers before OpenEXR does, which allocates whatever size an attribute claims.
+class HeaderCheck {
+ public:
+  HeaderCheck(const std::string& name, std::string_view bytes) : name_(name), rest_(bytes) {}
+
+  void run() {
+    constexpr std::string_view kMagic("\x76\x2f\x31\x01", 4);
+    if (!rest_.starts_with(kMagic)) throw InputError({name_}, "is not an OpenEXR file");
+    take(4);
+    const std::uint32_t version = integer();
+    const bool several = Imf::isMultiPart(static_cast<int>(version));
+    while (attribute()) {
+      while (attribute()) {
+      }
+      if (!several) return;
+    }
+  }
+
+ private:
+  std::string_view take(std::size_t count) {
+    if (rest_.size() < count) refuseDamage(name_, "its header is cut off");
+    const std::string_view taken = rest_.substr(0, count);
+    rest_.remove_prefix(count);
+    return taken;
+  }
+
+  std::uint32_t integer() {
+    std::uint32_t value = 0;
+    for (std::uint32_t shift = 0; const char byte : take(4)) {
+      value |= std::uint32_t{static_cast<std::uint8_t>(byte)} << shift;
+      shift += 8;
+    }
+    return value;
+  }
+
+  std::string_view text() {
+    const std::size_t end = rest_.substr(0, 256).find('\0');
+    if (end == rest_.npos) refuseDamage(name_, "a name in its header does not end");
+    const std::string_view found = take(end);
+    take(1);
+    return found;
+  }
+
+  // False: the empty name that ends a header.
+  bool attribute() {
+    const std::string_view attributeName = text();
+    if (attributeName.empty()) return false;
+    text();
+    const std::uint32_t size = integer();
+    if (size > rest_.size()) {
+      refuseDamage(name_, fmt::format("its attribute '{}' claims {} bytes", attributeName, size));
+    }
+    take(size);
+    return true;
+  }
+
+  const std::string& name_;
+  std::string_view rest_;
+};
+
+template <std::size_t N, class Matrix>
+std::array<double, N> rowByRow(const Matrix& matrix) {
+  std::array<double, N> rows;
+  const auto* first = matrix.getValue();
+  std::copy(first, first + N, rows.begin());
+  return rows;
+}
+
+ExrValue valueOf(const Imf::Attribute& attribute) {
+  if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute)) return text->value();
+  if (const auto* d = dynamic_cast<const Imf::DoubleAttribute*>(&attribute)) return d->value();
+  if (const auto* f = dynamic_cast<const Imf::FloatAttribute*>(&attribute)) return double{f->value()};
+  if (const auto* v = dynamic_cast<const Imf::V3dAttribute*>(&attribute)) {
+    return Vec3d{v->value().x, v->value().y, v->value().z};
+  }
+  if (const auto* m = dynamic_cast<const Imf::M33dAttribute*>(&attribute)) return rowByRow<9>(m->value());
+  if (const auto* m = dynamic_cast<const Imf::M33fAttribute*>(&attribute)) return rowByRow<9>(m->value());
+  if (const auto* m = dynamic_cast<const Imf::M44dAttribute*>(&attribute)) return rowByRow<16>(m->value());
+  if (const auto* m = dynamic_cast<const Imf::M44fAttribute*>(&attribute)) return rowByRow<16>(m->value());
+  return {};
+}
+
+void requireLossless(const std::string& name, Imf::Compression compression) {
+  constexpr Imf::Compression kLossless[] = {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION,
+                                            Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION};
+  if (std::find(std::begin(kLossless), std::end(kLossless), compression) != std::end(kLossless)) return;
+  throw InputError({name},
+                   "is compressed by PXR24, B44 or DWA, which do not keep every bit: write it with ZIP, ZIPS, PIZ, "
+                   "RLE or no compression");
+}
+
+std::string windowText(const Imath::Box2i& box) {
+  return fmt::format("({}, {}) to ({}, {})", box.min.x, box.min.y, box.max.x, box.max.y);
+}
+
+// Width and height. Corners are any 32 bit integers here.
+std::array<std::uint32_t, 2> sizeOf(const std::string& name, const Imath::Box2i& box) {
+  const std::int64_t width = std::int64_t{box.max.x} - box.min.x + 1;
+  const std::int64_t height = std::int64_t{box.max.y} - box.min.y + 1;
+  if (width < 1 || height < 1 || width > kMostAcross || height > kMostAcross ||
+      static_cast<std::uint64_t>(width * height) > kMostPixels) {
+    throw InputError({name}, fmt::format("its data window is {} x {} pixels: at most {} x {} and {} million in all are "
+                                         "read",
+                                         width, height, kMostAcross, kMostAcross, kMostPixels / 1'000'000));
+  }
+  return {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+}
+
+ExrType typeOf(Imf::PixelType type) {
+  if (type == Imf::UINT) return ExrType::Uint32;
+  return type == Imf::HALF ? ExrType::Float16 : ExrType::Float32;
+}
+
+// Lines of a block where ZipDecoder can decode the part; else 0.
+std::size_t zipLines(const Imf::Header& header) {
+  if (header.hasTileDescription()) return 0;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    if (channel.channel().type == Imf::HALF) return 0;
+  }
+  switch (header.compression()) {
+    case Imf::NO_COMPRESSION:
+    case Imf::ZIPS_COMPRESSION:
+      return 1;
+    case Imf::ZIP_COMPRESSION:
+      return 16;
+    default:
+      return 0;
+  }
+}
+
+// Rows [first, end) of the targets, all of this part.
+void readZip(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t lines,
+             std::size_t first, std::size_t end) {
+  const Imf::Header& header = file.header(part);
+  std::vector<std::string> names;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    names.emplace_back(channel.name());
+  }
+  std::vector<ZipTarget> places;
+  for (const ExrTarget& target : targets) {
+    const auto found = std::find(names.begin(), names.end(), target.channel->nameInPart);
+    places.push_back({static_cast<std::size_t>(found - names.begin()), target.pixels, target.stride});
+  }
+  const Imath::Box2i& window = header.dataWindow();
+  ZipDecoder decoder(static_cast<std::size_t>(window.max.x - window.min.x) + 1, names.size());
+  Imf::InputPart input(file, part);
+  for (std::size_t row = first; row < end; row += lines) {
+    const char* block = nullptr;
+    int size = 0;
+    input.rawPixelData(window.min.y + static_cast<int>(row), block, size);
+    decoder.decode({block, static_cast<std::size_t>(size)}, row, std::min(lines, end - row), places);
+  }
+}
+
+void readAny(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t first,
+             std::size_t end) {
+  const Imath::Box2i window = file.header(part).dataWindow();
+  const auto width = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
+  Imf::FrameBuffer frame;
+  for (const ExrTarget& target : targets) {
+    const Imf::PixelType type = target.channel->type == ExrType::Uint32 ? Imf::UINT : Imf::FLOAT;
+    frame.insert(target.channel->nameInPart,
+                 Imf::Slice::Make(type, target.pixels, window, target.stride, target.stride * width));
+  }
+  Imf::InputPart input(file, part);
+  input.setFrameBuffer(frame);
+  input.readPixels(window.min.y + static_cast<int>(first), window.min.y + static_cast<int>(end) - 1);
+}
+
+// Everything that OpenEXR throws becomes an InputError that names the file.
+template <class Work>
+void guarded(const std::string& name, Work&& work) {
+  try {
+    work();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    refuseDamage(name, error.what());
+  }
+}
+
+}  // namespace
+
+ExrReader::ExrReader(const std::filesystem::path& path) : name_(path.string()), bytes_(readFile(path)) {
+  HeaderCheck(name_, bytes_).run();
+  guarded(name_, [&] {
+    MemoryStream stream(name_.c_str(), bytes_);
+    const Imf::MultiPartInputFile file(stream, 0);
+    std::optional<Imath::Box2i> window;
+    std::uint64_t pixelBytes = 0;
+    for (int part = 0; part < file.parts(); ++part) {
+      const Imf::Header& header = file.header(part);
+      if (header.hasType() && Imf::isDeepData(header.type())) continue;
+      requireLossless(name_, header.compression());
+      const Imath::Box2i& data = header.dataWindow();
+      const auto [width, height] = sizeOf(name_, data);
+      if (data != header.displayWindow()) {
+        throw InputError({name_},
+                         fmt::format("its data window {} is not its display window {}: render the whole image, "
+                                     "without crop or overscan",
+                                     windowText(data), windowText(header.displayWindow())));
+      }
+      if (window && data != *window) {
+        throw InputError({name_},
+                         fmt::format("its parts differ in size, {} and {}: write all passes of a camera with the "
+                                     "same size",
+                                     windowText(*window), windowText(data)));
+      }
+      window = data;
+      width_ = width;
+      height_ = height;
+      if (header.hasTileDescription()) {
+        const Imf::TileDescription& tile = header.tileDescription();
+        if (std::uint64_t{tile.xSize} * tile.ySize > kMostTilePixels) {
+          throw InputError({name_}, fmt::format("its tiles of {} x {} pixels are too large: write scan lines",
+                                                tile.xSize, tile.ySize));
+        }
+        bandRows_ = std::max(bandRows_, tile.ySize);
+      }
+      for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+        const std::string prefix = file.parts() > 1 && header.hasName() ? header.name() + "." : "";
+        channels_.push_back({prefix + channel.name(), typeOf(channel.channel().type), part, channel.name()});
+        pixelBytes += channel.channel().type == Imf::HALF ? 2 : 4;
+        if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) {
+          throw InputError({name_},
+                           fmt::format("channel '{}': has fewer samples than the image has pixels: write every "
+                                       "pixel",
+                                       channels_.back().name));
+        }
+      }
+      for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
+        attributes_.emplace(attribute.name(), valueOf(attribute.attribute()));
+      }
+    }
+    if (!window) throw InputError({name_}, "holds deep pixels: write flat ones, one surface per pixel");
+    if (pixelBytes * pixels() / kMostGain > bytes_.size()) {
+      refuseDamage(name_, fmt::format("{} bytes cannot hold {} x {} pixels of {} channels", bytes_.size(), width_,
+                                      height_, channels_.size()));
+    }
+    const std::uint64_t bandPixels = kBandBytes / std::max<std::uint64_t>(pixelBytes, 1);
+    const auto bands = static_cast<std::uint32_t>(bandPixels / width_ / bandRows_);
+    bandRows_ *= std::max(bands, 1u);
+  });
+}
+
+const ExrValue* ExrReader::attribute(const std::string& attributeName) const {
+  const auto found = attributes_.find(attributeName);
+  return found == attributes_.end() ? nullptr : &found->second;
+}
+
+void ExrReader::read(std::span<const ExrTarget> targets) const {
+  // Each thread decodes rows of its own, from a reader of its own.
+  const std::size_t bands = (height_ - 1) / bandRows_ + 1;
+  parallelFor(bands, 1, [&](std::size_t firstBand, std::size_t endBand) {
+    guarded(name_, [&] {
+      MemoryStream stream(name_.c_str(), bytes_);
+      Imf::MultiPartInputFile file(stream, 0);
+      const std::size_t first = firstBand * bandRows_;
+      const std::size_t end = std::min<std::size_t>(endBand * bandRows_, height_);
+      for (int part = 0; part < file.parts(); ++part) {
+        std::vector<ExrTarget> own;
+        std::copy_if(targets.begin(), targets.end(), std::back_inserter(own),
+                     [&](const ExrTarget& target) { return target.channel->part == part; });
+        if (own.empty()) continue;
+        if (const std::size_t lines = zipLines(file.header(part)); lines != 0) {
+          readZip(file, part, own, lines, first, end);
+        } else {
+          readAny(file, part, own, first, end);
+        }
+      }
+    });
+  });
+}
+
+}  // namespace scanmill

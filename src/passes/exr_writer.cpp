@@ -1,0 +1,110 @@
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfVecAttribute.h>
+#include <fmt/core.h>
+
+#include <cstring>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "passes/exr_file.h"
+
+namespace scanmill {
+
+namespace {
+
+// OpenEXR goes back to fill in where the lines are; an AtomicFile does not.
+class MemoryStream : public Imf::OStream {
+ public:
+  explicit MemoryStream(const char* name) : Imf::OStream(name) {}
+  void write(const char data[], int count) override {
+    const auto size = static_cast<std::size_t>(count);
+    if (bytes_.size() < position_ + size) bytes_.resize(position_ + size);
+    std::memcpy(bytes_.data() + position_, data, size);
+    position_ += size;
+  }
+  std::uint64_t tellp() override { return position_; }
+  void seekp(std::uint64_t position) override { position_ = position; }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+  std::size_t position_ = 0;
+};
+
+void addAttribute(Imf::Header& header, const std::string& name, const ExrValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    header.insert(name, Imf::StringAttribute(*text));
+  } else if (const auto* number = std::get_if<double>(&value)) {
+    header.insert(name, Imf::DoubleAttribute(*number));
+  } else if (const auto* v = std::get_if<Vec3d>(&value)) {
+    header.insert(name, Imf::V3dAttribute({v->x, v->y, v->z}));
+  } else if (const auto* m3 = std::get_if<ExrMatrix3>(&value)) {
+    Imath::M33d matrix;
+    std::memcpy(matrix.x, m3->data(), sizeof matrix.x);
+    header.insert(name, Imf::M33dAttribute(matrix));
+  } else if (const auto* m4 = std::get_if<ExrMatrix4>(&value)) {
+    Imath::M44d matrix;
+    std::memcpy(matrix.x, m4->data(), sizeof matrix.x);
+    header.insert(name, Imf::M44dAttribute(matrix));
+  } else if (const auto* m4f = std::get_if<ExrMatrix4f>(&value)) {
+    Imath::M44f matrix;
+    std::memcpy(matrix.x, m4f->data(), sizeof matrix.x);
+    header.insert(name, Imf::M44fAttribute(matrix));
+  }
+}
+
+// zlib's fastest: 2048 x 2048 pixels of depth, normal and two ids take 0.24 s and 5.3 MB of 101; level 4 takes 0.38 s
+// and 4.2 MB, level 6 0.65 s and 4.1 MB.
+constexpr int kZipLevel = 1;
+
+}  // namespace
+
+std::string_view exrTypeName(ExrType type) {
+  switch (type) {
+    case ExrType::Uint32:
+      return "UINT";
+    case ExrType::Float16:
+      return "HALF";
+    case ExrType::Float32:
+      break;
+  }
+  return "FLOAT";
+}
+
+void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
+              const ExrAttributes& attributes, std::span<const ExrPlane> planes, ExrCompression compression) {
+  if (width == 0 || height == 0)
+    throw Error(fmt::format("{}: an image without pixels cannot be written", path.string()));
+  AtomicFile file(path);
+  MemoryStream stream(path.c_str());
+  try {
+    Imf::Header header(static_cast<int>(width), static_cast<int>(height));
+    header.compression() = compression == ExrCompression::Zip ? Imf::ZIP_COMPRESSION : Imf::NO_COMPRESSION;
+    header.zipCompressionLevel() = kZipLevel;
+    Imf::FrameBuffer frame;
+    for (const ExrPlane& plane : planes) {
+      const Imf::PixelType type = plane.type == ExrType::Uint32 ? Imf::UINT : Imf::FLOAT;
+      header.channels().insert(plane.channel, Imf::Channel(type));
+      // OpenEXR takes what it reads and what it writes by the same pointer.
+      auto* pixels = static_cast<char*>(const_cast<void*>(plane.pixels));
+      frame.insert(plane.channel, Imf::Slice(type, pixels, plane.stride, plane.stride * width));
+    }
+    for (const auto& [name, value] : attributes) addAttribute(header, name, value);
+    Imf::OutputFile out(stream, header, 0);
+    out.setFrameBuffer(frame);
+    out.writePixels(static_cast<int>(height));
+  } catch (const std::exception& error) {
+    throw Error(fmt::format("{}: cannot be written as EXR: {}", path.string(), error.what()));
+  }
+  file.write(stream.bytes());
+  file.commit();
+}
+
+}  // namespace scanmill

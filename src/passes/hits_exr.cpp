@@ -1,0 +1,150 @@
+#include "passes/hits_exr.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "base/error.h"
+#include "config/version.h"
+#include "passes/exr_file.h"
+
+namespace scanmill {
+
+namespace {
+
+template <class T>
+constexpr ExrType kTypeOf = ExrType::Uint32;
+template <>
+constexpr ExrType kTypeOf<float> = ExrType::Float32;
+
+// Calls use(channel's name, column) for each column that is one number a beam.
+template <class AnyHits, class Use>
+void forColumns(AnyHits& hits, const Use& use) {
+  use("range", hits.range);
+  use("instance", hits.instance);
+  use("semantic", hits.semantic);
+  use("material", hits.material);
+  use("primitive", hits.primitive);
+  use("reflectance", hits.reflectance);
+  use("incidence", hits.incidence);
+  use("roughness", hits.roughness);
+  use("metallic", hits.metallic);
+  use("retroreflectance", hits.retroreflectance);
+}
+
+constexpr const char* kNormal[] = {"N.X", "N.Y", "N.Z"};
+
+class HitsReader {
+ public:
+  HitsReader(const std::filesystem::path& path, Hits& hits) : file_(path), hits_(hits) {}
+
+  void read(Channels asked) {
+    hits_.reset(file_.height(), file_.width(), asked);
+    if (find("roughness") != nullptr && find("metallic") != nullptr && find("retroreflectance") != nullptr) {
+      for (auto* column : {&hits_.roughness, &hits_.metallic, &hits_.retroreflectance}) column->resize(hits_.size());
+    }
+    forColumns(hits_, [&](const char* name, auto& column) {
+      if (!column.empty()) target(name, column);
+    });
+    for (std::size_t axis = 0; axis < 3 && !hits_.normal.empty(); ++axis) {
+      targets_.push_back({&require(kNormal[axis], ExrType::Float32), &hits_.normal.data()->x + axis, sizeof(Vec3f)});
+    }
+    file_.read(targets_);
+    checkRange();
+    narrow("semantic", hits_.semantic);
+    narrow("material", hits_.material);
+  }
+
+ private:
+  [[noreturn]] void refuse(const char* channel, const std::string& why) const {
+    throw InputError({file_.name()}, fmt::format("channel '{}': {}", channel, why));
+  }
+
+  const ExrChannel* find(const char* name) const {
+    const auto& all = file_.channels();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const ExrChannel& c) { return c.name == name; });
+    return found == all.end() ? nullptr : &*found;
+  }
+
+  const ExrChannel& require(const char* name, ExrType type) const {
+    const ExrChannel* channel = find(name);
+    if (channel == nullptr) {
+      refuse(name, "is absent, but the pipeline needs it: keep the hits of a pipeline that needs it too");
+    }
+    if (channel->type != type) {
+      refuse(name, fmt::format("is {}, but must be {}", exrTypeName(channel->type), exrTypeName(type)));
+    }
+    return *channel;
+  }
+
+  template <class T>
+  void target(const char* name, std::vector<T>& column) {
+    void* pixels = column.data();
+    if constexpr (sizeof(T) < sizeof(std::uint32_t)) {
+      wide_[name].resize(hits_.size());
+      pixels = wide_[name].data();
+    }
+    targets_.push_back({&require(name, kTypeOf<T>), pixels, sizeof(std::uint32_t)});
+  }
+
+  void checkRange() const {
+    const auto bad = std::find_if(hits_.range.begin(), hits_.range.end(), [](float r) { return !(r >= 0); });
+    if (bad == hits_.range.end()) return;
+    const auto beam = static_cast<std::size_t>(bad - hits_.range.begin());
+    refuse("range", fmt::format("is {:g} m at ring {}, column {}: it must be at least 0, and infinite for a miss", *bad,
+                                beam / hits_.columns, beam % hits_.columns));
+  }
+
+  void narrow(const char* name, std::vector<std::uint16_t>& column) const {
+    if (column.empty()) return;
+    const std::vector<std::uint32_t>& wide = wide_.at(name);
+    for (std::size_t i = 0; i < column.size(); ++i) {
+      if (wide[i] > std::numeric_limits<std::uint16_t>::max()) {
+        refuse(name, fmt::format("an id of {}: it must be at most 65535", wide[i]));
+      }
+      column[i] = static_cast<std::uint16_t>(wide[i]);
+    }
+  }
+
+  ExrReader file_;
+  Hits& hits_;
+  std::map<std::string, std::vector<std::uint32_t>> wide_;  // OpenEXR knows no narrower integers
+  std::vector<ExrTarget> targets_;
+};
+
+}  // namespace
+
+void writeHits(const std::filesystem::path& path, const Hits& hits) {
+  std::vector<ExrPlane> planes;
+  const auto check = [&](const char* name, std::size_t size) {
+    if (size == hits.size()) return;
+    throw Error(fmt::format("{}: the column '{}' has {} entries, not {} x {}", path.string(), name, size, hits.rings,
+                            hits.columns));
+  };
+  std::map<std::string, std::vector<std::uint32_t>> wide;
+  forColumns(hits, [&]<class T>(const char* name, const std::vector<T>& column) {
+    if (column.empty()) return;
+    check(name, column.size());
+    const void* pixels = column.data();
+    if constexpr (sizeof(T) < sizeof(std::uint32_t)) {
+      pixels = wide.emplace(name, std::vector<std::uint32_t>(column.begin(), column.end())).first->second.data();
+    }
+    planes.push_back({name, kTypeOf<T>, pixels, sizeof(std::uint32_t)});
+  });
+  if (!hits.normal.empty()) {
+    check("normal", hits.normal.size());
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      planes.push_back({kNormal[axis], ExrType::Float32, &hits.normal.data()->x + axis, sizeof(Vec3f)});
+    }
+  }
+  writeExr(path, hits.columns, hits.rings, {{"units", "m"}, {"writer", fmt::format("Scanmill {}", kVersion)}}, planes,
+           ExrCompression::None);
+}
+
+void readHits(const std::filesystem::path& path, Channels asked, Hits& hits) {
+  HitsReader(path, hits).read(asked);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,322 @@
+#include "passes/pass_exr.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "config/version.h"
+#include "passes/camera_exr.h"
+#include "passes/exr_file.h"
+#include "passes/pass_channels.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr float kWrittenNoDepth = 1e10f;  // m
+constexpr float kNothing = 1e9f;          // m; from here on nothing is seen
+constexpr float kFloatIds = 16777216;     // 2^24: from here on float32 rounds integers
+constexpr std::size_t kGrain = 1 << 16;   // pixels
+
+struct LookName {
+  const char* name;
+  std::vector<float> PassPlanes::*plane;
+  float most;
+};
+constexpr LookName kLook[] = {{"roughness", &PassPlanes::roughness, 1},
+                              {"metallic", &PassPlanes::metallic, 1},
+                              {"retroreflectance", &PassPlanes::retroreflectance, 1e6f}};
+
+// Calls use(name of the pass, its channel, its plane) for each plane of ids.
+template <class Planes, class Use>
+void forIds(Planes& planes, const Use& use) {
+  use("instance", Channel::Instance, planes.instance);
+  use("semantic", Channel::Semantic, planes.semantic);
+  use("material", Channel::Material, planes.material);
+  use("primitive", Channel::Primitive, planes.primitive);
+}
+
+class PassReader {
+ public:
+  PassReader(const std::filesystem::path& path, PassChoice asked) : file_(path), asked_(asked) {}
+
+  PassImage read() {
+    image_.camera = readCamera(file_);
+    planes_.reset(file_.pixels(), asked_);
+    targetDepth();
+    if (!planes_.normal.empty()) targetNormal();
+    forIds(planes_, [&](const char* name, Channel, auto& plane) {
+      if (!plane.empty()) targetIds(name, plane);
+    });
+    if (!planes_.reflectance.empty()) targetLook("reflectance", planes_.reflectance);
+    for (const LookName& look : kLook) {
+      if (asked_.look) targetLook(look.name, planes_.*look.plane);
+    }
+    file_.read(targets_);
+
+    finishDepth();
+    if (!planes_.normal.empty()) finishNormal();
+    forIds(planes_, [&](const char* name, Channel, auto& plane) {
+      if (!plane.empty()) finishIds(name, plane);
+    });
+    if (!planes_.reflectance.empty()) finishLook("reflectance", planes_.reflectance, 1);
+    for (const LookName& look : kLook) {
+      if (asked_.look) finishLook(look.name, planes_.*look.plane, look.most);
+    }
+    return std::move(image_);
+  }
+
+ private:
+  // Ids as the file has them, where that is not as their plane has them.
+  struct RawIds {
+    std::string channel;
+    std::vector<std::uint32_t> wide;
+    std::vector<float> real;
+  };
+
+  [[noreturn]] void refuse(const std::string& channel, const std::string& why) const {
+    throw InputError({file_.name()}, fmt::format("channel '{}': {}", channel, why));
+  }
+
+  [[noreturn]] void refusePixel(const std::string& channel, std::size_t pixel, const std::string& why) const {
+    refuse(channel, fmt::format("{} at column {}, row {}", why, pixel % file_.width(), pixel / file_.width()));
+  }
+
+  void targetDepth() {
+    const ExrChannel& channel = requireDepth(file_);
+    if (channel.type != ExrType::Float32) {
+      refuse(channel.name, fmt::format("is {}: write depth as 32 bit FLOAT{}", exrTypeName(channel.type),
+                                       channel.type == ExrType::Float16 ? ", HALF keeps 3 digits" : ""));
+    }
+    depthName_ = channel.name;
+    targets_.push_back({&channel, planes_.depth.data(), sizeof(float)});
+  }
+
+  void targetNormal() {
+    const auto axes = requireNormal(file_);
+    float* const first = &planes_.normal.data()->x;
+    for (std::size_t i = 0; i < 3; ++i) {
+      requireReal(*axes[i]);
+      targets_.push_back({axes[i], first + i, sizeof(Vec3f)});
+    }
+    normalName_ = axes[0]->name;
+  }
+
+  void requireReal(const ExrChannel& channel) const {
+    if (channel.type == ExrType::Uint32) refuse(channel.name, "is UINT: write it as FLOAT");
+  }
+
+  template <class Id>
+  void targetIds(const char* pass, std::vector<Id>& plane) {
+    const ExrChannel& channel = requirePass(file_, pass);
+    if (channel.type == ExrType::Float16) {
+      refuse(channel.name, "is HALF, which is exact only to 2048: write ids as UINT");
+    }
+    RawIds& raw = raw_[pass];
+    raw.channel = channel.name;
+    void* pixels = plane.data();
+    if (channel.type == ExrType::Float32) {
+      raw.real.resize(file_.pixels());
+      pixels = raw.real.data();
+    } else if (sizeof(Id) < sizeof(std::uint32_t)) {
+      raw.wide.resize(file_.pixels());
+      pixels = raw.wide.data();
+    }
+    targets_.push_back({&channel, pixels, sizeof(std::uint32_t)});
+  }
+
+  void targetLook(const char* pass, std::vector<float>& plane) {
+    const ExrChannel& channel = requirePass(file_, pass);
+    requireReal(channel);
+    targets_.push_back({&channel, plane.data(), sizeof(float)});
+  }
+
+  // Calls work(pixel) for all pixels; gives the first one for which it is false, or the number of pixels.
+  template <class Work>
+  std::size_t forPixels(const Work& work) const {
+    std::atomic<std::size_t> bad = file_.pixels();
+    parallelFor(file_.pixels(), kGrain, [&](std::size_t first, std::size_t last) {
+      std::size_t found = last;
+      for (std::size_t i = first; i < last; ++i) {
+        if (!work(i) && i < found) found = i;
+      }
+      if (found == last) return;
+      for (std::size_t known = bad; found < known && !bad.compare_exchange_weak(known, found);) {
+      }
+    });
+    return bad;
+  }
+
+  bool seen(std::size_t pixel) const { return planes_.depth[pixel] < kNoDepth; }
+
+  void finishDepth() {
+    float* const depth = planes_.depth.data();
+    const std::size_t bad = forPixels([&](std::size_t i) {
+      const bool good = depth[i] > 0;
+      if (depth[i] >= kNothing) depth[i] = kNoDepth;
+      return good;
+    });
+    if (bad < file_.pixels()) {
+      refusePixel(
+          depthName_, bad,
+          fmt::format("a depth of {:g} m (1e10 means that nothing is seen, and it is more than 0 in front of the "
+                      "camera)",
+                      planes_.depth[bad]));
+    }
+  }
+
+  // Unit vectors, turned towards the camera. What is written by writePasses() is left as it is: the signs of its
+  // normals are right but for what rounding to float32 leaves open.
+  void finishNormal() {
+    constexpr double kEdgeOn = 1e-6;  // cosine
+    const Camera& camera = image_.camera;
+    const Mat3 worldFromCamera = toMatrix(camera.worldFromCamera.rotation);
+    Vec3f* const normal = planes_.normal.data();
+    const std::size_t bad = forPixels([&](std::size_t i) {
+      Vec3f& n = normal[i];
+      if (!seen(i)) {
+        n = {};
+        return true;
+      }
+      const float square = dot(n, n);
+      if (!(square > 0.98f && square < 1.02f)) return false;
+      if (std::abs(square - 1) > 1e-5f) n = normalized(n);
+      const auto row = static_cast<std::uint32_t>(i / camera.width);
+      const auto column = static_cast<std::uint32_t>(i % camera.width);
+      const Vec3d sight = worldFromCamera * camera.ray(column + 0.5, row + 0.5);
+      const double along = dot(Vec3d(n), sight);
+      if (along > 0 && along > kEdgeOn * length(sight)) n = -n;
+      return true;
+    });
+    if (bad < file_.pixels()) {
+      const Vec3f& n = planes_.normal[bad];
+      refusePixel(normalName_, bad,
+                  fmt::format("a normal ({:g}, {:g}, {:g}) that is no unit vector (draw it without filter and "
+                              "antialiasing)",
+                              n.x, n.y, n.z));
+    }
+  }
+
+  template <class Id>
+  void finishIds(const char* pass, std::vector<Id>& plane) {
+    constexpr std::uint32_t kMost = std::numeric_limits<Id>::max();
+    const RawIds raw = std::move(raw_[pass]);
+    Id* const ids = plane.data();
+    if (!raw.real.empty()) {
+      constexpr float kEnd = std::min(kFloatIds, static_cast<float>(kMost) + 1);
+      const std::size_t bad = forPixels([&](std::size_t i) {
+        const float value = raw.real[i];
+        const bool good = value >= 0 && value < kEnd && value == std::floor(value);
+        ids[i] = good && seen(i) ? static_cast<Id>(value) : Id{0};
+        return good;
+      });
+      if (bad < file_.pixels()) {
+        refusePixel(
+            raw.channel, bad,
+            fmt::format("an id of {:g}: as FLOAT, ids must be whole, at least 0 and below {:.0f} (write them as "
+                        "UINT, without filter and antialiasing)",
+                        raw.real[bad], kEnd));
+      }
+    } else if (!raw.wide.empty()) {
+      const std::size_t bad = forPixels([&](std::size_t i) {
+        ids[i] = seen(i) ? static_cast<Id>(raw.wide[i]) : Id{0};
+        return raw.wide[i] <= kMost;
+      });
+      if (bad < file_.pixels()) {
+        refusePixel(raw.channel, bad, fmt::format("an id of {}: it must be at most {}", raw.wide[bad], kMost));
+      }
+    } else {
+      forPixels([&](std::size_t i) {
+        ids[i] = seen(i) ? ids[i] : Id{0};
+        return true;
+      });
+    }
+  }
+
+  void finishLook(const char* pass, std::vector<float>& plane, float most) {
+    float* const values = plane.data();
+    const std::size_t bad = forPixels([&](std::size_t i) {
+      if (!seen(i)) values[i] = 0;
+      return values[i] >= 0 && values[i] <= most;
+    });
+    if (bad < file_.pixels()) {
+      refusePixel(findPass(file_, pass)->name, bad,
+                  fmt::format("a value of {:g}: it must be 0 to {:g}", values[bad], most));
+    }
+  }
+
+  ExrReader file_;
+  PassChoice asked_;
+  PassImage image_;
+  PassPlanes& planes_ = image_.planes;
+  std::vector<ExrTarget> targets_;
+  std::string depthName_;
+  std::string normalName_;
+  std::map<std::string, RawIds> raw_;
+};
+
+}  // namespace
+
+void writePasses(const std::filesystem::path& path, const PassImage& image) {
+  const PassPlanes& from = image.planes;
+  const std::size_t pixels = image.camera.pixels();
+  std::vector<ExrPlane> planes;
+  const auto add = [&](const char* channel, ExrType type, const auto& plane, const void* data, std::size_t stride) {
+    if (plane.empty()) return;
+    if (plane.size() != pixels) {
+      throw Error(fmt::format("{}: the pass '{}' has {} pixels, its camera {} x {}", path.string(), channel,
+                              plane.size(), image.camera.width, image.camera.height));
+    }
+    planes.push_back({channel, type, data, stride});
+  };
+  std::vector<float> depth(from.depth);
+  if (depth.empty()) throw Error(fmt::format("{}: an image without depth cannot be written", path.string()));
+  for (float& z : depth) z = z < kNothing ? z : kWrittenNoDepth;
+  add("Z", ExrType::Float32, depth, depth.data(), sizeof(float));
+  for (std::size_t axis = 0; axis < 3 && !from.normal.empty(); ++axis) {
+    constexpr const char* kAxes[] = {"N.X", "N.Y", "N.Z"};
+    add(kAxes[axis], ExrType::Float32, from.normal, &from.normal.data()->x + axis, sizeof(Vec3f));
+  }
+  std::vector<std::vector<std::uint32_t>> wide;  // OpenEXR knows no narrower integers
+  forIds(from, [&](const char* name, Channel, const auto& plane) {
+    if constexpr (sizeof plane[0] == sizeof(std::uint32_t)) {
+      add(name, ExrType::Uint32, plane, plane.data(), sizeof(std::uint32_t));
+    } else {
+      wide.emplace_back(plane.begin(), plane.end());
+      add(name, ExrType::Uint32, plane, wide.back().data(), sizeof(std::uint32_t));
+    }
+  });
+  add("reflectance", ExrType::Float32, from.reflectance, from.reflectance.data(), sizeof(float));
+  for (const LookName& look : kLook) {
+    add(look.name, ExrType::Float32, from.*look.plane, (from.*look.plane).data(), sizeof(float));
+  }
+  ExrAttributes attributes = cameraAttributes(image.camera);
+  attributes["writer"] = fmt::format("Scanmill {}", kVersion);
+  writeExr(path, image.camera.width, image.camera.height, attributes, planes, ExrCompression::Zip);
+}
+
+PassImage readPasses(const std::filesystem::path& path, PassChoice asked) {
+  return PassReader(path, asked).read();
+}
+
+PassChoice passesIn(const std::filesystem::path& path) {
+  const ExrReader file(path);
+  PassChoice there;
+  if (findNormal(file)[0] != nullptr) there.channels |= Channel::Normal;
+  const PassPlanes none;
+  forIds(none, [&](const char* name, Channel channel, const auto&) {
+    if (findPass(file, name) != nullptr) there.channels |= channel;
+  });
+  if (findPass(file, "reflectance") != nullptr) there.channels |= Channel::Reflectance;
+  there.look = true;
+  for (const LookName& look : kLook) there.look = there.look && findPass(file, look.name) != nullptr;
+  return there;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,158 @@
+#include "passes/pass_image.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+
+#include "base/error.h"
+#include "base/parallel.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kGrain = 8192;  // pixels of a thread's turn
+
+constexpr std::pair<Channel, const char*> kPlanes[] = {
+    {Channel::Normal, "normal"},     {Channel::Instance, "instance"},   {Channel::Semantic, "semantic"},
+    {Channel::Material, "material"}, {Channel::Primitive, "primitive"}, {Channel::Reflectance, "reflectance"},
+};
+
+// Calls use(member) with each plane as a pointer to member.
+template <class Use>
+void forPlanes(const Use& use) {
+  use(&PassPlanes::depth);
+  use(&PassPlanes::normal);
+  use(&PassPlanes::instance);
+  use(&PassPlanes::semantic);
+  use(&PassPlanes::material);
+  use(&PassPlanes::primitive);
+  use(&PassPlanes::reflectance);
+  use(&PassPlanes::roughness);
+  use(&PassPlanes::metallic);
+  use(&PassPlanes::retroreflectance);
+}
+
+}  // namespace
+
+PassChoice PassPlanes::choice() const {
+  PassChoice made;
+  const bool there[] = {!normal.empty(),   !instance.empty(),  !semantic.empty(),
+                        !material.empty(), !primitive.empty(), !reflectance.empty()};
+  for (std::size_t i = 0; i < std::size(there); ++i) {
+    if (there[i]) made.channels |= kPlanes[i].first;
+  }
+  made.look = !roughness.empty() && !metallic.empty() && !retroreflectance.empty();
+  return made;
+}
+
+void PassPlanes::reset(std::size_t pixels, PassChoice asked) {
+  const auto fit = [&](auto& plane, bool wanted) { plane.resize(wanted ? pixels : 0); };
+  fit(depth, true);
+  fit(normal, asked.channels.has(Channel::Normal));
+  fit(instance, asked.channels.has(Channel::Instance));
+  fit(semantic, asked.channels.has(Channel::Semantic));
+  fit(material, asked.channels.has(Channel::Material));
+  fit(primitive, asked.channels.has(Channel::Primitive));
+  fit(reflectance, asked.channels.has(Channel::Reflectance));
+  fit(roughness, asked.look);
+  fit(metallic, asked.look);
+  fit(retroreflectance, asked.look);
+}
+
+ImageSource::ImageSource(std::span<const PassImage> images) : images_(images), available_{Channels::all(), true} {
+  std::size_t first = 0;
+  for (const PassImage& image : images) {
+    cameras_.push_back(image.camera);
+    first_.push_back(static_cast<PixelAddress>(first));
+    first += image.camera.pixels();
+    forPlanes([&](auto plane) {
+      const std::size_t size = (image.planes.*plane).size();
+      if (size != image.camera.pixels() && (size != 0 || image.planes.size() == 0)) {
+        throw Error(fmt::format("the camera '{}' has {} x {} pixels, but a pass of its image has {}", image.camera.name,
+                                image.camera.width, image.camera.height, size));
+      }
+    });
+    const PassChoice there = image.planes.choice();
+    available_.channels = available_.channels & there.channels;
+    available_.look = available_.look && there.look;
+  }
+  if (first >= kNoPixel)
+    throw InputError(fmt::format("{} pixels in a shot's images are too many: take smaller ones", first));
+  first_.push_back(static_cast<PixelAddress>(first));
+}
+
+void ImageSource::require(PassChoice asked) const {
+  for (const PassImage& image : images_) {
+    const PassChoice there = image.planes.choice();
+    for (const auto& [channel, name] : kPlanes) {
+      if (asked.channels.has(channel) && !there.channels.has(channel)) {
+        throw InputError(fmt::format("the image of camera '{}' has no pass '{}', which the pipeline needs",
+                                     image.camera.name, name));
+      }
+    }
+    if (asked.look && !there.look) {
+      throw InputError(
+          fmt::format("the image of camera '{}' has no passes roughness, metallic and retroreflectance, "
+                      "which the pipeline needs",
+                      image.camera.name));
+    }
+  }
+}
+
+// Plane by plane: what one plane's pixels wait for in memory overlaps.
+void ImageSource::fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) {
+  require(asked);
+  planes.reset(addresses.size(), asked);
+  parallelFor(addresses.size(), kGrain, [&](std::size_t first, std::size_t last) {
+    struct Place {
+      std::uint32_t image;
+      PixelAddress pixel;
+    };
+    constexpr std::size_t kBlock = 1024;
+    Place places[kBlock];
+    for (; first < last; first += std::min(kBlock, last - first)) {
+      const std::size_t count = std::min(kBlock, last - first);
+      for (std::size_t i = 0; i < count; ++i) {
+        const PixelAddress address = addresses[first + i];
+        if (address >= first_.back() && address != kNoPixel) {
+          throw Error(fmt::format("pixel {} was asked for, of {}", address, first_.back()));
+        }
+        std::uint32_t image = 0;
+        while (image + 2 < first_.size() && address >= first_[image + 1]) ++image;
+        places[i] = {image, address == kNoPixel ? kNoPixel : address - first_[image]};
+      }
+      forPlanes([&](auto plane) {
+        auto& to = planes.*plane;
+        using Value = typename std::remove_reference_t<decltype(to)>::value_type;
+        if (to.empty()) return;
+        Value nothing{};
+        if constexpr (std::is_same_v<decltype(plane), decltype(&PassPlanes::depth)>) {
+          if (plane == &PassPlanes::depth) nothing = kNoDepth;
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+          const auto [image, pixel] = places[i];
+          to[first + i] = pixel == kNoPixel ? nothing : (images_[image].planes.*plane)[pixel];
+        }
+      });
+    }
+  });
+}
+
+std::vector<PassImage> readAll(PixelSource& source, PassChoice asked) {
+  std::vector<PassImage> images;
+  PixelAddress next = 0;
+  std::vector<PixelAddress> addresses;
+  for (const Camera& camera : source.cameras()) {
+    addresses.resize(camera.pixels());
+    for (PixelAddress& address : addresses) address = next++;
+    PassImage image{camera, {}};
+    source.fetch(addresses, asked, image.planes);
+    images.push_back(std::move(image));
+  }
+  return images;
+}
+
+}  // namespace scanmill

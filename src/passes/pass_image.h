@@ -1,0 +1,89 @@
+#pragma once
+
+// What a camera sees, one plane per channel: the passes that renderers give and EXR files keep.
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "base/vec.h"
+#include "passes/camera.h"
+#include "scan/channels.h"
+
+namespace scanmill {
+
+// Depth where nothing is seen.
+constexpr float kNoDepth = std::numeric_limits<float>::infinity();
+
+// Which passes are wanted. Of `channels`, Range stands for the depth, which there always is; Incidence has no pass of
+// its own (it wants Normal).
+struct PassChoice {
+  Channels channels = Channel::Range;
+  bool look = false;  // roughness, metallic and retroreflectance of the material
+
+  bool operator==(const PassChoice&) const = default;
+};
+
+// Planes of n pixels as a structure of arrays; planes that were not asked for are empty. Where nothing is seen: depth
+// kNoDepth, everything else zero.
+struct PassPlanes {
+  std::vector<float> depth;              // m, planar: along the camera's z axis, not along the line of sight
+  std::vector<Vec3f> normal;             // unit, world axes, turned towards the camera
+  std::vector<std::uint32_t> instance;   // 0: stuff
+  std::vector<std::uint16_t> semantic;   // class id
+  std::vector<std::uint16_t> material;   // index into the scene's materials
+  std::vector<std::uint32_t> primitive;  // triangle index in its mesh
+  std::vector<float> reflectance;        // near-infrared, 0 to 1, texture applied
+  std::vector<float> roughness;          // these three: all or none; see scene/material.h
+  std::vector<float> metallic;
+  std::vector<float> retroreflectance;
+
+  std::size_t size() const { return depth.size(); }
+  PassChoice choice() const;
+  // Sizes the planes that `asked` names and empties the others; contents are undefined.
+  void reset(std::size_t pixels, PassChoice asked);
+};
+
+// One camera's image, row by row from the top.
+struct PassImage {
+  Camera camera;
+  PassPlanes planes;
+};
+
+// A pixel of a set of images: all pixels of image 0, row by row, then those of image 1, and so on.
+using PixelAddress = std::uint32_t;
+constexpr PixelAddress kNoPixel = 0xFFFFFFFFu;
+
+// Images of one shot, wherever they are: in memory, or in a renderer. Not safe to call from several threads at once.
+class PixelSource {
+ public:
+  virtual ~PixelSource() = default;
+  virtual const std::vector<Camera>& cameras() const = 0;
+  virtual PassChoice available() const = 0;  // what fetch() can give
+  // Fills `planes` with one entry per address; kNoPixel reads as a pixel in which nothing is seen. Throws InputError
+  // where the images lack a pass that is asked for.
+  virtual void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) = 0;
+};
+
+// Images in memory as a source; they must outlive it.
+class ImageSource : public PixelSource {
+ public:
+  explicit ImageSource(std::span<const PassImage> images);
+  const std::vector<Camera>& cameras() const override { return cameras_; }
+  PassChoice available() const override { return available_; }
+  void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override;
+
+ private:
+  void require(PassChoice asked) const;
+
+  std::span<const PassImage> images_;
+  std::vector<Camera> cameras_;
+  std::vector<PixelAddress> first_;  // address of each image's first pixel, and one past the last
+  PassChoice available_;             // of all images
+};
+
+// All pixels of a source, image by image.
+std::vector<PassImage> readAll(PixelSource& source, PassChoice asked);
+
+}  // namespace scanmill

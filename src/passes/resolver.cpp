@@ -1,0 +1,224 @@
+#include "passes/resolver.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "scene/assets/texture.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kGrain = 4096;  // pixels of a thread's turn
+constexpr std::size_t kLanes = 64;    // pixels that are looked up together, so that memory answers all of them at once
+
+// The line of sight through pixel (i, j) has the direction corner + right * i + down * j, world axes.
+struct View {
+  PixelAddress first = 0;
+  std::uint32_t width = 0;
+  Vec3d corner, right, down;
+  Vec3d eye;
+};
+
+}  // namespace
+
+struct Resolver::Job {
+  std::vector<View> views;
+  PixelAddress pixels = 0;  // of all cameras
+  std::span<const PixelAddress> addresses;
+  std::span<const SeenTriangle> seen;
+  PassChoice asked;
+  PassPlanes& planes;
+
+  const View& viewOf(PixelAddress address) const {
+    std::size_t view = 0;
+    while (view + 1 < views.size() && address >= views[view + 1].first) ++view;
+    return views[view];
+  }
+};
+
+namespace {
+
+Vec3d sightOf(const View& view, PixelAddress address) {
+  const std::uint32_t pixel = address - view.first;
+  const std::uint32_t row = pixel / view.width;
+  return view.corner + view.right * (pixel - row * view.width) + view.down * row;
+}
+
+std::vector<View> viewsOf(std::span<const Camera> cameras, PixelAddress& pixels) {
+  std::vector<View> views;
+  std::size_t first = 0;
+  for (const Camera& camera : cameras) {
+    const Mat3 rotation = toMatrix(camera.worldFromCamera.rotation);
+    views.push_back({static_cast<PixelAddress>(first), camera.width, rotation * camera.ray(0.5, 0.5),
+                     rotation.x * (1 / camera.fx), rotation.y * (1 / camera.fy), camera.worldFromCamera.translation});
+    first += camera.pixels();
+  }
+  if (first >= kNoPixel)
+    throw Error(fmt::format("{} pixels in a shot's images are too many: take smaller ones", first));
+  pixels = static_cast<PixelAddress>(first);
+  return views;
+}
+
+}  // namespace
+
+Resolver::Resolver(const Scene& scene) : scene_(scene) {
+  std::vector<std::size_t> firstFace;
+  std::size_t faces = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    firstFace.push_back(faces);
+    faces += mesh.triangles.size();
+  }
+  faces_.resize(faces);
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    const auto firstSurface = static_cast<std::uint32_t>(surfaces_.size());
+    for (const Surface& s : mesh.surfaces) surfaces_.push_back({s.object, s.semantic, s.material});
+    parallelFor(mesh.triangles.size(), kGrain, [&](std::size_t first, std::size_t last) {
+      for (std::size_t t = first; t < last; ++t) {
+        const Triangle& corners = mesh.triangles[t];
+        const Vec3d a(mesh.positions[corners[0]]);
+        const Vec3d ab = Vec3d(mesh.positions[corners[1]]) - a;
+        const Vec3d ac = Vec3d(mesh.positions[corners[2]]) - a;
+        faces_[firstFace[m] + t] = {normalized(cross(ab, ac)), firstSurface + mesh.surfaceOf[t]};
+      }
+    });
+  }
+  instances_.emplace_back();
+  for (const Instance& instance : scene.instances) {
+    const Mat3& m = instance.worldFromMesh.linear;
+    instances_.push_back({{cross(m.y, m.z), cross(m.z, m.x), cross(m.x, m.y)},
+                          faces_.data() + firstFace[instance.mesh],
+                          static_cast<std::uint32_t>(scene.meshes[instance.mesh].triangles.size()),
+                          instance.firstInstanceId});
+  }
+  for (const Material& m : scene.materials) {
+    Finish finish{m.reflectance, m.roughness, m.metallic, m.retroreflectance, 0, nullptr};
+    if (m.textured && m.texture != nullptr && m.textureMean > 0) {
+      finish.texture = m.texture.get();
+      finish.textureGain = m.reflectance / m.textureMean;
+    }
+    materials_.push_back(finish);
+  }
+}
+
+std::uint64_t Resolver::memoryBytes() const {
+  return faces_.size() * sizeof(Face) + surfaces_.size() * sizeof(Look) + instances_.size() * sizeof(Placed);
+}
+
+void Resolver::resolve(std::span<const Camera> cameras, std::span<const PixelAddress> addresses,
+                       std::span<const SeenTriangle> seen, PassChoice asked, PassPlanes& planes) const {
+  if (addresses.size() != seen.size()) {
+    throw Error(fmt::format("{} pixels were asked for, but {} were drawn", addresses.size(), seen.size()));
+  }
+  planes.reset(seen.size(), asked);
+  Job job{{}, 0, addresses, seen, asked, planes};
+  job.views = viewsOf(cameras, job.pixels);
+  parallelFor(seen.size(), kGrain, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; i += kLanes) resolveBlock(job, i, std::min(i + kLanes, last));
+  });
+}
+
+void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last) const {
+  const std::size_t count = last - first;
+  const SeenTriangle* const seen = &job.seen[first];
+  const PixelAddress* const addresses = &job.addresses[first];
+  PassPlanes& planes = job.planes;
+
+  std::array<const Placed*, kLanes> placed;
+  std::array<const Face*, kLanes> faces;
+  static constexpr Face kNothing{};
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool there = seen[i].instance != 0 && addresses[i] != kNoPixel;
+    if (there && (seen[i].instance >= instances_.size() || addresses[i] >= job.pixels)) {
+      throw Error(fmt::format("a pixel {} of {} shows instance {}, of {}", addresses[i], job.pixels, seen[i].instance,
+                              instances_.size() - 1));
+    }
+    placed[i] = &instances_[there ? seen[i].instance : 0];
+    if (there && seen[i].triangle >= placed[i]->triangles) {
+      throw Error(fmt::format("a pixel shows triangle {} of '{}', which has {}", seen[i].triangle,
+                              scene_.instances[seen[i].instance - 1].name, placed[i]->triangles));
+    }
+    faces[i] = there ? placed[i]->faces + seen[i].triangle : &kNothing;
+    __builtin_prefetch(faces[i]);
+    planes.depth[first + i] = there ? seen[i].depth : kNoDepth;
+  }
+
+  std::array<Look, kLanes> looks;
+  for (std::size_t i = 0; i < count; ++i) looks[i] = faces[i] != &kNothing ? surfaces_[faces[i]->surface] : Look{};
+  const auto store = [&](auto& plane, const auto& value) {
+    if (plane.empty()) return;
+    for (std::size_t i = 0; i < count; ++i) {
+      plane[first + i] = faces[i] != &kNothing ? value(i) : std::remove_cvref_t<decltype(plane[0])>{};
+    }
+  };
+  store(planes.instance,
+        [&](std::size_t i) { return looks[i].object == 0 ? 0 : placed[i]->firstInstanceId + looks[i].object - 1; });
+  store(planes.semantic, [&](std::size_t i) { return looks[i].semantic; });
+  store(planes.material, [&](std::size_t i) { return looks[i].material; });
+  store(planes.primitive, [&](std::size_t i) { return seen[i].triangle; });
+  const auto finishOf = [&](std::size_t i) -> const Finish& { return materials_[looks[i].material]; };
+  store(planes.roughness, [&](std::size_t i) { return finishOf(i).roughness; });
+  store(planes.metallic, [&](std::size_t i) { return finishOf(i).metallic; });
+  store(planes.retroreflectance, [&](std::size_t i) { return finishOf(i).retroreflectance; });
+  store(planes.reflectance, [&](std::size_t i) {
+    const Finish& finish = finishOf(i);
+    if (finish.texture == nullptr) return finish.reflectance;
+    const View& view = job.viewOf(addresses[i]);
+    return texturedReflectance(seen[i], finish, view.eye, sightOf(view, addresses[i]));
+  });
+  if (planes.normal.empty()) return;
+
+  // Lane by lane from memory, then all lanes at once: the second loop has no branch and becomes vector instructions.
+  alignas(64) std::array<double, kLanes> x, y, z, along;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3d n = placed[i]->normalFromMesh * faces[i]->normal;
+    x[i] = n.x;
+    y[i] = n.y;
+    z[i] = n.z;
+    along[i] = faces[i] != &kNothing ? dot(n, sightOf(job.viewOf(addresses[i]), addresses[i])) : 0;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const double square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
+    const double scale = square > 0 ? 1 / std::sqrt(square) : 0;
+    const double signedScale = along[i] > 0 ? -scale : scale;
+    planes.normal[first + i] = {static_cast<float>(x[i] * signedScale), static_cast<float>(y[i] * signedScale),
+                                static_cast<float>(z[i] * signedScale)};
+  }
+}
+
+// The line of sight meets the triangle's plane; relative to the eye, so that a scene far from the origin loses nothing.
+float Resolver::texturedReflectance(const SeenTriangle& seen, const Finish& finish, const Vec3d& eye,
+                                    const Vec3d& sight) const {
+  const Instance& instance = scene_.instances[seen.instance - 1];
+  const Mesh& mesh = scene_.meshes[instance.mesh];
+  const Triangle& corners = mesh.triangles[seen.triangle];
+  const Affine eyeFromMesh{instance.worldFromMesh.linear, instance.worldFromMesh.translation - eye};
+  const auto corner = [&](int i) { return eyeFromMesh * Vec3d(mesh.positions[corners[i]]); };
+  const Vec3d a = corner(0);
+  const Vec3d ab = corner(1) - a;
+  const Vec3d ac = corner(2) - a;
+  const Vec3d n = cross(ab, ac);
+  const Vec3d p = sight * (dot(n, a) / dot(n, sight)) - a;
+  const double square = dot(n, n);
+  const double u = std::clamp(dot(n, cross(p, ac)) / square, 0.0, 1.0);
+  const double v = std::clamp(dot(n, cross(ab, p)) / square, 0.0, 1.0 - u);
+  const double w = 1 - u - v;
+  float s = 0;
+  float t = 0;
+  if (!mesh.uvs.empty()) {
+    const Vec2f& uvA = mesh.uvs[corners[0]];
+    const Vec2f& uvB = mesh.uvs[corners[1]];
+    const Vec2f& uvC = mesh.uvs[corners[2]];
+    s = static_cast<float>(w * uvA.x + u * uvB.x + v * uvC.x);
+    t = static_cast<float>(w * uvA.y + u * uvB.y + v * uvC.y);
+  }
+  return std::min(1.0f, finish.textureGain * luminance(finish.texture->texel(s, t)));
+}
+
+}  // namespace scanmill

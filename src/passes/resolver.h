@@ -1,0 +1,75 @@
+#pragma once
+
+// From what a renderer draws, a triangle and a depth for each pixel, to the values of all passes.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/vec.h"
+#include "passes/pass_image.h"
+#include "scene/scene.h"
+
+namespace scanmill {
+
+// What one pixel sees.
+struct SeenTriangle {
+  float depth = kNoDepth;      // m, planar
+  std::uint32_t instance = 0;  // 1 + index into Scene::instances; 0: nothing is seen
+  std::uint32_t triangle = 0;  // index into Mesh::triangles
+};
+
+// Normals, labels and materials come from the scene's own triangles, in double: whatever draws, they are exact. Safe to
+// call from several threads. The scene must outlive it.
+class Resolver {
+ public:
+  explicit Resolver(const Scene& scene);
+  Resolver(const Resolver&) = delete;
+  Resolver& operator=(const Resolver&) = delete;
+
+  // One entry of `planes` per entry of `seen`. addresses[i] tells the pixel of seen[i] among the cameras' (kNoPixel: no
+  // pixel). Normals are turned towards the line of sight of the pixel's centre. The reflectance of textured materials
+  // is that of the texel there. Throws Error where an instance, a triangle or an address is not there.
+  void resolve(std::span<const Camera> cameras, std::span<const PixelAddress> addresses,
+               std::span<const SeenTriangle> seen, PassChoice asked, PassPlanes& planes) const;
+
+  std::uint64_t memoryBytes() const;
+
+ private:
+  // All that is looked up at random has one record, so that a pixel costs few cache lines.
+  struct Face {
+    Vec3d normal;               // unit, mesh axes
+    std::uint32_t surface = 0;  // index into surfaces_
+  };
+  struct Placed {
+    Mat3 normalFromMesh;  // cofactors of the instance's linear part
+    const Face* faces = nullptr;
+    std::uint32_t triangles = 0;
+    std::uint32_t firstInstanceId = 0;
+  };
+  struct Look {
+    std::uint32_t object = 0;
+    std::uint16_t semantic = 0;
+    std::uint16_t material = 0;
+  };
+  struct Finish {
+    float reflectance = 0;
+    float roughness = 0;
+    float metallic = 0;
+    float retroreflectance = 0;
+    float textureGain = 0;             // reflectance / mean luminance of the texture
+    const Texture* texture = nullptr;  // only where it scales the reflectance
+  };
+  struct Job;
+
+  void resolveBlock(const Job& job, std::size_t first, std::size_t last) const;
+  float texturedReflectance(const SeenTriangle& seen, const Finish& finish, const Vec3d& eye, const Vec3d& sight) const;
+
+  const Scene& scene_;
+  std::vector<Face> faces_;        // mesh by mesh
+  std::vector<Look> surfaces_;     // mesh by mesh
+  std::vector<Placed> instances_;  // [0] stands for nothing
+  std::vector<Finish> materials_;
+};
+
+}  // namespace scanmill

@@ -1,0 +1,250 @@
+#include "passes/vtk_geometry.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <span>
+
+#include "base/error.h"
+#include "base/parallel.h"
+
+namespace scanmill {
+
+namespace {
+
+// Chunks of so many triangles or fewer: small enough that few lie outside of an image, large enough that drawing one
+// costs little beside its triangles.
+constexpr std::size_t kChunk = 1024;
+
+// Depth is interpolated across the whole of a triangle in float32, and corners that are clipped away leave their
+// rounding behind: of a triangle of 20 km llvmpipe's depth is wrong by 1e-4 of itself, below 1 km by 1e-5. Edges longer
+// than this (m, world) are halved, but not those below a kShare-th of the mesh. The depth that is reported is computed
+// otherwise (see View::seen); this one decides what is seen.
+constexpr double kLongestEdge = 256;
+constexpr double kShare = 1.0 / 256;
+
+struct Corner {
+  Vec3f position;  // relative to the mesh's origin
+  Vec2f uv;
+};
+
+struct Piece {
+  std::array<Corner, 3> corners;
+  std::uint32_t original = 0;
+  std::uint32_t cutout = 0;
+
+  Vec3f middle() const { return corners[0].position + corners[1].position + corners[2].position; }
+};
+
+struct MeshPieces {
+  ViewMesh mesh;
+  ViewBatch solid;
+  ViewBatch cut;
+};
+
+// How much an instance stretches its mesh at least along one axis.
+double stretch(const Instance& instance) {
+  const Mat3& m = instance.worldFromMesh.linear;
+  return std::max({length(m.x), length(m.y), length(m.z)});
+}
+
+// Far from zero float32 steps are coarse: positions are taken from a point in the middle, where the subtraction is
+// exact because both are within a factor of two (Sterbenz).
+double originOf(double low, double high) {
+  const double middle = (low + high) / 2;
+  return std::abs(middle) > 2 * (high - low) ? double{static_cast<float>(middle)} : 0.0;
+}
+
+// Halves the longest edge until all are short. Triangles that share an edge cut it at the same points, whatever else
+// they are cut at: no gap opens between them.
+void split(const Piece& piece, float longest, std::vector<Piece>& pieces) {
+  const auto squared = [&](std::size_t i) {
+    const Vec3f edge = piece.corners[(i + 1) % 3].position - piece.corners[i].position;
+    return dot(edge, edge);
+  };
+  const std::array<float, 3> lengths{squared(0), squared(1), squared(2)};
+  const auto i = static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) - lengths.begin());
+  if (!(lengths[i] > longest * longest)) {
+    pieces.push_back(piece);
+    return;
+  }
+  const std::size_t j = (i + 1) % 3;
+  const Corner& a = piece.corners[i];
+  const Corner& b = piece.corners[j];
+  const Corner half{(a.position + b.position) * 0.5f, {(a.uv.x + b.uv.x) * 0.5f, (a.uv.y + b.uv.y) * 0.5f}};
+  if (half.position == a.position || half.position == b.position) {  // as short as float32 goes
+    pieces.push_back(piece);
+    return;
+  }
+  Piece one = piece;
+  one.corners[j] = half;
+  split(one, longest, pieces);
+  Piece other = piece;
+  other.corners[i] = half;
+  split(other, longest, pieces);
+}
+
+void appendChunk(std::span<const Piece> pieces, bool cut, ViewBatch& batch) {
+  ViewChunk chunk;
+  chunk.firstTriangle = static_cast<std::uint32_t>(batch.original.size());
+  chunk.triangles = static_cast<std::uint32_t>(pieces.size());
+  Box box;
+  for (const Piece& piece : pieces) {
+    batch.original.push_back(piece.original);
+    for (const Corner& corner : piece.corners) {
+      const Vec3f& p = corner.position;
+      batch.positions.insert(batch.positions.end(), {p.x, p.y, p.z});
+      box.add(Vec3d(p));
+      if (!cut) continue;
+      batch.uvs.insert(batch.uvs.end(), {corner.uv.x, corner.uv.y});
+      batch.cutouts.push_back(piece.cutout);
+    }
+  }
+  chunk.low = Vec3f(box.low);
+  chunk.high = Vec3f(box.high);
+  batch.chunks.push_back(chunk);
+}
+
+// Halves the set at the median of its middles along their longest extent until it fits into a chunk.
+void chop(std::span<Piece> pieces, bool cut, ViewBatch& batch) {
+  if (pieces.empty()) return;
+  if (pieces.size() <= kChunk) {
+    std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.original < b.original; });
+    appendChunk(pieces, cut, batch);
+    return;
+  }
+  Box box;
+  for (const Piece& piece : pieces) box.add(Vec3d(piece.middle()));
+  const Vec3d size = box.high - box.low;
+  float Vec3f::*axis = &Vec3f::x;
+  if (size.y > size.x) axis = &Vec3f::y;
+  if (size.z > std::max(size.x, size.y)) axis = &Vec3f::z;
+  const std::size_t half = pieces.size() / 2;
+  std::nth_element(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(half), pieces.end(),
+                   [&](const Piece& a, const Piece& b) { return a.middle().*axis < b.middle().*axis; });
+  chop(pieces.first(half), cut, batch);
+  chop(pieces.subspan(half), cut, batch);
+}
+
+constexpr std::uint32_t kSolid = 0xFFFFFFFFu;
+
+// `cutoutOf`: per material of the scene, index into the cut-outs or kSolid.
+MeshPieces cutMesh(const Mesh& mesh, double largestScale, const std::vector<std::uint32_t>& cutoutOf) {
+  MeshPieces made;
+  const Box bounds = mesh.bounds();
+  if (bounds.empty()) return made;
+  made.mesh.origin = {originOf(bounds.low.x, bounds.high.x), originOf(bounds.low.y, bounds.high.y),
+                      originOf(bounds.low.z, bounds.high.z)};
+  made.mesh.low = Vec3f(bounds.low - made.mesh.origin);
+  made.mesh.high = Vec3f(bounds.high - made.mesh.origin);
+  const Vec3d size = bounds.high - bounds.low;
+  const auto longest =
+      static_cast<float>(std::max(kLongestEdge / largestScale, std::max({size.x, size.y, size.z}) * kShare));
+
+  std::vector<Piece> solid;
+  std::vector<Piece> cut;
+  solid.reserve(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Piece piece;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t corner = mesh.triangles[t][i];
+      piece.corners[i] = {mesh.positions[corner] - Vec3f(made.mesh.origin),
+                          mesh.uvs.empty() ? Vec2f{} : mesh.uvs[corner]};
+    }
+    piece.original = static_cast<std::uint32_t>(t);
+    const std::uint32_t cutout = cutoutOf[mesh.surfaces[mesh.surfaceOf[t]].material];
+    piece.cutout = cutout == kSolid ? 0 : cutout;
+    split(piece, longest, cutout == kSolid ? solid : cut);
+  }
+  chop(solid, false, made.solid);
+  chop(cut, true, made.cut);
+  return made;
+}
+
+// Which materials are cut out; their bits are added to the geometry.
+std::vector<std::uint32_t> addCutouts(const Scene& scene, ViewGeometry& geometry) {
+  std::vector<std::uint32_t> cutoutOf(scene.materials.size(), kSolid);
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+    const Material& material = scene.materials[m];
+    if (!material.alphaTested || material.texture == nullptr) continue;
+    cutoutOf[m] = static_cast<std::uint32_t>(geometry.cutouts.size());
+    const Texture& texture = *material.texture;
+    const std::size_t first = geometry.cutoutWords.size();
+    const std::size_t texels = std::size_t{texture.width} * texture.height;
+    geometry.cutouts.push_back({static_cast<std::uint32_t>(first), texture.width, texture.height, 0});
+    geometry.cutoutWords.resize(first + (texels + 31) / 32);
+    for (std::size_t i = 0; i < texels; ++i) {
+      const bool open = static_cast<float>(texture.rgba[i * 4 + 3]) < material.alphaCutoff * 255.0f;
+      geometry.cutoutWords[first + i / 32] |= std::uint32_t{open} << (i % 32);
+    }
+  }
+  return cutoutOf;
+}
+
+ChunkRange append(ViewBatch& batch, ViewBatch&& more) {
+  const ChunkRange range{static_cast<std::uint32_t>(batch.chunks.size()),
+                         static_cast<std::uint32_t>(batch.chunks.size() + more.chunks.size())};
+  const auto first = static_cast<std::uint32_t>(batch.original.size());
+  for (ViewChunk& chunk : more.chunks) chunk.firstTriangle += first;
+  const auto join = [](auto& to, auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+    from = {};
+  };
+  join(batch.positions, more.positions);
+  join(batch.uvs, more.uvs);
+  join(batch.cutouts, more.cutouts);
+  join(batch.original, more.original);
+  join(batch.chunks, more.chunks);
+  return range;
+}
+
+void reserve(ViewBatch& batch, std::uint64_t triangles, bool cut, std::uint64_t most) {
+  if (triangles > most) {
+    throw Error(
+        fmt::format("the scene has {} triangles, more than the {} that can be drawn at once: take ray tracing, "
+                    "or a smaller scene",
+                    triangles, most));
+  }
+  batch.positions.reserve(triangles * 9);
+  batch.original.reserve(triangles);
+  if (!cut) return;
+  batch.uvs.reserve(triangles * 6);
+  batch.cutouts.reserve(triangles * 3);
+}
+
+}  // namespace
+
+ViewGeometry buildViewGeometry(const Scene& scene, std::uint64_t trianglesPerBatch) {
+  ViewGeometry geometry;
+  const std::vector<std::uint32_t> cutoutOf = addCutouts(scene, geometry);
+  std::vector<double> largestScale(scene.meshes.size(), 0.0);
+  for (const Instance& instance : scene.instances) {
+    double& scale = largestScale[instance.mesh];
+    scale = std::max(scale, stretch(instance));
+  }
+  std::vector<MeshPieces> made(scene.meshes.size());
+  parallelFor(made.size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t m = first; m < last; ++m) {
+      if (largestScale[m] > 0) made[m] = cutMesh(scene.meshes[m], largestScale[m], cutoutOf);
+    }
+  });
+  std::uint64_t solid = 0;
+  std::uint64_t cut = 0;
+  for (const MeshPieces& pieces : made) {
+    solid += pieces.solid.original.size();
+    cut += pieces.cut.original.size();
+  }
+  reserve(geometry.solid, solid, false, trianglesPerBatch);
+  reserve(geometry.cut, cut, true, trianglesPerBatch);
+  for (MeshPieces& pieces : made) {
+    pieces.mesh.solid = append(geometry.solid, std::move(pieces.solid));
+    pieces.mesh.cut = append(geometry.cut, std::move(pieces.cut));
+    geometry.meshes.push_back(pieces.mesh);
+  }
+  return geometry;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,55 @@
+#pragma once
+
+// A scene's triangles as a graphics card draws them: each mesh once, in chunks that lie close together.
+
+#include <cstdint>
+#include <vector>
+
+#include "base/vec.h"
+#include "passes/vtk_module.h"
+#include "scene/scene.h"
+
+namespace scanmill {
+
+// A run of triangles of one mesh, and where they are (m, mesh axes, relative to ViewMesh::origin).
+struct ViewChunk {
+  std::uint32_t firstTriangle = 0;  // in its batch
+  std::uint32_t triangles = 0;
+  Vec3f low;
+  Vec3f high;
+};
+
+// Triangles as corners, three after each other. Large ones are drawn in pieces.
+struct ViewBatch {
+  std::vector<float> positions;         // 3 a corner: m, mesh axes, relative to ViewMesh::origin
+  std::vector<float> uvs;               // 2 a corner; of what is cut out only
+  std::vector<std::uint32_t> cutouts;   // one a corner; likewise
+  std::vector<std::uint32_t> original;  // per triangle: index into Mesh::triangles
+  std::vector<ViewChunk> chunks;
+};
+
+struct ChunkRange {
+  std::uint32_t first = 0;
+  std::uint32_t end = 0;
+};
+
+struct ViewMesh {
+  Vec3d origin;  // m, mesh axes: exact float32 numbers, and so is every position less it
+  Vec3f low;     // of all chunks
+  Vec3f high;
+  ChunkRange solid;
+  ChunkRange cut;  // triangles with an alpha-tested material
+};
+
+struct ViewGeometry {
+  ViewBatch solid;
+  ViewBatch cut;
+  std::vector<ViewMesh> meshes;  // as Scene::meshes; those that no instance places are empty
+  std::vector<ScanmillVtkCutout> cutouts;
+  std::vector<std::uint32_t> cutoutWords;
+};
+
+// Throws Error where a batch holds more than `trianglesPerBatch`.
+ViewGeometry buildViewGeometry(const Scene& scene, std::uint64_t trianglesPerBatch);
+
+}  // namespace scanmill

@@ -1,0 +1,141 @@
+#include "passes/vtk_module/egl_context.h"
+
+#include <EGL/eglext.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <vector>
+
+namespace scanmill {
+
+namespace {
+
+struct Candidate {
+  std::string name;
+  EGLenum platform;
+  void* native;
+  bool software;
+};
+
+bool names(const char* extensions, std::string_view wanted) {
+  std::string_view list = extensions != nullptr ? extensions : "";
+  while (!list.empty()) {
+    const std::string_view one = list.substr(0, list.find(' '));
+    if (one == wanted) return true;
+    list.remove_prefix(std::min(list.size(), one.size() + 1));
+  }
+  return false;
+}
+
+template <class Function>
+Function entry(const char* name) {
+  return reinterpret_cast<Function>(eglGetProcAddress(name));
+}
+
+// Cards first, then what runs on the processor.
+std::vector<Candidate> candidates() {
+  const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  std::vector<Candidate> found;
+  const bool devices = names(client, "EGL_EXT_platform_device") &&
+                       (names(client, "EGL_EXT_device_base") || names(client, "EGL_EXT_device_enumeration"));
+  const auto queryDevices = entry<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
+  if (devices && queryDevices != nullptr) {
+    std::array<EGLDeviceEXT, 32> handles{};
+    EGLint count = 0;
+    if (queryDevices(static_cast<EGLint>(handles.size()), handles.data(), &count) == EGL_TRUE) {
+      const auto query = entry<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
+      for (EGLint i = 0; i < count; ++i) {
+        const char* extensions = query != nullptr ? query(handles[i], EGL_EXTENSIONS) : nullptr;
+        found.push_back(
+            {fmt::format("{}", i), EGL_PLATFORM_DEVICE_EXT, handles[i], names(extensions, "EGL_MESA_device_software")});
+      }
+    }
+  }
+  if (names(client, "EGL_MESA_platform_surfaceless")) {
+    found.push_back({"surfaceless", EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, true});
+  }
+  std::stable_partition(found.begin(), found.end(), [](const Candidate& c) { return !c.software; });
+  return found;
+}
+
+std::vector<Candidate> chosen(const std::string& device) {
+  std::vector<Candidate> list = candidates();
+  if (device.empty()) return list;
+  const auto numbered =
+      std::count_if(list.begin(), list.end(), [](const Candidate& c) { return c.platform == EGL_PLATFORM_DEVICE_EXT; });
+  std::erase_if(list, [&](const Candidate& c) { return device == "software" ? !c.software : c.name != device; });
+  if (list.empty()) {
+    throw NoDevice(fmt::format("there is no device '{}': take a number below {}, or 'software'", device, numbered));
+  }
+  return list;
+}
+
+// Empty where it became current.
+std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLContext& context) {
+  const auto getDisplay = entry<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
+  if (getDisplay == nullptr) return "it knows no platforms";
+  display = getDisplay(candidate.platform, candidate.native, nullptr);
+  EGLint major = 0;
+  EGLint minor = 0;
+  if (display == EGL_NO_DISPLAY || eglInitialize(display, &major, &minor) != EGL_TRUE) return "it does not start";
+  if (!names(eglQueryString(display, EGL_EXTENSIONS), "EGL_KHR_surfaceless_context")) return "it wants a surface";
+  if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return "it has no OpenGL";
+  const std::array<EGLint, 5> configuration{EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
+                                            EGL_NONE};
+  EGLConfig config = nullptr;
+  EGLint configs = 0;
+  if (eglChooseConfig(display, configuration.data(), &config, 1, &configs) != EGL_TRUE || configs == 0) {
+    config = nullptr;  // EGL_NO_CONFIG_KHR
+  }
+  for (const EGLint version : {5, 3}) {
+    const std::array<EGLint, 7> attributes{EGL_CONTEXT_MAJOR_VERSION,
+                                           4,
+                                           EGL_CONTEXT_MINOR_VERSION,
+                                           version,
+                                           EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                           EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                           EGL_NONE};
+    context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
+    if (context != EGL_NO_CONTEXT) break;
+  }
+  if (context == EGL_NO_CONTEXT) return "it has no OpenGL 4.3";
+  if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) != EGL_TRUE) {
+    eglDestroyContext(display, context);
+    context = EGL_NO_CONTEXT;
+    return "its context cannot be used";
+  }
+  return {};
+}
+
+}  // namespace
+
+EglContext::EglContext(const std::string& device) {
+  std::string tried;
+  for (const Candidate& candidate : chosen(device)) {
+    const std::string reason = tryCandidate(candidate, display_, context_);
+    if (reason.empty()) return;
+    tried += fmt::format("{}EGL device {}: {}", tried.empty() ? "" : "; ", candidate.name, reason);
+  }
+  throw NoDevice(tried.empty() ? "EGL has no device" : tried);
+}
+
+// The display is not terminated: other contexts of the process may share it.
+EglContext::~EglContext() {
+  release();
+  eglDestroyContext(display_, context_);
+}
+
+void EglContext::makeCurrent() {
+  eglBindAPI(EGL_OPENGL_API);
+  if (eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) != EGL_TRUE) {
+    throw std::runtime_error(fmt::format("the OpenGL context cannot be used (EGL error {:#x})", eglGetError()));
+  }
+}
+
+void EglContext::release() {
+  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,58 @@
+#include "passes/vtk_module/gl_thread.h"
+
+namespace scanmill {
+
+std::shared_ptr<GlThread> GlThread::shared() {
+  static std::mutex mutex;
+  static std::weak_ptr<GlThread> known;
+  const std::scoped_lock lock(mutex);
+  std::shared_ptr<GlThread> thread = known.lock();
+  if (thread == nullptr) {
+    thread = std::make_shared<GlThread>();
+    known = thread;
+  }
+  return thread;
+}
+
+GlThread::GlThread() : thread_([this] { serve(); }) {}
+
+GlThread::~GlThread() {
+  {
+    const std::scoped_lock lock(mutex_);
+    ended_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void GlThread::run(const std::function<void()>& work) {
+  Job job{&work, nullptr};
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return job_ == nullptr; });
+  job_ = &job;
+  changed_.notify_all();
+  changed_.wait(lock, [&] { return job.done; });
+  if (job.failure) std::rethrow_exception(job.failure);
+}
+
+void GlThread::serve() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [&] { return job_ != nullptr || ended_; });
+    if (job_ == nullptr) return;
+    lock.unlock();
+    std::exception_ptr failure;
+    try {
+      (*job_->work)();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    job_->failure = failure;
+    job_->done = true;
+    job_ = nullptr;
+    changed_.notify_all();
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,183 @@
+#include "passes/vtk_module/image_pass.h"
+
+#include <vtkObjectFactory.h>
+#include <vtkOpenGLRenderWindow.h>
+#include <vtkOpenGLState.h>
+#include <vtkRenderState.h>
+#include <vtkRenderer.h>
+
+#include <algorithm>
+#include <new>
+
+namespace scanmill {
+
+namespace {
+
+// Depth is nearest / w, which falls with distance: float32 has small numbers in plenty, so its relative precision is
+// the same near and far (Reed, "Depth precision visualized", 2015). Nothing is cut off at the far end. Where clip space
+// has depths from -1 to 1, OpenGL's own mapping to 0 to 1 spoils that.
+constexpr const char* kSolidVertex = R"(#version 430 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec4 rows[3];
+layout(location = 4) in uint firstNumber;
+uniform vec2 depthFromW;
+flat out uint number;
+invariant gl_Position;
+void main() {
+  vec4 point = vec4(position, 1.0);
+  float w = dot(rows[2], point);
+  gl_Position = vec4(dot(rows[0], point), dot(rows[1], point), depthFromW.x + depthFromW.y * w, w);
+  number = firstNumber + uint(gl_VertexID) / 3u;
+}
+)";
+
+constexpr const char* kSolidFragment = R"(#version 430 core
+flat in uint number;
+layout(location = 0) out uint seen;
+void main() {
+  seen = number;
+}
+)";
+
+constexpr const char* kCutVertex = R"(#version 430 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec4 rows[3];
+layout(location = 4) in uint firstNumber;
+layout(location = 5) in vec2 textureUv;
+layout(location = 6) in uint cutoutIndex;
+uniform vec2 depthFromW;
+flat out uint number;
+flat out uint cutout;
+out vec2 uv;
+invariant gl_Position;
+void main() {
+  vec4 point = vec4(position, 1.0);
+  float w = dot(rows[2], point);
+  gl_Position = vec4(dot(rows[0], point), dot(rows[1], point), depthFromW.x + depthFromW.y * w, w);
+  number = firstNumber + uint(gl_VertexID) / 3u;
+  cutout = cutoutIndex;
+  uv = textureUv;
+}
+)";
+
+// The texel is that of Texture::texel: the nearest one, repeated.
+constexpr const char* kCutFragment = R"(#version 430 core
+flat in uint number;
+flat in uint cutout;
+in vec2 uv;
+layout(std430, binding = 0) readonly buffer Cutouts { uvec4 cutouts[]; };
+layout(std430, binding = 1) readonly buffer Words { uint words[]; };
+layout(location = 0) out uint seen;
+uint texel(float coordinate, uint size) {
+  float part = coordinate - floor(coordinate);
+  return part > 0.0 ? min(uint(part * float(size)), size - 1u) : 0u;
+}
+void main() {
+  uvec4 image = cutouts[cutout];
+  uint bit = texel(uv.y, image.z) * image.y + texel(uv.x, image.y);
+  if ((words[image.x + (bit >> 5)] >> (bit & 31u) & 1u) != 0u) discard;
+  seen = number;
+}
+)";
+
+}  // namespace
+
+vtkStandardNewMacro(ImagePass);
+
+void ImagePass::next(TriangleStore* triangles, const ScanmillVtkImage* image, std::uint32_t slot) {
+  triangles_ = triangles;
+  image_ = image;
+  slot_ = slot;
+}
+
+void ImagePass::Render(const vtkRenderState* state) {
+  auto* window = vtkOpenGLRenderWindow::SafeDownCast(state->GetRenderer()->GetRenderWindow());
+  prepare(window);
+  draw(window);
+}
+
+// Programs and textures; the latter are kept from one image to the next of the same size.
+void ImagePass::prepare(vtkOpenGLRenderWindow* window) {
+  if (!solid_) {
+    zeroToOne_ = GLEW_VERSION_4_5 || GLEW_ARB_clip_control;
+    solid_ = std::make_unique<GlProgram>(
+        "solid",
+        std::initializer_list<GlShaderText>{{GL_VERTEX_SHADER, kSolidVertex}, {GL_FRAGMENT_SHADER, kSolidFragment}});
+    cut_ = std::make_unique<GlProgram>(
+        "cut-out",
+        std::initializer_list<GlShaderText>{{GL_VERTEX_SHADER, kCutVertex}, {GL_FRAGMENT_SHADER, kCutFragment}});
+    frame_->SetContext(window);
+  }
+  vtkTextureObject* numbers = slots_[slot_];
+  if (numbers->GetWidth() != image_->width || numbers->GetHeight() != image_->height) {
+    numbers->SetContext(window);
+    numbers->SetInternalFormat(GL_R32UI);
+    numbers->SetFormat(GL_RED_INTEGER);
+    numbers->SetDataType(GL_UNSIGNED_INT);
+    numbers->SetMinificationFilter(vtkTextureObject::Nearest);
+    numbers->SetMagnificationFilter(vtkTextureObject::Nearest);
+    if (!numbers->Allocate2D(image_->width, image_->height, 1, VTK_UNSIGNED_INT)) throw std::bad_alloc();
+  }
+  const bool first = depth_->GetHandle() == 0;
+  if (first || depth_->GetWidth() < image_->width || depth_->GetHeight() < image_->height) {
+    const unsigned width = std::max(first ? 0 : depth_->GetWidth(), image_->width);
+    const unsigned height = std::max(first ? 0 : depth_->GetHeight(), image_->height);
+    depth_->SetContext(window);
+    if (!depth_->AllocateDepth(width, height, vtkTextureObject::Float32)) throw std::bad_alloc();
+  }
+  checkGl("an image cannot be made");
+}
+
+void ImagePass::draw(vtkOpenGLRenderWindow* window) {
+  vtkOpenGLState* state = window->GetState();
+  state->Push();
+  state->PushFramebufferBindings();
+  frame_->Bind();
+  frame_->AddColorAttachment(0, slots_[slot_]);
+  frame_->AddDepthAttachment(depth_);
+  frame_->ActivateDrawBuffer(0);
+
+  state->vtkglViewport(0, 0, static_cast<int>(image_->width), static_cast<int>(image_->height));
+  state->vtkglDisable(GL_SCISSOR_TEST);
+  state->vtkglDisable(GL_BLEND);
+  state->vtkglDisable(GL_CULL_FACE);
+  state->vtkglDisable(GL_MULTISAMPLE);
+  state->vtkglEnable(GL_DEPTH_TEST);
+  state->vtkglDepthMask(GL_TRUE);
+  state->vtkglDepthFunc(GL_GREATER);
+  state->vtkglColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  if (zeroToOne_) glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+
+  const GLuint nothing[4] = {0, 0, 0, 0};
+  const GLfloat infinity = 0;
+  glClearBufferuiv(GL_COLOR, 0, nothing);
+  glClearBufferfv(GL_DEPTH, 0, &infinity);
+  triangles_->place(image_->placements, image_->placementCount);
+  const auto run = [&](const GlProgram& program, bool cut, const ScanmillVtkDraw* draws, std::size_t count) {
+    program.use();
+    const float nearest = image_->nearest;
+    glUniform2f(program.uniform("depthFromW"), zeroToOne_ ? nearest : 2 * nearest, zeroToOne_ ? 0.0f : -1.0f);
+    triangles_->draw(cut, draws, count);
+  };
+  run(*solid_, false, image_->solid, image_->solidCount);
+  run(*cut_, true, image_->cut, image_->cutCount);
+  glUseProgram(0);
+
+  if (zeroToOne_) glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+  frame_->RemoveColorAttachment(0);
+  frame_->RemoveDepthAttachment();
+  state->PopFramebufferBindings();
+  state->Pop();
+  checkGl("an image cannot be drawn");
+}
+
+void ImagePass::ReleaseGraphicsResources(vtkWindow* window) {
+  solid_.reset();
+  cut_.reset();
+  frame_->ReleaseGraphicsResources(window);
+  depth_->ReleaseGraphicsResources(window);
+  for (const auto& slot : slots_) slot->ReleaseGraphicsResources(window);
+  vtkRenderPass::ReleaseGraphicsResources(window);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,51 @@
+#pragma once
+
+// The pass that draws an image: for each pixel the number of the triangle that it sees.
+
+#include <vtkNew.h>
+#include <vtkOpenGLFramebufferObject.h>
+#include <vtkRenderPass.h>
+#include <vtkTextureObject.h>
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "passes/vtk_module.h"
+#include "passes/vtk_module/gl_objects.h"
+#include "passes/vtk_module/triangle_store.h"
+
+namespace scanmill {
+
+class ImagePass : public vtkRenderPass {  // NOLINT(cppcoreguidelines-virtual-class-destructor): VTK counts references
+ public:
+  static ImagePass* New();
+
+  // What the next Render() draws, and where to.
+  void next(TriangleStore* triangles, const ScanmillVtkImage* image, std::uint32_t slot);
+  void Render(const vtkRenderState* state) override;
+
+  vtkTextureObject* numbers(std::uint32_t slot) const { return slots_[slot]; }
+  void ReleaseGraphicsResources(vtkWindow* window) override;
+
+ protected:
+  ImagePass() = default;
+  ~ImagePass() override = default;
+
+ private:
+  void prepare(vtkOpenGLRenderWindow* window);
+  void draw(vtkOpenGLRenderWindow* window);
+
+  TriangleStore* triangles_ = nullptr;
+  const ScanmillVtkImage* image_ = nullptr;
+  std::uint32_t slot_ = 0;
+  bool zeroToOne_ = false;  // clip space holds the depths 0 to 1
+
+  std::unique_ptr<GlProgram> solid_;
+  std::unique_ptr<GlProgram> cut_;
+  vtkNew<vtkOpenGLFramebufferObject> frame_;
+  vtkNew<vtkTextureObject> depth_;
+  std::array<vtkNew<vtkTextureObject>, kVtkImages> slots_;
+};
+
+}  // namespace scanmill

@@ -1,0 +1,35 @@
+#pragma once
+
+// Gets pixels back: single ones gathered by a compute shader, so that only they travel, or whole rows.
+
+#include <vtkTextureObject.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "passes/vtk_module.h"
+#include "passes/vtk_module/gl_objects.h"
+
+namespace scanmill {
+
+class PixelReader {
+ public:
+  PixelReader();
+  ~PixelReader();
+  PixelReader(const PixelReader&) = delete;
+  PixelReader& operator=(const PixelReader&) = delete;
+
+  // See ScanmillVtkModule::gather.
+  void gather(const std::array<vtkTextureObject*, kVtkImages>& images, const ScanmillVtkPixels& pixels,
+              std::span<const std::uint32_t> addresses, std::uint32_t* numbers);
+  void read(vtkTextureObject* image, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers);
+
+ private:
+  GlProgram program_;
+  GlBuffer addresses_;
+  GlBuffer numbers_;
+  GLuint frame_ = 0;
+};
+
+}  // namespace scanmill

@@ -1,0 +1,291 @@
+// The VTK renderer: cameras become views, the module draws them, and pixels that are asked for become passes.
+//
+// An image holds one number a pixel, that of the triangle seen, and stays where it was drawn. Everything else, depth
+// included, follows from the number and the scene, exactly, and only for the pixels that are fetched.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <semaphore>
+#include <span>
+#include <vector>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "passes/renderer.h"
+#include "passes/resolver.h"
+#include "passes/vtk_geometry.h"
+#include "passes/vtk_loader.h"
+#include "passes/vtk_view.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kDeviceVariable = "SCANMILL_GL_DEVICE";
+
+void require(ScanmillVtkStatus status, const ScanmillVtkText& error) {
+  switch (status) {
+    case kScanmillVtkDone:
+      return;
+    case kScanmillVtkNoDevice:
+      throw Error(
+          fmt::format("images cannot be drawn, this machine has no OpenGL 4.3 by EGL ({}): install Mesa (on Debian the "
+                      "packages libegl-mesa0 and libgl1-mesa-dri) or the graphics card's driver with its EGL library, "
+                      "or take ray tracing",
+                      error.text));
+    case kScanmillVtkOutOfMemory:
+      throw Error("images cannot be drawn, memory is out: take smaller images or a smaller scene");
+    case kScanmillVtkFailed:
+      break;
+  }
+  throw Error(fmt::format("images cannot be drawn: {}", error.text));
+}
+
+void check(const Camera& camera, const ScanmillVtkLimits& limits) {
+  if (camera.width == 0 || camera.height == 0 || camera.width > limits.imageSize || camera.height > limits.imageSize) {
+    throw InputError(fmt::format("the camera '{}' has {} x {} pixels: an image is 1 to {} pixels wide and high here",
+                                 camera.name, camera.width, camera.height, limits.imageSize));
+  }
+  if (!(camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx) && std::isfinite(camera.fy) &&
+        std::isfinite(camera.cx) && std::isfinite(camera.cy))) {
+    throw InputError(fmt::format("the camera '{}' has no sensible focal length or principal point", camera.name));
+  }
+}
+
+// Adds the time until its end to a sum.
+class Stopwatch {
+ public:
+  explicit Stopwatch(std::atomic<double>& sum) : sum_(sum) {}
+  ~Stopwatch() { sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  std::atomic<double>& sum_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+struct StageSeconds {
+  std::atomic<double> upload = 0;
+  std::atomic<double> render = 0;
+  std::atomic<double> readBack = 0;
+};
+
+// The module's renderer with the scene in it.
+class Device {
+ public:
+  explicit Device(const Scene& scene) : resolver(scene), module_(vtkModule()) {
+    ScanmillVtkText described{};
+    ScanmillVtkText error{};
+    require(module_.open(std::getenv(kDeviceVariable), &renderer_, &limits, &described, &error), error);
+    try {
+      name = described.text;
+      upload(scene);
+    } catch (...) {
+      module_.close(renderer_);
+      throw;
+    }
+  }
+  ~Device() { module_.close(renderer_); }
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  Resolver resolver;
+  ScanmillVtkLimits limits{};
+  std::string name;
+  ViewGeometry geometry;  // without its vertices, which the device has
+  StageSeconds seconds;
+
+  void draw(std::uint32_t slot, const View& view) {
+    ScanmillVtkText error{};
+    const ScanmillVtkImage image = view.image();
+    require(module_.draw(renderer_, slot, &image, &error), error);
+  }
+
+  void finish() {
+    ScanmillVtkText error{};
+    require(module_.finish(renderer_, &error), error);
+  }
+
+  void gather(const ScanmillVtkPixels& pixels, std::span<const PixelAddress> addresses,
+              std::span<std::uint32_t> numbers) {
+    ScanmillVtkText error{};
+    require(module_.gather(renderer_, &pixels, addresses.data(), addresses.size(), numbers.data(), &error), error);
+  }
+
+  void read(std::uint32_t slot, std::uint32_t firstRow, std::uint32_t rows, std::span<std::uint32_t> numbers) {
+    ScanmillVtkText error{};
+    require(module_.read(renderer_, slot, firstRow, rows, numbers.data(), &error), error);
+  }
+
+ private:
+  void upload(const Scene& scene) {
+    const Stopwatch watch(seconds.upload);
+    geometry = buildViewGeometry(scene, limits.trianglesPerBatch);
+    const auto triangles = [](const ViewBatch& batch) {
+      return ScanmillVtkTriangles{batch.original.size(), batch.positions.data(), batch.uvs.data(),
+                                  batch.cutouts.data()};
+    };
+    const ScanmillVtkScene sent{triangles(geometry.solid), triangles(geometry.cut),     geometry.cutouts.data(),
+                                geometry.cutouts.size(),   geometry.cutoutWords.data(), geometry.cutoutWords.size()};
+    ScanmillVtkText error{};
+    require(module_.upload(renderer_, &sent, &error), error);
+    finish();
+    for (ViewBatch* batch : {&geometry.solid, &geometry.cut}) {
+      batch->positions = {};
+      batch->uvs = {};
+      batch->cutouts = {};
+    }
+  }
+
+  const ScanmillVtkModule& module_;
+  ScanmillVtkRenderer* renderer_ = nullptr;
+};
+
+// Who draws holds it until the images are gone. No mutex, which would belong to a thread.
+class Turn {
+ public:
+  explicit Turn(std::binary_semaphore& free) : free_(free) { free_.acquire(); }
+  ~Turn() { free_.release(); }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+ private:
+  std::binary_semaphore& free_;
+};
+
+class VtkSource : public PixelSource {
+ public:
+  VtkSource(std::binary_semaphore& free, Device& device, const Scene& scene, std::vector<Camera> cameras,
+            const DrawLimits& limits)
+      : turn_(free), device_(device), cameras_(std::move(cameras)) {
+    for (const Camera& camera : cameras_) firsts_.push_back(firsts_.back() + camera.pixels());
+    if (firsts_.back() >= kNoPixel) {
+      throw InputError(fmt::format("{} pixels in a shot's images are too many: take smaller ones", firsts_.back()));
+    }
+    const Stopwatch watch(device_.seconds.render);
+    views_.reserve(cameras_.size());
+    for (std::uint32_t k = 0; k < cameras_.size(); ++k) {
+      views_.emplace_back(scene, device_.geometry, cameras_[k], limits);
+      device_.draw(k, views_.back());
+    }
+    device_.finish();
+  }
+
+  const std::vector<Camera>& cameras() const override { return cameras_; }
+  PassChoice available() const override { return {Channels::all(), true}; }
+
+  void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override {
+    const auto beyond = [&](PixelAddress address) { return address != kNoPixel && address >= firsts_.back(); };
+    if (std::any_of(addresses.begin(), addresses.end(), beyond)) throw Error("a pixel was asked for that no image has");
+    std::vector<SeenTriangle> seen(addresses.size());
+    {
+      const Stopwatch watch(device_.seconds.readBack);
+      readNumbers(addresses);
+    }
+    parallelFor(addresses.size(), 4096, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        if (numbers_[i] == 0) continue;
+        const std::size_t k = imageOf(addresses[i]);
+        seen[i] = views_[k].seen(static_cast<std::uint32_t>(addresses[i] - firsts_[k]), numbers_[i]);
+      }
+    });
+    device_.resolver.resolve(cameras_, addresses, seen, asked, planes);
+  }
+
+ private:
+  std::size_t imageOf(PixelAddress address) const {
+    std::size_t k = 0;
+    while (address >= firsts_[k + 1]) ++k;
+    return k;
+  }
+
+  // One number per address into numbers_.
+  void readNumbers(std::span<const PixelAddress> addresses) {
+    numbers_.assign(addresses.size(), 0);
+    if (addresses.empty() || cameras_.empty()) return;
+    const auto jumps = [](PixelAddress a, PixelAddress b) { return b != a + 1; };
+    const bool run = addresses.back() < firsts_.back() &&
+                     std::adjacent_find(addresses.begin(), addresses.end(), jumps) == addresses.end();
+    const std::size_t k = run ? imageOf(addresses.front()) : 0;
+    if (run && addresses.back() < firsts_[k + 1]) {
+      readRun(k, static_cast<std::uint32_t>(addresses.front() - firsts_[k]));
+    } else {
+      gather(addresses);
+    }
+  }
+
+  // All of numbers_ from consecutive pixels of an image.
+  void readRun(std::size_t k, std::uint32_t firstPixel) {
+    const std::uint32_t width = cameras_[k].width;
+    const std::uint32_t firstRow = firstPixel / width;
+    const auto lastRow = static_cast<std::uint32_t>((firstPixel + numbers_.size() - 1) / width);
+    const std::size_t before = firstPixel % width;
+    rows_.resize(std::size_t{lastRow - firstRow + 1} * width);
+    device_.read(static_cast<std::uint32_t>(k), firstRow, lastRow - firstRow + 1, rows_);
+    std::copy_n(rows_.begin() + static_cast<std::ptrdiff_t>(before), numbers_.size(), numbers_.begin());
+  }
+
+  void gather(std::span<const PixelAddress> addresses) {
+    ScanmillVtkPixels pixels{};
+    for (std::size_t k = 0; k < kVtkImages; ++k) {
+      const bool there = k < cameras_.size();
+      pixels.widths[k] = there ? cameras_[k].width : 1;
+      pixels.firsts[k + 1] = static_cast<std::uint32_t>(firsts_[std::min(k + 1, cameras_.size())]);
+    }
+    device_.gather(pixels, addresses, numbers_);
+  }
+
+  Turn turn_;
+  Device& device_;
+  std::vector<Camera> cameras_;
+  std::vector<View> views_;
+  std::vector<std::size_t> firsts_{0};  // address of each image's first pixel, and one past the last
+  std::vector<std::uint32_t> numbers_;
+  std::vector<std::uint32_t> rows_;
+};
+
+class VtkRenderer : public PassRenderer {
+ public:
+  explicit VtkRenderer(const Scene& scene) : scene_(scene), device_(scene) {}
+
+  std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits, PassChoice) override {
+    if (cameras.size() > kVtkImages) {
+      throw InputError(
+          fmt::format("{} cameras are too many: at most {} are drawn at once", cameras.size(), kVtkImages));
+    }
+    if (!(limits.nearest > 0 && limits.nearest < limits.farthest && std::isfinite(limits.farthest))) {
+      throw InputError(fmt::format("images cannot be drawn from {} m to {} m: more than 0, the nearer one first",
+                                   limits.nearest, limits.farthest));
+    }
+    for (const Camera& camera : cameras) check(camera, device_.limits);
+    return std::make_unique<VtkSource>(free_, device_, scene_, cameras, limits);
+  }
+
+  std::map<std::string, double> seconds() const override {
+    return {{"upload", device_.seconds.upload.load()},
+            {"render", device_.seconds.render.load()},
+            {"read_back", device_.seconds.readBack.load()}};
+  }
+
+  std::string device() const override { return device_.name; }
+
+ private:
+  const Scene& scene_;
+  Device device_;
+  std::binary_semaphore free_{1};
+};
+
+}  // namespace
+
+std::unique_ptr<PassRenderer> makeVtkRenderer(const Scene& scene) {
+  return std::make_unique<VtkRenderer>(scene);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,196 @@
+#include "passes/vtk_view.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+// A chunk that may be seen.
+struct View::Candidate {
+  int distance;  // steps of a quarter of an octave
+  std::uint32_t chunk;
+  std::uint32_t frame;
+
+  bool operator<(const Candidate& o) const {
+    return std::tie(distance, chunk, frame) < std::tie(o.distance, o.chunk, o.frame);
+  }
+};
+
+namespace {
+
+// A half-space: inside where normal . p + offset >= 0.
+struct HalfSpace {
+  Vec3d normal;
+  double offset;
+};
+
+enum class Side { Outside, Across, Inside };
+
+Side sideOf(const std::array<HalfSpace, 6>& spaces, const Vec3f& low, const Vec3f& high) {
+  const Vec3d center = (Vec3d(low) + Vec3d(high)) * 0.5;
+  const Vec3d half = (Vec3d(high) - Vec3d(low)) * 0.5;
+  Side side = Side::Inside;
+  for (const HalfSpace& space : spaces) {
+    const double middle = dot(space.normal, center) + space.offset;
+    const double reach =
+        std::abs(space.normal.x) * half.x + std::abs(space.normal.y) * half.y + std::abs(space.normal.z) * half.z;
+    const double slack = 1e-6 * (std::abs(middle) + reach);  // rounding must not take away what touches the edge
+    if (middle + reach < -slack) return Side::Outside;
+    if (middle - reach < slack) side = Side::Across;
+  }
+  return side;
+}
+
+int distanceStep(const Vec3f& low, const Vec3f& high, const Vec3d& from, double scale) {
+  const auto gap = [](double a, double b, double p) { return std::max({a - p, p - b, 0.0}); };
+  const Vec3d d{gap(low.x, high.x, from.x), gap(low.y, high.y, from.y), gap(low.z, high.z, from.z)};
+  return static_cast<int>(4 * std::log2(1 + scale * length(d)));
+}
+
+}  // namespace
+
+View::View(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits)
+    : scene_(scene),
+      geometry_(geometry),
+      camera_(camera),
+      limits_(limits),
+      cameraFromWorld_(transposed(toMatrix(camera.worldFromCamera.rotation))) {
+  std::vector<Candidate> solid;
+  std::vector<Candidate> cut;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) addFrame(i, solid, cut);
+  addDraws(solid, false, solid_);
+  addDraws(cut, true, cut_);
+  rowsOfFrame_ = {};
+}
+
+// Everything in double, and the difference of the places first: far from the world's origin the same numbers result.
+void View::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std::vector<Candidate>& cut) {
+  const Instance& instance = scene_.instances[index];
+  const ViewMesh& mesh = geometry_.meshes[instance.mesh];
+  const Affine& worldFromMesh = instance.worldFromMesh;
+  const Vec3d offset = worldFromMesh.translation - camera_.worldFromCamera.translation;
+  const Mat3 linear = cameraFromWorld_ * worldFromMesh.linear;
+  const Vec3d translation = cameraFromWorld_ * offset + linear * mesh.origin;
+  const Mat3 rows = transposed(linear);  // the rows of cameraFromMesh as columns
+  const auto combine = [&](double x, double y, double z) {
+    return HalfSpace{rows.x * x + rows.y * y + rows.z * z, x * translation.x + y * translation.y + z * translation.z};
+  };
+  const std::array<HalfSpace, 6> spaces{
+      combine(camera_.fx, 0, camera_.cx),
+      combine(-camera_.fx, 0, camera_.width - camera_.cx),
+      combine(0, camera_.fy, camera_.cy),
+      combine(0, -camera_.fy, camera_.height - camera_.cy),
+      HalfSpace{rows.z, translation.z - limits_.nearest},
+      HalfSpace{-rows.z, limits_.farthest - translation.z},
+  };
+  const Side whole = sideOf(spaces, mesh.low, mesh.high);
+  if (whole == Side::Outside) return;
+
+  const Mat3 meshFromWorld = inverse(worldFromMesh.linear);
+  const Vec3d cameraInMesh = -(meshFromWorld * offset);
+  const double scale = std::cbrt(std::abs(determinant(worldFromMesh.linear)));
+  const auto frame = static_cast<std::uint32_t>(frames_.size());
+  const auto look = [&](const ViewBatch& batch, const ChunkRange& range, std::vector<Candidate>& candidates) {
+    for (std::uint32_t c = range.first; c < range.end; ++c) {
+      const ViewChunk& chunk = batch.chunks[c];
+      if (whole == Side::Across && sideOf(spaces, chunk.low, chunk.high) == Side::Outside) continue;
+      candidates.push_back({distanceStep(chunk.low, chunk.high, cameraInMesh - mesh.origin, scale), c, frame});
+    }
+  };
+  look(geometry_.solid, mesh.solid, solid);
+  look(geometry_.cut, mesh.cut, cut);
+
+  frames_.push_back({index, meshFromWorld * transposed(cameraFromWorld_), cameraInMesh, rows.z,
+                     translation.z - dot(rows.z, mesh.origin)});
+  ScanmillVtkPlacement placement{};
+  const HalfSpace clip[3] = {combine(2 * camera_.fx / camera_.width, 0, 2 * camera_.cx / camera_.width - 1),
+                             combine(0, 2 * camera_.fy / camera_.height, 2 * camera_.cy / camera_.height - 1),
+                             combine(0, 0, 1)};
+  for (std::size_t row = 0; row < 3; ++row) {
+    const HalfSpace& s = clip[row];
+    placement.rows[row][0] = static_cast<float>(s.normal.x);
+    placement.rows[row][1] = static_cast<float>(s.normal.y);
+    placement.rows[row][2] = static_cast<float>(s.normal.z);
+    placement.rows[row][3] = static_cast<float>(s.offset);
+  }
+  rowsOfFrame_.push_back(placement);
+}
+
+// Near chunks first, so that they hide what comes later; instances of the same chunk at the same distance together.
+void View::addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<ScanmillVtkDraw>& draws) {
+  std::sort(candidates.begin(), candidates.end());
+  const Candidate* before = nullptr;
+  for (const Candidate& candidate : candidates) {
+    const ViewChunk& chunk = (cut ? geometry_.cut : geometry_.solid).chunks[candidate.chunk];
+    if (before != nullptr && before->chunk == candidate.chunk && before->distance == candidate.distance) {
+      ++draws.back().placements;
+    } else {
+      draws.push_back({chunk.firstTriangle, chunk.triangles, static_cast<std::uint32_t>(placements_.size()), 1});
+    }
+    before = &candidate;
+    ScanmillVtkPlacement placement = rowsOfFrame_[candidate.frame];
+    // The k-th triangle of the batch gets firstNumber + k.
+    placement.firstNumber = static_cast<std::uint32_t>(nextNumber_) - chunk.firstTriangle;
+    placements_.push_back(placement);
+    runs_.push_back({chunk.firstTriangle, candidate.frame, cut});
+    firstNumbers_.push_back(static_cast<std::uint32_t>(nextNumber_));
+    nextNumber_ += chunk.triangles;
+  }
+  if (nextNumber_ > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(
+        fmt::format("the camera '{}' has {} triangles in view, more than can be told apart: take a smaller "
+                    "range, or ray tracing",
+                    camera_.name, nextNumber_));
+  }
+}
+
+ScanmillVtkImage View::image() const {
+  ScanmillVtkImage image{};
+  image.width = camera_.width;
+  image.height = camera_.height;
+  image.nearest = static_cast<float>(limits_.nearest);
+  image.placements = placements_.data();
+  image.placementCount = placements_.size();
+  image.solid = solid_.data();
+  image.solidCount = solid_.size();
+  image.cut = cut_.data();
+  image.cutCount = cut_.size();
+  return image;
+}
+
+SeenTriangle View::seen(std::uint32_t pixel, std::uint32_t number) const {
+  if (number == 0) return {};
+  const auto next = std::upper_bound(firstNumbers_.begin(), firstNumbers_.end(), number);
+  const auto index = static_cast<std::size_t>(next - firstNumbers_.begin() - 1);
+  const Run& run = runs_[index];
+  const Frame& frame = frames_[run.frame];
+  const Mesh& mesh = scene_.meshes[scene_.instances[frame.instance].mesh];
+  const ViewBatch& batch = run.cut ? geometry_.cut : geometry_.solid;
+  const std::uint32_t triangle = batch.original[run.firstTriangle + (number - firstNumbers_[index])];
+
+  const Triangle& corners = mesh.triangles[triangle];
+  const Vec3d a(mesh.positions[corners[0]]);
+  const Vec3d b(mesh.positions[corners[1]]);
+  const Vec3d c(mesh.positions[corners[2]]);
+  const Vec3d normal = cross(b - a, c - a);
+  const std::uint32_t column = pixel % camera_.width;
+  const std::uint32_t row = pixel / camera_.width;
+  const Vec3d ray = camera_.ray(column + 0.5, row + 0.5);
+  const double depth = dot(normal, a - frame.cameraInMesh) / dot(normal, frame.meshFromCamera * ray);
+  // A triangle seen edge on covers pixels whose centre its plane meets somewhere else, or nowhere.
+  const auto depthOf = [&](const Vec3d& p) { return dot(frame.depthAxis, p) + frame.depthOffset; };
+  const auto [low, high] = std::minmax({depthOf(a), depthOf(b), depthOf(c)});
+  const double nearest = std::max(low, limits_.nearest);
+  const double bounded = depth >= nearest ? std::min(depth, std::max(high, nearest)) : nearest;
+  if (bounded > limits_.farthest) return {};
+  return {static_cast<float>(bounded), frame.instance + 1, triangle};
+}
+
+}  // namespace scanmill

@@ -1,0 +1,61 @@
+#pragma once
+
+// What one camera sees of a scene: which chunks of which instances are drawn, and what the numbers that come back mean.
+
+#include <cstdint>
+#include <vector>
+
+#include "passes/camera.h"
+#include "passes/renderer.h"
+#include "passes/resolver.h"
+#include "passes/vtk_geometry.h"
+#include "passes/vtk_module.h"
+
+namespace scanmill {
+
+// An image's pixels hold numbers of drawn triangles. The scene and the geometry must outlive it.
+class View {
+ public:
+  View(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits);
+
+  // Points into this view.
+  ScanmillVtkImage image() const;
+  // What a pixel of the image that holds a number sees. The depth is that of the triangle's plane at the pixel's
+  // centre, computed in double.
+  SeenTriangle seen(std::uint32_t pixel, std::uint32_t number) const;
+
+ private:
+  // A visible instance.
+  struct Frame {
+    std::uint32_t instance;
+    Mat3 meshFromCamera;
+    Vec3d cameraInMesh;
+    Vec3d depthAxis;  // depth = depthAxis . p + depthOffset, of points in mesh axes
+    double depthOffset;
+  };
+  struct Run {
+    std::uint32_t firstTriangle;  // in its batch
+    std::uint32_t frame;
+    bool cut;
+  };
+  struct Candidate;
+
+  void addFrame(std::uint32_t instance, std::vector<Candidate>& solid, std::vector<Candidate>& cut);
+  void addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<ScanmillVtkDraw>& draws);
+
+  const Scene& scene_;
+  const ViewGeometry& geometry_;
+  Camera camera_;
+  DrawLimits limits_;
+  Mat3 cameraFromWorld_;
+  std::vector<Frame> frames_;
+  std::vector<ScanmillVtkPlacement> rowsOfFrame_;
+  std::vector<ScanmillVtkPlacement> placements_;
+  std::vector<ScanmillVtkDraw> solid_;
+  std::vector<ScanmillVtkDraw> cut_;
+  std::vector<Run> runs_;
+  std::vector<std::uint32_t> firstNumbers_;  // per run, ascending
+  std::uint64_t nextNumber_ = 1;
+};
+
+}  // namespace scanmill
