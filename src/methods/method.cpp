@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "methods/depth_camera/depth_camera.h"
 #include "methods/ray_tracing/ray_tracing.h"
 
 namespace scanmill {
@@ -16,6 +17,17 @@ constexpr std::array kMethods{
                 "bvh: medium, low or high, quality of the hierarchy; "
                 "instancing: auto, always or never",
                 makeRayTracing},
+    MethodEntry{"depth_camera", "images of depth, normals and ids, drawn at the sensor and sampled at the beams",
+                "renderer: vtk or blender, what draws; "
+                "layout: auto, three_120, four_90 or cube_6, where the cameras look; "
+                "resolution: 2048 pixels across an image, 128 to 4096; "
+                "sampling: plane, nearest, bilinear, row_hyperbola, equirectangular or pixel_row; "
+                "depth: float32, uint24, uint16 or half_500, how depths are stored; "
+                "antialiasing: 1, 2 or 4, subpixels per side of a pixel; "
+                "near_m: 0.01 m, nearer surfaces are not drawn; "
+                "far_m: the sensor's range, m, farther surfaces are not drawn; "
+                "renders_per_turn: auto or a number, images of a moving sensor",
+                makeDepthCamera},
 };
 
 }  // namespace

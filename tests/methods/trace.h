@@ -2,17 +2,22 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "config/fields.h"
 #include "methods/method.h"
 
 namespace scanmill {
 
-// Ray tracing with options such as "{packet: 1}".
-inline std::unique_ptr<Method> rayTracing(const Scene& scene, const std::string& options = "{}") {
+// A method with options such as "{packet: 1}".
+inline std::unique_ptr<Method> methodOf(std::string_view name, const Scene& scene, const std::string& options = "{}") {
   const Value value = parseYaml(options, "options");
-  Fields fields(value, "method ray_tracing");
-  return requireMethod("ray_tracing", {}).make(scene, fields);
+  Fields fields(value, "method " + std::string(name));
+  return requireMethod(name, {}).make(scene, fields);
+}
+
+inline std::unique_ptr<Method> rayTracing(const Scene& scene, const std::string& options = "{}") {
+  return methodOf("ray_tracing", scene, options);
 }
 
 inline Hits traced(const Method& method, const Shot& shot, Channels channels = Channels::all()) {

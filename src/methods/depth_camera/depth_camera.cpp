@@ -1,0 +1,325 @@
+// The depth-camera method (Lopez et al., LiDAR-GEIL): cameras at the sensor draw depth, normals and ids, and beams look
+// up what they would have met.
+//
+// A sensor that moves during its turn is drawn in steps. Each column keeps its own pose: it is sampled from the images
+// of its step, which were drawn from somewhere else by a little, so that flat surfaces stay exact and only what is
+// hidden from there errs.
+
+#include "methods/depth_camera/depth_camera.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <list>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "methods/depth_camera/options.h"
+#include "methods/depth_camera/turn.h"
+
+namespace scanmill {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kSensorsInMemory = 16;
+constexpr double kSlack = 1e-3;                       // m and share: surfaces at the sensor's very limit are drawn
+constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // the scene's own mesh
+constexpr std::uint64_t kBytesPerDrawnTriangle = 60;  // corners and indices in the renderer's buffers
+constexpr std::uint64_t kBytesPerPixel = 16;          // depth, instance, triangle and the depth buffer
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// A source that knows how long its caller waited for pixels.
+class TimedSource : public PixelSource {
+ public:
+  explicit TimedSource(PixelSource& source) : source_(source) {}
+  const std::vector<Camera>& cameras() const override { return source_.cameras(); }
+  PassChoice available() const override { return source_.available(); }
+  void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override {
+    const auto start = Clock::now();
+    source_.fetch(addresses, asked, planes);
+    seconds_ += secondsSince(start);
+  }
+  double seconds() const { return seconds_; }
+
+ private:
+  PixelSource& source_;
+  double seconds_ = 0;
+};
+
+// What follows from a sensor's table while the sensor stands still.
+struct StillSensor {
+  std::shared_ptr<const BeamTable> table;
+  RigBeams beams;
+  std::vector<Camera> cameras;  // worldFromCamera: rigFromCamera
+};
+
+class DepthCameraMethod : public DepthCamera {
+ public:
+  DepthCameraMethod(const Scene* scene, DepthCameraOptions options, RendererMaker makeRenderer)
+      : scene_(scene), options_(std::move(options)), makeRenderer_(std::move(makeRenderer)) {}
+
+  void prepare(const Shot& shot) const override {
+    if (shot.worldFromSensor.size() == 1) stillSensor(shot);
+    if (!makeRenderer_) return;
+    Camera smallest = squareCamera(2, 2, radians(60.0));
+    smallest.worldFromCamera = shot.worldFromSensor.front();
+    const std::scoped_lock lock(rendererMutex_);
+    renderer().draw({smallest}, limits(*shot.beams, {}), {});
+  }
+
+  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    requireRenderer();
+    hits.reset(shot.beams->rings, shot.beams->columns, channels);
+    std::uint64_t unseen = 0;
+    for (const TurnStep& step : stepsOf(shot, options_.rendersPerTurn)) {
+      const Prepared prepared = prepareStep(shot, step.firstColumn, step.endColumn, step.worldFromRig, true);
+      drawn(shot, prepared, step.worldFromRig, passesFor(channels, options_.sample), [&](PixelSource& source) {
+        unseen += samplePixels(source, step.worldFromRig, *prepared.beams, sampleOptions(*shot.beams), hits);
+      });
+    }
+    noteUnseen(shot, unseen);
+  }
+
+  PassChoice passes(Channels channels) const override { return passesFor(channels, options_.sample); }
+
+  void draw(const Shot& shot, PassChoice choice, const std::function<void(PassStep&&)>& take) const override {
+    requireRenderer();
+    for (const TurnStep& step : stepsOf(shot, options_.rendersPerTurn)) {
+      const Prepared prepared = prepareStep(shot, step.firstColumn, step.endColumn, step.worldFromRig, true);
+      PassStep made{step.firstColumn, step.endColumn, step.worldFromRig, {}};
+      drawn(shot, prepared, step.worldFromRig, choice,
+            [&](PixelSource& source) { made.images = readAll(source, choice); });
+      take(std::move(made));
+    }
+  }
+
+  void sample(const Shot& shot, const PassStep& step, Hits& hits) const override {
+    if (step.endColumn > shot.beams->columns || step.firstColumn >= step.endColumn) {
+      throw InputError(fmt::format("passes of columns {} to {}, but sensor '{}' has {} columns", step.firstColumn,
+                                   step.endColumn, shot.sensorName, shot.beams->columns));
+    }
+    const Prepared prepared = prepareStep(shot, step.firstColumn, step.endColumn, step.worldFromRig, false);
+    ImageSource images(step.images);
+    const auto start = Clock::now();
+    const std::uint64_t unseen =
+        samplePixels(images, step.worldFromRig, *prepared.beams, sampleOptions(*shot.beams), hits);
+    addSeconds(0, 0, secondsSince(start));
+    noteUnseen(shot, unseen);
+  }
+
+  std::vector<std::string> modelled() const override {
+    const std::uint32_t s = options_.sample.antialiasing;
+    std::vector<std::string> lines;
+    if (makeRenderer_) {
+      lines.push_back(fmt::format("images: layout {}, resolution {}, drawn by {}{}; moving sensors: {} a turn",
+                                  options_.layoutName, options_.layout.resolution, options_.renderer,
+                                  s > 1 ? fmt::format(", {} x {} subpixels", s, s) : "",
+                                  options_.rendersPerTurn > 0 ? fmt::format("{} renders", options_.rendersPerTurn)
+                                                              : std::string("a render for every 5 cm or degree")));
+    } else {
+      lines.emplace_back("images: passes from files");
+    }
+    lines.push_back(
+        fmt::format("geometry: one return per beam, sampling {}, depth {}{}", options_.samplingName, options_.depthName,
+                    options_.sample.sampling == Sampling::Plane ? ": exact on flat surfaces, edges to within a pixel"
+                                                                : ": to within a pixel"));
+    lines.push_back(fmt::format("surfaces nearer to a camera's plane than {:g} m: left out, they do not block",
+                                options_.sample.nearest));
+    if (scene_ != nullptr) {
+      const auto any = [&](auto has) { return std::any_of(scene_->materials.begin(), scene_->materials.end(), has); };
+      lines.emplace_back(any([](const Material& m) { return m.alphaTested; })
+                             ? "alpha cut-outs: modelled, some materials have them"
+                             : "alpha cut-outs: left out, no material has one");
+      lines.emplace_back(any([](const Material& m) { return m.textured && m.texture != nullptr; })
+                             ? "reflectance textures: modelled, at the pixel's centre"
+                             : "reflectance textures: left out, no material has one");
+    }
+    {
+      const std::scoped_lock lock(notesMutex_);
+      if (!device_.empty()) lines.push_back("images were drawn by " + device_);
+    }
+    lines.emplace_back("transmission through glass, mirror images, beam divergence, motion of objects: left out");
+    return lines;
+  }
+
+  std::vector<std::string> warnings() const override {
+    const std::scoped_lock lock(notesMutex_);
+    std::vector<std::string> lines;
+    for (const auto& [sensor, unseen] : unseen_) {
+      lines.push_back(fmt::format("{} of {} beams of '{}' lie outside of all images{}: they are misses; {}",
+                                  unseen.first, unseen.second, sensor,
+                                  makeRenderer_ ? " of layout " + options_.layoutName : "",
+                                  makeRenderer_ ? "take layout auto" : "draw images that hold them"));
+    }
+    return lines;
+  }
+
+  std::map<std::string, double> stageSeconds() const override {
+    const std::scoped_lock lock(notesMutex_);
+    return {{"render", renderSeconds_}, {"read_back", readSeconds_}, {"sample", sampleSeconds_}};
+  }
+
+  std::uint64_t memoryBytes() const override {
+    if (scene_ == nullptr) return 0;
+    // An image of auto's is smaller; a moving sensor's are drawn one step after the other.
+    const std::uint64_t width = std::uint64_t{options_.layout.resolution} * options_.sample.antialiasing;
+    const std::uint64_t images = options_.layout.layout == Layout::Cube6    ? 6
+                                 : options_.layout.layout == Layout::Four90 ? 4
+                                                                            : 3;
+    return scene_->triangles() * kBytesPerSceneTriangle + scene_->placedTriangles() * kBytesPerDrawnTriangle +
+           images * width * width * kBytesPerPixel;
+  }
+
+ private:
+  // Beams of a step and, if it is to be drawn, its cameras.
+  struct Prepared {
+    std::shared_ptr<const RigBeams> beams;
+    std::vector<Camera> cameras;  // worldFromCamera: rigFromCamera
+  };
+
+  Prepared prepareStep(const Shot& shot, std::uint32_t first, std::uint32_t end, const Pose& rig, bool cameras) const {
+    if (shot.worldFromSensor.size() == 1 && end - first == shot.beams->columns && rig == shot.worldFromSensor[0]) {
+      const std::shared_ptr<const StillSensor> still = stillSensor(shot);
+      return {{still, &still->beams}, cameras ? still->cameras : std::vector<Camera>{}};
+    }
+    auto beams = std::make_shared<const RigBeams>(rigBeams(shot, first, end, rig));
+    std::vector<Camera> made;
+    if (cameras) made = camerasFor(*beams);
+    return {std::move(beams), std::move(made)};
+  }
+
+  std::vector<Camera> camerasFor(const RigBeams& beams) const {
+    std::vector<Camera> cameras = layOut(viewDirections(beams), options_.layout);
+    const std::uint32_t s = options_.sample.antialiasing;
+    for (Camera& camera : cameras) {
+      camera.width *= s;
+      camera.height *= s;
+      camera.fx *= s;
+      camera.fy *= s;
+      camera.cx *= s;
+      camera.cy *= s;
+    }
+    return cameras;
+  }
+
+  std::shared_ptr<const StillSensor> stillSensor(const Shot& shot) const {
+    const std::scoped_lock lock(sensorsMutex_);
+    for (auto it = sensors_.begin(); it != sensors_.end(); ++it) {
+      if ((*it)->table != shot.beams) continue;
+      sensors_.splice(sensors_.begin(), sensors_, it);
+      return sensors_.front();
+    }
+    auto made = std::make_shared<StillSensor>();
+    made->table = shot.beams;
+    made->beams = rigBeams(shot, 0, shot.beams->columns, shot.worldFromSensor[0]);
+    if (makeRenderer_) made->cameras = camerasFor(made->beams);
+    if (sensors_.size() >= kSensorsInMemory) sensors_.pop_back();
+    sensors_.push_front(std::move(made));
+    return sensors_.front();
+  }
+
+  SampleOptions sampleOptions(const BeamTable& table) const {
+    SampleOptions sample = options_.sample;
+    sample.farthest = options_.farthest > 0 ? options_.farthest : table.maxRange;
+    return sample;
+  }
+
+  DrawLimits limits(const BeamTable& table, const std::vector<Vec3d>& origins) const {
+    if (options_.farthest > 0) return {options_.sample.nearest, options_.farthest};
+    double offset = 0;
+    for (const Vec3d& origin : origins) offset = std::max(offset, dot(origin, origin));
+    const double farthest = (table.maxRange + std::sqrt(offset)) * (1 + kSlack) + kSlack;
+    return {options_.sample.nearest, std::max(farthest, 2 * options_.sample.nearest)};
+  }
+
+  void requireRenderer() const {
+    if (!makeRenderer_) throw Error("these passes come from files: nothing can be drawn");
+  }
+
+  // The caller holds rendererMutex_.
+  PassRenderer& renderer() const {
+    if (!renderer_) {
+      renderer_ = makeRenderer_();
+      const std::scoped_lock lock(notesMutex_);
+      device_ = renderer_->device();
+    }
+    return *renderer_;
+  }
+
+  // Draws a step and hands its pixels to `use`. Renderers draw one shot at a time: whoever waits does not count.
+  template <class Use>
+  void drawn(const Shot& shot, const Prepared& prepared, const Pose& rig, PassChoice choice, const Use& use) const {
+    if (prepared.cameras.empty()) {  // no camera of the layout sees any of the beams
+      ImageSource nothing({});
+      use(nothing);
+      return;
+    }
+    std::vector<Camera> cameras = prepared.cameras;
+    for (Camera& camera : cameras) camera.worldFromCamera = rig * camera.worldFromCamera;
+    const DrawLimits bounds = limits(*shot.beams, prepared.beams->origin);
+    const std::scoped_lock lock(rendererMutex_);
+    const auto start = Clock::now();
+    const std::unique_ptr<PixelSource> source = renderer().draw(cameras, bounds, choice);
+    const double render = secondsSince(start);
+    TimedSource timed(*source);
+    use(timed);
+    addSeconds(render, timed.seconds(), secondsSince(start) - render - timed.seconds());
+  }
+
+  void addSeconds(double render, double read, double sample) const {
+    const std::scoped_lock lock(notesMutex_);
+    renderSeconds_ += render;
+    readSeconds_ += read;
+    sampleSeconds_ += sample;
+  }
+
+  // The most of any shot, so that the order of work does not matter.
+  void noteUnseen(const Shot& shot, std::uint64_t unseen) const {
+    if (unseen == 0) return;
+    const std::scoped_lock lock(notesMutex_);
+    auto& noted = unseen_[shot.sensorName];
+    noted = std::max(noted, {unseen, shot.beams->size()});
+  }
+
+  const Scene* scene_;  // null: passes from files
+  DepthCameraOptions options_;
+  RendererMaker makeRenderer_;
+  mutable std::mutex rendererMutex_;
+  mutable std::unique_ptr<PassRenderer> renderer_;
+  mutable std::mutex sensorsMutex_;
+  mutable std::list<std::shared_ptr<const StillSensor>> sensors_;
+  mutable std::mutex notesMutex_;
+  mutable std::map<std::string, std::pair<std::uint64_t, std::uint64_t>> unseen_;  // sensor -> beams unseen, beams
+  mutable std::string device_;                                                     // empty until something is drawn
+  mutable double renderSeconds_ = 0;
+  mutable double readSeconds_ = 0;
+  mutable double sampleSeconds_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Method> makeDepthCamera(const Scene& scene, Fields& options) {
+  DepthCameraOptions read = readDepthCameraOptions(options);
+  const bool blender = read.renderer == "blender";
+  return std::make_unique<DepthCameraMethod>(&scene, std::move(read), [&scene, blender] {
+    return blender ? makeBlenderRenderer(scene) : makeVtkRenderer(scene);
+  });
+}
+
+std::unique_ptr<DepthCamera> makeDepthCamera(const Scene& scene, Fields& options, RendererMaker renderer) {
+  return std::make_unique<DepthCameraMethod>(&scene, readDepthCameraOptions(options), std::move(renderer));
+}
+
+std::unique_ptr<DepthCamera> makePassSampler(Fields& options) {
+  return std::make_unique<DepthCameraMethod>(nullptr, readDepthCameraOptions(options), RendererMaker());
+}
+
+}  // namespace scanmill

@@ -1,0 +1,317 @@
+// Auto: side cameras that share the azimuths evenly, and one that looks up or down where beams are steep. Each image is
+// a window of its camera's plane around its own beams, so that the principal point may lie outside of it. All have the
+// same focal length; what differs is how many pixels the windows take.
+
+#include "methods/depth_camera/layout.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kImageCost = 100'000;           // pixels: what one more image costs whatever its size
+constexpr double kWidestField = radians(168.0);  // a plane's pixels get few at the centre and many at the edge
+constexpr int kMostSides = 6;                    // and one camera up, one down
+constexpr double kSteepest = 1e4;                // slope that stands for all steeper ones
+constexpr double kSmallestDepth = 1e-4;          // of a unit direction; nearer to the camera's plane is outside
+constexpr int kBins = 512;                       // of azimuth, while the cameras are chosen
+constexpr double kFullTurn = radians(300.0);     // azimuths that span more are taken as a whole turn
+
+// A monotonic stand-in for the azimuth, 0 to 4, without trigonometry: the length along the square |x| + |y| = 1.
+double squareAngle(double x, double y) {
+  const double sum = std::abs(x) + std::abs(y);
+  if (!(sum > 0)) return 0;
+  const double p = y / sum;
+  if (x < 0) return 2 - p;
+  return y < 0 ? 4 + p : p;
+}
+
+double squareAngle(double azimuth) {
+  return squareAngle(std::cos(azimuth), std::sin(azimuth));
+}
+
+double azimuthOf(double square) {
+  const double p = std::fmod(square + 4, 4.0);
+  if (p < 1) return std::atan2(p, 1 - p);
+  if (p < 3) return std::atan2(2 - p, p < 2 ? 1 - p : p - 3);
+  return std::atan2(p - 4, p - 3);
+}
+
+Camera facing(double yaw, double pitch, const char* name) {
+  Camera camera;
+  camera.name = name;
+  camera.worldFromCamera = {fromYawPitchRoll(yaw, pitch, 0) * vehicleFromOptical(), {}};
+  return camera;
+}
+
+// The part of a camera's plane (at depth 1) that holds its beams.
+struct Window {
+  Mat3 axes;  // right, down, forward
+  double left = INFINITY;
+  double right = -INFINITY;
+  double top = INFINITY;
+  double bottom = -INFINITY;
+  bool outside = false;  // some direction has no place in the plane
+
+  explicit Window(const Quat& rotation) : axes(toMatrix(rotation)) {}
+
+  void add(const Vec3d& direction) {
+    const double depth = dot(axes.z, direction);
+    if (!(depth > kSmallestDepth)) {
+      outside = true;
+      return;
+    }
+    const double x = dot(axes.x, direction) / depth;
+    const double y = dot(axes.y, direction) / depth;
+    left = std::min(left, x);
+    right = std::max(right, x);
+    top = std::min(top, y);
+    bottom = std::max(bottom, y);
+  }
+  bool empty() const { return !(left <= right); }
+  bool holds() const {
+    return !outside && std::atan(right) - std::atan(left) < kWidestField &&
+           std::atan(bottom) - std::atan(top) < kWidestField;
+  }
+};
+
+// Which azimuths and slopes there are: all that choosing the cameras needs.
+struct Spread {
+  std::array<double, kBins> low;   // slope z / sqrt(x^2 + y^2); low > high where no beam is
+  std::array<double, kBins> high;  // by squareAngle()
+  double first = 0;                // rad, the azimuths are first to first + width
+  double width = 2 * kPi;
+  double lowest = INFINITY;  // slopes
+  double highest = -INFINITY;
+
+  explicit Spread(std::span<const Vec3d> directions) {
+    low.fill(INFINITY);
+    high.fill(-INFINITY);
+    for (const Vec3d& d : directions) {
+      const double flat = std::sqrt(d.x * d.x + d.y * d.y);
+      const double slope = std::clamp(d.z / std::max(flat, 1e-12), -kSteepest, kSteepest);
+      const auto bin =
+          std::min(static_cast<std::size_t>(squareAngle(d.x, d.y) * (kBins / 4.0)), std::size_t{kBins - 1});
+      low[bin] = std::min(low[bin], slope);
+      high[bin] = std::max(high[bin], slope);
+      lowest = std::min(lowest, slope);
+      highest = std::max(highest, slope);
+    }
+    findSector();
+  }
+
+  static double edge(int bin) { return azimuthOf(bin * (4.0 / kBins)); }
+
+  // Representative directions, which no direction's place exceeds: the corners of each bin, and of its parts that are
+  // steeper than `steep`.
+  std::vector<Vec3d> corners(double steep) const {
+    std::vector<Vec3d> made;
+    const double steeper = steep * (1 + 1e-9);
+    for (int bin = 0; bin < kBins; ++bin) {
+      const auto b = static_cast<std::size_t>(bin);
+      const std::pair<double, double> parts[] = {{low[b], std::min(high[b], -steeper)},
+                                                 {std::max(low[b], -steep), std::min(high[b], steep)},
+                                                 {std::max(low[b], steeper), high[b]}};
+      for (const auto& [from, to] : parts) {
+        if (from > to) continue;
+        for (const double azimuth : {edge(bin), edge(bin + 1)}) {
+          for (const double slope : {from, to}) {
+            made.push_back(normalized(Vec3d{std::cos(azimuth), std::sin(azimuth), slope}));
+          }
+        }
+      }
+    }
+    return made;
+  }
+
+ private:
+  // All but the longest run of empty bins.
+  void findSector() {
+    int longest = 0;
+    int end = 0;
+    int run = 0;
+    for (int i = 0; i < 2 * kBins; ++i) {
+      const auto b = static_cast<std::size_t>(i % kBins);
+      run = low[b] > high[b] ? run + 1 : 0;
+      if (run > longest && run < kBins) {
+        longest = run;
+        end = i + 1;
+      }
+    }
+    if (longest == 0) return;
+    const double begin = edge(end % kBins);
+    double wide = edge((end - longest + kBins) % kBins) - begin;
+    while (wide <= 0) wide += 2 * kPi;
+    if (wide >= kFullTurn) return;
+    first = begin;
+    width = wide;
+  }
+};
+
+// A choice of cameras, and which of them a direction belongs to.
+class Candidate {
+ public:
+  // Beams whose slope is steeper than `steep` (up or down) belong to the cameras up and down.
+  Candidate(const Spread& spread, int sides, double steep, bool aimed) : sides_(sides), steep_(steep) {
+    const double part = spread.width / sides;
+    const double first = spread.width < 2 * kPi ? spread.first : -part / 2;  // a whole turn starts forwards
+    const double pitch = aimed ? -(std::atan(spread.lowest) + std::atan(spread.highest)) / 2 : 0;
+    origin_ = squareAngle(first);
+    for (int i = 0; i < sides; ++i) {
+      cameras_.push_back(facing(first + (i + 0.5) * part, pitch, ""));
+      cameras_.back().name = fmt::format("side{}", i);
+      if (i > 0) bounds_.push_back(fromOrigin(squareAngle(first + i * part)));
+    }
+    cameras_.push_back(facing(0, -kPi / 2, "up"));
+    cameras_.push_back(facing(0, kPi / 2, "down"));
+  }
+
+  // Directions are given in full or by representatives.
+  std::vector<Window> windows(std::span<const Vec3d> directions) const {
+    std::vector<Window> made;
+    for (const Camera& camera : cameras_) made.emplace_back(camera.worldFromCamera.rotation);
+    for (const Vec3d& d : directions) made[cameraOf(d)].add(d);
+    return made;
+  }
+
+  static double cost(const std::vector<Window>& windows, double focal) {
+    double sum = 0;
+    for (const Window& w : windows) {
+      if (w.empty() && !w.outside) continue;
+      if (!w.holds()) return INFINITY;
+      sum += kImageCost + ((w.right - w.left) * focal + 3) * ((w.bottom - w.top) * focal + 3);
+    }
+    return sum;
+  }
+
+  const std::vector<Camera>& cameras() const { return cameras_; }
+
+ private:
+  double fromOrigin(double square) const { return square < origin_ ? square - origin_ + 4 : square - origin_; }
+
+  std::size_t cameraOf(const Vec3d& d) const {
+    if (std::abs(d.z) > steep_ * std::sqrt(d.x * d.x + d.y * d.y)) {
+      return static_cast<std::size_t>(d.z > 0 ? sides_ : sides_ + 1);
+    }
+    const double at = fromOrigin(squareAngle(d.x, d.y));
+    std::size_t side = 0;
+    while (side < bounds_.size() && at >= bounds_[side]) ++side;
+    return side;
+  }
+
+  int sides_;
+  double steep_;
+  double origin_ = 0;
+  std::vector<double> bounds_;  // between neighbouring sides, as fromOrigin()
+  std::vector<Camera> cameras_;
+};
+
+std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t resolution) {
+  const double focal = resolution / 2.0;
+  const Spread spread(directions);
+  const double steepest = std::max(std::abs(spread.lowest), std::abs(spread.highest));
+  std::optional<Candidate> best;
+  double bestCost = INFINITY;
+  for (const double limit : {90.0, 35.0, 45.0, 55.0, 65.0}) {
+    const double steep = limit < 90 ? std::tan(radians(limit)) : 2 * kSteepest;
+    if (limit < 90 && steepest <= steep) continue;  // the same as without
+    const std::vector<Vec3d> corners = spread.corners(steep);
+    const auto consider = [&](const Candidate& candidate) {
+      const double cost = Candidate::cost(candidate.windows(corners), focal);
+      if (cost < bestCost) {
+        bestCost = cost;
+        best = candidate;
+      }
+    };
+    if (limit == 90) consider(Candidate(spread, 1, steep, true));
+    for (int sides = 1; sides <= kMostSides; ++sides) consider(Candidate(spread, sides, steep, false));
+  }
+  const Candidate& chosen = best ? *best : Candidate(spread, 4, 1, false);  // a cube holds everything
+  const std::vector<Window> windows = chosen.windows(directions);
+  std::vector<Camera> cameras;
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    const Window& w = windows[i];
+    if (w.empty()) continue;
+    Camera camera = chosen.cameras()[i];
+    const double left = std::floor(w.left * focal) - 1;  // px; a margin of one all around
+    const double top = std::floor(w.top * focal) - 1;
+    camera.width = static_cast<std::uint32_t>(std::ceil(w.right * focal) + 1 - left);
+    camera.height = static_cast<std::uint32_t>(std::ceil(w.bottom * focal) + 1 - top);
+    camera.fx = camera.fy = focal;
+    camera.cx = -left;
+    camera.cy = -top;
+    cameras.push_back(std::move(camera));
+  }
+  return cameras;
+}
+
+struct Facing {
+  double yawDeg;
+  double pitchDeg;
+  const char* name;
+};
+
+// Those of the given cameras that see some direction nearest to their axis.
+std::vector<Camera> layOutFixed(std::span<const Vec3d> directions, std::uint32_t resolution, double fieldDeg,
+                                std::span<const Facing> facings) {
+  std::vector<Camera> cameras;
+  std::vector<Mat3> axes;
+  for (const Facing& f : facings) {
+    Camera camera = squareCamera(resolution, resolution, radians(fieldDeg));
+    const Camera turned = facing(radians(f.yawDeg), radians(f.pitchDeg), f.name);
+    camera.name = turned.name;
+    camera.worldFromCamera = turned.worldFromCamera;
+    axes.push_back(toMatrix(turned.worldFromCamera.rotation));
+    cameras.push_back(std::move(camera));
+  }
+  const double reach = std::tan(radians(fieldDeg / 2)) * (1 + 1e-9);
+  std::vector<bool> used(cameras.size());
+  for (const Vec3d& d : directions) {
+    double nearest = 0;
+    std::size_t seenBy = cameras.size();
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      const double depth = dot(axes[i].z, d);
+      const bool inside = std::abs(dot(axes[i].x, d)) <= reach * depth && std::abs(dot(axes[i].y, d)) <= reach * depth;
+      if (inside && depth > nearest) {
+        nearest = depth;
+        seenBy = i;
+      }
+    }
+    if (seenBy < used.size()) used[seenBy] = true;
+  }
+  std::vector<Camera> wanted;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    if (used[i]) wanted.push_back(std::move(cameras[i]));
+  }
+  return wanted;
+}
+
+}  // namespace
+
+std::vector<Camera> layOut(std::span<const Vec3d> directions, const LayoutOptions& options) {
+  if (directions.empty()) return {};
+  constexpr Facing kThree[] = {{0, 0, "front"}, {120, 0, "left"}, {240, 0, "right"}};
+  constexpr Facing kFaces[] = {{0, 0, "front"},   {90, 0, "left"}, {180, 0, "back"},
+                               {270, 0, "right"}, {0, -90, "up"},  {0, 90, "down"}};
+  switch (options.layout) {
+    case Layout::Three120:
+      return layOutFixed(directions, options.resolution, 120, kThree);
+    case Layout::Four90:
+      return layOutFixed(directions, options.resolution, 90, std::span(kFaces).first(4));
+    case Layout::Cube6:
+      return layOutFixed(directions, options.resolution, 90, kFaces);
+    case Layout::Auto:
+      break;
+  }
+  return layOutAuto(directions, options.resolution);
+}
+
+}  // namespace scanmill

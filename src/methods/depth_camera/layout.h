@@ -1,0 +1,34 @@
+#pragma once
+
+// Where a sensor's cameras look, and how large their images are.
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/vec.h"
+#include "passes/camera.h"
+
+namespace scanmill {
+
+enum class Layout {
+  Three120,  // three square images of 120 degrees, as in LiDAR-GEIL
+  Four90,    // four square images of 90 degrees
+  Cube6,     // the six faces of a cube (Hossny et al.)
+  Auto,      // the fewest and smallest images that hold all beams
+};
+
+struct LayoutOptions {
+  Layout layout = Layout::Auto;
+  // Pixels across an image. For Auto: the pixels are as fine, at the images' centres, as those of four images of 90
+  // degrees and this width.
+  std::uint32_t resolution = 2048;
+};
+
+// Cameras for beams of these directions (unit, sensor axes: x forward, y left, z up), all at the sensor's origin;
+// Camera::worldFromCamera holds sensorFromCamera. At most 8. Fixed layouts leave out cameras that no beam looks
+// through. With Auto every beam lies in some image, at least half a pixel inside of its edge.
+std::vector<Camera> layOut(std::span<const Vec3d> directions, const LayoutOptions& options);
+
+}  // namespace scanmill

@@ -1,0 +1,39 @@
+#pragma once
+
+// Inside of the depth camera's sampling: how far beams go to what their pixels see.
+
+#include <cstddef>
+
+#include "methods/depth_camera/views.h"
+#include "passes/pass_image.h"
+
+namespace scanmill {
+
+// What a block of beams meets.
+struct Met {
+  alignas(64) double a[kBlock], b[kBlock], depth[kBlock];  // in the plane at depth 1; m
+  alignas(64) double px[kBlock], py[kBlock], pz[kBlock];   // m, the point, rig axes
+  alignas(64) double nx[kBlock], ny[kBlock], nz[kBlock];   // rig axes
+  alignas(64) double range[kBlock];                        // m; not a number or infinite where there is nothing
+  alignas(64) double along[kBlock];                        // normal . beam
+  bool again[kBlock];                                      // the point met lies in another pixel
+};
+
+// What a block's beams look at: their places, their pixels and, where four are blended, these.
+struct BlockPixels {
+  const double* u;  // px, of the block's beams
+  const double* v;
+  const PassPlanes* planes;   // of the batch
+  std::size_t first;          // of the block's pixels
+  const PassPlanes* corners;  // of the batch: corner k (right k % 2, down k / 2) of pixel i at k * stride + i
+  std::size_t stride;
+};
+
+// Fills `met`, but for `again`, for the beams `begin` to `end` of a block, which all fall into one image.
+void measure(const SampleOptions& options, const View& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
+             std::size_t begin, std::size_t end, const BeamBlock& block, Met& met);
+
+// The pixel (column or row) so that u lies between its centre and its successor's; at the image's edge the nearest one.
+double firstCorner(double u, double size);
+
+}  // namespace scanmill

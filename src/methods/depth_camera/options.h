@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "config/fields.h"
+#include "methods/depth_camera/layout.h"
+#include "methods/depth_camera/sample.h"
+
+namespace scanmill {
+
+struct DepthCameraOptions {
+  std::string renderer;  // vtk, blender
+  std::string layoutName;
+  std::string samplingName;
+  std::string depthName;
+  LayoutOptions layout;
+  SampleOptions sample;              // its range of depths but for `farthest`
+  double farthest = 0;               // m, of the depths; 0: the sensor's range
+  std::uint32_t rendersPerTurn = 0;  // 0: auto
+};
+
+DepthCameraOptions readDepthCameraOptions(Fields& fields);
+
+}  // namespace scanmill

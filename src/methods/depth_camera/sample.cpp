@@ -1,0 +1,333 @@
+// Beams are worked on in batches: all of a batch's pixels are fetched at once, since a source may have to ask another
+// processor for them, and everything before and after runs in blocks on all cores.
+
+#include "methods/depth_camera/sample.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <type_traits>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "methods/depth_camera/measure.h"
+#include "methods/depth_camera/pixels.h"
+#include "methods/depth_camera/views.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kBatch = std::size_t{1} << 18;
+constexpr std::size_t kGrain = 16 * kBlock;
+constexpr int kLooks = 3;
+constexpr double kSamePlace = 1e-6;     // m; a beam that starts so near to the camera starts in it
+constexpr double kFirstGuess = 20;      // m: where beams that start elsewhere are looked for first
+constexpr double kFarAway = 1e6;        // m: and then, where there is nothing
+constexpr double kLimitSlack = 1.2e-7;  // of a range: depths are float32, and a hit at exactly the limit counts
+
+// One look of a batch: where its beams fall.
+struct Look {
+  std::size_t base = 0;  // of the first beam, where `index` is empty
+  std::size_t count = 0;
+  std::vector<std::uint32_t> index;  // into RigBeams
+  std::vector<double> u, v;          // px
+  std::vector<std::uint8_t> view;
+
+  std::size_t beam(std::size_t i) const { return index.empty() ? base + i : index[i]; }
+  void resize(std::size_t n) {
+    count = n;
+    u.resize(n);
+    v.resize(n);
+    view.resize(n);
+  }
+  Places at(std::size_t i) { return {&u[i], &v[i], &view[i]}; }
+};
+
+class Sampler {
+ public:
+  Sampler(PixelSource& source, const Pose& worldFromRig, const RigBeams& beams, const SampleOptions& options,
+          Hits& hits)
+      : beams_(beams),
+        options_(options),
+        hits_(hits),
+        choice_(choiceFor(source, hits.channels, options)),
+        views_(viewsOf(source.cameras(), worldFromRig, options.antialiasing)),
+        rigFromWorld_(transposed(toMatrix(worldFromRig.rotation))),
+        reader_(source, options, choice_),
+        corners_(source, options, {Channel::Range | Channel::Instance | Channel::Material, false}),
+        looks_(!isNaive(options.sampling) && startElsewhere() ? kLooks : 1) {
+    if (isNaive(options.sampling) && beams.table == nullptr) throw Error("naive sampling wants a beam table");
+    if (choice_.look) {
+      hits.roughness.resize(hits.size());
+      hits.metallic.resize(hits.size());
+      hits.retroreflectance.resize(hits.size());
+    }
+  }
+
+  std::uint64_t run() {
+    for (std::size_t base = 0; base < beams_.direction.size(); base += kBatch) {
+      Look look;
+      look.base = base;
+      look.resize(std::min(kBatch, beams_.direction.size() - base));
+      aimFirst(look);
+      for (int round = 1; look.count > 0; ++round) {
+        fetch(look);
+        resolve(look, round);
+        if (round == looks_) break;
+        look = again(look);
+      }
+    }
+    return unseen_;
+  }
+
+ private:
+  static PassChoice choiceFor(const PixelSource& source, Channels channels, const SampleOptions& options) {
+    PassChoice choice = passesFor(channels, options);
+    choice.look = !source.cameras().empty() && source.available().look;
+    return choice;
+  }
+
+  // Whether some beam does not start in every camera.
+  bool startElsewhere() const {
+    const bool apart =
+        std::any_of(views_.begin(), views_.end(), [](const View& view) { return length(view.position) > kSamePlace; });
+    return apart || std::any_of(beams_.origin.begin(), beams_.origin.end(),
+                                [](const Vec3d& o) { return dot(o, o) > kSamePlace * kSamePlace; });
+  }
+
+  void load(const Look& look, std::size_t first, std::size_t count, BeamBlock& block) const {
+    block.count = count;
+    const auto loadAll = [&](auto beam) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const Vec3d& d = beams_.direction[beam(i)];
+        block.dx[i] = d.x;
+        block.dy[i] = d.y;
+        block.dz[i] = d.z;
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        const Vec3d o = beams_.origin.empty() ? Vec3d{} : beams_.origin[beam(i)];
+        block.ox[i] = o.x;
+        block.oy[i] = o.y;
+        block.oz[i] = o.z;
+      }
+    };
+    if (look.index.empty()) {
+      loadAll([at = look.base + first](std::size_t i) { return at + i; });
+    } else {
+      loadAll([at = &look.index[first]](std::size_t i) { return at[i]; });
+    }
+  }
+
+  // The first look is along the beam or, where it starts elsewhere, at a point of it.
+  void aimFirst(Look& look) {
+    parallelFor(look.count, kGrain, [&](std::size_t begin, std::size_t end) {
+      BeamBlock block;
+      std::uint64_t unseen = 0;
+      for (std::size_t first = begin; first < end; first += kBlock) {
+        const std::size_t count = std::min(kBlock, end - first);
+        load(look, first, count, block);
+        if (isNaive(options_.sampling)) {
+          placeNaive(options_.sampling, views_, *beams_.table, block, &beams_.beam[look.base + first], look.at(first));
+        } else {
+          place(views_, block.dx, block.dy, block.dz, count, false, look.at(first));
+          if (looks_ > 1) aimAtGuess(look, first, block);
+        }
+        for (std::size_t i = first; i < first + count; ++i) unseen += look.view[i] == kNoView ? 1 : 0;
+      }
+      unseen_ += unseen;
+    });
+  }
+
+  // Where that is in some image.
+  void aimAtGuess(Look& look, std::size_t first, const BeamBlock& block) const {
+    alignas(64) double x[kBlock], y[kBlock], z[kBlock], u[kBlock], v[kBlock];
+    std::uint8_t view[kBlock];
+    for (std::size_t i = 0; i < block.count; ++i) {
+      x[i] = block.ox[i] + block.dx[i] * kFirstGuess;
+      y[i] = block.oy[i] + block.dy[i] * kFirstGuess;
+      z[i] = block.oz[i] + block.dz[i] * kFirstGuess;
+    }
+    place(views_, x, y, z, block.count, true, {u, v, view});
+    for (std::size_t i = 0; i < block.count; ++i) {
+      if (view[i] == kNoView) continue;
+      look.u[first + i] = u[i];
+      look.v[first + i] = v[i];
+      look.view[first + i] = view[i];
+    }
+  }
+
+  void fetch(const Look& look) {
+    reader_.reset(look.count);
+    const bool blend = options_.sampling == Sampling::Bilinear;
+    if (blend) corners_.reset(4 * look.count);
+    parallelFor(look.count, kGrain, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        if (look.view[i] == kNoView) {
+          reader_.aimAtNothing(i);
+          for (std::size_t k = 0; blend && k < 4; ++k) corners_.aimAtNothing(k * look.count + i);
+          continue;
+        }
+        const View& view = views_[look.view[i]];
+        reader_.aim(i, view, look.u[i], look.v[i]);
+        if (!blend) continue;
+        const double u = firstCorner(look.u[i], view.width);
+        const double v = firstCorner(look.v[i], view.height);
+        const double nextU = std::min(u + 1, view.width - 1);
+        const double nextV = std::min(v + 1, view.height - 1);
+        for (std::size_t k = 0; k < 4; ++k) {
+          corners_.aim(k * look.count + i, view, k % 2 == 0 ? u : nextU, k < 2 ? v : nextV);
+        }
+      }
+    });
+    reader_.fetch();
+    if (blend) corners_.fetch();
+  }
+
+  void resolve(Look& look, int round) {
+    again_.assign(look.count, 0);
+    parallelFor(look.count, kGrain, [&](std::size_t begin, std::size_t end) {
+      BeamBlock block;
+      Met met;
+      for (std::size_t first = begin; first < end; first += kBlock) {
+        const std::size_t count = std::min(kBlock, end - first);
+        load(look, first, count, block);
+        for (std::size_t i = 0; i < count;) {  // neighbours mostly fall into one image
+          const std::uint8_t view = look.view[first + i];
+          std::size_t next = i + 1;
+          while (next < count && look.view[first + next] == view) ++next;
+          if (view == kNoView) {
+            std::fill(met.range + i, met.range + next, INFINITY);
+            std::fill(met.along + i, met.along + next, 0.0);
+          } else {
+            const BlockPixels pixels{&look.u[first], &look.v[first],     &reader_.planes(),
+                                     first,          &corners_.planes(), look.count};
+            measure(options_, views_[view], rigFromWorld_, pixels, i, next, block, met);
+          }
+          i = next;
+        }
+        std::fill_n(met.again, count, false);
+        if (round < looks_) lookAhead(look, first, round == 1, block, met);
+        store(look, first, count, met);
+      }
+    });
+  }
+
+  // Where the point met falls, if in another pixel: it is looked at next. So is what lies far away, where a first look
+  // sees nothing.
+  void lookAhead(Look& look, std::size_t first, bool isFirst, const BeamBlock& block, Met& met) {
+    alignas(64) double x[kBlock], y[kBlock], z[kBlock], u[kBlock], v[kBlock];
+    std::uint8_t view[kBlock];
+    for (std::size_t i = 0; i < block.count; ++i) {
+      const double range = met.range[i] < kFarAway ? met.range[i] : kFarAway;
+      x[i] = block.ox[i] + block.dx[i] * range;
+      y[i] = block.oy[i] + block.dy[i] * range;
+      z[i] = block.oz[i] + block.dz[i] * range;
+    }
+    place(views_, x, y, z, block.count, true, {u, v, view});
+    for (std::size_t i = 0; i < block.count; ++i) {
+      const std::size_t at = first + i;
+      const bool elsewhere = view[i] != look.view[at] || std::floor(u[i]) != std::floor(look.u[at]) ||
+                             std::floor(v[i]) != std::floor(look.v[at]);
+      if (!elsewhere || view[i] == kNoView || !(isFirst || met.range[i] < INFINITY)) continue;
+      met.again[i] = true;
+      look.u[at] = u[i];
+      look.v[at] = v[i];
+      look.view[at] = view[i];
+      again_[at] = 1;
+    }
+  }
+
+  // The beams that look again.
+  Look again(const Look& look) {
+    Look next;
+    const auto count = static_cast<std::size_t>(std::count(again_.begin(), again_.begin() + look.count, 1));
+    next.resize(count);
+    next.index.resize(count);
+    for (std::size_t i = 0, to = 0; i < look.count; ++i) {
+      if (again_[i] == 0) continue;
+      next.index[to] = static_cast<std::uint32_t>(look.beam(i));
+      next.u[to] = look.u[i];
+      next.v[to] = look.v[i];
+      next.view[to] = look.view[i];
+      ++to;
+    }
+    return next;
+  }
+
+  void store(const Look& look, std::size_t first, std::size_t count, const Met& met) const {
+    const double nearest = beams_.minRange > 0 ? beams_.minRange * (1 - kLimitSlack) : 1e-30;
+    const double farthest = beams_.maxRange * (1 + kLimitSlack);
+    bool hit[kBlock];
+    std::uint32_t to[kBlock];
+    std::size_t from[kBlock];
+    std::size_t done = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (met.again[i]) continue;
+      from[done] = i;
+      to[done] = beams_.beam[look.beam(first + i)];
+      hit[done] = met.range[i] >= nearest && met.range[i] <= farthest;
+      hits_.range[to[done]] = hit[done] ? static_cast<float>(met.range[i]) : kMiss;
+      ++done;
+    }
+    const auto put = [&](auto& column, const auto& plane) {
+      if (column.empty() || plane.empty()) return;
+      for (std::size_t k = 0; k < done; ++k) {
+        column[to[k]] = hit[k] ? plane[first + from[k]] : typename std::decay_t<decltype(plane)>::value_type{};
+      }
+    };
+    const PassPlanes& planes = reader_.planes();
+    put(hits_.instance, planes.instance);
+    put(hits_.semantic, planes.semantic);
+    put(hits_.material, planes.material);
+    put(hits_.primitive, planes.primitive);
+    put(hits_.reflectance, planes.reflectance);
+    put(hits_.roughness, planes.roughness);
+    put(hits_.metallic, planes.metallic);
+    put(hits_.retroreflectance, planes.retroreflectance);
+    if (hits_.channels.has(Channel::Normal)) {
+      for (std::size_t k = 0; k < done; ++k) {
+        const Vec3f& n = planes.normal[first + from[k]];
+        hits_.normal[to[k]] = !hit[k] ? Vec3f{} : met.along[from[k]] > 0 ? -n : n;
+      }
+    }
+    if (hits_.channels.has(Channel::Incidence)) {
+      for (std::size_t k = 0; k < done; ++k) {
+        hits_.incidence[to[k]] = hit[k] ? static_cast<float>(std::min(std::abs(met.along[from[k]]), 1.0)) : 0.0f;
+      }
+    }
+  }
+
+  const RigBeams& beams_;
+  const SampleOptions& options_;
+  Hits& hits_;
+  PassChoice choice_;
+  std::vector<View> views_;
+  Mat3 rigFromWorld_;
+  PixelReader reader_;
+  PixelReader corners_;
+  int looks_;
+  std::vector<std::uint8_t> again_;
+  std::atomic<std::uint64_t> unseen_{0};
+};
+
+}  // namespace
+
+std::uint64_t samplePixels(PixelSource& source, const Pose& worldFromRig, const RigBeams& beams,
+                           const SampleOptions& options, Hits& hits) {
+  return Sampler(source, worldFromRig, beams, options, hits).run();
+}
+
+PassChoice passesFor(Channels channels, const SampleOptions& options) {
+  PassChoice choice;
+  choice.channels = Channel::Range;
+  for (const Channel c : {Channel::Normal, Channel::Instance, Channel::Semantic, Channel::Material, Channel::Primitive,
+                          Channel::Reflectance}) {
+    if (channels.has(c)) choice.channels |= c;
+  }
+  if (channels.has(Channel::Incidence) || options.sampling == Sampling::Plane) choice.channels |= Channel::Normal;
+  if (options.sampling == Sampling::Bilinear) choice.channels |= Channel::Instance | Channel::Material;
+  return choice;
+}
+
+}  // namespace scanmill
