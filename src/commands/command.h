@@ -20,6 +20,7 @@ struct Command {
 std::span<const Command> commands();
 
 int runGenerate(const std::vector<std::string>& arguments);
+int runRender(const std::vector<std::string>& arguments);
 int runPlan(const std::vector<std::string>& arguments);
 int runVerify(const std::vector<std::string>& arguments);
 int runInfo(const std::vector<std::string>& arguments);

@@ -2,30 +2,19 @@
 
 #include <fmt/core.h>
 
-#include <atomic>
-#include <csignal>
+#include <memory>
+#include <utility>
 
 #include "base/parallel.h"
 #include "commands/arguments.h"
+#include "commands/stop_signal.h"
 #include "commands/table.h"
+#include "pipeline/keeper.h"
 #include "pipeline/progress.h"
 
 namespace scanmill {
 
 namespace {
-
-// Set by SIGINT and SIGTERM: the run ends at the next frame.
-std::atomic<bool> stopRequested = false;
-static_assert(std::atomic<bool>::is_always_lock_free);  // or a signal handler may not touch it
-
-void catchStopSignals() {
-  for (const int s : {SIGINT, SIGTERM}) {
-    std::signal(s, [](int number) {
-      stopRequested = true;
-      std::signal(number, SIG_DFL);  // a second one ends the program at once
-    });
-  }
-}
 
 void printMade(const GenerateSummary& s, const std::string& folder) {
   const std::size_t warned = warningCount();
@@ -51,30 +40,59 @@ void printSummary(const GenerateSummary& s, const std::string& folder) {
   fmt::print("\nnext: scanmill verify {0}; scanmill info {0}\n", folder);
 }
 
+std::string folderOption(const Arguments& arguments, const std::string& name) {
+  if (arguments.options.count(name) == 0) return {};
+  const auto folder = arguments.options[name].as<std::string>();
+  if (folder.empty()) throw InputError(fmt::format("--{} names no folder", name));
+  return folder;
+}
+
+// Null where neither --from-hits nor --from-passes is given.
+std::shared_ptr<const Recording> recordingOf(const Arguments& arguments) {
+  const std::string hits = folderOption(arguments, "from-hits");
+  const std::string passes = folderOption(arguments, "from-passes");
+  if (!hits.empty() && !passes.empty()) throw InputError("--from-hits and --from-passes exclude each other");
+  if (!hits.empty()) return std::make_shared<const Recording>(readRecording(hits, RecordingKind::Hits));
+  if (!passes.empty()) return std::make_shared<const Recording>(readRecording(passes, RecordingKind::Passes));
+  return nullptr;
+}
+
 }  // namespace
 
 int runGenerate(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("generate");
   cxxopts::Options options = describe(command);
   options.add_options()("o,out", "folder of the dataset (made where absent)", cxxopts::value<std::string>(), "DIR")(
-      "overwrite", "replace a dataset that is there already")("q,quiet", "one line in place of progress and tables");
+      "overwrite", "replace a dataset, or recordings, that are there already")(
+      "keep-hits", "keep what the beams meet, to make scans again without tracing", cxxopts::value<std::string>(),
+      "DIR")("keep-passes", "keep the images that the method depth_camera draws", cxxopts::value<std::string>(), "DIR")(
+      "from-hits", "make the scans of kept hits: no scene, no tracing", cxxopts::value<std::string>(), "DIR")(
+      "from-passes", "make the scans of kept or other renderers' images: no scene", cxxopts::value<std::string>(),
+      "DIR")("q,quiet", "one line in place of progress and tables");
   addPipelineOptions(options);
-  const Arguments parsed = parseArguments(command, options, arguments,
-                                          "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
-                                          "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
-                                          "--set 'scenes.0.seeds=[4,5]'\n");
+  const Arguments parsed =
+      parseArguments(command, options, arguments,
+                     "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
+                     "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
+                     "--set 'scenes.0.seeds=[4,5]'\n"
+                     "  scanmill generate pipelines/quickstart.yaml -o out/c --keep-hits out/hits\n"
+                     "  scanmill generate pipelines/quickstart.yaml -o out/d --from-hits out/hits "
+                     "--set 'effects=[intensity]'\n");
   if (parsed.help) return 0;
   const std::string file = parsed.positional("PIPELINE");
   if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty())
     throw InputError("-o DIR is missing: where should the dataset go?");
   const ThreadLimit limit(threadOption(parsed));
-  const Plan plan(readPipeline(file, pipelineOverrides(parsed)));
   GenerateOptions generateOptions;
+  generateOptions.keepHits = folderOption(parsed, "keep-hits");
+  generateOptions.keepPasses = folderOption(parsed, "keep-passes");
+  const bool keeps = !generateOptions.keepHits.empty() || !generateOptions.keepPasses.empty();
+  const Plan plan(readPipeline(file, pipelineOverrides(parsed), recordingOf(parsed)),
+                  keeps ? keptChannels() : Channels{});
   generateOptions.folder = parsed.options["out"].as<std::string>();
   generateOptions.overwrite = parsed.options.count("overwrite") > 0;
   generateOptions.quiet = parsed.options.count("quiet") > 0;
-  generateOptions.stop = &stopRequested;
-  catchStopSignals();
+  generateOptions.stop = &stopSignal();
   const GenerateSummary summary = generate(plan, generateOptions);
   for (const std::string& warning : summary.warnings) warn(warning);
   if (generateOptions.quiet) {

@@ -218,6 +218,7 @@ std::string upUsed(const std::filesystem::path& file, const AssetOptions& option
   std::transform(kind.begin(), kind.end(), kind.begin(),
                  [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c + 32) : c; });
   if (kind == ".dae" || kind == ".fbx") return "as the file declares";
+  if (kind == ".blend") return "z, as its kind has it";
   return kind == ".gltf" || kind == ".glb" || kind == ".ac" ? "y, as its kind has it" : "z, as its kind does not say";
 }
 

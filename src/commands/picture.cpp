@@ -10,6 +10,8 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "commands/arguments.h"
+#include "dataset/recording.h"
+#include "viewer/pass_picture.h"
 #include "viewer/scan_source.h"
 
 namespace scanmill {
@@ -55,6 +57,27 @@ double factor(const Arguments& parsed, const std::string& option) {
   return value;
 }
 
+bool isExr(const std::filesystem::path& file) {
+  return file.extension() == ".exr";
+}
+
+// The folder's or the file's name: "ray_tracing" of out/ray_tracing/.
+std::string shortName(const std::filesystem::path& path) {
+  const std::filesystem::path normal = path.lexically_normal();
+  return normal.has_filename() ? normal.stem().string() : normal.parent_path().filename().string();
+}
+
+Image drawOver(ScanSource& source, const Arguments& parsed, const std::filesystem::path& file,
+               const PictureOptions& options) {
+  std::vector<NamedScan> scans;
+  scans.push_back({shortName(file), std::move(source.scan)});
+  for (const std::string& other : parsed.options["over"].as<std::vector<std::string>>()) {
+    scans.push_back(
+        {shortName(other), findScan(other, textOption(parsed, "sample"), textOption(parsed, "sensor")).scan});
+  }
+  return drawOverlay(scans, options, source.title);
+}
+
 }  // namespace
 
 int runPicture(const std::vector<std::string>& arguments) {
@@ -71,16 +94,20 @@ int runPicture(const std::vector<std::string>& arguments) {
       "point-size", "factor on the size of the points", cxxopts::value<double>()->default_value("1"), "N")(
       "flat", "no darkening of depth edges")("range-image",
                                              "rings x columns, as the sensor orders them, instead of a view")(
-      "ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)",
-      cxxopts::value<std::string>(), "FILE");
+      "over", "a further scan to draw over it, found like the first; each gets a colour (may be repeated)",
+      cxxopts::value<std::vector<std::string>>(),
+      "DATASET|SHARD|SCAN")("ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)",
+                            cxxopts::value<std::string>(), "FILE");
   const Arguments parsed =
       parseArguments(command, options, arguments,
                      "  scanmill picture out/quickstart -o street.png\n"
                      "  scanmill picture out/quickstart -o street.png --sample 12 --color intensity --view above\n"
                      "  scanmill picture out/quickstart/train/train-000000.tar -o ranges.png --range-image\n"
-                     "  scanmill picture scan.pcd -o scan.png --color height --size 3840x2160 --zoom 2\n");
+                     "  scanmill picture scan.pcd -o scan.png --color height --size 3840x2160 --zoom 2\n"
+                     "  scanmill picture out/ray_tracing --over out/nearest -o rings.png --view above --zoom 3\n"
+                     "  scanmill picture out/passes/street-s1-lane-000010.top.0.front.exr -o passes.png\n");
   if (parsed.help) return 0;
-  const std::filesystem::path file = parsed.positional("DATASET|SHARD|SCAN");
+  const std::filesystem::path file = parsed.positional("DATASET|SHARD|SCAN|EXR");
   if (parsed.options.count("out") == 0) throw InputError("-o FILE is missing: where should the picture go?");
   const std::filesystem::path out = parsed.options["out"].as<std::string>();
   if (out.extension() != ".png") throw InputError({out.string()}, "pictures are PNG: let the name end in .png");
@@ -93,6 +120,15 @@ int runPicture(const std::vector<std::string>& arguments) {
   picture.splats.size = factor(parsed, "point-size");
   picture.splats.depthEdges = parsed.options.count("flat") == 0;
 
+  if (isExr(file)) {
+    std::optional<Ontology> classes;
+    if (const auto ontology = textOption(parsed, "ontology"); !ontology.empty()) classes = readOntology(ontology);
+    if (!classes) classes = recordedOntology(file.parent_path());
+    const Image image = drawExr(file, classes ? &*classes : nullptr, picture.width);
+    writeFile(out, encodePng(image));
+    fmt::print("{}: {} x {}, {}\n", out.string(), image.width, image.height, file.filename().string());
+    return 0;
+  }
   ScanSource source = findScan(file, textOption(parsed, "sample"), textOption(parsed, "sensor"));
   if (const auto ontology = textOption(parsed, "ontology"); !ontology.empty()) {
     source.ontology = readOntology(ontology);
@@ -100,7 +136,8 @@ int runPicture(const std::vector<std::string>& arguments) {
   const Ontology* ontology = source.ontology ? &*source.ontology : nullptr;
   Image image;
   try {
-    image = parsed.options.count("range-image") > 0
+    image = parsed.options.count("over") > 0 ? drawOver(source, parsed, file, picture)
+            : parsed.options.count("range-image") > 0
                 ? drawRangeImage(source.scan, ontology, picture.colorBy, source.title)
                 : drawPicture(source.scan, ontology, picture, source.title);
   } catch (const InputError& e) {

@@ -29,7 +29,7 @@ void printSensors(const Plan& plan) {
 void printSequences(const Pipeline& pipeline) {
   std::vector<std::vector<std::string>> rows{{"sequence", "frames", "split"}};
   for (const Sequence& s : pipeline.sequences) {
-    rows.push_back({s.key(), std::to_string(s.trajectory->frames()), s.split});
+    rows.push_back({s.key(), std::to_string(s.frames), s.split});
   }
   fmt::print("{}\n", formatTable(rows));
 }

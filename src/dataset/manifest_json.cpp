@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "dataset/json_text.h"
 #include "dataset/manifest.h"
 #include "dataset/sample_json.h"
 
@@ -14,71 +15,14 @@ namespace scanmill {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr std::size_t kLineWidth = 120;
-
-std::string scalarText(const Json& value) {
-  // Text that is not UTF-8 (a comment of a pipeline, say) must not cost the run its manifest.
-  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-bool isNumberList(const Json& value) {
-  return value.is_array() && std::all_of(value.begin(), value.end(), [](const Json& v) { return v.is_number(); });
-}
-
-// What fits a line stays on one, and so do lists of numbers; the rest is indented by one space a level.
-std::string layOut(const Json& value, std::size_t indent) {
-  if (!value.is_structured()) return scalarText(value);
-  std::vector<std::string> parts;
-  std::size_t width = indent + 2;
-  bool flat = true;
-  for (const auto& [key, child] : value.items()) {
-    std::string part = value.is_object() ? scalarText(key) + ": " : std::string();
-    part += layOut(child, indent + 1);
-    flat = flat && part.find('\n') == std::string::npos;
-    width += part.size() + 2;
-    parts.push_back(std::move(part));
-  }
-  flat = flat && (width <= kLineWidth || isNumberList(value));
-  const std::string separator = flat ? ", " : ",\n" + std::string(indent + 1, ' ');
-  std::string text(1, value.is_object() ? '{' : '[');
-  if (!flat) text += "\n" + std::string(indent + 1, ' ');
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (i > 0) text += separator;
-    text += parts[i];
-  }
-  if (!flat) text += "\n" + std::string(indent, ' ');
-  text += value.is_object() ? '}' : ']';
-  return text;
-}
-
-// JSON has no infinities.
-double finite(double value, std::string_view what) {
-  if (!std::isfinite(value)) throw Error(fmt::format("{} is {}: a manifest cannot hold it", what, value));
-  return value;
-}
-
-Json finiteList(const std::vector<double>& values, std::string_view what) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(finite(value, what));
-  return list;
-}
-
-Json poseJson(const Pose& pose, std::string_view what) {
-  const Quat& q = pose.rotation;
-  const Vec3d& t = pose.translation;
-  return {{"rotation", finiteList({q.w, q.x, q.y, q.z}, what)}, {"translation", finiteList({t.x, t.y, t.z}, what)}};
-}
-
 // `ontology` adds the classes' names where it is given.
-Json scanJson(const ScanRecord& scan, const std::string& key, const Ontology* ontology) {
+OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontology* ontology) {
   if (scan.worldFromSensor.empty()) throw Error(fmt::format("{}: a scan of {} has no pose", key, scan.sensor));
-  Json poses = Json::array();
+  OrderedJson poses = OrderedJson::array();
   for (const Pose& pose : scan.worldFromSensor) poses.push_back(poseJson(pose, key + ": world_from_sensor"));
-  Json classes = Json::array();
+  OrderedJson classes = OrderedJson::array();
   for (const auto& [id, points] : scan.pointsPerClass) {
-    Json entry = Json::object();
+    OrderedJson entry = OrderedJson::object();
     entry["id"] = id;
     if (ontology != nullptr) {
       const SemanticClass* known = ontology->find(id);
@@ -98,7 +42,7 @@ Json scanJson(const ScanRecord& scan, const std::string& key, const Ontology* on
           {"points_per_class", std::move(classes)}};
 }
 
-Json framesJson(const Manifest& manifest) {
+OrderedJson framesJson(const Manifest& manifest) {
   return {
       {"sensor", "right-handed; x forward, y left, z up"},
       {"world", "right-handed; z up"},
@@ -126,17 +70,7 @@ Json framesJson(const Manifest& manifest) {
   };
 }
 
-Json ontologyJson(const Ontology& ontology) {
-  Json classes = Json::array();
-  for (const SemanticClass& c : ontology.classes) {
-    Json entry{{"id", c.id}, {"name", c.name}, {"color", c.color}, {"thing", c.thing}};
-    if (!c.aliases.empty()) entry["aliases"] = c.aliases;
-    classes.push_back(std::move(entry));
-  }
-  return {{"name", ontology.name}, {"source", ontology.source}, {"classes", std::move(classes)}};
-}
-
-Json sensorJson(const SensorRecord& sensor) {
+OrderedJson sensorJson(const SensorRecord& sensor) {
   const BeamTable& b = sensor.beams;
   for (const std::vector<double>* table : {&b.elevation, &b.azimuthOffset, &b.firingOffset}) {
     if (table->size() != b.rings) {
@@ -167,14 +101,14 @@ Json sensorJson(const SensorRecord& sensor) {
 }
 
 template <class Records, class Make>
-Json listOf(const Records& records, const Make& make) {
-  Json list = Json::array();
+OrderedJson listOf(const Records& records, const Make& make) {
+  OrderedJson list = OrderedJson::array();
   for (const auto& record : records) list.push_back(make(record));
   return list;
 }
 
-Json manifestJson(const Manifest& m) {
-  Json stages = Json::object();
+OrderedJson manifestJson(const Manifest& m) {
+  OrderedJson stages = OrderedJson::object();
   for (const auto& [stage, seconds] : m.stages) stages[stage] = finite(seconds, "stage " + stage);
   return {
       {"schema_version", Manifest::kSchemaVersion},
@@ -187,9 +121,9 @@ Json manifestJson(const Manifest& m) {
       {"scans", {{"organised", m.organised}, {"deskewed", m.deskewed}, {"columns", m.columns}}},
       {"formats", listOf(m.formats,
                          [](const FormatRecord& f) {
-                           return Json{{"name", f.name},
-                                       {"suffix", f.suffix},
-                                       {"max_error", finite(f.maxErrorMetres, "max_error of " + f.name)}};
+                           return OrderedJson{{"name", f.name},
+                                              {"suffix", f.suffix},
+                                              {"max_error", finite(f.maxErrorMetres, "max_error of " + f.name)}};
                          })},
       {"ontology", ontologyJson(m.ontology)},
       {"sensors", listOf(m.sensors, sensorJson)},
@@ -197,28 +131,28 @@ Json manifestJson(const Manifest& m) {
       {"stages", std::move(stages)},
       {"shards", listOf(m.shards,
                         [](const ShardRecord& s) {
-                          return Json{{"file", s.file},
-                                      {"split", s.split},
-                                      {"sha256", s.sha256},
-                                      {"bytes", s.bytes},
-                                      {"samples", s.samples}};
+                          return OrderedJson{{"file", s.file},
+                                             {"split", s.split},
+                                             {"sha256", s.sha256},
+                                             {"bytes", s.bytes},
+                                             {"samples", s.samples}};
                         })},
       {"samples", listOf(m.samples,
                          [&m](const SampleRecord& s) {
-                           return Json{{"key", s.key},
-                                       {"split", s.split},
-                                       {"shard", s.shard},
-                                       {"members", s.members},
-                                       {"scans", listOf(s.scans, [&](const ScanRecord& scan) {
-                                          return scanJson(scan, s.key, &m.ontology);
-                                        })}};
+                           return OrderedJson{{"key", s.key},
+                                              {"split", s.split},
+                                              {"shard", s.shard},
+                                              {"members", s.members},
+                                              {"scans", listOf(s.scans, [&](const ScanRecord& scan) {
+                                                 return scanJson(scan, s.key, &m.ontology);
+                                               })}};
                          })},
   };
 }
 
-Json sampleObject(const SampleRecord& sample) {
+OrderedJson sampleObject(const SampleRecord& sample) {
   const KeyParts parts = partsOfKey(sample.key);
-  Json json{{"key", sample.key}, {"sequence", parts.sequence}, {"frame", parts.frame}, {"split", sample.split}};
+  OrderedJson json{{"key", sample.key}, {"sequence", parts.sequence}, {"frame", parts.frame}, {"split", sample.split}};
   if (!sample.scans.empty()) json["time"] = finite(sample.scans.front().time, sample.key + ": time");
   json["scans"] = listOf(sample.scans, [&](const ScanRecord& scan) { return scanJson(scan, sample.key, nullptr); });
   return json;
@@ -236,10 +170,10 @@ std::string sampleJson(const SampleRecord& sample) {
 
 std::string differenceOfSampleJson(std::string_view text, const SampleRecord& sample) {
   if (text == sampleJson(sample)) return {};
-  const Json found = Json::parse(text, nullptr, false);
+  const OrderedJson found = OrderedJson::parse(text, nullptr, false);
   if (found.is_discarded()) return "is no valid JSON";
-  const Json expected = sampleObject(sample);
-  const Json changes = Json::diff(expected, found);
+  const OrderedJson expected = sampleObject(sample);
+  const OrderedJson changes = OrderedJson::diff(expected, found);
   if (changes.empty()) return {};
   std::string place = changes[0]["path"].get<std::string>();
   const std::string operation = changes[0]["op"].get<std::string>();
@@ -248,7 +182,7 @@ std::string differenceOfSampleJson(std::string_view text, const SampleRecord& sa
   if (operation == "remove") return fmt::format("{} is missing", place);
   if (operation == "add") return fmt::format("{} is not in the manifest", place);
   return fmt::format("{} is {}, not {}", place, scalarText(changes[0]["value"]),
-                     scalarText(expected[Json::json_pointer(place)]));
+                     scalarText(expected[OrderedJson::json_pointer(place)]));
 }
 
 std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix) {

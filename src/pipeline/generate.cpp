@@ -16,6 +16,7 @@
 #include "base/parallel.h"
 #include "config/version.h"
 #include "dataset/writer.h"
+#include "pipeline/keeper.h"
 #include "pipeline/progress.h"
 #include "pipeline/warnings.h"
 
@@ -26,13 +27,15 @@ namespace {
 // Seconds of processor time per stage, summed over threads. Threads run each stage's work by themselves, but for
 // tracing, which may be helped by idle ones; so the sum is close to, not exactly, the time on processors.
 struct StageTimes {
-  enum Stage { Setup, Trace, Effects, Encode, Write, Count };
+  enum Stage { Setup, Trace, Keep, Effects, Encode, Write, Count };
   std::array<std::atomic<std::int64_t>, Count> nanoseconds{};
 
   std::map<std::string, double> seconds() const {
-    static constexpr std::array kNames{"setup", "trace", "effects", "encode", "write"};
+    static constexpr std::array kNames{"setup", "trace", "keep", "effects", "encode", "write"};
     std::map<std::string, double> result;
-    for (std::size_t i = 0; i < Count; ++i) result[kNames[i]] = static_cast<double>(nanoseconds[i].load()) * 1e-9;
+    for (std::size_t i = 0; i < Count; ++i) {
+      if (nanoseconds[i] > 0) result[kNames[i]] = static_cast<double>(nanoseconds[i].load()) * 1e-9;
+    }
     return result;
   }
 };
@@ -109,23 +112,27 @@ ScanRecord describe(const Shot& shot, const Hits& hits, const Scan& scan, std::s
 }
 
 // One frame: all sensors, traced, sensed and encoded.
-Sample makeSample(const Plan& plan, const Scene& scene, const Method& method, std::size_t sequence, std::uint32_t frame,
-                  Workspace& work, StageTimes& times) {
+Sample makeSample(const Plan& plan, const Scene& scene, const Method& method, const Keeper& keeper,
+                  std::size_t sequence, std::uint32_t frame, Workspace& work, StageTimes& times) {
   const Pipeline& pipeline = plan.pipeline();
   Sample sample;
   sample.key = pipeline.sequences[sequence].key(frame);
   sample.split = pipeline.sequences[sequence].split;
   for (const Shot& shot : plan.shots(sequence, frame)) {
-    {
+    if (!keeper.keepsPasses()) {
       const StageTimer timer(times, StageTimes::Trace);
       method.trace(shot, plan.channels(), work.hits);
+    }
+    if (keeper.keeps()) {
+      const StageTimer timer(times, StageTimes::Keep);
+      keeper.keep(shot, plan.channels(), work.hits);
     }
     {
       const StageTimer timer(times, StageTimes::Effects);
       sense(work.hits, shot, pipeline.effects, scene.materials, pipeline.columns, work.returns, work.scan);
-      sample.scans.push_back(describe(shot, work.hits, work.scan, pipeline.method.entry->name));
+      sample.scans.push_back(describe(shot, work.hits, work.scan, pipeline.methodName()));
     }
-    const StageTimer timer(times, StageTimes::Encode);
+    const StageTimer encoding(times, StageTimes::Encode);
     for (const FormatChoice& f : pipeline.formats) {
       sample.members.push_back({memberSuffix(sample.scans.back(), f.format->suffix()), f.format->encode(work.scan)});
     }
@@ -182,6 +189,10 @@ void addNew(const std::vector<std::string>& from, std::vector<std::string>& line
   }
 }
 
+void addStages(const Method& method, std::map<std::string, double>& seconds) {
+  for (const auto& [stage, spent] : method.stageSeconds()) seconds[stage] += spent;
+}
+
 // source gives numbers one after the other until it stops, make works on several at a time, write gets them in order.
 template <class Source, class Make, class Write>
 void inOrder(std::size_t inFlight, const Source& source, const Make& make, const Write& write) {
@@ -219,6 +230,8 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
   std::optional<DatasetWriter> writer;
   std::unique_ptr<Scene> scene;
   std::unique_ptr<Method> method;
+  std::map<std::string, double> methodSeconds;
+  Keeper keeper(plan);
   Progress progress("generate", pipeline.frames(), "frames", "rays", options.quiet);
   const auto raysPerFrame = static_cast<double>(pipeline.raysPerFrame());
   const std::size_t inFlight = plan.framesInFlight();
@@ -227,19 +240,23 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
     const Sequence& sequence = pipeline.sequences[s];
     if (s == 0 || !sequence.sameScene(pipeline.sequences[s - 1])) {
       const StageTimer timer(times, StageTimes::Setup);
+      if (method != nullptr) addStages(*method, methodSeconds);
+      keeper.leave();
       method.reset();
       scene.reset();
       scene = std::make_unique<Scene>(plan.loadScene(sequence));
       method = plan.makeMethod(*scene);
-      method->prepare(plan.shots(s, 0).front());
+      for (const Shot& shot : plan.shots(s, 0)) method->prepare(shot);
       addNew(sizeWarnings(*scene), summary.warnings);
       addNew(seedWarnings(pipeline, sequence, *scene), summary.warnings);
     }
     if (!writer) {
       // Only now: a scene or a method that cannot be used must not cost the dataset that --overwrite replaces.
       writer.emplace(options.folder, options.overwrite, pipeline.shardBytes);
+      keeper.open(options.keepHits, options.keepPasses, options.overwrite);
       summary.manifest.ontology = scene->ontology;
     }
+    keeper.enter(s, *scene, *method);
     addNew(method->modelled(), summary.manifest.modelled);
 
     std::map<std::string, std::uint64_t> pointsOfSensor;
@@ -247,7 +264,7 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
     // Both ends run in order: among the frames in flight, no two have the same slot.
     std::vector<std::unique_ptr<const Sample>> slots(inFlight);
     const auto source = [&](tbb::flow_control& control) -> std::uint32_t {
-      if (next == sequence.trajectory->frames() || (options.stop != nullptr && *options.stop)) {
+      if (next == sequence.frames || (options.stop != nullptr && *options.stop)) {
         control.stop();
         return 0;
       }
@@ -256,7 +273,7 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
     const auto make = [&](std::uint32_t frame) {
       auto work = pool.take();
       slots[frame % inFlight] =
-          std::make_unique<const Sample>(makeSample(plan, *scene, *method, s, frame, *work, times));
+          std::make_unique<const Sample>(makeSample(plan, *scene, *method, keeper, s, frame, *work, times));
       pool.give(std::move(work));
     };
     const auto write = [&](std::uint32_t frame) {
@@ -274,18 +291,25 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
       progress.advance(1, raysPerFrame);
     };
     inOrder(inFlight, source, make, write);
+    addNew(method->warnings(), summary.warnings);
     for (const auto& [sensor, points] : pointsOfSensor) {
       if (points > 0) continue;
       summary.warnings.push_back(
           fmt::format("sequence {}: the sensor '{}' sees nothing in {} frames: is the trajectory "
                       "inside the scene?",
-                      sequence.key(), sensor, sequence.trajectory->frames()));
+                      sequence.key(), sensor, sequence.frames));
     }
     if (options.stop != nullptr && *options.stop) {
       throw Error("stopped: the folder holds no manifest, hence no finished dataset");
     }
   }
+  addStages(*method, methodSeconds);
   summary.manifest.stages = times.seconds();
+  if (!methodSeconds.empty()) {
+    summary.manifest.stages.erase("trace");  // its parts are known
+    for (const auto& [stage, seconds] : methodSeconds) summary.manifest.stages[stage] = seconds;
+  }
+  keeper.finish();
   writer->finish(summary.manifest);
   summary.bytes = writer->bytesWritten();
   summary.seconds = progress.seconds();

@@ -16,7 +16,9 @@ namespace scanmill {
 
 struct GenerateOptions {
   std::filesystem::path folder;
-  bool overwrite = false;
+  std::filesystem::path keepHits;    // folder of a recording, or empty
+  std::filesystem::path keepPasses;  // likewise; methods that draw passes only
+  bool overwrite = false;            // the dataset, and recordings
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;  // set by a signal handler: generate() then throws Error
 };

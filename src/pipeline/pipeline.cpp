@@ -149,7 +149,8 @@ std::vector<Sequence> readSequences(Fields& fields, double period) {
     const Trajectories trajectories = own == nullptr ? common : readTrajectories(*own, period);
     for (const std::uint64_t seed : seeds) {
       for (const auto& trajectory : trajectories) {
-        sequences.push_back({keyPart(file.stem().string()), file, seed, trajectory, ""});
+        sequences.push_back(
+            {keyPart(file.stem().string()), file, seed, trajectory, trajectory->name(), trajectory->frames(), ""});
         if (!keys.insert(sequences.back().key()).second) {
           throw InputError(item.where, fmt::format("the sequence '{}' stands twice", sequences.back().key()));
         }
@@ -157,6 +158,33 @@ std::vector<Sequence> readSequences(Fields& fields, double period) {
     }
   }
   return sequences;
+}
+
+std::vector<Sequence> recordedSequences(const Recording& recording) {
+  std::vector<Sequence> sequences;
+  for (const RecordedSequence& s : recording.sequences) {
+    sequences.push_back({s.scene, {}, s.seed, nullptr, s.trajectory, s.frames, ""});
+  }
+  return sequences;
+}
+
+// Its hits or images belong to certain sensors; the pipeline's must be the same.
+void checkSensors(const Pipeline& pipeline, const Recording& recording, const Location& where) {
+  std::vector<std::string> names;
+  for (const RecordedSensor& s : recording.sensors) names.push_back(s.name);
+  for (const MountedSensor& sensor : pipeline.sensors) {
+    const auto recorded = std::find_if(recording.sensors.begin(), recording.sensors.end(),
+                                       [&](const RecordedSensor& s) { return s.name == sensor.name; });
+    if (recorded == recording.sensors.end()) {
+      throw InputError(where, fmt::format("the recording in {} has no sensor '{}'{}", recording.folder.string(),
+                                          sensor.name, suggestion(sensor.name, names)));
+    }
+    if (recorded->rings != sensor.size.rings || recorded->columns != sensor.size.columns) {
+      throw InputError(where, fmt::format("the sensor '{}' has {} x {} beams, but in the recording in {} {} x {}",
+                                          sensor.name, sensor.size.rings, sensor.size.columns,
+                                          recording.folder.string(), recorded->rings, recorded->columns));
+    }
+  }
 }
 
 std::vector<MountedSensor> readSensors(Fields& fields) {
@@ -273,7 +301,7 @@ void readOutput(const Value& value, Pipeline& pipeline) {
 }  // namespace
 
 std::string Sequence::key() const {
-  return fmt::format("{}-s{}-{}", scene, sceneSeed, keyPart(trajectory->name()));
+  return fmt::format("{}-s{}-{}", scene, sceneSeed, keyPart(trajectoryName));
 }
 
 std::string Sequence::key(std::uint32_t frame) const {
@@ -282,7 +310,7 @@ std::string Sequence::key(std::uint32_t frame) const {
 
 std::uint64_t Pipeline::frames() const {
   std::uint64_t count = 0;
-  for (const Sequence& s : sequences) count += s.trajectory->frames();
+  for (const Sequence& s : sequences) count += s.frames;
   return count;
 }
 
@@ -292,8 +320,14 @@ std::uint64_t Pipeline::raysPerFrame() const {
   return count;
 }
 
-Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+std::string Pipeline::methodName() const {
+  return recording != nullptr ? recording->method : std::string(method.entry->name);
+}
+
+Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                      std::shared_ptr<const Recording> recording) {
   Pipeline pipeline;
+  pipeline.recording = std::move(recording);
   pipeline.file = file;
   pipeline.text = readFile(file);
   Value root = parseYaml(pipeline.text, file.string());
@@ -314,14 +348,21 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
   pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064"}, "905"));
   pipeline.sensors = readSensors(fields);
   const double period = 1.0 / Fields(pipeline.sensors.front().description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
-  pipeline.sequences = readSequences(fields, period);
+  if (pipeline.recording != nullptr) {
+    checkSensors(pipeline, *pipeline.recording, fields.require("sensors").where);
+    pipeline.sequences = recordedSequences(*pipeline.recording);
+  } else {
+    pipeline.sequences = readSequences(fields, period);
+  }
   pipeline.motion = readMotion(fields.find("motion"));
-  const Named method = readNamed(fields.require("method"), "method");
-  pipeline.method = {&requireMethod(method.name, method.where), method.options};
+  if (pipeline.recording == nullptr || fields.find("method") != nullptr) {
+    const Named method = readNamed(fields.require("method"), "method");
+    pipeline.method = {&requireMethod(method.name, method.where), method.options};
+  }
   readEffects(fields, pipeline);
   readOutput(fields.require("output"), pipeline);
   std::vector<SequenceName> names;
-  for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectory->name()});
+  for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectoryName});
   const Value* splitting = fields.find("splits");
   const std::vector<std::string> splits = assignSplits(splitting, names, pipeline.seed);
   const Value* by = splitting == nullptr ? nullptr : splitting->find("by");

@@ -10,6 +10,7 @@
 
 #include "base/vec.h"
 #include "config/value.h"
+#include "dataset/recording.h"
 #include "effects/effect.h"
 #include "formats/format.h"
 #include "methods/method.h"
@@ -32,10 +33,14 @@ struct Sequence {
   std::string scene;  // name of the scene file without its suffix, made fit for a key
   std::filesystem::path sceneFile;
   std::uint64_t sceneSeed = 1;
-  std::shared_ptr<const Trajectory> trajectory;
+  std::shared_ptr<const Trajectory> trajectory;  // null where the shots come from a recording
+  std::string trajectoryName;
+  std::uint32_t frames = 0;
   std::string split;
 
-  bool sameScene(const Sequence& other) const { return sceneFile == other.sceneFile && sceneSeed == other.sceneSeed; }
+  bool sameScene(const Sequence& other) const {
+    return scene == other.scene && sceneFile == other.sceneFile && sceneSeed == other.sceneSeed;
+  }
   std::string key() const;                     // "street-s1-lane"
   std::string key(std::uint32_t frame) const;  // "street-s1-lane-000012"
 };
@@ -69,11 +74,16 @@ struct Pipeline {
   std::uint64_t shardBytes = 0;
   double maxRays = 0;
 
+  std::shared_ptr<const Recording> recording;  // where its shots come from, in place of scenes and a method; or null
+
   std::uint64_t frames() const;
   std::uint64_t raysPerFrame() const;
+  std::string methodName() const;  // that made, or makes, the hits
 };
 
-// `overrides` are the arguments of --set. Throws InputError with file:line:column.
-Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides);
+// `overrides` are the arguments of --set. With a recording, its sequences are the pipeline's: the keys `scenes` and
+// `trajectories` are not looked at, nor is `method` for recorded hits. Throws InputError with file:line:column.
+Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                      std::shared_ptr<const Recording> recording = nullptr);
 
 }  // namespace scanmill

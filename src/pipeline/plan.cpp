@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "config/file_kind.h"
+#include "pipeline/recorded_method.h"
 
 namespace scanmill {
 
@@ -36,7 +37,7 @@ bool sameClasses(const Ontology& a, const Ontology& b) {
 // A dataset has one ontology. The scene files are read for their ontology alone, so that one that is absent or differs
 // is known before hours of work.
 void checkOntologies(const Pipeline& pipeline) {
-  if (!pipeline.ontology.empty()) return;
+  if (!pipeline.ontology.empty() || pipeline.recording != nullptr) return;
   std::map<std::filesystem::path, Ontology> known;  // by scene file
   for (const Sequence& s : pipeline.sequences) {
     if (known.contains(s.sceneFile)) continue;
@@ -57,9 +58,10 @@ void checkOntologies(const Pipeline& pipeline) {
 
 }  // namespace
 
-Plan::Plan(Pipeline pipeline) : pipeline_(std::move(pipeline)) {
+Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   checkOntologies(pipeline_);
   channels_ = channelsFor(pipeline_.effects, pipeline_.columns);
+  traced_ = channels_ | kept;
   const std::uint64_t beams = pipeline_.raysPerFrame();
   const std::uint64_t bytes = beams * kBeamBytes + bytesPerFrameInMemory();
   if (bytes > machineBytes()) {
@@ -79,26 +81,65 @@ Plan::Plan(Pipeline pipeline) : pipeline_(std::move(pipeline)) {
   }
 }
 
+Scene Plan::recordedScene(const Sequence& sequence) const {
+  const Recording& recording = *pipeline_.recording;
+  const auto index = static_cast<std::size_t>(&sequence - pipeline_.sequences.data());
+  Scene scene;
+  scene.name = sequence.scene;
+  scene.seed = sequence.sceneSeed;
+  scene.procedural = true;  // for all that is known
+  scene.ontology = pipeline_.ontology.empty() ? recording.ontology : readOntology(pipeline_.ontology);
+  scene.materials = recording.materials[recording.sequences[index].materials];
+  if (scene.ontology.classes.empty()) {
+    throw InputError(
+        {pipeline_.file.string()},
+        fmt::format("the recording in {} has no ontology: name one with the key `labels`", recording.folder.string()));
+  }
+  return scene;
+}
+
 Scene Plan::loadScene(const Sequence& sequence) const {
+  if (pipeline_.recording != nullptr) return recordedScene(sequence);
   SceneOptions options;
   options.seed = sequence.sceneSeed;
   options.ontology = pipeline_.ontology;
   options.wavelengthNm = pipeline_.wavelengthNm;
-  options.textures = channels_.has(Channel::Reflectance);
+  options.textures = traced_.has(Channel::Reflectance);
   return readScene(sequence.sceneFile, options);
 }
 
 std::unique_ptr<Method> Plan::makeMethod(const Scene& scene) const {
+  if (pipeline_.recording != nullptr) return makeRecordedMethod(pipeline_);
   Fields options(pipeline_.method.options, "method " + std::string(pipeline_.method.entry->name));
   options.alsoDescribed(pipeline_.method.entry->keys).finish();
   return pipeline_.method.entry->make(scene, options);
 }
 
+Shot Plan::recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const {
+  RecordedShot recorded = pipeline_.recording->shot(sample, pipeline_.sensors[sensor].name);
+  if (recorded.worldFromSensor.size() > beams_[sensor]->columns) {
+    throw InputError({pipeline_.recording->folder.string()},
+                     fmt::format("{} of '{}' has {} poses for {} columns", sample, recorded.sensor,
+                                 recorded.worldFromSensor.size(), beams_[sensor]->columns));
+  }
+  Shot shot;
+  shot.frame = frame;
+  shot.time = recorded.time;
+  shot.beams = beams_[sensor];
+  shot.worldFromSensor = std::move(recorded.worldFromSensor);
+  shot.deskew = pipeline_.motion.deskew;
+  return shot;
+}
+
 std::vector<Shot> Plan::shots(std::size_t sequence, std::uint32_t frame) const {
+  const Sequence& own = pipeline_.sequences[sequence];
+  const std::string sample = own.key(frame);
   std::vector<Shot> shots;
   for (std::size_t s = 0; s < beams_.size(); ++s) {
-    Shot shot = makeShot(beams_[s], *pipeline_.sequences[sequence].trajectory, frame,
-                         pipeline_.sensors[s].vehicleFromSensor, pipeline_.motion);
+    Shot shot = pipeline_.recording != nullptr ? recordedShot(sample, frame, s)
+                                               : makeShot(beams_[s], *own.trajectory, frame,
+                                                          pipeline_.sensors[s].vehicleFromSensor, pipeline_.motion);
+    shot.sample = sample;
     shot.seed = pipeline_.seed;
     shot.scene = static_cast<std::uint32_t>(sequence);
     shot.sensor = static_cast<std::uint32_t>(s);
@@ -111,17 +152,17 @@ std::vector<Shot> Plan::shots(std::size_t sequence, std::uint32_t frame) const {
 std::vector<std::string> Plan::modelled() const {
   const ScanColumns& c = pipeline_.columns;
   std::vector<std::string> lines;
-  lines.push_back(fmt::format("channels: {}", fmt::join(channelNames(channels_), ", ")));
+  lines.push_back(fmt::format("channels: {}", fmt::join(channelNames(traced_), ", ")));
   std::string left;
   for (const std::string& name : channelNames(Channels::all())) {
-    const auto asked = channelNames(channels_);
+    const auto asked = channelNames(traced_);
     if (std::find(asked.begin(), asked.end(), name) == asked.end()) left += (left.empty() ? "" : ", ") + name;
   }
   if (!left.empty()) lines.push_back(fmt::format("channels left out, nothing reads them: {}", left));
   if (c.intensity && !setsIntensity(pipeline_)) {
     lines.emplace_back("intensity: left out, no effect sets it (add `effects: [intensity]`)");
   }
-  if (!channels_.has(Channel::Reflectance)) {
+  if (!traced_.has(Channel::Reflectance)) {
     lines.emplace_back("reflectance textures: left out, nothing reads the reflectance; only alpha is loaded");
   }
   if (pipeline_.effectEntries.empty()) lines.emplace_back("effects: none, the scans are noise-free");
@@ -147,7 +188,7 @@ std::vector<std::string> Plan::modelled() const {
 
 std::uint64_t Plan::bytesPerFrameInMemory() const {
   // Hits, returns, scan and encoded bytes; the beam tables are shared by all frames.
-  const std::uint64_t perBeam = 4 + (channels_.has(Channel::Normal) ? 12 : 0) + 20 + 20 + 45 + 40;
+  const std::uint64_t perBeam = 4 + (traced_.has(Channel::Normal) ? 12 : 0) + 20 + 20 + 45 + 40;
   return perBeam * pipeline_.raysPerFrame();
 }
 

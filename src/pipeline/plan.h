@@ -15,14 +15,16 @@ namespace scanmill {
 
 class Plan {
  public:
-  // Throws InputError where the scenes' ontologies differ, or a frame does not fit into this machine's memory.
-  explicit Plan(Pipeline pipeline);
+  // `kept`: channels that are wanted besides those that the scans need, for a recording. Throws InputError where the
+  // scenes' ontologies differ, or a frame does not fit into this machine's memory.
+  explicit Plan(Pipeline pipeline, Channels kept = {});
 
   const Pipeline& pipeline() const { return pipeline_; }
-  Channels channels() const { return channels_; }  // what effects, columns and formats read
+  Channels channels() const { return traced_; }  // what effects, columns, formats and recordings read
   const std::vector<std::shared_ptr<const BeamTable>>& beams() const { return beams_; }  // per sensor
 
-  // Loads the scene of a sequence; textures only where a channel needs them.
+  // Loads the scene of a sequence; textures only where a channel needs them. Of a recording: what scans need of its
+  // scene, which is its classes and materials.
   Scene loadScene(const Sequence& sequence) const;
   std::unique_ptr<Method> makeMethod(const Scene& scene) const;
 
@@ -39,8 +41,12 @@ class Plan {
   std::size_t framesInFlight() const;
 
  private:
+  Scene recordedScene(const Sequence& sequence) const;
+  Shot recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const;
+
   Pipeline pipeline_;
-  Channels channels_;
+  Channels channels_;  // what scans need
+  Channels traced_;    // and recordings
   std::vector<std::shared_ptr<const BeamTable>> beams_;
 };
 

@@ -75,7 +75,7 @@ class BadInput : public SmallWorld {
     for (std::size_t first = 0; first < damages.size(); first += kAtATime) {
       struct Run {
         TemporaryFolder folder;
-        std::unique_ptr<Process> process;
+        std::unique_ptr<RunningProgram> process;
       };
       std::vector<Run> runs(std::min(kAtATime, damages.size() - first));
       for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -92,7 +92,7 @@ class BadInput : public SmallWorld {
           const std::size_t at = a.find("@");
           command.push_back(at == std::string::npos ? a : a.replace(at, 1, folder.string() + "/"));
         }
-        runs[i].process = std::make_unique<Process>(command);
+        runs[i].process = std::make_unique<RunningProgram>(command);
       }
       for (std::size_t i = 0; i < runs.size(); ++i) {
         const Damage& damage = damages[first + i];
@@ -323,7 +323,7 @@ TEST_F(BadInput, Datasets) {
 
 TEST_F(BadInput, Scans) {
   ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out")}).code, 0);
-  ASSERT_EQ(Process({"tar", "-xf", at("out/train/train-000000.tar"), "-C", at(".")}).wait().code, 0);
+  ASSERT_EQ(RunningProgram({"tar", "-xf", at("out/train/train-000000.tar"), "-C", at(".")}).wait().code, 0);
   std::filesystem::remove_all(at("out"));
   for (const std::string suffix : {"pcd", "drc", "csv"}) {
     const std::string name = "scene-s1-drive-000001.top.ray_tracing." + suffix;

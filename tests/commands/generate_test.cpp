@@ -43,7 +43,7 @@ class Generate : public SmallWorld {
   }
 
   // Waits until some shards have their names.
-  void awaitShards(Process& process, std::size_t count) const {
+  void awaitShards(RunningProgram& process, std::size_t count) const {
     while (filesEndingIn(".tar", at("out")).size() < count) {
       ASSERT_TRUE(process.running()) << process.wait().error;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -130,7 +130,7 @@ for sample in samples:
 print(len(samples), *sorted(samples[0]))
 )")
                                  .string();
-  const Outcome o = Process({"python3", script, at("out/train/train-000000.tar")}).wait();
+  const Outcome o = RunningProgram({"python3", script, at("out/train/train-000000.tar")}).wait();
   EXPECT_EQ(o.code, 0) << o.error;
   EXPECT_EQ(o.out, "9 __key__ json top.ray_tracing.csv top.ray_tracing.drc top.ray_tracing.pcd\n");
 }
@@ -176,7 +176,8 @@ TEST_F(Generate, AFullDiskIsNamedAndLeavesNothingThatLooksFinished) {
   const std::string disk = at("disk");
   std::filesystem::create_directories(disk);
   const auto onTinyDisk = [&](const std::string& command) {
-    return Process({"unshare", "-m", "sh", "-c", "mount -t tmpfs -o size=200k none " + disk + " && " + command}).wait();
+    return RunningProgram({"unshare", "-m", "sh", "-c", "mount -t tmpfs -o size=200k none " + disk + " && " + command})
+        .wait();
   };
   if (onTinyDisk("true").code != 0) GTEST_SKIP() << "a tiny file system cannot be mounted here";
   const std::string list = "; code=$?; find " + disk + " -type f; exit $code";
@@ -191,7 +192,7 @@ TEST_F(Generate, AFullDiskIsNamedAndLeavesNothingThatLooksFinished) {
 }
 
 TEST_F(Generate, KilledRunsLeaveWholeShardsOnly) {
-  Process process(longRun());
+  RunningProgram process(longRun());
   awaitShards(process, 2);
   process.send(SIGKILL);
   EXPECT_EQ(process.wait().signal, SIGKILL);
@@ -206,7 +207,7 @@ TEST_F(Generate, KilledRunsLeaveWholeShardsOnly) {
 TEST_F(Generate, StoppedRunsSaySo) {
   for (const int signal : {SIGINT, SIGTERM}) {
     std::filesystem::remove_all(at("out"));
-    Process process(longRun());
+    RunningProgram process(longRun());
     awaitShards(process, 1);
     process.send(signal);
     const Outcome o = process.wait(10);

@@ -17,7 +17,7 @@
 
 namespace scanmill {
 
-Process::Process(std::vector<std::string> command, const std::vector<std::string>& variables) {
+RunningProgram::RunningProgram(std::vector<std::string> command, const std::vector<std::string>& variables) {
   const std::string out = (folder_.path() / "out").string();
   const std::string error = (folder_.path() / "error").string();
   std::vector<char*> argv;
@@ -35,17 +35,17 @@ Process::Process(std::vector<std::string> command, const std::vector<std::string
   ::_exit(127);
 }
 
-Process::~Process() {
+RunningProgram::~RunningProgram() {
   if (ended_ || pid_ < 0) return;
   send(SIGKILL);
   reap(true);
 }
 
-void Process::send(int signal) const {
+void RunningProgram::send(int signal) const {
   ::kill(pid_, signal);
 }
 
-bool Process::reap(bool block) {
+bool RunningProgram::reap(bool block) {
   int status = 0;
   rusage usage{};
   if (ended_ || ::wait4(pid_, &status, block ? 0 : WNOHANG, &usage) != pid_) return ended_;
@@ -58,11 +58,11 @@ bool Process::reap(bool block) {
   return true;
 }
 
-bool Process::running() {
+bool RunningProgram::running() {
   return !reap(false);
 }
 
-Outcome Process::wait(double seconds) {
+Outcome RunningProgram::wait(double seconds) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   while (!reap(false)) {
     if (std::chrono::steady_clock::now() > end) {
@@ -78,18 +78,18 @@ Outcome Process::wait(double seconds) {
 Outcome scanmill(const std::vector<std::string>& arguments, const std::vector<std::string>& variables) {
   std::vector<std::string> command{SCANMILL_PROGRAM};
   command.insert(command.end(), arguments.begin(), arguments.end());
-  return Process(command, variables).wait();
+  return RunningProgram(command, variables).wait();
 }
 
 std::vector<Outcome> scanmillEach(const std::vector<std::vector<std::string>>& arguments) {
   constexpr std::size_t kAtATime = 4;
   std::vector<Outcome> outcomes;
   for (std::size_t first = 0; first < arguments.size(); first += kAtATime) {
-    std::vector<std::unique_ptr<Process>> processes;
+    std::vector<std::unique_ptr<RunningProgram>> processes;
     for (std::size_t i = first; i < std::min(first + kAtATime, arguments.size()); ++i) {
       std::vector<std::string> command{SCANMILL_PROGRAM};
       command.insert(command.end(), arguments[i].begin(), arguments[i].end());
-      processes.push_back(std::make_unique<Process>(command));
+      processes.push_back(std::make_unique<RunningProgram>(command));
     }
     for (const auto& process : processes) outcomes.push_back(process->wait());
   }

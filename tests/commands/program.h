@@ -23,13 +23,13 @@ struct Outcome {
 };
 
 // A program in the background. Its output goes to files, so that it never waits for a reader.
-class Process {
+class RunningProgram {
  public:
   // `variables` such as "NAME=value" are added to the environment.
-  explicit Process(std::vector<std::string> command, const std::vector<std::string>& variables = {});
-  ~Process();
-  Process(const Process&) = delete;
-  Process& operator=(const Process&) = delete;
+  explicit RunningProgram(std::vector<std::string> command, const std::vector<std::string>& variables = {});
+  ~RunningProgram();
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
 
   void send(int signal) const;
   bool running();

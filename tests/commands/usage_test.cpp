@@ -74,12 +74,12 @@ TEST(Usage, WrongUsageIsRefusedWithAdvice) {
 }
 
 TEST(Usage, AFullStandardOutputIsAFailure) {
-  const Outcome full = Process({"sh", "-c", std::string(SCANMILL_PROGRAM) + " list > /dev/full"}).wait();
+  const Outcome full = RunningProgram({"sh", "-c", std::string(SCANMILL_PROGRAM) + " list > /dev/full"}).wait();
   EXPECT_EQ(full.code, 1);
   EXPECT_THAT(full.error, HasSubstr("No space left on device"));
   // A reader that has seen enough is none.
   const Outcome closed =
-      Process({"sh", "-c", "{ " + std::string(SCANMILL_PROGRAM) + " list; echo code $? >&2; } | true"}).wait();
+      RunningProgram({"sh", "-c", "{ " + std::string(SCANMILL_PROGRAM) + " list; echo code $? >&2; } | true"}).wait();
   EXPECT_EQ(closed.error, "code 0\n");
 }
 

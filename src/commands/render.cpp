@@ -1,0 +1,95 @@
+#include "pipeline/render.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+
+#include "base/parallel.h"
+#include "commands/arguments.h"
+#include "commands/stop_signal.h"
+#include "commands/table.h"
+#include "pipeline/progress.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::array kPasses{
+    std::pair{"depth", Channel::Range},
+    std::pair{"normal", Channel::Normal},
+    std::pair{"instance", Channel::Instance},
+    std::pair{"semantic", Channel::Semantic},
+    std::pair{"material", Channel::Material},
+    std::pair{"primitive", Channel::Primitive},
+    std::pair{"reflectance", Channel::Reflectance},
+};
+
+PassChoice readPassList(const std::string& list) {
+  PassChoice choice;
+  if (list == "all") {
+    for (const auto& [name, channel] : kPasses) choice.channels |= channel;
+    choice.look = true;
+    return choice;
+  }
+  std::vector<std::string> names{"all", "look"};
+  for (const auto& [name, channel] : kPasses) names.emplace_back(name);
+  std::size_t first = 0;
+  while (first <= list.size()) {
+    const std::size_t comma = std::min(list.find(',', first), list.size());
+    const std::string asked = list.substr(first, comma - first);
+    bool known = asked == "look";
+    choice.look = choice.look || known;
+    for (const auto& [name, channel] : kPasses) {
+      if (asked != name) continue;
+      choice.channels |= channel;
+      known = true;
+    }
+    if (!known) throw InputError(fmt::format("--passes: no pass '{}'{}", asked, suggestion(asked, names)));
+    first = comma + 1;
+  }
+  return choice;
+}
+
+}  // namespace
+
+int runRender(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("render");
+  cxxopts::Options options = describe(command);
+  options.add_options()("o,out", "folder of the recording (made where absent)", cxxopts::value<std::string>(), "DIR")(
+      "passes",
+      "all, or some of depth, normal, instance, semantic, material, primitive, reflectance, and look (roughness, "
+      "metallic and retroreflectance), with commas",
+      cxxopts::value<std::string>()->default_value("all"), "LIST")(
+      "overwrite", "replace a recording that is there already")("q,quiet", "one line in place of progress and tables");
+  addPipelineOptions(options);
+  const Arguments parsed = parseArguments(
+      command, options, arguments,
+      "  scanmill render pipelines/quickstart.yaml -o out/passes --set method=depth_camera\n"
+      "  scanmill render pipelines/quickstart.yaml -o out/depth --set method=depth_camera --passes depth,semantic\n"
+      "  scanmill generate pipelines/quickstart.yaml -o out/a --from-passes out/passes\n");
+  if (parsed.help) return 0;
+  const std::string file = parsed.positional("PIPELINE");
+  if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty()) {
+    throw InputError("-o DIR is missing: where should the passes go?");
+  }
+  const ThreadLimit limit(threadOption(parsed));
+  RenderOptions render;
+  render.passes = readPassList(parsed.options["passes"].as<std::string>());
+  const Plan plan(readPipeline(file, pipelineOverrides(parsed)), render.passes.channels);
+  render.folder = parsed.options["out"].as<std::string>();
+  render.overwrite = parsed.options.count("overwrite") > 0;
+  render.quiet = parsed.options.count("quiet") > 0;
+  render.stop = &stopSignal();
+  const RenderSummary summary = scanmill::render(plan, render);
+  for (const std::string& line : summary.warnings) warn(line);
+  fmt::print("{} images of {} shots, {}, in {}\n", grouped(summary.images), grouped(summary.shots),
+             shortBytes(static_cast<double>(summary.bytes)), render.folder.string());
+  if (render.quiet) return 0;
+  fmt::print("stages (s):");
+  for (const auto& [name, seconds] : summary.stages) fmt::print(" {} {:.2f}", name, seconds);
+  fmt::print("\nnext: scanmill generate {} -o DIR --from-passes {}\n", file, render.folder.string());
+  return 0;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,122 @@
+#pragma once
+
+// Strict reading of our own JSON files: what is missing, of the wrong type, out of range or unknown is refused at its
+// place (a JSON pointer, RFC 6901). For this folder only.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "base/vec.h"
+#include "scene/ontology.h"
+
+namespace scanmill {
+
+using Json = nlohmann::json;
+
+// Throws InputError with file, line and column.
+Json parseJson(const std::string& text, const std::string& file);
+
+// A value with its place.
+class JsonNode {
+ public:
+  JsonNode(const Json& value, std::string place, const std::string& file)
+      : value_(value), place_(std::move(place)), file_(file) {}
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError({file_}, fmt::format("{}: {}", place_.empty() ? "/" : place_, what));
+  }
+
+  // Checks a map's keys: all `required` must be there, and nothing beyond `optional`.
+  const JsonNode& keys(std::initializer_list<std::string_view> required,
+                       std::initializer_list<std::string_view> optional = {}) const {
+    expect(value_.is_object(), "a map");
+    for (const std::string_view key : required) {
+      if (!value_.contains(key)) fail(fmt::format("key '{}' is missing", key));
+    }
+    for (const auto& entry : value_.items()) {
+      const auto is = [&](std::string_view key) { return key == entry.key(); };
+      if (std::none_of(required.begin(), required.end(), is) && std::none_of(optional.begin(), optional.end(), is)) {
+        fail(fmt::format("key '{}' is unknown", entry.key()));
+      }
+    }
+    return *this;
+  }
+
+  bool has(std::string_view key) const { return value_.is_object() && value_.contains(key); }
+  JsonNode operator[](const std::string& key) const { return {value_.at(key), place_ + "/" + key, file_}; }
+
+  template <class Visit>
+  void forEach(const Visit& visit) const {
+    expect(value_.is_array(), "a list");
+    for (std::size_t i = 0; i < value_.size(); ++i) visit(JsonNode(value_[i], fmt::format("{}/{}", place_, i), file_));
+  }
+  template <class Visit>
+  void forEachEntry(const Visit& visit) const {
+    expect(value_.is_object(), "a map");
+    for (const auto& entry : value_.items()) visit(entry.key(), (*this)[entry.key()]);
+  }
+
+  std::string text() const {
+    expect(value_.is_string(), "text");
+    return value_.get<std::string>();
+  }
+  bool boolean() const {
+    expect(value_.is_boolean(), "true or false");
+    return value_.get<bool>();
+  }
+  double number(double low = -std::numeric_limits<double>::max(),
+                double high = std::numeric_limits<double>::max()) const {
+    expect(value_.is_number(), "a number");
+    const double number = value_.get<double>();
+    if (!(number >= low && number <= high)) fail(fmt::format("{} is not within {} to {}", number, low, high));
+    return number;
+  }
+  template <class Integer>
+  Integer integer(std::uint64_t low = 0, std::uint64_t high = std::numeric_limits<Integer>::max()) const {
+    expect(value_.is_number_unsigned(), "a whole number from 0");
+    const std::uint64_t number = value_.get<std::uint64_t>();
+    if (number < low || number > high) fail(fmt::format("{} is not within {} to {}", number, low, high));
+    return static_cast<Integer>(number);
+  }
+  std::string sha256() const {
+    std::string hash = text();
+    if (hash.size() != 64 || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
+      fail("is no SHA-256 (64 hexadecimal digits in lower case)");
+    }
+    return hash;
+  }
+  std::vector<std::string> texts() const {
+    std::vector<std::string> list;
+    forEach([&](const JsonNode& item) { list.push_back(item.text()); });
+    return list;
+  }
+  std::vector<double> numbers(std::size_t count) const {
+    std::vector<double> list;
+    forEach([&](const JsonNode& item) { list.push_back(item.number()); });
+    if (list.size() != count) fail(fmt::format("has {} numbers where {} belong", list.size(), count));
+    return list;
+  }
+
+ private:
+  void expect(bool holds, std::string_view what) const {
+    if (!holds) fail(fmt::format("is {} where {} belongs", value_.type_name(), what));
+  }
+
+  const Json& value_;
+  std::string place_;
+  const std::string& file_;
+};
+
+Pose poseOf(const JsonNode& node);
+Ontology ontologyOf(const JsonNode& node);
+
+}  // namespace scanmill

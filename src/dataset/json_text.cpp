@@ -1,0 +1,80 @@
+#include "dataset/json_text.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kLineWidth = 120;
+
+bool isNumberList(const OrderedJson& value) {
+  return value.is_array() &&
+         std::all_of(value.begin(), value.end(), [](const OrderedJson& v) { return v.is_number(); });
+}
+
+}  // namespace
+
+std::string scalarText(const OrderedJson& value) {
+  // Text that is not UTF-8 (a comment of a pipeline, say) must not cost the run its manifest.
+  return value.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+}
+
+std::string layOut(const OrderedJson& value, std::size_t indent) {
+  if (!value.is_structured()) return scalarText(value);
+  std::vector<std::string> parts;
+  std::size_t width = indent + 2;
+  bool flat = true;
+  for (const auto& [key, child] : value.items()) {
+    std::string part = value.is_object() ? scalarText(key) + ": " : std::string();
+    part += layOut(child, indent + 1);
+    flat = flat && part.find('\n') == std::string::npos;
+    width += part.size() + 2;
+    parts.push_back(std::move(part));
+  }
+  flat = flat && (width <= kLineWidth || isNumberList(value));
+  const std::string separator = flat ? ", " : ",\n" + std::string(indent + 1, ' ');
+  std::string text(1, value.is_object() ? '{' : '[');
+  if (!flat) text += "\n" + std::string(indent + 1, ' ');
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i > 0) text += separator;
+    text += parts[i];
+  }
+  if (!flat) text += "\n" + std::string(indent, ' ');
+  text += value.is_object() ? '}' : ']';
+  return text;
+}
+
+double finite(double value, std::string_view what) {
+  if (!std::isfinite(value)) throw Error(fmt::format("{} is {}: a manifest cannot hold it", what, value));
+  return value;
+}
+
+OrderedJson finiteList(const std::vector<double>& values, std::string_view what) {
+  OrderedJson list = OrderedJson::array();
+  for (const double value : values) list.push_back(finite(value, what));
+  return list;
+}
+
+OrderedJson poseJson(const Pose& pose, std::string_view what) {
+  const Quat& q = pose.rotation;
+  const Vec3d& t = pose.translation;
+  return {{"rotation", finiteList({q.w, q.x, q.y, q.z}, what)}, {"translation", finiteList({t.x, t.y, t.z}, what)}};
+}
+
+OrderedJson ontologyJson(const Ontology& ontology) {
+  OrderedJson classes = OrderedJson::array();
+  for (const SemanticClass& c : ontology.classes) {
+    OrderedJson entry{{"id", c.id}, {"name", c.name}, {"color", c.color}, {"thing", c.thing}};
+    if (!c.aliases.empty()) entry["aliases"] = c.aliases;
+    classes.push_back(std::move(entry));
+  }
+  return {{"name", ontology.name}, {"source", ontology.source}, {"classes", std::move(classes)}};
+}
+
+}  // namespace scanmill

@@ -1,0 +1,123 @@
+#include "pipeline/recorded_method.h"
+
+#include <fmt/core.h>
+
+#include <atomic>
+#include <chrono>
+#include <utility>
+
+#include "methods/depth_camera/depth_camera.h"
+#include "passes/hits_exr.h"
+#include "passes/pass_exr.h"
+
+namespace scanmill {
+
+namespace {
+
+// Seconds of reading, summed over threads.
+class Stopwatch {
+ public:
+  template <class Work>
+  void time(const Work& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    nanoseconds_ +=
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start).count();
+  }
+  double seconds() const { return static_cast<double>(nanoseconds_.load()) * 1e-9; }
+
+ private:
+  std::atomic<std::int64_t> nanoseconds_{0};
+};
+
+class RecordedHits : public Method {
+ public:
+  explicit RecordedHits(std::shared_ptr<const Recording> recording) : recording_(std::move(recording)) {}
+
+  void prepare(const Shot&) const override {}
+
+  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    watch_.time([&] {
+      const auto file = recording_->folder / recording_->shot(shot.sample, shot.sensorName).hits;
+      readHits(file, channels, hits);
+      if (hits.rings != shot.beams->rings || hits.columns != shot.beams->columns) {
+        throw InputError({file.string()},
+                         fmt::format("holds {} x {} beams, but '{}' has {} x {}", hits.rings, hits.columns,
+                                     shot.sensorName, shot.beams->rings, shot.beams->columns));
+      }
+    });
+  }
+
+  std::vector<std::string> modelled() const override { return recording_->modelled; }
+  std::uint64_t memoryBytes() const override { return 0; }
+  std::map<std::string, double> stageSeconds() const override { return {{"read_hits", watch_.seconds()}}; }
+
+ private:
+  std::shared_ptr<const Recording> recording_;
+  mutable Stopwatch watch_;
+};
+
+class RecordedPasses : public Method {
+ public:
+  RecordedPasses(std::shared_ptr<const Recording> recording, Fields& options)
+      : recording_(std::move(recording)), sampler_(makePassSampler(options)) {}
+
+  void prepare(const Shot& shot) const override { sampler_->prepare(shot); }
+
+  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    hits.reset(shot.beams->rings, shot.beams->columns, channels);
+    for (const RecordedStep& recorded : recording_->shot(shot.sample, shot.sensorName).steps) {
+      PassStep step{recorded.firstColumn, recorded.endColumn, recorded.worldFromRig, {}};
+      watch_.time([&] {
+        for (const std::string& image : recorded.images) {
+          step.images.push_back(read(recording_->folder / image, sampler_->passes(channels)));
+        }
+      });
+      sampler_->sample(shot, step, hits);
+    }
+  }
+
+  std::vector<std::string> modelled() const override {
+    std::vector<std::string> lines = recording_->modelled;
+    for (std::string& line : sampler_->modelled()) lines.push_back(std::move(line));
+    return lines;
+  }
+  std::uint64_t memoryBytes() const override { return 0; }
+  std::map<std::string, double> stageSeconds() const override {
+    std::map<std::string, double> seconds = sampler_->stageSeconds();
+    seconds["read_passes"] = watch_.seconds();
+    return seconds;
+  }
+  std::vector<std::string> warnings() const override { return sampler_->warnings(); }
+
+ private:
+  // With the look that the file tells, in place of its materials'; then these may be absent.
+  static PassImage read(const std::filesystem::path& file, PassChoice asked) {
+    const PassChoice there = passesIn(file);
+    asked.look = there.look;
+    const bool unnamed = asked.channels.has(Channel::Material) && there.look && !there.channels.has(Channel::Material);
+    if (unnamed) asked.channels = asked.channels.without(Channel::Material);
+    PassImage image = readPasses(file, asked);
+    if (unnamed) image.planes.material.assign(image.planes.size(), 0);
+    return image;
+  }
+
+  std::shared_ptr<const Recording> recording_;
+  std::unique_ptr<DepthCamera> sampler_;
+  mutable Stopwatch watch_;
+};
+
+}  // namespace
+
+std::unique_ptr<Method> makeRecordedMethod(const Pipeline& pipeline) {
+  if (pipeline.recording->kind == RecordingKind::Hits) return std::make_unique<RecordedHits>(pipeline.recording);
+  Value options;
+  options.where = {pipeline.file.string()};
+  if (pipeline.method.entry != nullptr && pipeline.method.entry->name == "depth_camera") {
+    options = pipeline.method.options;
+  }
+  Fields fields(options, "method depth_camera");
+  return std::make_unique<RecordedPasses>(pipeline.recording, fields);
+}
+
+}  // namespace scanmill

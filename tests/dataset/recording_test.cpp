@@ -1,0 +1,120 @@
+#include "dataset/recording.h"
+
+#include "base/file.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+Recording example() {
+  Recording r;
+  r.kind = RecordingKind::Passes;
+  r.programVersion = "0.1.0";
+  r.method = "depth_camera";
+  r.ontology.name = "two";
+  r.ontology.classes = {{0, "unlabeled", {0, 0, 0}, false, {}}, {7, "car", {1, 2, 3}, true, {"auto"}}};
+  r.sensors = {{"top", 4, 16}};
+  r.sequences = {{"street", 5, "Lane A", 2, 0}, {"yard", 1, "t0", 1, 1}};
+  Material shiny;
+  shiny.name = "chrome";
+  shiny.roughness = 0.1f;
+  shiny.metallic = 1;
+  shiny.retroreflectance = 0.25f;
+  r.materials = {{shiny}, {Material{}, shiny}};
+  r.modelled = {"geometry: as the camera sees it"};
+  return r;
+}
+
+TEST(Recording, ComesBackAsItWent) {
+  const TemporaryFolder folder;
+  RecordingWriter writer(folder.path() / "r", false);
+  RecordedShot shot{"street-s5-lane_a-000001", "top", 0.1, {{{1, 0, 0, 0}, {1e7 + 0.1, -2, 1.0 / 3}}}, "", {}};
+  shot.steps = {{0, 10, {{0.6, 0, 0.8, 0}, {1, 2, 3}}, {"a.exr", "b.exr"}},
+                {10, 16, {{1, 0, 0, 0}, {0.1, 0.2, 0.3}}, {"c.exr"}}};
+  writer.add(shot);
+  writer.finish(example());
+  const Recording r = readRecording(folder.path() / "r", RecordingKind::Passes);
+  EXPECT_EQ(r.method, "depth_camera");
+  ASSERT_EQ(r.ontology.classes.size(), 2u);
+  EXPECT_EQ(r.ontology.classes[1].name, "car");
+  ASSERT_EQ(r.sequences.size(), 2u);
+  EXPECT_EQ(r.sequences[0].trajectory, "Lane A");
+  EXPECT_EQ(r.sequences[1].materials, 1u);
+  ASSERT_EQ(r.materials[1].size(), 2u);
+  EXPECT_EQ(r.materials[1][1].roughness, 0.1f);
+  EXPECT_EQ(r.materials[1][1].retroreflectance, 0.25f);
+  EXPECT_EQ(r.modelled, example().modelled);
+  const RecordedShot back = r.shot(shot.sample, "top");
+  EXPECT_EQ(back.time, 0.1);
+  EXPECT_EQ(back.worldFromSensor, shot.worldFromSensor);  // to the last bit
+  ASSERT_EQ(back.steps.size(), 2u);
+  EXPECT_EQ(back.steps[0].worldFromRig, shot.steps[0].worldFromRig);
+  EXPECT_EQ(back.steps[1].firstColumn, 10u);
+  EXPECT_EQ(back.steps[0].images, shot.steps[0].images);
+}
+
+// What somebody writes whose renderer is not ours.
+TEST(Recording, TheLeastThatIsNeeded) {
+  const TemporaryFolder folder;
+  folder.write("recording.json", R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes",
+    "sensors": [{"name": "top", "rings": 2, "columns": 8}],
+    "sequences": [{"scene": "studio", "trajectory": "walk", "frames": 1}]})");
+  folder.write("studio-s1-walk-000000.top.json", R"({"time": 0, "world_from_sensor": [[1, 0, 0, 0, 5, 6, 7]],
+    "steps": [{"columns": [0, 8], "images": ["front.exr"]}]})");
+  const Recording r = readRecording(folder.path(), RecordingKind::Passes);
+  EXPECT_EQ(r.method, "depth_camera");
+  EXPECT_TRUE(r.ontology.classes.empty());
+  EXPECT_EQ(r.materials.size(), 1u);
+  const RecordedShot shot = r.shot("studio-s1-walk-000000", "top");
+  EXPECT_EQ(shot.steps[0].worldFromRig.translation, (Vec3d{5, 6, 7}));
+}
+
+TEST(Recording, BadIndexesAreNamed) {
+  const TemporaryFolder folder;
+  const std::string head = R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes", )";
+  const std::string sensors = R"("sensors": [{"name": "top", "rings": 2, "columns": 8}], )";
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
+    folder.write("recording.json", text);
+    expectInputError([&] { readRecording(folder.path(), RecordingKind::Passes); }, words);
+  };
+  refused("", {"recording.json", "no whole JSON"});
+  refused("[]", {"is no recording"});
+  refused(R"({"what": "else"})", {"is no recording"});
+  refused(head + R"("sequences": []})", {"'sensors' is missing"});
+  refused(head + sensors + R"("sequences": []})", {"/sequences", "nothing was recorded"});
+  refused(head + sensors + R"("sequences": [{"scene": "A/b", "trajectory": "t", "frames": 1}]})",
+          {"/sequences/0/scene", "'A/b'"});
+  refused(head + sensors + R"("sequences": [{"scene": "a", "trajectory": "t", "frames": 0}]})",
+          {"/sequences/0/frames"});
+  refused(head + sensors + R"("sequences": [{"scene": "a", "trajectory": "t", "frames": 1, "materials": 1}]})",
+          {"/sequences/0/materials", "0 tables"});
+  refused(head + sensors + R"("sequences": [{"scene": "a", "trajectory": "t", "frames": 1},
+                                            {"scene": "a", "trajectory": "t", "frames": 2}]})",
+          {"/sequences/1", "twice"});
+  std::string newer = head + sensors + R"("sequences": [{"scene": "a", "trajectory": "t", "frames": 1}]})";
+  newer.replace(newer.find("version\": 1"), 11, "version\": 9");
+  refused(newer, {"/schema_version", "newer"});
+}
+
+TEST(Recording, StepsFollowEachOther) {
+  const TemporaryFolder folder;
+  folder.write("recording.json", R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes",
+    "sensors": [{"name": "top", "rings": 2, "columns": 8}],
+    "sequences": [{"scene": "a", "trajectory": "t", "frames": 1}]})");
+  const Recording r = readRecording(folder.path(), RecordingKind::Passes);
+  const auto refused = [&](const std::string& steps, const std::vector<std::string>& words) {
+    folder.write("k.top.json",
+                 R"({"time": 0, "world_from_sensor": [[1, 0, 0, 0, 0, 0, 0]], "steps": [)" + steps + "]}");
+    expectInputError([&] { r.shot("k", "top"); }, words);
+  };
+  refused(R"({"columns": [1, 8], "images": ["a.exr"]})", {"/steps/0/columns", "first = 0"});
+  refused(R"({"columns": [0, 0], "images": ["a.exr"]})", {"/steps/0/columns"});
+  refused(R"({"columns": [0, 2.5], "images": ["a.exr"]})", {"/steps/0/columns"});
+  refused(R"({"columns": [0, 4], "images": ["a.exr"]})", {"/steps", "end at column 4", "has 8"});
+  refused(R"({"columns": [0, 8], "images": []})", {"/steps/0/images", "no file"});
+  refused(R"({"columns": [0, 8], "images": ["/etc/a.exr"]})", {"/steps/0/images/0"});
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,185 @@
+// Recordings: what is traced once makes the same scans again, byte for byte, and others, without the scene.
+
+#include <algorithm>
+
+#include "passes/hits_exr.h"
+#include "pipeline/generate.h"
+#include "pipeline/keeper.h"
+#include "pipeline/render.h"
+#include "tests/pipeline/small_world.h"
+
+namespace scanmill {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::vector<std::string> kNoisy = {
+    "motion=per_column", "scenes.0.seeds=[1, 2]",
+    "effects=[intensity: {output: u8}, dropout: {probability: 0.1, threshold: 0.0005}, range_noise: {sigma_m: 0.02}]",
+    "splits={by: seed, train: [1], test: [2]}"};
+
+std::vector<std::string> with(std::vector<std::string> overrides, const std::vector<std::string>& more) {
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  return overrides;
+}
+
+class RecordedTest : public Yard {
+ protected:
+  void keep(const std::vector<std::string>& overrides, const std::string& name, const fs::path& hits,
+            const fs::path& passes = {}) const {
+    GenerateOptions options;
+    options.folder = out(name);
+    options.keepHits = hits;
+    options.keepPasses = passes;
+    options.quiet = true;
+    generate(Plan(readPipeline(pipeline_, overrides), keptChannels()), options);
+  }
+
+  void remake(const std::vector<std::string>& overrides, const std::string& name, const fs::path& recording,
+              RecordingKind kind = RecordingKind::Hits) const {
+    const auto read = std::make_shared<const Recording>(readRecording(recording, kind));
+    GenerateOptions options;
+    options.folder = out(name);
+    options.quiet = true;
+    generate(Plan(readPipeline(pipeline_, overrides, read)), options);
+    EXPECT_THAT(verifyDataset(out(name)).problems, IsEmpty());
+  }
+};
+
+TEST_F(RecordedTest, KeptHitsMakeTheSameBytes) {
+  run(kNoisy, "direct");
+  keep(kNoisy, "kept", out("hits"));
+  EXPECT_TRUE(shards("direct") == shards("kept"));
+  fs::remove_all(folder_.path() / "scenes");  // nobody needs it any more
+  remake(kNoisy, "again", out("hits"));
+  EXPECT_EQ(shards("again").size(), 2u);
+  EXPECT_TRUE(shards("direct") == shards("again"));
+  EXPECT_EQ(readManifest(out("again")).samples.size(), 8u);
+}
+
+TEST_F(RecordedTest, KeptHitsMakeWhatAnotherPipelineWouldTrace) {
+  keep({"motion=per_column"}, "plain", out("hits"));  // the run itself has no effects
+  for (const auto& more : std::vector<std::vector<std::string>>{
+           {"effects=[intensity: {output: u8}, range_noise: {sigma_m: 0.1}]", "output.formats=[draco]"},
+           {"effects=[intensity: {gain: 3}, dropout: {threshold: 0.001}]", "output.layout=organised"},
+           {"seed=77", "effects=[angular_jitter: {sigma_deg: 0.1}]", "output.columns=[ring]"}}) {
+    fs::remove_all(out("traced"));
+    fs::remove_all(out("remade"));
+    run(with({"motion=per_column"}, more), "traced");
+    remake(with({"motion=per_column"}, more), "remade", out("hits"));
+    EXPECT_TRUE(shards("traced") == shards("remade")) << more.front();
+  }
+}
+
+TEST_F(RecordedTest, ThreadsDoNotChangeARecording) {
+  const auto files = [&](const std::string& name) {
+    Bytes bytes;
+    for (const auto& entry : fs::directory_iterator(out(name))) {
+      bytes[entry.path().filename().string()] = readFile(entry.path());
+    }
+    return bytes;
+  };
+  for (const int threads : {1, 8}) {
+    const ThreadLimit limit(threads);
+    keep(kNoisy, fmt::format("d{}", threads), out(fmt::format("hits{}", threads)));
+  }
+  EXPECT_EQ(files("hits1").size(), 1u + 8u * 2u);
+  EXPECT_TRUE(files("hits1") == files("hits8"));
+}
+
+TEST_F(RecordedTest, TheMethodOfAPipelineIsNotNeeded) {
+  keep({}, "kept", out("hits"));
+  std::string text = kYardPipeline;
+  const auto erase = [&](const std::string& from, const std::string& to) {
+    const std::size_t first = text.find(from);
+    text.erase(first, text.find(to) - first);
+  };
+  erase("scenes:", "sensors:");
+  erase("method:", "output:");
+  const fs::path bare = folder_.write("bare.yaml", text);
+  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
+  GenerateOptions options;
+  options.folder = out("bare");
+  options.quiet = true;
+  generate(Plan(readPipeline(bare, {}, recording)), options);
+  EXPECT_TRUE(shards("kept") == shards("bare"));
+}
+
+TEST_F(RecordedTest, WhatDoesNotFitIsRefused) {
+  keep({}, "kept", out("hits"));
+  const auto refused = [&](const std::vector<std::string>& overrides, const std::vector<std::string>& words) {
+    expectInputError([&] { remake(overrides, "refused", out("hits")); }, words);
+  };
+  std::string wider = "sensors=[" + kTop + "]";
+  wider.replace(wider.find("columns: 64"), 11, "columns: 65");
+  refused({wider}, {"'top' has 8 x 65 beams", "8 x 64"});
+  std::string other = "sensors=[" + kTop + "]";
+  other.replace(other.find("name: top"), 9, "name: tip");
+  refused({other}, {"has no sensor 'tip'", "top"});
+  expectInputError([&] { readRecording(out("hits"), RecordingKind::Passes); },
+                   {"/kind", "recording of hits", "--from-hits"});
+  expectInputError([&] { readRecording(out("kept"), RecordingKind::Hits); }, {"no recording.json", "--keep-hits"});
+  expectInputError([&] { readRecording(out("nowhere"), RecordingKind::Hits); }, {"nowhere"});
+  expectInputError([&] { keep({}, "second", out("hits")); }, {"hits", "--overwrite"});
+  EXPECT_FALSE(fs::exists(out("second") / "manifest.json"));
+  expectInputError([&] { keep({}, "third", {}, out("passes")); }, {"ray_tracing", "depth_camera"});
+}
+
+TEST_F(RecordedTest, DamageIsNamed) {
+  keep({}, "kept", out("hits"));
+  const auto damaged = [&](const std::string& file, const std::string& bytes, const std::vector<std::string>& words) {
+    const std::string whole = readFile(out("hits") / file);
+    writeFile(out("hits") / file, bytes);
+    fs::remove_all(out("refused"));
+    expectInputError([&] { remake({}, "refused", out("hits")); }, words);
+    EXPECT_FALSE(fs::exists(out("refused") / "manifest.json"));
+    writeFile(out("hits") / file, whole);
+  };
+  const std::string shot = "yard-s1-drive-000002.top.json";
+  const std::string text = readFile(out("hits") / shot);
+  damaged(shot, text.substr(0, text.size() / 2), {shot, "no whole JSON"});
+  damaged(shot, R"({"time": 0, "world_from_sensor": [], "hits": "a.exr"})", {shot, "/world_from_sensor", "no pose"});
+  damaged(shot, R"({"time": 0, "world_from_sensor": [[1, 0, 0, 0, 0, 0, 0]], "hits": "../a.exr"})",
+          {shot, "/hits", "'../a.exr'"});
+  damaged(shot, R"({"time": 0, "world_from_sensor": [[1, 1, 0, 0, 0, 0, 0]], "hits": "a.exr"})",
+          {shot, "/world_from_sensor/0", "quaternion"});
+  const std::string image = "yard-s1-drive-000001.top.hits.exr";
+  damaged(image, readFile(out("hits") / image).substr(0, 300), {image});
+  Hits small;
+  small.reset(2, 3, Channels::all());
+  writeHits(folder_.path() / "small.exr", small);
+  damaged(image, readFile(folder_.path() / "small.exr"), {image, "2 x 3", "8 x 64"});
+  fs::remove(out("hits") / image);
+  fs::remove_all(out("refused"));
+  expectInputError([&] { remake({}, "refused", out("hits")); }, {image});
+}
+
+TEST_F(RecordedTest, AStoppedRunIsNoRecording) {
+  GenerateOptions options;
+  options.folder = out("stopped");
+  options.keepHits = out("hits");
+  options.quiet = true;
+  const std::atomic<bool> stop = true;
+  options.stop = &stop;
+  EXPECT_THROW(generate(Plan(readPipeline(pipeline_, {})), options), Error);
+  EXPECT_FALSE(fs::exists(out("hits") / "recording.json"));
+}
+
+TEST_F(RecordedTest, OverwriteReplacesRecordingsOnly) {
+  keep({}, "kept", out("hits"));
+  GenerateOptions options;
+  options.folder = out("kept");
+  options.keepHits = out("hits");
+  options.overwrite = true;
+  options.quiet = true;
+  generate(Plan(readPipeline(pipeline_, {"trajectories.0.frames=2"})), options);
+  EXPECT_FALSE(fs::exists(out("hits") / "yard-s1-drive-000003.top.json"));
+  writeFile(out("hits") / "thesis.txt", "years of work");
+  expectInputError([&] { generate(Plan(readPipeline(pipeline_, {})), options); }, {"thesis.txt"});
+  EXPECT_TRUE(fs::exists(out("hits") / "thesis.txt"));
+}
+
+}  // namespace
+}  // namespace scanmill
