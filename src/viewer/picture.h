@@ -4,13 +4,14 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "scan/scan.h"
 #include "scene/ontology.h"
-#include "viewer/camera.h"
 #include "viewer/coloring.h"
 #include "viewer/image.h"
 #include "viewer/splats.h"
+#include "viewer/view_camera.h"
 
 namespace scanmill {
 
@@ -30,6 +31,14 @@ struct PictureOptions {
 // The scan seen from outside. `title` says what it is; points and colours are named beside it. An empty scan gives a
 // picture that says so.
 Image drawPicture(const Scan& scan, const Ontology* ontology, const PictureOptions& options, const std::string& title);
+
+// Scans on top of one another, each in a colour of its own; where they meet, the first is seen: how methods or settings
+// differ.
+struct NamedScan {
+  std::string name;
+  Scan scan;
+};
+Image drawOverlay(const std::vector<NamedScan>& scans, const PictureOptions& options, const std::string& title);
 
 // The scan as the sensor orders it: a row per ring, the highest beams on top, and a column per column, the first on
 // the left. Pixels are enlarged in whole steps until the image is readable. A head whose rings look past one another

@@ -97,7 +97,7 @@ TEST(Picture, LegendAndTitleStayBesideTheScan) {
     options.view = view;
     const Image image = drawPicture(scan, &ontology, options, "a scan with a long title");
     const Coloring coloring = colorScan(scan, {}, &ontology);
-    const Layout layout = layoutPicture(options.width, options.height, coloring.legend);
+    const PictureLayout layout = layoutPicture(options.width, options.height, coloring.legend);
     const int height = layout.bottom - layout.top;
     const Image alone = drawSplats(scan.position, coloring.colors, makeCamera(view, options.width, height, 1),
                                    options.width, height, options.splats);
@@ -112,7 +112,7 @@ TEST(Picture, LegendOfManyClassesIsCut) {
   Legend legend;
   for (int i = 0; i < 500; ++i) legend.entries.push_back({"class_" + std::to_string(i), {255, 0, 0}});
   for (const auto& [width, height] : {std::pair{64, 64}, std::pair{640, 360}, std::pair{200, 900}}) {
-    const Layout layout = layoutPicture(width, height, legend);
+    const PictureLayout layout = layoutPicture(width, height, legend);
     EXPECT_GE(layout.bottom, height * 3 / 5);
     EXPECT_GT(layout.bottom, layout.top);
     Image image(width, height, kBackground);
@@ -174,7 +174,7 @@ TEST(RangeImage, HasAPixelPerBeam) {
   const int stepX = image.width / 90;
   ASSERT_EQ(image.width, stepX * 90);
   ASSERT_GE(image.width, 1600);
-  const Layout layout = layoutAround(image.width, 8, colorScan(scan, ColorBy::Class, &ontology).legend);
+  const PictureLayout layout = layoutAround(image.width, 8, colorScan(scan, ColorBy::Class, &ontology).legend);
   int bodyHeight = 0;
   while (image.at(stepX * 50, layout.top + bodyHeight) == Rgb{255, 0, 0}) ++bodyHeight;
   const int stepY = bodyHeight / 8;
@@ -237,6 +237,29 @@ TEST(RangeImage, SaysWhatIsMissing) {
   scan = smallScan();
   scan.column[3] = 65535;
   EXPECT_THROW(drawRangeImage(scan, nullptr, ColorBy::Range, "too wide"), InputError);
+}
+
+TEST(Picture, OverlaidScansHaveColoursOfTheirOwn) {
+  NamedScan near{"near", {}};
+  NamedScan far{"far", {}};
+  for (int i = -20; i <= 20; ++i) {
+    near.scan.position.push_back({5, 0.1f * static_cast<float>(i), 0});
+    far.scan.position.push_back({10, 0.1f * static_cast<float>(i), 0});
+  }
+  PictureOptions options = small();
+  options.view = View::Above;
+  options.zoom = 4;
+  options.splats.size = 4;
+  options.splats.depthEdges = false;
+  const Rgb first{240, 228, 66};
+  const Rgb second{86, 180, 233};
+  const Image alone = drawOverlay({near}, options, "one");
+  const Image both = drawOverlay({near, far}, options, "two");
+  const Image same = drawOverlay({near, near}, options, "the same twice");
+  EXPECT_GT(count(alone, first), 200);
+  EXPECT_EQ(count(alone, second), 0);
+  EXPECT_GT(count(both, second), 200);
+  EXPECT_GT(count(same, first), count(same, second));  // where they meet, the first is seen
 }
 
 }  // namespace

@@ -1,0 +1,189 @@
+#include "viewer/pass_picture.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "base/error.h"
+#include "passes/exr_file.h"
+#include "passes/hits_exr.h"
+#include "passes/pass_exr.h"
+#include "viewer/color_map.h"
+#include "viewer/font.h"
+
+namespace scanmill {
+
+namespace {
+
+// A plane of an image: its name, what its colours span, and the colour of each pixel.
+struct Plane {
+  std::string name;
+  std::string note;
+  std::function<Rgb(std::size_t)> color;
+};
+
+struct Size {
+  int width = 0;
+  int height = 0;
+};
+
+constexpr double kCell = 2;         // of the text
+constexpr int kTitleHeight = 30;    // px
+constexpr int kCaptionHeight = 26;  // px, above each plane
+constexpr int kGap = 8;             // px
+
+// Nearest pixel: an id must not be mixed with another.
+void drawPlane(Image& picture, const Plane& plane, const Size& from, int x, int y, const Size& to) {
+  drawText(picture, x, y + 7, fitText(fmt::format("{}{}", plane.name, plane.note), to.width, kCell), kText, kCell);
+  for (int row = 0; row < to.height; ++row) {
+    const auto sourceRow = static_cast<std::size_t>(static_cast<std::int64_t>(row) * from.height / to.height);
+    for (int column = 0; column < to.width; ++column) {
+      const auto sourceColumn = static_cast<std::size_t>(static_cast<std::int64_t>(column) * from.width / to.width);
+      picture.at(x + column, y + kCaptionHeight + row) =
+          plane.color(sourceRow * static_cast<std::size_t>(from.width) + sourceColumn);
+    }
+  }
+}
+
+Image drawPlanes(const std::vector<Plane>& planes, const Size& size, int across, int width, double stretch,
+                 const std::string& title) {
+  const int columns = std::min<int>(across, static_cast<int>(planes.size()));
+  const int rows = (static_cast<int>(planes.size()) + columns - 1) / columns;
+  const int tileWidth = (width - kGap * (columns + 1)) / columns;
+  const double scale = static_cast<double>(tileWidth) / size.width;
+  const int tileHeight = std::clamp(static_cast<int>(std::lround(size.height * scale * stretch)), 1, 8192);
+  const int rowHeight = kCaptionHeight + tileHeight + kGap;
+  Image picture(width, kTitleHeight + rows * rowHeight, kBackground);
+  fillRectangle(picture, 0, 0, width, kTitleHeight, kPanel);
+  drawText(picture, kGap, 8, fitText(title, width - 2 * kGap, kCell), kText, kCell);
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const int column = static_cast<int>(i) % columns;
+    const int row = static_cast<int>(i) / columns;
+    drawPlane(picture, planes[i], size, kGap + column * (tileWidth + kGap), kTitleHeight + row * rowHeight,
+              {tileWidth, tileHeight});
+  }
+  return picture;
+}
+
+struct Span {
+  double low = 1;
+  double high = 1;
+};
+
+// 1st and 99th percentile of what is seen; every 97th pixel will do.
+Span spanOf(const std::vector<float>& values) {
+  std::vector<float> seen;
+  for (std::size_t i = 0; i<values.size(); i += values.size()> 100'000 ? 97 : 1) {
+    if (std::isfinite(values[i]) && values[i] > 0) seen.push_back(values[i]);
+  }
+  if (seen.empty()) return {};
+  std::sort(seen.begin(), seen.end());
+  const auto at = [&](double share) {
+    return double{seen[static_cast<std::size_t>(share * static_cast<double>(seen.size() - 1))]};
+  };
+  return {at(0.01), at(0.99)};
+}
+
+Plane distancePlane(const char* name, const std::vector<float>& distance) {
+  const Span span = spanOf(distance);
+  const double scale = span.high > span.low ? 1 / std::log(span.high / span.low) : 0;
+  return {name, fmt::format(", {:.2g} to {:.3g} m, by its logarithm", span.low, span.high),
+          [=, &distance](std::size_t i) {
+            const double d = distance[i];
+            return std::isfinite(d) ? viridis(std::log(std::max(d, 1e-9) / span.low) * scale) : kBackground;
+          }};
+}
+
+Plane normalPlane(const std::vector<Vec3f>& normal) {
+  return {"normal", ", x red, y green, z blue", [&normal](std::size_t i) {
+            const Vec3f n = normal[i];
+            if (n == Vec3f{}) return kBackground;
+            const auto byte = [](float c) { return static_cast<std::uint8_t>(std::lround(127.5 + 127.5 * c)); };
+            return Rgb{byte(n.x), byte(n.y), byte(n.z)};
+          }};
+}
+
+template <class Id>
+Plane idPlane(const char* name, const std::vector<Id>& ids, const std::vector<float>& distance, bool zeroIsNone) {
+  return {name, ", a colour each", [&ids, &distance, zeroIsNone](std::size_t i) {
+            if (!std::isfinite(distance[i])) return kBackground;
+            return instanceColor(zeroIsNone ? ids[i] : ids[i] + 1u);
+          }};
+}
+
+Plane sharePlane(const char* name, const std::vector<float>& values, const std::vector<float>& distance) {
+  double most = 1;
+  for (const float v : values) most = std::max(most, double{v});
+  return {name, fmt::format(", 0 to {:.3g}", most), [&values, &distance, most](std::size_t i) {
+            return std::isfinite(distance[i]) ? viridis(values[i] / most) : kBackground;
+          }};
+}
+
+// Planes that hits and pass images have in common, but for the distance.
+template <class Planes>
+void addPlanes(const Planes& p, const std::vector<float>& distance, const Ontology* ontology,
+               std::vector<Plane>& planes) {
+  if (!p.normal.empty()) planes.push_back(normalPlane(p.normal));
+  if (!p.semantic.empty()) {
+    planes.push_back({"semantic", "", [&p, &distance, ontology](std::size_t i) {
+                        return std::isfinite(distance[i]) ? classColor(ontology, p.semantic[i]) : kBackground;
+                      }});
+  }
+  if (!p.instance.empty()) planes.push_back(idPlane("instance", p.instance, distance, true));
+  if (!p.material.empty()) planes.push_back(idPlane("material", p.material, distance, false));
+  if (!p.primitive.empty()) planes.push_back(idPlane("primitive", p.primitive, distance, false));
+  if (!p.reflectance.empty()) planes.push_back(sharePlane("reflectance", p.reflectance, distance));
+  if (!p.roughness.empty()) planes.push_back(sharePlane("roughness", p.roughness, distance));
+  if (!p.metallic.empty()) planes.push_back(sharePlane("metallic", p.metallic, distance));
+  if (!p.retroreflectance.empty()) planes.push_back(sharePlane("retroreflectance", p.retroreflectance, distance));
+}
+
+}  // namespace
+
+Image drawPasses(const PassImage& image, const Ontology* ontology, int width, const std::string& title) {
+  constexpr int kAcross = 3;
+  std::vector<Plane> planes{distancePlane("depth", image.planes.depth)};
+  addPlanes(image.planes, image.planes.depth, ontology, planes);
+  const Camera& c = image.camera;
+  return drawPlanes(planes, {static_cast<int>(c.width), static_cast<int>(c.height)}, kAcross, width, 1,
+                    fmt::format("{}, {} x {} pixels, {:.1f} x {:.1f} degrees", title, c.width, c.height,
+                                degrees(c.horizontalField()), degrees(c.verticalField())));
+}
+
+Image drawHits(const Hits& hits, const Ontology* ontology, int width, const std::string& title) {
+  constexpr double kReadableShare = 1.0 / 7;  // height over width
+  std::vector<Plane> planes{distancePlane("range", hits.range)};
+  addPlanes(hits, hits.range, ontology, planes);
+  if (!hits.incidence.empty()) planes.push_back(sharePlane("cosine of the incidence", hits.incidence, hits.range));
+  const double share = static_cast<double>(hits.rings) / hits.columns;
+  return drawPlanes(planes, {static_cast<int>(hits.columns), static_cast<int>(hits.rings)}, 1, width,
+                    std::max(kReadableShare / share, 1.0),
+                    fmt::format("{}, {} rings x {} columns", title, hits.rings, hits.columns));
+}
+
+Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width) {
+  const std::string title = file.filename().string();
+  const ExrReader header(file);
+  const auto& channels = header.channels();
+  const auto has = [&](const char* name) {
+    return std::any_of(channels.begin(), channels.end(), [&](const ExrChannel& c) { return c.name == name; });
+  };
+  if (!has("range")) return drawPasses(readPasses(file, passesIn(file)), ontology, width, title);
+  Channels there = Channel::Range;
+  const std::pair<const char*, Channel> known[] = {
+      {"N.X", Channel::Normal},          {"instance", Channel::Instance},   {"semantic", Channel::Semantic},
+      {"material", Channel::Material},   {"primitive", Channel::Primitive}, {"reflectance", Channel::Reflectance},
+      {"incidence", Channel::Incidence},
+  };
+  for (const auto& [name, channel] : known) {
+    if (has(name)) there |= channel;
+  }
+  Hits hits;
+  readHits(file, there, hits);
+  return drawHits(hits, ontology, width, title);
+}
+
+}  // namespace scanmill
