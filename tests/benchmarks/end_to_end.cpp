@@ -80,12 +80,16 @@ void endToEnd(benchmark::State& state, const std::string& format, const auto& pr
   const Plan plan(readPipeline(folder.write("pipeline.yaml", pipelineText(format)), {}));
   const std::filesystem::path out = shardFolder();
   const Scene scene = plan.loadScene(plan.pipeline().sequences.front());
+  GenerateOptions options;
+  options.folder = out;
+  options.overwrite = true;
+  options.quiet = true;
   std::vector<double> oursSeconds;
   std::vector<double> bareSeconds;
   double points = 0;
   double bytes = 0;
   for (auto _ : state) {
-    const GenerateSummary summary = generate(plan, {.folder = out, .overwrite = true, .quiet = true});
+    const GenerateSummary summary = generate(plan, options);
     const double busy = summary.seconds - summary.manifest.stages.at("setup");
     state.SetIterationTime(busy);
     oursSeconds.push_back(busy / kFrames);

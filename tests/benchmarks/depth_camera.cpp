@@ -1,0 +1,216 @@
+// The depth camera, stage by stage, on the street of the quickstart (1.3 million placed triangles): 64 x 2048 beams
+// from three images of 2048 x 2048 with depth, normals, ids and reflectance, and what the alternatives cost in the same
+// run. `of_*` are ratios of times in one run.
+
+#include "methods/depth_camera/depth_camera.h"
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "methods/depth_camera/turn.h"
+#include "passes/hits_exr.h"
+#include "passes/pass_exr.h"
+#include "passes/renderer.h"
+#include "pipeline/generate.h"
+#include "pipeline/keeper.h"
+#include "tests/benchmarks/timing.h"
+#include "tests/methods/trace.h"
+#include "tests/support/embree_passes.h"
+#include "tests/support/street.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+const Scene& street() {
+  static const Scene scene = quickstartStreet();
+  return scene;
+}
+
+constexpr Channels kChannels = Channels(Channel::Range) | Channel::Normal | Channel::Instance | Channel::Semantic |
+                               Channel::Material | Channel::Reflectance | Channel::Incidence;
+
+std::shared_ptr<const BeamTable> beamsOf(std::int64_t rings) {
+  const auto preset = presetBeams("paper_64");
+  auto beams = std::make_shared<BeamTable>(*preset);
+  if (beams->rings == rings) return beams;
+  const double top = *std::max_element(preset->elevation.begin(), preset->elevation.end());
+  const double bottom = *std::min_element(preset->elevation.begin(), preset->elevation.end());
+  beams->rings = static_cast<std::uint32_t>(rings);
+  beams->elevation.clear();
+  for (std::int64_t r = 0; r < rings; ++r) {
+    beams->elevation.push_back(top + (bottom - top) * static_cast<double>(r) / static_cast<double>(rings - 1));
+  }
+  beams->azimuthOffset.assign(beams->rings, 0.0);
+  beams->firingOffset.assign(beams->rings, 0.0);
+  fillBeams(*beams);
+  return beams;
+}
+
+// A scan by the depth camera against one by ray tracing. Stages are of the last scan's, in milliseconds.
+void scan(benchmark::State& state, const std::string& options) {
+  const Shot shot = streetShot(beamsOf(state.range(0)), -20);
+  const auto camera = methodOf("depth_camera", street(), options);
+  const auto tracing = rayTracing(street());
+  Hits hits;
+  const auto ours = [&] { camera->trace(shot, kChannels, hits); };
+  const auto traced = [&] { tracing->trace(shot, kChannels, hits); };
+  ours();
+  traced();
+  std::vector<double> oursSeconds;
+  std::vector<double> tracedSeconds;
+  const auto before = camera->stageSeconds();
+  std::size_t scans = 0;
+  for (auto _ : state) {
+    const std::vector<double> each = secondsOfEach(5, ours);
+    scans += each.size();
+    oursSeconds.push_back(median(each));
+    state.SetIterationTime(oursSeconds.back());
+    tracedSeconds.push_back(median(secondsOfEach(5, traced)));
+  }
+  for (const auto& [stage, seconds] : camera->stageSeconds()) {
+    state.counters[stage + "_ms"] = 1e3 * (seconds - before.at(stage)) / static_cast<double>(scans);
+  }
+  state.counters["beams/s"] = static_cast<double>(hits.size()) / median(oursSeconds);
+  state.counters["of_ray_tracing"] = median(oursSeconds) / median(tracedSeconds);
+}
+BENCHMARK_CAPTURE(scan, three_120, "{layout: three_120}")
+    ->Arg(64)
+    ->Arg(512)
+    ->UseManualTime()
+    ->Iterations(5)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(scan, automatic, "{layout: auto}")
+    ->Arg(64)
+    ->Arg(512)
+    ->UseManualTime()
+    ->Iterations(5)
+    ->Unit(benchmark::kMillisecond);
+
+struct ThreeImages {
+  Shot shot = streetShot(presetBeams("paper_64"), -20);
+  std::vector<Camera> cameras;
+  DrawLimits limits;
+
+  ThreeImages() {
+    cameras = layOut(shot.beams->direction, {Layout::Three120, 2048});
+    for (Camera& camera : cameras) camera.worldFromCamera = shot.worldFromSensor.front() * camera.worldFromCamera;
+    limits = {0.01, shot.beams->maxRange};
+  }
+};
+
+constexpr PassChoice kDepthNormalIds{Channels(Channel::Range) | Channel::Normal | Channel::Instance |
+                                     Channel::Semantic | Channel::Material};
+
+// The same three images, all pixels with depth, normals and ids: drawn, and traced by Embree.
+void images(benchmark::State& state) {
+  const ThreeImages three;
+  const auto vtk = makeVtkRenderer(street());
+  EmbreePasses embree(street());
+  const auto drawn = [&] {
+    const auto source = vtk->draw(three.cameras, three.limits, kDepthNormalIds);
+    benchmark::DoNotOptimize(readAll(*source, kDepthNormalIds).size());
+  };
+  const auto traced = [&] { embree.draw(three.cameras, three.limits, kDepthNormalIds); };
+  drawn();
+  traced();
+  std::vector<double> drawnSeconds;
+  std::vector<double> tracedSeconds;
+  for (auto _ : state) {
+    drawnSeconds.push_back(secondsOf(drawn));
+    state.SetIterationTime(drawnSeconds.back());
+    tracedSeconds.push_back(secondsOf(traced));
+  }
+  state.counters["pixels/s"] = 3.0 * 2048 * 2048 / median(drawnSeconds);
+  state.counters["embree_pixels/s"] = 3.0 * 2048 * 2048 / median(tracedSeconds);
+  state.counters["of_embree"] = median(drawnSeconds) / median(tracedSeconds);
+}
+BENCHMARK(images)->UseManualTime()->Iterations(5)->Unit(benchmark::kMillisecond);
+
+// Sampling alone, from images in memory.
+void sampling(benchmark::State& state, Sampling how) {
+  const ThreeImages three;
+  EmbreePasses embree(street());
+  const auto source = embree.draw(three.cameras, three.limits, {Channels::all(), false});
+  const RigBeams beams = rigBeams(three.shot, 0, three.shot.beams->columns, three.shot.worldFromSensor.front());
+  SampleOptions options;
+  options.sampling = how;
+  options.farthest = three.limits.farthest;
+  Hits hits;
+  for (auto _ : state) {
+    hits.reset(three.shot.beams->rings, three.shot.beams->columns, kChannels);
+    samplePixels(*source, three.shot.worldFromSensor.front(), beams, options, hits);
+  }
+  state.counters["beams/s"] =
+      benchmark::Counter(static_cast<double>(hits.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK_CAPTURE(sampling, plane, Sampling::Plane)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(sampling, nearest, Sampling::Nearest)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(sampling, bilinear, Sampling::Bilinear)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+// One image of 2048 x 2048 to an EXR file, and back.
+void exr(benchmark::State& state) {
+  const ThreeImages three;
+  EmbreePasses embree(street());
+  const PassImage image = embree.image(three.cameras.front(), three.limits, kDepthNormalIds);
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "image.exr";
+  std::vector<double> writing;
+  std::vector<double> reading;
+  for (auto _ : state) {
+    writing.push_back(secondsOf([&] { writePasses(file, image); }));
+    state.SetIterationTime(writing.back());
+    reading.push_back(secondsOf([&] { readPasses(file, kDepthNormalIds); }));
+  }
+  state.counters["write_ms"] = 1e3 * median(writing);
+  state.counters["read_ms"] = 1e3 * median(reading);
+  state.counters["B/pixel"] = static_cast<double>(std::filesystem::file_size(file)) / (2048.0 * 2048);
+}
+BENCHMARK(exr)->UseManualTime()->Iterations(10)->Unit(benchmark::kMillisecond);
+
+// Trace once, synthesise many: datasets from kept hits against tracing again.
+void fromHits(benchmark::State& state, const std::string& method) {
+  const TemporaryFolder folder;
+  const std::string root = SCANMILL_SOURCE_DIR;
+  const auto pipeline =
+      folder.write("pipeline.yaml",
+                   "scenes: [{scene: " + root + "/scenes/street.yaml}]\n" +
+                       "trajectories: [{waypoints: [[-50, -1.75, 0], [50, -1.75, 0]], speed: 10, every_m: 3, "
+                       "frames: 32}]\nsensors: [{preset: " +
+                       root + "/pipelines/sensors/paper_64.yaml, mount: {position: [0, 0, 1.9]}}]\nmethod: " + method +
+                       "\neffects: [{intensity: {output: u8}}, {range_noise: {sigma_m: 0.01}}]\n" +
+                       "output: {columns: [intensity, label, instance, ring, column], formats: [draco]}\n");
+  const auto hits = folder.path() / "hits";
+  GenerateOptions options;
+  options.folder = folder.path() / "out";
+  options.overwrite = true;
+  options.quiet = true;
+  options.keepHits = hits;
+  const double kept = generate(Plan(readPipeline(pipeline, {}), keptChannels()), options).seconds;
+  options.keepHits.clear();
+  const auto recording = std::make_shared<const Recording>(readRecording(hits, RecordingKind::Hits));
+  const Plan direct(readPipeline(pipeline, {}));
+  const Plan again(readPipeline(pipeline, {}, recording));
+  std::vector<double> directSeconds;
+  std::vector<double> againSeconds;
+  for (auto _ : state) {
+    directSeconds.push_back(generate(direct, options).seconds);
+    againSeconds.push_back(generate(again, options).seconds);
+    state.SetIterationTime(againSeconds.back());
+  }
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(hits)) bytes += entry.file_size();
+  state.counters["times_as_fast"] = median(directSeconds) / median(againSeconds);
+  state.counters["keeping_of_direct"] = kept / median(directSeconds);
+  state.counters["kept_MB/scan"] = static_cast<double>(bytes) / 32e6;
+}
+BENCHMARK_CAPTURE(fromHits, ray_tracing, "ray_tracing")->UseManualTime()->Iterations(3)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fromHits, depth_camera, "depth_camera")
+    ->UseManualTime()
+    ->Iterations(3)
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace scanmill
