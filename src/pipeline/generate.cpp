@@ -27,11 +27,11 @@ namespace {
 // Seconds of processor time per stage, summed over threads. Threads run each stage's work by themselves, but for
 // tracing, which may be helped by idle ones; so the sum is close to, not exactly, the time on processors.
 struct StageTimes {
-  enum Stage { Setup, Trace, Keep, Effects, Encode, Write, Count };
+  enum Stage { Setup, Trace, Effects, Encode, Write, Count };
   std::array<std::atomic<std::int64_t>, Count> nanoseconds{};
 
   std::map<std::string, double> seconds() const {
-    static constexpr std::array kNames{"setup", "trace", "keep", "effects", "encode", "write"};
+    static constexpr std::array kNames{"setup", "trace", "effects", "encode", "write"};
     std::map<std::string, double> result;
     for (std::size_t i = 0; i < Count; ++i) {
       if (nanoseconds[i] > 0) result[kNames[i]] = static_cast<double>(nanoseconds[i].load()) * 1e-9;
@@ -123,10 +123,7 @@ Sample makeSample(const Plan& plan, const Scene& scene, const Method& method, co
       const StageTimer timer(times, StageTimes::Trace);
       method.trace(shot, plan.channels(), work.hits);
     }
-    if (keeper.keeps()) {
-      const StageTimer timer(times, StageTimes::Keep);
-      keeper.keep(shot, plan.channels(), work.hits);
-    }
+    if (keeper.keeps()) keeper.keep(shot, plan.channels(), work.hits);
     {
       const StageTimer timer(times, StageTimes::Effects);
       sense(work.hits, shot, pipeline.effects, scene.materials, pipeline.columns, work.returns, work.scan);
@@ -309,6 +306,7 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
     summary.manifest.stages.erase("trace");  // its parts are known
     for (const auto& [stage, seconds] : methodSeconds) summary.manifest.stages[stage] = seconds;
   }
+  for (const auto& [stage, seconds] : keeper.stageSeconds()) summary.manifest.stages[stage] = seconds;
   keeper.finish();
   writer->finish(summary.manifest);
   summary.bytes = writer->bytesWritten();

@@ -3,12 +3,25 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
 
+#include "base/parallel.h"
 #include "config/version.h"
 #include "passes/hits_exr.h"
 #include "passes/pass_exr.h"
 
 namespace scanmill {
+
+namespace {
+
+template <class Work>
+void timed(std::atomic<std::int64_t>& nanoseconds, const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  nanoseconds += std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
 
 Channels keptChannels() {
   return Channel::Range | Channel::Instance | Channels(Channel::Semantic) | Channel::Material | Channel::Reflectance |
@@ -53,7 +66,7 @@ void Keeper::keep(const Shot& shot, Channels channels, Hits& hits) const {
   }
   if (hits_) {
     const std::filesystem::path file = hits_->file(shot.sample, shot.sensorName, "hits.exr");
-    writeHits(file, hits);
+    timed(writingHits_, [&] { writeHits(file, hits); });
     hits_->add({shot.sample, shot.sensorName, shot.time, shot.worldFromSensor, file.filename().string(), {}});
   }
 }
@@ -63,11 +76,15 @@ void Keeper::keepPasses(const Shot& shot, PassChoice choice, const std::function
   camera_->draw(shot, choice, [&](PassStep&& step) {
     RecordedStep kept{step.firstColumn, step.endColumn, step.worldFromRig, {}};
     for (const PassImage& image : step.images) {
-      const std::filesystem::path file = passes_->file(
-          shot.sample, shot.sensorName, fmt::format("{}.{}.exr", recorded.steps.size(), image.camera.name));
-      writePasses(file, image);
+      const auto file = passes_->file(shot.sample, shot.sensorName,
+                                      fmt::format("{}.{}.exr", recorded.steps.size(), image.camera.name));
       kept.images.push_back(file.filename().string());
     }
+    timed(writingPasses_, [&] {
+      parallelFor(step.images.size(), 1, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) writePasses(passes_->folder() / kept.images[i], step.images[i]);
+      });
+    });
     recorded.steps.push_back(std::move(kept));
     if (use) use(step);
   });
@@ -87,6 +104,13 @@ Recording Keeper::describe(RecordingKind kind) const {
   recording.materials = materials_;
   recording.modelled = modelled_;
   return recording;
+}
+
+std::map<std::string, double> Keeper::stageSeconds() const {
+  std::map<std::string, double> seconds;
+  if (hits_) seconds["write_hits"] = static_cast<double>(writingHits_) * 1e-9;
+  if (passes_) seconds["write_passes"] = static_cast<double>(writingPasses_) * 1e-9;
+  return seconds;
 }
 
 void Keeper::finish() {

@@ -2,9 +2,11 @@
 
 // Keeps what a run traces as recordings: hits, passes, both or none.
 
+#include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -38,8 +40,12 @@ class Keeper {
   // Draws and keeps the shot's passes alone.
   void keepPasses(const Shot& shot, PassChoice choice, const std::function<void(const PassStep&)>& use = {}) const;
   void finish();
+  // Seconds of writing so far, summed over threads: "write_hits" and "write_passes", those that are kept.
+  std::map<std::string, double> stageSeconds() const;
 
  private:
+  using Nanoseconds = std::atomic<std::int64_t>;
+
   Recording describe(RecordingKind kind) const;
 
   const Plan& plan_;
@@ -50,6 +56,8 @@ class Keeper {
   std::vector<RecordedSequence> sequences_;
   std::vector<std::vector<Material>> materials_;
   std::vector<std::string> modelled_;
+  mutable Nanoseconds writingHits_{0};
+  mutable Nanoseconds writingPasses_{0};
 };
 
 }  // namespace scanmill

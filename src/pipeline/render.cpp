@@ -49,12 +49,10 @@ RenderSummary render(const Plan& plan, const RenderOptions& options) {
       }
       double pixels = 0;
       for (const Shot& shot : plan.shots(s, frame)) {
-        const auto start = std::chrono::steady_clock::now();
         keeper.keepPasses(shot, options.passes, [&](const PassStep& step) {
           for (const PassImage& image : step.images) pixels += static_cast<double>(image.camera.pixels());
           summary.images += step.images.size();
         });
-        summary.stages["draw_and_write"] += secondsSince(start);
         ++summary.shots;
       }
       progress.advance(1, pixels);
@@ -62,6 +60,7 @@ RenderSummary render(const Plan& plan, const RenderOptions& options) {
     for (std::string& line : method->warnings()) summary.warnings.push_back(std::move(line));
   }
   if (method != nullptr) addStages();
+  for (const auto& [stage, seconds] : keeper.stageSeconds()) summary.stages[stage] = seconds;
   keeper.finish();
   for (const auto& entry : std::filesystem::directory_iterator(options.folder)) summary.bytes += entry.file_size();
   summary.seconds = progress.seconds();

@@ -15,6 +15,7 @@
 #include "passes/vtk_geometry.h"
 #include "passes/vtk_loader.h"
 #include "tests/passes/ray_reference.h"
+#include "tests/support/gl.h"
 #include "tests/support/message_of.h"
 #include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
@@ -27,18 +28,8 @@ using testing::HasSubstr;
 
 const PassChoice kIds{Channels(Channel::Instance) | Channel::Primitive | Channel::Normal | Channel::Material, false};
 
-// Null where the machine has no OpenGL; then the test is skipped.
-std::unique_ptr<PassRenderer> rendererOf(const Scene& scene) {
-  try {
-    return makeVtkRenderer(scene);
-  } catch (const Error& e) {
-    if (std::string(e.what()).find("no OpenGL 4.3") == std::string::npos) throw;
-    return nullptr;
-  }
-}
-
-#define RENDERER_OR_SKIP(name, scene)                           \
-  const std::unique_ptr<PassRenderer> name = rendererOf(scene); \
+#define RENDERER_OR_SKIP(name, scene)                              \
+  const std::unique_ptr<PassRenderer> name = vtkRendererOf(scene); \
   if (name == nullptr) GTEST_SKIP() << "this machine has no OpenGL 4.3 by EGL"
 
 Camera cameraAt(const Vec3d& position, double yawDeg, double pitchDeg, double rollDeg, std::uint32_t width,

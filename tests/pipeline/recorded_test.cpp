@@ -7,6 +7,7 @@
 #include "pipeline/keeper.h"
 #include "pipeline/render.h"
 #include "tests/pipeline/small_world.h"
+#include "tests/support/gl.h"
 
 namespace scanmill {
 namespace {
@@ -179,6 +180,92 @@ TEST_F(RecordedTest, OverwriteReplacesRecordingsOnly) {
   writeFile(out("hits") / "thesis.txt", "years of work");
   expectInputError([&] { generate(Plan(readPipeline(pipeline_, {})), options); }, {"thesis.txt"});
   EXPECT_TRUE(fs::exists(out("hits") / "thesis.txt"));
+}
+
+const std::string kCamera = "method={depth_camera: {resolution: 256}}";
+
+class RecordedPassesTest : public RecordedTest {};
+
+TEST_F(RecordedPassesTest, KeptPassesMakeTheSameBytes) {
+  SKIP_WITHOUT_GL();
+  for (const char* motion : {"motion=none", "motion=per_column", "motion={steps: 3, deskew: true}"}) {
+    SCOPED_TRACE(motion);
+    const std::vector<std::string> overrides = with(kNoisy, {kCamera, motion});
+    for (const char* old : {"direct", "kept", "again", "passes"}) fs::remove_all(out(old));
+    run(overrides, "direct");
+    keep(overrides, "kept", {}, out("passes"));
+    EXPECT_TRUE(shards("direct") == shards("kept"));
+    remake(overrides, "again", out("passes"), RecordingKind::Passes);
+    EXPECT_TRUE(shards("direct") == shards("again"));
+  }
+}
+
+TEST_F(RecordedPassesTest, HitsOfTheDepthCameraAreKeptToo) {
+  SKIP_WITHOUT_GL();
+  const std::vector<std::string> overrides = with(kNoisy, {kCamera});
+  keep(overrides, "kept", out("hits"), out("passes"));
+  remake(overrides, "again", out("hits"));
+  EXPECT_TRUE(shards("kept") == shards("again"));
+}
+
+// Rendered alone, with all passes; then read by another pipeline with another sampling than none at all.
+TEST_F(RecordedPassesTest, RenderedPassesMakeTheSameBytes) {
+  SKIP_WITHOUT_GL();
+  const std::vector<std::string> overrides = with(kNoisy, {kCamera});
+  RenderOptions options;
+  options.folder = out("passes");
+  options.passes = {Channels::all(), true};
+  options.quiet = true;
+  const RenderSummary summary = render(Plan(readPipeline(pipeline_, overrides), options.passes.channels), options);
+  EXPECT_EQ(summary.shots, 8u);
+  EXPECT_GE(summary.images, 8u);
+  run(overrides, "direct");
+  remake(overrides, "again", out("passes"), RecordingKind::Passes);
+  EXPECT_TRUE(shards("direct") == shards("again"));
+  const std::string nearest = "method={depth_camera: {resolution: 256, sampling: nearest}}";
+  run(with(kNoisy, {nearest}), "nearest");
+  remake(with(kNoisy, {nearest}), "nearest_again", out("passes"), RecordingKind::Passes);
+  EXPECT_TRUE(shards("nearest") == shards("nearest_again"));
+  EXPECT_FALSE(shards("nearest") == shards("direct"));
+}
+
+// Another renderer writes what docs/recordings.md asks for and no more: no ontology, no materials, no triangles.
+TEST_F(RecordedPassesTest, PassesOfOthersMakeTheSamePoints) {
+  SKIP_WITHOUT_GL();
+  const std::vector<std::string> overrides = {kCamera,
+                                              "effects=[intensity: {output: u8}, range_noise: {sigma_m: 0.02}]"};
+  RenderOptions options;
+  options.folder = out("passes");
+  options.passes = {Channels::all().without(Channel::Material | Channel::Primitive), true};
+  options.quiet = true;
+  render(Plan(readPipeline(pipeline_, overrides), options.passes.channels), options);
+  writeFile(out("passes") / "recording.json", R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes",
+    "sensors": [{"name": "top", "rings": 8, "columns": 64}],
+    "sequences": [{"scene": "yard", "trajectory": "drive", "frames": 4}]})");
+  run(overrides, "direct");
+  expectInputError([&] { remake(overrides, "nameless", out("passes"), RecordingKind::Passes); },
+                   {"no ontology", "labels"});
+  remake(with(overrides, {fmt::format("labels={}/labels/scanmill.yaml", SCANMILL_SOURCE_DIR)}), "again", out("passes"),
+         RecordingKind::Passes);
+  EXPECT_TRUE(shards("direct") == shards("again"));
+}
+
+TEST_F(RecordedPassesTest, WhatIsNotThereIsNamed) {
+  SKIP_WITHOUT_GL();
+  RenderOptions options;
+  options.folder = out("passes");
+  options.passes = {Channel::Range, false};
+  options.quiet = true;
+  render(Plan(readPipeline(pipeline_, {kCamera})), options);
+  expectInputError([&] { remake({kCamera}, "again", out("passes"), RecordingKind::Passes); },
+                   {".exr", "channel", "normal"});
+  options.folder = out("none");
+  expectInputError([&] { render(Plan(readPipeline(pipeline_, {})), options); }, {"ray_tracing", "depth_camera"});
+  expectInputError(
+      [&] {
+        render(Plan(readPipeline(pipeline_, {kCamera})), {out("passes"), {}, false, true, nullptr});
+      },
+      {"passes", "--overwrite"});
 }
 
 }  // namespace
