@@ -144,11 +144,12 @@ void addPlanes(const Planes& p, const std::vector<float>& distance, const Ontolo
 }  // namespace
 
 Image drawPasses(const PassImage& image, const Ontology* ontology, int width, const std::string& title) {
-  constexpr int kAcross = 3;
+  constexpr std::size_t kInOneRow = 4;
   std::vector<Plane> planes{distancePlane("depth", image.planes.depth)};
   addPlanes(image.planes, image.planes.depth, ontology, planes);
   const Camera& c = image.camera;
-  return drawPlanes(planes, {static_cast<int>(c.width), static_cast<int>(c.height)}, kAcross, width, 1,
+  return drawPlanes(planes, {static_cast<int>(c.width), static_cast<int>(c.height)},
+                    planes.size() <= kInOneRow ? 4 : (static_cast<int>(planes.size()) + 1) / 2, width, 1,
                     fmt::format("{}, {} x {} pixels, {:.1f} x {:.1f} degrees", title, c.width, c.height,
                                 degrees(c.horizontalField()), degrees(c.verticalField())));
 }

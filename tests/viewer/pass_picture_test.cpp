@@ -49,8 +49,8 @@ TEST(PassPicture, EveryPlaneIsThereAndHalfOfItIsEmpty) {
   const Ontology ontology = walls();
   const Image picture = drawPasses(halfAWall(), &ontology, 600, "front");
   EXPECT_EQ(picture.width, 600);
-  // Three planes side by side: (600 - 4 * 8) / 3 = 189 columns and half as many rows each, of which 20 / 40 are seen.
-  const std::size_t half = 95 * 94;                                                 // 95 of 189 columns, 94 rows
+  // Five planes side by side: (600 - 6 * 8) / 5 = 110 columns and half as many rows each, of which 20 / 40 are seen.
+  const std::size_t half = 55 * 55;
   EXPECT_NEAR(static_cast<double>(countOf(picture, {200, 30, 40})), half, 200);     // semantic
   EXPECT_NEAR(static_cast<double>(countOf(picture, instanceColor(3))), half, 200);  // instance
   EXPECT_NEAR(static_cast<double>(countOf(picture, Rgb{0, 128, 128})), half, 200);  // normal -x
