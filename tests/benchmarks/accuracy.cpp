@@ -77,11 +77,36 @@ int run() {
   return 0;
 }
 
+// The same layouts elsewhere in the street: what stands near the sensor decides.
+int runAlongTheStreet() {
+  const Scene scene = quickstartStreet();
+  const auto tracing = rayTracing(scene);
+  fmt::print("\n| plane, 2048: p99 mm, interior labels |");
+  const std::vector<double> places{-50, -20, 0, 3, 25, 50};
+  for (const double x : places) fmt::print(" x = {} m |", x);
+  fmt::print("\n|---|");
+  for (std::size_t i = 0; i < places.size(); ++i) fmt::print("---|");
+  for (const char* layout : {"three_120", "auto", "four_90"}) {
+    fmt::print("\n| {} |", layout);
+    const auto method = methodOf("depth_camera", scene, fmt::format("{{layout: {}}}", layout));
+    for (const double x : places) {
+      const Shot shot = streetShot(presetBeams("paper_64"), x);
+      const Hits truth = traced(*tracing, shot);
+      const double pixel = 2 * std::tan(radians(60)) / 2048;
+      const HitErrors e = compareHits(truth, traced(*method, shot), edgeBeams(*tracing, shot, pixel));
+      fmt::print(" {:.3g}, {:.2f} % |", e.rangeSameSurface.p99 * 1e3,
+                 100.0 * static_cast<double>(e.interiorAgree) / static_cast<double>(e.interior));
+    }
+  }
+  fmt::print("\n");
+  return 0;
+}
+
 }  // namespace
 
 int main() {
   try {
-    return run();
+    return run() + runAlongTheStreet();
   } catch (const std::exception& e) {
     fmt::print(stderr, "error: {}\n", e.what());
     return 1;

@@ -67,6 +67,18 @@ TEST_F(Street, PlaneSamplingIsAsGoodAsTheTableSays) {
   EXPECT_LT(nearestDistances(here, there).mean, 0.01);
 }
 
+// Where the trees are nearest; the default layout.
+TEST_F(Street, TheDefaultHoldsItsBoundsAmongTrees) {
+  const Shot shot = streetShot(presetBeams("paper_64"), 3);
+  const Hits tested = seen(shot, "{}");
+  if (!skipped_.empty()) GTEST_SKIP() << skipped_;
+  const Hits truth = traced(*tracing_, shot);
+  const HitErrors e = compareHits(truth, tested, edgeBeams(*tracing_, shot, kPixel));
+  EXPECT_LT(e.rangeSameSurface.median, 1e-3);
+  EXPECT_LT(e.rangeSameSurface.p99, 0.05);
+  EXPECT_GT(static_cast<double>(e.interiorAgree), 0.995 * static_cast<double>(e.interior));
+}
+
 // Samplings err in the order in which they simplify, and finer images err less.
 TEST_F(Street, WhatIsSimplerErrsMore) {
   const Shot shot = streetShot(presetBeams("paper_64"), 12);

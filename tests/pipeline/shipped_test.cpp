@@ -1,8 +1,11 @@
 // The pipelines that come with the program, cut to one frame.
 
+#include <array>
 #include <cstdlib>
 
 #include "tests/pipeline/small_world.h"
+#include "tests/support/blender.h"
+#include "tests/support/gl.h"
 #include "tests/support/shared_data.h"
 
 namespace scanmill {
@@ -43,6 +46,53 @@ TEST(Shipped, TruckTown) {
   ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
   const Manifest m = generateLabelled("truck_town.yaml", {"trajectories.0.frames=1"}, 4);
   EXPECT_EQ(m.samples.front().scans.size(), 2u);
+}
+
+// The same class has nearly the same number of points, whatever the method: where it has many.
+void expectAlike(const Manifest& traced, const Manifest& seen) {
+  std::map<std::uint16_t, std::array<double, 2>> points;
+  for (std::size_t m = 0; m < 2; ++m) {
+    for (const SampleRecord& sample : (m == 0 ? traced : seen).samples) {
+      for (const ScanRecord& scan : sample.scans) {
+        for (const auto& [id, count] : scan.pointsPerClass) points[id][m] += static_cast<double>(count);
+      }
+    }
+  }
+  int compared = 0;
+  for (const auto& [id, counts] : points) {
+    if (counts[0] < 2000) continue;
+    EXPECT_NEAR(counts[1] / counts[0], 1, 0.05) << "class " << id;
+    ++compared;
+  }
+  EXPECT_GE(compared, 3);
+}
+
+TEST(Shipped, QuickstartByTheDepthCamera) {
+  SKIP_WITHOUT_GL();
+  const std::vector<std::string> overrides{"scenes.0.seeds=[1]", "splits=", "trajectories.0.frames=1"};
+  std::vector<std::string> camera = overrides;
+  camera.emplace_back("method=depth_camera");
+  const Manifest seen = generateLabelled("quickstart.yaml", camera, 10);
+  EXPECT_EQ(seen.samples.front().scans.front().method, "depth_camera");
+  EXPECT_GT(seen.samples.front().scans.front().instances, 5u);
+  for (const char* stage : {"render", "read_back", "sample"}) EXPECT_TRUE(seen.stages.contains(stage)) << stage;
+  expectAlike(generateLabelled("quickstart.yaml", overrides, 10), seen);
+}
+
+TEST(Shipped, TruckTownByTheDepthCamera) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
+  SKIP_WITHOUT_GL();
+  ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
+  expectAlike(generateLabelled("truck_town.yaml", {"trajectories.0.frames=1"}, 4),
+              generateLabelled("truck_town.yaml", {"trajectories.0.frames=1", "method=depth_camera"}, 4));
+}
+
+TEST(Shipped, QuickstartByBlender) {
+  SKIP_WITHOUT_BLENDER();
+  const std::vector<std::string> overrides{"scenes.0.seeds=[1]", "splits=", "trajectories.0.frames=1", "motion=none"};
+  std::vector<std::string> camera = overrides;
+  camera.emplace_back("method={depth_camera: {renderer: blender, resolution: 512}}");
+  expectAlike(generateLabelled("quickstart.yaml", overrides, 10), generateLabelled("quickstart.yaml", camera, 10));
 }
 
 }  // namespace
