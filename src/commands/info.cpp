@@ -10,10 +10,12 @@
 
 #include "base/file.h"
 #include "commands/arguments.h"
+#include "commands/info_recording.h"
 #include "commands/table.h"
 #include "config/file_kind.h"
 #include "dataset/manifest.h"
 #include "dataset/reader.h"
+#include "dataset/recording.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/progress.h"
 #include "pipeline/warnings.h"
@@ -338,6 +340,7 @@ int runInfo(const std::vector<std::string>& arguments) {
                      "  scanmill info out/quickstart/train/train-000000.tar\n"
                      "  scanmill info scenes/street.yaml\n"
                      "  scanmill info pipelines/sensors/os1_128.yaml\n"
+                     "  scanmill info out/passes      # a recording, or one of its EXR images\n"
                      "  scanmill info model.glb       # names that labelling rules can match, and sizes\n"
                      "  scanmill info model.obj --unit 0.01 --up y\n");
   if (parsed.help) return 0;
@@ -348,7 +351,13 @@ int runInfo(const std::vector<std::string>& arguments) {
   if (!std::filesystem::exists(file, failure)) {
     throw InputError({file.string()}, failure ? "cannot be read: " + failure.message() : "does not exist");
   }
-  if (std::filesystem::is_directory(file)) {
+  if (std::filesystem::is_directory(file) && recordingIn(file)) {
+    printRecording(file);
+  } else if (file.filename() == "recording.json") {
+    printRecording(file.has_parent_path() ? file.parent_path() : ".");
+  } else if (suffix == "exr") {
+    printExr(file);
+  } else if (std::filesystem::is_directory(file)) {
     expectDataset(file, "info");
     printDataset(file);
   } else if (file.filename() == "manifest.json") {

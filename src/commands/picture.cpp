@@ -123,7 +123,11 @@ int runPicture(const std::vector<std::string>& arguments) {
   if (isExr(file)) {
     std::optional<Ontology> classes;
     if (const auto ontology = textOption(parsed, "ontology"); !ontology.empty()) classes = readOntology(ontology);
-    if (!classes) classes = recordedOntology(file.parent_path());
+    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    if (const auto kind = recordingIn(folder); kind && !classes) {
+      Ontology recorded = readRecording(folder, *kind).ontology;
+      if (!recorded.classes.empty()) classes = std::move(recorded);
+    }
     const Image image = drawExr(file, classes ? &*classes : nullptr, picture.width);
     writeFile(out, encodePng(image));
     fmt::print("{}: {} x {}, {}\n", out.string(), image.width, image.height, file.filename().string());

@@ -225,18 +225,13 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   return r;
 }
 
-std::optional<Ontology> recordedOntology(const fs::path& folder) {
+std::optional<RecordingKind> recordingIn(const fs::path& folder) {
+  const fs::path file = folder / kIndex;
   std::error_code ignored;
-  if (!fs::exists(folder / kIndex, ignored)) return std::nullopt;
-  for (const RecordingKind kind : {RecordingKind::Hits, RecordingKind::Passes}) {
-    try {
-      Recording recording = readRecording(folder, kind);
-      if (!recording.ontology.classes.empty()) return std::move(recording.ontology);
-    } catch (const InputError&) {
-      continue;  // of the other kind, or damaged: then the classes stay without names
-    }
-  }
-  return std::nullopt;
+  if (!fs::exists(file, ignored)) return std::nullopt;
+  const Json json = parseJson(readFile(file), file.string());
+  const Json kind = json.is_object() ? json.value("kind", Json()) : Json();
+  return kind == nameOf(RecordingKind::Hits) ? RecordingKind::Hits : RecordingKind::Passes;
 }
 
 RecordedShot Recording::shot(const std::string& sample, const std::string& sensor) const {

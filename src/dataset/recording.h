@@ -78,8 +78,8 @@ struct Recording {
 // Throws InputError that names the file and what is wrong where.
 Recording readRecording(const std::filesystem::path& folder, RecordingKind kind);
 
-// The classes of the recording of either kind in this folder; none where there is no recording, or it names none.
-std::optional<Ontology> recordedOntology(const std::filesystem::path& folder);
+// What the folder says that it holds; none where there is no recording.
+std::optional<RecordingKind> recordingIn(const std::filesystem::path& folder);
 
 class RecordingWriter {
  public:

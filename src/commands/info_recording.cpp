@@ -1,0 +1,79 @@
+#include "commands/info_recording.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "commands/table.h"
+#include "dataset/recording.h"
+#include "passes/camera_exr.h"
+#include "passes/exr_file.h"
+#include "pipeline/progress.h"
+
+namespace scanmill {
+
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+}  // namespace
+
+void printRecording(const std::filesystem::path& folder) {
+  const Recording r = readRecording(folder, recordingIn(folder).value_or(RecordingKind::Hits));
+  std::uintmax_t bytes = 0;
+  std::uint64_t images = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    bytes += entry.file_size();
+    images += entry.path().extension() == ".exr" ? 1 : 0;
+  }
+  fmt::print("recording of {} made by {}{}: {} images, {}\n\n", nameOf(r.kind), r.method,
+             r.programVersion.empty() ? "" : ", scanmill " + r.programVersion, grouped(images),
+             shortBytes(static_cast<double>(bytes)));
+  Rows sensors{{"sensor", "rings", "columns"}};
+  for (const RecordedSensor& s : r.sensors) {
+    sensors.push_back({s.name, std::to_string(s.rings), std::to_string(s.columns)});
+  }
+  fmt::print("{}\n", formatTable(sensors));
+  Rows sequences{{"scene", "seed", "trajectory", "frames", "materials"}};
+  for (const RecordedSequence& s : r.sequences) {
+    sequences.push_back({s.scene, std::to_string(s.seed), s.trajectory, std::to_string(s.frames),
+                         std::to_string(r.materials[s.materials].size())});
+  }
+  fmt::print("{}\n", formatTable(sequences));
+  fmt::print("ontology {}: {} classes\n",
+             r.ontology.classes.empty() ? "none: the pipeline must name one with `labels`" : r.ontology.name,
+             r.ontology.classes.size());
+  for (const std::string& line : r.modelled) fmt::print("  {}\n", line);
+  fmt::print("next: scanmill generate PIPELINE -o DIR --from-{} {}\n", nameOf(r.kind), folder.string());
+}
+
+void printExr(const std::filesystem::path& file) {
+  const ExrReader exr(file);
+  fmt::print("{}: {} x {} pixels\n\n", file.filename().string(), exr.width(), exr.height());
+  Rows rows{{"channel", "type"}};
+  for (const ExrChannel& c : exr.channels()) rows.push_back({c.name, std::string(exrTypeName(c.type))});
+  fmt::print("{}\n", formatTable(rows));
+  const auto& channels = exr.channels();
+  if (std::any_of(channels.begin(), channels.end(), [](const ExrChannel& c) { return c.name == "range"; })) {
+    fmt::print("hits: a row per ring, a column per column of the sensor\n");
+    return;
+  }
+  try {
+    const Camera c = readCamera(exr);
+    const Vec3d& t = c.worldFromCamera.translation;
+    const Vec3d forward = toMatrix(c.worldFromCamera.rotation).z;
+    fmt::print("camera {}: {:.2f} x {:.2f} degrees, focal length {:.2f} x {:.2f} px, principal point {:.2f}, {:.2f}\n",
+               c.name.empty() ? "without a name" : c.name, degrees(c.horizontalField()), degrees(c.verticalField()),
+               c.fx, c.fy, c.cx, c.cy);
+    fmt::print("at {:.3f}, {:.3f}, {:.3f} m, looking along {:.4f}, {:.4f}, {:.4f}\n", t.x, t.y, t.z, forward.x,
+               forward.y, forward.z);
+  } catch (const InputError& e) {
+    fmt::print("no camera for passes: {}\n", e.what());
+  }
+}
+
+}  // namespace scanmill
