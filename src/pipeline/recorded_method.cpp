@@ -48,7 +48,11 @@ class RecordedHits : public Method {
     });
   }
 
-  std::vector<std::string> modelled() const override { return recording_->modelled; }
+  std::vector<std::string> modelled() const override {
+    std::vector<std::string> lines = recording_->modelled;
+    lines.push_back(fmt::format("hits: not traced now, but kept of an earlier run of {}", recording_->method));
+    return lines;
+  }
   std::uint64_t memoryBytes() const override { return 0; }
   std::map<std::string, double> stageSeconds() const override { return {{"read_hits", watch_.seconds()}}; }
 

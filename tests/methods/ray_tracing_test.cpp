@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "tests/methods/trace.h"
+#include "tests/support/same_hits.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {
@@ -22,17 +23,6 @@ std::vector<Vec3d> randomDirections(std::size_t count, std::uint32_t stream = 0)
     directions.push_back({s * std::cos(azimuth), s * std::sin(azimuth), z});
   }
   return directions;
-}
-
-void expectSame(const Hits& a, const Hits& b) {
-  EXPECT_EQ(a.range, b.range);
-  EXPECT_EQ(a.instance, b.instance);
-  EXPECT_EQ(a.semantic, b.semantic);
-  EXPECT_EQ(a.material, b.material);
-  EXPECT_EQ(a.primitive, b.primitive);
-  EXPECT_EQ(a.reflectance, b.reflectance);
-  EXPECT_EQ(a.incidence, b.incidence);
-  EXPECT_EQ(a.normal, b.normal);
 }
 
 // Boxes, spheres and cylinders on a ground, some turned and stretched.
@@ -188,7 +178,7 @@ TEST(RayTracing, AnyPacketAndTileGivesTheSame) {
   for (const char* options : {"{}", "{tile_columns: 1}", "{tile_columns: 2}", "{tile_columns: 4}", "{tile_columns: 8}",
                               "{tile_columns: 16}", "{bvh: high}", "{bvh: low}"}) {
     SCOPED_TRACE(options);
-    expectSame(traced(scene, shot, options), reference);
+    expectSameHits(traced(scene, shot, options), reference);
   }
 }
 
@@ -219,8 +209,8 @@ TEST(RayTracing, ThreadsDoNotMatter) {
     const ThreadLimit limit(threads);
     results.push_back(traced(scene, shot));
   }
-  expectSame(results[1], results[0]);
-  expectSame(results[2], results[0]);
+  expectSameHits(results[1], results[0]);
+  expectSameHits(results[2], results[0]);
 }
 
 TEST(RayTracing, OddSizes) {
@@ -326,7 +316,7 @@ TEST(RayTracing, ExactDuplicatesHaveTheSameRange) {
   const Scene many = builder.finish();
   const Shot shot = shotAt(spinning(32, 2048, -30, 30));
   for (const char* options : {"{instancing: never}", "{instancing: always}"}) {
-    expectSame(traced(many, shot, options), traced(once, shot, options));
+    expectSameHits(traced(many, shot, options), traced(once, shot, options));
   }
 }
 

@@ -9,6 +9,7 @@
 #include "base/random.h"
 #include "passes/exr_file.h"
 #include "tests/support/message_of.h"
+#include "tests/support/same_hits.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -45,23 +46,6 @@ Hits someHits(std::uint32_t rings, std::uint32_t columns, Channels channels, boo
   return hits;
 }
 
-void expectSame(const Hits& a, const Hits& b) {
-  EXPECT_EQ(a.rings, b.rings);
-  EXPECT_EQ(a.columns, b.columns);
-  EXPECT_EQ(a.channels, b.channels);
-  EXPECT_EQ(a.range, b.range);
-  EXPECT_EQ(a.normal, b.normal);
-  EXPECT_EQ(a.instance, b.instance);
-  EXPECT_EQ(a.semantic, b.semantic);
-  EXPECT_EQ(a.material, b.material);
-  EXPECT_EQ(a.primitive, b.primitive);
-  EXPECT_EQ(a.reflectance, b.reflectance);
-  EXPECT_EQ(a.incidence, b.incidence);
-  EXPECT_EQ(a.roughness, b.roughness);
-  EXPECT_EQ(a.metallic, b.metallic);
-  EXPECT_EQ(a.retroreflectance, b.retroreflectance);
-}
-
 TEST(HitsExr, EveryBitComesBack) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "hits.exr";
@@ -71,7 +55,7 @@ TEST(HitsExr, EveryBitComesBack) {
       writeHits(path, hits);
       Hits back;
       readHits(path, Channels::all(), back);
-      expectSame(hits, back);
+      expectSameHits(hits, back);
     }
   }
 }
@@ -84,7 +68,7 @@ TEST(HitsExr, OnlyWhatIsAskedForIsRead) {
   Hits back = someHits(2, 2, Channels::all(), true);
   readHits(path, Channel::Instance, back);
   Hits expected = someHits(8, 100, Channel::Instance, false);
-  expectSame(expected, back);
+  expectSameHits(expected, back);
 }
 
 TEST(HitsExr, NegativeZeroAndTheSmallestNumbersStay) {
@@ -123,7 +107,7 @@ TEST(HitsExr, CompressedHitsAreReadToo) {
   writeExr(path, 65, 33, {}, planes, ExrCompression::Zip);
   Hits back;
   readHits(path, hits.channels, back);
-  expectSame(hits, back);
+  expectSameHits(hits, back);
 }
 
 TEST(HitsExr, AnAbsentChannelIsNamed) {

@@ -13,6 +13,7 @@
 #include "methods/depth_camera/depth_camera.h"
 #include "tests/methods/trace.h"
 #include "tests/support/embree_passes.h"
+#include "tests/support/same_hits.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {
@@ -100,17 +101,6 @@ inline double meanError(const Hits& truth, const Hits& hits) {
     ++count;
   }
   return sum / static_cast<double>(count);
-}
-
-inline void expectSameHits(const Hits& a, const Hits& b) {
-  EXPECT_EQ(a.range, b.range);
-  EXPECT_EQ(a.normal, b.normal);
-  EXPECT_EQ(a.instance, b.instance);
-  EXPECT_EQ(a.semantic, b.semantic);
-  EXPECT_EQ(a.material, b.material);
-  EXPECT_EQ(a.primitive, b.primitive);
-  EXPECT_EQ(a.reflectance, b.reflectance);
-  EXPECT_EQ(a.incidence, b.incidence);
 }
 
 }  // namespace scanmill
