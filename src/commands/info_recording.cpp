@@ -9,8 +9,8 @@
 #include "base/error.h"
 #include "commands/table.h"
 #include "dataset/recording.h"
-#include "passes/camera_exr.h"
-#include "passes/exr_file.h"
+#include "passes/exr/camera_exr.h"
+#include "passes/exr/exr_file.h"
 #include "pipeline/progress.h"
 
 namespace scanmill {

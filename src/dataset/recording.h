@@ -5,8 +5,8 @@
 //
 //   recording.json                              what is there; written last
 //   street-s1-lane-000012.top.json              a shot: time, poses, images
-//   street-s1-lane-000012.top.hits.exr          kind hits: passes/hits_exr.h
-//   street-s1-lane-000012.top.0.front.exr       kind passes: step and camera; passes/pass_exr.h
+//   street-s1-lane-000012.top.hits.exr          kind hits: passes/exr/hits_exr.h
+//   street-s1-lane-000012.top.0.front.exr       kind passes: step and camera; passes/exr/pass_exr.h
 //
 // docs/recordings.md describes the JSON files, for those who write passes with a renderer of their own.
 

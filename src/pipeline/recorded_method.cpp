@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "methods/depth_camera/depth_camera.h"
-#include "passes/hits_exr.h"
-#include "passes/pass_exr.h"
+#include "passes/exr/hits_exr.h"
+#include "passes/exr/pass_exr.h"
 
 namespace scanmill {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "passes/exr_file.h"
-#include "passes/hits_exr.h"
-#include "passes/pass_exr.h"
+#include "passes/exr/exr_file.h"
+#include "passes/exr/hits_exr.h"
+#include "passes/exr/pass_exr.h"
 #include "viewer/color_map.h"
 #include "viewer/font.h"
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "methods/depth_camera/turn.h"
-#include "passes/hits_exr.h"
-#include "passes/pass_exr.h"
+#include "passes/exr/hits_exr.h"
+#include "passes/exr/pass_exr.h"
 #include "passes/renderer.h"
 #include "pipeline/generate.h"
 #include "pipeline/keeper.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "passes/hits_exr.h"
+#include "passes/exr/hits_exr.h"
 #include "pipeline/generate.h"
 #include "pipeline/keeper.h"
 #include "pipeline/render.h"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <set>
 
-#include "passes/hits_exr.h"
-#include "passes/pass_exr.h"
+#include "passes/exr/hits_exr.h"
+#include "passes/exr/pass_exr.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 #include "viewer/color_map.h"

@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include "passes/vtk_module.h"
+#include "passes/vtk/vtk_module.h"
 #include "passes/vtk_module/gl_objects.h"
 #include "passes/vtk_module/triangle_store.h"
 

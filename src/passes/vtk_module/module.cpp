@@ -1,5 +1,5 @@
-// libscanmill_passes.so: VTK on an OpenGL context of our own, behind the functions of passes/vtk_module.h. It is not
-// part of the program, which loads it when it draws the first image.
+// libscanmill_passes.so: VTK on an OpenGL context of our own, behind the functions of passes/vtk/vtk_module.h. It is
+// not part of the program, which loads it when it draws the first image.
 
 #include <fmt/format.h>
 #include <vtkAutoInit.h>
@@ -21,7 +21,7 @@
 #include <string_view>
 #include <utility>
 
-#include "passes/vtk_module.h"
+#include "passes/vtk/vtk_module.h"
 #include "passes/vtk_module/egl_context.h"
 #include "passes/vtk_module/gl_thread.h"
 #include "passes/vtk_module/image_pass.h"

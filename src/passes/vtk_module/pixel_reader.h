@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <span>
 
-#include "passes/vtk_module.h"
+#include "passes/vtk/vtk_module.h"
 #include "passes/vtk_module/gl_objects.h"
 
 namespace scanmill {

@@ -2,7 +2,7 @@
 
 // The scene's triangles where OpenGL draws from.
 
-#include "passes/vtk_module.h"
+#include "passes/vtk/vtk_module.h"
 #include "passes/vtk_module/gl_objects.h"
 
 namespace scanmill {

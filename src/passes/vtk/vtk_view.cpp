@@ -1,4 +1,4 @@
-#include "passes/vtk_view.h"
+#include "passes/vtk/vtk_view.h"
 
 #include <fmt/format.h>
 

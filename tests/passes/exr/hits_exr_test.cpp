@@ -1,4 +1,4 @@
-#include "passes/hits_exr.h"
+#include "passes/exr/hits_exr.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "base/random.h"
-#include "passes/exr_file.h"
+#include "passes/exr/exr_file.h"
 #include "tests/support/message_of.h"
 #include "tests/support/same_hits.h"
 #include "tests/support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "passes/blender_scene.h"
+#include "passes/blender/blender_scene.h"
 
 #include <fmt/core.h>
 

@@ -1,11 +1,11 @@
-#include "passes/camera_exr.h"
+#include "passes/exr/camera_exr.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/random.h"
-#include "tests/passes/foreign_file.h"
+#include "tests/passes/exr/foreign_file.h"
 
 namespace scanmill {
 namespace {

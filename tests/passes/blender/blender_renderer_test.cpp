@@ -9,8 +9,8 @@
 #include <set>
 
 #include "base/parallel.h"
-#include "passes/blender_scene.h"
-#include "passes/exr_file.h"
+#include "passes/blender/blender_scene.h"
+#include "passes/exr/exr_file.h"
 #include "passes/renderer.h"
 #include "scene/assets/blender.h"
 #include "tests/passes/ray_reference.h"

@@ -1,4 +1,4 @@
-#include "passes/hits_exr.h"
+#include "passes/exr/hits_exr.h"
 
 #include <fmt/core.h>
 
@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "config/version.h"
-#include "passes/exr_file.h"
+#include "passes/exr/exr_file.h"
 
 namespace scanmill {
 

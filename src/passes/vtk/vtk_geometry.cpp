@@ -1,4 +1,4 @@
-#include "passes/vtk_geometry.h"
+#include "passes/vtk/vtk_geometry.h"
 
 #include <fmt/format.h>
 

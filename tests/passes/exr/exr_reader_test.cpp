@@ -6,8 +6,8 @@
 #include <OpenEXR/ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
 
-#include "passes/exr_file.h"
-#include "tests/passes/foreign_file.h"
+#include "passes/exr/exr_file.h"
+#include "tests/passes/exr/foreign_file.h"
 
 namespace scanmill {
 namespace {

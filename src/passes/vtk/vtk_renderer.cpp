@@ -19,9 +19,9 @@
 #include "base/parallel.h"
 #include "passes/renderer.h"
 #include "passes/resolver.h"
-#include "passes/vtk_geometry.h"
-#include "passes/vtk_loader.h"
-#include "passes/vtk_view.h"
+#include "passes/vtk/vtk_geometry.h"
+#include "passes/vtk/vtk_loader.h"
+#include "passes/vtk/vtk_view.h"
 
 namespace scanmill {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "passes/exr_file.h"
+#include "passes/exr/exr_file.h"
 
 namespace scanmill {
 

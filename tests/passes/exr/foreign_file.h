@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "passes/exr_file.h"
-#include "passes/pass_exr.h"
+#include "passes/exr/exr_file.h"
+#include "passes/exr/pass_exr.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

@@ -23,8 +23,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/parallel.h"
-#include "passes/exr_file.h"
-#include "passes/exr_zip.h"
+#include "passes/exr/exr_file.h"
 
 namespace scanmill {
 
@@ -173,49 +172,9 @@ ExrType typeOf(Imf::PixelType type) {
   return type == Imf::HALF ? ExrType::Float16 : ExrType::Float32;
 }
 
-// Lines of a block where ZipDecoder can decode the part; else 0.
-std::size_t zipLines(const Imf::Header& header) {
-  if (header.hasTileDescription()) return 0;
-  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
-    if (channel.channel().type == Imf::HALF) return 0;
-  }
-  switch (header.compression()) {
-    case Imf::NO_COMPRESSION:
-    case Imf::ZIPS_COMPRESSION:
-      return 1;
-    case Imf::ZIP_COMPRESSION:
-      return 16;
-    default:
-      return 0;
-  }
-}
-
 // Rows [first, end) of the targets, all of this part.
-void readZip(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t lines,
-             std::size_t first, std::size_t end) {
-  const Imf::Header& header = file.header(part);
-  std::vector<std::string> names;
-  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
-    names.emplace_back(channel.name());
-  }
-  std::vector<ZipTarget> places;
-  for (const ExrTarget& target : targets) {
-    const auto found = std::find(names.begin(), names.end(), target.channel->nameInPart);
-    places.push_back({static_cast<std::size_t>(found - names.begin()), target.pixels, target.stride});
-  }
-  const Imath::Box2i& window = header.dataWindow();
-  ZipDecoder decoder(static_cast<std::size_t>(window.max.x - window.min.x) + 1, names.size());
-  Imf::InputPart input(file, part);
-  for (std::size_t row = first; row < end; row += lines) {
-    const char* block = nullptr;
-    int size = 0;
-    input.rawPixelData(window.min.y + static_cast<int>(row), block, size);
-    decoder.decode({block, static_cast<std::size_t>(size)}, row, std::min(lines, end - row), places);
-  }
-}
-
-void readAny(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t first,
-             std::size_t end) {
+void readRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t first,
+              std::size_t end) {
   const Imath::Box2i window = file.header(part).dataWindow();
   const auto width = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
   Imf::FrameBuffer frame;
@@ -324,11 +283,7 @@ void ExrReader::read(std::span<const ExrTarget> targets) const {
         std::copy_if(targets.begin(), targets.end(), std::back_inserter(own),
                      [&](const ExrTarget& target) { return target.channel->part == part; });
         if (own.empty()) continue;
-        if (const std::size_t lines = zipLines(file.header(part)); lines != 0) {
-          readZip(file, part, own, lines, first, end);
-        } else {
-          readAny(file, part, own, first, end);
-        }
+        readRows(file, part, own, first, end);
       }
     });
   });

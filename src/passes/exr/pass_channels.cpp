@@ -1,4 +1,4 @@
-#include "passes/pass_channels.h"
+#include "passes/exr/pass_channels.h"
 
 #include <fmt/core.h>
 

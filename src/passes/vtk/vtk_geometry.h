@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "passes/vtk_module.h"
+#include "passes/vtk/vtk_module.h"
 #include "scene/scene.h"
 
 namespace scanmill {

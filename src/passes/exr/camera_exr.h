@@ -3,7 +3,7 @@
 // A camera as attributes of an EXR file: see pass_exr.h for their names.
 
 #include "passes/camera.h"
-#include "passes/exr_file.h"
+#include "passes/exr/exr_file.h"
 
 namespace scanmill {
 

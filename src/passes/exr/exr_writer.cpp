@@ -13,7 +13,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "passes/exr_file.h"
+#include "passes/exr/exr_file.h"
 
 namespace scanmill {
 

@@ -1,4 +1,4 @@
-#include "passes/camera_exr.h"
+#include "passes/exr/camera_exr.h"
 
 #include <fmt/core.h>
 

@@ -12,8 +12,8 @@
 
 #include "base/random.h"
 #include "passes/renderer.h"
-#include "passes/vtk_geometry.h"
-#include "passes/vtk_loader.h"
+#include "passes/vtk/vtk_geometry.h"
+#include "passes/vtk/vtk_loader.h"
 #include "tests/passes/ray_reference.h"
 #include "tests/support/gl.h"
 #include "tests/support/message_of.h"

@@ -8,8 +8,8 @@
 #include "passes/camera.h"
 #include "passes/renderer.h"
 #include "passes/resolver.h"
-#include "passes/vtk_geometry.h"
-#include "passes/vtk_module.h"
+#include "passes/vtk/vtk_geometry.h"
+#include "passes/vtk/vtk_module.h"
 
 namespace scanmill {
 

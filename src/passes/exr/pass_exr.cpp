@@ -1,4 +1,4 @@
-#include "passes/pass_exr.h"
+#include "passes/exr/pass_exr.h"
 
 #include <fmt/core.h>
 
@@ -11,9 +11,9 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "config/version.h"
-#include "passes/camera_exr.h"
-#include "passes/exr_file.h"
-#include "passes/pass_channels.h"
+#include "passes/exr/camera_exr.h"
+#include "passes/exr/exr_file.h"
+#include "passes/exr/pass_channels.h"
 
 namespace scanmill {
 

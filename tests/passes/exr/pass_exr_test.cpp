@@ -1,4 +1,4 @@
-#include "passes/pass_exr.h"
+#include "passes/exr/pass_exr.h"
 
 #include <OpenEXR/ImfInputFile.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 #include "base/file.h"
 #include "base/random.h"
-#include "tests/passes/foreign_file.h"
+#include "tests/passes/exr/foreign_file.h"
 
 namespace scanmill {
 namespace {

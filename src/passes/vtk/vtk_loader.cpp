@@ -1,4 +1,4 @@
-#include "passes/vtk_loader.h"
+#include "passes/vtk/vtk_loader.h"
 
 #include "base/module_loader.h"
 

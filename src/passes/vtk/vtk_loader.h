@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "passes/vtk_module.h"
+#include "passes/vtk/vtk_module.h"
 
 namespace scanmill {
 
