@@ -16,6 +16,7 @@
 
 #include "base/error.h"
 #include "base/vec.h"
+#include "config/fields.h"
 #include "scene/ontology.h"
 
 namespace scanmill {
@@ -39,14 +40,17 @@ class JsonNode {
   const JsonNode& keys(std::initializer_list<std::string_view> required,
                        std::initializer_list<std::string_view> optional = {}) const {
     expect(value_.is_object(), "a map");
+    for (const auto& entry : value_.items()) {  // first: a misspelt key is the likelier reason for the lack of one
+      const auto is = [&](std::string_view key) { return key == entry.key(); };
+      if (std::any_of(required.begin(), required.end(), is) || std::any_of(optional.begin(), optional.end(), is)) {
+        continue;
+      }
+      std::vector<std::string> known(required.begin(), required.end());
+      known.insert(known.end(), optional.begin(), optional.end());
+      fail(fmt::format("key '{}' is unknown{}", entry.key(), suggestion(entry.key(), known)));
+    }
     for (const std::string_view key : required) {
       if (!value_.contains(key)) fail(fmt::format("key '{}' is missing", key));
-    }
-    for (const auto& entry : value_.items()) {
-      const auto is = [&](std::string_view key) { return key == entry.key(); };
-      if (std::none_of(required.begin(), required.end(), is) && std::none_of(optional.begin(), optional.end(), is)) {
-        fail(fmt::format("key '{}' is unknown", entry.key()));
-      }
     }
     return *this;
   }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "dataset/json_node.h"
 #include "dataset/json_text.h"
 
@@ -60,7 +61,10 @@ std::string shotJson(const RecordedShot& shot) {
 std::string indexJson(const Recording& r) {
   OrderedJson sensors = OrderedJson::array();
   for (const RecordedSensor& s : r.sensors) {
-    sensors.push_back({{"name", s.name}, {"rings", s.rings}, {"columns", s.columns}});
+    OrderedJson sensor{{"name", s.name}, {"rings", s.rings}, {"columns", s.columns}};
+    if (!s.beams.empty()) sensor["beams"] = s.beams;
+    if (s.vehicleFromSensor) sensor["vehicle_from_sensor"] = posesJson({*s.vehicleFromSensor}, s.name)[0];
+    sensors.push_back(std::move(sensor));
   }
   OrderedJson sequences = OrderedJson::array();
   for (const RecordedSequence& s : r.sequences) {
@@ -168,6 +172,18 @@ void prepareFolder(const fs::path& folder, bool overwrite) {
 
 }  // namespace
 
+std::string beamsHash(const BeamTable& beams) {
+  Sha256 hash;
+  const auto add = [&](const auto* values, std::size_t count) {
+    hash.add({reinterpret_cast<const char*>(values), count * sizeof *values});
+  };
+  add(beams.direction.data(), beams.direction.size());
+  add(beams.origin.data(), beams.origin.size());
+  const double limits[] = {beams.minRange, beams.maxRange};
+  add(limits, 2);
+  return hash.hex();
+}
+
 std::string_view nameOf(RecordingKind kind) {
   return kind == RecordingKind::Hits ? "hits" : "passes";
 }
@@ -196,6 +212,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   r.kind = kind;
   r.folder = folder;
   if (const std::string found = root["kind"].text(); found != nameOf(kind)) {
+    if (found != "hits" && found != "passes") root["kind"].fail(fmt::format("'{}' is neither hits nor passes", found));
     root["kind"].fail(fmt::format("is a recording of {}: read it with --from-{}", found, found));
   }
   if (root.has("program")) r.programVersion = root["program"].text();
@@ -211,9 +228,17 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   const std::size_t tables = r.materials.size();
   if (r.materials.empty()) r.materials.emplace_back();
   root["sensors"].forEach([&](const JsonNode& item) {
-    item.keys({"name", "rings", "columns"});
-    r.sensors.push_back({item["name"].text(), item["rings"].integer<std::uint32_t>(1, 65536),
-                         item["columns"].integer<std::uint32_t>(1, 65536)});
+    item.keys({"name", "rings", "columns"}, {"beams", "vehicle_from_sensor"});
+    RecordedSensor sensor;
+    sensor.name = item["name"].text();
+    for (const RecordedSensor& other : r.sensors) {
+      if (other.name == sensor.name) item["name"].fail(fmt::format("two sensors are named '{}'", sensor.name));
+    }
+    sensor.rings = item["rings"].integer<std::uint32_t>(1, 65536);
+    sensor.columns = item["columns"].integer<std::uint32_t>(1, 65536);
+    if (item.has("beams")) sensor.beams = item["beams"].sha256();
+    if (item.has("vehicle_from_sensor")) sensor.vehicleFromSensor = poseOfNumbers(item["vehicle_from_sensor"]);
+    r.sensors.push_back(std::move(sensor));
   });
   std::set<std::string> known;
   root["sequences"].forEach([&](const JsonNode& item) {

@@ -20,6 +20,7 @@
 #include "base/vec.h"
 #include "scene/material.h"
 #include "scene/ontology.h"
+#include "sensors/beams.h"
 
 namespace scanmill {
 
@@ -57,7 +58,12 @@ struct RecordedSensor {
   std::string name;
   std::uint32_t rings = 0;
   std::uint32_t columns = 0;
+  std::string beams;                      // see beamsHash(); empty: unknown
+  std::optional<Pose> vehicleFromSensor;  // where it was mounted; unknown in recordings of others
 };
+
+// SHA-256 of where the beams start and point, and of the sensor's range limits: what hits depend on.
+std::string beamsHash(const BeamTable& beams);
 
 struct Recording {
   static constexpr int kSchemaVersion = 1;

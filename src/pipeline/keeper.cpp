@@ -98,7 +98,9 @@ Recording Keeper::describe(RecordingKind kind) const {
   recording.method = plan_.pipeline().methodName();
   recording.ontology = ontology_;
   for (std::size_t s = 0; s < plan_.beams().size(); ++s) {
-    recording.sensors.push_back({plan_.pipeline().sensors[s].name, plan_.beams()[s]->rings, plan_.beams()[s]->columns});
+    const MountedSensor& sensor = plan_.pipeline().sensors[s];
+    const BeamTable& beams = *plan_.beams()[s];
+    recording.sensors.push_back({sensor.name, beams.rings, beams.columns, beamsHash(beams), sensor.vehicleFromSensor});
   }
   recording.sequences = sequences_;
   recording.materials = materials_;

@@ -169,10 +169,12 @@ std::vector<Sequence> recordedSequences(const Recording& recording) {
 }
 
 // Its hits or images belong to certain sensors; the pipeline's must be the same.
-void checkSensors(const Pipeline& pipeline, const Recording& recording, const Location& where) {
+void checkSensors(Pipeline& pipeline, const Recording& recording, const Value& list) {
+  const Location& where = list.where;
   std::vector<std::string> names;
   for (const RecordedSensor& s : recording.sensors) names.push_back(s.name);
-  for (const MountedSensor& sensor : pipeline.sensors) {
+  for (std::size_t i = 0; i < pipeline.sensors.size(); ++i) {
+    MountedSensor& sensor = pipeline.sensors[i];
     const auto recorded = std::find_if(recording.sensors.begin(), recording.sensors.end(),
                                        [&](const RecordedSensor& s) { return s.name == sensor.name; });
     if (recorded == recording.sensors.end()) {
@@ -184,6 +186,16 @@ void checkSensors(const Pipeline& pipeline, const Recording& recording, const Lo
                                           sensor.name, sensor.size.rings, sensor.size.columns,
                                           recording.folder.string(), recorded->rings, recorded->columns));
     }
+    if (!recorded->vehicleFromSensor) continue;
+    const Value* mount = list.items[i].find("mount");
+    if (mount != nullptr && sensor.vehicleFromSensor != *recorded->vehicleFromSensor) {
+      const Vec3d& t = recorded->vehicleFromSensor->translation;
+      throw InputError(mount->where,
+                       fmt::format("the sensor '{}' was mounted elsewhere when the recording in {} was made, at "
+                                   "[{:g}, {:g}, {:g}]: what it met cannot be moved; leave out `mount`",
+                                   sensor.name, recording.folder.string(), t.x, t.y, t.z));
+    }
+    sensor.vehicleFromSensor = *recorded->vehicleFromSensor;
   }
 }
 
@@ -349,7 +361,7 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
   pipeline.sensors = readSensors(fields);
   const double period = 1.0 / Fields(pipeline.sensors.front().description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
   if (pipeline.recording != nullptr) {
-    checkSensors(pipeline, *pipeline.recording, fields.require("sensors").where);
+    checkSensors(pipeline, *pipeline.recording, fields.require("sensors"));
     pipeline.sequences = recordedSequences(*pipeline.recording);
   } else {
     pipeline.sequences = readSequences(fields, period);

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <utility>
@@ -13,6 +14,21 @@
 namespace scanmill {
 
 namespace {
+
+// Effects look materials up by the hits' index.
+void checkMaterials(const Recording& recording, const Shot& shot, const Hits& hits) {
+  if (hits.material.empty() || !hits.roughness.empty()) return;
+  const std::size_t table = recording.sequences[shot.scene].materials;
+  const std::size_t known = recording.materials[table].size();
+  const std::uint16_t last = *std::max_element(hits.material.begin(), hits.material.end());
+  const bool hit = std::any_of(hits.range.begin(), hits.range.end(), [](float r) { return r < kMiss; });
+  if (last < known || !hit) return;
+  throw InputError(
+      {(recording.folder / "recording.json").string()},
+      fmt::format("/materials/{}: has {} materials, but {} of '{}' meets number {}: list them, or give the "
+                  "images roughness, metallic and retroreflectance",
+                  table, known, shot.sample, shot.sensorName, last));
+}
 
 // Seconds of reading, summed over threads.
 class Stopwatch {
@@ -45,6 +61,7 @@ class RecordedHits : public Method {
                          fmt::format("holds {} x {} beams, but '{}' has {} x {}", hits.rings, hits.columns,
                                      shot.sensorName, shot.beams->rings, shot.beams->columns));
       }
+      checkMaterials(*recording_, shot, hits);
     });
   }
 
@@ -79,6 +96,7 @@ class RecordedPasses : public Method {
       });
       sampler_->sample(shot, step, hits);
     }
+    checkMaterials(*recording_, shot, hits);
   }
 
   std::vector<std::string> modelled() const override {

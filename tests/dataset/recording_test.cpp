@@ -14,7 +14,7 @@ Recording example() {
   r.method = "depth_camera";
   r.ontology.name = "two";
   r.ontology.classes = {{0, "unlabeled", {0, 0, 0}, false, {}}, {7, "car", {1, 2, 3}, true, {"auto"}}};
-  r.sensors = {{"top", 4, 16}};
+  r.sensors = {{"top", 4, 16, std::string(64, 'a'), Pose{{0.6, 0, 0.8, 0}, {1.0 / 3, 0, 1e-9}}}};
   r.sequences = {{"street", 5, "Lane A", 2, 0}, {"yard", 1, "t0", 1, 1}};
   Material shiny;
   shiny.name = "chrome";
@@ -36,6 +36,8 @@ TEST(Recording, ComesBackAsItWent) {
   writer.finish(example());
   const Recording r = readRecording(folder.path() / "r", RecordingKind::Passes);
   EXPECT_EQ(r.method, "depth_camera");
+  EXPECT_EQ(r.sensors[0].beams, std::string(64, 'a'));
+  EXPECT_EQ(r.sensors[0].vehicleFromSensor, example().sensors[0].vehicleFromSensor);
   ASSERT_EQ(r.ontology.classes.size(), 2u);
   EXPECT_EQ(r.ontology.classes[1].name, "car");
   ASSERT_EQ(r.sequences.size(), 2u);
@@ -82,6 +84,7 @@ TEST(Recording, BadIndexesAreNamed) {
   refused("[]", {"is no recording"});
   refused(R"({"what": "else"})", {"is no recording"});
   refused(head + R"("sequences": []})", {"'sensors' is missing"});
+  refused(head + R"("sensor": []})", {"'sensor' is unknown", "sensors"});
   refused(head + sensors + R"("sequences": []})", {"/sequences", "nothing was recorded"});
   refused(head + sensors + R"("sequences": [{"scene": "A/b", "trajectory": "t", "frames": 1}]})",
           {"/sequences/0/scene", "'A/b'"});
@@ -92,9 +95,33 @@ TEST(Recording, BadIndexesAreNamed) {
   refused(head + sensors + R"("sequences": [{"scene": "a", "trajectory": "t", "frames": 1},
                                             {"scene": "a", "trajectory": "t", "frames": 2}]})",
           {"/sequences/1", "twice"});
+  refused(head + R"("sensors": [{"name": "top", "rings": 2, "columns": 8}, {"name": "top", "rings": 2, "columns": 8}],
+                  "sequences": []})",
+          {"/sensors/1/name", "'top'"});
+  refused(R"({"what": "scanmill recording", "schema_version": 1, "kind": "pases", "sensors": [], "sequences": []})",
+          {"/kind", "'pases'"});
   std::string newer = head + sensors + R"("sequences": [{"scene": "a", "trajectory": "t", "frames": 1}]})";
   newer.replace(newer.find("version\": 1"), 11, "version\": 9");
   refused(newer, {"/schema_version", "newer"});
+}
+
+TEST(Recording, HashesTellBeamsApart) {
+  BeamTable beams;
+  beams.direction = {{1, 0, 0}, {0, 1, 0}};
+  beams.maxRange = 100;
+  const std::string hash = beamsHash(beams);
+  EXPECT_EQ(beamsHash(beams), hash);
+  BeamTable other = beams;
+  other.time = {0, 1};  // what was met does not depend on it
+  EXPECT_EQ(beamsHash(other), hash);
+  other.direction[1].x = 1e-17;
+  EXPECT_NE(beamsHash(other), hash);
+  other = beams;
+  other.origin = {{0, 0, 0}, {0, 0, 0.1f}};
+  EXPECT_NE(beamsHash(other), hash);
+  other = beams;
+  other.maxRange = 101;
+  EXPECT_NE(beamsHash(other), hash);
 }
 
 TEST(Recording, StepsFollowEachOther) {

@@ -128,6 +128,36 @@ TEST_F(RecordedTest, WhatDoesNotFitIsRefused) {
   expectInputError([&] { keep({}, "third", {}, out("passes")); }, {"ray_tracing", "depth_camera"});
 }
 
+TEST_F(RecordedTest, WhatWasMetCannotBeTurnedOrMoved) {
+  keep({}, "kept", out("hits"));
+  const auto refused = [&](const std::string& override, const std::vector<std::string>& words) {
+    fs::remove_all(out("refused"));
+    expectInputError([&] { remake({override}, "refused", out("hits")); }, words);
+  };
+  refused("sensors.0.first_azimuth_deg=90", {"'top'", "beams", "differ"});
+  refused("sensors.0.range_m=[0.5, 50]", {"beams", "range limits"});
+  refused("sensors.0.mount.position=[0, 0, 3]", {"'top'", "mounted elsewhere", "[0, 0, 1.8]"});
+  refused(fmt::format("labels={}/labels/semantic_kitti.yaml", SCANMILL_SOURCE_DIR),
+          {"other classes", "not translated"});
+  std::string text = kYardPipeline;  // without a mount: the recording's
+  text.erase(text.find("    mount:"), text.find("method:") - text.find("    mount:"));
+  const fs::path bare = folder_.write("bare.yaml", text);
+  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
+  GenerateOptions options;
+  options.folder = out("bare");
+  options.quiet = true;
+  const Manifest manifest = generate(Plan(readPipeline(bare, {}, recording)), options).manifest;
+  EXPECT_EQ(manifest.sensors.front().vehicleFromSensor.translation.z, 1.8);
+  EXPECT_THAT(manifest.modelled, testing::Contains("ego motion: as it was recorded"));
+}
+
+TEST_F(RecordedTest, FoldersDoNotOverlap) {
+  for (const fs::path& hits : {out("same"), out("same") / "hits", folder_.path()}) {
+    expectInputError([&] { keep({}, "same", hits); }, {"folders of their own"});
+    EXPECT_FALSE(fs::exists(out("same") / "manifest.json"));
+  }
+}
+
 TEST_F(RecordedTest, DamageIsNamed) {
   keep({}, "kept", out("hits"));
   const auto damaged = [&](const std::string& file, const std::string& bytes, const std::vector<std::string>& words) {
@@ -248,6 +278,24 @@ TEST_F(RecordedPassesTest, PassesOfOthersMakeTheSamePoints) {
   remake(with(overrides, {fmt::format("labels={}/labels/scanmill.yaml", SCANMILL_SOURCE_DIR)}), "again", out("passes"),
          RecordingKind::Passes);
   EXPECT_TRUE(shards("direct") == shards("again"));
+}
+
+TEST_F(RecordedPassesTest, MaterialsThatNobodyListsAreNamed) {
+  SKIP_WITHOUT_GL();
+  RenderOptions options;
+  options.folder = out("passes");
+  options.passes = {Channels::all(), false};
+  options.quiet = true;
+  render(Plan(readPipeline(pipeline_, {kCamera}), options.passes.channels), options);
+  std::string index = readFile(out("passes") / "recording.json");
+  const std::size_t first = index.find("\"materials\": [");
+  index.replace(first, index.find("\"modelled\"") - first, "\"materials\": [[]], ");
+  writeFile(out("passes") / "recording.json", index);
+  expectInputError(
+      [&] {
+        remake({kCamera, "effects=[intensity]"}, "again", out("passes"), RecordingKind::Passes);
+      },
+      {"recording.json", "/materials/0", "has 0 materials", "roughness"});
 }
 
 TEST_F(RecordedPassesTest, WhatIsNotThereIsNamed) {
