@@ -2,33 +2,62 @@
 
 #include <fmt/core.h>
 
+#include <filesystem>
+
 #include "base/parallel.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
+#include "dataset/recording.h"
+#include "dataset/shard_name.h"
 #include "pipeline/progress.h"
+#include "pipeline/verify_recording.h"
 
 namespace scanmill {
+
+namespace {
+
+// The work, with a bar that ends before anything else is printed. `verify` is called with (folder, progress).
+template <class Verify>
+auto withProgress(const Verify& verify, const std::string& folder, const char* unit, bool quiet) {
+  Progress progress("verify", 0, unit, unit, quiet);
+  return verify(folder, [&](std::uint64_t, std::uint64_t total) {
+    progress.setTotal(total);
+    progress.advance(1, 1);
+  });
+}
+
+// Gives the exit code.
+int report(const std::vector<std::string>& problems, const std::string& counts) {
+  for (const std::string& problem : problems) fmt::print(stderr, "{}\n", problem);
+  fmt::print("{}: {}\n", counts, problems.empty() ? "sound" : fmt::format("{} problems", problems.size()));
+  return problems.empty() ? 0 : 1;
+}
+
+}  // namespace
 
 int runVerify(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("verify");
   cxxopts::Options options = describe(command);
   options.add_options()("threads", "how many threads to use, 0 for all cores",
                         cxxopts::value<int>()->default_value("0"))("q,quiet", "no progress");
-  const Arguments parsed = parseArguments(command, options, arguments, "  scanmill verify out/quickstart\n");
+  const Arguments parsed = parseArguments(command, options, arguments,
+                                          "  scanmill verify out/quickstart\n"
+                                          "  scanmill verify out/passes    # a recording: all that it names is read\n");
   if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
-  expectDataset(folder, "verify");
   const ThreadLimit limit(threadOption(parsed));
-  Progress progress("verify", 0, "shards", "shards", parsed.options.count("quiet") > 0);
-  const Verification v = verifyDataset(folder, [&](std::uint64_t, std::uint64_t total) {
-    progress.setTotal(total);
-    progress.advance(1, 1);
-  });
-  for (const std::string& problem : v.problems) fmt::print(stderr, "{}\n", problem);
-  fmt::print("{} shards, {} samples, {} scans, {} points: {}\n", grouped(v.shards), grouped(v.samples),
-             grouped(v.scans), grouped(v.points),
-             v.problems.empty() ? "sound" : fmt::format("{} problems", v.problems.size()));
-  return v.problems.empty() ? 0 : 1;
+  const bool quiet = parsed.options.count("quiet") > 0;
+  std::error_code ignored;
+  if (!std::filesystem::exists(std::filesystem::path(folder) / kManifestName, ignored) && recordingIn(folder)) {
+    const RecordingVerification v = withProgress(verifyRecording, folder, "images", quiet);
+    for (const std::string& warning : v.warnings) warn(warning);
+    return report(v.problems, fmt::format("{} scans, {} images, {} pixels", grouped(v.scans), grouped(v.images),
+                                          grouped(v.pixels)));
+  }
+  expectDataset(folder, "verify");
+  const Verification v = withProgress(verifyDataset, folder, "shards", quiet);
+  return report(v.problems, fmt::format("{} shards, {} samples, {} scans, {} points", grouped(v.shards),
+                                        grouped(v.samples), grouped(v.scans), grouped(v.points)));
 }
 
 }  // namespace scanmill
