@@ -89,8 +89,9 @@ void ImageSource::require(PassChoice asked) const {
     const PassChoice there = image.planes.choice();
     for (const auto& [channel, name] : kPlanes) {
       if (asked.channels.has(channel) && !there.channels.has(channel)) {
-        throw InputError(fmt::format("the image of camera '{}' has no pass '{}', which the pipeline needs",
-                                     image.camera.name, name));
+        const bool looked = channel == Channel::Material && there.look;
+        throw InputError(fmt::format("the image of camera '{}' has no pass '{}', which the pipeline needs{}",
+                                     image.camera.name, name, looked ? "" : insteadOf(name)));
       }
     }
     if (asked.look && !there.look) {
@@ -139,6 +140,12 @@ void ImageSource::fetch(std::span<const PixelAddress> addresses, PassChoice aske
       });
     }
   });
+}
+
+std::string_view insteadOf(std::string_view pass) {
+  if (pass == "material") return " (roughness, metallic and retroreflectance in its place will do)";
+  if (pass == "normal") return " (`sampling: nearest` does without, if nothing else needs them)";
+  return "";
 }
 
 std::vector<PassImage> readAll(PixelSource& source, PassChoice asked) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "base/vec.h"
@@ -82,6 +83,9 @@ class ImageSource : public PixelSource {
   std::vector<PixelAddress> first_;  // address of each image's first pixel, and one past the last
   PassChoice available_;             // of all images
 };
+
+// What does where images lack this pass, in brackets for the end of a message; empty where nothing else does.
+std::string_view insteadOf(std::string_view pass);
 
 // All pixels of a source, image by image.
 std::vector<PassImage> readAll(PixelSource& source, PassChoice asked);

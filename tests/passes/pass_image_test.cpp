@@ -113,9 +113,20 @@ TEST(ImageSource, OffersWhatAllImagesHave) {
   ImageSource source(images);
   EXPECT_EQ(source.available(), (PassChoice{Channel::Range | Channel::Instance, false}));
   PassPlanes planes;
-  expectInputError([&] { source.fetch({}, {Channel::Normal, false}, planes); }, {"camera1", "normal"});
+  expectInputError(
+      [&] {
+        source.fetch({}, {Channel::Normal, false}, planes);
+      },
+      {"camera1", "normal", "sampling: nearest"});
+  expectInputError([&] { source.fetch({}, {Channel::Material, false}, planes); }, {"camera0", "material"});
   expectInputError([&] { source.fetch({}, {Channel::Semantic, false}, planes); }, {"camera0", "semantic"});
   expectInputError([&] { source.fetch({}, {Channel::Range, true}, planes); }, {"camera1", "roughness"});
+  ImageSource second(std::span<const PassImage>(images).subspan(1));
+  expectInputError(
+      [&] {
+        second.fetch({}, {Channel::Material, false}, planes);
+      },
+      {"camera1", "'material'", "roughness, metallic and retroreflectance in its place"});
 }
 
 TEST(ImageSource, ASourceWithoutImagesSeesNothing) {

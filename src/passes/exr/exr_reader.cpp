@@ -15,6 +15,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <iterator>
 #include <optional>
@@ -188,6 +189,44 @@ void readRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget
   input.readPixels(window.min.y + static_cast<int>(first), window.min.y + static_cast<int>(end) - 1);
 }
 
+// Whether a part's pixels are in the file as they are in memory: line by line, channel by channel, 4 bytes each.
+bool isPlain(const Imf::Header& header) {
+  if (header.hasTileDescription() || header.compression() != Imf::NO_COMPRESSION) return false;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    if (channel.channel().type == Imf::HALF) return false;
+  }
+  return std::endian::native == std::endian::little;
+}
+
+// readRows() for such a part: OpenEXR goes pixel by pixel, which takes a third of the time of making scans from hits.
+void copyRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t first,
+              std::size_t end) {
+  const Imf::Header& header = file.header(part);
+  const Imath::Box2i window = header.dataWindow();
+  const auto width = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
+  std::vector<std::string> names;  // in the order of the lines
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    names.emplace_back(channel.name());
+  }
+  Imf::InputPart input(file, part);
+  for (std::size_t row = first; row < end; ++row) {
+    const char* line = nullptr;
+    int size = 0;
+    input.rawPixelData(window.min.y + static_cast<int>(row), line, size);
+    if (static_cast<std::size_t>(size) != 4 * width * names.size()) throw std::runtime_error("a line is cut short");
+    for (const ExrTarget& target : targets) {
+      const auto channel = std::find(names.begin(), names.end(), target.channel->nameInPart) - names.begin();
+      const char* from = line + 4 * width * static_cast<std::size_t>(channel);
+      char* to = static_cast<char*>(target.pixels) + row * width * target.stride;
+      if (target.stride == 4) {
+        std::memcpy(to, from, 4 * width);
+        continue;
+      }
+      for (std::size_t i = 0; i < width; ++i) std::memcpy(to + i * target.stride, from + 4 * i, 4);
+    }
+  }
+}
+
 // Everything that OpenEXR throws becomes an InputError that names the file.
 template <class Work>
 void guarded(const std::string& name, Work&& work) {
@@ -283,7 +322,7 @@ void ExrReader::read(std::span<const ExrTarget> targets) const {
         std::copy_if(targets.begin(), targets.end(), std::back_inserter(own),
                      [&](const ExrTarget& target) { return target.channel->part == part; });
         if (own.empty()) continue;
-        readRows(file, part, own, first, end);
+        (isPlain(file.header(part)) ? copyRows : readRows)(file, part, own, first, end);
       }
     });
   });

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "passes/pass_image.h"
 
 namespace scanmill {
 
@@ -90,7 +91,7 @@ std::array<const ExrChannel*, 3> findNormal(const ExrReader& file) {
 
 const ExrChannel& requirePass(const ExrReader& file, std::string_view pass) {
   if (const ExrChannel* channel = findPass(file, pass)) return *channel;
-  refuseAbsence(file, pass, fmt::format("the pass '{}'", pass));
+  refuseAbsence(file, pass, fmt::format("the pass '{}'{}", pass, insteadOf(pass)));
 }
 
 const ExrChannel& requireDepth(const ExrReader& file) {
@@ -100,7 +101,9 @@ const ExrChannel& requireDepth(const ExrReader& file) {
 
 std::array<const ExrChannel*, 3> requireNormal(const ExrReader& file) {
   const auto axes = findNormal(file);
-  if (axes[0] == nullptr) refuseAbsence(file, "N.X, N.Y, N.Z", "the normals, in world axes");
+  if (axes[0] == nullptr) {
+    refuseAbsence(file, "N.X, N.Y, N.Z", fmt::format("the normals, in world axes{}", insteadOf("normal")));
+  }
   return axes;
 }
 

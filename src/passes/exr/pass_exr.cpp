@@ -178,6 +178,7 @@ class PassReader {
     const Camera& camera = image_.camera;
     const Mat3 worldFromCamera = toMatrix(camera.worldFromCamera.rotation);
     Vec3f* const normal = planes_.normal.data();
+    std::atomic<std::size_t> away = 0;
     const std::size_t bad = forPixels([&](std::size_t i) {
       Vec3f& n = normal[i];
       if (!seen(i)) {
@@ -191,7 +192,10 @@ class PassReader {
       const auto column = static_cast<std::uint32_t>(i % camera.width);
       const Vec3d sight = worldFromCamera * camera.ray(column + 0.5, row + 0.5);
       const double along = dot(Vec3d(n), sight);
-      if (along > 0 && along > kEdgeOn * length(sight)) n = -n;
+      if (along > 0 && along > kEdgeOn * length(sight)) {
+        n = -n;
+        away.fetch_add(1, std::memory_order_relaxed);
+      }
       return true;
     });
     if (bad < file_.pixels()) {
@@ -201,6 +205,21 @@ class PassReader {
                               "antialiasing)",
                               n.x, n.y, n.z));
     }
+    if (away > 0) refuseMostAway(away);
+  }
+
+  // A surface that is modelled inside out is turned without a word; that most are is less likely than an axis that is.
+  void refuseMostAway(std::size_t away) const {
+    const auto& depth = planes_.depth;
+    const auto pixels =
+        static_cast<std::size_t>(std::count_if(depth.begin(), depth.end(), [](float z) { return z < kNoDepth; }));
+    if (away <= pixels / 2) return;
+    refuse(
+        normalName_,
+        fmt::format("most normals face away from the camera ({} of {} pixels): worldFromCamera must have camera axes "
+                    "x right, y down, z forward; from OpenGL's or Blender's (y up, z backward) negate its second and "
+                    "third column. If it is right, turn the normals towards the camera",
+                    away, pixels));
   }
 
   template <class Id>

@@ -44,8 +44,10 @@ void writePasses(const std::filesystem::path& path, const PassImage& image);
 // Reads the passes that are asked for; what writePasses() wrote, to the bit. A depth that is infinite or at least 1e9 m
 // means that nothing is seen, whatever the other channels say there. Throws InputError that names the file, the channel
 // or attribute, and what to do: no EXR, truncated, a channel absent or of the wrong type, a depth that is NaN, negative
-// or zero, a normal that is no unit vector, an id that is not whole or too large, a reflectance, roughness or metallic
-// outside of 0 to 1, an attribute absent or senseless, a data window that is not the display window.
+// or zero, a normal that is no unit vector, normals most of which face away from the camera (fewer are turned to it:
+// then worldFromCamera is likely to have the axes of OpenGL or Blender), an id that is not whole or too large, a
+// reflectance, roughness or metallic outside of 0 to 1, an attribute absent or senseless, a data window that is not the
+// display window.
 PassImage readPasses(const std::filesystem::path& path, PassChoice asked);
 
 // Which passes the file holds.

@@ -67,7 +67,9 @@ std::vector<Candidate> chosen(const std::string& device) {
       std::count_if(list.begin(), list.end(), [](const Candidate& c) { return c.platform == EGL_PLATFORM_DEVICE_EXT; });
   std::erase_if(list, [&](const Candidate& c) { return device == "software" ? !c.software : c.name != device; });
   if (list.empty()) {
-    throw NoDevice(fmt::format("there is no device '{}': take a number below {}, or 'software'", device, numbered));
+    std::string numbers = numbered == 0 ? "" : numbered == 1 ? "0 or " : fmt::format("0 to {} or ", numbered - 1);
+    throw std::invalid_argument(
+        fmt::format("SCANMILL_GL_DEVICE: there is no device '{}': take {}'software'", device, numbers));
   }
   return list;
 }

@@ -18,7 +18,8 @@ class NoDevice : public std::runtime_error {
 class EglContext {
  public:
   // The context of a device: a graphics card's driver, if there is one, else Mesa's rasteriser on the processor.
-  // `device`: a number among EGL's devices, "software", or empty. It is current on the calling thread. Throws NoDevice.
+  // `device`: a number among EGL's devices, "software", or empty. It is current on the calling thread. Throws NoDevice;
+  // of a device that is not there, invalid_argument.
   explicit EglContext(const std::string& device);
   ~EglContext();
   EglContext(const EglContext&) = delete;

@@ -298,8 +298,8 @@ TEST_F(ForeignPasses, NormalsAreUnitVectorsTurnedToTheCamera) {
   addNormal("N.", Imf::HALF);
   EXPECT_EQ(read(asked).planes.normal[0], (Vec3f{-1, 0, 0}));
   // The camera looks along x.
-  add("N.X", Imf::FLOAT, 1);
-  EXPECT_EQ(read(asked).planes.normal[0], (Vec3f{-1, 0, 0}));
+  add("N.X", Imf::FLOAT, -1, 1);
+  EXPECT_EQ(read(asked).planes.normal.back(), (Vec3f{-1, 0, 0}));
   add("N.X", Imf::FLOAT, -1.005f);
   EXPECT_FLOAT_EQ(read(asked).planes.normal[0].x, -1);
   for (const float bad : {0.0f, 0.5f, -2.0f, NAN, INFINITY}) {
@@ -308,6 +308,39 @@ TEST_F(ForeignPasses, NormalsAreUnitVectorsTurnedToTheCamera) {
   }
   add("N.X", Imf::UINT, 1);
   expectRefused({"'N.X'", "UINT", "FLOAT"}, asked);
+}
+
+TEST_F(ForeignPasses, CameraAxesOfOpenGlAreTold) {
+  const PassChoice asked{Channel::Normal, false};
+  add("Z", Imf::FLOAT, 5);
+  addNormal("N.");
+  EXPECT_EQ(read(asked).planes.normal[0], (Vec3f{-1, 0, 0}));
+  setPose({0, 0, -1, 10, -1, 0, 0, 20, 0, 1, 0, 30, 0, 0, 0, 1});  // the same camera, y up and z backward
+  expectRefused({"'N.X'", "48 of 48", "worldFromCamera", "x right, y down, z forward", "OpenGL", "Blender",
+                 "negate its second and third column"},
+                asked);
+  EXPECT_EQ(read({}).planes.depth[0], 5);  // whoever needs no normals cannot know
+  // Half of the pixels that see something are still turned; one more is not.
+  setPose({0, 0, 1, 10, -1, 0, 0, 20, 0, -1, 0, 30, 0, 0, 0, 1});
+  const auto facingAway = [&](std::size_t count) {
+    PassImage image = testImage(8, 8, asked);  // sees 48 pixels
+    for (std::size_t i = 0, turned = 0; turned < count; ++i) {
+      if (i % 4 == 0) continue;
+      image.planes.normal[i] = -image.planes.normal[i];
+      ++turned;
+    }
+    writePasses(path, image);
+    return messageOf([&] { readPasses(path, asked); });
+  };
+  EXPECT_EQ(facingAway(24), "accepted");
+  EXPECT_THAT(facingAway(25), testing::HasSubstr("25 of 48"));
+}
+
+TEST_F(ForeignPasses, WhatDoesInPlaceOfAPassIsTold) {
+  add("Z", Imf::FLOAT, 5);
+  expectRefused({"'material'", "roughness, metallic and retroreflectance in its place"}, {Channel::Material, false});
+  expectRefused({"'N.X, N.Y, N.Z'", "`sampling: nearest` does without"}, {Channel::Normal, false});
+  EXPECT_THAT(messageOf([&] { read({Channel::Semantic, false}); }), testing::Not(testing::HasSubstr("(")));
 }
 
 TEST_F(ForeignPasses, LooksLieInTheirBounds) {
