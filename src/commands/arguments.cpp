@@ -65,6 +65,28 @@ std::vector<std::string> pipelineOverrides(const Arguments& arguments) {
   return overrides;
 }
 
+void addRecordingOptions(cxxopts::Options& options) {
+  options.add_options()("from-hits", "make the scans of kept hits: no scene, no tracing", cxxopts::value<std::string>(),
+                        "DIR")("from-passes", "make the scans of kept or other renderers' images: no scene",
+                               cxxopts::value<std::string>(), "DIR");
+}
+
+std::string folderOption(const Arguments& arguments, const std::string& name) {
+  if (arguments.options.count(name) == 0) return {};
+  const auto folder = arguments.options[name].as<std::string>();
+  if (folder.empty()) throw InputError(fmt::format("--{} names no folder", name));
+  return folder;
+}
+
+std::shared_ptr<const Recording> recordingOf(const Arguments& arguments) {
+  const std::string hits = folderOption(arguments, "from-hits");
+  const std::string passes = folderOption(arguments, "from-passes");
+  if (!hits.empty() && !passes.empty()) throw InputError("--from-hits and --from-passes exclude each other");
+  if (!hits.empty()) return std::make_shared<const Recording>(readRecording(hits, RecordingKind::Hits));
+  if (!passes.empty()) return std::make_shared<const Recording>(readRecording(passes, RecordingKind::Passes));
+  return nullptr;
+}
+
 void expectDataset(const std::filesystem::path& folder, std::string_view command) {
   std::error_code unreadable;
   if (std::filesystem::exists(folder, unreadable) && !std::filesystem::is_directory(folder, unreadable)) {

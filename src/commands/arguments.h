@@ -6,10 +6,12 @@
 #define CXXOPTS_VECTOR_DELIMITER '\0'
 #include <cxxopts.hpp>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "commands/command.h"
+#include "dataset/recording.h"
 
 namespace scanmill {
 
@@ -34,6 +36,13 @@ const Command& commandNamed(std::string_view name);
 void addPipelineOptions(cxxopts::Options& options);
 std::vector<std::string> pipelineOverrides(const Arguments& arguments);
 int threadOption(const Arguments& arguments);
+
+// --from-hits and --from-passes, for commands that may take a recording in place of scenes.
+void addRecordingOptions(cxxopts::Options& options);
+// Null where neither is given.
+std::shared_ptr<const Recording> recordingOf(const Arguments& arguments);
+// Empty where the option is not given. Throws InputError where it is given without a name.
+std::string folderOption(const Arguments& arguments, const std::string& name);
 
 // Throws InputError unless the folder holds a manifest.
 void expectDataset(const std::filesystem::path& folder, std::string_view command);

@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <memory>
 #include <utility>
 
 #include "base/parallel.h"
@@ -40,23 +39,6 @@ void printSummary(const GenerateSummary& s, const std::string& folder) {
   fmt::print("\nnext: scanmill verify {0}; scanmill info {0}\n", folder);
 }
 
-std::string folderOption(const Arguments& arguments, const std::string& name) {
-  if (arguments.options.count(name) == 0) return {};
-  const auto folder = arguments.options[name].as<std::string>();
-  if (folder.empty()) throw InputError(fmt::format("--{} names no folder", name));
-  return folder;
-}
-
-// Null where neither --from-hits nor --from-passes is given.
-std::shared_ptr<const Recording> recordingOf(const Arguments& arguments) {
-  const std::string hits = folderOption(arguments, "from-hits");
-  const std::string passes = folderOption(arguments, "from-passes");
-  if (!hits.empty() && !passes.empty()) throw InputError("--from-hits and --from-passes exclude each other");
-  if (!hits.empty()) return std::make_shared<const Recording>(readRecording(hits, RecordingKind::Hits));
-  if (!passes.empty()) return std::make_shared<const Recording>(readRecording(passes, RecordingKind::Passes));
-  return nullptr;
-}
-
 }  // namespace
 
 int runGenerate(const std::vector<std::string>& arguments) {
@@ -65,16 +47,15 @@ int runGenerate(const std::vector<std::string>& arguments) {
   options.add_options()("o,out", "folder of the dataset (made where absent)", cxxopts::value<std::string>(), "DIR")(
       "overwrite", "replace a dataset, or recordings, that are there already")(
       "keep-hits", "keep what the beams meet, to make scans again without tracing", cxxopts::value<std::string>(),
-      "DIR")("keep-passes", "keep the images that the method depth_camera draws", cxxopts::value<std::string>(), "DIR")(
-      "from-hits", "make the scans of kept hits: no scene, no tracing", cxxopts::value<std::string>(), "DIR")(
-      "from-passes", "make the scans of kept or other renderers' images: no scene", cxxopts::value<std::string>(),
-      "DIR")("q,quiet", "one line in place of progress and tables");
+      "DIR")("keep-passes", "keep the images that the method depth_camera draws", cxxopts::value<std::string>(), "DIR");
+  addRecordingOptions(options);
+  options.add_options()("q,quiet", "one line in place of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed =
       parseArguments(command, options, arguments,
                      "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
                      "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
-                     "--set 'scenes.0.seeds=[4,5]'\n"
+                     "--set 'scenes.0.seeds=[4,5]' --set splits=null\n"
                      "  scanmill generate pipelines/quickstart.yaml -o out/c --keep-hits out/hits\n"
                      "  scanmill generate pipelines/quickstart.yaml -o out/d --from-hits out/hits "
                      "--set 'effects=[intensity]'\n");

@@ -30,9 +30,10 @@ void printRecording(const std::filesystem::path& folder) {
     bytes += entry.file_size();
     images += entry.path().extension() == ".exr" ? 1 : 0;
   }
-  fmt::print("recording of {} made by {}{}: {} images, {}\n\n", nameOf(r.kind), r.method,
-             r.programVersion.empty() ? "" : ", scanmill " + r.programVersion, grouped(images),
-             shortBytes(static_cast<double>(bytes)));
+  fmt::print("recording of {}{}: {} images, {}\n\n", nameOf(r.kind),
+             r.programVersion.empty() ? std::string(" not made by scanmill")
+                                      : fmt::format(" made by {}, scanmill {}", r.method, r.programVersion),
+             grouped(images), shortBytes(static_cast<double>(bytes)));
   Rows sensors{{"sensor", "rings", "columns"}};
   for (const RecordedSensor& s : r.sensors) {
     sensors.push_back({s.name, std::to_string(s.rings), std::to_string(s.columns)});
@@ -44,9 +45,11 @@ void printRecording(const std::filesystem::path& folder) {
                          std::to_string(r.materials[s.materials].size())});
   }
   fmt::print("{}\n", formatTable(sequences));
-  fmt::print("ontology {}: {} classes\n",
-             r.ontology.classes.empty() ? "none: the pipeline must name one with `labels`" : r.ontology.name,
-             r.ontology.classes.size());
+  if (r.ontology.classes.empty()) {
+    fmt::print("no ontology: the pipeline must name one with `labels`\n");
+  } else {
+    fmt::print("ontology {}: {} classes\n", r.ontology.name, r.ontology.classes.size());
+  }
   for (const std::string& line : r.modelled) fmt::print("  {}\n", line);
   fmt::print("next: scanmill generate PIPELINE -o DIR --from-{} {}\n", nameOf(r.kind), folder.string());
 }

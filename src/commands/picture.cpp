@@ -120,6 +120,9 @@ int runPicture(const std::vector<std::string>& arguments) {
   picture.splats.size = factor(parsed, "point-size");
   picture.splats.depthEdges = parsed.options.count("flat") == 0;
 
+  if (const auto kind = recordingIn(file)) {
+    throw InputError({file.string()}, fmt::format("is a recording of {}: name one of its EXR images", nameOf(*kind)));
+  }
   if (isExr(file)) {
     std::optional<Ontology> classes;
     if (const auto ontology = textOption(parsed, "ontology"); !ontology.empty()) classes = readOntology(ontology);

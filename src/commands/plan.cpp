@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
+#include "pipeline/dataset_size.h"
 #include "pipeline/progress.h"
 #include "pipeline/warnings.h"
 
@@ -52,11 +53,14 @@ void printUnlabeled(const std::map<std::string, std::uint64_t>& unlabeled) {
 int runPlan(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("plan");
   cxxopts::Options options = describe(command);
+  addRecordingOptions(options);
   addPipelineOptions(options);
-  const Arguments parsed = parseArguments(command, options, arguments, "  scanmill plan pipelines/truck_town.yaml\n");
+  const Arguments parsed = parseArguments(command, options, arguments,
+                                          "  scanmill plan pipelines/truck_town.yaml\n"
+                                          "  scanmill plan pipelines/quickstart.yaml --from-hits out/hits\n");
   if (parsed.help) return 0;
   const ThreadLimit limit(threadOption(parsed));
-  const Plan plan(readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed)));
+  const Plan plan(readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed), recordingOf(parsed)));
   const Pipeline& pipeline = plan.pipeline();
   printSensors(plan);
   printSequences(pipeline);
@@ -66,6 +70,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   std::map<std::string, std::uint64_t> unlabeled;
   std::vector<std::string> modelled = plan.modelled();
   std::uint64_t sceneBytes = 0;
+  Ontology ontology;
   for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
     const Sequence& s = pipeline.sequences[i];
     if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;
@@ -82,20 +87,28 @@ int runPlan(const std::vector<std::string>& arguments) {
       if (std::find(modelled.begin(), modelled.end(), line) == modelled.end()) modelled.push_back(line);
     }
     sceneBytes = std::max(sceneBytes, method->memoryBytes());
+    ontology = scene.ontology;
   }
-  fmt::print("{}\n", formatTable(scenes));
+  if (pipeline.recording == nullptr) {
+    fmt::print("{}\n", formatTable(scenes));
+  } else {
+    fmt::print("scenes: none, the scans are made of the {} in {}\n\n", nameOf(pipeline.recording->kind),
+               pipeline.recording->folder.string());
+  }
 
   fmt::print("modelled and left out:\n");
   for (const std::string& line : modelled) fmt::print("  {}\n", line);
-  fmt::print("\n");
-  printUnlabeled(unlabeled);
+  if (pipeline.recording == nullptr) {
+    fmt::print("\n");
+    printUnlabeled(unlabeled);
+  }
   const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
   const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());
   fmt::print("\n{} frames x {} beams = {} rays ({} allowed)\n", grouped(pipeline.frames()),
              grouped(pipeline.raysPerFrame()), shortNumber(rays), shortNumber(pipeline.maxRays));
   fmt::print("memory: about {} for the scene and {} for frames in flight\n",
              shortBytes(static_cast<double>(sceneBytes)), shortBytes(inFlight));
-  fmt::print("disk: at most about {}\n", shortBytes(plan.estimatedDatasetBytes()));
+  fmt::print("disk: at most about {}\n", shortBytes(mostDatasetBytes(plan, ontology)));
   return 0;
 }
 

@@ -2,6 +2,9 @@
 
 // The columns of a scan, for code that treats them alike.
 
+#include <algorithm>
+#include <span>
+#include <string>
 #include <string_view>
 
 #include "scan/scan.h"
@@ -18,6 +21,15 @@ void visitOptionalColumns(ScanType& scan, Visit&& visit) {
   visit(std::string_view("column"), scan.column);
   visit(std::string_view("time"), scan.time);
   visit(std::string_view("range_true"), scan.rangeTrue);
+}
+
+// visit(name, empty column) for the optional columns among `names`.
+template <class Visit>
+void visitNamedColumns(std::span<const std::string> names, Visit&& visit) {
+  const Scan none;
+  visitOptionalColumns(none, [&](std::string_view name, const auto& column) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) visit(name, column);
+  });
 }
 
 // Throws Error where an optional column is neither empty nor as long as the scan, or an organised scan is not

@@ -93,6 +93,11 @@ class Csv : public Format {
   double maxError() const override { return 0; }
   bool keepsMisses() const override { return true; }
 
+  double mostBytes(const ScanOutline& outline) const override {
+    return static_cast<double>(fmt::format("{}\n", fmt::join(outline.names, ",")).size()) +
+           static_cast<double>(outline.points) * static_cast<double>(longestRow(outline.names));
+  }
+
   std::string encode(const Scan& scan) const override {
     requireConsistent(scan);
     std::string out = fmt::format("{}\n", fmt::join(columnNames(scan), ","));

@@ -33,6 +33,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <type_traits>
+#include <vector>
 
 #include "formats/columns.h"
 #include "formats/draco_reader.h"
@@ -44,6 +46,16 @@
 namespace scanmill {
 
 namespace {
+
+// Beside the points' own: metadata and descriptors; tables of probabilities of the lengths of symbols.
+constexpr double kMostHeaderBytes = 100;
+constexpr double kMostColumnBytes = 200;
+
+// What an entry of symbols of so many bits takes at most: its length, the symbols themselves, and less than one for
+// probabilities that are rounded. Symbols with probabilities of their own are only taken where they are shorter.
+double symbolBits(int bits, int components) {
+  return bits * components + std::log2(bits + 1.0) + 1;
+}
 
 struct DracoOptions {
   double maxError = 0;  // m
@@ -95,6 +107,26 @@ class DracoFormat : public Format {
   std::string_view suffix() const override { return "drc"; }
   double maxError() const override { return options_.maxError; }
   bool keepsMisses() const override { return false; }
+
+  double mostBytes(const ScanOutline& outline) const override {
+    double bits = symbolBits(mostIndexBits(outline.reach, 3, options_.maxError), 3);
+    double columns = 1;
+    visitNamedColumns(outline.names, [&]<class T>(std::string_view name, const std::vector<T>&) {
+      if (name == "time" && !options_.time) return;
+      ++columns;
+      if (name == "range_true") {
+        bits += symbolBits(mostIndexBits(outline.reach, 1, options_.maxError), 1);
+      } else if (std::is_floating_point_v<T>) {
+        bits += 32;  // more than integers and quantised intensities take
+      } else {
+        const std::uint32_t largest = name == "ring"     ? outline.rings
+                                      : name == "column" ? outline.columns
+                                                         : std::numeric_limits<T>::max();
+        bits += symbolBits(std::bit_width(largest), 1);
+      }
+    });
+    return kMostHeaderBytes + columns * kMostColumnBytes + static_cast<double>(outline.points) * bits / 8;
+  }
 
   std::string encode(const Scan& scan) const override {
     requireConsistent(scan);

@@ -2,15 +2,26 @@
 
 // A format turns a Scan into bytes and back: no disk. Adding one is a new file and a row in formats().
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "config/fields.h"
 #include "scan/scan.h"
 
 namespace scanmill {
+
+// What is known of a scan before it is made.
+struct ScanOutline {
+  std::uint64_t points = 0;        // at most
+  std::uint32_t rings = 0;         // of the sensor
+  std::uint32_t columns = 0;       // of the sensor
+  double reach = 0;                // m, of the largest coordinate
+  std::vector<std::string> names;  // of its columns, as columnNames() has them
+};
 
 class Format {
  public:
@@ -19,6 +30,8 @@ class Format {
   // Largest Euclidean error of a position that encode() makes, in metres; 0 for lossless.
   virtual double maxError() const = 0;
   virtual bool keepsMisses() const = 0;  // can it hold an organised scan?
+  // Upper bound of the bytes that encode() makes of such a scan.
+  virtual double mostBytes(const ScanOutline& outline) const = 0;
   // Called from several threads at once. Empty scans are encoded too.
   virtual std::string encode(const Scan& scan) const = 0;
   // `what` names the bytes in errors (InputError): truncated or foreign bytes never crash.

@@ -52,6 +52,16 @@ Grid chooseGrid(std::span<const float> low, std::span<const float> high, double 
   return grid;
 }
 
+int mostIndexBits(double reach, std::size_t components, double bound) {
+  constexpr int kMostBits = 30;
+  const double widest = 2 * bound / std::sqrt(static_cast<double>(components)) * (1 - 1e-9);
+  // What chooseGrid() may round the step down by, as both are powers of two.
+  const double unit = std::max(2 * (2 * reach + 2 * widest) / kFloatWhole, widest * 0x1p-20);
+  if (unit > widest / 2) return kMostBits;
+  const double largest = (2 * reach + unit) / (widest - unit) + 1;
+  return std::clamp(static_cast<int>(std::ceil(std::log2(largest + 1))), 1, kMostBits);
+}
+
 void quantise(std::span<const float> values, const Grid& grid, std::int32_t* indices) {
   const double perStep = 1 / double{grid.step};
   const auto index = [&](float value, float low) {

@@ -21,6 +21,9 @@ struct Grid {
 // says which bound is possible.
 Grid chooseGrid(std::span<const float> low, std::span<const float> high, double bound, const std::string& what);
 
+// Bits of the largest index on such a grid for values between -reach and reach, at most.
+int mostIndexBits(double reach, std::size_t components, double bound);
+
 // Indices of the nearest grid points, as many as values, whose number is a multiple of the grid's components.
 void quantise(std::span<const float> values, const Grid& grid, std::int32_t* indices);
 

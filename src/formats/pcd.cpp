@@ -13,6 +13,8 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "formats/columns.h"
 #include "formats/makers.h"
@@ -26,19 +28,22 @@ namespace {
 
 enum class Encoding { Compressed, Binary, Ascii };
 
+constexpr double kMostLzfGrowth = 33.0 / 32;  // a byte before up to 32 that are kept as they are
+
 // As stored: class ids are U 4, as PCL's PointXYZL has them; everything else as in memory.
 template <class T>
 constexpr std::size_t storedSize(std::string_view name) {
   return name == "label" ? 4 : sizeof(T);
 }
 
-std::size_t rowSize(const Scan& scan) {
+// Of a scan with the columns of these names.
+std::size_t rowSize(std::span<const std::string> names) {
   std::size_t size = sizeof(Vec3f);
-  visitOptionalColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& column) {
-    if (!column.empty()) size += storedSize<T>(name);
-  });
+  visitNamedColumns(names, [&]<class T>(std::string_view name, const std::vector<T>&) { size += storedSize<T>(name); });
   return size;
 }
+
+constexpr double kMostHeaderBytes = 400;  // with all columns, and the longest numbers
 
 std::string header(const Scan& scan, std::string_view data) {
   std::string fields = "x y z";
@@ -71,7 +76,7 @@ void scatter(const T* values, std::size_t count, char* to, std::size_t stride) {
 void appendBinary(const Scan& scan, std::string& out) {
   constexpr std::size_t kBlock = 256;
   constexpr std::size_t kWidest = 40;
-  const std::size_t stride = rowSize(scan);
+  const std::size_t stride = rowSize(columnNames(scan));
   out.reserve(out.size() + stride * scan.size());
   char block[kBlock * kWidest];
   for (std::size_t first = 0; first < scan.size(); first += kBlock) {
@@ -94,7 +99,7 @@ void appendBinary(const Scan& scan, std::string& out) {
 // One column after the other, LZF over all, behind the sizes before and after decompression.
 void appendCompressed(const Scan& scan, std::string& out) {
   const std::size_t size = scan.size();
-  const std::size_t raw = rowSize(scan) * size;
+  const std::size_t raw = rowSize(columnNames(scan)) * size;
   const std::size_t room = raw + raw / 16 + 64;  // LZF adds at most one byte in 32
   if (room > std::numeric_limits<std::uint32_t>::max()) {
     throw Error(fmt::format("{} points are more than a compressed PCD holds: use encoding binary", size));
@@ -134,6 +139,15 @@ class Pcd : public Format {
   std::string_view suffix() const override { return "pcd"; }
   double maxError() const override { return 0; }
   bool keepsMisses() const override { return true; }
+
+  double mostBytes(const ScanOutline& outline) const override {
+    const auto points = static_cast<double>(outline.points);
+    if (encoding_ == Encoding::Ascii) {
+      return kMostHeaderBytes + points * static_cast<double>(longestRow(outline.names));
+    }
+    const double raw = points * static_cast<double>(rowSize(outline.names));
+    return kMostHeaderBytes + (encoding_ == Encoding::Binary ? raw : raw * kMostLzfGrowth);
+  }
 
   std::string encode(const Scan& scan) const override {
     requireConsistent(scan);

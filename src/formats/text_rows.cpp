@@ -43,6 +43,14 @@ void readAny(std::string_view word, T& value, std::string_view column, const Loc
 
 }  // namespace
 
+std::size_t longestRow(std::span<const std::string> names) {
+  std::size_t length = 3 * kLongestNumber;
+  visitNamedColumns(names, [&]<class T>(std::string_view, const std::vector<T>&) {
+    length += std::is_floating_point_v<T> ? kLongestNumber : std::numeric_limits<T>::digits10 + 2;
+  });
+  return length;
+}
+
 void appendRows(const Scan& scan, char separator, std::string& out) {
   const auto buffer = std::make_unique_for_overwrite<char[]>(kBuffer);
   char* to = buffer.get();

@@ -2,6 +2,8 @@
 
 // Scans as lines of numbers: what CSV and ASCII PCD share.
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -12,6 +14,9 @@ namespace scanmill {
 
 // One line per point, columns in the order of columnNames(), shortest digits that read back to the same bits.
 void appendRows(const Scan& scan, char separator, std::string& out);
+
+// Characters of the longest line that a scan with the columns of these names can have.
+std::size_t longestRow(std::span<const std::string> names);
 
 // Reads a whole word as a number; throws InputError at `where` naming `column` where it is none or out of range.
 void readNumber(std::string_view word, float& value, std::string_view column, const Location& where);

@@ -137,24 +137,6 @@ Sample makeSample(const Plan& plan, const Scene& scene, const Method& method, co
   return sample;
 }
 
-std::vector<std::string> columnsWritten(const Pipeline& pipeline) {
-  const bool intensity = std::any_of(pipeline.effects.begin(), pipeline.effects.end(),
-                                     [](const auto& effect) { return effect->setsIntensity(); });
-  const ScanColumns& c = pipeline.columns;
-  std::vector<std::string> names{"x", "y", "z"};
-  const std::pair<bool, const char*> optional[] = {{c.intensity && intensity, "intensity"},
-                                                   {c.label, "label"},
-                                                   {c.instance, "instance"},
-                                                   {c.ring, "ring"},
-                                                   {c.column, "column"},
-                                                   {c.time, "time"},
-                                                   {c.rangeTrue, "range_true"}};
-  for (const auto& [asked, name] : optional) {
-    if (asked) names.emplace_back(name);
-  }
-  return names;
-}
-
 Manifest startManifest(const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline();
   Manifest manifest;
@@ -165,7 +147,7 @@ Manifest startManifest(const Plan& plan) {
   manifest.seed = pipeline.seed;
   manifest.organised = pipeline.columns.organised;
   manifest.deskewed = pipeline.motion.deskew;
-  manifest.columns = columnsWritten(pipeline);
+  manifest.columns = plan.columns();
   for (const FormatChoice& f : pipeline.formats) {
     manifest.formats.push_back({std::string(f.entry->name), std::string(f.entry->suffix), f.format->maxError()});
   }
@@ -184,6 +166,28 @@ void addNew(const std::vector<std::string>& from, std::vector<std::string>& line
   for (const std::string& line : from) {
     if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
   }
+}
+
+// Dataset and recordings each have a folder of their own, none within another: --overwrite must know what is whose.
+void checkFolders(const Plan& plan, const GenerateOptions& options) {
+  std::vector<std::filesystem::path> folders;
+  const auto add = [&](const std::filesystem::path& folder) {
+    if (folder.empty()) return;
+    std::error_code ignored;
+    std::filesystem::path own = std::filesystem::weakly_canonical(std::filesystem::absolute(folder), ignored);
+    if (!own.has_filename()) own = own.parent_path();
+    for (const std::filesystem::path& other : folders) {
+      const auto relative = [](const auto& a, const auto& b) { return a.lexically_relative(b).string(); };
+      if (own == other || !relative(own, other).starts_with("..") || !relative(other, own).starts_with("..")) {
+        throw InputError({folder.string()}, "dataset and recordings need folders of their own, none within another");
+      }
+    }
+    folders.push_back(std::move(own));
+  };
+  add(options.folder);
+  add(options.keepHits);
+  add(options.keepPasses);
+  if (plan.pipeline().recording != nullptr) add(plan.pipeline().recording->folder);
 }
 
 void addStages(const Method& method, std::map<std::string, double>& seconds) {
@@ -219,6 +223,7 @@ void inOrder(std::size_t inFlight, const Source& source, const Make& make, const
 }  // namespace
 
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
+  checkFolders(plan, options);
   const Pipeline& pipeline = plan.pipeline();
   GenerateSummary summary;
   summary.manifest = startManifest(plan);

@@ -56,6 +56,30 @@ void checkOntologies(const Pipeline& pipeline) {
   }
 }
 
+std::string motionLine(const Pipeline& pipeline) {
+  if (pipeline.recording != nullptr) return "ego motion: as it was recorded";
+  switch (pipeline.motion.kind) {
+    case MotionKind::None:
+      return "ego motion: left out, each turn has one pose";
+    case MotionKind::PerColumn:
+      return "ego motion: a pose per column";
+    case MotionKind::Steps:
+      break;
+  }
+  return fmt::format("ego motion: {} poses a turn", pipeline.motion.steps);
+}
+
+// What was recorded belongs to certain beams: other directions would bend the cloud.
+void checkBeams(const Recording& recording, const MountedSensor& sensor, const BeamTable& beams) {
+  for (const RecordedSensor& recorded : recording.sensors) {
+    if (recorded.name != sensor.name || recorded.beams.empty() || recorded.beams == beamsHash(beams)) continue;
+    throw InputError(sensor.description.where,
+                     fmt::format("the beams of '{}' differ from those of the recording in {} (their directions, "
+                                 "origins or range limits): take the sensor that it was made with",
+                                 sensor.name, recording.folder.string()));
+  }
+}
+
 }  // namespace
 
 Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
@@ -73,6 +97,7 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   }
   for (const MountedSensor& sensor : pipeline_.sensors) {
     beams_.push_back(makeBeams(sensor.description));
+    if (pipeline_.recording != nullptr) checkBeams(*pipeline_.recording, sensor, *beams_.back());
     if (pipeline_.motion.kind == MotionKind::Steps && pipeline_.motion.steps > beams_.back()->columns) {
       throw InputError(pipeline_.motion.where,
                        fmt::format("{} steps are more than the {} columns of '{}'", pipeline_.motion.steps,
@@ -90,6 +115,13 @@ Scene Plan::recordedScene(const Sequence& sequence) const {
   scene.procedural = true;  // for all that is known
   scene.ontology = pipeline_.ontology.empty() ? recording.ontology : readOntology(pipeline_.ontology);
   scene.materials = recording.materials[recording.sequences[index].materials];
+  const bool both = !pipeline_.ontology.empty() && !recording.ontology.classes.empty();
+  if (both && !sameClasses(scene.ontology, recording.ontology)) {
+    throw InputError({pipeline_.ontology.string()},
+                     fmt::format("has other classes than the ontology '{}' to which the ids in the recording in {} "
+                                 "belong, and ids are not translated: leave out `labels`",
+                                 recording.ontology.name, recording.folder.string()));
+  }
   if (scene.ontology.classes.empty()) {
     throw InputError(
         {pipeline_.file.string()},
@@ -169,17 +201,7 @@ std::vector<std::string> Plan::modelled() const {
   for (const EffectEntry* entry : pipeline_.effectEntries) {
     lines.push_back(fmt::format("effect {}: {}", entry->name, entry->summary));
   }
-  switch (pipeline_.motion.kind) {
-    case MotionKind::None:
-      lines.emplace_back("ego motion: left out, each turn has one pose");
-      break;
-    case MotionKind::PerColumn:
-      lines.emplace_back("ego motion: a pose per column");
-      break;
-    case MotionKind::Steps:
-      lines.push_back(fmt::format("ego motion: {} poses a turn", pipeline_.motion.steps));
-      break;
-  }
+  lines.push_back(motionLine(pipeline_));
   lines.push_back(c.organised ? "misses: kept, as NaN"
                               : "misses: left out of the files; ring and column tell the beam");
   if (!c.rangeTrue) lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");
@@ -197,12 +219,20 @@ std::size_t Plan::framesInFlight() const {
   return std::clamp<std::uint64_t>(fitting, 1, static_cast<std::uint64_t>(threadCount()) + 2);
 }
 
-double Plan::estimatedDatasetBytes() const {
-  double perPoint = 0;
-  for (const FormatChoice& f : pipeline_.formats) {
-    perPoint += f.entry->suffix == "pcd" ? 24 : f.entry->suffix == "drc" ? 5 : 60;
+std::vector<std::string> Plan::columns() const {
+  const ScanColumns& c = pipeline_.columns;
+  std::vector<std::string> names{"x", "y", "z"};
+  const std::pair<bool, const char*> optional[] = {{c.intensity && setsIntensity(pipeline_), "intensity"},
+                                                   {c.label, "label"},
+                                                   {c.instance, "instance"},
+                                                   {c.ring, "ring"},
+                                                   {c.column, "column"},
+                                                   {c.time, "time"},
+                                                   {c.rangeTrue, "range_true"}};
+  for (const auto& [asked, name] : optional) {
+    if (asked) names.emplace_back(name);
   }
-  return perPoint * static_cast<double>(pipeline_.frames()) * static_cast<double>(pipeline_.raysPerFrame());
+  return names;
 }
 
 }  // namespace scanmill

@@ -34,9 +34,11 @@ class Plan {
   // One line each: what is computed and what is left out, and why.
   std::vector<std::string> modelled() const;
 
-  // Upper bounds: what a frame takes while it is made, and the dataset's size.
+  // Names of the columns that the scans have, as columnNames() gives them.
+  std::vector<std::string> columns() const;
+
+  // Upper bound of what a frame takes while it is made.
   std::uint64_t bytesPerFrameInMemory() const;
-  double estimatedDatasetBytes() const;
   // How many frames are made at a time: enough for all threads, but no more than half of the memory holds.
   std::size_t framesInFlight() const;
 

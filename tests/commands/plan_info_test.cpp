@@ -10,6 +10,7 @@
 namespace scanmill {
 namespace {
 
+namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::ContainsRegex;
 using testing::HasSubstr;
@@ -59,6 +60,25 @@ TEST_F(Tell, PlanListsUnlabelledGeometryOfEveryScene) {
                         at("a/town.yaml"), at("b/town.yaml"))});
   EXPECT_THAT(out, AllOf(HasSubstr("no rule gives it a class"), ContainsRegex("shed.obj: Shed_Wall \\(planks\\) +2\n"),
                          Not(HasSubstr("Shed_Roof"))));
+}
+
+TEST_F(Tell, PlanOfARecordingNeedsNoScene) {
+  ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--keep-hits", at("hits")}).code, 0);
+  std::string text = readFile(pipeline_);
+  for (const std::string key : {"scenes:", "trajectories:", "method:"}) {
+    const std::size_t line = text.find(key);
+    text.erase(line, text.find('\n', line) + 1 - line);
+  }
+  const std::string bare = folder_.write("bare.yaml", text).string();
+  fs::remove(at("scene.yaml"));
+  EXPECT_THAT(told({"plan", bare, "--from-hits", at("hits")}),
+              AllOf(HasSubstr("scenes: none, the scans are made of the hits in " + at("hits")),
+                    HasSubstr("4 frames x 512 beams"), HasSubstr("scene-s1-drive"), HasSubstr("disk: at most"),
+                    HasSubstr("hits: not traced now"), Not(HasSubstr("unlabelled"))));
+  expectRefused(scanmill({"plan", bare}), "the key 'scenes' is missing");
+  expectRefused(scanmill({"plan", bare, "--from-hits", at("hits"), "--from-passes", at("hits")}), "exclude");
+  expectRefused(scanmill({"plan", bare, "--from-hits", at("out")}), "no recording.json");
+  expectRefused(scanmill({"plan", bare, "--from-passes", ""}), "--from-passes names no folder");
 }
 
 TEST_F(Tell, PlanRefusesAbsurdSizesWithTheArithmetic) {

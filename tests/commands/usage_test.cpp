@@ -85,6 +85,28 @@ TEST(Usage, AFullStandardOutputIsAFailure) {
 
 class Overrides : public SmallWorld {};
 
+// As they are printed, one after the other, but with few frames and beams, and into another folder.
+TEST_F(Overrides, ExamplesOfGenerateWork) {
+  const std::string help = scanmill({"generate", "--help"}).out;
+  const std::string prefix = "  scanmill generate ";
+  int examples = 0;
+  for (std::size_t at = help.find(prefix); at != std::string::npos; at = help.find(prefix, at + 1)) {
+    if (help.compare(at + prefix.size(), 1, "[") == 0) continue;  // the usage
+    std::string line = help.substr(at + prefix.size(), help.find('\n', at) - at - prefix.size());
+    for (std::size_t out = line.find("out/"); out != std::string::npos; out = line.find("out/", out + 1)) {
+      line.replace(out, 3, "\"$OUT\"");
+    }
+    const std::string command = "cd '" SCANMILL_SOURCE_DIR "' && " SCANMILL_PROGRAM " generate " + line +
+                                " -q --set trajectories.0.frames=1 --set sensors.0.columns=32";
+    const Outcome o = RunningProgram({"sh", "-c", command}, {"OUT=" + this->at("examples")}).wait();
+    EXPECT_EQ(o.code, 0) << line << "\n" << o.error;
+    EXPECT_THAT(o.out, HasSubstr("samples in")) << line;
+    ++examples;
+  }
+  EXPECT_GE(examples, 4);
+  EXPECT_EQ(filesEndingIn("manifest.json", this->at("examples")).size(), static_cast<std::size_t>(examples));
+}
+
 // Values hold commas, as in the example of the help.
 TEST_F(Overrides, ListsAreOneValue) {
   const Outcome o = scanmill({"plan", pipeline_, "--set", "scenes.0.seeds=[4,5]", "--set",
@@ -94,6 +116,8 @@ TEST_F(Overrides, ListsAreOneValue) {
 }
 
 TEST_F(Overrides, MistakesAreNamed) {
+  expectRefused(scanmill({"plan", pipeline_, "--set", "method.depth_camera.renderer=blender"}),
+                "write --set 'method={depth_camera: {renderer: blender}}'");
   expectRefused(scanmill({"plan", pipeline_, "--set", "nonsense"}), "nonsense");
   expectRefused(scanmill({"plan", pipeline_, "--set", "output.shard_md=3"}), "did you mean 'shard_mb'?");
   expectRefused(scanmill({"plan", pipeline_, "--set", "scenes.7.seeds=[1]"}), "scenes");

@@ -1,5 +1,6 @@
 #include "formats/format.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "tests/formats/scans.h"
@@ -51,6 +52,61 @@ TEST(Formats, TheSameScanGivesTheSameBytes) {
     format->encode(large);
     EXPECT_EQ(format->encode(small), before) << entry.name;
   }
+}
+
+const std::pair<const char*, const char*> kEncodings[] = {
+    {"pcd", "{}"},
+    {"pcd", "encoding: binary"},
+    {"pcd", "encoding: ascii"},
+    {"csv", "{}"},
+    {"draco", "{}"},
+    {"draco", "{max_error_mm: 50, speed: 10}"},
+    {"draco", "{max_error_mm: 0.1, speed: 0, time: true, intensity_bits: 9}"},
+};
+
+ScanOutline outlineOf(const Scan& scan, double reach) {
+  return {scan.size(), scan.rings, scan.columns, reach, columnNames(scan)};
+}
+
+// Noise is what no encoding makes smaller.
+TEST(Formats, NoScanIsLargerThanItsOutlineSays) {
+  for (const auto& [name, options] : kEncodings) {
+    const auto format = makeFormat(name, options);
+    const double leastReach = std::string_view(name) == "draco" ? 1 : 1e-3;
+    for (std::uint32_t seed = 1; seed <= 60; ++seed) {
+      std::mt19937 generator(seed);
+      const unsigned columns = seed == 1 ? kAllColumns : generator() & kAllColumns;
+      const std::uint32_t length = seed % 5 == 0 ? 1 + seed % 7 : 500;
+      const auto reach = static_cast<float>(leastReach * std::pow(4, generator() % 5));
+      const bool organised = format->keepsMisses() && seed % 2 == 0;
+      const Scan scan = randomScan(seed, 8, length, columns, organised, reach);
+      SCOPED_TRACE(fmt::format("{} {} of {} points, seed {}", name, options, scan.size(), seed));
+      EXPECT_LE(static_cast<double>(format->encode(scan).size()), format->mostBytes(outlineOf(scan, reach)));
+    }
+    Scan none = randomScan(1, 0, 0, 0);
+    EXPECT_LE(static_cast<double>(format->encode(none).size()), format->mostBytes(outlineOf(none, 1))) << name;
+  }
+  for (const char* options : {"encoding: ascii", "encoding: binary", "{}"}) {
+    const Scan extreme = extremeScan();
+    const auto format = makeFormat("pcd", options);
+    EXPECT_LE(static_cast<double>(format->encode(extreme).size()), format->mostBytes(outlineOf(extreme, 1e39)));
+  }
+}
+
+TEST(Formats, OutlinesGrowByWhatAPointTakes) {
+  ScanOutline small = outlineOf(randomScan(1, 1, 1, kAllColumns), 100);
+  ScanOutline large = small;
+  large.points += 1000;
+  const auto bytesPerPoint = [&](const char* name, const char* options) {
+    const auto format = makeFormat(name, options);
+    return (format->mostBytes(large) - format->mostBytes(small)) / 1000;
+  };
+  EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "encoding: binary"), 36);
+  EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "{}"), 36 * 33 / 32.0);
+  EXPECT_DOUBLE_EQ(bytesPerPoint("csv", "{}"), 6 * 16 + 3 * 6 + 11);
+  EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "encoding: ascii"), bytesPerPoint("csv", "{}"));
+  EXPECT_DOUBLE_EQ(bytesPerPoint("draco", "time: true") - bytesPerPoint("draco", "{}"), 4);
+  EXPECT_LT(bytesPerPoint("draco", "max_error_mm: 100"), bytesPerPoint("draco", "{}") - 3);
 }
 
 TEST(Formats, ColumnsOfDifferentLengthAreRefused) {
