@@ -22,7 +22,12 @@ using namespace scanmill;
 
 void printHelp() {
   fmt::print("scanmill {}: labelled LiDAR datasets from 3D scenes\n\n", kVersion);
-  for (const Command& c : commands()) fmt::print("  scanmill {:9} {:16} {}\n", c.name, c.usage, c.summary);
+  constexpr std::size_t kUsage = 16;
+  for (const Command& c : commands()) {
+    // A long usage has a line of its own.
+    const std::string gap = c.usage.size() <= kUsage ? "" : fmt::format("\n{:{}}", "", 21 + kUsage);
+    fmt::print("  scanmill {:9} {:{}}{} {}\n", c.name, c.usage, kUsage, gap, c.summary);
+  }
   fmt::print(
       "\nEach has a --help with examples. Start with:\n"
       "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n");

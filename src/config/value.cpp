@@ -39,6 +39,15 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
                                                            part, parent, list.items.size() - 1));
 }
 
+// The assignment a.b.c=v as "a={b: {c: v}}", where `keys` of them stay before the "=".
+std::string asMaps(const std::vector<std::string>& parts, std::size_t keys, std::string_view value) {
+  std::string text;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    text += i < keys ? (i > 0 ? "." : "") + parts[i] : (i == keys ? "={" : ": {") + parts[i];
+  }
+  return fmt::format("{}: {}{}", text, value, std::string(parts.size() - keys, '}'));
+}
+
 void setFolder(Value& value, const std::string& folder) {
   value.folder = folder;
   for (Value& item : value.items) setFolder(item, folder);
@@ -85,9 +94,13 @@ void setValue(Value& root, std::string_view assignment) {
   Value* node = &root;
   std::string parent = "the whole file";
   std::string prefix;
-  for (const std::string& part : parts) {
+  for (std::size_t depth = 0; depth < parts.size(); ++depth) {
+    const std::string& part = parts[depth];
     if (node->kind == Value::Kind::Scalar) {
-      throw InputError(where, fmt::format("{} is a single value and holds no {}", parent, quotedForMessage(part)));
+      const std::string advice =
+          depth == 0 ? "" : fmt::format(": write --set '{}'", asMaps(parts, depth, assignment.substr(equals + 1)));
+      throw InputError(where,
+                       fmt::format("{} is a single value and holds no {}{}", parent, quotedForMessage(part), advice));
     }
     if (node->kind == Value::Kind::Sequence) {
       node = &node->items[readIndex(part, *node, parent, where)];

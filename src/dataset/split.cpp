@@ -18,6 +18,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::array<const char*, 3> kSplits = {"train", "val", "test"};
+constexpr const char* kAdvice = "; --set splits=null puts all into train";
 using Assignment = std::map<std::string, std::string>;  // group -> split
 
 std::string groupOf(const SequenceName& sequence, bool bySeed) {
@@ -100,7 +101,8 @@ Assignment byLists(Fields& fields, const std::set<std::string>& groups, const st
           by == "seed" ? std::to_string(readInteger(item, "seed", 0, std::numeric_limits<std::int64_t>::max()))
                        : readText(item, "trajectory");
       if (!groups.contains(group)) {
-        throw InputError(item.where, fmt::format("no sequence has the {} {} (there are: {})", by, group, known));
+        throw InputError(item.where,
+                         fmt::format("no sequence has the {} {} (there are: {}){}", by, group, known, kAdvice));
       }
       const auto [entry, isNew] = splits.emplace(group, split);
       if (!isNew) throw InputError(item.where, fmt::format("{} {} is in '{}' already", by, group, entry->second));
@@ -126,7 +128,7 @@ bool usesLists(Fields& fields) {
     any = true;
     lists = isList;
   }
-  if (!any) throw InputError(fields.where(), "splits name no train, val or test");
+  if (!any) throw InputError(fields.where(), fmt::format("splits name no train, val or test{}", kAdvice));
   return lists;
 }
 

@@ -128,9 +128,10 @@ void addPlanes(const Planes& p, const std::vector<float>& distance, const Ontolo
                std::vector<Plane>& planes) {
   if (!p.normal.empty()) planes.push_back(normalPlane(p.normal));
   if (!p.semantic.empty()) {
-    planes.push_back({"semantic", "", [&p, &distance, ontology](std::size_t i) {
-                        return std::isfinite(distance[i]) ? classColor(ontology, p.semantic[i]) : kBackground;
-                      }});
+    planes.push_back(
+        {"semantic", ontology == nullptr ? ", a colour each" : "", [&p, &distance, ontology](std::size_t i) {
+           return std::isfinite(distance[i]) ? classColor(ontology, p.semantic[i]) : kBackground;
+         }});
   }
   if (!p.instance.empty()) planes.push_back(idPlane("instance", p.instance, distance, true));
   if (!p.material.empty()) planes.push_back(idPlane("material", p.material, distance, false));

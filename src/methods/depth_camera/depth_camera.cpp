@@ -19,6 +19,7 @@
 #include "base/error.h"
 #include "methods/depth_camera/options.h"
 #include "methods/depth_camera/turn.h"
+#include "scene/assets/blender.h"
 
 namespace scanmill {
 
@@ -31,6 +32,14 @@ constexpr double kSlack = 1e-3;                       // m and share: surfaces a
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // the scene's own mesh
 constexpr std::uint64_t kBytesPerDrawnTriangle = 60;  // corners and indices in the renderer's buffers
 constexpr std::uint64_t kBytesPerPixel = 16;          // depth, instance, triangle and the depth buffer
+
+std::string whereBlenderIs() {
+  try {
+    return blenderProgram().string();
+  } catch (const Error& e) {
+    return fmt::format("not found: {}", e.what());
+  }
+}
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -124,6 +133,7 @@ class DepthCameraMethod : public DepthCamera {
                                   s > 1 ? fmt::format(", {} x {} subpixels", s, s) : "",
                                   options_.rendersPerTurn > 0 ? fmt::format("{} renders", options_.rendersPerTurn)
                                                               : std::string("a render for every 5 cm or degree")));
+      if (options_.renderer == "blender") lines.push_back("Blender: " + whereBlenderIs());
     } else {
       lines.emplace_back("images: passes from files");
     }

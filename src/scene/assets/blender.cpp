@@ -71,8 +71,14 @@ std::filesystem::path blenderProgram() {
   const bool set = named != nullptr && *named != '\0';
   std::filesystem::path program = findProgram(set ? named : "blender");
   if (!program.empty()) return program;
-  if (set) throw Error(fmt::format("SCANMILL_BLENDER names no program: '{}' is not there or not executable", named));
-  throw Error("Blender is not installed: apt-get install blender (on Debian), or set SCANMILL_BLENDER to its program");
+  if (set)
+    throw Error(
+        fmt::format("SCANMILL_BLENDER names no program: '{}' is not there or not executable; scripts/setup "
+                    "--blender installs one",
+                    named));
+  throw Error(
+      "Blender is not installed: scripts/setup --blender or, on Debian, apt-get install blender installs it; or set "
+      "SCANMILL_BLENDER to its program");
 }
 
 BlenderJob::BlenderJob(const std::string& job, const std::filesystem::path& folder,

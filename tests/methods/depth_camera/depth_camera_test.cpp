@@ -12,7 +12,9 @@
 #include "base/parallel.h"
 #include "sensors/sensor.h"
 #include "tests/methods/depth_camera/worlds.h"
+#include "tests/support/blender.h"
 #include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace scanmill {
 namespace {
@@ -398,6 +400,22 @@ TEST(DepthCamera, PlanningMakesNoRenderer) {
   EXPECT_THAT(lines, testing::Not(testing::Contains(HasSubstr("were drawn by"))));
   Hits hits;
   EXPECT_EQ(messageOf<Error>([&] { camera->trace(shotAt(beamsOf({{1, 0, 0}})), Channel::Range, hits); }), "no GPU");
+}
+
+TEST(DepthCamera, PlansSayWhetherBlenderIsThere) {
+  const Scene scene = yard();
+  const auto planned = [&](const std::string& options) {
+    const Value value = parseYaml(options, "options");
+    Fields fields = depthFields(value);
+    return makeDepthCamera(scene, fields)->modelled();
+  };
+  const TemporaryFolder folder;
+  const std::string program = folder.write("blender", "#!/bin/sh\n").string();
+  const ScopedVariable absent("SCANMILL_BLENDER", program);
+  EXPECT_THAT(planned("{renderer: blender}"), testing::Contains(HasSubstr("Blender: not found: SCANMILL_BLENDER")));
+  EXPECT_THAT(planned("{renderer: vtk}"), testing::Not(testing::Contains(HasSubstr("Blender"))));
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  EXPECT_THAT(planned("{renderer: blender}"), testing::Contains("Blender: " + program));
 }
 
 TEST(DepthCamera, StagesAreTimedApart) {
