@@ -18,7 +18,7 @@ constexpr std::size_t kGrain = 4096;  // pixels of a thread's turn
 constexpr std::size_t kLanes = 64;    // pixels that are looked up together, so that memory answers all of them at once
 
 // The line of sight through pixel (i, j) has the direction corner + right * i + down * j, world axes.
-struct View {
+struct DrawnView {
   PixelAddress first = 0;
   std::uint32_t width = 0;
   Vec3d corner, right, down;
@@ -28,14 +28,14 @@ struct View {
 }  // namespace
 
 struct Resolver::Job {
-  std::vector<View> views;
+  std::vector<DrawnView> views;
   PixelAddress pixels = 0;  // of all cameras
   std::span<const PixelAddress> addresses;
   std::span<const SeenTriangle> seen;
   PassChoice asked;
   PassPlanes& planes;
 
-  const View& viewOf(PixelAddress address) const {
+  const DrawnView& viewOf(PixelAddress address) const {
     std::size_t view = 0;
     while (view + 1 < views.size() && address >= views[view + 1].first) ++view;
     return views[view];
@@ -44,14 +44,14 @@ struct Resolver::Job {
 
 namespace {
 
-Vec3d sightOf(const View& view, PixelAddress address) {
+Vec3d sightOf(const DrawnView& view, PixelAddress address) {
   const std::uint32_t pixel = address - view.first;
   const std::uint32_t row = pixel / view.width;
   return view.corner + view.right * (pixel - row * view.width) + view.down * row;
 }
 
-std::vector<View> viewsOf(std::span<const Camera> cameras, PixelAddress& pixels) {
-  std::vector<View> views;
+std::vector<DrawnView> viewsOf(std::span<const Camera> cameras, PixelAddress& pixels) {
+  std::vector<DrawnView> views;
   std::size_t first = 0;
   for (const Camera& camera : cameras) {
     const Mat3 rotation = toMatrix(camera.worldFromCamera.rotation);
@@ -169,7 +169,7 @@ void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last)
   store(planes.reflectance, [&](std::size_t i) {
     const Finish& finish = finishOf(i);
     if (finish.texture == nullptr) return finish.reflectance;
-    const View& view = job.viewOf(addresses[i]);
+    const DrawnView& view = job.viewOf(addresses[i]);
     return texturedReflectance(seen[i], finish, view.eye, sightOf(view, addresses[i]));
   });
   if (planes.normal.empty()) return;

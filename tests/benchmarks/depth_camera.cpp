@@ -95,7 +95,7 @@ struct ThreeImages {
   DrawLimits limits;
 
   ThreeImages() {
-    cameras = layOut(shot.beams->direction, {Layout::Three120, 2048});
+    cameras = layOutCameras(shot.beams->direction, {CameraLayout::Three120, 2048});
     for (Camera& camera : cameras) camera.worldFromCamera = shot.worldFromSensor.front() * camera.worldFromCamera;
     limits = {0.01, shot.beams->maxRange};
   }

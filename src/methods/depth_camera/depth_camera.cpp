@@ -181,9 +181,9 @@ class DepthCameraMethod : public DepthCamera {
     if (scene_ == nullptr) return 0;
     // An image of auto's is smaller; a moving sensor's are drawn one step after the other.
     const std::uint64_t width = std::uint64_t{options_.layout.resolution} * options_.sample.antialiasing;
-    const std::uint64_t images = options_.layout.layout == Layout::Cube6    ? 6
-                                 : options_.layout.layout == Layout::Four90 ? 4
-                                                                            : 3;
+    const std::uint64_t images = options_.layout.layout == CameraLayout::Cube6    ? 6
+                                 : options_.layout.layout == CameraLayout::Four90 ? 4
+                                                                                  : 3;
     return scene_->triangles() * kBytesPerSceneTriangle + scene_->placedTriangles() * kBytesPerDrawnTriangle +
            images * width * width * kBytesPerPixel;
   }
@@ -207,7 +207,7 @@ class DepthCameraMethod : public DepthCamera {
   }
 
   std::vector<Camera> camerasFor(const RigBeams& beams) const {
-    std::vector<Camera> cameras = layOut(viewDirections(beams), options_.layout);
+    std::vector<Camera> cameras = layOutCameras(viewDirections(beams), options_.layout);
     const std::uint32_t s = options_.sample.antialiasing;
     for (Camera& camera : cameras) {
       camera.width *= s;

@@ -296,19 +296,19 @@ std::vector<Camera> layOutFixed(std::span<const Vec3d> directions, std::uint32_t
 
 }  // namespace
 
-std::vector<Camera> layOut(std::span<const Vec3d> directions, const LayoutOptions& options) {
+std::vector<Camera> layOutCameras(std::span<const Vec3d> directions, const LayoutOptions& options) {
   if (directions.empty()) return {};
   constexpr Facing kThree[] = {{0, 0, "front"}, {120, 0, "left"}, {240, 0, "right"}};
   constexpr Facing kFaces[] = {{0, 0, "front"},   {90, 0, "left"}, {180, 0, "back"},
                                {270, 0, "right"}, {0, -90, "up"},  {0, 90, "down"}};
   switch (options.layout) {
-    case Layout::Three120:
+    case CameraLayout::Three120:
       return layOutFixed(directions, options.resolution, 120, kThree);
-    case Layout::Four90:
+    case CameraLayout::Four90:
       return layOutFixed(directions, options.resolution, 90, std::span(kFaces).first(4));
-    case Layout::Cube6:
+    case CameraLayout::Cube6:
       return layOutFixed(directions, options.resolution, 90, kFaces);
-    case Layout::Auto:
+    case CameraLayout::Auto:
       break;
   }
   return layOutAuto(directions, options.resolution);

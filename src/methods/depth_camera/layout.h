@@ -12,7 +12,7 @@
 
 namespace scanmill {
 
-enum class Layout {
+enum class CameraLayout {
   Three120,  // three square images of 120 degrees, as in LiDAR-GEIL
   Four90,    // four square images of 90 degrees
   Cube6,     // the six faces of a cube (Hossny et al.)
@@ -20,7 +20,7 @@ enum class Layout {
 };
 
 struct LayoutOptions {
-  Layout layout = Layout::Auto;
+  CameraLayout layout = CameraLayout::Auto;
   // Pixels across an image. For Auto: the pixels are as fine, at the images' centres, as those of four images of 90
   // degrees and this width.
   std::uint32_t resolution = 2048;
@@ -29,6 +29,6 @@ struct LayoutOptions {
 // Cameras for beams of these directions (unit, sensor axes: x forward, y left, z up), all at the sensor's origin;
 // Camera::worldFromCamera holds sensorFromCamera. At most 8. Fixed layouts leave out cameras that no beam looks
 // through. With Auto every beam lies in some image, at least half a pixel inside of its edge.
-std::vector<Camera> layOut(std::span<const Vec3d> directions, const LayoutOptions& options);
+std::vector<Camera> layOutCameras(std::span<const Vec3d> directions, const LayoutOptions& options);
 
 }  // namespace scanmill

@@ -29,7 +29,7 @@ void keepHalves(std::size_t begin, std::size_t end, Met& met) {
 }
 
 // Four depths of one surface: 1 / z is linear across the image of a plane.
-void blendCorners(const SampleOptions& options, const View& view, const BlockPixels& pixels, std::size_t begin,
+void blendCorners(const SampleOptions& options, const CameraView& view, const BlockPixels& pixels, std::size_t begin,
                   std::size_t end, Met& met) {
   const PassPlanes& planes = *pixels.corners;
   for (std::size_t i = begin; i < end; ++i) {
@@ -62,7 +62,7 @@ void blendCorners(const SampleOptions& options, const View& view, const BlockPix
   }
 }
 
-void placePoints(const View& view, std::size_t begin, std::size_t end, Met& met) {
+void placePoints(const CameraView& view, std::size_t begin, std::size_t end, Met& met) {
   for (std::size_t i = begin; i < end; ++i) {
     const double a = met.a[i];
     const double b = met.b[i];
@@ -73,8 +73,8 @@ void placePoints(const View& view, std::size_t begin, std::size_t end, Met& met)
   }
 }
 
-void measureNearest(Sampling sampling, const View& view, std::size_t begin, std::size_t end, const BeamBlock& block,
-                    Met& met) {
+void measureNearest(Sampling sampling, const CameraView& view, std::size_t begin, std::size_t end,
+                    const BeamBlock& block, Met& met) {
   if (sampling == Sampling::PixelRow) {
     std::copy(met.depth + begin, met.depth + end, met.range + begin);
     std::fill(met.along + begin, met.along + end, 0.0);
@@ -118,7 +118,7 @@ void meetPlanes(std::size_t begin, std::size_t end, const BeamBlock& block, Met&
 
 }  // namespace
 
-void measure(const SampleOptions& options, const View& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
+void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
              std::size_t begin, std::size_t end, const BeamBlock& block, Met& met) {
   const double* u = pixels.u;
   const double* v = pixels.v;

@@ -30,7 +30,7 @@ struct BlockPixels {
 };
 
 // Fills `met`, but for `again`, for the beams `begin` to `end` of a block, which all fall into one image.
-void measure(const SampleOptions& options, const View& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
+void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
              std::size_t begin, std::size_t end, const BeamBlock& block, Met& met);
 
 // The pixel (column or row) so that u lies between its centre and its successor's; at the image's edge the nearest one.

@@ -19,11 +19,11 @@ namespace scanmill {
 
 namespace {
 
-bool upright(const View& view) {
+bool upright(const CameraView& view) {
   return std::abs(view.forward.z) < 1e-9 && std::abs(view.right.z) < 1e-9;
 }
 
-void placeRowHyperbola(std::span<const View> views, const BeamTable& table, const std::uint32_t* beam,
+void placeRowHyperbola(std::span<const CameraView> views, const BeamTable& table, const std::uint32_t* beam,
                        std::size_t count, Places places) {
   alignas(64) double x[kBlock] = {}, y[kBlock] = {}, z[kBlock] = {}, slope[kBlock];
   for (std::size_t i = 0; i < count; ++i) {
@@ -36,7 +36,7 @@ void placeRowHyperbola(std::span<const View> views, const BeamTable& table, cons
   place(views, x, y, z, count, false, places);
   for (std::size_t i = 0; i < count; ++i) {
     if (places.view[i] == kNoView) continue;
-    const View& view = views[places.view[i]];
+    const CameraView& view = views[places.view[i]];
     if (!upright(view)) continue;
     const double across = (std::floor(places.u[i]) + 0.5 - view.cx) / view.fx;
     const double v = view.cy - view.fy * slope[i] * std::sqrt(1 + across * across);
@@ -44,7 +44,7 @@ void placeRowHyperbola(std::span<const View> views, const BeamTable& table, cons
   }
 }
 
-void placeEquirectangular(std::span<const View> views, const BeamBlock& beams, Places places) {
+void placeEquirectangular(std::span<const CameraView> views, const BeamBlock& beams, Places places) {
   alignas(64) double x[kBlock] = {}, y[kBlock] = {}, z[kBlock] = {};
   const double pitch = views.empty() ? 1 : 1 / views.front().fx;  // rad, of the panorama
   const auto centre = [&](double angle) { return (std::floor(angle / pitch) + 0.5) * pitch; };
@@ -58,8 +58,8 @@ void placeEquirectangular(std::span<const View> views, const BeamBlock& beams, P
   place(views, x, y, z, beams.count, false, places);
 }
 
-void placePixelRow(std::span<const View> views, const BeamTable& table, const std::uint32_t* beam, std::size_t count,
-                   Places places) {
+void placePixelRow(std::span<const CameraView> views, const BeamTable& table, const std::uint32_t* beam,
+                   std::size_t count, Places places) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t ring = beam[i] / table.columns;
     const double rank = (table.topDown || table.elevation.front() >= table.elevation.back())
@@ -70,7 +70,7 @@ void placePixelRow(std::span<const View> views, const BeamTable& table, const st
     double nearest = 0;
     places.view[i] = kNoView;
     for (std::size_t k = 0; k < views.size(); ++k) {
-      const View& view = views[k];
+      const CameraView& view = views[k];
       const double depth = dot(view.forward, head);
       const double angle = std::atan2(dot(view.right, head), depth);
       const double left = std::atan(-view.cx / view.fx);
@@ -86,7 +86,7 @@ void placePixelRow(std::span<const View> views, const BeamTable& table, const st
 
 }  // namespace
 
-void placeNaive(Sampling sampling, std::span<const View> views, const BeamTable& table, const BeamBlock& beams,
+void placeNaive(Sampling sampling, std::span<const CameraView> views, const BeamTable& table, const BeamBlock& beams,
                 const std::uint32_t* beam, Places places) {
   if (sampling == Sampling::RowHyperbola) {
     placeRowHyperbola(views, table, beam, beams.count, places);

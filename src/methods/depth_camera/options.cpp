@@ -21,8 +21,10 @@ T choose(Fields& fields, std::string_view key, const std::pair<const char*, T> (
   return values[0].second;
 }
 
-constexpr std::pair<const char*, Layout> kLayouts[] = {
-    {"auto", Layout::Auto}, {"three_120", Layout::Three120}, {"four_90", Layout::Four90}, {"cube_6", Layout::Cube6}};
+constexpr std::pair<const char*, CameraLayout> kLayouts[] = {{"auto", CameraLayout::Auto},
+                                                             {"three_120", CameraLayout::Three120},
+                                                             {"four_90", CameraLayout::Four90},
+                                                             {"cube_6", CameraLayout::Cube6}};
 constexpr std::pair<const char*, Sampling> kSamplings[] = {{"plane", Sampling::Plane},
                                                            {"nearest", Sampling::Nearest},
                                                            {"bilinear", Sampling::Bilinear},

@@ -52,8 +52,9 @@ float storedDepth(float depth, DepthFormat format, double nearest, double farthe
   return depth;
 }
 
-std::vector<View> viewsOf(const std::vector<Camera>& cameras, const Pose& worldFromRig, std::uint32_t antialiasing) {
-  std::vector<View> views;
+std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& worldFromRig,
+                                std::uint32_t antialiasing) {
+  std::vector<CameraView> views;
   const Mat3 rigFromWorld = transposed(toMatrix(worldFromRig.rotation));
   PixelAddress first = 0;
   for (const Camera& camera : cameras) {
@@ -64,7 +65,7 @@ std::vector<View> viewsOf(const std::vector<Camera>& cameras, const Pose& worldF
     }
     const Mat3 axes = rigFromWorld * toMatrix(camera.worldFromCamera.rotation);
     const double s = antialiasing;
-    View view;
+    CameraView view;
     view.right = axes.x;
     view.down = axes.y;
     view.forward = axes.z;

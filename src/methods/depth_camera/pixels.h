@@ -11,7 +11,8 @@
 namespace scanmill {
 
 // The images of a source in the axes of the rig. Throws InputError where they cannot be resolved.
-std::vector<View> viewsOf(const std::vector<Camera>& cameras, const Pose& worldFromRig, std::uint32_t antialiasing);
+std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& worldFromRig,
+                                std::uint32_t antialiasing);
 
 // Fetches pixels and makes of them what the options say a framebuffer would have kept: antialiasing, and depths of few
 // bits (Half500 is of points: see stored()).
@@ -22,7 +23,7 @@ class PixelReader {
 
   // Addresses of a pixel's subpixels are set by aim(); a pixel that nobody aimed at is kNoPixel.
   void reset(std::size_t pixels);
-  void aim(std::size_t pixel, const View& view, double column, double row);
+  void aim(std::size_t pixel, const CameraView& view, double column, double row);
   void aimAtNothing(std::size_t pixel);
   void fetch();
   const PassPlanes& planes() const { return planes_; }
@@ -39,7 +40,7 @@ class PixelReader {
   PassPlanes planes_;
 };
 
-inline void PixelReader::aim(std::size_t pixel, const View& view, double column, double row) {
+inline void PixelReader::aim(std::size_t pixel, const CameraView& view, double column, double row) {
   const std::uint32_t s = options_.antialiasing;
   const auto x = static_cast<std::uint32_t>(static_cast<std::int32_t>(column)) * s;
   const auto y = static_cast<std::uint32_t>(static_cast<std::int32_t>(row)) * s;

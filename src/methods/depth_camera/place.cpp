@@ -12,7 +12,7 @@ constexpr double kNoViewYet = 1000;  // while views are numbers that g++ selects
 
 }  // namespace
 
-void place(std::span<const View> views, const double* x, const double* y, const double* z, std::size_t count,
+void place(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
            bool points, Places places) {
   alignas(64) double u[kBlock], v[kBlock], depth[kBlock], seenBy[kBlock];
   for (std::size_t i = 0; i < count; ++i) {
@@ -20,7 +20,7 @@ void place(std::span<const View> views, const double* x, const double* y, const 
     seenBy[i] = kNoViewYet;
   }
   double number = 0;
-  for (const View& view : views) {
+  for (const CameraView& view : views) {
     const Vec3d from = points ? view.position : Vec3d{};
     const Vec3d right = view.right * view.fx;
     const Vec3d down = view.down * view.fy;

@@ -90,8 +90,8 @@ class Sampler {
 
   // Whether some beam does not start in every camera.
   bool startElsewhere() const {
-    const bool apart =
-        std::any_of(views_.begin(), views_.end(), [](const View& view) { return length(view.position) > kSamePlace; });
+    const bool apart = std::any_of(views_.begin(), views_.end(),
+                                   [](const CameraView& view) { return length(view.position) > kSamePlace; });
     return apart || std::any_of(beams_.origin.begin(), beams_.origin.end(),
                                 [](const Vec3d& o) { return dot(o, o) > kSamePlace * kSamePlace; });
   }
@@ -168,7 +168,7 @@ class Sampler {
           for (std::size_t k = 0; blend && k < 4; ++k) corners_.aimAtNothing(k * look.count + i);
           continue;
         }
-        const View& view = views_[look.view[i]];
+        const CameraView& view = views_[look.view[i]];
         reader_.aim(i, view, look.u[i], look.v[i]);
         if (!blend) continue;
         const double u = firstCorner(look.u[i], view.width);
@@ -302,7 +302,7 @@ class Sampler {
   const SampleOptions& options_;
   Hits& hits_;
   PassChoice choice_;
-  std::vector<View> views_;
+  std::vector<CameraView> views_;
   Mat3 rigFromWorld_;
   PixelReader reader_;
   PixelReader corners_;

@@ -13,7 +13,7 @@
 namespace scanmill {
 
 // One image as beams see it: its camera in the rig's axes, its pixels those that antialiasing leaves.
-struct View {
+struct CameraView {
   Vec3d right, down, forward;  // the camera's axes, unit
   Vec3d position;              // m
   double fx = 0;               // px
@@ -46,11 +46,11 @@ struct Places {
 };
 
 // Finds for each point or direction (points false) the image that sees it nearest to its axis. At most kBlock.
-void place(std::span<const View> views, const double* x, const double* y, const double* z, std::size_t count,
+void place(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
            bool points, Places places);
 
 // The pixels that the methods of naive.cpp look at. `beam` are the beams' indices in the table.
-void placeNaive(Sampling sampling, std::span<const View> views, const BeamTable& table, const BeamBlock& beams,
+void placeNaive(Sampling sampling, std::span<const CameraView> views, const BeamTable& table, const BeamBlock& beams,
                 const std::uint32_t* beam, Places places);
 
 constexpr bool isNaive(Sampling sampling) {

@@ -22,7 +22,7 @@ constexpr std::size_t kChunk = 1024;
 // Depth is interpolated across the whole of a triangle in float32, and corners that are clipped away leave their
 // rounding behind: of a triangle of 20 km llvmpipe's depth is wrong by 1e-4 of itself, below 1 km by 1e-5. Edges longer
 // than this (m, world) are halved, but not those below a kShare-th of the mesh. The depth that is reported is computed
-// otherwise (see View::seen); this one decides what is seen.
+// otherwise (see DrawnView::seen); this one decides what is seen.
 constexpr double kLongestEdge = 256;
 constexpr double kShare = 1.0 / 256;
 

@@ -102,7 +102,7 @@ class Device {
   ViewGeometry geometry;  // without its vertices, which the device has
   StageSeconds seconds;
 
-  void draw(std::uint32_t slot, const View& view) {
+  void draw(std::uint32_t slot, const DrawnView& view) {
     ScanmillVtkText error{};
     const ScanmillVtkImage image = view.image();
     require(module_.draw(renderer_, slot, &image, &error), error);
@@ -245,7 +245,7 @@ class VtkSource : public PixelSource {
   Turn turn_;
   Device& device_;
   std::vector<Camera> cameras_;
-  std::vector<View> views_;
+  std::vector<DrawnView> views_;
   std::vector<std::size_t> firsts_{0};  // address of each image's first pixel, and one past the last
   std::vector<std::uint32_t> numbers_;
   std::vector<std::uint32_t> rows_;

@@ -13,7 +13,7 @@
 namespace scanmill {
 
 // A chunk that may be seen.
-struct View::Candidate {
+struct DrawnView::Candidate {
   int distance;  // steps of a quarter of an octave
   std::uint32_t chunk;
   std::uint32_t frame;
@@ -56,7 +56,7 @@ int distanceStep(const Vec3f& low, const Vec3f& high, const Vec3d& from, double 
 
 }  // namespace
 
-View::View(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits)
+DrawnView::DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits)
     : scene_(scene),
       geometry_(geometry),
       camera_(camera),
@@ -71,7 +71,7 @@ View::View(const Scene& scene, const ViewGeometry& geometry, const Camera& camer
 }
 
 // Everything in double, and the difference of the places first: far from the world's origin the same numbers result.
-void View::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std::vector<Candidate>& cut) {
+void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std::vector<Candidate>& cut) {
   const Instance& instance = scene_.instances[index];
   const ViewMesh& mesh = geometry_.meshes[instance.mesh];
   const Affine& worldFromMesh = instance.worldFromMesh;
@@ -124,7 +124,7 @@ void View::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std::vec
 }
 
 // Near chunks first, so that they hide what comes later; instances of the same chunk at the same distance together.
-void View::addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<ScanmillVtkDraw>& draws) {
+void DrawnView::addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<ScanmillVtkDraw>& draws) {
   std::sort(candidates.begin(), candidates.end());
   const Candidate* before = nullptr;
   for (const Candidate& candidate : candidates) {
@@ -151,7 +151,7 @@ void View::addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<Sc
   }
 }
 
-ScanmillVtkImage View::image() const {
+ScanmillVtkImage DrawnView::image() const {
   ScanmillVtkImage image{};
   image.width = camera_.width;
   image.height = camera_.height;
@@ -165,7 +165,7 @@ ScanmillVtkImage View::image() const {
   return image;
 }
 
-SeenTriangle View::seen(std::uint32_t pixel, std::uint32_t number) const {
+SeenTriangle DrawnView::seen(std::uint32_t pixel, std::uint32_t number) const {
   if (number == 0) return {};
   const auto next = std::upper_bound(firstNumbers_.begin(), firstNumbers_.end(), number);
   const auto index = static_cast<std::size_t>(next - firstNumbers_.begin() - 1);

@@ -14,9 +14,9 @@
 namespace scanmill {
 
 // An image's pixels hold numbers of drawn triangles. The scene and the geometry must outlive it.
-class View {
+class DrawnView {
  public:
-  View(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits);
+  DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits);
 
   // Points into this view.
   ScanmillVtkImage image() const;

@@ -101,7 +101,7 @@ struct ScanmillVtkRenderer {
   vtkNew<vtkRenderer> renderer;
   vtkNew<ImagePass> pass;
   std::unique_ptr<TriangleStore> triangles;
-  std::unique_ptr<PixelReader> reader;
+  std::unique_ptr<GlPixelReader> reader;
 
   void start() {
     window->SetReadyForRendering(true);
@@ -113,7 +113,7 @@ struct ScanmillVtkRenderer {
     if (!window->InitializeFromCurrentContext()) throw NoDevice("VTK does not find OpenGL 4.3");
     window->SetSize(8, 8);  // nothing is drawn to it
     window->AddRenderer(renderer);
-    reader = std::make_unique<PixelReader>();
+    reader = std::make_unique<GlPixelReader>();
   }
 
   ~ScanmillVtkRenderer() {

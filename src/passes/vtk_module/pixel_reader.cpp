@@ -39,16 +39,16 @@ void main() {
 
 }  // namespace
 
-PixelReader::PixelReader() : program_("gather", {{GL_COMPUTE_SHADER, kGather}}) {
+GlPixelReader::GlPixelReader() : program_("gather", {{GL_COMPUTE_SHADER, kGather}}) {
   glGenFramebuffers(1, &frame_);
 }
 
-PixelReader::~PixelReader() {
+GlPixelReader::~GlPixelReader() {
   glDeleteFramebuffers(1, &frame_);
 }
 
-void PixelReader::gather(const std::array<vtkTextureObject*, kVtkImages>& images, const ScanmillVtkPixels& pixels,
-                         std::span<const std::uint32_t> addresses, std::uint32_t* numbers) {
+void GlPixelReader::gather(const std::array<vtkTextureObject*, kVtkImages>& images, const ScanmillVtkPixels& pixels,
+                           std::span<const std::uint32_t> addresses, std::uint32_t* numbers) {
   std::array<GLint, kVtkImages> units{};
   GLuint count = 0;
   for (std::size_t k = 0; k < kVtkImages; ++k) {
@@ -84,7 +84,7 @@ void PixelReader::gather(const std::array<vtkTextureObject*, kVtkImages>& images
   checkGl("pixels cannot be read back");
 }
 
-void PixelReader::read(vtkTextureObject* image, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers) {
+void GlPixelReader::read(vtkTextureObject* image, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers) {
   vtkOpenGLState* state = image->GetContext()->GetState();
   state->PushFramebufferBindings();
   state->vtkglBindFramebuffer(GL_READ_FRAMEBUFFER, frame_);

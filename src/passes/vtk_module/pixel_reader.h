@@ -13,12 +13,12 @@
 
 namespace scanmill {
 
-class PixelReader {
+class GlPixelReader {
  public:
-  PixelReader();
-  ~PixelReader();
-  PixelReader(const PixelReader&) = delete;
-  PixelReader& operator=(const PixelReader&) = delete;
+  GlPixelReader();
+  ~GlPixelReader();
+  GlPixelReader(const GlPixelReader&) = delete;
+  GlPixelReader& operator=(const GlPixelReader&) = delete;
 
   // See ScanmillVtkModule::gather.
   void gather(const std::array<vtkTextureObject*, kVtkImages>& images, const ScanmillVtkPixels& pixels,

@@ -43,7 +43,7 @@ std::size_t pixels(const std::vector<Camera>& cameras) {
 }
 
 void expectHeld(const std::vector<Vec3d>& directions, std::uint32_t resolution = 1024) {
-  const std::vector<Camera> cameras = layOut(directions, {Layout::Auto, resolution});
+  const std::vector<Camera> cameras = layOutCameras(directions, {CameraLayout::Auto, resolution});
   ASSERT_LE(cameras.size(), 8u);
   for (const Camera& camera : cameras) {
     EXPECT_LT(camera.horizontalField(), radians(170.0));
@@ -57,22 +57,22 @@ void expectHeld(const std::vector<Vec3d>& directions, std::uint32_t resolution =
   }
 }
 
-TEST(Layout, AutoHoldsAllBeamsOfTheShippedSensorsInFewPixels) {
+TEST(CameraLayout, AutoHoldsAllBeamsOfTheShippedSensorsInFewPixels) {
   int sensors = 0;
   for (const auto& file : std::filesystem::directory_iterator(SCANMILL_SOURCE_DIR "/pipelines/sensors")) {
     SCOPED_TRACE(file.path().string());
     const Value value = readYaml(file.path());
     const auto beams = makeBeams(value);
     expectHeld(beams->direction, 2048);
-    const std::size_t taken = pixels(layOut(beams->direction, {Layout::Auto, 2048}));
-    const std::size_t four = pixels(layOut(beams->direction, {Layout::Four90, 2048}));
+    const std::size_t taken = pixels(layOutCameras(beams->direction, {CameraLayout::Auto, 2048}));
+    const std::size_t four = pixels(layOutCameras(beams->direction, {CameraLayout::Four90, 2048}));
     EXPECT_LT(taken, four / 2) << "the same pixels at the centre, cropped to the beams";
     ++sensors;
   }
   EXPECT_GE(sensors, 4);
 }
 
-TEST(Layout, AutoHoldsAnyFan) {
+TEST(CameraLayout, AutoHoldsAnyFan) {
   for (std::uint32_t i = 0; i < 300; ++i) {
     const RandomBlock b = randomBlock({5, 0, 0, 0, i, 0, Purpose::Test});
     const RandomBlock c = randomBlock({6, 0, 0, 0, i, 0, Purpose::Test});
@@ -94,15 +94,15 @@ TEST(Layout, AutoHoldsAnyFan) {
   }
 }
 
-TEST(Layout, AutoHoldsWhatHasNoAzimuth) {
+TEST(CameraLayout, AutoHoldsWhatHasNoAzimuth) {
   expectHeld({{0, 0, 1}});
   expectHeld({{0, 0, -1}, {1, 0, 0}});
   expectHeld({{0, 0, 1}, {0, 0, -1}});
   expectHeld({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}});
-  EXPECT_TRUE(layOut({}, {}).empty());
+  EXPECT_TRUE(layOutCameras({}, {}).empty());
 }
 
-TEST(Layout, AutoHoldsTheWholeSphere) {
+TEST(CameraLayout, AutoHoldsTheWholeSphere) {
   std::vector<Vec3d> directions;
   for (int e = -90; e <= 90; e += 3) {
     for (int a = 0; a < 360; a += 3) directions.push_back(direction(a, e));
@@ -110,22 +110,22 @@ TEST(Layout, AutoHoldsTheWholeSphere) {
   expectHeld(directions);
 }
 
-TEST(Layout, AFewColumnsTakeOneSmallImage) {
+TEST(CameraLayout, AFewColumnsTakeOneSmallImage) {
   std::vector<Vec3d> directions;
   for (int e = -25; e <= 2; ++e) {
     for (int k = 0; k < 20; ++k) directions.push_back(direction(178 + 0.2 * k, e));
   }
-  const std::vector<Camera> cameras = layOut(directions, {Layout::Auto, 2048});
+  const std::vector<Camera> cameras = layOutCameras(directions, {CameraLayout::Auto, 2048});
   ASSERT_EQ(cameras.size(), 1u);
   // 4 x 27 degrees of 1024 pixels a radian: 72 x 483.
   EXPECT_LT(cameras[0].width, 90u);
   EXPECT_LT(cameras[0].height, 560u);
 }
 
-TEST(Layout, ThreeSquaresReach41DegreesAtTheirSeams) {
+TEST(CameraLayout, ThreeSquaresReach41DegreesAtTheirSeams) {
   std::vector<Vec3d> turn;
   for (int a = 0; a < 360; ++a) turn.push_back(direction(a, 0));
-  const std::vector<Camera> cameras = layOut(turn, {Layout::Three120, 1024});
+  const std::vector<Camera> cameras = layOutCameras(turn, {CameraLayout::Three120, 1024});
   ASSERT_EQ(cameras.size(), 3u);
   // At azimuth a off the axis, an image whose edge is at tan(60) sees up to atan(tan(60) cos(a)).
   const double seam = degrees(std::atan(std::tan(radians(60.0)) * std::cos(radians(60.0))));
@@ -139,22 +139,22 @@ TEST(Layout, ThreeSquaresReach41DegreesAtTheirSeams) {
   EXPECT_GT(inside(cameras, direction(120, 59.99)), 0);
 }
 
-TEST(Layout, FixedOnesLeaveOutWhatNobodyLooksThrough) {
+TEST(CameraLayout, FixedOnesLeaveOutWhatNobodyLooksThrough) {
   std::vector<Vec3d> turn;
   for (int a = 0; a < 360; ++a) turn.push_back(direction(a, 5));
-  EXPECT_EQ(layOut(turn, {Layout::Four90, 256}).size(), 4u);
-  EXPECT_EQ(layOut(turn, {Layout::Cube6, 256}).size(), 4u) << "nobody looks up or down";
+  EXPECT_EQ(layOutCameras(turn, {CameraLayout::Four90, 256}).size(), 4u);
+  EXPECT_EQ(layOutCameras(turn, {CameraLayout::Cube6, 256}).size(), 4u) << "nobody looks up or down";
   turn.push_back(direction(0, 80));
-  EXPECT_EQ(layOut(turn, {Layout::Cube6, 256}).size(), 5u);
-  EXPECT_EQ(layOut(turn, {Layout::Four90, 256}).size(), 4u);
+  EXPECT_EQ(layOutCameras(turn, {CameraLayout::Cube6, 256}).size(), 5u);
+  EXPECT_EQ(layOutCameras(turn, {CameraLayout::Four90, 256}).size(), 4u);
   const std::vector<Vec3d> ahead = {direction(10, 0), direction(-10, 3)};
-  EXPECT_EQ(layOut(ahead, {Layout::Three120, 256}).size(), 1u);
-  EXPECT_EQ(layOut(ahead, {Layout::Three120, 256}).front().name, "front");
+  EXPECT_EQ(layOutCameras(ahead, {CameraLayout::Three120, 256}).size(), 1u);
+  EXPECT_EQ(layOutCameras(ahead, {CameraLayout::Three120, 256}).front().name, "front");
   const std::vector<Vec3d> above = {direction(0, 85)};
-  EXPECT_TRUE(layOut(above, {Layout::Three120, 256}).empty());
+  EXPECT_TRUE(layOutCameras(above, {CameraLayout::Three120, 256}).empty());
 }
 
-TEST(Layout, APlaneHoldsLessThan180Degrees) {
+TEST(CameraLayout, APlaneHoldsLessThan180Degrees) {
   expectInputError([] { squareCamera(256, 256, kPi); }, {"180 degrees", "several cameras"});
   expectInputError([] { squareCamera(256, 256, radians(200.0)); }, {"200 degrees"});
   EXPECT_NEAR(squareCamera(256, 256, radians(170.0)).horizontalField(), radians(170.0), 1e-12);

@@ -313,8 +313,8 @@ TEST(Sample, StoredDepthsReachTheBeams) {
 // An object that straddles the seam of two images, and every place on the seam itself.
 TEST(Sample, SeamsDoNotShow) {
   const Scene scene = room();
-  for (const Layout layout : {Layout::Three120, Layout::Four90, Layout::Cube6}) {
-    const double seam = radians(layout == Layout::Three120 ? 60.0 : 45.0);
+  for (const CameraLayout layout : {CameraLayout::Three120, CameraLayout::Four90, CameraLayout::Cube6}) {
+    const double seam = radians(layout == CameraLayout::Three120 ? 60.0 : 45.0);
     std::vector<Vec3d> directions;
     for (int i = -200; i <= 200; ++i) {
       for (int j = -10; j <= 10; ++j) {
@@ -326,7 +326,7 @@ TEST(Sample, SeamsDoNotShow) {
         directions.push_back(normalized(Vec3d{std::cos(seam) + nudge, std::sin(seam), 0.03 * j}));
       }
     }
-    const std::vector<Camera> cameras = layOut(directions, {layout, 512});
+    const std::vector<Camera> cameras = layOutCameras(directions, {layout, 512});
     ASSERT_EQ(cameras.size(), 2u);
     std::uint64_t unseen = 0;
     const Hits hits = sampled(drawn(scene, cameras), beamsAlong(directions), {}, Channels::all(), &unseen);
