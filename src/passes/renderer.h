@@ -2,6 +2,7 @@
 
 // A renderer draws passes of a scene.
 
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -13,10 +14,12 @@
 namespace scanmill {
 
 // What bounds the view. Surfaces nearer to the camera's plane than `nearest` are not seen, nor those farther than
-// `farthest` (both m, along the camera's z axis; 0 < nearest < farthest).
+// `farthest` (both m, along the camera's z axis; 0 < nearest < farthest). What is farther than `reach` from the camera
+// (m, in a straight line) is of no interest: it may be left out, piece by piece.
 struct DrawLimits {
   double nearest = 0.01;
   double farthest = 1000;
+  double reach = std::numeric_limits<double>::infinity();
 };
 
 class PassRenderer {

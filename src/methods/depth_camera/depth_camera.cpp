@@ -243,11 +243,11 @@ class DepthCameraMethod : public DepthCamera {
   }
 
   DrawLimits limits(const BeamTable& table, const std::vector<Vec3d>& origins) const {
-    if (options_.farthest > 0) return {options_.sample.nearest, options_.farthest};
     double offset = 0;
     for (const Vec3d& origin : origins) offset = std::max(offset, dot(origin, origin));
-    const double farthest = (table.maxRange + std::sqrt(offset)) * (1 + kSlack) + kSlack;
-    return {options_.sample.nearest, std::max(farthest, 2 * options_.sample.nearest)};
+    const double reach = (table.maxRange + std::sqrt(offset)) * (1 + kSlack) + kSlack;
+    const double farthest = options_.farthest > 0 ? options_.farthest : std::max(reach, 2 * options_.sample.nearest);
+    return {options_.sample.nearest, farthest, reach};
   }
 
   void requireRenderer() const {

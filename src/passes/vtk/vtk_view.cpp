@@ -48,10 +48,26 @@ Side sideOf(const std::array<HalfSpace, 6>& spaces, const Vec3f& low, const Vec3
   return side;
 }
 
-int distanceStep(const Vec3f& low, const Vec3f& high, const Vec3d& from, double scale) {
+double distanceTo(const Vec3f& low, const Vec3f& high, const Vec3d& from) {
   const auto gap = [](double a, double b, double p) { return std::max({a - p, p - b, 0.0}); };
-  const Vec3d d{gap(low.x, high.x, from.x), gap(low.y, high.y, from.y), gap(low.z, high.z, from.z)};
-  return static_cast<int>(4 * std::log2(1 + scale * length(d)));
+  return length(Vec3d{gap(low.x, high.x, from.x), gap(low.y, high.y, from.y), gap(low.z, high.z, from.z)});
+}
+
+int distanceStep(double distance) {
+  return static_cast<int>(4 * std::log2(1 + distance));
+}
+
+// At most the distance from the camera to any point of the box (m): that to a box around it along the camera's axes.
+double leastDistance(const Mat3& linear, const Vec3d& translation, const Vec3f& low, const Vec3f& high) {
+  const Vec3d middle = linear * ((Vec3d(low) + Vec3d(high)) * 0.5) + translation;
+  const Vec3d half = (Vec3d(high) - Vec3d(low)) * 0.5;
+  const auto gap = [&](double m, double x, double y, double z) {
+    const double reach = std::abs(x) * half.x + std::abs(y) * half.y + std::abs(z) * half.z;
+    return std::max(std::abs(m) - reach * (1 + 1e-9), 0.0);
+  };
+  return length(Vec3d{gap(middle.x, linear.x.x, linear.y.x, linear.z.x),
+                      gap(middle.y, linear.x.y, linear.y.y, linear.z.y),
+                      gap(middle.z, linear.x.z, linear.y.z, linear.z.z)});
 }
 
 }  // namespace
@@ -96,12 +112,18 @@ void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std
   const Mat3 meshFromWorld = inverse(worldFromMesh.linear);
   const Vec3d cameraInMesh = -(meshFromWorld * offset);
   const double scale = std::cbrt(std::abs(determinant(worldFromMesh.linear)));
+  const Vec3d eye = cameraInMesh - mesh.origin;
+  const auto beyond = [&](const Vec3f& low, const Vec3f& high) {
+    return leastDistance(linear, translation, low, high) > limits_.reach;
+  };
+  if (beyond(mesh.low, mesh.high)) return;
   const auto frame = static_cast<std::uint32_t>(frames_.size());
   const auto look = [&](const ViewBatch& batch, const ChunkRange& range, std::vector<Candidate>& candidates) {
     for (std::uint32_t c = range.first; c < range.end; ++c) {
       const ViewChunk& chunk = batch.chunks[c];
       if (whole == Side::Across && sideOf(spaces, chunk.low, chunk.high) == Side::Outside) continue;
-      candidates.push_back({distanceStep(chunk.low, chunk.high, cameraInMesh - mesh.origin, scale), c, frame});
+      if (beyond(chunk.low, chunk.high)) continue;
+      candidates.push_back({distanceStep(scale * distanceTo(chunk.low, chunk.high, eye)), c, frame});
     }
   };
   look(geometry_.solid, mesh.solid, solid);

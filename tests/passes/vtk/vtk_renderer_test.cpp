@@ -533,6 +533,48 @@ TEST(VtkRenderer, RefusesWhatCannotBeDrawn) {
               HasSubstr("no image has"));
 }
 
+// Boxes on a grid, turned and unevenly scaled: with a reach, what lies within it is seen as without, and what lies well
+// beyond it is not drawn.
+TEST(VtkRenderer, LeavesOutWhatIsBeyondItsReach) {
+  SceneBuilder builder = testBuilder();
+  Mesh mesh = meshOf(builder, "thing");
+  appendBox(mesh, 0, {}, {1, 1, 1});
+  const std::uint32_t box = builder.addMesh(std::move(mesh));
+  for (int x = 5; x <= 60; x += 5) {
+    for (int y = -60; y <= 60; y += 5) {
+      const Mat3 turned = toMatrix(fromYawPitchRoll(x, 0.2, 0.1));
+      const Mat3 shape = x % 2 == 0 ? Mat3::scale({1, 1, 1}) : Mat3::scale({1, 2, 0.5});
+      builder.place(box, {turned * shape, {double(x), double(y), 0.3 * (x % 7) - 1}}, "box");
+    }
+  }
+  const Scene scene = builder.finish();
+  RENDERER_OR_SKIP(renderer, scene);
+  Camera camera = squareCamera(512, 128, radians(130));
+  camera.worldFromCamera.rotation = vehicleFromOptical();
+  constexpr double kReach = 40;
+  const auto depths = [&](double reach) {
+    const auto source = renderer->draw({camera}, {0.01, 100, reach}, {});
+    return readAll(*source, {}).front().planes.depth;
+  };
+  const std::vector<float> all = depths(std::numeric_limits<double>::infinity());
+  const std::vector<float> within = depths(kReach);
+  std::size_t beyond = 0;
+  for (std::uint32_t row = 0; row < camera.height; ++row) {
+    for (std::uint32_t column = 0; column < camera.width; ++column) {
+      const std::size_t i = std::size_t{row} * camera.width + column;
+      const double distance = all[i] * length(camera.ray(column + 0.5, row + 0.5));
+      if (distance <= kReach) {
+        EXPECT_EQ(within[i], all[i]);
+      }
+      if (distance > kReach + 4) {  // no box is so long
+        EXPECT_EQ(within[i], kNoDepth);
+      }
+      beyond += std::isfinite(distance) && distance > kReach + 4 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(beyond, 500u);
+}
+
 TEST(VtkRenderer, SaysWhichDevicesThereAre) {
   const Scene scene = randomScene();
   { RENDERER_OR_SKIP(renderer, scene); }
