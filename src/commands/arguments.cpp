@@ -73,7 +73,7 @@ void addRecordingOptions(cxxopts::Options& options) {
 
 std::string folderOption(const Arguments& arguments, const std::string& name) {
   if (arguments.options.count(name) == 0) return {};
-  const auto folder = arguments.options[name].as<std::string>();
+  auto folder = arguments.options[name].as<std::string>();
   if (folder.empty()) throw InputError(fmt::format("--{} names no folder", name));
   return folder;
 }

@@ -10,7 +10,7 @@ std::span<const Command> commands() {
       Command{"render", "PIPELINE -o DIR", "only the images of the depth-camera method, as EXR", runRender},
       Command{"plan", "PIPELINE", "what a pipeline would do, and what it would leave out; traces nothing", runPlan},
       Command{"verify", "DIR",
-              "re-hash and decode a dataset, or read all of a recording, and compare it with its manifest", runVerify},
+              "whether a dataset or a recording is whole: every file is decoded", runVerify},
       Command{"info", "FILE|DIR", "a dataset, shard, scan, recording, scene, sensor or pipeline as tables", runInfo},
       Command{"picture", "DATASET|SHARD|SCAN|EXR -o FILE.png", "a look at a scan or at passes, without a display",
               runPicture},
