@@ -31,8 +31,8 @@ struct Hits {
   std::vector<float> reflectance;        // near-infrared, 0 to 1, texture applied
   std::vector<float> incidence;          // cosine of the angle between the normal and the beam, 0 to 1
 
-  // How the material looks at the hit: filled by methods that know it per beam (passes drawn by others); empty where the
-  // material's own figures hold. All three or none.
+  // How the material looks at the hit: filled by methods that know it per beam (passes drawn by others); empty where
+  // the material's own figures hold. All three or none.
   std::vector<float> roughness;         // 0 mirror to 1 matt
   std::vector<float> metallic;          // 0 to 1
   std::vector<float> retroreflectance;  // in units of a white Lambertian target

@@ -21,7 +21,7 @@ struct Shot {
   std::uint32_t sensor = 0;  // on the vehicle
   std::string sensorName;
   std::string sample;  // the sample's key: names the files that are kept of the shot
-  double time = 0;  // s since the start of the sequence, of column 0
+  double time = 0;     // s since the start of the sequence, of column 0
   std::shared_ptr<const BeamTable> beams;
 
   // Pose at the start of each step of the turn. One entry: the sensor stands still during the turn. A column belongs to
