@@ -135,9 +135,44 @@ RecordedSequence sequenceOf(const JsonNode& node, std::size_t tables) {
   return s;
 }
 
-// What an earlier run wrote; anything else is a stranger's.
-bool isOurs(const std::string& name) {
-  return name == kIndex || name.ends_with(".exr") || name.ends_with(".json") || name.find(".tmp") != std::string::npos;
+// Whether an earlier run wrote the file: "street-s1-lane-000012.top.json" of a recording of that sequence and sensor.
+bool isOurs(const std::string& name, const Recording& earlier) {
+  if (name == kIndex || name.find(".partial-") != std::string::npos) return true;
+  if (!name.ends_with(".exr") && !name.ends_with(".json")) return false;
+  const std::size_t dot = name.find('.');
+  const std::string key = name.substr(0, dot);
+  const bool sequence = std::any_of(earlier.sequences.begin(), earlier.sequences.end(), [&](const auto& s) {
+    return key.starts_with(fmt::format("{}-s{}-", s.scene, s.seed));
+  });
+  return sequence && std::any_of(earlier.sensors.begin(), earlier.sensors.end(), [&](const RecordedSensor& s) {
+           return name.compare(dot + 1, s.name.size() + 1, s.name + ".") == 0;
+         });
+}
+
+// Overwriting takes away what this program recorded, and nothing else: a studio's own images look much the same.
+void removeEarlier(const fs::path& folder) {
+  const std::optional<RecordingKind> kind = recordingIn(folder);
+  if (!kind) {
+    throw InputError(
+        {folder.string()},
+        "holds files but no finished recording: --overwrite replaces recordings only; remove them by hand, "
+        "or choose another folder");
+  }
+  const Recording earlier = readRecording(folder, *kind);
+  if (earlier.programVersion.empty()) {
+    throw InputError({folder.string()}, "holds a recording that another program made: choose another folder");
+  }
+  std::vector<fs::path> old;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!entry.is_regular_file() || !isOurs(entry.path().filename().string(), earlier)) {
+      throw InputError(
+          {entry.path().string()},
+          "is no file of the recording there: --overwrite replaces recordings only; choose another folder");
+    }
+    old.push_back(entry.path());
+  }
+  fs::remove(folder / kIndex);  // first: from here on nothing looks finished
+  for (const fs::path& file : old) fs::remove(file);
 }
 
 void prepareFolder(const fs::path& folder, bool overwrite) {
@@ -152,19 +187,7 @@ void prepareFolder(const fs::path& folder, bool overwrite) {
                        "exists and is not empty: add --overwrite to replace the recording in it, or choose another "
                        "folder");
     }
-    std::vector<fs::path> old;
-    bool index = false;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-      const std::string name = entry.path().filename().string();
-      index = index || name == kIndex;
-      if (!entry.is_regular_file() || !isOurs(name)) {
-        throw InputError({entry.path().string()},
-                         "is no file of a recording: --overwrite replaces recordings only; choose another folder");
-      }
-      old.push_back(entry.path());
-    }
-    if (index) fs::remove(folder / kIndex);  // first: from here on nothing looks finished
-    for (const fs::path& file : old) fs::remove(file);
+    removeEarlier(folder);
   } catch (const fs::filesystem_error& error) {
     throw InputError({folder.string()}, "cannot be used as folder of a recording: " + error.code().message());
   }

@@ -89,7 +89,8 @@ std::optional<RecordingKind> recordingIn(const std::filesystem::path& folder);
 
 class RecordingWriter {
  public:
-  // Creates the folder. One that holds files is an InputError, unless `overwrite` and they are an earlier recording's.
+  // Creates the folder. One that holds files is an InputError, unless `overwrite` and they are all of a finished
+  // recording that this program made.
   RecordingWriter(std::filesystem::path folder, bool overwrite);
 
   const std::filesystem::path& folder() const { return folder_; }

@@ -254,8 +254,8 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
     }
     if (!writer) {
       // Only now: a scene or a method that cannot be used must not cost the dataset that --overwrite replaces.
-      writer.emplace(options.folder, options.overwrite, pipeline.shardBytes);
       keeper.open(options.keepHits, options.keepPasses, options.overwrite);
+      writer.emplace(options.folder, options.overwrite, pipeline.shardBytes);
       summary.manifest.ontology = scene->ontology;
     }
     keeper.enter(s, *scene, *method);

@@ -210,6 +210,20 @@ TEST_F(RecordedTest, OverwriteReplacesRecordingsOnly) {
   writeFile(out("hits") / "thesis.txt", "years of work");
   expectInputError([&] { generate(Plan(readPipeline(pipeline_, {})), options); }, {"thesis.txt"});
   EXPECT_TRUE(fs::exists(out("hits") / "thesis.txt"));
+  // What looks like ours, but is not: another's image beside a recording, another's recording, images alone.
+  fs::remove(out("hits") / "thesis.txt");
+  writeFile(out("hits") / "beauty.0001.exr", "art");
+  expectInputError([&] { generate(Plan(readPipeline(pipeline_, {})), options); }, {"beauty.0001.exr"});
+  EXPECT_TRUE(fs::exists(out("hits") / "recording.json"));
+  options.keepHits = out("studio");
+  folder_.write("studio/recording.json",
+                R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes", "sensors": [],
+                    "sequences": [{"scene": "yard", "trajectory": "drive", "frames": 1}]})");
+  writeFile(out("studio") / "yard-s1-drive-000000.top.0.front.exr", "days of rendering");
+  expectInputError([&] { generate(Plan(readPipeline(pipeline_, {})), options); }, {"studio", "another program"});
+  fs::remove(out("studio") / "recording.json");
+  expectInputError([&] { generate(Plan(readPipeline(pipeline_, {})), options); }, {"studio", "no finished recording"});
+  EXPECT_EQ(readFile(out("studio") / "yard-s1-drive-000000.top.0.front.exr"), "days of rendering");
 }
 
 const std::string kCamera = "method={depth_camera: {resolution: 256}}";
