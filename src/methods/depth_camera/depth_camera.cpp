@@ -1,4 +1,4 @@
-// The depth-camera method (Lopez et al., LiDAR-GEIL): cameras at the sensor draw depth, normals and ids, and beams look
+// The depth-camera method (LiDAR-GEIL): cameras at the sensor draw depth, normals and ids, and beams look
 // up what they would have met.
 //
 // A sensor that moves during its turn is drawn in steps. Each column keeps its own pose: it is sampled from the images
@@ -30,8 +30,11 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kSensorsInMemory = 16;
 constexpr double kSlack = 1e-3;                       // m and share: surfaces at the sensor's very limit are drawn
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // the scene's own mesh
-constexpr std::uint64_t kBytesPerDrawnTriangle = 60;  // corners and indices in the renderer's buffers
-constexpr std::uint64_t kBytesPerPixel = 16;          // depth, instance, triangle and the depth buffer
+// Measured of VTK on llvmpipe, whole processes against one another: 128 MiB for nothing to draw against 44 of ray
+// tracing; the street of 1.28 million placed triangles with 3 and with 4 images of 2048 x 2048.
+constexpr std::uint64_t kBytesOfLibraries = std::uint64_t{85} << 20;
+constexpr std::uint64_t kBytesPerPlacedTriangle = 60;
+constexpr std::uint64_t kBytesPerPixel = 16;
 
 std::string whereBlenderIs() {
   try {
@@ -184,8 +187,8 @@ class DepthCameraMethod : public DepthCamera {
     const std::uint64_t images = options_.layout.layout == CameraLayout::Cube6    ? 6
                                  : options_.layout.layout == CameraLayout::Four90 ? 4
                                                                                   : 3;
-    return scene_->triangles() * kBytesPerSceneTriangle + scene_->placedTriangles() * kBytesPerDrawnTriangle +
-           images * width * width * kBytesPerPixel;
+    return kBytesOfLibraries + scene_->triangles() * kBytesPerSceneTriangle +
+           scene_->placedTriangles() * kBytesPerPlacedTriangle + images * width * width * kBytesPerPixel;
   }
 
  private:
@@ -276,12 +279,21 @@ class DepthCameraMethod : public DepthCamera {
     for (Camera& camera : cameras) camera.worldFromCamera = rig * camera.worldFromCamera;
     const DrawLimits bounds = limits(*shot.beams, prepared.beams->origin);
     const std::scoped_lock lock(rendererMutex_);
+    const double readBefore = readWhileDrawing();
     const auto start = Clock::now();
     const std::unique_ptr<PixelSource> source = renderer().draw(cameras, bounds, choice);
-    const double render = secondsSince(start);
+    const double drawing = secondsSince(start);
+    const double read = readWhileDrawing() - readBefore;
     TimedSource timed(*source);
     use(timed);
-    addSeconds(render, timed.seconds(), secondsSince(start) - render - timed.seconds());
+    addSeconds(drawing - read, read + timed.seconds(), secondsSince(start) - drawing - timed.seconds());
+  }
+
+  // Some renderers read their images before they hand them out.
+  double readWhileDrawing() const {
+    const std::map<std::string, double> seconds = renderer().seconds();
+    const auto found = seconds.find("read_back");
+    return found == seconds.end() ? 0 : found->second;
   }
 
   void addSeconds(double render, double read, double sample) const {
