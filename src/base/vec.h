@@ -29,11 +29,15 @@ struct Vec3 {
 using Vec3d = Vec3<double>;
 using Vec3f = Vec3<float>;
 
-struct Vec2f {
-  float x{};
-  float y{};
-  constexpr bool operator==(const Vec2f&) const = default;
+template <class T>
+struct Vec2 {
+  T x{};
+  T y{};
+  constexpr bool operator==(const Vec2&) const = default;
 };
+
+using Vec2d = Vec2<double>;
+using Vec2f = Vec2<float>;
 
 template <class T>
 constexpr T dot(const Vec3<T>& a, const Vec3<T>& b) {

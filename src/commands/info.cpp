@@ -54,10 +54,12 @@ void printDataset(const std::filesystem::path& folder) {
   std::map<std::uint16_t, std::uint64_t> perClass;
   std::uint64_t points = 0;
   std::uint64_t beams = 0;
+  std::uint64_t unresolved = 0;
   for (const SampleRecord& sample : m.samples) {
     for (const ScanRecord& scan : sample.scans) {
       points += scan.points;
       beams += scan.beams;
+      unresolved += scan.unresolved;
       for (const auto& [id, count] : scan.pointsPerClass) perClass[id] += count;
     }
   }
@@ -70,6 +72,10 @@ void printDataset(const std::filesystem::path& folder) {
   fmt::print("{}\n", formatTable(classes));
   fmt::print("{} points of {} beams ({})\n", grouped(points), grouped(beams),
              percent(static_cast<double>(points), static_cast<double>(beams)));
+  if (unresolved > 0) {
+    fmt::print("{} beams were given up by the method ({}): neither hit nor miss\n", grouped(unresolved),
+               percent(static_cast<double>(unresolved), static_cast<double>(beams)));
+  }
   for (const FormatRecord& f : m.formats) {
     fmt::print("format {} (.{}): {}\n", f.name, f.suffix,
                f.maxErrorMetres > 0 ? fmt::format("positions within {:.3g} mm", f.maxErrorMetres * 1000) : "lossless");

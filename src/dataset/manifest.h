@@ -30,6 +30,7 @@ struct ScanRecord {
   std::vector<Pose> worldFromSensor;  // at the start of the turn; and of its last step where the sensor moves
   std::uint64_t beams = 0;
   std::uint64_t points = 0;
+  std::uint64_t unresolved = 0;  // beams that the method gave up: neither hit nor miss
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
   std::uint32_t instances = 0;  // distinct, in view
 };

@@ -32,14 +32,16 @@ OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontol
     entry["points"] = points;
     classes.push_back(std::move(entry));
   }
-  return {{"sensor", scan.sensor},
-          {"method", scan.method},
-          {"time", finite(scan.time, key + ": time")},
-          {"world_from_sensor", std::move(poses)},
-          {"beams", scan.beams},
-          {"points", scan.points},
-          {"instances", scan.instances},
-          {"points_per_class", std::move(classes)}};
+  OrderedJson json{{"sensor", scan.sensor},
+                   {"method", scan.method},
+                   {"time", finite(scan.time, key + ": time")},
+                   {"world_from_sensor", std::move(poses)},
+                   {"beams", scan.beams},
+                   {"points", scan.points}};
+  if (scan.unresolved > 0) json["unresolved"] = scan.unresolved;
+  json["instances"] = scan.instances;
+  json["points_per_class"] = std::move(classes);
+  return json;
 }
 
 OrderedJson framesJson(const Manifest& manifest) {

@@ -46,7 +46,8 @@ SensorRecord sensorOf(const JsonNode& node) {
 }
 
 ScanRecord scanOf(const JsonNode& node, const Manifest& manifest) {
-  node.keys({"sensor", "method", "time", "world_from_sensor", "beams", "points", "instances", "points_per_class"});
+  node.keys({"sensor", "method", "time", "world_from_sensor", "beams", "points", "instances", "points_per_class"},
+            {"unresolved"});
   ScanRecord scan;
   scan.sensor = node["sensor"].text();
   if (std::none_of(manifest.sensors.begin(), manifest.sensors.end(),
@@ -59,6 +60,7 @@ ScanRecord scanOf(const JsonNode& node, const Manifest& manifest) {
   if (scan.worldFromSensor.empty()) node["world_from_sensor"].fail("has no pose");
   scan.beams = node["beams"].integer<std::uint64_t>();
   scan.points = node["points"].integer<std::uint64_t>();
+  if (node.has("unresolved")) scan.unresolved = node["unresolved"].integer<std::uint64_t>(1, scan.beams);
   scan.instances = node["instances"].integer<std::uint32_t>();
   node["points_per_class"].forEach([&](const JsonNode& item) {
     item.keys({"id", "name", "points"});

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "methods/depth_camera/depth_camera.h"
+#include "methods/particle/particle.h"
 #include "methods/ray_tracing/ray_tracing.h"
 
 namespace scanmill {
@@ -28,6 +29,19 @@ constexpr std::array kMethods{
                 "far_m: the sensor's range, m, farther surfaces are not drawn; "
                 "renders_per_turn: auto or a number, images of a moving sensor",
                 makeDepthCamera},
+    MethodEntry{"particle", "one particle per beam flies through a distance field, on the processor or a GPU",
+                "field: sensor or scene, levels around each sensor or one for the whole scene; "
+                "voxel_m: 0.1 m, voxels of the finest level; "
+                "voxels: 256, across each level, 64 to 1024; "
+                "levels: auto or 1 to 16, each twice as coarse as the one before; "
+                "refine: triangle, normal or none, how hits are made exact; "
+                "cone_mrad: 0 mrad, half of the angle in which a beam meets things; "
+                "steps: 512, a particle's budget; "
+                "backend: auto, cpu or gl; "
+                "cache: auto, none or a folder, where fields are kept from run to run; "
+                "smallest_m: none, m, the smallest object that must be seen; "
+                "smallest_within_m: 30 m, so far from the sensor",
+                makeParticle},
 };
 
 }  // namespace

@@ -89,6 +89,7 @@ ScanRecord describe(const Shot& shot, const Hits& hits, const Scan& scan, std::s
   record.worldFromSensor.push_back(shot.worldFromSensor.front());
   if (shot.worldFromSensor.size() > 1) record.worldFromSensor.push_back(shot.worldFromSensor.back());
   record.beams = hits.size();
+  record.unresolved = hits.unresolved.size();
   std::vector<std::uint64_t> perClass;
   std::vector<std::uint32_t> instances;
   for (std::size_t i = 0; i < scan.size(); ++i) {

@@ -18,6 +18,7 @@ void Hits::reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels as
   roughness.clear();
   metallic.clear();
   retroreflectance.clear();
+  unresolved.clear();
 }
 
 }  // namespace scanmill

@@ -37,10 +37,14 @@ struct Hits {
   std::vector<float> metallic;          // 0 to 1
   std::vector<float> retroreflectance;  // in units of a white Lambertian target
 
+  // Beams that the method gave up, ascending: neither hit nor miss. Their range is kMiss, as nothing is known of it.
+  std::vector<std::uint32_t> unresolved;
+
   std::size_t size() const { return std::size_t{rings} * columns; }
   bool hit(std::size_t beam) const { return range[beam] < kMiss; }
 
-  // Sizes the columns that `asked` names (Range always) and empties the others, the look too; contents are undefined.
+  // Sizes the columns that `asked` names (Range always) and empties the others, the look and `unresolved` too;
+  // contents are undefined.
   void reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels asked);
 };
 

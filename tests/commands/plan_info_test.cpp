@@ -99,6 +99,12 @@ TEST_F(Tell, InfoOnEveryKindOfFile) {
                              HasSubstr("ray_tracing"), HasSubstr("ground"), HasSubstr("positions within 1 mm"),
                              HasSubstr("modelled and left out:")));
   EXPECT_EQ(told({"info", at("out/manifest.json")}), dataset);
+  EXPECT_THAT(dataset, testing::Not(HasSubstr("given up")));
+  Manifest unresolved = m;
+  unresolved.samples[0].scans[0].unresolved = 7;
+  unresolved.samples[2].scans[0].unresolved = 4;
+  folder_.write("unresolved/manifest.json", toJson(unresolved));
+  EXPECT_THAT(told({"info", at("unresolved")}), HasSubstr("11 beams were given up by the method (0.54 %)"));
   EXPECT_THAT(told({"info", shard}),
               AllOf(HasSubstr("member"), HasSubstr("scene-s1-drive-000003.top.ray_tracing.drc")));
 

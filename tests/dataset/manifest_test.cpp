@@ -126,6 +126,23 @@ TEST(Manifest, SurvivesTextThatIsNotUtf8) {
             "e\n");
 }
 
+TEST(Manifest, UnresolvedBeamsAreToldWhereThereAreAny) {
+  Manifest m = filledManifest();
+  EXPECT_THAT(toJson(m), Not(HasSubstr("unresolved")));
+  m.samples[1].scans[0].unresolved = 5;
+  const std::string text = toJson(m);
+  const Manifest read = parseManifest(text, "manifest.json");
+  EXPECT_EQ(toJson(read), text);
+  EXPECT_EQ(read.samples[0].scans[0].unresolved, 0u);
+  EXPECT_EQ(read.samples[1].scans[0].unresolved, 5u);
+  EXPECT_EQ(Json::parse(sampleJson(m.samples[1]))["scans"][0]["unresolved"], 5);
+  for (const Json& wrong : {Json(0), Json(m.samples[1].scans[0].beams + 1), Json("5"), Json(-1)}) {
+    Json damaged = Json::parse(text);
+    damaged["samples"][1]["scans"][0]["unresolved"] = wrong;
+    EXPECT_THAT(refusal(damaged), HasSubstr("/samples/1/scans/0/unresolved")) << wrong;
+  }
+}
+
 TEST(Manifest, RefusesEveryMissingKey) {
   const Json json = Json::parse(toJson(filledManifest()));
   int tried = 0;
@@ -291,7 +308,9 @@ const std::filesystem::path kSchema = std::filesystem::path(SCANMILL_SOURCE_DIR)
 // Every object of the schema: parser, schema and writer name the same keys, or RefusesEveryMissingKey would fail.
 TEST(ManifestSchema, DescribesTheManifest) {
   const Json schema = Json::parse(readFile(kSchema));
-  compare(schema, schema, Json::parse(toJson(filledManifest())), "");
+  Manifest manifest = filledManifest();
+  manifest.samples[0].scans[0].unresolved = 1;
+  compare(schema, schema, Json::parse(toJson(manifest)), "");
 }
 
 TEST(ManifestSchema, IsSatisfied) {
@@ -309,6 +328,9 @@ TEST(ManifestSchema, IsSatisfied) {
   };
   EXPECT_TRUE(accepts(filledManifest())) << readFile(folder.path() / "errors");
   EXPECT_TRUE(accepts(testManifest()));
+  Manifest unresolved = filledManifest();
+  unresolved.samples[0].scans[0].unresolved = 1;
+  EXPECT_TRUE(accepts(unresolved)) << readFile(folder.path() / "errors");
   Manifest wrong = filledManifest();
   wrong.samples[0].key = "a.b";
   EXPECT_FALSE(accepts(wrong));

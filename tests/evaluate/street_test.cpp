@@ -1,5 +1,5 @@
-// The depth camera against ray tracing: the same beams on the quickstart's street. docs/depth_camera.md has the whole
-// table; tests/benchmarks/accuracy.cpp makes it.
+// The depth camera and particles against ray tracing: the same beams on the quickstart's street. docs/depth_camera.md
+// has the whole table; tests/benchmarks/accuracy.cpp makes it.
 
 #include "tests/support/street.h"
 
@@ -116,6 +116,44 @@ TEST_F(Street, WhatIntensityIsMadeOfIsTheSameOnFlatSurfaces) {
     EXPECT_NEAR(tested.reflectance[i], truth.reflectance[i], 1e-3f) << i;
   }
   EXPECT_GT(flat, 60'000u);
+}
+
+// docs/particle.md has the whole table; tests/benchmarks/particle_accuracy.cpp makes it.
+Hits flownOver(const Scene& scene, const Shot& shot, const std::string& options) {
+  return traced(*methodOf("particle", scene, "{cache: none, backend: cpu, " + options + "}"), shot);
+}
+
+TEST_F(Street, ParticlesThatMeetTrianglesSeeWhatRaysSee) {
+  for (const double x : {-20.0, 3.0}) {
+    const Shot shot = streetShot(presetBeams("paper_64"), x);
+    const Hits truth = traced(*tracing_, shot);
+    const Hits tested = flownOver(*scene_, shot, "refine: triangle");
+    const HitErrors e = compareHits(truth, tested, {});
+    EXPECT_GT(e.bothHit, 90'000u);
+    EXPECT_LT(e.lost + e.spurious, e.beams / 10'000);
+    EXPECT_GT(static_cast<double>(e.sameLabel), 0.9999 * static_cast<double>(e.bothHit));
+    EXPECT_LT(e.rangeSameSurface.p999, 1e-4);
+    EXPECT_LT(nearestDistances(pointsOf(shot, truth), pointsOf(shot, tested)).mean, 1e-3);
+    EXPECT_LT(nearestDistances(pointsOf(shot, tested), pointsOf(shot, truth)).mean, 1e-3);
+    EXPECT_TRUE(tested.unresolved.empty());
+  }
+}
+
+TEST_F(Street, ParticlesErrInTheOrderInWhichTheySimplify) {
+  const Shot shot = streetShot(presetBeams("paper_64"), -20);
+  const Hits truth = traced(*tracing_, shot);
+  const auto errors = [&](const std::string& options) {
+    return compareHits(truth, flownOver(*scene_, shot, options), {});
+  };
+  const HitErrors none = errors("refine: none");
+  const HitErrors normal = errors("refine: normal");
+  const HitErrors coarse = errors("refine: none, voxel_m: 0.4, voxels: 64");
+  EXPECT_LT(none.rangeSameSurface.median, 0.1);
+  EXPECT_LT(normal.rangeSameSurface.median, 1e-3);
+  EXPECT_GT(coarse.rangeSameSurface.median, 2 * none.rangeSameSurface.median);
+  // Half a voxel thicker than it is, everything is seen: only beams past silhouettes are spurious.
+  EXPECT_LT(none.lost, none.beams / 1000);
+  EXPECT_GT(static_cast<double>(none.sameLabel), 0.85 * static_cast<double>(none.bothHit));
 }
 
 }  // namespace

@@ -187,6 +187,38 @@ TEST_F(RecordedTest, DamageIsNamed) {
   expectInputError([&] { remake({}, "refused", out("hits")); }, {image});
 }
 
+// A method's own outcome, carried by its hits: into recordings, and into each scan's record.
+TEST_F(RecordedTest, UnresolvedBeamsAreCounted) {
+  keep({}, "kept", out("hits"));
+  const fs::path image = out("hits") / "yard-s1-drive-000001.top.hits.exr";
+  Hits hits;
+  readHits(image, keptChannels(), hits);
+  const std::vector<std::uint32_t> givenUp{0, 17, 300};
+  const auto clear = [&](auto& column) {
+    for (const std::uint32_t beam : givenUp) {
+      if (!column.empty()) column[beam] = {};
+    }
+  };
+  clear(hits.normal);
+  clear(hits.instance);
+  clear(hits.semantic);
+  clear(hits.material);
+  clear(hits.primitive);
+  clear(hits.reflectance);
+  clear(hits.incidence);
+  for (const std::uint32_t beam : givenUp) hits.range[beam] = kMiss;
+  hits.unresolved = givenUp;
+  writeHits(image, hits);
+  remake({}, "again", out("hits"));
+  const Manifest manifest = readManifest(out("again"));
+  ASSERT_EQ(manifest.samples.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const ScanRecord& scan = manifest.samples[i].scans.at(0);
+    EXPECT_EQ(scan.unresolved, i == 1 ? 3u : 0u);
+    EXPECT_LE(scan.points + scan.unresolved, scan.beams);
+  }
+}
+
 TEST_F(RecordedTest, AStoppedRunIsNoRecording) {
   GenerateOptions options;
   options.folder = out("stopped");

@@ -87,6 +87,25 @@ TEST(Shipped, TruckTownByTheDepthCamera) {
               generateLabelled("truck_town.yaml", {"trajectories.0.frames=1", "method=depth_camera"}, 4));
 }
 
+// With the same noise, intensity and motion as by ray tracing.
+TEST(Shipped, QuickstartByParticles) {
+  const std::vector<std::string> overrides{"scenes.0.seeds=[1]", "splits=", "trajectories.0.frames=2"};
+  std::vector<std::string> particles = overrides;
+  particles.emplace_back("method={particle: {cache: none}}");
+  const Manifest flown = generateLabelled("quickstart.yaml", particles, 10);
+  EXPECT_EQ(flown.samples.front().scans.front().method, "particle");
+  EXPECT_GT(flown.samples.front().scans.front().instances, 5u);
+  for (const char* stage : {"field_build", "march", "resolve"}) EXPECT_TRUE(flown.stages.contains(stage)) << stage;
+  expectAlike(generateLabelled("quickstart.yaml", overrides, 10), flown);
+}
+
+TEST(Shipped, TruckTownByParticles) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
+  ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
+  expectAlike(generateLabelled("truck_town.yaml", {"trajectories.0.frames=1"}, 4),
+              generateLabelled("truck_town.yaml", {"trajectories.0.frames=1", "method={particle: {cache: none}}"}, 4));
+}
+
 TEST(Shipped, QuickstartByBlender) {
   SKIP_WITHOUT_BLENDER();
   const std::vector<std::string> overrides{"scenes.0.seeds=[1]", "splits=", "trajectories.0.frames=1", "motion=none"};

@@ -53,6 +53,15 @@ TEST(Hits, TheLookIsNotAskedForAndDoesNotOutliveAReset) {
   EXPECT_TRUE(hits.roughness.empty() && hits.metallic.empty() && hits.retroreflectance.empty());
 }
 
+TEST(Hits, UnresolvedBeamsDoNotOutliveAReset) {
+  Hits hits;
+  hits.reset(2, 3, Channel::Range);
+  EXPECT_TRUE(hits.unresolved.empty());
+  hits.unresolved = {1, 4};
+  hits.reset(2, 3, Channel::Range);
+  EXPECT_TRUE(hits.unresolved.empty());
+}
+
 TEST(Hits, SizeDoesNotOverflow32Bits) {
   Hits hits;
   hits.rings = 1u << 20;

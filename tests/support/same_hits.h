@@ -22,6 +22,7 @@ inline void expectSameHits(const Hits& a, const Hits& b) {
   EXPECT_EQ(a.roughness, b.roughness);
   EXPECT_EQ(a.metallic, b.metallic);
   EXPECT_EQ(a.retroreflectance, b.retroreflectance);
+  EXPECT_EQ(a.unresolved, b.unresolved);
 }
 
 }  // namespace scanmill

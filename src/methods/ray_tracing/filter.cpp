@@ -161,10 +161,7 @@ void dropTransparent(const RTCFilterFunctionNArguments* a, const World& world) {
     const TriangleBlock& block =
         instance == RTC_INVALID_GEOMETRY_ID ? world.baked : *world.placed[instance - World::kFirstPlaced].block;
     const std::uint32_t triangle = block.global(hitIds[kGeometry * n + i], hitIds[kPrimitive * n + i]);
-    const Material& material = world.scene->materials[block.surfaceOf(triangle).material];
-    const std::uint8_t* texel =
-        texelAt(block, triangle, *material.texture, double{hit[kU * n + i]}, double{hit[kV * n + i]});
-    if (static_cast<float>(texel[3]) < material.alphaCutoff * 255.0f) a->valid[i] = 0;
+    if (transparentAt(world, block, triangle, double{hit[kU * n + i]}, double{hit[kV * n + i]})) a->valid[i] = 0;
   }
 }
 

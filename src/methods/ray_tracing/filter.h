@@ -6,11 +6,10 @@
 
 #include <cstdint>
 
-#include "methods/ray_tracing/world.h"
+#include "methods/world/resolve.h"
+#include "methods/world/world.h"
 
 namespace scanmill {
-
-constexpr int kPacket = 16;
 
 // Follows a packet through Embree: what each lane's ray holds so far. Lane i belongs to the ray whose id is i.
 struct TieContext {

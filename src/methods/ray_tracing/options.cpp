@@ -10,13 +10,13 @@ RayTracingOptions readRayTracingOptions(Fields& fields) {
   options.tileColumns = tile == "auto" ? 0 : std::stoi(tile);
   options.robust = fields.boolean("robust", true);
   const std::string quality = fields.choice("bvh", {"low", "medium", "high"}, "medium");
-  options.quality = quality == "low"    ? RayTracingOptions::Quality::Low
-                    : quality == "high" ? RayTracingOptions::Quality::High
-                                        : RayTracingOptions::Quality::Medium;
+  options.quality = quality == "low"    ? HierarchyQuality::Low
+                    : quality == "high" ? HierarchyQuality::High
+                                        : HierarchyQuality::Medium;
   const std::string instancing = fields.choice("instancing", {"auto", "always", "never"}, "auto");
-  options.instancing = instancing == "always"  ? RayTracingOptions::Instancing::Always
-                       : instancing == "never" ? RayTracingOptions::Instancing::Never
-                                               : RayTracingOptions::Instancing::Auto;
+  options.instancing = instancing == "always"  ? Instancing::Always
+                       : instancing == "never" ? Instancing::Never
+                                               : Instancing::Auto;
   fields.finish();
   return options;
 }

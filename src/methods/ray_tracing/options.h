@@ -1,6 +1,7 @@
 #pragma once
 
 #include "config/fields.h"
+#include "methods/world/world.h"
 
 namespace scanmill {
 
@@ -9,8 +10,8 @@ struct RayTracingOptions {
   int packet = 16;      // rays per Embree call: 16, or 1 as the reference for tests
   int tileColumns = 0;  // columns of a packet's tile: 1, 2, 4, 8 or 16; 0 picks by the beams' spacing
   bool robust = true;   // watertight at edges (RTC_SCENE_FLAG_ROBUST)
-  enum class Quality { Low, Medium, High } quality = Quality::Medium;  // of the bounding volume hierarchy
-  enum class Instancing { Auto, Always, Never } instancing = Instancing::Auto;
+  HierarchyQuality quality = HierarchyQuality::Medium;
+  Instancing instancing = Instancing::Auto;
 };
 
 RayTracingOptions readRayTracingOptions(Fields& fields);

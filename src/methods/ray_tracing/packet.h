@@ -7,24 +7,12 @@
 #include <vector>
 
 #include "methods/ray_tracing/filter.h"
-#include "methods/ray_tracing/world.h"
+#include "methods/world/resolve.h"
+#include "methods/world/world.h"
 #include "scan/hits.h"
 #include "sensors/shot.h"
 
 namespace scanmill {
-
-// What resolving needs of a material, without its texts.
-struct CompactMaterial {
-  float reflectance = 0;
-  float textureGain = 0;             // reflectance / mean luminance of the texture; 0 where untextured
-  const Texture* texture = nullptr;  // only where textured
-};
-
-// A shot's poses, relative to the world's origin.
-struct ShotFrame {
-  std::vector<Mat3> rotation;  // per step
-  std::vector<Vec3d> position;
-};
 
 struct PacketJob {
   const World& world;
@@ -33,11 +21,6 @@ struct PacketJob {
   const ShotFrame& frame;
   int raysPerCall;
   float coplanarFloor;  // m
-};
-
-// A rectangle of at most 16 beams: rings [ring, ring + rows) x columns [column, column + width).
-struct Tile {
-  std::uint32_t ring, column, rows, width;
 };
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits);

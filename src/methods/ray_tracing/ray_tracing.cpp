@@ -1,8 +1,7 @@
 // Ray tracing with Embree: the reference of all methods.
 //
 // The scene is rebased to an origin near the sensor and traced in float32, 16 beams at a time; the range is recomputed
-// in double from the triangle that was hit. Origins lie on a grid of 256 m anchored at the scene's centre, so that
-// they depend on the shot alone and move with the scene.
+// in double from the triangle that was hit.
 
 #include "methods/ray_tracing/ray_tracing.h"
 
@@ -10,52 +9,39 @@
 
 #include <algorithm>
 #include <cmath>
-#include <list>
-#include <mutex>
 
 #include "base/parallel.h"
+#include "methods/ray_tracing/options.h"
 #include "methods/ray_tracing/packet.h"
+#include "methods/world/worlds.h"
 
 namespace scanmill {
 
 namespace {
 
-constexpr double kOriginGrid = 1024;  // m
 constexpr double kRingWeight = 3.5;
 constexpr std::uint64_t kBytesPerTriangle = 150;      // measured: hierarchy, corners, records
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // measured: the scene's own mesh
-constexpr std::size_t kWorldsInMemory = 2;            // origins that a drive across a grid line needs at once
+
+HierarchyOptions hierarchy(const RayTracingOptions& options) {
+  return {options.robust, options.quality, tieFilter, alphaTieFilter};
+}
 
 class RayTracing : public Method {
  public:
   RayTracing(const Scene& scene, const RayTracingOptions& options)
       : scene_(scene),
         options_(options),
-        anchor_(scene.bounds().center()),
-        device_(makeDevice()),
-        instanced_(instancedMeshes(scene, options.instancing)),
-        shared_(buildSharedMeshes(device_.get(), scene, instanced_, options)) {
-    for (const Material& m : scene.materials) {
-      CompactMaterial compact{m.reflectance, 0, nullptr};
-      if (m.textured && m.texture != nullptr && m.textureMean > 0) {
-        compact.texture = m.texture.get();
-        compact.textureGain = m.reflectance / m.textureMean;
-      }
-      materials_.push_back(compact);
-    }
-  }
+        worlds_(scene, options.instancing, hierarchy(options)),
+        materials_(compactMaterials(scene)) {}
 
-  void prepare(const Shot& shot) const override { worldNear(shot.worldFromSensor.front().translation); }
+  void prepare(const Shot& shot) const override { worlds_.near(shot.worldFromSensor.front().translation); }
 
   void trace(const Shot& shot, Channels channels, Hits& hits) const override {
     const BeamTable& beams = *shot.beams;
     hits.reset(beams.rings, beams.columns, channels);
-    const std::shared_ptr<const World> world = worldNear(shot.worldFromSensor.front().translation);
-    ShotFrame frame;
-    for (const Pose& pose : shot.worldFromSensor) {
-      frame.rotation.push_back(toMatrix(pose.rotation));
-      frame.position.push_back(pose.translation - world->origin);
-    }
+    const std::shared_ptr<const World> world = worlds_.near(shot.worldFromSensor.front().translation);
+    const ShotFrame frame = frameOf(shot, world->origin);
     const PacketJob job{*world, materials_,      shot,
                         frame,  options_.packet, coplanarFloor(static_cast<float>(length(frame.position.front())))};
     const std::uint32_t width = tileColumns(beams);
@@ -76,7 +62,7 @@ class RayTracing : public Method {
 
   std::vector<std::string> modelled() const override {
     std::uint64_t instancedCount = 0;
-    for (const Instance& i : scene_.instances) instancedCount += instanced_[i.mesh] ? 1 : 0;
+    for (const Instance& i : scene_.instances) instancedCount += worlds_.instanced(i.mesh) ? 1 : 0;
     const bool alpha =
         std::any_of(scene_.materials.begin(), scene_.materials.end(), [](const Material& m) { return m.alphaTested; });
     const bool textured = std::any_of(materials_.begin(), materials_.end(),
@@ -94,9 +80,9 @@ class RayTracing : public Method {
   std::uint64_t memoryBytes() const override {
     std::uint64_t triangles = 0;  // of the hierarchy: each baked copy, each instanced mesh once
     for (const Instance& i : scene_.instances)
-      triangles += instanced_[i.mesh] ? 0 : scene_.meshes[i.mesh].triangles.size();
+      triangles += worlds_.instanced(i.mesh) ? 0 : scene_.meshes[i.mesh].triangles.size();
     for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
-      triangles += instanced_[m] ? scene_.meshes[m].triangles.size() : 0;
+      triangles += worlds_.instanced(m) ? scene_.meshes[m].triangles.size() : 0;
     }
     return triangles * kBytesPerTriangle + scene_.triangles() * kBytesPerSceneTriangle;
   }
@@ -123,31 +109,10 @@ class RayTracing : public Method {
     return best;
   }
 
-  std::shared_ptr<const World> worldNear(const Vec3d& sensor) const {
-    const auto cell = [](double d) { return std::round(d / kOriginGrid) * kOriginGrid; };
-    const Vec3d offset = sensor - anchor_;
-    const Vec3d origin = anchor_ + Vec3d{cell(offset.x), cell(offset.y), cell(offset.z)};
-    const std::scoped_lock lock(worldsMutex_);
-    for (auto it = worlds_.begin(); it != worlds_.end(); ++it) {
-      if ((*it)->origin == origin) {
-        worlds_.splice(worlds_.begin(), worlds_, it);
-        return worlds_.front();
-      }
-    }
-    if (worlds_.size() >= kWorldsInMemory) worlds_.pop_back();
-    worlds_.push_front(buildWorld(device_.get(), scene_, origin, instanced_, shared_, options_));
-    return worlds_.front();
-  }
-
   const Scene& scene_;
   RayTracingOptions options_;
-  Vec3d anchor_;
-  DeviceHandle device_;
-  std::vector<bool> instanced_;
-  SharedMeshes shared_;
+  Worlds worlds_;
   std::vector<CompactMaterial> materials_;
-  mutable std::mutex worldsMutex_;
-  mutable std::list<std::shared_ptr<const World>> worlds_;
 };
 
 }  // namespace

@@ -34,6 +34,7 @@ void forColumns(AnyHits& hits, const Use& use) {
   use("retroreflectance", hits.retroreflectance);
 }
 
+constexpr const char* kUnresolved = "unresolved";
 constexpr const char* kNormal[] = {"N.X", "N.Y", "N.Z"};
 
 class HitsReader {
@@ -51,8 +52,13 @@ class HitsReader {
     for (std::size_t axis = 0; axis < 3 && !hits_.normal.empty(); ++axis) {
       targets_.push_back({&require(kNormal[axis], ExrType::Float32), &hits_.normal.data()->x + axis, sizeof(Vec3f)});
     }
+    if (find(kUnresolved) != nullptr) {
+      wide_[kUnresolved].resize(hits_.size());
+      targets_.push_back({&require(kUnresolved, ExrType::Uint32), wide_[kUnresolved].data(), sizeof(std::uint32_t)});
+    }
     file_.read(targets_);
     checkRange();
+    listUnresolved();
     narrow("semantic", hits_.semantic);
     narrow("material", hits_.material);
   }
@@ -97,6 +103,22 @@ class HitsReader {
                                 beam / hits_.columns, beam % hits_.columns));
   }
 
+  void listUnresolved() {
+    const auto marks = wide_.find(kUnresolved);
+    if (marks == wide_.end()) return;
+    for (std::uint32_t beam = 0; beam < marks->second.size(); ++beam) {
+      const std::uint32_t mark = marks->second[beam];
+      if (mark == 0) continue;
+      const auto place = fmt::format("at ring {}, column {}", beam / hits_.columns, beam % hits_.columns);
+      if (mark != 1) refuse(kUnresolved, fmt::format("is {} {}: it must be 0 or 1", mark, place));
+      if (hits_.hit(beam)) {
+        refuse(kUnresolved,
+               fmt::format("is 1 {}, where the range is {:g} m: it must be infinite", place, hits_.range[beam]));
+      }
+      hits_.unresolved.push_back(beam);
+    }
+  }
+
   void narrow(const char* name, std::vector<std::uint16_t>& column) const {
     if (column.empty()) return;
     const std::vector<std::uint32_t>& wide = wide_.at(name);
@@ -138,6 +160,12 @@ void writeHits(const std::filesystem::path& path, const Hits& hits) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       planes.push_back({kNormal[axis], ExrType::Float32, &hits.normal.data()->x + axis, sizeof(Vec3f)});
     }
+  }
+  if (!hits.unresolved.empty()) {
+    std::vector<std::uint32_t>& marks = wide[kUnresolved];
+    marks.resize(hits.size());
+    for (const std::uint32_t beam : hits.unresolved) marks.at(beam) = 1;
+    planes.push_back({kUnresolved, ExrType::Uint32, marks.data(), sizeof(std::uint32_t)});
   }
   writeExr(path, hits.columns, hits.rings, {{"units", "m"}, {"writer", fmt::format("Scanmill {}", kVersion)}}, planes,
            ExrCompression::None);

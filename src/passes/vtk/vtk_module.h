@@ -86,9 +86,85 @@ struct ScanmillVtkPixels {
 
 struct ScanmillVtkRenderer;
 
+// Computing on the device that draws, in a context of its own. Its programs and buffers are numbers that it gives out,
+// none of them 0.
+struct ScanmillCompute;
+
+struct ScanmillComputeLimits {
+  std::uint64_t bufferBytes;     // of a buffer that a program reads or writes
+  std::uint64_t tableTexels;     // of a table
+  std::uint64_t parameterBytes;  // of a program's parameters
+  std::uint32_t buffers;         // that a program reads or writes
+  std::uint32_t tables;          // that a program reads
+  std::uint32_t software;        // 1: it runs on the processor
+  std::uint32_t unused;
+};
+
+enum ScanmillComputeTexel : std::uint32_t {
+  kScanmillUint16,
+  kScanmillUint32,
+  kScanmillUint32x4,
+  kScanmillFloat32x4,
+};
+
+// A buffer that a program only reads, by texelFetch() from a buffer texture.
+struct ScanmillComputeTable {
+  std::uint32_t buffer;
+  ScanmillComputeTexel texel;
+};
+
+// A piece of a buffer, and where it comes from or goes to.
+struct ScanmillComputeSource {
+  std::uint64_t offset;
+  std::uint64_t bytes;
+  const void* data;
+};
+struct ScanmillComputeTarget {
+  std::uint64_t offset;
+  std::uint64_t bytes;
+  void* data;
+};
+
+struct ScanmillComputeRun {
+  std::uint32_t program;
+  std::uint32_t bufferCount;
+  const std::uint32_t* buffers;  // number k becomes the storage buffer of binding k
+  std::uint64_t tableCount;
+  const ScanmillComputeTable* tables;  // number k becomes the buffer texture of binding k
+  const void* parameters;              // the uniform block of binding 0, laid out by std140
+  std::uint64_t parameterBytes;
+  std::uint64_t invocations;  // less than 2^32
+};
+
+// Calls may come from any thread, one after the other.
+struct ScanmillComputeFunctions {
+  // See ScanmillVtkModule::open. Nothing of VTK is started.
+  ScanmillVtkStatus (*open)(const char* device, ScanmillCompute** compute, ScanmillComputeLimits* limits,
+                            ScanmillVtkText* described, ScanmillVtkText* error);
+  void (*close)(ScanmillCompute* compute);
+  // `text`: GLSL 4.30 without the version line and main(); it defines `void invoke(uint i)`.
+  ScanmillVtkStatus (*makeProgram)(ScanmillCompute* compute, const char* name, const char* text, std::uint32_t* program,
+                                   ScanmillVtkText* error);
+  ScanmillVtkStatus (*makeBuffer)(ScanmillCompute* compute, std::uint32_t* buffer, ScanmillVtkText* error);
+  void (*dropProgram)(ScanmillCompute* compute, std::uint32_t program);
+  void (*dropBuffer)(ScanmillCompute* compute, std::uint32_t buffer);
+  // Gives the buffer so many bytes, of any contents.
+  ScanmillVtkStatus (*resize)(ScanmillCompute* compute, std::uint32_t buffer, std::uint64_t bytes,
+                              ScanmillVtkText* error);
+  ScanmillVtkStatus (*write)(ScanmillCompute* compute, std::uint32_t buffer, const ScanmillComputeSource* pieces,
+                             std::uint64_t count, ScanmillVtkText* error);
+  ScanmillVtkStatus (*read)(ScanmillCompute* compute, std::uint32_t buffer, const ScanmillComputeTarget* pieces,
+                            std::uint64_t count, ScanmillVtkText* error);
+  // Runs invoke() for 0 to invocations - 1. What is written shows in later runs and reads.
+  ScanmillVtkStatus (*run)(ScanmillCompute* compute, const ScanmillComputeRun* run, ScanmillVtkText* error);
+  // Waits until everything asked for is done.
+  ScanmillVtkStatus (*finish)(ScanmillCompute* compute, ScanmillVtkText* error);
+};
+
 // Calls may come from any thread, one after the other.
 struct ScanmillVtkModule {
   std::uint32_t version;
+  const ScanmillComputeFunctions* compute;
   // Finds a device: `device` is its number among EGL's devices, "software", or null for the best one. `described` is
   // what draws, for reports.
   ScanmillVtkStatus (*open)(const char* device, ScanmillVtkRenderer** renderer, ScanmillVtkLimits* limits,
@@ -115,7 +191,7 @@ const ScanmillVtkModule* scanmillVtkModule();
 
 namespace scanmill {
 
-constexpr std::uint32_t kVtkModuleVersion = 1;  // another one for every change of the structs above
+constexpr std::uint32_t kVtkModuleVersion = 2;  // another one for every change of the structs above
 constexpr const char* kVtkModuleSymbol = "scanmillVtkModule";
 constexpr std::uint32_t kVtkImages = 8;  // at once
 

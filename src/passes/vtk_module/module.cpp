@@ -1,5 +1,5 @@
 // libscanmill_passes.so: VTK on an OpenGL context of our own, behind the functions of passes/vtk/vtk_module.h. It is
-// not part of the program, which loads it when it draws the first image.
+// not part of the program, which loads it when it draws the first image or computes by OpenGL (gl_compute.h).
 
 #include <fmt/format.h>
 #include <vtkAutoInit.h>
@@ -12,18 +12,17 @@
 #include <vtkRenderer.h>
 #include <vtkVersion.h>
 
-#include <algorithm>
 #include <array>
 #include <exception>
 #include <memory>
-#include <new>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "passes/vtk/vtk_module.h"
 #include "passes/vtk_module/egl_context.h"
+#include "passes/vtk_module/gl_compute.h"
 #include "passes/vtk_module/gl_thread.h"
+#include "passes/vtk_module/guarded.h"
 #include "passes/vtk_module/image_pass.h"
 #include "passes/vtk_module/pixel_reader.h"
 #include "passes/vtk_module/triangle_store.h"
@@ -126,33 +125,6 @@ struct ScanmillVtkRenderer {
 
 namespace {
 
-void put(ScanmillVtkText& to, std::string_view text) {
-  const std::size_t size = std::min(text.size(), sizeof to.text - 1);
-  std::copy_n(text.data(), size, to.text);
-  to.text[size] = '\0';
-}
-
-// Runs `work` on the thread of all OpenGL, and lets no exception out.
-template <class Work>
-ScanmillVtkStatus guarded(GlThread& thread, ScanmillVtkText& error, const Work& work) noexcept {
-  try {
-    thread.run(work);
-    put(error, "");
-    return kScanmillVtkDone;
-  } catch (const std::bad_alloc&) {
-    put(error, "out of memory");
-    return kScanmillVtkOutOfMemory;
-  } catch (const NoDevice& e) {
-    put(error, e.what());
-    return kScanmillVtkNoDevice;
-  } catch (const std::exception& e) {
-    put(error, e.what());
-  } catch (...) {
-    put(error, "");
-  }
-  return kScanmillVtkFailed;
-}
-
 // The same with the renderer's context.
 template <class Work>
 ScanmillVtkStatus withContext(ScanmillVtkRenderer& renderer, ScanmillVtkText& error, const Work& work) noexcept {
@@ -244,7 +216,8 @@ ScanmillVtkStatus read(ScanmillVtkRenderer* renderer, std::uint32_t slot, std::u
                      [&] { renderer->reader->read(renderer->pass->numbers(slot), firstRow, rows, numbers); });
 }
 
-constexpr ScanmillVtkModule kModule{kVtkModuleVersion, open, close, upload, draw, finish, gather, read};
+constexpr ScanmillVtkModule kModule{
+    kVtkModuleVersion, &kComputeFunctions, open, close, upload, draw, finish, gather, read};
 
 }  // namespace
 

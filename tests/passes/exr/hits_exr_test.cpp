@@ -60,6 +60,41 @@ TEST(HitsExr, EveryBitComesBack) {
   }
 }
 
+TEST(HitsExr, UnresolvedBeamsComeBackAndCostNothingWhereThereAreNone) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "hits.exr";
+  Hits hits = someHits(3, 50, Channels::all(), true);
+  writeHits(path, hits);
+  const ExrReader without(path);
+  for (const ExrChannel& channel : without.channels()) EXPECT_NE(channel.name, "unresolved");
+  hits.unresolved = {0, 3, 99, 147};
+  writeHits(path, hits);
+  Hits back;
+  readHits(path, Channels::all(), back);
+  expectSameHits(hits, back);
+  readHits(path, Channel::Range, back);
+  EXPECT_EQ(back.unresolved, hits.unresolved);
+}
+
+TEST(HitsExr, UnresolvedBeamsThatHitAreRefused) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "hits.exr";
+  const std::vector<float> ranges{kMiss, kMiss, 5, kMiss};
+  Hits hits;
+  const auto write = [&](ExrType type, const void* marks) {
+    const ExrPlane planes[] = {{"range", ExrType::Float32, ranges.data()}, {"unresolved", type, marks}};
+    writeExr(path, 2, 2, {}, planes, ExrCompression::Zip);
+  };
+  const std::vector<std::uint32_t> atHit{0, 0, 1, 0};
+  write(ExrType::Uint32, atHit.data());
+  expectInputError([&] { readHits(path, Channel::Range, hits); }, {path.string(), "'unresolved'", "ring 1, column 0"});
+  const std::vector<std::uint32_t> no{0, 7, 0, 0};
+  write(ExrType::Uint32, no.data());
+  expectInputError([&] { readHits(path, Channel::Range, hits); }, {path.string(), "'unresolved'", "is 7"});
+  write(ExrType::Float32, ranges.data());
+  expectInputError([&] { readHits(path, Channel::Range, hits); }, {path.string(), "'unresolved'", "FLOAT"});
+}
+
 TEST(HitsExr, OnlyWhatIsAskedForIsRead) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "hits.exr";

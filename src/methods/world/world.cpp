@@ -1,4 +1,4 @@
-#include "methods/ray_tracing/world.h"
+#include "methods/world/world.h"
 
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "methods/ray_tracing/filter.h"
 
 namespace scanmill {
 
@@ -101,29 +100,29 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
                              sizeof(Vec3f), block.vertices.size() - 1);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, block.corners.data(),
                              first * sizeof(Triangle), sizeof(Triangle), last - first);
-  rtcSetGeometryIntersectFilterFunction(geometry, filter);
+  if (filter != nullptr) rtcSetGeometryIntersectFilterFunction(geometry, filter);
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene, geometry, id);
   rtcReleaseGeometry(geometry);
 }
 
-void attachBlock(RTCDevice device, RTCScene scene, const TriangleBlock& block) {
+void attachBlock(RTCDevice device, RTCScene scene, const TriangleBlock& block, const HierarchyOptions& options) {
   const auto count = static_cast<std::uint32_t>(block.triangles.size());
-  attachTriangles(device, scene, block, 0, block.firstAlpha, 0, tieFilter);
-  attachTriangles(device, scene, block, block.firstAlpha, count, 1, alphaTieFilter);
+  attachTriangles(device, scene, block, 0, block.firstAlpha, 0, options.solidFilter);
+  attachTriangles(device, scene, block, block.firstAlpha, count, 1, options.alphaFilter);
 }
 
-SceneHandle newScene(RTCDevice device, const RayTracingOptions& options) {
+SceneHandle newScene(RTCDevice device, const HierarchyOptions& options) {
   SceneHandle scene(rtcNewScene(device));
   rtcSetSceneFlags(scene.get(), options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
   switch (options.quality) {
-    case RayTracingOptions::Quality::Low:
+    case HierarchyQuality::Low:
       rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_LOW);
       break;
-    case RayTracingOptions::Quality::Medium:
+    case HierarchyQuality::Medium:
       rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_MEDIUM);
       break;
-    case RayTracingOptions::Quality::High:
+    case HierarchyQuality::High:
       rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
       break;
   }
@@ -212,20 +211,19 @@ DeviceHandle makeDevice() {
   return device;
 }
 
-std::vector<bool> instancedMeshes(const Scene& scene, RayTracingOptions::Instancing instancing) {
+std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing) {
   std::vector<std::uint64_t> copies(scene.meshes.size());
   for (const Instance& instance : scene.instances) ++copies[instance.mesh];
   const bool large = scene.placedTriangles() > kFlattenedTriangles;
   std::vector<bool> instanced(scene.meshes.size());
   for (std::size_t m = 0; m < instanced.size(); ++m) {
-    instanced[m] = instancing == RayTracingOptions::Instancing::Always ||
-                   (instancing == RayTracingOptions::Instancing::Auto && large && copies[m] > 1);
+    instanced[m] = instancing == Instancing::Always || (instancing == Instancing::Auto && large && copies[m] > 1);
   }
   return instanced;
 }
 
 SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
-                               const RayTracingOptions& options) {
+                               const HierarchyOptions& options) {
   SharedMeshes shared;
   shared.blocks.resize(scene.meshes.size());
   shared.scenes.resize(scene.meshes.size());
@@ -233,7 +231,7 @@ SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const st
     if (!instanced[m]) continue;
     shared.blocks[m] = sharedBlock(scene, scene.meshes[m]);
     shared.scenes[m] = newScene(device, options);
-    attachBlock(device, shared.scenes[m].get(), *shared.blocks[m]);
+    attachBlock(device, shared.scenes[m].get(), *shared.blocks[m], options);
     rtcCommitScene(shared.scenes[m].get());
   }
   check(device, "build the shared meshes");
@@ -242,13 +240,13 @@ SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const st
 
 std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const Vec3d& origin,
                                   const std::vector<bool>& instanced, const SharedMeshes& shared,
-                                  const RayTracingOptions& options) {
+                                  const HierarchyOptions& options) {
   auto world = std::make_unique<World>();
   world->origin = origin;
   world->scene = &scene;
   bake(*world, instanced);
   world->embree = newScene(device, options);
-  attachBlock(device, world->embree.get(), world->baked);
+  attachBlock(device, world->embree.get(), world->baked, options);
   for (const Instance& instance : scene.instances) {
     if (!instanced[instance.mesh]) continue;
     const Affine originFromMesh{instance.worldFromMesh.linear, instance.worldFromMesh.translation - origin};
@@ -272,6 +270,12 @@ const std::uint8_t* texelAt(const TriangleBlock& block, std::uint32_t triangle, 
   const double w = 1 - u - v;
   return texture.texel(static_cast<float>(w * a.x + u * b.x + v * c.x),
                        static_cast<float>(w * a.y + u * b.y + v * c.y));
+}
+
+bool transparentAt(const World& world, const TriangleBlock& block, std::uint32_t triangle, double u, double v) {
+  const Material& material = world.scene->materials[block.surfaceOf(triangle).material];
+  const std::uint8_t* texel = texelAt(block, triangle, *material.texture, u, v);
+  return static_cast<float>(texel[3]) < material.alphaCutoff * 255.0f;
 }
 
 }  // namespace scanmill

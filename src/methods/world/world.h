@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "methods/ray_tracing/options.h"
 #include "scene/scene.h"
 
 struct RTCDeviceTy;
 struct RTCSceneTy;
+struct RTCFilterFunctionNArguments;
 
 namespace scanmill {
 
@@ -68,6 +68,18 @@ using SceneHandle = std::unique_ptr<RTCSceneTy, SceneDeleter>;
 
 DeviceHandle makeDevice();
 
+enum class HierarchyQuality { Low, Medium, High };
+enum class Instancing { Auto, Always, Never };
+
+// How Embree's hierarchy is built.
+struct HierarchyOptions {
+  bool robust = true;  // watertight at edges (RTC_SCENE_FLAG_ROBUST)
+  HierarchyQuality quality = HierarchyQuality::Medium;
+  // Embree's intersection filters; null: none.
+  void (*solidFilter)(const RTCFilterFunctionNArguments*) = nullptr;
+  void (*alphaFilter)(const RTCFilterFunctionNArguments*) = nullptr;
+};
+
 // Meshes that many instances share: built once, whatever the origin.
 struct SharedMeshes {
   std::vector<std::unique_ptr<TriangleBlock>> blocks;  // per mesh of the scene; null where it is baked
@@ -75,10 +87,10 @@ struct SharedMeshes {
 };
 
 // Which meshes are instanced: those placed more than once in a scene too large to be flattened.
-std::vector<bool> instancedMeshes(const Scene& scene, RayTracingOptions::Instancing instancing);
+std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing);
 
 SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
-                               const RayTracingOptions& options);
+                               const HierarchyOptions& options);
 
 // The whole scene relative to one origin. Read-only once built.
 struct World {
@@ -93,10 +105,13 @@ struct World {
 
 std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const Vec3d& origin,
                                   const std::vector<bool>& instanced, const SharedMeshes& shared,
-                                  const RayTracingOptions& options);
+                                  const HierarchyOptions& options);
 
 // Base colour's alpha and linear luminance at a triangle's barycentric coordinates (of its second and third corner).
 const std::uint8_t* texelAt(const TriangleBlock& block, std::uint32_t triangle, const Texture& texture, double u,
                             double v);
+
+// Whether the alpha-tested material of a triangle lets beams through at these barycentric coordinates.
+bool transparentAt(const World& world, const TriangleBlock& block, std::uint32_t triangle, double u, double v);
 
 }  // namespace scanmill

@@ -1,0 +1,157 @@
+#include "methods/particle/brick.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanmill {
+
+namespace brick {
+
+namespace {
+
+constexpr std::array<BrickMaker::Points, BrickMaker::kBlock> blockCorners() {
+  std::array<BrickMaker::Points, BrickMaker::kBlock> made{};
+  for (int block = 0; block < BrickMaker::kBlock; ++block) {
+    for (int lane = 0; lane < BrickMaker::kLanes; ++lane) {
+      const std::uint32_t corner = cornerIndex(block, std::min(lane, BrickMaker::kBlock - 1));
+      const auto place = [](std::uint32_t i) { return static_cast<float>(i % kBrickCorners) - kBrickVoxels / 2; };
+      made[block].x[lane] = place(corner);
+      made[block].y[lane] = place(corner / kBrickCorners);
+      made[block].z[lane] = place(corner / (kBrickCorners * kBrickCorners));
+    }
+  }
+  return made;
+}
+
+constexpr BrickMaker::Points blockCentres() {
+  constexpr int kMiddle = BrickMaker::kBlock / 2;
+  const auto corners = blockCorners();
+  BrickMaker::Points made{};
+  for (int lane = 0; lane < BrickMaker::kLanes; ++lane) {
+    const BrickMaker::Points& block = corners[std::min(lane, BrickMaker::kBlock - 1)];
+    made.x[lane] = block.x[kMiddle];
+    made.y[lane] = block.y[kMiddle];
+    made.z[lane] = block.z[kMiddle];
+  }
+  return made;
+}
+
+}  // namespace
+
+constexpr std::array<BrickMaker::Points, BrickMaker::kBlock> kBlockCorners = blockCorners();
+constexpr BrickMaker::Points kBlockCentres = blockCentres();
+
+}  // namespace brick
+
+namespace {
+
+// More triangles near a brick are worth searching among: measured on the street.
+constexpr std::size_t kFew = 128;
+
+}  // namespace
+
+void BrickMaker::make(const BrickPlace& place, std::uint16_t* distance, std::uint32_t* word,
+                      std::vector<std::uint32_t>& entries) {
+  made_.clear();
+  listed_.clear();
+  listBegin_ = 0;
+  firstWithHash_.fill(kNoWord);
+  distance2_.fill(INFINITY);
+  list_.fill(kNoWord);
+  constexpr float kGathered = brick::kSeen + 0.01f;
+  if (gatherTriangles(world_, place, {}, 0, kGathered, kFew, triangles_)) {
+    sortTriangles();
+    makeSparse(place);
+  } else {
+    makeDense(place);
+  }
+  fillDistances(distance);
+  fillWords(distance, word);
+  if (lists_) placeLists(word, entries);
+  distance[kCornersPerBrick] = 0;
+  word[kCornersPerBrick] = kNoWord;
+}
+
+void BrickMaker::sortTriangles() {
+  order_.clear();
+  for (const std::uint32_t t : triangles_) order_.push_back(orderOf(world_.baked, t));
+  std::sort(order_.begin(), order_.end());
+  // Embree's hierarchy may hold parts of one triangle in several leaves.
+  order_.erase(std::unique(order_.begin(), order_.end()), order_.end());
+  triangles_.clear();
+  for (const std::uint64_t key : order_) triangles_.push_back(static_cast<std::uint32_t>(key));
+}
+
+void BrickMaker::fillDistances(std::uint16_t* distance) const {
+  for (int block = 0; block < kBlock; ++block) {
+    const Points& p = brick::kBlockCorners[block];
+    const Points& centres = brick::kBlockCentres;
+    std::array<std::uint16_t, kLanes> steps;
+    std::array<float, kLanes> exact;
+    for (int i = 0; i < kLanes; ++i) exact[i] = distance2_[brick::cornerIndex(block, std::min(i, kBlock - 1))];
+    for (int i = 0; i < kLanes; ++i) {
+      const float x = p.x[i] - centres.x[block];
+      const float y = p.y[i] - centres.y[block];
+      const float z = p.z[i] - centres.z[block];
+      // Beyond kExact, what follows from the block's centre.
+      const float bound = std::max(blockDistance_[block] - std::sqrt(x * x + y * y + z * z) - brick::kRounding, kExact);
+      const float root = std::sqrt(exact[i]);
+      const float least = root <= kExact ? std::max(root - brick::kRounding, 0.0f) : bound;
+      steps[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(least * (1 / kDistanceStep)));
+    }
+    for (int i = 0; i < kBlock; ++i) distance[brick::cornerIndex(block, i)] = steps[i];
+  }
+}
+
+void BrickMaker::fillWords(const std::uint16_t* distance, std::uint32_t* word) {
+  constexpr auto kNamedSteps = static_cast<std::uint16_t>(kNamed / kDistanceStep);
+  for (int corner = 0; corner < kCornersPerBrick; ++corner) {
+    if (distance[corner] > kNamedSteps) {
+      word[corner] = kNoWord;
+    } else if (!lists_) {
+      word[corner] = nearest_[corner];
+    } else if (list_[corner] != kNoWord) {
+      word[corner] = list_[corner];
+    } else {
+      listed_.push_back(nearest_[corner]);
+      word[corner] = addList();
+    }
+  }
+}
+
+// Ends the list under construction. The index among the brick's lists, of an equal one where there is one.
+std::uint32_t BrickMaker::addList() {
+  const auto begin = static_cast<std::uint32_t>(listBegin_);
+  const auto end = static_cast<std::uint32_t>(listed_.size());
+  const auto first = listed_.begin() + begin;
+  std::uint32_t hash = 0;
+  for (std::uint32_t i = begin; i < end; ++i) hash = (hash ^ listed_[i]) * 0x9E3779B1u;
+  std::uint32_t& firstList = firstWithHash_[hash >> 24];
+  for (std::uint32_t i = firstList; i != kNoWord; i = made_[i].next) {
+    const List& list = made_[i];
+    if (std::equal(first, listed_.end(), listed_.begin() + list.begin, listed_.begin() + list.end)) {
+      listed_.resize(begin);
+      return i;
+    }
+  }
+  made_.push_back({begin, end, firstList, kNoWord});
+  listBegin_ = end;
+  return firstList = static_cast<std::uint32_t>(made_.size() - 1);
+}
+
+// In the order of the corners that first name them.
+void BrickMaker::placeLists(std::uint32_t* word, std::vector<std::uint32_t>& entries) {
+  const std::size_t start = entries.size();
+  for (int corner = 0; corner < kCornersPerBrick; ++corner) {
+    if (word[corner] == kNoWord) continue;
+    List& list = made_[word[corner]];
+    if (list.word == kNoWord) {
+      list.word = static_cast<std::uint32_t>(entries.size() - start);
+      entries.insert(entries.end(), listed_.begin() + list.begin, listed_.begin() + list.end);
+      entries.back() |= kLastOfList;
+    }
+    word[corner] = list.word;
+  }
+}
+
+}  // namespace scanmill

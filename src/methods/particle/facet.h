@@ -1,0 +1,94 @@
+#pragma once
+
+// A triangle, made ready for its distances to many points near a place.
+
+#include <algorithm>
+#include <array>
+
+#include "base/vec.h"
+
+namespace scanmill {
+
+// Functions of a point p: the height over the triangle's plane, and of each edge how far p lies inside of it and how
+// far it is before its begin or past its end. All are affine with unit directions, and their constants are made in
+// double: those that matter at p are as small as p, however large the triangle or far its corners.
+template <class T>
+struct Facet {
+  Vec3<T> normal;
+  T height;
+  struct Edge {
+    Vec3<T> inward;  // in the plane
+    T inside;
+    Vec3<T> along;
+    T before, past;
+  };
+  std::array<Edge, 3> edges;  // the longest first
+
+  // Squared. Also of triangles that are lines or points. The square is measured to the plane where p is within all
+  // edges; of slim triangles that cannot be told beyond their tips, but there p is past the longest edge.
+  T distance2(T x, T y, T z) const {
+    const auto along = [=](const Vec3<T>& v) { return v.x * x + v.y * y + v.z * z; };
+    const T up = along(normal) + height;
+    T within[3];
+    T square[3];
+    T pastLongest = 0;
+    for (int i = 0; i < 3; ++i) {
+      within[i] = along(edges[i].inward) + edges[i].inside;
+      const T way = along(edges[i].along);
+      const T excess = std::max(std::max(edges[i].before - way, way + edges[i].past), T(0));
+      if (i == 0) pastLongest = excess;
+      square[i] = within[i] * within[i] + excess * excess;
+    }
+    const T least = std::min(std::min(within[0], within[1]), std::min(within[2], -pastLongest));
+    const T side = std::min(std::min(square[0], square[1]), square[2]);
+    return up * up + (least >= T(0) ? T(0) : side);
+  }
+};
+
+// Of the triangle a b c.
+inline Facet<double> facetOf(Vec3d a, Vec3d b, Vec3d c) {
+  const auto square = [](const Vec3d& v) { return dot(v, v); };
+  const double ab = square(b - a);
+  const double bc = square(c - b);
+  const double ca = square(a - c);
+  const double longest = std::max({ab, bc, ca});
+  std::array<Vec3d, 3> corners{a, b, c};
+  if (ab < longest) corners = bc >= ca ? std::array<Vec3d, 3>{b, c, a} : std::array<Vec3d, 3>{c, a, b};
+  const std::array<Vec3d, 3> sides{corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]};
+  Vec3d normal = cross(sides[0], -sides[2]);
+  std::array<double, 4> scales{longest, square(sides[1]), square(sides[2]), square(normal)};
+  const bool line = !(scales[3] > 1e-20 * longest * longest);
+  for (double& scale : scales) scale = 1 / std::sqrt(scale);  // infinite for what has no length
+  const Vec3d first = longest > 0 ? sides[0] * scales[0] : Vec3d{1, 0, 0};
+  if (line) {  // any normal does
+    normal = normalized(cross(first, std::fabs(first.x) < 0.7 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
+  } else {
+    normal = normal * scales[3];
+  }
+  Facet<double> facet;
+  facet.normal = normal;
+  facet.height = -dot(normal, corners[0]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    auto& edge = facet.edges[i];
+    edge.along = i == 0 || !std::isfinite(scales[i]) ? first : sides[i] * scales[i];
+    edge.inward = cross(normal, edge.along);
+    edge.inside = -dot(edge.inward, corners[i]);
+    edge.before = dot(edge.along, corners[i]);
+    edge.past = -dot(edge.along, corners[(i + 1) % 3]);
+  }
+  return facet;
+}
+
+inline Facet<float> rounded(const Facet<double>& f) {
+  Facet<float> r;
+  r.normal = Vec3f(f.normal);
+  r.height = static_cast<float>(f.height);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& e = f.edges[i];
+    r.edges[i] = {Vec3f(e.inward), static_cast<float>(e.inside), Vec3f(e.along), static_cast<float>(e.before),
+                  static_cast<float>(e.past)};
+  }
+  return r;
+}
+
+}  // namespace scanmill

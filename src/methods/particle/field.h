@@ -1,0 +1,96 @@
+#pragma once
+
+// A distance field around a sensor: how far it is to the nearest surface, finely near surfaces and near the sensor.
+//
+// Nested levels ("clipmaps", as in Unreal's global distance fields), each of twice the voxel size, or one level that
+// holds the whole scene. A level is a box of bricks of 8 x 8 x 8 voxels. A brick near a surface keeps the distances at
+// the 9 x 9 x 9 corners of its voxels; any other brick keeps one distance. Memory follows the surface, not the volume.
+//
+// Frames. "Lattice": corners of voxels have integer coordinates, counted from the world's origin (world.h) in voxels of
+// the level; brick b holds corners 8b to 8b + 8 of each axis. What a corner knows follows from its place alone, not
+// from the field that it is part of, so that a field that has moved holds the same bytes as one built anew.
+// "Field": metres / voxel size of level 0, relative to the field's centre, in float32: where particles fly.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/vec.h"
+
+namespace scanmill {
+
+constexpr int kBrickVoxels = 8;                     // per axis
+constexpr int kBrickCorners = kBrickVoxels + 1;     // per axis
+constexpr int kCornersPerBrick = 9 * 9 * 9;         // x fastest, then y, then z
+constexpr int kBrickStride = kCornersPerBrick + 1;  // of FieldBricks::distance: even, two to a 32-bit word
+constexpr float kDistanceStep = 1.0f / 2048;        // voxels, of the distances that bricks keep
+constexpr std::uint32_t kNoWord = 0xFFFFFFFFu;      // a corner farther from all triangles than it looks
+constexpr std::uint32_t kFullBrick = 0x80000000u;   // of a table entry
+constexpr std::uint32_t kLastOfList = 0x80000000u;  // of an entry of FieldBricks::lists
+constexpr std::uint32_t kMaxLevels = 16;
+
+// All distances in voxels of the corner's level.
+//
+// A brick is empty where its centre is at least kEmptyBrick from all surfaces: every point of it is then at least
+// kEmptyBrick - 4 sqrt(3) > 1 away. Distances of full bricks are never too large: they are exact up to kExact, and at
+// least kExact where they are not, rounded to kDistanceStep.
+constexpr float kEmptyBrick = 8.0f;
+constexpr float kExact = 4.0f;
+// Up to so far from a surface a corner names triangles: see FieldBricks::word.
+constexpr float kNamed = 2.0f;
+// A list of a corner names all triangles so near: all that meet the voxel centred there, whose half diagonal is 0.8661.
+constexpr float kListed = 0.93f;
+
+using Corner = std::array<std::int64_t, 3>;  // or a brick: lattice coordinates
+
+// Which bricks a level has.
+struct LevelBox {
+  Corner firstBrick{};
+  std::array<std::uint32_t, 3> bricks{};
+
+  std::uint64_t size() const { return std::uint64_t{bricks[0]} * bricks[1] * bricks[2]; }
+  bool operator==(const LevelBox&) const = default;
+};
+
+// Where a field lies. Follows from the options and the sensor's place; see shape.h.
+struct FieldShape {
+  double voxel = 0.1;            // m, of level 0; level l: voxel * 2^l
+  Vec3d centre;                  // m, relative to the world's origin; a corner of every brick grid of level 0
+  std::vector<LevelBox> levels;  // finest first, 1 to kMaxLevels
+  // Level l serves the points whose largest coordinate (field frame) is at most reach * 2^l; the last level serves all.
+  float reach = 0;
+  bool lists = false;  // corners near surfaces name all triangles there, not the nearest one alone
+
+  bool operator==(const FieldShape&) const = default;
+};
+
+// What particles read of a level, field frame -> voxels from the level's first corner: u = q * scale + offset.
+struct FieldLevel {
+  std::array<float, 3> offset{};
+  float scale = 1;  // 2^-level
+  std::array<std::uint32_t, 3> bricks{};
+  std::uint32_t firstEntry = 0;  // of its bricks in Field::table; x fastest, then y, then z
+};
+
+// Read-only once built.
+struct Field {
+  FieldShape shape;
+  std::vector<FieldLevel> levels;
+  // Per brick: kFullBrick + its index in the arrays below, or the bits of a float: the distance at the brick's centre,
+  // voxels of its level (at least kEmptyBrick; rounded down).
+  std::vector<std::uint32_t> table;
+  // Per full brick kBrickStride values, of its corners, in kDistanceStep of a voxel.
+  std::vector<std::uint16_t> distance;
+  // Per full brick kBrickStride words, of its corners. Without lists: the nearest triangle. With lists: where the
+  // corner's list begins in `lists`. kNoWord where the corner is farther than kNamed from all triangles.
+  std::vector<std::uint32_t> word;
+  // Triangles that are at most kListed from a corner, or the nearest one where none is; in ascending order of
+  // (instance id, triangle), the last marked by kLastOfList. Corners with the same list may share it.
+  std::vector<std::uint32_t> lists;
+
+  std::uint32_t fullBricks() const { return static_cast<std::uint32_t>(distance.size() / kBrickStride); }
+  std::uint64_t bytes() const;
+};
+
+}  // namespace scanmill

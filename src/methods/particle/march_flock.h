@@ -1,0 +1,436 @@
+#pragma once
+
+// marchOne() for as many particles at a time as the processor has lanes, for march_cpu.cpp.
+//
+// Lanes are persistent: where a particle has landed, the next one takes its lane, so that long ways leave no lanes
+// idle. A step is cut into stages, and each stage is done for all groups of lanes before the next: the loads of a
+// stage take far longer than its arithmetic, and so the processor has the other groups' to do meanwhile. What a
+// particle does depends on nothing but itself.
+
+#include <algorithm>
+
+#include "methods/particle/march.h"
+#include "methods/particle/march_lanes.h"
+#include "methods/particle/march_rule.h"
+#include "methods/particle/march_triangles.h"
+
+namespace scanmill {
+
+constexpr std::size_t kLaneGroups = 12;
+static_assert(kLaneGroups * kLanes <= TriangleTester::kLines);
+
+constexpr std::uint32_t kCornerRow = kBrickCorners;
+constexpr std::uint32_t kCornerLayer = kBrickCorners * kBrickCorners;
+
+// Particles in their lanes.
+struct LaneGroup {
+  HWY_ALIGN_MAX LaneFloats o[3] = {}, d[3] = {}, begin = {}, end = {};
+  HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // only for fields with lists
+  HWY_ALIGN_MAX LaneFloats clear = {}, way = {};
+  HWY_ALIGN_MAX LaneFloats last = {}, lastWay = {};  // without lists: of the step before
+  HWY_ALIGN_MAX LaneWords lastNearest = {};
+  HWY_ALIGN_MAX LaneWords outcome = {};  // 4 * steps taken
+  std::size_t particle[kLanes] = {};
+  LaneBits flying = 0;
+
+  // Of the step.
+  HWY_ALIGN_MAX LaneFloats f[3] = {}, scale = {};  // place in the voxel
+  HWY_ALIGN_MAX LaneWords in[3] = {};              // voxel in the brick
+  HWY_ALIGN_MAX LaneWords entry = {}, cell = {};
+  HWY_ALIGN_MAX LaneWords rows[4] = {};  // pairs of distances; with lists, the nearest corner's alone
+  HWY_ALIGN_MAX LaneFloats looked = {};  // the way before the step, or where the particle rests
+  HWY_ALIGN_MAX LaneWords corner = {};   // where it rests
+  LaneBits brinks = 0;                   // of the lanes that rest: those at a brink
+  LaneBits meeting = 0;                  // lanes that rest, or have triangles to look at
+};
+
+// Of all levels.
+struct LevelTables {
+  static constexpr std::size_t kSize = kMaxLevels;
+  HWY_ALIGN_MAX float offset[3][kSize] = {};
+  HWY_ALIGN_MAX std::int32_t last[3][kSize] = {};  // corner that begins a voxel
+  HWY_ALIGN_MAX std::uint32_t row[kSize] = {};     // bricks from one row to the next
+  HWY_ALIGN_MAX std::uint32_t layer[kSize] = {};
+  HWY_ALIGN_MAX std::uint32_t first[kSize] = {};
+
+  explicit LevelTables(const Field& field) {
+    for (std::size_t l = 0; l < field.levels.size(); ++l) {
+      const FieldLevel& level = field.levels[l];
+      for (int k = 0; k < 3; ++k) {
+        offset[k][l] = level.offset[k];
+        last[k][l] = static_cast<std::int32_t>(level.bricks[k]) * kBrickVoxels - 1;
+      }
+      row[l] = level.bricks[0];
+      layer[l] = level.bricks[0] * level.bricks[1];
+      first[l] = level.firstEntry;
+    }
+  }
+
+  template <class D>
+  static hn::Vec<D> at(D d, const hn::TFromD<D>* table, Ints level) {
+    if constexpr (kLanes == kSize) {
+      return hn::TableLookupLanes(hn::Load(d, table), hn::IndicesFromVec(d, level));
+    } else {
+      return hn::GatherIndex(d, table, level);
+    }
+  }
+};
+
+inline Mask isFull(Words entry) {
+  return hn::RebindMask(kFloats, hn::TestBit(entry, hn::Set(kWords, kFullBrick)));
+}
+
+inline Floats mixed(Floats a, Floats b, Floats t) {
+  return hn::Add(a, hn::Mul(hn::Sub(b, a), t));
+}
+
+// Of a pair of neighbours' distances.
+inline Floats lowerOf(Words pair) {
+  return hn::ConvertTo(kFloats, hn::BitCast(kInts, hn::And(pair, hn::Set(kWords, 0xFFFFu))));
+}
+
+inline Floats upperOf(Words pair) {
+  return hn::ConvertTo(kFloats, hn::BitCast(kInts, hn::ShiftRight<16>(pair)));
+}
+
+inline Words wordsWhere(Mask mask, Words yes, Words no) {
+  return hn::IfThenElse(hn::RebindMask(kWords, mask), yes, no);
+}
+
+// Without lists, what lands is told the corner whose word names its triangle: see nameTriangles() in march_cpu.cpp.
+template <bool kLists>
+class Flock {
+ public:
+  Flock(const Field& field, const TriangleBlock& triangles, const MarchOptions& options, const Particles& particles,
+        std::size_t first, std::size_t last, Landings& landings)
+      : field_(field),
+        options_(options),
+        particles_(particles),
+        next_(first),
+        last_(last),
+        landings_(landings),
+        tables_(field),
+        tester_(field, triangles) {}
+
+  void fly() {
+    LaneBits flying = 0;
+    for (LaneGroup& group : groups_) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) board(group, lane);
+      flying |= group.flying;
+    }
+    while (flying != 0) {
+      for (LaneGroup& group : groups_) locate(group);
+      for (LaneGroup& group : groups_) fetch(group);
+      for (std::size_t g = 0; g < kLaneGroups; ++g) move(g);
+      if constexpr (kLists) tester_.meet();
+      flying = 0;
+      for (std::size_t g = 0; g < kLaneGroups; ++g) {
+        settle(g);
+        flying |= groups_[g].flying;
+      }
+    }
+  }
+
+ private:
+  void land(std::size_t i, float way, std::uint32_t triangle, std::uint32_t outcome) {
+    landings_.way[i] = way;
+    landings_.triangle[i] = triangle;
+    landings_.outcome[i] = outcome;
+  }
+
+  // The next particle takes the lane; where none is left, the lane idles where it is.
+  void board(LaneGroup& group, std::size_t lane) {
+    group.flying &= ~(LaneBits{1} << lane);
+    while (next_ < last_) {
+      const std::size_t i = next_++;
+      if (options_.steps == 0 || !(particles_.begin[i] < particles_.end[i])) {
+        land(i, 0, 0, static_cast<std::uint32_t>(options_.steps == 0 ? Outcome::Exhausted : Outcome::Miss));
+        continue;
+      }
+      group.o[0][lane] = particles_.ox[i];
+      group.o[1][lane] = particles_.oy[i];
+      group.o[2][lane] = particles_.oz[i];
+      group.d[0][lane] = particles_.dx[i];
+      group.d[1][lane] = particles_.dy[i];
+      group.d[2][lane] = particles_.dz[i];
+      group.begin[lane] = group.clear[lane] = group.way[lane] = particles_.begin[i];
+      group.end[lane] = particles_.end[i];
+      group.last[lane] = kNever;
+      if constexpr (kLists) {
+        group.w[0][lane] = particles_.wx[i];
+        group.w[1][lane] = particles_.wy[i];
+        group.w[2][lane] = particles_.wz[i];
+        group.inverse[0][lane] = particles_.ix[i];
+        group.inverse[1][lane] = particles_.iy[i];
+        group.inverse[2][lane] = particles_.iz[i];
+      }
+      group.outcome[lane] = 0;
+      group.particle[lane] = i;
+      group.flying |= LaneBits{1} << lane;
+      return;
+    }
+  }
+
+  // Level, brick and voxel; asks the table for the brick.
+  void locate(LaneGroup& group) const {
+    const Floats way = hn::Load(kFloats, group.way);
+    Floats q[3];
+    for (int k = 0; k < 3; ++k) {
+      q[k] = hn::Add(hn::Load(kFloats, group.o[k]), hn::Mul(hn::Load(kFloats, group.d[k]), way));
+    }
+    const Floats most = hn::Max(hn::Abs(q[0]), hn::Max(hn::Abs(q[1]), hn::Abs(q[2])));
+    const Floats share = hn::Mul(most, hn::Set(kFloats, 1.0f / field_.shape.reach));
+    const Ints exponent = hn::ShiftRight<23>(hn::Sub(hn::BitCast(kInts, share), hn::Set(kInts, 1)));
+    const Ints coarsest = hn::Set(kInts, static_cast<std::int32_t>(field_.levels.size()) - 1);
+    const Ints level = hn::Min(hn::Max(hn::Sub(exponent, hn::Set(kInts, 126)), hn::Zero(kInts)), coarsest);
+    const Floats scale = hn::BitCast(kFloats, hn::ShiftLeft<23>(hn::Sub(hn::Set(kInts, 127), level)));
+    hn::Store(scale, kFloats, group.scale);
+    Words brick[3];
+    for (int k = 0; k < 3; ++k) {
+      const Floats offset = tables_.at(kFloats, tables_.offset[k], level);
+      const Floats u = hn::Max(hn::Add(hn::Mul(q[k], scale), offset), hn::Zero(kFloats));
+      const Ints corner = hn::Min(hn::ConvertTo(kInts, u), tables_.at(kInts, tables_.last[k], level));
+      const Words word = hn::BitCast(kWords, corner);
+      brick[k] = hn::ShiftRight<3>(word);
+      hn::Store(hn::And(word, hn::Set(kWords, 7)), kWords, group.in[k]);
+      hn::Store(hn::Sub(u, hn::ConvertTo(kFloats, corner)), kFloats, group.f[k]);
+    }
+    const Words row = hn::Mul(brick[1], tables_.at(kWords, tables_.row, level));
+    const Words layer = hn::Mul(brick[2], tables_.at(kWords, tables_.layer, level));
+    const Words at = hn::Add(hn::Add(tables_.at(kWords, tables_.first, level), brick[0]), hn::Add(row, layer));
+    hn::Store(hn::GatherIndex(kWords, field_.table.data(), hn::BitCast(kInts, at)), kWords, group.entry);
+  }
+
+  // The distance of a corner and, in the upper half, of the next one along x.
+  Words pair(Words corner) const {
+    return hn::GatherOffset(kWords, reinterpret_cast<const std::uint32_t*>(field_.distance.data()),
+                            hn::BitCast(kInts, hn::ShiftLeft<1>(corner)));
+  }
+
+  // Distances of full bricks.
+  void fetch(LaneGroup& group) const {
+    const Words entry = hn::Load(kWords, group.entry);
+    const Mask full = isFull(entry);
+    if (hn::AllFalse(kFloats, full)) return;
+    const Words index = hn::AndNot(hn::Set(kWords, kFullBrick), entry);
+    const Words x = hn::Add(hn::Mul(index, hn::Set(kWords, kBrickStride)), hn::Load(kWords, group.in[0]));
+    const Words y = hn::Mul(hn::Load(kWords, group.in[1]), hn::Set(kWords, kCornerRow));
+    const Words z = hn::Mul(hn::Load(kWords, group.in[2]), hn::Set(kWords, kCornerLayer));
+    Words cell = hn::IfThenElseZero(hn::RebindMask(kWords, full), hn::Add(hn::Add(x, y), z));
+    if constexpr (kLists) {
+      cell = nearestOf(group, cell);
+      hn::Store(pair(cell), kWords, group.rows[0]);
+    } else {
+      constexpr std::uint32_t kCorner[4] = {0, kCornerRow, kCornerLayer, kCornerLayer + kCornerRow};
+      for (int k = 0; k < 4; ++k) {
+        hn::Store(pair(hn::Add(cell, hn::Set(kWords, kCorner[k]))), kWords, group.rows[k]);
+      }
+    }
+    hn::Store(cell, kWords, group.cell);
+  }
+
+  static Mask isUpper(const LaneGroup& group, int axis) {
+    return hn::Ge(hn::Load(kFloats, group.f[axis]), hn::Set(kFloats, 0.5f));
+  }
+
+  static Words nearestOf(const LaneGroup& group, Words cell) {
+    constexpr std::uint32_t kSteps[3] = {1, kCornerRow, kCornerLayer};
+    for (int k = 0; k < 3; ++k) {
+      cell = hn::Add(cell, wordsWhere(isUpper(group, k), hn::Set(kWords, kSteps[k]), hn::Zero(kWords)));
+    }
+    return cell;
+  }
+
+  static Floats nearestDistance(const LaneGroup& group) {
+    Words row = hn::Load(kWords, group.rows[0]);
+    if constexpr (!kLists) {
+      const Mask y = isUpper(group, 1);
+      const Words above = wordsWhere(y, hn::Load(kWords, group.rows[3]), hn::Load(kWords, group.rows[2]));
+      row = wordsWhere(isUpper(group, 2), above, wordsWhere(y, hn::Load(kWords, group.rows[1]), row));
+      row = wordsWhere(isUpper(group, 0), hn::ShiftRight<16>(row), row);
+    }
+    return hn::Mul(lowerOf(row), hn::Set(kFloats, kDistanceStep));
+  }
+
+  static Floats interpolate(const LaneGroup& group) {
+    const auto along = [&](int k) {
+      const Words row = hn::Load(kWords, group.rows[k]);
+      return mixed(lowerOf(row), upperOf(row), hn::Load(kFloats, group.f[0]));
+    };
+    const Floats y = hn::Load(kFloats, group.f[1]);
+    const Floats between =
+        mixed(mixed(along(0), along(1), y), mixed(along(2), along(3), y), hn::Load(kFloats, group.f[2]));
+    return hn::Mul(between, hn::Set(kFloats, kDistanceStep));
+  }
+
+  // Where the particle leaves its voxel.
+  static Floats exitOf(const LaneGroup& group, const Floats (&r)[3]) {
+    const auto face = [&](int k) {
+      const Floats inverse = hn::Load(kFloats, group.inverse[k]);
+      return hn::Mul(hn::Sub(hn::CopySignToAbs(hn::Set(kFloats, kFace), inverse), r[k]), inverse);
+    };
+    return hn::Min(face(0), hn::Min(face(1), face(2)));
+  }
+
+  // The step itself, but for triangles.
+  void move(std::size_t g) {
+    LaneGroup& group = groups_[g];
+    const Floats d[3] = {hn::Load(kFloats, group.d[0]), hn::Load(kFloats, group.d[1]), hn::Load(kFloats, group.d[2])};
+    const Floats way = hn::Load(kFloats, group.way);
+    const Floats clear = hn::Load(kFloats, group.clear);
+    const Floats end = hn::Load(kFloats, group.end);
+    const Floats scale = hn::Load(kFloats, group.scale);
+    const Floats grow = hn::BitCast(kFloats, hn::Sub(hn::Set(kWords, 254u << 23), hn::BitCast(kWords, scale)));
+    const Words entry = hn::Load(kWords, group.entry);
+    const Mask full = isFull(entry);
+    const bool anyFull = !hn::AllFalse(kFloats, full);
+    // The free ball: of the brick, or of the nearest corner.
+    Floats r[3];
+    for (int k = 0; k < 3; ++k) {
+      const Ints middle = hn::Sub(hn::BitCast(kInts, hn::Load(kWords, group.in[k])), hn::Set(kInts, kBrickVoxels / 2));
+      r[k] = hn::Add(hn::Load(kFloats, group.f[k]), hn::ConvertTo(kFloats, middle));
+    }
+    Floats radius = hn::BitCast(kFloats, entry);
+    Floats bend = hn::Set(kFloats, kEmptyBend);
+    Mask far = hn::Not(full);
+    if (anyFull) {
+      for (int k = 0; k < 3; ++k) {
+        const Floats corner = hn::IfThenElseZero(isUpper(group, k), hn::Set(kFloats, 1.0f));
+        r[k] = hn::IfThenElse(full, hn::Sub(hn::Load(kFloats, group.f[k]), corner), r[k]);
+      }
+      radius = hn::IfThenElse(full, nearestDistance(group), radius);
+      far = hn::Gt(radius, hn::Set(kFloats, kNamed));
+      const Floats fullBend = hn::IfThenElse(far, hn::Set(kFloats, kNamedBend), hn::Set(kFloats, kListedBend));
+      bend = hn::IfThenElse(full, fullBend, bend);
+    }
+    const Floats square = dotOf(r, r);
+    const Floats along = dotOf(r, d);
+    const Floats half = hn::Sub(radius, hn::Mul(hn::Sub(square, hn::Mul(along, along)), bend));
+    Floats ahead = hn::Sub(half, along);
+    Floats back = hn::Add(half, along);
+    Mask meets = hn::FirstN(kFloats, 0);
+    [[maybe_unused]] Floats seen = hn::Set(kFloats, kNever);
+    if constexpr (kLists) {
+      if (anyFull) {
+        const Floats exit = exitOf(group, r);
+        const Mask inside = hn::Gt(radius, hn::Set(kFloats, kListed));
+        const Floats out = hn::Add(square, hn::Mul(hn::Add(hn::Add(along, along), exit), exit));
+        const Floats ball = hn::Mul(radius, radius);
+        meets = hn::AndNot(inside, hn::Or(hn::Gt(square, ball), hn::Gt(out, ball)));
+        const Floats longer = hn::IfThenElse(inside, hn::Max(ahead, exit), exit);
+        ahead = hn::IfThenElse(full, longer, ahead);
+        back = hn::IfThenElseZero(inside, back);
+      }
+    } else {
+      if (!hn::AllTrue(kFloats, far)) {
+        const Floats here = interpolate(group);
+        const Floats cone = hn::Mul(hn::Mul(hn::Set(kFloats, options_.cone), way), scale);
+        const Floats rest = hn::Min(hn::Max(hn::Set(kFloats, options_.hit), cone), hn::Set(kFloats, kWidestHit));
+        const Mask rests = hn::Le(here, rest);
+        meets = hn::AndNot(far, rests);
+        seen = hn::IfThenElse(far, seen, here);
+        ahead = hn::IfThenElse(far, ahead, here);
+        back = hn::IfThenElseZero(far, back);
+      }
+    }
+    const Mask again = hn::Gt(hn::Sub(way, hn::Mul(back, grow)), clear);
+    hn::Store(way, kFloats, group.looked);
+    if constexpr (!kLists) meets = turn(group, meets, again, seen, way);
+    group.meeting = bitsOf(hn::AndNot(again, meets)) & group.flying;
+    if constexpr (kLists) {
+      if (group.meeting != 0) ask(g, d, way, ahead, grow);
+    }
+    const Floats stride = hn::Mul(ahead, grow);
+    const Floats leap = hn::IfThenElseZero(far, hn::Set(kFloats, kLeap));
+    const Floats cleared = hn::Add(way, stride);
+    const Floats next = hn::Min(hn::Add(cleared, hn::Mul(stride, leap)), end);
+    hn::Store(hn::IfThenElse(again, clear, cleared), kFloats, group.clear);
+    hn::Store(hn::IfThenElse(again, clear, next), kFloats, group.way);
+    hn::Store(hn::Add(hn::Load(kWords, group.outcome), hn::Set(kWords, 4)), kWords, group.outcome);
+  }
+
+  // Which lanes rest, here or where they were before; keeps what the next step needs to know.
+  static Mask turn(LaneGroup& group, Mask rests, Mask again, Floats seen, Floats way) {
+    const Floats last = hn::Load(kFloats, group.last);
+    const Floats lastWay = hn::Load(kFloats, group.lastWay);
+    const Words lastNearest = hn::Load(kWords, group.lastNearest);
+    const Words nearest = nearestOf(group, hn::Load(kWords, group.cell));
+    const Mask brink = hn::AndNot(hn::Lt(seen, last), hn::Le(last, hn::Set(kFloats, kBrink)));
+    const Mask turns = hn::AndNot(rests, brink);
+    group.brinks = bitsOf(turns);
+    hn::Store(hn::IfThenElse(turns, lastWay, way), kFloats, group.looked);
+    hn::Store(wordsWhere(turns, lastNearest, nearest), kWords, group.corner);
+    hn::Store(hn::IfThenElse(again, last, seen), kFloats, group.last);
+    hn::Store(hn::IfThenElse(again, lastWay, way), kFloats, group.lastWay);
+    hn::Store(wordsWhere(again, lastNearest, nearest), kWords, group.lastNearest);
+    return hn::Or(rests, turns);
+  }
+
+  // Has the tester look at the triangles of the lanes that meet some.
+  void ask(std::size_t g, const Floats (&d)[3], Floats way, Floats exit, Floats grow) {
+    const LaneGroup& group = groups_[g];
+    const Floats metres = hn::Set(kFloats, static_cast<float>(field_.shape.voxel));
+    const Floats voxel = hn::Mul(metres, grow);
+    const Floats gone = hn::Mul(way, metres);
+    Floats place[3];
+    for (int k = 0; k < 3; ++k) place[k] = hn::Add(hn::Load(kFloats, group.w[k]), hn::Mul(d[k], gone));
+    const Floats past = hn::Mul(hn::Sub(hn::Load(kFloats, group.begin), way), metres);
+    const Floats low = hn::Max(hn::Mul(hn::Set(kFloats, -kBehind), voxel), past);
+    const Floats high = hn::Mul(hn::Add(exit, hn::Set(kFloats, kNudge)), voxel);
+    const std::size_t first = g * kLanes;
+    hn::StoreInterleaved4(place[0], place[1], place[2], low, kFloats, &tester_.start[first].x);
+    hn::StoreInterleaved4(d[0], d[1], d[2], high, kFloats, &tester_.course[first].dx);
+    hn::Store(hn::Mul(hn::Set(kFloats, kTie), voxel), kFloats, tester_.tie + first);
+    for (LaneBits lanes = group.meeting; lanes != 0; lanes &= lanes - 1) {
+      const std::size_t lane = firstOf(lanes);
+      tester_.add(first + lane, group.cell[lane]);
+    }
+  }
+
+  // Lands particles and gives their lanes to others.
+  void settle(std::size_t g) {
+    LaneGroup& group = groups_[g];
+    LaneBits hits = group.meeting;
+    if constexpr (kLists) {
+      hits = 0;
+      for (LaneBits lanes = group.meeting; lanes != 0; lanes &= lanes - 1) {
+        const std::size_t lane = firstOf(lanes);
+        if (tester_.best[g * kLanes + lane].denominator > 0) hits |= LaneBits{1} << lane;
+      }
+    }
+    const Mask spent =
+        hn::RebindMask(kFloats, hn::Eq(hn::Load(kWords, group.outcome), hn::Set(kWords, 4 * options_.steps)));
+    const Mask done = hn::Not(hn::Lt(hn::Load(kFloats, group.clear), hn::Load(kFloats, group.end)));
+    LaneBits landed = (bitsOf(hn::Or(spent, done)) & group.flying) | hits;
+    if (landed == 0) return;
+    for (; landed != 0; landed &= landed - 1) {
+      const std::size_t lane = firstOf(landed);
+      const std::size_t i = group.particle[lane];
+      const std::uint32_t steps = group.outcome[lane];
+      if ((hits >> lane & 1) == 0) {
+        const bool exhausted = steps == 4 * options_.steps;
+        land(i, 0, 0, steps + static_cast<std::uint32_t>(exhausted ? Outcome::Exhausted : Outcome::Miss));
+      } else if constexpr (kLists) {
+        const Meeting& best = tester_.best[g * kLanes + lane];
+        const float metres = static_cast<float>(field_.shape.voxel);
+        land(i, group.looked[lane] + best.numerator / (best.denominator * metres), best.triangle, steps);
+      } else {
+        const bool brink = (group.brinks >> lane & 1) != 0;
+        land(i, group.looked[lane], group.corner[lane],
+             steps + static_cast<std::uint32_t>(brink ? Outcome::Brink : Outcome::Hit));
+      }
+      board(group, lane);
+    }
+  }
+
+  const Field& field_;
+  const MarchOptions& options_;
+  const Particles& particles_;
+  std::size_t next_, last_;
+  Landings& landings_;
+  LevelTables tables_;
+  TriangleTester tester_;
+  LaneGroup groups_[kLaneGroups];
+};
+
+}  // namespace scanmill

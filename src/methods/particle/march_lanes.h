@@ -1,0 +1,49 @@
+#pragma once
+
+// Lanes of particles, by Google Highway. Only for march_cpu.cpp and what that includes: third-party types stay there.
+
+#define HWY_COMPILE_ONLY_STATIC  // instructions are chosen by the build
+#include <hwy/highway.h>
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+namespace scanmill {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr hn::ScalableTag<float> kFloats;
+constexpr hn::ScalableTag<std::uint32_t> kWords;
+constexpr hn::ScalableTag<std::int32_t> kInts;
+using Floats = hn::Vec<decltype(kFloats)>;
+using Words = hn::Vec<decltype(kWords)>;
+using Ints = hn::Vec<decltype(kInts)>;
+using Mask = hn::Mask<decltype(kFloats)>;
+using WordMask = hn::Mask<decltype(kWords)>;
+
+constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
+static_assert(kLanes <= 16);
+using LaneFloats = float[kLanes];
+using LaneWords = std::uint32_t[kLanes];
+
+// Sets of lanes, for loops over them.
+using LaneBits = std::uint32_t;
+
+inline LaneBits bitsOf(Mask mask) {
+  std::uint8_t bytes[8] = {};  // Highway may write so many
+  hn::StoreMaskBits(kFloats, mask, bytes);
+  std::uint16_t bits = 0;
+  std::memcpy(&bits, bytes, sizeof bits);
+  return bits;
+}
+
+inline std::size_t firstOf(LaneBits lanes) {
+  return static_cast<std::size_t>(std::countr_zero(lanes));
+}
+
+inline Floats dotOf(const Floats (&a)[3], const Floats (&b)[3]) {
+  return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
+}
+
+}  // namespace scanmill

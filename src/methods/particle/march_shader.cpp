@@ -1,0 +1,325 @@
+#include "methods/particle/march_shader.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+
+#include "methods/particle/march.h"
+#include "methods/particle/march_rule.h"
+
+namespace scanmill {
+
+namespace {
+
+// What is `precise` is neither contracted nor reassociated: it has the bits that the processor finds. Divisions, which
+// GPUs round as they like, are left to the processor.
+constexpr const char* kCommon = R"(
+layout(std140, binding = 0) uniform Flight {
+  int lastLevel;
+  float perReach;
+  float metres;
+  float hit;
+  float cone;
+  uint steps;
+  uint count;
+};
+layout(std430, binding = 0) readonly restrict buffer Particles { float particles[]; };
+layout(std430, binding = 1) writeonly restrict buffer Landings { uint landings[]; };
+layout(binding = 0) uniform usamplerBuffer levels;
+layout(binding = 1) uniform usamplerBuffer table;
+layout(binding = 2) uniform usamplerBuffer distances;
+layout(binding = 3) uniform usamplerBuffer words;
+
+uint fetch(usamplerBuffer from, uint i) {
+  return texelFetch(from, int(i)).x;
+}
+
+vec3 column3(uint column, uint i) {
+  return vec3(particles[column * count + i], particles[(column + 1u) * count + i],
+              particles[(column + 2u) * count + i]);
+}
+
+void land(uint i, float way, uint triangle, uint outcome) {
+  landings[i] = floatBitsToUint(way);
+  landings[count + i] = triangle;
+  landings[2u * count + i] = outcome;
+}
+
+struct Voxel {
+  float scale, grow;
+  vec3 f;  // in the voxel
+  vec3 r;  // from the nearest corner
+  vec3 b;  // from the brick's centre
+  bool full;
+  uint brick, cell, nearest;
+};
+
+Voxel find(vec3 q) {
+  precise float most = max(abs(q.x), max(abs(q.y), abs(q.z)));
+  precise float share = most * perReach;
+  int level = min(max((int(floatBitsToUint(share) - 1u) >> 23) - 126, 0), lastLevel);
+  uvec4 place = texelFetch(levels, 2 * level);  // bits of the offset, and the first entry of the table
+  uvec4 box = texelFetch(levels, 2 * level + 1);
+  Voxel v;
+  v.scale = uintBitsToFloat(uint(127 - level) << 23);
+  v.grow = uintBitsToFloat(uint(127 + level) << 23);
+  precise vec3 u = max(q * v.scale + uintBitsToFloat(place.xyz), vec3(0.0));
+  ivec3 corner = min(ivec3(u), ivec3(box.xyz) * 8 - 1);
+  uvec3 brick = uvec3(corner) >> 3u;
+  uvec3 at = uvec3(corner) & 7u;
+  precise vec3 f = u - vec3(corner);
+  precise vec3 b = u - vec3(ivec3(brick) * 8 + 4);
+  bvec3 above = greaterThanEqual(f, vec3(0.5));
+  precise vec3 r = f - vec3(above);
+  uvec3 up = uvec3(above);
+  uint entry = fetch(table, place.w + (brick.z * box.y + brick.y) * box.x + brick.x);
+  v.f = f;
+  v.b = b;
+  v.r = r;
+  v.full = entry >= kFullBrick;
+  v.brick = v.full ? entry - kFullBrick : entry;
+  v.cell = v.full ? v.brick * kBrickStride + (at.z * 9u + at.y) * 9u + at.x : 0u;
+  v.nearest = v.cell + (up.z * 9u + up.y) * 9u + up.x;
+  return v;
+}
+
+float distanceAt(uint corner) {
+  return float(fetch(distances, corner));
+}
+
+float dotted(vec3 a, vec3 b) {
+  precise float product = a.x * b.x + a.y * b.y + a.z * b.z;
+  return product;
+}
+
+struct Chord {
+  float square;  // of the distance from the centre
+  float along;   // from the ball's middle to the particle
+  float across;  // at most half of the chord
+};
+
+Chord chordOf(float radius, float bend, vec3 r, vec3 d) {
+  precise float square = dotted(r, r);
+  precise float along = dotted(r, d);
+  precise float most = radius - (square - along * along) * bend;
+  return Chord(square, along, most);
+}
+)";
+
+constexpr const char* kNearest = R"(
+float mixed(float a, float b, float t) {
+  precise float between = a + (b - a) * t;
+  return between;
+}
+
+float row(uint i, float t) {
+  return mixed(distanceAt(i), distanceAt(i + 1u), t);
+}
+
+float interpolate(Voxel v) {
+  precise float below = mixed(row(v.cell, v.f.x), row(v.cell + 9u, v.f.x), v.f.y);
+  precise float above = mixed(row(v.cell + 81u, v.f.x), row(v.cell + 90u, v.f.x), v.f.y);
+  precise float here = mixed(below, above, v.f.z) * kDistanceStep;
+  return here;
+}
+
+void invoke(uint i) {
+  precise vec3 o = column3(0u, i);
+  precise vec3 d = column3(3u, i);
+  precise float clear = particles[6u * count + i];
+  precise float end = particles[7u * count + i];
+  precise float way = clear;
+  precise float last = kNever;
+  precise float lastWay = 0.0;
+  uint lastNearest = 0u;
+  for (uint taken = 0u; taken < steps; ++taken) {
+    if (!(clear < end)) {
+      land(i, 0.0, 0u, kMiss + 4u * taken);
+      return;
+    }
+    precise vec3 q = o + d * way;
+    Voxel v = find(q);
+    precise float ahead;
+    precise float back;
+    precise float near = v.full ? distanceAt(v.nearest) * kDistanceStep : uintBitsToFloat(v.brick);
+    bool far = near > kNamed;
+    bool rests = false;
+    if (far) {
+      Chord chord = chordOf(near, v.full ? kNamedBend : kEmptyBend, v.full ? v.r : v.b, d);
+      ahead = chord.across - chord.along;
+      back = chord.across + chord.along;
+    } else {
+      ahead = interpolate(v);
+      precise float rest = min(max(hit, cone * way * v.scale), kWidestHit);
+      rests = ahead <= rest;
+      back = 0.0;
+    }
+    precise float start = way - back * v.grow;
+    if (start > clear) {
+      way = clear;
+      continue;
+    }
+    precise float seen = far ? kNever : ahead;
+    bool turns = last <= kBrink && !(seen < last);
+    if (rests || turns) {
+      land(i, rests ? way : lastWay, fetch(words, rests ? v.nearest : lastNearest),
+           (rests ? kHit : kBrinkOutcome) + 4u * (taken + 1u));
+      return;
+    }
+    last = seen;
+    lastWay = way;
+    lastNearest = v.nearest;
+    precise float stride = ahead * v.grow;
+    clear = way + stride;
+    way = min(clear + stride * (far ? kLeap : 0.0), end);
+  }
+  land(i, 0.0, 0u, kExhausted + 4u * steps);
+}
+)";
+
+// Particles fly freely until all that run together are where triangles are, then look at the triangles together.
+constexpr const char* kLists = R"(
+layout(binding = 4) uniform usamplerBuffer lists;
+layout(binding = 5) uniform samplerBuffer triangles;
+
+vec3 crossed(vec3 a, vec3 b) {
+  precise vec3 product = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+  return product;
+}
+
+void invoke(uint i) {
+  precise vec3 o = column3(0u, i);
+  precise vec3 d = column3(3u, i);
+  precise float begin = particles[6u * count + i];
+  precise float end = particles[7u * count + i];
+  precise vec3 w = column3(8u, i);
+  precise vec3 reciprocal = column3(11u, i);
+  precise vec3 side = mix(vec3(kFace), vec3(-kFace), lessThan(reciprocal, vec3(0.0)));
+  precise float clear = begin;
+  precise float way = begin;
+  uint taken = 0u;
+  while (true) {
+    precise float ahead = 0.0;
+    float grow = 1.0;
+    uint word = kNoWord;
+    bool listed = false;
+    while (!listed) {
+      if (taken >= steps || !(clear < end)) {
+        land(i, 0.0, 0u, taken < steps ? kMiss + 4u * taken : kExhausted + 4u * steps);
+        return;
+      }
+      ++taken;
+      precise vec3 q = o + d * way;
+      Voxel v = find(q);
+      precise float near = v.full ? distanceAt(v.nearest) * kDistanceStep : uintBitsToFloat(v.brick);
+      bool far = near > kNamed;
+      precise vec3 r = v.full ? v.r : v.b;
+      Chord chord = chordOf(near, v.full ? (far ? kNamedBend : kListedBend) : kEmptyBend, r, d);
+      ahead = chord.across - chord.along;
+      precise float back = chord.across + chord.along;
+      if (v.full) {
+        precise vec3 faces = (side - v.r) * reciprocal;
+        precise float exit = min(faces.x, min(faces.y, faces.z));
+        if (near > kListed) {
+          ahead = max(ahead, exit);
+        } else {
+          precise float leaving = chord.square + (2.0 * chord.along + exit) * exit;
+          precise float ball = near * near;
+          listed = chord.square > ball || leaving > ball;
+          ahead = exit;
+          back = 0.0;
+        }
+      }
+      precise float start = way - back * v.grow;
+      if (start > clear) {
+        way = clear;
+        listed = false;
+      } else if (listed) {
+        grow = v.grow;
+        word = fetch(words, v.nearest);
+      } else {
+        precise float stride = ahead * v.grow;
+        clear = way + stride;
+        way = min(clear + stride * (far ? kLeap : 0.0), end);
+      }
+    }
+    precise float voxel = metres * grow;
+    precise vec3 place = w + d * (way * metres);
+    precise float low = max(-kBehind * voxel, (begin - way) * metres);
+    precise float high = (ahead + kNudge) * voxel;
+    precise float tie = kTie * voxel;
+    precise float bestNumerator = 0.0;
+    precise float bestDenominator = 0.0;
+    uint bestTriangle = 0u;
+    bool more = word != kNoWord;
+    while (more) {
+      uint entry = fetch(lists, word);
+      ++word;
+      more = entry < kLastOfList;
+      uint triangle = entry & ~kLastOfList;
+      precise vec3 a = texelFetch(triangles, int(3u * triangle)).xyz;
+      precise vec3 ab = texelFetch(triangles, int(3u * triangle + 1u)).xyz;
+      precise vec3 ac = texelFetch(triangles, int(3u * triangle + 2u)).xyz;
+      precise vec3 p = crossed(d, ac);
+      precise float determinant = dotted(ab, p);
+      precise float facing = determinant < 0.0 ? -1.0 : 1.0;
+      precise vec3 s = place - a;
+      precise vec3 q = crossed(s, ab);
+      precise float whole = determinant * facing;
+      precise float u = dotted(s, p) * facing;
+      precise float v = dotted(d, q) * facing;
+      precise float t = dotted(ac, q) * facing;
+      precise float seam = whole * kSeam;
+      precise float corner = u + v;
+      precise float most = whole + seam;
+      precise float nearer = (bestNumerator - tie * bestDenominator) * whole;
+      precise float here = t * bestDenominator;
+      precise float first = low * whole;
+      precise float last = high * whole;
+      if (whole > 0.0 && u >= -seam && v >= -seam && corner <= most && t >= first && t <= last &&
+          (!(bestDenominator > 0.0) || here < nearer)) {
+        bestNumerator = t;
+        bestDenominator = whole;
+        bestTriangle = triangle;
+      }
+    }
+    if (bestDenominator > 0.0) {
+      land(i, way, bestTriangle, kHit + 4u * taken);
+      landings[3u * count + i] = floatBitsToUint(bestNumerator);
+      landings[4u * count + i] = floatBitsToUint(bestDenominator);
+      return;
+    }
+    clear = way + ahead * grow;
+    way = min(clear, end);
+  }
+}
+)";
+
+// The same float32 in the shader, whatever its compiler makes of decimals.
+std::string constantOf(const char* name, float value) {
+  return fmt::format("const float {} = uintBitsToFloat({:#x}u);\n", name, std::bit_cast<std::uint32_t>(value));
+}
+
+std::string constantOf(const char* name, std::uint32_t value) {
+  return fmt::format("const uint {} = {:#x}u;\n", name, value);
+}
+
+}  // namespace
+
+std::string marchShader(bool lists) {
+  std::string text =
+      constantOf("kDistanceStep", kDistanceStep) + constantOf("kBrickStride", kBrickStride + 0u) +
+      constantOf("kNoWord", kNoWord) + constantOf("kFullBrick", kFullBrick) + constantOf("kLastOfList", kLastOfList) +
+      constantOf("kNamed", kNamed) + constantOf("kListed", kListed) + constantOf("kWidestHit", kWidestHit) +
+      constantOf("kHit", static_cast<std::uint32_t>(Outcome::Hit)) +
+      constantOf("kMiss", static_cast<std::uint32_t>(Outcome::Miss)) +
+      constantOf("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) +
+      constantOf("kBrinkOutcome", static_cast<std::uint32_t>(Outcome::Brink)) + constantOf("kEmptyBend", kEmptyBend) +
+      constantOf("kNamedBend", kNamedBend) + constantOf("kListedBend", kListedBend) + constantOf("kLeap", kLeap) +
+      constantOf("kBrink", kBrink) + constantOf("kNever", kNever) + constantOf("kSeam", kSeam) +
+      constantOf("kBehind", kBehind) + constantOf("kTie", kTie) + constantOf("kNudge", kNudge) +
+      constantOf("kFace", kFace);
+  return text + kCommon + (lists ? kLists : kNearest);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "config/fields.h"
+
+namespace scanmill {
+
+// The map `particle: {...}` of a pipeline.
+struct ParticleOptions {
+  enum class Backend { Auto, Cpu, Gl } backend = Backend::Auto;
+  enum class Extent { Sensor, Scene } extent = Extent::Sensor;  // levels around the sensor, or one level for all
+  double voxel = 0.1;                                           // m, of the finest level
+  std::uint32_t voxels = 256;                                   // across each level
+  std::uint32_t levels = 0;                                     // 0: as many as the sensor's range takes
+  enum class Refine { None, ByNormal, ByTriangle } refine = Refine::ByTriangle;
+  double cone = 0;              // rad, half of the angle in which a particle meets things
+  std::uint32_t steps = 512;    // a particle's budget
+  std::filesystem::path cache;  // folder; empty: none
+};
+
+// {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, cone_mrad: 0, steps: 512, backend: auto,
+//  cache: auto, smallest_m: 0.3, smallest_within_m: 30}
+//
+// smallest_m and smallest_within_m choose `voxel`, unless voxel_m is given, and `voxels`: the defaults where they do,
+// else so that smallestSeen(options, smallest_within_m) is at most smallest_m. Throws InputError where nothing does,
+// and says what it would take.
+ParticleOptions readParticleOptions(Fields& fields);
+
+// m from the centre of a field around a sensor, along each axis: so far does a level serve (FieldShape::reach * voxel *
+// 2^level). Its bricks reach voxels / 2 from the middle of its box, which is up to half a brick off the field's centre,
+// and a voxel is to spare.
+double levelReach(const ParticleOptions& options, std::uint32_t level);
+
+// m, the size of the smallest object that is seen `range` m from the sensor; infinite beyond the last level.
+//
+// With `refine: none` and `normal`, particles meet what has an interpolated distance of at most kBrink, 0.63 voxels. In
+// the middle of a ball of radius r voxels it is at most sqrt(3) / 2 - r, wherever that lies in its voxel: kBrink where
+// the diameter is 0.48 voxels. So every beam through the middle of a ball of half a voxel or more meets it.
+//
+// With `refine: triangle` the size does not matter: every triangle lies in full bricks, and is met exactly.
+double smallestSeen(const ParticleOptions& options, double range);
+
+}  // namespace scanmill

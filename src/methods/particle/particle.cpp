@@ -1,0 +1,288 @@
+// The particle method (LiDAR-GEIL): one particle per beam, sphere-traced through a distance field.
+//
+// The field is built around the sensor and moves with it (field.h). Particles fly in float32, on the processor or by a
+// compute shader, which take the same steps (march.h); what they met is resolved in double on the processor, from the
+// triangles that the field names, so that labels and normals come without a further trace (flight.h).
+
+#include "methods/particle/particle.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "methods/particle/field_store.h"
+#include "methods/particle/flight.h"
+#include "methods/particle/march.h"
+#include "methods/particle/options.h"
+
+namespace scanmill {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kTilesAtOnce = 128;  // 2048 particles: their columns stay in the second cache
+
+// Seconds of processor time, summed over threads.
+class StageClock {
+ public:
+  void add(Clock::time_point start) {
+    nanoseconds_ += std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start).count();
+  }
+  double seconds() const { return static_cast<double>(nanoseconds_.load()) * 1e-9; }
+
+ private:
+  std::atomic<std::int64_t> nanoseconds_ = 0;
+};
+
+// Stretches of 16 beams of a ring.
+std::vector<Tile> tilesOf(const BeamTable& beams) {
+  std::vector<Tile> tiles;
+  for (std::uint32_t ring = 0; ring < beams.rings; ++ring) {
+    for (std::uint32_t column = 0; column < beams.columns; column += kPacket) {
+      tiles.push_back({ring, column, 1, std::min<std::uint32_t>(kPacket, beams.columns - column)});
+    }
+  }
+  return tiles;
+}
+
+MarchOptions marchOptions(const ParticleOptions& options) {
+  // A cone's radius per length, the same in voxels per voxel.
+  return {kRest, static_cast<float>(std::tan(options.cone)), options.steps};
+}
+
+class ParticleMethod : public Method {
+ public:
+  ParticleMethod(const Scene& scene, ParticleOptions options)
+      : scene_(scene), options_(std::move(options)), fields_(scene, options_), materials_(compactMaterials(scene)) {
+    const bool wanted = options_.backend == ParticleOptions::Backend::Gl ||
+                        (options_.backend == ParticleOptions::Backend::Auto && glHasHardware());
+    if (!wanted) return;
+    gl_ = makeGlMarcher();
+    if (options_.backend == ParticleOptions::Backend::Auto && gl_->software()) gl_.reset();
+  }
+
+  void prepare(const Shot& shot) const override { placeOf(shot); }
+
+  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    const BeamTable& beams = *shot.beams;
+    hits.reset(beams.rings, beams.columns, channels);
+    const FieldStore::Place place = placeOf(shot);
+    const ShotFrame frame = frameOf(shot, place.world->origin);
+    const Flight flight{shot,      *place.world, *place.field, frame, options_.refine, marchOptions(options_),
+                        place.box, place.whole};
+    const std::vector<Tile> tiles = tilesOf(beams);
+    const FlightCounts counts = gl_ != nullptr ? flyOnDevice(flight, place, tiles, hits) : fly(flight, tiles, hits);
+    std::sort(hits.unresolved.begin(), hits.unresolved.end());
+    note(shot, counts);
+  }
+
+  std::vector<std::string> modelled() const override {
+    const auto any = [&](auto has) { return std::any_of(scene_.materials.begin(), scene_.materials.end(), has); };
+    const bool triangles = options_.refine == ParticleOptions::Refine::ByTriangle;
+    const bool alpha = any([](const Material& m) { return m.alphaTested; });
+    std::vector<std::string> lines;
+    lines.push_back(fieldLine());
+    lines.push_back(triangles ? std::string("geometry: exact triangles of the voxels that beams pass, one return per "
+                                            "beam")
+                    : options_.refine == ParticleOptions::Refine::ByNormal
+                        ? std::string("geometry: to half a voxel, corrected along the field's gradient: exact on flat "
+                                      "surfaces, one return per beam")
+                        : std::string("geometry: to half a voxel of the distance field, one return per beam"));
+    if (!triangles) lines.push_back(smallestLine());
+    lines.emplace_back(!alpha      ? "alpha cut-outs: left out, no material has one"
+                       : triangles ? "alpha cut-outs: modelled, some materials have them"
+                                   : "alpha cut-outs: left out, distance fields take them for solid: take refine "
+                                     "triangle where they matter");
+    lines.emplace_back(any([](const Material& m) { return m.textured && m.texture != nullptr; })
+                           ? "reflectance textures: modelled"
+                           : "reflectance textures: left out, no material has one");
+    lines.push_back("particles fly on " + (gl_ != nullptr ? gl_->device() : std::string("the processor")));
+    lines.emplace_back("transmission through glass, mirror images, beam divergence, motion of objects: left out");
+    return lines;
+  }
+
+  std::uint64_t memoryBytes() const override {
+    const std::uint64_t worlds = scene_.placedTriangles() * kBytesPerPlacedTriangle;
+    return kBytesOfFields + worlds + scene_.triangles() * kBytesPerSceneTriangle;
+  }
+
+  std::map<std::string, double> stageSeconds() const override {
+    const FieldStore::Seconds fields = fields_.seconds();
+    std::map<std::string, double> seconds{{"launch", launchClock_.seconds()}, {"resolve", landClock_.seconds()}};
+    if (fields.builds > 0) seconds["field_build"] = fields.build;
+    if (fields.updates > 0) seconds["field_update"] = fields.update;
+    if (fields.loads > 0) seconds["field_load"] = fields.load;
+    seconds["march"] = marchClock_.seconds();
+    if (gl_ != nullptr) {
+      const GlMarcher::Seconds device = gl_->seconds();
+      seconds["upload"] = device.upload;
+      seconds["march"] = device.march;
+      seconds["read_back"] = device.readBack;
+    }
+    return seconds;
+  }
+
+  std::vector<std::string> warnings() const override {
+    const std::scoped_lock lock(notesMutex_);
+    std::vector<std::string> lines;
+    for (const auto& [sensor, noted] : notes_) {
+      const FlightCounts& c = noted.counts;
+      if (c.exhausted > 0) {
+        lines.push_back(
+            fmt::format("{} of {} beams of '{}' ran out of their {} steps: they are neither hits nor misses; "
+                        "give `steps` more",
+                        c.exhausted, noted.beams, sensor, options_.steps));
+      }
+      if (c.left > 0) {
+        lines.push_back(
+            fmt::format("{} of {} beams of '{}' left the distance field, which does not hold all of the "
+                        "scene within the sensor's range: they are neither hits nor misses; take `levels: "
+                        "auto`",
+                        c.left, noted.beams, sensor));
+      }
+      if (c.touching > 0) {
+        lines.push_back(
+            fmt::format("{} of {} beams of '{}' start within half a voxel of a surface and end there: take "
+                        "smaller voxels, or refine triangle",
+                        c.touching, noted.beams, sensor));
+      }
+    }
+    return lines;
+  }
+
+ private:
+  static constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // the scene's own mesh
+  static constexpr std::uint64_t kBytesPerPlacedTriangle = 150;
+  static constexpr std::uint64_t kBytesOfFields = std::uint64_t{200} << 20;
+
+  struct Noted {
+    FlightCounts counts;
+    std::uint64_t beams = 0;
+  };
+
+  FieldStore::Place placeOf(const Shot& shot) const {
+    return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange);
+  }
+
+  FlightCounts fly(const Flight& flight, std::span<const Tile> tiles, Hits& hits) const {
+    FlightCounts counts;
+    std::mutex mutex;
+    const std::size_t pieces = (tiles.size() + kTilesAtOnce - 1) / kTilesAtOnce;
+    parallelFor(pieces, 1, [&](std::size_t first, std::size_t last) {
+      Particles particles;
+      Landings landings;
+      FlightCounts mine;
+      std::vector<std::uint32_t> unresolved;
+      for (std::size_t p = first; p < last; ++p) {
+        const auto some = tiles.subspan(p * kTilesAtOnce, std::min(kTilesAtOnce, tiles.size() - p * kTilesAtOnce));
+        auto start = Clock::now();
+        particles.resize(some.size() * kPacket, flight.field.shape.lists);
+        landings.resize(particles.size());
+        launch(flight, some, particles, 0);
+        launchClock_.add(start);
+        start = Clock::now();
+        marchCpu(flight.field, flight.world.baked, flight.march, particles, 0, particles.size(), landings);
+        marchClock_.add(start);
+        start = Clock::now();
+        mine += land(flight, materials_, some, particles, landings, 0, hits, unresolved);
+        landClock_.add(start);
+      }
+      const std::scoped_lock lock(mutex);
+      counts += mine;
+      hits.unresolved.insert(hits.unresolved.end(), unresolved.begin(), unresolved.end());
+    });
+    return counts;
+  }
+
+  FlightCounts flyOnDevice(const Flight& flight, const FieldStore::Place& place, std::span<const Tile> tiles,
+                           Hits& hits) const {
+    const std::size_t pieces = (tiles.size() + kTilesAtOnce - 1) / kTilesAtOnce;
+    const auto piece = [&](std::size_t p) {
+      return tiles.subspan(p * kTilesAtOnce, std::min(kTilesAtOnce, tiles.size() - p * kTilesAtOnce));
+    };
+    Particles particles;
+    Landings landings;
+    particles.resize(tiles.size() * kPacket, flight.field.shape.lists);
+    landings.resize(particles.size());
+    inPieces(pieces, launchClock_,
+             [&](std::size_t p) { launch(flight, piece(p), particles, p * kTilesAtOnce * kPacket); });
+    gl_->march(place.field, place.world, flight.march, particles, landings);
+    FlightCounts counts;
+    std::mutex mutex;
+    inPieces(pieces, landClock_, [&](std::size_t p) {
+      std::vector<std::uint32_t> unresolved;
+      const FlightCounts mine =
+          land(flight, materials_, piece(p), particles, landings, p * kTilesAtOnce * kPacket, hits, unresolved);
+      const std::scoped_lock lock(mutex);
+      counts += mine;
+      hits.unresolved.insert(hits.unresolved.end(), unresolved.begin(), unresolved.end());
+    });
+    return counts;
+  }
+
+  template <class Work>
+  static void inPieces(std::size_t pieces, StageClock& clock, const Work& work) {
+    parallelFor(pieces, 1, [&](std::size_t first, std::size_t last) {
+      const auto start = Clock::now();
+      for (std::size_t p = first; p < last; ++p) work(p);
+      clock.add(start);
+    });
+  }
+
+  std::string fieldLine() const {
+    const bool around = options_.extent == ParticleOptions::Extent::Sensor;
+    return fmt::format("distance field: {}, voxels of {:g} m{}",
+                       around ? fmt::format("levels of {} voxels across around the sensor", options_.voxels)
+                              : std::string("one for the whole scene"),
+                       options_.voxel, around ? " in the finest, twice as large from level to level" : "");
+  }
+
+  std::string smallestLine() const {
+    return fmt::format(
+        "smallest objects that no beam through their middle misses: {:.2g} m at 10 m, {:.2g} m at 30 m, "
+        "{:.2g} m at 100 m",
+        smallestSeen(options_, 10), smallestSeen(options_, 30), smallestSeen(options_, 100));
+  }
+
+  // The most of any shot, so that the order of work does not matter.
+  void note(const Shot& shot, const FlightCounts& counts) const {
+    if (counts.exhausted + counts.left + counts.touching == 0) return;
+    const std::scoped_lock lock(notesMutex_);
+    Noted& noted = notes_[shot.sensorName];
+    noted.beams = std::max<std::uint64_t>(noted.beams, shot.beams->size());
+    noted.counts.exhausted = std::max(noted.counts.exhausted, counts.exhausted);
+    noted.counts.left = std::max(noted.counts.left, counts.left);
+    noted.counts.touching = std::max(noted.counts.touching, counts.touching);
+  }
+
+  const Scene& scene_;
+  ParticleOptions options_;
+  FieldStore fields_;
+  std::vector<CompactMaterial> materials_;
+  std::unique_ptr<GlMarcher> gl_;  // null: on the processor
+  mutable StageClock launchClock_;
+  mutable StageClock marchClock_;
+  mutable StageClock landClock_;
+  mutable std::mutex notesMutex_;
+  mutable std::map<std::string, Noted> notes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Method> makeParticle(const Scene& scene, Fields& options) {
+  return std::make_unique<ParticleMethod>(scene, readParticleOptions(options));
+}
+
+}  // namespace scanmill

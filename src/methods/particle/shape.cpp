@@ -1,0 +1,192 @@
+#include "methods/particle/shape.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kMostBricks = 268'435'456;   // 2^28: a table of 1 GiB
+constexpr double kMostBricksAcross = 65'536;  // float32 tells places of 2^19 voxels to 1/32 of one
+constexpr double kFarthestBrick = 1e15;       // of lattice coordinates: exact in double, with room to spare
+
+std::array<double, 3> axes(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+
+// Bricks of level 0 to metres.
+Vec3d placeOf(const Corner& brick, double voxel) {
+  const double size = kBrickVoxels * voxel;
+  return {static_cast<double>(brick[0]) * size, static_cast<double>(brick[1]) * size,
+          static_cast<double>(brick[2]) * size};
+}
+
+Corner nearestBrick(const Vec3d& point, double voxel) {
+  Corner brick;
+  const std::array<double, 3> p = axes(point);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double index = std::floor(p[k] / (kBrickVoxels * voxel) + 0.5);
+    if (!(std::fabs(index) < kFarthestBrick)) {
+      throw Error(fmt::format("particle: a sensor {:g} m from the scene's origin is too far for voxels of {:g} m", p[k],
+                              voxel));
+    }
+    brick[k] = static_cast<std::int64_t>(index);
+  }
+  return brick;
+}
+
+// The largest coordinate of the box's corners, seen from `centre`.
+double reachOf(const Box& box, const Vec3d& centre) {
+  if (box.empty()) return 0;
+  double most = 0;
+  for (const Vec3d& corner : {box.low - centre, box.high - centre}) {
+    for (const double x : axes(corner)) most = std::max(most, std::fabs(x));
+  }
+  return most;
+}
+
+FieldShape aroundSensor(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range) {
+  FieldShape shape;
+  shape.voxel = options.voxel;
+  const Corner centre = nearestBrick(sensor, options.voxel);
+  shape.centre = placeOf(centre, options.voxel);
+  // A coarse level's bricks are up to half a brick off the centre, and a voxel is to spare.
+  shape.reach = static_cast<float>(options.voxels / 2) - (kBrickVoxels / 2 + 1);
+  std::uint32_t levels = options.levels;
+  if (levels == 0) {
+    const double need = std::min(range + kBrickVoxels * options.voxel, reachOf(scene, shape.centre));
+    levels = 1;
+    while (levels < kMaxLevels && std::ldexp(double{shape.reach} * options.voxel, int(levels) - 1) < need) ++levels;
+  }
+  const std::uint32_t across = options.voxels / kBrickVoxels;
+  if (levels * std::pow(across, 3) > kMostBricks) {
+    throw InputError(
+        fmt::format("particle: {} levels of {} voxels across make a table of more than {:g} bricks: "
+                    "choose fewer voxels across, such as 512",
+                    levels, options.voxels, kMostBricks));
+  }
+  for (std::uint32_t l = 0; l < std::min(levels, kMaxLevels); ++l) {
+    LevelBox box;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int64_t half = (std::int64_t{1} << l) >> 1;
+      box.firstBrick[k] = ((centre[k] + half) >> l) - across / 2;
+      box.bricks[k] = across;
+    }
+    shape.levels.push_back(box);
+  }
+  return shape;
+}
+
+struct Span {
+  std::array<double, 3> first{}, bricks{};
+
+  bool fits() const {
+    double all = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!(std::fabs(first[k]) < kFarthestBrick && bricks[k] <= kMostBricksAcross)) return false;
+      all *= bricks[k];
+    }
+    return all <= kMostBricks;
+  }
+};
+
+// Which bricks hold the box, with one more on each side.
+Span spanOf(const Box& box, double voxel) {
+  Span span;
+  const std::array<double, 3> low = axes(box.low);
+  const std::array<double, 3> high = axes(box.high);
+  for (std::size_t k = 0; k < 3; ++k) {
+    span.first[k] = std::floor(low[k] / (kBrickVoxels * voxel)) - 1;
+    span.bricks[k] = std::floor(high[k] / (kBrickVoxels * voxel)) + 2 - span.first[k];
+  }
+  return span;
+}
+
+// The finest voxel size of two digits that would do.
+double voxelThatFits(const Box& box, double voxel) {
+  for (double tried = voxel;; tried *= 1.05) {
+    const double unit = std::pow(10.0, std::floor(std::log10(tried)) - 1);
+    const double rounded = std::ceil(tried / unit * (1 - 1e-9)) * unit;
+    if (spanOf(box, rounded).fits()) return rounded;
+  }
+}
+
+FieldShape aroundScene(const ParticleOptions& options, const Box& box) {
+  const Span span = spanOf(box, options.voxel);
+  if (!span.fits()) {
+    const Vec3d size = box.high - box.low;
+    throw InputError(
+        fmt::format("particle: a field of the whole scene, {:.4g} x {:.4g} x {:.4g} m, would have too "
+                    "many bricks with voxels of {:g} m: choose voxel_m: {:g} or more, or field: sensor",
+                    size.x, size.y, size.z, options.voxel, voxelThatFits(box, options.voxel)));
+  }
+  FieldShape shape;
+  shape.voxel = options.voxel;
+  LevelBox level;
+  Corner centre;
+  for (std::size_t k = 0; k < 3; ++k) {
+    level.firstBrick[k] = static_cast<std::int64_t>(span.first[k]);
+    level.bricks[k] = static_cast<std::uint32_t>(span.bricks[k]);
+    centre[k] = level.firstBrick[k] + level.bricks[k] / 2;
+  }
+  shape.centre = placeOf(centre, options.voxel);
+  shape.reach = static_cast<float>(kBrickVoxels * *std::max_element(level.bricks.begin(), level.bricks.end()));
+  shape.levels = {level};
+  return shape;
+}
+
+}  // namespace
+
+FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range) {
+  FieldShape shape;
+  if (options.extent == ParticleOptions::Extent::Scene) {
+    shape = aroundScene(options, scene.empty() ? Box{sensor, sensor} : scene);
+  } else {
+    shape = aroundSensor(options, sensor, scene, range);
+  }
+  shape.lists = options.refine == ParticleOptions::Refine::ByTriangle;
+  return shape;
+}
+
+Box flightBox(const FieldShape& shape) {
+  const LevelBox& last = shape.levels.back();
+  const double voxel = std::ldexp(shape.voxel, int(shape.levels.size()) - 1);
+  const auto corner = [&](double shift, bool high) {
+    std::array<double, 3> p;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int64_t brick = last.firstBrick[k] + (high ? std::int64_t{last.bricks[k]} : 0);
+      p[k] = (static_cast<double>(brick * kBrickVoxels) + shift) * voxel;
+    }
+    return Vec3d{p[0], p[1], p[2]};
+  };
+  return {corner(1, false), corner(-1, true)};
+}
+
+std::vector<FieldLevel> fieldLevels(const FieldShape& shape) {
+  std::vector<FieldLevel> levels;
+  std::uint32_t entries = 0;
+  const std::array<double, 3> centre = axes(shape.centre);
+  for (std::size_t l = 0; l < shape.levels.size(); ++l) {
+    const LevelBox& box = shape.levels[l];
+    FieldLevel level;
+    level.scale = std::ldexp(1.0f, -int(l));
+    level.bricks = box.bricks;
+    level.firstEntry = entries;
+    for (std::size_t k = 0; k < 3; ++k) {
+      // In whole bricks of level 0, so that the offset is exact.
+      const auto brick = std::llround(centre[k] / (kBrickVoxels * shape.voxel));
+      const std::int64_t bricks = brick - box.firstBrick[k] * (std::int64_t{1} << l);
+      level.offset[k] = static_cast<float>(std::ldexp(static_cast<double>(bricks * kBrickVoxels), -int(l)));
+    }
+    entries += static_cast<std::uint32_t>(box.size());
+    levels.push_back(level);
+  }
+  return levels;
+}
+
+}  // namespace scanmill

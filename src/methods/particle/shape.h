@@ -1,0 +1,26 @@
+#pragma once
+
+// Where a field lies, from what a user asks for and where the sensor is.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/vec.h"
+#include "methods/particle/field.h"
+#include "methods/particle/options.h"
+
+namespace scanmill {
+
+// Levels around a sensor at `sensor` (m, relative to the world's origin), or the one level that holds `scene` (the
+// scene's bounds, likewise; empty: a scene without triangles). `range`: m, so far should the field reach. Depends on
+// its arguments alone. Throws Error where a scene-wide field would have too many bricks, and says what would do.
+FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range);
+
+// The outermost level's box, shrunk by a voxel (m, relative to the world's origin): particles fly inside of it.
+Box flightBox(const FieldShape& shape);
+
+// What particles read of the levels.
+std::vector<FieldLevel> fieldLevels(const FieldShape& shape);
+
+}  // namespace scanmill

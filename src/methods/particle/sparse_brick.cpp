@@ -1,0 +1,79 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "methods/particle/brick.h"
+
+namespace scanmill {
+
+void BrickMaker::makeSparse(const BrickPlace& place) {
+  facets_.resize(triangles_.size());
+  centreDistance2_.resize(triangles_.size());
+  Lanes least;
+  least.fill(INFINITY);
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const Facet<float> facet = rounded(facetAt(world_.baked, triangles_[t], place));
+    const Points& p = brick::kBlockCentres;
+    Lanes& distance2 = centreDistance2_[t];
+    for (int i = 0; i < kLanes; ++i) distance2[i] = facet.distance2(p.x[i], p.y[i], p.z[i]);
+    for (int i = 0; i < kLanes; ++i) least[i] = std::min(least[i], distance2[i]);
+    facets_[t] = facet;
+  }
+  for (int block = 0; block < kBlock; ++block) {
+    blockDistance_[block] = std::min(std::sqrt(least[block]), brick::seenFrom(block));
+    if (blockDistance_[block] > kExact + brick::kBlockRadius) continue;
+    // Those that may be the nearest of any of the block's corners, up to kExact, and those that may be listed.
+    float reach = std::min(blockDistance_[block] + 2 * brick::kBlockRadius, kExact + brick::kBlockRadius);
+    if (lists_) reach = std::max(reach, kListed + brick::kBlockRadius);
+    candidates_.clear();
+    candidateTriangles_.clear();
+    for (std::size_t t = 0; t < facets_.size(); ++t) {
+      if (centreDistance2_[t][block] > reach * reach) continue;
+      candidates_.push_back(facets_[t]);
+      candidateTriangles_.push_back(triangles_[t]);
+    }
+    fillBlock(block);
+  }
+}
+
+void BrickMaker::fillBlock(int block) {
+  if (candidates_.empty()) return;
+  const Points& p = brick::kBlockCorners[block];
+  alignas(64) Lanes least;
+  alignas(64) std::array<std::uint32_t, kLanes> nearest{};
+  least.fill(INFINITY);
+  if (lists_) listedBy_.assign((candidates_.size() + 31) / 32, {});
+  for (std::uint32_t c = 0; c < candidates_.size(); ++c) {
+    const Facet<float> facet = candidates_[c];
+    alignas(64) Lanes distance2;
+    for (int i = 0; i < kLanes; ++i) distance2[i] = facet.distance2(p.x[i], p.y[i], p.z[i]);
+    for (int i = 0; i < kLanes; ++i) {
+      const bool less = distance2[i] < least[i];  // of equally near ones, the first stays
+      nearest[i] = less ? c : nearest[i];
+      least[i] = less ? distance2[i] : least[i];
+    }
+    if (!lists_) continue;
+    auto& bits = listedBy_[c / 32];
+    const std::uint32_t bit = 1u << (c % 32);
+    for (int i = 0; i < kLanes; ++i) bits[i] |= distance2[i] <= kListed * kListed ? bit : 0u;
+  }
+  for (int i = 0; i < kBlock; ++i) {
+    const std::uint32_t corner = brick::cornerIndex(block, i);
+    distance2_[corner] = least[i];
+    nearest_[corner] = candidateTriangles_[nearest[i]];
+  }
+  if (lists_) listBlock(block);
+}
+
+void BrickMaker::listBlock(int block) {
+  for (int i = 0; i < kBlock; ++i) {
+    for (std::size_t chunk = 0; chunk < listedBy_.size(); ++chunk) {
+      for (std::uint32_t bits = listedBy_[chunk][i]; bits != 0; bits &= bits - 1) {
+        listed_.push_back(candidateTriangles_[chunk * 32 + std::countr_zero(bits)]);
+      }
+    }
+    if (listed_.size() > listBegin_) list_[brick::cornerIndex(block, i)] = addList();
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,244 @@
+#include "methods/world/resolve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scene/assets/texture.h"
+
+namespace scanmill {
+
+namespace {
+
+// How far the distance to a plane may lie from Embree's: seen edge-on, a plane says little of where its triangle is.
+constexpr double kTrust = 1e-2;  // of the distance, and m
+
+constexpr double kNothing = std::numeric_limits<double>::infinity();
+
+struct RangeLimits {
+  double nearest, farthest;  // m
+};
+
+RangeLimits limitsOf(const BeamTable& beams) {
+  return {beams.minRange > 0 ? beams.minRange : std::numeric_limits<double>::denorm_min(),
+          beams.maxRange * (1 + 1e-12)};
+}
+
+// Base colour's linear luminance over the texture's mean, times the material's reflectance.
+float texturedReflectance(const HitTriangle& hit, const CompactMaterial& material, const Rays& rays, const Resolved& r,
+                          int i) {
+  const Vec3d point =
+      Vec3d{rays.ox[i], rays.oy[i], rays.oz[i]} + Vec3d{rays.dx[i], rays.dy[i], rays.dz[i]} * r.range[i];
+  const Vec2d at = barycentric(hit, point);
+  const std::uint8_t* texel = texelAt(*hit.block, hit.index, *material.texture, at.x, at.y);
+  return std::min(1.0f, material.textureGain * luminance(texel));
+}
+
+// Copies one value per lane into an image, row by row of the tile.
+template <class T>
+void storeRows(const Tile& tile, const T* lanes, std::vector<T>& column, std::uint32_t columns) {
+  for (std::uint32_t r = 0; r < tile.rows; ++r) {
+    std::copy_n(lanes + r * tile.width, tile.width, &column[std::size_t{tile.ring + r} * columns + tile.column]);
+  }
+}
+
+// What the triangles say of the lanes' hits.
+struct Looked {
+  std::uint32_t instance[kPacket];
+  std::uint16_t semantic[kPacket];
+  std::uint16_t material[kPacket];
+  std::uint32_t primitive[kPacket];
+};
+
+void lookUp(const HitTriangle* triangles, const float* range, Looked& looked) {
+  for (int i = 0; i < kPacket; ++i) {
+    HitSurface surface{};
+    std::uint32_t primitive = 0;
+    if (range[i] < kMiss) {
+      const HitTriangle& t = triangles[i];
+      const BlockTriangle& triangle = t.block->triangles[t.index];
+      surface = t.block->surfaces[triangle.surface];
+      primitive = triangle.primitive;
+      if (t.placed != nullptr && surface.instance != 0) surface.instance += t.placed->firstInstanceId - 1;
+    }
+    looked.instance[i] = surface.instance;
+    looked.semantic[i] = surface.semantic;
+    looked.material[i] = surface.material;
+    looked.primitive[i] = primitive;
+  }
+}
+
+void storeReflectance(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays,
+                      const Resolved& r, const HitTriangle* triangles, const float* range, const Looked& looked,
+                      Hits& hits) {
+  float reflectance[kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    const CompactMaterial& material = materials[looked.material[i]];
+    reflectance[i] = range[i] < kMiss ? material.reflectance : 0.0f;
+    if (range[i] < kMiss && material.texture != nullptr) {
+      reflectance[i] = texturedReflectance(triangles[i], material, rays, r, i);
+    }
+  }
+  storeRows(tile, reflectance, hits.reflectance, hits.columns);
+}
+
+void storeIncidence(const Tile& tile, const Resolved& r, Hits& hits) {
+  alignas(64) float incidence[kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    const double cosine = std::abs(r.cosine[i]);
+    const double bounded = cosine < 1 ? cosine : 1;
+    incidence[i] = static_cast<float>(r.range[i] < kMiss ? bounded : 0);
+  }
+  storeRows(tile, incidence, hits.incidence, hits.columns);
+}
+
+void storeNormals(const Tile& tile, const Resolved& r, Hits& hits) {
+  alignas(64) float x[kPacket], y[kPacket], z[kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    const double towards = r.cosine[i] > 0 ? -1 : 1;
+    const double scale = r.range[i] < kMiss ? towards : 0;
+    x[i] = static_cast<float>(r.nx[i] * scale);
+    y[i] = static_cast<float>(r.ny[i] * scale);
+    z[i] = static_cast<float>(r.nz[i] * scale);
+  }
+  Vec3f normal[kPacket];
+  for (int i = 0; i < kPacket; ++i) normal[i] = {x[i], y[i], z[i]};
+  storeRows(tile, normal, hits.normal, hits.columns);
+}
+
+}  // namespace
+
+std::vector<CompactMaterial> compactMaterials(const Scene& scene) {
+  std::vector<CompactMaterial> compact;
+  compact.reserve(scene.materials.size());
+  for (const Material& m : scene.materials) {
+    CompactMaterial made{m.reflectance, 0, nullptr};
+    if (m.textured && m.texture != nullptr && m.textureMean > 0) {
+      made.texture = m.texture.get();
+      made.textureGain = m.reflectance / m.textureMean;
+    }
+    compact.push_back(made);
+  }
+  return compact;
+}
+
+ShotFrame frameOf(const Shot& shot, const Vec3d& origin) {
+  ShotFrame frame;
+  for (const Pose& pose : shot.worldFromSensor) {
+    frame.rotation.push_back(toMatrix(pose.rotation));
+    frame.position.push_back(pose.translation - origin);
+  }
+  return frame;
+}
+
+void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays) {
+  const BeamTable& beams = *shot.beams;
+  int lane = 0;
+  for (std::uint32_t r = 0; r < tile.rows; ++r) {
+    const std::uint32_t first = (tile.ring + r) * beams.columns + tile.column;
+    for (std::uint32_t c = 0; c < tile.width; ++c, ++lane) {
+      const std::size_t step = frame.rotation.size() == 1 ? 0 : shot.stepOf(tile.column + c);
+      const Mat3& rotation = frame.rotation[step];
+      const Vec3d d = rotation * beams.direction[first + c];
+      Vec3d o = frame.position[step];
+      if (!beams.origin.empty()) o += rotation * Vec3d(beams.origin[first + c]);
+      rays.ox[lane] = o.x;
+      rays.oy[lane] = o.y;
+      rays.oz[lane] = o.z;
+      rays.dx[lane] = d.x;
+      rays.dy[lane] = d.y;
+      rays.dz[lane] = d.z;
+    }
+  }
+  rays.count = lane;
+  for (; lane < kPacket; ++lane) {
+    rays.ox[lane] = rays.ox[0];
+    rays.oy[lane] = rays.oy[0];
+    rays.oz[lane] = rays.oz[0];
+    rays.dx[lane] = rays.dx[0];
+    rays.dy[lane] = rays.dy[0];
+    rays.dz[lane] = rays.dz[0];
+  }
+}
+
+void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lane) {
+  const BlockTriangle& triangle = hit.block->triangles[hit.index];
+  Vec3d normal = triangle.normal;
+  double offset = triangle.offset;
+  if (hit.placed != nullptr) {
+    normal = hit.placed->normalFromMesh * normal;
+    const double scale = 1 / length(normal);
+    normal = normal * scale;
+    offset = offset * scale + dot(normal, hit.placed->originFromMesh.translation);
+  }
+  r.nx[lane] = normal.x;
+  r.ny[lane] = normal.y;
+  r.nz[lane] = normal.z;
+  r.offset[lane] = offset;
+  r.traced[lane] = double{traced};
+}
+
+void loadMiss(Resolved& r, int lane) {
+  r.nx[lane] = r.ny[lane] = r.nz[lane] = r.offset[lane] = 0;
+  r.traced[lane] = std::numeric_limits<double>::infinity();
+}
+
+void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r) {
+  const RangeLimits limits = limitsOf(beams);
+  for (int i = 0; i < kPacket; ++i) {
+    const double along = r.nx[i] * rays.dx[i] + r.ny[i] * rays.dy[i] + r.nz[i] * rays.dz[i];
+    const double origin = r.nx[i] * rays.ox[i] + r.ny[i] * rays.oy[i] + r.nz[i] * rays.oz[i];
+    const double plane = (r.offset[i] - origin) / along;
+    const double low = r.traced[i] - (kTrust * r.traced[i] + kTrust);
+    const double high = r.traced[i] + (kTrust * r.traced[i] + kTrust);
+    double range = plane > low ? plane : low;  // also where plane is NaN
+    range = range < high ? range : high;
+    const bool inside = (range >= limits.nearest) & (range <= limits.farthest) & (r.traced[i] < kNothing);
+    r.range[i] = inside ? range : kNothing;
+    r.cosine[i] = along;
+  }
+}
+
+void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r) {
+  const RangeLimits limits = limitsOf(beams);
+  for (int i = 0; i < kPacket; ++i) {
+    const bool inside = (r.traced[i] >= limits.nearest) & (r.traced[i] <= limits.farthest);
+    r.range[i] = inside ? r.traced[i] : kNothing;
+    r.cosine[i] = r.nx[i] * rays.dx[i] + r.ny[i] * rays.dy[i] + r.nz[i] * rays.dz[i];
+  }
+}
+
+Vec2d barycentric(const HitTriangle& hit, const Vec3d& point) {
+  const Triangle& corners = hit.block->corners[hit.index];
+  const auto corner = [&](int k) {
+    const Vec3d p(hit.block->vertices[corners[k]]);
+    return hit.placed == nullptr ? p : hit.placed->originFromMesh * p;
+  };
+  const Vec3d a = corner(0);
+  const Vec3d ab = corner(1) - a;
+  const Vec3d ac = corner(2) - a;
+  const Vec3d n = cross(ab, ac);
+  const double square = dot(n, n);
+  const double u = std::clamp(dot(n, cross(point - a, ac)) / square, 0.0, 1.0);
+  const double v = std::clamp(dot(n, cross(ab, point - a)) / square, 0.0, 1.0 - u);
+  return {u, v};
+}
+
+void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const Resolved& r,
+           const HitTriangle* triangles, Hits& hits) {
+  const Channels asked = hits.channels;
+  alignas(64) float range[kPacket];
+  for (int i = 0; i < kPacket; ++i) range[i] = static_cast<float>(r.range[i]);
+  storeRows(tile, range, hits.range, hits.columns);
+  if (asked.has(Channel::Incidence)) storeIncidence(tile, r, hits);
+  if (asked.has(Channel::Normal)) storeNormals(tile, r, hits);
+  Looked looked;
+  lookUp(triangles, range, looked);
+  if (asked.has(Channel::Instance)) storeRows(tile, looked.instance, hits.instance, hits.columns);
+  if (asked.has(Channel::Semantic)) storeRows(tile, looked.semantic, hits.semantic, hits.columns);
+  if (asked.has(Channel::Material)) storeRows(tile, looked.material, hits.material, hits.columns);
+  if (asked.has(Channel::Primitive)) storeRows(tile, looked.primitive, hits.primitive, hits.columns);
+  if (asked.has(Channel::Reflectance)) storeReflectance(materials, tile, rays, r, triangles, range, looked, hits);
+}
+
+}  // namespace scanmill

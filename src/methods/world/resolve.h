@@ -1,0 +1,87 @@
+#pragma once
+
+// What beams meet, from the triangles that they hit: in double, 16 beams at a time.
+
+#include <cstdint>
+#include <vector>
+
+#include "base/vec.h"
+#include "methods/world/world.h"
+#include "scan/hits.h"
+#include "sensors/shot.h"
+
+namespace scanmill {
+
+constexpr int kPacket = 16;
+
+// What resolving needs of a material, without its texts.
+struct CompactMaterial {
+  float reflectance = 0;
+  float textureGain = 0;             // reflectance / mean luminance of the texture; 0 where untextured
+  const Texture* texture = nullptr;  // only where textured
+};
+
+std::vector<CompactMaterial> compactMaterials(const Scene& scene);
+
+// A shot's poses, relative to the world's origin.
+struct ShotFrame {
+  std::vector<Mat3> rotation;  // per step
+  std::vector<Vec3d> position;
+};
+
+ShotFrame frameOf(const Shot& shot, const Vec3d& origin);
+
+// A rectangle of at most 16 beams: rings [ring, ring + rows) x columns [column, column + width).
+struct Tile {
+  std::uint32_t ring, column, rows, width;
+};
+
+using Lane = double[kPacket];
+
+// Origins and directions of the beams, in double, relative to the world's origin. Idle lanes repeat the first beam.
+struct Rays {
+  int count = 0;
+  alignas(64) Lane ox, oy, oz, dx, dy, dz;
+};
+
+struct HitTriangle {
+  const TriangleBlock* block = nullptr;  // null: a miss
+  const PlacedBlock* placed = nullptr;   // null: baked
+  std::uint32_t index = 0;
+};
+
+// The planes of the hit triangles, likewise, and what was asked of them.
+struct Resolved {
+  alignas(64) Lane nx, ny, nz;  // unit normals
+  alignas(64) Lane offset;      // normal . p of the plane
+  alignas(64) Lane traced;      // m, as it was found; infinite for a miss
+  alignas(64) Lane range;       // m; infinite for a miss
+  alignas(64) Lane cosine;      // of normal and beam, signed
+};
+
+void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays);
+
+// What was hit at about the distance `traced` (m).
+void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lane);
+void loadMiss(Resolved& r, int lane);
+
+// Distance along each ray to the plane of its triangle, all lanes at once; misses outside of the sensor's range.
+void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r);
+// The same with the distances as they were found.
+void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r);
+
+// Fills the channels that `hits` has.
+void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const Resolved& r,
+           const HitTriangle* triangles, Hits& hits);
+
+// Barycentric coordinates, of the second and third corner, of a point of a triangle (m, relative to the world's
+// origin), clamped to the triangle.
+Vec2d barycentric(const HitTriangle& hit, const Vec3d& point);
+
+inline void prefetch(const BlockTriangle& triangle) {
+  const auto* bytes = reinterpret_cast<const char*>(&triangle);
+  __builtin_prefetch(bytes);
+  __builtin_prefetch(bytes + sizeof triangle - 1);  // a record may lie across two cache lines
+}
+
+}  // namespace scanmill

@@ -1,0 +1,38 @@
+#include "methods/world/worlds.h"
+
+#include <cmath>
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kOriginGrid = 1024;        // m
+constexpr std::size_t kWorldsInMemory = 2;  // origins that a drive across a grid line needs at once
+
+}  // namespace
+
+Worlds::Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions& options)
+    : scene_(scene),
+      options_(options),
+      anchor_(scene.bounds().empty() ? Vec3d{} : scene.bounds().center()),
+      device_(makeDevice()),
+      instanced_(instancedMeshes(scene, instancing)),
+      shared_(buildSharedMeshes(device_.get(), scene, instanced_, options)) {}
+
+std::shared_ptr<const World> Worlds::near(const Vec3d& sensor) const {
+  const auto cell = [](double d) { return std::round(d / kOriginGrid) * kOriginGrid; };
+  const Vec3d offset = sensor - anchor_;
+  const Vec3d origin = anchor_ + Vec3d{cell(offset.x), cell(offset.y), cell(offset.z)};
+  const std::scoped_lock lock(mutex_);
+  for (auto it = worlds_.begin(); it != worlds_.end(); ++it) {
+    if ((*it)->origin == origin) {
+      worlds_.splice(worlds_.begin(), worlds_, it);
+      return worlds_.front();
+    }
+  }
+  if (worlds_.size() >= kWorldsInMemory) worlds_.pop_back();
+  worlds_.push_front(buildWorld(device_.get(), scene_, origin, instanced_, shared_, options_));
+  return worlds_.front();
+}
+
+}  // namespace scanmill

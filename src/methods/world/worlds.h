@@ -1,0 +1,36 @@
+#pragma once
+
+// Worlds near sensors, built when they are first needed.
+
+#include <list>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "methods/world/world.h"
+
+namespace scanmill {
+
+// Origins lie on a grid of 1024 m anchored at the scene's centre, so that they depend on the shot alone and move with
+// the scene.
+class Worlds {
+ public:
+  // The scene must outlive it.
+  Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions& options);
+
+  // The world whose origin is nearest to the sensor (m). Safe to call from several threads.
+  std::shared_ptr<const World> near(const Vec3d& sensor) const;
+  bool instanced(std::size_t mesh) const { return instanced_[mesh]; }
+
+ private:
+  const Scene& scene_;
+  HierarchyOptions options_;
+  Vec3d anchor_;
+  DeviceHandle device_;
+  std::vector<bool> instanced_;
+  SharedMeshes shared_;
+  mutable std::mutex mutex_;
+  mutable std::list<std::shared_ptr<const World>> worlds_;
+};
+
+}  // namespace scanmill

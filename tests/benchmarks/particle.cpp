@@ -1,0 +1,151 @@
+// The particle method, stage by stage, on the street of the quickstart (1.3 million placed triangles): building the
+// field, moving it, flying 64 or 512 x 2048 particles. `of_*` are ratios of times in one run.
+
+#include "methods/particle/particle.h"
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "base/error.h"
+#include "methods/particle/build.h"
+#include "methods/particle/cache.h"
+#include "methods/particle/march.h"
+#include "methods/particle/shape.h"
+#include "methods/world/worlds.h"
+#include "tests/benchmarks/timing.h"
+#include "tests/methods/trace.h"
+#include "tests/support/street.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+const Scene& street() {
+  static const Scene scene = quickstartStreet();
+  return scene;
+}
+
+constexpr Channels kChannels = Channels(Channel::Range) | Channel::Normal | Channel::Instance | Channel::Semantic |
+                               Channel::Material | Channel::Reflectance | Channel::Incidence;
+constexpr double kRange = 120;  // m
+
+std::shared_ptr<const BeamTable> beamsOf(std::int64_t rings) {
+  const auto preset = presetBeams("paper_64");
+  auto beams = std::make_shared<BeamTable>(*preset);
+  if (beams->rings == rings) return beams;
+  const double top = *std::max_element(preset->elevation.begin(), preset->elevation.end());
+  const double bottom = *std::min_element(preset->elevation.begin(), preset->elevation.end());
+  beams->rings = static_cast<std::uint32_t>(rings);
+  beams->elevation.clear();
+  for (std::int64_t r = 0; r < rings; ++r) {
+    beams->elevation.push_back(top + (bottom - top) * static_cast<double>(r) / static_cast<double>(rings - 1));
+  }
+  beams->azimuthOffset.assign(beams->rings, 0.0);
+  beams->firingOffset.assign(beams->rings, 0.0);
+  fillBeams(*beams);
+  return beams;
+}
+
+struct Place {
+  std::shared_ptr<const World> world;
+  FieldShape shape;
+};
+
+Place placeAt(double x, bool lists) {
+  static const Worlds worlds(street(), Instancing::Never, {});
+  ParticleOptions options;
+  options.refine = lists ? ParticleOptions::Refine::ByTriangle : ParticleOptions::Refine::None;
+  const Vec3d sensor{x, -1.75, 1.9};
+  const auto world = worlds.near(sensor);
+  Box scene = street().bounds();
+  scene = {scene.low - world->origin, scene.high - world->origin};
+  return {world, shapeOf(options, sensor - world->origin, scene, kRange)};
+}
+
+// A whole field, and what moving it by a metre takes; reading it from the disk.
+void field(benchmark::State& state, bool lists) {
+  const Place here = placeAt(-20, lists);
+  const Place there = placeAt(-19, lists);
+  BuildCounts counts;
+  BuildCounts moved;
+  std::shared_ptr<const Field> built;
+  std::vector<double> build;
+  std::vector<double> update;
+  std::vector<double> load;
+  const TemporaryFolder folder;
+  const FieldCache cache(folder.path(), "street");
+  for (auto _ : state) {
+    counts = {};
+    moved = {};
+    build.push_back(secondsOf([&] { built = buildField(*here.world, here.shape, nullptr, &counts); }));
+    state.SetIterationTime(build.back());
+    // Moves are of whole bricks of 0.8 m and more; averaged over ten metres.
+    std::shared_ptr<const Field> at = built;
+    update.push_back(secondsOf([&] {
+                       for (int metre = 1; metre <= 10; ++metre) {
+                         at = buildField(*here.world, placeAt(-20 + metre, lists).shape, at.get(), &moved);
+                       }
+                     }) /
+                     10);
+    cache.store(*built, here.world->origin);
+    load.push_back(secondsOf([&] { benchmark::DoNotOptimize(cache.find(here.shape, here.world->origin)); }));
+  }
+  state.counters["MB"] = static_cast<double>(built->bytes()) * 1e-6;
+  state.counters["full_bricks"] = built->fullBricks();
+  state.counters["bricks"] = static_cast<double>(counts.bricks);
+  state.counters["distances/s"] = static_cast<double>(counts.distances) / median(build);
+  state.counters["update_ms"] = 1e3 * median(update);
+  state.counters["update_of_build"] = median(update) / median(build);
+  state.counters["load_ms"] = 1e3 * median(load);
+}
+BENCHMARK_CAPTURE(field, nearest, false)->UseManualTime()->Iterations(5)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(field, lists, true)->UseManualTime()->Iterations(5)->Unit(benchmark::kMillisecond);
+
+// A scan, the field being there, against one by ray tracing. Stages are of the processor's time, in milliseconds a scan
+// (of the device's where it flies there).
+void scan(benchmark::State& state, const std::string& options) {
+  const Shot shot = streetShot(beamsOf(state.range(0)), -20);
+  const auto particle = methodOf("particle", street(), "{cache: none, " + options + "}");
+  const auto tracing = rayTracing(street());
+  Hits hits;
+  const auto ours = [&] { particle->trace(shot, kChannels, hits); };
+  const auto traced = [&] { tracing->trace(shot, kChannels, hits); };
+  ours();
+  traced();
+  std::vector<double> oursSeconds;
+  std::vector<double> tracedSeconds;
+  const auto before = particle->stageSeconds();
+  std::size_t scans = 0;
+  for (auto _ : state) {
+    const std::vector<double> each = secondsOfEach(5, ours);
+    scans += each.size();
+    oursSeconds.push_back(median(each));
+    state.SetIterationTime(oursSeconds.back());
+    tracedSeconds.push_back(median(secondsOfEach(5, traced)));
+  }
+  for (const auto& [stage, seconds] : particle->stageSeconds()) {
+    if (stage.starts_with("field")) continue;
+    state.counters[stage + "_ms"] = 1e3 * (seconds - before.at(stage)) / static_cast<double>(scans);
+  }
+  state.counters["beams/s"] = static_cast<double>(hits.size()) / median(oursSeconds);
+  state.counters["of_ray_tracing"] = median(oursSeconds) / median(tracedSeconds);
+}
+
+#define SCANS(name, options)             \
+  BENCHMARK_CAPTURE(scan, name, options) \
+      ->Arg(64)                          \
+      ->Arg(512)                         \
+      ->UseManualTime()                  \
+      ->Iterations(5)                    \
+      ->Unit(benchmark::kMillisecond)
+SCANS(none, "refine: none, backend: cpu");
+SCANS(normal, "refine: normal, backend: cpu");
+SCANS(triangle, "refine: triangle, backend: cpu");
+SCANS(none_gl, "refine: none, backend: gl");
+SCANS(normal_gl, "refine: normal, backend: gl");
+SCANS(triangle_gl, "refine: triangle, backend: gl");
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,466 @@
+#include "methods/particle/build.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "methods/particle/shape.h"
+#include "tests/support/message_of.h"
+#include "tests/support/test_scene.h"
+
+namespace scanmill {
+namespace {
+
+// Triangles as they are, with nothing cleaned: each third of them is of an instance of its own, whose ids fall as the
+// triangles' indices rise.
+Scene sceneOf(const std::vector<std::array<Vec3f, 3>>& triangles, const Vec3d& place = {}) {
+  Scene scene;
+  scene.materials.resize(1);
+  Mesh mesh;
+  for (std::uint32_t object = 1; object <= 3; ++object) mesh.surfaces.push_back({0, 1, 4 - object, ""});
+  mesh.objects = 3;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (const Vec3f& corner : triangles[t]) mesh.positions.push_back(corner);
+    mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    mesh.surfaceOf.push_back(static_cast<std::uint16_t>(3 * t / triangles.size()));
+  }
+  scene.meshes.push_back(std::move(mesh));
+  scene.instances.push_back({0, at(place.x, place.y, place.z), 1, "soup"});
+  return scene;
+}
+
+std::unique_ptr<World> worldOf(const Scene& scene, const Vec3d& origin = {},
+                               HierarchyQuality quality = HierarchyQuality::Medium) {
+  const DeviceHandle device = makeDevice();
+  HierarchyOptions options;
+  options.quality = quality;
+  return buildWorld(device.get(), scene, origin, std::vector<bool>(scene.meshes.size(), false), {}, options);
+}
+
+Vec3d randomPoint(std::uint32_t i, std::uint32_t j) {
+  const RandomBlock r = randomBlock({.seed = 9, .frame = j, .beam = i});
+  return {2 * uniform(r[0]) - 1, 2 * uniform(r[1]) - 1, 2 * uniform(r[2]) - 1};
+}
+
+// Of sizes from `least` to `most`, spread over a cube of +-`spread`.
+std::vector<std::array<Vec3f, 3>> soup(std::uint32_t count, double spread, double least, double most) {
+  std::vector<std::array<Vec3f, 3>> triangles;
+  for (std::uint32_t t = 0; t < count; ++t) {
+    const Vec3d middle = randomPoint(t, 0) * spread;
+    const double size = least * std::pow(most / least, (randomPoint(t, 1).x + 1) / 2);
+    const auto corner = [&](std::uint32_t j) { return Vec3f(middle + randomPoint(t, j) * size); };
+    triangles.push_back({corner(2), corner(3), corner(4)});
+  }
+  return triangles;
+}
+
+double toSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+  const double length2 = dot(b - a, b - a);
+  const double t = length2 > 0 ? std::clamp(dot(p - a, b - a) / length2, 0.0, 1.0) : 0.0;
+  return length(p - (a + (b - a) * t));
+}
+
+// The lesser of the distances to the edges, or to the plane from where the triangle is right below.
+double toTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const double edges = std::min({toSegment(p, a, b), toSegment(p, b, c), toSegment(p, c, a)});
+  const Vec3d n = cross(b - a, c - a);
+  const double n2 = dot(n, n);
+  if (!(n2 > 1e-18 * std::pow(std::max({dot(b - a, b - a), dot(c - a, c - a), dot(c - b, c - b)}), 2))) return edges;
+  const double u = dot(cross(b - a, p - a), n);
+  const double v = dot(cross(c - b, p - b), n);
+  const double w = dot(cross(a - c, p - c), n);
+  if (u < 0 || v < 0 || w < 0) return edges;
+  return std::min(edges, std::fabs(dot(p - a, n)) / std::sqrt(n2));
+}
+
+double toTriangle(const World& world, std::uint32_t triangle, const Vec3d& p) {
+  const auto corner = [&](int i) { return Vec3d(world.baked.vertices[world.baked.corners[triangle][i]]); };
+  return toTriangle(p, corner(0), corner(1), corner(2));
+}
+
+// A corner, or a brick's centre: m, relative to the world's origin.
+Vec3d placeOf(double voxel, const Corner& brick, double x, double y, double z) {
+  return {(double(brick[0] * 8) + x) * voxel, (double(brick[1] * 8) + y) * voxel, (double(brick[2] * 8) + z) * voxel};
+}
+
+// Calls visit(level, brick, entry) for all bricks.
+void eachBrick(const Field& field, const std::function<void(std::size_t, const Corner&, std::uint32_t)>& visit) {
+  for (std::size_t l = 0; l < field.levels.size(); ++l) {
+    const LevelBox& box = field.shape.levels[l];
+    std::uint32_t entry = field.levels[l].firstEntry;
+    for (std::uint32_t z = 0; z < box.bricks[2]; ++z) {
+      for (std::uint32_t y = 0; y < box.bricks[1]; ++y) {
+        for (std::uint32_t x = 0; x < box.bricks[0]; ++x) {
+          visit(l, {box.firstBrick[0] + x, box.firstBrick[1] + y, box.firstBrick[2] + z}, field.table[entry++]);
+        }
+      }
+    }
+  }
+}
+
+std::vector<std::uint32_t> listAt(const Field& field, std::uint32_t word) {
+  std::vector<std::uint32_t> list;
+  do {
+    list.push_back(field.lists[word] & ~kLastOfList);
+  } while (field.lists[word++] < kLastOfList);
+  return list;
+}
+
+// Holds one corner against brute force; distances in voxels.
+void checkCorner(const World& world, const Field& field, const std::vector<double>& distances, std::size_t corner) {
+  constexpr double kNear = 1e-4;  // distances of facets come out of float32
+  const double truth = *std::min_element(distances.begin(), distances.end());
+  const double stored = field.distance[corner] * kDistanceStep;
+  EXPECT_LE(stored, truth);
+  EXPECT_GE(stored, std::min<double>(truth, kExact) - 1.1 * kDistanceStep);
+  const std::uint32_t word = field.word[corner];
+  if (stored > kNamed) {
+    EXPECT_EQ(word, kNoWord);
+    return;
+  }
+  ASSERT_NE(word, kNoWord);
+  if (!field.shape.lists) {
+    EXPECT_LE(distances[word], truth + kNear);
+    return;
+  }
+  const std::vector<std::uint32_t> list = listAt(field, word);
+  const auto order = [&](std::uint32_t t) { return std::pair(world.baked.surfaceOf(t).instance, t); };
+  for (std::size_t i = 1; i < list.size(); ++i) EXPECT_LT(order(list[i - 1]), order(list[i]));
+  if (truth > kListed + kNear) {
+    ASSERT_EQ(list.size(), 1u);
+    EXPECT_LE(distances[list[0]], truth + kNear);
+    return;
+  }
+  for (const std::uint32_t t : list) EXPECT_LE(distances[t], std::max<double>(kListed, truth) + kNear);
+  for (std::uint32_t t = 0; t < distances.size(); ++t) {
+    if (distances[t] < kListed - kNear) {
+      EXPECT_EQ(std::count(list.begin(), list.end(), t), 1);
+    }
+  }
+}
+
+// Holds every `stride`-th corner and every brick's centre against brute force. How many corners were near a surface.
+std::size_t checkAgainstBruteForce(const World& world, const Field& field, std::size_t stride) {
+  std::size_t named = 0;
+  std::size_t next = 0;
+  std::vector<double> distances(world.baked.triangles.size());
+  const auto measure = [&](const Vec3d& p, double voxel) {
+    for (std::uint32_t t = 0; t < distances.size(); ++t) distances[t] = toTriangle(world, t, p) / voxel;
+  };
+  eachBrick(field, [&](std::size_t level, const Corner& brick, std::uint32_t entry) {
+    const double voxel = std::ldexp(field.shape.voxel, int(level));
+    measure(placeOf(voxel, brick, 4, 4, 4), voxel);
+    const double centre = *std::min_element(distances.begin(), distances.end());
+    if (entry < kFullBrick) {
+      const auto stored = std::bit_cast<float>(entry);
+      EXPECT_GE(stored, kEmptyBrick);
+      EXPECT_LE(stored, centre);
+      EXPECT_GE(stored, centre * (1 - 1e-5));
+      return;
+    }
+    EXPECT_LT(centre, kEmptyBrick * (1 + 1e-5));
+    const std::size_t first = std::size_t{entry - kFullBrick} * kBrickStride;
+    for (; next < kCornersPerBrick; next += stride) {
+      const std::size_t x = next % 9;
+      const std::size_t y = next / 9 % 9;
+      const std::size_t z = next / 81;
+      measure(placeOf(voxel, brick, double(x), double(y), double(z)), voxel);
+      checkCorner(world, field, distances, first + next);
+      named += field.word[first + next] != kNoWord;
+    }
+    next -= kCornersPerBrick;
+  });
+  return named;
+}
+
+FieldShape shapeAt(const Vec3d& sensor, double voxel, std::uint32_t voxels, std::uint32_t levels, bool lists) {
+  ParticleOptions options;
+  options.voxel = voxel;
+  options.voxels = voxels;
+  options.levels = levels;
+  options.refine = lists ? ParticleOptions::Refine::ByTriangle : ParticleOptions::Refine::None;
+  return shapeOf(options, sensor, Box{}, 100);
+}
+
+bool sameField(const Field& a, const Field& b) {
+  return a.shape == b.shape && a.table == b.table && a.distance == b.distance && a.word == b.word && a.lists == b.lists;
+}
+
+TEST(Build, ScatteredTrianglesOfAllSizes) {
+  const Scene scene = sceneOf(soup(60, 3, 0.003, 5));
+  const auto world = worldOf(scene);
+  for (const bool lists : {false, true}) {
+    const auto field = buildField(*world, shapeAt({0.2, 0.1, -0.3}, 0.1, 32, 3, lists), nullptr);
+    EXPECT_GT(checkAgainstBruteForce(*world, *field, 11), 300u);
+  }
+}
+
+// Many triangles near a brick: its corners, or its blocks of corners, search.
+TEST(Build, ThousandsOfSmallTriangles) {
+  const auto check = [](const std::vector<std::array<Vec3f, 3>>& triangles, std::size_t stride) {
+    const Scene scene = sceneOf(triangles);
+    const auto world = worldOf(scene);
+    for (const bool lists : {false, true}) {
+      const auto field = buildField(*world, shapeAt({0.5, 0, 0}, 0.1, 32, 2, lists), nullptr);
+      EXPECT_GT(checkAgainstBruteForce(*world, *field, stride), 50u);
+    }
+  };
+  check(soup(12000, 0.6, 0.002, 0.05), 97);
+  check(soup(700, 0.15, 0.002, 0.05), 7);
+  check(soup(2500, 0.8, 0.01, 0.3), 37);
+}
+
+TEST(Build, HugeTrianglesUnderSmallVoxels) {
+  auto triangles = soup(8, 0.05, 0.01, 0.1);
+  triangles.push_back({Vec3f{-4000, -3000, 0.013f}, {5000, -2500, 0.017f}, {100, 6000, -0.004f}});
+  triangles.push_back({Vec3f{0.02f, -3000, -2000}, {0.021f, 2500, -2500}, {0.019f, 100, 3000}});
+  const Scene scene = sceneOf(triangles);
+  const auto world = worldOf(scene);
+  const auto field = buildField(*world, shapeAt({0.003, 0.001, 0}, 0.001, 32, 4, true), nullptr);
+  EXPECT_GT(checkAgainstBruteForce(*world, *field, 31), 300u);
+}
+
+TEST(Build, MillimetreVoxelsFarFromTheOrigin) {
+  const Vec3d place{511.3, -498.7, 70.1};
+  const Scene scene = sceneOf(soup(40, 0.02, 0.0005, 0.03), place);
+  const auto world = worldOf(scene);
+  for (const bool lists : {false, true}) {
+    const auto field = buildField(*world, shapeAt(place, 0.001, 32, 2, lists), nullptr);
+    EXPECT_GT(checkAgainstBruteForce(*world, *field, 31), 100u);
+  }
+}
+
+TEST(Build, TrianglesThatAreLinesOrPoints) {
+  const Vec3f a{0.13f, 0.21f, 0.11f};
+  const Vec3f b{0.73f, 0.25f, 0.51f};
+  const Vec3f middle{0.43f, 0.23f, 0.31f};
+  const Vec3f c{-0.3f, 0.2f, 0.4f};
+  const Vec3f nearB{0.73f, 0.25001f, 0.51f};
+  const Scene scene = sceneOf({{a, a, a}, {a, b, a}, {a, middle, b}, {c, b, nearB}, {c, c, b}, {b, c, nearB}});
+  const auto world = worldOf(scene);
+  for (const bool lists : {false, true}) {
+    const auto field = buildField(*world, shapeAt({}, 0.1, 32, 2, lists), nullptr);
+    EXPECT_GT(checkAgainstBruteForce(*world, *field, 7), 30u);
+  }
+}
+
+// Of triangles in the same place, the one of the lowest instance is named: here, of the last copy.
+TEST(Build, EquallyNearTrianglesHaveAnOrder) {
+  for (const auto& once : {soup(40, 1, 0.1, 1), soup(500, 0.15, 0.002, 0.05)}) {
+    std::vector<std::array<Vec3f, 3>> thrice;
+    for (int copy = 0; copy < 3; ++copy) thrice.insert(thrice.end(), once.begin(), once.end());
+    const Scene scene = sceneOf(thrice);
+    const auto world = worldOf(scene);
+    const auto count = static_cast<std::uint32_t>(once.size());
+    const auto nearest = buildField(*world, shapeAt({}, 0.1, 32, 2, false), nullptr);
+    for (const std::uint32_t word : nearest->word) EXPECT_GE(word, 2 * count);
+    const auto listed = buildField(*world, shapeAt({}, 0.1, 32, 2, true), nullptr);
+    for (const std::uint32_t word : listed->word) {
+      if (word == kNoWord) continue;
+      const std::vector<std::uint32_t> list = listAt(*listed, word);
+      const std::size_t copies = list.size() == 1 ? 1 : list.size() / 3;
+      for (std::size_t i = 0; i < list.size(); ++i) EXPECT_EQ(list[i], list[i % copies] - i / copies * count);
+      EXPECT_GE(list[0], 2 * count);
+    }
+  }
+}
+
+TEST(Build, AlphaTestedTrianglesAreThereToo) {
+  Scene scene = sceneOf(soup(60, 1, 0.05, 1));
+  auto texture = std::make_shared<Texture>();
+  texture->width = texture->height = 1;
+  texture->rgba = {255, 255, 255, 255};
+  scene.materials.resize(2);
+  scene.materials[1].texture = texture;
+  scene.materials[1].alphaTested = true;
+  scene.meshes[0].surfaces[0].material = 1;
+  const auto world = worldOf(scene);
+  EXPECT_EQ(world->baked.firstAlpha, 40u);
+  for (const bool lists : {false, true}) {
+    const auto field = buildField(*world, shapeAt({}, 0.1, 32, 2, lists), nullptr);
+    EXPECT_GT(checkAgainstBruteForce(*world, *field, 31), 100u);
+  }
+}
+
+TEST(Build, OneTriangle) {
+  const Scene scene = sceneOf({{Vec3f{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
+  const auto world = worldOf(scene);
+  for (const Vec3d& sensor : {Vec3d{0.1, 0.1, 0.1}, Vec3d{5000, 0, 0}}) {
+    const auto field = buildField(*world, shapeAt(sensor, 0.1, 32, 3, true), nullptr);
+    checkAgainstBruteForce(*world, *field, 1);
+    EXPECT_EQ(field->fullBricks() > 0, sensor.x < 1000);
+  }
+}
+
+TEST(Build, EmptyWorldIsEmpty) {
+  const Scene scene = sceneOf({});
+  const auto world = worldOf(scene);
+  BuildCounts counts;
+  const auto field = buildField(*world, shapeAt({}, 0.1, 32, 2, true), nullptr, &counts);
+  EXPECT_EQ(field->fullBricks(), 0u);
+  EXPECT_EQ(counts.bricks, 128u);
+  EXPECT_EQ(counts.distances, 0u);
+  for (const std::uint32_t entry : field->table) EXPECT_GT(std::bit_cast<float>(entry), 1e20f);
+}
+
+TEST(Build, MillionTriangles) {
+  SceneBuilder builder = testBuilder();
+  Mesh mesh = meshOf(builder, "thing");
+  appendSphere(mesh, 0, {}, 1.0, 1000);
+  builder.place(builder.addMesh(mesh), {}, "ball");
+  const Scene scene = builder.finish();
+  EXPECT_GT(scene.placedTriangles(), 900'000u);
+  const auto world = worldOf(scene);
+  const auto field = buildField(*world, shapeAt({1, 0, 0}, 0.05, 32, 2, false), nullptr);
+  EXPECT_GT(field->fullBricks(), 10u);
+  eachBrick(*field, [&](std::size_t level, const Corner& brick, std::uint32_t entry) {
+    if (entry < kFullBrick) return;
+    const double voxel = std::ldexp(0.05, int(level));
+    for (int c = 0; c < kCornersPerBrick; ++c) {
+      const double truth = std::fabs(length(placeOf(voxel, brick, c % 9, c / 9 % 9, c / 81)) - 1) / voxel;
+      const double stored = field->distance[(entry - kFullBrick) * std::size_t{kBrickStride} + c] * kDistanceStep;
+      // The ball's facets lie up to 1e-5 m inside of it.
+      ASSERT_LE(stored, truth + 1e-3);
+      ASSERT_GE(stored, std::min(truth, 4.0) - 2e-3);
+    }
+  });
+}
+
+TEST(Build, MovedFieldIsAsIfBuiltAnew) {
+  auto triangles = soup(40, 8, 0.05, 6);
+  for (const auto& leaf : soup(4000, 0.7, 0.01, 0.1)) triangles.push_back(leaf);
+  const Scene scene = sceneOf(triangles);
+  const auto world = worldOf(scene);
+  for (const bool lists : {false, true}) {
+    std::shared_ptr<const Field> moved;
+    const std::vector<Vec3d> path{{0, 0, 0},   {1.7, 0, 0}, {1.7, 3.3, -1.6}, {1.7, 3.3, -1.6}, {5, 4, 1},
+                                  {-3, -4, 2}, {0, 0, 0},   {40, 0, 0},       {0.9, 0, 0},      {0.9, 0.9, 0}};
+    for (const Vec3d& sensor : path) {
+      const FieldShape shape = shapeAt(sensor, 0.2, 32, 3, lists);
+      BuildCounts counts;
+      const auto fresh = buildField(*world, shape, nullptr);
+      const bool same = moved != nullptr && moved->shape == shape;
+      moved = buildField(*world, shape, moved.get(), &counts);
+      EXPECT_TRUE(sameField(*moved, *fresh)) << "lists " << lists << ", at " << sensor.x;
+      EXPECT_EQ(counts.bricks, 3u * 64);
+      if (same) {
+        EXPECT_EQ(counts.kept, counts.bricks);
+      }
+    }
+  }
+}
+
+TEST(Build, TakesOverNothingOfAnotherKind) {
+  const Scene scene = sceneOf(soup(40, 2, 0.05, 2));
+  const auto world = worldOf(scene);
+  const auto before = buildField(*world, shapeAt({}, 0.1, 32, 2, false), nullptr);
+  for (const FieldShape& shape : {shapeAt({}, 0.1, 32, 2, true), shapeAt({}, 0.2, 32, 2, false)}) {
+    BuildCounts counts;
+    const auto built = buildField(*world, shape, before.get(), &counts);
+    EXPECT_EQ(counts.kept, 0u);
+    EXPECT_TRUE(sameField(*built, *buildField(*world, shape, nullptr)));
+  }
+  // Other levels, and other boxes, are taken over as far as they go.
+  for (const FieldShape& shape : {shapeAt({}, 0.1, 32, 3, false), shapeAt({}, 0.1, 16, 1, false)}) {
+    BuildCounts counts;
+    const auto built = buildField(*world, shape, before.get(), &counts);
+    EXPECT_EQ(counts.kept, shape.levels.size() == 3 ? 128u : 8u);
+    EXPECT_TRUE(sameField(*built, *buildField(*world, shape, nullptr)));
+  }
+}
+
+TEST(Build, CountsWhatItDid) {
+  const Scene scene = sceneOf(soup(100, 2, 0.05, 1));
+  const auto world = worldOf(scene);
+  BuildCounts first;
+  const auto field = buildField(*world, shapeAt({}, 0.1, 32, 2, true), nullptr, &first);
+  EXPECT_EQ(first.bricks, 128u);
+  EXPECT_EQ(first.kept, 0u);
+  EXPECT_EQ(first.distances, 128u + std::uint64_t{field->fullBricks()} * kCornersPerBrick);
+  EXPECT_EQ(first.listed, field->lists.size());
+  BuildCounts second;
+  const auto moved = buildField(*world, shapeAt({0.8, 0, 0}, 0.1, 32, 2, true), field.get(), &second);
+  EXPECT_EQ(second.bricks, 128u);
+  EXPECT_EQ(second.kept, 64u * 3 / 4 + (moved->shape.levels[1] == field->shape.levels[1] ? 64u : 48u));
+  EXPECT_LT(second.distances, first.distances);
+  EXPECT_EQ(field->bytes(), field->levels.size() * sizeof(FieldLevel) + field->table.size() * 4 +
+                                field->distance.size() * 2 + field->word.size() * 4 + field->lists.size() * 4);
+}
+
+TEST(Build, SameBytesWithAnyNumberOfThreads) {
+  auto triangles = soup(30, 3, 0.05, 6);
+  for (const auto& leaf : soup(5000, 0.5, 0.01, 0.1)) triangles.push_back(leaf);
+  const Scene scene = sceneOf(triangles);
+  const auto world = worldOf(scene);
+  for (const bool lists : {false, true}) {
+    const FieldShape shape = shapeAt({}, 0.1, 48, 3, lists);
+    std::shared_ptr<const Field> one;
+    for (const int threads : {1, 2, 8}) {
+      const ThreadLimit limit(threads);
+      const auto field = buildField(*world, shape, nullptr);
+      if (one == nullptr) one = field;
+      EXPECT_TRUE(sameField(*field, *one)) << threads;
+    }
+  }
+}
+
+// Nor on how Embree arranges the triangles.
+TEST(Build, SameBytesWithAnyHierarchy) {
+  auto triangles = soup(200, 2, 0.05, 6);
+  for (const auto& leaf : soup(3000, 0.5, 0.01, 0.1)) triangles.push_back(leaf);
+  const Scene scene = sceneOf(triangles);
+  const FieldShape shape = shapeAt({}, 0.1, 32, 3, true);
+  const auto medium = worldOf(scene);
+  const auto field = buildField(*medium, shape, nullptr);
+  for (const HierarchyQuality quality : {HierarchyQuality::Low, HierarchyQuality::High}) {
+    const auto world = worldOf(scene, {}, quality);
+    EXPECT_TRUE(sameField(*buildField(*world, shape, nullptr), *field));
+  }
+}
+
+TEST(Build, MovesWithSceneAndOrigin) {
+  const auto triangles = soup(100, 2, 0.05, 3);
+  const Scene here = sceneOf(triangles);
+  const Vec3d shift{1e7, -2e7, 512};
+  const Scene there = sceneOf(triangles, shift);
+  const FieldShape shape = shapeAt({0.3, 0, 0}, 0.1, 32, 3, true);
+  EXPECT_TRUE(
+      sameField(*buildField(*worldOf(here), shape, nullptr), *buildField(*worldOf(there, shift), shape, nullptr)));
+}
+
+// A scene that moves by whole bricks of the coarsest level takes its field along.
+TEST(Build, MovesWithTheSceneByWholeBricks) {
+  auto triangles = soup(100, 2, 0.05, 3);
+  for (auto& triangle : triangles) {
+    for (Vec3f& corner : triangle) {
+      const auto snap = [](float x) { return std::round(x * 256) / 256; };  // exact wherever it is moved
+      corner = {snap(corner.x), snap(corner.y), snap(corner.z)};
+    }
+  }
+  const Vec3d shift{64, -24, 8};
+  const auto here = buildField(*worldOf(sceneOf(triangles)), shapeAt({0.3, 0, 0}, 0.125, 32, 3, true), nullptr);
+  const auto there =
+      buildField(*worldOf(sceneOf(triangles, shift)), shapeAt(Vec3d{0.3, 0, 0} + shift, 0.125, 32, 3, true), nullptr);
+  EXPECT_EQ(there->distance, here->distance);
+  EXPECT_EQ(there->word, here->word);
+  EXPECT_EQ(there->lists, here->lists);
+  EXPECT_EQ(there->table, here->table);
+}
+
+TEST(Build, RefusesInstancedMeshes) {
+  const Scene scene = sceneOf(soup(4, 1, 0.1, 1));
+  const DeviceHandle device = makeDevice();
+  const std::vector<bool> instanced(1, true);
+  const SharedMeshes shared = buildSharedMeshes(device.get(), scene, instanced, {});
+  const auto world = buildWorld(device.get(), scene, {}, instanced, shared, {});
+  const auto build = [&] { buildField(*world, shapeAt({}, 0.1, 32, 1, false), nullptr); };
+  EXPECT_THAT(messageOf<Error>(build), testing::HasSubstr("without instanced meshes"));
+}
+
+}  // namespace
+}  // namespace scanmill

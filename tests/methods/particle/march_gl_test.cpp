@@ -1,0 +1,352 @@
+#include "methods/particle/march_gl.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <thread>
+#include <vector>
+
+#include "base/random.h"
+#include "methods/particle/build.h"
+#include "methods/particle/march.h"
+#include "methods/particle/shape.h"
+#include "methods/world/world.h"
+#include "tests/support/gl.h"
+#include "tests/support/message_of.h"
+#include "tests/support/sanitizers.h"
+#include "tests/support/test_scene.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+// Levels of 64^3 voxels around the middle of a scene, and what particles need of it.
+struct Surroundings {
+  std::shared_ptr<const World> world;
+  std::shared_ptr<const Field> field;
+};
+
+Surroundings surroundingsOf(const Scene& scene, bool lists, double voxel = 0.25) {
+  const DeviceHandle device = makeDevice();
+  const std::vector<bool> instanced(scene.meshes.size(), false);
+  const SharedMeshes shared = buildSharedMeshes(device.get(), scene, instanced, {});
+  ParticleOptions options;
+  options.voxel = voxel;
+  options.voxels = 64;
+  options.levels = 3;
+  options.refine = lists ? ParticleOptions::Refine::ByTriangle : ParticleOptions::Refine::None;
+  Surroundings made{buildWorld(device.get(), scene, {}, instanced, shared, {}), nullptr};
+  made.field = buildField(*made.world, shapeOf(options, {}, scene.bounds(), 30), nullptr);
+  return made;
+}
+
+// A room with furniture whose triangles are large and small, and a loose sheet.
+Scene furnished() {
+  SceneBuilder builder = testBuilder();
+  Mesh mesh = meshOf(builder, "thing");
+  appendBox(mesh, 0, {}, {24, 16, 8});
+  appendSphere(mesh, 0, at(3, 2, -1), 1.5, 24);
+  appendBox(mesh, 0, at(-4, -2, 0), {0.04, 0.04, 5});
+  appendCylinder(mesh, 0, at(5, -4, 1), 0.6, 0, 2, 16);
+  appendQuad(mesh, 0, {-6, 3, -2}, {-5, 5, -2}, {-5, 5, 2}, {-6, 3, 2});
+  builder.place(builder.addMesh(mesh), {toMatrix(fromYawPitchRoll(0.3, 0.1, -0.2)), {0.1, 0.2, 0.05}}, "room");
+  return builder.finish();
+}
+
+Scene openGround() {
+  SceneBuilder builder = testBuilder();
+  Mesh mesh = meshOf(builder, "ground");
+  appendPlane(mesh, 0, at(0, 0, -2), 100, 100, 9);
+  appendSphere(mesh, 0, at(6, 1, -1), 1, 16);
+  builder.place(builder.addMesh(mesh), {}, "ground");
+  return builder.finish();
+}
+
+Scene nothing() {
+  Scene scene;
+  scene.materials.resize(1);
+  return scene;
+}
+
+void setParticle(const Field& field, Particles& particles, std::size_t i, const Vec3d& origin, const Vec3d& direction,
+                 double begin) {
+  const Box box = flightBox(field.shape);
+  const double voxel = field.shape.voxel;
+  const Vec3d start = (origin - field.shape.centre) * (1 / voxel);
+  const auto wayOut = [](double low, double high, double from, double along) {
+    return along == 0 ? 1e9 : ((along > 0 ? high : low) - from) / along;
+  };
+  const double end = std::min({wayOut(box.low.x, box.high.x, origin.x, direction.x),
+                               wayOut(box.low.y, box.high.y, origin.y, direction.y),
+                               wayOut(box.low.z, box.high.z, origin.z, direction.z)}) /
+                     voxel;
+  const auto put = [&](std::vector<float>& column, double value) { column[i] = static_cast<float>(value); };
+  put(particles.ox, start.x);
+  put(particles.oy, start.y);
+  put(particles.oz, start.z);
+  put(particles.dx, direction.x);
+  put(particles.dy, direction.y);
+  put(particles.dz, direction.z);
+  put(particles.begin, begin);
+  put(particles.end, end);
+  if (!field.shape.lists) return;
+  const auto inverse = [](double component) { return 1 / (std::abs(component) < 1e-12 ? 1e-12 : component); };
+  put(particles.wx, origin.x);
+  put(particles.wy, origin.y);
+  put(particles.wz, origin.z);
+  put(particles.ix, inverse(direction.x));
+  put(particles.iy, inverse(direction.y));
+  put(particles.iz, inverse(direction.z));
+}
+
+// From all over the field, in all directions; every ninth along an axis, some that have no way to go.
+Particles particlesIn(const Field& field, std::size_t count, std::uint32_t stream = 0) {
+  Particles particles;
+  particles.resize(count, field.shape.lists);
+  const Box box = flightBox(field.shape);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto beam = static_cast<std::uint32_t>(i);
+    const RandomBlock p = randomBlock({5, stream, 0, 0, beam, 0, Purpose::Test});
+    const RandomBlock d = randomBlock({5, stream, 1, 0, beam, 0, Purpose::Test});
+    const double reach = i % 4 == 0 ? 1 : 0.2;  // most from the middle, where the levels are fine
+    const auto within = [&](double low, double high, std::uint32_t bits) {
+      return (low + high) / 2 + reach * (high - low) * (uniform(bits) - 0.5);
+    };
+    const Vec3d origin{within(box.low.x, box.high.x, p[0]), within(box.low.y, box.high.y, p[1]),
+                       within(box.low.z, box.high.z, p[2])};
+    const double z = 2 * uniform(d[0]) - 1;
+    const double s = std::sqrt(1 - z * z);
+    const double azimuth = 2 * kPi * uniform(d[1]);
+    Vec3d direction{s * std::cos(azimuth), s * std::sin(azimuth), z};
+    if (i % 9 == 0) {
+      const double turn = d[2] % 2 == 0 ? 1 : -1;
+      const Vec3d axes[] = {{turn, 0, 0}, {0, turn, 0}, {0, 0, turn}};
+      direction = axes[d[3] % 3];
+    }
+    setParticle(field, particles, i, origin, direction, i % 5 == 0 ? 4 * uniform(p[3]) : 0);
+    if (i % 31 == 0) particles.end[i] = particles.begin[i];
+    if (i % 37 == 0) particles.end[i] = -1;
+  }
+  return particles;
+}
+
+struct Counts {
+  std::size_t hits = 0, misses = 0, exhausted = 0, wrong = 0;
+};
+
+// Bit by bit what the rule says.
+Counts compared(const Surroundings& place, const MarchOptions& options, const Particles& particles,
+                const Landings& landings) {
+  Counts counts;
+  EXPECT_EQ(landings.size(), particles.size());
+  for (std::size_t i = 0; i < landings.size(); ++i) {
+    const Landing expected = marchOne(*place.field, place.world->baked, options, particles, i);
+    const Outcome outcome = landings.outcomeOf(i);
+    counts.hits += outcome == Outcome::Hit;
+    counts.misses += outcome == Outcome::Miss;
+    counts.exhausted += outcome == Outcome::Exhausted;
+    const bool right = outcome == expected.outcome && landings.stepsOf(i) == expected.steps &&
+                       std::bit_cast<std::uint32_t>(landings.way[i]) == std::bit_cast<std::uint32_t>(expected.way) &&
+                       landings.triangle[i] == expected.triangle;
+    if (!right && counts.wrong++ == 0) {
+      ADD_FAILURE() << "particle " << i << ": outcome " << landings.outcome[i] % 4 << " after " << landings.stepsOf(i)
+                    << " steps, way " << landings.way[i] << ", triangle " << landings.triangle[i] << " and not "
+                    << static_cast<int>(expected.outcome) << " after " << expected.steps << ", way " << expected.way
+                    << ", triangle " << expected.triangle;
+    }
+  }
+  EXPECT_EQ(counts.wrong, 0u);
+  return counts;
+}
+
+Counts flown(GlMarcher& marcher, const Surroundings& place, const MarchOptions& options, const Particles& particles) {
+  Landings landings;
+  marcher.march(place.field, place.world, options, particles, landings);
+  return compared(place, options, particles, landings);
+}
+
+constexpr MarchOptions kUsual{kRest, 0, 512};
+
+TEST(GlMarcher, TakesTheStepsOfTheRuleBitByBit) {
+  SKIP_WITHOUT_GL();
+  const auto marcher = makeGlMarcher();
+  for (const bool lists : {false, true}) {
+    for (const Scene& scene : {furnished(), openGround()}) {
+      const Surroundings place = surroundingsOf(scene, lists);
+      const Particles particles = particlesIn(*place.field, 5000);
+      const Counts usual = flown(*marcher, place, kUsual, particles);
+      EXPECT_GT(usual.hits, 500u);
+      EXPECT_GT(usual.misses, 100u);
+      const Counts cone = flown(*marcher, place, {0.9f, 0.02f, 512}, particles);
+      EXPECT_GT(cone.hits, 500u);
+      const Counts few = flown(*marcher, place, {kRest, 0, 4}, particles);
+      EXPECT_GT(few.exhausted, 500u);
+      EXPECT_EQ(flown(*marcher, place, {kRest, 0, 0}, particles).exhausted, particles.size());
+    }
+  }
+}
+
+TEST(GlMarcher, NothingIsMetInAnEmptyField) {
+  SKIP_WITHOUT_GL();
+  const auto marcher = makeGlMarcher();
+  const Scene scene = nothing();
+  for (const bool lists : {false, true}) {
+    const Surroundings place = surroundingsOf(scene, lists);
+    EXPECT_EQ(place.field->fullBricks(), 0u);
+    EXPECT_EQ(flown(*marcher, place, kUsual, particlesIn(*place.field, 300)).misses, 300u);
+  }
+}
+
+TEST(GlMarcher, FieldsAndWorldsTakeTurns) {
+  SKIP_WITHOUT_GL();
+  const auto marcher = makeGlMarcher();
+  const Scene room = furnished();
+  const Scene ground = openGround();
+  const std::vector<Surroundings> places{surroundingsOf(room, true), surroundingsOf(ground, true),
+                                         surroundingsOf(room, false), surroundingsOf(room, true, 0.4)};
+  for (const std::size_t k : {0u, 0u, 1u, 0u, 2u, 1u, 3u, 0u, 2u, 3u}) {
+    flown(*marcher, places[k], kUsual, particlesIn(*places[k].field, 500));
+  }
+}
+
+TEST(GlMarcher, AFieldIsUploadedOnce) {
+  SKIP_WITHOUT_GL();
+  const auto marcher = makeGlMarcher();
+  const Scene scene = furnished();
+  const Surroundings place = surroundingsOf(scene, true);
+  const auto field = std::make_shared<Field>(*place.field);
+  const Particles particles = particlesIn(*field, 100);
+  Landings first;
+  marcher->march(field, place.world, kUsual, particles, first);
+  // Were it looked at again, it would be seen that it is another one now.
+  field->distance.assign(field->distance.size(), 0xFFFF);
+  Landings second;
+  marcher->march(field, place.world, kUsual, particles, second);
+  EXPECT_EQ(first.outcome, second.outcome);
+  EXPECT_EQ(first.way, second.way);
+  // Another object is another field.
+  marcher->march(std::make_shared<Field>(*field), place.world, kUsual, particles, second);
+  EXPECT_NE(first.outcome, second.outcome);
+}
+
+TEST(GlMarcher, SlicesDoNotMatter) {
+  SKIP_WITHOUT_GL();
+  const Scene scene = furnished();
+  for (const bool lists : {false, true}) {
+    const Surroundings place = surroundingsOf(scene, lists);
+    for (const std::size_t slice : {1u, 100u, 500u}) {
+      const auto marcher = makeGlMarcher(GlMarcherLimits{.particles = slice});
+      for (const std::size_t count : {1u, 99u, 100u, 101u, 250u}) {
+        flown(*marcher, place, kUsual, particlesIn(*place.field, count));
+      }
+    }
+  }
+}
+
+TEST(GlMarcher, NoParticlesAndOne) {
+  SKIP_WITHOUT_GL();
+  const auto marcher = makeGlMarcher();
+  const Scene scene = furnished();
+  const Surroundings place = surroundingsOf(scene, true);
+  Landings landings;
+  landings.resize(7);
+  marcher->march(place.field, place.world, kUsual, particlesIn(*place.field, 0), landings);
+  EXPECT_EQ(landings.size(), 0u);
+  EXPECT_EQ(flown(*marcher, place, kUsual, particlesIn(*place.field, 2)).wrong, 0u);
+  Particles one;
+  one.resize(1, true);
+  setParticle(*place.field, one, 0, {0, 0, 0}, {0, 0, -1}, 0);
+  EXPECT_EQ(flown(*marcher, place, kUsual, one).hits, 1u);
+}
+
+TEST(GlMarcher, ThreadsTakeTurns) {
+  SKIP_WITHOUT_GL();
+  const auto marcher = makeGlMarcher();
+  const Scene room = furnished();
+  const Scene ground = openGround();
+  const std::vector<Surroundings> places{surroundingsOf(room, true), surroundingsOf(ground, false)};
+  constexpr int kThreads = 4;
+  const int rounds = kSanitized ? 2 : 6;
+  std::vector<Landings> got(std::size_t{kThreads} * static_cast<std::size_t>(rounds));
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t t = 0; t < kThreads; ++t) {
+      threads.emplace_back([&, t] {
+        const Surroundings& place = places[t % 2];
+        const auto own = t == 3 ? makeGlMarcher() : nullptr;
+        for (std::size_t round = 0; round < static_cast<std::size_t>(rounds); ++round) {
+          const auto stream = static_cast<std::uint32_t>(10 * t + round);
+          (own != nullptr ? *own : *marcher)
+              .march(place.field, place.world, kUsual, particlesIn(*place.field, 300 + t, stream),
+                     got[t * static_cast<std::size_t>(rounds) + round]);
+        }
+      });
+    }
+  }
+  for (std::size_t k = 0; k < got.size(); ++k) {
+    const std::size_t t = k / static_cast<std::size_t>(rounds);
+    const std::size_t round = k % static_cast<std::size_t>(rounds);
+    const Surroundings& place = places[t % 2];
+    compared(place, kUsual, particlesIn(*place.field, 300 + t, static_cast<std::uint32_t>(10 * t + round)), got[k]);
+  }
+}
+
+TEST(GlMarcher, TellsItsDeviceAndTimes) {
+  SKIP_WITHOUT_GL();
+  const auto marcher = makeGlMarcher();
+  EXPECT_FALSE(marcher->device().empty());
+  EXPECT_EQ(marcher->seconds().march, 0);
+  const Scene scene = furnished();
+  const Surroundings place = surroundingsOf(scene, true);
+  flown(*marcher, place, kUsual, particlesIn(*place.field, 100));
+  const GlMarcher::Seconds seconds = marcher->seconds();
+  EXPECT_GT(seconds.upload, 0);
+  EXPECT_GT(seconds.march, 0);
+  EXPECT_GT(seconds.readBack, 0);
+  EXPECT_EQ(glHasHardware(), !marcher->software());
+}
+
+TEST(GlMarcher, FieldsLargerThanTheDeviceTakesAreRefused) {
+  SKIP_WITHOUT_GL();
+  const Scene scene = furnished();
+  const Surroundings place = surroundingsOf(scene, true);
+  const Particles particles = particlesIn(*place.field, 10);
+  Landings landings;
+  const auto refusal = [&](std::uint64_t bytes) {
+    const auto marcher = makeGlMarcher(GlMarcherLimits{.tableBytes = bytes});
+    return messageOf<Error>([&] { marcher->march(place.field, place.world, kUsual, particles, landings); });
+  };
+  const std::uint64_t largest = place.field->word.size() * sizeof(std::uint32_t);
+  const std::string message = refusal(largest - 1);
+  EXPECT_THAT(message, HasSubstr("particles cannot fly by OpenGL: the "));
+  EXPECT_THAT(message, HasSubstr("voxel_m"));
+  EXPECT_THAT(message, HasSubstr("levels"));
+  EXPECT_THAT(message, HasSubstr("backend: cpu"));
+  EXPECT_EQ(refusal(std::uint64_t{1} << 30), "accepted");
+  // After a refusal the marcher takes what it can.
+  const auto marcher = makeGlMarcher(GlMarcherLimits{.tableBytes = largest / 2});
+  EXPECT_NE(messageOf<Error>([&] { marcher->march(place.field, place.world, kUsual, particles, landings); }),
+            "accepted");
+  const Scene empty = nothing();
+  const Surroundings little = surroundingsOf(empty, true);
+  EXPECT_EQ(flown(*marcher, little, kUsual, particlesIn(*little.field, 10)).misses, 10u);
+}
+
+TEST(GlMarcher, SaysWhatToDoWithoutADevice) {
+  SKIP_WITHOUT_GL();
+  ::setenv("SCANMILL_GL_DEVICE", "77", 1);
+  const std::string message = messageOf<Error>([] { makeGlMarcher(); });
+  const bool hardware = glHasHardware();
+  ::unsetenv("SCANMILL_GL_DEVICE");
+  EXPECT_THAT(message, HasSubstr("particles cannot fly by OpenGL: SCANMILL_GL_DEVICE: there is no device '77'"));
+  EXPECT_THAT(message, HasSubstr("backend: cpu"));
+  EXPECT_FALSE(hardware);
+}
+
+}  // namespace
+}  // namespace scanmill
