@@ -29,13 +29,14 @@ double crossingOf(const Corners& t, const Vec3d& o, const Vec3d& d) {
   const Vec3d ab = t.b - t.a;
   const Vec3d ac = t.c - t.a;
   const Vec3d p = cross(d, ac);
-  const double inverse = 1 / dot(ab, p);
+  const double determinant = dot(ab, p);
+  const double sign = determinant < 0 ? -1 : 1;
   const Vec3d s = o - t.a;
-  const double u = dot(s, p) * inverse;
+  const double u = dot(s, p) * sign;
   const Vec3d q = cross(s, ab);
-  const double v = dot(d, q) * inverse;
-  const bool inside = u >= 0 && v >= 0 && u + v <= 1;
-  return inside ? dot(ac, q) * inverse : std::numeric_limits<double>::quiet_NaN();
+  const double v = dot(d, q) * sign;
+  const bool inside = u >= 0 && v >= 0 && u + v <= determinant * sign;
+  return inside ? dot(ac, q) / determinant : std::numeric_limits<double>::quiet_NaN();
 }
 
 double toSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
@@ -44,29 +45,36 @@ double toSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   return length(p - (a + ab * along));
 }
 
-double distanceTo(const Corners& t, const Vec3d& p) {
-  const Vec3d normal = normalized(cross(t.b - t.a, t.c - t.a));
+// Infinite where that is more than `most`: what lies so far from the plane is not looked at closely.
+double distanceUpTo(double most, const Corners& t, const Vec3d& p) {
+  const Vec3d normal = cross(t.b - t.a, t.c - t.a);
   const double away = dot(normal, p - t.a);
-  if (!std::isnan(crossingOf(t, p, normal))) return std::abs(away);
+  const double square = dot(normal, normal);
+  if (away * away > most * most * square) return std::numeric_limits<double>::infinity();
+  if (!std::isnan(crossingOf(t, p, normal))) return std::abs(away) / std::sqrt(square);
   return std::min({toSegment(p, t.a, t.b), toSegment(p, t.b, t.c), toSegment(p, t.c, t.a)});
 }
 
 // The triangles that the field names along the last steps before and after the brink, each once.
 class Named {
  public:
-  Named(const Field& field, const Vec3d& brink, const Vec3d& d, double grow) {
+  Named(const Field& field, const TriangleBlock& block, const Vec3d& brink, const Vec3d& d, double grow) {
     for (const double step : {-0.8, 0.0, 0.8}) {
-      for (const std::uint32_t triangle : placeIn(field, Vec3f(brink + d * (step * grow))).around) add(triangle);
+      for (const std::uint32_t triangle : trianglesAround(field, Vec3f(brink + d * (step * grow)))) {
+        if (triangle == kNoWord || std::find(begin(), end(), triangle) != end()) continue;
+        triangles_[count_++] = triangle;
+        __builtin_prefetch(&block.corners[triangle]);
+      }
+    }
+    // All of them at once: they lie anywhere in memory.
+    for (const std::uint32_t triangle : *this) {
+      for (const std::uint32_t corner : block.corners[triangle]) __builtin_prefetch(&block.vertices[corner]);
     }
   }
   const std::uint32_t* begin() const { return triangles_.data(); }
   const std::uint32_t* end() const { return triangles_.data() + count_; }
 
  private:
-  void add(std::uint32_t triangle) {
-    if (triangle != kNoWord && std::find(begin(), end(), triangle) == end()) triangles_[count_++] = triangle;
-  }
-
   std::array<std::uint32_t, 24> triangles_;
   std::size_t count_ = 0;
 };
@@ -81,9 +89,10 @@ void settleBrink(const Field& field, const TriangleBlock& triangles, const March
   while (landings.outcomeOf(i) == Outcome::Brink) {
     const double way = landings.way[i];
     const Vec3d brink = o + d * way;
-    const double grow = placeIn(field, Vec3f(brink)).voxel / voxel;
+    const double grow = voxelAt(field, Vec3f(brink)) / voxel;
     const Vec3d point = field.shape.centre + brink * voxel;  // m, the world's frame
-    const Named named(field, brink, d, grow);
+    const std::uint32_t taken = landings.stepsOf(i);
+    const Named named(field, triangles, brink, d, grow);
     double crossed = std::numeric_limits<double>::infinity();  // voxels of level 0, from the brink
     std::uint32_t triangle = 0;
     for (const std::uint32_t candidate : named) {
@@ -96,14 +105,13 @@ void settleBrink(const Field& field, const TriangleBlock& triangles, const March
     double nearest = std::numeric_limits<double>::infinity();
     if (crossed == std::numeric_limits<double>::infinity()) {
       for (const std::uint32_t candidate : named) {
-        const double away = distanceTo(cornersOf(triangles, candidate), point) / voxel;
+        const double away = distanceUpTo(kHalf * grow * voxel, cornersOf(triangles, candidate), point) / voxel;
         if (away < nearest) {
           nearest = away;
           triangle = candidate;
         }
       }
     }
-    const std::uint32_t taken = landings.stepsOf(i);
     if (crossed < std::numeric_limits<double>::infinity()) {
       landings.way[i] = static_cast<float>(way + crossed);
       landings.triangle[i] = triangle;

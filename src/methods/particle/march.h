@@ -87,13 +87,15 @@ struct FieldPlace {
   float distance;          // voxels of the level: interpolated; at most the true one where the brick is empty
   std::uint32_t triangle;  // nearest to the corner nearest to the place; kNoWord: none near, or the field has lists
   double voxel;            // m, of the level
-  std::array<std::uint32_t, 8> around;  // nearest to the corners of its voxel; kNoWord likewise
 };
 
 // m, of the level that serves a place (field frame).
 double voxelAt(const Field& field, const Vec3f& place);
 
 FieldPlace placeIn(const Field& field, const Vec3f& place);
+
+// Nearest to the corners of the voxel around a place (field without lists); kNoWord: none near.
+std::array<std::uint32_t, 8> trianglesAround(const Field& field, const Vec3f& place);
 
 // Flies particles [first, last) on the calling thread, 16 or 8 at a time.
 void marchCpu(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,

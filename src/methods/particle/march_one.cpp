@@ -149,19 +149,21 @@ double voxelAt(const Field& field, const Vec3f& place) {
 
 FieldPlace placeIn(const Field& field, const Vec3f& place) {
   const Voxel v = find(field, place.x, place.y, place.z);
-  FieldPlace found{0, kNoWord, field.shape.voxel * double{v.grow}, {}};
-  found.around.fill(kNoWord);
-  if (!v.full) {
-    found.distance = std::bit_cast<float>(v.brick) - std::sqrt(v.bx * v.bx + v.by * v.by + v.bz * v.bz);
-    return found;
-  }
-  found.distance = interpolate(field, v);
-  if (field.shape.lists) return found;
-  found.triangle = field.word[v.nearest];
+  const double voxel = field.shape.voxel * double{v.grow};
+  if (!v.full)
+    return {std::bit_cast<float>(v.brick) - std::sqrt(v.bx * v.bx + v.by * v.by + v.bz * v.bz), kNoWord, voxel};
+  return {interpolate(field, v), field.shape.lists ? kNoWord : field.word[v.nearest], voxel};
+}
+
+std::array<std::uint32_t, 8> trianglesAround(const Field& field, const Vec3f& place) {
+  const Voxel v = find(field, place.x, place.y, place.z);
+  std::array<std::uint32_t, 8> around;
+  around.fill(kNoWord);
+  if (!v.full) return around;
   for (std::uint32_t k = 0; k < 8; ++k) {
-    found.around[k] = field.word[v.cell + ((k >> 2) * 9 + (k >> 1 & 1)) * 9 + (k & 1)];
+    around[k] = field.word[v.cell + ((k >> 2) * 9 + (k >> 1 & 1)) * 9 + (k & 1)];
   }
-  return found;
+  return around;
 }
 
 Landing marchOne(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,

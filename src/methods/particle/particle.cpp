@@ -46,11 +46,12 @@ class StageClock {
   std::atomic<std::int64_t> nanoseconds_ = 0;
 };
 
-// Stretches of 16 beams of a ring.
+// Stretches of 16 beams of a ring, sector by sector of the turn: particles that fly together stay near each other, and so
+// do the parts of the field that they look at.
 std::vector<Tile> tilesOf(const BeamTable& beams) {
   std::vector<Tile> tiles;
-  for (std::uint32_t ring = 0; ring < beams.rings; ++ring) {
-    for (std::uint32_t column = 0; column < beams.columns; column += kPacket) {
+  for (std::uint32_t column = 0; column < beams.columns; column += kPacket) {
+    for (std::uint32_t ring = 0; ring < beams.rings; ++ring) {
       tiles.push_back({ring, column, 1, std::min<std::uint32_t>(kPacket, beams.columns - column)});
     }
   }
