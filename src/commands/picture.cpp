@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <span>
 
@@ -17,6 +18,8 @@
 namespace scanmill {
 
 namespace {
+
+constexpr double kFarthestPlace = 1e5;  // m, from the sensor
 
 // The place of an option's word among `names`.
 std::size_t choice(const Arguments& parsed, const std::string& option, std::span<const std::string_view> names) {
@@ -57,6 +60,42 @@ double factor(const Arguments& parsed, const std::string& option) {
   return value;
 }
 
+// X,Y,Z.
+Vec3d readPlace(const std::string& text) {
+  std::array<double, 3> value{};
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto read = std::from_chars(at, end, value[i]);
+    const bool followed = i < 2 ? read.ptr != end && *read.ptr == ',' : read.ptr == end;
+    if (read.ec != std::errc() || !followed || !(std::abs(value[i]) <= kFarthestPlace)) {
+      throw InputError(
+          fmt::format("--at is X,Y,Z in m in the sensor's frame (x forward, y left, z up), at most {} each, such as "
+                      "8,-3.5,-1, not '{}'",
+                      kFarthestPlace, text));
+    }
+    at = read.ptr + 1;
+  }
+  return {value[0], value[1], value[2]};
+}
+
+std::optional<CloseUp> readCloseUp(const Arguments& parsed) {
+  const bool at = parsed.options.count("at") > 0;
+  if (at != (parsed.options.count("within") > 0)) {
+    throw InputError("a close-up takes both --at X,Y,Z (where, in m) and --within R (so far around it, in m)");
+  }
+  if (!at) return {};
+  if (parsed.options.count("range-image") > 0) {
+    throw InputError("--at looks at points in space; a range image has no place to look at: leave one of them out");
+  }
+  constexpr double kLeast = 0.01;
+  const double within = parsed.options["within"].as<double>();
+  if (!(within >= kLeast && within <= kFarthestPlace)) {
+    throw InputError(fmt::format("--within must be from {} to {} m, not {}", kLeast, kFarthestPlace, within));
+  }
+  return CloseUp{readPlace(parsed.options["at"].as<std::string>()), within};
+}
+
 bool isExr(const std::filesystem::path& file) {
   return file.extension() == ".exr";
 }
@@ -90,7 +129,10 @@ int runPicture(const std::vector<std::string>& arguments) {
       "color", fmt::format("{}; the first that the scan has where not given", fmt::join(kColorNames, ", ")),
       cxxopts::value<std::string>(), "WHAT")("view", fmt::format("{}", fmt::join(kViewNames, ", ")), text("chase"),
                                              "NAME")("size", "width and height in pixels", text("1600x900"), "WxH")(
-      "zoom", "factor on the size of everything", cxxopts::value<double>()->default_value("1"), "F")(
+      "at", "a close-up of this place, in m in the sensor's frame (x forward, y left, z up), looking as the view does",
+      cxxopts::value<std::string>(), "X,Y,Z")(
+      "within", "of a close-up: only points so near the place, in m, filling the picture", cxxopts::value<double>(),
+      "R")("zoom", "factor on the size of everything", cxxopts::value<double>()->default_value("1"), "F")(
       "point-size", "factor on the size of the points", cxxopts::value<double>()->default_value("1"), "N")(
       "flat", "no darkening of depth edges")("range-image",
                                              "rings x columns, as the sensor orders them, instead of a view")(
@@ -98,14 +140,15 @@ int runPicture(const std::vector<std::string>& arguments) {
       cxxopts::value<std::vector<std::string>>(),
       "DATASET|SHARD|SCAN")("ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)",
                             cxxopts::value<std::string>(), "FILE");
-  const Arguments parsed =
-      parseArguments(command, options, arguments,
-                     "  scanmill picture out/quickstart -o street.png\n"
-                     "  scanmill picture out/quickstart -o street.png --sample 12 --color intensity --view above\n"
-                     "  scanmill picture out/quickstart/train/train-000000.tar -o ranges.png --range-image\n"
-                     "  scanmill picture scan.pcd -o scan.png --color height --size 3840x2160 --zoom 2\n"
-                     "  scanmill picture out/ray_tracing --over out/nearest -o rings.png --view above --zoom 3\n"
-                     "  scanmill picture out/passes/street-s1-lane-000010.top.0.front.exr -o passes.png\n");
+  const Arguments parsed = parseArguments(
+      command, options, arguments,
+      "  scanmill picture out/quickstart -o street.png\n"
+      "  scanmill picture out/quickstart -o street.png --sample 12 --color intensity --view above\n"
+      "  scanmill picture out/quickstart/train/train-000000.tar -o ranges.png --range-image\n"
+      "  scanmill picture scan.pcd -o scan.png --color height --size 3840x2160 --zoom 2\n"
+      "  scanmill picture out/ray_tracing --over out/nearest -o rings.png --view above --zoom 3\n"
+      "  scanmill picture out/quickstart -o car.png --sample street-s1-lane-000009 --at 6.5,-2.7,-1 --within 2.5\n"
+      "  scanmill picture out/passes/street-s1-lane-000010.top.0.front.exr -o passes.png\n");
   if (parsed.help) return 0;
   const std::filesystem::path file = parsed.positional("DATASET|SHARD|SCAN|EXR");
   if (parsed.options.count("out") == 0) throw InputError("-o FILE is missing: where should the picture go?");
@@ -117,6 +160,7 @@ int runPicture(const std::vector<std::string>& arguments) {
   picture.view = static_cast<View>(choice(parsed, "view", kViewNames));
   readSize(parsed.options["size"].as<std::string>(), picture);
   picture.zoom = factor(parsed, "zoom");
+  picture.closeUp = readCloseUp(parsed);
   picture.splats.size = factor(parsed, "point-size");
   picture.splats.depthEdges = parsed.options.count("flat") == 0;
 
@@ -124,6 +168,7 @@ int runPicture(const std::vector<std::string>& arguments) {
     throw InputError({file.string()}, fmt::format("is a recording of {}: name one of its EXR images", nameOf(*kind)));
   }
   if (isExr(file)) {
+    if (picture.closeUp) throw InputError({file.string()}, "is an image: --at is for scans, in which there are places");
     std::optional<Ontology> classes;
     if (const auto ontology = textOption(parsed, "ontology"); !ontology.empty()) classes = readOntology(ontology);
     const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";

@@ -25,12 +25,13 @@ struct PictureOptions {
   int width = 1600;
   int height = 900;
   double zoom = 1;
+  std::optional<CloseUp> closeUp;  // absent: everything; present: only the points that its ball holds
   SplatStyle splats;
 };
 
 // The scan seen from outside. `title` says what it is; points and colours are named beside it. An empty scan gives a
-// picture that says so.
-Image drawPicture(const Scan& scan, const Ontology* ontology, const PictureOptions& options, const std::string& title);
+// picture that says so; a close-up without points throws InputError that says where the nearest are.
+Image drawPicture(Scan scan, const Ontology* ontology, const PictureOptions& options, const std::string& title);
 
 // Scans on top of one another, each in a colour of its own; where they meet, the first is seen: how methods or settings
 // differ.
@@ -38,6 +39,7 @@ struct NamedScan {
   std::string name;
   Scan scan;
 };
+Rgb overlayColor(std::size_t scan);  // counted from 0
 Image drawOverlay(const std::vector<NamedScan>& scans, const PictureOptions& options, const std::string& title);
 
 // The scan as the sensor orders it: a row per ring, the highest beams on top, and a column per column, the first on

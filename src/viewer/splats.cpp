@@ -119,7 +119,7 @@ Image drawSplats(std::span<const Vec3f> points, std::span<const Rgb> colors, con
     if (!isFinite(points[i])) continue;
     const Vec3d point(points[i]);
     const Projected p = camera.project(point);
-    if (!(p.depth >= ViewCamera::kNear)) continue;
+    if (!(p.depth >= camera.nearest)) continue;
     const double radius = splatRadius(length(point), p.scale, style.size, unit) * kOversampling;
     const double x = p.x * kOversampling;
     const double y = p.y * kOversampling;

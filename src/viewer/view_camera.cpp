@@ -1,6 +1,7 @@
 #include "viewer/view_camera.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace scanmill {
 
@@ -10,6 +11,16 @@ void lookAt(ViewCamera& camera, const Vec3d& target) {
   camera.forward = normalized(target - camera.eye);
   camera.right = normalized(cross(camera.forward, Vec3d{0, 0, 1}));
   camera.down = cross(camera.forward, camera.right);
+}
+
+// The tangents on the ball from `kStandOff` radii away touch the picture's edges.
+void moveTo(ViewCamera& camera, const CloseUp& closeUp, double shorterSide, double zoom) {
+  constexpr double kStandOff = 4;  // nearly without foreshortening: 29 degrees across
+  constexpr double kFilled = 0.97;
+  camera.orthographic = false;
+  camera.eye = closeUp.at - camera.forward * (kStandOff * closeUp.within);
+  camera.nearest = closeUp.within;
+  camera.focal = kFilled * shorterSide / 2 * std::sqrt(kStandOff * kStandOff - 1) * zoom;
 }
 
 }  // namespace
@@ -24,7 +35,7 @@ Projected ViewCamera::project(const Vec3d& point) const {
   return out;
 }
 
-ViewCamera makeCamera(View view, int width, int height, double zoom) {
+ViewCamera makeCamera(View view, int width, int height, double zoom, const std::optional<CloseUp>& closeUp) {
   ViewCamera camera;
   camera.centerX = width / 2.0;
   camera.centerY = height / 2.0;
@@ -48,6 +59,7 @@ ViewCamera makeCamera(View view, int width, int height, double zoom) {
       camera.focal = side * 1.15 * zoom;  // 75 degrees across
       break;
   }
+  if (closeUp) moveTo(camera, *closeUp, std::min(width, height), zoom);
   return camera;
 }
 

@@ -3,6 +3,7 @@
 // Where a picture of a scan is taken from.
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 #include "base/vec.h"
@@ -23,6 +24,14 @@ struct Projected {
   double scale = 0;  // pixels per metre at that depth
 };
 
+// A place to look at, and how much of it: the ball of radius `within` about `at`. Metres, sensor frame.
+struct CloseUp {
+  Vec3d at;
+  double within = 1;
+
+  bool holds(const Vec3d& point) const { return length(point - at) <= within; }
+};
+
 // A pinhole, or an orthographic camera. Points are in the sensor frame: x forward, y left, z up, metres.
 struct ViewCamera {
   bool orthographic = false;
@@ -34,13 +43,15 @@ struct ViewCamera {
   double centerX = 0;  // pixels
   double centerY = 0;
 
-  static constexpr double kNear = 0.5;  // m; nearer points are not seen
+  double nearest = 0.5;  // m; nearer points are not seen
 
-  // x, y and scale are meaningless where the depth is below kNear.
+  // x, y and scale are meaningless where the depth is below `nearest`.
   Projected project(const Vec3d& point) const;
 };
 
-// For a picture of width x height pixels; `zoom` makes everything that many times larger.
-ViewCamera makeCamera(View view, int width, int height, double zoom);
+// For a picture of width x height pixels; `zoom` makes everything that many times larger. A close-up keeps the view's
+// direction of looking, but stands where its ball just fits into the picture, with the same perspective for a ball of
+// any size.
+ViewCamera makeCamera(View view, int width, int height, double zoom, const std::optional<CloseUp>& closeUp = {});
 
 }  // namespace scanmill

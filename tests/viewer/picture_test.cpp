@@ -17,6 +17,9 @@ namespace scanmill {
 
 namespace {
 
+using testing::AllOf;
+using testing::HasSubstr;
+
 // A ring of ground and a wall ahead.
 Scan smallScan() {
   Scan scan;
@@ -251,8 +254,8 @@ TEST(Picture, OverlaidScansHaveColoursOfTheirOwn) {
   options.zoom = 4;
   options.splats.size = 4;
   options.splats.depthEdges = false;
-  const Rgb first{240, 228, 66};
-  const Rgb second{86, 180, 233};
+  const Rgb first = overlayColor(0);
+  const Rgb second = overlayColor(1);
   const Image alone = drawOverlay({near}, options, "one");
   const Image both = drawOverlay({near, far}, options, "two");
   const Image same = drawOverlay({near, near}, options, "the same twice");
@@ -260,6 +263,168 @@ TEST(Picture, OverlaidScansHaveColoursOfTheirOwn) {
   EXPECT_EQ(count(alone, second), 0);
   EXPECT_GT(count(both, second), 200);
   EXPECT_GT(count(same, first), count(same, second));  // where they meet, the first is seen
+}
+
+// sRGB (IEC 61966-2-1) as linear light.
+std::array<double, 3> linear(const Rgb& color) {
+  std::array<double, 3> light{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double v = color[c] / 255.0;
+    light[c] = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+  }
+  return light;
+}
+
+// Light without hue, from 0 to 1.
+double luminance(const std::array<double, 3>& light) {
+  return 0.2126 * light[0] + 0.7152 * light[1] + 0.0722 * light[2];
+}
+
+// L* of CIE 1976, 0 to 100; right above a luminance of 0.9 %.
+double lightness(const std::array<double, 3>& light) {
+  return 116 * std::cbrt(luminance(light)) - 16;
+}
+
+// Full protanopia and deuteranopia, by Machado, Oliveira and Fernandes, "A physiologically-based model for simulation
+// of color vision deficiency", IEEE TVCG 15(6), 2009.
+constexpr std::array<std::array<std::array<double, 3>, 3>, 2> kColorBlind{
+    {{{{0.152286, 1.052583, -0.204868}, {0.114503, 0.786281, 0.099216}, {-0.003882, -0.048116, 1.051998}}},
+     {{{0.367322, 0.860646, -0.227968}, {0.280085, 0.672501, 0.047413}, {-0.011820, 0.042940, 0.968881}}}}};
+
+std::array<double, 3> seenBy(const std::array<std::array<double, 3>, 3>& eye, const std::array<double, 3>& light) {
+  std::array<double, 3> seen{};
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t c = 0; c < 3; ++c) seen[row] += eye[row][c] * light[c];
+    seen[row] = std::clamp(seen[row], 0.0, 1.0);
+  }
+  return seen;
+}
+
+// Each of the first three is a step lighter than the one before to any eye, and stands out from the background (WCAG
+// 2.1, 1.4.11: graphics by a ratio of 3).
+TEST(Picture, FirstOverlayColoursDifferInLightness) {
+  const auto background = luminance(linear(kBackground));
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_GE((luminance(linear(overlayColor(i))) + 0.05) / (background + 0.05), 3) << i;
+    if (i == 0) continue;
+    EXPECT_GE(lightness(linear(overlayColor(i))) - lightness(linear(overlayColor(i - 1))), 10) << i;
+    for (const auto& eye : kColorBlind) {
+      EXPECT_GE(lightness(seenBy(eye, linear(overlayColor(i)))) - lightness(seenBy(eye, linear(overlayColor(i - 1)))),
+                7)
+          << i;
+    }
+  }
+  EXPECT_EQ(overlayColor(6), overlayColor(0)) << "after the last comes the first";
+}
+
+// A point at the place, four within half a metre of it, one just beyond the ball and one far away.
+Scan aroundPlace(const Vec3f& at) {
+  Scan scan;
+  scan.position = {at,
+                   at + Vec3f{0, 0.5f, 0},
+                   at + Vec3f{0, -0.5f, 0},
+                   at + Vec3f{0.5f, 0, 0},
+                   at + Vec3f{0, 0, 0.5f},
+                   at + Vec3f{0, 0, -1.01f},
+                   {-30, 20, 1}};
+  scan.label = {2, 2, 2, 2, 2, 3, 3};
+  return scan;
+}
+
+PictureOptions closeUpOf(const Vec3f& at, double within, View view) {
+  PictureOptions options = small();
+  options.view = view;
+  options.closeUp = CloseUp{Vec3d(at), within};
+  options.splats.depthEdges = false;
+  return options;
+}
+
+TEST(Picture, CloseUpLeavesOutWhatIsFarther) {
+  const Ontology ontology = colorful();
+  const Vec3f at{9, -4, -1};
+  const Rgb inside{0, 255, 0};
+  const Rgb outside{255, 255, 0};
+  for (const View view : {View::Driver, View::Above, View::Chase}) {
+    const Image tight = drawPicture(aroundPlace(at), &ontology, closeUpOf(at, 1, view), "close");
+    EXPECT_GT(count(tight, inside), 50);
+    EXPECT_EQ(count(tight, outside), 0) << "neither the points nor their class in the legend";
+    const Image wide = drawPicture(aroundPlace(at), &ontology, closeUpOf(at, 1.1, view), "close");
+    EXPECT_GT(count(wide, outside), 0);
+    const Image over =
+        drawOverlay({{"one", aroundPlace(at)}, {"two", aroundPlace({0, 0, 0})}}, closeUpOf(at, 1, view), "overlay");
+    const Image alone = drawOverlay({{"one", aroundPlace(at)}}, closeUpOf(at, 1, view), "overlay");
+    EXPECT_GT(count(over, overlayColor(0)), 50);
+    const PictureLayout layout = layoutPicture(480, 270, {"", {{"one", {}}}});
+    EXPECT_TRUE(std::equal(over.pixels.begin() + layout.top * 480, over.pixels.begin() + layout.bottom * 480,
+                           alone.pixels.begin() + layout.top * 480))
+        << "the second scan has nothing there";
+  }
+}
+
+// Where the pixels of this colour have their middle, in the scan's part of a picture with a one-row legend.
+Vec2d middleOf(const Image& image, const Rgb& color) {
+  const PictureLayout layout = layoutPicture(image.width, image.height, {"", {{"one", {}}}});
+  Vec2d sum;
+  double pixels = 0;
+  for (int y = layout.top; y < layout.bottom; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (image.at(x, y) != color) continue;
+      sum.x += x + 0.5 - image.width / 2.0;
+      sum.y += y + 0.5 - (layout.top + layout.bottom) / 2.0;
+      ++pixels;
+    }
+  }
+  EXPECT_GE(pixels, 4);
+  return {sum.x / pixels, sum.y / pixels};
+}
+
+TEST(Picture, CloseUpHasThePlaceInTheMiddle) {
+  const Ontology ontology = colorful();
+  const Vec3f at{9, -4, -1};
+  Scan scan;
+  scan.position = {at, {-30, 20, 1}};
+  scan.label = {2, 3};
+  for (const View view : {View::Driver, View::Above, View::Chase}) {
+    for (const Image& image : {drawPicture(scan, &ontology, closeUpOf(at, 0.5, view), "one"),
+                               drawOverlay({{"one", scan}}, closeUpOf(at, 0.5, view), "one")}) {
+      const Rgb color = image.at(240, 130);
+      ASSERT_NE(color, kBackground);
+      const Vec2d middle = middleOf(image, color);
+      EXPECT_NEAR(middle.x, 0, 0.5);
+      EXPECT_NEAR(middle.y, 0, 0.5);
+    }
+  }
+}
+
+TEST(Picture, CloseUpOfHalfTheRadiusIsTwiceAsLarge) {
+  const Vec3f at{9, -4, -1};
+  for (const View view : {View::Driver, View::Above, View::Chase}) {
+    // To the right in each view.
+    const Vec3f right = view == View::Above ? Vec3f{0.4f, 0, 0} : Vec3f{0, -0.4f, 0};
+    Scan scan;
+    scan.position = {at + right};
+    const auto offset = [&](double within) {
+      PictureOptions options = closeUpOf(at, within, view);
+      options.splats.size = 0.5;
+      return middleOf(drawOverlay({{"one", scan}}, options, "one"), overlayColor(0)).x;
+    };
+    EXPECT_NEAR(offset(0.5), 2 * offset(1), 1);
+    EXPECT_NEAR(offset(1), 2 * offset(2), 1);
+  }
+}
+
+TEST(Picture, CloseUpOfNothingSaysWhereThePointsAre) {
+  const Vec3f at{9, -4, -1};
+  const PictureOptions options = closeUpOf({9, -4, 3}, 2, View::Chase);
+  for (const std::string& said :
+       {messageOf<InputError>([&] { drawPicture(aroundPlace(at), nullptr, options, "none"); }),
+        messageOf<InputError>([&] {
+          drawOverlay({{"one", aroundPlace(at)}}, options, "none");
+        })}) {
+    EXPECT_THAT(said, AllOf(HasSubstr("within 2 m of 9,-4,3"), HasSubstr("3.5 m from there, at 9,-4,-0.5"),
+                            HasSubstr("--within")));
+  }
+  EXPECT_THAT(messageOf<InputError>([&] { drawPicture({}, nullptr, options, "none"); }), HasSubstr("none at all"));
 }
 
 }  // namespace

@@ -111,12 +111,9 @@ std::uint32_t voxelsFor(ParticleOptions options, std::uint32_t level, double ran
   return options.voxels;
 }
 
-// "about 12 MB a level": memory follows the surface, hence the square of the voxels across.
+// "about 12 MB a level"
 std::string levelMemory(double voxels) {
-  constexpr double kFullBricks = 3.0;          // of a street's level, in units of (bricks across)^2
-  constexpr double kBytes = kBrickStride * 6;  // of a full brick without lists
-  const double across = voxels / kBrickVoxels;
-  const double megabytes = (across * across * kFullBricks * kBytes + across * across * across * 4) * 1e-6;
+  const double megabytes = levelBytes(voxels, false) * 1e-6;
   return megabytes < 1000 ? fmt::format("about {:.0f} MB a level", megabytes)
                           : fmt::format("about {:.1f} GB a level", megabytes * 1e-3);
 }
@@ -214,6 +211,14 @@ ParticleOptions readParticleOptions(Fields& fields) {
 
 double levelReach(const ParticleOptions& options, std::uint32_t level) {
   return (options.voxels / 2 - kMarginVoxels) * std::ldexp(options.voxel, static_cast<int>(level));
+}
+
+double levelBytes(double voxels, bool lists) {
+  constexpr double kFullBricks = 3.0;            // of a street's level, in units of (bricks across)^2
+  constexpr double kBytes = kBrickStride * 6.0;  // of a full brick: distances and words
+  constexpr double kListBytes = 3000;            // and of its lists
+  const double across = voxels / kBrickVoxels;
+  return across * across * kFullBricks * (kBytes + (lists ? kListBytes : 0)) + across * across * across * 4;
 }
 
 double smallestSeen(const ParticleOptions& options, double range) {

@@ -33,6 +33,10 @@ ParticleOptions readParticleOptions(Fields& fields);
 // and a voxel is to spare.
 double levelReach(const ParticleOptions& options, std::uint32_t level);
 
+// About so many bytes does a level of so many voxels across take. Memory follows the surface, hence the square of the
+// voxels; measured on the street of the quickstart.
+double levelBytes(double voxels, bool lists);
+
 // m, the size of the smallest object that is seen `range` m from the sensor; infinite beyond the last level.
 //
 // With `refine: none` and `normal`, particles meet what has an interpolated distance of at most kBrink, 0.63 voxels. In

@@ -159,6 +159,29 @@ TEST(Particle, RoomFromInside) {
   }
 }
 
+// Ten million beams of each kind, from ten places in rooms turned at random. Sanitized builds fly a tenth.
+TEST(Particle, NobodyLeavesAClosedRoom) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr std::uint32_t kColumns = 1000;
+#else
+  constexpr std::uint32_t kColumns = 20'000;
+#endif
+  const auto beams = spinning(50, kColumns, -89, 89, 100);
+  for (std::uint32_t place = 0; place < 10; ++place) {
+    const RandomBlock b = randomBlock({21, 0, 0, 0, place, 0, Purpose::Test});
+    TurnedBox room;
+    room.worldFromBox = toMatrix(fromYawPitchRoll(7 * uniform(b[0]), 7 * uniform(b[1]), 7 * uniform(b[2])));
+    const Scene scene = room.scene();
+    const Pose pose{{}, {4 * uniform(b[3]) - 2, uniform(b[2]), uniform(b[1])}};
+    for (const char* refine : {"refine: none", "refine: triangle"}) {
+      const Hits hits = traced(*particle(scene, refine), shotAt(beams, pose), Channel::Range);
+      EXPECT_EQ(std::count_if(hits.range.begin(), hits.range.end(), [](float r) { return !(r < kMiss); }), 0)
+          << refine << " " << place;
+      EXPECT_TRUE(hits.unresolved.empty()) << refine << " " << place;
+    }
+  }
+}
+
 TEST(Particle, BoxFromOutside) {
   TurnedBox box;
   box.half = {1, 0.7, 0.5};

@@ -1,0 +1,68 @@
+// Pictures of a dataset, as a user asks for them.
+
+#include "base/file.h"
+#include "tests/commands/program.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class Pictures : public SmallWorld {
+ protected:
+  Pictures() {
+    const Outcome made = scanmill({"generate", pipeline_, "-o", at("a"), "-q"});
+    EXPECT_EQ(made.code, 0) << made.error;
+  }
+
+  std::vector<std::string> of(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"picture", at("a"), "-o", at("p.png")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+};
+
+TEST_F(Pictures, CloseUps) {
+  for (const std::string place : {"0,0,0", "-1.5,2,-1e-1"}) {
+    const Outcome alone = scanmill(of({"--at", place, "--within", "60", "--size", "320x200"}));
+    EXPECT_EQ(alone.code, 0) << alone.error;
+    EXPECT_THAT(readFile(at("p.png")), testing::StartsWith("\x89PNG"));
+    const Outcome over = scanmill(of({"--at", place, "--within=60", "--over", at("a"), "--view", "above"}));
+    EXPECT_EQ(over.code, 0) << over.error;
+  }
+  EXPECT_THAT(scanmill({"picture", "--help"}).out,
+              AllOf(HasSubstr("--at X,Y,Z"), HasSubstr("--within R"), HasSubstr("--at 6.5,-2.7,-1 --within 2.5")));
+}
+
+TEST_F(Pictures, WrongCloseUpsAreRefusedWithAdvice) {
+  const std::pair<std::vector<std::string>, std::string> cases[] = {
+      {{"--at", "1,2,3"}, "both --at X,Y,Z"},
+      {{"--within", "3"}, "both --at X,Y,Z"},
+      {{"--at", "1,2", "--within", "3"}, "not '1,2'"},
+      {{"--at", "1,2,3,4", "--within", "3"}, "such as 8,-3.5,-1"},
+      {{"--at", "1,2,", "--within", "3"}, "not '1,2,'"},
+      {{"--at", "1,nan,3", "--within", "3"}, "--at is X,Y,Z"},
+      {{"--at", "1,2,1e9", "--within", "3"}, "at most"},
+      {{"--at", "", "--within", "3"}, "--at is X,Y,Z"},
+      {{"--at", "1,2,3", "--within", "0"}, "--within must be from 0.01"},
+      {{"--at", "1,2,3", "--within", "-2"}, "--within must be from 0.01"},
+      {{"--at", "1,2,3", "--within", "nan"}, "nan"},
+      {{"--at", "1,2,3", "--within", "near"}, "near"},
+      {{"--at", "1,2,3", "--within", "3", "--range-image"}, "range image"},
+      {{"--at", "0,0,9999", "--within", "3"}, "the nearest is"},
+  };
+  std::vector<std::vector<std::string>> all;
+  for (const auto& [arguments, says] : cases) all.push_back(of(arguments));
+  all.push_back({"picture", at("absent.exr"), "-o", at("p.png"), "--at", "1,2,3", "--within", "3"});
+  const std::vector<Outcome> outcomes = scanmillEach(all);
+  for (std::size_t i = 0; i + 1 < outcomes.size(); ++i) {
+    SCOPED_TRACE(testing::PrintToString(all[i]));
+    expectRefused(outcomes[i], cases[i].second);
+  }
+  expectRefused(outcomes.back(), "is an image");
+  EXPECT_FALSE(std::filesystem::exists(at("p.png")));
+}
+
+}  // namespace
+}  // namespace scanmill
