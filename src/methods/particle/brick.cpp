@@ -103,19 +103,11 @@ void BrickMaker::fillDistances(std::uint16_t* distance) const {
   }
 }
 
-void BrickMaker::fillWords(const std::uint16_t* distance, std::uint32_t* word) {
-  constexpr auto kNamedSteps = static_cast<std::uint16_t>(kNamed / kDistanceStep);
+void BrickMaker::fillWords(const std::uint16_t* distance, std::uint32_t* word) const {
+  const auto farthest = static_cast<std::uint16_t>((lists_ ? kListed : kNamed) / kDistanceStep);
+  const auto& known = lists_ ? list_ : nearest_;
   for (int corner = 0; corner < kCornersPerBrick; ++corner) {
-    if (distance[corner] > kNamedSteps) {
-      word[corner] = kNoWord;
-    } else if (!lists_) {
-      word[corner] = nearest_[corner];
-    } else if (list_[corner] != kNoWord) {
-      word[corner] = list_[corner];
-    } else {
-      listed_.push_back(nearest_[corner]);
-      word[corner] = addList();
-    }
+    word[corner] = distance[corner] > farthest ? kNoWord : known[corner];
   }
 }
 

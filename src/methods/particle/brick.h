@@ -42,6 +42,11 @@ class BrickMaker {
     std::uint32_t next;        // with the same hash, or kNoWord
     std::uint32_t word;        // kNoWord until a corner is given it
   };
+  // Corners that may be near a triangle, along each axis.
+  struct Range {
+    int first, last;
+  };
+  using Ranges = std::array<Range, 3>;
   struct Listing {
     std::uint32_t corner, triangle;
   };
@@ -49,13 +54,13 @@ class BrickMaker {
   // In brick.cpp.
   void sortTriangles();
   std::uint32_t addList();
-  void fillWords(const std::uint16_t* distance, std::uint32_t* word);
+  void fillWords(const std::uint16_t* distance, std::uint32_t* word) const;
   void placeLists(std::uint32_t* word, std::vector<std::uint32_t>& entries);
   void fillDistances(std::uint16_t* distance) const;
 
   // In sparse_brick.cpp.
   void makeSparse(const BrickPlace& place);
-  void fillBlock(int block);
+  void fillBlock(const BrickPlace& place, int block);
   void listBlock(int block);
 
   // In dense_brick.cpp.
@@ -64,6 +69,8 @@ class BrickMaker {
   bool makeBlock(const BrickPlace& place, int block);
   void searchBlock(const BrickPlace& place, int block);
   void scatter(const BrickPlace& place, std::uint32_t triangle);
+  void scatterSmall(const BrickPlace& place, std::uint32_t triangle, const TriangleCorners& corners,
+                    const Ranges& near);
   void sortListings();
   NearestFacet search(const BrickPlace& place, const Vec3f& point, float reach);
 
@@ -106,8 +113,10 @@ namespace brick {
 
 // Distances come out of float32 up to 1e-5 off: so much shorter, they are never too large.
 constexpr float kRounding = 2e-5f;
-constexpr float kRadius = 6.93f;         // a little more than 4 sqrt(3), from a brick's centre to its corners
-constexpr float kBlockRadius = 1.7322f;  // a little more than sqrt(3), from a block's centre to its corners
+constexpr float kRadius = 6.93f;          // a little more than 4 sqrt(3), from a brick's centre to its corners
+constexpr float kListedRadius = 0.9536f;  // a little more than sqrt(3) kListedHalf: of a ball that holds the cube
+constexpr float kBlockRadius = 1.7322f;   // a little more than sqrt(3), from a block's centre to its corners
+static_assert(kListedRadius * kListedRadius > 3 * kListedHalf * kListedHalf);
 // So far from a brick's centre all triangles are known that are within kExact of its corners.
 constexpr float kSeen = kRadius + kExact;
 

@@ -34,7 +34,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the arrays are written as they lie in memory");
 
 // Rises when the file's layout changes, or when buildField() makes other bytes of the same geometry and shape.
-constexpr std::uint32_t kFieldVersion = 1;
+constexpr std::uint32_t kFieldVersion = 2;
 
 // A file: this, the five arrays of forArrays() as they lie in memory, and the SHA-256 of slicesHash() in hexadecimal.
 //
@@ -110,7 +110,7 @@ std::string fieldKey(const std::string& geometry, const FieldShape& shape, const
   addBytes(hash, std::uint32_t{shape.lists});
   for (const int constant : {kBrickVoxels, kBrickCorners, kCornersPerBrick, kBrickStride}) addBytes(hash, constant);
   for (const std::uint32_t mark : {kNoWord, kFullBrick, kLastOfList, kMaxLevels}) addBytes(hash, mark);
-  for (const float voxels : {kDistanceStep, kEmptyBrick, kExact, kNamed, kListed}) addBytes(hash, voxels);
+  for (const float voxels : {kDistanceStep, kEmptyBrick, kExact, kNamed, kListed, kListedHalf}) addBytes(hash, voxels);
   return hash.hex();
 }
 

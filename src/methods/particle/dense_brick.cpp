@@ -2,6 +2,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "methods/particle/brick.h"
 
@@ -16,6 +17,9 @@ constexpr float kListed2 = kListed * kListed;
 // Where lists are not wanted, so many triangles at most are held against their corners: with more, it is faster to let
 // all corners search.
 constexpr std::size_t kScattered = 1024;
+
+// Triangles near more corners are held against them as lanes.
+constexpr int kFewCubes = 8;
 
 // More candidates of a block are worth searching among.
 constexpr std::size_t kFewOfBlock = 128;
@@ -46,27 +50,28 @@ std::uint32_t inside(int x, int y, int z) {
   return kX[std::min(x, 3)] & kY[std::min(y, 3)] & kZ[std::min(z, 3)];
 }
 
-// Corners of a brick, along an axis, that may be within kListed of a triangle.
-struct Range {
-  int first, last;
-};
-
-Range rangeOf(double a, double b, double c) {
-  const double low = std::max(std::min({a, b, c}) - kListed - 1e-4, -kBrickVoxels / 2.0);
-  const double high = std::min(std::max({a, b, c}) + kListed + 1e-4, kBrickVoxels / 2.0);
-  return {static_cast<int>(std::ceil(low + kHalf)), static_cast<int>(std::floor(high + kHalf))};
-}
-
 }  // namespace
 
-// Holds a triangle against the corners that it is listed by.
+// Holds a triangle against the corners that it is listed by, or that are within kListed of it where there are no lists.
 void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
-  const auto [a, b, c] = cornersAt(world_.baked, triangle, place);
-  const Range xs = rangeOf(a.x, b.x, c.x);
-  const Range ys = rangeOf(a.y, b.y, c.y);
-  const Range zs = rangeOf(a.z, b.z, c.z);
+  const TriangleCorners corners = cornersAt(world_.baked, triangle, place);
+  const auto& [a, b, c] = corners;
+  const double reach = (lists_ ? kListedHalf : kListed) + 1e-4;
+  const auto range = [=](double i, double j, double k) {
+    const double low = std::max(std::min(std::min(i, j), k) - reach, -kBrickVoxels / 2.0);
+    const double high = std::min(std::max(std::max(i, j), k) + reach, kBrickVoxels / 2.0);
+    return Range{static_cast<int>(std::ceil(low + kHalf)), static_cast<int>(std::floor(high + kHalf))};
+  };
+  const Ranges near{range(a.x, b.x, c.x), range(a.y, b.y, c.y), range(a.z, b.z, c.z)};
+  const auto& [xs, ys, zs] = near;
   if (xs.first > xs.last || ys.first > ys.last || zs.first > zs.last) return;
+  const int count = (xs.last - xs.first + 1) * (ys.last - ys.first + 1) * (zs.last - zs.first + 1);
+  if (lists_ && count <= kFewCubes) {
+    scatterSmall(place, triangle, corners, near);
+    return;
+  }
   const Facet<float> facet = rounded(facetOf(a, b, c));
+  const CubeTest cube = lists_ ? cubeTestOf(corners, kListedHalf) : CubeTest{};
   for (int z = zs.first; z <= zs.last; z += 3) {
     for (int y = ys.first; y <= ys.last; y += 3) {
       for (int x = xs.first; x <= xs.last; x += 3) {
@@ -76,7 +81,14 @@ void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
           distance2[i] = facet.distance2(first.x + kWindow.x[i], first.y + kWindow.y[i], first.z + kWindow.z[i]);
         }
         std::uint32_t bits = 0;
-        for (int i = 0; i < kLanes; ++i) bits |= distance2[i] <= kListed2 ? kWindow.bit[i] : 0u;
+        if (lists_) {
+          for (int i = 0; i < kLanes; ++i) {
+            const float excess = cube.excess(first.x + kWindow.x[i], first.y + kWindow.y[i], first.z + kWindow.z[i]);
+            bits |= excess <= 0 ? kWindow.bit[i] : 0u;
+          }
+        } else {
+          for (int i = 0; i < kLanes; ++i) bits |= distance2[i] <= kListed2 ? kWindow.bit[i] : 0u;
+        }
         bits &= inside(kBrickCorners - x, kBrickCorners - y, kBrickCorners - z);
         const auto base = static_cast<std::uint32_t>((z * kBrickCorners + y) * kBrickCorners + x);
         for (; bits != 0; bits &= bits - 1) {
@@ -89,6 +101,43 @@ void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
           }
           if (lists_) listings_.push_back({corner, triangle});
         }
+      }
+    }
+  }
+}
+
+// The same for a triangle that is near few corners. Most of those of foliage lie in one cube as a whole, and most of
+// the others have a corner in each cube that they meet; and few are nearer to a corner than one before.
+void BrickMaker::scatterSmall(const BrickPlace& place, std::uint32_t triangle, const TriangleCorners& corners,
+                              const Ranges& near) {
+  const auto& [a, b, c] = corners;
+  const auto lower = [](double i, double j, double k) { return std::min(std::min(i, j), k); };
+  const auto higher = [](double i, double j, double k) { return std::max(std::max(i, j), k); };
+  const Vec3d low{lower(a.x, b.x, c.x), lower(a.y, b.y, c.y), lower(a.z, b.z, c.z)};
+  const Vec3d high{higher(a.x, b.x, c.x), higher(a.y, b.y, c.y), higher(a.z, b.z, c.z)};
+  std::optional<CubeTest> cube;
+  const auto meets = [&](const Vec3d& p) {
+    for (const Vec3d& corner : corners) {
+      const Vec3d away = corner - p;
+      if (higher(std::fabs(away.x), std::fabs(away.y), std::fabs(away.z)) < kListedHalf - kSlack) return true;
+    }
+    if (!cube) cube = cubeTestOf(corners, kListedHalf);
+    return cube->excess(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)) <= 0;
+  };
+  for (int z = near[2].first; z <= near[2].last; ++z) {
+    for (int y = near[1].first; y <= near[1].last; ++y) {
+      for (int x = near[0].first; x <= near[0].last; ++x) {
+        const auto corner = static_cast<std::uint32_t>((z * kBrickCorners + y) * kBrickCorners + x);
+        const Vec3d p{x - double{kHalf}, y - double{kHalf}, z - double{kHalf}};
+        if (!open_[corner] || !meets(p)) continue;
+        listings_.push_back({corner, triangle});
+        const Vec3d gap{higher(low.x - p.x, p.x - high.x, 0), higher(low.y - p.y, p.y - high.y, 0),
+                        higher(low.z - p.z, p.z - high.z, 0)};
+        if (dot(gap, gap) > distance2_[corner] + double{kSlack}) continue;
+        const Facet<float>& facet = cache_.of(world_.baked, triangle, place);
+        const float distance2 =
+            facet.distance2(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z));
+        distance2_[corner] = std::min(distance2_[corner], distance2);
       }
     }
   }
@@ -140,7 +189,7 @@ bool BrickMaker::makeBlock(const BrickPlace& place, int block) {
   // No corner is farther from its nearest triangle than from the centre's.
   const Points& p = brick::kBlockCorners[block];
   const Facet<float> facet = cache_.of(world_.baked, guess_, place);
-  float farthest2 = lists_ ? kListed2 : 0.0f;
+  float farthest2 = lists_ ? brick::kListedRadius * brick::kListedRadius : 0.0f;
   alignas(64) Lanes distance2;
   for (int i = 0; i < kLanes; ++i) distance2[i] = facet.distance2(p.x[i], p.y[i], p.z[i]);
   for (int i = 0; i < kLanes; ++i) farthest2 = std::max(farthest2, distance2[i]);
@@ -150,15 +199,18 @@ bool BrickMaker::makeBlock(const BrickPlace& place, int block) {
   candidates_.clear();
   candidateTriangles_ = triangles_;
   for (const std::uint32_t t : triangles_) candidates_.push_back(cache_.of(world_.baked, t, place));
-  fillBlock(block);
+  fillBlock(place, block);
   return true;
 }
 
 void BrickMaker::searchBlock(const BrickPlace& place, int block) {
   const Points& p = brick::kBlockCorners[block];
+  // So near, all triangles have been held against the corner.
+  constexpr float kKnown = kListedHalf - kSlack;
+  const float known2 = lists_ ? kKnown * kKnown : kListed2;
   for (int i = 0; i < kBlock; ++i) {
     const std::uint32_t corner = brick::cornerIndex(block, i);
-    if (distance2_[corner] <= kListed2) continue;
+    if (distance2_[corner] <= known2) continue;
     const NearestFacet found = search(place, {p.x[i], p.y[i], p.z[i]}, kExact);
     if (found.triangle == kNoTriangle) continue;
     distance2_[corner] = found.distance2;
@@ -179,9 +231,10 @@ void BrickMaker::makeDense(const BrickPlace& place) {
     for (int i = 0; i < kBlock; ++i) open_[brick::cornerIndex(block, i)] = true;
   }
   const std::size_t most = lists_ ? std::numeric_limits<std::size_t>::max() - 1 : kScattered;
-  constexpr float kNear = kListed + 0.01f;
+  const float half = lists_ ? kHalf + kListedHalf : kHalf;
+  const float margin = (lists_ ? 0.0f : kListed) + 0.01f;
   listings_.clear();
-  if (gatherTriangles(world_, place, {}, kHalf, kNear, most, triangles_)) {
+  if (gatherTriangles(world_, place, {}, half, margin, most, triangles_)) {
     sortTriangles();
     for (const std::uint32_t triangle : triangles_) scatter(place, triangle);
     if (lists_) sortListings();

@@ -79,6 +79,71 @@ inline Facet<double> facetOf(Vec3d a, Vec3d b, Vec3d c) {
   return facet;
 }
 
+// Which cubes around points a triangle meets: none of the 13 axes of Akenine-Moeller 2001, "Fast 3D triangle-box
+// overlap testing", parts them. Made in double as facets are; which cubes are met comes out of float32 up to 1e-5
+// larger or smaller.
+struct CubeTest {
+  // A linear function of points, and its values where it does not part cube and triangle.
+  struct Axis {
+    float u, v, low, high;
+  };
+  std::array<float, 3> low, high;  // the functions x, y, z
+  Vec3f normal;
+  float lowest, highest;
+  // For axis k of the world and each edge, u * p[k + 1] + v * p[k + 2].
+  std::array<std::array<Axis, 3>, 3> axes;
+
+  // How far a function is out of its range, in whatever unit: at most zero where the cube is met.
+  float excess(float x, float y, float z) const {
+    const auto beyond = [](float value, float least, float most) { return std::max(least - value, value - most); };
+    const float p[3] = {x, y, z};
+    float worst = beyond(normal.x * x + normal.y * y + normal.z * z, lowest, highest);
+    for (int k = 0; k < 3; ++k) {
+      worst = std::max(worst, beyond(p[k], low[k], high[k]));
+      const float along = p[(k + 1) % 3];
+      const float across = p[(k + 2) % 3];
+      for (const Axis& axis : axes[k]) {
+        worst = std::max(worst, beyond(axis.u * along + axis.v * across, axis.low, axis.high));
+      }
+    }
+    return worst;
+  }
+};
+
+// Of the triangle with these corners, and cubes that reach `half` around points.
+inline CubeTest cubeTestOf(const std::array<Vec3d, 3>& corners, double half) {
+  const auto list = [](const Vec3d& v) { return std::array<double, 3>{v.x, v.y, v.z}; };
+  const std::array<std::array<double, 3>, 3> at{list(corners[0]), list(corners[1]), list(corners[2])};
+  CubeTest test;
+  for (std::size_t k = 0; k < 3; ++k) {
+    test.low[k] = static_cast<float>(std::min({at[0][k], at[1][k], at[2][k]}) - half);
+    test.high[k] = static_cast<float>(std::max({at[0][k], at[1][k], at[2][k]}) + half);
+  }
+  const Vec3d normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
+  const std::array<double, 3> heights{dot(normal, corners[0]), dot(normal, corners[1]), dot(normal, corners[2])};
+  const double reach = half * (std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z));
+  test.normal = Vec3f(normal);
+  test.lowest = static_cast<float>(std::min({heights[0], heights[1], heights[2]}) - reach);
+  test.highest = static_cast<float>(std::max({heights[0], heights[1], heights[2]}) + reach);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t l = (k + 1) % 3;
+    const std::size_t m = (k + 2) % 3;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto& begin = at[i];
+      const auto& end = at[(i + 1) % 3];
+      const auto& opposite = at[(i + 2) % 3];
+      const double u = begin[m] - end[m];
+      const double v = end[l] - begin[l];
+      const double edge = u * begin[l] + v * begin[m];
+      const double tip = u * opposite[l] + v * opposite[m];
+      const double around = half * (std::fabs(u) + std::fabs(v));
+      test.axes[k][i] = {static_cast<float>(u), static_cast<float>(v), static_cast<float>(std::min(edge, tip) - around),
+                         static_cast<float>(std::max(edge, tip) + around)};
+    }
+  }
+  return test;
+}
+
 inline Facet<float> rounded(const Facet<double>& f) {
   Facet<float> r;
   r.normal = Vec3f(f.normal);

@@ -39,8 +39,14 @@ constexpr float kEmptyBrick = 8.0f;
 constexpr float kExact = 4.0f;
 // Up to so far from a surface a corner names triangles: see FieldBricks::word.
 constexpr float kNamed = 2.0f;
-// A list of a corner names all triangles so near: all that meet the voxel centred there, whose half diagonal is 0.8661.
+// Up to so far from a surface a corner may have a list; beyond, nothing meets the voxel centred there, whose half
+// diagonal is 0.8661.
 constexpr float kListed = 0.93f;
+// A list of a corner names all triangles that meet the cube which reaches so far around the corner: its voxel, and what
+// particles there may take for it. They look kNudge (march_rule.h) past its faces, and as they know their place in
+// metres in float32, they may be off by 3e-5 m a few hundred metres from the world's origin. What lies farther behind
+// them, up to kBehind, has been in the voxels before.
+constexpr float kListedHalf = 0.55f;
 
 using Corner = std::array<std::int64_t, 3>;  // or a brick: lattice coordinates
 
@@ -83,10 +89,11 @@ struct Field {
   // Per full brick kBrickStride values, of its corners, in kDistanceStep of a voxel.
   std::vector<std::uint16_t> distance;
   // Per full brick kBrickStride words, of its corners. Without lists: the nearest triangle. With lists: where the
-  // corner's list begins in `lists`. kNoWord where the corner is farther than kNamed from all triangles.
+  // corner's list begins in `lists`. kNoWord where the corner is farther than kNamed from all triangles; with lists,
+  // where it is farther than kListed or its list is empty.
   std::vector<std::uint32_t> word;
-  // Triangles that are at most kListed from a corner, or the nearest one where none is; in ascending order of
-  // (instance id, triangle), the last marked by kLastOfList. Corners with the same list may share it.
+  // Triangles that meet the cube around a corner (kListedHalf), in ascending order of (instance id, triangle), the last
+  // marked by kLastOfList. Corners with the same list may share it.
   std::vector<std::uint32_t> lists;
 
   std::uint32_t fullBricks() const { return static_cast<std::uint32_t>(distance.size() / kBrickStride); }

@@ -32,6 +32,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::uint32_t kUsualLevels = 5;  // for ranges of 120 to 200 m
 constexpr std::size_t kTilesAtOnce = 128;  // 2048 particles: their columns stay in the second cache
 
 // Seconds of processor time, summed over threads.
@@ -46,8 +47,8 @@ class StageClock {
   std::atomic<std::int64_t> nanoseconds_ = 0;
 };
 
-// Stretches of 16 beams of a ring, sector by sector of the turn: particles that fly together stay near each other, and so
-// do the parts of the field that they look at.
+// Stretches of 16 beams of a ring, sector by sector of the turn: particles that fly together stay near each other, and
+// so do the parts of the field that they look at.
 std::vector<Tile> tilesOf(const BeamTable& beams) {
   std::vector<Tile> tiles;
   for (std::uint32_t column = 0; column < beams.columns; column += kPacket) {
@@ -115,8 +116,8 @@ class ParticleMethod : public Method {
   }
 
   std::uint64_t memoryBytes() const override {
-    const std::uint64_t worlds = scene_.placedTriangles() * kBytesPerPlacedTriangle;
-    return kBytesOfFields + worlds + scene_.triangles() * kBytesPerSceneTriangle;
+    return static_cast<std::uint64_t>(fieldBytes()) * kFieldsAtOnce +
+           scene_.placedTriangles() * kBytesPerPlacedTriangle + scene_.triangles() * kBytesPerSceneTriangle;
   }
 
   std::map<std::string, double> stageSeconds() const override {
@@ -164,9 +165,9 @@ class ParticleMethod : public Method {
   }
 
  private:
-  static constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // the scene's own mesh
-  static constexpr std::uint64_t kBytesPerPlacedTriangle = 150;
-  static constexpr std::uint64_t kBytesOfFields = std::uint64_t{200} << 20;
+  static constexpr std::uint64_t kBytesPerSceneTriangle = 40;    // the scene's own mesh
+  static constexpr std::uint64_t kBytesPerPlacedTriangle = 190;  // measured: hierarchy, corners, records, all flattened
+  static constexpr std::uint64_t kFieldsAtOnce = 4;              // of frames in flight
 
   struct Noted {
     FlightCounts counts;
@@ -242,12 +243,25 @@ class ParticleMethod : public Method {
     });
   }
 
+  double fieldBytes() const {
+    const bool lists = options_.refine == ParticleOptions::Refine::ByTriangle;
+    if (options_.extent == ParticleOptions::Extent::Sensor) {
+      return levelBytes(options_.voxels, lists) * (options_.levels > 0 ? options_.levels : kUsualLevels);
+    }
+    const Box bounds = scene_.bounds();
+    const Vec3d size = bounds.empty() ? Vec3d{} : bounds.high - bounds.low;
+    const double across = std::sqrt(size.x * size.y) / options_.voxel;
+    return levelBytes(across, lists) - std::pow(across / kBrickVoxels, 3) * 4 +
+           size.x * size.y * size.z / std::pow(kBrickVoxels * options_.voxel, 3) * 4;
+  }
+
   std::string fieldLine() const {
     const bool around = options_.extent == ParticleOptions::Extent::Sensor;
-    return fmt::format("distance field: {}, voxels of {:g} m{}",
+    return fmt::format("distance field: {}, voxels of {:g} m{}, about {:.0f} MB",
                        around ? fmt::format("levels of {} voxels across around the sensor", options_.voxels)
                               : std::string("one for the whole scene"),
-                       options_.voxel, around ? " in the finest, twice as large from level to level" : "");
+                       options_.voxel, around ? " in the finest, twice as large from level to level" : "",
+                       std::ceil(fieldBytes() * 1e-6));
   }
 
   std::string smallestLine() const {

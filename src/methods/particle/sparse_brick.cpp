@@ -24,7 +24,7 @@ void BrickMaker::makeSparse(const BrickPlace& place) {
     if (blockDistance_[block] > kExact + brick::kBlockRadius) continue;
     // Those that may be the nearest of any of the block's corners, up to kExact, and those that may be listed.
     float reach = std::min(blockDistance_[block] + 2 * brick::kBlockRadius, kExact + brick::kBlockRadius);
-    if (lists_) reach = std::max(reach, kListed + brick::kBlockRadius);
+    if (lists_) reach = std::max(reach, brick::kListedRadius + brick::kBlockRadius);
     candidates_.clear();
     candidateTriangles_.clear();
     for (std::size_t t = 0; t < facets_.size(); ++t) {
@@ -32,11 +32,11 @@ void BrickMaker::makeSparse(const BrickPlace& place) {
       candidates_.push_back(facets_[t]);
       candidateTriangles_.push_back(triangles_[t]);
     }
-    fillBlock(block);
+    fillBlock(place, block);
   }
 }
 
-void BrickMaker::fillBlock(int block) {
+void BrickMaker::fillBlock(const BrickPlace& place, int block) {
   if (candidates_.empty()) return;
   const Points& p = brick::kBlockCorners[block];
   alignas(64) Lanes least;
@@ -53,9 +53,13 @@ void BrickMaker::fillBlock(int block) {
       least[i] = less ? distance2[i] : least[i];
     }
     if (!lists_) continue;
+    float nearestOf = INFINITY;
+    for (int i = 0; i < kLanes; ++i) nearestOf = std::min(nearestOf, distance2[i]);
+    if (nearestOf > brick::kListedRadius * brick::kListedRadius) continue;
+    const CubeTest cube = cubeTestOf(cornersAt(world_.baked, candidateTriangles_[c], place), kListedHalf);
     auto& bits = listedBy_[c / 32];
     const std::uint32_t bit = 1u << (c % 32);
-    for (int i = 0; i < kLanes; ++i) bits[i] |= distance2[i] <= kListed * kListed ? bit : 0u;
+    for (int i = 0; i < kLanes; ++i) bits[i] |= cube.excess(p.x[i], p.y[i], p.z[i]) <= 0 ? bit : 0u;
   }
   for (int i = 0; i < kBlock; ++i) {
     const std::uint32_t corner = brick::cornerIndex(block, i);
