@@ -14,7 +14,7 @@ constexpr std::array<BrickMaker::Points, BrickMaker::kBlock> blockCorners() {
   for (int block = 0; block < BrickMaker::kBlock; ++block) {
     for (int lane = 0; lane < BrickMaker::kLanes; ++lane) {
       const std::uint32_t corner = cornerIndex(block, std::min(lane, BrickMaker::kBlock - 1));
-      const auto place = [](std::uint32_t i) { return static_cast<float>(i % kBrickCorners) - kBrickVoxels / 2; };
+      const auto place = [](std::uint32_t i) { return static_cast<float>(i % kBrickCorners) - kHalfBrick; };
       made[block].x[lane] = place(corner);
       made[block].y[lane] = place(corner / kBrickCorners);
       made[block].z[lane] = place(corner / (kBrickCorners * kBrickCorners));

@@ -65,7 +65,7 @@ Builder::Builder(const World& world, const FieldShape& shape, const Field* befor
 
 BrickPlace Builder::placeOf(std::size_t level, const Corner& brick) const {
   const double voxel = std::ldexp(field_->shape.voxel, static_cast<int>(level));
-  const auto centre = [&](std::int64_t b) { return static_cast<double>(b * kBrickVoxels + kBrickVoxels / 2) * voxel; };
+  const auto centre = [&](std::int64_t b) { return static_cast<double>(b * kBrickVoxels + kHalfBrick) * voxel; };
   return {{centre(brick[0]), centre(brick[1]), centre(brick[2])}, voxel};
 }
 

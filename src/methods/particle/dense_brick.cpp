@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr float kHalf = kBrickVoxels / 2;
+constexpr float kHalf = kHalfBrick;
 constexpr float kSlack = 1e-3f;  // voxels, for rounding
 constexpr float kListed2 = kListed * kListed;
 
@@ -33,9 +33,11 @@ struct alignas(64) Window {
 constexpr Window kWindow = [] {
   Window w;
   for (int i = 0; i < BrickMaker::kBlock; ++i) {
+    const int row = i / 3;
+    const int layer = row / 3;
     w.x[i] = static_cast<float>(i % 3);
-    w.y[i] = static_cast<float>(i / 3 % 3);
-    w.z[i] = static_cast<float>(i / 9);
+    w.y[i] = static_cast<float>(row % 3);
+    w.z[i] = static_cast<float>(layer);
     w.bit[i] = 1u << i;
     w.corner[i] = brick::cornerIndex(0, i);
   }

@@ -21,6 +21,7 @@
 namespace scanmill {
 
 constexpr int kBrickVoxels = 8;                     // per axis
+constexpr int kHalfBrick = kBrickVoxels / 2;        // per axis
 constexpr int kBrickCorners = kBrickVoxels + 1;     // per axis
 constexpr int kCornersPerBrick = 9 * 9 * 9;         // x fastest, then y, then z
 constexpr int kBrickStride = kCornersPerBrick + 1;  // of FieldBricks::distance: even, two to a 32-bit word

@@ -27,7 +27,7 @@ constexpr std::uint32_t kFewestVoxels = 64;
 constexpr std::uint32_t kMostVoxels = 1024;
 constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // whole bricks on both sides of the centre
 constexpr Range kWithinRange{0.1, 1e4};                  // m
-constexpr std::uint32_t kMarginVoxels = kBrickVoxels / 2 + 1;
+constexpr std::uint32_t kMarginVoxels = kHalfBrick + 1;
 
 // Reads the name of one of the values, the first where there is none.
 template <class T, std::size_t n>
@@ -96,7 +96,7 @@ std::uint32_t coarsestLevel(const ParticleOptions& options, double largest) {
 
 // m, how far the sensor is off the field's centre, along each axis: half a brick of level 0.
 double offCentre(const ParticleOptions& options) {
-  return kBrickVoxels / 2 * options.voxel;
+  return kHalfBrick * options.voxel;
 }
 
 // m from the sensor: so far do `level` and finer ones serve in all directions.
@@ -158,7 +158,7 @@ void grant(const Wish& wish, ParticleOptions& options) {
   }
   const double exact = 2 * ((wish.within + offCentre(options)) / outThere + kMarginVoxels);
   const std::uint32_t most = wish.voxelsGiven ? options.voxels : kMostVoxels;
-  const double reach = outThere * (most / 2 - kMarginVoxels) - offCentre(options);
+  const double reach = outThere * (0.5 * most - kMarginVoxels) - offCentre(options);
   throw InputError(
       wish.where,
       fmt::format("{} takes voxels of {:.4g} m out there, and {:.0f} of them across each level ({}), but {}; give "
@@ -210,7 +210,7 @@ ParticleOptions readParticleOptions(Fields& fields) {
 }
 
 double levelReach(const ParticleOptions& options, std::uint32_t level) {
-  return (options.voxels / 2 - kMarginVoxels) * std::ldexp(options.voxel, static_cast<int>(level));
+  return (0.5 * options.voxels - kMarginVoxels) * std::ldexp(options.voxel, static_cast<int>(level));
 }
 
 double levelBytes(double voxels, bool lists) {

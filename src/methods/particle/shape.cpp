@@ -56,7 +56,7 @@ FieldShape aroundSensor(const ParticleOptions& options, const Vec3d& sensor, con
   const Corner centre = nearestBrick(sensor, options.voxel);
   shape.centre = placeOf(centre, options.voxel);
   // A coarse level's bricks are up to half a brick off the centre, and a voxel is to spare.
-  shape.reach = static_cast<float>(options.voxels / 2) - (kBrickVoxels / 2 + 1);
+  shape.reach = 0.5f * static_cast<float>(options.voxels) - (kHalfBrick + 1);
   std::uint32_t levels = options.levels;
   if (levels == 0) {
     const double need = std::min(range + kBrickVoxels * options.voxel, reachOf(scene, shape.centre));
