@@ -1,8 +1,8 @@
 #include "methods/particle/flight.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <limits>
 
 namespace scanmill {
 
@@ -19,24 +19,19 @@ double inverseOf(double d) {
   return 1 / (std::fabs(d) < kSteep ? kSteep : d);
 }
 
-// The part of a line inside of the box: m along it.
-struct Stretch {
-  double begin, end;
+// The parts of lines inside of the box: m along them.
+struct Stretches {
+  alignas(64) Lane begin, end;
 };
 
-Stretch insideOf(const Box& box, const Vec3d& o, const Vec3d& d) {
-  Stretch s{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  const auto cut = [&](double low, double high, double from, double direction) {
-    const double inverse = inverseOf(direction);
-    const double a = (low - from) * inverse;
-    const double b = (high - from) * inverse;
-    s.begin = std::max(s.begin, std::min(a, b));
-    s.end = std::min(s.end, std::max(a, b));
-  };
-  cut(box.low.x, box.high.x, o.x, d.x);
-  cut(box.low.y, box.high.y, o.y, d.y);
-  cut(box.low.z, box.high.z, o.z, d.z);
-  return s;
+void cut(double low, double high, const Lane& from, const Lane& direction, Stretches& s) {
+  for (int i = 0; i < kPacket; ++i) {
+    const double inverse = inverseOf(direction[i]);
+    const double a = (low - from[i]) * inverse;
+    const double b = (high - from[i]) * inverse;
+    s.begin[i] = std::max(s.begin[i], std::min(a, b));
+    s.end[i] = std::min(s.end[i], std::max(a, b));
+  }
 }
 
 bool insideBox(const Box& box, const Vec3d& p) {
@@ -85,22 +80,28 @@ Rest corrected(const Flight& flight, const Vec3d& o, const Vec3d& d, Rest rest) 
 }
 
 // Interpolated distances are too small where walls meet: a particle that rests farther than half a voxel from the plane
-// of its triangle is taken for one at a brink.
-void settle(const Flight& flight, const Rays& rays, int lane, Particles& particles, std::size_t i, Landings& landings) {
-  const TriangleBlock& block = flight.world.baked;
-  if (landings.outcomeOf(i) == Outcome::Hit && landings.way[i] > particles.begin[i]) {
-    const double way = double{landings.way[i]} * flight.field.shape.voxel;
-    const Vec3d point =
-        Vec3d{rays.ox[lane], rays.oy[lane], rays.oz[lane]} + Vec3d{rays.dx[lane], rays.dy[lane], rays.dz[lane]} * way;
-    const BlockTriangle& plane = block.triangles[landings.triangle[i]];
-    const double away = std::abs(dot(plane.normal, point) - plane.offset);
-    const double voxel = voxelAt(flight.field, fieldFrame(flight.field, point));
-    const double rest = std::clamp(double{flight.march.cone} * way / voxel, double{kRest}, double{kWidestHit});
-    if (away > (rest + kRounding) * voxel) {
-      landings.outcome[i] = static_cast<std::uint32_t>(Outcome::Brink) + 4 * landings.stepsOf(i);
-    }
+// of its triangle is taken for one at a brink. Which lanes are so, of particles that have gone `way` (m).
+void findFar(const Flight& flight, const Rays& rays, const Resolved& planes, const Lane& way, bool (&far)[kPacket]) {
+  const Field& field = flight.field;
+  const Vec3d centre = field.shape.centre;
+  const double voxel = field.shape.voxel;
+  const double perVoxel = 1 / voxel;
+  const double cone{flight.march.cone};
+  alignas(64) double most[kPacket];
+  alignas(64) double away[kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    const Vec3d point{rays.ox[i] + rays.dx[i] * way[i], rays.oy[i] + rays.dy[i] * way[i],
+                      rays.oz[i] + rays.dz[i] * way[i]};
+    away[i] = std::abs(planes.nx[i] * point.x + planes.ny[i] * point.y + planes.nz[i] * point.z - planes.offset[i]);
+    const std::int32_t level = levelAt(field, static_cast<float>((point.x - centre.x) * perVoxel),
+                                       static_cast<float>((point.y - centre.y) * perVoxel),
+                                       static_cast<float>((point.z - centre.z) * perVoxel));
+    const double size = voxel * std::bit_cast<float>(static_cast<std::uint32_t>(127 + level) << 23);
+    const double wide = cone * way[i] / size;
+    const double rest = std::min(std::max(wide, double{kRest}), double{kWidestHit});
+    most[i] = (rest + kRounding) * size;
   }
-  settleBrink(flight.field, block, flight.march, particles, i, landings);
+  for (int i = 0; i < kPacket; ++i) far[i] = away[i] > most[i];
 }
 
 // Flies on through transparent triangles.
@@ -125,6 +126,147 @@ void passTransparent(const Flight& flight, const Rays& rays, int lane, Particles
   }
 }
 
+// A tile on its way to the hits.
+struct Arriving {
+  Tile tile;
+  std::size_t first;  // its particles
+  Rays rays;
+  Resolved planes;
+  HitTriangle triangles[kPacket];
+};
+
+constexpr std::size_t kTilesTogether = 16;  // they stay in the first cache
+
+class Arrivals {
+ public:
+  Arrivals(const Flight& flight, const std::vector<CompactMaterial>& materials, Particles& particles,
+           Landings& landings, Hits& hits, std::vector<std::uint32_t>& unresolved)
+      : flight_(flight),
+        materials_(materials),
+        particles_(particles),
+        landings_(landings),
+        hits_(hits),
+        unresolved_(unresolved),
+        end_(static_cast<float>(farthest(*flight.shot.beams) / flight.field.shape.voxel)) {}
+
+  // What hits name lies anywhere in memory: all of it is asked for before the first is needed.
+  void expect(std::span<const Tile> tiles, std::size_t first) const {
+    const std::size_t count = std::min(tiles.size(), kTilesTogether) * kPacket;
+    for (std::size_t i = first; i < first + count; ++i) {
+      if (landings_.outcomeOf(i) == Outcome::Hit) prefetch(flight_.world.baked.triangles[landings_.triangle[i]]);
+    }
+  }
+
+  void begin(const Tile& tile, std::size_t first, Arriving& a) {
+    const TriangleBlock& block = flight_.world.baked;
+    const bool lists = flight_.field.shape.lists;
+    const bool alpha = lists && block.firstAlpha < block.triangles.size();
+    a.tile = tile;
+    a.first = first;
+    expectStore(tile, hits_);
+    setUp(flight_.shot, flight_.frame, tile, a.rays);
+    for (int lane = 0; lane < kPacket; ++lane) {
+      if (alpha && lane < a.rays.count) passTransparent(flight_, a.rays, lane, particles_, indexOf(a, lane), landings_);
+      load(a, lane);
+    }
+    if (!lists) findBrinks(a);
+  }
+
+  // Settles the brinks of tiles that have begun.
+  void settle(std::span<Arriving> tiles) {
+    if (brinks_.empty()) return;
+    settleBrinks(flight_.field, flight_.world.baked, flight_.march, particles_, brinks_, landings_);
+    for (const std::uint32_t i : brinks_) {
+      if (landings_.outcomeOf(i) == Outcome::Hit) prefetch(flight_.world.baked.triangles[landings_.triangle[i]]);
+    }
+    for (const std::uint32_t i : brinks_) {
+      const std::size_t at = i - tiles.front().first;
+      load(tiles[at / kPacket], static_cast<int>(at % kPacket));
+    }
+    brinks_.clear();
+  }
+
+  void finish(Arriving& a) {
+    for (int lane = 0; lane < a.rays.count; ++lane) count(a, lane);
+    if (flight_.refine == ParticleOptions::Refine::ByNormal) correct(a);
+    if (flight_.field.shape.lists) {
+      intersectPlanes(a.rays, *flight_.shot.beams, a.planes);
+    } else {
+      keepTraced(a.rays, *flight_.shot.beams, a.planes);
+    }
+    store(materials_, a.tile, a.rays, a.planes, a.triangles, hits_);
+  }
+
+  const FlightCounts& counts() const { return counts_; }
+
+ private:
+  static std::size_t indexOf(const Arriving& a, int lane) { return a.first + static_cast<std::size_t>(lane); }
+
+  double rangeOf(std::size_t i) const { return double{landings_.way[i]} * flight_.field.shape.voxel; }
+
+  void load(Arriving& a, int lane) const {
+    const std::size_t i = indexOf(a, lane);
+    if (lane < a.rays.count && landings_.outcomeOf(i) == Outcome::Hit) {
+      a.triangles[lane] = {&flight_.world.baked, nullptr, landings_.triangle[i]};
+      loadPlane(a.triangles[lane], static_cast<float>(rangeOf(i)), a.planes, lane);
+    } else {
+      a.triangles[lane] = {};
+      loadMiss(a.planes, lane);
+    }
+  }
+
+  void findBrinks(const Arriving& a) {
+    alignas(64) Lane way;
+    for (int lane = 0; lane < kPacket; ++lane) {
+      const bool hit = a.triangles[lane].block != nullptr;
+      way[lane] = hit ? rangeOf(indexOf(a, lane)) : 0;
+    }
+    bool far[kPacket];
+    findFar(flight_, a.rays, a.planes, way, far);
+    for (int lane = 0; lane < a.rays.count; ++lane) {
+      const std::size_t i = indexOf(a, lane);
+      if (far[lane] && a.triangles[lane].block != nullptr && landings_.way[i] > particles_.begin[i]) {
+        landings_.outcome[i] = static_cast<std::uint32_t>(Outcome::Brink) + 4 * landings_.stepsOf(i);
+      }
+      if (landings_.outcomeOf(i) != Outcome::Brink) continue;
+      brinks_.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+
+  void count(const Arriving& a, int lane) {
+    const std::size_t i = indexOf(a, lane);
+    const Outcome outcome = landings_.outcomeOf(i);
+    const bool left = outcome == Outcome::Miss && !flight_.whole && particles_.end[i] < end_;
+    if (outcome == Outcome::Exhausted || left) {
+      ++(left ? counts_.left : counts_.exhausted);
+      const auto l = static_cast<std::uint32_t>(lane);
+      unresolved_.push_back((a.tile.ring + l / a.tile.width) * hits_.columns + a.tile.column + l % a.tile.width);
+    }
+    if (outcome == Outcome::Hit && !flight_.field.shape.lists && landings_.way[i] <= 0) ++counts_.touching;
+  }
+
+  void correct(Arriving& a) const {
+    for (int lane = 0; lane < kPacket; ++lane) {
+      if (a.triangles[lane].block == nullptr) continue;
+      const Rest rest = corrected(flight_, {a.rays.ox[lane], a.rays.oy[lane], a.rays.oz[lane]},
+                                  {a.rays.dx[lane], a.rays.dy[lane], a.rays.dz[lane]},
+                                  {a.triangles[lane].index, rangeOf(indexOf(a, lane))});
+      a.triangles[lane].index = rest.triangle;
+      loadPlane(a.triangles[lane], static_cast<float>(rest.range), a.planes, lane);
+    }
+  }
+
+  const Flight& flight_;
+  const std::vector<CompactMaterial>& materials_;
+  Particles& particles_;
+  Landings& landings_;
+  Hits& hits_;
+  std::vector<std::uint32_t>& unresolved_;
+  float end_;  // of the way of a particle that nothing stops
+  std::vector<std::uint32_t> brinks_;
+  FlightCounts counts_;
+};
+
 }  // namespace
 
 FlightCounts& FlightCounts::operator+=(const FlightCounts& o) {
@@ -140,84 +282,54 @@ void launch(const Flight& flight, std::span<const Tile> tiles, Particles& partic
   const double perVoxel = 1 / flight.field.shape.voxel;
   const double end = farthest(*flight.shot.beams);
   Rays rays;
+  Stretches inside;
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     setUp(flight.shot, flight.frame, tiles[t], rays);
-    for (int lane = 0; lane < kPacket; ++lane) {
-      const std::size_t i = first + t * kPacket + static_cast<std::size_t>(lane);
-      const Vec3d o{rays.ox[lane], rays.oy[lane], rays.oz[lane]};
-      const Vec3d d{rays.dx[lane], rays.dy[lane], rays.dz[lane]};
-      const Stretch inside = insideOf(flight.box, o, d);
-      particles.ox[i] = static_cast<float>((o.x - centre.x) * perVoxel);
-      particles.oy[i] = static_cast<float>((o.y - centre.y) * perVoxel);
-      particles.oz[i] = static_cast<float>((o.z - centre.z) * perVoxel);
-      particles.dx[i] = static_cast<float>(d.x);
-      particles.dy[i] = static_cast<float>(d.y);
-      particles.dz[i] = static_cast<float>(d.z);
-      particles.begin[i] = static_cast<float>(std::max(inside.begin, 0.0) * perVoxel);
-      particles.end[i] = lane < rays.count ? static_cast<float>(std::min(inside.end, end) * perVoxel) : 0.0f;
-      if (!lists) continue;
-      particles.wx[i] = static_cast<float>(o.x);
-      particles.wy[i] = static_cast<float>(o.y);
-      particles.wz[i] = static_cast<float>(o.z);
-      particles.ix[i] = static_cast<float>(inverseOf(d.x));
-      particles.iy[i] = static_cast<float>(inverseOf(d.y));
-      particles.iz[i] = static_cast<float>(inverseOf(d.z));
-    }
+    std::fill_n(inside.begin, kPacket, 0.0);
+    std::fill_n(inside.end, kPacket, end);
+    cut(flight.box.low.x, flight.box.high.x, rays.ox, rays.dx, inside);
+    cut(flight.box.low.y, flight.box.high.y, rays.oy, rays.dy, inside);
+    cut(flight.box.low.z, flight.box.high.z, rays.oz, rays.dz, inside);
+    std::fill(inside.end + rays.count, inside.end + kPacket, 0.0);
+    const std::size_t at = first + t * kPacket;
+    const auto fill = [at](std::vector<float>& column, const auto& valueOf) {
+      float* values = column.data() + at;
+      for (int lane = 0; lane < kPacket; ++lane) values[lane] = static_cast<float>(valueOf(lane));
+    };
+    fill(particles.ox, [&](int lane) { return (rays.ox[lane] - centre.x) * perVoxel; });
+    fill(particles.oy, [&](int lane) { return (rays.oy[lane] - centre.y) * perVoxel; });
+    fill(particles.oz, [&](int lane) { return (rays.oz[lane] - centre.z) * perVoxel; });
+    fill(particles.dx, [&](int lane) { return rays.dx[lane]; });
+    fill(particles.dy, [&](int lane) { return rays.dy[lane]; });
+    fill(particles.dz, [&](int lane) { return rays.dz[lane]; });
+    fill(particles.begin, [&](int lane) { return inside.begin[lane] * perVoxel; });
+    fill(particles.end, [&](int lane) { return inside.end[lane] * perVoxel; });
+    if (!lists) continue;
+    fill(particles.wx, [&](int lane) { return rays.ox[lane]; });
+    fill(particles.wy, [&](int lane) { return rays.oy[lane]; });
+    fill(particles.wz, [&](int lane) { return rays.oz[lane]; });
+    fill(particles.ix, [&](int lane) { return inverseOf(rays.dx[lane]); });
+    fill(particles.iy, [&](int lane) { return inverseOf(rays.dy[lane]); });
+    fill(particles.iz, [&](int lane) { return inverseOf(rays.dz[lane]); });
   }
 }
 
 FlightCounts land(const Flight& flight, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
                   Particles& particles, Landings& landings, std::size_t first, Hits& hits,
                   std::vector<std::uint32_t>& unresolved) {
-  const TriangleBlock& block = flight.world.baked;
-  const bool lists = flight.field.shape.lists;
-  const bool alpha = lists && block.firstAlpha < block.triangles.size();
-  const double voxel = flight.field.shape.voxel;
-  const auto end = static_cast<float>(farthest(*flight.shot.beams) / voxel);
-  FlightCounts counts;
-  Rays rays;
-  Resolved resolved;
-  HitTriangle triangles[kPacket];
-  for (std::size_t t = 0; t < tiles.size(); ++t) {
-    const Tile& tile = tiles[t];
-    setUp(flight.shot, flight.frame, tile, rays);
-    for (int lane = 0; lane < kPacket; ++lane) {
-      const std::size_t i = first + t * kPacket + static_cast<std::size_t>(lane);
-      triangles[lane] = {};
-      if (lane < rays.count) {
-        if (!lists) settle(flight, rays, lane, particles, i, landings);
-        if (alpha) passTransparent(flight, rays, lane, particles, i, landings);
-        const Outcome outcome = landings.outcomeOf(i);
-        const bool left = outcome == Outcome::Miss && !flight.whole && particles.end[i] < end;
-        if (outcome == Outcome::Exhausted || left) {
-          ++(left ? counts.left : counts.exhausted);
-          const auto l = static_cast<std::uint32_t>(lane);
-          unresolved.push_back((tile.ring + l / tile.width) * hits.columns + tile.column + l % tile.width);
-        }
-        if (outcome == Outcome::Hit) triangles[lane] = {&block, nullptr, landings.triangle[i]};
-      }
-      if (triangles[lane].block == nullptr) {
-        loadMiss(resolved, lane);
-        continue;
-      }
-      double range = double{landings.way[i]} * voxel;
-      if (!lists && landings.way[i] <= 0) ++counts.touching;
-      if (flight.refine == ParticleOptions::Refine::ByNormal) {
-        const Rest rest = corrected(flight, {rays.ox[lane], rays.oy[lane], rays.oz[lane]},
-                                    {rays.dx[lane], rays.dy[lane], rays.dz[lane]}, {landings.triangle[i], range});
-        triangles[lane].index = rest.triangle;
-        range = rest.range;
-      }
-      loadPlane(triangles[lane], static_cast<float>(range), resolved, lane);
+  Arrivals arrivals(flight, materials, particles, landings, hits, unresolved);
+  Arriving some[kTilesTogether];
+  arrivals.expect(tiles, first);
+  for (std::size_t t = 0; t < tiles.size(); t += kTilesTogether) {
+    const auto together = std::span(some).first(std::min(kTilesTogether, tiles.size() - t));
+    arrivals.expect(tiles.subspan(std::min(t + kTilesTogether, tiles.size())), first + (t + kTilesTogether) * kPacket);
+    for (std::size_t k = 0; k < together.size(); ++k) {
+      arrivals.begin(tiles[t + k], first + (t + k) * kPacket, together[k]);
     }
-    if (lists) {
-      intersectPlanes(rays, *flight.shot.beams, resolved);
-    } else {
-      keepTraced(rays, *flight.shot.beams, resolved);
-    }
-    store(materials, tile, rays, resolved, triangles, hits);
+    if (!flight.field.shape.lists) arrivals.settle(together);
+    for (Arriving& a : together) arrivals.finish(a);
   }
-  return counts;
+  return arrivals.counts();
 }
 
 }  // namespace scanmill

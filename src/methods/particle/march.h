@@ -7,8 +7,12 @@
 // nothing but additions, multiplications, comparisons and conversions, in the same order and without contraction, so
 // that all of them take the same steps, bit by bit, on any processor or GPU that keeps IEEE 754.
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,7 +26,7 @@ enum class Outcome : std::uint32_t {
   Miss = 1,       // nothing up to the end of its way
   Exhausted = 2,  // out of steps: neither
   // Only without lists: it was at a brink, nearer than kBrink to a surface but nowhere at rest, and then moved away. It
-  // has passed an edge, or gone through one: settleBrink() tells which.
+  // has passed an edge, or gone through one: settleBrinks() tells which.
   Brink = 3,
 };
 
@@ -77,10 +81,10 @@ struct Landing {
 Landing marchOne(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,
                  const Particles& particles, std::size_t i);
 
-// Decides what became of particle i where it is at a brink: a hit on what it has crossed or passed by at half a voxel
-// or less, else it flies on. For fields without lists.
-void settleBrink(const Field& field, const TriangleBlock& triangles, const MarchOptions& options, Particles& particles,
-                 std::size_t i, Landings& landings);
+// Decides what became of the particles `at` brinks: a hit on what each has crossed or passed by at half a voxel or
+// less, else it flies on. For fields without lists.
+void settleBrinks(const Field& field, const TriangleBlock& triangles, const MarchOptions& options, Particles& particles,
+                  std::span<const std::uint32_t> at, Landings& landings);
 
 // What the field says of a place (field frame).
 struct FieldPlace {
@@ -89,13 +93,23 @@ struct FieldPlace {
   double voxel;            // m, of the level
 };
 
-// m, of the level that serves a place (field frame).
+// The level that serves a place (field frame).
+inline std::int32_t levelAt(const Field& field, float x, float y, float z) {
+  const float most = std::max(std::fabs(x), std::max(std::fabs(y), std::fabs(z)));
+  // The least l with most <= reach * 2^l, from the float's exponent.
+  const float share = most * (1.0f / field.shape.reach);
+  const auto exponent = static_cast<std::int32_t>(std::bit_cast<std::uint32_t>(share) - 1u) >> 23;
+  const auto last = static_cast<std::int32_t>(field.levels.size()) - 1;
+  return share > 0 ? std::min(std::max(exponent - 126, 0), last) : 0;
+}
+
+// m, of that level.
 double voxelAt(const Field& field, const Vec3f& place);
 
 FieldPlace placeIn(const Field& field, const Vec3f& place);
 
-// Nearest to the corners of the voxel around a place (field without lists); kNoWord: none near.
-std::array<std::uint32_t, 8> trianglesAround(const Field& field, const Vec3f& place);
+// The first corner of the voxel around a place, in the arrays of bricks; kNoWord where the brick is empty.
+std::uint32_t voxelCorner(const Field& field, const Vec3f& place);
 
 // Flies particles [first, last) on the calling thread, 16 or 8 at a time.
 void marchCpu(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,

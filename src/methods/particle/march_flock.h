@@ -119,13 +119,22 @@ class Flock {
       flying |= group.flying;
     }
     while (flying != 0) {
-      for (LaneGroup& group : groups_) locate(group);
-      for (LaneGroup& group : groups_) fetch(group);
-      for (std::size_t g = 0; g < kLaneGroups; ++g) move(g);
+      for (LaneGroup& group : groups_) {
+        if (group.flying != 0) locate(group);
+      }
+      for (LaneGroup& group : groups_) {
+        if (group.flying != 0) aim(group);
+      }
+      for (LaneGroup& group : groups_) {
+        if (group.flying != 0) fetch(group);
+      }
+      for (std::size_t g = 0; g < kLaneGroups; ++g) {
+        if (groups_[g].flying != 0) move(g);
+      }
       if constexpr (kLists) tester_.meet();
       flying = 0;
       for (std::size_t g = 0; g < kLaneGroups; ++g) {
-        settle(g);
+        if (groups_[g].flying != 0) settle(g);
         flying |= groups_[g].flying;
       }
     }
@@ -207,18 +216,31 @@ class Flock {
                             hn::BitCast(kInts, hn::ShiftLeft<1>(corner)));
   }
 
-  // Distances of full bricks.
-  void fetch(LaneGroup& group) const {
+  // The corner in full bricks that begins the voxel; asks for its distances, which may lie anywhere in memory.
+  void aim(LaneGroup& group) const {
     const Words entry = hn::Load(kWords, group.entry);
     const Mask full = isFull(entry);
-    if (hn::AllFalse(kFloats, full)) return;
+    const LaneBits lanes = bitsOf(full);
+    if (lanes == 0) return;
     const Words index = hn::AndNot(hn::Set(kWords, kFullBrick), entry);
     const Words x = hn::Add(hn::Mul(index, hn::Set(kWords, kBrickStride)), hn::Load(kWords, group.in[0]));
     const Words y = hn::Mul(hn::Load(kWords, group.in[1]), hn::Set(kWords, kCornerRow));
     const Words z = hn::Mul(hn::Load(kWords, group.in[2]), hn::Set(kWords, kCornerLayer));
     Words cell = hn::IfThenElseZero(hn::RebindMask(kWords, full), hn::Add(hn::Add(x, y), z));
+    if constexpr (kLists) cell = nearestOf(group, cell);
+    hn::Store(cell, kWords, group.cell);
+    const std::uint16_t* distance = field_.distance.data();
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      __builtin_prefetch(distance + group.cell[lane]);
+      if constexpr (!kLists) __builtin_prefetch(distance + group.cell[lane] + kCornerLayer);
+    }
+  }
+
+  // Distances of full bricks.
+  void fetch(LaneGroup& group) const {
+    if (hn::AllFalse(kFloats, isFull(hn::Load(kWords, group.entry)))) return;
+    const Words cell = hn::Load(kWords, group.cell);
     if constexpr (kLists) {
-      cell = nearestOf(group, cell);
       hn::Store(pair(cell), kWords, group.rows[0]);
     } else {
       constexpr std::uint32_t kCorner[4] = {0, kCornerRow, kCornerLayer, kCornerLayer + kCornerRow};
@@ -226,7 +248,6 @@ class Flock {
         hn::Store(pair(hn::Add(cell, hn::Set(kWords, kCorner[k]))), kWords, group.rows[k]);
       }
     }
-    hn::Store(cell, kWords, group.cell);
   }
 
   static Mask isUpper(const LaneGroup& group, int axis) {
@@ -416,6 +437,7 @@ class Flock {
         land(i, group.looked[lane] + best.numerator / (best.denominator * metres), best.triangle, steps);
       } else {
         const bool brink = (group.brinks >> lane & 1) != 0;
+        __builtin_prefetch(&field_.word[group.corner[lane]]);
         land(i, group.looked[lane], group.corner[lane],
              steps + static_cast<std::uint32_t>(brink ? Outcome::Brink : Outcome::Hit));
       }

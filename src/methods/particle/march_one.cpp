@@ -19,18 +19,9 @@ struct Voxel {
   float bx, by, bz;             // from the brick's centre
 };
 
-std::int32_t levelOf(const Field& field, float x, float y, float z) {
-  const float most = std::max(std::fabs(x), std::max(std::fabs(y), std::fabs(z)));
-  // The least l with most <= reach * 2^l, from the float's exponent.
-  const float share = most * (1.0f / field.shape.reach);
-  const auto exponent = static_cast<std::int32_t>(std::bit_cast<std::uint32_t>(share) - 1u) >> 23;
-  const auto last = static_cast<std::int32_t>(field.levels.size()) - 1;
-  return share > 0 ? std::min(std::max(exponent - 126, 0), last) : 0;
-}
-
 Voxel find(const Field& field, float x, float y, float z) {
   Voxel v;
-  const std::int32_t index = levelOf(field, x, y, z);
+  const std::int32_t index = levelAt(field, x, y, z);
   const FieldLevel& level = field.levels[static_cast<std::size_t>(index)];
   v.scale = std::bit_cast<float>(static_cast<std::uint32_t>(127 - index) << 23);
   v.grow = std::bit_cast<float>(static_cast<std::uint32_t>(127 + index) << 23);
@@ -144,7 +135,8 @@ void Landings::resize(std::size_t count) {
 }
 
 double voxelAt(const Field& field, const Vec3f& place) {
-  return std::ldexp(field.shape.voxel, levelOf(field, place.x, place.y, place.z));
+  const auto level = static_cast<std::uint32_t>(levelAt(field, place.x, place.y, place.z));
+  return field.shape.voxel * double{std::bit_cast<float>((127 + level) << 23)};
 }
 
 FieldPlace placeIn(const Field& field, const Vec3f& place) {
@@ -155,15 +147,9 @@ FieldPlace placeIn(const Field& field, const Vec3f& place) {
   return {interpolate(field, v), field.shape.lists ? kNoWord : field.word[v.nearest], voxel};
 }
 
-std::array<std::uint32_t, 8> trianglesAround(const Field& field, const Vec3f& place) {
+std::uint32_t voxelCorner(const Field& field, const Vec3f& place) {
   const Voxel v = find(field, place.x, place.y, place.z);
-  std::array<std::uint32_t, 8> around;
-  around.fill(kNoWord);
-  if (!v.full) return around;
-  for (std::uint32_t k = 0; k < 8; ++k) {
-    around[k] = field.word[v.cell + ((k >> 2) * 9 + (k >> 1 & 1)) * 9 + (k & 1)];
-  }
-  return around;
+  return v.full ? v.cell : kNoWord;
 }
 
 Landing marchOne(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,

@@ -37,6 +37,10 @@ float texturedReflectance(const HitTriangle& hit, const CompactMaterial& materia
 // Copies one value per lane into an image, row by row of the tile.
 template <class T>
 void storeRows(const Tile& tile, const T* lanes, std::vector<T>& column, std::uint32_t columns) {
+  if (tile.width == kPacket) {  // one row, of a length that the compiler knows
+    std::copy_n(lanes, kPacket, &column[std::size_t{tile.ring} * columns + tile.column]);
+    return;
+  }
   for (std::uint32_t r = 0; r < tile.rows; ++r) {
     std::copy_n(lanes + r * tile.width, tile.width, &column[std::size_t{tile.ring + r} * columns + tile.column]);
   }
@@ -106,6 +110,22 @@ void storeNormals(const Tile& tile, const Resolved& r, Hits& hits) {
   storeRows(tile, normal, hits.normal, hits.columns);
 }
 
+// Beams of one pose, next to each other in one ring.
+void setUpRow(const ShotFrame& frame, const Vec3d* directions, Rays& rays) {
+  const Mat3 rotation = frame.rotation.front();
+  const Vec3d o = frame.position.front();
+  for (int i = 0; i < kPacket; ++i) {
+    const Vec3d d = rotation * directions[i];
+    rays.dx[i] = d.x;
+    rays.dy[i] = d.y;
+    rays.dz[i] = d.z;
+  }
+  std::fill_n(rays.ox, kPacket, o.x);
+  std::fill_n(rays.oy, kPacket, o.y);
+  std::fill_n(rays.oz, kPacket, o.z);
+  rays.count = kPacket;
+}
+
 }  // namespace
 
 std::vector<CompactMaterial> compactMaterials(const Scene& scene) {
@@ -133,6 +153,10 @@ ShotFrame frameOf(const Shot& shot, const Vec3d& origin) {
 
 void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays) {
   const BeamTable& beams = *shot.beams;
+  if (tile.width == kPacket && frame.rotation.size() == 1 && beams.origin.empty()) {
+    setUpRow(frame, &beams.direction[std::size_t{tile.ring} * beams.columns + tile.column], rays);
+    return;
+  }
   int lane = 0;
   for (std::uint32_t r = 0; r < tile.rows; ++r) {
     const std::uint32_t first = (tile.ring + r) * beams.columns + tile.column;
@@ -159,28 +183,6 @@ void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& ray
     rays.dy[lane] = rays.dy[0];
     rays.dz[lane] = rays.dz[0];
   }
-}
-
-void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lane) {
-  const BlockTriangle& triangle = hit.block->triangles[hit.index];
-  Vec3d normal = triangle.normal;
-  double offset = triangle.offset;
-  if (hit.placed != nullptr) {
-    normal = hit.placed->normalFromMesh * normal;
-    const double scale = 1 / length(normal);
-    normal = normal * scale;
-    offset = offset * scale + dot(normal, hit.placed->originFromMesh.translation);
-  }
-  r.nx[lane] = normal.x;
-  r.ny[lane] = normal.y;
-  r.nz[lane] = normal.z;
-  r.offset[lane] = offset;
-  r.traced[lane] = double{traced};
-}
-
-void loadMiss(Resolved& r, int lane) {
-  r.nx[lane] = r.ny[lane] = r.nz[lane] = r.offset[lane] = 0;
-  r.traced[lane] = std::numeric_limits<double>::infinity();
 }
 
 void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r) {
@@ -222,6 +224,22 @@ Vec2d barycentric(const HitTriangle& hit, const Vec3d& point) {
   const double u = std::clamp(dot(n, cross(point - a, ac)) / square, 0.0, 1.0);
   const double v = std::clamp(dot(n, cross(ab, point - a)) / square, 0.0, 1.0 - u);
   return {u, v};
+}
+
+void expectStore(const Tile& tile, Hits& hits) {
+  const std::size_t last = std::size_t{tile.ring} * hits.columns + tile.column + tile.width - 1;
+  const auto expect = [last](auto& column) {
+    if (!column.empty()) __builtin_prefetch(&column[last], 1);
+  };
+  expect(hits.range);
+  expect(hits.instance);
+  expect(hits.semantic);
+  expect(hits.material);
+  expect(hits.primitive);
+  expect(hits.reflectance);
+  expect(hits.incidence);
+  if (hits.normal.empty()) return;
+  for (std::size_t k = 0; k < 3; ++k) __builtin_prefetch(&hits.normal[last - k * (tile.width / 3)], 1);
 }
 
 void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const Resolved& r,

@@ -3,6 +3,7 @@
 // What beams meet, from the triangles that they hit: in double, 16 beams at a time.
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "base/vec.h"
@@ -62,8 +63,27 @@ struct Resolved {
 void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays);
 
 // What was hit at about the distance `traced` (m).
-void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lane);
-void loadMiss(Resolved& r, int lane);
+inline void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lane) {
+  const BlockTriangle& triangle = hit.block->triangles[hit.index];
+  Vec3d normal = triangle.normal;
+  double offset = triangle.offset;
+  if (hit.placed != nullptr) {
+    normal = hit.placed->normalFromMesh * normal;
+    const double scale = 1 / length(normal);
+    normal = normal * scale;
+    offset = offset * scale + dot(normal, hit.placed->originFromMesh.translation);
+  }
+  r.nx[lane] = normal.x;
+  r.ny[lane] = normal.y;
+  r.nz[lane] = normal.z;
+  r.offset[lane] = offset;
+  r.traced[lane] = double{traced};
+}
+
+inline void loadMiss(Resolved& r, int lane) {
+  r.nx[lane] = r.ny[lane] = r.nz[lane] = r.offset[lane] = 0;
+  r.traced[lane] = std::numeric_limits<double>::infinity();
+}
 
 // Distance along each ray to the plane of its triangle, all lanes at once; misses outside of the sensor's range.
 void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r);
@@ -73,6 +93,9 @@ void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r);
 // Fills the channels that `hits` has.
 void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const Resolved& r,
            const HitTriangle* triangles, Hits& hits);
+
+// Asks for the memory that store() will write.
+void expectStore(const Tile& tile, Hits& hits);
 
 // Barycentric coordinates, of the second and third corner, of a point of a triangle (m, relative to the world's
 // origin), clamped to the triangle.

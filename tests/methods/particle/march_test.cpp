@@ -6,6 +6,8 @@
 #include <bit>
 #include <cmath>
 #include <memory>
+#include <numeric>
+#include <vector>
 
 #include "methods/particle/build.h"
 #include "methods/particle/march_rule.h"
@@ -203,9 +205,9 @@ TEST(MarchCpu, RangesOfParticlesDoNotMatter) {
 // Flown, and what was left to settle.
 Landings settled(const Place& place, Particles& particles) {
   Landings landings = flown(place.field, place.triangles, kResting, particles);
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    settleBrink(place.field, place.triangles, kResting, particles, i, landings);
-  }
+  std::vector<std::uint32_t> all(particles.size());
+  std::iota(all.begin(), all.end(), 0u);
+  settleBrinks(place.field, place.triangles, kResting, particles, all, landings);
   return landings;
 }
 
