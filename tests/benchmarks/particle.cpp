@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "methods/particle/build.h"
-#include "methods/particle/cache.h"
-#include "methods/particle/march.h"
+#include "methods/field/build.h"
+#include "methods/field/cache.h"
+#include "methods/march/march.h"
 #include "methods/particle/shape.h"
 #include "methods/world/worlds.h"
 #include "tests/benchmarks/timing.h"

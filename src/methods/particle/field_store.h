@@ -6,9 +6,9 @@
 #include <memory>
 #include <mutex>
 
-#include "methods/particle/build.h"
-#include "methods/particle/cache.h"
-#include "methods/particle/field.h"
+#include "methods/field/build.h"
+#include "methods/field/cache.h"
+#include "methods/field/field.h"
 #include "methods/particle/shape.h"
 #include "methods/world/worlds.h"
 

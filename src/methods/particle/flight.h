@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "methods/particle/field.h"
-#include "methods/particle/march.h"
+#include "methods/field/field.h"
+#include "methods/march/march.h"
 #include "methods/particle/options.h"
 #include "methods/world/resolve.h"
 #include "methods/world/world.h"

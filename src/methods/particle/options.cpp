@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "methods/particle/cache.h"
-#include "methods/particle/field.h"
+#include "methods/field/cache.h"
+#include "methods/field/field.h"
 
 namespace scanmill {
 

@@ -21,9 +21,9 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "methods/march/march.h"
 #include "methods/particle/field_store.h"
 #include "methods/particle/flight.h"
-#include "methods/particle/march.h"
 #include "methods/particle/options.h"
 
 namespace scanmill {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "methods/particle/field.h"
+#include "methods/field/field.h"
 #include "methods/particle/options.h"
 
 namespace scanmill {

@@ -11,8 +11,8 @@
 
 #include "base/random.h"
 #include "config/value.h"
-#include "methods/particle/cache.h"
-#include "methods/particle/march.h"
+#include "methods/field/cache.h"
+#include "methods/march/march.h"
 #include "methods/particle/shape.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "methods/particle/field.h"
+#include "methods/field/field.h"
 #include "scene/scene.h"
 
 namespace scanmill {

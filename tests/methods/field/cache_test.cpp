@@ -1,4 +1,4 @@
-#include "methods/particle/cache.h"
+#include "methods/field/cache.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

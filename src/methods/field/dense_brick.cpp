@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 
-#include "methods/particle/brick.h"
+#include "methods/field/brick.h"
 
 namespace scanmill {
 

@@ -1,4 +1,4 @@
-#include "methods/particle/field.h"
+#include "methods/field/field.h"
 
 namespace scanmill {
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "methods/particle/facet.h"
-#include "methods/particle/field.h"
-#include "methods/particle/nearby.h"
+#include "methods/field/facet.h"
+#include "methods/field/field.h"
+#include "methods/field/nearby.h"
 #include "methods/world/world.h"
 
 namespace scanmill {

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "methods/particle/field.h"
+#include "methods/field/field.h"
 #include "methods/world/world.h"
 
 namespace scanmill {

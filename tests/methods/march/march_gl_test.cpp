@@ -1,4 +1,4 @@
-#include "methods/particle/march_gl.h"
+#include "methods/march/march_gl.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/random.h"
-#include "methods/particle/build.h"
-#include "methods/particle/march.h"
+#include "methods/field/build.h"
+#include "methods/march/march.h"
 #include "methods/particle/shape.h"
 #include "methods/world/world.h"
 #include "tests/support/gl.h"

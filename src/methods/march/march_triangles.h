@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "methods/particle/field.h"
-#include "methods/particle/march_lanes.h"
-#include "methods/particle/march_rule.h"
+#include "methods/field/field.h"
+#include "methods/march/march_lanes.h"
+#include "methods/march/march_rule.h"
 #include "methods/world/world.h"
 
 namespace scanmill {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "methods/particle/field.h"
+#include "methods/field/field.h"
 #include "methods/world/world.h"
 
 namespace scanmill {

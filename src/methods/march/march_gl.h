@@ -7,7 +7,7 @@
 #include <limits>
 #include <memory>
 
-#include "methods/particle/march.h"
+#include "methods/march/march.h"
 
 namespace scanmill {
 

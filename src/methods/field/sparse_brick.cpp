@@ -2,7 +2,7 @@
 #include <bit>
 #include <cmath>
 
-#include "methods/particle/brick.h"
+#include "methods/field/brick.h"
 
 namespace scanmill {
 

@@ -2,8 +2,8 @@
 #include <bit>
 #include <cmath>
 
-#include "methods/particle/march.h"
-#include "methods/particle/march_rule.h"
+#include "methods/march/march.h"
+#include "methods/march/march_rule.h"
 
 namespace scanmill {
 

@@ -1,4 +1,4 @@
-#include "methods/particle/march.h"
+#include "methods/march/march.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <numeric>
 #include <vector>
 
-#include "methods/particle/build.h"
-#include "methods/particle/march_rule.h"
-#include "tests/methods/particle/fields.h"
+#include "methods/field/build.h"
+#include "methods/march/march_rule.h"
+#include "tests/methods/march/fields.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {

@@ -1,4 +1,4 @@
-#include "methods/particle/brick.h"
+#include "methods/field/brick.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,8 +10,8 @@
 #include <limits>
 #include <vector>
 
-#include "methods/particle/march.h"
-#include "methods/particle/march_rule.h"
+#include "methods/march/march.h"
+#include "methods/march/march_rule.h"
 
 namespace scanmill {
 

@@ -1,11 +1,11 @@
-#include "methods/particle/march_shader.h"
+#include "methods/march/march_shader.h"
 
 #include <fmt/format.h>
 
 #include <bit>
 
-#include "methods/particle/march.h"
-#include "methods/particle/march_rule.h"
+#include "methods/march/march.h"
+#include "methods/march/march_rule.h"
 
 namespace scanmill {
 

@@ -1,4 +1,4 @@
-#include "methods/particle/nearby.h"
+#include "methods/field/nearby.h"
 
 #include <embree3/rtcore.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "methods/particle/field.h"
+#include "methods/field/field.h"
 
 namespace scanmill {
 

@@ -11,9 +11,9 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "methods/particle/facet.h"
-#include "methods/particle/field.h"
-#include "methods/particle/march.h"
+#include "methods/field/facet.h"
+#include "methods/field/field.h"
+#include "methods/march/march.h"
 #include "methods/particle/shape.h"
 #include "methods/world/world.h"
 

@@ -1,4 +1,4 @@
-#include "methods/particle/build.h"
+#include "methods/field/build.h"
 
 #include <fmt/core.h>
 
@@ -10,8 +10,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "methods/particle/brick.h"
-#include "methods/particle/nearby.h"
+#include "methods/field/brick.h"
+#include "methods/field/nearby.h"
 #include "methods/particle/shape.h"
 
 namespace scanmill {

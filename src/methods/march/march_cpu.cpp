@@ -1,11 +1,11 @@
-#include "methods/particle/march_lanes.h"
+#include "methods/march/march_lanes.h"
 #if HWY_TARGET != HWY_SCALAR
-#include "methods/particle/march_flock.h"
+#include "methods/march/march_flock.h"
 #endif
 
 #include <limits>
 
-#include "methods/particle/march.h"
+#include "methods/march/march.h"
 
 namespace scanmill {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "methods/particle/facet.h"
+#include "methods/field/facet.h"
 #include "methods/world/world.h"
 
 namespace scanmill {

@@ -9,10 +9,10 @@
 
 #include <algorithm>
 
-#include "methods/particle/march.h"
-#include "methods/particle/march_lanes.h"
-#include "methods/particle/march_rule.h"
-#include "methods/particle/march_triangles.h"
+#include "methods/march/march.h"
+#include "methods/march/march_lanes.h"
+#include "methods/march/march_rule.h"
+#include "methods/march/march_triangles.h"
 
 namespace scanmill {
 

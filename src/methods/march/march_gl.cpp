@@ -1,7 +1,7 @@
 // Particles by a compute shader: fields and triangles stay on the device between calls, particles go there and landings
 // come back, a slice at a time.
 
-#include "methods/particle/march_gl.h"
+#include "methods/march/march_gl.h"
 
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "methods/particle/march_shader.h"
+#include "methods/march/march_shader.h"
 #include "passes/compute.h"
 
 namespace scanmill {

@@ -1,4 +1,4 @@
-#include "methods/particle/build.h"
+#include "methods/field/build.h"
 
 #include <gtest/gtest.h>
 
