@@ -243,6 +243,7 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
     const Sequence& sequence = pipeline.sequences[s];
     if (s == 0 || !sequence.sameScene(pipeline.sequences[s - 1])) {
       const StageTimer timer(times, StageTimes::Setup);
+      progress.say(fmt::format("setting up {}", sequence.key()));
       if (method != nullptr) addStages(*method, methodSeconds);
       keeper.leave();
       method.reset();

@@ -47,6 +47,22 @@ void Progress::advance(std::uint64_t count, double work) {
   }
 }
 
+void Progress::say(const std::string& doing) {
+  if (quiet_) return;
+  const auto now = std::chrono::steady_clock::now();
+  const double since = std::chrono::duration<double>(now - lastShown_).count();
+  const std::string text = fmt::format("{} {}/{} {}  {}", what_, done_, total_, unit_, doing);
+  if (terminal_) {
+    fmt::print(stderr, "\r{}\033[K", text);
+    std::fflush(stderr);
+    shown_ = true;
+  } else if (!said_ || since >= kLineInterval) {
+    fmt::print(stderr, "{}\n", text);
+    lastShown_ = now;
+    said_ = true;
+  }
+}
+
 void Progress::show(bool last) {
   if (quiet_) return;
   const double elapsed = std::max(seconds(), 1e-9);

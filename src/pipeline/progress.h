@@ -18,6 +18,8 @@ class Progress {
 
   void setTotal(std::uint64_t total) { total_ = total; }  // where it is known only once the work has begun
   void advance(std::uint64_t count, double work);
+  // What is being done while nothing advances: on a terminal in place of the bar, elsewhere now and then.
+  void say(const std::string& doing);
   double seconds() const;
 
  private:
@@ -30,6 +32,7 @@ class Progress {
   bool quiet_ = false;
   bool terminal_ = false;
   bool shown_ = false;
+  bool said_ = false;
   std::chrono::steady_clock::time_point start_, lastShown_;
 };
 

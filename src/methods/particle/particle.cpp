@@ -116,8 +116,9 @@ class ParticleMethod : public Method {
   }
 
   std::uint64_t memoryBytes() const override {
-    return static_cast<std::uint64_t>(fieldBytes()) * kFieldsAtOnce +
-           scene_.placedTriangles() * kBytesPerPlacedTriangle + scene_.triangles() * kBytesPerSceneTriangle;
+    const std::uint64_t fields = options_.extent == ParticleOptions::Extent::Sensor ? kFieldsAtOnce : 1;
+    return static_cast<std::uint64_t>(fieldBytes()) * fields + scene_.placedTriangles() * kBytesPerPlacedTriangle +
+           scene_.triangles() * kBytesPerSceneTriangle;
   }
 
   std::map<std::string, double> stageSeconds() const override {
