@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -84,6 +85,25 @@ TEST(RayTracing, SphereIsWithinItsFacets) {
   for (const float range : hits.range) {
     EXPECT_LE(range, 2.0 + 1e-6);
     EXPECT_GE(range, 2.0 - 1.01 * sagitta);
+  }
+}
+
+// A turned sensor's axes are often an ulp off the world's.
+TEST(RayTracing, ComponentsThatAreNearlyZeroLoseNothing) {
+  const Scene scene = clutter();
+  for (const double tiny : {-4e-19, -1e-17, -1e-30, 4e-19, -0.0}) {
+    for (const Vec3d& forward :
+         {Vec3d{0.969, tiny, -0.2463}, Vec3d{tiny, -0.969, -0.2463}, Vec3d{-0.969, tiny, -0.2463}}) {
+      std::vector<Vec3d> directions;
+      const Vec3d aside = std::abs(forward.x) > 0.5 ? Vec3d{0, -0.0034, 0} : Vec3d{-0.0034, 0, 0};
+      for (int i = 0; i < 64; ++i) directions.push_back(forward + aside * double(i));
+      for (const double height : {0.0, 0.4, 3.0}) {
+        const Shot shot = shotAt(beamsOf(directions), {{}, {0.3, -0.2, height}});
+        const Hits hits = traced(scene, shot);
+        expectSameHits(traced(scene, shot, "{packet: 1}"), hits);
+        EXPECT_EQ(std::count(hits.range.begin(), hits.range.end(), kMiss), 0) << tiny;
+      }
+    }
   }
 }
 
