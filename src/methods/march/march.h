@@ -110,6 +110,8 @@ FieldPlace placeIn(const Field& field, const Vec3f& place);
 
 // The first corner of the voxel around a place, in the arrays of bricks; kNoWord where the brick is empty.
 std::uint32_t voxelCorner(const Field& field, const Vec3f& place);
+// The corner nearest to a place, likewise.
+std::uint32_t nearestCorner(const Field& field, const Vec3f& place);
 
 // Flies particles [first, last) on the calling thread, 16 or 8 at a time.
 void marchCpu(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,

@@ -152,6 +152,11 @@ std::uint32_t voxelCorner(const Field& field, const Vec3f& place) {
   return v.full ? v.cell : kNoWord;
 }
 
+std::uint32_t nearestCorner(const Field& field, const Vec3f& place) {
+  const Voxel v = find(field, place.x, place.y, place.z);
+  return v.full ? v.nearest : kNoWord;
+}
+
 Landing marchOne(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,
                  const Particles& particles, std::size_t i) {
   const Vec3f o{particles.ox[i], particles.oy[i], particles.oz[i]};

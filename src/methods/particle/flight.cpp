@@ -57,6 +57,10 @@ constexpr float kThere = 0.6f;  // voxels
 
 constexpr double kRounding = 2e-3;  // voxels, of distances and places in float32
 
+// Thin layers, such as markings on a road, are told by corners of the side from which the beam comes: one so far from
+// the surface is nearest to a corner of that side.
+constexpr double kAside = 0.55;  // voxels
+
 // The gradient of the distance to a flat surface is its normal, and the nearest triangle's is exact, so the particle
 // goes on along the beam to that triangle's plane. What it meets there may have another triangle nearest to it: then to
 // that one's plane, once more.
@@ -67,13 +71,17 @@ Rest corrected(const Flight& flight, const Vec3d& o, const Vec3d& d, Rest rest) 
     const Vec3d here = o + d * rest.range;
     const double away = plane.offset - dot(plane.normal, here);
     const double range = rest.range + away / dot(plane.normal, d);
-    if (!(std::abs(away) <= double{kTrusted} * voxelAt(field, fieldFrame(field, here))) || !(range >= 0)) return rest;
+    const double voxel = voxelAt(field, fieldFrame(field, here));
+    if (!(std::abs(away) <= double{kTrusted} * voxel) || !(range >= 0)) return rest;
     const Vec3d there = o + d * range;
     if (!insideBox(flight.box, there)) return rest;
-    const FieldPlace after = placeIn(field, fieldFrame(field, there));
-    if (!(after.distance <= kThere)) return rest;
-    const bool same = after.triangle == rest.triangle || after.triangle == kNoWord;
-    rest = {same ? rest.triangle : after.triangle, range};
+    if (!(placeIn(field, fieldFrame(field, there)).distance <= kThere)) return rest;
+    const double side = dot(plane.normal, d) > 0 ? -1 : 1;
+    const Vec3d aside = there + plane.normal * (side * kAside * voxel);
+    const std::uint32_t corner = nearestCorner(field, fieldFrame(field, aside));
+    const std::uint32_t named = corner == kNoWord ? kNoWord : field.word[corner];
+    const bool same = named == rest.triangle || named == kNoWord;
+    rest = {same ? rest.triangle : named, range};
     if (same) break;
   }
   return rest;
@@ -102,6 +110,33 @@ void findFar(const Flight& flight, const Rays& rays, const Resolved& planes, con
     most[i] = (rest + kRounding) * size;
   }
   for (int i = 0; i < kPacket; ++i) far[i] = away[i] > most[i];
+}
+
+// Which lanes rest where the nearest corner lies beyond the plane of its triangle.
+void findBeyond(const Flight& flight, const Rays& rays, const Resolved& planes, bool (&beyond)[kPacket]) {
+  const Field& field = flight.field;
+  const Vec3d centre = field.shape.centre;
+  const double voxel = field.shape.voxel;
+  const double perVoxel = 1 / voxel;
+  alignas(64) double corner[kPacket];
+  alignas(64) double along[kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    const double way = planes.traced[i] < 1e9 ? planes.traced[i] : 0;
+    const Vec3d point{rays.ox[i] + rays.dx[i] * way, rays.oy[i] + rays.dy[i] * way, rays.oz[i] + rays.dz[i] * way};
+    const Vec3d place = (point - centre) * perVoxel;
+    const FieldLevel& level = field.levels[static_cast<std::size_t>(
+        levelAt(field, static_cast<float>(place.x), static_cast<float>(place.y), static_cast<float>(place.z)))];
+    const double size = voxel / double{level.scale};
+    const auto toCorner = [&](double at, float offset) {
+      const double u = at * double{level.scale} + double{offset};
+      return (std::floor(u + 0.5) - u) * size;
+    };
+    const Vec3d nearest{point.x + toCorner(place.x, level.offset[0]), point.y + toCorner(place.y, level.offset[1]),
+                        point.z + toCorner(place.z, level.offset[2])};
+    corner[i] = planes.nx[i] * nearest.x + planes.ny[i] * nearest.y + planes.nz[i] * nearest.z - planes.offset[i];
+    along[i] = planes.nx[i] * rays.dx[i] + planes.ny[i] * rays.dy[i] + planes.nz[i] * rays.dz[i];
+  }
+  for (int i = 0; i < kPacket; ++i) beyond[i] = corner[i] * along[i] > 0;
 }
 
 // Flies on through transparent triangles.
@@ -189,6 +224,7 @@ class Arrivals {
   void finish(Arriving& a) {
     for (int lane = 0; lane < a.rays.count; ++lane) count(a, lane);
     if (flight_.refine == ParticleOptions::Refine::ByNormal) correct(a);
+    if (flight_.refine == ParticleOptions::Refine::None) nameFromOutside(a);
     if (flight_.field.shape.lists) {
       intersectPlanes(a.rays, *flight_.shot.beams, a.planes);
     } else {
@@ -243,6 +279,40 @@ class Arrivals {
       unresolved_.push_back((a.tile.ring + l / a.tile.width) * hits_.columns + a.tile.column + l % a.tile.width);
     }
     if (outcome == Outcome::Hit && !flight_.field.shape.lists && landings_.way[i] <= 0) ++counts_.touching;
+  }
+
+  // Without correction, only the names change: see kAside.
+  void nameFromOutside(Arriving& a) const {
+    bool beyond[kPacket];
+    findBeyond(flight_, a.rays, a.planes, beyond);
+    const Field& field = flight_.field;
+    std::uint32_t corner[kPacket];
+    for (int lane = 0; lane < kPacket; ++lane) {
+      corner[lane] = kNoWord;
+      if (!beyond[lane] || a.triangles[lane].block == nullptr) continue;
+      const Resolved& p = a.planes;
+      const Rays& r = a.rays;
+      const double range = p.traced[lane];
+      const Vec3d point{r.ox[lane] + r.dx[lane] * range, r.oy[lane] + r.dy[lane] * range,
+                        r.oz[lane] + r.dz[lane] * range};
+      const Vec3d normal{p.nx[lane], p.ny[lane], p.nz[lane]};
+      const double along = normal.x * r.dx[lane] + normal.y * r.dy[lane] + normal.z * r.dz[lane];
+      const double side = along > 0 ? -1 : 1;
+      const double voxel = voxelAt(field, fieldFrame(field, point));
+      const double shift = side * kAside * voxel - (dot(normal, point) - p.offset[lane]);
+      corner[lane] = nearestCorner(field, fieldFrame(field, point + normal * shift));
+      if (corner[lane] != kNoWord) __builtin_prefetch(&field.word[corner[lane]]);
+    }
+    for (int lane = 0; lane < kPacket; ++lane) {
+      if (corner[lane] == kNoWord) continue;
+      corner[lane] = field.word[corner[lane]];
+      if (corner[lane] != kNoWord) prefetch(flight_.world.baked.triangles[corner[lane]]);
+    }
+    for (int lane = 0; lane < kPacket; ++lane) {
+      if (corner[lane] == kNoWord || corner[lane] == a.triangles[lane].index) continue;
+      a.triangles[lane].index = corner[lane];
+      loadPlane(a.triangles[lane], static_cast<float>(a.planes.traced[lane]), a.planes, lane);
+    }
   }
 
   void correct(Arriving& a) const {
