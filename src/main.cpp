@@ -65,7 +65,9 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "error: {}\n", e.what());
     return 2;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "error: out of memory: take fewer rings, columns or formats, or a smaller scene\n");
+    fmt::print(stderr,
+               "error: out of memory: take fewer rings, columns or formats, a smaller scene, larger voxels (particle) "
+               "or smaller images (depth_camera)\n");
     return 1;
   } catch (const std::exception& e) {
     fmt::print(stderr, "error: {}\n", e.what());

@@ -32,14 +32,14 @@ constexpr std::array kMethods{
     MethodEntry{"particle", "one particle per beam flies through a distance field, on the processor or a GPU",
                 "field: sensor or scene, levels around each sensor or one for the whole scene; "
                 "voxel_m: 0.1 m, voxels of the finest level; "
-                "voxels: 256, across each level, 64 to 1024; "
+                "voxels: 256, across each level around a sensor, 64 to 1024; "
                 "levels: auto or 1 to 16, each twice as coarse as the one before; "
                 "refine: triangle, normal or none, how hits are made exact; "
-                "cone_mrad: 0 mrad, half of the angle in which a beam meets things; "
+                "cone_mrad: 0 mrad, half of the angle in which a beam meets things (normal, none); "
                 "steps: 512, a particle's budget; "
                 "backend: auto, cpu or gl; "
                 "cache: auto, none or a folder, where fields are kept from run to run; "
-                "smallest_m: none, m, the smallest object that must be seen; "
+                "smallest_m: none, m, the smallest ball that every beam through its middle meets (normal, none); "
                 "smallest_within_m: 30 m, so far from the sensor",
                 makeParticle},
 };

@@ -22,10 +22,16 @@ bool holds(const Box& outer, const Box& inner) {
           outer.high.x >= inner.high.x && outer.high.y >= inner.high.y && outer.high.z >= inner.high.z);
 }
 
+// Before anything is built, so that a plan refuses what a run would.
+const ParticleOptions& checked(const Scene& scene, const ParticleOptions& options) {
+  checkField(options, scene.bounds(), physicalMemory());
+  return options;
+}
+
 }  // namespace
 
 FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options)
-    : options_(options),
+    : options_(checked(scene, options)),
       bounds_(scene.bounds()),
       worlds_(scene, Instancing::Never, {}),
       cache_(options.cache, options.cache.empty() ? std::string() : geometryHash(scene)) {}

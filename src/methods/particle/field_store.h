@@ -16,7 +16,8 @@ namespace scanmill {
 
 class FieldStore {
  public:
-  // The scene must outlive it.
+  // The scene must outlive it. Throws InputError where the field would be too large for this machine; see
+  // checkField().
   FieldStore(const Scene& scene, const ParticleOptions& options);
 
   struct Place {

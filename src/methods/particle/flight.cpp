@@ -60,6 +60,13 @@ constexpr double kRounding = 2e-3;  // voxels, of distances and places in float3
 // Thin layers, such as markings on a road, are told by corners of the side from which the beam comes: one so far from
 // the surface is nearest to a corner of that side.
 constexpr double kAside = 0.55;  // voxels
+constexpr double kLayer = 0.1;   // voxels, how thick layers may be; what is farther off is another thing
+
+// Whether a triangle's plane runs through a place, of a plane with this normal, as a layer on it does.
+bool isLayer(const BlockTriangle& triangle, const Vec3d& normal, const Vec3d& place, double voxel) {
+  return std::abs(dot(triangle.normal, normal)) > 0.9 &&
+         std::abs(dot(triangle.normal, place) - triangle.offset) <= kLayer * voxel;
+}
 
 // The gradient of the distance to a flat surface is its normal, and the nearest triangle's is exact, so the particle
 // goes on along the beam to that triangle's plane. What it meets there may have another triangle nearest to it: then to
@@ -80,7 +87,8 @@ Rest corrected(const Flight& flight, const Vec3d& o, const Vec3d& d, Rest rest) 
     const Vec3d aside = there + plane.normal * (side * kAside * voxel);
     const std::uint32_t corner = nearestCorner(field, fieldFrame(field, aside));
     const std::uint32_t named = corner == kNoWord ? kNoWord : field.word[corner];
-    const bool same = named == rest.triangle || named == kNoWord;
+    const bool same = named == rest.triangle || named == kNoWord ||
+                      !isLayer(flight.world.baked.triangles[named], plane.normal, there, voxel);
     rest = {same ? rest.triangle : named, range};
     if (same) break;
   }
@@ -287,6 +295,8 @@ class Arrivals {
     findBeyond(flight_, a.rays, a.planes, beyond);
     const Field& field = flight_.field;
     std::uint32_t corner[kPacket];
+    Vec3d onPlane[kPacket];
+    double voxel[kPacket];
     for (int lane = 0; lane < kPacket; ++lane) {
       corner[lane] = kNoWord;
       if (!beyond[lane] || a.triangles[lane].block == nullptr) continue;
@@ -298,9 +308,9 @@ class Arrivals {
       const Vec3d normal{p.nx[lane], p.ny[lane], p.nz[lane]};
       const double along = normal.x * r.dx[lane] + normal.y * r.dy[lane] + normal.z * r.dz[lane];
       const double side = along > 0 ? -1 : 1;
-      const double voxel = voxelAt(field, fieldFrame(field, point));
-      const double shift = side * kAside * voxel - (dot(normal, point) - p.offset[lane]);
-      corner[lane] = nearestCorner(field, fieldFrame(field, point + normal * shift));
+      voxel[lane] = voxelAt(field, fieldFrame(field, point));
+      onPlane[lane] = point + normal * (p.offset[lane] - dot(normal, point));
+      corner[lane] = nearestCorner(field, fieldFrame(field, onPlane[lane] + normal * (side * kAside * voxel[lane])));
       if (corner[lane] != kNoWord) __builtin_prefetch(&field.word[corner[lane]]);
     }
     for (int lane = 0; lane < kPacket; ++lane) {
@@ -310,6 +320,8 @@ class Arrivals {
     }
     for (int lane = 0; lane < kPacket; ++lane) {
       if (corner[lane] == kNoWord || corner[lane] == a.triangles[lane].index) continue;
+      const Vec3d normal{a.planes.nx[lane], a.planes.ny[lane], a.planes.nz[lane]};
+      if (!isLayer(flight_.world.baked.triangles[corner[lane]], normal, onPlane[lane], voxel[lane])) continue;
       a.triangles[lane].index = corner[lane];
       loadPlane(a.triangles[lane], static_cast<float>(a.planes.traced[lane]), a.planes, lane);
     }

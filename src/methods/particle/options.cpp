@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -13,20 +14,17 @@
 
 #include "base/error.h"
 #include "methods/field/cache.h"
-#include "methods/field/field.h"
 
 namespace scanmill {
 
 namespace {
 
-// Diameter of the smallest ball that is seen, in voxels; see smallestSeen().
+// Diameter of the smallest ball that every beam through its middle meets, in voxels; see smallestSeen().
 constexpr double kSmallestBall = 0.5;
-constexpr double kSlack = 1 + 1e-12;    // 0.3 / 0.5 must not fall short of 0.6
-constexpr Range kVoxelRange{1e-3, 10};  // m
-constexpr std::uint32_t kFewestVoxels = 64;
+constexpr double kSlack = 1 + 1e-12;               // 0.3 / 0.5 must not fall short of 0.6
+constexpr Range kVoxelRange{1e-3, kLargestVoxel};  // m
 constexpr std::uint32_t kMostVoxels = 1024;
-constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // whole bricks on both sides of the centre
-constexpr Range kWithinRange{0.1, 1e4};                  // m
+constexpr Range kWithinRange{0.1, 1e4};  // m
 constexpr std::uint32_t kMarginVoxels = kHalfBrick + 1;
 
 // Reads the name of one of the values, the first where there is none.
@@ -58,10 +56,25 @@ bool isWord(const Value* value, std::string_view word) {
   return value != nullptr && value->kind == Value::Kind::Scalar && value->text == word;
 }
 
+// What YAML's older readers take for yes or no.
+bool isYesOrNo(const Value& value) {
+  if (value.kind != Value::Kind::Scalar) return false;
+  std::string word = value.text;
+  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  constexpr std::string_view kWords[] = {"yes", "no", "true", "false", "on", "off"};
+  return std::find(std::begin(kWords), std::end(kWords), word) != std::end(kWords);
+}
+
 std::filesystem::path readCacheFolder(Fields& fields) {
   const Value* value = fields.find("cache");
   if (value == nullptr || isWord(value, "auto")) return defaultCacheFolder();
   if (isWord(value, "none")) return {};
+  if (isYesOrNo(*value)) {
+    throw InputError(value->where,
+                     fmt::format("cache: '{}' is neither auto, none nor a folder: give one of these (a folder of that "
+                                 "name is ./{})",
+                                 value->text, value->text));
+  }
   std::filesystem::path folder = fields.path("cache");
   std::error_code ignored;
   if (std::filesystem::exists(folder, ignored) && !std::filesystem::is_directory(folder, ignored)) {
@@ -111,24 +124,25 @@ std::uint32_t voxelsFor(ParticleOptions options, std::uint32_t level, double ran
   return options.voxels;
 }
 
-// "about 12 MB a level"
+// "about 12 MiB a level"
 std::string levelMemory(double voxels) {
-  const double megabytes = levelBytes(voxels, false) * 1e-6;
-  return megabytes < 1000 ? fmt::format("about {:.0f} MB a level", megabytes)
-                          : fmt::format("about {:.1f} GB a level", megabytes * 1e-3);
+  return fmt::format("about {} a level", memoryText(levelBytes(voxels, false)));
 }
 
 // What the user asks to see, and what else was given.
 struct Wish {
   double smallest = 0;  // m
-  double within = 0;    // m
+  double within = 0;    // m; infinite: everywhere
   bool voxelGiven = false;
   bool voxelsGiven = false;
   Location where;
 
   // m, voxels at `within` may have.
   double largestVoxel() const { return smallest / kSmallestBall; }
-  std::string text() const { return fmt::format("seeing objects of {:g} m within {:g} m", smallest, within); }
+  std::string text() const {
+    return fmt::format("the smallest ball that every beam through its middle meets shall be one of {:g} m{}, which",
+                       smallest, std::isinf(within) ? std::string() : fmt::format(" within {:g} m", within));
+  }
 };
 
 // Chooses voxel and voxels for a field without lists.
@@ -162,12 +176,24 @@ void grant(const Wish& wish, ParticleOptions& options) {
   throw InputError(
       wish.where,
       fmt::format("{} takes voxels of {:.4g} m out there, and {:.0f} of them across each level ({}), but {}; give "
-                  "{}a larger smallest_m, or refine: triangle, which sees objects of any size",
+                  "{}a larger smallest_m, or refine: triangle without smallest_m, which sees objects of any size",
                   wish.text(), outThere, std::ceil(exact / kVoxelsStep) * kVoxelsStep, levelMemory(exact),
                   wish.voxelsGiven ? fmt::format("voxels is {}", most) : fmt::format("at most {} are possible", most),
                   reach < kWithinRange.low
                       ? std::string()
                       : fmt::format("smallest_within_m up to {:.4g}, ", std::floor(reach * 1000) / 1000)));
+}
+
+// Keys of a field around the sensor mean nothing to one of the whole scene.
+void refuseForScene(const Value* value, std::string_view key, std::string_view why) {
+  if (value == nullptr) return;
+  throw InputError(value->where, fmt::format("{}: {}: leave {} out, or take field: sensor", key, why, key));
+}
+
+void refuseForTriangles(const Value* value, std::string_view key, std::string_view why) {
+  if (value == nullptr) return;
+  throw InputError(value->where,
+                   fmt::format("{}: refine: triangle {}: leave {} out, or take refine: normal or none", key, why, key));
 }
 
 }  // namespace
@@ -184,7 +210,9 @@ ParticleOptions readParticleOptions(Fields& fields) {
   if (levels != nullptr && !isWord(levels, "auto")) {
     options.levels = static_cast<std::uint32_t>(fields.integer("levels", 1, kMaxLevels));
     if (options.extent == Extent::Scene && options.levels > 1) {
-      throw InputError(levels->where, "levels: a field of the whole scene (field: scene) has one level");
+      throw InputError(levels->where,
+                       "levels: a field of the whole scene (field: scene) has one level: leave levels "
+                       "out, or take field: sensor");
     }
   }
   options.refine = named(fields, "refine", kRefines, options.refine);
@@ -197,13 +225,27 @@ ParticleOptions readParticleOptions(Fields& fields) {
   wish.smallest = fields.number("smallest_m", {1e-3, 100}, 0);
   wish.within = fields.number("smallest_within_m", kWithinRange, 30);
   fields.finish();
+  if (options.extent == Extent::Scene) {
+    refuseForScene(fields.find("voxels"), "voxels",
+                   "a field of the whole scene (field: scene) has as many voxels across as the scene takes");
+    refuseForScene(within, "smallest_within_m", "a field of the whole scene (field: scene) is as fine everywhere");
+    wish.within = std::numeric_limits<double>::infinity();
+  }
+  if (options.refine == Refine::ByTriangle) {
+    refuseForTriangles(smallest, "smallest_m", "sees objects of any size");
+    refuseForTriangles(within, "smallest_within_m", "sees objects of any size");
+    if (options.cone > 0) refuseForTriangles(fields.find("cone_mrad"), "cone_mrad", "meets triangles exactly");
+  }
   if (within != nullptr && smallest == nullptr) {
     throw InputError(within->where,
                      "smallest_within_m says how far from the sensor objects of smallest_m must be seen: "
                      "give smallest_m too");
   }
-  if (smallest != nullptr && options.refine != Refine::ByTriangle) {
+  const Value* voxel = fields.find("voxel_m");
+  options.where = voxel != nullptr ? voxel->where : smallest != nullptr ? smallest->where : fields.where();
+  if (smallest != nullptr) {
     wish.where = smallest->where;
+    options.smallest = wish.smallest;
     grant(wish, options);
   }
   return options;
@@ -219,6 +261,12 @@ double levelBytes(double voxels, bool lists) {
   constexpr double kListBytes = 3000;            // and of its lists
   const double across = voxels / kBrickVoxels;
   return across * across * kFullBricks * (kBytes + (lists ? kListBytes : 0)) + across * across * across * 4;
+}
+
+std::string memoryText(double bytes) {
+  constexpr double kMebibyte = 1024.0 * 1024;
+  if (bytes >= 1024 * kMebibyte) return fmt::format("{:.1f} GiB", bytes / (1024 * kMebibyte));
+  return fmt::format("{:.0f} MiB", std::max(1.0, bytes / kMebibyte));
 }
 
 double smallestSeen(const ParticleOptions& options, double range) {

@@ -2,10 +2,16 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "config/fields.h"
+#include "methods/field/field.h"
 
 namespace scanmill {
+
+inline constexpr double kLargestVoxel = 10;                     // m, of the finest level
+inline constexpr std::uint32_t kFewestVoxels = 64;              // across each level
+inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // whole bricks on both sides of the centre
 
 // The map `particle: {...}` of a pipeline.
 struct ParticleOptions {
@@ -18,6 +24,8 @@ struct ParticleOptions {
   double cone = 0;              // rad, half of the angle in which a particle meets things
   std::uint32_t steps = 512;    // a particle's budget
   std::filesystem::path cache;  // folder; empty: none
+  double smallest = 0;          // m, smallest_m; 0: not asked for
+  Location where;               // of what chose the voxels, for messages
 };
 
 // {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, cone_mrad: 0, steps: 512, backend: auto,
@@ -25,7 +33,7 @@ struct ParticleOptions {
 //
 // smallest_m and smallest_within_m choose `voxel`, unless voxel_m is given, and `voxels`: the defaults where they do,
 // else so that smallestSeen(options, smallest_within_m) is at most smallest_m. Throws InputError where nothing does,
-// and says what it would take.
+// and says what it would take; and for a key that has no effect beside the others.
 ParticleOptions readParticleOptions(Fields& fields);
 
 // m from the centre of a field around a sensor, along each axis: so far does a level serve (FieldShape::reach * voxel *
@@ -37,7 +45,11 @@ double levelReach(const ParticleOptions& options, std::uint32_t level);
 // voxels; measured on the street of the quickstart.
 double levelBytes(double voxels, bool lists);
 
-// m, the size of the smallest object that is seen `range` m from the sensor; infinite beyond the last level.
+// 1.2 GiB, 34 MiB: of estimates.
+std::string memoryText(double bytes);
+
+// m, the diameter of the smallest ball that every beam through its middle meets, `range` m from the sensor; infinite
+// beyond the last level.
 //
 // With `refine: none` and `normal`, particles meet what has an interpolated distance of at most kBrink, 0.63 voxels. In
 // the middle of a ball of radius r voxels it is at most sqrt(3) / 2 - r, wherever that lies in its voxel: kBrink where

@@ -25,6 +25,7 @@
 #include "methods/particle/field_store.h"
 #include "methods/particle/flight.h"
 #include "methods/particle/options.h"
+#include "methods/particle/shape.h"
 
 namespace scanmill {
 
@@ -32,7 +33,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kUsualLevels = 5;  // for ranges of 120 to 200 m
 constexpr std::size_t kTilesAtOnce = 128;  // 2048 particles: their columns stay in the second cache
 
 // Seconds of processor time, summed over threads.
@@ -244,32 +244,24 @@ class ParticleMethod : public Method {
     });
   }
 
-  double fieldBytes() const {
-    const bool lists = options_.refine == ParticleOptions::Refine::ByTriangle;
-    if (options_.extent == ParticleOptions::Extent::Sensor) {
-      return levelBytes(options_.voxels, lists) * (options_.levels > 0 ? options_.levels : kUsualLevels);
-    }
-    const Box bounds = scene_.bounds();
-    const Vec3d size = bounds.empty() ? Vec3d{} : bounds.high - bounds.low;
-    const double across = std::sqrt(size.x * size.y) / options_.voxel;
-    return levelBytes(across, lists) - std::pow(across / kBrickVoxels, 3) * 4 +
-           size.x * size.y * size.z / std::pow(kBrickVoxels * options_.voxel, 3) * 4;
-  }
+  double fieldBytes() const { return scanmill::fieldBytes(options_, scene_.bounds()); }
 
   std::string fieldLine() const {
     const bool around = options_.extent == ParticleOptions::Extent::Sensor;
-    return fmt::format("distance field: {}, voxels of {:g} m{}, about {:.0f} MB",
+    return fmt::format("distance field: {}, voxels of {:g} m{}, about {}",
                        around ? fmt::format("levels of {} voxels across around the sensor", options_.voxels)
                               : std::string("one for the whole scene"),
                        options_.voxel, around ? " in the finest, twice as large from level to level" : "",
-                       std::ceil(fieldBytes() * 1e-6));
+                       memoryText(fieldBytes()));
   }
 
   std::string smallestLine() const {
-    return fmt::format(
-        "smallest objects that no beam through their middle misses: {:.2g} m at 10 m, {:.2g} m at 30 m, "
-        "{:.2g} m at 100 m",
-        smallestSeen(options_, 10), smallestSeen(options_, 30), smallestSeen(options_, 100));
+    const auto at = [&](double range) {
+      const double size = smallestSeen(options_, range);
+      return std::isinf(size) ? fmt::format("none at {:g} m", range) : fmt::format("{:.2g} m at {:g} m", size, range);
+    };
+    return fmt::format("the smallest ball that every beam through its middle meets: {}, {}, {}", at(10), at(30),
+                       at(100));
   }
 
   // The most of any shot, so that the order of work does not matter.

@@ -1,9 +1,11 @@
 #include "methods/particle/shape.h"
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 
@@ -13,6 +15,7 @@ namespace {
 
 constexpr double kMostBricks = 268'435'456;   // 2^28: a table of 1 GiB
 constexpr double kMostBricksAcross = 65'536;  // float32 tells places of 2^19 voxels to 1/32 of one
+constexpr std::uint32_t kUsualLevels = 5;     // for ranges of 120 to 200 m
 constexpr double kFarthestBrick = 1e15;       // of lattice coordinates: exact in double, with room to spare
 
 std::array<double, 3> axes(const Vec3d& v) {
@@ -65,10 +68,10 @@ FieldShape aroundSensor(const ParticleOptions& options, const Vec3d& sensor, con
   }
   const std::uint32_t across = options.voxels / kBrickVoxels;
   if (levels * std::pow(across, 3) > kMostBricks) {
-    throw InputError(
-        fmt::format("particle: {} levels of {} voxels across make a table of more than {:g} bricks: "
-                    "choose fewer voxels across, such as 512",
-                    levels, options.voxels, kMostBricks));
+    throw InputError(options.where,
+                     fmt::format("particle: {} levels of {} voxels across make a table of more than {:g} bricks: "
+                                 "choose fewer voxels across, such as 512",
+                                 levels, options.voxels, kMostBricks));
   }
   for (std::uint32_t l = 0; l < std::min(levels, kMaxLevels); ++l) {
     LevelBox box;
@@ -107,24 +110,50 @@ Span spanOf(const Box& box, double voxel) {
   return span;
 }
 
-// The finest voxel size of two digits that would do.
-double voxelThatFits(const Box& box, double voxel) {
-  for (double tried = voxel;; tried *= 1.05) {
+// The finest voxel size of two digits that would do; infinite where none that may be asked for does.
+double voxelThatFits(ParticleOptions options, const Box& box, double memory) {
+  for (double tried = options.voxel; tried <= kLargestVoxel; tried *= 1.05) {
     const double unit = std::pow(10.0, std::floor(std::log10(tried)) - 1);
-    const double rounded = std::ceil(tried / unit * (1 - 1e-9)) * unit;
-    if (spanOf(box, rounded).fits()) return rounded;
+    options.voxel = std::min(std::ceil(tried / unit * (1 - 1e-9)) * unit, kLargestVoxel);
+    if (spanOf(box, options.voxel).fits() && fieldBytes(options, box) <= memory) return options.voxel;
   }
+  return std::numeric_limits<double>::infinity();
+}
+
+// The most voxels across with which levels around a sensor do, of those that may be asked for.
+std::uint32_t voxelsThatFit(ParticleOptions options, const Box& box, double memory) {
+  while (options.voxels > kFewestVoxels && fieldBytes(options, box) > memory) options.voxels -= kVoxelsStep;
+  return options.voxels;
+}
+
+// What would do in place of a field that is too large.
+std::string adviceFor(const ParticleOptions& options, const Box& box, double memory) {
+  if (options.extent == ParticleOptions::Extent::Sensor) {
+    return fmt::format("choose voxels: {} or fewer", voxelsThatFit(options, box, memory));
+  }
+  ParticleOptions other = options;
+  other.voxel = voxelThatFits(options, box, memory);
+  if (std::isinf(other.voxel)) return "choose field: sensor";
+  const double smallest = smallestSeen(other, 0);
+  return fmt::format("choose voxel_m: {:g} or more{}, or field: sensor", other.voxel,
+                     options.smallest > 0 && options.smallest < smallest
+                         ? fmt::format(" and smallest_m: {:g} or more", smallest)
+                         : std::string());
+}
+
+// The bricks of a field of the whole scene.
+Span sceneSpan(const ParticleOptions& options, const Box& box, double memory) {
+  const Span span = spanOf(box, options.voxel);
+  if (span.fits()) return span;
+  const Vec3d size = box.high - box.low;
+  throw InputError(options.where,
+                   fmt::format("particle: a field of the whole scene, {:.4g} x {:.4g} x {:.4g} m, would have too many "
+                               "bricks with voxels of {:g} m: {}",
+                               size.x, size.y, size.z, options.voxel, adviceFor(options, box, memory)));
 }
 
 FieldShape aroundScene(const ParticleOptions& options, const Box& box) {
-  const Span span = spanOf(box, options.voxel);
-  if (!span.fits()) {
-    const Vec3d size = box.high - box.low;
-    throw InputError(
-        fmt::format("particle: a field of the whole scene, {:.4g} x {:.4g} x {:.4g} m, would have too "
-                    "many bricks with voxels of {:g} m: choose voxel_m: {:g} or more, or field: sensor",
-                    size.x, size.y, size.z, options.voxel, voxelThatFits(box, options.voxel)));
-  }
+  const Span span = sceneSpan(options, box, physicalMemory());
   FieldShape shape;
   shape.voxel = options.voxel;
   LevelBox level;
@@ -151,6 +180,36 @@ FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Bo
   }
   shape.lists = options.refine == ParticleOptions::Refine::ByTriangle;
   return shape;
+}
+
+double fieldBytes(const ParticleOptions& options, const Box& scene) {
+  const bool lists = options.refine == ParticleOptions::Refine::ByTriangle;
+  if (options.extent == ParticleOptions::Extent::Sensor) {
+    return levelBytes(options.voxels, lists) * (options.levels > 0 ? options.levels : kUsualLevels);
+  }
+  const Vec3d size = scene.empty() ? Vec3d{} : scene.high - scene.low;
+  const double across = std::sqrt(std::max({size.x * size.y, size.y * size.z, size.z * size.x})) / options.voxel;
+  // The table follows the box, not the surface.
+  return levelBytes(across, lists) - std::pow(across / kBrickVoxels, 3) * 4 +
+         size.x * size.y * size.z / std::pow(kBrickVoxels * options.voxel, 3) * 4;
+}
+
+double physicalMemory() {
+  return static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+void checkField(const ParticleOptions& options, const Box& scene, double memory) {
+  constexpr double kTolerance = 2;
+  if (options.extent == ParticleOptions::Extent::Scene && !scene.empty()) {
+    // Worlds have their origin in the scene's centre, or a whole number of grid cells off.
+    sceneSpan(options, {scene.low - scene.center(), scene.high - scene.center()}, memory);
+  }
+  const double bytes = fieldBytes(options, scene);
+  if (bytes <= kTolerance * memory) return;
+  throw InputError(options.where,
+                   fmt::format("particle: the distance field would take about {}, but this machine has {} of memory: "
+                               "{}",
+                               memoryText(bytes), memoryText(memory), adviceFor(options, scene, memory)));
 }
 
 Box flightBox(const FieldShape& shape) {

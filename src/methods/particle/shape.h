@@ -14,8 +14,18 @@ namespace scanmill {
 
 // Levels around a sensor at `sensor` (m, relative to the world's origin), or the one level that holds `scene` (the
 // scene's bounds, likewise; empty: a scene without triangles). `range`: m, so far should the field reach. Depends on
-// its arguments alone. Throws Error where a scene-wide field would have too many bricks, and says what would do.
+// its arguments alone. Throws InputError where a scene-wide field would have too many bricks, and says what would do.
 FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range);
+
+// About so many bytes does a field of the scene (its bounds, m, world) take.
+double fieldBytes(const ParticleOptions& options, const Box& scene);
+
+// Bytes of this machine's memory.
+double physicalMemory();
+
+// Throws InputError where a scene-wide field would have too many bricks, or where the field would take more than twice
+// the memory (bytes), and says what would do. The estimate may be off by as much.
+void checkField(const ParticleOptions& options, const Box& scene, double memory);
 
 // The outermost level's box, shrunk by a voxel (m, relative to the world's origin): particles fly inside of it.
 Box flightBox(const FieldShape& shape);

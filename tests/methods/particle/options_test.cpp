@@ -43,17 +43,16 @@ TEST(ParticleOptions, Defaults) {
 
 TEST(ParticleOptions, EveryKeyIsRead) {
   const ParticleOptions options = optionsOf(
-      "field: scene, voxel_m: 0.25, voxels: 64, levels: 1, refine: none, cone_mrad: 3, steps: 16, backend: gl, cache: "
-      "none");
+      "field: scene, voxel_m: 0.25, levels: 1, refine: none, cone_mrad: 3, steps: 16, backend: gl, cache: none");
   EXPECT_EQ(options.backend, ParticleOptions::Backend::Gl);
   EXPECT_EQ(options.extent, ParticleOptions::Extent::Scene);
   EXPECT_EQ(options.voxel, 0.25);
-  EXPECT_EQ(options.voxels, 64u);
   EXPECT_EQ(options.levels, 1u);
   EXPECT_EQ(options.refine, Refine::None);
   EXPECT_DOUBLE_EQ(options.cone, 0.003);
   EXPECT_EQ(options.steps, 16u);
   EXPECT_TRUE(options.cache.empty());
+  EXPECT_EQ(optionsOf("voxels: 64").voxels, 64u);
   EXPECT_EQ(optionsOf("refine: normal, backend: cpu, field: sensor, levels: auto, cache: auto").refine,
             Refine::ByNormal);
 }
@@ -86,7 +85,7 @@ TEST(ParticleOptions, RefusesWhatIsOutOfRange) {
       {"steps: 65536", {"steps"}},
       {"backend: cuda", {"backend", "gl"}},
       {"smallest_m: 0", {"smallest_m"}},
-      {"smallest_within_m: 30", {"smallest_within_m", "give smallest_m too"}},
+      {"refine: none, smallest_within_m: 30", {"smallest_within_m", "give smallest_m too"}},
       {"smallest_m: 1, smallest_within_m: 0", {"smallest_within_m"}},
       {"voxel: 0.1", {"unknown key 'voxel'", "did you mean"}},
   };
@@ -95,6 +94,52 @@ TEST(ParticleOptions, RefusesWhatIsOutOfRange) {
     expectInputError([&yaml = yaml] { optionsOf(yaml); }, words);
     expectInputError([&yaml = yaml] { optionsOf(yaml); }, {"pipelines/p.yaml:1:"});
   }
+}
+
+// Each with what would be taken for it, and where it has an effect.
+TEST(ParticleOptions, RefusesWhatHasNoEffect) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> wrong = {
+      {"smallest_m: 0.3",
+       {"p.yaml:1:14", "smallest_m: refine: triangle sees objects of any size", "leave smallest_m out",
+        "refine: normal or none"}},
+      {"refine: triangle, smallest_m: 0.3", {"leave smallest_m out"}},
+      {"smallest_within_m: 30", {"leave smallest_within_m out, or take refine: normal or none"}},
+      {"cone_mrad: 3", {"cone_mrad: refine: triangle", "leave cone_mrad out", "refine: normal or none"}},
+      {"field: scene, voxels: 256", {"voxels: ", "leave voxels out, or take field: sensor"}},
+      {"field: scene, levels: 2", {"leave levels out, or take field: sensor"}},
+      {"field: scene, refine: none, smallest_m: 0.3, smallest_within_m: 30",
+       {"p.yaml:1:", "leave smallest_within_m out, or take field: sensor"}},
+  };
+  for (const auto& [yaml, words] : wrong) {
+    SCOPED_TRACE(yaml);
+    expectInputError([&yaml = yaml] { optionsOf(yaml); }, words);
+  }
+  for (const char* right : {"cone_mrad: 0", "refine: none, cone_mrad: 3", "field: scene, levels: auto",
+                            "field: scene, refine: normal, smallest_m: 0.3"}) {
+    EXPECT_NO_THROW(optionsOf(right)) << right;
+  }
+}
+
+TEST(ParticleOptions, TheCacheIsNeitherYesNorNo) {
+  for (const char* word : {"yes", "no", "true", "false", "on", "off", "No", "TRUE"}) {
+    expectInputError([&] { optionsOf(std::string("cache: ") + word); },
+                     {"p.yaml:1:9", std::string("cache: '") + word, "auto, none"});
+  }
+  EXPECT_EQ(optionsOf("cache: ./no", "/some/where/p.yaml").cache.lexically_normal(), "/some/where/no");
+}
+
+// Of the key that chose the voxels, so that what is too large for a machine is told where it stands.
+TEST(ParticleOptions, KnowWhereTheyAre) {
+  EXPECT_EQ(optionsOf("refine: none, voxel_m: 0.2").where.text(), "pipelines/p.yaml:1:25");
+  EXPECT_EQ(optionsOf("refine: none, smallest_m: 0.2").where.text(), "pipelines/p.yaml:1:28");
+  EXPECT_EQ(optionsOf("refine: none").where.text(), "pipelines/p.yaml:1:1");
+}
+
+TEST(MemoryText, HasOneUnit) {
+  EXPECT_EQ(memoryText(1), "1 MiB");
+  EXPECT_EQ(memoryText(34.4 * 1024 * 1024), "34 MiB");
+  EXPECT_EQ(memoryText(1024.0 * 1024 * 1024), "1.0 GiB");
+  EXPECT_EQ(memoryText(23.46 * 1024 * 1024 * 1024), "23.5 GiB");
 }
 
 TEST(LevelReach, DoublesFromLevelToLevel) {
@@ -206,8 +251,9 @@ TEST(SmallestSeen, IsWhatTheUserAsksFor) {
     for (const char* given : {"", "voxel_m: 0.02, ", "levels: 3, ", "levels: 1, ", "field: scene, ", "voxels: 512, "}) {
       for (const double size : {0.05, 0.1, 0.25, 0.3, 0.77, 2.0}) {
         for (const double within : {1.0, 10.0, 30.0, 77.7, 200.0}) {
-          const std::string yaml =
-              fmt::format("{}refine: {}, smallest_m: {}, smallest_within_m: {}", given, refine, size, within);
+          const bool everywhere = std::string(given) == "field: scene, ";
+          const std::string yaml = fmt::format("{}refine: {}, smallest_m: {}{}", given, refine, size,
+                                               everywhere ? "" : fmt::format(", smallest_within_m: {}", within));
           const std::string message = messageOf([&] { optionsOf(yaml); });
           if (message != "accepted") {
             EXPECT_THAT(message, testing::HasSubstr("a level)")) << yaml;
@@ -232,9 +278,6 @@ TEST(SmallestSeen, ChangesNothingThatDoes) {
   const ParticleOptions usual = optionsOf("refine: none, smallest_m: 0.3");
   EXPECT_EQ(usual.voxel, 0.1);
   EXPECT_EQ(usual.voxels, 256u);
-  const ParticleOptions exact = optionsOf("refine: triangle, smallest_m: 0.001, smallest_within_m: 1000");
-  EXPECT_EQ(exact.voxel, 0.1);
-  EXPECT_EQ(exact.voxels, 256u);
   const ParticleOptions finer = optionsOf("refine: none, smallest_m: 0.1, smallest_within_m: 30");
   EXPECT_DOUBLE_EQ(finer.voxel, 0.1);
   EXPECT_GT(finer.voxels, 256u);
@@ -242,13 +285,18 @@ TEST(SmallestSeen, ChangesNothingThatDoes) {
 }
 
 TEST(SmallestSeen, SaysWhatItWouldTake) {
-  expectInputError([] { optionsOf("refine: none, smallest_m: 0.0125"); },
-                   {"p.yaml:1:28", "objects of 0.0125 m within 30 m", "voxels of 0.025 m", "2432 of them",
-                    "at most 1024", "GB a level", "smallest_within_m up to 12.57", "refine: triangle"});
+  expectInputError(
+      [] { optionsOf("refine: none, smallest_m: 0.0125"); },
+      {"p.yaml:1:28", "the smallest ball that every beam through its middle meets shall be one of 0.0125 m within 30 m",
+       "voxels of 0.025 m", "2432 of them", "at most 1024", "GiB a level", "smallest_within_m up to 12.57",
+       "refine: triangle without smallest_m"});
   expectInputError([] { optionsOf("refine: normal, smallest_m: 0.1, voxels: 256"); },
-                   {"voxels of 0.2 m", "320 of them", "voxels is 256", "MB a level"});
+                   {"voxels of 0.2 m", "320 of them", "voxels is 256", "MiB a level"});
   expectInputError([] { optionsOf("refine: normal, smallest_m: 0.1, voxel_m: 0.5"); },
                    {"at most 0.2 m", "voxel_m is 0.5"});
+  const std::string everywhere =
+      messageOf([] { optionsOf("field: scene, refine: none, smallest_m: 0.1, voxel_m: 1"); });
+  EXPECT_THAT(everywhere, testing::HasSubstr("shall be one of 0.1 m, which takes voxels of at most 0.2 m"));
   // The least that is asked for in the message is enough.
   EXPECT_EQ(optionsOf("refine: normal, smallest_m: 0.1, voxels: 320").voxels, 320u);
   EXPECT_NO_THROW(optionsOf("refine: none, smallest_m: 0.0125, smallest_within_m: 12.57"));

@@ -6,7 +6,9 @@
 #include <cstdlib>
 
 #include "base/random.h"
+#include "tests/methods/trace.h"
 #include "tests/support/message_of.h"
+#include "tests/support/test_scene.h"
 
 namespace scanmill {
 namespace {
@@ -172,8 +174,7 @@ TEST(Shape, SaysWhichVoxelsWouldDo) {
   options.extent = Extent::Scene;
   const Box street = kStreet;
   const Box line{{0, 0, 0}, {1e6, 1, 1}};  // few bricks, but too long
-  const Box far{{1e300, 0, 0}, {1.1e300, 1, 1}};
-  for (const Box& scene : {street, line, far}) {
+  for (const Box& scene : {street, line}) {
     options.voxel = 0.001;
     const std::string message = messageOf([&] { shapeOf(options, {}, scene, 100); });
     const std::size_t at = message.find("voxel_m: ");
@@ -181,9 +182,91 @@ TEST(Shape, SaysWhichVoxelsWouldDo) {
     const double voxel = std::strtod(message.c_str() + at + 9, nullptr);
     options.voxel = voxel;
     EXPECT_EQ(shapeOf(options, {}, scene, 100).levels.size(), 1u) << message;
+    EXPECT_LE(fieldBytes(options, scene), physicalMemory()) << message;
     options.voxel = voxel / 1.2;
-    EXPECT_NE(messageOf([&] { shapeOf(options, {}, scene, 100); }), "accepted") << message;
+    EXPECT_TRUE(fieldBytes(options, scene) > physicalMemory() ||
+                messageOf([&] { shapeOf(options, {}, scene, 100); }) != "accepted")
+        << message;
   }
+  // None that may be asked for.
+  const std::string far = messageOf([&] { shapeOf(options, {}, Box{{1e300, 0, 0}, {1.1e300, 1, 1}}, 100); });
+  EXPECT_THAT(far, testing::HasSubstr("m: choose field: sensor"));
+}
+
+TEST(Shape, FieldsOfTheSceneGrowWithItsLargestFace) {
+  ParticleOptions options = optionsOf(0.1, 256);
+  options.extent = Extent::Scene;
+  const double flat = fieldBytes(options, Box{{0, 0, 0}, {100, 50, 0}});
+  EXPECT_GT(flat, 0);
+  EXPECT_DOUBLE_EQ(fieldBytes(options, Box{{7, 0, 0}, {7, 100, 50}}), flat);
+  EXPECT_DOUBLE_EQ(fieldBytes(options, Box{{0, -9, 0}, {50, -9, 100}}), flat);
+  EXPECT_NEAR(fieldBytes(options, Box{{0, 0, 0}, {200, 100, 0}}), 4 * flat, 1e-6 * flat);
+  EXPECT_EQ(fieldBytes(options, Box{}), 0);
+  options.extent = Extent::Sensor;
+  EXPECT_DOUBLE_EQ(fieldBytes(options, Box{}), 5 * levelBytes(256, true));
+  EXPECT_DOUBLE_EQ(fieldBytes(optionsOf(0.1, 256, 3), kStreet), 3 * levelBytes(256, true));
+}
+
+TEST(CheckField, RefusesWhatTheMemoryDoesNotHold) {
+  constexpr double kGibibyte = 1024.0 * 1024 * 1024;
+  for (const Extent extent : {Extent::Sensor, Extent::Scene}) {
+    ParticleOptions options = optionsOf(0.05, 512);
+    options.extent = extent;
+    options.where = {"p.yaml", 3, 4};
+    const double bytes = fieldBytes(options, kStreet);
+    EXPECT_NO_THROW(checkField(options, kStreet, bytes * 0.501));
+    const double memory = std::min(bytes * 0.499, kGibibyte / 2);
+    const std::string key = extent == Extent::Sensor ? "voxels: " : "voxel_m: ";
+    const std::string message = messageOf([&] { checkField(options, kStreet, memory); });
+    EXPECT_THAT(message, testing::AllOf(testing::HasSubstr("p.yaml:3:4: particle: "),
+                                        testing::HasSubstr("about " + memoryText(bytes)),
+                                        testing::HasSubstr("has " + memoryText(memory) + " of memory")));
+    const std::size_t at = message.find(key);
+    ASSERT_NE(at, std::string::npos) << message;
+    const double value = std::strtod(message.c_str() + at + key.size(), nullptr);
+    if (extent == Extent::Sensor) {
+      options.voxels = static_cast<std::uint32_t>(value);
+    } else {
+      options.voxel = value;
+    }
+    EXPECT_LE(fieldBytes(options, kStreet), memory) << message;
+  }
+}
+
+// Voxels that were chosen by smallest_m are larger only with a larger one.
+TEST(CheckField, AdvisesASmallestBallToo) {
+  const auto make = [](double voxel, double smallest) {
+    ParticleOptions options = optionsOf(voxel, 256);
+    options.extent = Extent::Scene;
+    options.refine = ParticleOptions::Refine::None;
+    options.smallest = smallest;
+    return messageOf([&] { checkField(options, kStreet, 1e300); });
+  };
+  EXPECT_THAT(make(0.01, 0.005), testing::HasSubstr("voxel_m: 0.025 or more and smallest_m: 0.0125 or more, or field"));
+  EXPECT_THAT(make(0.01, 0.3), testing::HasSubstr("voxel_m: 0.025 or more, or field"));
+  EXPECT_THAT(make(0.01, 0), testing::HasSubstr("voxel_m: 0.025 or more, or field"));
+}
+
+// What a run would refuse at its first shot.
+TEST(CheckField, RefusesTooManyBricksWhateverTheMemory) {
+  ParticleOptions options = optionsOf(0.001, 256);
+  options.extent = Extent::Scene;
+  options.where = {"p.yaml", 3, 4};
+  expectInputError([&] { checkField(options, kStreet, 1e300); },
+                   {"p.yaml:3:4: particle: ", "too many bricks", "voxel_m"});
+  EXPECT_NO_THROW(checkField(options, Box{}, 1e300));
+}
+
+TEST(CheckField, IsAskedWhenAMethodIsMade) {
+  const Scene scene = [] {
+    SceneBuilder builder = testBuilder();
+    Mesh ground = meshOf(builder, "ground");
+    appendPlane(ground, 0, {}, 400, 400, 8);
+    builder.place(builder.addMesh(ground), {}, "ground");
+    return builder.finish();
+  }();
+  expectInputError([&] { methodOf("particle", scene, "{field: scene, cache: none, backend: cpu, voxel_m: 0.001}"); },
+                   {"voxel_m: ", "or more, or field: sensor"});
 }
 
 TEST(Shape, RefusesWhatIsTooLarge) {
