@@ -120,31 +120,45 @@ void findFar(const Flight& flight, const Rays& rays, const Resolved& planes, con
   for (int i = 0; i < kPacket; ++i) far[i] = away[i] > most[i];
 }
 
+constexpr double kNoWay = 1e9;  // m: more than that is a miss
+
 // Which lanes rest where the nearest corner lies beyond the plane of its triangle.
 void findBeyond(const Flight& flight, const Rays& rays, const Resolved& planes, bool (&beyond)[kPacket]) {
   const Field& field = flight.field;
   const Vec3d centre = field.shape.centre;
   const double voxel = field.shape.voxel;
   const double perVoxel = 1 / voxel;
-  alignas(64) double corner[kPacket];
-  alignas(64) double along[kPacket];
+  alignas(64) Lane px, py, pz, scale, ux, uy, uz, beyondBy;
+  alignas(64) std::int32_t level[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    const double way = planes.traced[i] < 1e9 ? planes.traced[i] : 0;
-    const Vec3d point{rays.ox[i] + rays.dx[i] * way, rays.oy[i] + rays.dy[i] * way, rays.oz[i] + rays.dz[i] * way};
-    const Vec3d place = (point - centre) * perVoxel;
-    const FieldLevel& level = field.levels[static_cast<std::size_t>(
-        levelAt(field, static_cast<float>(place.x), static_cast<float>(place.y), static_cast<float>(place.z)))];
-    const double size = voxel / double{level.scale};
-    const auto toCorner = [&](double at, float offset) {
-      const double u = at * double{level.scale} + double{offset};
-      return (std::floor(u + 0.5) - u) * size;
-    };
-    const Vec3d nearest{point.x + toCorner(place.x, level.offset[0]), point.y + toCorner(place.y, level.offset[1]),
-                        point.z + toCorner(place.z, level.offset[2])};
-    corner[i] = planes.nx[i] * nearest.x + planes.ny[i] * nearest.y + planes.nz[i] * nearest.z - planes.offset[i];
-    along[i] = planes.nx[i] * rays.dx[i] + planes.ny[i] * rays.dy[i] + planes.nz[i] * rays.dz[i];
+    const double way = planes.traced[i] < kNoWay ? planes.traced[i] : 0;
+    px[i] = (rays.ox[i] + rays.dx[i] * way - centre.x) * perVoxel;
+    py[i] = (rays.oy[i] + rays.dy[i] * way - centre.y) * perVoxel;
+    pz[i] = (rays.oz[i] + rays.dz[i] * way - centre.z) * perVoxel;
+    level[i] = levelAt(field, static_cast<float>(px[i]), static_cast<float>(py[i]), static_cast<float>(pz[i]));
   }
-  for (int i = 0; i < kPacket; ++i) beyond[i] = corner[i] * along[i] > 0;
+  for (int i = 0; i < kPacket; ++i) {
+    const FieldLevel& l = field.levels[static_cast<std::size_t>(level[i])];
+    scale[i] = double{l.scale};
+    ux[i] = double{l.offset[0]};
+    uy[i] = double{l.offset[1]};
+    uz[i] = double{l.offset[2]};
+  }
+  for (int i = 0; i < kPacket; ++i) {
+    // From the place to the nearest corner: voxels of the level.
+    const auto toCorner = [&](double place, double offset) {
+      const double u = place * scale[i] + offset;
+      return std::floor(u + 0.5) - u;
+    };
+    const double size = voxel / scale[i];
+    const double x = centre.x + px[i] * voxel + toCorner(px[i], ux[i]) * size;
+    const double y = centre.y + py[i] * voxel + toCorner(py[i], uy[i]) * size;
+    const double z = centre.z + pz[i] * voxel + toCorner(pz[i], uz[i]) * size;
+    const double corner = planes.nx[i] * x + planes.ny[i] * y + planes.nz[i] * z - planes.offset[i];
+    const double along = planes.nx[i] * rays.dx[i] + planes.ny[i] * rays.dy[i] + planes.nz[i] * rays.dz[i];
+    beyondBy[i] = corner * along;
+  }
+  for (int i = 0; i < kPacket; ++i) beyond[i] = beyondBy[i] > 0;
 }
 
 // Flies on through transparent triangles.
