@@ -88,7 +88,8 @@ void compare(PairLanes& l, std::size_t count) {
     const double v = dot(d, q) * sign;
     const double at = dot(ac, q) / determinant;
     const bool inside = (u >= 0) & (v >= 0) & (u + v <= determinant * sign);
-    l.crossing[i] = inside & (at >= l.low[i]) & (at <= l.high[i]) ? at : kNowhere;
+    const bool there = inside & (at >= l.low[i]) & (at <= l.high[i]);
+    l.crossing[i] = there ? at : kNowhere;
     const Vec3d normal = cross(ab, ac);
     const double square = dot(normal, normal);
     const double beyondAc = dot(normal, cross(s, ac));

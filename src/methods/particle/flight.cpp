@@ -327,10 +327,10 @@ class Arrivals {
       corner[lane] = nearestCorner(field, fieldFrame(field, onPlane[lane] + normal * (side * kAside * voxel[lane])));
       if (corner[lane] != kNoWord) __builtin_prefetch(&field.word[corner[lane]]);
     }
-    for (int lane = 0; lane < kPacket; ++lane) {
-      if (corner[lane] == kNoWord) continue;
-      corner[lane] = field.word[corner[lane]];
-      if (corner[lane] != kNoWord) prefetch(flight_.world.baked.triangles[corner[lane]]);
+    for (std::uint32_t& named : corner) {
+      if (named == kNoWord) continue;
+      named = field.word[named];
+      if (named != kNoWord) prefetch(flight_.world.baked.triangles[named]);
     }
     for (int lane = 0; lane < kPacket; ++lane) {
       if (corner[lane] == kNoWord || corner[lane] == a.triangles[lane].index) continue;

@@ -112,10 +112,12 @@ Span spanOf(const Box& box, double voxel) {
 
 // The finest voxel size of two digits that would do; infinite where none that may be asked for does.
 double voxelThatFits(ParticleOptions options, const Box& box, double memory) {
-  for (double tried = options.voxel; tried <= kLargestVoxel; tried *= 1.05) {
+  double tried = options.voxel;
+  while (tried <= kLargestVoxel) {
     const double unit = std::pow(10.0, std::floor(std::log10(tried)) - 1);
     options.voxel = std::min(std::ceil(tried / unit * (1 - 1e-9)) * unit, kLargestVoxel);
     if (spanOf(box, options.voxel).fits() && fieldBytes(options, box) <= memory) return options.voxel;
+    tried *= 1.05;
   }
   return std::numeric_limits<double>::infinity();
 }
