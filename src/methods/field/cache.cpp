@@ -31,6 +31,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr const char* kRemedy = "; give `cache` another folder, or none";
+
 static_assert(std::endian::native == std::endian::little, "the arrays are written as they lie in memory");
 
 // Rises when the file's layout changes, or when buildField() makes other bytes of the same geometry and shape.
@@ -327,8 +329,8 @@ void FieldCache::store(const Field& field, const Vec3d& worldOrigin) const {
   std::error_code failure;
   fs::create_directories(folder_, failure);
   if (failure) {
-    warn(fmt::format("fields are not kept from run to run: {}: cannot be made: {}", folder_.string(),
-                     failure.message()));
+    warn(fmt::format("fields are not kept from run to run: {}: cannot be made: {}{}", folder_.string(),
+                     failure.message(), kRemedy));
     return;
   }
   try {
@@ -338,7 +340,7 @@ void FieldCache::store(const Field& field, const Vec3d& worldOrigin) const {
     out.write(hash);
     out.commit();
   } catch (const Error& error) {
-    warn(fmt::format("fields are not kept from run to run: {}", error.what()));
+    warn(fmt::format("fields are not kept from run to run: {}{}", error.what(), kRemedy));
     return;
   }
   evict(folder_, path);

@@ -143,23 +143,23 @@ class ParticleMethod : public Method {
     for (const auto& [sensor, noted] : notes_) {
       const FlightCounts& c = noted.counts;
       if (c.exhausted > 0) {
-        lines.push_back(
-            fmt::format("{} of {} beams of '{}' ran out of their {} steps: they are neither hits nor misses; "
-                        "give `steps` more",
-                        c.exhausted, noted.beams, sensor, options_.steps));
+        lines.push_back(fmt::format(
+            "up to {} of a scan's {} beams of '{}' ran out of their {} steps: they are neither hits nor misses; "
+            "give `steps` more",
+            c.exhausted, noted.beams, sensor, options_.steps));
       }
       if (c.left > 0) {
         lines.push_back(
-            fmt::format("{} of {} beams of '{}' left the distance field, which does not hold all of the "
+            fmt::format("up to {} of a scan's {} beams of '{}' left the distance field, which does not hold all of the "
                         "scene within the sensor's range: they are neither hits nor misses; take `levels: "
                         "auto`",
                         c.left, noted.beams, sensor));
       }
       if (c.touching > 0) {
-        lines.push_back(
-            fmt::format("{} of {} beams of '{}' start within half a voxel of a surface and end there: take "
-                        "smaller voxels, or refine triangle",
-                        c.touching, noted.beams, sensor));
+        lines.push_back(fmt::format(
+            "up to {} of a scan's {} beams of '{}' start within half a voxel of a surface and end there: take "
+            "smaller voxels, or refine triangle",
+            c.touching, noted.beams, sensor));
       }
     }
     return lines;
