@@ -15,6 +15,7 @@
 #include "passes/renderer.h"
 #include "pipeline/generate.h"
 #include "pipeline/keeper.h"
+#include "tests/benchmarks/street_beams.h"
 #include "tests/benchmarks/timing.h"
 #include "tests/methods/trace.h"
 #include "tests/support/embree_passes.h"
@@ -32,26 +33,9 @@ const Scene& street() {
 constexpr Channels kChannels = Channels(Channel::Range) | Channel::Normal | Channel::Instance | Channel::Semantic |
                                Channel::Material | Channel::Reflectance | Channel::Incidence;
 
-std::shared_ptr<const BeamTable> beamsOf(std::int64_t rings) {
-  const auto preset = presetBeams("paper_64");
-  auto beams = std::make_shared<BeamTable>(*preset);
-  if (beams->rings == rings) return beams;
-  const double top = *std::max_element(preset->elevation.begin(), preset->elevation.end());
-  const double bottom = *std::min_element(preset->elevation.begin(), preset->elevation.end());
-  beams->rings = static_cast<std::uint32_t>(rings);
-  beams->elevation.clear();
-  for (std::int64_t r = 0; r < rings; ++r) {
-    beams->elevation.push_back(top + (bottom - top) * static_cast<double>(r) / static_cast<double>(rings - 1));
-  }
-  beams->azimuthOffset.assign(beams->rings, 0.0);
-  beams->firingOffset.assign(beams->rings, 0.0);
-  fillBeams(*beams);
-  return beams;
-}
-
 // A scan by the depth camera against one by ray tracing. Stages are of the last scan's, in milliseconds.
 void scan(benchmark::State& state, const std::string& options) {
-  const Shot shot = streetShot(beamsOf(state.range(0)), -20);
+  const Shot shot = streetShot(streetBeams(state.range(0)), -20);
   const auto camera = methodOf("depth_camera", street(), options);
   const auto tracing = rayTracing(street());
   Hits hits;

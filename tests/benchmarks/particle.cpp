@@ -14,6 +14,7 @@
 #include "methods/march/march.h"
 #include "methods/particle/shape.h"
 #include "methods/world/worlds.h"
+#include "tests/benchmarks/street_beams.h"
 #include "tests/benchmarks/timing.h"
 #include "tests/methods/trace.h"
 #include "tests/support/street.h"
@@ -30,23 +31,6 @@ const Scene& street() {
 constexpr Channels kChannels = Channels(Channel::Range) | Channel::Normal | Channel::Instance | Channel::Semantic |
                                Channel::Material | Channel::Reflectance | Channel::Incidence;
 constexpr double kRange = 120;  // m
-
-std::shared_ptr<const BeamTable> beamsOf(std::int64_t rings) {
-  const auto preset = presetBeams("paper_64");
-  auto beams = std::make_shared<BeamTable>(*preset);
-  if (beams->rings == rings) return beams;
-  const double top = *std::max_element(preset->elevation.begin(), preset->elevation.end());
-  const double bottom = *std::min_element(preset->elevation.begin(), preset->elevation.end());
-  beams->rings = static_cast<std::uint32_t>(rings);
-  beams->elevation.clear();
-  for (std::int64_t r = 0; r < rings; ++r) {
-    beams->elevation.push_back(top + (bottom - top) * static_cast<double>(r) / static_cast<double>(rings - 1));
-  }
-  beams->azimuthOffset.assign(beams->rings, 0.0);
-  beams->firingOffset.assign(beams->rings, 0.0);
-  fillBeams(*beams);
-  return beams;
-}
 
 struct Place {
   std::shared_ptr<const World> world;
@@ -106,7 +90,7 @@ BENCHMARK_CAPTURE(field, lists, true)->UseManualTime()->Iterations(5)->Unit(benc
 // A scan, the field being there, against one by ray tracing. Stages are of the processor's time, in milliseconds a scan
 // (of the device's where it flies there).
 void scan(benchmark::State& state, const std::string& options) {
-  const Shot shot = streetShot(beamsOf(state.range(0)), -20);
+  const Shot shot = streetShot(streetBeams(state.range(0)), -20);
   const auto particle = methodOf("particle", street(), "{cache: none, " + options + "}");
   const auto tracing = rayTracing(street());
   Hits hits;
