@@ -8,23 +8,12 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "tests/methods/trace.h"
+#include "tests/support/directions.h"
 #include "tests/support/same_hits.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {
 namespace {
-
-std::vector<Vec3d> randomDirections(std::size_t count, std::uint32_t stream = 0) {
-  std::vector<Vec3d> directions;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const RandomBlock b = randomBlock({1, stream, 0, 0, i, 0, Purpose::Test});
-    const double z = 2 * uniform(b[0]) - 1;
-    const double azimuth = 2 * kPi * uniform(b[1]);
-    const double s = std::sqrt(1 - z * z);
-    directions.push_back({s * std::cos(azimuth), s * std::sin(azimuth), z});
-  }
-  return directions;
-}
 
 // Boxes, spheres and cylinders on a ground, some turned and stretched.
 Scene clutter(double shift = 0) {

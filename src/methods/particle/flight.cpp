@@ -57,10 +57,10 @@ constexpr float kThere = 0.6f;  // voxels
 
 constexpr double kRounding = 2e-3;  // voxels, of distances and places in float32
 
-// Thin layers, such as markings on a road, are told by corners of the side from which the beam comes: one so far from
-// the surface is nearest to a corner of that side.
-constexpr double kAside = 0.55;  // voxels
-constexpr double kLayer = 0.1;   // voxels, how thick layers may be; what is farther off is another thing
+// Thin layers, such as markings on a road, are told by corners of the side from which the beam comes, beyond the layer:
+// a place kAside from the surface is nearest to a corner that is at least kLayer from it.
+constexpr double kLayer = 0.1;           // voxels, how thick layers may be; what is farther off is another thing
+constexpr double kAside = 0.5 + kLayer;  // voxels
 
 // Whether a triangle's plane runs through a place, of a plane with this normal, as a layer on it does.
 bool isLayer(const BlockTriangle& triangle, const Vec3d& normal, const Vec3d& place, double voxel) {
@@ -122,7 +122,8 @@ void findFar(const Flight& flight, const Rays& rays, const Resolved& planes, con
 
 constexpr double kNoWay = 1e9;  // m: more than that is a miss
 
-// Which lanes rest where the nearest corner lies beyond the plane of its triangle.
+// Which lanes rest where the nearest corner lies beyond the plane of its triangle, or so near to it that a layer may
+// lie between.
 void findBeyond(const Flight& flight, const Rays& rays, const Resolved& planes, bool (&beyond)[kPacket]) {
   const Field& field = flight.field;
   const Vec3d centre = field.shape.centre;
@@ -156,7 +157,7 @@ void findBeyond(const Flight& flight, const Rays& rays, const Resolved& planes, 
     const double z = centre.z + pz[i] * voxel + toCorner(pz[i], uz[i]) * size;
     const double corner = planes.nx[i] * x + planes.ny[i] * y + planes.nz[i] * z - planes.offset[i];
     const double along = planes.nx[i] * rays.dx[i] + planes.ny[i] * rays.dy[i] + planes.nz[i] * rays.dz[i];
-    beyondBy[i] = corner * along;
+    beyondBy[i] = kLayer * size - (along > 0 ? -corner : corner);
   }
   for (int i = 0; i < kPacket; ++i) beyond[i] = beyondBy[i] > 0;
 }

@@ -70,9 +70,7 @@ class ParticleMethod : public Method {
       : scene_(scene), options_(std::move(options)), fields_(scene, options_), materials_(compactMaterials(scene)) {
     const bool wanted = options_.backend == ParticleOptions::Backend::Gl ||
                         (options_.backend == ParticleOptions::Backend::Auto && glHasHardware());
-    if (!wanted) return;
-    gl_ = makeGlMarcher();
-    if (options_.backend == ParticleOptions::Backend::Auto && gl_->software()) gl_.reset();
+    if (wanted) gl_ = makeGlMarcher();
   }
 
   void prepare(const Shot& shot) const override { placeOf(shot); }

@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "tests/methods/trace.h"
+#include "tests/support/directions.h"
 #include "tests/support/same_hits.h"
 #include "tests/support/test_scene.h"
 
@@ -29,18 +30,6 @@ std::unique_ptr<Method> particle(const Scene& scene, const std::string& options 
 
 Hits flown(const Scene& scene, const Shot& shot, const std::string& options = "") {
   return traced(*particle(scene, options), shot);
-}
-
-std::vector<Vec3d> scattered(std::size_t count, std::uint32_t stream) {
-  std::vector<Vec3d> directions;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const RandomBlock b = randomBlock({3, stream, 0, 0, i, 0, Purpose::Test});
-    const double z = 2 * uniform(b[0]) - 1;
-    const double azimuth = 2 * kPi * uniform(b[1]);
-    const double s = std::sqrt(1 - z * z);
-    directions.push_back({s * std::cos(azimuth), s * std::sin(azimuth), z});
-  }
-  return directions;
 }
 
 // m, of the level that serves a place so far from the sensor along the axis that is farthest; a level further out where
@@ -136,7 +125,7 @@ struct TurnedBox {
 TEST(Particle, RoomFromInside) {
   const TurnedBox room;
   const Scene scene = room.scene();
-  const Shot shot = shotAt(beamsOf(scattered(20000, 1), 0, 100), {{}, {0.3, -0.2, 0.1}});
+  const Shot shot = shotAt(beamsOf(randomDirections(20000, 1), 0, 100), {{}, {0.3, -0.2, 0.1}});
   const Hits truth = traced(scene, shot);
   for (const char* refine : {"none", "normal", "triangle"}) {
     const Hits hits = flown(scene, shot, std::string("refine: ") + refine);
@@ -214,7 +203,7 @@ TEST(Particle, SphereIsMetLikeByRayTracing) {
   appendSphere(sphere, 0, {}, 2.0, 128);
   builder.place(builder.addMesh(sphere), at(0.2, 0.1, 0), "sphere");
   const Scene scene = builder.finish();
-  const Shot shot = shotAt(beamsOf(scattered(20000, 2), 0, 100));
+  const Shot shot = shotAt(beamsOf(randomDirections(20000, 2), 0, 100));
   const Hits truth = traced(scene, shot);
   const Hits exact = flown(scene, shot);
   const Hits corrected = flown(scene, shot, "refine: normal");
@@ -361,7 +350,7 @@ TEST(Particle, SensorInsideASolid) {
   TurnedBox solid;
   solid.half = {0.5, 0.5, 0.5};  // its walls are seen from inside, as by ray tracing
   const Scene scene = solid.scene();
-  const Shot shot = shotAt(beamsOf(scattered(2000, 4), 0, 50));
+  const Shot shot = shotAt(beamsOf(randomDirections(2000, 4), 0, 50));
   const Hits truth = traced(scene, shot);
   const Hits hits = flown(scene, shot);
   for (std::size_t b = 0; b < hits.size(); ++b) EXPECT_NEAR(hits.range[b], truth.range[b], 1e-4);
@@ -405,7 +394,7 @@ TEST(Particle, EmptySceneAndOneTriangle) {
   mesh.surfaceOf = {0};
   builder.place(builder.addMesh(mesh), at(0, 0, 0), "triangle");
   const Scene one = builder.finish();
-  const Shot shot = shotAt(beamsOf(scattered(500, 5), 0, 50));
+  const Shot shot = shotAt(beamsOf(randomDirections(500, 5), 0, 50));
   const Hits truth = traced(one, shot);
   for (const char* field : {"field: sensor", "field: scene"}) {
     const Hits none = flown(empty, shot, field);
@@ -460,6 +449,35 @@ TEST(Particle, ThinPlatesAreSeenHoweverThin) {
       const Hits hits = flown(scene, shot, std::string("refine: ") + refine);
       const auto seen = std::count_if(hits.range.begin(), hits.range.end(), [](float r) { return r < kMiss; });
       EXPECT_EQ(seen, static_cast<std::ptrdiff_t>(ahead.size())) << share << " " << refine;
+    }
+  }
+}
+
+// A road marking: 3 mm above the road, a thirtieth of a voxel, wherever the road lies among the voxels. Those are
+// counted from the middle of the scene, which the box far below moves.
+TEST(Particle, ThinLayersKeepTheirLabels) {
+  const double depth = 1.7;
+  for (const double shift : {0.0, 0.001, 0.02, 0.04, 0.06, 0.09, 0.1, 0.13, 0.197, 0.2}) {
+    SceneBuilder builder = testBuilder();
+    Mesh below = meshOf(builder, "thing");
+    appendBox(below, 0, {}, {1, 1, 1});
+    builder.place(builder.addMesh(below), at(0, 0, -6 - shift), "below");
+    Mesh ground = meshOf(builder, "ground");
+    appendPlane(ground, 0, {}, 400, 400, 8);
+    builder.place(builder.addMesh(ground), at(0, 0, -depth), "ground");
+    Mesh marking = meshOf(builder, "other");
+    appendPlane(marking, 0, {}, 4, 4, 1);
+    builder.place(builder.addMesh(marking), at(0, 0, 0.003 - depth), "marking");
+    const Scene scene = builder.finish();
+    const Shot shot = shotAt(beamsOf(fan({0, 10, 20, 30, 40, 44}), 0, 50));  // to 1.7 m off: the marking reaches 2
+    const Shot beyond = shotAt(beamsOf(fan({60, 70}), 0, 50));
+    for (const char* refine : {"refine: none", "refine: normal", "refine: triangle"}) {
+      const Hits hits = flown(scene, shot, refine);
+      EXPECT_EQ(std::count(hits.semantic.begin(), hits.semantic.end(), 3), std::ptrdiff_t(hits.size()))
+          << refine << " " << shift;
+      const Hits road = flown(scene, beyond, refine);
+      EXPECT_EQ(std::count(road.semantic.begin(), road.semantic.end(), 1), std::ptrdiff_t(road.size()))
+          << refine << " " << shift;
     }
   }
 }
