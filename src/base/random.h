@@ -16,6 +16,7 @@ enum class Purpose : std::uint16_t {
   ShellNoise = 3,
   DropOut = 4,
   Street = 5,
+  Bootstrap = 6,
   Test = 99,
 };
 

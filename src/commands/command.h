@@ -21,6 +21,9 @@ std::span<const Command> commands();
 
 int runGenerate(const std::vector<std::string>& arguments);
 int runRender(const std::vector<std::string>& arguments);
+int runTradeoff(const std::vector<std::string>& arguments);
+int runRepeatability(const std::vector<std::string>& arguments);
+int runFitNoise(const std::vector<std::string>& arguments);
 int runPlan(const std::vector<std::string>& arguments);
 int runVerify(const std::vector<std::string>& arguments);
 int runInfo(const std::vector<std::string>& arguments);

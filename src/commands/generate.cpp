@@ -8,6 +8,8 @@
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
+#include "dataset/output_folder.h"
+#include "pipeline/calibrate.h"
 #include "pipeline/keeper.h"
 #include "pipeline/progress.h"
 
@@ -39,6 +41,18 @@ void printSummary(const GenerateSummary& s, const std::string& folder) {
   fmt::print("\nnext: scanmill verify {0}; scanmill info {0}\n", folder);
 }
 
+// `method: auto` becomes the setting that is the cheapest here.
+void chooseMethod(Plan& plan, const GenerateOptions& options) {
+  if (!options.overwrite) prepareOutputFolder(options.folder, false);  // refused now, not after minutes
+  const Calibration calibration = calibrate(plan, options.quiet, options.stop);
+  const CalibratedSetting& chosen = calibration.settings[calibration.chosen];
+  if (!options.quiet) {
+    fmt::print("method: auto takes {}: {}\n", chosen.setting.setting.name, calibration.why);
+    fmt::print("the same again: --set '{}'\n\n", chosen.setting.setting.assignment());
+  }
+  plan.choose(chosen.setting.choice, calibration.record());
+}
+
 }  // namespace
 
 int runGenerate(const std::vector<std::string>& arguments) {
@@ -68,12 +82,12 @@ int runGenerate(const std::vector<std::string>& arguments) {
   generateOptions.keepHits = folderOption(parsed, "keep-hits");
   generateOptions.keepPasses = folderOption(parsed, "keep-passes");
   const bool keeps = !generateOptions.keepHits.empty() || !generateOptions.keepPasses.empty();
-  const Plan plan(readPipeline(file, pipelineOverrides(parsed), recordingOf(parsed)),
-                  keeps ? keptChannels() : Channels{});
+  Plan plan(readPipeline(file, pipelineOverrides(parsed), recordingOf(parsed)), keeps ? keptChannels() : Channels{});
   generateOptions.folder = parsed.options["out"].as<std::string>();
   generateOptions.overwrite = parsed.options.count("overwrite") > 0;
   generateOptions.quiet = parsed.options.count("quiet") > 0;
   generateOptions.stop = &stopSignal();
+  if (plan.pipeline().method.automatic) chooseMethod(plan, generateOptions);
   const GenerateSummary summary = generate(plan, generateOptions);
   for (const std::string& warning : summary.warnings) warn(warning);
   if (generateOptions.quiet) {

@@ -8,7 +8,9 @@
 #include "base/parallel.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
+#include "pipeline/calibrate.h"
 #include "pipeline/dataset_size.h"
+#include "pipeline/feature_costs.h"
 #include "pipeline/progress.h"
 #include "pipeline/warnings.h"
 
@@ -48,11 +50,31 @@ void printUnlabeled(const std::map<std::string, std::uint64_t>& unlabeled) {
   fmt::print("{}", formatTable(rows));
 }
 
+// What a feature adds to a frame, in ms and in per cent of the frame; nothing where that drowns in the scatter.
+void printFeatures(const FeatureCosts& costs) {
+  const auto ms = [](double seconds) { return fmt::format("{:.2f}", 1e3 * seconds); };
+  std::vector<std::vector<std::string>> rows{
+      {"what a feature costs a frame", "trace ms", "effects ms", "encode ms", "all ms", "share", "kB"}};
+  const FrameCost& whole = costs.whole;
+  rows.push_back({"as the pipeline is", ms(whole.traceSeconds), ms(whole.effectsSeconds), ms(whole.encodeSeconds),
+                  ms(whole.seconds()), "", fmt::format("{:.0f}", whole.bytes * 1e-3)});
+  for (const FeatureCost& f : costs.features) {
+    const bool told = std::abs(f.cost.seconds()) > f.scatter;
+    rows.push_back({fmt::format("{}{}", f.feature, f.present ? "" : ", if added"), ms(f.cost.traceSeconds),
+                    ms(f.cost.effectsSeconds), ms(f.cost.encodeSeconds), ms(f.cost.seconds()),
+                    told ? fmt::format("{:+.1f} %", 100 * f.cost.seconds() / whole.seconds()) : "scatter",
+                    fmt::format("{:+.0f}", f.cost.bytes * 1e-3)});
+  }
+  fmt::print("\n{}measured on {}: medians of frames with and without; tracing on all cores, the rest on one\n",
+             formatTable(rows), costs.frame);
+}
+
 }  // namespace
 
 int runPlan(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("plan");
   cxxopts::Options options = describe(command);
+  options.add_options()("quick", "do not measure what features cost, which traces a frame some hundred times");
   addRecordingOptions(options);
   addPipelineOptions(options);
   const Arguments parsed = parseArguments(command, options, arguments,
@@ -76,18 +98,19 @@ int runPlan(const std::vector<std::string>& arguments) {
     if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;
     const std::string name = fmt::format("{} seed {}", s.scene, s.sceneSeed);
     const Scene scene = plan.loadScene(s);
-    const auto method = plan.makeMethod(scene);
+    const auto method = pipeline.method.automatic ? nullptr : plan.makeMethod(scene);
     scenes.push_back({name, grouped(scene.triangles()), grouped(scene.placedTriangles()),
                       grouped(scene.instances.size()), grouped(scene.things()), grouped(scene.materials.size()),
                       grouped(scene.dropped.total())});
     for (const std::string& line : sizeWarnings(scene)) warn(line);
     for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
+    ontology = scene.ontology;
+    if (method == nullptr) continue;
     for (const std::string& line : method->modelled()) {
       if (std::find(modelled.begin(), modelled.end(), line) == modelled.end()) modelled.push_back(line);
     }
     sceneBytes = std::max(sceneBytes, method->memoryBytes());
-    ontology = scene.ontology;
   }
   if (pipeline.recording == nullptr) {
     fmt::print("{}\n", formatTable(scenes));
@@ -96,11 +119,20 @@ int runPlan(const std::vector<std::string>& arguments) {
                pipeline.recording->folder.string());
   }
 
+  if (pipeline.method.automatic) {
+    modelled.push_back(fmt::format("method: auto, one of {} settings, chosen when the dataset is made",
+                                   readAutoChoice(pipeline.method.options).settings.size()));
+  }
   fmt::print("modelled and left out:\n");
   for (const std::string& line : modelled) fmt::print("  {}\n", line);
   if (pipeline.recording == nullptr) {
     fmt::print("\n");
     printUnlabeled(unlabeled);
+    if (parsed.options.count("quick") == 0 && !pipeline.method.automatic) {
+      constexpr int kRepeats = 9;
+      printFeatures(measureFeatures(
+          [&] { return readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed)); }, kRepeats));
+    }
   }
   const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
   const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());

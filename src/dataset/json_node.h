@@ -1,7 +1,7 @@
 #pragma once
 
 // Strict reading of our own JSON files: what is missing, of the wrong type, out of range or unknown is refused at its
-// place (a JSON pointer, RFC 6901). For this folder only.
+// place (a JSON pointer, RFC 6901).
 
 #include <fmt/core.h>
 
@@ -55,6 +55,7 @@ class JsonNode {
     return *this;
   }
 
+  bool isNull() const { return value_.is_null(); }
   bool has(std::string_view key) const { return value_.is_object() && value_.contains(key); }
   JsonNode operator[](const std::string& key) const { return {value_.at(key), place_ + "/" + key, file_}; }
 

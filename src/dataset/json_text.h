@@ -1,6 +1,6 @@
 #pragma once
 
-// JSON as text: keys in a fixed order, numbers that round-trip, the same bytes always. For this folder only.
+// JSON as text: keys in a fixed order, numbers that round-trip, the same bytes always.
 
 #include <nlohmann/json.hpp>
 #include <string>

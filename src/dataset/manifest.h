@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -60,6 +61,13 @@ struct FormatRecord {
   double maxErrorMetres = 0;
 };
 
+// Which setting `method: auto` has chosen.
+struct MethodRecord {
+  std::string setting;     // "depth_camera resolution=1024"
+  std::string assignment;  // for --set, to take the same again: "method={depth_camera: {resolution: 1024}}"
+  std::string why;
+};
+
 struct Manifest {
   static constexpr int kSchemaVersion = 1;
   std::string programVersion;
@@ -73,7 +81,8 @@ struct Manifest {
   std::vector<FormatRecord> formats;
   Ontology ontology;
   std::vector<SensorRecord> sensors;
-  std::vector<std::string> modelled;  // what was modelled and what was left out, one line each
+  std::vector<std::string> modelled;   // what was modelled and what was left out, one line each
+  std::optional<MethodRecord> chosen;  // where the pipeline left the choice of the method
   std::map<std::string, double>
       stages;  // seconds of processor time per stage ("trace", "effects", "encode", "write", ...)
   std::vector<ShardRecord> shards;

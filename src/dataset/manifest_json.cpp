@@ -112,7 +112,7 @@ OrderedJson listOf(const Records& records, const Make& make) {
 OrderedJson manifestJson(const Manifest& m) {
   OrderedJson stages = OrderedJson::object();
   for (const auto& [stage, seconds] : m.stages) stages[stage] = finite(seconds, "stage " + stage);
-  return {
+  OrderedJson json{
       {"schema_version", Manifest::kSchemaVersion},
       {"program", {{"name", "scanmill"}, {"version", m.programVersion}}},
       {"name", m.name},
@@ -150,6 +150,11 @@ OrderedJson manifestJson(const Manifest& m) {
                                                })}};
                          })},
   };
+  if (m.chosen) {
+    json["method_choice"] = {
+        {"setting", m.chosen->setting}, {"assignment", m.chosen->assignment}, {"why", m.chosen->why}};
+  }
+  return json;
 }
 
 OrderedJson sampleObject(const SampleRecord& sample) {

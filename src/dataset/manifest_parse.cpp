@@ -135,7 +135,8 @@ void checkVersion(const JsonNode& root, const Json& json, const std::string& fil
 
 Manifest manifestOf(const JsonNode& root) {
   root.keys({"schema_version", "program", "name", "seed", "pipeline", "units", "frames", "scans", "formats", "ontology",
-             "sensors", "modelled", "stages", "shards", "samples"});
+             "sensors", "modelled", "stages", "shards", "samples"},
+            {"method_choice"});
   Manifest m;
   m.programVersion = root["program"].keys({"name", "version"})["version"].text();
   m.name = root["name"].text();
@@ -165,6 +166,11 @@ Manifest manifestOf(const JsonNode& root) {
   m.ontology = ontologyOf(root["ontology"]);
   root["sensors"].forEach([&](const JsonNode& item) { m.sensors.push_back(sensorOf(item)); });
   m.modelled = root["modelled"].texts();
+  if (root.has("method_choice")) {
+    const JsonNode choice = root["method_choice"];
+    choice.keys({"setting", "assignment", "why"});
+    m.chosen = MethodRecord{choice["setting"].text(), choice["assignment"].text(), choice["why"].text()};
+  }
   root["stages"].forEachEntry(
       [&](const std::string& stage, const JsonNode& time) { m.stages[stage] = time.number(0); });
   root["shards"].forEach([&](const JsonNode& item) { m.shards.push_back(shardOf(item)); });

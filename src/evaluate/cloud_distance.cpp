@@ -37,7 +37,7 @@ Cloud finitePoints(std::span<const Vec3f> points) {
 
 }  // namespace
 
-Spread nearestDistances(std::span<const Vec3f> from, std::span<const Vec3f> to) {
+std::vector<double> distancesToNearest(std::span<const Vec3f> from, std::span<const Vec3f> to) {
   const Cloud target = finitePoints(to);
   if (target.points.empty()) throw Error("there is no point to measure the distance to");
   const Tree tree(3, target);
@@ -51,7 +51,11 @@ Spread nearestDistances(std::span<const Vec3f> from, std::span<const Vec3f> to) 
       distances[i] = std::sqrt(double{square});
     }
   });
-  return spreadOf(std::move(distances));
+  return distances;
+}
+
+Spread nearestDistances(std::span<const Vec3f> from, std::span<const Vec3f> to) {
+  return spreadOf(distancesToNearest(from, to));
 }
 
 }  // namespace scanmill

@@ -14,4 +14,7 @@ namespace scanmill {
 // look both ways. Throws Error where `to` has no finite point.
 Spread nearestDistances(std::span<const Vec3f> from, std::span<const Vec3f> to);
 
+// The distances themselves, in the order of the finite points.
+std::vector<double> distancesToNearest(std::span<const Vec3f> from, std::span<const Vec3f> to);
+
 }  // namespace scanmill

@@ -16,7 +16,8 @@ constexpr std::array kMethods{
                 "tile_columns: auto, 1, 2, 4, 8 or 16, columns of a packet; "
                 "robust: true, watertight at the edges of triangles; "
                 "bvh: medium, low or high, quality of the hierarchy; "
-                "instancing: auto, always or never",
+                "instancing: auto, always or never; "
+                "simplify: 1, share of the triangles that is kept, as in collision meshes",
                 makeRayTracing},
     MethodEntry{"depth_camera", "images of depth, normals and ids, drawn at the sensor and sampled at the beams",
                 "renderer: vtk or blender, what draws; "

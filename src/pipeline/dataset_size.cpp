@@ -21,6 +21,12 @@ double bytesOf(const std::string& text) {
   return static_cast<double>(text.size());
 }
 
+std::string longestMethodName() {
+  std::string longest;
+  for (const MethodEntry& m : methods()) longest = m.name.size() > longest.size() ? std::string(m.name) : longest;
+  return longest;
+}
+
 // The sample whose descriptions are the longest: every beam meets every class.
 SampleRecord longestSample(const Plan& plan, const Sequence& sequence, const Ontology& ontology) {
   const Pipeline& pipeline = plan.pipeline();
@@ -33,7 +39,7 @@ SampleRecord longestSample(const Plan& plan, const Sequence& sequence, const Ont
   for (std::size_t s = 0; s < plan.beams().size(); ++s) {
     ScanRecord scan;
     scan.sensor = pipeline.sensors[s].name;
-    scan.method = pipeline.methodName();
+    scan.method = pipeline.method.automatic ? longestMethodName() : pipeline.methodName();
     scan.time = kWidest;
     scan.worldFromSensor.assign(moves ? 2 : 1, pose);
     scan.beams = plan.beams()[s]->size();

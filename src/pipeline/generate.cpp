@@ -127,7 +127,8 @@ Sample makeSample(const Plan& plan, const Scene& scene, const Method& method, co
     if (keeper.keeps()) keeper.keep(shot, plan.channels(), work.hits);
     {
       const StageTimer timer(times, StageTimes::Effects);
-      sense(work.hits, shot, pipeline.effects, scene.materials, pipeline.columns, work.returns, work.scan);
+      sense(work.hits, shot, pipeline.effectsOf(shot.sensor), scene.materials, pipeline.columns, work.returns,
+            work.scan);
       sample.scans.push_back(describe(shot, work.hits, work.scan, pipeline.methodName()));
     }
     const StageTimer encoding(times, StageTimes::Encode);
@@ -160,6 +161,7 @@ Manifest startManifest(const Plan& plan) {
     beams.time = {};
   }
   manifest.modelled = plan.modelled();
+  manifest.chosen = plan.chosen();
   return manifest;
 }
 

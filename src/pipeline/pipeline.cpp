@@ -13,8 +13,8 @@
 //   sensors:                         # see sensors/sensor.h
 //     - {name: top, preset: sensors/paper_64.yaml, mount: {position: [0, 0, 1.9]}}
 //   motion: none                     # none | per_column | {steps: 360, deskew: false}
-//   method: ray_tracing              # or {ray_tracing: {...}}
-//   effects: [{intensity: {...}}, {range_noise: {...}}]
+//   method: ray_tracing              # or {ray_tracing: {...}}, or auto: see pipeline/calibrate.h
+//   effects: [{intensity: {...}}, {range_noise: {...}}]   # the word sensor: those of each sensor's own file
 //   splits: {by: seed, train: 0.8, val: 0.1, test: 0.1}
 //   output:
 //     layout: dense                  # or organised
@@ -22,6 +22,8 @@
 //     formats: [pcd, {draco: {max_error_mm: 1}}]
 //     shard_mb: 256
 //   limits: {max_rays: 1e11}
+//   tradeoff: {...}                  # of `scanmill tradeoff`: see study/settings.h
+//   repeatability: {...}             # of `scanmill repeatability`: see study/repeatability.h
 
 #include "pipeline/pipeline.h"
 
@@ -34,6 +36,7 @@
 #include "base/file.h"
 #include "config/file_kind.h"
 #include "dataset/split.h"
+#include "pipeline/settings.h"
 
 namespace scanmill {
 
@@ -59,28 +62,6 @@ std::string commented(const std::string& text) {
     if (comment.back() == '\n') comment += "# ";
   }
   return comment;
-}
-
-// "name" or {name: {options}}: one entry of a list of effects or formats, or a method.
-struct Named {
-  std::string name;
-  Location where;
-  Value options;
-};
-
-Named readNamed(const Value& value, const std::string& what) {
-  Named named{"", value.where, {}};
-  named.options.where = value.where;
-  if (value.kind == Value::Kind::Map && value.entries.size() == 1) {
-    named.name = value.entries.front().key;
-    named.options = value.entries.front().value;
-    return named;
-  }
-  if (value.kind != Value::Kind::Scalar) {
-    throw InputError(value.where, fmt::format("{} must be a name or one pair `name: {{options}}`", what));
-  }
-  named.name = readText(value, what);
-  return named;
 }
 
 const Value& requireList(Fields& fields, std::string_view key) {
@@ -230,22 +211,33 @@ std::vector<MountedSensor> readSensors(Fields& fields) {
   return sensors;
 }
 
-// The effects run in the order of their stages, whatever the order of the file.
-void readEffects(Fields& fields, Pipeline& pipeline) {
-  const Value* list = fields.find("effects");
-  if (list == nullptr) return;
-  if (list->kind != Value::Kind::Sequence)
-    throw InputError(list->where, "effects must be a list such as [intensity]; for none write []");
-  struct Made {
-    const EffectEntry* entry;
-    Location where;
-    std::unique_ptr<Effect> effect;
-  };
-  std::vector<Made> made;
-  for (const Value& item : list->items) {
-    const Named named = readNamed(item, "an effect");
+struct MadeEffect {
+  const EffectEntry* entry;
+  Location where;
+  std::unique_ptr<Effect> effect;
+};
+
+bool meansSensor(const Value& item) {
+  return item.kind == Value::Kind::Scalar && item.text == "sensor";
+}
+
+// Adds what the items name; `sensor` stands for the effects of the sensor's own file, which null refuses.
+void addEffects(const std::vector<Value>& items, const MountedSensor* sensor, std::vector<MadeEffect>& made) {
+  for (const Value& item : items) {
+    if (sensor != nullptr && meansSensor(item)) {
+      const Value* own = sensor->description.find("effects");
+      if (own == nullptr) {
+        throw InputError(item.where,
+                         fmt::format("the sensor '{}' has no effects of its own: measure them with `scanmill "
+                                     "fit-noise`, write `effects:` into its file, or name effects here",
+                                     sensor->name));
+      }
+      addEffects(own->items, nullptr, made);
+      continue;
+    }
+    const NamedOptions named = readNamed(item, "an effect");
     const EffectEntry& entry = requireEffect(named.name, named.where);
-    if (std::any_of(made.begin(), made.end(), [&](const Made& m) { return m.entry == &entry; })) {
+    if (std::any_of(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &entry; })) {
       throw InputError(named.where, fmt::format("the effect '{}' stands twice: both would draw the same random numbers",
                                                 named.name));
     }
@@ -253,10 +245,15 @@ void readEffects(Fields& fields, Pipeline& pipeline) {
     options.alsoDescribed(entry.keys).finish();
     made.push_back({&entry, named.where, entry.make(options)});
   }
+}
+
+// They run in the order of their stages, whatever the order of the file.
+SensorEffects inOrder(std::vector<MadeEffect> made) {
   std::stable_sort(made.begin(), made.end(),
-                   [](const Made& a, const Made& b) { return a.entry->stage < b.entry->stage; });
+                   [](const MadeEffect& a, const MadeEffect& b) { return a.entry->stage < b.entry->stage; });
+  SensorEffects ordered;
   bool intensity = false;
-  for (Made& m : made) {
+  for (MadeEffect& m : made) {
     if (m.effect->needsIntensity() && !intensity) {
       throw InputError(
           m.where, fmt::format("the effect '{}' looks at the intensity: add the effect `intensity`", m.entry->name));
@@ -266,8 +263,59 @@ void readEffects(Fields& fields, Pipeline& pipeline) {
                        fmt::format("the effect '{}' sets the intensity, as an earlier one does", m.entry->name));
     }
     intensity = intensity || m.effect->setsIntensity();
-    pipeline.effectEntries.push_back(m.entry);
-    pipeline.effects.push_back(std::move(m.effect));
+    ordered.entries.push_back(m.entry);
+    ordered.effects.push_back(std::move(m.effect));
+  }
+  return ordered;
+}
+
+// The lists in the sensors' files are checked whether or not they are used.
+void checkSensorEffects(const Pipeline& pipeline) {
+  for (const MountedSensor& sensor : pipeline.sensors) {
+    const Value* own = sensor.description.find("effects");
+    if (own == nullptr) continue;
+    if (own->kind != Value::Kind::Sequence) {
+      throw InputError(own->where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
+    }
+    std::vector<MadeEffect> made;
+    addEffects(own->items, nullptr, made);
+  }
+}
+
+std::vector<Value> effectItems(const Value& list) {
+  if (list.kind == Value::Kind::Sequence) return list.items;
+  if (meansSensor(list)) return {list};
+  throw InputError(list.where,
+                   "effects must be a list such as [intensity]; for none write [], for each sensor's own `sensor`");
+}
+
+void readEffects(Fields& fields, Pipeline& pipeline) {
+  checkSensorEffects(pipeline);
+  const Value* list = fields.find("effects");
+  if (list == nullptr) return;
+  const std::vector<Value> items = effectItems(*list);
+  if (std::none_of(items.begin(), items.end(), meansSensor)) {
+    std::vector<MadeEffect> made;
+    addEffects(items, nullptr, made);
+    SensorEffects shared = inOrder(std::move(made));
+    pipeline.effects = std::move(shared.effects);
+    pipeline.effectEntries = std::move(shared.entries);
+    return;
+  }
+  std::vector<bool> lit;
+  for (MountedSensor& sensor : pipeline.sensors) {
+    std::vector<MadeEffect> made;
+    addEffects(items, &sensor, made);
+    auto own = std::make_shared<SensorEffects>(inOrder(std::move(made)));
+    lit.push_back(
+        std::any_of(own->effects.begin(), own->effects.end(), [](const auto& e) { return e->setsIntensity(); }));
+    if (lit.back() != lit.front()) {
+      throw InputError(list->where,
+                       fmt::format("of the sensors '{}' and '{}' only one has an intensity, but all scans of a dataset "
+                                   "have the same columns: add `intensity` to the effects of the other",
+                                   pipeline.sensors.front().name, sensor.name));
+    }
+    sensor.ownEffects = std::move(own);
   }
 }
 
@@ -298,7 +346,7 @@ void readOutput(const Value& value, Pipeline& pipeline) {
   }
   std::set<std::string> suffixes;
   for (const Value& item : requireList(output, "formats").items) {
-    const Named named = readNamed(item, "a format");
+    const NamedOptions named = readNamed(item, "a format");
     const FormatEntry& entry = requireFormat(named.name, named.where);
     Fields options(named.options, "format " + named.name);
     options.alsoDescribed(entry.keys).finish();
@@ -312,12 +360,30 @@ void readOutput(const Value& value, Pipeline& pipeline) {
 
 }  // namespace
 
+SensorEffects readSensorEffects(const Value& list, const MountedSensor& sensor) {
+  std::vector<MadeEffect> made;
+  addEffects(effectItems(list), &sensor, made);
+  return inOrder(std::move(made));
+}
+
 std::string Sequence::key() const {
   return fmt::format("{}-s{}-{}", scene, sceneSeed, keyPart(trajectoryName));
 }
 
 std::string Sequence::key(std::uint32_t frame) const {
   return fmt::format("{}-{:06}", key(), frame);
+}
+
+std::span<const std::unique_ptr<Effect>> Pipeline::effectsOf(std::size_t sensor) const {
+  const SensorEffects* own = sensors[sensor].ownEffects.get();
+  if (own != nullptr) return own->effects;
+  return effects;
+}
+
+std::span<const EffectEntry* const> Pipeline::effectEntriesOf(std::size_t sensor) const {
+  const SensorEffects* own = sensors[sensor].ownEffects.get();
+  if (own != nullptr) return own->entries;
+  return effectEntries;
 }
 
 std::uint64_t Pipeline::frames() const {
@@ -333,7 +399,8 @@ std::uint64_t Pipeline::raysPerFrame() const {
 }
 
 std::string Pipeline::methodName() const {
-  return recording != nullptr ? recording->method : std::string(method.entry->name);
+  if (recording != nullptr) return recording->method;
+  return method.entry == nullptr ? "auto" : std::string(method.entry->name);
 }
 
 Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
@@ -352,7 +419,7 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
   Fields fields(root, "pipeline");
   fields
       .also({"name", "seed", "labels", "wavelength_nm", "scenes", "trajectories", "sensors", "motion", "method",
-             "effects", "splits", "output", "limits"})
+             "effects", "splits", "output", "limits", "tradeoff", "repeatability"})
       .finish();
   pipeline.name = fields.text("name", file.stem().string());
   pipeline.seed = static_cast<std::uint64_t>(fields.integer("seed", 0, std::int64_t{1} << 62, 1));
@@ -368,8 +435,11 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
   }
   pipeline.motion = readMotion(fields.find("motion"));
   if (pipeline.recording == nullptr || fields.find("method") != nullptr) {
-    const Named method = readNamed(fields.require("method"), "method");
-    pipeline.method = {&requireMethod(method.name, method.where), method.options};
+    const NamedOptions method = readNamed(fields.require("method"), "method");
+    const bool automatic = method.name == "auto";
+    // A recording leaves nothing to choose.
+    pipeline.method = {automatic ? nullptr : &requireMethod(method.name, method.where), method.options,
+                       automatic && pipeline.recording == nullptr};
   }
   readEffects(fields, pipeline);
   readOutput(fields.require("output"), pipeline);
@@ -380,6 +450,12 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
   const Value* by = splitting == nullptr ? nullptr : splitting->find("by");
   pipeline.splitsBySeed = splitting != nullptr && (by == nullptr || by->text == "seed");
   for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
+  const auto kept = [&](std::string_view key) {
+    const Value* value = fields.find(key);
+    return value == nullptr ? Value{} : *value;
+  };
+  pipeline.tradeoff = kept("tradeoff");
+  pipeline.repeatability = kept("repeatability");
   pipeline.maxRays = kDefaultMaxRays;
   if (const Value* value = fields.find("limits")) {
     Fields limits(*value, "limits");

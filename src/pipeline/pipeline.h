@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,13 +21,23 @@
 
 namespace scanmill {
 
+// In the order in which they run.
+struct SensorEffects {
+  std::vector<std::unique_ptr<Effect>> effects;
+  std::vector<const EffectEntry*> entries;
+};
+
 // A sensor on the vehicle. Its beam table is made by Plan, once the totals are known to be sane.
 struct MountedSensor {
   std::string name;
   Value description;  // preset and own keys merged
   SensorSize size;
   Pose vehicleFromSensor;
+  std::shared_ptr<SensorEffects> ownEffects;  // in place of the pipeline's, where that says `sensor`; else null
 };
+
+// `list` as the key `effects` of a pipeline; its item `sensor` stands for the sensor's own. Throws InputError.
+SensorEffects readSensorEffects(const Value& list, const MountedSensor& sensor);
 
 // One scene with one procedural seed, driven along one trajectory: the unit that splits never part.
 struct Sequence {
@@ -46,8 +57,9 @@ struct Sequence {
 };
 
 struct MethodChoice {
-  const MethodEntry* entry = nullptr;
-  Value options;  // its map; Null where the pipeline gives only the name
+  const MethodEntry* entry = nullptr;  // null for `auto`, until calibrate() has chosen
+  Value options;                       // its map, or that of `auto`; Null where the pipeline gives only the name
+  bool automatic = false;              // the pipeline says `method: auto`
 };
 
 struct FormatChoice {
@@ -66,7 +78,7 @@ struct Pipeline {
   std::vector<MountedSensor> sensors;
   Motion motion;
   MethodChoice method;
-  std::vector<std::unique_ptr<Effect>> effects;   // in the order in which they run
+  std::vector<std::unique_ptr<Effect>> effects;   // in the order in which they run; none where sensors have their own
   std::vector<const EffectEntry*> effectEntries;  // likewise
   ScanColumns columns;
   std::vector<FormatChoice> formats;
@@ -74,8 +86,15 @@ struct Pipeline {
   std::uint64_t shardBytes = 0;
   double maxRays = 0;
 
+  // Of the studies, which read them: study/settings.h, study/repeatability.h. Null where absent.
+  Value tradeoff;
+  Value repeatability;
+
   std::shared_ptr<const Recording> recording;  // where its shots come from, in place of scenes and a method; or null
 
+  // What runs on the scans of a sensor.
+  std::span<const std::unique_ptr<Effect>> effectsOf(std::size_t sensor) const;
+  std::span<const EffectEntry* const> effectEntriesOf(std::size_t sensor) const;
   std::uint64_t frames() const;
   std::uint64_t raysPerFrame() const;
   std::string methodName() const;  // that made, or makes, the hits

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "config/file_kind.h"
+#include "pipeline/calibrate.h"
 #include "pipeline/recorded_method.h"
 
 namespace scanmill {
@@ -16,8 +17,17 @@ namespace scanmill {
 namespace {
 
 bool setsIntensity(const Pipeline& pipeline) {
-  return std::any_of(pipeline.effects.begin(), pipeline.effects.end(),
-                     [](const auto& effect) { return effect->setsIntensity(); });
+  const auto effects = pipeline.effectsOf(0);  // all sensors' do, or none's
+  return std::any_of(effects.begin(), effects.end(), [](const auto& effect) { return effect->setsIntensity(); });
+}
+
+void checkAutoChoice(const Pipeline& pipeline) {
+  const AutoChoice choice = readAutoChoice(pipeline.method.options);
+  if (!choice.limits.intensity || setsIntensity(pipeline)) return;
+  const Value* limit = pipeline.method.options.find("max_error")->find("intensity");
+  throw InputError(limit->where,
+                   "method auto: max_error: no effect sets the intensity: add the effect `intensity`, or "
+                   "leave this limit out");
 }
 
 constexpr double kGibibyte = 1024.0 * 1024 * 1024;
@@ -56,6 +66,22 @@ void checkOntologies(const Pipeline& pipeline) {
   }
 }
 
+void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
+  const bool own = pipeline.sensors.front().ownEffects != nullptr;
+  for (std::size_t s = 0; s < (own ? pipeline.sensors.size() : 1); ++s) {
+    const std::string of = own ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
+    const auto entries = pipeline.effectEntriesOf(s);
+    if (entries.empty()) lines.push_back(fmt::format("effects{}: none, the scans are noise-free", of));
+    for (const EffectEntry* entry : entries) {
+      lines.push_back(fmt::format("effect {}{}: {}", entry->name, of, entry->summary));
+    }
+  }
+  for (const MountedSensor& sensor : pipeline.sensors) {
+    if (own || sensor.description.find("effects") == nullptr) continue;
+    lines.push_back(fmt::format("effects of the file of '{}': left out (`effects: sensor` takes them)", sensor.name));
+  }
+}
+
 std::string motionLine(const Pipeline& pipeline) {
   if (pipeline.recording != nullptr) return "ego motion: as it was recorded";
   switch (pipeline.motion.kind) {
@@ -82,9 +108,19 @@ void checkBeams(const Recording& recording, const MountedSensor& sensor, const B
 
 }  // namespace
 
+std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
+  if (choice.entry == nullptr) throw Error("the method is still to be chosen: calibrate() does");
+  Fields options(choice.options, "method " + std::string(choice.entry->name));
+  options.alsoDescribed(choice.entry->keys).finish();
+  return choice.entry->make(scene, options);
+}
+
 Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   checkOntologies(pipeline_);
-  channels_ = channelsFor(pipeline_.effects, pipeline_.columns);
+  if (pipeline_.method.automatic) checkAutoChoice(pipeline_);
+  for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
+    channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.columns);
+  }
   traced_ = channels_ | kept;
   const std::uint64_t beams = pipeline_.raysPerFrame();
   const std::uint64_t bytes = beams * kBeamBytes + bytesPerFrameInMemory();
@@ -142,9 +178,12 @@ Scene Plan::loadScene(const Sequence& sequence) const {
 
 std::unique_ptr<Method> Plan::makeMethod(const Scene& scene) const {
   if (pipeline_.recording != nullptr) return makeRecordedMethod(pipeline_);
-  Fields options(pipeline_.method.options, "method " + std::string(pipeline_.method.entry->name));
-  options.alsoDescribed(pipeline_.method.entry->keys).finish();
-  return pipeline_.method.entry->make(scene, options);
+  return scanmill::makeMethod(pipeline_.method, scene);
+}
+
+void Plan::choose(MethodChoice choice, MethodRecord record) {
+  pipeline_.method = std::move(choice);
+  chosen_ = std::move(record);
 }
 
 Shot Plan::recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const {
@@ -197,10 +236,7 @@ std::vector<std::string> Plan::modelled() const {
   if (!traced_.has(Channel::Reflectance)) {
     lines.emplace_back("reflectance textures: left out, nothing reads the reflectance; only alpha is loaded");
   }
-  if (pipeline_.effectEntries.empty()) lines.emplace_back("effects: none, the scans are noise-free");
-  for (const EffectEntry* entry : pipeline_.effectEntries) {
-    lines.push_back(fmt::format("effect {}: {}", entry->name, entry->summary));
-  }
+  addEffectLines(pipeline_, lines);
   lines.push_back(motionLine(pipeline_));
   lines.push_back(c.organised ? "misses: kept, as NaN"
                               : "misses: left out of the files; ring and column tell the beam");

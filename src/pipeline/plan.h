@@ -4,14 +4,19 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "dataset/manifest.h"
 #include "pipeline/pipeline.h"
 #include "scan/channels.h"
 #include "scene/scene.h"
 
 namespace scanmill {
+
+// Of a pipeline or of a study; not of `auto`. Throws InputError for what is wrong with the options.
+std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene);
 
 class Plan {
  public:
@@ -27,6 +32,10 @@ class Plan {
   // scene, which is its classes and materials.
   Scene loadScene(const Sequence& sequence) const;
   std::unique_ptr<Method> makeMethod(const Scene& scene) const;
+
+  // Takes the setting that calibrate() has chosen in place of `method: auto`.
+  void choose(MethodChoice choice, MethodRecord record);
+  const std::optional<MethodRecord>& chosen() const { return chosen_; }
 
   // The shots of a frame, one per sensor.
   std::vector<Shot> shots(std::size_t sequence, std::uint32_t frame) const;
@@ -47,6 +56,7 @@ class Plan {
   Shot recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const;
 
   Pipeline pipeline_;
+  std::optional<MethodRecord> chosen_;
   Channels channels_;  // what scans need
   Channels traced_;    // and recordings
   std::vector<std::shared_ptr<const BeamTable>> beams_;

@@ -18,6 +18,10 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 RenderSummary render(const Plan& plan, const RenderOptions& options) {
+  if (plan.pipeline().method.automatic) {
+    throw InputError(plan.pipeline().method.options.where,
+                     "method auto may choose one that draws no passes: take `method: depth_camera`");
+  }
   const Pipeline& pipeline = plan.pipeline();
   RenderSummary summary;
   Keeper keeper(plan);

@@ -27,7 +27,7 @@ double readCount(const Value& value, std::string_view what) {
 Fields& alsoSensorKeys(Fields& fields) {
   return fields.also({"model", "source", "columns", "rate_hz", "direction", "first_azimuth_deg", "field_deg",
                       "elevation_deg", "ring_order", "azimuth_offset_deg", "origin_offset_m", "origin_height_m",
-                      "firing_time_us", "range_m"});
+                      "firing_time_us", "range_m", "effects"});
 }
 
 void refuseUnlessElevations(const Value& value) {

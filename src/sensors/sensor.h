@@ -16,6 +16,7 @@
 //   origin_height_m: 0.036             # beam origin above the sensor's own origin (default 0)
 //   firing_time_us: [0, 2.3, ...]      # within a column, one per ring, or {step_us: 2.3} from ring to ring (default 0)
 //   range_m: [0.5, 120]                # nearest and farthest report
+//   effects: [range_noise: {...}]      # of pipelines that say `effects: sensor`; not part of the beam table
 
 #include <cstdint>
 #include <filesystem>

@@ -100,6 +100,11 @@ Image drawOverlay(const std::vector<NamedScan>& scans, const PictureOptions& opt
 Image drawPicture(Scan scan, const Ontology* ontology, const PictureOptions& options, const std::string& title) {
   keepShown(scan.position, options.closeUp);
   const Coloring coloring = colorScan(scan, options.colorBy, ontology);
+  return drawColored(std::move(scan), coloring, options, title);
+}
+
+Image drawColored(Scan scan, const Coloring& coloring, const PictureOptions& options, const std::string& title) {
+  keepShown(scan.position, options.closeUp);
   const std::ptrdiff_t points = countShown(scan.position, {});
   const Legend legend = points == 0 ? Legend{} : coloring.legend;
   const PictureLayout layout = layoutPicture(options.width, options.height, legend);

@@ -33,6 +33,9 @@ struct PictureOptions {
 // picture that says so; a close-up without points throws InputError that says where the nearest are.
 Image drawPicture(Scan scan, const Ontology* ontology, const PictureOptions& options, const std::string& title);
 
+// The same in colours of one's own; those of points that a close-up leaves out do not matter.
+Image drawColored(Scan scan, const Coloring& coloring, const PictureOptions& options, const std::string& title);
+
 // Scans on top of one another, each in a colour of its own; where they meet, the first is seen: how methods or settings
 // differ.
 struct NamedScan {

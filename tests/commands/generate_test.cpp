@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -92,6 +93,34 @@ TEST_F(Generate, ThreadsAndSeedsDoWhatTheySay) {
   EXPECT_TRUE(one == shard("three", {"--threads=3"}));
   EXPECT_TRUE(one == shard("same", {"--seed", "1"}));
   EXPECT_FALSE(one == shard("other", {"--seed", "2"}));
+}
+
+// The method that `auto` takes makes the dataset that naming it makes.
+TEST_F(Generate, AutoTakesASettingAndSaysWhich) {
+  const std::string automatic =
+      "method={auto: {max_error: {p99: 1 mm, miss_rate: 0.1%, labels: 99%}, settings: [{particle: {refine: none, "
+      "voxel_m: 0.5, cache: none}}, {ray_tracing: {packet: [1, 16]}}]}}";
+  const Outcome made = scanmill({"generate", pipeline_, "-o", at("auto"), "--set", automatic});
+  ASSERT_EQ(made.code, 0) << made.error;
+  EXPECT_THAT(made.out, HasSubstr("method: auto takes ray_tracing packet="));
+  const Manifest manifest = readManifest(at("auto"));
+  ASSERT_TRUE(manifest.chosen.has_value());
+  EXPECT_THAT(made.out, HasSubstr("the same again: --set '" + manifest.chosen->assignment + "'"));
+  EXPECT_THAT(manifest.chosen->assignment, testing::StartsWith("method={ray_tracing: {packet: "));
+  ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("hand"), "--set", manifest.chosen->assignment}).code, 0);
+  EXPECT_TRUE(readFile(at("auto/train/train-000000.tar")) == readFile(at("hand/train/train-000000.tar")));
+  EXPECT_EQ(scanmill({"verify", at("auto")}).code, 0);
+
+  const Outcome quiet = scanmill({"generate", pipeline_, "-q", "-o", at("quiet"), "--set", automatic});
+  EXPECT_EQ(std::count(quiet.out.begin(), quiet.out.end(), '\n'), 1) << quiet.out;
+  EXPECT_EQ(quiet.error, "");
+
+  const std::string impossible = "method={auto: {min_rate: 1e15, settings: [ray_tracing]}}";
+  const Outcome refused = scanmill({"generate", pipeline_, "-q", "-o", at("none"), "--set", impossible});
+  expectRefused(refused, "none of the 1 settings is good enough; the nearest is ray_tracing (min_rate ");
+  EXPECT_TRUE(filesEndingIn("", at("none")).empty());
+  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("auto"), "--set", automatic}), "--overwrite");
+  expectRefused(scanmill({"render", pipeline_, "-o", at("passes"), "--set", automatic}), "take `method: depth_camera`");
 }
 
 TEST_F(Generate, VerifyFindsAFlippedByte) {

@@ -62,6 +62,35 @@ TEST_F(Tell, PlanListsUnlabelledGeometryOfEveryScene) {
                          Not(HasSubstr("Shed_Roof"))));
 }
 
+// Every effect and column that there is, and those that could be added.
+TEST_F(Tell, PlanTellsWhatFeaturesCost) {
+  const std::vector<std::string> noisy{"plan",  pipeline_,
+                                       "--set", "effects=[intensity, {range_noise: {sigma_m: 0.01}}]",
+                                       "--set", "output.columns=[intensity, label, time]"};
+  const std::string out = told(noisy);
+  EXPECT_THAT(out, AllOf(ContainsRegex("what a feature costs a frame +trace ms +effects ms +encode ms +all ms"),
+                         HasSubstr("as the pipeline is"), HasSubstr("measured on scene-s1-drive-000002")));
+  for (const char* feature :
+       {"effect intensity", "effect range_noise", "column label", "column time", "format pcd", "format draco",
+        "format csv", "column instance, if added", "column ring, if added", "column column, if added",
+        "column range_true, if added", "ego motion, if added", "normals \\(kept by --keep-hits\\), if added"}) {
+    EXPECT_THAT(out, ContainsRegex(std::string(feature) + " +-?[0-9.]+ +-?[0-9.]+ +-?[0-9.]+ +-?[0-9.]+ ")) << feature;
+  }
+  EXPECT_THAT(out, AllOf(Not(HasSubstr("nan")), Not(HasSubstr("inf "))));
+  std::vector<std::string> quick = noisy;
+  quick.emplace_back("--quick");
+  EXPECT_THAT(told(quick), AllOf(Not(HasSubstr("costs a frame")), HasSubstr("unlabelled geometry: none")));
+}
+
+TEST_F(Tell, PlanLeavesTheChoiceOfTheMethodOpen) {
+  EXPECT_THAT(told({"plan", pipeline_, "--set",
+                    "method={auto: {max_error: {p99: 1cm}, settings: [ray_tracing, depth_camera]}}"}),
+              AllOf(HasSubstr("method: auto, one of 2 settings"), HasSubstr("4 frames x 512 beams"),
+                    HasSubstr("disk: at most"), Not(HasSubstr("costs a frame"))));
+  expectRefused(scanmill({"plan", pipeline_, "--set", "method=auto"}), "say what is good enough");
+  expectRefused(scanmill({"plan", pipeline_, "--set", "method={auto: {max_error: {p90: 1cm}}}"}), "unknown key 'p90'");
+}
+
 TEST_F(Tell, PlanOfARecordingNeedsNoScene) {
   ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--keep-hits", at("hits")}).code, 0);
   std::string text = readFile(pipeline_);

@@ -143,6 +143,41 @@ TEST(Manifest, UnresolvedBeamsAreToldWhereThereAreAny) {
   }
 }
 
+Manifest chosenManifest() {
+  Manifest m = filledManifest();
+  m.chosen = MethodRecord{"depth_camera resolution=1024", "method={depth_camera: {resolution: 1024}}",
+                          "the cheapest of 3: 99.5 %, \"fast\""};
+  return m;
+}
+
+// Of `method: auto`.
+TEST(Manifest, TheChoiceOfTheMethodIsToldWhereOneWasMade) {
+  EXPECT_THAT(toJson(filledManifest()), Not(HasSubstr("method_choice")));
+  EXPECT_FALSE(parseManifest(toJson(filledManifest()), "manifest.json").chosen.has_value());
+  const Manifest m = chosenManifest();
+  const std::string text = toJson(m);
+  const Manifest read = parseManifest(text, "manifest.json");
+  EXPECT_EQ(toJson(read), text);
+  ASSERT_TRUE(read.chosen.has_value());
+  EXPECT_EQ(read.chosen->setting, m.chosen->setting);
+  EXPECT_EQ(read.chosen->assignment, m.chosen->assignment);
+  EXPECT_EQ(read.chosen->why, m.chosen->why);
+  for (const char* key : {"setting", "assignment", "why"}) {
+    Json damaged = Json::parse(text);
+    damaged["method_choice"].erase(key);
+    EXPECT_THAT(refusal(damaged), HasSubstr(std::string("/method_choice: key '") + key + "' is missing"));
+    damaged["method_choice"][key] = 5;
+    EXPECT_THAT(refusal(damaged), HasSubstr(std::string("/method_choice/") + key + ": is number where text"));
+  }
+  Json damaged = Json::parse(text);
+  damaged["method_choice"]["cost"] = 1;
+  EXPECT_THAT(refusal(damaged), HasSubstr("'cost' is unknown"));
+  for (const Json& wrong : {Json(), Json("ray_tracing"), Json::array()}) {
+    damaged["method_choice"] = wrong;
+    EXPECT_THAT(refusal(damaged), HasSubstr("/method_choice")) << wrong;
+  }
+}
+
 TEST(Manifest, RefusesEveryMissingKey) {
   const Json json = Json::parse(toJson(filledManifest()));
   int tried = 0;
@@ -308,7 +343,7 @@ const std::filesystem::path kSchema = std::filesystem::path(SCANMILL_SOURCE_DIR)
 // Every object of the schema: parser, schema and writer name the same keys, or RefusesEveryMissingKey would fail.
 TEST(ManifestSchema, DescribesTheManifest) {
   const Json schema = Json::parse(readFile(kSchema));
-  Manifest manifest = filledManifest();
+  Manifest manifest = chosenManifest();
   manifest.samples[0].scans[0].unresolved = 1;
   compare(schema, schema, Json::parse(toJson(manifest)), "");
 }
@@ -328,6 +363,7 @@ TEST(ManifestSchema, IsSatisfied) {
   };
   EXPECT_TRUE(accepts(filledManifest())) << readFile(folder.path() / "errors");
   EXPECT_TRUE(accepts(testManifest()));
+  EXPECT_TRUE(accepts(chosenManifest())) << readFile(folder.path() / "errors");
   Manifest unresolved = filledManifest();
   unresolved.samples[0].scans[0].unresolved = 1;
   EXPECT_TRUE(accepts(unresolved)) << readFile(folder.path() / "errors");

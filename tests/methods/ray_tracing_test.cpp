@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -414,10 +416,56 @@ TEST(RayTracing, MirroredInstancesKeepTheirNormalsTowardsTheSensor) {
   }
 }
 
+std::string geometryOf(const Method& method) {
+  return method.modelled().front();
+}
+
+TEST(RayTracing, SimplifiedMeshesAreTraced) {
+  SceneBuilder builder = testBuilder();
+  Mesh sphere = meshOf(builder, "thing");
+  appendSphere(sphere, 0, {}, 2.0, 128);
+  const std::uint32_t mesh = builder.addMesh(sphere);
+  builder.place(mesh, at(0, 0, 0), "first");
+  builder.place(mesh, at(0, 0, 0), "second");
+  const Scene scene = builder.finish();
+  const Shot shot = shotAt(beamsOf(randomDirections(20000)));
+  for (const char* instancing : {"never", "always"}) {
+    double last = 1e-6;  // of all triangles: see SphereIsWithinItsFacets
+    for (const double keep : {1.0, 0.3, 0.05}) {
+      const auto method = rayTracing(scene, fmt::format("{{simplify: {}, instancing: {}}}", keep, instancing));
+      const Hits hits = traced(*method, shot);
+      double worst = 0;
+      for (std::size_t b = 0; b < hits.size(); ++b) {
+        ASSERT_TRUE(hits.hit(b)) << "a closed mesh stays closed";
+        worst = std::max(worst, std::abs(2.0 - double{hits.range[b]}));
+        EXPECT_EQ(hits.instance[b], 1u);
+        EXPECT_EQ(hits.semantic[b], 2u);
+        EXPECT_LE(hits.primitive[b], keep * static_cast<double>(sphere.triangles.size()) + 4);
+      }
+      EXPECT_GT(worst, last) << keep;
+      EXPECT_LT(worst, 0.1);
+      last = worst;
+    }
+  }
+}
+
+TEST(RayTracing, ModelledTellsOfSimplifiedMeshes) {
+  const Scene scene = clutter();
+  EXPECT_EQ(geometryOf(*rayTracing(scene)), "geometry: exact triangles, one return per beam, watertight");
+  const auto method = rayTracing(scene, "{simplify: 0.5}");
+  EXPECT_THAT(geometryOf(*method), testing::StartsWith("geometry: simplified meshes, "));
+  EXPECT_THAT(geometryOf(*method), testing::HasSubstr(fmt::format("of {} placed", scene.placedTriangles())));
+  expectSameHits(traced(*rayTracing(scene, "{simplify: 1}"), shotAt(spinning(16, 512, -25, 5))),
+                 traced(*rayTracing(scene), shotAt(spinning(16, 512, -25, 5))));
+}
+
 TEST(RayTracing, UnknownOptionsAreRefused) {
   const Scene scene = clutter();
   EXPECT_THROW(rayTracing(scene, "{paket: 16}"), InputError);
   EXPECT_THROW(rayTracing(scene, "{packet: 7}"), InputError);
+  for (const char* share : {"0", "0.009", "1.01", "-1", "half"}) {
+    EXPECT_THROW(rayTracing(scene, fmt::format("{{simplify: {}}}", share)), InputError) << share;
+  }
   EXPECT_THROW(requireMethod("ray_tracin", {"x.yaml", 3, 1}), InputError);
 }
 

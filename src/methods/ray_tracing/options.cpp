@@ -17,6 +17,7 @@ RayTracingOptions readRayTracingOptions(Fields& fields) {
   options.instancing = instancing == "always"  ? Instancing::Always
                        : instancing == "never" ? Instancing::Never
                                                : Instancing::Auto;
+  options.simplify = fields.number("simplify", {0.01, 1}, 1);
   fields.finish();
   return options;
 }

@@ -5,13 +5,15 @@
 
 namespace scanmill {
 
-// The map `ray_tracing: {...}` of a pipeline. Everything but `packet: 1` gives the same hits.
+// The map `ray_tracing: {...}` of a pipeline. All but `simplify` give the same hits, up to what float32
+// rounds.
 struct RayTracingOptions {
   int packet = 16;      // rays per Embree call: 16, or 1 as the reference for tests
   int tileColumns = 0;  // columns of a packet's tile: 1, 2, 4, 8 or 16; 0 picks by the beams' spacing
   bool robust = true;   // watertight at edges (RTC_SCENE_FLAG_ROBUST)
   HierarchyQuality quality = HierarchyQuality::Medium;
   Instancing instancing = Instancing::Auto;
+  double simplify = 1;  // share of each mesh's triangles that is kept; 1: all
 };
 
 RayTracingOptions readRayTracingOptions(Fields& fields);

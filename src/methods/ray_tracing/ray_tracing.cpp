@@ -14,6 +14,7 @@
 #include "methods/ray_tracing/options.h"
 #include "methods/ray_tracing/packet.h"
 #include "methods/world/worlds.h"
+#include "scene/simplify.h"
 
 namespace scanmill {
 
@@ -30,10 +31,13 @@ HierarchyOptions hierarchy(const RayTracingOptions& options) {
 class RayTracing : public Method {
  public:
   RayTracing(const Scene& scene, const RayTracingOptions& options)
-      : scene_(scene),
+      : original_(scene),
+        simplified_(options.simplify < 1 ? std::make_unique<const Scene>(simplified(scene, options.simplify))
+                                         : nullptr),
+        scene_(simplified_ ? *simplified_ : scene),
         options_(options),
-        worlds_(scene, options.instancing, hierarchy(options)),
-        materials_(compactMaterials(scene)) {}
+        worlds_(scene_, options.instancing, hierarchy(options)),
+        materials_(compactMaterials(scene_)) {}
 
   void prepare(const Shot& shot) const override { worlds_.near(shot.worldFromSensor.front().translation); }
 
@@ -68,7 +72,11 @@ class RayTracing : public Method {
     const bool textured = std::any_of(materials_.begin(), materials_.end(),
                                       [](const CompactMaterial& m) { return m.texture != nullptr; });
     return {
-        fmt::format("geometry: exact triangles, one return per beam{}", options_.robust ? ", watertight" : ""),
+        fmt::format("geometry: {}, one return per beam{}",
+                    simplified_ ? fmt::format("simplified meshes, {} of {} placed triangles", scene_.placedTriangles(),
+                                              original_.placedTriangles())
+                                : std::string("exact triangles"),
+                    options_.robust ? ", watertight" : ""),
         instancedCount > 0 ? fmt::format("instancing: {} placed objects share their meshes", instancedCount)
                            : std::string("instancing: left out, the scene is small enough to be flattened"),
         alpha ? "alpha cut-outs: modelled, some materials have them" : "alpha cut-outs: left out, no material has one",
@@ -84,7 +92,8 @@ class RayTracing : public Method {
     for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
       triangles += worlds_.instanced(m) ? scene_.meshes[m].triangles.size() : 0;
     }
-    return triangles * kBytesPerTriangle + scene_.triangles() * kBytesPerSceneTriangle;
+    const std::uint64_t inScenes = original_.triangles() + (simplified_ ? scene_.triangles() : 0);
+    return triangles * kBytesPerTriangle + inScenes * kBytesPerSceneTriangle;
   }
 
  private:
@@ -109,7 +118,9 @@ class RayTracing : public Method {
     return best;
   }
 
-  const Scene& scene_;
+  const Scene& original_;
+  std::unique_ptr<const Scene> simplified_;  // null: the original is traced
+  const Scene& scene_;                       // that is traced
   RayTracingOptions options_;
   Worlds worlds_;
   std::vector<CompactMaterial> materials_;

@@ -1,0 +1,127 @@
+#include "charts/svg_text.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace scanmill {
+
+namespace {
+
+// Of the characters 32 to 126, in thousandths of the font size (Adobe's metrics of Helvetica, 1997).
+constexpr std::array<int, 95> kWidths{278,  278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278,
+                                      556,  556, 556, 556, 556, 556, 556, 556, 556, 556, 278, 278, 584, 584, 584, 556,
+                                      1015, 667, 667, 722, 722, 667, 611, 778, 722, 278, 500, 667, 556, 833, 722, 778,
+                                      667,  778, 722, 667, 611, 722, 667, 944, 667, 667, 611, 278, 278, 278, 469, 556,
+                                      333,  556, 556, 500, 556, 556, 278, 556, 556, 222, 222, 500, 222, 833, 556, 556,
+                                      556,  556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334, 260, 334, 584};
+constexpr double kOtherFonts = 1.12;  // DejaVu Sans and Verdana are wider than Helvetica
+constexpr double kBold = 1.07;
+constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
+constexpr std::string_view kEllipsis = "\xE2\x80\xA6";
+
+struct Character {
+  std::size_t bytes = 1;
+  std::uint32_t code = 0;  // 0: none that XML can hold
+};
+
+// The character at `at`. Overlong forms, surrogates and what lies beyond Unicode are none.
+Character characterAt(std::string_view text, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(at);
+  if (first < 0x80) {
+    const bool held = first >= 0x20 ? first != 0x7F : first == '\t' || first == '\n' || first == '\r';
+    return {1, held ? first : 0u};
+  }
+  const std::size_t bytes = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || at + bytes > text.size()) return {};
+  std::uint32_t code = first & (0x7Fu >> bytes);
+  for (std::size_t i = 1; i < bytes; ++i) {
+    if ((byte(at + i) & 0xC0) != 0x80) return {};
+    code = code << 6 | (byte(at + i) & 0x3Fu);
+  }
+  const std::uint32_t least = bytes == 4 ? 0x10000 : bytes == 3 ? 0x800 : 0x80;
+  const bool none = code < least || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000) || (code & 0xFFFE) == 0xFFFE;
+  return none ? Character{} : Character{bytes, code};
+}
+
+double widthOf(std::uint32_t code) {
+  if (code >= 32 && code < 127) return kWidths[code - 32];
+  return code >= 0x1100 ? 1000 : 600;
+}
+
+}  // namespace
+
+std::string escapeXml(std::string_view text) {
+  std::string out;
+  out.reserve(text.size() + text.size() / 8);
+  for (std::size_t i = 0; i < text.size();) {
+    const Character c = characterAt(text, i);
+    if (c.code == '&') {
+      out += "&amp;";
+    } else if (c.code == '<') {
+      out += "&lt;";
+    } else if (c.code == '>') {
+      out += "&gt;";
+    } else if (c.code == '"') {
+      out += "&quot;";
+    } else if (c.code == '\'') {
+      out += "&#39;";
+    } else if (c.code == 0) {
+      out += kReplacement;
+    } else {
+      out += text.substr(i, c.bytes);
+    }
+    i += c.bytes;
+  }
+  return out;
+}
+
+double svgTextWidth(std::string_view text, double fontSize, bool bold) {
+  double sum = 0;
+  for (std::size_t i = 0; i < text.size();) {
+    const Character c = characterAt(text, i);
+    sum += widthOf(c.code);
+    i += c.bytes;
+  }
+  return sum / 1000 * fontSize * kOtherFonts * (bold ? kBold : 1);
+}
+
+std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, double width, bool bold) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t end = std::min(text.find_first_of(" \n\t", i), text.size());
+    const std::string_view word = text.substr(i, end - i);
+    i = end + 1;
+    if (word.empty()) continue;
+    if (!lines.empty() && svgTextWidth(fmt::format("{} {}", lines.back(), word), fontSize, bold) <= width) {
+      lines.back() += fmt::format(" {}", word);
+    } else {
+      lines.emplace_back(word);
+    }
+  }
+  return lines;
+}
+
+std::string fitSvgText(std::string_view text, double fontSize, double width) {
+  if (svgTextWidth(text, fontSize) <= width) return std::string(text);
+  const double room = width - svgTextWidth(kEllipsis, fontSize);
+  std::size_t kept = 0;
+  while (kept < text.size()) {
+    const std::size_t next = kept + characterAt(text, kept).bytes;
+    if (svgTextWidth(text.substr(0, next), fontSize) > room) break;
+    kept = next;
+  }
+  return std::string(text.substr(0, kept)) + std::string(kEllipsis);
+}
+
+std::string svgNumber(double value) {
+  std::string text = fmt::format("{:.2f}", value);
+  while (text.back() == '0') text.pop_back();
+  if (text.back() == '.') text.pop_back();
+  return text == "-0" ? "0" : text;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,136 @@
+#include "study/fit_noise.h"
+
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "commands/arguments.h"
+#include "commands/table.h"
+#include "config/fields.h"
+#include "config/file_kind.h"
+#include "sensors/sensor.h"
+#include "study/noise_comparison.h"
+#include "study/noise_report.h"
+#include "study/report_folder.h"
+#include "study/sensor_effects.h"
+#include "viewer/scan_source.h"
+
+namespace scanmill {
+
+namespace {
+
+std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& what) {
+  std::string text = parsed.options.count(option) == 0 ? std::string() : parsed.options[option].as<std::string>();
+  if (text.empty()) throw InputError(fmt::format("--{} is missing: {}", option, what));
+  return text;
+}
+
+// A file, or the name of a preset that comes with the program.
+std::filesystem::path sensorFile(const std::string& name) {
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  value.text = name;
+  value.folder = std::filesystem::current_path().string();
+  return resolveResource(value, name, "pipelines/sensors");
+}
+
+void printGroups(const std::vector<PatchGroup>& groups, const std::string& first) {
+  std::vector<std::vector<std::string>> rows{{first, "patches", "points", "sigma mm", "+-", "with step", "about planes",
+                                              "lost", "of", "drop-out %", "+-", "points/m2", "expected", "ratio", ""}};
+  for (const PatchGroup& g : groups) {
+    const auto millimetres = [](double metres) { return fmt::format("{:.2f}", metres * 1000); };
+    rows.push_back({g.name, grouped(g.patches), grouped(g.points), millimetres(g.sigma), millimetres(g.error),
+                    millimetres(g.withStep), millimetres(g.planeSigma), grouped(g.dropOut.lost), grouped(g.dropOut.of),
+                    fmt::format("{:.2f}", 100 * g.dropOut.share()), fmt::format("{:.2f}", 100 * g.dropOut.error),
+                    fmt::format("{:.0f}", g.density), fmt::format("{:.0f}", g.expectedDensity),
+                    fmt::format("{:.3f}", g.densityRatio), g.leftOut.empty() ? "" : "left out: " + g.leftOut});
+  }
+  fmt::print("{}\n", formatTable(rows));
+}
+
+void printFrame(const RecordedScan& scan) {
+  const Pose& pose = scan.scanFromSensor;
+  const double turn = 2 * std::acos(std::min(1.0, std::abs(pose.rotation.w)));
+  if (turn < 1e-4 && length(pose.translation) < 1e-4) return;
+  fmt::print("{}: its frame is turned by {:.2f} deg and shifted by [{:.4f}, {:.4f}, {:.4f}] m against the sensor's\n",
+             scan.name, degrees(turn), pose.translation.x, pose.translation.y, pose.translation.z);
+}
+
+}  // namespace
+
+int runFitNoise(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("fit-noise");
+  cxxopts::Options options = describe(command);
+  options.add_options()("sensor", "the sensor that made the scans: a sensor file, or the name of one of the program's",
+                        cxxopts::value<std::string>(), "FILE|NAME")(
+      "o,out", "the sensor's file with the fitted effects, for pipelines that say `effects: sensor`",
+      cxxopts::value<std::string>(),
+      "FILE")("report", "a folder for a report with charts", cxxopts::value<std::string>(), "DIR")(
+      "max-incidence", "patches that are seen at a greater angle from their normals are not used (deg)",
+      cxxopts::value<double>()->default_value("60"), "DEG")("overwrite", "replace the file and the report")(
+      "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  const Arguments parsed = parseArguments(
+      command, options, arguments,
+      "  scanmill fit-noise frames/*.pcd --sensor os1_128 -o my_os1.yaml\n"
+      "  scanmill fit-noise frames/*.pcd --sensor my.yaml -o my_fitted.yaml --report out/noise --overwrite\n");
+  if (parsed.help) return 0;
+
+  if (parsed.options.count("input") == 0) throw InputError("SCAN is missing; see --help");
+  const auto files = parsed.options["input"].as<std::vector<std::string>>();
+  const std::filesystem::path preset =
+      sensorFile(requiredText(parsed, "sensor", "the sensor that made the scans, such as os1_128"));
+  const std::filesystem::path out = requiredText(parsed, "out", "the sensor file to write, such as fitted.yaml");
+  const std::string report = folderOption(parsed, "report");
+  const bool overwrite = parsed.options.count("overwrite") > 0;
+  const double most = parsed.options["max-incidence"].as<double>();
+  if (!(most >= 1 && most <= 89)) throw InputError(fmt::format("--max-incidence must be from 1 to 89, not {}", most));
+  std::error_code ignored;
+  if (std::filesystem::is_directory(out, ignored)) throw InputError({out.string()}, "is a folder: name a file");
+  if (std::filesystem::exists(out, ignored) && !overwrite) {
+    throw InputError({out.string()}, "exists: choose another name or pass --overwrite");
+  }
+  const ThreadLimit limit(threadOption(parsed));
+
+  const std::string text = readFile(preset);
+  const Value sensor = parseYaml(text, preset.string());
+  expectKind(sensor, FileKind::Sensor);
+  const auto beams = makeBeams(sensor);
+  withEffects(text, preset.string(), "effects: []\n");  // whether it can be written, before the work
+  std::vector<RecordedScan> scans;
+  for (const std::string& file : files) {
+    scans.push_back(rangesAlong(findScan(file, "", "").scan, *beams, file));
+    scans.back().name = std::filesystem::path(file).filename().string();
+    printFrame(scans.back());
+  }
+  const std::vector<FlatPatch> patches = findFlatPatches(*beams, scans);
+  const NoiseFit fit = fitNoise(*beams, scans, patches, {radians(most)});
+
+  fmt::print("{} of {} beams returned ({}); range step: {}\n\n", grouped(fit.returns), grouped(fit.beams),
+             percent(static_cast<double>(fit.returns), static_cast<double>(fit.beams)),
+             fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * 1000) : "none found");
+  printGroups(fit.bands, fmt::format("range, up to {:g} deg", most));
+  printGroups(fit.incidences, "incidence");
+  if (!fit.intensities.empty()) printGroups(fit.intensities, "intensity");
+
+  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  const std::string date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
+  const std::string effects = effectsYaml(fit, date);
+  fmt::print("{}", effects);
+  const std::string fitted = withEffects(text, preset.string(), effects);
+  if (!report.empty()) {
+    prepareReportFolder(report, "index.html", overwrite);
+    const NoiseComparison comparison = compareNoise(*beams, scans, patches, fit, effects);
+    writeFile(std::filesystem::path(report) / "index.html", noiseReport(fit, comparison, beams->model, effects, date));
+  }
+  writeFile(out, fitted);
+  fmt::print("\nwrote {}: name it as `preset:` of a sensor, and say `effects: sensor` in the pipeline\n", out.string());
+  return 0;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,97 @@
+#include "study/repeatability.h"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "commands/arguments.h"
+#include "commands/stop_signal.h"
+#include "commands/table.h"
+#include "pipeline/plan.h"
+#include "study/repeatability_choice.h"
+#include "study/repeatability_report.h"
+#include "study/report_folder.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kResultFile = "repeatability.json";
+
+std::string fitnessText(const FitnessSpread& spread) {
+  if (spread.count == 0) return "-";
+  return fmt::format("{} +- {}", squareCentimetres(spread.mean, spread.mean),
+                     squareCentimetres(spread.deviation, spread.mean));
+}
+
+void printResult(const Repeatability& result) {
+  fmt::print("fitness in cm2 (1e-4 m2), mean and deviation; noise {}, {} scans of each pose\n\n",
+             result.levels[result.reference], result.scans);
+  std::vector<std::vector<std::string>> rows{{"view", "m", "points", "after ICP", "without ICP"}};
+  const bool several = result.methods.size() > 1;
+  if (several) rows.front().insert(rows.front().begin(), "method");
+  for (const RepeatedView& view : result.views) {
+    for (const RepeatedPlace& place : view.places) {
+      const LevelFitness& cell = result.at(place, result.reference, result.reference);
+      rows.push_back({view.name, fmt::format("{:.4g}", place.distance),
+                      fmt::format("{:.1f}", place.points[result.reference].mean), fitnessText(cell.registered),
+                      fitnessText(cell.unmoved)});
+      if (several) rows.back().insert(rows.back().begin(), result.methods[view.method]);
+    }
+  }
+  fmt::print("{}\n", formatTable(rows));
+}
+
+// The figures last: where they stand, all the rest does.
+void writeResult(const Repeatability& result, const std::filesystem::path& folder) {
+  writeFile(folder / "repeatability.csv", repeatabilityCsv(result));
+  writeFile(folder / "fitness.svg", repeatabilityRegisteredSvg(result, 0));
+  writeFile(folder / "fitness_without_icp.svg", repeatabilityUnmovedSvg(result, 0));
+  writeFile(folder / "points.svg", repeatabilityPointsSvg(result, 0));
+  if (result.levels.size() > 1) {
+    writeFile(folder / "noise_levels.svg", repeatabilityLevelsSvg(result, result.views.front()));
+  }
+  writeFile(folder / "index.html", repeatabilityReport(result));
+  writeFile(folder / kResultFile, repeatabilityJson(result));
+}
+
+}  // namespace
+
+int runRepeatability(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("repeatability");
+  cxxopts::Options options = describe(command);
+  options.add_options()("o,out", "folder of the report (made where absent)", cxxopts::value<std::string>(), "DIR")(
+      "overwrite", "replace a report that is there already")("q,quiet", "one line in place of progress and tables");
+  addPipelineOptions(options);
+  const Arguments parsed = parseArguments(
+      command, options, arguments,
+      "  scanmill repeatability pipelines/paper/repeatability.yaml -o out/repeatability\n"
+      "  scanmill repeatability pipelines/paper/repeatability.yaml -o out/methods "
+      "--set 'repeatability.methods=[ray_tracing, {depth_camera: {resolution: 512}}]'\n"
+      "  scanmill repeatability pipelines/quickstart.yaml -o out/nearest --set trajectories.0.frames=3\n");
+  if (parsed.help) return 0;
+  const std::string file = parsed.positional("PIPELINE");
+  const std::filesystem::path folder = folderOption(parsed, "out");
+  if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
+  const ThreadLimit limit(threadOption(parsed));
+  Pipeline pipeline = readPipeline(file, pipelineOverrides(parsed));
+  const Channels channels = repeatabilityChannels(pipeline);
+  const Plan plan(std::move(pipeline), channels);
+  prepareReportFolder(folder, kResultFile, parsed.options.count("overwrite") > 0);
+  RepeatabilityOptions run;
+  run.quiet = parsed.options.count("quiet") > 0;
+  run.stop = &stopSignal();
+  const Repeatability result = measureRepeatability(plan, run);
+  writeResult(result, folder);
+  if (!run.quiet) printResult(result);
+  std::size_t poses = 0;
+  for (const RepeatedView& view : result.views) poses += view.places.size();
+  fmt::print("{} poses, {} noise levels: open {}\n", grouped(poses), result.levels.size(),
+             (folder / "index.html").string());
+  return 0;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,180 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "commands/arguments.h"
+#include "commands/stop_signal.h"
+#include "commands/table.h"
+#include "pipeline/plan.h"
+#include "pipeline/progress.h"
+#include "study/report_folder.h"
+#include "study/settings.h"
+#include "study/study.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kStudyFile = "tradeoff.json";
+
+// 1.2 mm, 3.4 cm, 5.6 m.
+std::string lengthText(double metres) {
+  if (metres < 5e-7) return "0";
+  if (metres < 1e-3) return fmt::format("{:.0f} um", metres * 1e6);
+  if (metres < 1) return fmt::format("{:.3g} mm", metres * 1e3);
+  return fmt::format("{:.3g} m", metres);
+}
+
+std::string timeText(double seconds) {
+  return seconds < 1 ? fmt::format("{:.3g} ms", seconds * 1e3) : fmt::format("{:.3g} s", seconds);
+}
+
+void printSettings(const Study& study) {
+  std::vector<std::vector<std::string>> rows{{"setting", "set-up", "scan", "beams/s", "memory", "median", "p99", "max",
+                                              "labels", "lost", "spurious", "to", "from"}};
+  for (const SettingResult& s : study.settings) {
+    if (!s.failure.empty()) {
+      rows.push_back({s.setting.name, "failed", "", "", "", "", "", "", "", "", "", "", ""});
+      continue;
+    }
+    const Cost& cost = s.measured.cost;
+    const GroupErrors& e = s.measured.errors.all;
+    const auto beams = static_cast<double>(e.beams);
+    rows.push_back({s.setting.name, timeText(cost.setupSeconds), timeText(cost.scanSeconds),
+                    shortNumber(cost.beamsPerSecond(study.beamsPerShot)),
+                    shortBytes(static_cast<double>(cost.memoryBytes)), lengthText(e.range.median),
+                    lengthText(e.range.p99), lengthText(e.range.max), fmt::format("{:.3f} %", 100 * e.labels()),
+                    fmt::format("{:.3f} %", 100 * static_cast<double>(e.lost) / beams),
+                    fmt::format("{:.3f} %", 100 * static_cast<double>(e.spurious) / beams),
+                    lengthText(s.measured.cloud.to.mean), lengthText(s.measured.cloud.from.mean)});
+  }
+  fmt::print("{}\n", formatTable(rows));
+  for (const SettingResult& s : study.settings) {
+    if (!s.failure.empty()) fmt::print("{} failed: {}\n", s.setting.name, s.failure);
+  }
+}
+
+void printEncodings(const Study& study) {
+  if (study.encodings.empty()) return;
+  std::vector<std::vector<std::string>> rows{{"encoding", "points/s", "decoded/s", "bytes/point", "largest error"}};
+  for (const EncodingResult& e : study.encodings) {
+    if (!e.failure.empty()) {
+      rows.push_back({e.name, "failed", "", "", e.failure});
+      continue;
+    }
+    rows.push_back({e.name, shortNumber(e.encodePointsPerSecond), shortNumber(e.decodePointsPerSecond),
+                    fmt::format("{:.2f}", e.bytesPerPoint), lengthText(e.largestError)});
+  }
+  fmt::print("{}\n", formatTable(rows));
+}
+
+void printRings(const Study& study) {
+  if (study.rings.empty()) return;
+  std::vector<std::vector<std::string>> rows{{"time a scan"}};
+  for (const RingTiming& t : study.rings.front().timings) rows.front().push_back(fmt::format("{} rings", t.rings));
+  rows.front().insert(rows.front().end(), {"fixed", "a ring"});
+  const auto add = [&](const std::string& name, const RingFit& fit) {
+    rows.push_back({name});
+    for (const RingTiming& t : fit.timings) rows.back().push_back(timeText(t.scanSeconds));
+    rows.back().push_back(timeText(fit.fixedSeconds));
+    rows.back().push_back(timeText(fit.secondsPerRing));
+  };
+  for (const RingFit& fit : study.rings) add(fit.setting.name, fit);
+  if (study.showing) add("showing it (a picture)", *study.showing);
+  fmt::print("{}\n", formatTable(rows));
+}
+
+void printStudy(const Study& study) {
+  fmt::print("{}: {} shots of {} beams, {} triangles; {}, {} threads{}{}\n\n", study.sequence, study.shots,
+             grouped(study.beamsPerShot), grouped(study.scenes.front().triangles), study.machine.processor,
+             study.machine.threads, study.machine.renderer.empty() ? "" : "; OpenGL: ", study.machine.renderer);
+  printSettings(study);
+  printRings(study);
+  printEncodings(study);
+  for (const std::string& line : study.left) fmt::print("left out: {}\n", line);
+  for (const Advice& advice : advise(study)) fmt::print("{}: {}\n  {}\n", advice.need, advice.setting, advice.text);
+}
+
+std::string pictureFile(std::size_t index) {
+  return fmt::format("errors-{}.png", index + 1);
+}
+
+// A study that was measured before: its report is made anew.
+Study readStudy(const std::filesystem::path& file) {
+  Study study = parseStudy(readFile(file), file.string());
+  for (std::size_t i = 0; i < study.pictures.size(); ++i) {
+    study.pictures[i].png = readFile(file.parent_path() / pictureFile(i));
+  }
+  return study;
+}
+
+// The figures last: where they stand, all the rest does.
+void writeStudy(const Study& study, const std::filesystem::path& folder) {
+  beginReport(folder, kStudyFile);
+  for (std::size_t i = 0; i < study.pictures.size(); ++i) writeFile(folder / pictureFile(i), study.pictures[i].png);
+  writeFile(folder / "tradeoff.csv", toCsv(study));
+  writeFile(folder / "pareto.svg", paretoSvg(study));
+  writeFile(folder / "index.html", studyReport(study));
+  writeFile(folder / kStudyFile, toJson(study));
+}
+
+}  // namespace
+
+int runTradeoff(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("tradeoff");
+  cxxopts::Options options = describe(command);
+  options.add_options()("o,out", "folder of the report (made where absent)", cxxopts::value<std::string>(), "DIR")(
+      "overwrite", "replace a report that is there already")(
+      "budget", "how long the study may take, about, in minutes (default: the pipeline's, or 5)",
+      cxxopts::value<double>(), "MINUTES")("q,quiet", "one line in place of progress and tables");
+  addPipelineOptions(options);
+  const Arguments parsed = parseArguments(
+      command, options, arguments,
+      "  scanmill tradeoff pipelines/quickstart.yaml -o out/tradeoff\n"
+      "  scanmill tradeoff pipelines/quickstart.yaml -o out/longer --budget 30\n"
+      "  scanmill tradeoff pipelines/quickstart.yaml -o out/few "
+      "--set 'tradeoff={settings: [ray_tracing, {particle: {voxel_m: [0.05, 0.1, 0.2], refine: normal}}]}'\n"
+      "  scanmill tradeoff out/tradeoff/tradeoff.json -o out/again        # only the report, from the figures\n");
+  if (parsed.help) return 0;
+  const std::filesystem::path file = parsed.positional("PIPELINE|tradeoff.json");
+  const std::string folder = folderOption(parsed, "out");
+  if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
+  const bool overwrite = parsed.options.count("overwrite") > 0;
+  const ThreadLimit limit(threadOption(parsed));
+  StudyOptions studyOptions;
+  studyOptions.quiet = parsed.options.count("quiet") > 0;
+  studyOptions.stop = &stopSignal();
+  if (parsed.options.count("budget") > 0) {
+    constexpr double kMostMinutes = 1e5;
+    const double minutes = parsed.options["budget"].as<double>();
+    if (!(minutes > 0 && minutes <= kMostMinutes)) {
+      throw InputError(fmt::format("--budget must be above 0 and at most {} minutes, not {}", kMostMinutes, minutes));
+    }
+    studyOptions.budgetSeconds = 60 * minutes;
+  }
+  Study study;
+  if (file.extension() == ".json") {
+    if (parsed.options.count("set") + parsed.options.count("seed") + parsed.options.count("budget") > 0) {
+      throw InputError({file.string()}, "was measured already: --set, --seed and --budget are for a pipeline");
+    }
+    study = readStudy(file);
+    prepareReportFolder(folder, kStudyFile, overwrite);
+  } else {
+    const Plan plan(readPipeline(file, pipelineOverrides(parsed)));
+    readStudyChoice(plan.pipeline());
+    prepareReportFolder(folder, kStudyFile, overwrite);
+    study = runStudy(plan, studyOptions);
+  }
+  writeStudy(study, folder);
+  if (!studyOptions.quiet) printStudy(study);
+  fmt::print("{} settings in {}: open {}\n", study.settings.size(), shortTime(study.seconds),
+             (std::filesystem::path(folder) / "index.html").string());
+  return 0;
+}
+
+}  // namespace scanmill

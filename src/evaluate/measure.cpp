@@ -1,0 +1,171 @@
+#include "evaluate/measure.h"
+
+#include <malloc.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+
+#include "base/error.h"
+#include "evaluate/hit_errors.h"
+
+namespace scanmill {
+
+namespace {
+
+class Timer {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// By how much the process grows while the method works, and not while its errors are measured. What it gives back to
+// the allocator does not count.
+class ResidentGrowth {
+ public:
+  void begin() { before_ = resident(); }
+  void end() { growth_ += resident() - before_; }
+  std::uint64_t bytes() const { return static_cast<std::uint64_t>(std::max<std::int64_t>(growth_, 0)); }
+
+ private:
+  static std::int64_t resident() {
+    ::malloc_trim(0);
+    std::int64_t total = 0;
+    std::int64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> total >> pages;
+    return pages * ::sysconf(_SC_PAGESIZE);
+  }
+
+  std::int64_t before_ = 0;
+  std::int64_t growth_ = 0;
+};
+
+void checkStop(const MeasureOptions& options) {
+  if (options.stop && options.stop()) throw Error("stopped: the measurement is not finished");
+}
+
+// Beams nearer to an edge than to their neighbour: a method that samples as finely as the sensor may take the other
+// side there. Tables of few beams have no neighbours worth the name.
+double edgeAngle(const BeamTable& beams) {
+  return std::min(beams.field / std::max(beams.columns, 1u), radians(1));
+}
+
+// From the frame of a step of the turn to that of its start; differences of the large world coordinates first.
+Affine startFromStep(const Shot& shot, std::size_t step) {
+  const Pose& start = shot.worldFromSensor[0];
+  const Pose& now = shot.worldFromSensor[step];
+  const Mat3 startFromWorld = transposed(toMatrix(start.rotation));
+  return {startFromWorld * toMatrix(now.rotation), startFromWorld * (now.translation - start.translation)};
+}
+
+// Times the method on one shot; adds each scan's seconds.
+void timeScans(const Method& method, const Shot& shot, const MeasureOptions& options, Hits& hits,
+               std::vector<double>& seconds, std::map<std::string, double>& stages) {
+  const std::map<std::string, double> before = method.stageSeconds();
+  for (int repeat = 0; repeat < options.repeats; ++repeat) {
+    checkStop(options);
+    const Timer timer;
+    method.trace(shot, options.channels | Channel::Range, hits);
+    seconds.push_back(timer.seconds());
+  }
+  for (const auto& [stage, total] : method.stageSeconds()) {
+    const auto earlier = before.find(stage);
+    stages[stage] += total - (earlier != before.end() ? earlier->second : 0);
+  }
+}
+
+}  // namespace
+
+std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, const MeasureOptions& options) {
+  const ExactTracer tracer(scene);
+  const Value none;
+  Fields defaults(none, "ray_tracing");
+  const std::unique_ptr<Method> rays = requireMethod("ray_tracing", {}).make(scene, defaults);
+  std::vector<TrueShot> all;
+  all.reserve(shots.size());
+  for (Shot& shot : shots) {
+    checkStop(options);
+    TrueShot& truth = all.emplace_back();
+    truth.shot = std::move(shot);
+    tracer.trace(truth.shot, kErrorChannels | options.channels, truth.truth);
+    truth.edges = edgeBeams(*rays, truth.shot, edgeAngle(*truth.shot.beams));
+    if (options.intensity) truth.intensity = options.intensity(truth.shot, truth.truth.hits);
+  }
+  return all;
+}
+
+Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const Scene& scene,
+                    std::span<const TrueShot> shots, const MeasureOptions& options) {
+  if (shots.empty()) throw Error("there is no shot to measure on");
+  const Channels timed = options.channels | Channel::Range;
+  const Channels compared = kErrorChannels | timed;
+  Measurement result;
+  BeamErrorSum errors(scene);
+  CloudErrorSum clouds;
+  Hits hits;
+  ResidentGrowth growth;
+  std::vector<double> seconds;
+  std::map<std::string, double> stages;
+
+  checkStop(options);
+  hits.reset(shots.front().shot.beams->rings, shots.front().shot.beams->columns, compared);
+  growth.begin();
+  const Timer setup;
+  const std::unique_ptr<Method> method = make();
+  method->prepare(shots.front().shot);
+  result.cost.setupSeconds = setup.seconds();
+  growth.end();
+
+  for (const TrueShot& truth : shots) {
+    checkStop(options);
+    hits.reset(truth.shot.beams->rings, truth.shot.beams->columns, timed);
+    growth.begin();
+    method->trace(truth.shot, timed, hits);
+    growth.end();
+    timeScans(*method, truth.shot, options, hits, seconds, stages);
+    checkStop(options);
+    // Every scan of a shot is the same: the last one serves where it has all the channels.
+    if (timed != compared) method->trace(truth.shot, compared, hits);
+    const bool lit = options.intensity && !truth.intensity.empty();
+    errors.add(truth, hits, lit ? options.intensity(truth.shot, hits) : std::vector<float>());
+    if (options.clouds) clouds.add(hitPoints(truth.shot, truth.truth.hits), hitPoints(truth.shot, hits));
+  }
+
+  const Spread spread = spreadOf(seconds);
+  result.cost.scanSeconds = spread.median;
+  result.cost.fastest = seconds.empty() ? 0 : *std::min_element(seconds.begin(), seconds.end());
+  result.cost.slowest = spread.max;
+  for (const auto& [stage, total] : stages) {
+    if (!seconds.empty()) result.cost.stages[stage] = total / static_cast<double>(seconds.size());
+  }
+  result.cost.memoryBytes = method->memoryBytes();
+  result.cost.residentBytes = growth.bytes();
+  result.errors = errors.finish();
+  result.cloud = clouds.finish();
+  result.warnings = method->warnings();
+  return result;
+}
+
+std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits) {
+  const BeamTable& beams = *shot.beams;
+  if (hits.size() != beams.size()) throw Error("hits and beams are not of one sensor");
+  std::vector<Affine> toStart;  // per step; empty: points stay in the frame of the step that fired them
+  for (std::size_t step = 0; shot.deskew && step < shot.worldFromSensor.size(); ++step) {
+    toStart.push_back(step == 0 ? Affine{} : startFromStep(shot, step));
+  }
+  std::vector<Vec3f> points;
+  points.reserve(hits.size());
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (!hits.hit(i)) continue;
+    Vec3d p = beams.direction[i] * double{hits.range[i]};
+    if (!beams.origin.empty()) p += Vec3d(beams.origin[i]);
+    if (!toStart.empty()) p = toStart[shot.stepOf(static_cast<std::uint32_t>(i % hits.columns))] * p;
+    points.push_back(Vec3f(p));
+  }
+  return points;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,191 @@
+// PCL's libraries are built for any x86-64, where Eigen aligns to 16 bytes; more, as the instructions of this machine
+// would have it, changes the layout of PCL's classes and how their memory is freed. Vectors would not help either: the
+// search for neighbours takes the time.
+#define EIGEN_MAX_ALIGN_BYTES 16
+#define EIGEN_DONT_VECTORIZE
+
+#include "evaluate/registration.h"
+
+#include <pcl/console/print.h>
+#include <pcl/point_types.h>
+#include <pcl/registration/icp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nanoflann.hpp>
+
+#include "base/parallel.h"
+
+namespace scanmill {
+
+namespace {
+
+using PclCloud = pcl::PointCloud<pcl::PointXYZ>;
+
+constexpr std::size_t kLeastPoints = 3;  // that PCL takes for a rigid motion
+
+// About `middle`, so that the rotations of ICP in float32 do not err with the distance from the origin.
+PclCloud::Ptr finiteCloud(std::span<const Vec3f> points, const Vec3f& middle) {
+  PclCloud::Ptr cloud(new PclCloud);
+  cloud->reserve(points.size());
+  for (const Vec3f& p : points) {
+    if (!isFinite(p)) continue;
+    const Vec3f q = p - middle;
+    cloud->push_back({q.x, q.y, q.z});
+  }
+  return cloud;
+}
+
+Vec3f middleOf(std::span<const Vec3f> points) {
+  Vec3d sum;
+  std::size_t count = 0;
+  for (const Vec3f& p : points) {
+    if (!isFinite(p)) continue;
+    sum += static_cast<Vec3d>(p);
+    ++count;
+  }
+  return count == 0 ? Vec3f{} : static_cast<Vec3f>(sum * (1.0 / static_cast<double>(count)));
+}
+
+// What nanoflann asks of a set of points.
+struct PclPoints {
+  const PclCloud& cloud;
+
+  std::size_t kdtree_get_point_count() const { return cloud.size(); }
+  float kdtree_get_pt(std::size_t i, std::size_t axis) const { return cloud[i].data[axis]; }
+  template <class Bounds>
+  bool kdtree_get_bbox(Bounds&) const {
+    return false;
+  }
+};
+
+// The search for nearest points in place of PCL's own, which asks OpenMP for a team of threads for every point and
+// takes three times as long. Both are exact.
+class NearestPoints : public pcl::search::KdTree<pcl::PointXYZ> {
+ public:
+  explicit NearestPoints(PclCloud::ConstPtr cloud) : cloud_(std::move(cloud)), points_{*cloud_}, tree_(3, points_) {
+    input_ = cloud_;
+  }
+
+  using pcl::search::KdTree<pcl::PointXYZ>::nearestKSearch;
+  int nearestKSearch(const pcl::PointXYZ& point, int count, pcl::Indices& indices,
+                     std::vector<float>& squares) const override {
+    indices.resize(static_cast<std::size_t>(count));
+    squares.resize(static_cast<std::size_t>(count));
+    return static_cast<int>(
+        tree_.knnSearch(point.data, static_cast<std::size_t>(count), indices.data(), squares.data()));
+  }
+
+ private:
+  using Index =
+      nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PclPoints>, PclPoints, 3, pcl::index_t>;
+  PclCloud::ConstPtr cloud_;
+  PclPoints points_;
+  Index tree_;
+};
+
+double square(double value) {
+  return value * value;
+}
+
+// Clouds ready for PCL, both about the target's middle, and the tree that both its fitness and its ICP search.
+class PclPair {
+ public:
+  PclPair(std::span<const Vec3f> source, std::span<const Vec3f> target)
+      : middle_(middleOf(target)), source_(finiteCloud(source, middle_)), target_(finiteCloud(target, middle_)) {
+    if (source_->empty() || target_->empty()) return;
+    icp_.setInputSource(source_);
+    icp_.setInputTarget(target_);
+    icp_.setSearchMethodTarget(NearestPoints::Ptr(new NearestPoints(target_)), true);
+  }
+
+  // Of the source as it was moved last.
+  std::optional<double> fitness(double within) {
+    if (source_->empty() || target_->empty()) return std::nullopt;
+    const double score = icp_.getFitnessScore(square(within));
+    if (!(score < std::numeric_limits<double>::max())) return std::nullopt;
+    return score;
+  }
+
+  bool align(const IcpOptions& options) {
+    if (source_->size() < kLeastPoints || target_->size() < kLeastPoints) return false;
+    silence();
+    icp_.setMaximumIterations(options.iterations);
+    if (options.reach < std::numeric_limits<double>::infinity()) icp_.setMaxCorrespondenceDistance(options.reach);
+    PclCloud moved;
+    icp_.align(moved);
+    return icp_.hasConverged() && icp_.getFinalTransformation().allFinite();
+  }
+
+  Affine targetFromSource() {
+    const Eigen::Matrix4d m = icp_.getFinalTransformation().cast<double>();
+    const auto column = [&](int c) { return Vec3d{m(0, c), m(1, c), m(2, c)}; };
+    const Mat3 linear{column(0), column(1), column(2)};
+    const auto middle = static_cast<Vec3d>(middle_);
+    return {linear, column(3) + middle - linear * middle};
+  }
+
+ private:
+  // What PCL prints of too few matches is said by Registered::moved.
+  static void silence() {
+    static const bool done = [] {
+      pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+      return true;
+    }();
+    static_cast<void>(done);
+  }
+
+  Vec3f middle_;
+  PclCloud::Ptr source_, target_;
+  pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> icp_;
+};
+
+}  // namespace
+
+std::optional<double> fitness(std::span<const Vec3f> source, std::span<const Vec3f> target, double within) {
+  return PclPair(source, target).fitness(within);
+}
+
+Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> target, const IcpOptions& options) {
+  PclPair pair(source, target);
+  const std::optional<double> unmoved = pair.fitness(options.fitnessWithin);
+  if (!pair.align(options)) return {{}, false, unmoved, unmoved};
+  return {pair.targetFromSource(), true, unmoved, pair.fitness(options.fitnessWithin)};
+}
+
+std::vector<RegisteredPair> fitnessTable(std::span<const std::vector<Vec3f>> clouds, const IcpOptions& options) {
+  std::vector<RegisteredPair> table;
+  for (std::size_t source = 0; source < clouds.size(); ++source) {
+    for (std::size_t target = 0; target < clouds.size(); ++target) {
+      if (source != target) table.push_back({source, target, {}});
+    }
+  }
+  parallelFor(table.size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      table[i].result = registerClouds(clouds[table[i].source], clouds[table[i].target], options);
+    }
+  });
+  return table;
+}
+
+FitnessSpread fitnessSpread(std::span<const std::optional<double>> values) {
+  FitnessSpread spread;
+  double sum = 0;
+  for (const std::optional<double>& v : values) {
+    if (!v) continue;
+    spread.low = spread.count == 0 ? *v : std::min(spread.low, *v);
+    spread.high = spread.count == 0 ? *v : std::max(spread.high, *v);
+    sum += *v;
+    ++spread.count;
+  }
+  if (spread.count == 0) return spread;
+  spread.mean = sum / static_cast<double>(spread.count);
+  double squares = 0;
+  for (const std::optional<double>& v : values) {
+    if (v) squares += square(*v - spread.mean);
+  }
+  if (spread.count > 1) spread.deviation = std::sqrt(squares / static_cast<double>(spread.count - 1));
+  return spread;
+}
+
+}  // namespace scanmill

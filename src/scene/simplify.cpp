@@ -1,0 +1,183 @@
+#include "scene/simplify.h"
+
+#include <fmt/core.h>
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+#include <utility>
+
+#include "base/error.h"
+#include "base/parallel.h"
+
+namespace scanmill {
+
+namespace {
+
+// Meshes of so few triangles are proxies already.
+constexpr std::size_t kFewTriangles = 32;
+
+// Of the mesh's extent: how far the shape may change is left to the share alone.
+constexpr float kAnyError = 1e6f;
+
+// What makes vertices one: a surface's vertices are its own, so that where surfaces meet there is a seam, whose two
+// sides move together and stay closed, and every triangle keeps its surface.
+struct Weld {
+  Vec3f position;
+  Vec2f uv;  // zero where no texture needs it
+  std::uint16_t surface;
+  bool operator==(const Weld&) const = default;
+};
+
+struct WeldHash {
+  std::size_t operator()(const Weld& w) const {
+    std::uint64_t h = w.surface;
+    for (const float f : {w.position.x, w.position.y, w.position.z, w.uv.x, w.uv.y}) {
+      h = (h ^ std::bit_cast<std::uint32_t>(f)) * 0x9E3779B97F4A7C15u;
+      h ^= h >> 29;
+    }
+    return h;
+  }
+};
+
+// Triangles of a mesh by vertices of their own; `vertexOf` and `surfaceOf` say which of the mesh's those are.
+struct Welded {
+  std::vector<Vec3f> positions;
+  std::vector<std::uint32_t> vertexOf;
+  std::vector<std::uint16_t> surfaceOf;
+  std::vector<std::uint32_t> corners;  // three per triangle
+};
+
+// Minus zero becomes zero: they are one place, and must be the same bits.
+Vec3f withoutSigns(const Vec3f& p) {
+  return {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};
+}
+
+// The triangles of `chosen` (indices).
+Welded weld(const Scene& scene, const Mesh& mesh, const std::vector<std::uint32_t>& chosen) {
+  std::vector<bool> textured(mesh.surfaces.size());
+  for (std::size_t s = 0; s < textured.size(); ++s) {
+    textured[s] = !mesh.uvs.empty() && scene.materials[mesh.surfaces[s].material].texture != nullptr;
+  }
+  Welded welded;
+  welded.corners.reserve(chosen.size() * 3);
+  std::unordered_map<Weld, std::uint32_t, WeldHash> known;
+  known.reserve(chosen.size());
+  for (const std::uint32_t t : chosen) {
+    const std::uint16_t surface = mesh.surfaceOf[t];
+    for (const std::uint32_t vertex : mesh.triangles[t]) {
+      const Vec3f position = withoutSigns(mesh.positions[vertex]);
+      const auto next = static_cast<std::uint32_t>(welded.positions.size());
+      const auto [entry, isNew] =
+          known.try_emplace({position, textured[surface] ? mesh.uvs[vertex] : Vec2f{}, surface}, next);
+      if (isNew) {
+        welded.positions.push_back(position);
+        welded.vertexOf.push_back(vertex);
+        welded.surfaceOf.push_back(surface);
+      }
+      welded.corners.push_back(entry->second);
+    }
+  }
+  return welded;
+}
+
+// Appends to `to` what is left of the chosen triangles of `from`, by the vertices of `from`.
+void appendFewer(const Scene& scene, const Mesh& from, const std::vector<std::uint32_t>& chosen, double keep,
+                 Mesh& to) {
+  const Welded welded = weld(scene, from, chosen);
+  const auto target = static_cast<std::size_t>(std::ceil(keep * static_cast<double>(chosen.size()))) * 3;
+  std::vector<std::uint32_t> left(welded.corners.size());
+  left.resize(meshopt_simplify(left.data(), welded.corners.data(), welded.corners.size(), &welded.positions.front().x,
+                               welded.positions.size(), sizeof(Vec3f), target, kAnyError, 0, nullptr));
+  for (std::size_t i = 0; i < left.size(); i += 3) {
+    to.triangles.push_back({welded.vertexOf[left[i]], welded.vertexOf[left[i + 1]], welded.vertexOf[left[i + 2]]});
+    to.surfaceOf.push_back(welded.surfaceOf[left[i]]);
+  }
+}
+
+std::vector<std::size_t> trianglesPerSurface(const Mesh& mesh) {
+  std::vector<std::size_t> count(mesh.surfaces.size());
+  for (const std::uint16_t s : mesh.surfaceOf) ++count[s];
+  return count;
+}
+
+// Small surfaces can vanish where a mesh shrinks as a whole: they come back, fewer if some are left on their own.
+void restoreVanished(const Scene& scene, const Mesh& from, double keep, Mesh& to) {
+  const std::vector<std::size_t> before = trianglesPerSurface(from);
+  const std::vector<std::size_t> after = trianglesPerSurface(to);
+  for (std::size_t s = 0; s < before.size(); ++s) {
+    if (before[s] == 0 || after[s] > 0) continue;
+    std::vector<std::uint32_t> lost;
+    for (std::uint32_t t = 0; t < from.triangles.size(); ++t) {
+      if (from.surfaceOf[t] == s) lost.push_back(t);
+    }
+    Mesh alone;
+    alone.positions = from.positions;
+    if (lost.size() > kFewTriangles) {
+      appendFewer(scene, from, lost, keep, alone);
+      clean(alone);
+    }
+    if (alone.triangles.empty()) {
+      for (const std::uint32_t t : lost) {
+        alone.triangles.push_back(from.triangles[t]);
+        alone.surfaceOf.push_back(from.surfaceOf[t]);
+      }
+    }
+    to.triangles.insert(to.triangles.end(), alone.triangles.begin(), alone.triangles.end());
+    to.surfaceOf.insert(to.surfaceOf.end(), alone.surfaceOf.begin(), alone.surfaceOf.end());
+  }
+}
+
+// Drops vertices that no triangle uses; the order of the others is kept.
+void compact(Mesh& mesh) {
+  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> renamed(mesh.positions.size(), kUnused);
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::uint32_t v : t) renamed[v] = 0;
+  }
+  std::uint32_t kept = 0;
+  for (std::size_t v = 0; v < renamed.size(); ++v) {
+    if (renamed[v] == kUnused) continue;
+    mesh.positions[kept] = mesh.positions[v];
+    if (!mesh.uvs.empty()) mesh.uvs[kept] = mesh.uvs[v];
+    renamed[v] = kept++;
+  }
+  mesh.positions.resize(kept);
+  if (!mesh.uvs.empty()) mesh.uvs.resize(kept);
+  for (Triangle& t : mesh.triangles) {
+    for (std::uint32_t& v : t) v = renamed[v];
+  }
+  mesh.positions.shrink_to_fit();
+  mesh.uvs.shrink_to_fit();
+}
+
+void simplify(const Scene& scene, const Mesh& from, double keep, Mesh& to) {
+  if (from.triangles.size() <= kFewTriangles) return;
+  std::vector<std::uint32_t> all(from.triangles.size());
+  for (std::uint32_t t = 0; t < all.size(); ++t) all[t] = t;
+  to.triangles.clear();
+  to.surfaceOf.clear();
+  appendFewer(scene, from, all, keep, to);
+  clean(to);
+  restoreVanished(scene, from, keep, to);
+  to.triangles.shrink_to_fit();
+  to.surfaceOf.shrink_to_fit();
+  compact(to);
+}
+
+}  // namespace
+
+Scene simplified(const Scene& scene, double keep) {
+  if (!(keep > 0 && keep <= 1)) throw Error(fmt::format("a share of {} of the triangles cannot be kept", keep));
+  Scene made = scene;
+  if (keep == 1) return made;
+  parallelFor(scene.meshes.size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t m = first; m < last; ++m) simplify(scene, scene.meshes[m], keep, made.meshes[m]);
+  });
+  return made;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,18 @@
+#pragma once
+
+// What each encoding of a scan takes, and what it loses.
+
+#include <span>
+#include <vector>
+
+#include "scan/scan.h"
+#include "study/settings.h"
+#include "study/study.h"
+
+namespace scanmill {
+
+// Each encodes and decodes all scans, one after the other on one thread; the least of `repeats` times of each counts.
+// Errors are those of the decoded positions, point by point. An encoding that cannot hold such scans says why.
+EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Scan> scans, int repeats);
+
+}  // namespace scanmill

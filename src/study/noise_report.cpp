@@ -1,0 +1,282 @@
+#include "study/noise_report.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "charts/chart.h"
+#include "charts/svg_text.h"
+#include "config/version.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kMillimetres = 1000;
+
+ChartSeries seriesOf(std::string name, std::size_t color, ChartMark mark) {
+  ChartSeries series;
+  series.name = std::move(name);
+  series.color = color;
+  series.mark = mark;
+  return series;
+}
+
+void addWithError(ChartSeries& series, double x, double y, double error, const std::string& detail) {
+  series.points.push_back({x, y});
+  series.spans.push_back({y - error, y + error});
+  series.details.push_back(detail);
+}
+
+double usedRange(const NoiseFit& fit) {
+  double last = 0;
+  for (const PatchGroup& band : fit.bands) {
+    if (band.leftOut.empty()) last = std::max(last, band.range);
+  }
+  return last;
+}
+
+std::string sigmaChart(const NoiseFit& fit) {
+  Chart chart;
+  chart.title = "Range noise";
+  chart.note = fmt::format(
+      "Flat patches up to {:.0f}° from their normals; bars: standard errors of a bootstrap over patches. Without the "
+      "range step of {:.3g} mm. About planes, offsets between rings, bends and the vehicle's motion add to it.",
+      degrees(fit.mostIncidence), fit.step * kMillimetres);
+  chart.x.title = "range (m)";
+  chart.x.low = 0;
+  chart.y.title = "standard deviation (mm)";
+  chart.y.low = 0;
+  ChartSeries measured = seriesOf("measured", 0, ChartMark::Dots);
+  measured.emphasised = true;
+  ChartSeries planes = seriesOf("about planes", 2, ChartMark::Dots);
+  ChartSeries line = seriesOf(fit.linear ? "fitted: base + growth × range" : "fitted: table", 1, ChartMark::Line);
+  for (const PatchGroup& band : fit.bands) {
+    if (!band.leftOut.empty()) continue;
+    addWithError(measured, band.range, band.sigma * kMillimetres, band.error * kMillimetres,
+                 fmt::format("{}: {} patches", band.name, band.patches));
+    planes.points.push_back({band.range, band.planeSigma * kMillimetres});
+  }
+  constexpr int kSteps = 60;
+  const double last = usedRange(fit) * 1.05;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double range = last * i / kSteps;
+    line.points.push_back({range, fit.sigmaAt(range) * kMillimetres});
+  }
+  chart.series = {line, planes, measured};
+  return drawSvg(chart);
+}
+
+std::string incidenceChart(const NoiseFit& fit) {
+  Chart chart;
+  chart.title = "Range noise against incidence";
+  chart.note =
+      "All ranges that the fit uses. The wider the beam's footprint lies along the beam, the more a rough "
+      "surface spreads the ranges; steep and grazing views are of different places, too.";
+  chart.x.title = "angle between beam and normal";
+  chart.y.title = "standard deviation (mm)";
+  chart.y.low = 0;
+  ChartSeries bars = seriesOf("measured", 0, ChartMark::Bars);
+  for (const PatchGroup& group : fit.incidences) {
+    chart.x.names.push_back(group.name);
+    addWithError(bars, static_cast<double>(bars.points.size()), group.sigma * kMillimetres, group.error * kMillimetres,
+                 fmt::format("{} patches", group.patches));
+  }
+  chart.series = {bars};
+  return drawSvg(chart);
+}
+
+std::string intensityChart(const NoiseFit& fit) {
+  Chart chart;
+  chart.title = "Range noise against intensity";
+  chart.note = "Fifths of the patches that the fit uses, by the median intensity of each.";
+  chart.x.title = "intensity, as recorded";
+  chart.y.title = "standard deviation (mm)";
+  chart.y.low = 0;
+  ChartSeries bars = seriesOf("measured", 0, ChartMark::Bars);
+  for (const PatchGroup& group : fit.intensities) {
+    chart.x.names.push_back(group.name);
+    addWithError(bars, static_cast<double>(bars.points.size()), group.sigma * kMillimetres, group.error * kMillimetres,
+                 fmt::format("{} patches", group.patches));
+  }
+  chart.series = {bars};
+  return drawSvg(chart);
+}
+
+std::string dropOutChart(const NoiseFit& fit) {
+  Chart chart;
+  chart.title = "Drop-out";
+  chart.note =
+      "Beams without a return, of those whose neighbours returned from the patch's plane; bars: standard errors.";
+  chart.x.title = "range (m)";
+  chart.x.low = 0;
+  chart.y.title = "share without a return (%)";
+  chart.y.low = 0;
+  ChartSeries measured = seriesOf("measured", 0, ChartMark::Dots);
+  measured.emphasised = true;
+  ChartSeries model = seriesOf("fitted: one share", 1, ChartMark::Line);
+  for (const PatchGroup& band : fit.bands) {
+    if (!band.leftOut.empty()) continue;
+    addWithError(measured, band.range, 100 * band.dropOut.share(), 100 * band.dropOut.error,
+                 fmt::format("{}: {} of {}", band.name, band.dropOut.lost, band.dropOut.of));
+  }
+  model.points = {{0, 100 * fit.dropOut.share()}, {usedRange(fit) * 1.05, 100 * fit.dropOut.share()}};
+  chart.series = {model, measured};
+  return drawSvg(chart);
+}
+
+std::string densityChart(const NoiseFit& fit) {
+  Chart chart;
+  chart.title = "Point density";
+  chart.note = "Medians of the patches in each band, whose angles of incidence differ from band to band.";
+  chart.x.title = "range (m)";
+  chart.x.scale = AxisScale::Log;
+  chart.y.title = "returns per m² of surface";
+  chart.y.scale = AxisScale::Log;
+  ChartSeries expected = seriesOf("by the beam table", 1, ChartMark::LineAndDots);
+  ChartSeries measured = seriesOf("measured", 0, ChartMark::Dots);
+  measured.emphasised = true;
+  for (const PatchGroup& band : fit.bands) {
+    if (!band.leftOut.empty()) continue;
+    expected.points.push_back({band.range, band.expectedDensity});
+    measured.points.push_back({band.range, band.density});
+    measured.details.push_back(fmt::format("{}: measured / expected {:.3f}", band.name, band.densityRatio));
+  }
+  chart.series = {expected, measured};
+  return drawSvg(chart);
+}
+
+std::vector<Vec2d> histogram(const std::vector<double>& values, double reach, int bins) {
+  std::vector<double> counts(static_cast<std::size_t>(bins), 0.0);
+  for (const double v : values) {
+    const double at = (v + reach) / (2 * reach) * bins;
+    if (at >= 0 && at < bins) ++counts[static_cast<std::size_t>(at)];
+  }
+  std::vector<Vec2d> points;
+  for (int b = 0; b < bins; ++b) {
+    const double share = counts[static_cast<std::size_t>(b)] / std::max<double>(1, static_cast<double>(values.size()));
+    points.push_back({(-reach + (b + 0.5) * 2 * reach / bins) * kMillimetres, 100 * share});
+  }
+  return points;
+}
+
+std::string residualChart(const ResidualComparison& comparison) {
+  constexpr int kBins = 41;
+  Chart chart;
+  chart.title = fmt::format("Range residuals on patches {} from their normals", comparison.name);
+  chart.note = fmt::format(
+      "{} patches. Standard deviation that most patches share, the step included: recorded {:.1f} mm, simulated {:.1f} "
+      "mm; about planes {:.1f} and {:.1f} mm.",
+      comparison.patches, comparison.recorded.deviation * kMillimetres, comparison.simulated.deviation * kMillimetres,
+      comparison.recorded.planeDeviation * kMillimetres, comparison.simulated.planeDeviation * kMillimetres);
+  chart.x.title = "range beyond the surface (mm)";
+  chart.y.title = "share of the returns (%)";
+  chart.y.low = 0;
+  const double reach = 4 * std::max(comparison.recorded.deviation, comparison.simulated.deviation);
+  ChartSeries recorded = seriesOf("recorded", 0, ChartMark::Line);
+  recorded.points = histogram(comparison.recorded.residuals, reach, kBins);
+  ChartSeries simulated = seriesOf("simulated", 1, ChartMark::Line);
+  simulated.points = histogram(comparison.simulated.residuals, reach, kBins);
+  chart.series = {recorded, simulated};
+  return drawSvg(chart);
+}
+
+std::string fitnessChart(const NoiseComparison& comparison) {
+  Chart chart;
+  chart.title = "Registration fitness between successive scans";
+  chart.note =
+      "Clouds of the flat patches, after ICP: root of the mean squared distance to the nearest point. Most of "
+      "it is the beams' spacing, as the noise-free ones show.";
+  chart.x.title = "pair of scans";
+  chart.y.title = "root of the fitness (mm)";
+  chart.y.low = 0;
+  ChartSeries recorded = seriesOf("recorded", 0, ChartMark::Bars);
+  ChartSeries simulated = seriesOf("simulated", 1, ChartMark::Bars);
+  ChartSeries exact = seriesOf("simulated without effects", 2, ChartMark::Bars);
+  for (const FitnessComparison& pair : comparison.fitness) {
+    const double x = static_cast<double>(chart.x.names.size());
+    chart.x.names.push_back(pair.pair);
+    const auto add = [&](ChartSeries& series, const std::optional<double>& fitness) {
+      if (fitness) series.points.push_back({x, std::sqrt(*fitness) * kMillimetres});
+    };
+    add(recorded, pair.recorded);
+    add(simulated, pair.simulated);
+    add(exact, pair.exact);
+  }
+  chart.series = {recorded, simulated, exact};
+  return drawSvg(chart);
+}
+
+std::string tableOf(const std::vector<PatchGroup>& groups, const std::string& first) {
+  std::string rows = fmt::format(
+      "<table><tr><th>{}</th><th>mean range (m)</th><th>patches</th><th>points</th><th>sigma (mm)</th>"
+      "<th>with step (mm)</th><th>about planes (mm)</th><th>spread</th><th>lost</th><th>of</th><th>drop-out (%)</th>"
+      "<th>points/m²</th><th>expected</th><th>ratio</th><th></th></tr>\n",
+      first);
+  for (const PatchGroup& g : groups) {
+    rows += fmt::format(
+        "<tr{}><td>{}</td><td>{:.1f}</td><td>{}</td><td>{}</td><td>{:.2f} ± {:.2f}</td><td>{:.2f}</td><td>{:.2f}</td>"
+        "<td>{:.2f}</td><td>{}</td><td>{}</td><td>{:.2f} ± {:.2f}</td><td>{:.0f}</td><td>{:.0f}</td><td>{:.3f}</td>"
+        "<td>{}</td></tr>\n",
+        g.leftOut.empty() ? "" : " class=\"out\"", escapeXml(g.name), g.range, g.patches, g.points,
+        g.sigma * kMillimetres, g.error * kMillimetres, g.withStep * kMillimetres, g.planeSigma * kMillimetres,
+        g.unevenness, g.dropOut.lost, g.dropOut.of, 100 * g.dropOut.share(), 100 * g.dropOut.error, g.density,
+        g.expectedDensity, g.densityRatio, g.leftOut.empty() ? "" : escapeXml("left out: " + g.leftOut));
+  }
+  return rows + "</table>\n";
+}
+
+std::string fitnessTableText(const NoiseComparison& comparison) {
+  std::string rows =
+      "<table><tr><th>pair</th><th>moved by ICP (m)</th><th>recorded (m²)</th><th>simulated (m²)</th>"
+      "<th>without effects (m²)</th></tr>\n";
+  const auto cell = [](const std::optional<double>& value) { return value ? fmt::format("{:.6f}", *value) : "none"; };
+  for (const FitnessComparison& p : comparison.fitness) {
+    rows += fmt::format("<tr><td>{}</td><td>{:.3f}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", escapeXml(p.pair),
+                        p.moved, cell(p.recorded), cell(p.simulated), cell(p.exact));
+  }
+  return rows + "</table>\n";
+}
+
+constexpr const char* kHead =
+    "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Noise of a recorded sensor</title>\n"
+    "<style>body{font-family:system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#222;"
+    "line-height:1.45}table{border-collapse:collapse;font-size:.85rem;margin:1rem 0;display:block;overflow-x:auto}"
+    "th,td{padding:.2rem .6rem;text-align:right;border-bottom:1px solid #ddd}th:first-child,td:first-child,"
+    "td:last-child{text-align:left}.out td{color:#999}svg{max-width:100%;height:auto;margin:1rem 0}"
+    "pre{background:#f5f5f5;padding:1rem;overflow-x:auto}</style></head><body>\n";
+
+}  // namespace
+
+std::string noiseReport(const NoiseFit& fit, const NoiseComparison& comparison, const std::string& sensor,
+                        const std::string& effects, const std::string& date) {
+  std::string page = kHead;
+  page += fmt::format(
+      "<h1>Noise of {}</h1>\n<p>Measured on {}, {}, by Scanmill {}. {} of {} beams returned ({:.1f} %). "
+      "Range step: {}.</p>\n",
+      escapeXml(sensor), escapeXml(fmt::format("{}", fmt::join(fit.files, ", "))), date, kVersion, fit.returns,
+      fit.beams, 100.0 * static_cast<double>(fit.returns) / static_cast<double>(std::max<std::uint64_t>(1, fit.beams)),
+      fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * kMillimetres) : "none found");
+  page += fmt::format(
+      "<p>A flat patch is {} rings by {} columns of neighbouring beams, coloured like a chessboard: one colour is "
+      "tested "
+      "for lying on a plane, the other is measured, so that the choice of the patches does not change what is "
+      "measured.</p>\n<pre>{}</pre>\n",
+      kPatchRings, kPatchColumns, escapeXml(effects));
+  page += "<h2>By range</h2>\n" + sigmaChart(fit) + tableOf(fit.bands, "range");
+  page += dropOutChart(fit) + densityChart(fit);
+  page += "<h2>By incidence</h2>\n" + incidenceChart(fit) + tableOf(fit.incidences, "incidence");
+  if (!fit.intensities.empty()) {
+    page += "<h2>By intensity</h2>\n" + intensityChart(fit) + tableOf(fit.intensities, "intensity");
+  }
+  page +=
+      "<h2>Recorded and simulated</h2>\n<p>The planes of the same patches, seen by the same beams, with the effects "
+      "above.</p>\n";
+  for (const ResidualComparison& c : comparison.residuals) page += residualChart(c);
+  if (!comparison.fitness.empty()) page += fitnessChart(comparison) + fitnessTableText(comparison);
+  return page + "</body></html>\n";
+}
+
+}  // namespace scanmill

@@ -1,0 +1,66 @@
+#pragma once
+
+// Pieces of a report's page. No other file is needed to show it.
+
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace scanmill {
+
+std::string base64(std::string_view bytes);
+
+struct HtmlCell {
+  std::string text;                                         // plain
+  double order = std::numeric_limits<double>::quiet_NaN();  // what the column is sorted by; NaN: the text
+  std::string hint{};                                       // shown when pointed at
+};
+
+// A table that is sorted by a click on a heading.
+class HtmlTable {
+ public:
+  // Headings over so many columns each, together all of them; or never called.
+  void group(std::string title, std::size_t columns);
+  void column(std::string title, std::string hint = "");
+  void row(std::vector<HtmlCell> cells, bool strong = false);
+  // A row whose cells after the first are one text: why there are no figures.
+  void failure(std::string name, std::string why);
+
+  bool empty() const { return rows_.empty(); }
+  std::string html() const;
+
+ private:
+  struct Column {
+    std::string title, hint;
+  };
+  struct Group {
+    std::string title;
+    std::size_t columns;
+  };
+  struct Row {
+    std::vector<HtmlCell> cells;
+    bool strong = false;
+    bool failed = false;
+  };
+  std::vector<Group> groups_;
+  std::vector<Column> columns_;
+  std::vector<Row> rows_;
+};
+
+// The page; sections without a body are left out. Titles and leads are plain text, bodies HTML.
+struct HtmlSection {
+  std::string id;
+  std::string title;
+  std::string lead;
+  std::string body;
+};
+std::string htmlPage(const std::string& title, const std::string& head, const std::vector<HtmlSection>& sections);
+
+// <p> and <pre> of plain text.
+std::string htmlParagraph(const std::string& text, const char* kind = "");
+std::string htmlCode(const std::string& text);
+// Figures side by side where there is room; empty ones are left out.
+std::string htmlFigures(const std::vector<std::string>& svgs);
+
+}  // namespace scanmill

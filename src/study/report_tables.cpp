@@ -1,0 +1,280 @@
+#include "study/report_tables.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pipeline/progress.h"
+#include "study/report_figures.h"
+#include "study/report_html.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kMostColumns = 6;
+
+HtmlCell metresCell(double metres) {
+  return {metresText(metres), metres};
+}
+HtmlCell secondsCell(double seconds) {
+  return {secondsText(seconds), seconds};
+}
+HtmlCell shareCell(double share) {
+  return {shareText(share), share};
+}
+HtmlCell amountCell(double amount) {
+  return {amountText(amount), amount};
+}
+HtmlCell countCell(std::uint64_t count) {
+  return amountCell(static_cast<double>(count));
+}
+
+// Of the beams, with their number.
+HtmlCell beamsCell(std::uint64_t part, std::uint64_t whole) {
+  const double share = whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+  return {shareText(share), share, fmt::format("{} of {} beams", part, whole)};
+}
+
+bool isIn(const std::vector<std::size_t>& list, std::size_t i) {
+  return std::find(list.begin(), list.end(), i) != list.end();
+}
+
+void settingRow(HtmlTable& table, const Study& study, std::size_t i, bool front) {
+  const SettingResult& s = study.settings[i];
+  const Cost& cost = s.measured.cost;
+  const GroupErrors& e = s.measured.errors.all;
+  const CloudErrors& cloud = s.measured.cloud;
+  const std::optional<std::size_t> base = tracingDefault(study);
+  HtmlCell ratio{"", std::nan("")};
+  if (base && cost.scanSeconds > 0 && study.settings[*base].measured.cost.scanSeconds > 0) {
+    const double times = cost.scanSeconds / study.settings[*base].measured.cost.scanSeconds;
+    ratio = {factorText(times), times};
+  }
+  std::string hint = setArgument(s.setting);
+  for (const std::string& warning : s.measured.warnings) hint += "\n" + warning;
+  const bool ranges = e.range.count > 0;
+  const auto range = [&](double metres) { return ranges ? metresCell(metres) : HtmlCell{}; };
+  const bool clouds = cloud.to.count > 0 || cloud.from.count > 0;
+  const auto distance = [&](const Spread& spread, double metres) {
+    return clouds && spread.count > 0 ? metresCell(metres) : HtmlCell{};
+  };
+  table.row(
+      {{s.setting.name, std::nan(""), hint},
+       secondsCell(cost.setupSeconds),
+       {secondsText(cost.scanSeconds), cost.scanSeconds,
+        fmt::format("{} to {}", secondsText(cost.fastest), secondsText(cost.slowest))},
+       {cost.slowest > 0 ? fmt::format("{} \xE2\x80\x93 {}", secondsText(cost.fastest), secondsText(cost.slowest)) : "",
+        cost.slowest},
+       amountCell(beamsPerSecond(study, s)),
+       ratio,
+       {shortBytes(static_cast<double>(cost.memoryBytes)), static_cast<double>(cost.memoryBytes),
+        fmt::format("the process grew by {}", shortBytes(static_cast<double>(cost.residentBytes)))},
+       range(e.range.mean),
+       range(e.range.rms),
+       range(e.range.median),
+       range(e.range.p95),
+       range(e.range.p99),
+       range(e.range.p999),
+       range(e.range.max),
+       beamsCell(e.lost, e.beams),
+       beamsCell(e.spurious, e.beams),
+       beamsCell(e.unresolved, e.beams),
+       shareCell(e.labels()),
+       shareCell(e.classAgreed()),
+       shareCell(e.instanceAgreed()),
+       e.intensity.count > 0 ? HtmlCell{fmt::format("{:.3g}", e.intensity.mean), e.intensity.mean} : HtmlCell{},
+       distance(cloud.to, cloud.to.mean),
+       distance(cloud.from, cloud.from.mean),
+       clouds ? metresCell(cloud.hausdorff) : HtmlCell{}},
+      front);
+}
+
+const GroupErrors* errorsNamed(const std::vector<ErrorGroup>& groups, const std::string& name) {
+  for (const ErrorGroup& g : groups) {
+    if (g.name == name) return &g.errors;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::string settingsTable(const Study& study) {
+  HtmlTable table;
+  table.group("", 1);
+  table.group("time and memory", 6);
+  table.group("range error of beams that both hit", 7);
+  table.group("beams", 3);
+  table.group("agreement of those", 3);
+  table.group("", 1);
+  table.group("nearest neighbours", 3);
+  table.column("setting");
+  table.column("set-up", "making the method and preparing it for the first scan");
+  table.column("a scan", "median over all repeats of all shots");
+  table.column("fastest \xE2\x80\x93 slowest");
+  table.column("beams/s");
+  table.column("x time", "times ray tracing with its defaults takes");
+  table.column("memory", "by the method's own account");
+  for (const char* name : {"mean", "RMS", "median", "p95", "p99", "p99.9", "max"}) table.column(name);
+  table.column("lost", "only the truth hits");
+  table.column("spurious", "only the setting hits");
+  table.column("unresolved", "the setting gave up");
+  table.column("labels", "class and instance");
+  table.column("class");
+  table.column("instance");
+  table.column("intensity", "mean error, in the intensity's own unit");
+  table.column("to", "mean distance from each true point to the nearest of the setting's");
+  table.column("from", "mean distance from each of the setting's points to the nearest true one");
+  table.column("Hausdorff", "the largest distance of either direction");
+  const std::vector<std::size_t> byRange = rangeFront(study), byWrong = wrongFront(study);
+  for (std::size_t i = 0; i < study.settings.size(); ++i) {
+    const SettingResult& s = study.settings[i];
+    if (s.failure.empty()) {
+      settingRow(table, study, i, isIn(byRange, i) || isIn(byWrong, i));
+    } else {
+      table.failure(s.setting.name, "not measured: " + s.failure);
+    }
+  }
+  return table.empty() ? "" : table.html();
+}
+
+std::string classesTable(const Study& study) {
+  const std::vector<std::size_t> shown = shownSettings(study, kMostColumns);
+  HtmlTable table;
+  table.group("", 2);
+  table.column("class");
+  table.column("beams", "that hit it in truth, or by the first of the settings where the truth hits nothing");
+  std::vector<std::pair<std::string, std::uint64_t>> classes;
+  for (const std::size_t i : shown) {
+    const SettingResult& s = study.settings[i];
+    table.group(s.setting.name, 2);
+    table.column("labels");
+    table.column("lost");
+    for (const ErrorGroup& g : s.measured.errors.byClass) {
+      const bool known = std::any_of(classes.begin(), classes.end(), [&](const auto& c) { return c.first == g.name; });
+      if (!known && g.errors.beams > 0) classes.emplace_back(g.name, g.errors.beams);
+    }
+  }
+  std::stable_sort(classes.begin(), classes.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  for (const auto& [name, beams] : classes) {
+    std::vector<HtmlCell> cells{{name}, countCell(beams)};
+    for (const std::size_t i : shown) {
+      const GroupErrors* e = errorsNamed(study.settings[i].measured.errors.byClass, name);
+      const bool any = e != nullptr && e->beams > 0;
+      cells.push_back(any && e->bothHit > 0 ? shareCell(e->labels()) : HtmlCell{});
+      cells.push_back(any && e->bothHit + e->lost > 0 ? shareCell(lostShare(*e)) : HtmlCell{});
+    }
+    table.row(std::move(cells));
+  }
+  return table.empty() ? "" : table.html();
+}
+
+std::string placesTable(const Study& study) {
+  HtmlTable table;
+  std::vector<std::string> places;
+  table.group("", 1);
+  table.column("setting");
+  for (const std::size_t i : measuredSettings(study)) {
+    for (const ErrorGroup& g : study.settings[i].measured.errors.byPlace) {
+      if (g.errors.beams == 0 || std::find(places.begin(), places.end(), g.name) != places.end()) continue;
+      places.push_back(g.name);
+      table.group(g.name, 5);
+      for (const char* name : {"beams", "median", "p99", "labels", "lost or invented"}) table.column(name);
+    }
+  }
+  if (places.empty()) return "";
+  for (const std::size_t i : measuredSettings(study)) {
+    std::vector<HtmlCell> cells{{study.settings[i].setting.name}};
+    for (const std::string& place : places) {
+      const GroupErrors* e = errorsNamed(study.settings[i].measured.errors.byPlace, place);
+      if (e == nullptr || e->beams == 0) {
+        cells.insert(cells.end(), 5, HtmlCell{});
+        continue;
+      }
+      cells.insert(cells.end(), {countCell(e->beams), metresCell(e->range.median), metresCell(e->range.p99),
+                                 shareCell(e->labels()), shareCell(e->missRate())});
+    }
+    table.row(std::move(cells));
+  }
+  return table.html();
+}
+
+std::string commonStagesTable(const Study& study) {
+  HtmlTable table;
+  table.column("stage");
+  table.column("a scan", "on one thread");
+  table.column("beams/s", "on one thread");
+  for (const auto& [stage, seconds] : study.commonStages) {
+    const double rate = seconds > 0 ? static_cast<double>(study.beamsPerShot) / seconds : 0;
+    table.row({{stage}, secondsCell(seconds), rate > 0 ? amountCell(rate) : HtmlCell{}});
+  }
+  return table.empty() ? "" : table.html();
+}
+
+std::string encodingsTable(const Study& study) {
+  HtmlTable table;
+  table.column("encoding");
+  table.column("points/s", "encoded, on one thread");
+  table.column("points/s decoded", "on one thread");
+  table.column("bytes a point");
+  table.column("largest error", "of a position, measured by decoding");
+  table.column("promised", "the largest error that the format promises");
+  for (const EncodingResult& e : study.encodings) {
+    if (!e.failure.empty()) {
+      table.failure(e.name, "not measured: " + e.failure);
+      continue;
+    }
+    table.row({{e.name},
+               amountCell(e.encodePointsPerSecond),
+               amountCell(e.decodePointsPerSecond),
+               {fmt::format("{:.2f}", e.bytesPerPoint), e.bytesPerPoint},
+               metresCell(e.largestError),
+               metresCell(e.statedError)});
+  }
+  return table.empty() ? "" : table.html();
+}
+
+std::string ringsTable(const Study& study) {
+  std::vector<std::uint32_t> rings;
+  std::vector<std::pair<std::string, const RingFit*>> fits;
+  for (const RingFit& f : study.rings) fits.emplace_back(f.setting.name, &f);
+  if (study.showing) fits.emplace_back("drawing a picture of the scan", &*study.showing);
+  for (const auto& [name, fit] : fits) {
+    for (const RingTiming& t : fit->timings) rings.push_back(t.rings);
+  }
+  std::sort(rings.begin(), rings.end());
+  rings.erase(std::unique(rings.begin(), rings.end()), rings.end());
+  HtmlTable table;
+  table.column("setting");
+  for (const std::uint32_t count : rings) table.column(fmt::format("{} rings", count));
+  table.column("fixed", "of the fit");
+  table.column("a ring", "of the fit");
+  table.column("off by", "the largest relative residual of the fit");
+  for (const auto& [name, fit] : fits) {
+    std::vector<HtmlCell> cells{{name}};
+    for (const std::uint32_t count : rings) {
+      const auto timing = std::find_if(fit->timings.begin(), fit->timings.end(),
+                                       [count = count](const RingTiming& t) { return t.rings == count; });
+      cells.push_back(timing == fit->timings.end() ? HtmlCell{} : secondsCell(timing->scanSeconds));
+    }
+    cells.push_back(secondsCell(fit->fixedSeconds));
+    cells.push_back(secondsCell(fit->secondsPerRing));
+    cells.push_back({fmt::format("{:.1f} %", fit->largestResidual * 100), fit->largestResidual});
+    table.row(std::move(cells));
+  }
+  return table.empty() ? "" : table.html();
+}
+
+std::string assignmentsTable(const Study& study) {
+  HtmlTable table;
+  table.column("setting");
+  table.column("on a command line");
+  for (const std::size_t i : measuredSettings(study)) {
+    table.row({{study.settings[i].setting.name}, {setArgument(study.settings[i].setting)}});
+  }
+  return table.empty() ? "" : table.html();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+namespace scanmill {
+
+// The text of a sensor file with `effects` (lines that begin with "effects:") in place of its own, or at its end where
+// it has none. All else stays, comments too. `file` names the text in errors. Throws InputError where it is no sensor
+// file, or one in flow style ({...}), whose keys have no lines of their own.
+std::string withEffects(const std::string& text, const std::string& file, const std::string& effects);
+
+}  // namespace scanmill

@@ -1,0 +1,259 @@
+#include "charts/chart.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "tests/charts/svg_check.h"
+
+namespace scanmill {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kPixels = 0.02;  // coordinates have two decimals
+
+Chart dotted(std::vector<Vec2d> points) {
+  Chart chart{.title = "t"};
+  chart.series.push_back({.name = "s", .points = std::move(points)});
+  return chart;
+}
+
+// A number in [0, 1) that depends on `i` alone.
+double spread(std::uint64_t i) {
+  return static_cast<double>((i * 0x9E3779B97F4A7C15ull + 12345) >> 11) * 0x1.0p-53;
+}
+
+TEST(Chart, DrawsEveryPointOnceWhereItsValueLies) {
+  const std::vector<Vec2d> points{{0, 0}, {10, 5}, {2.5, -3}, {7, 4.25}, {7, 4.25}};
+  const std::string svg = drawSvg(dotted(points));
+  const std::vector<Vec2d> dots = dotsOf(svg);
+  ASSERT_EQ(dots.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(dots[i].x, dots[0].x + (dots[1].x - dots[0].x) * points[i].x / 10, kPixels);
+    EXPECT_NEAR(dots[i].y, dots[0].y + (dots[1].y - dots[0].y) * points[i].y / 5, kPixels);
+  }
+  EXPECT_NEAR(dots[1].x, tickPlace(svg, "10", "middle"), kPixels);
+  EXPECT_NEAR(dots[0].y, tickPlace(svg, "0", "end"), kPixels);
+  EXPECT_LT(dots[1].y, dots[0].y) << "up is more";
+}
+
+TEST(Chart, LogarithmicAxesGoByFactors) {
+  Chart chart = dotted({{1e3, 1e-4}, {1e6, 10}, {3e4, 0.02}, {2e5, 3.3}});
+  chart.x.scale = chart.y.scale = AxisScale::Log;
+  chart.y.unit = "m";
+  const std::string svg = drawSvg(chart);
+  const std::vector<Vec2d> dots = dotsOf(svg);
+  ASSERT_EQ(dots.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec2d& p = chart.series[0].points[i];
+    EXPECT_NEAR(dots[i].x, dots[0].x + (dots[1].x - dots[0].x) * std::log10(p.x / 1e3) / 3, kPixels);
+    EXPECT_NEAR(dots[i].y, dots[0].y + (dots[1].y - dots[0].y) * std::log10(p.y / 1e-4) / 5, kPixels);
+  }
+  EXPECT_NEAR(dots[1].x, tickPlace(svg, "1 M", "middle"), kPixels);
+  EXPECT_NEAR(dots[1].y, tickPlace(svg, "10 m", "end"), kPixels);
+  EXPECT_NEAR(dots[0].y, tickPlace(svg, "100 \xC2\xB5m", "end"), kPixels);
+}
+
+TEST(Chart, ZerosAndBelowHaveALineOfTheirOwnBesideALogarithmicAxis) {
+  Chart chart = dotted({{1, 0}, {2, 1e-3}, {3, -5}, {4, 1}});
+  chart.y.scale = AxisScale::Log;
+  chart.y.zero = "exact";
+  const std::string svg = drawSvg(chart);
+  const std::vector<Vec2d> dots = dotsOf(svg);
+  ASSERT_EQ(dots.size(), 4u);
+  EXPECT_DOUBLE_EQ(dots[0].y, dots[2].y);
+  EXPECT_NEAR(dots[0].y, tickPlace(svg, "exact", "end"), kPixels);
+  EXPECT_GT(dots[0].y, dots[1].y + 15) << "below all that is positive";
+  const std::vector<SvgElement> band = elementsOf(svg, "band");
+  ASSERT_EQ(band.size(), 1u);
+  EXPECT_GT(dots[0].y, numberOf(band[0], "y"));
+  EXPECT_LT(dots[1].y, numberOf(band[0], "y"));
+
+  chart.series[0].points = {{1, 0.1}, {2, 1}};
+  EXPECT_THAT(textsOf(drawSvg(chart), "tick"), testing::Not(testing::Contains("exact")));
+  chart.series[0].points = {{1, 0}, {2, 0}};
+  EXPECT_EQ(dotsOf(drawSvg(chart)).size(), 2u);
+}
+
+TEST(Chart, WhatIsNotFiniteIsLeftOutAndBreaksLines) {
+  Chart chart = dotted({{1, 1}, {kNaN, 2}, {2, kInfinity}, {3, -kInfinity}, {4, kNaN}, {5, 2}, {6, 3}});
+  EXPECT_EQ(dotsOf(drawSvg(chart)).size(), 3u);
+  chart.series[0].mark = ChartMark::Line;
+  const std::vector<SvgElement> lines = elementsOf(drawSvg(chart), "line");
+  ASSERT_EQ(lines.size(), 1u);
+  const std::string& d = lines[0].attributes.at("d");
+  EXPECT_EQ(std::count(d.begin(), d.end(), 'M'), 2) << d;
+  EXPECT_EQ(std::count(d.begin(), d.end(), 'L'), 1) << d;
+  EXPECT_EQ(std::count(d.begin(), d.end(), 'h'), 1) << "a point alone is a dot: " << d;
+}
+
+TEST(Chart, WithoutDataSaysSo) {
+  EXPECT_THAT(textsOf(drawSvg({.title = "none"}), "nodata"), testing::ElementsAre("no data"));
+  EXPECT_THAT(textsOf(drawSvg(dotted({{kNaN, 1}})), "nodata"), testing::ElementsAre("no data"));
+  EXPECT_TRUE(textsOf(drawSvg(dotted({{1, 1}})), "nodata").empty());
+}
+
+TEST(Chart, TextIsEscapedAndComesBack) {
+  const std::string hostile = "</text><script>alert('1')</script> & \"x\"";
+  Chart chart = dotted({{1, 1}});
+  chart.title = chart.note = chart.x.title = chart.y.title = hostile;
+  chart.width = 2000;
+  chart.series[0].name = hostile;
+  chart.series[0].labels = {hostile};
+  chart.series[0].details = {hostile + std::string("\x01\xFF", 2)};
+  const std::string svg = drawSvg(chart);
+  EXPECT_EQ(svg.find("<script"), std::string::npos);
+  for (const char* kind : {"title", "label"}) EXPECT_THAT(textsOf(svg, kind), testing::ElementsAre(hostile)) << kind;
+  int details = 0;
+  for (const SvgElement& e : parseSvg(svg)) {
+    if (e.tag != "title") continue;
+    ++details;
+    EXPECT_EQ(e.text, hostile + "\xEF\xBF\xBD\xEF\xBF\xBD");
+  }
+  EXPECT_EQ(details, 1);
+}
+
+TEST(Chart, LabelsCoverNeitherEachOtherNorMarks) {
+  std::size_t drawn = 0;
+  for (std::uint64_t round = 0; round < 12; ++round) {
+    Chart chart;
+    chart.width = 700;
+    for (std::size_t s = 0; s < 3; ++s) {
+      ChartSeries series{.name = "series", .color = s, .emphasised = s == 1};
+      for (std::uint64_t i = 0; i < 12; ++i) {
+        const std::uint64_t at = round * 1000 + s * 100 + i * 2;
+        // Some in a crowd.
+        const double scale = i % 3 == 0 ? 0.05 : 1;
+        series.points.push_back({spread(at) * scale, spread(at + 1) * scale});
+        series.labels.push_back("setting=" + std::to_string(at));
+      }
+      chart.series.push_back(series);
+    }
+    const std::string svg = drawSvg(chart);
+    const std::vector<ChartBox> boxes = labelBoxes(svg);
+    drawn += boxes.size();
+    for (std::size_t a = 0; a < boxes.size(); ++a) {
+      for (std::size_t b = a + 1; b < boxes.size(); ++b) {
+        ChartBox inner = boxes[a];
+        inner.left += kPixels, inner.right -= kPixels, inner.top += kPixels, inner.bottom -= kPixels;
+        EXPECT_FALSE(inner.overlaps(boxes[b])) << "round " << round;
+      }
+      for (const Vec2d& dot : dotsOf(svg)) {
+        EXPECT_FALSE(boxes[a].overlaps({dot.x - 3, dot.y - 3, dot.x + 3, dot.y + 3})) << "round " << round;
+      }
+      EXPECT_GE(boxes[a].left, 0);
+      EXPECT_LE(boxes[a].right, 700);
+    }
+  }
+  EXPECT_GT(drawn, 12u * 20) << "most find room";
+}
+
+TEST(Chart, LabelsWithoutRoomAreDropped) {
+  Chart chart = dotted(std::vector<Vec2d>(200, Vec2d{1, 1}));
+  chart.series[0].labels.assign(200, "all at one place");
+  const std::string svg = drawSvg(chart);
+  EXPECT_EQ(dotsOf(svg).size(), 200u);
+  EXPECT_LT(labelBoxes(svg).size(), 40u);
+  EXPECT_GE(labelBoxes(svg).size(), 1u);
+}
+
+TEST(Chart, BarsAreAsLongAsTheirValues) {
+  Chart chart;
+  chart.x.names = {"a", "b", "c"};
+  chart.series.push_back({.name = "one", .mark = ChartMark::Bars, .points = {{0, 2}, {1, 8}, {2, 4}}});
+  chart.series.push_back({.name = "two", .color = 1, .mark = ChartMark::Bars, .points = {{0, 1}, {2, kNaN}}});
+  const std::vector<SvgElement> bars = elementsOf(drawSvg(chart), "bar");
+  ASSERT_EQ(bars.size(), 4u);
+  const double unit = numberOf(bars[3], "height");
+  const std::vector<double> lengths{2, 8, 4};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(numberOf(bars[i], "height"), lengths[i] * unit, 8 * kPixels);
+  EXPECT_GE(numberOf(bars[3], "x"), numberOf(bars[0], "x") + numberOf(bars[0], "width")) << "side by side";
+  EXPECT_LT(numberOf(bars[3], "x"), numberOf(bars[1], "x"));
+}
+
+TEST(Chart, StackedBarsLieEndToEnd) {
+  Chart chart{.stacked = true};
+  chart.y.names = {"first", "second"};
+  chart.series.push_back({.name = "one", .mark = ChartMark::Bars, .points = {{3, 0}, {1, 1}}});
+  chart.series.push_back(
+      {.name = "two", .color = 1, .mark = ChartMark::Bars, .points = {{2, 0}, {6, 1}}, .labels = {"five", "seven"}});
+  const std::string svg = drawSvg(chart);
+  const std::vector<SvgElement> bars = elementsOf(svg, "bar");
+  ASSERT_EQ(bars.size(), 4u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(numberOf(bars[2 + i], "x"), numberOf(bars[i], "x") + numberOf(bars[i], "width"), kPixels);
+    EXPECT_NEAR(numberOf(bars[2 + i], "y"), numberOf(bars[i], "y"), kPixels);
+  }
+  EXPECT_GT(numberOf(bars[1], "y"), numberOf(bars[0], "y")) << "names run downwards";
+  EXPECT_NEAR(numberOf(bars[3], "width"), 6 * numberOf(bars[1], "width"), 6 * kPixels);
+  EXPECT_THAT(textsOf(svg, "label"), testing::ElementsAre("five", "seven"));
+}
+
+TEST(Chart, ErrorBarsReachFromLowToHigh) {
+  Chart chart = dotted({{1, 5}, {2, 5}});
+  chart.series[0].spans = {{0, 10}, {kNaN, 10}};
+  const std::string svg = drawSvg(chart);
+  const std::vector<SvgElement> spans = elementsOf(svg, "span");
+  ASSERT_EQ(spans.size(), 1u);
+  const std::string& d = spans[0].attributes.at("d");  // Mx,lowVhigh...
+  EXPECT_NEAR(std::stod(d.substr(d.find(',') + 1)), tickPlace(svg, "0", "end"), kPixels);
+  EXPECT_NEAR(std::stod(d.substr(d.find('V') + 1)), tickPlace(svg, "10", "end"), kPixels);
+}
+
+TEST(Chart, SeriesOfOneNameAndColourShareALegendEntry) {
+  Chart chart = dotted({{1, 1}, {2, 2}});
+  chart.series.push_back({.name = "s", .mark = ChartMark::Line, .points = {{1, 1}, {2, 2}}});
+  chart.series.push_back({.name = "", .color = 2, .points = {{1, 1}}});
+  chart.series.push_back({.name = "other", .color = 1, .points = {{1, 1}}});
+  chart.series.push_back({.name = "without points", .color = 3});
+  std::vector<std::string> entries;
+  for (const SvgElement& e : parseSvg(drawSvg(chart))) {
+    if (e.tag == "text" && e.attributes.at("class") == "entry") entries.push_back(e.text);
+  }
+  EXPECT_THAT(entries, testing::ElementsAre("s", "other"));
+}
+
+TEST(Chart, SameInputSameBytes) {
+  Chart chart = dotted({{1, 1e-3}, {2, 0}, {3, 7}});
+  chart.y.scale = AxisScale::Log;
+  chart.series[0].labels = {"a", "b", "c"};
+  EXPECT_EQ(drawSvg(chart), drawSvg(chart));
+}
+
+TEST(Chart, ExtremeValuesStayWithinThePicture) {
+  for (const AxisScale scale : {AxisScale::Linear, AxisScale::Log}) {
+    for (const std::vector<Vec2d>& points :
+         {std::vector<Vec2d>{{0, 0}}, std::vector<Vec2d>{{1e-300, 1e300}, {1e300, 1e-300}},
+          std::vector<Vec2d>{{5, 5}, {5, 5}}, std::vector<Vec2d>{{-1e9, 1e-9}}, std::vector<Vec2d>{{1e15, 1e15 + 1}}}) {
+      Chart chart = dotted(points);
+      chart.x.scale = chart.y.scale = scale;
+      const std::string svg = drawSvg(chart);
+      ASSERT_EQ(dotsOf(svg).size(), points.size());
+      for (const Vec2d& dot : dotsOf(svg)) {
+        EXPECT_TRUE(dot.x >= 0 && dot.x <= chart.width && dot.y >= 0 && dot.y <= chart.height) << dot.x << " " << dot.y;
+      }
+    }
+  }
+}
+
+TEST(Chart, GivenEndsAreKeptUnlessDataLieBeyond) {
+  Chart chart = dotted({{0.2, 0.3}, {0.9, 0.6}});
+  chart.y.low = 0;
+  chart.y.high = 1;
+  chart.y.unit = "%";
+  const std::vector<std::string> ticks = textsOf(drawSvg(chart), "tick");
+  EXPECT_THAT(ticks, testing::Contains("100 %"));
+  EXPECT_THAT(ticks, testing::Contains("0 %"));
+  chart.series[0].points.push_back({0.5, 3});
+  const std::string wider = drawSvg(chart);
+  for (const Vec2d& dot : dotsOf(wider)) EXPECT_GT(dot.y, 0);
+  EXPECT_EQ(dotsOf(wider).size(), 3u);
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,90 @@
+#include <fstream>
+
+#include "base/file.h"
+#include "config/value.h"
+#include "formats/format.h"
+#include "tests/commands/program.h"
+#include "tests/support/noisy_walls.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+// Scans of walls with a known noise, and the sensor that made them.
+class FitNoiseCommand : public SmallWorld {
+ protected:
+  FitNoiseCommand() {
+    folder_.write("wall.yaml", kWallSensor);
+    const auto beams = wallBeams();
+    Value none;
+    Fields options(none, "format");
+    const auto format = formatBySuffix("pcd")->make(options);
+    const std::vector<Scan> scans =
+        wallScans(beams, {11, 11.2, 16},
+                  "[range_noise: {sigma_m: 0.012}, dropout: {probability: 0.02}, quantize: {step_m: 0.008}]");
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      files_.push_back(folder_.write("wall" + std::to_string(i) + ".pcd", format->encode(scans[i])).string());
+    }
+  }
+  Outcome fit(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"fit-noise"};
+    arguments.insert(arguments.end(), files_.begin(), files_.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return scanmill(arguments);
+  }
+  std::vector<std::string> files_;
+};
+
+TEST_F(FitNoiseCommand, WritesASensorThatPipelinesTake) {
+  const Outcome fitted = scanmill({"fit-noise", files_[0], files_[1], "--sensor", at("wall.yaml"), "-o",
+                                   at("fitted.yaml"), "--report", at("report")});
+  ASSERT_EQ(fitted.code, 0) << fitted.error;
+  EXPECT_THAT(fitted.out, AllOf(HasSubstr("range step: 8 mm"), HasSubstr("10-12.5 m"), HasSubstr("range_noise"),
+                                HasSubstr("wrote")));
+  const std::string text = readFile(at("fitted.yaml"));
+  EXPECT_THAT(text, testing::StartsWith(kWallSensor));
+  EXPECT_THAT(text,
+              AllOf(HasSubstr("# The stagger."), HasSubstr("wall0.pcd"), Not(HasSubstr(folder_.path().string()))));
+  EXPECT_THAT(readFile(at("report") + "/index.html"), AllOf(HasSubstr("<svg"), HasSubstr("wall watcher")));
+
+  folder_.write("own.yaml",
+                "scenes: [{scene: primitives}]\n"
+                "trajectories: [{poses: [{position: [0, 0, 1.5]}]}]\n"
+                "sensors: [{preset: fitted.yaml}]\n"
+                "method: ray_tracing\n"
+                "effects: sensor\n"
+                "output: {formats: [pcd]}\n");
+  const Outcome made = scanmill({"generate", at("own.yaml"), "-o", at("out")});
+  EXPECT_EQ(made.code, 0) << made.error;
+  EXPECT_THAT(scanmill({"plan", at("own.yaml")}).out, HasSubstr("effect range_noise of 'lidar0'"));
+}
+
+TEST_F(FitNoiseCommand, KeepsWhatIsThere) {
+  folder_.write("there.yaml", "mine");
+  expectRefused(fit({"--sensor", at("wall.yaml"), "-o", at("there.yaml")}), "--overwrite");
+  EXPECT_EQ(readFile(at("there.yaml")), "mine");
+  EXPECT_EQ(fit({"--sensor", at("wall.yaml"), "-o", at("there.yaml"), "--overwrite"}).code, 0);
+  EXPECT_THAT(readFile(at("there.yaml")), HasSubstr("effects:"));
+}
+
+TEST_F(FitNoiseCommand, RefusesWhatItCannotUse) {
+  expectRefused(scanmill({"fit-noise", "--sensor", "os1_128", "-o", at("a.yaml")}), "SCAN is missing");
+  expectRefused(fit({"-o", at("a.yaml")}), "--sensor is missing");
+  expectRefused(fit({"--sensor", at("wall.yaml")}), "--out is missing");
+  expectRefused(fit({"--sensor", at("wall.yaml"), "-o", at("a.yaml"), "--max-incidence", "95"}), "--max-incidence");
+  expectRefused(fit({"--sensor", "os1_129", "-o", at("a.yaml")}), "os1_128");
+  const Outcome wrong = fit({"--sensor", "os1_128", "-o", at("a.yaml")});
+  expectRefused(wrong, "128 rings x 1024 columns");
+  EXPECT_THAT(wrong.error, HasSubstr("wall0.pcd"));
+  expectRefused(scanmill({"fit-noise", at("absent.pcd"), "--sensor", at("wall.yaml"), "-o", at("a.yaml")}),
+                "absent.pcd");
+  expectRefused(scanmill({"fit-noise", at("wall.yaml"), "--sensor", at("wall.yaml"), "-o", at("a.yaml")}), "wall.yaml");
+  expectRefused(scanmill({"fit-noise", files_[0], "--sensor", pipeline_, "-o", at("a.yaml")}), "pipeline");
+  EXPECT_FALSE(std::filesystem::exists(at("a.yaml")));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,76 @@
+// `scanmill repeatability`: a report of repeated scans.
+
+#include <algorithm>
+
+#include "base/file.h"
+#include "tests/commands/program.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class RepeatabilityCommand : public SmallWorld {
+ protected:
+  // Few scans, little noise: enough to write every file.
+  std::vector<std::string> arguments(const std::string& folder) const {
+    return {"repeatability",
+            pipeline_,
+            "-o",
+            at(folder),
+            "--set",
+            "repeatability={scans: 2, noise: [{name: none, effects: []}, {name: 1 cm, effects: [{shell: {scale_m: "
+            "0.01}}]}]}"};
+  }
+};
+
+TEST_F(RepeatabilityCommand, WritesAReportWithAllItsFiles) {
+  const Outcome o = scanmill(arguments("out"));
+  EXPECT_EQ(o.code, 0) << o.error;
+  EXPECT_THAT(o.out, AllOf(HasSubstr("after ICP"), HasSubstr("scene drive"), HasSubstr("index.html")));
+  for (const char* name : {"repeatability.json", "repeatability.csv", "fitness.svg", "fitness_without_icp.svg",
+                           "points.svg", "noise_levels.svg", "index.html"}) {
+    EXPECT_TRUE(std::filesystem::exists(at("out") + "/" + name)) << name;
+  }
+  EXPECT_THAT(readFile(at("out/index.html")), HasSubstr("</html>"));
+}
+
+TEST_F(RepeatabilityCommand, QuietIsOneLineAndTheBytesAreTheSame) {
+  std::vector<std::string> quiet = arguments("a");
+  quiet.insert(quiet.end(), {"-q", "--threads", "1"});
+  const Outcome o = scanmill(quiet);
+  EXPECT_EQ(o.code, 0) << o.error;
+  EXPECT_EQ(std::count(o.out.begin(), o.out.end(), '\n'), 1);
+  EXPECT_EQ(o.error, "");
+  ASSERT_EQ(scanmill(arguments("b")).code, 0);
+  EXPECT_EQ(readFile(at("a/repeatability.json")), readFile(at("b/repeatability.json")));
+  EXPECT_EQ(readFile(at("a/index.html")), readFile(at("b/index.html")));
+}
+
+TEST_F(RepeatabilityCommand, ReplacesAReportOnlyWhenAskedTo) {
+  ASSERT_EQ(scanmill(arguments("out")).code, 0);
+  expectRefused(scanmill(arguments("out")), "--overwrite");
+  std::vector<std::string> again = arguments("out");
+  again.insert(again.end(), {"--overwrite", "--seed", "9"});
+  EXPECT_EQ(scanmill(again).code, 0);
+  EXPECT_THAT(readFile(at("out/repeatability.json")), HasSubstr("\"seed\": 9"));
+  folder_.write("theirs/notes.txt", "mine");
+  again[3] = at("theirs");
+  expectRefused(scanmill(again), "theirs");
+  EXPECT_EQ(readFile(at("theirs/notes.txt")), "mine");
+}
+
+TEST_F(RepeatabilityCommand, MistakesAreNamed) {
+  expectRefused(scanmill({"repeatability"}), "PIPELINE is missing");
+  expectRefused(scanmill({"repeatability", pipeline_}), "-o DIR is missing");
+  expectRefused(scanmill({"repeatability", pipeline_, "-o", at("x"), "--set", "repeatability.scan=3"}),
+                "did you mean 'scans'?");
+  expectRefused(scanmill({"repeatability", pipeline_, "-o", at("x"), "--set", "repeatability.object=nothing"}),
+                "no thing 'nothing'");
+  EXPECT_THAT(scanmill({"repeatability", "--help"}).out, HasSubstr("Examples:\n  scanmill repeatability"));
+}
+
+}  // namespace
+}  // namespace scanmill

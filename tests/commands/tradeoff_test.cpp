@@ -1,0 +1,149 @@
+// The trade-off study as a user runs it.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <thread>
+
+#include "base/file.h"
+#include "study/study.h"
+#include "tests/commands/program.h"
+
+namespace scanmill {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
+class Tradeoff : public SmallWorld {
+ protected:
+  Tradeoff() {
+    study_ =
+        folder_
+            .write("study.yaml", readFile(pipeline_) +
+                                     "tradeoff: {settings: [ray_tracing, {particle: {refine: none, voxel_m: 0.5, "
+                                     "cache: none}}, {particle: {field: scene, voxel_m: 0.001, cache: none}}], "
+                                     "encodings: [pcd, {draco: {max_error_mm: [1, 20]}}], rings: [2, 4, 8], shots: "
+                                     "2, repeats: 1}\n")
+            .string();
+  }
+
+  Study studyIn(const std::string& folder) const { return parseStudy(readFile(at(folder + "/tradeoff.json")), folder); }
+
+  static std::map<std::string, std::string> filesIn(const fs::path& folder) {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      files[entry.path().filename().string()] = readFile(entry.path());
+    }
+    return files;
+  }
+
+  std::string study_;  // the small pipeline with a study's key
+};
+
+TEST_F(Tradeoff, WritesTablesChartsAndAReport) {
+  const Outcome made = scanmill({"tradeoff", study_, "-o", at("out")});
+  ASSERT_EQ(made.code, 0) << made.error;
+  EXPECT_THAT(made.out, AllOf(HasSubstr("scene-s1-drive: 2 shots of 512 beams"), HasSubstr("beams/s"),
+                              HasSubstr("particle refine=none voxel_m=0.5 cache=none"), HasSubstr("failed: "),
+                              HasSubstr("2 rings"), HasSubstr("bytes/point"), HasSubstr("draco max_error_mm=20"),
+                              HasSubstr("3 settings in "), HasSubstr("open " + at("out/index.html"))));
+  EXPECT_THAT(made.out, AllOf(Not(HasSubstr("nan")), Not(HasSubstr("inf "))));
+  EXPECT_THAT(made.error, HasSubstr("tradeoff 3/3 settings"));
+  const auto files = filesIn(at("out"));
+  for (const char* name : {"index.html", "tradeoff.json", "tradeoff.csv", "pareto.svg", "errors-1.png"}) {
+    ASSERT_THAT(files, Contains(testing::Key(name)));
+    EXPECT_GT(files.at(name).size(), 500u) << name;
+  }
+  EXPECT_EQ(files.size(), 5u);
+  EXPECT_THAT(files.at("index.html"), AllOf(HasSubstr("</html>"), HasSubstr("<svg"), HasSubstr("voxel_m=0.5")));
+  EXPECT_THAT(files.at("pareto.svg"), AllOf(HasSubstr("<svg"), HasSubstr("</svg>")));
+  const Study study = studyIn("out");
+  EXPECT_EQ(study.settings.size(), 3u);
+  EXPECT_EQ(toCsv(study), files.at("tradeoff.csv"));
+  EXPECT_EQ(toJson(study), files.at("tradeoff.json"));
+}
+
+TEST_F(Tradeoff, AReportIsReplacedOnlyWhenAsked) {
+  const std::vector<std::string> once{"tradeoff", study_, "-q", "-o", at("out")};
+  const Outcome made = scanmill(once);
+  ASSERT_EQ(made.code, 0) << made.error;
+  EXPECT_EQ(made.error, "");
+  EXPECT_EQ(std::count(made.out.begin(), made.out.end(), '\n'), 1) << made.out;
+  folder_.write("out/notes.txt", "mine");
+  const auto before = filesIn(at("out"));
+  expectRefused(scanmill(once), "--overwrite");
+  EXPECT_EQ(filesIn(at("out")), before);
+  std::vector<std::string> again = once;
+  again.emplace_back("--overwrite");
+  EXPECT_EQ(scanmill(again).code, 0);
+  EXPECT_EQ(filesIn(at("out")).size(), before.size());
+  EXPECT_EQ(readFile(at("out/notes.txt")), "mine");
+
+  folder_.write("foreign/notes.txt", "mine");
+  expectRefused(scanmill({"tradeoff", study_, "-q", "-o", at("foreign"), "--overwrite"}), "no tradeoff.json");
+  EXPECT_EQ(filesIn(at("foreign")).size(), 1u);
+}
+
+TEST_F(Tradeoff, TheFiguresAloneGiveTheSameReport) {
+  ASSERT_EQ(scanmill({"tradeoff", study_, "-q", "-o", at("out")}).code, 0);
+  const Outcome again = scanmill({"tradeoff", at("out/tradeoff.json"), "-q", "-o", at("again")});
+  ASSERT_EQ(again.code, 0) << again.error;
+  EXPECT_EQ(filesIn(at("again")), filesIn(at("out")));
+  expectRefused(scanmill({"tradeoff", at("out/tradeoff.json"), "-o", at("more"), "--set", "seed=2"}),
+                "was measured already");
+  expectRefused(scanmill({"tradeoff", at("out/tradeoff.json"), "-o", at("more"), "--budget", "2"}),
+                "was measured already");
+  fs::remove(at("out/errors-1.png"));
+  expectRefused(scanmill({"tradeoff", at("out/tradeoff.json"), "-o", at("more")}), "errors-1.png");
+  folder_.write("other.json", "{}");
+  expectRefused(scanmill({"tradeoff", at("other.json"), "-o", at("more")}), "no trade-off study");
+  EXPECT_FALSE(fs::exists(at("more")));
+}
+
+TEST_F(Tradeoff, RefusesBadInputBeforeAnyWork) {
+  expectRefused(scanmill({"tradeoff", study_}), "-o DIR is missing");
+  expectRefused(scanmill({"tradeoff", at("absent.yaml"), "-o", at("out")}), "absent.yaml");
+  expectRefused(scanmill({"tradeoff", study_, "-o", at("out"), "--budget", "0"}), "--budget must be above 0");
+  expectRefused(scanmill({"tradeoff", study_, "-o", at("out"), "--budget", "soon"}), "soon");
+  expectRefused(scanmill({"tradeoff", study_, "-o", at("out"), "--set", "tradeoff.settings=[rays]"}),
+                "unknown method 'rays'");
+  expectRefused(scanmill({"tradeoff", study_, "-o", at("out"), "--set", "tradeoff.shot=3"}), "did you mean 'shots'");
+  expectRefused(scanmill({"tradeoff", study_, "-o", study_}), "is a file");
+  EXPECT_FALSE(fs::exists(at("out")));
+}
+
+TEST_F(Tradeoff, WhatTheBudgetDoesNotHoldIsSaid) {
+  const Outcome made = scanmill({"tradeoff", study_, "-o", at("out"), "--budget", "1e-6"});
+  ASSERT_EQ(made.code, 0) << made.error;
+  EXPECT_THAT(made.out, AllOf(HasSubstr("left out: particle refine=none"), HasSubstr("the budget of ")));
+  EXPECT_EQ(studyIn("out").settings.size(), 1u);
+}
+
+// An earlier report stays whole where its successor was interrupted.
+TEST_F(Tradeoff, AnInterruptLeavesNoReportBehind) {
+  ASSERT_EQ(scanmill({"tradeoff", study_, "-q", "-o", at("out")}).code, 0);
+  const auto before = filesIn(at("out"));
+  for (const std::string folder : {"out", "fresh"}) {
+    RunningProgram process({SCANMILL_PROGRAM, "tradeoff", study_, "-o", at(folder), "--overwrite", "--set",
+                            "tradeoff.repeats=100", "--set", "tradeoff.shots=1000", "--set", "sensors.0.columns=1024",
+                            "--set", "trajectories.0.frames=1000", "--set", "trajectories.0.every_s=0.001"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    ASSERT_TRUE(process.running());
+    process.send(SIGINT);
+    const Outcome o = process.wait();
+    EXPECT_EQ(o.code, 1) << o.signal << o.error;
+    EXPECT_FALSE(o.late);
+  }
+  EXPECT_EQ(filesIn(at("out")), before);
+  EXPECT_TRUE(filesIn(at("fresh")).empty());
+}
+
+}  // namespace
+}  // namespace scanmill

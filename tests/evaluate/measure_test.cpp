@@ -1,0 +1,234 @@
+#include "evaluate/measure.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "tests/methods/trace.h"
+#include "tests/support/points_of.h"
+#include "tests/support/test_scene.h"
+
+namespace scanmill {
+namespace {
+
+// Ground 2 m below the sensor, with a box, a pole and a ball before it.
+Scene courtyard() {
+  SceneBuilder builder = testBuilder();
+  Mesh ground = meshOf(builder, "ground");
+  appendPlane(ground, 0, {}, 60, 60);
+  builder.place(builder.addMesh(ground), at(0, 0, -2), "ground");
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, {}, {1, 2, 3});
+  builder.place(builder.addMesh(box), {toMatrix(fromYawPitchRoll(0.4, 0, 0)), {6, 0, -0.5}}, "box");
+  Mesh pole = meshOf(builder, "other", "dark");
+  appendCylinder(pole, 0, {}, 0.02, 0.02, 3);
+  builder.place(builder.addMesh(pole), at(0, 5, -0.5), "pole");
+  Mesh ball = meshOf(builder, "thing");
+  appendSphere(ball, 0, {}, 1);
+  builder.place(builder.addMesh(ball), at(-5, -2, -1), "ball");
+  return builder.finish();
+}
+
+std::vector<Shot> twoShots() {
+  const auto beams = spinning(24, 256, -25, 5, 15);
+  return {shotAt(beams), shotAt(beams, {fromYawPitchRoll(1, 0, 0), {0.3, -0.2, 0.1}})};
+}
+
+// Notes its scans and holds so many bytes.
+class Counting : public Method {
+ public:
+  Counting(const Scene& scene, std::size_t bytes, std::vector<Channels>& scans)
+      : rays_(rayTracing(scene)), bytes_(bytes), scans_(scans) {}
+
+  void prepare(const Shot&) const override { held_.assign(bytes_, 'x'); }
+  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    scans_.push_back(channels);
+    rays_->trace(shot, channels, hits);
+  }
+  std::vector<std::string> modelled() const override { return {}; }
+  std::uint64_t memoryBytes() const override { return bytes_; }
+  // Whatever is compared takes ten times as long.
+  std::map<std::string, double> stageSeconds() const override {
+    double seconds = 0;
+    for (const Channels c : scans_) seconds += c.has(Channel::Incidence) ? 5 : 0.5;
+    return {{"fly", seconds}};
+  }
+  std::vector<std::string> warnings() const override { return {"slow"}; }
+
+ private:
+  std::unique_ptr<Method> rays_;
+  std::size_t bytes_;
+  std::vector<Channels>& scans_;
+  mutable std::vector<char> held_;
+};
+
+// What ray tracing sees, as truth.
+std::vector<TrueShot> seenByRays(const Scene& scene) {
+  std::vector<TrueShot> shots;
+  for (const Shot& shot : twoShots()) {
+    TrueShot truth;
+    truth.shot = shot;
+    truth.truth.hits = traced(scene, shot);
+    truth.truth.range.assign(truth.truth.hits.range.begin(), truth.truth.hits.range.end());
+    shots.push_back(truth);
+  }
+  return shots;
+}
+
+TEST(Measure, TimesOnlyTheScansAndChannelsThatAreAskedFor) {
+  const Scene scene = courtyard();
+  const std::vector<TrueShot> shots = seenByRays(scene);
+  std::vector<Channels> scans;
+  MeasureOptions options;
+  options.repeats = 4;
+  options.channels = Channel::Instance;
+  const auto make = [&] { return std::make_unique<Counting>(scene, std::size_t{32} << 20, scans); };
+  const Measurement m = measure(make, scene, shots, options);
+  EXPECT_EQ(m.cost.stages, (std::map<std::string, double>{{"fly", 0.5}}));
+  EXPECT_EQ(m.cost.memoryBytes, 32u << 20);
+  EXPECT_GE(m.cost.residentBytes, 31u << 20);
+  EXPECT_GT(m.cost.setupSeconds, 0);
+  EXPECT_GT(m.cost.fastest, 0);
+  EXPECT_LE(m.cost.fastest, m.cost.scanSeconds);
+  EXPECT_LE(m.cost.scanSeconds, m.cost.slowest);
+  EXPECT_EQ(m.warnings, std::vector<std::string>{"slow"});
+  const Channels timed = Channel::Instance | Channel::Range;
+  EXPECT_EQ(std::count(scans.begin(), scans.end(), timed), 10);
+  EXPECT_EQ(std::count(scans.begin(), scans.end(), timed | kErrorChannels), 2);
+  EXPECT_EQ(scans.size(), 12u);
+
+  // No scan but the timed ones where these say all.
+  scans.clear();
+  options.channels = kErrorChannels;
+  measure(make, scene, shots, options);
+  EXPECT_EQ(scans, std::vector<Channels>(10, kErrorChannels));
+}
+
+TEST(Measure, StopsBetweenScans) {
+  const Scene scene = courtyard();
+  const std::vector<TrueShot> shots = seenByRays(scene);
+  MeasureOptions options;
+  int scans = 0;
+  options.stop = [&] { return ++scans > 3; };
+  EXPECT_THROW(measure([&] { return rayTracing(scene); }, scene, shots, options), Error);
+  options.stop = [] { return true; };
+  EXPECT_THROW(trueShots(scene, twoShots(), options), Error);
+  EXPECT_THROW(measure([&] { return rayTracing(scene); }, scene, {}, {}), Error);
+}
+
+TEST(Measure, WithoutRepeatsOnlyErrorsAreMeasured) {
+  const Scene scene = courtyard();
+  const std::vector<TrueShot> shots = seenByRays(scene);
+  MeasureOptions options;
+  options.repeats = 0;
+  options.clouds = false;
+  std::vector<Channels> scans;
+  const Measurement m = measure([&] { return std::make_unique<Counting>(scene, 0, scans); }, scene, shots, options);
+  EXPECT_EQ(m.cost.scanSeconds, 0);
+  EXPECT_EQ(m.cost.beamsPerSecond(1000), 0);
+  EXPECT_TRUE(m.cost.stages.empty());
+  EXPECT_EQ(m.errors.all.beams, 2u * 24 * 256);
+  EXPECT_EQ(m.cloud.to.count, 0u);
+}
+
+TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
+  const Scene scene = courtyard();
+  MeasureOptions options;
+  options.repeats = 1;
+  options.channels = Channel::Reflectance;
+  options.intensity = [](const Shot&, const Hits& hits) {
+    std::vector<float> intensity(hits.size(), 0.0f);
+    for (std::size_t i = 0; i < hits.size(); ++i) intensity[i] = hits.reflectance[i] * hits.incidence[i];
+    return intensity;
+  };
+  const std::vector<TrueShot> shots = trueShots(scene, twoShots(), options);
+  ASSERT_EQ(shots.size(), 2u);
+  EXPECT_EQ(shots[1].edges.size(), shots[1].truth.range.size());
+  EXPECT_EQ(shots[1].intensity.size(), shots[1].truth.range.size());
+
+  const Measurement rays = measure([&] { return rayTracing(scene); }, scene, shots, options);
+  const GroupErrors& exact = rays.errors.all;
+  EXPECT_EQ(exact.beams, 2u * 24 * 256);
+  EXPECT_GT(exact.bothHit, 3000u);
+  EXPECT_LT(exact.range.max, 1e-6);
+  EXPECT_EQ(exact.missRate(), 0);
+  EXPECT_EQ(exact.labels(), 1);
+  EXPECT_EQ(exact.intensity.count, exact.bothHit);
+  EXPECT_LT(exact.intensity.max, 1e-5);
+  EXPECT_LT(rays.cloud.hausdorff, 2e-6);
+  EXPECT_EQ(rays.cloud.to.count, exact.bothHit);
+  for (const SizeRecall& size : rays.errors.byThickness) EXPECT_EQ(size.thingsFound, size.things) << size.name;
+
+  const auto coarse = [&] {
+    return methodOf("particle", scene, "{cache: none, backend: cpu, refine: none, voxel_m: 0.4, voxels: 64}");
+  };
+  const Measurement particles = measure(coarse, scene, shots, options);
+  EXPECT_GT(particles.errors.all.range.median, 0.01);
+  EXPECT_GT(particles.errors.all.missRate(), 0);
+  EXPECT_LT(particles.errors.all.labels(), 1);
+  EXPECT_GT(particles.cloud.to.mean, 0.01);
+  EXPECT_GT(particles.cost.memoryBytes, 0u);
+  // Silhouettes are where it errs.
+  const GroupErrors& interior = particles.errors.byPlace[0].errors;
+  const GroupErrors& edges = particles.errors.byPlace[1].errors;
+  EXPECT_GT(edges.beams, 0u);
+  EXPECT_GT(interior.beams, edges.beams);
+  EXPECT_GT(edges.missRate() + 1 - edges.labels(), interior.missRate() + 1 - interior.labels());
+}
+
+TEST(Measure, ErrorsDoNotDependOnThreads) {
+  const Scene scene = courtyard();
+  MeasureOptions options;
+  options.repeats = 1;
+  const auto run = [&](int threads) {
+    const ThreadLimit limit(threads);
+    const std::vector<TrueShot> shots = trueShots(scene, twoShots(), options);
+    const auto make = [&] { return methodOf("particle", scene, "{cache: none, backend: cpu, voxel_m: 0.2}"); };
+    return measure(make, scene, shots, options);
+  };
+  const Measurement one = run(1);
+  const Measurement three = run(3);
+  EXPECT_EQ(one.errors.all.range.mean, three.errors.all.range.mean);
+  EXPECT_EQ(one.errors.all.range.p999, three.errors.all.range.p999);
+  EXPECT_EQ(one.errors.all.sameLabel, three.errors.all.sameLabel);
+  EXPECT_EQ(one.errors.all.lost, three.errors.all.lost);
+  EXPECT_EQ(one.errors.byPlace[1].errors.beams, three.errors.byPlace[1].errors.beams);
+  EXPECT_EQ(one.cloud.to.mean, three.cloud.to.mean);
+  EXPECT_EQ(one.cloud.from.rms, three.cloud.from.rms);
+  EXPECT_EQ(one.cloud.hausdorff, three.cloud.hausdorff);
+}
+
+TEST(HitPoints, AreWhereTheSensorPutsThem) {
+  const Scene scene = courtyard();
+  auto beams = spinning(8, 64, -25, 5, 15);
+  beams->origin.assign(beams->size(), Vec3f{0.1f, 0.2f, 0.3f});
+  const Shot shot = shotAt(beams, {fromYawPitchRoll(1, 0.1, 0.2), {0.3, -0.2, 0.1}});
+  const Hits hits = traced(scene, shot);
+  const std::vector<Vec3f> points = hitPoints(shot, hits);
+  EXPECT_EQ(points, pointsOf(shot, hits));
+  EXPECT_EQ(points.size(), static_cast<std::size_t>(
+                               std::count_if(hits.range.begin(), hits.range.end(), [](float r) { return r < kMiss; })));
+  EXPECT_THROW(hitPoints(twoShots()[0], hits), Error);
+}
+
+TEST(HitPoints, OfAMovingSensorAreInTheFrameThatTheShotAsksFor) {
+  const auto beams = spinning(1, 4, 0, 0);
+  Shot shot = shotAt(beams, {fromYawPitchRoll(0.5, 0, 0), {1e6, 2e6, 0}});
+  shot.worldFromSensor.push_back({fromYawPitchRoll(0.7, 0.1, 0), {1e6 + 1, 2e6 + 2, 0.5}});
+  Hits hits;
+  hits.reset(1, 4, Channel::Range);
+  hits.range = {1, 2, 3, 4};
+  EXPECT_EQ(hitPoints(shot, hits), pointsOf(shot, hits));
+  shot.deskew = true;
+  const std::vector<Vec3f> points = hitPoints(shot, hits);
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const Vec3d world = shot.worldFromSensor[i / 2] * (beams->direction[i] * double{hits.range[i]});
+    const Vec3d expected = inverse(shot.worldFromSensor[0]) * world;
+    EXPECT_LT(length(Vec3d(points[i]) - expected), 1e-6) << i;
+  }
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,245 @@
+#include "evaluate/registration.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "base/parallel.h"
+
+namespace scanmill {
+namespace {
+
+using Points = std::vector<Vec3f>;
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+// What the fitness is said to be, by all distances.
+std::optional<double> meanOfSquares(const Points& source, const Points& target, double within = INFINITY) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const Vec3f& s : source) {
+    double nearest = INFINITY;
+    for (const Vec3f& t : target) {
+      const Vec3d d = static_cast<Vec3d>(s) - static_cast<Vec3d>(t);
+      if (dot(d, d) < nearest) nearest = dot(d, d);
+    }
+    if (!isFinite(s) || !(nearest <= within * within)) continue;
+    sum += nearest;
+    ++count;
+  }
+  if (count == 0) return std::nullopt;
+  return sum / static_cast<double>(count);
+}
+
+Points randomCloud(std::size_t count, unsigned seed, float offset = 0) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> side(-1, 1);
+  Points points(count);
+  for (Vec3f& p : points) p = {offset + side(random), side(random), side(random)};
+  return points;
+}
+
+// Three faces of a box of 1.2 x 0.8 x 0.5 m that meet in a corner: what a sensor sees of it from above.
+Points boxCloud() {
+  Points points;
+  for (int i = 0; i <= 24; ++i) {
+    for (int j = 0; j <= 24; ++j) {
+      const float a = static_cast<float>(i) / 24;
+      const float b = static_cast<float>(j) / 24;
+      points.push_back({1.2f * a, 0.8f * b, 0.5f});
+      points.push_back({1.2f * a, 0, 0.5f * b});
+      points.push_back({0, 0.8f * a, 0.5f * b});
+    }
+  }
+  return points;
+}
+
+Points moved(const Points& points, const Affine& motion) {
+  Points result;
+  for (const Vec3f& p : points) result.push_back(static_cast<Vec3f>(motion * static_cast<Vec3d>(p)));
+  return result;
+}
+
+Affine motionOf(double yawDeg, double pitchDeg, const Vec3d& translation) {
+  return {toMatrix(fromYawPitchRoll(radians(yawDeg), radians(pitchDeg), 0)), translation};
+}
+
+TEST(FitnessScore, IsTheMeanOfSquaredNearestDistances) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const Points a = randomCloud(300, seed);
+    const Points b = randomCloud(200, seed + 100, 0.3f);
+    EXPECT_NEAR(*fitness(a, b), *meanOfSquares(a, b), 1e-6 * *meanOfSquares(a, b));
+    EXPECT_NEAR(*fitness(b, a), *meanOfSquares(b, a), 1e-6 * *meanOfSquares(b, a));
+    EXPECT_NE(*fitness(a, b), *fitness(b, a));
+  }
+}
+
+TEST(FitnessScore, ParallelPlanesAreTheSquareOfTheirDistanceApart) {
+  Points low;
+  Points high;
+  for (int i = 0; i < 20; ++i) {
+    for (int j = 0; j < 20; ++j) {
+      low.push_back({0.1f * static_cast<float>(i), 0.1f * static_cast<float>(j), 0});
+      high.push_back({0.1f * static_cast<float>(i), 0.1f * static_cast<float>(j), 0.03f});
+    }
+  }
+  EXPECT_NEAR(*fitness(low, high), 0.03 * 0.03, 1e-9);
+  EXPECT_NEAR(*fitness(high, low), *fitness(low, high), 1e-12);
+  // Along the planes by less than half a step as well: both squares add up.
+  for (Vec3f& p : high) p.x += 0.04f;
+  EXPECT_NEAR(*fitness(low, high), 0.03 * 0.03 + 0.04 * 0.04, 1e-8);
+}
+
+// PCL compares its max_range with a squared distance: asked for 0.5 m, it would take points 0.7 m away.
+TEST(FitnessScore, WithinIsADistance) {
+  const Points target{{0, 0, 0}};
+  const Points source{{0.3f, 0, 0}, {0.49f, 0, 0}, {0.51f, 0, 0}, {0.7f, 0, 0}};
+  EXPECT_NEAR(*fitness(source, target, 0.5), (0.09 + 0.2401) / 2, 1e-6);
+  EXPECT_NEAR(*fitness(source, target, 2), *meanOfSquares(source, target), 1e-6);
+  EXPECT_EQ(fitness(source, target, 0.1), std::nullopt);
+  const Points a = randomCloud(300, 1);
+  const Points b = randomCloud(200, 2, 0.5f);
+  for (const double within : {0.1, 0.2, 0.5}) EXPECT_NEAR(*fitness(a, b, within), *meanOfSquares(a, b, within), 1e-6);
+}
+
+TEST(FitnessScore, FewAndStrangePointsHaveDefinedResults) {
+  const Points none;
+  const Points one{{1, 2, 3}};
+  const Points two{{1, 2, 3}, {1, 2, 4}};
+  const Points nan{{kNaN, 0, 0}, {0, kNaN, 0}, {0, 0, INFINITY}};
+  for (const Points& empty : {none, nan}) {
+    EXPECT_EQ(fitness(empty, empty), std::nullopt);
+    EXPECT_EQ(fitness(one, empty), std::nullopt);
+    EXPECT_EQ(fitness(empty, one), std::nullopt);
+    EXPECT_FALSE(registerClouds(empty, one).moved);
+    EXPECT_FALSE(registerClouds(one, empty).moved);
+    EXPECT_EQ(registerClouds(empty, empty).fitness, std::nullopt);
+  }
+  EXPECT_EQ(*fitness(one, one), 0);
+  EXPECT_NEAR(*fitness(two, one), 0.5, 1e-7);
+  for (const Points& few : {one, two}) {
+    const Registered result = registerClouds(few, boxCloud());
+    EXPECT_FALSE(result.moved);
+    EXPECT_EQ(result.targetFromSource, Affine{});
+    EXPECT_EQ(result.fitness, fitness(few, boxCloud()));
+    EXPECT_FALSE(registerClouds(boxCloud(), few).moved);
+  }
+  Points torn = boxCloud();
+  torn.insert(torn.begin() + 7, nan.begin(), nan.end());
+  EXPECT_EQ(fitness(torn, one), fitness(boxCloud(), one));
+  EXPECT_EQ(fitness(one, torn), fitness(one, boxCloud()));
+  EXPECT_EQ(registerClouds(torn, torn).fitness, registerClouds(boxCloud(), boxCloud()).fitness);
+}
+
+// All on one point or one line: no rotation is better than another.
+TEST(Icp, DegenerateCloudsStayFinite) {
+  const Points heap(10, Vec3f{1, 1, 1});
+  Points line;
+  for (int i = 0; i < 10; ++i) line.push_back({static_cast<float>(i), 0, 0});
+  for (const Points& source : {heap, line}) {
+    for (const Points& target : {heap, line}) {
+      const Registered result = registerClouds(source, target);
+      ASSERT_TRUE(result.fitness);
+      EXPECT_TRUE(std::isfinite(*result.fitness));
+      EXPECT_TRUE(isFinite(result.targetFromSource.translation));
+    }
+  }
+}
+
+TEST(Icp, IdenticalCloudsStayWhereTheyAre) {
+  const Points box = boxCloud();
+  const Registered result = registerClouds(box, box);
+  EXPECT_TRUE(result.moved);
+  EXPECT_LT(*result.fitness, 1e-12);
+  EXPECT_EQ(result.unmoved, 0);
+  EXPECT_LT(length(result.targetFromSource.translation), 1e-6);
+}
+
+TEST(Icp, FindsASmallMotion) {
+  const Points box = boxCloud();
+  const Affine motion = motionOf(0.6, -0.4, {0.008, -0.005, 0.006});
+  IcpOptions options;
+  options.iterations = 200;
+  for (const Vec3d& far : {Vec3d{}, Vec3d{300, -200, 50}}) {
+    const Affine there{Mat3{}, far};
+    const Points target = moved(box, there * motion);
+    const Registered result = registerClouds(moved(box, there), target, options);
+    ASSERT_TRUE(result.moved);
+    EXPECT_GT(*result.unmoved, 1e-5);
+    EXPECT_LT(*result.fitness, 1e-8);
+    const Affine found = inverse(there) * result.targetFromSource * there;
+    for (const Vec3f& p : box) {
+      EXPECT_LT(length(found * static_cast<Vec3d>(p) - motion * static_cast<Vec3d>(p)), 2e-4);
+    }
+    EXPECT_NEAR(determinant(result.targetFromSource.linear), 1, 1e-5);
+  }
+}
+
+TEST(Icp, MovesNothingThatIsOutOfReach) {
+  const Points box = boxCloud();
+  const Points away = moved(box, motionOf(0, 0, {5, 0, 0}));
+  IcpOptions options;
+  options.reach = 0.5;
+  const Registered result = registerClouds(box, away, options);
+  EXPECT_FALSE(result.moved);
+  EXPECT_EQ(result.fitness, result.unmoved);
+  options.reach = 10;
+  EXPECT_TRUE(registerClouds(box, away, options).moved);
+}
+
+TEST(Icp, MoreStepsNeverFitMuchWorse) {
+  const Points box = boxCloud();
+  const Points target = moved(box, motionOf(4, 0, {0.1, 0.05, 0}));
+  double last = *fitness(box, target);
+  for (const int iterations : {1, 2, 5, 10, 50}) {
+    IcpOptions options;
+    options.iterations = iterations;
+    const double now = *registerClouds(box, target, options).fitness;
+    EXPECT_LE(now, last * (1 + 1e-6)) << iterations;
+    last = now;
+  }
+}
+
+TEST(FitnessTable, HoldsEveryOrderedPairWithAnyNumberOfThreads) {
+  const std::vector<Points> clouds{randomCloud(80, 1), randomCloud(60, 2, 0.2f), {}, randomCloud(70, 3), {{1, 2, 3}}};
+  const auto table = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return fitnessTable(clouds);
+  };
+  const std::vector<RegisteredPair> pairs = table(2);
+  ASSERT_EQ(pairs.size(), 20u);
+  std::size_t i = 0;
+  for (std::size_t s = 0; s < clouds.size(); ++s) {
+    for (std::size_t t = 0; t < clouds.size(); ++t) {
+      if (s == t) continue;
+      EXPECT_EQ(pairs[i].source, s);
+      EXPECT_EQ(pairs[i].target, t);
+      EXPECT_EQ(pairs[i].result.unmoved, fitness(clouds[s], clouds[t]));
+      EXPECT_EQ(pairs[i].result.fitness, registerClouds(clouds[s], clouds[t]).fitness);
+      ++i;
+    }
+  }
+  const std::vector<RegisteredPair> alone = table(1);
+  for (std::size_t p = 0; p < pairs.size(); ++p) EXPECT_EQ(pairs[p].result.fitness, alone[p].result.fitness);
+  EXPECT_TRUE(fitnessTable({}).empty());
+  EXPECT_TRUE(fitnessTable(std::span(clouds).first(1)).empty());
+}
+
+TEST(FitnessSpread, IsThatOfTheSample) {
+  const std::vector<std::optional<double>> values{2, std::nullopt, 4, 9, std::nullopt};
+  const FitnessSpread spread = fitnessSpread(values);
+  EXPECT_EQ(spread.count, 3u);
+  EXPECT_DOUBLE_EQ(spread.mean, 5);
+  EXPECT_DOUBLE_EQ(spread.deviation, std::sqrt((9.0 + 1 + 16) / 2));
+  EXPECT_EQ(spread.low, 2);
+  EXPECT_EQ(spread.high, 9);
+  const std::vector<std::optional<double>> one{3};
+  EXPECT_EQ(fitnessSpread(one).deviation, 0);
+  EXPECT_EQ(fitnessSpread({}).count, 0u);
+}
+
+}  // namespace
+}  // namespace scanmill

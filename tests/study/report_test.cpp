@@ -1,0 +1,237 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "study/report_figures.h"
+#include "study/report_html.h"
+#include "tests/charts/svg_check.h"
+#include "tests/study/example_study.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// All charts of a page.
+std::vector<std::string> chartsIn(const std::string& html) {
+  std::vector<std::string> charts;
+  for (std::size_t at = html.find("<svg"); at != std::string::npos; at = html.find("<svg", at + 1)) {
+    charts.push_back(html.substr(at, html.find("</svg>", at) + 6 - at));
+  }
+  return charts;
+}
+
+std::size_t countOf(const std::string& text, const std::string& words) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++count;
+  return count;
+}
+
+// Elements open and close in order; those that HTML never closes aside.
+void expectBalanced(const std::string& html) {
+  std::vector<std::string> open;
+  std::string text = std::regex_replace(html, std::regex("<script>[^]*?</script>"), "");
+  const std::regex tags("<(/?)([a-zA-Z0-9]+)([^>]*)>");
+  for (std::sregex_iterator it(text.begin(), text.end(), tags), end; it != end; ++it) {
+    const std::string tag = (*it)[2], rest = (*it)[3];
+    if (tag == "meta" || tag == "img" || rest.ends_with("/")) continue;
+    if ((*it)[1].length() == 0) {
+      open.push_back(tag);
+      continue;
+    }
+    ASSERT_FALSE(open.empty()) << tag;
+    ASSERT_EQ(open.back(), tag) << std::string(it->prefix()).substr(0, 200);
+    open.pop_back();
+  }
+  EXPECT_TRUE(open.empty());
+}
+
+Study picturedStudy() {
+  Study study = exampleStudy();
+  study.pictures = {{"depth_camera", "range errors", "\x89PNG not quite"}};
+  return study;
+}
+
+TEST(Report, IsOneFileThatNeedsNoNetwork) {
+  std::string html = studyReport(picturedStudy());
+  const std::string xml = "http://www.w3.org/2000/svg";
+  for (std::size_t at = html.find(xml); at != std::string::npos; at = html.find(xml)) html.erase(at, xml.size());
+  for (const char* words : {"http://", "https://", "<link", "@import", "url(", "src=\"//"}) {
+    EXPECT_THAT(html, Not(HasSubstr(words)));
+  }
+  EXPECT_EQ(countOf(html, " src=\""), 1u);
+  EXPECT_EQ(countOf(html, " src=\"data:image/png;base64,"), 1u);
+}
+
+TEST(Report, IsWellFormed) {
+  const std::string html = studyReport(picturedStudy());
+  expectBalanced(html);
+  const std::vector<std::string> charts = chartsIn(html);
+  EXPECT_GE(charts.size(), 14u);
+  for (const std::string& chart : charts) parseSvg(chart);
+  parseSvg(paretoSvg(exampleStudy()));
+}
+
+TEST(Report, ShowsEverySettingEncodingAndFailure) {
+  const Study study = picturedStudy();
+  const std::string html = studyReport(study);
+  for (const SettingResult& s : study.settings) {
+    EXPECT_THAT(html, HasSubstr("<td>" + s.setting.name + "</td>"));
+    if (!s.failure.empty()) continue;
+    EXPECT_THAT(html, HasSubstr(escapeXml(s.setting.assignment())));
+  }
+  for (const EncodingResult& e : study.encodings) EXPECT_THAT(html, HasSubstr("<td>" + e.name + "</td>"));
+  EXPECT_THAT(html, HasSubstr("not measured: Blender was not found"));
+  EXPECT_THAT(html, HasSubstr("depth_camera resolution=4096: the budget of 5 min was spent"));
+  for (const char* id : {"advice", "speed", "settings", "range", "edges", "classes", "things", "stages", "encodings",
+                         "rings", "pictures", "left", "again"}) {
+    EXPECT_THAT(html, HasSubstr(std::string("<h2 id=\"") + id));
+    EXPECT_THAT(html, HasSubstr(std::string("<a href=\"#") + id));
+  }
+  EXPECT_THAT(html, HasSubstr("AMD EPYC 9B14, 2 threads"));
+  EXPECT_THAT(html, HasSubstr("scanmill tradeoff pipelines/quickstart.yaml -o out/tradeoff --budget 5 --set seed=7"));
+}
+
+TEST(Report, RecommendsWhatTheAdviceSays) {
+  const Study study = exampleStudy();
+  const std::string html = studyReport(study);
+  for (const Advice& a : advise(study)) EXPECT_THAT(html, HasSubstr(escapeXml(a.text)));
+}
+
+TEST(Report, HostileTextStaysText) {
+  const std::string hostile = "</title></script><img src=x onerror='alert(1)'>&\"";
+  Study study = picturedStudy();
+  for (SettingResult& s : study.settings) {
+    s.setting.name += hostile;
+    s.setting.options = "{a: " + hostile + "}";
+    if (!s.failure.empty()) s.failure += hostile;
+    s.measured.warnings = {hostile};
+    for (ErrorGroup& g : s.measured.errors.byClass) g.name += hostile;
+    if (!s.measured.cost.stages.empty()) s.measured.cost.stages[hostile] = 1e-3;
+  }
+  for (EncodingResult& e : study.encodings) e.name += hostile, e.format += hostile;
+  for (RingFit& f : study.rings) f.setting.name += hostile;
+  study.pipelineName = study.pipelineText = study.machine.processor = study.machine.renderer = study.date = hostile;
+  study.programVersion = study.scenes[0].key = study.sensors[0] = study.sequence = study.left[0] = hostile;
+  study.pictures[0].setting = study.pictures[0].title = hostile;
+  study.commonStages[hostile] = 1;
+  const std::string html = studyReport(study);
+  EXPECT_THAT(html, Not(HasSubstr("<img src=x")));
+  EXPECT_EQ(countOf(html, "</script>"), 1u);
+  EXPECT_EQ(countOf(html, "<img"), 1u);
+  expectBalanced(html);
+  for (const std::string& chart : chartsIn(html)) parseSvg(chart);
+}
+
+TEST(Report, OfNothingSaysSo) {
+  const std::string html = studyReport(Study{});
+  expectBalanced(html);
+  EXPECT_THAT(html, HasSubstr("No setting was measured."));
+  EXPECT_TRUE(chartsIn(html).empty()) << "sections without data are left out";
+  EXPECT_THAT(html, Not(HasSubstr("<h2 id=\"advice\"")));
+  EXPECT_THAT(textsOf(paretoSvg(Study{}), "nodata"), testing::ElementsAre("no data"));
+}
+
+TEST(Report, OfFailuresOnlyShowsThem) {
+  Study study = exampleStudy();
+  for (SettingResult& s : study.settings) s.measured = {}, s.failure = "nothing runs here";
+  study.rings.clear();
+  study.showing.reset();
+  const std::string html = studyReport(study);
+  expectBalanced(html);
+  EXPECT_EQ(countOf(html, "not measured: nothing runs here"), study.settings.size());
+}
+
+TEST(Report, OfOneSettingIsWhole) {
+  Study study = exampleStudy();
+  study.settings.resize(1);
+  const std::string html = studyReport(study);
+  expectBalanced(html);
+  EXPECT_THAT(html, HasSubstr("Only this setting was measured"));
+  EXPECT_THAT(html, HasSubstr("<h2 id=\"speed\""));
+  for (const std::string& chart : chartsIn(html)) {
+    parseSvg(chart);
+    EXPECT_EQ(chart.find("nan"), std::string::npos);
+  }
+}
+
+TEST(Report, SettingsThatHitNothingHaveNoErrors) {
+  Study study = exampleStudy();
+  Measurement& m = study.settings[1].measured;
+  m.errors = {};
+  m.errors.all.beams = 1000;
+  m.errors.all.lost = 900;
+  m.errors.all.bothMiss = 100;
+  m.cloud = {};
+  m.cost.scanSeconds = 0;
+  const std::string html = studyReport(study);
+  for (const std::string& chart : chartsIn(html)) {
+    for (const SvgElement& e : parseSvg(chart)) {
+      for (const auto& [name, value] : e.attributes) EXPECT_EQ(value.find("nan"), std::string::npos) << name;
+    }
+  }
+}
+
+TEST(Report, SameStudySameBytes) {
+  EXPECT_EQ(studyReport(picturedStudy()), studyReport(picturedStudy()));
+}
+
+TEST(Report, TheParetoChartHoldsEverySettingOnceAndItsFront) {
+  const Study study = exampleStudy();
+  const std::string svg = paretoSvg(study);
+  EXPECT_EQ(dotsOf(svg).size(), measuredSettings(study).size());
+  EXPECT_EQ(elementsOf(svg, "line").size(), 1u);
+  const std::vector<std::string> labels = textsOf(svg, "strong");
+  EXPECT_EQ(labels.size(), rangeFront(study).size()) << "all of the front are named";
+  EXPECT_THAT(labels, testing::Contains("simplify=0.1"));
+}
+
+TEST(ReportFigures, AreReadable) {
+  EXPECT_EQ(metresText(0), "0");
+  EXPECT_EQ(metresText(0.0464), "46.4 mm");
+  EXPECT_EQ(metresText(3e-7), "< 1 \xC2\xB5m");
+  EXPECT_EQ(metresText(0.9999), "1 m");
+  EXPECT_EQ(metresText(12.34), "12.3 m");
+  EXPECT_EQ(secondsText(0.0054), "5.4 ms");
+  EXPECT_EQ(secondsText(3.5e-5), "35 \xC2\xB5s");
+  EXPECT_EQ(amountText(45'300'000), "45.3 M");
+  EXPECT_EQ(amountText(999'900), "1 M");
+  EXPECT_EQ(shareText(1), "100 %");
+  EXPECT_EQ(shareText(0), "0 %");
+  EXPECT_EQ(shareText(0.5), "50.0 %");
+  EXPECT_EQ(shareText(0.98451), "98.5 %");
+  EXPECT_EQ(shareText(0.999991), "99.99910 %");
+  EXPECT_EQ(shareText(1 - 1e-9), "above 99.99999 %");
+  EXPECT_EQ(shareText(7e-4), "0.070 %");
+  EXPECT_EQ(factorText(2.14), "2.1");
+  EXPECT_EQ(factorText(26.6), "27");
+  EXPECT_EQ(factorText(0.346), "0.35");
+}
+
+TEST(ReportHtml, Base64IsOfRfc4648) {
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64("\xFF\xFE\xFD"), "//79");
+}
+
+TEST(ReportFigures, TheShownSettingsAreDefaultsThenTheFastest) {
+  const Study study = exampleStudy();
+  std::vector<std::string> names;
+  for (const std::size_t i : shownSettings(study, 6)) names.push_back(study.settings[i].setting.name);
+  EXPECT_THAT(names, testing::ElementsAre("ray_tracing", "depth_camera", "particle", "ray_tracing simplify=0.1",
+                                          "depth_camera sampling=nearest resolution=512",
+                                          "particle field=scene voxel_m=1 refine=none"));
+}
+
+TEST(ReportFigures, ACommandLineSurvivesQuotes) {
+  EXPECT_EQ(setArgument({"particle", "particle", "{}"}), "--set 'method=particle'");
+  EXPECT_EQ(setArgument({"x", "particle", "{cache: it's}"}), "--set 'method={particle: {cache: it'\\''s}}'");
+}
+
+}  // namespace
+}  // namespace scanmill
