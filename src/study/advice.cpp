@@ -172,6 +172,19 @@ class Adviser {
     return faster > 1 && faster < kLittleGain ? " That is little speed for what it gives up." : "";
   }
 
+  // Of the settings that hold and are as fast within the noise of time: defaults if they are among them, else the
+  // first.
+  std::size_t plainest(std::size_t fastest, const ErrorLimits& asked) const {
+    std::optional<std::size_t> first;
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      const bool equal = candidates_[c].secondsPerBeam <= candidates_[fastest].secondsPerBeam * (1 + kSameTime);
+      if (!equal || !broken(candidates_[c], asked).empty()) continue;
+      if (isDefault(result(measured_[c]).setting)) return measured_[c];
+      if (!first) first = measured_[c];
+    }
+    return first.value_or(measured_[fastest]);
+  }
+
   void answerNeeds() {
     struct Answer {
       std::size_t setting;
@@ -189,7 +202,7 @@ class Adviser {
                          nameOf(measured_[nearest]), fmt::join(broken(candidates_[nearest], need.asked), "; "))});
         continue;
       }
-      const std::size_t setting = measured_[*found];
+      const std::size_t setting = plainest(*found, need.asked);
       const auto same =
           std::find_if(answers.begin(), answers.end(), [&](const Answer& a) { return a.setting == setting; });
       if (same != answers.end()) {

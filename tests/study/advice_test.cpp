@@ -40,6 +40,15 @@ TEST(Advice, EachNeedTakesTheFastestThatHolds) {
   EXPECT_THAT(camera, HasSubstr("26.2 M beams a second"));
 }
 
+TEST(Advice, WithinTheNoiseOfTimeDefaultsAreTaken) {
+  EXPECT_EQ(adviceFor(studyOf({{"ray_tracing", "", 10, 0, 1, 0}, {"ray_tracing", "bvh=low", 9.8, 0, 1, 0}}), "every")
+                .setting,
+            "ray_tracing");
+  EXPECT_EQ(adviceFor(studyOf({{"ray_tracing", "", 10, 0, 1, 0}, {"ray_tracing", "bvh=low", 9.0, 0, 1, 0}}), "every")
+                .setting,
+            "ray_tracing bvh=low");
+}
+
 TEST(Advice, OneWinnerOfAllNeedsIsSaidOnce) {
   const Study study = studyOf({{"ray_tracing", "", 5, 0, 1, 0},
                                {"depth_camera", "", 10.5, 0.04, 0.98, 1e-3},

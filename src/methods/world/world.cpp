@@ -92,8 +92,20 @@ void appendUvs(TriangleBlock& block, const Mesh& mesh) {
   }
 }
 
+RTCBuildQuality qualityOf(const HierarchyOptions& options) {
+  switch (options.quality) {
+    case HierarchyQuality::Low:
+      return RTC_BUILD_QUALITY_LOW;
+    case HierarchyQuality::High:
+      return RTC_BUILD_QUALITY_HIGH;
+    case HierarchyQuality::Medium:
+      break;
+  }
+  return RTC_BUILD_QUALITY_MEDIUM;
+}
+
 void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& block, std::uint32_t first,
-                     std::uint32_t last, unsigned id, RTCFilterFunctionN filter) {
+                     std::uint32_t last, unsigned id, RTCBuildQuality quality, RTCFilterFunctionN filter) {
   if (first == last) return;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, block.vertices.data(), 0,
@@ -101,6 +113,7 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, block.corners.data(),
                              first * sizeof(Triangle), sizeof(Triangle), last - first);
   if (filter != nullptr) rtcSetGeometryIntersectFilterFunction(geometry, filter);
+  rtcSetGeometryBuildQuality(geometry, quality);  // a low scene builds each geometry by its own quality
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene, geometry, id);
   rtcReleaseGeometry(geometry);
@@ -108,24 +121,15 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
 
 void attachBlock(RTCDevice device, RTCScene scene, const TriangleBlock& block, const HierarchyOptions& options) {
   const auto count = static_cast<std::uint32_t>(block.triangles.size());
-  attachTriangles(device, scene, block, 0, block.firstAlpha, 0, options.solidFilter);
-  attachTriangles(device, scene, block, block.firstAlpha, count, 1, options.alphaFilter);
+  const RTCBuildQuality quality = qualityOf(options);
+  attachTriangles(device, scene, block, 0, block.firstAlpha, 0, quality, options.solidFilter);
+  attachTriangles(device, scene, block, block.firstAlpha, count, 1, quality, options.alphaFilter);
 }
 
 SceneHandle newScene(RTCDevice device, const HierarchyOptions& options) {
   SceneHandle scene(rtcNewScene(device));
   rtcSetSceneFlags(scene.get(), options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
-  switch (options.quality) {
-    case HierarchyQuality::Low:
-      rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_LOW);
-      break;
-    case HierarchyQuality::Medium:
-      rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_MEDIUM);
-      break;
-    case HierarchyQuality::High:
-      rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
-      break;
-  }
+  rtcSetSceneBuildQuality(scene.get(), qualityOf(options));
   return scene;
 }
 
