@@ -128,12 +128,25 @@ class Adviser {
         better(there != nullptr && missesWorse(e, *there), there == nullptr ? "" : shareText(there->missRate())));
   }
 
+  // Silhouettes decide the p99 of most shortcuts: what is there away from them?
+  std::string awayFromEdges(std::size_t i) const {
+    constexpr double kNotable = 3;
+    for (const ErrorGroup& group : result(i).measured.errors.byPlace) {
+      if (group.name != "interior" || group.errors.range.count == 0) continue;
+      const double inside = rangeP99(group.errors);
+      if (!(rangeP99(errors(i)) > kNotable * inside)) return "";
+      return inside == 0 ? " Away from edges 99 % are exact."
+                         : fmt::format(" Away from edges 99 % lie within {}.", metresText(inside));
+    }
+    return "";
+  }
+
   std::string described(std::size_t i) const {
     const std::string speed = comparedSpeed(i);
     const Cost& cost = result(i).measured.cost;
-    return fmt::format("{} beams a second{}. {}. Set-up takes {}, memory {}.{}",
+    return fmt::format("{} beams a second{}. {}.{} Set-up takes {}, memory {}.{}",
                        amountText(beamsPerSecond(study_, result(i))), speed.empty() ? "" : ", " + speed,
-                       capitalised(accuracy(i)), secondsText(cost.setupSeconds),
+                       capitalised(accuracy(i)), awayFromEdges(i), secondsText(cost.setupSeconds),
                        shortBytes(static_cast<double>(cost.memoryBytes)), judged(i));
   }
 
@@ -266,10 +279,11 @@ class Adviser {
       advice_.push_back(
           {need, "",
            fmt::format(
-               "{} {} {}{}: no reason to take it here. {}{}", nameOf(shown),
+               "{} {} {}{}: no reason to take it here.{} {}{}", nameOf(shown),
                slower > 1 + kSameTime ? fmt::format("is {} x slower than", factorText(slower)) : "is no faster than",
                base_ && better == *base_ ? baseName() : nameOf(better),
                losses.empty() ? " and no more exact" : fmt::format(" and less exact ({})", fmt::join(losses, ", ")),
+               losses.empty() ? "" : awayFromEdges(shown),
                own.size() == 1 ? ""
                                : fmt::format("The same holds for each of its {} settings: another is as fast "
                                              "or faster, and as exact or more.",
