@@ -114,7 +114,11 @@ class RepeatabilityRun {
         for (const MountedSensor& sensor : pipeline.sensors) {
           RepeatedView& view = result_.views.emplace_back();
           view.method = m;
-          view.name = fmt::format("{} {}", sequence.scene, sequence.trajectoryName);
+          const bool seeds = std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(), [&](const Sequence& s) {
+            return s.scene == sequence.scene && s.sceneSeed != sequence.sceneSeed;
+          });
+          view.name = seeds ? fmt::format("{} {}", sequence.scene, sequence.sceneSeed) : sequence.scene;
+          view.name += " " + sequence.trajectoryName;
           if (pipeline.sensors.size() > 1) view.name += " " + sensor.name;
         }
       }

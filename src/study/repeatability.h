@@ -40,7 +40,7 @@ struct RepeatedPlace {
 
 struct RepeatedView {
   std::size_t method = 0;  // index into Repeatability::methods
-  std::string name;        // "small_box front": scene and trajectory, and the sensor where there are several
+  std::string name;  // "small_box front": scene, its seed where there are several, trajectory, and likewise sensor
   std::vector<RepeatedPlace> places;
 };
 

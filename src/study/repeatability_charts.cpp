@@ -31,10 +31,10 @@ ChartSeries line(std::string name, std::size_t color) {
 // The mean, and a deviation up and down.
 void add(ChartSeries& series, double x, const FitnessSpread& spread, const std::string& detail) {
   const bool any = spread.count > 0;
-  const double mean = spread.mean < kRounding ? 0 : spread.mean;
-  series.points.push_back({x, any ? mean : kNothing});
+  const bool spreads = any && spread.mean >= kRounding;
+  series.points.push_back({x, spreads ? spread.mean : any ? 0 : kNothing});
   const double low = std::max(spread.mean - spread.deviation, spread.low);
-  series.spans.push_back({any ? low : kNothing, any ? spread.mean + spread.deviation : kNothing});
+  series.spans.push_back({spreads ? low : kNothing, spreads ? spread.mean + spread.deviation : kNothing});
   series.details.push_back(
       fmt::format("{}: {:.4g} +- {:.2g} m² of {} pairs", detail, spread.mean, spread.deviation, spread.count));
 }
