@@ -126,6 +126,9 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   if (!report.empty()) {
     prepareReportFolder(report, "index.html", overwrite);
     const NoiseComparison comparison = compareNoise(*beams, scans, patches, fit, effects);
+    for (const NoiseChart& chart : noiseCharts(fit, comparison)) {
+      writeFile(std::filesystem::path(report) / (chart.name + ".svg"), chart.svg);
+    }
     writeFile(std::filesystem::path(report) / "index.html", noiseReport(fit, comparison, beams->model, effects, date));
   }
   writeFile(out, fitted);

@@ -17,7 +17,7 @@ std::size_t widthOf(const std::string& text) {
 
 bool looksNumeric(const std::string& cell) {
   return cell.empty() || std::isdigit(static_cast<unsigned char>(cell.front())) != 0 || cell.front() == '-' ||
-         cell.front() == '+';
+         cell.front() == '+' || cell.front() == '<';
 }
 
 }  // namespace

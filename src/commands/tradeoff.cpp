@@ -12,6 +12,8 @@
 #include "commands/table.h"
 #include "pipeline/plan.h"
 #include "pipeline/progress.h"
+#include "study/report_charts.h"
+#include "study/report_figures.h"
 #include "study/report_folder.h"
 #include "study/settings.h"
 #include "study/study.h"
@@ -22,22 +24,10 @@ namespace {
 
 constexpr const char* kStudyFile = "tradeoff.json";
 
-// 1.2 mm, 3.4 cm, 5.6 m.
-std::string lengthText(double metres) {
-  if (metres < 5e-7) return "0";
-  if (metres < 1e-3) return fmt::format("{:.0f} um", metres * 1e6);
-  if (metres < 1) return fmt::format("{:.3g} mm", metres * 1e3);
-  return fmt::format("{:.3g} m", metres);
-}
-
-std::string timeText(double seconds) {
-  return seconds < 1 ? fmt::format("{:.3g} ms", seconds * 1e3) : fmt::format("{:.3g} s", seconds);
-}
-
 // p99 away from edges.
 std::string insideText(const BeamErrors& errors) {
   for (const ErrorGroup& group : errors.byPlace) {
-    if (group.name == "interior") return lengthText(group.errors.range.p99);
+    if (group.name == "interior") return metresText(group.errors.range.p99);
   }
   return {};
 }
@@ -53,13 +43,13 @@ void printSettings(const Study& study) {
     const Cost& cost = s.measured.cost;
     const GroupErrors& e = s.measured.errors.all;
     const auto beams = static_cast<double>(e.beams);
-    rows.push_back({s.setting.name, timeText(cost.setupSeconds), timeText(cost.scanSeconds),
+    rows.push_back({s.setting.name, secondsText(cost.setupSeconds), secondsText(cost.scanSeconds),
                     shortNumber(cost.beamsPerSecond(study.beamsPerShot)),
-                    shortBytes(static_cast<double>(cost.memoryBytes)), lengthText(e.range.median),
-                    lengthText(e.range.p99), insideText(s.measured.errors), fmt::format("{:.3f} %", 100 * e.labels()),
+                    shortBytes(static_cast<double>(cost.memoryBytes)), metresText(e.range.median),
+                    metresText(e.range.p99), insideText(s.measured.errors), fmt::format("{:.3f} %", 100 * e.labels()),
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.lost) / beams),
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.spurious) / beams),
-                    lengthText(s.measured.cloud.to.mean), lengthText(s.measured.cloud.from.mean)});
+                    metresText(s.measured.cloud.to.mean), metresText(s.measured.cloud.from.mean)});
   }
   fmt::print(
       "{}median, p99, inside (p99 away from edges): of the range error; to, from: mean distance from the truth's\n"
@@ -79,7 +69,7 @@ void printEncodings(const Study& study) {
       continue;
     }
     rows.push_back({e.name, shortNumber(e.encodePointsPerSecond), shortNumber(e.decodePointsPerSecond),
-                    fmt::format("{:.2f}", e.bytesPerPoint), lengthText(e.largestError)});
+                    fmt::format("{:.2f}", e.bytesPerPoint), metresText(e.largestError)});
   }
   fmt::print("{}\n", formatTable(rows));
 }
@@ -91,9 +81,9 @@ void printRings(const Study& study) {
   rows.front().insert(rows.front().end(), {"fixed", "a ring"});
   const auto add = [&](const std::string& name, const RingFit& fit) {
     rows.push_back({name});
-    for (const RingTiming& t : fit.timings) rows.back().push_back(timeText(t.scanSeconds));
-    rows.back().push_back(timeText(fit.fixedSeconds));
-    rows.back().push_back(timeText(fit.secondsPerRing));
+    for (const RingTiming& t : fit.timings) rows.back().push_back(secondsText(t.scanSeconds));
+    rows.back().push_back(secondsText(fit.fixedSeconds));
+    rows.back().push_back(secondsText(fit.secondsPerRing));
   };
   for (const RingFit& fit : study.rings) add(fit.setting.name, fit);
   if (study.showing) add("showing it (a picture)", *study.showing);
@@ -129,7 +119,14 @@ void writeStudy(const Study& study, const std::filesystem::path& folder) {
   beginReport(folder, kStudyFile);
   for (std::size_t i = 0; i < study.pictures.size(); ++i) writeFile(folder / pictureFile(i), study.pictures[i].png);
   writeFile(folder / "tradeoff.csv", toCsv(study));
-  writeFile(folder / "pareto.svg", paretoSvg(study));
+  const auto writeChart = [&](const char* name, const std::string& svg) {
+    if (!svg.empty()) writeFile(folder / name, svg);
+  };
+  writeChart("pareto.svg", paretoSvg(study));
+  writeChart("errors_by_range.svg", rangeErrorByRange(study));
+  writeChart("errors_by_incidence.svg", rangeErrorByIncidence(study));
+  writeChart("encodings.svg", encodingsChart(study));
+  writeChart("rings.svg", ringsChart(study));
   writeFile(folder / "index.html", studyReport(study));
   writeFile(folder / kStudyFile, toJson(study));
 }

@@ -19,7 +19,8 @@ constexpr Rgb kSpuriousColor{255, 255, 255};
 constexpr Rgb kLabelColor{255, 150, 220};
 
 Rgb errorColor(double error) {
-  return viridis(std::log10(std::max(error, kLeast) / kLeast) / kDecades);
+  constexpr double kDarkest = 0.15;  // of the map: what is darker is not seen on the background
+  return viridis(kDarkest + (1 - kDarkest) * std::log10(std::max(error, kLeast) / kLeast) / kDecades);
 }
 
 Vec3f pointOfBeam(const BeamTable& beams, std::size_t i, double range) {

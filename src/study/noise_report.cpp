@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "charts/chart.h"
-#include "charts/svg_text.h"
 #include "config/version.h"
+#include "study/report_html.h"
 
 namespace scanmill {
 
@@ -209,74 +209,111 @@ std::string fitnessChart(const NoiseComparison& comparison) {
   return drawSvg(chart);
 }
 
+std::string millimetres(double metres) {
+  return fmt::format("{:.2f}", metres * kMillimetres);
+}
+
 std::string tableOf(const std::vector<PatchGroup>& groups, const std::string& first) {
-  std::string rows = fmt::format(
-      "<table><tr><th>{}</th><th>mean range (m)</th><th>patches</th><th>points</th><th>sigma (mm)</th>"
-      "<th>with step (mm)</th><th>about planes (mm)</th><th>spread</th><th>lost</th><th>of</th><th>drop-out (%)</th>"
-      "<th>points/m²</th><th>expected</th><th>ratio</th><th></th></tr>\n",
-      first);
+  HtmlTable table;
+  table.column(first);
+  table.column("mean range (m)");
+  table.column("patches");
+  table.column("points");
+  table.column("sigma (mm)", "standard deviation of the range, the step left out");
+  table.column("+-", "standard error");
+  table.column("with step (mm)");
+  table.column("about planes (mm)", "offsets between rings, bends and motion included");
+  table.column("spread", "of the patches' own deviations over what equal ones would have");
+  table.column("lost", "beams without a return whose neighbours returned from the plane");
+  table.column("of");
+  table.column("drop-out (%)");
+  table.column("points/m²");
+  table.column("expected", "by the beam table");
+  table.column("ratio");
+  table.column("left out");
   for (const PatchGroup& g : groups) {
-    rows += fmt::format(
-        "<tr{}><td>{}</td><td>{:.1f}</td><td>{}</td><td>{}</td><td>{:.2f} ± {:.2f}</td><td>{:.2f}</td><td>{:.2f}</td>"
-        "<td>{:.2f}</td><td>{}</td><td>{}</td><td>{:.2f} ± {:.2f}</td><td>{:.0f}</td><td>{:.0f}</td><td>{:.3f}</td>"
-        "<td>{}</td></tr>\n",
-        g.leftOut.empty() ? "" : " class=\"out\"", escapeXml(g.name), g.range, g.patches, g.points,
-        g.sigma * kMillimetres, g.error * kMillimetres, g.withStep * kMillimetres, g.planeSigma * kMillimetres,
-        g.unevenness, g.dropOut.lost, g.dropOut.of, 100 * g.dropOut.share(), 100 * g.dropOut.error, g.density,
-        g.expectedDensity, g.densityRatio, g.leftOut.empty() ? "" : escapeXml("left out: " + g.leftOut));
+    const auto count = [](std::uint64_t n) { return HtmlCell{std::to_string(n), static_cast<double>(n)}; };
+    const auto figure = [](double value, int digits) { return HtmlCell{fmt::format("{:.{}f}", value, digits), value}; };
+    table.row({{g.name, g.range},
+               figure(g.range, 1),
+               count(g.patches),
+               count(g.points),
+               {millimetres(g.sigma), g.sigma},
+               {millimetres(g.error), g.error},
+               {millimetres(g.withStep), g.withStep},
+               {millimetres(g.planeSigma), g.planeSigma},
+               figure(g.unevenness, 2),
+               count(g.dropOut.lost),
+               count(g.dropOut.of),
+               {fmt::format("{:.2f} ± {:.2f}", 100 * g.dropOut.share(), 100 * g.dropOut.error), g.dropOut.share()},
+               figure(g.density, 0),
+               figure(g.expectedDensity, 0),
+               figure(g.densityRatio, 3),
+               {g.leftOut}},
+              g.leftOut.empty());
   }
-  return rows + "</table>\n";
+  return table.html();
 }
 
 std::string fitnessTableText(const NoiseComparison& comparison) {
-  std::string rows =
-      "<table><tr><th>pair</th><th>moved by ICP (m)</th><th>recorded (m²)</th><th>simulated (m²)</th>"
-      "<th>without effects (m²)</th></tr>\n";
-  const auto cell = [](const std::optional<double>& value) { return value ? fmt::format("{:.6f}", *value) : "none"; };
-  for (const FitnessComparison& p : comparison.fitness) {
-    rows += fmt::format("<tr><td>{}</td><td>{:.3f}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", escapeXml(p.pair),
-                        p.moved, cell(p.recorded), cell(p.simulated), cell(p.exact));
+  HtmlTable table;
+  for (const char* title :
+       {"pair", "moved by ICP (m)", "recorded (m²)", "simulated (m²)", "simulated without effects (m²)"}) {
+    table.column(title);
   }
-  return rows + "</table>\n";
+  const auto cell = [](const std::optional<double>& value) {
+    return value ? HtmlCell{fmt::format("{:.6f}", *value), *value} : HtmlCell{"none"};
+  };
+  for (const FitnessComparison& p : comparison.fitness) {
+    table.row(
+        {{p.pair}, {fmt::format("{:.3f}", p.moved), p.moved}, cell(p.recorded), cell(p.simulated), cell(p.exact)});
+  }
+  return table.html();
 }
-
-constexpr const char* kHead =
-    "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Noise of a recorded sensor</title>\n"
-    "<style>body{font-family:system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#222;"
-    "line-height:1.45}table{border-collapse:collapse;font-size:.85rem;margin:1rem 0;display:block;overflow-x:auto}"
-    "th,td{padding:.2rem .6rem;text-align:right;border-bottom:1px solid #ddd}th:first-child,td:first-child,"
-    "td:last-child{text-align:left}.out td{color:#999}svg{max-width:100%;height:auto;margin:1rem 0}"
-    "pre{background:#f5f5f5;padding:1rem;overflow-x:auto}</style></head><body>\n";
 
 }  // namespace
 
+std::vector<NoiseChart> noiseCharts(const NoiseFit& fit, const NoiseComparison& comparison) {
+  std::vector<NoiseChart> charts{{"range_noise", sigmaChart(fit)},
+                                 {"drop_out", dropOutChart(fit)},
+                                 {"density", densityChart(fit)},
+                                 {"incidence", incidenceChart(fit)}};
+  for (const ResidualComparison& c : comparison.residuals) {
+    charts.push_back({fmt::format("residuals_{}", charts.size() - 3), residualChart(c)});
+  }
+  if (!comparison.fitness.empty()) charts.push_back({"fitness", fitnessChart(comparison)});
+  return charts;
+}
+
 std::string noiseReport(const NoiseFit& fit, const NoiseComparison& comparison, const std::string& sensor,
                         const std::string& effects, const std::string& date) {
-  std::string page = kHead;
-  page += fmt::format(
-      "<h1>Noise of {}</h1>\n<p>Measured on {}, {}, by Scanmill {}. {} of {} beams returned ({:.1f} %). "
-      "Range step: {}.</p>\n",
-      escapeXml(sensor), escapeXml(fmt::format("{}", fmt::join(fit.files, ", "))), date, kVersion, fit.returns,
-      fit.beams, 100.0 * static_cast<double>(fit.returns) / static_cast<double>(std::max<std::uint64_t>(1, fit.beams)),
-      fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * kMillimetres) : "none found");
-  page += fmt::format(
-      "<p>A flat patch is {} rings by {} columns of neighbouring beams, coloured like a chessboard: one colour is "
-      "tested "
-      "for lying on a plane, the other is measured, so that the choice of the patches does not change what is "
-      "measured.</p>\n<pre>{}</pre>\n",
-      kPatchRings, kPatchColumns, escapeXml(effects));
-  page += "<h2>By range</h2>\n" + sigmaChart(fit) + tableOf(fit.bands, "range");
-  page += dropOutChart(fit) + densityChart(fit);
-  page += "<h2>By incidence</h2>\n" + incidenceChart(fit) + tableOf(fit.incidences, "incidence");
-  if (!fit.intensities.empty()) {
-    page += "<h2>By intensity</h2>\n" + intensityChart(fit) + tableOf(fit.intensities, "intensity");
-  }
-  page +=
-      "<h2>Recorded and simulated</h2>\n<p>The planes of the same patches, seen by the same beams, with the effects "
-      "above.</p>\n";
-  for (const ResidualComparison& c : comparison.residuals) page += residualChart(c);
-  if (!comparison.fitness.empty()) page += fitnessChart(comparison) + fitnessTableText(comparison);
-  return page + "</body></html>\n";
+  const std::string head = htmlParagraph(
+      fmt::format("Measured on {}, {}, by Scanmill {}. {} of {} beams returned ({:.1f} %). Range step: {}.",
+                  fmt::join(fit.files, ", "), date, kVersion, fit.returns, fit.beams,
+                  100.0 * static_cast<double>(fit.returns) / static_cast<double>(std::max<std::uint64_t>(1, fit.beams)),
+                  fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * kMillimetres) : "none found"));
+  std::vector<std::string> residuals;
+  for (const ResidualComparison& c : comparison.residuals) residuals.push_back(residualChart(c));
+  std::vector<HtmlSection> sections{
+      {"model", "The model", "What the sensor's file says from now on, and pipelines take by `effects: sensor`.",
+       htmlCode(effects)},
+      {"range", "By range",
+       fmt::format(
+           "A flat patch is {} rings by {} columns of neighbouring beams, coloured like a chessboard: one colour "
+           "is tested for lying on a plane, the other is measured, so that the choice of the patches does not "
+           "change what is measured.",
+           kPatchRings, kPatchColumns),
+       htmlFigures({sigmaChart(fit), dropOutChart(fit), densityChart(fit)}) + tableOf(fit.bands, "range")},
+      {"incidence", "By incidence", "", htmlFigures({incidenceChart(fit)}) + tableOf(fit.incidences, "incidence")},
+      {"intensity", "By intensity", "",
+       fit.intensities.empty() ? std::string()
+                               : htmlFigures({intensityChart(fit)}) + tableOf(fit.intensities, "intensity")},
+      {"simulated", "Recorded and simulated",
+       "The planes of the same patches, seen by the same beams, with the effects above.",
+       htmlFigures(residuals) + (comparison.fitness.empty()
+                                     ? std::string()
+                                     : htmlFigures({fitnessChart(comparison)}) + fitnessTableText(comparison))}};
+  return htmlPage(fmt::format("Noise of {}", sensor), head, sections);
 }
 
 }  // namespace scanmill
