@@ -50,7 +50,8 @@ void printUnlabeled(const std::map<std::string, std::uint64_t>& unlabeled) {
   fmt::print("{}", formatTable(rows));
 }
 
-// What a feature adds to a frame, in ms and in per cent of the frame; nothing where that drowns in the scatter.
+// What a feature adds to a frame, in ms and in per cent of the frame; where that drowns in the scatter, how large that
+// is.
 void printFeatures(const FeatureCosts& costs) {
   const auto ms = [](double seconds) { return fmt::format("{:.2f}", 1e3 * seconds); };
   std::vector<std::vector<std::string>> rows{
@@ -62,11 +63,14 @@ void printFeatures(const FeatureCosts& costs) {
     const bool told = std::abs(f.cost.seconds()) > f.scatter;
     rows.push_back({fmt::format("{}{}", f.feature, f.present ? "" : ", if added"), ms(f.cost.traceSeconds),
                     ms(f.cost.effectsSeconds), ms(f.cost.encodeSeconds), ms(f.cost.seconds()),
-                    told ? fmt::format("{:+.1f} %", 100 * f.cost.seconds() / whole.seconds()) : "scatter",
+                    told ? fmt::format("{:+.1f} %", 100 * f.cost.seconds() / whole.seconds())
+                         : fmt::format("< {:.1f} %", 100 * f.scatter / whole.seconds()),
                     fmt::format("{:+.0f}", f.cost.bytes * 1e-3)});
   }
-  fmt::print("\n{}measured on {}: medians of frames with and without; tracing on all cores, the rest on one\n",
-             formatTable(rows), costs.frame);
+  fmt::print(
+      "\n{}measured on {}: medians of frames with and without; tracing on all cores, the rest on one; <: as little as\n"
+      "equal frames differ by, here and now\n",
+      formatTable(rows), costs.frame);
 }
 
 }  // namespace
