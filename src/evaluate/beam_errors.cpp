@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -43,8 +44,10 @@ struct Outcome {
   bool unresolved = false;
   bool sameClass = false;
   bool sameInstance = false;
-  float range = 0;             // |tested - truth| where both hit (m)
-  float intensity = kUnknown;  // likewise
+  float range = 0;               // |tested - truth| where both hit (m)
+  float intensity = kUnknown;    // likewise
+  float nearestTo = kUnknown;    // m, where the truth hits
+  float nearestFrom = kUnknown;  // m, where the tested method hits
 };
 
 // Spreads need every error: as floats, which keep seven digits of it.
@@ -52,6 +55,8 @@ struct GroupSum {
   GroupErrors counts;
   std::vector<float> range;
   std::vector<float> intensity;
+  std::vector<float> nearestTo;
+  std::vector<float> nearestFrom;
 
   void add(const Outcome& beam) {
     ++counts.beams;
@@ -71,13 +76,8 @@ struct GroupSum {
       range.push_back(beam.range);
       if (std::isfinite(beam.intensity)) intensity.push_back(beam.intensity);
     }
-  }
-
-  GroupErrors finish() const {
-    GroupErrors errors = counts;
-    errors.range = spreadOf({range.begin(), range.end()});
-    errors.intensity = spreadOf({intensity.begin(), intensity.end()});
-    return errors;
+    if (std::isfinite(beam.nearestTo)) nearestTo.push_back(beam.nearestTo);
+    if (std::isfinite(beam.nearestFrom)) nearestFrom.push_back(beam.nearestFrom);
   }
 };
 
@@ -96,7 +96,8 @@ double share(std::uint64_t part, std::uint64_t whole, double ofNone) {
   return whole == 0 ? ofNone : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-void checkSizes(const TrueShot& truth, const Hits& tested, std::span<const float> intensity) {
+void checkSizes(const TrueShot& truth, const Hits& tested, std::span<const float> intensity,
+                std::span<const float> nearestTo, std::span<const float> nearestFrom) {
   const std::size_t beams = truth.truth.range.size();
   const auto fits = [&](std::size_t size) { return size == beams; };
   const auto fitsOrNone = [&](std::size_t size) { return size == 0 || size == beams; };
@@ -110,6 +111,9 @@ void checkSizes(const TrueShot& truth, const Hits& tested, std::span<const float
   }
   if (!fitsOrNone(truth.edges.size()) || !fitsOrNone(truth.intensity.size()) || !fitsOrNone(intensity.size())) {
     throw Error(fmt::format("edges and intensities must be of the {} beams that are compared", beams));
+  }
+  if (!fitsOrNone(nearestTo.size()) || !fitsOrNone(nearestFrom.size())) {
+    throw Error(fmt::format("distances to the nearest points must be of the {} beams that are compared", beams));
   }
 }
 
@@ -127,13 +131,17 @@ double GroupErrors::classAgreed() const {
 double GroupErrors::instanceAgreed() const {
   return share(sameInstance, bothHit, 1);
 }
+double GroupErrors::hausdorff() const {
+  return std::max(nearestTo.max, nearestFrom.max);
+}
 
 class BeamErrorSum::Impl {
  public:
   explicit Impl(const Scene& scene) : scene_(scene), sizes_(thingSizes(scene)), things_(sizes_.size()) {}
 
-  void add(const TrueShot& shot, const Hits& tested, std::span<const float> intensity) {
-    checkSizes(shot, tested, intensity);
+  void add(const TrueShot& shot, const Hits& tested, std::span<const float> intensity, std::span<const float> nearestTo,
+           std::span<const float> nearestFrom) {
+    checkSizes(shot, tested, intensity, nearestTo, nearestFrom);
     const Hits& exact = shot.truth.hits;
     const bool lit = !shot.intensity.empty() && !intensity.empty();
     auto unresolved = tested.unresolved.begin();
@@ -150,6 +158,8 @@ class BeamErrorSum::Impl {
         beam.range = static_cast<float>(std::abs(double{tested.range[i]} - range));
         if (lit) beam.intensity = std::abs(intensity[i] - shot.intensity[i]);
       }
+      if (beam.truth && !nearestTo.empty()) beam.nearestTo = nearestTo[i];
+      if (beam.tested && !nearestFrom.empty()) beam.nearestFrom = nearestFrom[i];
       all_.add(beam);
       places_[shot.edges.empty() || shot.edges[i] == 0 ? 0 : 1].add(beam);
       if (beam.truth || beam.tested) {
@@ -171,7 +181,7 @@ class BeamErrorSum::Impl {
 
   BeamErrors finish() const {
     BeamErrors errors;
-    std::vector<const GroupSum*> sums{&all_, &places_[0], &places_[1]};
+    errors.all = all_.counts;
     errors.byPlace = {{"interior", 0, 0, places_[0].counts}, {"edges", 0, 0, places_[1].counts}};
     errors.byRange = bands(kRangeEdges, "m", ranges_);
     errors.byIncidence = bands(kIncidenceEdges, "deg", incidences_);
@@ -179,23 +189,25 @@ class BeamErrorSum::Impl {
       const SemanticClass* known = scene_.ontology.find(id);
       errors.byClass.push_back({known != nullptr ? known->name : fmt::format("class {}", id), 0, 0, sum.counts});
     }
-    std::vector<GroupErrors*> results{&errors.all, &errors.byPlace[0].errors, &errors.byPlace[1].errors};
-    const auto pair = [&](std::vector<ErrorGroup>& groups, std::span<const GroupSum> of) {
-      for (std::size_t i = 0; i < groups.size(); ++i) {
-        sums.push_back(&of[i]);
-        results.push_back(&groups[i].errors);
-      }
+    std::vector<std::pair<const std::vector<float>*, Spread*>> spreads;
+    const auto spread = [&](const GroupSum& of, GroupErrors& group) {
+      spreads.insert(spreads.end(), {{&of.range, &group.range},
+                                     {&of.intensity, &group.intensity},
+                                     {&of.nearestTo, &group.nearestTo},
+                                     {&of.nearestFrom, &group.nearestFrom}});
     };
-    pair(errors.byRange, ranges_);
-    pair(errors.byIncidence, incidences_);
-    std::size_t next = 0;
-    for (const auto& entry : classes_) {
-      sums.push_back(&entry.second);
-      results.push_back(&errors.byClass[next++].errors);
-    }
+    spread(all_, errors.all);
+    for (std::size_t i = 0; i < errors.byPlace.size(); ++i) spread(places_[i], errors.byPlace[i].errors);
+    for (std::size_t i = 0; i < errors.byRange.size(); ++i) spread(ranges_[i], errors.byRange[i].errors);
+    for (std::size_t i = 0; i < errors.byIncidence.size(); ++i) spread(incidences_[i], errors.byIncidence[i].errors);
+    auto byClass = errors.byClass.begin();
+    for (const auto& entry : classes_) spread(entry.second, (byClass++)->errors);
     // Sorting is what takes time, and groups are few and large.
-    parallelFor(sums.size(), 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) *results[i] = sums[i]->finish();
+    parallelFor(spreads.size(), 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        const auto& [values, result] = spreads[i];
+        *result = spreadOf({values->begin(), values->end()});
+      }
     });
     errors.byThickness = recall(kThicknessEdges, &ThingSize::smallest);
     errors.byLength = recall(kLengthEdges, &ThingSize::largest);
@@ -240,8 +252,9 @@ BeamErrorSum::~BeamErrorSum() = default;
 BeamErrorSum::BeamErrorSum(BeamErrorSum&&) noexcept = default;
 BeamErrorSum& BeamErrorSum::operator=(BeamErrorSum&&) noexcept = default;
 
-void BeamErrorSum::add(const TrueShot& truth, const Hits& tested, std::span<const float> intensity) {
-  impl_->add(truth, tested, intensity);
+void BeamErrorSum::add(const TrueShot& truth, const Hits& tested, std::span<const float> intensity,
+                       std::span<const float> nearestTo, std::span<const float> nearestFrom) {
+  impl_->add(truth, tested, intensity, nearestTo, nearestFrom);
 }
 
 BeamErrors BeamErrorSum::finish() const {

@@ -29,11 +29,14 @@ struct GroupErrors {
   std::uint64_t sameLabel = 0;     // of bothHit: class and instance
   Spread range;                    // |tested - truth| of bothHit (m)
   Spread intensity;                // |tested - truth| of bothHit, in the intensity's unit; none where it is not given
+  Spread nearestTo;                // from the beams' true points to the nearest tested one, of whatever group (m)
+  Spread nearestFrom;              // from the beams' tested points to the nearest true one, of whatever group (m)
 
   double missRate() const;        // (lost + spurious + unresolved) / beams; 0 of no beams
   double labels() const;          // sameLabel / bothHit; 1 of none
   double classAgreed() const;     // sameClass / bothHit; 1 of none
   double instanceAgreed() const;  // sameInstance / bothHit; 1 of none
+  double hausdorff() const;       // the largest of nearestTo and nearestFrom (m); 0 of none
 };
 
 struct ErrorGroup {
@@ -84,8 +87,10 @@ class BeamErrorSum {
   BeamErrorSum& operator=(BeamErrorSum&&) noexcept;
 
   // `tested`: channels Range, Instance, Semantic. `intensity` as TrueShot::intensity, or empty. Throws Error where the
-  // sizes differ. Neither counts: a NaN range is a miss.
-  void add(const TrueShot& truth, const Hits& tested, std::span<const float> intensity);
+  // sizes differ. Neither counts: a NaN range is a miss. `nearestTo` and `nearestFrom`, per beam or empty: how far its
+  // true point lies from the nearest tested one, and its tested point from the nearest true one (m); NaN: unknown.
+  void add(const TrueShot& truth, const Hits& tested, std::span<const float> intensity,
+           std::span<const float> nearestTo = {}, std::span<const float> nearestFrom = {});
   BeamErrors finish() const;
 
  private:

@@ -20,6 +20,14 @@ struct CloudErrors {
   std::size_t unmatched = 0;
 };
 
+// Of a pair of clouds.
+struct CloudDistances {
+  std::vector<float> to;      // m, by true point; NaN where it is not finite, or where no tested point is
+  std::vector<float> from;    // m, by tested point, likewise
+  std::size_t unmatched = 0;  // finite points of one cloud where the other has none
+};
+CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3f> tested);
+
 // Points that are not finite do not count.
 CloudErrors cloudErrors(std::span<const Vec3f> truth, std::span<const Vec3f> tested);
 
@@ -27,12 +35,12 @@ CloudErrors cloudErrors(std::span<const Vec3f> truth, std::span<const Vec3f> tes
 // alike.
 class CloudErrorSum {
  public:
-  void add(std::span<const Vec3f> truth, std::span<const Vec3f> tested);
+  void add(const CloudDistances& distances);
   CloudErrors finish() const;
 
  private:
-  std::vector<double> to_;
-  std::vector<double> from_;
+  std::vector<float> to_;
+  std::vector<float> from_;
   std::size_t unmatched_ = 0;
 };
 

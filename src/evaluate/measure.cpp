@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <limits>
 
 #include "base/error.h"
 #include "evaluate/hit_errors.h"
@@ -59,6 +60,16 @@ Affine startFromStep(const Shot& shot, std::size_t step) {
   const Pose& now = shot.worldFromSensor[step];
   const Mat3 startFromWorld = transposed(toMatrix(start.rotation));
   return {startFromWorld * toMatrix(now.rotation), startFromWorld * (now.translation - start.translation)};
+}
+
+// What is known of the points that hitPoints() gives, by beam; NaN of misses.
+std::vector<float> byBeam(const Hits& hits, const std::vector<float>& ofPoints) {
+  std::vector<float> values(hits.size(), std::numeric_limits<float>::quiet_NaN());
+  auto next = ofPoints.begin();
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (hits.hit(i)) values[i] = *next++;
+  }
+  return values;
 }
 
 // Times the method on one shot; adds each scan's seconds.
@@ -130,8 +141,15 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     // Every scan of a shot is the same: the last one serves where it has all the channels.
     if (timed != compared) method->trace(truth.shot, compared, hits);
     const bool lit = options.intensity && !truth.intensity.empty();
-    errors.add(truth, hits, lit ? options.intensity(truth.shot, hits) : std::vector<float>());
-    if (options.clouds) clouds.add(hitPoints(truth.shot, truth.truth.hits), hitPoints(truth.shot, hits));
+    const std::vector<float> intensity = lit ? options.intensity(truth.shot, hits) : std::vector<float>();
+    if (!options.clouds) {
+      errors.add(truth, hits, intensity);
+      continue;
+    }
+    const Hits& exact = truth.truth.hits;
+    const CloudDistances distances = cloudDistances(hitPoints(truth.shot, exact), hitPoints(truth.shot, hits));
+    clouds.add(distances);
+    errors.add(truth, hits, intensity, byBeam(exact, distances.to), byBeam(hits, distances.from));
   }
 
   const Spread spread = spreadOf(seconds);

@@ -39,7 +39,7 @@ struct Measurement {
 
 struct MeasureOptions {
   int repeats = 3;     // timed scans of each shot, after one that is not timed
-  bool clouds = true;  // measure distances between clouds too
+  bool clouds = true;  // measure distances between clouds too, of the whole and of each group of beams
   Channels channels;   // that are traced while time is taken; kErrorChannels and these are traced for the errors
   // Noise-free intensities of what a method met; null: not compared.
   std::function<std::vector<float>(const Shot&, const Hits&)> intensity;

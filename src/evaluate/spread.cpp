@@ -9,7 +9,6 @@ Spread spreadOf(std::vector<double> values) {
   Spread s;
   s.count = values.size();
   if (values.empty()) return s;
-  std::sort(values.begin(), values.end());
   double sum = 0;
   double squares = 0;
   for (const double v : values) {
@@ -17,9 +16,14 @@ Spread spreadOf(std::vector<double> values) {
     squares += v * v;
   }
   const auto n = static_cast<double>(values.size());
+  // Each percentile is looked for above the one before.
+  auto from = values.begin();
   const auto at = [&](double share) {
     const auto place = static_cast<std::size_t>(std::max(std::ceil(share * n) - 1, 0.0));
-    return values[std::min(place, values.size() - 1)];
+    const auto found = values.begin() + static_cast<std::ptrdiff_t>(std::min(place, values.size() - 1));
+    std::nth_element(from, found, values.end());
+    from = found;
+    return *found;
   };
   s.mean = sum / n;
   s.rms = std::sqrt(squares / n);
@@ -27,7 +31,7 @@ Spread spreadOf(std::vector<double> values) {
   s.p95 = at(0.95);
   s.p99 = at(0.99);
   s.p999 = at(0.999);
-  s.max = values.back();
+  s.max = *std::max_element(from, values.end());
   return s;
 }
 

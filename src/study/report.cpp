@@ -177,9 +177,9 @@ std::string studyReport(const Study& study) {
                       settingsTable(study)});
   sections.push_back({"range", "Error against range and incidence",
                       "Each method with its defaults and at its fastest, or settings on the fronts above. Gaps: too "
-                      "little was hit there.",
-                      htmlFigures({rangeErrorByRange(study), wrongByRange(study), rangeErrorByIncidence(study),
-                                   wrongByIncidence(study)})});
+                      "little was hit there. In the last row, the nearest point may be of any band and any beam.",
+                      htmlFigures({rangeErrorByRange(study), rangeErrorByIncidence(study), wrongByRange(study),
+                                   wrongByIncidence(study), nearestByRange(study), nearestByIncidence(study)})});
   sections.push_back(
       {"edges", "Edges and the inside of surfaces",
        "A beam lies at an edge where its neighbours meet another thing, or the range steps.",
@@ -191,11 +191,10 @@ std::string studyReport(const Study& study) {
        htmlFigures({wrongByClass(study), lostByClass(study)}) + details("The figures", classesTable(study))});
   sections.push_back(
       {"things", "Thin and small things", "", htmlFigures({recallByThickness(study), recallByLength(study)})});
-  sections.push_back({"stages", "Stages", "", figuresIf(any, {stagesChart(study)})});
-  const std::string common = commonStagesTable(study);
-  if (!common.empty()) {
-    sections.back().body += htmlParagraph("What follows takes the same whatever the setting, on one thread:") + common;
-  }
+  sections.push_back({"stages", "Stages",
+                      "In the tables, a method's own stages are summed over the threads that work on them; effects and "
+                      "encoding were timed on one thread and take the same whatever the setting.",
+                      figuresIf(any, {stagesChart(study)}) + stagesTables(study)});
   sections.push_back({"encodings", "Encodings",
                       "Encoding is part of the trade: what a scan takes on disk, and what it loses.",
                       htmlFigures({encodingsChart(study)}) + encodingsTable(study)});

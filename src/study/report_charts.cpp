@@ -18,6 +18,7 @@ constexpr std::size_t kMostLines = 6, kMostClasses = 30;
 constexpr int kHalfWidth = 575;  // pixels of charts that stand side by side
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 const std::string kRangeError = "range error that 99 % of the beams stay below";
+const std::string kNearest = "mean distance from true points to the setting's nearest";
 const std::string kWrongBeams = "beams that are lost, invented or labelled wrongly";
 
 using Groups = std::vector<ErrorGroup> BeamErrors::*;
@@ -36,6 +37,9 @@ double noBeams(const GroupErrors& e, double value) {
 }
 double rangeErrorOf(const GroupErrors& e) {
   return rangeP99(e);
+}
+double nearestOf(const GroupErrors& e) {
+  return nearestMean(e);
 }
 double wrongOf(const GroupErrors& e) {
   return noBeams(e, wrongShare(e));
@@ -303,6 +307,14 @@ std::string rangeErrorByIncidence(const Study& study) {
 std::string wrongByIncidence(const Study& study) {
   return bandChart(study, "Wrong beams by incidence", "angle between beam and surface normal", &BeamErrors::byIncidence,
                    sharesAxis(kWrongBeams), wrongOf);
+}
+std::string nearestByRange(const Study& study) {
+  return bandChart(study, "Distance to the nearest point, by range", "range", &BeamErrors::byRange,
+                   metresAxis(kNearest), nearestOf);
+}
+std::string nearestByIncidence(const Study& study) {
+  return bandChart(study, "Distance to the nearest point, by incidence", "angle between beam and surface normal",
+                   &BeamErrors::byIncidence, metresAxis(kNearest), nearestOf);
 }
 std::string recallByThickness(const Study& study) {
   return recallChart(study, "Thin things found", "smallest side of the thing's box (how many things)",

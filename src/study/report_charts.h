@@ -18,8 +18,10 @@ std::string wrongFrontChart(const Study& study);  // speed against wrong beams
 // A line per setting that is shown over the bands of range or incidence.
 std::string rangeErrorByRange(const Study& study);
 std::string wrongByRange(const Study& study);
+std::string nearestByRange(const Study& study);
 std::string rangeErrorByIncidence(const Study& study);
 std::string wrongByIncidence(const Study& study);
+std::string nearestByIncidence(const Study& study);
 std::string recallByThickness(const Study& study);
 std::string recallByLength(const Study& study);
 

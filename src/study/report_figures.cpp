@@ -107,6 +107,11 @@ double rangeP99(const GroupErrors& e) {
   return e.range.p99 < kExactRange ? 0 : e.range.p99;
 }
 
+double nearestMean(const GroupErrors& e) {
+  if (e.nearestTo.count == 0) return std::numeric_limits<double>::quiet_NaN();
+  return e.nearestTo.mean < kExactRange ? 0 : e.nearestTo.mean;
+}
+
 double beamsPerSecond(const Study& study, const SettingResult& result) {
   return result.measured.cost.beamsPerSecond(study.beamsPerShot);
 }

@@ -28,6 +28,8 @@ double wrongShare(const GroupErrors& errors);
 double lostShare(const GroupErrors& errors);
 // The range error that 99 % stay below, or 0 where it counts as none; NaN where no beam hits by both.
 double rangeP99(const GroupErrors& errors);
+// The mean distance from true points to the nearest of the setting's, or 0 where it counts as none; NaN of none.
+double nearestMean(const GroupErrors& errors);
 
 double beamsPerSecond(const Study& study, const SettingResult& result);
 bool isDefault(const Setting& setting);

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <utility>
 
 #include "pipeline/progress.h"
+#include "study/report_charts.h"
 #include "study/report_figures.h"
 #include "study/report_html.h"
 
@@ -15,6 +18,8 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostColumns = 6;
+constexpr const char* kNearestHint = "mean distance from each true point to the nearest of the setting's";
+constexpr const char* kHausdorffHint = "the largest distance of either direction";
 
 HtmlCell metresCell(double metres) {
   return {metresText(metres), metres};
@@ -36,6 +41,66 @@ HtmlCell countCell(std::uint64_t count) {
 HtmlCell beamsCell(std::uint64_t part, std::uint64_t whole) {
   const double share = whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
   return {shareText(share), share, fmt::format("{} of {} beams", part, whole)};
+}
+
+// From true points to the nearest of the setting's, on average.
+HtmlCell nearestCell(const GroupErrors& e) {
+  if (e.nearestTo.count == 0) return {};
+  const std::string back = e.nearestFrom.count > 0 ? metresText(e.nearestFrom.mean) : "no points";
+  return {metresText(e.nearestTo.mean), e.nearestTo.mean,
+          fmt::format("back: {}; Hausdorff {}", back, metresText(e.hausdorff()))};
+}
+
+HtmlCell hausdorffCell(const GroupErrors& e) {
+  return e.nearestTo.count + e.nearestFrom.count > 0 ? metresCell(e.hausdorff()) : HtmlCell{};
+}
+
+// What a stage takes a scan, and how many beams go through it.
+void addStage(std::vector<HtmlCell>& cells, const Study& study, const std::map<std::string, double>& stages,
+              const std::string& stage) {
+  const auto found = stages.find(stage);
+  if (found == stages.end() || found->second <= 0) {
+    cells.insert(cells.end(), 2, HtmlCell{});
+    return;
+  }
+  cells.push_back(secondsCell(found->second));
+  cells.push_back(amountCell(static_cast<double>(study.beamsPerShot) / found->second));
+}
+
+// Of one method's settings among `rows`: other methods have other stages.
+std::string stagesTable(const Study& study, const std::string& method, const std::vector<std::size_t>& rows) {
+  std::vector<std::size_t> own;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(own),
+               [&](std::size_t i) { return study.settings[i].setting.method == method; });
+  std::vector<std::string> stages;
+  for (const std::size_t i : own) {
+    for (const auto& [stage, seconds] : study.settings[i].measured.cost.stages) {
+      const bool known = std::find(stages.begin(), stages.end(), stage) != stages.end();
+      if (seconds > 0 && !known) stages.push_back(stage);
+    }
+  }
+  HtmlTable table;
+  table.group("", 2);
+  table.column("setting");
+  table.column("set-up", "making the method and preparing it for the first scan");
+  const auto pair = [&](const std::string& title, const char* hint) {
+    table.group(title, 2);
+    table.column("a scan", hint);
+    table.column("beams/s", hint);
+  };
+  pair("tracing, in all", "median of wall-clock time, all threads together");
+  for (const std::string& stage : stages) pair(wordsOf(stage), "summed over the threads that work on it");
+  for (const auto& entry : study.commonStages) pair(entry.first + ", one thread", "the same whatever the setting");
+  for (const std::size_t i : own) {
+    const SettingResult& s = study.settings[i];
+    const Cost& cost = s.measured.cost;
+    std::vector<HtmlCell> cells{{s.setting.name}, secondsCell(cost.setupSeconds)};
+    addStage(cells, study, {{"trace", cost.scanSeconds}}, "trace");
+    for (const std::string& stage : stages) addStage(cells, study, cost.stages, stage);
+    for (const auto& entry : study.commonStages) addStage(cells, study, study.commonStages, entry.first);
+    table.row(std::move(cells));
+  }
+  return table.empty() ? "" : table.html();
 }
 
 bool isIn(const std::vector<std::size_t>& list, std::size_t i) {
@@ -125,9 +190,9 @@ std::string settingsTable(const Study& study) {
   table.column("class");
   table.column("instance");
   table.column("intensity", "mean error, in the intensity's own unit");
-  table.column("to", "mean distance from each true point to the nearest of the setting's");
+  table.column("to", kNearestHint);
   table.column("from", "mean distance from each of the setting's points to the nearest true one");
-  table.column("Hausdorff", "the largest distance of either direction");
+  table.column("Hausdorff", kHausdorffHint);
   const std::vector<std::size_t> byRange = rangeFront(study), byWrong = wrongFront(study);
   for (std::size_t i = 0; i < study.settings.size(); ++i) {
     const SettingResult& s = study.settings[i];
@@ -149,9 +214,10 @@ std::string classesTable(const Study& study) {
   std::vector<std::pair<std::string, std::uint64_t>> classes;
   for (const std::size_t i : shown) {
     const SettingResult& s = study.settings[i];
-    table.group(s.setting.name, 2);
+    table.group(s.setting.name, 3);
     table.column("labels");
     table.column("lost");
+    table.column("nearest", kNearestHint);
     for (const ErrorGroup& g : s.measured.errors.byClass) {
       const bool known = std::any_of(classes.begin(), classes.end(), [&](const auto& c) { return c.first == g.name; });
       if (!known && g.errors.beams > 0) classes.emplace_back(g.name, g.errors.beams);
@@ -165,6 +231,7 @@ std::string classesTable(const Study& study) {
       const bool any = e != nullptr && e->beams > 0;
       cells.push_back(any && e->bothHit > 0 ? shareCell(e->labels()) : HtmlCell{});
       cells.push_back(any && e->bothHit + e->lost > 0 ? shareCell(lostShare(*e)) : HtmlCell{});
+      cells.push_back(any ? nearestCell(*e) : HtmlCell{});
     }
     table.row(std::move(cells));
   }
@@ -180,8 +247,10 @@ std::string placesTable(const Study& study) {
     for (const ErrorGroup& g : study.settings[i].measured.errors.byPlace) {
       if (g.errors.beams == 0 || std::find(places.begin(), places.end(), g.name) != places.end()) continue;
       places.push_back(g.name);
-      table.group(g.name, 5);
+      table.group(g.name, 7);
       for (const char* name : {"beams", "median", "p99", "labels", "lost or invented"}) table.column(name);
+      table.column("nearest", kNearestHint);
+      table.column("Hausdorff", kHausdorffHint);
     }
   }
   if (places.empty()) return "";
@@ -190,27 +259,22 @@ std::string placesTable(const Study& study) {
     for (const std::string& place : places) {
       const GroupErrors* e = errorsNamed(study.settings[i].measured.errors.byPlace, place);
       if (e == nullptr || e->beams == 0) {
-        cells.insert(cells.end(), 5, HtmlCell{});
+        cells.insert(cells.end(), 7, HtmlCell{});
         continue;
       }
       cells.insert(cells.end(), {countCell(e->beams), metresCell(e->range.median), metresCell(e->range.p99),
-                                 shareCell(e->labels()), shareCell(e->missRate())});
+                                 shareCell(e->labels()), shareCell(e->missRate()), nearestCell(*e), hausdorffCell(*e)});
     }
     table.row(std::move(cells));
   }
   return table.html();
 }
 
-std::string commonStagesTable(const Study& study) {
-  HtmlTable table;
-  table.column("stage");
-  table.column("a scan", "on one thread");
-  table.column("beams/s", "on one thread");
-  for (const auto& [stage, seconds] : study.commonStages) {
-    const double rate = seconds > 0 ? static_cast<double>(study.beamsPerShot) / seconds : 0;
-    table.row({{stage}, secondsCell(seconds), rate > 0 ? amountCell(rate) : HtmlCell{}});
-  }
-  return table.empty() ? "" : table.html();
+std::string stagesTables(const Study& study) {
+  const std::vector<std::size_t> rows = settingsByMethod(study, kReportRows);
+  std::string out;
+  for (const std::string& method : methodsOf(study)) out += stagesTable(study, method, rows);
+  return out;
 }
 
 std::string encodingsTable(const Study& study) {

@@ -23,6 +23,7 @@ constexpr const char* kDefaultSettings = R"(
 - {ray_tracing: {bvh: [low, high]}}
 - {particle: {refine: [normal, none], voxel_m: 0.2}}
 - {particle: {refine: none, voxels: 512}}
+- {particle: {refine: none, levels: 3}}
 - {particle: {backend: gl, refine: [triangle, none]}}
 - {depth_camera: {depth: [uint24, uint16]}}
 - {depth_camera: {layout: three_120}}

@@ -25,7 +25,8 @@ template <class Archive>
 void describe(Archive& a, GroupErrors& g) {
   a("beams", g.beams)("both_hit", g.bothHit)("both_miss", g.bothMiss)("lost", g.lost)("spurious", g.spurious)(
       "unresolved", g.unresolved)("same_class", g.sameClass)("same_instance", g.sameInstance)(
-      "same_label", g.sameLabel)("range_m", g.range)("intensity", g.intensity);
+      "same_label", g.sameLabel)("range_m", g.range)("intensity", g.intensity)("nearest_to_m", g.nearestTo)(
+      "nearest_from_m", g.nearestFrom);
 }
 
 template <class Archive>

@@ -57,11 +57,12 @@ TEST_F(Tradeoff, WritesTablesChartsAndAReport) {
   EXPECT_THAT(made.out, AllOf(Not(HasSubstr("nan")), Not(HasSubstr("inf "))));
   EXPECT_THAT(made.error, HasSubstr("tradeoff 3/3 settings"));
   const auto files = filesIn(at("out"));
-  for (const char* name : {"index.html", "tradeoff.json", "tradeoff.csv", "pareto.svg", "errors-1.png"}) {
+  for (const char* name : {"index.html", "tradeoff.json", "tradeoff.csv", "pareto.svg", "errors_by_range.svg",
+                           "errors_by_incidence.svg", "encodings.svg", "rings.svg", "errors-1.png"}) {
     ASSERT_THAT(files, Contains(testing::Key(name)));
     EXPECT_GT(files.at(name).size(), 500u) << name;
   }
-  EXPECT_EQ(files.size(), 5u);
+  EXPECT_EQ(files.size(), 9u);
   EXPECT_THAT(files.at("index.html"), AllOf(HasSubstr("</html>"), HasSubstr("<svg"), HasSubstr("voxel_m=0.5")));
   EXPECT_THAT(files.at("pareto.svg"), AllOf(HasSubstr("<svg"), HasSubstr("</svg>")));
   const Study study = studyIn("out");

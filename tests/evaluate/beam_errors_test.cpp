@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "evaluate/cloud_errors.h"
 #include "tests/methods/trace.h"
 #include "tests/support/test_scene.h"
 
@@ -178,6 +179,7 @@ struct RandomPair {
   TrueShot truth;
   Hits tested;
   std::vector<float> intensity;
+  std::vector<float> nearestTo, nearestFrom;
 };
 
 RandomPair randomPair(std::uint32_t stream, std::uint32_t beams) {
@@ -201,6 +203,9 @@ RandomPair randomPair(std::uint32_t stream, std::uint32_t beams) {
     pair.truth.edges.push_back(b[3] >> 31 != 0 ? 1 : 0);
     pair.truth.intensity.push_back(static_cast<float>(uniform(a[2])));
     pair.intensity.push_back(static_cast<float>(uniform(b[2])));
+    const RandomBlock c = randomBlock({3, stream, 2, 0, i, 0, Purpose::Test});
+    pair.nearestTo.push_back(c[2] % 8 == 0 ? kNotANumber : static_cast<float>(uniform(c[0])));
+    pair.nearestFrom.push_back(c[3] % 8 == 0 ? kNotANumber : static_cast<float>(uniform(c[1])));
   }
   pair.truth.truth.hits = exact;
   pair.truth.truth.range.assign(exact.range.begin(), exact.range.end());
@@ -223,6 +228,10 @@ GroupErrors totalOf(const std::vector<ErrorGroup>& groups) {
     total.range.mean += e.range.mean * static_cast<double>(e.range.count);
     total.range.max = std::max(total.range.max, e.range.max);
     total.intensity.count += e.intensity.count;
+    for (const auto distances : {&GroupErrors::nearestTo, &GroupErrors::nearestFrom}) {
+      (total.*distances).count += (e.*distances).count;
+      (total.*distances).max = std::max((total.*distances).max, (e.*distances).max);
+    }
   }
   return total;
 }
@@ -231,10 +240,14 @@ TEST(BeamErrors, GroupsAddUpToTheWhole) {
   const Scene scene = sceneOf();
   BeamErrorSum sum(scene);
   std::uint64_t trueHits = 0;
+  std::uint64_t truePoints = 0;  // whose distances are known
   for (std::uint32_t stream = 0; stream < 3; ++stream) {
     const RandomPair p = randomPair(stream, 5000);
-    sum.add(p.truth, p.tested, p.intensity);
-    for (std::size_t i = 0; i < 5000; ++i) trueHits += p.truth.truth.hits.hit(i) ? 1 : 0;
+    sum.add(p.truth, p.tested, p.intensity, p.nearestTo, p.nearestFrom);
+    for (std::size_t i = 0; i < 5000; ++i) {
+      trueHits += p.truth.truth.hits.hit(i) ? 1 : 0;
+      truePoints += p.truth.truth.hits.hit(i) && !std::isnan(p.nearestTo[i]) ? 1 : 0;
+    }
   }
   const BeamErrors e = sum.finish();
   EXPECT_EQ(e.all.beams, 15'000u);
@@ -253,8 +266,13 @@ TEST(BeamErrors, GroupsAddUpToTheWhole) {
     EXPECT_NEAR(total.range.mean, e.all.range.mean * static_cast<double>(e.all.bothHit), 1e-6 * total.range.mean);
     EXPECT_EQ(total.range.max, e.all.range.max);
     EXPECT_EQ(total.intensity.count, e.all.intensity.count);
+    EXPECT_EQ(total.nearestTo.count, truePoints);
+    EXPECT_EQ(total.nearestTo.max, e.all.nearestTo.max);
     if (groups != &e.byIncidence) {
       EXPECT_EQ(total.spurious, e.all.spurious);
+      EXPECT_EQ(total.nearestFrom.count, e.all.nearestFrom.count);
+      EXPECT_EQ(total.nearestFrom.max, e.all.nearestFrom.max);
+      EXPECT_EQ(total.hausdorff(), e.all.hausdorff());
     }
   }
   EXPECT_EQ(totalOf(e.byPlace).beams, e.all.beams);
@@ -274,12 +292,90 @@ TEST(BeamErrors, TheOrderOfShotsDoesNotMatter) {
   back.add(first.truth, first.tested, first.intensity);
   const BeamErrors a = forth.finish();
   const BeamErrors b = back.finish();
-  EXPECT_EQ(a.all.range.mean, b.all.range.mean);
-  EXPECT_EQ(a.all.intensity.rms, b.all.intensity.rms);
+  EXPECT_DOUBLE_EQ(a.all.range.mean, b.all.range.mean);  // but for the order of their sums
+  EXPECT_DOUBLE_EQ(a.all.intensity.rms, b.all.intensity.rms);
+  EXPECT_EQ(a.all.range.median, b.all.range.median);
+  EXPECT_EQ(a.all.range.p999, b.all.range.p999);
+  EXPECT_EQ(a.all.range.max, b.all.range.max);
   ASSERT_EQ(a.byRange.size(), b.byRange.size());
   for (std::size_t i = 0; i < a.byRange.size(); ++i) {
-    EXPECT_EQ(a.byRange[i].errors.range.rms, b.byRange[i].errors.range.rms);
+    EXPECT_DOUBLE_EQ(a.byRange[i].errors.range.rms, b.byRange[i].errors.range.rms);
+    EXPECT_EQ(a.byRange[i].errors.range.p99, b.byRange[i].errors.range.p99);
   }
+}
+
+// Parallel planes: the nearest point of the other one lies straight above or below, and every band has it so. Beams
+// straight down and up the hill alike keep the same distance, whatever the angle at which they meet the planes.
+TEST(BeamErrors, NearestPointsOfShiftedPlanesLieTheirOffsetApartInEveryBand) {
+  const Scene scene = sceneOf();
+  constexpr float kOffset = 0.125f;
+  std::vector<float> ranges;
+  std::vector<Vec3f> upper, lower;
+  for (int i = 0; i < 60; ++i) {
+    for (int j = 0; j < 8; ++j) {
+      const Vec3f p{2.0f * static_cast<float>(i), 0.5f * static_cast<float>(j), 2};
+      upper.push_back(p);
+      lower.push_back({p.x, p.y, p.z + kOffset});
+      ranges.push_back(length(p));
+    }
+  }
+  Hits hits = hitsAt(ranges);
+  TrueShot truth = truthFrom(hits);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    truth.truth.hits.incidence[i] = 2 / ranges[i];
+    truth.edges.push_back(i % 3 == 0 ? 1 : 0);
+  }
+  const CloudDistances distances = cloudDistances(upper, lower);
+  BeamErrorSum sum(scene);
+  sum.add(truth, hits, {}, distances.to, distances.from);
+  const BeamErrors e = sum.finish();
+  std::size_t bands = 0;
+  for (const auto* groups : {&e.byRange, &e.byIncidence, &e.byPlace, &e.byClass}) {
+    for (const ErrorGroup& group : *groups) {
+      if (group.errors.beams == 0) continue;
+      ++bands;
+      for (const Spread& s : {group.errors.nearestTo, group.errors.nearestFrom}) {
+        EXPECT_EQ(s.count, group.errors.beams) << group.name;
+        EXPECT_EQ(s.mean, double{kOffset}) << group.name;
+        EXPECT_EQ(s.max, double{kOffset}) << group.name;
+      }
+      EXPECT_EQ(group.errors.hausdorff(), double{kOffset}) << group.name;
+    }
+  }
+  EXPECT_GT(bands, 12u);
+}
+
+// A distance lies where its beam does, however far off the nearest point; Hausdorff's is the larger of the two.
+TEST(BeamErrors, NearestDistancesBelongToTheGroupOfTheirBeam) {
+  const Scene scene = sceneOf();
+  TrueShot truth = truthFrom(hitsAt({4, 15, kMiss, kMiss, 30, 30}));
+  truth.truth.hits.semantic = {1, 2, 0, 0, 2, 2};
+  truth.edges = {0, 1, 1, 0, 0, 0};
+  Hits tested = hitsAt({50, kMiss, 7, kMiss, kMiss, 30});
+  tested.semantic = {1, 0, 3, 0, 0, 2};
+  tested.unresolved = {4};
+  BeamErrorSum sum(scene);
+  sum.add(truth, tested, {}, std::vector<float>{1, 2, 64, 64, 3, kNotANumber},
+          std::vector<float>{5, 64, 6, 64, 64, kNotANumber});
+  const BeamErrors e = sum.finish();
+  EXPECT_EQ(e.all.nearestTo.count, 3u) << "a miss has no distance";
+  EXPECT_EQ(e.all.nearestTo.mean, 2);
+  EXPECT_EQ(e.all.nearestFrom.count, 2u);
+  EXPECT_EQ(e.all.hausdorff(), 6);
+  const GroupErrors& close = groupOf(e.byRange, "0 to 5 m");
+  EXPECT_EQ(close.nearestTo.mean, 1);
+  EXPECT_EQ(close.nearestFrom.mean, 5) << "its true range decides";
+  EXPECT_EQ(close.hausdorff(), 5);
+  EXPECT_EQ(groupOf(e.byRange, "5 to 10 m").nearestFrom.mean, 6);
+  EXPECT_EQ(groupOf(e.byRange, "5 to 10 m").nearestTo.count, 0u);
+  EXPECT_EQ(groupOf(e.byRange, "10 to 20 m").nearestTo.mean, 2);
+  EXPECT_EQ(groupOf(e.byRange, "20 to 40 m").nearestTo.count, 1u) << "the unresolved beam's true point is known";
+  EXPECT_EQ(groupOf(e.byRange, "20 to 40 m").nearestFrom.count, 0u);
+  EXPECT_EQ(groupOf(e.byRange, "20 to 40 m").hausdorff(), 3);
+  EXPECT_EQ(groupOf(e.byPlace, "edges").hausdorff(), 6);
+  EXPECT_EQ(groupOf(e.byPlace, "interior").nearestTo.mean, 2);
+  EXPECT_EQ(groupOf(e.byClass, "other").nearestFrom.max, 6);
+  EXPECT_EQ(totalOf(e.byIncidence).nearestFrom.count, 1u) << "what is invented has no incidence";
 }
 
 TEST(BeamErrors, OneOutlierMovesTheLargestAndNotTheMedian) {
@@ -310,6 +406,8 @@ TEST(BeamErrors, WhereThereIsNothingToCompareNothingErrs) {
   EXPECT_EQ(lost.all.missRate(), 1);
   EXPECT_EQ(lost.all.range.count, 0u);
   EXPECT_EQ(lost.all.instanceAgreed(), 1);
+  EXPECT_EQ(lost.all.nearestTo.count, 0u);
+  EXPECT_EQ(lost.all.hausdorff(), 0);
 }
 
 TEST(BeamErrors, WhatIsNotANumberIsAMiss) {
@@ -347,6 +445,9 @@ TEST(BeamErrors, WhatDoesNotFitIsRefused) {
   Hits bare;
   bare.reset(1, 2, Channel::Range);
   EXPECT_THROW(errorsOf(scene, truth, bare), Error);
+  const std::vector<float> one{1};
+  EXPECT_THROW(BeamErrorSum(scene).add(truth, hitsAt({1, 2}), {}, one, {}), Error);
+  EXPECT_THROW(BeamErrorSum(scene).add(truth, hitsAt({1, 2}), {}, {}, one), Error);
   TrueShot edgy = truth;
   edgy.edges = {1};
   EXPECT_THROW(errorsOf(scene, edgy, hitsAt({1, 2})), Error);

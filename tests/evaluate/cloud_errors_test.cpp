@@ -126,12 +126,32 @@ TEST(CloudErrors, PointsThatAreNotFiniteDoNotCount) {
   EXPECT_EQ(e.hausdorff, 0);
 }
 
+TEST(CloudDistances, AreOfEachPointInItsPlace) {
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<Vec3f> truth{{0, 0, 0}, {kNaN, 0, 0}, {4, 0, 0}};
+  const std::vector<Vec3f> tested{{INFINITY, 0, 0}, {1, 0, 0}};
+  const CloudDistances d = cloudDistances(truth, tested);
+  ASSERT_EQ(d.to.size(), 3u);
+  EXPECT_EQ(d.to[0], 1);
+  EXPECT_TRUE(std::isnan(d.to[1]));
+  EXPECT_EQ(d.to[2], 3);
+  ASSERT_EQ(d.from.size(), 2u);
+  EXPECT_TRUE(std::isnan(d.from[0]));
+  EXPECT_EQ(d.from[1], 1);
+  EXPECT_EQ(d.unmatched, 0u);
+  const CloudDistances alone = cloudDistances(truth, {});
+  ASSERT_EQ(alone.to.size(), 3u);
+  for (const float distance : alone.to) EXPECT_TRUE(std::isnan(distance));
+  EXPECT_TRUE(alone.from.empty());
+  EXPECT_EQ(alone.unmatched, 2u);
+}
+
 // Shots see each their own surroundings: points of one are no neighbours to those of another.
 TEST(CloudErrors, PoolPairByPair) {
   CloudErrorSum sum;
-  sum.add(gridAt({}), gridAt({0, 0, 0.25f}));
-  sum.add(gridAt({0, 0, 0.25f}), gridAt({0, 0, 1.25f}));
-  sum.add({}, std::vector<Vec3f>{{0, 0, 0}});
+  sum.add(cloudDistances(gridAt({}), gridAt({0, 0, 0.25f})));
+  sum.add(cloudDistances(gridAt({0, 0, 0.25f}), gridAt({0, 0, 1.25f})));
+  sum.add(cloudDistances({}, std::vector<Vec3f>{{0, 0, 0}}));
   const CloudErrors e = sum.finish();
   EXPECT_EQ(e.to.count, 3200u);
   EXPECT_EQ(e.to.mean, 0.625);

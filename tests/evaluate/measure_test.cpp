@@ -131,6 +131,8 @@ TEST(Measure, WithoutRepeatsOnlyErrorsAreMeasured) {
   EXPECT_TRUE(m.cost.stages.empty());
   EXPECT_EQ(m.errors.all.beams, 2u * 24 * 256);
   EXPECT_EQ(m.cloud.to.count, 0u);
+  EXPECT_EQ(m.errors.all.nearestTo.count, 0u);
+  EXPECT_EQ(m.errors.all.nearestFrom.count, 0u);
 }
 
 TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
@@ -178,6 +180,103 @@ TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
   EXPECT_GT(edges.missRate() + 1 - edges.labels(), interior.missRate() + 1 - interior.labels());
 }
 
+void expectSame(const Spread& a, const Spread& b) {
+  EXPECT_EQ(a.count, b.count);
+  EXPECT_EQ(a.mean, b.mean);
+  EXPECT_EQ(a.rms, b.rms);
+  EXPECT_EQ(a.median, b.median);
+  EXPECT_EQ(a.p95, b.p95);
+  EXPECT_EQ(a.p99, b.p99);
+  EXPECT_EQ(a.p999, b.p999);
+  EXPECT_EQ(a.max, b.max);
+}
+
+// Against another scene: what it lacks is lost, and what it has beyond is spurious.
+TEST(Measure, NearestDistancesOfTheGroupsAreThoseOfTheClouds) {
+  const Scene scene = courtyard();
+  SceneBuilder builder = testBuilder();
+  Mesh ground = meshOf(builder, "ground");
+  appendPlane(ground, 0, {}, 15, 15);
+  builder.place(builder.addMesh(ground), at(0, 0, -2.1), "ground");
+  Mesh tower = meshOf(builder, "thing");
+  appendBox(tower, 0, {}, {2, 6, 20});
+  builder.place(builder.addMesh(tower), at(-9, 4, 0), "tower");
+  const Scene other = builder.finish();
+  MeasureOptions options;
+  options.repeats = 0;
+  const Measurement m = measure([&] { return rayTracing(other); }, scene, seenByRays(scene), options);
+  const BeamErrors& e = m.errors;
+  EXPECT_GT(e.all.lost, 0u);
+  EXPECT_GT(e.all.spurious, 0u);
+  EXPECT_GT(m.cloud.hausdorff, 0.1);
+  expectSame(e.all.nearestTo, m.cloud.to);
+  expectSame(e.all.nearestFrom, m.cloud.from);
+  EXPECT_EQ(e.all.hausdorff(), m.cloud.hausdorff);
+  EXPECT_EQ(e.all.nearestTo.count, e.all.bothHit + e.all.lost);
+  EXPECT_EQ(e.all.nearestFrom.count, e.all.bothHit + e.all.spurious);
+  for (const auto* groups : {&e.byRange, &e.byPlace, &e.byClass}) {
+    std::size_t to = 0, from = 0;
+    double sum = 0, largest = 0;
+    for (const ErrorGroup& g : *groups) {
+      to += g.errors.nearestTo.count;
+      from += g.errors.nearestFrom.count;
+      sum += g.errors.nearestTo.mean * static_cast<double>(g.errors.nearestTo.count);
+      largest = std::max(largest, g.errors.hausdorff());
+    }
+    EXPECT_EQ(to, m.cloud.to.count);
+    EXPECT_EQ(from, m.cloud.from.count);
+    EXPECT_NEAR(sum, m.cloud.to.mean * static_cast<double>(to), 1e-9 * sum);
+    EXPECT_EQ(largest, m.cloud.hausdorff);
+  }
+}
+
+// Ground that lies lower: no point is nearer than the planes are, and none farther than the one of the same beam.
+TEST(Measure, NearestDistancesOfLoweredGroundAreItsOffsetAndMore) {
+  constexpr double kHeight = 2, kOffset = 0.05;
+  const auto groundAt = [](double z) {
+    SceneBuilder builder = testBuilder();
+    Mesh ground = meshOf(builder, "ground");
+    appendPlane(ground, 0, {}, 4000, 4000);
+    builder.place(builder.addMesh(ground), at(0, 0, z), "ground");
+    return builder.finish();
+  };
+  const Scene upper = groundAt(-kHeight);
+  const Scene lower = groundAt(-kHeight - kOffset);
+  MeasureOptions options;
+  options.repeats = 0;
+  const std::vector<TrueShot> shots = trueShots(upper, {shotAt(spinning(60, 512, -85, -5))}, options);
+  const Measurement m = measure([&] { return rayTracing(lower); }, upper, shots, options);
+  std::size_t bands = 0;
+  for (const ErrorGroup& band : m.errors.byRange) {
+    const GroupErrors& e = band.errors;
+    if (e.beams == 0) continue;
+    ++bands;
+    EXPECT_EQ(e.nearestTo.count, e.beams) << band.name;
+    EXPECT_GE(e.nearestTo.mean, kOffset * (1 - 1e-5)) << band.name;
+    EXPECT_LE(e.nearestTo.mean, e.range.mean * (1 + 1e-5)) << band.name;
+    EXPECT_LE(e.hausdorff(), e.range.max * (1 + 1e-5)) << band.name;
+  }
+  EXPECT_GE(bands, 3u);
+}
+
+TEST(Measure, WhereNothingIsHitNoDistanceIsKnown) {
+  const Scene scene = courtyard();
+  std::vector<TrueShot> shots = seenByRays(scene);
+  for (TrueShot& shot : shots) {
+    Hits& hits = shot.truth.hits;
+    hits.range.assign(hits.size(), kMiss);
+    shot.truth.range.assign(hits.size(), kMiss);
+  }
+  MeasureOptions options;
+  options.repeats = 0;
+  const Measurement m = measure([&] { return rayTracing(scene); }, scene, shots, options);
+  EXPECT_GT(m.errors.all.spurious, 0u);
+  EXPECT_EQ(m.cloud.unmatched, m.errors.all.spurious);
+  EXPECT_EQ(m.errors.all.nearestTo.count, 0u);
+  EXPECT_EQ(m.errors.all.nearestFrom.count, 0u);
+  EXPECT_EQ(m.errors.all.hausdorff(), 0);
+}
+
 TEST(Measure, ErrorsDoNotDependOnThreads) {
   const Scene scene = courtyard();
   MeasureOptions options;
@@ -198,6 +297,7 @@ TEST(Measure, ErrorsDoNotDependOnThreads) {
   EXPECT_EQ(one.cloud.to.mean, three.cloud.to.mean);
   EXPECT_EQ(one.cloud.from.rms, three.cloud.from.rms);
   EXPECT_EQ(one.cloud.hausdorff, three.cloud.hausdorff);
+  EXPECT_EQ(one.errors.byPlace[1].errors.nearestTo.rms, three.errors.byPlace[1].errors.nearestTo.rms);
 }
 
 TEST(HitPoints, AreWhereTheSensorPutsThem) {

@@ -45,6 +45,8 @@ inline GroupErrors exampleErrors(std::uint64_t beams, double p99, double labels,
   e.sameInstance = agreed(1 - (1 - labels) * 0.8);
   e.range = exampleSpread(e.bothHit, p99);
   e.intensity = exampleSpread(e.bothHit, p99 / 10);
+  e.nearestTo = exampleSpread(e.bothHit + e.lost, p99 / 3);
+  e.nearestFrom = exampleSpread(e.bothHit + e.spurious, p99 / 2);
   return e;
 }
 

@@ -3,8 +3,10 @@
 
 #include <regex>
 
+#include "study/report_charts.h"
 #include "study/report_figures.h"
 #include "study/report_html.h"
+#include "study/report_tables.h"
 #include "tests/charts/svg_check.h"
 #include "tests/study/example_study.h"
 
@@ -155,6 +157,40 @@ TEST(Report, OfOneSettingIsWhole) {
     parseSvg(chart);
     EXPECT_EQ(chart.find("nan"), std::string::npos);
   }
+}
+
+// 131,072 beams in 10 ms are 13.1 M a second.
+TEST(Report, EveryStageHasItsTimeAndItsBeams) {
+  Study study = exampleStudy();
+  study.settings.resize(3);
+  study.settings[1].measured.cost.stages = {{"read_back", 0.01}, {"render", 0}, {"wait", 0}};
+  study.settings[2].measured.cost.stages = {{"march", 1.024}, {"render", 1e-3}};
+  study.commonStages = {{"effects", 0.002}, {"encode pcd", 0.016384}};
+  const std::string table = stagesTables(study);
+  expectBalanced(table);
+  for (const char* stage : {"read back", "render", "march", "effects, one thread", "encode pcd, one thread"}) {
+    EXPECT_THAT(table, HasSubstr(std::string("<th colspan=\"2\">") + stage + "</th>"));
+  }
+  EXPECT_THAT(table, HasSubstr(">10 ms</td><td data-v=\"13107200\">13.1 M</td>"));
+  EXPECT_THAT(table, HasSubstr(">1.02 s</td><td data-v=\"128000\">128 k</td>"));
+  EXPECT_EQ(countOf(table, ">2 ms</td><td data-v=\"65536000\">65.5 M</td>"), 3u) << "the same for each setting";
+  EXPECT_EQ(countOf(table, ">16.4 ms</td><td data-v=\"8000000\">8 M</td>"), 3u);
+  EXPECT_THAT(table, Not(HasSubstr("wait"))) << "a stage that takes nothing by any setting";
+  EXPECT_THAT(studyReport(study), HasSubstr(table));
+}
+
+TEST(Report, NearestPointsAreShownByRangeIncidencePlaceAndClass) {
+  Study study = exampleStudy();
+  EXPECT_EQ(elementsOf(nearestByRange(study), "line").size(), 6u) << "a line a setting that is shown";
+  EXPECT_EQ(elementsOf(nearestByIncidence(study), "line").size(), 6u);
+  for (ErrorGroup& g : study.settings[0].measured.errors.byPlace) {
+    g.errors.nearestTo = {10, 0.5, 0, 0, 0, 0, 0, 3};
+    g.errors.nearestFrom = {10, 0.25, 0, 0, 0, 0, 0, 4};
+  }
+  EXPECT_THAT(placesTable(study),
+              HasSubstr("title=\"back: 250 mm; Hausdorff 4 m\">500 mm</td><td data-v=\"4\">4 m</td>"));
+  study.settings[0].measured.errors.byClass[0].errors.nearestTo = {10, 0.375, 0, 0, 0, 0, 0, 3};
+  EXPECT_THAT(classesTable(study), HasSubstr(">375 mm</td>"));
 }
 
 TEST(Report, SettingsThatHitNothingHaveNoErrors) {

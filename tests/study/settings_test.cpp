@@ -35,6 +35,9 @@ TEST_F(TradeoffKey, AllOfItMayBeLeftOut) {
   std::set<std::string> methodNames;
   for (const MethodSetting& s : c.settings) methodNames.insert(s.setting.method);
   EXPECT_THAT(methodNames, SizeIs(methods().size())) << "every method is compared";
+  std::set<std::string> names;
+  for (const MethodSetting& s : c.settings) names.insert(s.setting.name);
+  EXPECT_TRUE(names.contains("particle refine=none levels=3"));
   EXPECT_FALSE(c.encodings.empty());
   EXPECT_THAT(c.rings, testing::IsEmpty());
   EXPECT_EQ(c.shots, 8u);

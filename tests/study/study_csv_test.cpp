@@ -57,7 +57,10 @@ TEST(StudyCsv, EveryRowHasTheSameCells) {
   study.settings[3].setting.name = "particle cache='a, b \"c\"'";
   study.settings[4].measured.errors.all.range = {};
   study.settings[4].measured.errors.all.intensity = {};
+  study.settings[4].measured.errors.all.nearestTo = {};
+  study.settings[4].measured.errors.all.nearestFrom = {};
   study.settings[5].measured.errors.byRange.back().high = INFINITY;
+  study.settings[6].measured.cost.stages["of two, \"three\""] = 1;
   const auto rows = parseCsv(toCsv(study));
   std::size_t expected = 1;
   for (const SettingResult& s : study.settings) {
@@ -116,6 +119,9 @@ TEST(StudyCsv, HoldsTheFiguresOfTheStudy) {
       near("range_p999_m", e.range.p999);
       near("range_max_m", e.range.max);
       near("intensity_mean_error", e.intensity.mean);
+      near("group_nearest_to_mean_m", e.nearestTo.mean);
+      near("group_nearest_from_mean_m", e.nearestFrom.mean);
+      near("group_hausdorff_m", e.hausdorff());
       near("nearest_to_mean_m", s.measured.cloud.to.mean);
       near("nearest_from_mean_m", s.measured.cloud.from.mean);
       near("hausdorff_m", s.measured.cloud.hausdorff);
@@ -135,6 +141,21 @@ TEST(StudyCsv, HoldsTheFiguresOfTheStudy) {
     }
   }
   EXPECT_EQ(row + 1, rows.size());
+}
+
+TEST(StudyCsv, StagesStandInOneCell) {
+  Study study = exampleStudy();
+  study.settings.resize(2);
+  study.settings[1].measured.cost.stages = {{"render", 0.0063}, {"read_back", 0.0027}};
+  study.settings[1].measured.errors.all.nearestTo = {};
+  study.settings[1].measured.errors.all.nearestFrom = {};
+  const auto rows = parseCsv(toCsv(study));
+  const auto first = std::find_if(rows.begin(), rows.end(), [](const auto& row) { return row[0] == "depth_camera"; });
+  const auto row = static_cast<std::size_t>(first - rows.begin());
+  EXPECT_EQ(at(rows, 1, "stages_s"), "") << "ray tracing keeps no account";
+  EXPECT_EQ(at(rows, row, "stages_s"), "read_back=0.0027;render=0.0063");
+  EXPECT_EQ(at(rows, row, "group_nearest_to_mean_m"), "") << "no distance is none, not 0";
+  EXPECT_EQ(at(rows, row, "group_hausdorff_m"), "");
 }
 
 }  // namespace

@@ -33,6 +33,8 @@ Study wholeStudy() {
   study.settings[0].measured.warnings = {"a beam of 'top' lies outside"};
   study.settings[2].measured.cost.residentBytes = std::numeric_limits<std::uint64_t>::max();
   study.settings[2].measured.errors.all.range.mean = 5e-324;
+  study.settings[2].measured.errors.byRange[1].errors.nearestTo.p95 = 0.125;
+  study.settings[2].measured.errors.byRange[1].errors.nearestFrom.max = 77.5;
   study.ontology.name = "ours";
   study.ontology.classes = {{0, "unlabeled", {0, 0, 0}, false, {}}, {7, "car", {1, 2, 3}, true, {"auto", "vehicle"}}};
   study.rings.resize(2);
@@ -103,6 +105,8 @@ TEST(StudyJson, HoldsWhatTheReportIsMadeOf) {
   EXPECT_EQ(m.warnings, study.settings[0].measured.warnings);
   EXPECT_EQ(read.settings[2].measured.cost.residentBytes, std::numeric_limits<std::uint64_t>::max());
   EXPECT_EQ(read.settings[2].measured.errors.all.range.mean, 5e-324);
+  EXPECT_EQ(read.settings[2].measured.errors.byRange[1].errors.nearestTo.p95, 0.125);
+  EXPECT_EQ(read.settings[2].measured.errors.byRange[1].errors.hausdorff(), 77.5);
   EXPECT_EQ(read.ontology.classes.at(1).aliases, study.ontology.classes[1].aliases);
   ASSERT_TRUE(read.showing.has_value());
   EXPECT_EQ(read.showing->timings.size(), study.showing->timings.size());
