@@ -80,6 +80,7 @@ void printDataset(const std::filesystem::path& folder) {
     fmt::print("format {} (.{}): {}\n", f.name, f.suffix,
                f.maxErrorMetres > 0 ? fmt::format("positions within {:.3g} mm", f.maxErrorMetres * 1000) : "lossless");
   }
+  if (m.chosen) fmt::print("\nmethod chosen by `auto`: {}; {}\n", m.chosen->setting, m.chosen->why);
   fmt::print("\nmodelled and left out:\n");
   for (const std::string& line : m.modelled) fmt::print("  {}\n", line);
 }

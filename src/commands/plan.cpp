@@ -53,6 +53,10 @@ void printUnlabeled(const std::map<std::string, std::uint64_t>& unlabeled) {
 // What a feature adds to a frame, in ms and in per cent of the frame; where that drowns in the scatter, how large that
 // is.
 void printFeatures(const FeatureCosts& costs) {
+  if (costs.points == 0) {
+    warn(fmt::format("no beam of {} meets anything: what features cost is not measured", costs.frame));
+    return;
+  }
   const auto ms = [](double seconds) { return fmt::format("{:.2f}", 1e3 * seconds); };
   std::vector<std::vector<std::string>> rows{
       {"what a feature costs a frame", "trace ms", "effects ms", "encode ms", "all ms", "share", "kB"}};
@@ -60,16 +64,16 @@ void printFeatures(const FeatureCosts& costs) {
   rows.push_back({"as the pipeline is", ms(whole.traceSeconds), ms(whole.effectsSeconds), ms(whole.encodeSeconds),
                   ms(whole.seconds()), "", fmt::format("{:.0f}", whole.bytes * 1e-3)});
   for (const FeatureCost& f : costs.features) {
-    const bool told = std::abs(f.cost.seconds()) > f.scatter;
+    const bool told = f.cost.seconds() > f.scatter;
     rows.push_back({fmt::format("{}{}", f.feature, f.present ? "" : ", if added"), ms(f.cost.traceSeconds),
                     ms(f.cost.effectsSeconds), ms(f.cost.encodeSeconds), ms(f.cost.seconds()),
                     told ? fmt::format("{:+.1f} %", 100 * f.cost.seconds() / whole.seconds())
-                         : fmt::format("< {:.1f} %", 100 * f.scatter / whole.seconds()),
+                         : fmt::format("< {:.1f} %", 100 * std::max(f.scatter, -f.cost.seconds()) / whole.seconds()),
                     fmt::format("{:+.0f}", f.cost.bytes * 1e-3)});
   }
   fmt::print(
-      "\n{}measured on {}: medians of frames with and without; tracing on all cores, the rest on one; <: as little as\n"
-      "equal frames differ by, here and now\n",
+      "\n{}measured on {}: the least times of frames with and without, tracing on all cores, the rest on one; a share\n"
+      "with < is lost in the scatter of equal frames, which is as large as that\n",
       formatTable(rows), costs.frame);
 }
 
@@ -133,7 +137,7 @@ int runPlan(const std::vector<std::string>& arguments) {
     fmt::print("\n");
     printUnlabeled(unlabeled);
     if (parsed.options.count("quick") == 0 && !pipeline.method.automatic) {
-      constexpr int kRepeats = 9;
+      constexpr int kRepeats = 14;
       printFeatures(measureFeatures(
           [&] { return readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed)); }, kRepeats));
     }
@@ -142,8 +146,10 @@ int runPlan(const std::vector<std::string>& arguments) {
   const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());
   fmt::print("\n{} frames x {} beams = {} rays ({} allowed)\n", grouped(pipeline.frames()),
              grouped(pipeline.raysPerFrame()), shortNumber(rays), shortNumber(pipeline.maxRays));
-  fmt::print("memory: about {} for the scene and {} for frames in flight\n",
-             shortBytes(static_cast<double>(sceneBytes)), shortBytes(inFlight));
+  fmt::print("memory: {} for the scene and {} for frames in flight\n",
+             pipeline.method.automatic ? "what the chosen method takes"
+                                       : "about " + shortBytes(static_cast<double>(sceneBytes)),
+             shortBytes(inFlight));
   fmt::print("disk: at most about {}\n", shortBytes(mostDatasetBytes(plan, ontology)));
   return 0;
 }

@@ -229,6 +229,43 @@ std::vector<std::string> broken(const Candidate& candidate, const ErrorLimits& l
   return texts;
 }
 
+std::vector<std::string> limitTexts(const Candidate& candidate, const ErrorLimits& limits) {
+  std::vector<std::string> texts;
+  for (const Limit& limit : kLimits) {
+    const auto& allowed = limits.*limit.allowed;
+    if (!allowed) continue;
+    const Unit unit = unitOf(limit.kind, *allowed);
+    const int digits = limit.kind == Kind::Agreement ? 6 : 3;  // 99.9989 %
+    texts.push_back(fmt::format("{} {:.{}g}{}, {} {:.9g}{}", limit.key, limit.value(candidate) / unit.size, digits,
+                                unit.name, limit.atLeast() ? "at least" : "at most", *allowed / unit.size, unit.name));
+  }
+  return texts;
+}
+
+bool moreExact(const GroupErrors& a, const GroupErrors& b) {
+  const auto wrong = [](const GroupErrors& e) {
+    const auto beams = static_cast<double>(std::max<std::uint64_t>(e.beams, 1));
+    return static_cast<double>(e.lost + e.spurious + e.unresolved + e.bothHit - e.sameLabel) / beams;
+  };
+  if (wrong(a) != wrong(b)) return wrong(a) < wrong(b);
+  return a.range.p99 != b.range.p99 ? a.range.p99 < b.range.p99 : a.range.mean < b.range.mean;
+}
+
+std::optional<std::size_t> bestThatHolds(std::span<const Candidate> candidates, const ErrorLimits& limits) {
+  constexpr double kSameCost = 1.1;
+  std::optional<std::size_t> best = cheapest(candidates, limits);
+  if (!best) return best;
+  const bool onlyRate = std::none_of(kLimits.begin(), kLimits.end(), [&](const Limit& limit) {
+    return limit.kind != Kind::Rate && (limits.*limit.allowed).has_value();
+  });
+  const double most = onlyRate ? kInfinity : kSameCost * candidates[*best].secondsPerBeam;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (!(candidates[i].secondsPerBeam <= most) || !broken(candidates[i], limits).empty()) continue;
+    if (moreExact(candidates[i].errors, candidates[*best].errors)) best = i;
+  }
+  return best;
+}
+
 std::optional<std::size_t> cheapest(std::span<const Candidate> candidates, const ErrorLimits& limits) {
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < candidates.size(); ++i) {

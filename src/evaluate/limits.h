@@ -35,6 +35,18 @@ struct Candidate {
 // What of the limits does not hold, in words with figures ("p99 31 mm, 20 mm allowed"); empty: all hold.
 std::vector<std::string> broken(const Candidate& candidate, const ErrorLimits& limits);
 
+// What of the limits was asked and what it came to ("p99 1.2 mm, 20 mm allowed"), whether it holds or not.
+std::vector<std::string> limitTexts(const Candidate& candidate, const ErrorLimits& limits);
+
+// Fewer beams that are lost, spurious or given another class or instance; of equals a smaller p99, then mean, of the
+// range error.
+bool moreExact(const GroupErrors& a, const GroupErrors& b);
+
+// Of those that hold all limits the one that costs least; of those within a tenth of its cost, which is the noise of
+// time, the most exact. Where nothing but a rate is asked for, the most exact of all that are fast enough. Empty: none
+// holds.
+std::optional<std::size_t> bestThatHolds(std::span<const Candidate> candidates, const ErrorLimits& limits);
+
 // The one that costs least among those that hold all limits; of equals the first. Empty: none holds.
 std::optional<std::size_t> cheapest(std::span<const Candidate> candidates, const ErrorLimits& limits);
 // The one that comes nearest to holding: the least of the largest factor by which a limit is exceeded.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <limits>
 
@@ -108,6 +109,12 @@ std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, con
   return all;
 }
 
+bool anyHit(std::span<const TrueShot> shots) {
+  return std::any_of(shots.begin(), shots.end(), [](const TrueShot& t) {
+    return std::any_of(t.truth.range.begin(), t.truth.range.end(), [](double r) { return std::isfinite(r); });
+  });
+}
+
 Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const Scene& scene,
                     std::span<const TrueShot> shots, const MeasureOptions& options) {
   if (shots.empty()) throw Error("there is no shot to measure on");
@@ -118,7 +125,7 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
   CloudErrorSum clouds;
   Hits hits;
   ResidentGrowth growth;
-  std::vector<double> seconds;
+  std::map<std::uint32_t, std::vector<double>> seconds;  // by sensor: the scans of two are of different sizes
   std::map<std::string, double> stages;
 
   checkStop(options);
@@ -136,7 +143,7 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     growth.begin();
     method->trace(truth.shot, timed, hits);
     growth.end();
-    timeScans(*method, truth.shot, options, hits, seconds, stages);
+    timeScans(*method, truth.shot, options, hits, seconds[truth.shot.sensor], stages);
     checkStop(options);
     // Every scan of a shot is the same: the last one serves where it has all the channels.
     if (timed != compared) method->trace(truth.shot, compared, hits);
@@ -152,12 +159,18 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     errors.add(truth, hits, intensity, byBeam(exact, distances.to), byBeam(hits, distances.from));
   }
 
-  const Spread spread = spreadOf(seconds);
-  result.cost.scanSeconds = spread.median;
-  result.cost.fastest = seconds.empty() ? 0 : *std::min_element(seconds.begin(), seconds.end());
-  result.cost.slowest = spread.max;
+  std::size_t scans = 0;
+  for (const auto& [sensor, own] : seconds) scans += own.size();
+  for (const auto& [sensor, own] : seconds) {
+    if (own.empty()) continue;
+    const double share = static_cast<double>(own.size()) / static_cast<double>(scans);
+    const Spread spread = spreadOf(own);
+    result.cost.scanSeconds += share * spread.median;
+    result.cost.fastest += share * *std::min_element(own.begin(), own.end());
+    result.cost.slowest += share * spread.max;
+  }
   for (const auto& [stage, total] : stages) {
-    if (!seconds.empty()) result.cost.stages[stage] = total / static_cast<double>(seconds.size());
+    if (scans > 0) result.cost.stages[stage] = total / static_cast<double>(scans);
   }
   result.cost.memoryBytes = method->memoryBytes();
   result.cost.residentBytes = growth.bytes();

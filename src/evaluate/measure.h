@@ -18,8 +18,10 @@ namespace scanmill {
 
 struct Cost {
   double setupSeconds = 0;  // making the method and preparing it for the first shot, wall
-  double scanSeconds = 0;   // per shot, wall: the median over all repeats of all shots
-  double fastest = 0;       // s, of all repeats of all shots
+  // Per shot, wall: the median, least and largest over all repeats of a sensor's shots; of several sensors their mean,
+  // each by its number of shots.
+  double scanSeconds = 0;
+  double fastest = 0;
   double slowest = 0;
   std::map<std::string, double> stages;  // s per scan, by the method's own account, summed over its threads
   std::uint64_t memoryBytes = 0;         // by the method's own account
@@ -46,6 +48,9 @@ struct MeasureOptions {
   // Asked between scans; true ends the measurement with an Error.
   std::function<bool()> stop;
 };
+
+// Whether any beam meets anything in truth.
+bool anyHit(std::span<const TrueShot> shots);
 
 // The truth of shots, edges included.
 std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, const MeasureOptions& options);

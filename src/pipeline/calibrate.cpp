@@ -140,6 +140,12 @@ class Calibrator {
     options.intensity = noiseFreeIntensity(pipeline_, scene);
     options.stop = [this] { return stop_ != nullptr && *stop_; };
     const std::vector<TrueShot> truth = trueShots(scene, std::move(shots), options);
+    if (!anyHit(truth)) {
+      throw InputError({pipeline_.file.string()},
+                       fmt::format("no beam of {} scans of {} meets anything: nothing can be judged by them; look at "
+                                   "the trajectory and the sensor's mount",
+                                   truth.size(), own.key()));
+    }
     double beams = 0;
     for (const TrueShot& t : truth) beams += static_cast<double>(t.truth.hits.size());
     beams /= static_cast<double>(truth.size());
@@ -170,10 +176,14 @@ class Calibrator {
     for (const CalibratedSetting& s : calibration.settings) {
       holding += s.failure.empty() && broken(s.candidate, choice_.limits).empty() ? 1 : 0;
     }
+    ErrorLimits errors = choice_.limits;
+    errors.minRate.reset();
+    const bool onlyRate = limitTexts(chosen.candidate, errors).empty();
     return fmt::format(
-        "the cheapest of {} settings that hold, of {} measured on {} frames: {} beams/s set-up included, range error "
-        "p99 {:.3g} mm, {:.3f} % of beams lost or spurious, {:.3f} % of labels agree",
-        holding, calibration.settings.size(), frames_, shortNumber(1 / chosen.candidate.secondsPerBeam),
+        "the {} of {} settings that hold, of {} measured on {} frames; asked for: {}; it traces {} beams/s, set-up "
+        "included, range error p99 {:.3g} mm, {:.3f} % of beams lost or spurious, {:.3f} % of labels agree",
+        onlyRate ? "most exact" : "cheapest", holding, calibration.settings.size(), frames_,
+        fmt::join(limitTexts(chosen.candidate, choice_.limits), "; "), shortNumber(1 / chosen.candidate.secondsPerBeam),
         e.range.p99 * 1e3, 100 * e.missRate(), 100 * e.labels());
   }
 
@@ -219,7 +229,7 @@ std::size_t chooseSetting(const std::vector<CalibratedSetting>& settings, const 
     throw InputError(where, fmt::format("method auto: none of the {} settings can run here; the first: {}",
                                         settings.size(), settings.empty() ? "" : settings.front().failure));
   }
-  if (const auto best = cheapest(candidates, limits)) return index[*best];
+  if (const auto best = bestThatHolds(candidates, limits)) return index[*best];
   const std::size_t nearestOne = nearestToHolding(candidates, limits);
   throw InputError(where, fmt::format("method auto: none of the {} settings is good enough; the nearest is {} ({}). "
                                       "Ask for less, or name more `settings`",

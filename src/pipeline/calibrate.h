@@ -5,13 +5,15 @@
 //   method:
 //     auto:
 //       max_error: {p99: 2cm, miss_rate: 0.1%, labels: 99.5%}   # see evaluate/limits.h
-//       min_rate: 5e6            # beams/s over the whole pipeline, set-up included
+//       min_rate: 5e6            # beams/s of tracing, all set-ups included; effects and encoding are not
 //       settings: [...]          # to choose from, see pipeline/settings.h (default: a few of each method)
 //       shots: 3                 # so many frames are calibrated on, spread over all sequences
 //
-// Every setting is measured on these frames against the truth (methods/exact/exact.h). Its errors are the worst of the
-// scenes that the frames are of; its cost is what the whole pipeline would take by it. One that is not exact enough on
-// a scene is not measured on the next.
+// Of settings whose costs differ by less than a tenth, the noise of time, the most exact is taken; where nothing but a
+// rate is asked for, the most exact that is fast enough. Times decide: the choice may differ from run to run where two
+// settings are about as good, but not what it says of itself. Every setting is measured on these frames against the
+// truth (methods/exact/exact.h). Its errors are the worst of the scenes that the frames are of; its cost is what the
+// whole pipeline would take by it. One that is not exact enough on a scene is not measured on the next.
 
 #include <atomic>
 #include <string>

@@ -20,10 +20,8 @@ double secondsOfWork(const auto& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-double middleOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double leastOf(const std::vector<double>& values) {
+  return *std::min_element(values.begin(), values.end());
 }
 
 // A way to run a frame: the pipeline as it stands, or with one feature changed.
@@ -35,6 +33,7 @@ struct Variant {
   std::shared_ptr<const Method> method;
   std::vector<double> trace, effects, encode;
   double bytes = 0;
+  std::uint64_t points = 0;
 };
 
 void runOnce(Variant& v, std::uint32_t frame) {
@@ -44,12 +43,14 @@ void runOnce(Variant& v, std::uint32_t frame) {
   Scan scan;
   double trace = 0, effects = 0, encode = 0;
   v.bytes = 0;
+  v.points = 0;
   for (const Shot& shot : v.plan->shots(0, frame)) {
     trace += secondsOfWork([&] { v.method->trace(shot, v.plan->channels(), hits); });
     const ThreadLimit one(1);
     effects += secondsOfWork([&] {
       sense(hits, shot, pipeline.effectsOf(shot.sensor), v.scene->materials, pipeline.columns, returns, scan);
     });
+    for (const Vec3f& p : scan.position) v.points += isFinite(p) ? 1 : 0;
     encode += secondsOfWork([&] {
       for (const FormatChoice& f : pipeline.formats) v.bytes += static_cast<double>(f.format->encode(scan).size());
     });
@@ -63,21 +64,18 @@ double turnSeconds(const Variant& v, std::size_t turn) {
   return v.trace[turn] + v.effects[turn] + v.encode[turn];
 }
 
-// 95 % confidence of the median of what the two differ by, turn by turn: 1.57 interquartile ranges over the root of
-// their number (McGill, Tukey and Larsen, "Variations of box plots", 1978).
-double scatterOf(const Variant& a, const Variant& b) {
-  std::vector<double> differences;
-  for (std::size_t turn = 0; turn < a.trace.size(); ++turn) {
-    differences.push_back(turnSeconds(a, turn) - turnSeconds(b, turn));
+// By how much the least of the odd turns differs from that of the even ones.
+double scatterOf(const Variant& v) {
+  double least[2] = {INFINITY, INFINITY};
+  for (std::size_t turn = 0; turn < v.trace.size(); ++turn) {
+    least[turn % 2] = std::min(least[turn % 2], turnSeconds(v, turn));
   }
-  std::sort(differences.begin(), differences.end());
-  const std::size_t last = differences.size() - 1;
-  const double range = differences[last - last / 4] - differences[last / 4];
-  return 1.57 * range / std::sqrt(static_cast<double>(differences.size()));
+  return v.trace.size() < 2 ? least[0] : std::abs(least[0] - least[1]);
 }
 
 FrameCost costOf(const Variant& v) {
-  return {middleOf(v.trace), middleOf(v.effects), middleOf(v.encode), v.bytes};
+  // What else the machine does only adds to a turn.
+  return {leastOf(v.trace), leastOf(v.effects), leastOf(v.encode), v.bytes};
 }
 
 FrameCost difference(const FrameCost& with, const FrameCost& without) {
@@ -158,13 +156,14 @@ class Features {
     }
     FeatureCosts costs;
     costs.frame = sequence.key(frame);
+    costs.points = whole_.points;
     costs.whole = costOf(whole_);
     const double equal = std::abs(costs.whole.seconds() - costOf(again_).seconds());
     for (const Variant& v : variants_) {
       const FrameCost other = costOf(v);
       costs.features.push_back({v.feature, v.present,
                                 v.present ? difference(costs.whole, other) : difference(other, costs.whole),
-                                std::max(equal, scatterOf(whole_, v))});
+                                std::max({equal, scatterOf(whole_), scatterOf(v)})});
     }
     return costs;
   }

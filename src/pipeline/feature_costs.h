@@ -29,13 +29,15 @@ struct FeatureCost {
 };
 
 struct FeatureCosts {
-  std::string frame;  // the sample's key
-  FrameCost whole;    // as the pipeline stands
+  std::string frame;         // the sample's key
+  std::uint64_t points = 0;  // of the frame; without any the costs say nothing
+  FrameCost whole;           // as the pipeline stands
   std::vector<FeatureCost> features;
 };
 
 // `reread` gives the pipeline that `plan` is of, again and again. Takes the middle frame of the first sequence, each
-// variant `repeats` times in turn, and the medians. The pipeline needs scenes and a method, not a recording or `auto`.
+// variant `repeats` times in turn, and the least time of each stage. The pipeline needs scenes and a method, not a
+// recording or `auto`.
 FeatureCosts measureFeatures(const std::function<Pipeline()>& reread, int repeats);
 
 }  // namespace scanmill

@@ -437,6 +437,9 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
   if (pipeline.recording == nullptr || fields.find("method") != nullptr) {
     const NamedOptions method = readNamed(fields.require("method"), "method");
     const bool automatic = method.name == "auto";
+    if (!automatic && keyPart(method.name) == "auto") {
+      throw InputError(method.where, fmt::format("unknown method '{}' (did you mean 'auto'?)", method.name));
+    }
     // A recording leaves nothing to choose.
     pipeline.method = {automatic ? nullptr : &requireMethod(method.name, method.where), method.options,
                        automatic && pipeline.recording == nullptr};

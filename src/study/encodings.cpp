@@ -22,6 +22,15 @@ double leastSeconds(int repeats, const Work& work) {
   return least;
 }
 
+// The same without misses, as formats that cannot keep them write it.
+Scan returnsOf(const Scan& scan) {
+  Scan dense;
+  for (const Vec3f& p : scan.position) {
+    if (isFinite(p)) dense.position.push_back(p);
+  }
+  return dense;
+}
+
 // m; the formats keep the points' order.
 double largestError(const Scan& scan, const Scan& decoded) {
   if (scan.size() != decoded.size()) {
@@ -53,14 +62,15 @@ EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Sc
     double bytes = 0;
     double points = 0;
     for (const Scan& scan : scans) {
-      if (scan.organised && !format.keepsMisses()) throw Error("it cannot hold organised scans");
       std::string text;
       Scan decoded;
       encode += leastSeconds(repeats, [&] { text = format.encode(scan); });
       decode += leastSeconds(repeats, [&] { decoded = format.decode(text, encoding.name); });
       bytes += static_cast<double>(text.size());
-      points += static_cast<double>(scan.size());
-      result.largestError = std::max(result.largestError, largestError(scan, decoded));
+      const Scan returns = returnsOf(scan);
+      points += static_cast<double>(returns.size());
+      const bool misses = scan.organised && format.keepsMisses();
+      result.largestError = std::max(result.largestError, largestError(misses ? scan : returns, decoded));
     }
     if (points == 0) throw Error("the scans are empty");
     result.encodePointsPerSecond = points / encode;

@@ -12,7 +12,8 @@
 namespace scanmill {
 
 // Each encodes and decodes all scans, one after the other on one thread; the least of `repeats` times of each counts.
-// Errors are those of the decoded positions, point by point. An encoding that cannot hold such scans says why.
+// Points are returns: an organised scan's misses
+// cost bytes and count as none. Errors are those of the decoded positions, point by point.
 EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Scan> scans, int repeats);
 
 }  // namespace scanmill

@@ -103,6 +103,8 @@ class StudyRun {
     if (graphics) study_.machine.renderer = graphicsName();
     study_.pipelineName = pipeline.name;
     study_.pipelineText = pipeline.text;
+    study_.pipelineFile = pipeline.file.string();
+    study_.budgetGiven = options_.budgetSeconds > 0;
     study_.budgetSeconds = static_cast<std::uint64_t>(budget_);
     study_.repeats = choice_.repeats;
     study_.sequence = sequence_.key();
@@ -155,6 +157,12 @@ class StudyRun {
       study_.scenes.front().frames.push_back(frame);
     }
     truth_ = trueShots(scene_, std::move(shots), measureOptions_);
+    if (!anyHit(truth_)) {
+      throw InputError({plan_.pipeline().file.string()},
+                       fmt::format("no beam of {} scans of {} meets anything: nothing can be compared; look at the "
+                                   "trajectory and the sensor's mount, or name another `tradeoff.sequence`",
+                                   truth_.size(), sequence_.key()));
+    }
     std::uint64_t beams = 0;
     for (const TrueShot& t : truth_) beams += t.truth.hits.size();
     study_.shots = truth_.size();

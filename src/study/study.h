@@ -78,6 +78,8 @@ struct Study {
   std::string date;  // "2026-11-20", UTC
   StudyMachine machine;
   std::string pipelineName;
+  std::string pipelineFile;  // as it was named
+  bool budgetGiven = false;  // by --budget
   std::string pipelineText;  // as Pipeline::text: with the overrides as comments
   std::uint64_t budgetSeconds = 0;
   int repeats = 0;
@@ -104,7 +106,7 @@ struct Study {
 
 // Plain words: which setting to take for which need, and what it gives up. One paragraph each; no HTML.
 struct Advice {
-  std::string need;     // "exact ranges and labels"
+  std::string need;     // "For exact ranges and labels", "What not to take": a heading
   std::string setting;  // Setting::name; empty: none holds
   std::string text;
 };

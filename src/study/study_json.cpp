@@ -109,11 +109,11 @@ void describe(Archive& a, ErrorPicture& p) {
 template <class Archive>
 void describe(Archive& a, Study& s) {
   a("program_version", s.programVersion)("date", s.date)("machine", s.machine)("pipeline_name", s.pipelineName)(
-      "pipeline_text", s.pipelineText)("budget_s", s.budgetSeconds)("repeats", s.repeats)("seconds", s.seconds)(
-      "scenes", s.scenes)("sensors", s.sensors)("sequence", s.sequence)("shots", s.shots)(
-      "beams_per_shot", s.beamsPerShot)("ontology", s.ontology)("settings", s.settings)(
-      "common_stages_s", s.commonStages)("encodings", s.encodings)("rings", s.rings)("showing", s.showing)(
-      "left", s.left)("pictures", s.pictures);
+      "pipeline_file", s.pipelineFile)("budget_given", s.budgetGiven)("pipeline_text", s.pipelineText)(
+      "budget_s", s.budgetSeconds)("repeats", s.repeats)("seconds", s.seconds)("scenes", s.scenes)(
+      "sensors", s.sensors)("sequence", s.sequence)("shots", s.shots)("beams_per_shot", s.beamsPerShot)(
+      "ontology", s.ontology)("settings", s.settings)("common_stages_s", s.commonStages)("encodings", s.encodings)(
+      "rings", s.rings)("showing", s.showing)("left", s.left)("pictures", s.pictures);
 }
 
 class JsonWriter {
@@ -174,6 +174,7 @@ class JsonReader {
   static void read(const JsonNode& node, double& value) {
     value = node.isNull() ? std::numeric_limits<double>::infinity() : node.number();
   }
+  static void read(const JsonNode& node, bool& value) { value = node.boolean(); }
   static void read(const JsonNode& node, std::string& value) { value = node.text(); }
   static void read(const JsonNode& node, Ontology& value) { value = ontologyOf(node); }
   template <class T>
@@ -234,6 +235,14 @@ Study parseStudy(const std::string& text, const std::string& file) {
   describe(reader, study);
   if (study.shots == 0 || study.beamsPerShot == 0) node.fail("holds no beams");
   if (study.scenes.empty()) node.fail("names no scene");
+  for (std::size_t i = 0; i < study.settings.size(); ++i) {
+    const SettingResult& s = study.settings[i];
+    const bool sane =
+        s.measured.cost.scanSeconds > 0 && s.measured.cost.setupSeconds >= 0 && s.measured.errors.all.beams > 0;
+    if (s.failure.empty() && !sane) {
+      node.fail(fmt::format("/settings/{}: '{}' has no time, or no beams", i, s.setting.name));
+    }
+  }
   return study;
 }
 

@@ -188,6 +188,29 @@ TEST(Cheapest, IsWhatBruteForceFinds) {
 }
 
 // Which factor is the largest is worked out by hand.
+TEST(BestThatHolds, WithinTheNoiseOfTimeIsTheMostExact) {
+  // Cost, p99, miss rate, labels.
+  const std::vector<Candidate> candidates{candidateOf(1.00e-7, 0.015, 0, 0.99), candidateOf(1.08e-7, 0.001, 0, 1),
+                                          candidateOf(1.20e-7, 0, 0, 1)};
+  EXPECT_EQ(bestThatHolds(candidates, limitsOf("max_error: {p99: 2 cm}")), 1u);
+  EXPECT_EQ(bestThatHolds(candidates, limitsOf("max_error: {p99: 2 cm}\nmin_rate: 1e6")), 1u);
+  EXPECT_EQ(bestThatHolds(candidates, limitsOf("max_error: {p99: 0.5 mm}")), 2u);
+}
+
+TEST(BestThatHolds, OfARateAloneIsTheMostExactThatIsFastEnough) {
+  const std::vector<Candidate> candidates{candidateOf(1e-8, 0.5, 0, 0.9), candidateOf(1e-7, 0.001, 0, 1),
+                                          candidateOf(1e-6, 0, 0, 1)};
+  EXPECT_EQ(bestThatHolds(candidates, limitsOf("min_rate: 5e6")), 1u);
+  EXPECT_EQ(bestThatHolds(candidates, limitsOf("min_rate: 5e5")), 2u);
+  EXPECT_EQ(bestThatHolds(candidates, limitsOf("min_rate: 5e7")), 0u);
+  EXPECT_EQ(bestThatHolds(candidates, limitsOf("min_rate: 5e8")), std::nullopt);
+}
+
+TEST(LimitTexts, SayWhatWasAskedAndWhatItCameTo) {
+  EXPECT_EQ(limitTexts(candidateOf(1e-7, 0.0012, 0, 0.999989), limitsOf("max_error: {p99: 2 cm, labels: 99.5 %}")),
+            (std::vector<std::string>{"p99 1.2 mm, at most 20 mm", "labels 99.9989 %, at least 99.5 %"}));
+}
+
 TEST(NearestToHolding, HasTheLeastOfTheLargestFactors) {
   const ErrorLimits l = limitsOf("max_error: {p99: 2 cm, miss_rate: 1 %, labels: 99 %}\nmin_rate: 1e6");
   const std::vector<Candidate> candidates{

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -104,6 +106,43 @@ TEST(Measure, TimesOnlyTheScansAndChannelsThatAreAskedFor) {
   options.channels = kErrorChannels;
   measure(make, scene, shots, options);
   EXPECT_EQ(scans, std::vector<Channels>(10, kErrorChannels));
+}
+
+// Sleeps longer for larger scans.
+class Slow : public Counting {
+ public:
+  using Counting::Counting;
+  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(shot.sensor == 0 ? 2 : 20));
+    Counting::trace(shot, channels, hits);
+  }
+};
+
+// Of two sensors with scans of two sizes neither one's time stands for both; sleeping never ends early.
+TEST(Measure, SensorsCountByTheirNumberOfScans) {
+  const Scene scene = courtyard();
+  std::vector<Shot> shots = twoShots();
+  shots.push_back(shots.front());
+  shots.push_back(shots.front());
+  shots[3].sensor = 1;
+  MeasureOptions options;
+  options.repeats = 1;
+  options.clouds = false;
+  const std::vector<TrueShot> truth = trueShots(scene, shots, options);
+  std::vector<Channels> scans;
+  const Cost cost = measure([&] { return std::make_unique<Slow>(scene, 1, scans); }, scene, truth, options).cost;
+  EXPECT_GE(cost.fastest, (3 * 2e-3 + 20e-3) / 4);
+  EXPECT_GE(cost.scanSeconds, cost.fastest);
+  EXPECT_GE(cost.slowest, cost.scanSeconds);
+}
+
+TEST(Measure, AnyHitTellsABlindSensor) {
+  MeasureOptions options;
+  EXPECT_TRUE(anyHit(trueShots(courtyard(), twoShots(), options)));
+  std::vector<Shot> blind = twoShots();
+  for (Shot& shot : blind) shot.worldFromSensor.front().translation.z = 5000;
+  EXPECT_FALSE(anyHit(trueShots(courtyard(), blind, options)));
+  EXPECT_FALSE(anyHit({}));
 }
 
 TEST(Measure, StopsBetweenScans) {

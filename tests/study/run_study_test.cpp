@@ -113,6 +113,13 @@ TEST_F(RunStudy, EncodesWhatThePipelineWouldWrite) {
   EXPECT_GT(study.encodings[1].bytesPerPoint, study.encodings[2].bytesPerPoint);
 }
 
+TEST_F(RunStudy, ABlindSensorIsRefused) {
+  StudyOptions quiet;
+  quiet.quiet = true;
+  const Plan plan(readPipeline(withKey(three()), {"trajectories=[{name: sky, poses: [{position: [0, 0, 5000]}]}]"}));
+  expectInputError([&] { runStudy(plan, quiet); }, {"study.yaml", "meets anything", "trajectory"});
+}
+
 TEST_F(RunStudy, PicturesShowOnlyWhatErrs) {
   const Study study = studied(withKey(three()));
   ASSERT_THAT(study.pictures, SizeIs(1));
