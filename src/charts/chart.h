@@ -32,6 +32,7 @@ struct ChartSeries {
   std::size_t color = 0;  // of the palette, which colour-blind people can tell apart (Okabe and Ito); also the shape
   ChartMark mark = ChartMark::Dots;
   bool emphasised = false;             // larger, drawn on top: the Pareto front
+  bool labelsFirst = false;            // labels that no other may displace, and that stand even where room is scarce
   std::vector<Vec2d> points{};         // one that is not finite is left out, and a line broken there
   std::vector<Vec2d> spans{};          // empty, or per point: the low and high end of an error bar in y
   std::vector<std::string> labels{};   // empty, or per point: written beside it where there is room ("": none)

@@ -86,6 +86,7 @@ class SeriesDrawing {
     LabelWish wish;
     std::string text;
     bool emphasised = false;
+    int rank = 0;  // the lower, the earlier placed
   };
 
   bool dim(const ChartSeries& series) const { return someEmphasised_ && !series.emphasised; }
@@ -95,7 +96,9 @@ class SeriesDrawing {
     const std::string text = at(series.labels, i);
     if (text.empty()) return;
     const double width = svgTextWidth(text, kLabelFont, series.emphasised);
-    texts_.push_back({{point, radius, width, kLabelFont * 1.2, side}, text, series.emphasised});
+    const int rank = series.labelsFirst ? 0 : series.emphasised ? 1 : 2;
+    texts_.push_back(
+        {{point, radius, width, kLabelFont * 1.2, side, series.labelsFirst}, text, series.emphasised, rank});
   }
 
   void bars(std::size_t s) {
@@ -171,8 +174,7 @@ class SeriesDrawing {
   }
 
   void labels() {
-    std::stable_sort(texts_.begin(), texts_.end(),
-                     [](const Text& a, const Text& b) { return a.emphasised && !b.emphasised; });
+    std::stable_sort(texts_.begin(), texts_.end(), [](const Text& a, const Text& b) { return a.rank < b.rank; });
     std::vector<LabelWish> wishes;
     for (const Text& text : texts_) wishes.push_back(text.wish);
     const std::vector<std::optional<LabelPlace>> places = placeLabels(wishes, plot_, marks_, lines_);

@@ -58,6 +58,7 @@ struct Try {
 constexpr std::array<Try, 8> kTries{
     {{1, 0, 0}, {-1, 0, 0.4}, {0, -1, 0.6}, {0, 1, 0.7}, {1, -1, 0.8}, {1, 1, 0.9}, {-1, -1, 1.0}, {-1, 1, 1.1}}};
 constexpr std::array<double, 4> kDistances{0, 12, 26, 44};
+constexpr std::array<double, 3> kFarDistances{70, 100, 140};  // of labels that must stand somewhere
 
 class LabelPlacer {
  public:
@@ -67,8 +68,9 @@ class LabelPlacer {
   std::optional<LabelPlace> place(const LabelWish& wish) {
     std::optional<LabelPlace> best;
     double bestCost = 0;
+    bool uponMarks = false;
     const auto consider = [&](const ChartBox& box, double cost, bool leader) {
-      if (!inside(box, area_) || covered(box)) return;
+      if (!inside(box, area_) || coveredByText(box) || (!uponMarks && coveredByMark(box))) return;
       if (leader && !leads(wish, box)) return;
       for (std::size_t i = 0; i + 1 < lines_.size(); i += 2) cost += meets(lines_[i], lines_[i + 1], box) ? 3 : 0;
       if (best && cost >= bestCost) return;
@@ -79,10 +81,18 @@ class LabelPlacer {
       const bool right = wish.side == LabelWish::Side::Right;
       consider(boxAt(wish, right ? 1 : 0, right ? 0 : -1, 0), 0, false);
     } else {
-      for (const double distance : kDistances) {
+      const auto around = [&](double distance) {
         for (const Try& attempt : kTries) {
           consider(boxAt(wish, attempt.dx, attempt.dy, distance), attempt.cost + distance / 6, distance > 0);
         }
+      };
+      for (const double distance : kDistances) around(distance);
+      if (wish.needed && !best) {
+        for (const double distance : kFarDistances) around(distance);
+      }
+      if (wish.needed && !best) {
+        uponMarks = true;
+        around(0);
       }
     }
     if (best) {
@@ -93,10 +103,13 @@ class LabelPlacer {
   }
 
  private:
-  bool covered(const ChartBox& box) const {
+  bool coveredByMark(const ChartBox& box) const {
+    return std::any_of(marks_.begin(), marks_.end(), [&](const ChartBox& other) { return box.overlaps(other); });
+  }
+
+  bool coveredByText(const ChartBox& box) const {
     const auto overlaps = [&](const ChartBox& other) { return box.overlaps(other); };
     if (std::any_of(labels_.begin(), labels_.end(), overlaps)) return true;
-    if (std::any_of(marks_.begin(), marks_.end(), overlaps)) return true;
     for (std::size_t i = 0; i < leaders_.size(); i += 2) {
       if (meets(leaders_[i], leaders_[i + 1], box)) return true;
     }

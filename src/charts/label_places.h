@@ -25,6 +25,7 @@ struct LabelWish {
   double radius = 0;  // of the mark
   double width = 0, height = 0;
   Side side = Side::Any;
+  bool needed = false;  // farther away, or upon marks, rather than not at all
 };
 
 struct LabelPlace {
@@ -33,7 +34,7 @@ struct LabelPlace {
 };
 
 // One place per wish, earlier wishes first: inside `area`, clear of each other and of `marks`, and of `lines` (pairs of
-// ends) where that can be. None: there is no room.
+// ends) where that can be. None: there is no room, though a needed one may cover marks then.
 std::vector<std::optional<LabelPlace>> placeLabels(std::span<const LabelWish> wishes, const ChartBox& area,
                                                    std::span<const ChartBox> marks, std::span<const Vec2d> lines);
 

@@ -25,16 +25,14 @@ namespace {
 constexpr const char* kStudyFile = "tradeoff.json";
 
 // p99 away from edges.
-std::string insideText(const BeamErrors& errors) {
-  for (const ErrorGroup& group : errors.byPlace) {
-    if (group.name == "interior") return metresText(group.errors.range.p99);
-  }
-  return {};
+std::string awayText(const BeamErrors& errors) {
+  const GroupErrors* away = awayFromEdges(errors);
+  return away == nullptr ? "" : metresText(away->range.p99);
 }
 
 void printSettings(const Study& study) {
   std::vector<std::vector<std::string>> rows{{"setting", "set-up", "scan", "beams/s", "memory", "median", "p99",
-                                              "inside", "labels", "lost", "spurious", "to", "from"}};
+                                              "away from edges", "labels", "lost", "spurious", "to", "from"}};
   for (const SettingResult& s : study.settings) {
     if (!s.failure.empty()) {
       rows.push_back({s.setting.name, "failed", "", "", "", "", "", "", "", "", "", "", ""});
@@ -46,14 +44,14 @@ void printSettings(const Study& study) {
     rows.push_back({s.setting.name, secondsText(cost.setupSeconds), secondsText(cost.scanSeconds),
                     shortNumber(cost.beamsPerSecond(study.beamsPerShot)),
                     shortBytes(static_cast<double>(cost.memoryBytes)), metresText(e.range.median),
-                    metresText(e.range.p99), insideText(s.measured.errors), fmt::format("{:.3f} %", 100 * e.labels()),
+                    metresText(e.range.p99), awayText(s.measured.errors), fmt::format("{:.3f} %", 100 * e.labels()),
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.lost) / beams),
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.spurious) / beams),
                     metresText(s.measured.cloud.to.mean), metresText(s.measured.cloud.from.mean)});
   }
   fmt::print(
-      "{}median, p99, inside (p99 away from edges): of the range error; to, from: mean distance from the truth's\n"
-      "points to the nearest of the setting's, and back\n\n",
+      "{}median, p99, away from edges (p99 there): of the range error; lost: only the truth hits; spurious: only the\n"
+      "setting hits; to, from: mean distance from the truth's points to the nearest of the setting's, and back\n\n",
       formatTable(rows));
   for (const SettingResult& s : study.settings) {
     if (!s.failure.empty()) fmt::print("{} failed: {}\n", s.setting.name, s.failure);
@@ -91,26 +89,41 @@ void printRings(const Study& study) {
 }
 
 void printStudy(const Study& study) {
-  fmt::print("{}: {} shots of {} beams, {} triangles; {}, {} threads{}{}\n\n", study.sequence, study.shots,
-             grouped(study.beamsPerShot), grouped(study.scenes.front().triangles), study.machine.processor,
-             study.machine.threads, study.machine.renderer.empty() ? "" : "; OpenGL: ", study.machine.renderer);
+  std::uint64_t triangles = 0;
+  for (const StudyScene& scene : study.scenes) triangles += scene.triangles;
+  fmt::print("{}: {} of {} beams, {} triangles; {}, {}{}{}\n\n", study.sequence, pluralOf(study.shots, "scan"),
+             grouped(study.beamsPerShot), grouped(triangles), study.machine.processor,
+             pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"),
+             study.machine.renderer.empty() ? "" : "; OpenGL: ", study.machine.renderer);
   printSettings(study);
   printRings(study);
   printEncodings(study);
   for (const std::string& line : study.left) fmt::print("left out: {}\n", line);
-  for (const Advice& advice : advise(study)) fmt::print("{}: {}\n  {}\n", advice.need, advice.setting, advice.text);
+  for (const Advice& a : advise(study)) {
+    fmt::print("{}: {}\n", a.need, a.setting.empty() ? a.text : fmt::format("{}\n  {}", a.setting, a.text));
+  }
 }
 
 std::string pictureFile(std::size_t index) {
   return fmt::format("errors-{}.png", index + 1);
 }
 
-// A study that was measured before: its report is made anew.
+// A study that was measured before: its report is made anew, without the pictures that are not beside it.
 Study readStudy(const std::filesystem::path& file) {
   Study study = parseStudy(readFile(file), file.string());
+  std::vector<ErrorPicture> found;
   for (std::size_t i = 0; i < study.pictures.size(); ++i) {
-    study.pictures[i].png = readFile(file.parent_path() / pictureFile(i));
+    ErrorPicture& picture = study.pictures[i];
+    const std::filesystem::path png = file.parent_path() / pictureFile(i);
+    if (!std::filesystem::exists(png)) {
+      study.left.push_back(fmt::format("picture of {}: {} is not beside {}", picture.setting, png.filename().string(),
+                                       file.filename().string()));
+      continue;
+    }
+    picture.png = readFile(png);
+    found.push_back(std::move(picture));
   }
+  study.pictures = std::move(found);
   return study;
 }
 
@@ -180,7 +193,7 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   }
   writeStudy(study, folder);
   if (!studyOptions.quiet) printStudy(study);
-  fmt::print("{} settings in {}: open {}\n", study.settings.size(), shortTime(study.seconds),
+  fmt::print("{} in {}: open {}\n", pluralOf(study.settings.size(), "setting"), shortTime(study.seconds),
              (std::filesystem::path(folder) / "index.html").string());
   return 0;
 }

@@ -17,12 +17,6 @@ namespace scanmill {
 
 namespace {
 
-std::string pipelineFile(const Study& study) {
-  const std::string& name = study.pipelineName;
-  const bool isFile = name.find('/') != std::string::npos || name.ends_with(".yaml");
-  return isFile ? name : fmt::format("pipelines/{}.yaml", name);
-}
-
 std::string shellWord(const std::string& word) {
   const bool plain = !word.empty() && word.find_first_not_of(
                                           "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
@@ -49,11 +43,29 @@ std::vector<std::string> overridesOf(const Study& study) {
   return assignments;
 }
 
+// As the user named it. Studies of earlier versions do not know it.
+std::string pipelineWord(const Study& study) {
+  return study.pipelineFile.empty() ? "PIPELINE.yaml" : shellWord(study.pipelineFile);
+}
+
 std::string command(const Study& study) {
-  std::string text = fmt::format("scanmill tradeoff {} -o out/tradeoff", shellWord(pipelineFile(study)));
-  if (study.budgetSeconds > 0) text += fmt::format(" --budget {:g}", static_cast<double>(study.budgetSeconds) / 60);
+  std::string text = fmt::format("scanmill tradeoff {} -o out/tradeoff", pipelineWord(study));
+  if (study.budgetGiven && study.budgetSeconds > 0) {
+    text += fmt::format(" --budget {:g}", static_cast<double>(study.budgetSeconds) / 60);
+  }
   for (const std::string& assignment : overridesOf(study)) text += " --set " + shellWord(assignment);
   return text;
+}
+
+// A dataset of the same pipeline, by a setting.
+std::string generateCommand(const Study& study, const Setting& setting) {
+  std::string text =
+      fmt::format("scanmill generate {} -o {}", pipelineWord(study), shellWord("out/" + study.pipelineName));
+  for (const std::string& assignment : overridesOf(study)) {
+    const bool replaced = assignment.starts_with("method") || assignment.starts_with("tradeoff");
+    if (!replaced) text += " --set " + shellWord(assignment);
+  }
+  return text + " " + setArgument(setting);
 }
 
 // What was measured, as terms and their values.
@@ -63,14 +75,18 @@ std::string facts(const Study& study) {
     if (!value.empty()) out += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, escapeXml(value));
   };
   for (const StudyScene& s : study.scenes) {
-    fact("Scene", fmt::format("{}, {} triangles; {} {}", s.key, amountText(static_cast<double>(s.triangles)),
-                              s.frames.size() == 1 ? "frame" : "frames", fmt::join(s.frames, ", ")));
+    fact("Scene", fmt::format("{}, {} triangles{}{}", s.key, amountText(static_cast<double>(s.triangles)),
+                              s.frames.empty()       ? ""
+                              : s.frames.size() == 1 ? ", scanned at frame "
+                                                     : ", scanned at frames ",
+                              fmt::join(s.frames, ", ")));
   }
   for (const std::string& sensor : study.sensors) fact("Sensor", sensor);
   if (study.shots > 0) {
-    fact("Scans",
-         fmt::format("{} of {} beams, timed {} each", study.shots, amountText(static_cast<double>(study.beamsPerShot)),
-                     study.repeats == 1 ? "once" : fmt::format("{} times", study.repeats)));
+    fact("Scans", fmt::format("{} of {} beams, timed {}{}", pluralOf(study.shots, "scan"),
+                              amountText(static_cast<double>(study.beamsPerShot)),
+                              study.repeats == 1 ? "once" : fmt::format("{} times", study.repeats),
+                              study.shots == 1 ? "" : " each"));
   }
   const std::size_t measured = measuredSettings(study).size();
   fact("Settings",
@@ -79,8 +95,8 @@ std::string facts(const Study& study) {
                                                      : fmt::format(", {} not", study.settings.size() - measured)));
   fact("Machine", study.machine.processor.empty()
                       ? std::string()
-                      : fmt::format("{}, {} {}", study.machine.processor, study.machine.threads,
-                                    study.machine.threads == 1 ? "thread" : "threads"));
+                      : fmt::format("{}, {}", study.machine.processor,
+                                    pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread")));
   fact("OpenGL", study.machine.renderer);
   fact("Date",
        fmt::format("{}{}", study.date, study.seconds > 0 ? fmt::format(", in {}", shortTime(study.seconds)) : ""));
@@ -96,10 +112,10 @@ std::string recommendation(const Study& study) {
     for (const SettingResult& s : study.settings) {
       if (s.setting.name == a.setting) use = fmt::format("<p><code>{}</code></p>\n", escapeXml(setArgument(s.setting)));
     }
-    cards +=
-        fmt::format("<div class=\"card{}\"><p class=\"need\">{}</p>\n{}{}{}</div>\n", a.setting.empty() ? " none" : "",
-                    escapeXml(a.need), a.setting.empty() ? "" : fmt::format("<h3>{}</h3>\n", escapeXml(a.setting)),
-                    htmlParagraph(a.text), use);
+    cards += fmt::format("<div class=\"card{}\"><p class=\"need\">{}</p>\n{}{}{}</div>\n",
+                         a.setting.empty() ? " none" : "", escapeXml(a.setting.empty() ? a.need : a.need + ":"),
+                         a.setting.empty() ? "" : fmt::format("<h3>{}</h3>\n", escapeXml(a.setting)),
+                         htmlParagraph(a.text), use);
   }
   return cards.empty() ? "" : fmt::format("<div class=\"cards\">\n{}</div>\n", cards);
 }
@@ -145,7 +161,7 @@ std::string again(const Study& study) {
     }
     out +=
         htmlParagraph("To use a setting, put what follows `method=` into the pipeline as `method:`, or say it once:");
-    out += htmlCode(fmt::format("scanmill generate {} {}", shellWord(pipelineFile(study)), setArgument(*picked)));
+    out += htmlCode(generateCommand(study, *picked));
     out += htmlParagraph(
         "To have the cheapest one that is good enough chosen, on a sample of the pipeline's own scans, ask for it "
         "there:");
@@ -168,26 +184,27 @@ std::string studyReport(const Study& study) {
        recommendation(study)});
   sections.push_back(
       {"speed", "Speed against error",
-       "A mark is a setting. To the right is faster, down is better; the staircase is what can be had. Range "
-       "errors below 10 \xC2\xB5m count as exact: single precision resolves no more at 100 m.",
+       "A mark is a setting. To the right is faster, down is better; the staircase is what can be had, without steps "
+       "of less than 5 % in time, which are noise. Range errors below 10 \xC2\xB5m count as exact: single precision "
+       "resolves no more at 100 m.",
        figuresIf(any, {rangeFrontChart(study)}) + figuresIf(any, {wrongFrontChart(study)})});
   sections.push_back({"settings", "All settings",
                       "Click a heading to sort. Rows with a coloured ground lie on a front of one of the charts above; "
                       "point at a name or a figure for more.",
-                      settingsTable(study)});
+                      settingsTable(study), true});
   sections.push_back({"range", "Error against range and incidence",
                       "Each method with its defaults and at its fastest, or settings on the fronts above. Gaps: too "
                       "little was hit there. In the last row, the nearest point may be of any band and any beam.",
                       htmlFigures({rangeErrorByRange(study), rangeErrorByIncidence(study), wrongByRange(study),
                                    wrongByIncidence(study), nearestByRange(study), nearestByIncidence(study)})});
   sections.push_back(
-      {"edges", "Edges and the inside of surfaces",
+      {"edges", "At edges and away from edges",
        "A beam lies at an edge where its neighbours meet another thing, or the range steps.",
        htmlFigures({rangeErrorByPlace(study), wrongByPlace(study)}) + details("The figures", placesTable(study))});
   sections.push_back(
       {"classes", "Classes",
        "The most frequent first. A beam belongs to the class that it hits in truth, or, where in truth it "
-       "hits nothing, to the one that the setting invents.",
+       "hits nothing, to the one that the setting hits. Lost: only the truth hits; spurious: only the setting does.",
        htmlFigures({wrongByClass(study), lostByClass(study)}) + details("The figures", classesTable(study))});
   sections.push_back(
       {"things", "Thin and small things", "", htmlFigures({recallByThickness(study), recallByLength(study)})});

@@ -19,7 +19,7 @@ constexpr int kHalfWidth = 575;  // pixels of charts that stand side by side
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 const std::string kRangeError = "range error that 99 % of the beams stay below";
 const std::string kNearest = "mean distance from true points to the setting's nearest";
-const std::string kWrongBeams = "beams that are lost, invented or labelled wrongly";
+const std::string kWrongBeams = "beams that are lost, spurious or labelled wrongly";
 
 using Groups = std::vector<ErrorGroup> BeamErrors::*;
 using Error = std::function<double(const GroupErrors&)>;
@@ -77,7 +77,7 @@ double beside(std::size_t k, std::size_t count, double step) {
 // What a mark of a setting says when pointed at.
 std::string settingDetail(const Study& study, const SettingResult& s) {
   const GroupErrors& e = s.measured.errors.all;
-  return fmt::format("{}\n{} beams/s, {} a scan\nrange error: median {}, p99 {}\nlabels {}, lost or invented {}",
+  return fmt::format("{}\n{} beams/s, {} a scan\nrange error: median {}, p99 {}\nlabels {}, lost or spurious {}",
                      s.setting.name, amountText(beamsPerSecond(study, s)), secondsText(s.measured.cost.scanSeconds),
                      metresText(e.range.median), metresText(e.range.p99), shareText(e.labels()),
                      shareText(e.missRate()));
@@ -92,11 +92,11 @@ std::string shortName(const Setting& setting) {
 std::string sceneNote(const Study& study) {
   std::string sensors;
   for (const std::string& s : study.sensors) sensors += (sensors.empty() ? "" : "; ") + s;
-  return fmt::format("{}; {}; {}, {} {}", study.sequence.empty() ? study.pipelineName : study.sequence, sensors,
-                     study.machine.processor, study.machine.threads, study.machine.threads == 1 ? "thread" : "threads");
+  return fmt::format("{}; {}; {}, {}", study.sequence.empty() ? study.pipelineName : study.sequence, sensors,
+                     study.machine.processor, pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"));
 }
 
-// The staircase that no setting gets past: down and to the left of it there is none.
+// The staircase that no setting gets past, but for steps too small to tell from the noise of time.
 ChartSeries frontLine(const std::vector<Vec2d>& front, const std::vector<Vec2d>& all) {
   ChartSeries line{.name = "Pareto front: nothing is both faster and better",
                    .color = 6,
@@ -129,17 +129,21 @@ std::string frontChart(const Study& study, Chart chart, const Error& error, cons
   for (const std::size_t i : front) onFront.push_back(place(i));
   if (!onFront.empty()) chart.series.push_back(frontLine(onFront, all));
   for (const bool emphasised : {true, false}) {
-    for (std::size_t m = 0; m < methods.size(); ++m) {
-      ChartSeries series{.name = wordsOf(methods[m]), .color = m % 6, .emphasised = emphasised};
+    for (const std::string& method : methods) {
+      ChartSeries byDefault{.name = wordsOf(method), .color = methodColor(study, method), .emphasised = emphasised};
+      ChartSeries others = byDefault;
+      byDefault.labelsFirst = true;
       for (const std::size_t i : measuredSettings(study)) {
         const SettingResult& s = study.settings[i];
         const bool on = std::find(front.begin(), front.end(), i) != front.end();
-        if (s.setting.method != methods[m] || on != emphasised) continue;
+        if (s.setting.method != method || on != emphasised) continue;
+        ChartSeries& series = isDefault(s.setting) ? byDefault : others;
         series.points.push_back(place(i));
         series.labels.push_back(shortName(s.setting));
         series.details.push_back(settingDetail(study, s));
       }
-      chart.series.push_back(std::move(series));
+      chart.series.push_back(std::move(byDefault));
+      chart.series.push_back(std::move(others));
     }
   }
   chart.x = {.title = "beams a second (to the right is better)", .scale = AxisScale::Log};
@@ -154,17 +158,24 @@ std::string rangeChart(const Study& study, int width, int height) {
   return frontChart(study, std::move(chart), rangeErrorOf, rangeFront(study));
 }
 
+std::vector<std::size_t> colorsOf(const Study& study, const std::vector<std::size_t>& settings) {
+  std::vector<std::string> methods;
+  for (const std::size_t i : settings) methods.push_back(study.settings[i].setting.method);
+  return settingColors(study, methods);
+}
+
 // A line per shown setting over bands.
 std::string bandChart(const Study& study, const std::string& title, const std::string& bands, Groups groups,
                       const ChartAxis& y, const Error& error) {
   const std::vector<std::size_t> shown = shownSettings(study, kMostLines);
+  const std::vector<std::size_t> colors = colorsOf(study, shown);
   Chart chart{.title = title, .x = {.title = bands, .names = groupNames(study, shown, groups)}, .y = y};
   chart.width = kHalfWidth;
   chart.height = 400;
   if (chart.x.names.empty()) return "";
   for (std::size_t k = 0; k < shown.size(); ++k) {
     const SettingResult& s = study.settings[shown[k]];
-    ChartSeries series{.name = s.setting.name, .color = k, .mark = ChartMark::LineAndDots};
+    ChartSeries series{.name = s.setting.name, .color = colors[k], .mark = ChartMark::LineAndDots};
     for (std::size_t b = 0; b < chart.x.names.size(); ++b) {
       const ErrorGroup* group = groupNamed(s.measured.errors.*groups, chart.x.names[b]);
       const double value = group == nullptr ? kNone : error(group->errors);
@@ -179,6 +190,7 @@ std::string bandChart(const Study& study, const std::string& title, const std::s
 std::string recallChart(const Study& study, const std::string& title, const std::string& sizes,
                         std::vector<SizeRecall> BeamErrors::*recall) {
   const std::vector<std::size_t> shown = shownSettings(study, kMostLines);
+  const std::vector<std::size_t> colors = colorsOf(study, shown);
   Chart chart{.title = title, .note = "things of which at least one beam is met, of those that a true beam meets"};
   chart.x.title = sizes;
   chart.y = {.title = "things found", .unit = "%", .high = 1};
@@ -196,7 +208,7 @@ std::string recallChart(const Study& study, const std::string& title, const std:
   for (std::size_t k = 0; k < shown.size(); ++k) {
     const SettingResult& s = study.settings[shown[k]];
     const std::vector<SizeRecall>& own = s.measured.errors.*recall;
-    ChartSeries series{.name = s.setting.name, .color = k, .mark = ChartMark::LineAndDots};
+    ChartSeries series{.name = s.setting.name, .color = colors[k], .mark = ChartMark::LineAndDots};
     for (std::size_t at = 0; at < bands.size(); ++at) {
       const SizeRecall* band = bands[at] < own.size() ? &own[bands[at]] : nullptr;
       const bool any = band != nullptr && band->things > 0;
@@ -219,13 +231,13 @@ std::string placeChart(const Study& study, const std::string& title, const Chart
   Chart chart{.title = title, .x = x};
   for (const std::size_t i : rows) chart.y.names.push_back(study.settings[i].setting.name);
   for (std::size_t k = 0; k < places.size(); ++k) {
-    ChartSeries series{.name = places[k], .color = k};
+    ChartSeries series{.name = placeText(places[k]), .color = k + 3};  // not those of methods
     for (std::size_t row = 0; row < rows.size(); ++row) {
       const SettingResult& s = study.settings[rows[row]];
       const ErrorGroup* group = groupNamed(s.measured.errors.byPlace, places[k]);
       const double value = group == nullptr ? kNone : error(group->errors);
       series.points.push_back({value, static_cast<double>(row) + beside(k, places.size(), 0.2)});
-      series.details.push_back(fmt::format("{}\n{}: {}", s.setting.name, places[k], valueText(value, x.unit)));
+      series.details.push_back(fmt::format("{}\n{}: {}", s.setting.name, series.name, valueText(value, x.unit)));
     }
     chart.series.push_back(std::move(series));
   }
@@ -237,6 +249,7 @@ std::string placeChart(const Study& study, const std::string& title, const Chart
 // A row per class, the most frequent first, a dot per shown setting.
 std::string classChart(const Study& study, const std::string& title, const std::string& x, const Error& error) {
   const std::vector<std::size_t> shown = shownSettings(study, kMostLines);
+  const std::vector<std::size_t> colors = colorsOf(study, shown);
   if (shown.empty()) return "";
   std::vector<std::string> names = groupNames(study, shown, &BeamErrors::byClass);
   const auto beams = [&](const std::string& name) {
@@ -254,7 +267,7 @@ std::string classChart(const Study& study, const std::string& title, const std::
   std::string spotless;
   for (std::size_t k = 0; k < shown.size(); ++k) {
     const SettingResult& s = study.settings[shown[k]];
-    ChartSeries series{.name = s.setting.name, .color = k};
+    ChartSeries series{.name = s.setting.name, .color = colors[k]};
     for (std::size_t row = 0; row < names.size(); ++row) {
       const ErrorGroup* group = groupNamed(s.measured.errors.byClass, names[row]);
       const double value = group == nullptr ? kNone : error(group->errors);
@@ -325,10 +338,10 @@ std::string recallByLength(const Study& study) {
                      &BeamErrors::byLength);
 }
 std::string rangeErrorByPlace(const Study& study) {
-  return placeChart(study, "Range error at edges and inside surfaces", metresAxis(kRangeError), rangeErrorOf);
+  return placeChart(study, "Range error at edges and away from edges", metresAxis(kRangeError), rangeErrorOf);
 }
 std::string wrongByPlace(const Study& study) {
-  return placeChart(study, "Wrong beams at edges and inside surfaces", sharesAxis(kWrongBeams), wrongOf);
+  return placeChart(study, "Wrong beams at edges and away from edges", sharesAxis(kWrongBeams), wrongOf);
 }
 std::string wrongByClass(const Study& study) {
   return classChart(study, "Wrong beams by class", kWrongBeams, wrongOf);

@@ -117,10 +117,14 @@ std::string ringsChart(const Study& study) {
   std::vector<std::pair<std::string, const RingFit*>> fits;
   for (const RingFit& f : study.rings) fits.emplace_back(f.setting.name, &f);
   if (study.showing) fits.emplace_back("drawing a picture of the scan", &*study.showing);
+  // What has no method is not a method's colour.
+  std::vector<std::string> methods;
+  for (const auto& entry : fits) methods.push_back(entry.second->setting.method);
+  const std::vector<std::size_t> colors = settingColors(study, methods);
   for (std::size_t k = 0; k < fits.size(); ++k) {
     const auto& [name, fit] = fits[k];
     if (fit->timings.empty()) continue;
-    ChartSeries dots{.name = name, .color = k % 7};
+    ChartSeries dots{.name = name, .color = colors[k]};
     double least = fit->timings.front().rings, most = least;
     for (const RingTiming& t : fit->timings) {
       dots.points.push_back({static_cast<double>(t.rings), t.scanSeconds});
@@ -128,7 +132,7 @@ std::string ringsChart(const Study& study) {
       least = std::min<double>(least, t.rings);
       most = std::max<double>(most, t.rings);
     }
-    ChartSeries line{.name = name, .color = k % 7, .mark = ChartMark::Line};
+    ChartSeries line{.name = name, .color = colors[k], .mark = ChartMark::Line};
     constexpr int kSteps = 48;
     for (int i = 0; i <= kSteps; ++i) {
       const double rings = least * std::pow(most / least, static_cast<double>(i) / kSteps);

@@ -38,6 +38,11 @@ std::string scaled(double value, const std::array<Scale, n>& scales) {
   return threeDigits(value / scales.back().factor) + scales.back().unit;
 }
 
+constexpr double kFrontStep = 1.05;                      // of times
+constexpr std::string_view kAwayFromEdges = "interior";  // as the study's files call it
+constexpr std::array<const char*, 3> kColoredMethods{"ray_tracing", "depth_camera", "particle"};
+constexpr std::array<std::size_t, 5> kMoreColors{3, 4, 5, 7, 6};
+
 std::vector<std::size_t> frontOf(const Study& study, double (*error)(const GroupErrors&)) {
   const std::vector<std::size_t> measured = measuredSettings(study);
   std::vector<double> seconds, errors;
@@ -45,8 +50,15 @@ std::vector<std::size_t> frontOf(const Study& study, double (*error)(const Group
     seconds.push_back(study.settings[i].measured.cost.scanSeconds);
     errors.push_back(error(study.settings[i].measured.errors.all));
   }
-  std::vector<std::size_t> front = paretoFront(seconds, errors);
-  for (std::size_t& i : front) i = measured[i];
+  const std::vector<std::size_t> whole = paretoFront(seconds, errors);
+  std::vector<std::size_t> front;
+  double last = std::numeric_limits<double>::infinity();
+  for (auto i = whole.rbegin(); i != whole.rend(); ++i) {
+    if (seconds[*i] * kFrontStep >= last) continue;
+    last = seconds[*i];
+    front.push_back(measured[*i]);
+  }
+  std::reverse(front.begin(), front.end());
   return front;
 }
 
@@ -92,6 +104,21 @@ std::string wordsOf(std::string_view key) {
   std::string words(key);
   std::replace(words.begin(), words.end(), '_', ' ');
   return words;
+}
+
+std::string pluralOf(std::uint64_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+std::string placeText(const std::string& group) {
+  return group == kAwayFromEdges ? "away from edges" : group == "edges" ? "at edges" : group;
+}
+
+const GroupErrors* awayFromEdges(const BeamErrors& errors) {
+  for (const ErrorGroup& group : errors.byPlace) {
+    if (group.name == kAwayFromEdges) return &group.errors;
+  }
+  return nullptr;
 }
 
 double wrongShare(const GroupErrors& e) {
@@ -156,6 +183,35 @@ std::vector<std::size_t> rangeFront(const Study& study) {
 }
 std::vector<std::size_t> wrongFront(const Study& study) {
   return frontOf(study, wrongShare);
+}
+
+std::size_t methodColor(const Study& study, const std::string& method) {
+  const auto known = std::find(kColoredMethods.begin(), kColoredMethods.end(), method);
+  if (known != kColoredMethods.end()) return static_cast<std::size_t>(known - kColoredMethods.begin());
+  std::size_t others = 0;
+  for (const std::string& other : methodsOf(study)) {
+    if (other == method) break;
+    others += std::find(kColoredMethods.begin(), kColoredMethods.end(), other) == kColoredMethods.end() ? 1 : 0;
+  }
+  return kMoreColors[others % 3];
+}
+
+std::vector<std::size_t> settingColors(const Study& study, const std::vector<std::string>& methods) {
+  const auto first = [&](std::size_t k) {
+    return std::find(methods.begin(), methods.end(), methods[k]) - methods.begin();
+  };
+  std::vector<std::size_t> colors(methods.size());
+  std::vector<std::size_t> free(kMoreColors.begin(), kMoreColors.end());
+  for (std::size_t k = 0; k < methods.size(); ++k) {
+    if (static_cast<std::size_t>(first(k)) != k) continue;
+    colors[k] = methodColor(study, methods[k]);
+    std::erase(free, colors[k]);
+  }
+  std::size_t more = 0;
+  for (std::size_t k = 0; k < methods.size(); ++k) {
+    if (static_cast<std::size_t>(first(k)) != k && !free.empty()) colors[k] = free[more++ % free.size()];
+  }
+  return colors;
 }
 
 std::vector<std::size_t> shownSettings(const Study& study, std::size_t most) {

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "charts/svg_text.h"
@@ -41,12 +43,20 @@ figure svg{display:block;max-width:100%;height:auto;margin:0 auto}
 figure img{display:block;width:100%;border-radius:5px}
 figure.picture{cursor:zoom-in}figure.picture.wide{cursor:zoom-out}
 figcaption{padding:6px 12px;font-size:13px;color:var(--muted)}
-.figures{display:grid;grid-template-columns:repeat(2,minmax(0,1fr));gap:12px;margin:12px 0}
+.figures{display:grid;grid-template-columns:repeat(2,minmax(0,1fr));grid-auto-flow:row dense;gap:12px;margin:12px 0}
 .figures>figure:only-child,.figures>figure.wide{grid-column:1/-1}
 @media (max-width:980px){.figures{grid-template-columns:minmax(0,1fr)}}
 @media (max-width:640px){figure svg{max-width:none;margin:0}h1{font-size:23px}
 dl.facts{grid-template-columns:1fr;gap:0}dl.facts dd{margin:0 0 6px}}
-.table{overflow:auto;width:fit-content;max-width:100%;max-height:78vh;border:1px solid var(--line);border-radius:8px;margin:12px 0;background:var(--card)}
+.table{overflow:auto;width:fit-content;max-width:100%;max-height:78vh;border:1px solid var(--line);border-radius:8px;background:var(--card)}
+.scroller{position:relative;width:fit-content;max-width:100%;margin:12px 0}
+.scroller>.hint{display:none;margin:0 0 4px;max-width:none;font-size:13px;color:var(--accent)}
+.scroller.more>.hint{display:block}.scroller.end>.hint{visibility:hidden}
+.scroller.more:not(.end)::after{content:"";position:absolute;top:26px;right:1px;bottom:1px;width:36px;z-index:3;
+pointer-events:none;background:linear-gradient(to right,transparent,rgba(0,114,178,.28));border-radius:0 8px 8px 0}
+.scroller.more th:first-child,.scroller.more td:first-child{border-right:1px solid var(--line)}
+.wide .scroller{left:50%;transform:translateX(-50%);width:max-content;min-width:100%;
+max-width:calc(100vw - 56px)}
 table{border-collapse:separate;border-spacing:0;font-size:12.5px;font-variant-numeric:tabular-nums}
 th,td{padding:4px 10px;text-align:right;white-space:nowrap;border-bottom:1px solid var(--line)}
 tbody tr:last-child td{border-bottom:0}
@@ -87,10 +97,37 @@ document.querySelectorAll('tr.columns th').forEach(function(th){
     }).forEach(function(row){body.appendChild(row)});
   });
 });
+document.querySelectorAll('.scroller').forEach(function(box){
+  var table=box.querySelector('.table');
+  var look=function(){
+    var hidden=table.scrollWidth-table.clientWidth;
+    box.classList.toggle('more',hidden>2);
+    box.classList.toggle('end',hidden>2&&table.scrollLeft>=hidden-2);
+  };
+  table.addEventListener('scroll',look);
+  window.addEventListener('resize',look);
+  var fold=box.closest('details');
+  if(fold)fold.addEventListener('toggle',look);
+  look();
+});
 document.querySelectorAll('figure.picture').forEach(function(figure){
   figure.addEventListener('click',function(){figure.classList.toggle('wide')});
 });
 )";
+
+constexpr double kHalfRow = 600;  // pixels: of a chart that two abreast hardly shrink
+
+// Of the element's attribute; 0 where it has none.
+double svgWidth(std::string_view svg) {
+  constexpr std::string_view kName = " width=\"";
+  const std::string_view element = svg.substr(0, svg.find('>'));
+  const std::size_t at = element.find(kName);
+  double width = 0;
+  if (at == std::string_view::npos) return width;
+  const std::string_view value = element.substr(at + kName.size());
+  std::from_chars(value.data(), value.data() + value.size(), width);
+  return width;
+}
 
 std::string attribute(const char* name, const std::string& value) {
   return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, escapeXml(value));
@@ -128,7 +165,9 @@ void HtmlTable::failure(std::string name, std::string why) {
 }
 
 std::string HtmlTable::html() const {
-  std::string out = "<div class=\"table\"><table><thead>";
+  std::string out =
+      "<div class=\"scroller\"><p class=\"hint\">Scroll sideways for more columns \xE2\x86\x92</p>"
+      "<div class=\"table\" tabindex=\"0\"><table><thead>";
   if (!groups_.empty()) {
     out += "<tr class=\"groups\">";
     for (const Group& g : groups_) out += fmt::format("<th colspan=\"{}\">{}</th>", g.columns, escapeXml(g.title));
@@ -151,7 +190,7 @@ std::string HtmlTable::html() const {
     }
     out += "</tr>\n";
   }
-  return out + "</tbody></table></div>\n";
+  return out + "</tbody></table></div></div>\n";
 }
 
 std::string htmlPage(const std::string& title, const std::string& head, const std::vector<HtmlSection>& sections) {
@@ -159,8 +198,8 @@ std::string htmlPage(const std::string& title, const std::string& head, const st
   for (const HtmlSection& s : sections) {
     if (s.body.empty()) continue;
     nav += fmt::format("<a href=\"#{}\">{}</a>\n", s.id, escapeXml(s.title));
-    body += fmt::format("<section>\n<h2 id=\"{}\">{}</h2>\n{}{}</section>\n", s.id, escapeXml(s.title),
-                        s.lead.empty() ? "" : htmlParagraph(s.lead, "lead"), s.body);
+    body += fmt::format("<section{}>\n<h2 id=\"{}\">{}</h2>\n{}{}</section>\n", s.wide ? " class=\"wide\"" : "", s.id,
+                        escapeXml(s.title), s.lead.empty() ? "" : htmlParagraph(s.lead, "lead"), s.body);
   }
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
@@ -182,7 +221,8 @@ std::string htmlCode(const std::string& text) {
 std::string htmlFigures(const std::vector<std::string>& svgs) {
   std::string figures;
   for (const std::string& svg : svgs) {
-    if (!svg.empty()) figures += fmt::format("<figure>{}</figure>\n", svg);
+    if (svg.empty()) continue;
+    figures += fmt::format("<figure{}>{}</figure>\n", svgWidth(svg) > kHalfRow ? " class=\"wide\"" : "", svg);
   }
   return figures.empty() ? "" : fmt::format("<div class=\"figures\">\n{}</div>\n", figures);
 }

@@ -54,13 +54,14 @@ struct HtmlSection {
   std::string title;
   std::string lead;
   std::string body;
+  bool wide = false;  // tables may take the window's width
 };
 std::string htmlPage(const std::string& title, const std::string& head, const std::vector<HtmlSection>& sections);
 
 // <p> and <pre> of plain text.
 std::string htmlParagraph(const std::string& text, const char* kind = "");
 std::string htmlCode(const std::string& text);
-// Figures side by side where there is room; empty ones are left out.
+// Charts, two abreast where that leaves their text its size, others in a row of their own; empty ones are left out.
 std::string htmlFigures(const std::vector<std::string>& svgs);
 
 }  // namespace scanmill

@@ -19,6 +19,8 @@ namespace {
 
 constexpr std::size_t kMostColumns = 6;
 constexpr const char* kNearestHint = "mean distance from each true point to the nearest of the setting's";
+constexpr const char* kLostHint = "only the truth hits";
+constexpr const char* kSpuriousHint = "only the setting hits";
 constexpr const char* kHausdorffHint = "the largest distance of either direction";
 
 HtmlCell metresCell(double metres) {
@@ -126,35 +128,37 @@ void settingRow(HtmlTable& table, const Study& study, std::size_t i, bool front)
   const auto distance = [&](const Spread& spread, double metres) {
     return clouds && spread.count > 0 ? metresCell(metres) : HtmlCell{};
   };
-  table.row(
-      {{s.setting.name, std::nan(""), hint},
-       secondsCell(cost.setupSeconds),
-       {secondsText(cost.scanSeconds), cost.scanSeconds,
-        fmt::format("{} to {}", secondsText(cost.fastest), secondsText(cost.slowest))},
-       {cost.slowest > 0 ? fmt::format("{} \xE2\x80\x93 {}", secondsText(cost.fastest), secondsText(cost.slowest)) : "",
-        cost.slowest},
-       amountCell(beamsPerSecond(study, s)),
-       ratio,
-       {shortBytes(static_cast<double>(cost.memoryBytes)), static_cast<double>(cost.memoryBytes),
-        fmt::format("the process grew by {}", shortBytes(static_cast<double>(cost.residentBytes)))},
-       range(e.range.mean),
-       range(e.range.rms),
-       range(e.range.median),
-       range(e.range.p95),
-       range(e.range.p99),
-       range(e.range.p999),
-       range(e.range.max),
-       beamsCell(e.lost, e.beams),
-       beamsCell(e.spurious, e.beams),
-       beamsCell(e.unresolved, e.beams),
-       shareCell(e.labels()),
-       shareCell(e.classAgreed()),
-       shareCell(e.instanceAgreed()),
-       e.intensity.count > 0 ? HtmlCell{fmt::format("{:.3g}", e.intensity.mean), e.intensity.mean} : HtmlCell{},
-       distance(cloud.to, cloud.to.mean),
-       distance(cloud.from, cloud.from.mean),
-       clouds ? metresCell(cloud.hausdorff) : HtmlCell{}},
-      front);
+  const GroupErrors* away = awayFromEdges(s.measured.errors);
+  std::vector<HtmlCell> cells{
+      {s.setting.name, std::nan(""), hint},
+      {secondsText(cost.scanSeconds), cost.scanSeconds,
+       fmt::format("{} to {}", secondsText(cost.fastest), secondsText(cost.slowest))},
+      amountCell(beamsPerSecond(study, s)),
+      ratio,
+      range(e.range.p99),
+      away != nullptr && away->range.count > 0 ? metresCell(away->range.p99) : HtmlCell{},
+      shareCell(e.labels()),
+      beamsCell(e.lost, e.beams),
+      beamsCell(e.spurious, e.beams),
+      secondsCell(cost.setupSeconds),
+      {cost.slowest > 0 ? fmt::format("{} \xE2\x80\x93 {}", secondsText(cost.fastest), secondsText(cost.slowest)) : "",
+       cost.slowest},
+      {shortBytes(static_cast<double>(cost.memoryBytes)), static_cast<double>(cost.memoryBytes),
+       fmt::format("the process grew by {}", shortBytes(static_cast<double>(cost.residentBytes)))},
+      range(e.range.median),
+      range(e.range.p95),
+      range(e.range.p999),
+      range(e.range.max),
+      range(e.range.mean),
+      range(e.range.rms),
+      beamsCell(e.unresolved, e.beams),
+      shareCell(e.classAgreed()),
+      shareCell(e.instanceAgreed()),
+      e.intensity.count > 0 ? HtmlCell{fmt::format("{:.3g}", e.intensity.mean), e.intensity.mean} : HtmlCell{},
+      distance(cloud.to, cloud.to.mean),
+      distance(cloud.from, cloud.from.mean),
+      clouds ? metresCell(cloud.hausdorff) : HtmlCell{}};
+  table.row(std::move(cells), front);
 }
 
 const GroupErrors* errorsNamed(const std::vector<ErrorGroup>& groups, const std::string& name) {
@@ -169,26 +173,29 @@ const GroupErrors* errorsNamed(const std::vector<ErrorGroup>& groups, const std:
 std::string settingsTable(const Study& study) {
   HtmlTable table;
   table.group("", 1);
-  table.group("time and memory", 6);
-  table.group("range error of beams that both hit", 7);
+  table.group("time", 3);
+  table.group("range error", 2);
   table.group("beams", 3);
-  table.group("agreement of those", 3);
-  table.group("", 1);
+  table.group("set-up, spread of times, memory", 3);
+  table.group("more of the range error", 6);
+  table.group("more of the beams", 4);
   table.group("nearest neighbours", 3);
   table.column("setting");
-  table.column("set-up", "making the method and preparing it for the first scan");
-  table.column("a scan", "median over all repeats of all shots");
-  table.column("fastest \xE2\x80\x93 slowest");
+  table.column("a scan", "median over all repeats of all scans");
   table.column("beams/s");
-  table.column("x time", "times ray tracing with its defaults takes");
+  table.column("x ray tracing", "times ray tracing with its defaults takes");
+  table.column("p99", "99 % of the beams that both hit stay below");
+  table.column("p99 away from edges", "likewise, of the beams that do not lie at an edge");
+  table.column("labels", "class and instance agree, of the beams that both hit");
+  table.column("lost", kLostHint);
+  table.column("spurious", kSpuriousHint);
+  table.column("set-up", "making the method and preparing it for the first scan");
+  table.column("fastest \xE2\x80\x93 slowest", "scan");
   table.column("memory", "by the method's own account");
-  for (const char* name : {"mean", "RMS", "median", "p95", "p99", "p99.9", "max"}) table.column(name);
-  table.column("lost", "only the truth hits");
-  table.column("spurious", "only the setting hits");
+  for (const char* name : {"median", "p95", "p99.9", "max", "mean", "RMS"}) table.column(name);
   table.column("unresolved", "the setting gave up");
-  table.column("labels", "class and instance");
-  table.column("class");
-  table.column("instance");
+  table.column("class", "agrees, of the beams that both hit");
+  table.column("instance", "agrees, of the beams that both hit");
   table.column("intensity", "mean error, in the intensity's own unit");
   table.column("to", kNearestHint);
   table.column("from", "mean distance from each of the setting's points to the nearest true one");
@@ -216,7 +223,7 @@ std::string classesTable(const Study& study) {
     const SettingResult& s = study.settings[i];
     table.group(s.setting.name, 3);
     table.column("labels");
-    table.column("lost");
+    table.column("lost", kLostHint);
     table.column("nearest", kNearestHint);
     for (const ErrorGroup& g : s.measured.errors.byClass) {
       const bool known = std::any_of(classes.begin(), classes.end(), [&](const auto& c) { return c.first == g.name; });
@@ -247,8 +254,8 @@ std::string placesTable(const Study& study) {
     for (const ErrorGroup& g : study.settings[i].measured.errors.byPlace) {
       if (g.errors.beams == 0 || std::find(places.begin(), places.end(), g.name) != places.end()) continue;
       places.push_back(g.name);
-      table.group(g.name, 7);
-      for (const char* name : {"beams", "median", "p99", "labels", "lost or invented"}) table.column(name);
+      table.group(placeText(g.name), 7);
+      for (const char* name : {"beams", "median", "p99", "labels", "lost or spurious"}) table.column(name);
       table.column("nearest", kNearestHint);
       table.column("Hausdorff", kHausdorffHint);
     }
