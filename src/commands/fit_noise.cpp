@@ -2,7 +2,10 @@
 
 #include <fmt/chrono.h>
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -11,9 +14,11 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "commands/arguments.h"
+#include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "config/fields.h"
 #include "config/file_kind.h"
+#include "formats/format.h"
 #include "sensors/sensor.h"
 #include "study/noise_comparison.h"
 #include "study/noise_report.h"
@@ -36,20 +41,44 @@ std::filesystem::path sensorFile(const std::string& name) {
   Value value;
   value.kind = Value::Kind::Scalar;
   value.text = name;
-  value.folder = std::filesystem::current_path().string();
   return resolveResource(value, name, "pipelines/sensors");
+}
+
+// A folder of frames is no scan, nor a dataset whose samples all are meant.
+void expectScan(const std::string& file) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(file, ignored) ||
+      std::filesystem::exists(std::filesystem::path(file) / "manifest.json", ignored)) {
+    return;
+  }
+  std::vector<std::string> frames;
+  for (const auto& entry : std::filesystem::directory_iterator(file, ignored)) {
+    const std::string suffix = entry.path().extension().string();
+    if (suffix.size() > 1 && formatBySuffix(suffix.substr(1)) != nullptr) frames.push_back(entry.path().string());
+  }
+  if (frames.empty()) throw InputError({file}, "is a folder that holds no scan: name the recorded frames' files");
+  std::sort(frames.begin(), frames.end());
+  const std::string all =
+      (std::filesystem::path(file) / "*").string() + std::filesystem::path(frames[0]).extension().string();
+  throw InputError({file}, fmt::format("is a folder: name the scans in it, such as {} (all {}: {})", frames.front(),
+                                       frames.size(), all));
 }
 
 void printGroups(const std::vector<PatchGroup>& groups, const std::string& first) {
   std::vector<std::vector<std::string>> rows{{first, "patches", "points", "sigma mm", "+-", "with step", "about planes",
                                               "lost", "of", "drop-out %", "+-", "points/m2", "expected", "ratio", ""}};
   for (const PatchGroup& g : groups) {
-    const auto millimetres = [](double metres) { return fmt::format("{:.2f}", metres * 1000); };
+    const auto figure = [](bool any, double value, int digits) {
+      return any ? fmt::format("{:.{}f}", value, digits) : std::string("-");
+    };
+    const auto millimetres = [&](double metres) { return figure(g.patches > 0, 1000 * metres, 2); };
+    const bool tested = g.dropOut.of > 0;
+    const bool dense = g.density > 0;
     rows.push_back({g.name, grouped(g.patches), grouped(g.points), millimetres(g.sigma), millimetres(g.error),
                     millimetres(g.withStep), millimetres(g.planeSigma), grouped(g.dropOut.lost), grouped(g.dropOut.of),
-                    fmt::format("{:.2f}", 100 * g.dropOut.share()), fmt::format("{:.2f}", 100 * g.dropOut.error),
-                    fmt::format("{:.0f}", g.density), fmt::format("{:.0f}", g.expectedDensity),
-                    fmt::format("{:.3f}", g.densityRatio), g.leftOut.empty() ? "" : "left out: " + g.leftOut});
+                    figure(tested, 100 * g.dropOut.share(), 2), figure(tested, 100 * g.dropOut.error, 2),
+                    figure(dense, g.density, 0), figure(dense, g.expectedDensity, 0), figure(dense, g.densityRatio, 3),
+                    g.leftOut.empty() ? "" : "left out: " + g.leftOut});
   }
   fmt::print("{}\n", formatTable(rows));
 }
@@ -95,7 +124,13 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   if (std::filesystem::exists(out, ignored) && !overwrite) {
     throw InputError({out.string()}, "exists: choose another name or pass --overwrite");
   }
+  for (const std::string& file : files) expectScan(file);
+  if (!report.empty()) prepareReportFolder(report, "index.html", overwrite);
   const ThreadLimit limit(threadOption(parsed));
+  const std::atomic<bool>& stop = stopSignal();
+  const auto goOn = [&] {
+    if (stop) throw Error("stopped: nothing was written");
+  };
 
   const std::string text = readFile(preset);
   const Value sensor = parseYaml(text, preset.string());
@@ -107,9 +142,12 @@ int runFitNoise(const std::vector<std::string>& arguments) {
     scans.push_back(rangesAlong(findScan(file, "", "").scan, *beams, file));
     scans.back().name = std::filesystem::path(file).filename().string();
     printFrame(scans.back());
+    goOn();
   }
   const std::vector<FlatPatch> patches = findFlatPatches(*beams, scans);
+  goOn();
   const NoiseFit fit = fitNoise(*beams, scans, patches, {radians(most)});
+  goOn();
 
   fmt::print("{} of {} beams returned ({}); range step: {}\n\n", grouped(fit.returns), grouped(fit.beams),
              percent(static_cast<double>(fit.returns), static_cast<double>(fit.beams)),
@@ -117,15 +155,20 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   printGroups(fit.bands, fmt::format("range, up to {:g} deg", most));
   printGroups(fit.incidences, "incidence");
   if (!fit.intensities.empty()) printGroups(fit.intensities, "intensity");
+  fmt::print(
+      "sigma:        standard deviation of the range about a smooth surface, the rounding to the range step taken out\n"
+      "with step:    the same with that rounding, as it stands in the recording\n"
+      "about planes: sigma about a flat plane: offsets between rings, bends and the vehicle's motion added\n\n");
 
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   const std::string date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
   const std::string effects = effectsYaml(fit, date);
   fmt::print("{}", effects);
   const std::string fitted = withEffects(text, preset.string(), effects);
+  if (const auto beyond = beyondMeasured(fit); !beyond.empty()) warn(fmt::format("{}", fmt::join(beyond, " ")));
   if (!report.empty()) {
-    prepareReportFolder(report, "index.html", overwrite);
     const NoiseComparison comparison = compareNoise(*beams, scans, patches, fit, effects);
+    goOn();
     for (const NoiseChart& chart : noiseCharts(fit, comparison)) {
       writeFile(std::filesystem::path(report) / (chart.name + ".svg"), chart.svg);
     }

@@ -1,7 +1,10 @@
 #include "study/repeatability.h"
 
+#include <fmt/chrono.h>
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
+#include <chrono>
 #include <filesystem>
 
 #include "base/error.h"
@@ -23,20 +26,22 @@ constexpr const char* kResultFile = "repeatability.json";
 
 std::string fitnessText(const FitnessSpread& spread) {
   if (spread.count == 0) return "-";
+  if (!hasDeviation(spread)) return squareCentimetres(spread.mean, spread.mean);
   return fmt::format("{} +- {}", squareCentimetres(spread.mean, spread.mean),
                      squareCentimetres(spread.deviation, spread.mean));
 }
 
-void printResult(const Repeatability& result) {
+void printResult(const Repeatability& result, const std::string& date) {
+  fmt::print("{}, seen by {}; {}\n", fmt::join(result.objects(), ", "), fmt::join(result.sensors(), ", "), date);
   fmt::print("fitness in cm2 (1e-4 m2), mean and deviation; noise {}, {} scans of each pose\n\n",
              result.levels[result.reference], result.scans);
-  std::vector<std::vector<std::string>> rows{{"view", "m", "points", "after ICP", "without ICP"}};
+  std::vector<std::vector<std::string>> rows{{"view", "object", "frame", "m", "points", "after ICP", "without ICP"}};
   const bool several = result.methods.size() > 1;
   if (several) rows.front().insert(rows.front().begin(), "method");
   for (const RepeatedView& view : result.views) {
     for (const RepeatedPlace& place : view.places) {
       const LevelFitness& cell = result.at(place, result.reference, result.reference);
-      rows.push_back({view.name, fmt::format("{:.4g}", place.distance),
+      rows.push_back({view.name, place.object, std::to_string(place.frame), fmt::format("{:.4g}", place.distance),
                       fmt::format("{:.1f}", place.points[result.reference].mean), fitnessText(cell.registered),
                       fitnessText(cell.unmoved)});
       if (several) rows.back().insert(rows.back().begin(), result.methods[view.method]);
@@ -46,7 +51,7 @@ void printResult(const Repeatability& result) {
 }
 
 // The figures last: where they stand, all the rest does.
-void writeResult(const Repeatability& result, const std::filesystem::path& folder) {
+void writeResult(const Repeatability& result, const std::string& date, const std::filesystem::path& folder) {
   writeFile(folder / "repeatability.csv", repeatabilityCsv(result));
   writeFile(folder / "fitness.svg", repeatabilityRegisteredSvg(result, 0));
   writeFile(folder / "fitness_without_icp.svg", repeatabilityUnmovedSvg(result, 0));
@@ -54,7 +59,7 @@ void writeResult(const Repeatability& result, const std::filesystem::path& folde
   if (result.levels.size() > 1) {
     writeFile(folder / "noise_levels.svg", repeatabilityLevelsSvg(result, result.views.front()));
   }
-  writeFile(folder / "index.html", repeatabilityReport(result));
+  writeFile(folder / "index.html", repeatabilityReport(result, date));
   writeFile(folder / kResultFile, repeatabilityJson(result));
 }
 
@@ -85,12 +90,15 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   run.quiet = parsed.options.count("quiet") > 0;
   run.stop = &stopSignal();
   const Repeatability result = measureRepeatability(plan, run);
-  writeResult(result, folder);
-  if (!run.quiet) printResult(result);
+  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  const std::string date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
+  writeResult(result, date, folder);
+  for (const std::string& warning : result.warnings) warn(warning);
+  if (!run.quiet) printResult(result, date);
   std::size_t poses = 0;
   for (const RepeatedView& view : result.views) poses += view.places.size();
-  fmt::print("{} poses, {} noise levels: open {}\n", grouped(poses), result.levels.size(),
-             (folder / "index.html").string());
+  fmt::print("{} {}, {} noise {}: open {}\n", grouped(poses), poses == 1 ? "pose" : "poses", result.levels.size(),
+             result.levels.size() == 1 ? "level" : "levels", (folder / "index.html").string());
   return 0;
 }
 

@@ -90,11 +90,10 @@ PatchGroup describe(const Patches& patches, std::string name, double low, double
   group.high = high;
   group.dropOut = dropOutOf(patches, 2 * stream);
   Patches measured;
-  std::vector<double> ranges, planes, variances, densities, expected, ratios;
+  std::vector<double> ranges, planes, variances, densities, ratios;
   for (const FlatPatch* p : patches) {
     if (p->expectedDensity > 0 && p->density > 0) {
       densities.push_back(p->density);
-      expected.push_back(p->expectedDensity);
       ratios.push_back(p->density / p->expectedDensity);
     }
     if (p->freedom <= 0) continue;
@@ -106,8 +105,8 @@ PatchGroup describe(const Patches& patches, std::string name, double low, double
   }
   group.patches = measured.size();
   group.density = medianOf(densities);
-  group.expectedDensity = medianOf(expected);
   group.densityRatio = medianOf(ratios);
+  group.expectedDensity = group.densityRatio > 0 ? group.density / group.densityRatio : 0;
   if (measured.empty()) return group;
   group.range = std::accumulate(ranges.begin(), ranges.end(), 0.0) / static_cast<double>(ranges.size());
   group.withStep = commonDeviation(measured);
@@ -210,6 +209,14 @@ double NoiseFit::sigmaAt(double range) const {
   return below == nullptr ? 0 : below->sigma;
 }
 
+double NoiseFit::measuredUpTo() const {
+  double last = 0;
+  for (const PatchGroup& band : bands) {
+    if (band.leftOut.empty()) last = std::max(last, band.range);
+  }
+  return last;
+}
+
 NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans, const std::vector<FlatPatch>& patches,
                   const FitNoiseOptions& options) {
   NoiseFit fit;
@@ -219,6 +226,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
     fit.beams += beams.size();
   }
   fit.step = rangeStep(scans);
+  fit.sensorReach = beams.maxRange;
   fit.mostIncidence = options.mostIncidence;
   const double leastCosine = std::cos(options.mostIncidence);
 
@@ -274,6 +282,9 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
     if (group.empty()) continue;
     fit.incidences.push_back(describe(group, fmt::format("{:g}-{:g} deg", kAngles[a], kAngles[a + 1]), kAngles[a],
                                       kAngles[a + 1], fit.step, kIncidenceStream + a));
+    if (radians(kAngles[a]) > options.mostIncidence - 1e-9) {
+      fit.incidences.back().leftOut = fmt::format("beyond {:g} deg", degrees(options.mostIncidence));
+    }
   }
   const bool lit = std::any_of(scans.begin(), scans.end(), [](const RecordedScan& s) { return !s.intensity.empty(); });
   if (lit && !steep.empty()) {
@@ -297,6 +308,24 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   return fit;
 }
 
+std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
+  const double last = fit.measuredUpTo();
+  double end = 0;
+  for (const PatchGroup& band : fit.bands) {
+    if (band.leftOut.empty()) end = std::max(end, band.high);
+  }
+  if (!(fit.sensorReach > end)) return {};
+  const char* rule = !fit.linear || fit.growth <= 0 ? "the last value is used" : "the line goes on";
+  std::vector<std::string> lines{
+      fmt::format("Measured up to {:.0f} m; beyond, up to {:g} m, {}.", last, fit.sensorReach, rule)};
+  for (const PatchGroup& band : fit.bands) {
+    if (band.leftOut.empty() || band.range <= last || band.patches < kFewestPatches) continue;
+    lines.push_back(fmt::format("At {} the noise is {:.0f} mm, left out of the fit ({}).", band.name, 1000 * band.sigma,
+                                band.leftOut));
+  }
+  return lines;
+}
+
 std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
   const PatchGroup* first = nullptr;
   const PatchGroup* last = nullptr;
@@ -318,9 +347,14 @@ std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
   } else {
     text += fmt::format("  # No drop-out: none of {} beams was lost among returns of flat patches.\n", fit.dropOut.of);
   }
+  for (const std::string& line : beyondMeasured(fit)) text += fmt::format("  # {}\n", line);
   if (fit.linear) {
-    text += fmt::format("  # Errors: {:.1g} m and {:.1g} m/m; chi^2 {:.3g} for {:.0f} degrees of freedom.\n",
-                        fit.baseError, fit.growthError, fit.chiSquare, fit.freedom);
+    // As many bands as unknowns: the line goes through them whatever they are.
+    std::string agreement = fmt::format("chi^2 {:.3g} for {:.0f} degrees of freedom", fit.chiSquare, fit.freedom);
+    if (fit.freedom <= 0) {
+      agreement = first == last ? "one band of ranges tells nothing of growth" : "two bands of ranges test no line";
+    }
+    text += fmt::format("  # Errors: {:.1g} m and {:.1g} m/m; {}.\n", fit.baseError, fit.growthError, agreement);
     text += fmt::format("  - range_noise: {{sigma_m: {:.3g}, sigma_per_m: {:.3g}}}\n", fit.base, fit.growth);
   } else {
     text += fmt::format(

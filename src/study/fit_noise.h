@@ -38,9 +38,9 @@ struct PatchGroup {
   double unevenness = 0;     // how much wider the patches' variances spread than those of equal noise: 1 is none
   MeasuredShare dropOut;
   double density = 0;          // returns per m^2, median
-  double expectedDensity = 0;  // by the beam table, median
-  double densityRatio = 0;     // measured / expected, median
-  std::string leftOut;         // why the fit does not use it; empty: it does
+  double densityRatio = 0;     // measured / expected by the beam table, median of the patches' own ratios
+  double expectedDensity = 0;  // density / ratio: the median of the expected ones is that of another patch
+  std::string leftOut;         // why the fit uses none of it; empty: it does
 };
 
 struct NoiseFit {
@@ -51,6 +51,7 @@ struct NoiseFit {
   std::uint64_t beams = 0;
   double step = 0;                      // m, of the ranges; 0: none
   double mostIncidence = 0;             // rad
+  double sensorReach = 0;               // m, by the beam table
   std::vector<PatchGroup> bands;        // by range, up to that incidence
   std::vector<PatchGroup> incidences;   // by incidence, all ranges that the fit uses
   std::vector<PatchGroup> intensities;  // likewise; empty without intensities
@@ -67,6 +68,7 @@ struct NoiseFit {
   MeasuredShare dropOut;     // of the bands that the fit uses
 
   double sigmaAt(double range) const;  // m, of the model
+  double measuredUpTo() const;         // m, mean range of the last band that the fit uses
 };
 
 struct FitNoiseOptions {
@@ -76,6 +78,10 @@ struct FitNoiseOptions {
 // Throws InputError where the scans hold too few flat patches.
 NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans, const std::vector<FlatPatch>& patches,
                   const FitNoiseOptions& options = {});
+
+// What the model says of ranges beyond the measured ones, where the sensor reaches farther; else empty. A sentence, of
+// a line or two.
+std::vector<std::string> beyondMeasured(const NoiseFit& fit);
 
 // `effects:` of a sensor file, with where the figures come from as comments. Ends with a newline.
 std::string effectsYaml(const NoiseFit& fit, const std::string& date);

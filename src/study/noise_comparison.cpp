@@ -79,13 +79,33 @@ std::vector<Vec3f> pointsOf(const BeamTable& beams, const BeamImage& image, cons
   return points;
 }
 
-// Every n-th point: registration takes its time by points of the source, and needs no more of them.
-std::vector<Vec3f> thinned(const std::vector<Vec3f>& points) {
-  constexpr std::size_t kMost = 5000;
-  const std::size_t stride = points.size() / kMost + 1;
-  std::vector<Vec3f> kept;
-  for (std::size_t i = 0; i < points.size(); i += stride) kept.push_back(points[i]);
-  return kept;
+Vec3d cornerOf(const BeamTable& beams, std::uint32_t beam, const PatchPlane& plane) {
+  const Vec3d origin = beams.origin.empty() ? Vec3d{} : static_cast<Vec3d>(beams.origin[beam]);
+  return origin + beams.direction[beam] * rangeOnPlane(beams, beam, plane);
+}
+
+PlanePiece pieceOf(const BeamTable& beams, const BeamImage& image, const FlatPatch& patch) {
+  const auto at = [&](std::uint32_t row, std::uint32_t column) {
+    return cornerOf(beams, *image.beam(patch.window.row + row, patch.window.column + column), patch.plane);
+  };
+  PlanePiece piece{at(kPatchRings / 2, kPatchColumns / 2), normalized(patch.plane), 0};
+  for (const std::uint32_t row : {0u, kPatchRings - 1}) {
+    for (const std::uint32_t column : {0u, kPatchColumns - 1}) {
+      piece.reach = std::max(piece.reach, length(at(row, column) - piece.center));
+    }
+  }
+  return piece;
+}
+
+// Of the source, moved onto the target.
+std::optional<double> fitnessAt(const PlaneMotion& motion, const std::vector<Vec3f>& source,
+                                const std::vector<Vec3f>& target) {
+  constexpr double kWithin = 0.5;  // m; farther points have no partner
+  if (!motion.failure.empty()) return {};
+  std::vector<Vec3f> moved;
+  moved.reserve(source.size());
+  for (const Vec3f& p : source) moved.push_back(static_cast<Vec3f>(motion.targetFromSource * static_cast<Vec3d>(p)));
+  return fitness(moved, target, kWithin);
 }
 
 ResidualSpread spreadOf(const std::vector<FlatPatch>& patches) {
@@ -116,30 +136,37 @@ bool fitted(const NoiseFit& fit, double range) {
 
 NoiseComparison compareNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans,
                              const std::vector<FlatPatch>& patches, const NoiseFit& fit, const std::string& effects) {
-  // Registered clouds: farther points have no partner; what is left after ICP is far smaller.
-  constexpr IcpOptions kIcp{60, 1.0, 0.5};
   const BeamImage image(beams);
   const Effects made = makeEffects(effects);
   const double leastCosine = std::cos(fit.mostIncidence);
   std::vector<FlatPatch> recorded[2];  // steep, grazing
   std::vector<FlatPatch> simulated[2];
-  std::vector<std::vector<Vec3f>> clouds[3];  // recorded, simulated, exact
+  std::vector<std::vector<Vec3f>> clouds[3];       // recorded, simulated, exact
+  std::vector<std::vector<PlanePiece>> planes[2];  // recorded, simulated: of all patches
   for (std::uint32_t s = 0; s < scans.size(); ++s) {
+    for (auto& kind : planes) kind.emplace_back();
     for (std::uint32_t tested = 0; tested < 2; ++tested) {
       std::vector<const FlatPatch*> own;  // of one colour: they do not overlap
+      std::vector<const FlatPatch*> used;
       for (const FlatPatch& p : patches) {
-        if (p.window.scan == s && p.window.tested == tested && fitted(fit, p.range)) own.push_back(&p);
+        if (p.window.scan != s || p.window.tested != tested) continue;
+        own.push_back(&p);
+        if (fitted(fit, p.range)) used.push_back(&p);
       }
       const RecordedScan copy = simulate(beams, image, own, made, 2 * s + tested);
       for (const FlatPatch* p : own) {
+        auto again = measurePatch(beams, image, copy, p->window);
+        planes[0].back().push_back(pieceOf(beams, image, *p));
+        if (again) planes[1].back().push_back(pieceOf(beams, image, *again));
+        if (!fitted(fit, p->range)) continue;
         const std::size_t view = p->incidence >= leastCosine ? 0 : 1;
         recorded[view].push_back(*p);
-        if (auto again = measurePatch(beams, image, copy, p->window)) simulated[view].push_back(std::move(*again));
+        if (again) simulated[view].push_back(std::move(*again));
       }
       if (tested != 0) continue;
-      clouds[0].push_back(pointsOf(beams, image, scans[s], own));
-      clouds[1].push_back(pointsOf(beams, image, copy, own));
-      clouds[2].push_back(pointsOf(beams, image, simulate(beams, image, own, {}, 0), own));
+      clouds[0].push_back(pointsOf(beams, image, scans[s], used));
+      clouds[1].push_back(pointsOf(beams, image, copy, used));
+      clouds[2].push_back(pointsOf(beams, image, simulate(beams, image, used, {}, 0), used));
     }
   }
   NoiseComparison comparison;
@@ -150,17 +177,20 @@ NoiseComparison compareNoise(const BeamTable& beams, const std::vector<RecordedS
                                     spreadOf(recorded[view]), spreadOf(simulated[view])});
   }
   const std::size_t pairs = scans.empty() ? 0 : scans.size() - 1;
-  std::vector<Registered> registered(3 * pairs);
-  parallelFor(registered.size(), 1, [&](std::size_t first, std::size_t last) {
+  std::vector<PlaneMotion> motions(2 * pairs);
+  parallelFor(motions.size(), 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      const auto& kind = clouds[i / pairs];
-      registered[i] = registerClouds(thinned(kind[i % pairs + 1]), kind[i % pairs], kIcp);
+      const auto& kind = planes[i / pairs];
+      motions[i] = registerPlanes(kind[i % pairs + 1], kind[i % pairs]);
     }
   });
   for (std::size_t p = 0; p < pairs; ++p) {
-    comparison.fitness.push_back({fmt::format("{} on {}", scans[p + 1].name, scans[p].name), registered[p].fitness,
-                                  registered[pairs + p].fitness, registered[2 * pairs + p].fitness,
-                                  length(registered[p].targetFromSource.translation)});
+    FitnessComparison pair{
+        fmt::format("{} on {}", scans[p + 1].name, scans[p].name), motions[p], motions[pairs + p], {}, {}, {}};
+    pair.recorded = fitnessAt(pair.recordedMotion, clouds[0][p + 1], clouds[0][p]);
+    pair.simulated = fitnessAt(pair.simulatedMotion, clouds[1][p + 1], clouds[1][p]);
+    pair.exact = fitnessAt(pair.recordedMotion, clouds[2][p + 1], clouds[2][p]);
+    comparison.fitness.push_back(std::move(pair));
   }
   return comparison;
 }

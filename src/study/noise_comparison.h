@@ -10,6 +10,7 @@
 
 #include "sensors/beams.h"
 #include "study/fit_noise.h"
+#include "study/plane_motion.h"
 
 namespace scanmill {
 
@@ -27,13 +28,16 @@ struct ResidualComparison {
   ResidualSpread simulated;
 };
 
-// Clouds of two scans' patches, one registered onto the other: mean squared distance (m^2) to the nearest point.
+// Clouds of two scans' patches, one moved onto the other by their planes and not by the points, whose fitness is
+// what is asked: mean squared distance (m^2) to the nearest point. A motion that did not converge leaves its fitness
+// out.
 struct FitnessComparison {
   std::string pair;  // "a.pcd on b.pcd"
+  PlaneMotion recordedMotion;
+  PlaneMotion simulatedMotion;  // the planes measured again in the simulation: the same, but for its noise
   std::optional<double> recorded;
   std::optional<double> simulated;
-  std::optional<double> exact;  // simulated without effects: what the beams' pattern alone makes
-  double moved = 0;             // m, of the recorded pair
+  std::optional<double> exact;  // without effects, moved as recorded: what the beams' pattern alone makes
 };
 
 struct NoiseComparison {

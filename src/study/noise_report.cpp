@@ -30,14 +30,6 @@ void addWithError(ChartSeries& series, double x, double y, double error, const s
   series.details.push_back(detail);
 }
 
-double usedRange(const NoiseFit& fit) {
-  double last = 0;
-  for (const PatchGroup& band : fit.bands) {
-    if (band.leftOut.empty()) last = std::max(last, band.range);
-  }
-  return last;
-}
-
 std::string sigmaChart(const NoiseFit& fit) {
   Chart chart;
   chart.title = "Range noise";
@@ -60,7 +52,7 @@ std::string sigmaChart(const NoiseFit& fit) {
     planes.points.push_back({band.range, band.planeSigma * kMillimetres});
   }
   constexpr int kSteps = 60;
-  const double last = usedRange(fit) * 1.05;
+  const double last = fit.measuredUpTo() * 1.05;
   for (int i = 0; i <= kSteps; ++i) {
     const double range = last * i / kSteps;
     line.points.push_back({range, fit.sigmaAt(range) * kMillimetres});
@@ -122,7 +114,7 @@ std::string dropOutChart(const NoiseFit& fit) {
     addWithError(measured, band.range, 100 * band.dropOut.share(), 100 * band.dropOut.error,
                  fmt::format("{}: {} of {}", band.name, band.dropOut.lost, band.dropOut.of));
   }
-  model.points = {{0, 100 * fit.dropOut.share()}, {usedRange(fit) * 1.05, 100 * fit.dropOut.share()}};
+  model.points = {{0, 100 * fit.dropOut.share()}, {fit.measuredUpTo() * 1.05, 100 * fit.dropOut.share()}};
   chart.series = {model, measured};
   return drawSvg(chart);
 }
@@ -187,8 +179,8 @@ std::string fitnessChart(const NoiseComparison& comparison) {
   Chart chart;
   chart.title = "Registration fitness between successive scans";
   chart.note =
-      "Clouds of the flat patches, after ICP: root of the mean squared distance to the nearest point. Most of "
-      "it is the beams' spacing, as the noise-free ones show.";
+      "Clouds of the flat patches, each moved onto the one before by the planes of both: root of the mean squared "
+      "distance to the nearest point. Most of it is the beams' spacing, as the noise-free ones show.";
   chart.x.title = "pair of scans";
   chart.y.title = "root of the fitness (mm)";
   chart.y.low = 0;
@@ -216,59 +208,72 @@ std::string millimetres(double metres) {
 std::string tableOf(const std::vector<PatchGroup>& groups, const std::string& first) {
   HtmlTable table;
   table.column(first);
-  table.column("mean range (m)");
+  table.column("left out", "why the fit does not use it");
+  table.column("range (m)", "mean");
   table.column("patches");
-  table.column("points");
-  table.column("sigma (mm)", "standard deviation of the range, the step left out");
-  table.column("+-", "standard error");
-  table.column("with step (mm)");
-  table.column("about planes (mm)", "offsets between rings, bends and motion included");
+  table.column("sigma (mm)", "standard deviation of the range, the step left out, and its standard error");
+  table.column("with step", "mm, the range's rounding to its step included");
+  table.column("about planes", "mm, offsets between rings, bends and motion included, the step left out");
   table.column("spread", "of the patches' own deviations over what equal ones would have");
-  table.column("lost", "beams without a return whose neighbours returned from the plane");
-  table.column("of");
-  table.column("drop-out (%)");
+  table.column("drop-out (%)", "beams without a return, of those whose neighbours returned from the plane");
   table.column("points/m²");
-  table.column("expected", "by the beam table");
-  table.column("ratio");
-  table.column("left out");
+  table.column("expected", "by the beam table: points/m² / ratio");
+  table.column("ratio", "measured / expected, median of the patches' own");
   for (const PatchGroup& g : groups) {
-    const auto count = [](std::uint64_t n) { return HtmlCell{std::to_string(n), static_cast<double>(n)}; };
-    const auto figure = [](double value, int digits) { return HtmlCell{fmt::format("{:.{}f}", value, digits), value}; };
-    table.row({{g.name, g.range},
-               figure(g.range, 1),
-               count(g.patches),
-               count(g.points),
-               {millimetres(g.sigma), g.sigma},
-               {millimetres(g.error), g.error},
-               {millimetres(g.withStep), g.withStep},
-               {millimetres(g.planeSigma), g.planeSigma},
-               figure(g.unevenness, 2),
-               count(g.dropOut.lost),
-               count(g.dropOut.of),
-               {fmt::format("{:.2f} ± {:.2f}", 100 * g.dropOut.share(), 100 * g.dropOut.error), g.dropOut.share()},
-               figure(g.density, 0),
-               figure(g.expectedDensity, 0),
-               figure(g.densityRatio, 3),
-               {g.leftOut}},
-              g.leftOut.empty());
+    const auto measured = [](bool any, std::string text, double value, std::string hint = {}) {
+      return any ? HtmlCell{std::move(text), value, std::move(hint)} : HtmlCell{"-"};
+    };
+    const bool any = g.patches > 0;
+    table.row(
+        {{g.name, g.low},
+         {g.leftOut},
+         measured(any, fmt::format("{:.1f}", g.range), g.range),
+         {std::to_string(g.patches), static_cast<double>(g.patches), fmt::format("{} points", g.points)},
+         measured(any, millimetres(g.sigma) + " ± " + millimetres(g.error), g.sigma),
+         measured(any, millimetres(g.withStep), g.withStep),
+         measured(any, millimetres(g.planeSigma), g.planeSigma),
+         measured(any, fmt::format("{:.2f}", g.unevenness), g.unevenness),
+         measured(g.dropOut.of > 0, fmt::format("{:.2f} ± {:.2f}", 100 * g.dropOut.share(), 100 * g.dropOut.error),
+                  g.dropOut.share(), fmt::format("{} of {}", g.dropOut.lost, g.dropOut.of)),
+         measured(g.density > 0, fmt::format("{:.0f}", g.density), g.density),
+         measured(g.density > 0, fmt::format("{:.0f}", g.expectedDensity), g.expectedDensity),
+         measured(g.density > 0, fmt::format("{:.3f}", g.densityRatio), g.densityRatio)},
+        g.leftOut.empty());
   }
   return table.html();
 }
 
+HtmlCell motionCell(const PlaneMotion& motion) {
+  const Vec3d& t = motion.targetFromSource.translation;
+  const std::string hint =
+      fmt::format("[{:.3f}, {:.3f}, {:.3f}] m, {} patches on planes", t.x, t.y, t.z, motion.matched);
+  if (!motion.failure.empty()) return {"did not converge: " + motion.failure, INFINITY, hint};
+  return {fmt::format("{:.3f} ± {:.3f}", length(t), motion.error), length(t), hint};
+}
+
 std::string fitnessTableText(const NoiseComparison& comparison) {
   HtmlTable table;
-  for (const char* title :
-       {"pair", "moved by ICP (m)", "recorded (m²)", "simulated (m²)", "simulated without effects (m²)"}) {
+  for (const char* title : {"pair", "recorded motion (m)", "simulated motion (m)", "recorded (m²)", "simulated (m²)",
+                            "simulated without effects (m²)"}) {
     table.column(title);
   }
   const auto cell = [](const std::optional<double>& value) {
-    return value ? HtmlCell{fmt::format("{:.6f}", *value), *value} : HtmlCell{"none"};
+    return value ? HtmlCell{fmt::format("{:.6f}", *value), *value} : HtmlCell{"-"};
   };
   for (const FitnessComparison& p : comparison.fitness) {
-    table.row(
-        {{p.pair}, {fmt::format("{:.3f}", p.moved), p.moved}, cell(p.recorded), cell(p.simulated), cell(p.exact)});
+    table.row({{p.pair},
+               motionCell(p.recordedMotion),
+               motionCell(p.simulatedMotion),
+               cell(p.recorded),
+               cell(p.simulated),
+               cell(p.exact)});
   }
-  return table.html();
+  return htmlParagraph(
+             "How the sensor moved between two scans is found by matching their flat patches plane on plane, not point "
+             "on point: the beams' rings move with the sensor and would hold it still. The search starts from all "
+             "horizontal shifts up to 3 m. The clouds are moved so, and not registered any further; where a motion did "
+             "not converge there is no fitness.") +
+         table.html();
 }
 
 }  // namespace
@@ -292,19 +297,25 @@ std::string noiseReport(const NoiseFit& fit, const NoiseComparison& comparison, 
                   fmt::join(fit.files, ", "), date, kVersion, fit.returns, fit.beams,
                   100.0 * static_cast<double>(fit.returns) / static_cast<double>(std::max<std::uint64_t>(1, fit.beams)),
                   fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * kMillimetres) : "none found"));
+  std::string beyond;
+  for (const std::string& line : beyondMeasured(fit)) beyond += " " + line;
   std::vector<std::string> residuals;
   for (const ResidualComparison& c : comparison.residuals) residuals.push_back(residualChart(c));
   std::vector<HtmlSection> sections{
-      {"model", "The model", "What the sensor's file says from now on, and pipelines take by `effects: sensor`.",
-       htmlCode(effects)},
+      {"model", "The model",
+       "What the sensor's file says from now on, and pipelines take by `effects: sensor`." + beyond, htmlCode(effects)},
       {"range", "By range",
        fmt::format(
            "A flat patch is {} rings by {} columns of neighbouring beams, coloured like a chessboard: one colour "
            "is tested for lying on a plane, the other is measured, so that the choice of the patches does not "
-           "change what is measured.",
+           "change what is measured. Highlighted rows are what the fit uses.",
            kPatchRings, kPatchColumns),
        htmlFigures({sigmaChart(fit), dropOutChart(fit), densityChart(fit)}) + tableOf(fit.bands, "range")},
-      {"incidence", "By incidence", "", htmlFigures({incidenceChart(fit)}) + tableOf(fit.incidences, "incidence")},
+      {"incidence", "By incidence",
+       "Patches at the ranges that the fit uses. The rows' mean ranges differ, too: noise that grows from row to row "
+       "may "
+       "be that of the range.",
+       htmlFigures({incidenceChart(fit)}) + tableOf(fit.incidences, "incidence")},
       {"intensity", "By intensity", "",
        fit.intensities.empty() ? std::string()
                                : htmlFigures({intensityChart(fit)}) + tableOf(fit.intensities, "intensity")},

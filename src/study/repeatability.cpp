@@ -1,6 +1,7 @@
 #include "study/repeatability.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
@@ -93,6 +94,8 @@ class RepeatabilityRun {
         }
       }
     }
+    warnOfBlindPoses();
+    warnOfStillNoise();
     return std::move(result_);
   }
 
@@ -111,17 +114,71 @@ class RepeatabilityRun {
     for (const NoiseLevel& level : choice_.levels) result_.levels.push_back(level.name);
     for (std::size_t m = 0; m < choice_.methods.size(); ++m) {
       for (const Sequence& sequence : pipeline.sequences) {
-        for (const MountedSensor& sensor : pipeline.sensors) {
+        for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
+          const MountedSensor& sensor = pipeline.sensors[s];
+          const BeamTable& beams = *plan_.beams()[s];
           RepeatedView& view = result_.views.emplace_back();
           view.method = m;
-          const bool seeds = std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(), [&](const Sequence& s) {
-            return s.scene == sequence.scene && s.sceneSeed != sequence.sceneSeed;
+          view.sensor = fmt::format("{} ({}{}{} x {} beams)", sensor.name, beams.model, beams.model.empty() ? "" : ", ",
+                                    beams.rings, beams.columns);
+          const bool seeds = std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(), [&](const Sequence& q) {
+            return q.scene == sequence.scene && q.sceneSeed != sequence.sceneSeed;
           });
           view.name = seeds ? fmt::format("{} {}", sequence.scene, sequence.sceneSeed) : sequence.scene;
           view.name += " " + sequence.trajectoryName;
           if (pipeline.sensors.size() > 1) view.name += " " + sensor.name;
         }
       }
+    }
+  }
+
+  void warnOfBlindPoses() {
+    constexpr std::size_t kShown = 5;
+    for (const RepeatedView& view : result_.views) {
+      std::vector<std::string> blind;
+      std::string object;
+      for (const RepeatedPlace& place : view.places) {
+        if (std::any_of(place.points.begin(), place.points.end(), [](const PointCount& c) { return c.most > 0; })) {
+          continue;
+        }
+        blind.push_back(fmt::format("{} ({:.4g} m)", place.frame, place.distance));
+        object = place.object;
+      }
+      if (blind.empty()) continue;
+      const std::size_t count = blind.size();
+      blind.resize(std::min(count, kShown));
+      result_.warnings.push_back(fmt::format(
+          "{}{}: no point falls on {} from {} of {} poses: frame {}{}; is it in the sensor's field and in sight?",
+          view.name, result_.methods.size() > 1 ? ", " + result_.methods[view.method] : "", object, count,
+          view.places.size(), fmt::join(blind, ", "), count > kShown ? ", ..." : ""));
+    }
+  }
+
+  // Scans that are all the same agree perfectly, which says nothing. Whoever writes `effects: []` asks for that.
+  void warnOfStillNoise() {
+    for (std::size_t level = 0; level < choice_.levels.size(); ++level) {
+      std::vector<std::string> names;
+      for (std::size_t s = 0; s < plan_.pipeline().sensors.size(); ++s) {
+        for (const EffectEntry* entry : choice_.levels[level].entries(plan_.pipeline(), s)) {
+          if (std::find(names.begin(), names.end(), entry->name) == names.end()) names.emplace_back(entry->name);
+        }
+      }
+      if (names.empty() && !choice_.levels[level].own.empty()) continue;
+      bool any = false;
+      bool moves = false;
+      for (const RepeatedView& view : result_.views) {
+        for (const RepeatedPlace& place : view.places) {
+          const FitnessSpread& same = result_.at(place, level, level).unmoved;
+          any = any || same.count > 0;
+          moves = moves || same.high > 0;
+        }
+      }
+      if (!any || moves) continue;
+      result_.warnings.push_back(fmt::format(
+          "noise '{}': no effect of this noise moves points: {}; its scans are all the same. Give it shell, "
+          "range_noise "
+          "or angular_jitter",
+          result_.levels[level], names.empty() ? "it has none" : fmt::format("{}", fmt::join(names, ", "))));
     }
   }
 
@@ -210,6 +267,24 @@ class RepeatabilityRun {
 };
 
 }  // namespace
+
+std::vector<std::string> Repeatability::objects() const {
+  std::vector<std::string> names;
+  for (const RepeatedView& view : views) {
+    for (const RepeatedPlace& place : view.places) {
+      if (std::find(names.begin(), names.end(), place.object) == names.end()) names.push_back(place.object);
+    }
+  }
+  return names;
+}
+
+std::vector<std::string> Repeatability::sensors() const {
+  std::vector<std::string> names;
+  for (const RepeatedView& view : views) {
+    if (std::find(names.begin(), names.end(), view.sensor) == names.end()) names.push_back(view.sensor);
+  }
+  return names;
+}
 
 Repeatability measureRepeatability(const Plan& plan, const RepeatabilityOptions& options) {
   return RepeatabilityRun(plan, options)();

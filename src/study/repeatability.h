@@ -40,7 +40,8 @@ struct RepeatedPlace {
 
 struct RepeatedView {
   std::size_t method = 0;  // index into Repeatability::methods
-  std::string name;  // "small_box front": scene, its seed where there are several, trajectory, and likewise sensor
+  std::string name;    // "small_box front": scene, its seed where there are several, trajectory, and likewise sensor
+  std::string sensor;  // "lidar0 (OS1-128, 128 x 1024 beams)"
   std::vector<RepeatedPlace> places;
 };
 
@@ -57,11 +58,19 @@ struct Repeatability {
   std::vector<std::string> levels;
   std::size_t reference = 0;  // level
   std::vector<RepeatedView> views;
+  std::vector<std::string> warnings;  // of what is measured, but says nothing
 
+  std::vector<std::string> objects() const;  // that are looked at, each once
+  std::vector<std::string> sensors() const;  // likewise
   const LevelFitness& at(const RepeatedPlace& place, std::size_t source, std::size_t target) const {
     return place.fitness[source * levels.size() + target];
   }
 };
+
+// Of two pairs, which are one pair there and back, there is no deviation to speak of.
+inline bool hasDeviation(const FitnessSpread& spread) {
+  return spread.count > 2;
+}
 
 struct RepeatabilityOptions {
   bool quiet = false;

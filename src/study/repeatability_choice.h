@@ -30,6 +30,9 @@ struct NoiseLevel {
   std::string name;
   std::vector<SensorEffects> own;  // per sensor; empty: the pipeline's
 
+  std::span<const EffectEntry* const> entries(const Pipeline& pipeline, std::size_t sensor) const {
+    return own.empty() ? pipeline.effectEntriesOf(sensor) : own[sensor].entries;
+  }
   std::span<const std::unique_ptr<Effect>> effects(const Pipeline& pipeline, std::size_t sensor) const {
     return own.empty() ? pipeline.effectsOf(sensor) : own[sensor].effects;
   }

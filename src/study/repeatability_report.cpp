@@ -1,6 +1,7 @@
 #include "study/repeatability_report.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -26,16 +27,18 @@ HtmlCell meanCell(const FitnessSpread& spread) {
 }
 
 HtmlCell deviationCell(const FitnessSpread& spread) {
-  if (spread.count == 0) return {"-"};
+  if (!hasDeviation(spread)) return {"-"};
   return {squareCentimetres(spread.deviation, spread.mean), spread.deviation};
 }
 
 std::string placesTable(const Repeatability& result, std::size_t method) {
   HtmlTable table;
-  table.group("", 3);
+  table.group("", 5);
   table.group("after ICP (cm²)", 3);
   table.group("without ICP (cm²)", 2);
   table.column("view");
+  table.column("object");
+  table.column("frame");
   table.column("distance (m)");
   table.column("points", "mean over the scans");
   table.column("mean");
@@ -48,7 +51,9 @@ std::string placesTable(const Repeatability& result, std::size_t method) {
     for (const RepeatedPlace& place : view.places) {
       const LevelFitness& cell = result.at(place, result.reference, result.reference);
       const PointCount& count = place.points[result.reference];
-      table.row({nameCell(view.name, place.object),
+      table.row({nameCell(view.name, view.sensor),
+                 {place.object},
+                 {std::to_string(place.frame), static_cast<double>(place.frame)},
                  {fmt::format("{:.4g}", place.distance), place.distance},
                  {fmt::format("{:.4g}", count.mean), count.mean, fmt::format("{} to {}", count.least, count.most)},
                  meanCell(cell.registered),
@@ -94,13 +99,15 @@ std::string limitText(double metres) {
   return std::isfinite(metres) ? fmt::format("{:g} m", metres) : "no limit";
 }
 
-std::string facts(const Repeatability& result) {
+std::string facts(const Repeatability& result, const std::string& date) {
   std::string levels;
   for (const std::string& level : result.levels) levels += (levels.empty() ? "" : ", ") + level;
   std::string out = "<dl class=\"facts\">";
   const auto fact = [&](const std::string& name, const std::string& text) {
     out += fmt::format("<dt>{}</dt><dd>{}</dd>", escapeXml(name), escapeXml(text));
   };
+  fact("object", fmt::format("{}", fmt::join(result.objects(), ", ")));
+  fact("sensor", fmt::format("{}", fmt::join(result.sensors(), ", ")));
   fact("scans",
        fmt::format("{} of each pose, with seeds {} to {}", result.scans, result.seed, result.seed + result.scans - 1));
   fact("noise", levels);
@@ -109,7 +116,7 @@ std::string facts(const Repeatability& result) {
                           result.icp.iterations, limitText(result.icp.reach), limitText(result.icp.fitnessWithin)));
   fact("pairs", fmt::format("all {} ordered pairs of scans with different seeds, within a noise and between two",
                             result.scans * (result.scans - 1)));
-  fact("program", "scanmill " + result.programVersion);
+  fact("program", fmt::format("scanmill {}, {}", result.programVersion, date));
   return out + "</dl>\n";
 }
 
@@ -123,7 +130,9 @@ std::string squareCentimetres(double fitness, double like) {
                      std::clamp(2 - static_cast<int>(std::floor(size)), 0, kMostDecimals));
 }
 
-std::string repeatabilityReport(const Repeatability& result) {
+std::string repeatabilityReport(const Repeatability& result, const std::string& date) {
+  std::string warnings;
+  for (const std::string& w : result.warnings) warnings += htmlParagraph("Warning: " + w, "card");
   std::vector<HtmlSection> sections;
   for (std::size_t m = 0; m < result.methods.size(); ++m) {
     const std::string suffix = result.methods.size() > 1 ? ", " + result.methods[m] : "";
@@ -154,7 +163,7 @@ std::string repeatabilityReport(const Repeatability& result) {
       htmlParagraph("How well repeated scans of one object agree: scanned several times from each pose with "
                     "other noise, cropped to the object, moved onto one another by ICP.",
                     "lead") +
-          facts(result),
+          facts(result, date) + warnings,
       sections);
 }
 

@@ -26,7 +26,7 @@ std::string repeatabilityMethodsSvg(const Repeatability& result, const std::stri
 // A fitness (m²) in cm², with so many decimals that `like` has three digits.
 std::string squareCentimetres(double fitness, double like);
 
-// index.html, self-contained.
-std::string repeatabilityReport(const Repeatability& result);
+// index.html, self-contained. `date` is that of the measurement.
+std::string repeatabilityReport(const Repeatability& result, const std::string& date);
 
 }  // namespace scanmill

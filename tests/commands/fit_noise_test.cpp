@@ -62,6 +62,43 @@ TEST_F(FitNoiseCommand, WritesASensorThatPipelinesTake) {
   EXPECT_THAT(scanmill({"plan", at("own.yaml")}).out, HasSubstr("effect range_noise of 'lidar0'"));
 }
 
+// A dash where nothing was measured, and words for what the columns are.
+TEST_F(FitNoiseCommand, ItsTablesExplainThemselves) {
+  const Outcome fitted = fit({"--sensor", at("wall.yaml"), "-o", at("a.yaml"), "--report", at("report")});
+  ASSERT_EQ(fitted.code, 0) << fitted.error;
+  EXPECT_THAT(fitted.out,
+              AllOf(HasSubstr("\nwith step: "), HasSubstr("\nabout planes: "), HasSubstr("left out: beyond 60 deg")));
+  EXPECT_THAT(fitted.error, AllOf(HasSubstr("warning: Measured up to "), HasSubstr("up to 120 m")));
+  EXPECT_THAT(readFile(at("a.yaml")), HasSubstr("  # Measured up to "));
+  const std::string page = readFile(at("report") + "/index.html");
+  EXPECT_LT(page.find(">left out<"), page.find(">patches<"));
+}
+
+TEST_F(FitNoiseCommand, LooksAtTheReportsFolderBeforeTheWork) {
+  folder_.write("report/index.html", "mine");
+  // The scan would be refused, too, were it read first.
+  const Outcome refused = scanmill(
+      {"fit-noise", at("wall.yaml"), "--sensor", at("wall.yaml"), "-o", at("a.yaml"), "--report", at("report")});
+  expectRefused(refused, "holds a report already");
+  EXPECT_EQ(readFile(at("report") + "/index.html"), "mine");
+}
+
+TEST_F(FitNoiseCommand, AFolderOfFramesIsToldToNameThem) {
+  const Outcome refused =
+      scanmill({"fit-noise", folder_.path().string(), "--sensor", at("wall.yaml"), "-o", at("a.yaml")});
+  expectRefused(refused, "wall0.pcd");
+  EXPECT_THAT(refused.error,
+              AllOf(HasSubstr("is a folder: name the scans in it"), HasSubstr("all 3"), Not(HasSubstr("overwrite"))));
+  std::filesystem::create_directory(at("empty"));
+  expectRefused(scanmill({"fit-noise", at("empty"), "--sensor", at("wall.yaml"), "-o", at("a.yaml")}), "holds no scan");
+}
+
+TEST_F(FitNoiseCommand, NamesAnAbsentSensorOnce) {
+  const Outcome refused = fit({"--sensor", "os1_12", "-o", at("a.yaml")});
+  expectRefused(refused, "did you mean 'os1_128.yaml'?");
+  EXPECT_EQ(refused.error.find("os1_12'"), refused.error.rfind("os1_12'"));
+}
+
 TEST_F(FitNoiseCommand, KeepsWhatIsThere) {
   folder_.write("there.yaml", "mine");
   expectRefused(fit({"--sensor", at("wall.yaml"), "-o", at("there.yaml")}), "--overwrite");

@@ -37,6 +37,19 @@ TEST_F(RepeatabilityCommand, WritesAReportWithAllItsFiles) {
   EXPECT_THAT(readFile(at("out/index.html")), HasSubstr("</html>"));
 }
 
+// The small world's effects move nothing: what is said of it is no measurement.
+TEST_F(RepeatabilityCommand, SaysWhatWasMeasuredAndWhatSaysNothing) {
+  const Outcome o = scanmill({"repeatability", pipeline_, "-o", at("out"), "--set", "repeatability={scans: 2}", "--set",
+                              "trajectories.0.frames=1"});
+  ASSERT_EQ(o.code, 0) << o.error;
+  EXPECT_THAT(o.out, AllOf(HasSubstr("car, seen by top"), HasSubstr("8 x 64 beams); 20"), HasSubstr("object"),
+                           HasSubstr("frame"), HasSubstr("1 pose, 1 noise level: open"), Not(HasSubstr("+-"))));
+  EXPECT_THAT(o.error, HasSubstr("no effect of this noise moves points: intensity"));
+  const std::string page = readFile(at("out/index.html"));
+  EXPECT_THAT(page, AllOf(HasSubstr("no effect of this noise moves points"), HasSubstr("<dt>object</dt><dd>car"),
+                          HasSubstr("<dt>sensor</dt><dd>top")));
+}
+
 TEST_F(RepeatabilityCommand, QuietIsOneLineAndTheBytesAreTheSame) {
   std::vector<std::string> quiet = arguments("a");
   quiet.insert(quiet.end(), {"-q", "--threads", "1"});

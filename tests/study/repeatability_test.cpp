@@ -189,9 +189,12 @@ TEST_F(RepeatedScans, LooksAtTheNamedObject) {
     EXPECT_EQ(result.at(place, 0, 0).registered.count, 0u);
   }
   EXPECT_NEAR(result.views[0].places[0].distance, 36.5, 1e-6);
+  ASSERT_EQ(result.warnings.size(), 1u);
+  EXPECT_THAT(result.warnings[0], testing::AllOf(HasSubstr("no point falls on crate from 3 of 3 poses"),
+                                                 HasSubstr("0 (36.5 m), 1 (33.5 m), 2 (27.5 m)")));
   const nlohmann::json json = nlohmann::json::parse(repeatabilityJson(result));
   EXPECT_TRUE(json["views"][0]["places"][0]["fitness_m2"][0]["unmoved"].is_null());
-  EXPECT_THAT(repeatabilityReport(result), HasSubstr("crate"));
+  EXPECT_THAT(repeatabilityReport(result, "2026-01-02"), HasSubstr("crate"));
 }
 
 TEST_F(RepeatedScans, UsesThePipelinesEffectsWhereNoLevelIsNamed) {
@@ -204,6 +207,28 @@ TEST_F(RepeatedScans, UsesThePipelinesEffectsWhereNoLevelIsNamed) {
   }
 }
 
+// Losing points is a difference, too: what agrees perfectly is the same scan again.
+TEST_F(RepeatedScans, WarnsOfScansThatAreAllTheSame) {
+  const auto warnings = [&](const std::string& effects) {
+    return measure(pipeline("  scans: 2\n", effects), {"trajectories.0.poses=[{position: [-3, 0, 0]}]"}).warnings;
+  };
+  EXPECT_THAT(warnings(""), testing::ElementsAre(HasSubstr("moves points: it has none")));
+  EXPECT_THAT(warnings("effects: [{quantize: {step_m: 0.01}}]\n"),
+              testing::ElementsAre(HasSubstr("moves points: quantize;")));
+  EXPECT_THAT(warnings("effects: [{range_noise: {sigma_m: 0.01}}]\n"), testing::IsEmpty());
+  EXPECT_THAT(shells().warnings, testing::IsEmpty());  // its level `none` says so itself
+  EXPECT_THAT(repeatabilityReport(measure(pipeline("  scans: 2\n")), "2026-01-02"),
+              testing::AllOf(HasSubstr("Warning: noise"), HasSubstr("2026-01-02"), HasSubstr("21 x 21 beams")));
+}
+
+// There and back between two scans is one pair.
+TEST(HasDeviation, TakesThreePairs) {
+  const std::vector<std::optional<double>> values{1.0, 2.0, 3.0};
+  EXPECT_FALSE(hasDeviation(fitnessSpread(std::span(values).first(1))));
+  EXPECT_FALSE(hasDeviation(fitnessSpread(std::span(values).first(2))));
+  EXPECT_TRUE(hasDeviation(fitnessSpread(values)));
+}
+
 TEST_F(RepeatedScans, MethodsAreMeasuredSideBySide) {
   const std::string methods = "  methods: [ray_tracing, {ray_tracing: {packet: 1}}]\n";
   const Repeatability result = measure(pipeline(kShells + methods));
@@ -213,7 +238,7 @@ TEST_F(RepeatedScans, MethodsAreMeasuredSideBySide) {
   for (std::size_t p = 0; p < 3; ++p) {
     EXPECT_EQ(result.views[0].places[p].points[0].mean, result.views[1].places[p].points[0].mean);
   }
-  EXPECT_THAT(repeatabilityReport(result), HasSubstr("ray_tracing packet=1"));
+  EXPECT_THAT(repeatabilityReport(result, "2026-01-02"), HasSubstr("ray_tracing packet=1"));
 }
 
 TEST_F(RepeatedScans, ThreadsDoNotChangeAByteAndSeedsDo) {
@@ -260,7 +285,7 @@ TEST_F(RepeatedScans, TablesHoldEveryFigure) {
 
 TEST_F(RepeatedScans, TheReportHoldsAllChartsAndIsSelfContained) {
   const Repeatability result = measure(pipeline(std::string(kShells) + "  scans: 2\n"));
-  const std::string page = repeatabilityReport(result);
+  const std::string page = repeatabilityReport(result, "2026-01-02");
   for (const std::string& svg :
        {repeatabilityRegisteredSvg(result, 0), repeatabilityUnmovedSvg(result, 0), repeatabilityPointsSvg(result, 0),
         repeatabilityShareSvg(result, 0), repeatabilityLevelsSvg(result, result.views[0]),
