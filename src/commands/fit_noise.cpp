@@ -1,4 +1,4 @@
-#include "study/fit_noise.h"
+#include "study/noise/fit_noise.h"
 
 #include <fmt/chrono.h>
 #include <fmt/core.h>
@@ -20,10 +20,10 @@
 #include "config/file_kind.h"
 #include "formats/format.h"
 #include "sensors/sensor.h"
-#include "study/noise_comparison.h"
-#include "study/noise_report.h"
-#include "study/report_folder.h"
-#include "study/sensor_effects.h"
+#include "study/noise/noise_comparison.h"
+#include "study/noise/noise_report.h"
+#include "study/noise/sensor_effects.h"
+#include "study/page/report_folder.h"
 #include "viewer/scan_source.h"
 
 namespace scanmill {

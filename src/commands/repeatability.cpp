@@ -1,4 +1,4 @@
-#include "study/repeatability.h"
+#include "study/repeatability/repeatability.h"
 
 #include <fmt/chrono.h>
 #include <fmt/core.h>
@@ -14,9 +14,9 @@
 #include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "pipeline/plan.h"
-#include "study/repeatability_choice.h"
-#include "study/repeatability_report.h"
-#include "study/report_folder.h"
+#include "study/page/report_folder.h"
+#include "study/repeatability/repeatability_choice.h"
+#include "study/repeatability/repeatability_report.h"
 
 namespace scanmill {
 

@@ -12,11 +12,11 @@
 #include "commands/table.h"
 #include "pipeline/plan.h"
 #include "pipeline/progress.h"
-#include "study/report_charts.h"
-#include "study/report_figures.h"
-#include "study/report_folder.h"
-#include "study/settings.h"
-#include "study/study.h"
+#include "study/page/report_folder.h"
+#include "study/tradeoff/report_charts.h"
+#include "study/tradeoff/report_figures.h"
+#include "study/tradeoff/settings.h"
+#include "study/tradeoff/study.h"
 
 namespace scanmill {
 

@@ -22,8 +22,8 @@
 //     formats: [pcd, {draco: {max_error_mm: 1}}]
 //     shard_mb: 256
 //   limits: {max_rays: 1e11}
-//   tradeoff: {...}                  # of `scanmill tradeoff`: see study/settings.h
-//   repeatability: {...}             # of `scanmill repeatability`: see study/repeatability.h
+//   tradeoff: {...}                  # of `scanmill tradeoff`: see study/tradeoff/settings.h
+//   repeatability: {...}             # of `scanmill repeatability`: see study/repeatability/repeatability.h
 
 #include "pipeline/pipeline.h"
 

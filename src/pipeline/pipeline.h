@@ -86,7 +86,7 @@ struct Pipeline {
   std::uint64_t shardBytes = 0;
   double maxRays = 0;
 
-  // Of the studies, which read them: study/settings.h, study/repeatability.h. Null where absent.
+  // Of the studies, which read them: study/tradeoff/settings.h, study/repeatability/. Null where absent.
   Value tradeoff;
   Value repeatability;
 

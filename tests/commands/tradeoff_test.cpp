@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "base/file.h"
-#include "study/study.h"
+#include "study/tradeoff/study.h"
 #include "tests/commands/program.h"
 
 namespace scanmill {

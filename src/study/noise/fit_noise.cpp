@@ -1,0 +1,370 @@
+#include "study/noise/fit_noise.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "study/noise/linear_fit.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kFewestPatches = 50;  // of a band that the fit uses
+constexpr double kMostUneven = 2.5;         // likewise
+constexpr int kResamples = 200;
+constexpr double kGoodChiSquare = 3;  // per degree of freedom
+constexpr double kGoodMisfit = 0.1;   // relative: a line so near to all bands will do, however small their errors are
+
+using Patches = std::vector<const FlatPatch*>;
+
+double medianOf(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double quantileOf(std::vector<double> values, double share) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// Rounding to a step adds step^2 / 12 to the variance wherever the noise, or the surface's slope, spans a step.
+double withoutStep(double deviation, double step) {
+  return std::sqrt(std::max(0.0, deviation * deviation - step * step / 12));
+}
+
+// Standard deviation of what `measure` says of as many patches, drawn with replacement: Efron, "Bootstrap methods:
+// another look at the jackknife", 1979. A patch is the unit, since its points share a surface.
+double bootstrapError(const Patches& patches, std::uint32_t stream,
+                      const std::function<double(const Patches&)>& measure) {
+  if (patches.size() < 2) return 0;
+  double sum = 0;
+  double squares = 0;
+  Patches drawn(patches.size());
+  for (std::uint32_t round = 0; round < kResamples; ++round) {
+    for (std::uint32_t i = 0; i < patches.size(); ++i) {
+      const RandomBlock block =
+          randomBlock({.scene = stream, .frame = round, .beam = i, .purpose = Purpose::Bootstrap});
+      drawn[i] = patches[static_cast<std::size_t>(uniform(block[0]) * static_cast<double>(patches.size()))];
+    }
+    const double value = measure(drawn);
+    sum += value;
+    squares += value * value;
+  }
+  const double mean = sum / kResamples;
+  return std::sqrt(std::max(0.0, squares / kResamples - mean * mean) * kResamples / (kResamples - 1));
+}
+
+MeasuredShare dropOutOf(const Patches& patches, std::uint32_t stream) {
+  const auto count = [](const Patches& chosen) {
+    MeasuredShare share;
+    for (const FlatPatch* p : chosen) {
+      share.lost += p->holes;
+      share.of += p->enclosed;
+    }
+    return share;
+  };
+  MeasuredShare all = count(patches);
+  if (all.of == 0) return all;
+  // Where none or few are lost, resampling sees no spread: one more loss is always possible.
+  const double least = std::sqrt(static_cast<double>(all.lost + 1)) / static_cast<double>(all.of);
+  const double spread = bootstrapError(patches, stream, [&](const Patches& chosen) { return count(chosen).share(); });
+  all.error = std::max(all.lost == 0 ? least : 0.0, spread);
+  return all;
+}
+
+PatchGroup describe(const Patches& patches, std::string name, double low, double high, double step,
+                    std::uint32_t stream) {
+  PatchGroup group;
+  group.name = std::move(name);
+  group.low = low;
+  group.high = high;
+  group.dropOut = dropOutOf(patches, 2 * stream);
+  Patches measured;
+  std::vector<double> ranges, planes, variances, densities, ratios;
+  for (const FlatPatch* p : patches) {
+    if (p->expectedDensity > 0 && p->density > 0) {
+      densities.push_back(p->density);
+      ratios.push_back(p->density / p->expectedDensity);
+    }
+    if (p->freedom <= 0) continue;
+    measured.push_back(p);
+    group.points += p->residuals.size();
+    ranges.push_back(p->range);
+    planes.push_back(p->planeSquares / p->planeFreedom / chiSquareQuantile(p->planeFreedom, 0));
+    variances.push_back(p->squares / p->freedom);
+  }
+  group.patches = measured.size();
+  group.density = medianOf(densities);
+  group.densityRatio = medianOf(ratios);
+  group.expectedDensity = group.densityRatio > 0 ? group.density / group.densityRatio : 0;
+  if (measured.empty()) return group;
+  group.range = std::accumulate(ranges.begin(), ranges.end(), 0.0) / static_cast<double>(ranges.size());
+  group.withStep = commonDeviation(measured);
+  group.sigma = withoutStep(group.withStep, step);
+  group.planeSigma = withoutStep(std::sqrt(medianOf(planes)), step);
+  group.error = bootstrapError(measured, 2 * stream + 1,
+                               [&](const Patches& chosen) { return withoutStep(commonDeviation(chosen), step); });
+  const double freedom = measured.front()->freedom;
+  const double median = medianOf(variances);
+  if (median > 0) {
+    group.unevenness =
+        quantileOf(variances, 0.84) / median / (chiSquareQuantile(freedom, 1) / chiSquareQuantile(freedom, 0));
+  }
+  return group;
+}
+
+// Why a band of ranges says nothing of the noise; empty where it does.
+std::string unfit(const PatchGroup& band) {
+  if (band.patches < kFewestPatches) return fmt::format("fewer than {} patches", kFewestPatches);
+  if (band.unevenness > kMostUneven) return "not flat: the patches scatter too differently";
+  return {};
+}
+
+// Neither part is negative: the model's are not.
+void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
+  const auto solve = [&](bool constant, bool slope) {
+    std::vector<double> design;
+    std::vector<double> values;
+    for (const PatchGroup* band : used) {
+      const double weight = 1 / std::max(band->error, 1e-6);
+      design.insert(design.end(), {constant ? weight : 0, slope ? weight * band->range : 0});
+      values.push_back(weight * band->sigma);
+    }
+    return fitLinear(design, 2, values);
+  };
+  LinearFit line = solve(true, used.size() > 1);
+  bool constant = true;
+  bool slope = used.size() > 1;
+  if (line.coefficients[1] < 0) {
+    slope = false;
+    line = solve(true, false);
+  } else if (line.coefficients[0] < 0) {
+    constant = false;
+    line = solve(false, true);
+  }
+  fit.base = line.coefficients[0];
+  fit.growth = line.coefficients[1];
+  fit.chiSquare = line.squares;
+  fit.freedom = static_cast<double>(line.freedom());
+  for (const PatchGroup* band : used) {
+    const double modelled = fit.base + fit.growth * band->range;
+    if (band->sigma > 0) fit.largestMisfit = std::max(fit.largestMisfit, std::abs(modelled / band->sigma - 1));
+  }
+  fit.linear = fit.freedom <= 0 || fit.chiSquare <= kGoodChiSquare * fit.freedom || fit.largestMisfit <= kGoodMisfit;
+
+  // Errors of the two: the inverse of the normal matrix.
+  double s = 0, sr = 0, srr = 0;
+  for (const PatchGroup* band : used) {
+    const double weight = 1 / std::pow(std::max(band->error, 1e-6), 2);
+    s += weight;
+    sr += weight * band->range;
+    srr += weight * band->range * band->range;
+  }
+  const double determinant = s * srr - sr * sr;
+  if (constant && slope && determinant > 0) {
+    fit.baseError = std::sqrt(srr / determinant);
+    fit.growthError = std::sqrt(s / determinant);
+  } else if (constant) {
+    fit.baseError = 1 / std::sqrt(s);
+  } else {
+    fit.growthError = 1 / std::sqrt(srr);
+  }
+}
+
+// "a, b and 3 more".
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t kShown = 3;
+  if (names.size() <= kShown) return fmt::format("{}", fmt::join(names, ", "));
+  return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kShown, ", "), names.size() - kShown);
+}
+
+std::string rangeName(double low, double high) {
+  return std::isfinite(high) ? fmt::format("{:g}-{:g} m", low, high) : fmt::format("from {:g} m", low);
+}
+
+}  // namespace
+
+double NoiseFit::sigmaAt(double range) const {
+  if (linear) return base + growth * range;
+  const PatchGroup* below = nullptr;
+  for (const PatchGroup& band : bands) {
+    if (!band.leftOut.empty()) continue;
+    if (range <= band.range) {
+      if (below == nullptr) return band.sigma;
+      const double part = (range - below->range) / (band.range - below->range);
+      return below->sigma + part * (band.sigma - below->sigma);
+    }
+    below = &band;
+  }
+  return below == nullptr ? 0 : below->sigma;
+}
+
+double NoiseFit::measuredUpTo() const {
+  double last = 0;
+  for (const PatchGroup& band : bands) {
+    if (band.leftOut.empty()) last = std::max(last, band.range);
+  }
+  return last;
+}
+
+NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans, const std::vector<FlatPatch>& patches,
+                  const FitNoiseOptions& options) {
+  NoiseFit fit;
+  for (const RecordedScan& scan : scans) {
+    fit.files.push_back(scan.name);
+    fit.returns += scan.returns;
+    fit.beams += beams.size();
+  }
+  fit.step = rangeStep(scans);
+  fit.sensorReach = beams.maxRange;
+  fit.mostIncidence = options.mostIncidence;
+  const double leastCosine = std::cos(options.mostIncidence);
+
+  const std::vector<double> edges = rangeBandEdges();
+  std::vector<Patches> perBand(edges.size());
+  for (const FlatPatch& p : patches) {
+    if (p.incidence >= leastCosine) perBand[rangeBandOf(p.range)].push_back(&p);
+  }
+  std::vector<bool> useful(edges.size(), false);
+  for (std::size_t b = 0; b < edges.size(); ++b) {
+    if (perBand[b].empty()) continue;
+    const double high = b + 1 < edges.size() ? edges[b + 1] : INFINITY;
+    fit.bands.push_back(
+        describe(perBand[b], rangeName(edges[b], high), edges[b], high, fit.step, static_cast<std::uint32_t>(b)));
+    fit.bands.back().leftOut = unfit(fit.bands.back());
+    useful[b] = fit.bands.back().leftOut.empty();
+  }
+  std::vector<const PatchGroup*> used;
+  Patches all;
+  Patches steep;
+  for (const PatchGroup& band : fit.bands) {
+    if (!band.leftOut.empty()) continue;
+    used.push_back(&band);
+    fit.patches += band.patches;
+    fit.points += band.points;
+  }
+  if (used.empty()) {
+    throw InputError(
+        fmt::format("{}: no range at which at least {} flat patches of {} x {} beams were found, seen at "
+                    "up to {:.0f} deg from their normals: noise is measured on walls, floors and the "
+                    "like; give more scans, or of a place that has them{}",
+                    listed(fit.files), kFewestPatches, kPatchRings, kPatchColumns, degrees(options.mostIncidence),
+                    beams.rings < kPatchRings ? fmt::format("; and a sensor of at least {} rings", kPatchRings) : ""));
+  }
+  fitLine(fit, used);
+  for (const FlatPatch& p : patches) {
+    if (!useful[rangeBandOf(p.range)]) continue;
+    all.push_back(&p);
+    if (p.incidence >= leastCosine) steep.push_back(&p);
+  }
+  constexpr std::uint32_t kDropOutStream = 1000;
+  constexpr std::uint32_t kIncidenceStream = 100;
+  constexpr std::uint32_t kIntensityStream = 200;
+  fit.dropOut = dropOutOf(steep, kDropOutStream);
+
+  constexpr double kAngles[] = {0, 15, 30, 45, 60, 75, 90};
+  for (std::uint32_t a = 0; a + 1 < std::size(kAngles); ++a) {
+    Patches group;
+    for (const FlatPatch* p : all) {
+      const double angle = degrees(std::acos(std::min(1.0, p->incidence)));
+      if (angle >= kAngles[a] && (angle < kAngles[a + 1] || kAngles[a + 1] == 90)) group.push_back(p);
+    }
+    if (group.empty()) continue;
+    fit.incidences.push_back(describe(group, fmt::format("{:g}-{:g} deg", kAngles[a], kAngles[a + 1]), kAngles[a],
+                                      kAngles[a + 1], fit.step, kIncidenceStream + a));
+    if (radians(kAngles[a]) > options.mostIncidence - 1e-9) {
+      fit.incidences.back().leftOut = fmt::format("beyond {:g} deg", degrees(options.mostIncidence));
+    }
+  }
+  const bool lit = std::any_of(scans.begin(), scans.end(), [](const RecordedScan& s) { return !s.intensity.empty(); });
+  if (lit && !steep.empty()) {
+    std::vector<double> intensities;
+    for (const FlatPatch* p : steep) intensities.push_back(p->intensity);
+    constexpr std::uint32_t kParts = 5;
+    double low = quantileOf(intensities, 0);
+    for (std::uint32_t part = 0; part < kParts; ++part) {
+      const bool last = part + 1 == kParts;
+      const double high = last ? INFINITY : quantileOf(intensities, (part + 1.0) / kParts);
+      Patches group;
+      std::copy_if(steep.begin(), steep.end(), std::back_inserter(group),
+                   [&](const FlatPatch* p) { return p->intensity >= low && p->intensity < high; });
+      if (!group.empty()) {
+        const std::string name = last ? fmt::format("from {:.4g}", low) : fmt::format("{:.4g}-{:.4g}", low, high);
+        fit.intensities.push_back(describe(group, name, low, high, fit.step, kIntensityStream + part));
+      }
+      low = high;
+    }
+  }
+  return fit;
+}
+
+std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
+  const double last = fit.measuredUpTo();
+  double end = 0;
+  for (const PatchGroup& band : fit.bands) {
+    if (band.leftOut.empty()) end = std::max(end, band.high);
+  }
+  if (!(fit.sensorReach > end)) return {};
+  const char* rule = !fit.linear || fit.growth <= 0 ? "the last value is used" : "the line goes on";
+  std::vector<std::string> lines{
+      fmt::format("Measured up to {:.0f} m; beyond, up to {:g} m, {}.", last, fit.sensorReach, rule)};
+  for (const PatchGroup& band : fit.bands) {
+    if (band.leftOut.empty() || band.range <= last || band.patches < kFewestPatches) continue;
+    lines.push_back(fmt::format("At {} the noise is {:.0f} mm, left out of the fit ({}).", band.name, 1000 * band.sigma,
+                                band.leftOut));
+  }
+  return lines;
+}
+
+std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
+  const PatchGroup* first = nullptr;
+  const PatchGroup* last = nullptr;
+  std::string rows;
+  for (const PatchGroup& band : fit.bands) {
+    if (!band.leftOut.empty()) continue;
+    if (first == nullptr) first = &band;
+    last = &band;
+    rows += fmt::format("{}[{:.3g}, {:.3g}]", rows.empty() ? "" : ", ", band.range, band.sigma);
+  }
+  std::string text = "effects:\n";
+  text += fmt::format("  # Fitted with `scanmill fit-noise`, {}, on\n  # {}.\n", date, listed(fit.files));
+  text += fmt::format(
+      "  # {} flat patches with {} points, {:.3g} to {:.3g} m away and up to {:.0f} deg from their normals.\n",
+      fit.patches, fit.points, first->range, last->range, degrees(fit.mostIncidence));
+  if (fit.dropOut.lost > 0) {
+    text += fmt::format("  # Beams lost among returns of flat patches: {} of {}.\n", fit.dropOut.lost, fit.dropOut.of);
+    text += fmt::format("  - dropout: {{probability: {:.2g}}}\n", fit.dropOut.share());
+  } else {
+    text += fmt::format("  # No drop-out: none of {} beams was lost among returns of flat patches.\n", fit.dropOut.of);
+  }
+  for (const std::string& line : beyondMeasured(fit)) text += fmt::format("  # {}\n", line);
+  if (fit.linear) {
+    // As many bands as unknowns: the line goes through them whatever they are.
+    std::string agreement = fmt::format("chi^2 {:.3g} for {:.0f} degrees of freedom", fit.chiSquare, fit.freedom);
+    if (fit.freedom <= 0) {
+      agreement = first == last ? "one band of ranges tells nothing of growth" : "two bands of ranges test no line";
+    }
+    text += fmt::format("  # Errors: {:.1g} m and {:.1g} m/m; {}.\n", fit.baseError, fit.growthError, agreement);
+    text += fmt::format("  - range_noise: {{sigma_m: {:.3g}, sigma_per_m: {:.3g}}}\n", fit.base, fit.growth);
+  } else {
+    text += fmt::format(
+        "  # A line does not fit (chi^2 {:.3g} for {:.0f} degrees of freedom, off by up to {:.0f} %): the bands "
+        "themselves.\n",
+        fit.chiSquare, fit.freedom, 100 * fit.largestMisfit);
+    text += fmt::format("  - range_noise: {{table: [{}]}}\n", rows);
+  }
+  if (fit.step > 0) text += fmt::format("  - quantize: {{step_m: {:.5g}}}\n", fit.step);
+  return text;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,438 @@
+#include "study/noise/flat_patches.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "base/parallel.h"
+#include "study/noise/linear_fit.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kCells = std::size_t{kPatchRings} * kPatchColumns;
+constexpr std::uint32_t kColumnStep = 3;     // between the windows that are looked at
+constexpr double kReturned = 0.6;            // of the tested half, at least
+constexpr std::size_t kFewestMeasured = 14;  // returns of the measured half
+constexpr double kFewestFreedom = 6;
+constexpr double kEdgeOn = 0.02;             // cosine of incidence: flatter views tell little
+constexpr double kDeepest = 3;               // farthest range of a patch, in nearest ones
+constexpr double kPlaneTolerance = 3;        // scatter about the plane, in common deviations
+constexpr double kOnPlane = 4;               // of a neighbour, in deviations of its patch
+constexpr std::size_t kTelling = 100;        // windows in a group, whose tenth says something
+constexpr double kTenth = -1.2815515655;     // standard normal: 10 %
+constexpr double kMostNoise = 2.3263478740;  // standard normal: 99 %
+
+// A beam of a window.
+struct Cell {
+  std::uint32_t row = 0;
+  std::uint32_t column = 0;
+  std::uint32_t beam = 0;
+  bool tested = false;
+  bool returned = false;
+  double range = 0;  // m
+};
+
+using Cells = std::array<Cell, kCells>;
+
+Vec3d originOf(const BeamTable& beams, std::size_t beam) {
+  return beams.origin.empty() ? Vec3d{} : static_cast<Vec3d>(beams.origin[beam]);
+}
+
+std::optional<Cells> cellsOf(const BeamImage& image, const RecordedScan& scan, const PatchWindow& window) {
+  Cells cells;
+  for (std::size_t i = 0; i < kCells; ++i) {
+    Cell& cell = cells[i];
+    cell.row = static_cast<std::uint32_t>(i / kPatchColumns);
+    cell.column = static_cast<std::uint32_t>(i % kPatchColumns);
+    const auto beam = image.beam(window.row + cell.row, window.column + cell.column);
+    if (!beam) return {};
+    cell.beam = *beam;
+    cell.tested = (window.row + cell.row + window.column + cell.column) % 2 == window.tested;
+    cell.range = scan.range[*beam];
+    cell.returned = !std::isnan(cell.range);
+  }
+  return cells;
+}
+
+std::vector<const Cell*> returnedOf(const Cells& cells, bool tested) {
+  std::vector<const Cell*> chosen;
+  for (const Cell& cell : cells) {
+    if (cell.returned && cell.tested == tested) chosen.push_back(&cell);
+  }
+  return chosen;
+}
+
+struct PlaneFit {
+  PatchPlane plane;
+  double squares = 0;  // m^2, of ranges along the beams
+  double freedom = 0;
+};
+
+// A plane by least squares of ranges: of a point at its beam's range, plane * point = 1. That is linear in the plane,
+// but weighs by incidence; Gauss and Newton's steps from there look at the ranges themselves.
+std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const Cell*>& cells) {
+  std::vector<double> design;
+  std::vector<double> values;
+  for (const Cell* cell : cells) {
+    const Vec3d p = originOf(beams, cell->beam) + beams.direction[cell->beam] * cell->range;
+    design.insert(design.end(), {p.x / cell->range, p.y / cell->range, p.z / cell->range});
+    values.push_back(1 / cell->range);
+  }
+  LinearFit fit = fitLinear(design, 3, values);
+  if (fit.rank < 3) return {};
+  PlaneFit found{{fit.coefficients[0], fit.coefficients[1], fit.coefficients[2]}, 0, 0};
+  for (int step = 0; step < 3; ++step) {
+    design.clear();
+    values.clear();
+    for (const Cell* cell : cells) {
+      const Vec3d& u = beams.direction[cell->beam];
+      const double slope = dot(found.plane, u);
+      const double range = rangeOnPlane(beams, cell->beam, found.plane);
+      if (!(range > 0)) return {};
+      const Vec3d p = originOf(beams, cell->beam) + u * range;
+      design.insert(design.end(), {-p.x / slope, -p.y / slope, -p.z / slope});
+      values.push_back(cell->range - range);
+    }
+    fit = fitLinear(design, 3, values);
+    if (fit.rank < 3) return {};
+    if (step < 2) found.plane += Vec3d{fit.coefficients[0], fit.coefficients[1], fit.coefficients[2]};
+  }
+  found.squares = fit.squares;
+  found.freedom = static_cast<double>(fit.freedom());
+  return found;
+}
+
+// What is left of the way between ranges and plane after a line for each ring, with slopes that change from ring to
+// ring at most linearly, and a bend (a square and a cube).
+LinearFit fitLines(const BeamTable& beams, const std::vector<const Cell*>& cells, const PatchPlane& plane) {
+  constexpr std::size_t kTerms = kPatchRings + 4;
+  std::vector<double> design(cells.size() * kTerms, 0.0);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Cell& cell = *cells[i];
+    double* const row = design.data() + i * kTerms;
+    const double x = 2.0 * cell.column / (kPatchColumns - 1) - 1;
+    const double y = 2.0 * cell.row / (kPatchRings - 1) - 1;
+    row[cell.row] = 1;
+    row[kPatchRings] = x;
+    row[kPatchRings + 1] = x * x;
+    row[kPatchRings + 2] = x * x * x;
+    row[kPatchRings + 3] = x * y;
+    values.push_back(cell.range - rangeOnPlane(beams, cell.beam, plane));
+  }
+  return fitLinear(design, kTerms, values);
+}
+
+// Beams of the measured half, not at the window's rim, of whose four neighbours (all of the tested half) at least three
+// returned and none from off the plane.
+void countHoles(const BeamTable& beams, const Cells& cells, double deviation, FlatPatch& patch) {
+  for (const Cell& cell : cells) {
+    const bool inner = cell.row > 0 && cell.row + 1 < kPatchRings && cell.column > 0 && cell.column + 1 < kPatchColumns;
+    if (cell.tested || !inner) continue;
+    const std::size_t at = std::size_t{cell.row} * kPatchColumns + cell.column;
+    int on = 0;
+    bool off = false;
+    for (const std::size_t neighbour : {at - kPatchColumns, at - 1, at + 1, at + kPatchColumns}) {
+      const Cell& other = cells[neighbour];
+      if (!other.returned) continue;
+      ++on;
+      off = off || std::abs(other.range - rangeOnPlane(beams, other.beam, patch.plane)) > kOnPlane * deviation;
+    }
+    if (on < 3 || off) continue;
+    ++patch.enclosed;
+    patch.holes += cell.returned ? 0u : 1u;
+  }
+}
+
+double crossing(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+// Andrew, "Another efficient algorithm for convex hulls in two dimensions", 1979. Counter-clockwise.
+std::vector<Vec2d> convexHull(std::vector<Vec2d> points) {
+  std::sort(points.begin(), points.end(),
+            [](const Vec2d& a, const Vec2d& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  std::vector<Vec2d> hull;
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t first = hull.size();
+    for (const Vec2d& p : points) {
+      while (hull.size() > first + 1 && crossing(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
+      hull.push_back(p);
+    }
+    hull.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+// Points per m^2 of what lies in the plane's own axes: the hull's area, of which points on its rim own a part only.
+// By Pick's theorem a lattice of one point per unit area has area = points - rim / 2 - 1.
+double densityOf(const std::vector<Vec2d>& points, std::size_t counted, std::size_t rim) {
+  const std::vector<Vec2d> hull = convexHull(points);
+  double twice = 0;
+  for (std::size_t i = 1; i + 1 < hull.size(); ++i) twice += crossing(hull[0], hull[i], hull[i + 1]);
+  const double inside = static_cast<double>(counted) - static_cast<double>(rim) / 2 - 1;
+  return twice > 0 ? inside / (twice / 2) : 0;
+}
+
+// Measured from where the returns lie, expected from where the window's beams meet the plane.
+void findDensities(const BeamTable& beams, const Cells& cells, FlatPatch& patch) {
+  const Vec3d normal = normalized(patch.plane);
+  const Vec3d first = normalized(cross(normal, std::abs(normal.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
+  const Vec3d second = cross(normal, first);
+  std::vector<Vec2d> seen;
+  std::vector<Vec2d> expected;
+  std::size_t rim = 0;
+  for (const Cell& cell : cells) {
+    const auto place = [&](double range) {
+      const Vec3d p = originOf(beams, cell.beam) + beams.direction[cell.beam] * range;
+      return Vec2d{dot(first, p), dot(second, p)};
+    };
+    expected.push_back(place(rangeOnPlane(beams, cell.beam, patch.plane)));
+    if (!cell.returned) continue;
+    seen.push_back(place(cell.range));
+    const bool edge =
+        cell.row == 0 || cell.row + 1 == kPatchRings || cell.column == 0 || cell.column + 1 == kPatchColumns;
+    rim += edge ? 1u : 0u;
+  }
+  constexpr std::size_t kRim = 2 * (kPatchRings + kPatchColumns) - 4;
+  if (seen.size() < 3) return;
+  patch.density = densityOf(seen, seen.size(), rim);
+  patch.expectedDensity = densityOf(expected, kCells, kRim);
+}
+
+double medianOf(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Patches are compared with those at about the same range, seen as steeply.
+std::size_t groups() {
+  return 2 * rangeBandEdges().size();
+}
+std::size_t groupOf(const FlatPatch& patch) {
+  return 2 * rangeBandOf(patch.range) + (patch.incidence < kSteep ? 1 : 0);
+}
+
+// Per group, the scatter of flat windows (m): that of the smoothest tenth, since not all windows need be flat. A band
+// of ranges may hold no flat surface at all, so its neighbours bound it: noise does not fall with the range, and grows
+// no faster than the echo fades, with the square of the range. Where that is not so fewer patches are chosen, but those
+// tell the truth: their measured halves know nothing of it.
+std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
+  const std::size_t bands = rangeBandEdges().size();
+  std::vector<std::vector<double>> variances(groups());
+  std::vector<std::vector<double>> ranges(groups());
+  for (const FlatPatch& p : candidates) {
+    const std::size_t group = groupOf(p);
+    variances[group].push_back(p.testedSquares / p.testedFreedom / chiSquareQuantile(p.testedFreedom, kTenth));
+    ranges[group].push_back(p.range);
+  }
+  std::vector<double> usual(groups(), 0.0);
+  for (std::size_t steepness = 0; steepness < 2; ++steepness) {
+    double bound = INFINITY;
+    for (std::size_t band = bands; band-- > 0;) {
+      const std::size_t group = 2 * band + steepness;
+      std::vector<double>& v = variances[group];
+      if (v.empty()) continue;
+      const auto tenth = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 10);
+      std::nth_element(v.begin(), tenth, v.end());
+      if (v.size() >= kTelling) bound = std::min(bound, std::sqrt(*tenth));
+      usual[group] = std::min(bound, std::sqrt(*tenth));
+    }
+    double lastRange = 0;
+    double last = 0;
+    for (std::size_t band = 0; band < bands; ++band) {
+      const std::size_t group = 2 * band + steepness;
+      if (variances[group].empty()) continue;
+      const double range = medianOf(ranges[group]);
+      if (lastRange > 0) usual[group] = std::min(usual[group], last * (range / lastRange) * (range / lastRange));
+      if (variances[group].size() < kTelling) continue;
+      lastRange = range;
+      last = usual[group];
+    }
+  }
+  return usual;
+}
+
+// Windows of one colour, in raster order, each unless it overlaps with an earlier one.
+void choose(const std::vector<FlatPatch>& candidates, const std::vector<double>& usualOfGroup, const BeamImage& image,
+            std::vector<const FlatPatch*>& chosen) {
+  std::vector<bool> taken(std::size_t{image.rows()} * image.columns());
+  const FlatPatch* previous = nullptr;
+  for (const FlatPatch& patch : candidates) {
+    const PatchWindow& w = patch.window;
+    if (previous == nullptr || previous->window.scan != w.scan || previous->window.tested != w.tested) {
+      taken.assign(taken.size(), false);
+    }
+    previous = &patch;
+    const double usual = usualOfGroup[groupOf(patch)];
+    const double limit = usual * usual * chiSquareQuantile(patch.testedFreedom, kMostNoise) * patch.testedFreedom;
+    if (patch.testedSquares > limit || patch.testedPlaneDeviation > kPlaneTolerance * usual) continue;
+    const auto visit = [&](auto&& action) {
+      for (std::size_t i = 0; i < kCells; ++i) {
+        const std::size_t row = w.row + i / kPatchColumns;
+        const std::size_t column = (w.column + i % kPatchColumns) % image.columns();
+        action(row * image.columns() + column);
+      }
+    };
+    bool overlaps = false;
+    visit([&](std::size_t at) { overlaps = overlaps || taken[at]; });
+    if (overlaps) continue;
+    visit([&](std::size_t at) { taken[at] = true; });
+    chosen.push_back(&patch);
+  }
+}
+
+}  // namespace
+
+BeamImage::BeamImage(const BeamTable& beams) : columns_(beams.columns), wraps_(beams.fullTurn()) {
+  ring_.resize(beams.rings);
+  std::iota(ring_.begin(), ring_.end(), 0u);
+  std::stable_sort(ring_.begin(), ring_.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return beams.elevation[a] > beams.elevation[b]; });
+  const double step = beams.columns > 1 ? beams.azimuth(1) - beams.azimuth(0) : 2 * kPi;
+  shift_.reserve(ring_.size());
+  for (const std::uint32_t ring : ring_) {
+    shift_.push_back(static_cast<std::int64_t>(std::llround(beams.azimuthOffset[ring] / step)));
+  }
+}
+
+std::uint32_t BeamImage::starts(std::uint32_t width) const {
+  if (columns_ < width) return 0;
+  return wraps_ ? columns_ : columns_ - width + 1;
+}
+
+std::optional<std::uint32_t> BeamImage::beam(std::uint32_t row, std::uint32_t column) const {
+  std::int64_t at = static_cast<std::int64_t>(column) - shift_[row];
+  const std::int64_t turn = columns_;
+  if (wraps_) {
+    at = ((at % turn) + turn) % turn;
+  } else if (at < 0 || at >= turn) {
+    return {};
+  }
+  return ring_[row] * columns_ + static_cast<std::uint32_t>(at);
+}
+
+double rangeOnPlane(const BeamTable& beams, std::size_t beam, const PatchPlane& plane) {
+  return (1 - dot(plane, originOf(beams, beam))) / dot(plane, beams.direction[beam]);
+}
+
+std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& image, const RecordedScan& scan,
+                                      const PatchWindow& window) {
+  const std::optional<Cells> cells = cellsOf(image, scan, window);
+  if (!cells) return {};
+  const std::vector<const Cell*> tested = returnedOf(*cells, true);
+  const auto all = std::count_if(cells->begin(), cells->end(), [](const Cell& c) { return c.tested; });
+  if (static_cast<double>(tested.size()) < kReturned * static_cast<double>(all)) return {};
+  const auto [near, far] = std::minmax_element(tested.begin(), tested.end(),
+                                               [](const Cell* a, const Cell* b) { return a->range < b->range; });
+  if ((*far)->range > kDeepest * (*near)->range) return {};
+
+  const std::optional<PlaneFit> plane = fitPlane(beams, tested);
+  if (!plane) return {};
+  FlatPatch patch;
+  patch.window = window;
+  patch.plane = plane->plane;
+  patch.testedPlaneDeviation = std::sqrt(plane->squares / plane->freedom);
+  const double distance = 1 / length(plane->plane);
+  for (const Cell& cell : *cells) {
+    const double cosine = dot(plane->plane, beams.direction[cell.beam]) * distance;
+    const double range = rangeOnPlane(beams, cell.beam, plane->plane);
+    if (!(cosine > kEdgeOn) || !(range > 0)) return {};
+    patch.range += range / kCells;
+  }
+  const std::uint32_t middle = (*cells)[kCells / 2].beam;
+  patch.incidence = dot(plane->plane, beams.direction[middle]) * distance;
+  const LinearFit lines = fitLines(beams, tested, plane->plane);
+  patch.testedSquares = lines.squares;
+  patch.testedFreedom = static_cast<double>(lines.freedom());
+  if (patch.testedFreedom < 1) return {};
+  if (!scan.intensity.empty()) {
+    std::vector<double> intensities;
+    intensities.reserve(tested.size());
+    for (const Cell* cell : tested) intensities.push_back(scan.intensity[cell->beam]);
+    patch.intensity = medianOf(std::move(intensities));
+  }
+
+  const std::vector<const Cell*> measured = returnedOf(*cells, false);
+  if (measured.size() >= kFewestMeasured) {
+    const LinearFit own = fitLines(beams, measured, plane->plane);
+    const std::optional<PlaneFit> ownPlane = fitPlane(beams, measured);
+    if (static_cast<double>(own.freedom()) >= kFewestFreedom && ownPlane) {
+      patch.squares = own.squares;
+      patch.freedom = static_cast<double>(own.freedom());
+      patch.planeSquares = ownPlane->squares;
+      patch.planeFreedom = ownPlane->freedom;
+      for (std::size_t i = 0; i < measured.size(); ++i) {
+        const double share = 1 - own.leverages[i];
+        if (share > 0.1) patch.residuals.push_back(own.residuals[i] / std::sqrt(share));
+      }
+    }
+  }
+  countHoles(beams, *cells, patch.testedPlaneDeviation, patch);
+  findDensities(beams, *cells, patch);
+  return patch;
+}
+
+std::vector<double> rangeBandEdges() {
+  return {0, 2.5, 5, 7.5, 10, 12.5, 15, 20, 25, 30, 40, 50, 70, 100, 150, 220};
+}
+
+std::size_t rangeBandOf(double range) {
+  static const std::vector<double> edges = rangeBandEdges();
+  const auto above = std::upper_bound(edges.begin(), edges.end(), range);
+  return above == edges.begin() ? 0 : static_cast<std::size_t>(above - edges.begin()) - 1;
+}
+
+double chiSquareQuantile(double freedom, double standardNormal) {
+  const double spread = 2 / (9 * freedom);
+  const double root = 1 - spread + standardNormal * std::sqrt(spread);
+  return root > 0 ? root * root * root : 0;
+}
+
+double commonDeviation(const std::vector<const FlatPatch*>& patches) {
+  std::vector<double> variances;
+  for (const FlatPatch* p : patches) {
+    if (p->freedom > 0) variances.push_back(p->squares / p->freedom / chiSquareQuantile(p->freedom, 0));
+  }
+  return std::sqrt(medianOf(std::move(variances)));
+}
+
+std::vector<FlatPatch> findFlatPatches(const BeamTable& beams, const std::vector<RecordedScan>& scans) {
+  const BeamImage image(beams);
+  if (image.rows() < kPatchRings) return {};
+  const std::uint32_t rows = image.rows() - kPatchRings + 1;
+  const std::uint32_t starts = image.starts(kPatchColumns);
+  std::vector<FlatPatch> candidates;
+  for (std::uint32_t scan = 0; scan < scans.size(); ++scan) {
+    for (std::uint32_t tested = 0; tested < 2; ++tested) {
+      std::vector<std::vector<FlatPatch>> perRow(rows);
+      parallelFor(rows, 1, [&](std::size_t first, std::size_t last) {
+        for (std::size_t row = first; row < last; ++row) {
+          for (std::uint32_t column = 0; column < starts; column += kColumnStep) {
+            const PatchWindow window{scan, static_cast<std::uint32_t>(row), column, tested};
+            if (auto patch = measurePatch(beams, image, scans[scan], window)) perRow[row].push_back(std::move(*patch));
+          }
+        }
+      });
+      for (std::vector<FlatPatch>& row : perRow) {
+        std::move(row.begin(), row.end(), std::back_inserter(candidates));
+      }
+    }
+  }
+
+  const std::vector<double> usual = usualDeviations(candidates);
+  std::vector<const FlatPatch*> chosen;
+  choose(candidates, usual, image, chosen);
+  std::vector<FlatPatch> patches;
+  patches.reserve(chosen.size());
+  for (const FlatPatch* p : chosen) patches.push_back(*p);
+  return patches;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,62 @@
+#include "study/noise/linear_fit.h"
+
+#include <cmath>
+
+namespace scanmill {
+
+// Gram and Schmidt's orthogonal columns, twice over: "twice is enough" (Giraud, Langou, Rozloznik, "The loss of
+// orthogonality in the Gram-Schmidt orthogonalization process", 2005).
+LinearFit fitLinear(std::span<const double> design, std::size_t columns, std::span<const double> values) {
+  constexpr double kDependent = 1e-9;  // of a column's length, what the others leave of it
+  const std::size_t rows = values.size();
+  std::vector<double> q(rows * columns);
+  std::vector<double> r(columns * columns, 0.0);
+  std::vector<double> projection(columns, 0.0);
+  std::vector<bool> used(columns, false);
+  LinearFit fit;
+  fit.residuals.assign(values.begin(), values.end());
+  fit.leverages.assign(rows, 0.0);
+  fit.coefficients.assign(columns, 0.0);
+
+  const auto column = [&](std::size_t c) { return q.data() + c * rows; };
+  const auto product = [&](const double* a, const double* b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < rows; ++i) sum += a[i] * b[i];
+    return sum;
+  };
+  for (std::size_t c = 0; c < columns; ++c) {
+    double* const own = column(c);
+    for (std::size_t i = 0; i < rows; ++i) own[i] = design[i * columns + c];
+    const double whole = std::sqrt(product(own, own));
+    for (int pass = 0; pass < 2; ++pass) {
+      for (std::size_t other = 0; other < c; ++other) {
+        if (!used[other]) continue;
+        const double* const axis = column(other);
+        const double part = product(axis, own);
+        r[other * columns + c] += part;
+        for (std::size_t i = 0; i < rows; ++i) own[i] -= part * axis[i];
+      }
+    }
+    const double left = std::sqrt(product(own, own));
+    if (!(left > kDependent * whole) || fit.rank == rows) continue;
+    used[c] = true;
+    ++fit.rank;
+    r[c * columns + c] = left;
+    for (std::size_t i = 0; i < rows; ++i) own[i] /= left;
+    projection[c] = product(own, fit.residuals.data());
+    for (std::size_t i = 0; i < rows; ++i) {
+      fit.residuals[i] -= projection[c] * own[i];
+      fit.leverages[i] += own[i] * own[i];
+    }
+  }
+  for (std::size_t c = columns; c-- > 0;) {
+    if (!used[c]) continue;
+    double rest = projection[c];
+    for (std::size_t later = c + 1; later < columns; ++later) rest -= r[c * columns + later] * fit.coefficients[later];
+    fit.coefficients[c] = rest / r[c * columns + c];
+  }
+  fit.squares = product(fit.residuals.data(), fit.residuals.data());
+  return fit;
+}
+
+}  // namespace scanmill

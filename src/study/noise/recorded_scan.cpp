@@ -1,0 +1,221 @@
+#include "study/noise/recorded_scan.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "base/error.h"
+#include "study/noise/linear_fit.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kNoReturn = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kFewest = 100;  // returns, from which a frame can be told
+
+struct BeamPoint {
+  std::size_t beam;
+  Vec3d point;  // m, the scan's frame
+};
+
+Vec3d originOf(const BeamTable& beams, std::size_t beam) {
+  return beams.origin.empty() ? Vec3d{} : static_cast<Vec3d>(beams.origin[beam]);
+}
+
+// The beam of each point that has one. Points of dense scans name theirs.
+std::vector<std::size_t> beamsOf(const Scan& scan, const BeamTable& beams, const Location& where) {
+  const bool named = scan.ring.size() == scan.size() && scan.column.size() == scan.size() && scan.size() > 0;
+  if (!named && !scan.organised) {
+    throw InputError(where,
+                     "has neither an organised layout (width columns x height rings) nor the columns ring and "
+                     "column: which beam made a point is not known");
+  }
+  if (scan.organised && (scan.rings != beams.rings || scan.columns != beams.columns)) {
+    throw InputError(where, fmt::format("has {} x {} beams, but the sensor {} has {} rings x {} columns: take the "
+                                        "sensor, and the mode, that made the recording",
+                                        scan.rings, scan.columns, beams.model, beams.rings, beams.columns));
+  }
+  std::vector<std::size_t> owners(scan.size());
+  std::iota(owners.begin(), owners.end(), std::size_t{0});
+  for (std::size_t i = 0; i < scan.size() && named && !scan.organised; ++i) {
+    if (scan.ring[i] >= beams.rings || scan.column[i] >= beams.columns) {
+      throw InputError(where, fmt::format("point {} is of ring {}, column {}, but the sensor {} has {} x {} beams", i,
+                                          scan.ring[i], scan.column[i], beams.model, beams.rings, beams.columns));
+    }
+    owners[i] = std::size_t{scan.ring[i]} * beams.columns + scan.column[i];
+  }
+  return owners;
+}
+
+// By how much the points are turned about the axis: the direction of the mean of all turns, far from the axis.
+double startingYaw(const std::vector<BeamPoint>& points, const BeamTable& beams) {
+  double sine = 0;
+  double cosine = 0;
+  for (const BeamPoint& p : points) {
+    const Vec3d& u = beams.direction[p.beam];
+    sine += u.x * p.point.y - u.y * p.point.x;
+    cosine += u.x * p.point.x + u.y * p.point.y;
+  }
+  return std::atan2(sine, cosine);
+}
+
+// Median of the angles between the points' directions and their beams' (rad).
+double medianAngle(const std::vector<BeamPoint>& points, const BeamTable& beams, const Pose& scanFromSensor) {
+  const Pose sensorFromScan = inverse(scanFromSensor);
+  std::vector<double> angles;
+  angles.reserve(points.size());
+  for (const BeamPoint& p : points) {
+    const Vec3d ray = sensorFromScan * p.point - originOf(beams, p.beam);
+    const Vec3d& u = beams.direction[p.beam];
+    angles.push_back(std::atan2(length(cross(ray, u)), dot(ray, u)));
+  }
+  std::nth_element(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2), angles.end());
+  return angles[angles.size() / 2];
+}
+
+// Gauss and Newton on the six freedoms of a pose: what is to vanish is the part of each point's ray that is at right
+// angles to its beam, as an angle.
+Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) {
+  constexpr std::size_t kUsed = 3000;
+  constexpr int kRounds = 8;
+  Pose scanFromSensor{fromYawPitchRoll(startingYaw(points, beams), 0, 0), {}};
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / kUsed);
+  std::vector<double> design;
+  std::vector<double> values;
+  for (int round = 0; round < kRounds; ++round) {
+    const Pose sensorFromScan = inverse(scanFromSensor);
+    design.clear();
+    values.clear();
+    for (std::size_t i = 0; i < points.size(); i += stride) {
+      const Vec3d own = sensorFromScan * points[i].point;
+      const Vec3d& u = beams.direction[points[i].beam];
+      const Vec3d ray = own - originOf(beams, points[i].beam);
+      const double range = std::max(length(ray), 1e-3);
+      const Vec3d across = normalized(cross(u, std::abs(u.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
+      for (const Vec3d& axis : {across, cross(across, u)}) {
+        // A small turn w and shift t of the sensor's frame move its view of the point by -(w x own) - t.
+        const Vec3d turn = cross(own, axis);
+        for (const double part : {turn.x, turn.y, turn.z, axis.x, axis.y, axis.z}) design.push_back(part / range);
+        values.push_back(dot(axis, ray) / range);
+      }
+    }
+    const LinearFit fit = fitLinear(design, 6, values);
+    const auto& c = fit.coefficients;
+    const Vec3d turn{c[0], c[1], c[2]};
+    const double angle = length(turn);
+    const Vec3d axis = angle > 0 ? turn * (std::sin(angle / 2) / angle) : Vec3d{};
+    const Pose step{{std::cos(angle / 2), axis.x, axis.y, axis.z}, {c[3], c[4], c[5]}};
+    scanFromSensor = scanFromSensor * step;
+    if (angle < 1e-12 && length(step.translation) < 1e-10) break;
+  }
+  return scanFromSensor;
+}
+
+// Half of what parts two beams, at the least: points that are farther off lie on other beams (rad).
+double tolerance(const BeamTable& beams) {
+  double least = beams.field / std::max(beams.columns, 2u);
+  std::vector<double> elevation = beams.elevation;
+  std::sort(elevation.begin(), elevation.end());
+  for (std::size_t ring = 1; ring < elevation.size(); ++ring) {
+    const double step = elevation[ring] - elevation[ring - 1];
+    if (step > 1e-6) least = std::min(least, step);
+  }
+  return least / 2;
+}
+
+}  // namespace
+
+RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::string& name) {
+  const Location where{name};
+  if (scan.size() == 0) throw InputError(where, "holds no point: there is no noise to measure");
+  const std::vector<std::size_t> owners = beamsOf(scan, beams, where);
+  std::vector<BeamPoint> points;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (!isFinite(scan.position[i]) || scan.position[i] == Vec3f{}) continue;  // some recordings write misses as zeros
+    points.push_back({owners[i], static_cast<Vec3d>(scan.position[i])});
+  }
+  if (points.size() < kFewest) {
+    throw InputError(where, fmt::format("holds {} returns: noise is measured from {} on", points.size(), kFewest));
+  }
+  RecordedScan recorded;
+  recorded.name = name;
+  recorded.scanFromSensor = alignedFrame(points, beams);
+  const double off = medianAngle(points, beams, recorded.scanFromSensor);
+  if (!(off < tolerance(beams))) {
+    throw InputError(where, fmt::format("its points do not lie on the beams of {}: half of them are off by more than "
+                                        "{:.3g} deg; take the sensor that made the recording, and scans as it reports "
+                                        "them (not deskewed, not in world coordinates)",
+                                        beams.model, degrees(off)));
+  }
+  recorded.range.assign(beams.size(), kNoReturn);
+  const Pose sensorFromScan = inverse(recorded.scanFromSensor);
+  for (const BeamPoint& p : points) {
+    const double range = dot(sensorFromScan * p.point - originOf(beams, p.beam), beams.direction[p.beam]);
+    if (!(range > 0)) continue;
+    if (std::isnan(recorded.range[p.beam])) ++recorded.returns;
+    recorded.range[p.beam] = range;
+  }
+  if (scan.intensity.size() == scan.size()) {
+    recorded.intensity.assign(beams.size(), 0.0f);
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (!std::isnan(recorded.range[owners[i]])) recorded.intensity[owners[i]] = scan.intensity[i];
+    }
+  }
+  return recorded;
+}
+
+double rangeStep(const std::vector<RecordedScan>& scans) {
+  constexpr double kSame = 2e-5;      // m: what float32 coordinates leave of a range
+  constexpr double kSmallest = 5e-4;  // m: finer steps cannot be told from it
+  constexpr double kShare = 0.99;     // of the ranges that must be multiples
+  std::vector<double> sorted;
+  for (const RecordedScan& scan : scans) {
+    std::copy_if(scan.range.begin(), scan.range.end(), std::back_inserter(sorted), [](double r) { return r == r; });
+  }
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    if (sorted[i] - sorted[i - 1] > 2 * kSame) gaps.push_back(sorted[i] - sorted[i - 1]);
+  }
+  if (gaps.size() < 10) return 0;
+  std::sort(gaps.begin(), gaps.end());
+  double step = gaps[gaps.size() / 20];
+  if (step < kSmallest) return 0;
+  // Gaps are few steps, so the step is known the better the longer the way that is counted in steps.
+  const double whole = sorted.back() - sorted.front();
+  double reach = step;
+  while (reach < whole) {
+    reach *= 4;
+    double product = 0;
+    double squares = 0;
+    for (const double r : sorted) {
+      const double way = r - sorted.front();
+      if (way > reach) break;
+      const double count = std::round(way / step);
+      if (std::abs(way - count * step) > step / 4) continue;
+      product += way * count;
+      squares += count * count;
+    }
+    if (squares > 0) step = product / squares;
+  }
+  // Where the multiples start: the mean phase, on the circle.
+  double sine = 0;
+  double cosine = 0;
+  for (const double r : sorted) {
+    sine += std::sin(2 * kPi * r / step);
+    cosine += std::cos(2 * kPi * r / step);
+  }
+  const double phase = std::atan2(sine, cosine) / (2 * kPi);
+  const auto fits = std::count_if(sorted.begin(), sorted.end(), [&](double r) {
+    const double steps = r / step - phase;
+    return std::abs(steps - std::round(steps)) * step < 5 * kSame;
+  });
+  return static_cast<double>(fits) >= kShare * static_cast<double>(sorted.size()) ? step : 0;
+}
+
+}  // namespace scanmill

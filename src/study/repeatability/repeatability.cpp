@@ -1,0 +1,293 @@
+#include "study/repeatability/repeatability.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "base/parallel.h"
+#include "config/version.h"
+#include "effects/effect.h"
+#include "pipeline/progress.h"
+#include "study/repeatability/repeatability_choice.h"
+#include "study/repeatability/repeatability_object.h"
+
+namespace scanmill {
+
+namespace {
+
+using ObjectCloud = std::vector<Vec3f>;  // world axes, about the middle of the thing
+
+// A point of a scan (sensor frame of the step that fired it, or of the turn's start) in the world.
+Vec3d worldPoint(const Shot& shot, const Vec3f& point, std::uint16_t column) {
+  return shot.worldFromSensor[shot.deskew ? 0 : shot.stepOf(column)] * static_cast<Vec3d>(point);
+}
+
+ObjectCloud crop(const Scan& scan, const Shot& shot, const BoxedThing& thing, double margin) {
+  ObjectCloud cloud;
+  const Vec3d middle = thing.center();
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Vec3d p = worldPoint(shot, scan.position[i], scan.column[i]);
+    if (thing.distance(p) <= margin) cloud.push_back(static_cast<Vec3f>(p - middle));
+  }
+  return cloud;
+}
+
+// Two scans of one pose: their places among the clouds, levels x scans.
+struct ScanPair {
+  std::size_t source, target;
+};
+
+// All ordered pairs, by source level, target level, source and target, but for those of scans with the same seed: their
+// random numbers are the same.
+std::vector<ScanPair> scanPairs(std::size_t levels, std::size_t scans) {
+  std::vector<ScanPair> pairs;
+  for (std::size_t a = 0; a < levels; ++a) {
+    for (std::size_t b = 0; b < levels; ++b) {
+      for (std::size_t i = 0; i < scans; ++i) {
+        for (std::size_t j = 0; j < scans; ++j) {
+          if (i != j) pairs.push_back({a * scans + i, b * scans + j});
+        }
+      }
+    }
+  }
+  return pairs;
+}
+
+class RepeatabilityRun {
+ public:
+  RepeatabilityRun(const Plan& plan, const RepeatabilityOptions& options)
+      : plan_(plan),
+        options_(options),
+        choice_(readRepeatabilityChoice(plan.pipeline())),
+        channels_(repeatabilityChannels(plan.pipeline())),
+        pairs_(scanPairs(choice_.levels.size(), choice_.scans)),
+        progress_("repeatability", choice_.methods.size() * plan.pipeline().sensors.size() * plan.pipeline().frames(),
+                  "poses", "poses", options.quiet) {}
+
+  Repeatability operator()() {
+    start();
+    const Pipeline& pipeline = plan_.pipeline();
+    std::unique_ptr<Scene> scene;
+    std::vector<std::unique_ptr<Method>> methods;
+    std::vector<BoxedThing> things;
+    const std::size_t sensors = pipeline.sensors.size();
+    for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
+      const Sequence& sequence = pipeline.sequences[s];
+      if (s == 0 || !sequence.sameScene(pipeline.sequences[s - 1])) {
+        methods.clear();
+        scene = std::make_unique<Scene>(plan_.loadScene(sequence));
+        for (const MethodSetting& setting : choice_.methods) methods.push_back(makeMethod(setting, *scene));
+        things = boxedThings(*scene);
+      }
+      for (std::size_t m = 0; m < methods.size(); ++m) {
+        const std::size_t firstView = (m * pipeline.sequences.size() + s) * sensors;
+        for (std::uint32_t frame = 0; frame < sequence.frames; ++frame) {
+          const std::vector<Shot> shots = plan_.shots(s, frame);
+          for (std::size_t sensor = 0; sensor < sensors; ++sensor) {
+            const Vec3d from = shots[sensor].worldFromSensor.front().translation;
+            const BoxedThing& thing = thingToWatch(things, choice_.object, from, *scene);
+            result_.views[firstView + sensor].places.push_back(measurePlace(*methods[m], *scene, shots[sensor], thing));
+            progress_.advance(1, 1);
+          }
+        }
+      }
+    }
+    warnOfBlindPoses();
+    warnOfStillNoise();
+    return std::move(result_);
+  }
+
+ private:
+  void start() {
+    const Pipeline& pipeline = plan_.pipeline();
+    result_.programVersion = kVersion;
+    result_.pipelineName = pipeline.name;
+    result_.pipelineText = pipeline.text;
+    result_.seed = pipeline.seed;
+    result_.scans = choice_.scans;
+    result_.margin = choice_.margin;
+    result_.icp = choice_.icp;
+    result_.reference = choice_.reference;
+    for (const MethodSetting& m : choice_.methods) result_.methods.push_back(m.setting.name);
+    for (const NoiseLevel& level : choice_.levels) result_.levels.push_back(level.name);
+    for (std::size_t m = 0; m < choice_.methods.size(); ++m) {
+      for (const Sequence& sequence : pipeline.sequences) {
+        for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
+          const MountedSensor& sensor = pipeline.sensors[s];
+          const BeamTable& beams = *plan_.beams()[s];
+          RepeatedView& view = result_.views.emplace_back();
+          view.method = m;
+          view.sensor = fmt::format("{} ({}{}{} x {} beams)", sensor.name, beams.model, beams.model.empty() ? "" : ", ",
+                                    beams.rings, beams.columns);
+          const bool seeds = std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(), [&](const Sequence& q) {
+            return q.scene == sequence.scene && q.sceneSeed != sequence.sceneSeed;
+          });
+          view.name = seeds ? fmt::format("{} {}", sequence.scene, sequence.sceneSeed) : sequence.scene;
+          view.name += " " + sequence.trajectoryName;
+          if (pipeline.sensors.size() > 1) view.name += " " + sensor.name;
+        }
+      }
+    }
+  }
+
+  void warnOfBlindPoses() {
+    constexpr std::size_t kShown = 5;
+    for (const RepeatedView& view : result_.views) {
+      std::vector<std::string> blind;
+      std::string object;
+      for (const RepeatedPlace& place : view.places) {
+        if (std::any_of(place.points.begin(), place.points.end(), [](const PointCount& c) { return c.most > 0; })) {
+          continue;
+        }
+        blind.push_back(fmt::format("{} ({:.4g} m)", place.frame, place.distance));
+        object = place.object;
+      }
+      if (blind.empty()) continue;
+      const std::size_t count = blind.size();
+      blind.resize(std::min(count, kShown));
+      result_.warnings.push_back(fmt::format(
+          "{}{}: no point falls on {} from {} of {} poses: frame {}{}; is it in the sensor's field and in sight?",
+          view.name, result_.methods.size() > 1 ? ", " + result_.methods[view.method] : "", object, count,
+          view.places.size(), fmt::join(blind, ", "), count > kShown ? ", ..." : ""));
+    }
+  }
+
+  // Scans that are all the same agree perfectly, which says nothing. Whoever writes `effects: []` asks for that.
+  void warnOfStillNoise() {
+    for (std::size_t level = 0; level < choice_.levels.size(); ++level) {
+      std::vector<std::string> names;
+      for (std::size_t s = 0; s < plan_.pipeline().sensors.size(); ++s) {
+        for (const EffectEntry* entry : choice_.levels[level].entries(plan_.pipeline(), s)) {
+          if (std::find(names.begin(), names.end(), entry->name) == names.end()) names.emplace_back(entry->name);
+        }
+      }
+      if (names.empty() && !choice_.levels[level].own.empty()) continue;
+      bool any = false;
+      bool moves = false;
+      for (const RepeatedView& view : result_.views) {
+        for (const RepeatedPlace& place : view.places) {
+          const FitnessSpread& same = result_.at(place, level, level).unmoved;
+          any = any || same.count > 0;
+          moves = moves || same.high > 0;
+        }
+      }
+      if (!any || moves) continue;
+      result_.warnings.push_back(fmt::format(
+          "noise '{}': no effect of this noise moves points: {}; its scans are all the same. Give it shell, "
+          "range_noise "
+          "or angular_jitter",
+          result_.levels[level], names.empty() ? "it has none" : fmt::format("{}", fmt::join(names, ", "))));
+    }
+  }
+
+  static std::unique_ptr<Method> makeMethod(const MethodSetting& setting, const Scene& scene) {
+    Fields options(setting.choice.options, "method " + setting.setting.method);
+    options.alsoDescribed(setting.choice.entry->keys).finish();
+    return setting.choice.entry->make(scene, options);
+  }
+
+  bool stopped() const { return options_.stop != nullptr && *options_.stop; }
+
+  // What the beams meet is the same each time: traced once, then sensed with every noise and seed.
+  std::vector<ObjectCloud> scansOf(const Method& method, const Scene& scene, const Shot& shot,
+                                   const BoxedThing& thing) const {
+    Hits hits;
+    method.trace(shot, channels_, hits);
+    const std::size_t levels = choice_.levels.size();
+    std::vector<ObjectCloud> clouds(levels * choice_.scans);
+    parallelFor(clouds.size(), choice_.scans, [&](std::size_t first, std::size_t last) {
+      Shot repeated = shot;
+      Returns scratch;
+      Scan scan;
+      for (std::size_t c = first; c < last; ++c) {
+        repeated.seed = shot.seed + c % choice_.scans;
+        sense(hits, repeated, choice_.levels[c / choice_.scans].effects(plan_.pipeline(), shot.sensor), scene.materials,
+              repeatabilityColumns(), scratch, scan);
+        clouds[c] = crop(scan, repeated, thing, choice_.margin);
+      }
+    });
+    return clouds;
+  }
+
+  RepeatedPlace measurePlace(const Method& method, const Scene& scene, const Shot& shot,
+                             const BoxedThing& thing) const {
+    const std::vector<ObjectCloud> clouds = scansOf(method, scene, shot, thing);
+    std::vector<Registered> registered(pairs_.size());
+    parallelFor(pairs_.size(), 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t p = first; p < last && !stopped(); ++p) {
+        registered[p] = registerClouds(clouds[pairs_[p].source], clouds[pairs_[p].target], choice_.icp);
+      }
+    });
+    if (stopped()) throw Error("stopped: nothing was written");
+
+    RepeatedPlace place{shot.frame, thing.name(), thing.distance(shot.worldFromSensor.front().translation), {}, {}};
+    for (std::size_t level = 0; level < choice_.levels.size(); ++level) {
+      place.points.push_back(countPoints(std::span(clouds).subspan(level * choice_.scans, choice_.scans)));
+    }
+    const std::size_t perCell = std::size_t{choice_.scans} * (choice_.scans - 1);
+    for (std::size_t first = 0; first < registered.size(); first += perCell) {
+      place.fitness.push_back(gather(std::span(registered).subspan(first, perCell)));
+    }
+    return place;
+  }
+
+  static PointCount countPoints(std::span<const ObjectCloud> clouds) {
+    PointCount count{0, clouds.front().size(), 0};
+    for (const ObjectCloud& cloud : clouds) {
+      count.mean += static_cast<double>(cloud.size()) / static_cast<double>(clouds.size());
+      count.least = std::min<std::uint64_t>(count.least, cloud.size());
+      count.most = std::max<std::uint64_t>(count.most, cloud.size());
+    }
+    return count;
+  }
+
+  static LevelFitness gather(std::span<const Registered> pairs) {
+    std::vector<std::optional<double>> after;
+    std::vector<std::optional<double>> before;
+    LevelFitness cell;
+    for (const Registered& r : pairs) {
+      after.push_back(r.moved ? r.fitness : std::nullopt);
+      before.push_back(r.unmoved);
+    }
+    cell.pairs = pairs.size();
+    cell.registered = fitnessSpread(after);
+    cell.unmoved = fitnessSpread(before);
+    return cell;
+  }
+
+  const Plan& plan_;
+  const RepeatabilityOptions& options_;
+  RepeatabilityChoice choice_;
+  Channels channels_;
+  std::vector<ScanPair> pairs_;
+  Progress progress_;
+  Repeatability result_;
+};
+
+}  // namespace
+
+std::vector<std::string> Repeatability::objects() const {
+  std::vector<std::string> names;
+  for (const RepeatedView& view : views) {
+    for (const RepeatedPlace& place : view.places) {
+      if (std::find(names.begin(), names.end(), place.object) == names.end()) names.push_back(place.object);
+    }
+  }
+  return names;
+}
+
+std::vector<std::string> Repeatability::sensors() const {
+  std::vector<std::string> names;
+  for (const RepeatedView& view : views) {
+    if (std::find(names.begin(), names.end(), view.sensor) == names.end()) names.push_back(view.sensor);
+  }
+  return names;
+}
+
+Repeatability measureRepeatability(const Plan& plan, const RepeatabilityOptions& options) {
+  return RepeatabilityRun(plan, options)();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,113 @@
+#include "study/repeatability/repeatability_choice.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "config/fields.h"
+
+namespace scanmill {
+
+namespace {
+
+// The product of their squares and of the scans is the number of comparisons at each pose.
+constexpr std::size_t kMostLevels = 32;
+constexpr std::int64_t kMostScans = 100;
+
+std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) {
+  if (list.kind != Value::Kind::Sequence || list.items.empty()) {
+    throw InputError(list.where,
+                     "repeatability.noise must be a list of levels such as "
+                     "{name: 1 cm, effects: [{shell: {scale_m: 0.01}}]}");
+  }
+  if (list.items.size() > kMostLevels) {
+    throw InputError(list.where, fmt::format("repeatability.noise: {} levels, at most {}: every one is compared with "
+                                             "every other",
+                                             list.items.size(), kMostLevels));
+  }
+  std::vector<NoiseLevel> levels;
+  for (const Value& item : list.items) {
+    Fields fields(item, "noise level");
+    fields.also({"name", "effects"}).finish();
+    NoiseLevel level;
+    level.name = fields.text("name");
+    if (level.name.empty()) throw InputError(item.where, "a noise level's name is empty");
+    const Value& effects = fields.require("effects");
+    for (const MountedSensor& sensor : pipeline.sensors) level.own.push_back(readSensorEffects(effects, sensor));
+    const bool twice =
+        std::any_of(levels.begin(), levels.end(), [&](const NoiseLevel& l) { return l.name == level.name; });
+    if (twice) throw InputError(item.where, fmt::format("two noise levels are named '{}'", level.name));
+    levels.push_back(std::move(level));
+  }
+  return levels;
+}
+
+std::size_t levelNamed(const std::vector<NoiseLevel>& levels, const Value& value) {
+  const std::string name = readText(value, "repeatability.reference");
+  std::vector<std::string> names;
+  for (const NoiseLevel& level : levels) {
+    if (level.name == name) return names.size();
+    names.push_back(level.name);
+  }
+  throw InputError(value.where,
+                   fmt::format("repeatability.reference: no noise level '{}'{}", name, suggestion(name, names)));
+}
+
+IcpOptions readIcp(const Value& value) {
+  IcpOptions icp;
+  Fields fields(value, "icp");
+  fields.also({"iterations", "reach_m", "fitness_within_m"}).finish();
+  icp.iterations = static_cast<int>(fields.integer("iterations", 1, 100'000, icp.iterations));
+  icp.reach = fields.number("reach_m", {1e-6, 1e6}, icp.reach);
+  icp.fitnessWithin = fields.number("fitness_within_m", {1e-6, 1e6}, icp.fitnessWithin);
+  return icp;
+}
+
+std::vector<MethodSetting> pipelinesOwnMethod(const Pipeline& pipeline) {
+  if (pipeline.method.entry == nullptr) {
+    throw InputError({pipeline.file.string()},
+                     "`method: auto` names no method to repeat scans with: list them as repeatability.methods");
+  }
+  const std::string name(pipeline.method.entry->name);
+  const Value& options = pipeline.method.options;
+  return {{{settingName(name, options), name, flowText(options)}, pipeline.method}};
+}
+
+}  // namespace
+
+RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline) {
+  RepeatabilityChoice choice;
+  Fields fields(pipeline.repeatability, "repeatability");
+  fields.also({"scans", "noise", "reference", "methods", "object", "margin_m", "icp"}).finish();
+  choice.scans = static_cast<std::uint32_t>(fields.integer("scans", 2, kMostScans, choice.scans));
+  if (const Value* levels = fields.find("noise")) {
+    choice.levels = readLevels(*levels, pipeline);
+  } else {
+    choice.levels.push_back({"the pipeline's effects", {}});
+  }
+  if (const Value* reference = fields.find("reference")) choice.reference = levelNamed(choice.levels, *reference);
+  const Value* methods = fields.find("methods");
+  choice.methods = methods == nullptr ? pipelinesOwnMethod(pipeline) : readSettings(*methods, "repeatability.methods");
+  choice.object = fields.text("object", "");
+  choice.margin = fields.number("margin_m", {0, 1000}, choice.margin);
+  if (const Value* icp = fields.find("icp")) choice.icp = readIcp(*icp);
+  return choice;
+}
+
+ScanColumns repeatabilityColumns() {
+  ScanColumns columns;
+  columns.intensity = columns.label = columns.instance = columns.ring = columns.time = false;
+  return columns;
+}
+
+Channels repeatabilityChannels(const Pipeline& pipeline) {
+  Channels channels = Channel::Range;
+  for (const NoiseLevel& level : readRepeatabilityChoice(pipeline).levels) {
+    for (std::size_t sensor = 0; sensor < pipeline.sensors.size(); ++sensor) {
+      channels |= channelsFor(level.effects(pipeline, sensor), repeatabilityColumns());
+    }
+  }
+  return channels;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,65 @@
+#include "study/repeatability/repeatability_object.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "config/fields.h"
+
+namespace scanmill {
+
+BoxedThing::BoxedThing(std::string name, const Affine& worldFromMesh, const Box& box)
+    : name_(std::move(name)), worldFromMesh_(worldFromMesh), meshFromWorld_(inverse(worldFromMesh)), box_(box) {}
+
+double BoxedThing::distance(const Vec3d& point) const {
+  const Vec3d p = meshFromWorld_ * point;
+  const Vec3d inside{std::clamp(p.x, box_.low.x, box_.high.x), std::clamp(p.y, box_.low.y, box_.high.y),
+                     std::clamp(p.z, box_.low.z, box_.high.z)};
+  return length(worldFromMesh_.linear * (p - inside));
+}
+
+std::vector<BoxedThing> boxedThings(const Scene& scene) {
+  std::vector<std::vector<Box>> boxes;  // per mesh, per thing of it
+  for (const Mesh& mesh : scene.meshes) {
+    std::vector<Box>& own = boxes.emplace_back(mesh.objects);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const std::uint32_t object = mesh.surfaces[mesh.surfaceOf[t]].object;
+      if (object == 0) continue;
+      for (const std::uint32_t corner : mesh.triangles[t]) {
+        own[object - 1].add(static_cast<Vec3d>(mesh.positions[corner]));
+      }
+    }
+  }
+  std::vector<BoxedThing> things;
+  for (const Instance& instance : scene.instances) {
+    for (const Box& box : boxes[instance.mesh]) {
+      if (!box.empty()) things.emplace_back(instance.name, instance.worldFromMesh, box);
+    }
+  }
+  return things;
+}
+
+const BoxedThing& thingToWatch(const std::vector<BoxedThing>& things, const std::string& name, const Vec3d& from,
+                               const Scene& scene) {
+  const BoxedThing* nearestThing = nullptr;
+  double least = 0;
+  std::vector<std::string> names;
+  for (const BoxedThing& thing : things) {
+    if (std::find(names.begin(), names.end(), thing.name()) == names.end()) names.push_back(thing.name());
+    if (!name.empty() && thing.name() != name) continue;
+    const double distance = thing.distance(from);
+    if (nearestThing != nullptr && distance >= least) continue;
+    nearestThing = &thing;
+    least = distance;
+  }
+  if (nearestThing != nullptr) return *nearestThing;
+  if (things.empty()) {
+    throw InputError({scene.file.string()},
+                     "holds no thing to scan again and again: give an object a class whose "
+                     "objects are things, such as `object` or `car`");
+  }
+  throw InputError({scene.file.string()}, fmt::format("holds no thing '{}'{}", name, suggestion(name, names)));
+}
+
+}  // namespace scanmill

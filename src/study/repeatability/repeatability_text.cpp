@@ -1,0 +1,113 @@
+// repeatability.json and repeatability.csv.
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "dataset/json_text.h"
+#include "study/repeatability/repeatability.h"
+
+namespace scanmill {
+
+namespace {
+
+// Null of no pairs: zero would be perfect agreement.
+OrderedJson spreadJson(const FitnessSpread& spread) {
+  if (spread.count == 0) return nullptr;
+  return {{"pairs", spread.count},
+          {"mean", spread.mean},
+          {"deviation", spread.deviation},
+          {"min", spread.low},
+          {"max", spread.high}};
+}
+
+OrderedJson limitJson(double metres) {
+  return std::isfinite(metres) ? OrderedJson(metres) : OrderedJson(nullptr);
+}
+
+OrderedJson placeJson(const Repeatability& result, const RepeatedPlace& place) {
+  OrderedJson json{{"frame", place.frame}, {"object", place.object}, {"distance_m", place.distance}};
+  json["points"] = OrderedJson::array();
+  for (std::size_t level = 0; level < result.levels.size(); ++level) {
+    const PointCount& count = place.points[level];
+    json["points"].push_back(
+        {{"noise", result.levels[level]}, {"mean", count.mean}, {"min", count.least}, {"max", count.most}});
+  }
+  json["fitness_m2"] = OrderedJson::array();
+  for (std::size_t source = 0; source < result.levels.size(); ++source) {
+    for (std::size_t target = 0; target < result.levels.size(); ++target) {
+      const LevelFitness& cell = result.at(place, source, target);
+      json["fitness_m2"].push_back({{"source", result.levels[source]},
+                                    {"target", result.levels[target]},
+                                    {"pairs", cell.pairs},
+                                    {"registered", spreadJson(cell.registered)},
+                                    {"unmoved", spreadJson(cell.unmoved)}});
+    }
+  }
+  return json;
+}
+
+// In quotes where it holds a comma, a quote or a line break (RFC 4180).
+std::string csvCell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string csvSpread(const FitnessSpread& spread) {
+  if (spread.count == 0) return "0,,,,";
+  return fmt::format("{},{},{},{},{}", spread.count, spread.mean, spread.deviation, spread.low, spread.high);
+}
+
+}  // namespace
+
+std::string repeatabilityJson(const Repeatability& result) {
+  OrderedJson json{{"schema", Repeatability::kSchemaVersion},
+                   {"program", result.programVersion},
+                   {"pipeline", {{"name", result.pipelineName}, {"text", result.pipelineText}}},
+                   {"seed", result.seed},
+                   {"scans", result.scans},
+                   {"margin_m", result.margin},
+                   {"icp",
+                    {{"iterations", result.icp.iterations},
+                     {"reach_m", limitJson(result.icp.reach)},
+                     {"fitness_within_m", limitJson(result.icp.fitnessWithin)}}},
+                   {"methods", result.methods},
+                   {"noise", result.levels},
+                   {"reference", result.levels[result.reference]},
+                   {"views", OrderedJson::array()}};
+  for (const RepeatedView& view : result.views) {
+    OrderedJson places = OrderedJson::array();
+    for (const RepeatedPlace& place : view.places) places.push_back(placeJson(result, place));
+    json["views"].push_back(
+        {{"method", result.methods[view.method]}, {"name", view.name}, {"places", std::move(places)}});
+  }
+  return layOut(json) + "\n";
+}
+
+std::string repeatabilityCsv(const Repeatability& result) {
+  std::string csv = "method,view,frame,object,distance_m,source_noise,target_noise,source_points,target_points";
+  for (const char* when : {"icp", "unmoved"}) {
+    for (const char* what : {"pairs", "mean_m2", "deviation_m2", "min_m2", "max_m2"}) {
+      csv += fmt::format(",{}_{}", when, what);
+    }
+  }
+  csv += "\n";
+  for (const RepeatedView& view : result.views) {
+    for (const RepeatedPlace& place : view.places) {
+      for (std::size_t source = 0; source < result.levels.size(); ++source) {
+        for (std::size_t target = 0; target < result.levels.size(); ++target) {
+          const LevelFitness& cell = result.at(place, source, target);
+          csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", csvCell(result.methods[view.method]),
+                             csvCell(view.name), place.frame, csvCell(place.object), place.distance,
+                             csvCell(result.levels[source]), csvCell(result.levels[target]), place.points[source].mean,
+                             place.points[target].mean, csvSpread(cell.registered), csvSpread(cell.unmoved));
+        }
+      }
+    }
+  }
+  return csv;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,85 @@
+#include "study/tradeoff/encodings.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace scanmill {
+
+namespace {
+
+double secondsFor(const auto& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+template <class Work>
+double leastSeconds(int repeats, const Work& work) {
+  double least = secondsFor(work);
+  for (int i = 1; i < repeats; ++i) least = std::min(least, secondsFor(work));
+  return least;
+}
+
+// The same without misses, as formats that cannot keep them write it.
+Scan returnsOf(const Scan& scan) {
+  Scan dense;
+  for (const Vec3f& p : scan.position) {
+    if (isFinite(p)) dense.position.push_back(p);
+  }
+  return dense;
+}
+
+// m; the formats keep the points' order.
+double largestError(const Scan& scan, const Scan& decoded) {
+  if (scan.size() != decoded.size()) {
+    throw Error(fmt::format("{} points came back of {}", decoded.size(), scan.size()));
+  }
+  double largest = 0;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (isFinite(scan.position[i]) != isFinite(decoded.position[i])) {
+      throw Error(fmt::format("point {} {}", i, isFinite(scan.position[i]) ? "was lost" : "was no hit and became one"));
+    }
+    if (!isFinite(scan.position[i])) continue;
+    largest = std::max(largest, length(Vec3d(decoded.position[i]) - Vec3d(scan.position[i])));
+  }
+  return largest;
+}
+
+}  // namespace
+
+EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Scan> scans, int repeats) {
+  EncodingResult result;
+  result.name = encoding.name;
+  result.format = encoding.choice.entry->name;
+  result.options = encoding.options;
+  const Format& format = *encoding.choice.format;
+  result.statedError = format.maxError();
+  try {
+    double encode = 0;
+    double decode = 0;
+    double bytes = 0;
+    double points = 0;
+    for (const Scan& scan : scans) {
+      std::string text;
+      Scan decoded;
+      encode += leastSeconds(repeats, [&] { text = format.encode(scan); });
+      decode += leastSeconds(repeats, [&] { decoded = format.decode(text, encoding.name); });
+      bytes += static_cast<double>(text.size());
+      const Scan returns = returnsOf(scan);
+      points += static_cast<double>(returns.size());
+      const bool misses = scan.organised && format.keepsMisses();
+      result.largestError = std::max(result.largestError, largestError(misses ? scan : returns, decoded));
+    }
+    if (points == 0) throw Error("the scans are empty");
+    result.encodePointsPerSecond = points / encode;
+    result.decodePointsPerSecond = points / decode;
+    result.bytesPerPoint = bytes / points;
+  } catch (const Error& error) {
+    result.failure = error.what();
+  }
+  return result;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,48 @@
+#include "study/tradeoff/ring_timings.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+std::shared_ptr<const BeamTable> withRings(const BeamTable& beams, std::uint32_t rings) {
+  if (rings < 2) throw Error("a sensor's rings lie between its highest and its lowest: at least two");
+  auto made = std::make_shared<BeamTable>(beams);
+  const auto [low, high] = std::minmax_element(beams.elevation.begin(), beams.elevation.end());
+  const double first = beams.topDown ? *high : *low;
+  const double last = beams.topDown ? *low : *high;
+  made->rings = rings;
+  made->elevation.clear();
+  for (std::uint32_t r = 0; r < rings; ++r) made->elevation.push_back(first + (last - first) * r / (rings - 1));
+  made->azimuthOffset.assign(rings, 0.0);
+  made->firingOffset.assign(rings, 0.0);
+  fillBeams(*made);
+  return made;
+}
+
+void fitRings(RingFit& fit) {
+  // Weighted normal equations of t = a + b n with weights 1 / t^2.
+  double w = 0, wn = 0, wnn = 0, wt = 0, wnt = 0;
+  for (const RingTiming& t : fit.timings) {
+    if (!(t.scanSeconds > 0)) throw Error("a scan that takes no time cannot be fitted");
+    const double weight = 1 / (t.scanSeconds * t.scanSeconds);
+    w += weight;
+    wn += weight * t.rings;
+    wnn += weight * t.rings * t.rings;
+    wt += weight * t.scanSeconds;
+    wnt += weight * t.rings * t.scanSeconds;
+  }
+  const double determinant = w * wnn - wn * wn;
+  if (!(determinant > 1e-12 * w * wnn)) throw Error("a fixed cost and a slope take at least two numbers of rings");
+  fit.secondsPerRing = (w * wnt - wn * wt) / determinant;
+  fit.fixedSeconds = (wt - fit.secondsPerRing * wn) / w;
+  fit.largestResidual = 0;
+  for (const RingTiming& t : fit.timings) {
+    const double modelled = fit.fixedSeconds + fit.secondsPerRing * t.rings;
+    fit.largestResidual = std::max(fit.largestResidual, std::abs(modelled / t.scanSeconds - 1));
+  }
+}
+
+}  // namespace scanmill

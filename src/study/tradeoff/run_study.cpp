@@ -1,0 +1,355 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <fstream>
+#include <set>
+
+#include "base/parallel.h"
+#include "config/version.h"
+#include "passes/compute.h"
+#include "pipeline/intensity.h"
+#include "pipeline/progress.h"
+#include "study/tradeoff/encodings.h"
+#include "study/tradeoff/error_picture.h"
+#include "study/tradeoff/ring_timings.h"
+#include "study/tradeoff/settings.h"
+#include "study/tradeoff/study.h"
+#include "viewer/picture.h"
+
+namespace scanmill {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  ::gmtime_r(&now, &utc);
+  return fmt::format("{:04}-{:02}-{:02}", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday);
+}
+
+std::string processorName() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown processor";
+}
+
+// Empty where the machine has no OpenGL.
+std::string graphicsName() {
+  try {
+    return ComputeDevice({"the device cannot be named", "it is left out"}).name();
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+// `count` frames spread evenly over the sequence, each with all its sensors.
+std::vector<std::uint32_t> framesOf(const Sequence& sequence, std::uint32_t count) {
+  std::vector<std::uint32_t> frames;
+  const std::uint32_t most = std::min(count, sequence.frames);
+  for (std::uint32_t i = 0; i < most; ++i) {
+    frames.push_back(
+        static_cast<std::uint32_t>((std::uint64_t{i} * 2 + 1) * sequence.frames / (std::uint64_t{most} * 2)));
+  }
+  return frames;
+}
+
+class StudyRun {
+ public:
+  StudyRun(const Plan& plan, const StudyOptions& options)
+      : plan_(plan),
+        options_(options),
+        choice_(readStudyChoice(plan.pipeline())),
+        sequence_(plan.pipeline().sequences[choice_.sequence]),
+        budget_(options.budgetSeconds > 0 ? options.budgetSeconds : choice_.budgetSeconds),
+        progress_("tradeoff", choice_.settings.size(), "settings", "beams", options.quiet) {}
+
+  Study run() {
+    progress_.say("reading the scene");
+    scene_ = plan_.loadScene(sequence_);
+    describe();
+    measureOptions_.repeats = choice_.repeats;
+    measureOptions_.channels = plan_.channels();
+    measureOptions_.intensity = noiseFreeIntensity(plan_.pipeline(), scene_);
+    measureOptions_.stop = [this] { return options_.stop != nullptr && *options_.stop; };
+    takeShots(choice_.shots);
+    measureSettings();
+    takeRings();
+    takeEncodings();
+    takePictures();
+    study_.seconds = secondsSince(start_);
+    return std::move(study_);
+  }
+
+ private:
+  void describe() {
+    const Pipeline& pipeline = plan_.pipeline();
+    study_.programVersion = kVersion;
+    study_.date = today();
+    study_.machine.processor = processorName();
+    study_.machine.threads = threadCount();
+    const bool graphics = std::any_of(choice_.settings.begin(), choice_.settings.end(),
+                                      [](const MethodSetting& s) { return s.setting.method != "ray_tracing"; });
+    if (graphics) study_.machine.renderer = graphicsName();
+    study_.pipelineName = pipeline.name;
+    study_.pipelineText = pipeline.text;
+    study_.pipelineFile = pipeline.file.string();
+    study_.budgetGiven = options_.budgetSeconds > 0;
+    study_.budgetSeconds = static_cast<std::uint64_t>(budget_);
+    study_.repeats = choice_.repeats;
+    study_.sequence = sequence_.key();
+    study_.scenes.push_back({sequence_.key(), scene_.placedTriangles(), {}});
+    for (std::size_t s = 0; s < plan_.beams().size(); ++s) {
+      const BeamTable& b = *plan_.beams()[s];
+      study_.sensors.push_back(
+          fmt::format("{}: {}, {} x {} beams", pipeline.sensors[s].name, b.model, b.rings, b.columns));
+    }
+    study_.ontology = scene_.ontology;
+  }
+
+  // As many frames as the budget seems to hold: a scan by each method's first setting tells.
+  void takeShots(std::uint32_t most) {
+    const std::vector<Shot> first = plan_.shots(choice_.sequence, framesOf(sequence_, 1).front());
+    double setup = 0;
+    double perFrame = 0;
+    std::map<std::string, std::pair<double, double>> known;  // by method: set-up, scan (s)
+    Hits hits;
+    for (const MethodSetting& s : choice_.settings) {
+      auto at = known.find(s.setting.method);
+      if (at == known.end()) {
+        progress_.say(fmt::format("a first look at {}", s.setting.method));
+        at = known.emplace(s.setting.method, std::pair{0.0, 0.0}).first;
+        try {
+          const auto start = Clock::now();
+          const auto method = makeMethod(builtAnew(s.choice), scene_);
+          method->prepare(first.front());
+          for (const Shot& shot : first) method->trace(shot, measureOptions_.channels, hits);
+          at->second.first = secondsSince(start);
+          const auto again = Clock::now();
+          for (const Shot& shot : first) method->trace(shot, measureOptions_.channels, hits);
+          at->second.second = secondsSince(again);
+        } catch (const Error&) {
+          // Its rows will say why.
+        }
+      }
+      setup += at->second.first;
+      perFrame += at->second.second * (choice_.repeats + 1);
+    }
+    constexpr double kShare = 0.6;         // of the budget: other settings take longer than the first ones
+    constexpr double kTruthSeconds = 1.5;  // a frame's truth, edges and distances between clouds, about
+    const double left = kShare * budget_ - secondsSince(start_) - setup;
+    const double fitting = left / (perFrame + kTruthSeconds + 0.15 * static_cast<double>(choice_.settings.size()));
+    const auto count = static_cast<std::uint32_t>(std::clamp(fitting, 1.0, static_cast<double>(most)));
+    progress_.say("tracing the truth");
+    std::vector<Shot> shots;
+    for (const std::uint32_t frame : framesOf(sequence_, count)) {
+      for (Shot& shot : plan_.shots(choice_.sequence, frame)) shots.push_back(std::move(shot));
+      study_.scenes.front().frames.push_back(frame);
+    }
+    truth_ = trueShots(scene_, std::move(shots), measureOptions_);
+    if (!anyHit(truth_)) {
+      throw InputError({plan_.pipeline().file.string()},
+                       fmt::format("no beam of {} scans of {} meets anything: nothing can be compared; look at the "
+                                   "trajectory and the sensor's mount, or name another `tradeoff.sequence`",
+                                   truth_.size(), sequence_.key()));
+    }
+    std::uint64_t beams = 0;
+    for (const TrueShot& t : truth_) beams += t.truth.hits.size();
+    study_.shots = truth_.size();
+    study_.beamsPerShot = beams / truth_.size();
+  }
+
+  void measureSettings() {
+    for (const MethodSetting& s : choice_.settings) {
+      checkStopped();
+      // Whatever the budget, there is something to report.
+      if (!study_.settings.empty() && secondsSince(start_) > budget_) {
+        study_.left.push_back(fmt::format("{}: the budget of {} was spent", s.setting.name, shortTime(budget_)));
+        progress_.advance(1, 0);
+        continue;
+      }
+      progress_.say(s.setting.name);
+      SettingResult result{s.setting, {}, {}};
+      try {
+        result.measured =
+            measure([&] { return makeMethod(builtAnew(s.choice), scene_); }, scene_, truth_, measureOptions_);
+      } catch (const Error& error) {
+        checkStopped();
+        result.failure = error.what();
+      }
+      study_.settings.push_back(std::move(result));
+      progress_.advance(1, static_cast<double>(study_.beamsPerShot * study_.shots) * (choice_.repeats + 1));
+    }
+  }
+
+  // The first setting of each method, on the first shot's pose.
+  void takeRings() {
+    if (choice_.rings.empty()) return;
+    std::set<std::string> seen;
+    for (const MethodSetting& s : choice_.settings) {
+      if (!seen.insert(s.setting.method).second) continue;
+      if (secondsSince(start_) > budget_) {
+        study_.left.push_back(
+            fmt::format("rings of {}: the budget of {} was spent", s.setting.name, shortTime(budget_)));
+        continue;
+      }
+      RingFit fit{s.setting, {}, 0, 0, 0};
+      try {
+        for (const std::uint32_t rings : choice_.rings) {
+          checkStopped();
+          progress_.say(fmt::format("{}, {} rings", s.setting.name, rings));
+          timeRings(s, rings, fit);
+        }
+        fitRings(fit);
+      } catch (const Error& error) {
+        checkStopped();
+        study_.left.push_back(fmt::format("rings of {}: {}", s.setting.name, error.what()));
+        continue;
+      }
+      study_.rings.push_back(std::move(fit));
+    }
+    if (!study_.showing) return;
+    if (study_.showing->timings.size() == choice_.rings.size()) {
+      fitRings(*study_.showing);
+    } else {
+      study_.showing.reset();
+    }
+  }
+
+  void timeRings(const MethodSetting& setting, std::uint32_t rings, RingFit& fit) {
+    Shot shot = truth_.front().shot;
+    shot.beams = withRings(*shot.beams, rings);
+    const auto method = makeMethod(builtAnew(setting.choice), scene_);
+    method->prepare(shot);
+    Hits hits;
+    method->trace(shot, measureOptions_.channels, hits);
+    const auto timed = [&](const auto& work) {
+      std::vector<double> seconds;
+      for (int i = 0; i < std::max(choice_.repeats, 3); ++i) {
+        const auto start = Clock::now();
+        work();
+        seconds.push_back(secondsSince(start));
+      }
+      return spreadOf(std::move(seconds)).median;
+    };
+    fit.timings.push_back({rings, timed([&] { method->trace(shot, measureOptions_.channels, hits); })});
+    if (!study_.rings.empty() || setting.setting.name != choice_.settings.front().setting.name) return;
+    if (!study_.showing) study_.showing = RingFit{};
+    const Scan scan = sensed(shot, hits);
+    study_.showing->timings.push_back({rings, timed([&] { drawPicture(scan, &scene_.ontology, {}, "scan"); })});
+  }
+
+  Scan sensed(const Shot& shot, const Hits& hits) const {
+    Returns scratch;
+    Scan scan;
+    sense(hits, shot, plan_.pipeline().effectsOf(shot.sensor), scene_.materials, plan_.pipeline().columns, scratch,
+          scan);
+    return scan;
+  }
+
+  void takeEncodings() {
+    const ThreadLimit one(1);
+    progress_.say("encodings");
+    std::vector<Scan> scans;
+    double effects = 0;
+    constexpr std::size_t kMostScans = 4;
+    for (const TrueShot& t : truth_) {
+      if (scans.size() == kMostScans) break;
+      Hits hits;
+      const auto tracer = makeMethod(choiceNamed("ray_tracing"), scene_);
+      tracer->trace(t.shot, plan_.channels(), hits);
+      scans.push_back(sensed(t.shot, hits));
+      const auto start = Clock::now();
+      sensed(t.shot, hits);
+      effects += secondsSince(start);
+    }
+    const auto count = static_cast<double>(scans.size());
+    study_.commonStages["effects"] = effects / count;
+    for (const FormatChoice& format : plan_.pipeline().formats) {
+      const auto start = Clock::now();
+      for (const Scan& scan : scans) format.format->encode(scan);
+      study_.commonStages[fmt::format("encode {}", format.entry->name)] = secondsSince(start) / count;
+    }
+    for (const StudyEncoding& encoding : choice_.encodings) {
+      checkStopped();
+      study_.encodings.push_back(measureEncoding(encoding, scans, choice_.repeats));
+    }
+  }
+
+  static MethodChoice choiceNamed(std::string_view name) { return {&requireMethod(name, {}), {}, false}; }
+
+  // Where shortcuts err: of each method that errs, its first setting that does and its worst.
+  void takePictures() {
+    std::set<std::string> wanted;
+    std::map<std::string, std::vector<const SettingResult*>> erring;
+    for (const SettingResult& s : study_.settings) {
+      if (s.failure.empty() && (s.measured.errors.all.range.p999 > 1e-3 || s.measured.errors.all.missRate() > 1e-4)) {
+        erring[s.setting.method].push_back(&s);
+      }
+    }
+    for (const auto& [method, results] : erring) {
+      wanted.insert(results.front()->setting.name);
+      wanted.insert((*std::max_element(results.begin(), results.end(), [](const auto* a, const auto* b) {
+                      return a->measured.errors.all.range.p99 < b->measured.errors.all.range.p99;
+                    }))->setting.name);
+    }
+    for (const MethodSetting& s : choice_.settings) {
+      if (!wanted.contains(s.setting.name)) continue;
+      checkStopped();
+      progress_.say(fmt::format("picture of {}", s.setting.name));
+      try {
+        Hits hits;
+        makeMethod(builtAnew(s.choice), scene_)->trace(truth_.front().shot, kErrorChannels, hits);
+        study_.pictures.push_back(drawErrors(s.setting, truth_.front(), hits));
+      } catch (const Error& error) {
+        study_.left.push_back(fmt::format("picture of {}: {}", s.setting.name, error.what()));
+      }
+    }
+  }
+
+  void checkStopped() const {
+    if (options_.stop != nullptr && *options_.stop) throw Error("interrupted: nothing was written");
+  }
+
+  const Plan& plan_;
+  StudyOptions options_;
+  StudyChoice choice_;
+  const Sequence& sequence_;
+  double budget_;
+  Progress progress_;
+  Clock::time_point start_ = Clock::now();
+  Scene scene_;
+  MeasureOptions measureOptions_;
+  std::vector<TrueShot> truth_;
+  Study study_;
+};
+
+}  // namespace
+
+std::vector<Candidate> Study::candidates() const {
+  std::vector<Candidate> list;
+  for (const SettingResult& s : settings) {
+    if (!s.failure.empty()) continue;
+    list.push_back({s.measured.cost.scanSeconds / static_cast<double>(beamsPerShot), s.measured.errors.all});
+  }
+  return list;
+}
+
+Study runStudy(const Plan& plan, const StudyOptions& options) {
+  if (plan.pipeline().recording != nullptr) {
+    throw InputError({plan.pipeline().file.string()}, "a study traces the scene itself: it takes no recording");
+  }
+  return StudyRun(plan, options).run();
+}
+
+}  // namespace scanmill

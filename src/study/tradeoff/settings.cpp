@@ -1,0 +1,110 @@
+#include "study/tradeoff/settings.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "config/fields.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kDefaultSettings = R"(
+- ray_tracing
+- depth_camera
+- particle
+- {ray_tracing: {simplify: [0.5, 0.25, 0.1]}}
+- {depth_camera: {resolution: [512, 1024]}}
+- {depth_camera: {sampling: [nearest, bilinear]}}
+- {particle: {refine: [normal, none]}}
+- {ray_tracing: {packet: 1}}
+- {ray_tracing: {robust: false}}
+- {ray_tracing: {bvh: [low, high]}}
+- {particle: {refine: [normal, none], voxel_m: 0.2}}
+- {particle: {refine: none, voxels: 512}}
+- {particle: {refine: none, levels: 3}}
+- {particle: {backend: gl, refine: [triangle, none]}}
+- {depth_camera: {depth: [uint24, uint16]}}
+- {depth_camera: {layout: three_120}}
+- {depth_camera: {layout: three_120, sampling: nearest, depth: half_500}}
+- {depth_camera: {sampling: nearest, resolution: 512}}
+- {particle: {field: scene, voxel_m: 1, refine: none}}
+- {depth_camera: {resolution: 4096}}
+)";
+
+constexpr const char* kDefaultEncodings = R"(
+- {pcd: {encoding: [binary_compressed, binary]}}
+- {draco: {max_error_mm: [0.1, 1, 10, 50]}}
+)";
+
+const Value& requireNonEmptyList(const Value& list, const std::string& what) {
+  if (list.kind != Value::Kind::Sequence || list.items.empty()) {
+    throw InputError(list.where, fmt::format("{} must be a list with at least one item", what));
+  }
+  return list;
+}
+
+std::vector<StudyEncoding> readEncodings(const Value& list) {
+  std::vector<StudyEncoding> encodings;
+  for (const Value& item : requireNonEmptyList(list, "tradeoff.encodings").items) {
+    const NamedOptions named = readNamed(item, "an item of tradeoff.encodings");
+    const FormatEntry& entry = requireFormat(named.name, named.where);
+    for (const Value& options : expandLists(named.options, "tradeoff.encodings")) {
+      Fields fields(options, "format " + named.name);
+      fields.alsoDescribed(entry.keys).finish();
+      StudyEncoding encoding{settingName(named.name, options), flowText(options), {&entry, entry.make(fields)}};
+      const bool twice = std::any_of(encodings.begin(), encodings.end(),
+                                     [&](const StudyEncoding& e) { return e.name == encoding.name; });
+      if (twice) throw InputError(item.where, fmt::format("tradeoff.encodings: '{}' stands twice", encoding.name));
+      encodings.push_back(std::move(encoding));
+    }
+  }
+  return encodings;
+}
+
+std::size_t sequenceNamed(const Pipeline& pipeline, const Value& value) {
+  const std::string key = readText(value, "tradeoff.sequence");
+  std::vector<std::string> keys;
+  for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
+    keys.push_back(pipeline.sequences[s].key());
+    if (keys.back() == key) return s;
+  }
+  throw InputError(value.where,
+                   fmt::format("tradeoff.sequence: the pipeline has no sequence '{}'{}", key, suggestion(key, keys)));
+}
+
+}  // namespace
+
+std::vector<MethodSetting> defaultSettings() {
+  return readSettings(parseYaml(kDefaultSettings, "default settings"), "settings");
+}
+
+StudyChoice readStudyChoice(const Pipeline& pipeline) {
+  StudyChoice choice;
+  Fields fields(pipeline.tradeoff, "tradeoff");
+  fields.also({"settings", "encodings", "rings", "sequence", "shots", "repeats", "budget_s"}).finish();
+  const Value* settings = fields.find("settings");
+  choice.settings = settings == nullptr ? defaultSettings() : readSettings(*settings, "tradeoff.settings");
+  const Value* encodings = fields.find("encodings");
+  choice.encodings =
+      readEncodings(encodings == nullptr ? parseYaml(kDefaultEncodings, "default encodings") : *encodings);
+  if (const Value* rings = fields.find("rings")) {
+    for (const Value& item : requireNonEmptyList(*rings, "tradeoff.rings").items) {
+      choice.rings.push_back(static_cast<std::uint32_t>(readInteger(item, "tradeoff.rings", 2, 4096)));
+      if (choice.rings.size() > 1 && choice.rings.back() <= choice.rings[choice.rings.size() - 2]) {
+        throw InputError(item.where, "tradeoff.rings: each number of rings must be larger than the one before");
+      }
+    }
+    if (choice.rings.size() < 3) {
+      throw InputError(rings->where, "tradeoff.rings: a fixed cost and a slope take at least three numbers of rings");
+    }
+  }
+  if (const Value* sequence = fields.find("sequence")) choice.sequence = sequenceNamed(pipeline, *sequence);
+  choice.shots = static_cast<std::uint32_t>(fields.integer("shots", 1, 1000, 8));
+  choice.repeats = static_cast<int>(fields.integer("repeats", 1, 100, 3));
+  choice.budgetSeconds = fields.number("budget_s", {1, 1e6}, 300);
+  return choice;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,249 @@
+// tradeoff.json. One description of each struct serves writing and reading: what one has, the other reads back.
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <type_traits>
+
+#include "dataset/json_node.h"
+#include "dataset/json_text.h"
+#include "study/tradeoff/study.h"
+
+namespace scanmill {
+
+namespace {
+
+template <class Archive>
+void describe(Archive& a, Spread& s) {
+  a("count", s.count)("mean", s.mean)("rms", s.rms)("median", s.median)("p95", s.p95)("p99", s.p99)("p999", s.p999)(
+      "max", s.max);
+}
+
+template <class Archive>
+void describe(Archive& a, GroupErrors& g) {
+  a("beams", g.beams)("both_hit", g.bothHit)("both_miss", g.bothMiss)("lost", g.lost)("spurious", g.spurious)(
+      "unresolved", g.unresolved)("same_class", g.sameClass)("same_instance", g.sameInstance)(
+      "same_label", g.sameLabel)("range_m", g.range)("intensity", g.intensity)("nearest_to_m", g.nearestTo)(
+      "nearest_from_m", g.nearestFrom);
+}
+
+template <class Archive>
+void describe(Archive& a, ErrorGroup& g) {
+  a("name", g.name)("low", g.low)("high", g.high)("errors", g.errors);
+}
+
+template <class Archive>
+void describe(Archive& a, SizeRecall& r) {
+  a("name", r.name)("low_m", r.low)("high_m", r.high)("things", r.things)("things_found", r.thingsFound)(
+      "beams", r.beams)("beams_found", r.beamsFound);
+}
+
+template <class Archive>
+void describe(Archive& a, BeamErrors& e) {
+  a("all", e.all)("by_range", e.byRange)("by_incidence", e.byIncidence)("by_place", e.byPlace)("by_class", e.byClass)(
+      "by_thickness", e.byThickness)("by_length", e.byLength);
+}
+
+template <class Archive>
+void describe(Archive& a, CloudErrors& c) {
+  a("to_m", c.to)("from_m", c.from)("hausdorff_m", c.hausdorff)("unmatched", c.unmatched);
+}
+
+template <class Archive>
+void describe(Archive& a, Cost& c) {
+  a("setup_s", c.setupSeconds)("scan_s", c.scanSeconds)("fastest_s", c.fastest)("slowest_s", c.slowest)(
+      "stages_s", c.stages)("memory_bytes", c.memoryBytes)("resident_bytes", c.residentBytes);
+}
+
+template <class Archive>
+void describe(Archive& a, Measurement& m) {
+  a("cost", m.cost)("errors", m.errors)("cloud", m.cloud)("warnings", m.warnings);
+}
+
+template <class Archive>
+void describe(Archive& a, Setting& s) {
+  a("name", s.name)("method", s.method)("options", s.options);
+}
+
+template <class Archive>
+void describe(Archive& a, SettingResult& r) {
+  a("setting", r.setting)("failure", r.failure)("measured", r.measured);
+}
+
+template <class Archive>
+void describe(Archive& a, RingTiming& t) {
+  a("rings", t.rings)("scan_s", t.scanSeconds);
+}
+
+template <class Archive>
+void describe(Archive& a, RingFit& f) {
+  a("setting", f.setting)("timings", f.timings)("fixed_s", f.fixedSeconds)("per_ring_s", f.secondsPerRing)(
+      "largest_residual", f.largestResidual);
+}
+
+template <class Archive>
+void describe(Archive& a, EncodingResult& e) {
+  a("name", e.name)("format", e.format)("options", e.options)("failure", e.failure)(
+      "encode_points_per_s", e.encodePointsPerSecond)("decode_points_per_s", e.decodePointsPerSecond)(
+      "bytes_per_point", e.bytesPerPoint)("largest_error_m", e.largestError)("stated_error_m", e.statedError);
+}
+
+template <class Archive>
+void describe(Archive& a, StudyMachine& m) {
+  a("processor", m.processor)("threads", m.threads)("renderer", m.renderer);
+}
+
+template <class Archive>
+void describe(Archive& a, StudyScene& s) {
+  a("key", s.key)("triangles", s.triangles)("frames", s.frames);
+}
+
+// The picture's bytes are a file beside the study.
+template <class Archive>
+void describe(Archive& a, ErrorPicture& p) {
+  a("setting", p.setting)("title", p.title);
+}
+
+template <class Archive>
+void describe(Archive& a, Study& s) {
+  a("program_version", s.programVersion)("date", s.date)("machine", s.machine)("pipeline_name", s.pipelineName)(
+      "pipeline_file", s.pipelineFile)("budget_given", s.budgetGiven)("pipeline_text", s.pipelineText)(
+      "budget_s", s.budgetSeconds)("repeats", s.repeats)("seconds", s.seconds)("scenes", s.scenes)(
+      "sensors", s.sensors)("sequence", s.sequence)("shots", s.shots)("beams_per_shot", s.beamsPerShot)(
+      "ontology", s.ontology)("settings", s.settings)("common_stages_s", s.commonStages)("encodings", s.encodings)(
+      "rings", s.rings)("showing", s.showing)("left", s.left)("pictures", s.pictures);
+}
+
+class JsonWriter {
+ public:
+  template <class T>
+  JsonWriter& operator()(const char* key, T& value) {
+    object[key] = json(value);
+    return *this;
+  }
+  OrderedJson object = OrderedJson::object();
+
+ private:
+  // JSON has no infinity: null stands for it, as in open bands.
+  static OrderedJson json(double value) {
+    return std::isinf(value) ? OrderedJson() : OrderedJson(finite(value, "study"));
+  }
+  static OrderedJson json(std::string& value) { return value; }
+  static OrderedJson json(Ontology& value) { return ontologyJson(value); }
+  template <class T>
+  requires std::is_integral_v<T>
+  static OrderedJson json(T value) { return value; }
+  template <class T>
+  static OrderedJson json(std::vector<T>& list) {
+    OrderedJson array = OrderedJson::array();
+    for (T& item : list) array.push_back(json(item));
+    return array;
+  }
+  static OrderedJson json(std::map<std::string, double>& map) {
+    OrderedJson object = OrderedJson::object();
+    for (const auto& [key, value] : map) object[key] = json(value);
+    return object;
+  }
+  template <class T>
+  static OrderedJson json(std::optional<T>& value) {
+    return value ? json(*value) : OrderedJson();
+  }
+  template <class T>
+  requires std::is_class_v<T>
+  static OrderedJson json(T& value) {
+    JsonWriter writer;
+    describe(writer, value);
+    return std::move(writer.object);
+  }
+};
+
+class JsonReader {
+ public:
+  explicit JsonReader(const JsonNode& node) : node_(node) {}
+
+  template <class T>
+  JsonReader& operator()(const char* key, T& value) {
+    if (!node_.has(key)) node_.fail(fmt::format("key '{}' is missing", key));
+    read(node_[key], value);
+    return *this;
+  }
+
+ private:
+  static void read(const JsonNode& node, double& value) {
+    value = node.isNull() ? std::numeric_limits<double>::infinity() : node.number();
+  }
+  static void read(const JsonNode& node, bool& value) { value = node.boolean(); }
+  static void read(const JsonNode& node, std::string& value) { value = node.text(); }
+  static void read(const JsonNode& node, Ontology& value) { value = ontologyOf(node); }
+  template <class T>
+  requires std::is_integral_v<T>
+  static void read(const JsonNode& node, T& value) { value = node.integer<T>(); }
+  template <class T>
+  static void read(const JsonNode& node, std::vector<T>& list) {
+    node.forEach([&](const JsonNode& item) {
+      T value{};
+      read(item, value);
+      list.push_back(std::move(value));
+    });
+  }
+  static void read(const JsonNode& node, std::map<std::string, double>& map) {
+    node.forEachEntry([&](const std::string& key, const JsonNode& item) { read(item, map[key]); });
+  }
+  template <class T>
+  static void read(const JsonNode& node, std::optional<T>& value) {
+    if (!node.isNull()) read(node, value.emplace());
+  }
+  template <class T>
+  requires std::is_class_v<T>
+  static void read(const JsonNode& node, T& value) {
+    JsonReader reader(node);
+    describe(reader, value);
+  }
+
+  const JsonNode& node_;
+};
+
+constexpr const char* kStudyKind = "scanmill tradeoff";
+
+}  // namespace
+
+std::string toJson(const Study& study) {
+  JsonWriter writer;
+  Study copy = study;  // the description is of what can be written to
+  describe(writer, copy);
+  OrderedJson json{{"kind", kStudyKind}, {"schema_version", Study::kSchemaVersion}};
+  json.update(writer.object);
+  return layOut(json) + "\n";
+}
+
+Study parseStudy(const std::string& text, const std::string& file) {
+  const Json json = parseJson(text, file);
+  const JsonNode node(json, "", file);
+  if (!node.has("kind") || node["kind"].text() != kStudyKind) {
+    node.fail("is no trade-off study: `scanmill tradeoff PIPELINE -o DIR` writes one");
+  }
+  if (!node.has("schema_version")) node.fail("key 'schema_version' is missing");
+  if (const int version = node["schema_version"].integer<int>(1); version > Study::kSchemaVersion) {
+    node["schema_version"].fail(
+        fmt::format("{} is newer than this program, which reads up to {}: update scanmill, or run the study again",
+                    version, Study::kSchemaVersion));
+  }
+  Study study;
+  JsonReader reader(node);
+  describe(reader, study);
+  if (study.shots == 0 || study.beamsPerShot == 0) node.fail("holds no beams");
+  if (study.scenes.empty()) node.fail("names no scene");
+  for (std::size_t i = 0; i < study.settings.size(); ++i) {
+    const SettingResult& s = study.settings[i];
+    const bool sane =
+        s.measured.cost.scanSeconds > 0 && s.measured.cost.setupSeconds >= 0 && s.measured.errors.all.beams > 0;
+    if (s.failure.empty() && !sane) {
+      node.fail(fmt::format("/settings/{}: '{}' has no time, or no beams", i, s.setting.name));
+    }
+  }
+  return study;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,342 @@
+#include "study/repeatability/repeatability.h"
+
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "study/repeatability/repeatability_choice.h"
+#include "study/repeatability/repeatability_object.h"
+#include "study/repeatability/repeatability_report.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kShells = R"(  noise:
+    - {name: none, effects: []}
+    - {name: 1 mm, effects: [{shell: {scale_m: 0.001}}]}
+    - {name: 4 cm, effects: [{shell: {scale_m: 0.04}}]}
+    - {name: growing, effects: [{shell: {growth_per_m: 0.001}}]}
+  reference: 1 mm
+)";
+
+// A wall of 2 x 2 m, its front in the plane x = 0, and a crate far behind the sensor. Beams look at the wall alone:
+// rings and columns 0.5 degrees apart over 20 degrees.
+class RepeatedScans : public testing::Test {
+ protected:
+  RepeatedScans() {
+    folder_.write("wall.yaml", fmt::format(R"(ontology: {0}/labels/scanmill.yaml
+materials: {0}/labels/materials.yaml
+objects:
+  - {{name: slab, primitive: box, size: [0.2, 2, 2], class: object, material: wood, position: [0.1, 0, 0]}}
+  - {{name: crate, primitive: box, size: [1, 1, 1], class: object, material: wood, position: [-40, 0, 0]}}
+)",
+                                           SCANMILL_SOURCE_DIR));
+  }
+
+  std::filesystem::path pipeline(const std::string& repeatability, const std::string& more = "") const {
+    return folder_.write("p.yaml", fmt::format(R"(seed: 7
+scenes: [{{scene: wall.yaml}}]
+trajectories:
+  - name: ahead
+    poses: [{{position: [-3, 0.01, 0.02]}}, {{position: [-6, 0.01, 0.02]}}, {{position: [-12, 0.01, 0.02]}}]
+sensors:
+  - {{name: top, columns: 21, rate_hz: 10, first_azimuth_deg: -10, field_deg: 20, elevation_deg: {{top: 10, bottom: -10, rings: 21}}, range_m: [0.5, 100]}}
+method: ray_tracing
+output: {{formats: [pcd]}}
+{}repeatability:
+{})",
+                                               more, repeatability));
+  }
+
+  static Repeatability measure(const std::filesystem::path& file, const std::vector<std::string>& overrides = {}) {
+    Pipeline read = readPipeline(file, overrides);
+    const Channels channels = repeatabilityChannels(read);
+    const Plan plan(std::move(read), channels);
+    RepeatabilityOptions options;
+    options.quiet = true;
+    return measureRepeatability(plan, options);
+  }
+
+  // Of kShells: measured once.
+  const Repeatability& shells() const {
+    static const Repeatability result = measure(pipeline(kShells));
+    return result;
+  }
+
+  void expectRefusedAt(const std::string& repeatability, const std::vector<std::string>& words) const {
+    const std::filesystem::path file = pipeline(repeatability);
+    expectInputError([&] { readRepeatabilityChoice(readPipeline(file, {})); }, words);
+  }
+
+  TemporaryFolder folder_;
+};
+
+// What two noisy scans of a plane have for a fitness: points on a grid, each moved to a sphere around it, all
+// distances.
+double shellFitness(double spacing, double radius, unsigned seed) {
+  constexpr int kSide = 40;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const auto cloud = [&] {
+    std::vector<Vec3d> points;
+    for (int i = 0; i < kSide; ++i) {
+      for (int j = 0; j < kSide; ++j) {
+        const Vec3d direction = normalized(Vec3d{normal(random), normal(random), normal(random)});
+        points.push_back(Vec3d{0, i * spacing, j * spacing} + direction * radius);
+      }
+    }
+    return points;
+  };
+  const std::vector<Vec3d> a = cloud();
+  const std::vector<Vec3d> b = cloud();
+  double sum = 0;
+  for (const Vec3d& p : a) {
+    double least = INFINITY;
+    for (const Vec3d& q : b) least = std::min(least, dot(p - q, p - q));
+    sum += least;
+  }
+  return sum / static_cast<double>(a.size());
+}
+
+TEST_F(RepeatedScans, ShellNoiseHasTheFitnessOfFirstPrinciples) {
+  const Repeatability& result = shells();
+  ASSERT_EQ(result.views.size(), 1u);
+  ASSERT_EQ(result.views[0].places.size(), 3u);
+  for (const RepeatedPlace& place : result.views[0].places) {
+    const double spacing = place.distance * radians(1);
+    // Far sparser than the noise: every point finds its own again, and two directions are independent: 2 r^2.
+    EXPECT_NEAR(result.at(place, 1, 1).unmoved.mean, 2e-6, 0.1e-6) << place.distance;
+    EXPECT_NEAR(result.at(place, 3, 3).unmoved.mean, 2e-6 * place.distance * place.distance,
+                0.06 * 2e-6 * place.distance * place.distance);
+    EXPECT_NEAR(result.at(place, 1, 0).unmoved.mean, 1e-6, 1e-8);
+    // As dense as the noise: a neighbour may be nearer.
+    const double expected = shellFitness(spacing, 0.04, 1);
+    EXPECT_LT(result.at(place, 2, 2).unmoved.mean, 1.05 * 32e-4);
+    if (place.points[2].mean > 200) {
+      EXPECT_NEAR(result.at(place, 2, 2).unmoved.mean, expected, 0.12 * expected) << place.distance;
+    }
+  }
+}
+
+TEST_F(RepeatedScans, NoNoiseIsPerfectAgreement) {
+  const Repeatability& result = shells();
+  for (const RepeatedPlace& place : result.views[0].places) {
+    EXPECT_EQ(result.at(place, 0, 0).unmoved.mean, 0);
+    EXPECT_LT(result.at(place, 0, 0).registered.mean, 1e-10);
+    EXPECT_EQ(result.at(place, 0, 0).unmoved.count, 20u);
+    EXPECT_EQ(result.at(place, 0, 1).pairs, 20u);
+  }
+}
+
+// The poses are the same: what ICP finds is noise.
+TEST_F(RepeatedScans, IcpFitsAwayALittleOfTheNoise) {
+  const Repeatability& result = shells();
+  for (const RepeatedPlace& place : result.views[0].places) {
+    for (const std::size_t level : {1u, 2u, 3u}) {
+      const LevelFitness& cell = result.at(place, level, level);
+      EXPECT_EQ(cell.registered.count, 20u);
+      EXPECT_LT(cell.registered.mean, cell.unmoved.mean);
+      EXPECT_GT(cell.registered.mean, 0.8 * cell.unmoved.mean);
+      EXPECT_LE(cell.registered.low, cell.registered.mean);
+      EXPECT_GE(cell.registered.high, cell.registered.mean);
+      EXPECT_GT(cell.registered.deviation, 0);
+    }
+  }
+}
+
+// Rows and columns of beams are whole: half a row on either side, at most.
+TEST_F(RepeatedScans, PointsFallWithTheSquareOfTheDistance) {
+  const Repeatability& result = shells();
+  for (const RepeatedPlace& place : result.views[0].places) {
+    const double across = std::min(2 * degrees(std::atan(1 / place.distance)), 21.0);
+    EXPECT_EQ(place.object, "slab");
+    EXPECT_NEAR(std::sqrt(place.points[0].mean), across, 1.01);
+    EXPECT_EQ(place.points[0].least, place.points[0].most);
+  }
+  const std::vector<RepeatedPlace>& places = result.views[0].places;
+  EXPECT_NEAR(places[1].points[0].mean / places[2].points[0].mean, 4, 1.1);
+}
+
+// A shell of more than the margin leaves the crop. Its heights are uniform (Archimedes): towards the sensor a quarter
+// of the points of a shell of 20 cm passes 10 cm, and half of them 0; another 0.6 and 2.5 % at each of the four edges.
+TEST_F(RepeatedScans, TheCropEndsAtTheMargin) {
+  const std::string noise = "  noise: [{name: wide, effects: [{shell: {scale_m: 0.2}}]}]\n";
+  const double all = measure(pipeline(noise + "  margin_m: 1\n")).views[0].places[1].points[0].mean;
+  const PointCount cut = measure(pipeline(noise + "  margin_m: 0.1\n")).views[0].places[1].points[0];
+  const PointCount none = measure(pipeline(noise + "  margin_m: 0\n")).views[0].places[1].points[0];
+  EXPECT_NEAR(cut.mean / all, 0.75 * std::pow(1 - 0.00625, 4), 0.02);
+  EXPECT_NEAR(none.mean / all, 0.5 * std::pow(1 - 0.025, 4), 0.02);
+  EXPECT_LT(cut.least, cut.most);
+}
+
+TEST_F(RepeatedScans, LooksAtTheNamedObject) {
+  const Repeatability result = measure(pipeline("  object: crate\n"));
+  for (const RepeatedPlace& place : result.views[0].places) {
+    EXPECT_EQ(place.object, "crate");
+    EXPECT_EQ(place.points[0].mean, 0);  // it stands behind the sensor
+    EXPECT_EQ(result.at(place, 0, 0).unmoved.count, 0u);
+    EXPECT_EQ(result.at(place, 0, 0).registered.count, 0u);
+  }
+  EXPECT_NEAR(result.views[0].places[0].distance, 36.5, 1e-6);
+  ASSERT_EQ(result.warnings.size(), 1u);
+  EXPECT_THAT(result.warnings[0], testing::AllOf(HasSubstr("no point falls on crate from 3 of 3 poses"),
+                                                 HasSubstr("0 (36.5 m), 1 (33.5 m), 2 (27.5 m)")));
+  const nlohmann::json json = nlohmann::json::parse(repeatabilityJson(result));
+  EXPECT_TRUE(json["views"][0]["places"][0]["fitness_m2"][0]["unmoved"].is_null());
+  EXPECT_THAT(repeatabilityReport(result, "2026-01-02"), HasSubstr("crate"));
+}
+
+TEST_F(RepeatedScans, UsesThePipelinesEffectsWhereNoLevelIsNamed) {
+  const std::filesystem::path file = pipeline("  scans: 3\n", "effects: [{shell: {scale_m: 0.001}}]\n");
+  const Repeatability result = measure(file);
+  ASSERT_EQ(result.levels.size(), 1u);
+  for (const RepeatedPlace& place : result.views[0].places) {
+    EXPECT_NEAR(result.at(place, 0, 0).unmoved.mean, 2e-6, 0.15e-6);
+    EXPECT_EQ(result.at(place, 0, 0).pairs, 6u);
+  }
+}
+
+// Losing points is a difference, too: what agrees perfectly is the same scan again.
+TEST_F(RepeatedScans, WarnsOfScansThatAreAllTheSame) {
+  const auto warnings = [&](const std::string& effects) {
+    return measure(pipeline("  scans: 2\n", effects), {"trajectories.0.poses=[{position: [-3, 0, 0]}]"}).warnings;
+  };
+  EXPECT_THAT(warnings(""), testing::ElementsAre(HasSubstr("moves points: it has none")));
+  EXPECT_THAT(warnings("effects: [{quantize: {step_m: 0.01}}]\n"),
+              testing::ElementsAre(HasSubstr("moves points: quantize;")));
+  EXPECT_THAT(warnings("effects: [{range_noise: {sigma_m: 0.01}}]\n"), testing::IsEmpty());
+  EXPECT_THAT(shells().warnings, testing::IsEmpty());  // its level `none` says so itself
+  EXPECT_THAT(repeatabilityReport(measure(pipeline("  scans: 2\n")), "2026-01-02"),
+              testing::AllOf(HasSubstr("Warning: noise"), HasSubstr("2026-01-02"), HasSubstr("21 x 21 beams")));
+}
+
+// There and back between two scans is one pair.
+TEST(HasDeviation, TakesThreePairs) {
+  const std::vector<std::optional<double>> values{1.0, 2.0, 3.0};
+  EXPECT_FALSE(hasDeviation(fitnessSpread(std::span(values).first(1))));
+  EXPECT_FALSE(hasDeviation(fitnessSpread(std::span(values).first(2))));
+  EXPECT_TRUE(hasDeviation(fitnessSpread(values)));
+}
+
+TEST_F(RepeatedScans, MethodsAreMeasuredSideBySide) {
+  const std::string methods = "  methods: [ray_tracing, {ray_tracing: {packet: 1}}]\n";
+  const Repeatability result = measure(pipeline(kShells + methods));
+  ASSERT_EQ(result.views.size(), 2u);
+  EXPECT_THAT(result.methods, testing::ElementsAre("ray_tracing", "ray_tracing packet=1"));
+  EXPECT_EQ(result.views[0].name, result.views[1].name);
+  for (std::size_t p = 0; p < 3; ++p) {
+    EXPECT_EQ(result.views[0].places[p].points[0].mean, result.views[1].places[p].points[0].mean);
+  }
+  EXPECT_THAT(repeatabilityReport(result, "2026-01-02"), HasSubstr("ray_tracing packet=1"));
+}
+
+TEST_F(RepeatedScans, ThreadsDoNotChangeAByteAndSeedsDo) {
+  const std::filesystem::path file = pipeline(std::string(kShells) + "  scans: 3\n");
+  const auto json = [&](int threads, const std::vector<std::string>& overrides) {
+    const ThreadLimit limit(threads);
+    return repeatabilityJson(measure(file, overrides));
+  };
+  const std::string one = json(1, {});
+  EXPECT_EQ(json(2, {}), one);
+  const nlohmann::json other = nlohmann::json::parse(json(2, {"seed=8"}));
+  const nlohmann::json first = nlohmann::json::parse(one);
+  EXPECT_NE(first["views"], other["views"]);
+  EXPECT_EQ(other["seed"], 8);
+}
+
+// Scan 2 of a run with seed 7 is scan 1 of one with seed 8.
+TEST_F(RepeatedScans, ScansFollowFromTheirSeeds) {
+  const std::filesystem::path file = pipeline(std::string(kShells) + "  scans: 2\n");
+  const auto spread = [&](const char* seed) {
+    return measure(file, {seed}).views[0].places[0].fitness[5].unmoved;  // 1 mm on both
+  };
+  EXPECT_EQ(spread("seed=7").mean, spread("seed=7").mean);
+  EXPECT_NE(spread("seed=7").mean, spread("seed=8").mean);
+}
+
+TEST_F(RepeatedScans, TablesHoldEveryFigure) {
+  const Repeatability result = measure(pipeline(std::string(kShells) + "  scans: 2\n"));
+  const nlohmann::json json = nlohmann::json::parse(repeatabilityJson(result));
+  EXPECT_EQ(json["noise"].size(), 4u);
+  EXPECT_EQ(json["reference"], "1 mm");
+  EXPECT_TRUE(json["icp"]["reach_m"].is_null());
+  const nlohmann::json& place = json["views"][0]["places"][2];
+  EXPECT_EQ(place["fitness_m2"].size(), 16u);
+  EXPECT_EQ(place["fitness_m2"][6]["source"], "1 mm");
+  EXPECT_EQ(place["fitness_m2"][6]["target"], "4 cm");
+  EXPECT_EQ(place["fitness_m2"][6]["registered"]["mean"].get<double>(),
+            result.views[0].places[2].fitness[6].registered.mean);
+  const std::string csv = repeatabilityCsv(result);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 3 * 16);
+  const auto commas = std::count(csv.begin(), csv.begin() + static_cast<std::ptrdiff_t>(csv.find('\n')), ',');
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), ','), commas * (1 + 3 * 16));
+}
+
+TEST_F(RepeatedScans, TheReportHoldsAllChartsAndIsSelfContained) {
+  const Repeatability result = measure(pipeline(std::string(kShells) + "  scans: 2\n"));
+  const std::string page = repeatabilityReport(result, "2026-01-02");
+  for (const std::string& svg :
+       {repeatabilityRegisteredSvg(result, 0), repeatabilityUnmovedSvg(result, 0), repeatabilityPointsSvg(result, 0),
+        repeatabilityShareSvg(result, 0), repeatabilityLevelsSvg(result, result.views[0]),
+        repeatabilityWithinSvg(result, result.views[0])}) {
+    EXPECT_THAT(svg, HasSubstr("<svg"));
+    EXPECT_THAT(svg, Not(HasSubstr("no data")));
+  }
+  std::size_t charts = 0;
+  for (std::size_t at = page.find("<svg"); at != std::string::npos; at = page.find("<svg", at + 1)) ++charts;
+  EXPECT_EQ(charts, 6u);
+  EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
+  EXPECT_THAT(page, HasSubstr("wall ahead"));
+}
+
+TEST_F(RepeatedScans, RefusesWhatItCannotCompare) {
+  expectRefusedAt("  scan: 5\n", {"p.yaml:11", "did you mean 'scans'?"});
+  expectRefusedAt("  scans: 1\n", {"p.yaml:11", "scans"});
+  expectRefusedAt("  noise: []\n", {"p.yaml:11", "noise must be a list"});
+  expectRefusedAt("  noise: [{name: a, effects: [{shel: {}}]}]\n", {"p.yaml:11", "did you mean 'shell'?"});
+  expectRefusedAt("  noise: [{name: a, effects: [{shell: {scale: 1}}]}]\n", {"p.yaml:11", "scale_m"});
+  expectRefusedAt("  noise: [{name: a, effects: sensor}]\n", {"p.yaml:11", "no effects of its own"});
+  expectRefusedAt("  noise: [{name: a}]\n", {"p.yaml:11", "effects"});
+  expectRefusedAt("  noise: [{name: a, effects: []}, {name: a, effects: []}]\n", {"p.yaml:11", "two noise levels"});
+  expectRefusedAt("  noise: [{name: a, effects: []}]\n  reference: b\n", {"p.yaml:12", "no noise level 'b'"});
+  expectRefusedAt("  methods: [ray_tracer]\n", {"p.yaml:11", "did you mean 'ray_tracing'?"});
+  expectRefusedAt("  margin_m: -1\n", {"p.yaml:11", "margin_m"});
+  expectRefusedAt("  icp: {iterations: 0}\n", {"p.yaml:11", "iterations"});
+  expectRefusedAt("  icp: {reach: 1}\n", {"p.yaml:11", "reach_m"});
+  expectInputError([&] { measure(pipeline("  object: cart\n")); }, {"wall.yaml", "no thing 'cart'", "crate"});
+}
+
+TEST_F(RepeatedScans, AStopEndsItWithAnError) {
+  const Plan plan(readPipeline(pipeline(kShells), {}));
+  const std::atomic<bool> stop = true;
+  RepeatabilityOptions options;
+  options.quiet = true;
+  options.stop = &stop;
+  EXPECT_THAT(messageOf<Error>([&] { measureRepeatability(plan, options); }), HasSubstr("stopped"));
+}
+
+TEST(BoxedThing, DistanceIsToTheNearestSideEdgeOrCorner) {
+  // A box of 2 x 4 x 6 m, turned by 90 degrees about z, twice as high, at (10, 0, 0).
+  const Affine place{toMatrix(fromYawPitchRoll(kPi / 2, 0, 0)) * Mat3::scale({1, 1, 2}), {10, 0, 0}};
+  const BoxedThing thing("box", place, {{-1, -2, -3}, {1, 2, 3}});
+  EXPECT_NEAR(thing.distance({10, 0, 0}), 0, 1e-12);
+  EXPECT_NEAR(thing.distance({7, 0, 0}), 1, 1e-12);
+  EXPECT_NEAR(thing.distance({10, 3, 0}), 2, 1e-12);
+  EXPECT_NEAR(thing.distance({10, 0, 7}), 1, 1e-12);
+  EXPECT_NEAR(thing.distance({15, 5, 6}), 5, 1e-12);
+  EXPECT_NEAR(thing.distance({15, 5, 8}), std::sqrt(29.0), 1e-12);
+}
+
+}  // namespace
+}  // namespace scanmill

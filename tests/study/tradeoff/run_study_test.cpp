@@ -1,0 +1,244 @@
+#include <algorithm>
+#include <map>
+
+#include "study/tradeoff/study.h"
+#include "tests/pipeline/small_world.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::SizeIs;
+
+constexpr const char* kCoarse = "{particle: {refine: none, voxel_m: 0.5, cache: none}}";
+// Ten thousands of millions of voxels.
+constexpr const char* kTooLarge = "{particle: {field: scene, voxel_m: 0.001, cache: none}}";
+
+class RunStudy : public Yard {
+ protected:
+  // The pipeline with such a key of its own, as a file.
+  std::filesystem::path withKey(const std::string& tradeoff, const std::string& name = "study.yaml") const {
+    return folder_.write(name, std::string(kYardPipeline) + "effects: [intensity]\ntradeoff: " + tradeoff + "\n");
+  }
+
+  static Study studied(const std::filesystem::path& file, StudyOptions options = {}) {
+    options.quiet = true;
+    return runStudy(Plan(readPipeline(file, {})), options);
+  }
+
+  static std::string three() {
+    return fmt::format(
+        "{{settings: [ray_tracing, {}, {}], encodings: [pcd, {{draco: {{max_error_mm: [1, 20]}}}}], "
+        "shots: 3, repeats: 1}}",
+        kCoarse, kTooLarge);
+  }
+
+  // What two runs of a study must agree on: all but times, of processors and of the study.
+  static std::string errorsOf(Study study) {
+    study.seconds = 0;
+    study.date.clear();
+    for (auto& [stage, seconds] : study.commonStages) seconds = 0;
+    for (SettingResult& s : study.settings) {
+      const std::uint64_t memory = s.measured.cost.memoryBytes;
+      s.measured.cost = {};
+      s.measured.cost.memoryBytes = memory;
+    }
+    for (EncodingResult& e : study.encodings) e.encodePointsPerSecond = e.decodePointsPerSecond = 0;
+    for (RingFit& fit : study.rings) fit = {fit.setting, {}, 0, 0, 0};
+    study.showing.reset();
+    return toJson(study);
+  }
+};
+
+TEST_F(RunStudy, MeasuresEverySettingAgainstTheTruth) {
+  const Study study = studied(withKey(three()));
+  EXPECT_EQ(study.pipelineName, "yard");
+  EXPECT_EQ(study.sequence, "yard-s1-drive");
+  EXPECT_EQ(study.shots, 3u);
+  EXPECT_EQ(study.beamsPerShot, 512u);
+  ASSERT_THAT(study.scenes, SizeIs(1));
+  EXPECT_EQ(study.scenes[0].key, "yard-s1-drive");
+  EXPECT_THAT(study.scenes[0].frames, ElementsAre(0, 2, 3)) << "spread over the four";
+  EXPECT_GT(study.scenes[0].triangles, 60u);
+  EXPECT_THAT(study.sensors, ElementsAre(AllOf(HasSubstr("top: "), HasSubstr("8 x 64 beams"))));
+  EXPECT_EQ(study.repeats, 1);
+  EXPECT_EQ(study.budgetSeconds, 300u);
+  EXPECT_GT(study.seconds, 0);
+  EXPECT_THAT(study.date, testing::MatchesRegex("[0-9]{4}-[0-9]{2}-[0-9]{2}"));
+  EXPECT_THAT(study.machine.processor, Not(IsEmpty()));
+  EXPECT_THAT(study.left, IsEmpty());
+  EXPECT_THAT(study.ontology.classes, Not(IsEmpty()));
+
+  ASSERT_THAT(study.settings, SizeIs(3));
+  const Measurement& rays = study.settings[0].measured;
+  EXPECT_THAT(study.settings[0].failure, IsEmpty());
+  EXPECT_EQ(rays.errors.all.beams, 3u * 512);
+  EXPECT_LT(rays.errors.all.range.max, 1e-5);
+  EXPECT_LT(rays.errors.all.range.mean, 1e-6);
+  EXPECT_EQ(rays.errors.all.missRate(), 0);
+  EXPECT_EQ(rays.errors.all.labels(), 1);
+  EXPECT_LT(rays.errors.all.intensity.max, 1e-5);
+  EXPECT_EQ(rays.errors.all.intensity.count, rays.errors.all.bothHit);
+  EXPECT_LT(rays.cloud.hausdorff, 1e-4);
+  EXPECT_GT(rays.cost.scanSeconds, 0);
+
+  const Measurement& coarse = study.settings[1].measured;
+  EXPECT_THAT(study.settings[1].failure, IsEmpty());
+  EXPECT_GT(coarse.errors.all.range.p99, 0.01);
+  EXPECT_GT(coarse.cloud.hausdorff, 0.01);
+  EXPECT_GT(coarse.cost.setupSeconds, 0);
+
+  // One that cannot run ends nothing.
+  EXPECT_THAT(study.settings[2].failure, HasSubstr("voxel_m"));
+  EXPECT_EQ(study.settings[2].measured.errors.all.beams, 0u);
+  EXPECT_THAT(study.candidates(), SizeIs(2));
+  EXPECT_DOUBLE_EQ(study.candidates()[1].secondsPerBeam, coarse.cost.scanSeconds / 512);
+}
+
+TEST_F(RunStudy, EncodesWhatThePipelineWouldWrite) {
+  const Study study = studied(withKey(three()));
+  EXPECT_THAT(study.commonStages, testing::UnorderedElementsAre(testing::Pair("effects", testing::Gt(0)),
+                                                                testing::Pair("encode pcd", testing::Gt(0))));
+  ASSERT_THAT(study.encodings, SizeIs(3));
+  for (const EncodingResult& e : study.encodings) {
+    EXPECT_THAT(e.failure, IsEmpty()) << e.name;
+    EXPECT_LE(e.largestError, e.statedError) << e.name;
+  }
+  EXPECT_EQ(study.encodings[0].largestError, 0);
+  EXPECT_GT(study.encodings[1].bytesPerPoint, study.encodings[2].bytesPerPoint);
+}
+
+TEST_F(RunStudy, ABlindSensorIsRefused) {
+  StudyOptions quiet;
+  quiet.quiet = true;
+  const Plan plan(readPipeline(withKey(three()), {"trajectories=[{name: sky, poses: [{position: [0, 0, 5000]}]}]"}));
+  expectInputError([&] { runStudy(plan, quiet); }, {"study.yaml", "meets anything", "trajectory"});
+}
+
+TEST_F(RunStudy, PicturesShowOnlyWhatErrs) {
+  const Study study = studied(withKey(three()));
+  ASSERT_THAT(study.pictures, SizeIs(1));
+  EXPECT_EQ(study.pictures[0].setting, study.settings[1].setting.name);
+  EXPECT_THAT(study.pictures[0].png, testing::StartsWith("\x89PNG"));
+  EXPECT_THAT(studied(withKey("{settings: [ray_tracing], shots: 1, repeats: 1}")).pictures, IsEmpty());
+}
+
+TEST_F(RunStudy, TheSameStudyAgainErrsTheSame) {
+  const auto file = withKey(three());
+  EXPECT_EQ(errorsOf(studied(file)), errorsOf(studied(file)));
+}
+
+// The figures of a report can be measured again from what the report holds.
+TEST_F(RunStudy, ThePipelineInItsJsonGivesTheSameStudy) {
+  const Study first = studied(withKey(three()));
+  const Study read = parseStudy(toJson(first), "tradeoff.json");
+  Study again = studied(folder_.write("study.yaml", read.pipelineText));
+  EXPECT_EQ(errorsOf(again), errorsOf(first));
+}
+
+TEST_F(RunStudy, NumbersOfThreadsDoNotMatter) {
+  const auto file = withKey(three());
+  const auto with = [&](int threads) {
+    const ThreadLimit limit(threads);
+    Study study = studied(file);
+    study.machine.threads = 0;
+    return errorsOf(study);
+  };
+  EXPECT_EQ(with(1), with(3));
+}
+
+TEST_F(RunStudy, AStopEndsItWithoutAStudy) {
+  const std::atomic<bool> stop = true;
+  StudyOptions options;
+  options.stop = &stop;
+  const auto file = withKey(three());
+  EXPECT_THAT(messageOf<Error>([&] { studied(file, options); }), HasSubstr("stopped"));
+}
+
+TEST_F(RunStudy, WhatTheBudgetDoesNotHoldIsLeftOutAndSaid) {
+  StudyOptions options;
+  options.budgetSeconds = 1e-6;
+  const Study study =
+      studied(withKey(fmt::format("{{settings: [ray_tracing, {}, {{ray_tracing: {{packet: 1}}}}], shots: 4, rings: [2, "
+                                  "4, 8], repeats: 1}}",
+                                  kCoarse)),
+              options);
+  ASSERT_THAT(study.settings, SizeIs(1)) << "something to report";
+  EXPECT_EQ(study.settings[0].setting.name, "ray_tracing");
+  EXPECT_EQ(study.shots, 1u) << "one frame is the least";
+  EXPECT_THAT(study.rings, IsEmpty());
+  EXPECT_THAT(study.left, SizeIs(4));
+  EXPECT_THAT(study.left, Each(HasSubstr("the budget of ")));
+  EXPECT_THAT(study.left[0], testing::StartsWith("particle refine=none"));
+  EXPECT_THAT(study.left[2], testing::StartsWith("rings of ray_tracing"));
+}
+
+TEST_F(RunStudy, RingsAreTimedForTheFirstSettingOfEachMethod) {
+  const Study study = studied(withKey(
+      fmt::format("{{settings: [ray_tracing, {{ray_tracing: {{packet: 1}}}}, {0}, {1}], shots: 1, rings: [2, 8, 32], "
+                  "repeats: 1}}",
+                  kCoarse, kTooLarge)));
+  ASSERT_THAT(study.rings, SizeIs(2));
+  EXPECT_EQ(study.rings[0].setting.name, "ray_tracing");
+  EXPECT_EQ(study.rings[1].setting.method, "particle");
+  for (const RingFit& fit : study.rings) {
+    ASSERT_THAT(fit.timings, SizeIs(3));
+    EXPECT_EQ(fit.timings[0].rings, 2u);
+    EXPECT_EQ(fit.timings[2].rings, 32u);
+    for (const RingTiming& t : fit.timings) EXPECT_GT(t.scanSeconds, 0);
+  }
+  ASSERT_TRUE(study.showing.has_value());
+  EXPECT_THAT(study.showing->timings, SizeIs(3));
+  EXPECT_EQ(study.showing->setting.name, "");
+}
+
+// A method that cannot run has no line; the others do.
+TEST_F(RunStudy, RingsOfWhatCannotRunAreLeftOut) {
+  const Study study = studied(
+      withKey(fmt::format("{{settings: [{}, ray_tracing], shots: 1, rings: [2, 4, 8], repeats: 1}}", kTooLarge)));
+  ASSERT_THAT(study.rings, SizeIs(1));
+  EXPECT_EQ(study.rings[0].setting.name, "ray_tracing");
+  EXPECT_FALSE(study.showing.has_value());
+  EXPECT_THAT(study.left, ElementsAre(AllOf(HasSubstr("rings of particle"), HasSubstr("voxel_m"))));
+}
+
+TEST_F(RunStudy, SensorsMayHaveEffectsOfTheirOwn) {
+  std::string text = kYardPipeline;
+  text.insert(text.find("    mount:"), "    effects: [intensity, {range_noise: {sigma_m: 0.02}}]\n");
+  const auto file = folder_.write("own.yaml", text +
+                                                  "effects: sensor\ntradeoff: {settings: [ray_tracing], encodings: "
+                                                  "[pcd], shots: 1, repeats: 1}\n");
+  const Study study = studied(file);
+  EXPECT_GT(study.settings[0].measured.errors.all.intensity.count, 0u) << "its own intensities are compared";
+  EXPECT_LT(study.settings[0].measured.errors.all.range.max, 1e-5) << "methods are compared without noise";
+  EXPECT_EQ(study.encodings[0].failure, "");
+}
+
+TEST_F(RunStudy, APipelineWhoseMethodIsStillToBeChosenCanBeStudied) {
+  const Study study = runStudy(
+      Plan(readPipeline(withKey("{settings: [ray_tracing], shots: 1, repeats: 1}"), {"method={auto: {min_rate: 1}}"})),
+      StudyOptions{0, true, nullptr});
+  EXPECT_THAT(study.settings, SizeIs(1));
+}
+
+TEST_F(RunStudy, RecordingsAreRefused) {
+  GenerateOptions keeping;
+  keeping.folder = out("kept");
+  keeping.keepHits = out("hits");
+  keeping.quiet = true;
+  generate(Plan(readPipeline(pipeline_, {}), Channels::all()), keeping);
+  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
+  expectInputError(
+      [&] {
+        runStudy(Plan(readPipeline(pipeline_, {}, recording)), StudyOptions{0, true, nullptr});
+      },
+      {"yard.yaml", "takes no recording"});
+}
+
+}  // namespace
+}  // namespace scanmill
