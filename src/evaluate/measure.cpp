@@ -77,11 +77,18 @@ std::vector<float> byBeam(const Hits& hits, const std::vector<float>& ofPoints) 
 void timeScans(const Method& method, const Shot& shot, const MeasureOptions& options, Hits& hits,
                std::vector<double>& seconds, std::map<std::string, double>& stages) {
   const std::map<std::string, double> before = method.stageSeconds();
-  for (int repeat = 0; repeat < options.repeats; ++repeat) {
+  constexpr int kMostRepeats = 30;
+  double spent = 0;
+  const auto again = [&](int repeat) {
+    if (repeat < options.repeats) return true;
+    return options.repeats > 0 && repeat < kMostRepeats && spent < options.leastSeconds;
+  };
+  for (int repeat = 0; again(repeat); ++repeat) {
     checkStop(options);
     const Timer timer;
     method.trace(shot, options.channels | Channel::Range, hits);
     seconds.push_back(timer.seconds());
+    spent += seconds.back();
   }
   for (const auto& [stage, total] : method.stageSeconds()) {
     const auto earlier = before.find(stage);

@@ -40,7 +40,10 @@ struct Measurement {
 };
 
 struct MeasureOptions {
-  int repeats = 3;     // timed scans of each shot, after one that is not timed
+  int repeats = 3;  // timed scans of each shot, after one that is not timed; 0: no time is taken
+  // Fast scans are repeated further until so much time (s) is spent on a shot, at most 30 times: each is soon
+  // disturbed.
+  double leastSeconds = 0;
   bool clouds = true;  // measure distances between clouds too, of the whole and of each group of beams
   Channels channels;   // that are traced while time is taken; kErrorChannels and these are traced for the errors
   // Noise-free intensities of what a method met; null: not compared.

@@ -136,6 +136,7 @@ class Calibrator {
     }
     MeasureOptions options;
     options.clouds = false;
+    options.leastSeconds = 0.1;
     options.channels = plan_.channels();
     options.intensity = noiseFreeIntensity(pipeline_, scene);
     options.stop = [this] { return stop_ != nullptr && *stop_; };

@@ -54,7 +54,7 @@ TEST_F(Tell, PlanListsUnlabelledGeometryOfEveryScene) {
   }
   // Scenes of the same name and seed are still two scenes.
   const std::string out =
-      told({"plan", pipeline_, "--set",
+      told({"plan", pipeline_, "--quick", "--set",
             fmt::format("scenes=[{{scene: {0}}}, {{scene: {1}, trajectories: [{{name: spot, poses: [{{position: [0, 0, "
                         "1]}}]}}]}}]",
                         at("a/town.yaml"), at("b/town.yaml"))});

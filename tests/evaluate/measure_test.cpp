@@ -108,6 +108,23 @@ TEST(Measure, TimesOnlyTheScansAndChannelsThatAreAskedFor) {
   EXPECT_EQ(scans, std::vector<Channels>(10, kErrorChannels));
 }
 
+TEST(Measure, FastScansAreRepeatedFurther) {
+  const Scene scene = courtyard();
+  MeasureOptions options;
+  options.repeats = 2;
+  options.clouds = false;
+  options.channels = kErrorChannels;
+  const std::vector<TrueShot> truth = trueShots(scene, {twoShots().front()}, options);
+  const auto scansWith = [&](double leastSeconds) {
+    options.leastSeconds = leastSeconds;
+    std::vector<Channels> scans;
+    measure([&] { return std::make_unique<Counting>(scene, 1, scans); }, scene, truth, options);
+    return scans.size();
+  };
+  EXPECT_EQ(scansWith(0), 3u);
+  EXPECT_EQ(scansWith(1e9), 31u);
+}
+
 // Sleeps longer for larger scans.
 class Slow : public Counting {
  public:

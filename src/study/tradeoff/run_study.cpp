@@ -79,6 +79,7 @@ class StudyRun {
     scene_ = plan_.loadScene(sequence_);
     describe();
     measureOptions_.repeats = choice_.repeats;
+    measureOptions_.leastSeconds = 0.15;
     measureOptions_.channels = plan_.channels();
     measureOptions_.intensity = noiseFreeIntensity(plan_.pipeline(), scene_);
     measureOptions_.stop = [this] { return options_.stop != nullptr && *options_.stop; };
