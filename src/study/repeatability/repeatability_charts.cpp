@@ -144,7 +144,11 @@ std::string repeatabilityShareSvg(const Repeatability& result, std::size_t metho
   ChartSeries pairs = line("1 - 2 / points: pairs that stay together", chart.series.size());
   pairs.mark = ChartMark::Line;
   // Of the 3 coordinates of each of n differences a rigid motion can fit 6.
-  for (double n = 3; n < 1.1 * most; n *= 1.1) pairs.points.push_back({n, 1 - 2 / n});
+  double n = 3;
+  while (n < 1.1 * most) {
+    pairs.points.push_back({n, 1 - 2 / n});
+    n *= 1.1;
+  }
   chart.series.push_back(std::move(pairs));
   return drawSvg(chart);
 }

@@ -160,6 +160,7 @@ std::string rangeChart(const Study& study, int width, int height) {
 
 std::vector<std::size_t> colorsOf(const Study& study, const std::vector<std::size_t>& settings) {
   std::vector<std::string> methods;
+  methods.reserve(settings.size());
   for (const std::size_t i : settings) methods.push_back(study.settings[i].setting.method);
   return settingColors(study, methods);
 }

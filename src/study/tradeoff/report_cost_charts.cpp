@@ -119,6 +119,7 @@ std::string ringsChart(const Study& study) {
   if (study.showing) fits.emplace_back("drawing a picture of the scan", &*study.showing);
   // What has no method is not a method's colour.
   std::vector<std::string> methods;
+  methods.reserve(fits.size());
   for (const auto& entry : fits) methods.push_back(entry.second->setting.method);
   const std::vector<std::size_t> colors = settingColors(study, methods);
   for (std::size_t k = 0; k < fits.size(); ++k) {

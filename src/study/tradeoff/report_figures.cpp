@@ -50,13 +50,14 @@ std::vector<std::size_t> frontOf(const Study& study, double (*error)(const Group
     seconds.push_back(study.settings[i].measured.cost.scanSeconds);
     errors.push_back(error(study.settings[i].measured.errors.all));
   }
-  const std::vector<std::size_t> whole = paretoFront(seconds, errors);
+  std::vector<std::size_t> whole = paretoFront(seconds, errors);
+  std::reverse(whole.begin(), whole.end());
   std::vector<std::size_t> front;
   double last = std::numeric_limits<double>::infinity();
-  for (auto i = whole.rbegin(); i != whole.rend(); ++i) {
-    if (seconds[*i] * kFrontStep >= last) continue;
-    last = seconds[*i];
-    front.push_back(measured[*i]);
+  for (const std::size_t i : whole) {
+    if (seconds[i] * kFrontStep >= last) continue;
+    last = seconds[i];
+    front.push_back(measured[i]);
   }
   std::reverse(front.begin(), front.end());
   return front;
