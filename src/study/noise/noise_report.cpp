@@ -61,17 +61,17 @@ std::string sigmaChart(const NoiseFit& fit) {
   return drawSvg(chart);
 }
 
-std::string incidenceChart(const NoiseFit& fit) {
+// Bars of the noise of each group.
+std::string groupChart(const std::vector<PatchGroup>& groups, const std::string& title, const std::string& note,
+                       const std::string& axis) {
   Chart chart;
-  chart.title = "Range noise against incidence";
-  chart.note =
-      "All ranges that the fit uses. The wider the beam's footprint lies along the beam, the more a rough "
-      "surface spreads the ranges; steep and grazing views are of different places, too.";
-  chart.x.title = "angle between beam and normal";
+  chart.title = title;
+  chart.note = note;
+  chart.x.title = axis;
   chart.y.title = "standard deviation (mm)";
   chart.y.low = 0;
   ChartSeries bars = seriesOf("measured", 0, ChartMark::Bars);
-  for (const PatchGroup& group : fit.incidences) {
+  for (const PatchGroup& group : groups) {
     chart.x.names.push_back(group.name);
     addWithError(bars, static_cast<double>(bars.points.size()), group.sigma * kMillimetres, group.error * kMillimetres,
                  fmt::format("{} patches", group.patches));
@@ -80,21 +80,18 @@ std::string incidenceChart(const NoiseFit& fit) {
   return drawSvg(chart);
 }
 
+std::string incidenceChart(const NoiseFit& fit) {
+  return groupChart(
+      fit.incidences, "Range noise against incidence",
+      "All ranges that the fit uses. The wider the beam's footprint lies along the beam, the more a rough "
+      "surface spreads the ranges; steep and grazing views are of different places, too.",
+      "angle between beam and normal");
+}
+
 std::string intensityChart(const NoiseFit& fit) {
-  Chart chart;
-  chart.title = "Range noise against intensity";
-  chart.note = "Fifths of the patches that the fit uses, by the median intensity of each.";
-  chart.x.title = "intensity, as recorded";
-  chart.y.title = "standard deviation (mm)";
-  chart.y.low = 0;
-  ChartSeries bars = seriesOf("measured", 0, ChartMark::Bars);
-  for (const PatchGroup& group : fit.intensities) {
-    chart.x.names.push_back(group.name);
-    addWithError(bars, static_cast<double>(bars.points.size()), group.sigma * kMillimetres, group.error * kMillimetres,
-                 fmt::format("{} patches", group.patches));
-  }
-  chart.series = {bars};
-  return drawSvg(chart);
+  return groupChart(fit.intensities, "Range noise against intensity",
+                    "Fifths of the patches that the fit uses, by the median intensity of each.",
+                    "intensity, as recorded");
 }
 
 std::string dropOutChart(const NoiseFit& fit) {
