@@ -89,10 +89,8 @@ void printRings(const Study& study) {
 }
 
 void printStudy(const Study& study) {
-  std::uint64_t triangles = 0;
-  for (const StudyScene& scene : study.scenes) triangles += scene.triangles;
-  fmt::print("{}: {} of {} beams, {} triangles; {}, {}{}{}\n\n", study.sequence, pluralOf(study.shots, "scan"),
-             grouped(study.beamsPerShot), grouped(triangles), study.machine.processor,
+  fmt::print("{}: {} of {} beams, {} triangles; {}, {}{}{}\n\n", study.scene.key, pluralOf(study.shots, "scan"),
+             grouped(study.beamsPerShot), grouped(study.scene.triangles), study.machine.processor,
              pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"),
              study.machine.renderer.empty() ? "" : "; OpenGL: ", study.machine.renderer);
   printSettings(study);

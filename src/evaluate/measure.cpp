@@ -4,25 +4,17 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <limits>
 
 #include "base/error.h"
+#include "base/wall_timer.h"
 #include "evaluate/hit_errors.h"
 
 namespace scanmill {
 
 namespace {
-
-class Timer {
- public:
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 // By how much the process grows while the method works, and not while its errors are measured. What it gives back to
 // the allocator does not count.
@@ -85,7 +77,7 @@ void timeScans(const Method& method, const Shot& shot, const MeasureOptions& opt
   };
   for (int repeat = 0; again(repeat); ++repeat) {
     checkStop(options);
-    const Timer timer;
+    const WallTimer timer;
     method.trace(shot, options.channels | Channel::Range, hits);
     seconds.push_back(timer.seconds());
     spent += seconds.back();
@@ -138,7 +130,7 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
   checkStop(options);
   hits.reset(shots.front().shot.beams->rings, shots.front().shot.beams->columns, compared);
   growth.begin();
-  const Timer setup;
+  const WallTimer setup;
   const std::unique_ptr<Method> method = make();
   method->prepare(shots.front().shot);
   result.cost.setupSeconds = setup.seconds();

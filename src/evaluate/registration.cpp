@@ -153,21 +153,6 @@ Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> 
   return {pair.targetFromSource(), true, unmoved, pair.fitness(options.fitnessWithin)};
 }
 
-std::vector<RegisteredPair> fitnessTable(std::span<const std::vector<Vec3f>> clouds, const IcpOptions& options) {
-  std::vector<RegisteredPair> table;
-  for (std::size_t source = 0; source < clouds.size(); ++source) {
-    for (std::size_t target = 0; target < clouds.size(); ++target) {
-      if (source != target) table.push_back({source, target, {}});
-    }
-  }
-  parallelFor(table.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      table[i].result = registerClouds(clouds[table[i].source], clouds[table[i].target], options);
-    }
-  });
-  return table;
-}
-
 FitnessSpread fitnessSpread(std::span<const std::optional<double>> values) {
   FitnessSpread spread;
   double sum = 0;

@@ -38,16 +38,6 @@ struct Registered {
 // Moves `source` onto `target`, starting where they lie.
 Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> target, const IcpOptions& options = {});
 
-// Two clouds, named by their places in a list.
-struct RegisteredPair {
-  std::size_t source = 0;
-  std::size_t target = 0;
-  Registered result;
-};
-
-// All ordered pairs of different clouds, by source, then target. Uses all threads.
-std::vector<RegisteredPair> fitnessTable(std::span<const std::vector<Vec3f>> clouds, const IcpOptions& options = {});
-
 // Of repeated measurements of one thing. All zero where there are none.
 struct FitnessSpread {
   std::size_t count = 0;

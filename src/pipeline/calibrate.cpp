@@ -127,11 +127,8 @@ class Calibrator {
     const auto shares = static_cast<std::uint32_t>(scenes_.size());
     const std::uint32_t count = choice_.shots / shares + (index < choice_.shots % shares ? 1 : 0);
     std::vector<Shot> shots;
-    const std::uint32_t frames = std::min(count, own.frames);
-    frames_ += frames;
-    for (std::uint32_t f = 0; f < frames; ++f) {
-      const auto frame =
-          static_cast<std::uint32_t>((std::uint64_t{f} * 2 + 1) * own.frames / (std::uint64_t{frames} * 2));
+    for (const std::uint32_t frame : own.spreadFrames(count)) {
+      ++frames_;
       for (Shot& shot : plan_.shots(sequence, frame)) shots.push_back(std::move(shot));
     }
     MeasureOptions options;

@@ -3,21 +3,21 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
 
 #include "base/parallel.h"
+#include "base/wall_timer.h"
 
 namespace scanmill {
 
 namespace {
 
 double secondsOfWork(const auto& work) {
-  const auto start = std::chrono::steady_clock::now();
+  const WallTimer timer;
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return timer.seconds();
 }
 
 double leastOf(const std::vector<double>& values) {

@@ -366,6 +366,15 @@ SensorEffects readSensorEffects(const Value& list, const MountedSensor& sensor) 
   return inOrder(std::move(made));
 }
 
+std::vector<std::uint32_t> Sequence::spreadFrames(std::uint32_t most) const {
+  std::vector<std::uint32_t> spread;
+  const std::uint64_t count = std::min(most, frames);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    spread.push_back(static_cast<std::uint32_t>((i * 2 + 1) * frames / (count * 2)));
+  }
+  return spread;
+}
+
 std::string Sequence::key() const {
   return fmt::format("{}-s{}-{}", scene, sceneSeed, keyPart(trajectoryName));
 }

@@ -52,6 +52,8 @@ struct Sequence {
   bool sameScene(const Sequence& other) const {
     return scene == other.scene && sceneFile == other.sceneFile && sceneSeed == other.sceneSeed;
   }
+  // At most so many frames, each in the middle of an equal part of the sequence.
+  std::vector<std::uint32_t> spreadFrames(std::uint32_t most) const;
   std::string key() const;                     // "street-s1-lane"
   std::string key(std::uint32_t frame) const;  // "street-s1-lane-000012"
 };

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "evaluate/cloud_distance.h"
+#include "evaluate/cloud_errors.h"
 #include "evaluate/hit_errors.h"
 #include "tests/methods/trace.h"
 #include "tests/support/points_of.h"
@@ -60,8 +60,7 @@ int run() {
     const Hits tested = traced(*method, shot);
     const HitErrors e = compareHits(truth, tested, edges);
     const std::vector<Vec3f> here = pointsOf(shot, tested);
-    const Spread to = nearestDistances(there, here);
-    const Spread from = nearestDistances(here, there);
+    const CloudErrors cloud = cloudErrors(there, here);
     const auto share = [](std::uint64_t part, std::uint64_t whole) {
       return 100.0 * static_cast<double>(part) / static_cast<double>(whole);
     };
@@ -70,8 +69,8 @@ int run() {
         "| {} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.2f} % | {:.3f} % | {:.2f} % | {:.2f} % | {:.2f} "
         "| {:.2f} | {:.2f} |\n",
         s.name, r.median * 1e3, r.p95 * 1e3, r.p99 * 1e3, r.p999, r.max, share(e.sameLabel, e.bothHit),
-        share(e.interiorAgree, e.interior), share(e.lost, e.beams), share(e.spurious, e.beams), to.mean * 1e3,
-        from.mean * 1e3, std::max(to.max, from.max));
+        share(e.interiorAgree, e.interior), share(e.lost, e.beams), share(e.spurious, e.beams), cloud.to.mean * 1e3,
+        cloud.from.mean * 1e3, cloud.hausdorff);
     std::fflush(stdout);
   }
   return 0;

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "evaluate/cloud_distance.h"
+#include "evaluate/cloud_errors.h"
 #include "evaluate/hit_errors.h"
 #include "tests/methods/trace.h"
 #include "tests/support/points_of.h"
@@ -63,15 +63,14 @@ void printSettings(const Scene& scene, const Method& tracing) {
     const Hits tested = traced(*particleOf(scene, s.options), shot);
     const HitErrors e = compareHits(truth, tested, edges);
     const std::vector<Vec3f> here = pointsOf(shot, tested);
-    const Spread to = nearestDistances(there, here);
-    const Spread from = nearestDistances(here, there);
+    const CloudErrors cloud = cloudErrors(there, here);
     const Spread& r = e.rangeSameSurface;
     fmt::print(
         "| {} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.2f} % | {:.3f} % | {:.2f} % | {:.2f} % | {:.2f} | "
         "{:.2f} | {:.2f} |\n",
         s.name, r.median * 1e3, r.p95 * 1e3, r.p99, r.p999, r.max, percent(e.sameLabel, e.bothHit),
-        percent(e.interiorAgree, e.interior), percent(e.lost, e.beams), percent(e.spurious, e.beams), to.mean * 1e3,
-        from.mean * 1e3, std::max(to.max, from.max));
+        percent(e.interiorAgree, e.interior), percent(e.lost, e.beams), percent(e.spurious, e.beams),
+        cloud.to.mean * 1e3, cloud.from.mean * 1e3, cloud.hausdorff);
     std::fflush(stdout);
   }
 }

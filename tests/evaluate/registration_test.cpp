@@ -203,31 +203,6 @@ TEST(Icp, MoreStepsNeverFitMuchWorse) {
   }
 }
 
-TEST(FitnessTable, HoldsEveryOrderedPairWithAnyNumberOfThreads) {
-  const std::vector<Points> clouds{randomCloud(80, 1), randomCloud(60, 2, 0.2f), {}, randomCloud(70, 3), {{1, 2, 3}}};
-  const auto table = [&](int threads) {
-    const ThreadLimit limit(threads);
-    return fitnessTable(clouds);
-  };
-  const std::vector<RegisteredPair> pairs = table(2);
-  ASSERT_EQ(pairs.size(), 20u);
-  std::size_t i = 0;
-  for (std::size_t s = 0; s < clouds.size(); ++s) {
-    for (std::size_t t = 0; t < clouds.size(); ++t) {
-      if (s == t) continue;
-      EXPECT_EQ(pairs[i].source, s);
-      EXPECT_EQ(pairs[i].target, t);
-      EXPECT_EQ(pairs[i].result.unmoved, fitness(clouds[s], clouds[t]));
-      EXPECT_EQ(pairs[i].result.fitness, registerClouds(clouds[s], clouds[t]).fitness);
-      ++i;
-    }
-  }
-  const std::vector<RegisteredPair> alone = table(1);
-  for (std::size_t p = 0; p < pairs.size(); ++p) EXPECT_EQ(pairs[p].result.fitness, alone[p].result.fitness);
-  EXPECT_TRUE(fitnessTable({}).empty());
-  EXPECT_TRUE(fitnessTable(std::span(clouds).first(1)).empty());
-}
-
 TEST(FitnessSpread, IsThatOfTheSample) {
   const std::vector<std::optional<double>> values{2, std::nullopt, 4, 9, std::nullopt};
   const FitnessSpread spread = fitnessSpread(values);

@@ -3,16 +3,17 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
+
+#include "base/wall_timer.h"
 
 namespace scanmill {
 
 namespace {
 
 double secondsFor(const auto& work) {
-  const auto start = std::chrono::steady_clock::now();
+  const WallTimer timer;
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return timer.seconds();
 }
 
 template <class Work>

@@ -74,7 +74,8 @@ std::string facts(const Study& study) {
   const auto fact = [&](const char* name, const std::string& value) {
     if (!value.empty()) out += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, escapeXml(value));
   };
-  for (const StudyScene& s : study.scenes) {
+  const StudyScene& s = study.scene;
+  if (!s.key.empty()) {
     fact("Scene", fmt::format("{}, {} triangles{}{}", s.key, amountText(static_cast<double>(s.triangles)),
                               s.frames.empty()       ? ""
                               : s.frames.size() == 1 ? ", scanned at frame "
@@ -83,7 +84,7 @@ std::string facts(const Study& study) {
   }
   for (const std::string& sensor : study.sensors) fact("Sensor", sensor);
   if (study.shots > 0) {
-    fact("Scans", fmt::format("{} of {} beams, timed {}{}", pluralOf(study.shots, "scan"),
+    fact("Scans", fmt::format("{} of {} beams, timed at least {}{}", pluralOf(study.shots, "scan"),
                               amountText(static_cast<double>(study.beamsPerShot)),
                               study.repeats == 1 ? "once" : fmt::format("{} times", study.repeats),
                               study.shots == 1 ? "" : " each"));

@@ -92,7 +92,7 @@ std::string shortName(const Setting& setting) {
 std::string sceneNote(const Study& study) {
   std::string sensors;
   for (const std::string& s : study.sensors) sensors += (sensors.empty() ? "" : "; ") + s;
-  return fmt::format("{}; {}; {}, {}", study.sequence.empty() ? study.pipelineName : study.sequence, sensors,
+  return fmt::format("{}; {}; {}, {}", study.scene.key.empty() ? study.pipelineName : study.scene.key, sensors,
                      study.machine.processor, pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"));
 }
 

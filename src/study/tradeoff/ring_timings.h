@@ -2,9 +2,7 @@
 
 // How long scans take by the number of rings: a fixed cost and a slope.
 
-#include <functional>
 #include <memory>
-#include <span>
 
 #include "sensors/beams.h"
 #include "study/tradeoff/study.h"

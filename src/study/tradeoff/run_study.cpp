@@ -1,12 +1,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <ctime>
 #include <fstream>
 #include <set>
 
 #include "base/parallel.h"
+#include "base/wall_timer.h"
 #include "config/version.h"
 #include "passes/compute.h"
 #include "pipeline/intensity.h"
@@ -21,12 +21,6 @@
 namespace scanmill {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::string today() {
   const std::time_t now = std::time(nullptr);
@@ -53,17 +47,6 @@ std::string graphicsName() {
   }
 }
 
-// `count` frames spread evenly over the sequence, each with all its sensors.
-std::vector<std::uint32_t> framesOf(const Sequence& sequence, std::uint32_t count) {
-  std::vector<std::uint32_t> frames;
-  const std::uint32_t most = std::min(count, sequence.frames);
-  for (std::uint32_t i = 0; i < most; ++i) {
-    frames.push_back(
-        static_cast<std::uint32_t>((std::uint64_t{i} * 2 + 1) * sequence.frames / (std::uint64_t{most} * 2)));
-  }
-  return frames;
-}
-
 class StudyRun {
  public:
   StudyRun(const Plan& plan, const StudyOptions& options)
@@ -88,7 +71,7 @@ class StudyRun {
     takeRings();
     takeEncodings();
     takePictures();
-    study_.seconds = secondsSince(start_);
+    study_.seconds = timer_.seconds();
     return std::move(study_);
   }
 
@@ -108,8 +91,7 @@ class StudyRun {
     study_.budgetGiven = options_.budgetSeconds > 0;
     study_.budgetSeconds = static_cast<std::uint64_t>(budget_);
     study_.repeats = choice_.repeats;
-    study_.sequence = sequence_.key();
-    study_.scenes.push_back({sequence_.key(), scene_.placedTriangles(), {}});
+    study_.scene = {sequence_.key(), scene_.placedTriangles(), {}};
     for (std::size_t s = 0; s < plan_.beams().size(); ++s) {
       const BeamTable& b = *plan_.beams()[s];
       study_.sensors.push_back(
@@ -120,7 +102,7 @@ class StudyRun {
 
   // As many frames as the budget seems to hold: a scan by each method's first setting tells.
   void takeShots(std::uint32_t most) {
-    const std::vector<Shot> first = plan_.shots(choice_.sequence, framesOf(sequence_, 1).front());
+    const std::vector<Shot> first = plan_.shots(choice_.sequence, sequence_.spreadFrames(1).front());
     double setup = 0;
     double perFrame = 0;
     std::map<std::string, std::pair<double, double>> known;  // by method: set-up, scan (s)
@@ -131,14 +113,14 @@ class StudyRun {
         progress_.say(fmt::format("a first look at {}", s.setting.method));
         at = known.emplace(s.setting.method, std::pair{0.0, 0.0}).first;
         try {
-          const auto start = Clock::now();
+          const WallTimer timer;
           const auto method = makeMethod(builtAnew(s.choice), scene_);
           method->prepare(first.front());
           for (const Shot& shot : first) method->trace(shot, measureOptions_.channels, hits);
-          at->second.first = secondsSince(start);
-          const auto again = Clock::now();
+          at->second.first = timer.seconds();
+          const WallTimer again;
           for (const Shot& shot : first) method->trace(shot, measureOptions_.channels, hits);
-          at->second.second = secondsSince(again);
+          at->second.second = again.seconds();
         } catch (const Error&) {
           // Its rows will say why.
         }
@@ -148,14 +130,14 @@ class StudyRun {
     }
     constexpr double kShare = 0.6;         // of the budget: other settings take longer than the first ones
     constexpr double kTruthSeconds = 1.5;  // a frame's truth, edges and distances between clouds, about
-    const double left = kShare * budget_ - secondsSince(start_) - setup;
+    const double left = kShare * budget_ - timer_.seconds() - setup;
     const double fitting = left / (perFrame + kTruthSeconds + 0.15 * static_cast<double>(choice_.settings.size()));
     const auto count = static_cast<std::uint32_t>(std::clamp(fitting, 1.0, static_cast<double>(most)));
     progress_.say("tracing the truth");
     std::vector<Shot> shots;
-    for (const std::uint32_t frame : framesOf(sequence_, count)) {
+    for (const std::uint32_t frame : sequence_.spreadFrames(count)) {
       for (Shot& shot : plan_.shots(choice_.sequence, frame)) shots.push_back(std::move(shot));
-      study_.scenes.front().frames.push_back(frame);
+      study_.scene.frames.push_back(frame);
     }
     truth_ = trueShots(scene_, std::move(shots), measureOptions_);
     if (!anyHit(truth_)) {
@@ -174,7 +156,7 @@ class StudyRun {
     for (const MethodSetting& s : choice_.settings) {
       checkStopped();
       // Whatever the budget, there is something to report.
-      if (!study_.settings.empty() && secondsSince(start_) > budget_) {
+      if (!study_.settings.empty() && timer_.seconds() > budget_) {
         study_.left.push_back(fmt::format("{}: the budget of {} was spent", s.setting.name, shortTime(budget_)));
         progress_.advance(1, 0);
         continue;
@@ -199,7 +181,7 @@ class StudyRun {
     std::set<std::string> seen;
     for (const MethodSetting& s : choice_.settings) {
       if (!seen.insert(s.setting.method).second) continue;
-      if (secondsSince(start_) > budget_) {
+      if (timer_.seconds() > budget_) {
         study_.left.push_back(
             fmt::format("rings of {}: the budget of {} was spent", s.setting.name, shortTime(budget_)));
         continue;
@@ -237,57 +219,57 @@ class StudyRun {
     const auto timed = [&](const auto& work) {
       std::vector<double> seconds;
       for (int i = 0; i < std::max(choice_.repeats, 3); ++i) {
-        const auto start = Clock::now();
+        const WallTimer timer;
         work();
-        seconds.push_back(secondsSince(start));
+        seconds.push_back(timer.seconds());
       }
       return spreadOf(std::move(seconds)).median;
     };
     fit.timings.push_back({rings, timed([&] { method->trace(shot, measureOptions_.channels, hits); })});
     if (!study_.rings.empty() || setting.setting.name != choice_.settings.front().setting.name) return;
     if (!study_.showing) study_.showing = RingFit{};
-    const Scan scan = sensed(shot, hits);
+    Returns returns;
+    Scan scan;
+    senseInto(shot, hits, returns, scan);
     study_.showing->timings.push_back({rings, timed([&] { drawPicture(scan, &scene_.ontology, {}, "scan"); })});
   }
 
-  Scan sensed(const Shot& shot, const Hits& hits) const {
-    Returns scratch;
-    Scan scan;
-    sense(hits, shot, plan_.pipeline().effectsOf(shot.sensor), scene_.materials, plan_.pipeline().columns, scratch,
+  void senseInto(const Shot& shot, const Hits& hits, Returns& returns, Scan& scan) const {
+    sense(hits, shot, plan_.pipeline().effectsOf(shot.sensor), scene_.materials, plan_.pipeline().columns, returns,
           scan);
-    return scan;
   }
 
   void takeEncodings() {
     const ThreadLimit one(1);
     progress_.say("encodings");
+    const auto tracer = makeMethod({&requireMethod("ray_tracing", {}), {}, false}, scene_);
     std::vector<Scan> scans;
     double effects = 0;
     constexpr std::size_t kMostScans = 4;
+    Hits hits;
+    Returns returns;
+    Scan scan;
     for (const TrueShot& t : truth_) {
       if (scans.size() == kMostScans) break;
-      Hits hits;
-      const auto tracer = makeMethod(choiceNamed("ray_tracing"), scene_);
       tracer->trace(t.shot, plan_.channels(), hits);
-      scans.push_back(sensed(t.shot, hits));
-      const auto start = Clock::now();
-      sensed(t.shot, hits);
-      effects += secondsSince(start);
+      senseInto(t.shot, hits, returns, scan);  // once untimed: buffers go from scan to scan
+      const WallTimer timer;
+      senseInto(t.shot, hits, returns, scan);
+      effects += timer.seconds();
+      scans.push_back(scan);
     }
     const auto count = static_cast<double>(scans.size());
     study_.commonStages["effects"] = effects / count;
     for (const FormatChoice& format : plan_.pipeline().formats) {
-      const auto start = Clock::now();
-      for (const Scan& scan : scans) format.format->encode(scan);
-      study_.commonStages[fmt::format("encode {}", format.entry->name)] = secondsSince(start) / count;
+      const WallTimer timer;
+      for (const Scan& s : scans) format.format->encode(s);
+      study_.commonStages[fmt::format("encode {}", format.entry->name)] = timer.seconds() / count;
     }
     for (const StudyEncoding& encoding : choice_.encodings) {
       checkStopped();
       study_.encodings.push_back(measureEncoding(encoding, scans, choice_.repeats));
     }
   }
-
-  static MethodChoice choiceNamed(std::string_view name) { return {&requireMethod(name, {}), {}, false}; }
 
   // Where shortcuts err: of each method that errs, its first setting that does and its worst.
   void takePictures() {
@@ -328,7 +310,7 @@ class StudyRun {
   const Sequence& sequence_;
   double budget_;
   Progress progress_;
-  Clock::time_point start_ = Clock::now();
+  WallTimer timer_;
   Scene scene_;
   MeasureOptions measureOptions_;
   std::vector<TrueShot> truth_;

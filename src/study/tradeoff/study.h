@@ -84,9 +84,8 @@ struct Study {
   std::uint64_t budgetSeconds = 0;
   int repeats = 0;
   double seconds = 0;  // that the study took
-  std::vector<StudyScene> scenes;
+  StudyScene scene;
   std::vector<std::string> sensors;  // "top: paper_64, 64 x 2048 beams"
-  std::string sequence;              // of the pipeline: whose frames are looked at
   std::uint64_t shots = 0;
   std::uint64_t beamsPerShot = 0;  // mean over the shots
   Ontology ontology;

@@ -110,10 +110,10 @@ template <class Archive>
 void describe(Archive& a, Study& s) {
   a("program_version", s.programVersion)("date", s.date)("machine", s.machine)("pipeline_name", s.pipelineName)(
       "pipeline_file", s.pipelineFile)("budget_given", s.budgetGiven)("pipeline_text", s.pipelineText)(
-      "budget_s", s.budgetSeconds)("repeats", s.repeats)("seconds", s.seconds)("scenes", s.scenes)(
-      "sensors", s.sensors)("sequence", s.sequence)("shots", s.shots)("beams_per_shot", s.beamsPerShot)(
-      "ontology", s.ontology)("settings", s.settings)("common_stages_s", s.commonStages)("encodings", s.encodings)(
-      "rings", s.rings)("showing", s.showing)("left", s.left)("pictures", s.pictures);
+      "budget_s", s.budgetSeconds)("repeats", s.repeats)("seconds", s.seconds)("scene", s.scene)("sensors", s.sensors)(
+      "shots", s.shots)("beams_per_shot", s.beamsPerShot)("ontology", s.ontology)("settings", s.settings)(
+      "common_stages_s", s.commonStages)("encodings", s.encodings)("rings", s.rings)("showing", s.showing)(
+      "left", s.left)("pictures", s.pictures);
 }
 
 class JsonWriter {
@@ -234,7 +234,6 @@ Study parseStudy(const std::string& text, const std::string& file) {
   JsonReader reader(node);
   describe(reader, study);
   if (study.shots == 0 || study.beamsPerShot == 0) node.fail("holds no beams");
-  if (study.scenes.empty()) node.fail("names no scene");
   for (std::size_t i = 0; i < study.settings.size(); ++i) {
     const SettingResult& s = study.settings[i];
     const bool sane =

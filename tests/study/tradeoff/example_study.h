@@ -128,9 +128,8 @@ inline Study exampleStudy() {
   study.budgetSeconds = 300;
   study.repeats = 3;
   study.seconds = 214;
-  study.scenes = {{"street-s1-lane", 1'283'402, {3, 10, 17}}};
+  study.scene = {"street-s1-lane", 1'283'402, {3, 10, 17}};
   study.sensors = {"top: paper_64, 64 x 2048 beams"};
-  study.sequence = "street-s1-lane";
   study.shots = 3;
   study.beamsPerShot = 131'072;
   const std::vector<ExampleSetting> settings{

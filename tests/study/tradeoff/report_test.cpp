@@ -219,7 +219,7 @@ TEST(Report, HostileTextStaysText) {
   for (RingFit& f : study.rings) f.setting.name += hostile;
   study.pipelineName = study.pipelineText = study.pipelineFile = study.machine.processor = study.machine.renderer =
       study.date = hostile;
-  study.programVersion = study.scenes[0].key = study.sensors[0] = study.sequence = study.left[0] = hostile;
+  study.programVersion = study.scene.key = study.sensors[0] = study.left[0] = hostile;
   study.pictures[0].setting = study.pictures[0].title = hostile;
   study.commonStages[hostile] = 1;
   const std::string html = studyReport(study);

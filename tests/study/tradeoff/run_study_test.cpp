@@ -58,13 +58,11 @@ class RunStudy : public Yard {
 TEST_F(RunStudy, MeasuresEverySettingAgainstTheTruth) {
   const Study study = studied(withKey(three()));
   EXPECT_EQ(study.pipelineName, "yard");
-  EXPECT_EQ(study.sequence, "yard-s1-drive");
   EXPECT_EQ(study.shots, 3u);
   EXPECT_EQ(study.beamsPerShot, 512u);
-  ASSERT_THAT(study.scenes, SizeIs(1));
-  EXPECT_EQ(study.scenes[0].key, "yard-s1-drive");
-  EXPECT_THAT(study.scenes[0].frames, ElementsAre(0, 2, 3)) << "spread over the four";
-  EXPECT_GT(study.scenes[0].triangles, 60u);
+  EXPECT_EQ(study.scene.key, "yard-s1-drive");
+  EXPECT_THAT(study.scene.frames, ElementsAre(0, 2, 3)) << "spread over the four";
+  EXPECT_GT(study.scene.triangles, 60u);
   EXPECT_THAT(study.sensors, ElementsAre(AllOf(HasSubstr("top: "), HasSubstr("8 x 64 beams"))));
   EXPECT_EQ(study.repeats, 1);
   EXPECT_EQ(study.budgetSeconds, 300u);

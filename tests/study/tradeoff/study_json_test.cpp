@@ -82,7 +82,6 @@ TEST(StudyJson, ComesBackToTheByte) {
   }
   Study bare;
   bare.shots = bare.beamsPerShot = 1;
-  bare.scenes.resize(1);
   const std::string text = toJson(bare);
   EXPECT_EQ(toJson(parseStudy(text, "t.json")), text);
   EXPECT_FALSE(parseStudy(text, "t.json").showing.has_value());
@@ -169,7 +168,6 @@ TEST(StudyJson, RefusesWhatIsNoStudy) {
       {"/kind", "scanmill repeatability", "no trade-off study"},
       {"/shots", 0, "holds no beams"},
       {"/beams_per_shot", 0, "holds no beams"},
-      {"/scenes", Json::array(), "names no scene"},
       {"/shots", -3, "/shots: is number where a whole number"},
       {"/repeats", 1e300, "/repeats"},
       {"/settings/0/measured/cost/scan_s", "fast", "/settings/0/measured/cost/scan_s: is string where a number"},
