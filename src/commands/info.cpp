@@ -117,6 +117,7 @@ void printScan(const Scan& scan, const std::string& what) {
   add("column", scan.column.size(), [&](std::size_t i) { return scan.column[i]; });
   add("time (s)", scan.time.size(), [&](std::size_t i) { return scan.time[i]; });
   add("range_true (m)", scan.rangeTrue.size(), [&](std::size_t i) { return scan.rangeTrue[i]; });
+  add("incidence (rad)", scan.incidence.size(), [&](std::size_t i) { return scan.incidence[i]; });
   fmt::print("{}", formatTable(rows));
 }
 

@@ -16,6 +16,8 @@ namespace {
 constexpr double kNoiseReach = 1.5;
 // Ranges are stored in float32, or in CSV's decimal digits.
 constexpr double kRangeRounding = 1e-5;
+// rad: what Draco may move an incidence by, and more than float32 rounds pi/2 by.
+constexpr double kIncidenceSlack = 2e-4;
 
 // Counts the points that break a rule and remembers the first.
 class Rule {
@@ -130,6 +132,12 @@ class ScanCheck {
       range.check(isMiss(i) || (r >= beams_->minRange - slack && r <= beams_->maxRange + slack), i);
     }
     range.report(problems_);
+    Rule incidence("of an incidence outside 0 to pi/2");  // NaN: the recording did not know it
+    for (std::size_t i = 0; i < scan_.incidence.size(); ++i) {
+      const double angle = scan_.incidence[i];
+      incidence.check(std::isnan(angle) || (angle >= -kIncidenceSlack && angle <= kPi / 2 + kIncidenceSlack), i);
+    }
+    incidence.report(problems_);
     Rule time("of a time that is not finite");
     for (std::size_t i = 0; i < scan_.time.size(); ++i) time.check(std::isfinite(scan_.time[i]), i);
     time.report(problems_);

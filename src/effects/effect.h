@@ -59,6 +59,7 @@ struct ScanColumns {
   bool column = true;
   bool time = true;
   bool rangeTrue = false;
+  bool incidence = false;
 };
 
 // Channels of Hits that the effects and the columns need.

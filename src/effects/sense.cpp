@@ -72,6 +72,7 @@ void shape(Scan& scan, const Hits& hits, const ScanColumns& asked, bool lit, std
   fit(scan.column, asked.column, std::uint16_t{0});
   fit(scan.time, asked.time, 0.0f);
   fit(scan.rangeTrue, asked.rangeTrue, kNaN);
+  fit(scan.incidence, asked.incidence, kNaN);
 }
 
 // Looks up the rows of a dense scan at which the columns of a strip start; `row` is where the strip starts and ends.
@@ -159,6 +160,14 @@ void copy(const Moves& moves, const std::vector<T>& from, std::vector<T>& to) {
   for (std::size_t m = 0; m < moves.count; ++m) target[moves.to[m]] = source[moves.from[m]];
 }
 
+// From cosines. In double, as the float versions of the function differ between libraries. NaN stays NaN.
+void copyAngles(const Moves& moves, const std::vector<float>& cosines, std::vector<float>& to) {
+  if (to.empty()) return;
+  for (std::size_t m = 0; m < moves.count; ++m) {
+    to[moves.to[m]] = static_cast<float>(std::acos(std::clamp(double{cosines[moves.from[m]]}, 0.0, 1.0)));
+  }
+}
+
 void put(const Moves& moves, const std::array<std::uint16_t, kPoints>& values, std::vector<std::uint16_t>& to) {
   if (to.empty()) return;
   std::uint16_t* const target = to.data();
@@ -172,6 +181,7 @@ Channels channelsFor(std::span<const std::unique_ptr<Effect>> effects, const Sca
   for (const auto& effect : effects) channels |= effect->reads();
   if (columns.label) channels |= Channel::Semantic;
   if (columns.instance) channels |= Channel::Instance;
+  if (columns.incidence) channels |= Channel::Incidence;
   return channels;
 }
 
@@ -208,6 +218,7 @@ void sense(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<E
       copy(moves, hits.instance, scan.instance);
       copy(moves, beams.time, scan.time);
       copy(moves, hits.range, scan.rangeTrue);
+      copyAngles(moves, hits.incidence, scan.incidence);
       put(moves, moves.ring, scan.ring);
       put(moves, moves.column, scan.column);
     }

@@ -47,6 +47,7 @@ Scan withoutMisses(const Scan& scan) {
   dense.column = gathered(scan.column, rows);
   dense.time = gathered(scan.time, rows);
   dense.rangeTrue = gathered(scan.rangeTrue, rows);
+  dense.incidence = gathered(scan.incidence, rows);
   return dense;
 }
 

@@ -21,6 +21,7 @@ void visitOptionalColumns(ScanType& scan, Visit&& visit) {
   visit(std::string_view("column"), scan.column);
   visit(std::string_view("time"), scan.time);
   visit(std::string_view("range_true"), scan.rangeTrue);
+  visit(std::string_view("incidence"), scan.incidence);
 }
 
 // visit(name, empty column) for the optional columns among `names`.

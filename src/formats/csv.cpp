@@ -20,8 +20,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::array<const char*, 10> kNames{"x",        "y",    "z",      "intensity", "label",
-                                             "instance", "ring", "column", "time",      "range_true"};
+constexpr std::array<const char*, 11> kNames{"x",    "y",      "z",    "intensity",  "label",    "instance",
+                                             "ring", "column", "time", "range_true", "incidence"};
 
 // Cuts the text up to the next `separator`, which is removed; the rest of the text where there is none.
 std::string_view cut(std::string_view& text, char separator) {
@@ -82,8 +82,10 @@ void readCell(Scan& scan, std::size_t index, std::string_view word, const Locati
       return readInto(scan.column, word, index, where);
     case 8:
       return readInto(scan.time, word, index, where);
-    default:
+    case 9:
       return readInto(scan.rangeTrue, word, index, where);
+    default:
+      return readInto(scan.incidence, word, index, where);
   }
 }
 

@@ -7,9 +7,10 @@
 //   time: false         # time follows from ring and column by the beam table in the manifest, so it is left out
 //
 // POSITION is a quantised float32 attribute: any reader gets metres. The others are GENERIC with a metadata entry
-// "name" (label, instance, ring, column, intensity, time, range_true). Integers have the narrowest of u8, u16 and u32
-// and are never changed; intensities that are all integers up to 65535 are such too, others are float32. The geometry's
-// metadata holds rings and columns of the sensor. Misses are left out: ring and column join what stays.
+// "name" (label, instance, ring, column, intensity, time, range_true, incidence). Integers have the narrowest of u8,
+// u16 and u32 and are never changed; intensities that are all integers up to 65535 are such too, others are float32.
+// Incidences are quantised, within 0.1 mrad. The geometry's metadata holds rings and columns of the sensor. Misses are
+// left out: ring and column join what stays.
 //
 // What was measured (tests/benchmarks/encoders.cpp): a street seen by 64 x 2048 beams with 10 mm of range noise, in
 // firing and in image order; xyz, intensity, label, instance, ring, column; 1 mm. Million points per second of
@@ -50,6 +51,9 @@ namespace {
 // Beside the points' own: metadata and descriptors; tables of probabilities of the lengths of symbols.
 constexpr double kMostHeaderBytes = 100;
 constexpr double kMostColumnBytes = 200;
+
+// rad, 0.006 deg: less than the 0.35 mrad between the angles whose float32 cosines are nearest to 1.
+constexpr double kIncidenceError = 1e-4;
 
 // What an entry of symbols of so many bits takes at most: its length, the symbols themselves, and less than one for
 // probabilities that are rounded. Symbols with probabilities of their own are only taken where they are shorter.
@@ -117,7 +121,7 @@ class DracoFormat : public Format {
       if (name == "range_true") {
         bits += symbolBits(mostIndexBits(outline.reach, 1, options_.maxError), 1);
       } else if (std::is_floating_point_v<T>) {
-        bits += 32;  // more than integers and quantised intensities take
+        bits += 32;  // more than integers and quantised values take
       } else {
         const std::uint32_t largest = name == "ring"     ? outline.rings
                                       : name == "column" ? outline.columns
@@ -153,7 +157,8 @@ class DracoFormat : public Format {
     if (!scan.ring.empty()) writer.addIntegers("ring", scan.ring);
     if (!scan.column.empty()) writer.addIntegers("column", scan.column);
     if (options_.time && !scan.time.empty()) writer.addFloats("time", scan.time);
-    if (!scan.rangeTrue.empty()) addRange(scan, writer);
+    if (!scan.rangeTrue.empty()) addBounded("range_true", scan.rangeTrue, options_.maxError, writer);
+    if (!scan.incidence.empty()) addIncidence(scan, writer);
     return writer.finish();
   }
 
@@ -183,11 +188,20 @@ class DracoFormat : public Format {
     writer.addFloats("intensity", scan.intensity);
   }
 
-  void addRange(const Scan& scan, DracoWriter& writer) const {
-    if (!allFinite(scan.rangeTrue)) return writer.addFloats("range_true", scan.rangeTrue);
-    const auto [low, high] = std::minmax_element(scan.rangeTrue.begin(), scan.rangeTrue.end());
-    const Grid grid = chooseGrid({&*low, 1}, {&*high, 1}, options_.maxError, "draco: range_true");
-    writer.addQuantised("range_true", onGrid(scan.rangeTrue, grid));
+  static void addIncidence(const Scan& scan, DracoWriter& writer) {
+    // A foreign scan may hold anything under this name.
+    const auto isAngle = [](float angle) { return angle >= 0 && angle < 2; };
+    if (!std::all_of(scan.incidence.begin(), scan.incidence.end(), isAngle)) {
+      return writer.addFloats("incidence", scan.incidence);
+    }
+    addBounded("incidence", scan.incidence, kIncidenceError, writer);
+  }
+
+  static void addBounded(const std::string& name, std::span<const float> values, double bound, DracoWriter& writer) {
+    if (!allFinite(values)) return writer.addFloats(name, values);
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    const Grid grid = chooseGrid({&*low, 1}, {&*high, 1}, bound, "draco: " + name);
+    writer.addQuantised(name, onGrid(values, grid));
   }
 
   DracoOptions options_;

@@ -13,8 +13,8 @@ std::span<const FormatEntry> formats() {
       {"pcd", "pcd", "PCD 0.7 of the Point Cloud Library, lossless", "encoding: binary_compressed, binary or ascii",
        makePcd},
       {"draco", "drc",
-       "Draco, positions within max_error_mm and ids exact, misses left out; time only where asked for, as it follows "
-       "from ring and column",
+       "Draco, positions within max_error_mm, incidences within 0.1 mrad and ids exact, misses left out; time only "
+       "where asked for, as it follows from ring and column",
        "max_error_mm: 1 mm, of a position; "
        "speed: 7, of the encoder, 0 (smallest file) to 10 (fastest); "
        "intensity_bits: 0, 1 to 16 quantise the intensity, 0 keeps it exact; "

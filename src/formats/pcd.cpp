@@ -3,8 +3,8 @@
 //   format: pcd
 //   encoding: binary_compressed   # LZF over whole columns; or binary, rows as they are; or ascii
 //
-// Fields: x y z intensity time range_true F 4, label instance U 4, ring column U 2, as far as the scan has them. An
-// organised scan keeps WIDTH and HEIGHT, its misses are NaN. A comment keeps the sensor's rings and columns.
+// Fields: x y z intensity time range_true incidence F 4, label instance U 4, ring column U 2, as far as the scan has
+// them. An organised scan keeps WIDTH and HEIGHT, its misses are NaN. A comment keeps the sensor's rings and columns.
 
 #include <fmt/format.h>
 #include <pcl/io/lzf.h>
@@ -75,7 +75,7 @@ void scatter(const T* values, std::size_t count, char* to, std::size_t stride) {
 // Rows. A block stays in the first-level cache while one column after the other is spread over it.
 void appendBinary(const Scan& scan, std::string& out) {
   constexpr std::size_t kBlock = 256;
-  constexpr std::size_t kWidest = 40;
+  constexpr std::size_t kWidest = 40;  // bytes of a row with all columns
   const std::size_t stride = rowSize(columnNames(scan));
   out.reserve(out.size() + stride * scan.size());
   char block[kBlock * kWidest];

@@ -15,7 +15,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kLongestNumber = 16;  // "-1.17549435e-38" and a separator
-constexpr std::size_t kLongestRow = 10 * kLongestNumber;
+constexpr std::size_t kLongestRow = 11 * kLongestNumber;
 constexpr std::size_t kBuffer = 1 << 16;
 
 template <class T>

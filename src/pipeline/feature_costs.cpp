@@ -88,9 +88,10 @@ struct Column {
   bool ScanColumns::*flag;
 };
 
-constexpr Column kColumns[] = {{"label", &ScanColumns::label}, {"instance", &ScanColumns::instance},
-                               {"ring", &ScanColumns::ring},   {"column", &ScanColumns::column},
-                               {"time", &ScanColumns::time},   {"range_true", &ScanColumns::rangeTrue}};
+constexpr Column kColumns[] = {{"label", &ScanColumns::label},        {"instance", &ScanColumns::instance},
+                               {"ring", &ScanColumns::ring},          {"column", &ScanColumns::column},
+                               {"time", &ScanColumns::time},          {"range_true", &ScanColumns::rangeTrue},
+                               {"incidence", &ScanColumns::incidence}};
 
 // Those that go with an effect: itself and, where it sets the intensity, what looks at that.
 std::vector<bool> dependents(std::span<const std::unique_ptr<Effect>> effects,

@@ -18,7 +18,7 @@
 //   splits: {by: seed, train: 0.8, val: 0.1, test: 0.1}
 //   output:
 //     layout: dense                  # or organised
-//     columns: [intensity, label, instance, ring, column, time, range_true]
+//     columns: [intensity, label, instance, ring, column, time, range_true, incidence]
 //     formats: [pcd, {draco: {max_error_mm: 1}}]
 //     shard_mb: 256
 //   limits: {max_rays: 1e11}
@@ -328,7 +328,7 @@ void readOutput(const Value& value, Pipeline& pipeline) {
     ScanColumns& c = pipeline.columns;
     const std::vector<std::pair<std::string, bool*>> table{
         {"intensity", &c.intensity}, {"label", &c.label}, {"instance", &c.instance},    {"ring", &c.ring},
-        {"column", &c.column},       {"time", &c.time},   {"range_true", &c.rangeTrue},
+        {"column", &c.column},       {"time", &c.time},   {"range_true", &c.rangeTrue}, {"incidence", &c.incidence},
     };
     std::vector<std::string> names;
     for (const auto& [name, flag] : table) {

@@ -264,7 +264,8 @@ std::vector<std::string> Plan::columns() const {
                                                    {c.ring, "ring"},
                                                    {c.column, "column"},
                                                    {c.time, "time"},
-                                                   {c.rangeTrue, "range_true"}};
+                                                   {c.rangeTrue, "range_true"},
+                                                   {c.incidence, "incidence"}};
   for (const auto& [asked, name] : optional) {
     if (asked) names.emplace_back(name);
   }

@@ -14,6 +14,7 @@ std::vector<std::string> columnNames(const Scan& scan) {
   add(scan.column, "column");
   add(scan.time, "time");
   add(scan.rangeTrue, "range_true");
+  add(scan.incidence, "incidence");
   return names;
 }
 

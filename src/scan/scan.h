@@ -27,6 +27,9 @@ struct Scan {
   std::vector<std::uint16_t> column;    // optional
   std::vector<float> time;              // s since the start of the turn; optional
   std::vector<float> rangeTrue;         // m, noise-free; NaN on an organised miss; optional
+  // rad, between the beam and the normal of the surface that it meets, noise-free: 0 head-on, pi/2 grazing; NaN on an
+  // organised miss, and where a recording does not know the normal; optional
+  std::vector<float> incidence;
 
   std::size_t size() const { return position.size(); }
   std::uint32_t width() const { return organised ? columns : static_cast<std::uint32_t>(size()); }
@@ -34,7 +37,7 @@ struct Scan {
 };
 
 // Names of the columns that a scan holds: "x", "y", "z", "intensity", "label", "instance", "ring", "column", "time",
-// "range_true", in this order.
+// "range_true", "incidence", in this order.
 std::vector<std::string> columnNames(const Scan& scan);
 
 }  // namespace scanmill

@@ -5,10 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 
 #include "base/error.h"
-#include "viewer/color_map.h"
 
 namespace scanmill {
 
@@ -16,8 +15,10 @@ namespace {
 
 void requireColumn(const Scan& scan, bool present, ColorBy colorBy, const char* column) {
   if (present || scan.size() == 0) return;
-  throw InputError(fmt::format("the scan has no column '{}', which --color {} needs; it has {}", column,
-                               kColorNames[static_cast<std::size_t>(colorBy)], fmt::join(columnNames(scan), ", ")));
+  throw InputError(
+      fmt::format("the scan has no column '{}', which --color {} needs; it has {} (a dataset's scans have "
+                  "what `output.columns` of its pipeline names)",
+                  column, kColorNames[static_cast<std::size_t>(colorBy)], fmt::join(columnNames(scan), ", ")));
 }
 
 ColorBy defaultFor(const Scan& scan) {
@@ -28,15 +29,15 @@ ColorBy defaultFor(const Scan& scan) {
 Coloring byClass(const Scan& scan, const Ontology* ontology) {
   Coloring out;
   out.legend.title = "class";
-  std::set<std::uint16_t> present;
+  std::map<std::uint16_t, std::uint64_t> present;
   for (std::size_t i = 0; i < scan.label.size(); ++i) {
     out.colors.push_back(classColor(ontology, scan.label[i]));
-    if (isFinite(scan.position[i])) present.insert(scan.label[i]);
+    if (isFinite(scan.position[i])) ++present[scan.label[i]];
   }
-  for (const std::uint16_t id : present) {
+  for (const auto& [id, points] : present) {
     const SemanticClass* known = ontology == nullptr ? nullptr : ontology->find(id);
     out.legend.entries.push_back(
-        {known == nullptr ? fmt::format("class {}", id) : known->name, classColor(ontology, id)});
+        {known == nullptr ? fmt::format("class {}", id) : known->name, classColor(ontology, id), id, points});
   }
   return out;
 }
@@ -44,17 +45,30 @@ Coloring byClass(const Scan& scan, const Ontology* ontology) {
 Coloring byInstance(const Scan& scan) {
   Coloring out;
   out.legend.title = "instance";
-  std::set<std::uint32_t> present;
+  std::map<std::uint32_t, std::uint64_t> present;
   for (std::size_t i = 0; i < scan.instance.size(); ++i) {
     out.colors.push_back(instanceColor(scan.instance[i]));
-    if (isFinite(scan.position[i]) && scan.instance[i] != 0) present.insert(scan.instance[i]);
+    if (isFinite(scan.position[i])) ++present[scan.instance[i]];
   }
+  const std::uint64_t none = present[0];
+  present.erase(0);
   if (!present.empty()) {
+    std::uint64_t points = 0;
+    for (const auto& [id, count] : present) points += count;
     out.legend.entries.push_back(
         {fmt::format("{} instance{}, a colour each", present.size(), present.size() == 1 ? "" : "s"),
-         instanceColor(*present.begin())});
+         instanceColor(present.begin()->first), -1, points});
   }
-  out.legend.entries.push_back({"no instance", instanceColor(0)});
+  out.legend.entries.push_back({"no instance", instanceColor(0), -1, none});
+  return out;
+}
+
+Coloring inOneColor(const Scan& scan, std::string title, std::string name, const Rgb& color) {
+  Coloring out;
+  out.colors.assign(scan.size(), color);
+  out.legend.title = std::move(title);
+  const auto points = std::count_if(scan.position.begin(), scan.position.end(), isFinite<float>);
+  out.legend.entries.push_back({std::move(name), color, -1, static_cast<std::uint64_t>(points)});
   return out;
 }
 
@@ -64,58 +78,105 @@ double percentile(std::vector<double>& values, double share) {
   return *place;
 }
 
+struct Scale {
+  std::string title;
+  double clipped = 0;  // share of the values beyond either end that is given by the values
+  double power = 1;
+  std::optional<double> low{};  // ends that are given by what is shown
+  std::optional<double> high{};
+};
+
+constexpr double kClipped = 0.01;
+constexpr double kFirstReturn = 0.7;  // of the colour map
+
 // `at(i)` is the value of point i.
 template <class At>
-Coloring byNumber(const Scan& scan, std::string title, double clipped, double power, const At& at) {
+Coloring byNumber(const Scan& scan, const Scale& scale, const At& at) {
   Coloring out;
-  out.legend.title = std::move(title);
+  out.legend.title = scale.title;
   out.legend.scale = true;
-  out.legend.power = power;
+  out.legend.power = scale.power;
   std::vector<double> finite;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (isFinite(scan.position[i]) && std::isfinite(static_cast<double>(at(i)))) finite.push_back(at(i));
   }
-  if (!finite.empty()) {
-    out.legend.low = percentile(finite, clipped);
-    out.legend.high = percentile(finite, 1 - clipped);
-  }
+  const auto end = [&](const std::optional<double>& given, double share) {
+    return given ? *given : finite.empty() ? 0 : percentile(finite, share);
+  };
+  out.legend.low = end(scale.low, scale.clipped);
+  out.legend.high = end(scale.high, 1 - scale.clipped);
   const double span = out.legend.high - out.legend.low;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const double value = at(i);
     const double share = span > 0 ? std::clamp((value - out.legend.low) / span, 0.0, 1.0) : 0.5;
-    out.colors.push_back(std::isfinite(value) ? viridis(std::pow(share, 1 / power)) : kNoValue);
+    out.colors.push_back(std::isfinite(value) ? viridis(std::pow(share, 1 / scale.power)) : kNoValue);
   }
   return out;
 }
 
+double distanceOf(const Scan& scan, std::size_t i) {
+  return length(Vec3d(scan.position[i]));
+}
+
+Coloring byError(const Scan& scan, const ColorContext& context) {
+  const Scale scale{context.errorTitle.empty() ? "error (m)" : context.errorTitle, kClipped, 1, 0.0};
+  if (!context.error.empty()) {
+    if (context.error.size() != scan.size()) {
+      throw Error(fmt::format("{} errors for the {} points of a scan", context.error.size(), scan.size()));
+    }
+    return byNumber(scan, scale, [&](std::size_t i) { return context.error[i]; });
+  }
+  if (scan.rangeTrue.empty() && scan.size() > 0) {
+    throw InputError(
+        fmt::format("--color error needs something to compare with: name `range_true` in output.columns of the "
+                    "pipeline, or give a twin (--twin DATASET); the scan has {}",
+                    fmt::join(columnNames(scan), ", ")));
+  }
+  return byNumber(scan, scale, [&](std::size_t i) { return std::abs(distanceOf(scan, i) - scan.rangeTrue[i]); });
+}
+
 }  // namespace
 
-Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Ontology* ontology) {
-  constexpr double kClipped = 0.01;
+Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const ColorContext& context) {
   const ColorBy by = colorBy.value_or(defaultFor(scan));
   switch (by) {
     case ColorBy::Class:
       requireColumn(scan, !scan.label.empty(), by, "label");
-      return byClass(scan, ontology);
+      return byClass(scan, context.ontology);
     case ColorBy::Instance:
       requireColumn(scan, !scan.instance.empty(), by, "instance");
       return byInstance(scan);
     case ColorBy::Intensity:
       requireColumn(scan, !scan.intensity.empty(), by, "intensity");
-      return byNumber(scan, "intensity", kClipped, 2, [&](std::size_t i) { return scan.intensity[i]; });
+      return byNumber(scan, {"intensity", kClipped, 2}, [&](std::size_t i) { return scan.intensity[i]; });
     case ColorBy::Ring:
       requireColumn(scan, !scan.ring.empty(), by, "ring");
-      return byNumber(scan, "ring", 0, 1, [&](std::size_t i) { return scan.ring[i]; });
+      return byNumber(scan, {"ring"}, [&](std::size_t i) { return scan.ring[i]; });
     case ColorBy::Time:
       requireColumn(scan, !scan.time.empty(), by, "time");
-      return byNumber(scan, "time (ms)", 0, 1, [&](std::size_t i) { return scan.time[i] * 1e3; });
+      return byNumber(scan, {"time (ms)"}, [&](std::size_t i) { return scan.time[i] * 1e3; });
     case ColorBy::Height:
-      return byNumber(scan, "height above the sensor (m)", kClipped, 1,
+      return byNumber(scan, {"height above the sensor (m)", kClipped},
                       [&](std::size_t i) { return scan.position[i].z; });
+    case ColorBy::Return:
+      // The sensors of this program report one return a beam, so scans have no column of its number.
+      return inOneColor(scan, "return", "first return (the only one)", viridis(kFirstReturn));
+    case ColorBy::Incidence:
+      requireColumn(scan, !scan.incidence.empty(), by, "incidence");
+      return byNumber(scan, {"incidence (deg)", 0, 1, 0.0, 90.0},
+                      [&](std::size_t i) { return degrees(scan.incidence[i]); });
+    case ColorBy::Error:
+      return byError(scan, context);
+    case ColorBy::Method:
+      return inOneColor(scan, "method", context.method.empty() ? "not known" : context.method, context.methodColor);
     case ColorBy::Range:
       break;
   }
-  return byNumber(scan, "range (m)", kClipped, 1, [&](std::size_t i) { return length(Vec3d(scan.position[i])); });
+  return byNumber(scan, {"range (m)", kClipped}, [&](std::size_t i) { return distanceOf(scan, i); });
+}
+
+Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Ontology* ontology) {
+  return colorScan(scan, colorBy, ColorContext{.ontology = ontology});
 }
 
 }  // namespace scanmill

@@ -3,24 +3,29 @@
 // What the colours of a picture mean.
 
 #include <array>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "scan/scan.h"
 #include "scene/ontology.h"
+#include "viewer/color_map.h"
 #include "viewer/image.h"
 
 namespace scanmill {
 
-enum class ColorBy { Class, Intensity, Instance, Range, Ring, Time, Height };
-constexpr std::array<std::string_view, 7> kColorNames{"class", "intensity", "instance", "range",
-                                                      "ring",  "time",      "height"};
+enum class ColorBy { Class, Intensity, Instance, Range, Ring, Time, Height, Return, Incidence, Error, Method };
+constexpr std::array<std::string_view, 11> kColorNames{"class",  "intensity", "instance",  "range", "ring",  "time",
+                                                       "height", "return",    "incidence", "error", "method"};
 
 struct LegendEntry {
   std::string name;
   Rgb color{};
+  std::int64_t id = -1;      // class id; -1: none
+  std::uint64_t points = 0;  // finite ones of this colour
 };
 
 // Either named colours or a scale from `low` to `high`.
@@ -38,10 +43,23 @@ struct Coloring {
   Legend legend;
 };
 
+// What a scan does not say of itself.
+struct ColorContext {
+  const Ontology* ontology = nullptr;
+  std::span<const float> error{};  // m, one per point; NaN: not known; empty: none
+  std::string errorTitle{};        // "distance to the twin (m)"; empty: "error (m)"
+  std::string method{};            // that made the scan; empty: not known
+  Rgb methodColor = kNoValue;
+};
+
 // Throws InputError where the scan lacks the column. Without a choice: class, else intensity, else range. The legend
 // names the classes that the scan holds, in the order of their ids. A scale of intensity, range or height runs from the
 // 1st to the 99th percentile (intensity by its square root: it falls with the square of the distance), one of ring or
-// time from the least to the greatest value; beyond it, its ends' colours.
+// time from the least to the greatest value, one of incidence over all angles that there are, 0 to 90 deg, one of error
+// from 0 to the 99th percentile; beyond it, its ends' colours. Without errors in the context, a point's is the
+// difference of its distance from the sensor's origin and `range_true`; where beams start off that origin, or points
+// are moved into the frame of the turn's start, that offset is in it.
+Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const ColorContext& context);
 Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Ontology* ontology);
 
 }  // namespace scanmill

@@ -70,10 +70,10 @@ TEST_F(Tell, PlanTellsWhatFeaturesCost) {
   const std::string out = told(noisy);
   EXPECT_THAT(out, AllOf(ContainsRegex("what a feature costs a frame +trace ms +effects ms +encode ms +all ms"),
                          HasSubstr("as the pipeline is"), HasSubstr("measured on scene-s1-drive-000002")));
-  for (const char* feature :
-       {"effect intensity", "effect range_noise", "column label", "column time", "format pcd", "format draco",
-        "format csv", "column instance, if added", "column ring, if added", "column column, if added",
-        "column range_true, if added", "ego motion, if added", "normals \\(kept by --keep-hits\\), if added"}) {
+  for (const char* feature : {"effect intensity", "effect range_noise", "column label", "column time", "format pcd",
+                              "format draco", "format csv", "column instance, if added", "column ring, if added",
+                              "column column, if added", "column range_true, if added", "column incidence, if added",
+                              "ego motion, if added", "normals \\(kept by --keep-hits\\), if added"}) {
     EXPECT_THAT(out, ContainsRegex(std::string(feature) + " +-?[0-9.]+ +-?[0-9.]+ +-?[0-9.]+ +-?[0-9.]+ ")) << feature;
   }
   EXPECT_THAT(out, AllOf(Not(HasSubstr("nan")), Not(HasSubstr("inf "))));

@@ -258,6 +258,19 @@ TEST_F(ScanCheckTest, RingColumnAndRangeMustFitTheSensor) {
   EXPECT_THAT(check(), ElementsAre("63 beams, but its sensor has 64"));
 }
 
+TEST_F(ScanCheckTest, IncidencesMustBeAngles) {
+  manifest_.columns.emplace_back("incidence");
+  EXPECT_THAT(check(), ElementsAre("no column incidence, but the manifest says so"));
+  scan_.incidence.assign(scan_.size(), static_cast<float>(kPi / 2));
+  scan_.incidence[0] = 0;
+  scan_.incidence[1] = NAN;
+  EXPECT_THAT(check(), IsEmpty()) << "a recording may not know a normal";
+  scan_.incidence[2] = 1.58f;
+  scan_.incidence[3] = -0.01f;
+  scan_.incidence[4] = INFINITY;
+  EXPECT_THAT(check(), ElementsAre("3 points of an incidence outside 0 to pi/2 (the first is point 2)"));
+}
+
 TEST_F(ScanCheckTest, ColumnsMustBeThoseOfTheManifest) {
   scan_.time.clear();
   EXPECT_THAT(check(), IsEmpty()) << "it follows from ring and column";

@@ -35,6 +35,8 @@ TEST(Effects, ChannelsAreThoseThatSomebodyNeeds) {
   const auto lit = makeEffects({"intensity: {}", "dropout: {threshold: 0.1}"});
   EXPECT_EQ(channelsFor(lit, bare),
             Channel::Range | Channel::Material | Channels(Channel::Reflectance) | Channel::Incidence);
+  EXPECT_EQ(channelsFor({}, {.label = false, .instance = false, .incidence = true}),
+            Channel::Range | Channel::Incidence);
   EXPECT_TRUE(lit[0]->setsIntensity());
   EXPECT_FALSE(lit[1]->setsIntensity());
 }

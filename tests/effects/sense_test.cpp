@@ -10,8 +10,8 @@ namespace {
 const std::vector<std::string> kAll{"intensity: {gain: 3}",         "dropout: {threshold: 0.01, probability: 0.05}",
                                     "range_noise: {sigma_m: 0.02}", "shell: {growth_per_m: 0.01}",
                                     "quantize: {step_m: 0.008}",    "angular_jitter: {sigma_deg: 0.02}"};
-constexpr ScanColumns kEvery{.rangeTrue = true};
-constexpr ScanColumns kEveryOrganised{.organised = true, .rangeTrue = true};
+constexpr ScanColumns kEvery{.rangeTrue = true, .incidence = true};
+constexpr ScanColumns kEveryOrganised{.organised = true, .rangeTrue = true, .incidence = true};
 
 template <class T>
 bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
@@ -22,7 +22,7 @@ bool sameBytes(const Scan& a, const Scan& b) {
   return a.rings == b.rings && a.columns == b.columns && a.organised == b.organised &&
          sameBytes(a.position, b.position) && sameBytes(a.intensity, b.intensity) && sameBytes(a.label, b.label) &&
          sameBytes(a.instance, b.instance) && sameBytes(a.ring, b.ring) && sameBytes(a.column, b.column) &&
-         sameBytes(a.time, b.time) && sameBytes(a.rangeTrue, b.rangeTrue);
+         sameBytes(a.time, b.time) && sameBytes(a.rangeTrue, b.rangeTrue) && sameBytes(a.incidence, b.incidence);
 }
 
 TEST(Sense, NoiseFreePointsLieOnTheirBeamsInTheOrderOfFiring) {
@@ -68,6 +68,7 @@ TEST(Sense, DenseIsOrganisedWithoutItsMisses) {
       if (std::isnan(organised.position[b].x)) {
         EXPECT_TRUE(std::isnan(organised.position[b].y) && std::isnan(organised.position[b].z));
         EXPECT_TRUE(std::isnan(organised.rangeTrue[b]));
+        EXPECT_TRUE(std::isnan(organised.incidence[b]));
         EXPECT_EQ(organised.intensity[b], 0);
         EXPECT_EQ(organised.label[b] + organised.instance[b] + organised.ring[b] + organised.column[b], 0u);
         EXPECT_EQ(organised.time[b], 0);
@@ -82,6 +83,7 @@ TEST(Sense, DenseIsOrganisedWithoutItsMisses) {
       EXPECT_EQ(dense.column[k], organised.column[b]);
       EXPECT_EQ(dense.time[k], organised.time[b]);
       EXPECT_EQ(dense.rangeTrue[k], organised.rangeTrue[b]);
+      EXPECT_EQ(dense.incidence[k], organised.incidence[b]);
       ++k;
     }
   }
@@ -108,6 +110,7 @@ TEST(Sense, NoisyScansJoinTheirNoiseFreeTwins) {
     EXPECT_EQ(noisy.time[k], exact.time[t]);
     EXPECT_EQ(noisy.intensity[k], exact.intensity[t]);
     EXPECT_EQ(noisy.rangeTrue[k], exact.rangeTrue[t]);
+    EXPECT_EQ(noisy.incidence[k], exact.incidence[t]);
     unmoved += noisy.position[k] == exact.position[t] ? 1u : 0u;
     const Vec3d a = normalized(static_cast<Vec3d>(noisy.position[k]));
     const Vec3d b = normalized(static_cast<Vec3d>(exact.position[t]));
@@ -157,12 +160,38 @@ TEST(Sense, KeepsOnlyTheColumnsAskedFor) {
       .intensity = false, .label = false, .instance = false, .ring = true, .column = false, .time = false};
   EXPECT_EQ(columnNames(senseOnce(world, {"intensity: {}"}, few)), (std::vector<std::string>{"x", "y", "z", "ring"}));
   EXPECT_EQ(columnNames(senseOnce(world, {}, kEvery)),
-            (std::vector<std::string>{"x", "y", "z", "label", "instance", "ring", "column", "time", "range_true"}));
+            (std::vector<std::string>{"x", "y", "z", "label", "instance", "ring", "column", "time", "range_true",
+                                      "incidence"}));
   World bare = world;
   bare.hits.reset(4, 50, Channel::Range);
   EXPECT_EQ(senseOnce(bare, {}, few).size(), senseOnce(world, {}, few).size());
   EXPECT_THROW(senseOnce(bare, {}, kEvery), Error);
   EXPECT_THROW(senseOnce(bare, {"intensity: {}"}, few), Error);
+}
+
+// Cosines of Hits become angles, from head-on to grazing; what a recording did not know stays unknown.
+TEST(Sense, IncidenceIsTheAngleOfItsCosine) {
+  constexpr ScanColumns kAngles{.ring = false, .incidence = true};
+  World world = makeWorld(1, 901);
+  for (std::size_t b = 0; b < world.hits.size(); ++b) {
+    world.hits.incidence[b] = static_cast<float>(std::cos(radians(0.1 * static_cast<double>(b))));
+  }
+  const Scan scan = senseOnce(world, {"range_noise: {sigma_m: 0.5}", "angular_jitter: {sigma_deg: 1}"}, kAngles);
+  ASSERT_EQ(scan.incidence.size(), world.hits.size());
+  for (std::size_t k = 0; k < scan.size(); ++k) {
+    const double angle = radians(0.1 * scan.column[k]);
+    // A cosine's rounding is an angle's over its sine.
+    EXPECT_NEAR(scan.incidence[k], angle, std::min(6e-8 / std::max(std::sin(angle), 1e-9), 3.5e-4) + 1e-7);
+  }
+  EXPECT_EQ(scan.incidence.front(), 0);
+  world.hits.incidence[5] = std::nanf("");
+  world.hits.incidence[6] = 1 + 1e-6f;
+  const Scan odd = senseOnce(world, {}, kAngles);
+  EXPECT_TRUE(std::isnan(odd.incidence[5]));
+  EXPECT_EQ(odd.incidence[6], 0);
+  EXPECT_TRUE(senseOnce(world, {}).incidence.empty()) << "nobody asked";
+  world.hits.reset(1, 901, Channel::Range | Channel::Semantic | Channels(Channel::Instance));
+  EXPECT_THAT(messageOf<Error>([&] { senseOnce(world, {}, kAngles); }), testing::HasSubstr("incidence"));
 }
 
 TEST(Sense, HitsMustBelongToTheSensor) {

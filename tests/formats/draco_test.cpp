@@ -139,6 +139,7 @@ TEST(Draco, MissesAreLeftOutAndRingAndColumnJoinTheRest) {
     EXPECT_EQ(read.ring[next] * 100u + read.column[next], beam);
     EXPECT_LE(length(Vec3d(read.position[next]) - Vec3d(scan.position[beam])), 1e-3);
     EXPECT_LE(std::fabs(double{read.rangeTrue[next]} - double{scan.rangeTrue[beam]}), 1e-3);
+    EXPECT_LE(std::fabs(double{read.incidence[next]} - double{scan.incidence[beam]}), 1e-4);
     EXPECT_EQ(read.time[next], scan.time[beam]);
     EXPECT_EQ(read.intensity[next], scan.intensity[beam]);
     ++next;
@@ -193,6 +194,30 @@ TEST(Draco, IntensityBitsBoundTheError) {
   EXPECT_EQ(roundTrip(scan, "intensity_bits: 8").intensity, scan.intensity);
 }
 
+// Whatever the bound of positions; what is no angle is kept bit by bit.
+TEST(Draco, IncidencesKeepTheirOwnBound) {
+  for (const char* options : {"max_error_mm: 0.1", "max_error_mm: 100"}) {
+    const Scan scan = randomScan(4, 20, 200, 128, false, 40);
+    const Scan read = roundTrip(scan, options);
+    ASSERT_EQ(read.incidence.size(), scan.size());
+    double worst = 0;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      worst = std::fmax(worst, std::fabs(double{read.incidence[i]} - double{scan.incidence[i]}));
+    }
+    EXPECT_LE(worst, 1e-4) << options;
+    EXPECT_GT(worst, 0.5e-4) << "the step is far smaller than it need be";
+  }
+  Scan scan;
+  scan.position.assign(3, {1, 2, 3});
+  const auto halfPi = static_cast<float>(kPi / 2);
+  scan.incidence = {0, halfPi, halfPi};
+  EXPECT_NEAR(roundTrip(scan).incidence[1], halfPi, 1e-4);
+  for (const float odd : {-1.0f, 90.0f, 1e30f, std::nanf(""), INFINITY}) {
+    scan.incidence = {0.25f, odd, 1.0f / 3};
+    expectSameBits(roundTrip(scan).incidence, scan.incidence, "incidence");
+  }
+}
+
 TEST(Draco, AnyDracoReaderFindsMetresAndNames) {
   const Scan scan = randomScan(12, 8, 60, kAllColumns, false, 70);
   const auto cloud = byDraco(makeFormat("draco", "{time: true}")->encode(scan));
@@ -205,8 +230,8 @@ TEST(Draco, AnyDracoReaderFindsMetresAndNames) {
     position->GetMappedValue(draco::PointIndex(i), &p);
     ASSERT_LE(length(Vec3d(p) - Vec3d(scan.position[i])), 1e-3);
   }
-  const std::vector<std::string> names = {"position", "intensity", "label", "instance",
-                                          "ring",     "column",    "time",  "range_true"};
+  const std::vector<std::string> names = {"position", "intensity", "label",      "instance", "ring",
+                                          "column",   "time",      "range_true", "incidence"};
   ASSERT_EQ(cloud->num_attributes(), static_cast<int>(names.size()));
   for (int i = 0; i < cloud->num_attributes(); ++i) {
     EXPECT_EQ(cloud->GetAttributeIdByMetadataEntry("name", names[static_cast<std::size_t>(i)]), i);

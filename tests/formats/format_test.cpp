@@ -101,9 +101,9 @@ TEST(Formats, OutlinesGrowByWhatAPointTakes) {
     const auto format = makeFormat(name, options);
     return (format->mostBytes(large) - format->mostBytes(small)) / 1000;
   };
-  EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "encoding: binary"), 36);
-  EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "{}"), 36 * 33 / 32.0);
-  EXPECT_DOUBLE_EQ(bytesPerPoint("csv", "{}"), 6 * 16 + 3 * 6 + 11);
+  EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "encoding: binary"), 40);
+  EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "{}"), 40 * 33 / 32.0);
+  EXPECT_DOUBLE_EQ(bytesPerPoint("csv", "{}"), 7 * 16 + 3 * 6 + 11);
   EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "encoding: ascii"), bytesPerPoint("csv", "{}"));
   EXPECT_DOUBLE_EQ(bytesPerPoint("draco", "time: true") - bytesPerPoint("draco", "{}"), 4);
   EXPECT_LT(bytesPerPoint("draco", "max_error_mm: 100"), bytesPerPoint("draco", "{}") - 3);

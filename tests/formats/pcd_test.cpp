@@ -91,13 +91,14 @@ void expectPclReads(const Scan& scan, const std::filesystem::path& file) {
   read.column = fieldOf<std::uint16_t>(cloud, "column");
   read.time = fieldOf<float>(cloud, "time");
   read.rangeTrue = fieldOf<float>(cloud, "range_true");
+  read.incidence = fieldOf<float>(cloud, "incidence");
   expectSameColumns(read, scan);
 }
 
 TEST(Pcd, PclReadsWhatWeWrite) {
   const TemporaryFolder folder;
   for (const char* encoding : kEncodings) {
-    for (const unsigned columns : {0u, 1u, 2u, 28u, 60u, kAllColumns}) {
+    for (const unsigned columns : {0u, 1u, 2u, 28u, 60u, 127u, 128u, kAllColumns}) {
       for (const bool organised : {false, true}) {
         SCOPED_TRACE(fmt::format("{} columns {:x} organised {}", encoding, columns, organised));
         const Scan scan = randomScan(columns + 1, 6, 50, columns, organised, 120);
@@ -177,6 +178,15 @@ TEST(Pcd, FieldsMayComeInAnyOrderAndType) {
   EXPECT_EQ(scan.ring, (std::vector<std::uint16_t>{5, 6}));
   EXPECT_TRUE(scan.instance.empty());
   EXPECT_FALSE(scan.organised);
+}
+
+TEST(Pcd, IncidenceIsTakenFromForeignFiles) {
+  const Scan scan = decoded(
+      "VERSION .7\nFIELDS x y incidence z\nSIZE 4 4 8 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"
+      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n1 2 0.5 3\n4 5 nan 6\n");
+  ASSERT_EQ(scan.incidence.size(), 2u);
+  EXPECT_EQ(scan.incidence[0], 0.5f);
+  EXPECT_TRUE(std::isnan(scan.incidence[1]));
 }
 
 TEST(Pcd, ValuesThatDoNotFitAreRefused) {

@@ -26,8 +26,8 @@ inline std::unique_ptr<Format> makeFormat(std::string_view name, std::string_vie
   return requireFormat(name, {}).make(fields);
 }
 
-// Bits of `columns`: which of intensity, label, instance, ring, column, time and range_true the scan has.
-constexpr unsigned kAllColumns = 127;
+// Bits of `columns`: which of intensity, label, instance, ring, column, time, range_true and incidence the scan has.
+constexpr unsigned kAllColumns = 255;
 
 // Any bits a float can have but infinities, NaN and, as PCL's text reader knows none, -0.
 inline float anyFloat(std::mt19937& generator) {
@@ -37,7 +37,8 @@ inline float anyFloat(std::mt19937& generator) {
   }
 }
 
-// Positions within `reach`, or anything that a float can hold where it is 0; about a tenth of an organised scan misses.
+// Positions within `reach` and incidences that are angles, or anything that a float can hold where it is 0; about a
+// tenth of an organised scan misses.
 inline Scan randomScan(std::uint32_t seed, std::uint32_t rings, std::uint32_t columns, unsigned present,
                        bool organised = false, float reach = 0) {
   std::mt19937 generator(seed);
@@ -63,6 +64,10 @@ inline Scan randomScan(std::uint32_t seed, std::uint32_t rings, std::uint32_t co
     add(4, scan.column, i % columns);
     add(5, scan.time, 0.1f * static_cast<float>(i % columns) / static_cast<float>(columns));
     if ((present >> 6 & 1u) != 0) scan.rangeTrue.push_back(miss ? nan : std::fabs(coordinate()));
+    if ((present >> 7 & 1u) != 0) {
+      std::uniform_real_distribution<float> angle(0, static_cast<float>(kPi / 2));
+      scan.incidence.push_back(miss ? nan : reach > 0 ? angle(generator) : anyFloat(generator));
+    }
   }
   return scan;
 }
@@ -106,6 +111,7 @@ inline void expectSameColumns(const Scan& a, const Scan& b) {
   expectSameBits(a.intensity, b.intensity, "intensity");
   expectSameBits(a.time, b.time, "time");
   expectSameBits(a.rangeTrue, b.rangeTrue, "range_true");
+  expectSameBits(a.incidence, b.incidence, "incidence");
   EXPECT_EQ(a.label, b.label);
   EXPECT_EQ(a.instance, b.instance);
   EXPECT_EQ(a.ring, b.ring);

@@ -62,7 +62,7 @@ TEST_F(FeaturesOfYard, NamesEveryEffectColumnAndFormat) {
   EXPECT_THAT(there, Contains(StartsWith("effect intensity")));
   EXPECT_THAT(there, Contains(StartsWith("effect dropout")));
   const std::vector<std::string> absent = names(all, false);
-  for (const char* name : {"column instance", "column column", "column range_true", "ego motion"}) {
+  for (const char* name : {"column instance", "column column", "column range_true", "column incidence", "ego motion"}) {
     EXPECT_THAT(absent, Contains(name));
   }
   EXPECT_THAT(absent, Contains(StartsWith("normals")));
@@ -95,7 +95,8 @@ TEST_F(FeaturesOfYard, BytesAreThoseOfTheDatasets) {
   for (const auto& [name, columns] : {std::pair{"column time", "[intensity, label, ring]"},
                                       {"column label", "[intensity, ring, time]"},
                                       {"column instance", "[intensity, label, instance, ring, time]"},
-                                      {"column column", "[intensity, label, ring, column, time]"}}) {
+                                      {"column column", "[intensity, label, ring, column, time]"},
+                                      {"column incidence", "[intensity, label, ring, time, incidence]"}}) {
     std::vector<std::string> other = kNoisy;
     other.push_back(fmt::format("output.columns={}", columns));
     const FeatureCost& f = feature(all, name);

@@ -6,6 +6,7 @@
 
 #include "formats/format.h"
 #include "tests/pipeline/small_world.h"
+#include "tests/support/gl.h"
 
 namespace scanmill {
 namespace {
@@ -233,6 +234,68 @@ TEST_F(GenerateTest, PointsLieOnTheSceneAndBearItsLabels) {
   }
   EXPECT_EQ(seen.size(), 3u);
   EXPECT_GT(seen[car], 0);
+}
+
+// Of the yard's faces: against the direction of the noise-free beam, in all formats and of all methods.
+class IncidenceTest : public Yard {
+ protected:
+  static constexpr const char* kColumns = "output.columns=[label, ring, column, incidence]";
+
+  // The angle between a beam from `from` and the normal of the nearest face to `to`, of a car or of the yard itself.
+  static double angleAt(const Vec3d& from, const Vec3d& to, bool car) {
+    const double alongX = car ? std::abs(std::abs(to.x - 8) - 2) : std::abs(30 - std::abs(to.x));
+    const double alongY = car ? std::abs(std::abs(std::abs(to.y) - 5) - 1) : std::abs(20 - std::abs(to.y));
+    const double alongZ = car ? std::abs(to.z - 1.5) : std::abs(to.z);
+    const Vec3d beam = normalized(to - from);
+    if (alongX < std::min(alongY, alongZ)) return std::acos(std::abs(beam.x));
+    return std::acos(std::abs(alongY < alongZ ? beam.y : beam.z));
+  }
+
+  // The share of the points of all scans whose incidence is the closed form's within `bound`.
+  double shareWithin(double bound, const std::string& name, const std::string& suffix) const {
+    const Manifest m = readManifest(out(name));
+    const std::uint16_t car = m.ontology.require("car", {}).id;
+    const std::vector<Scan> all = scans(suffix, name);
+    std::size_t points = 0;
+    std::size_t right = 0;
+    for (std::size_t s = 0; s < all.size(); ++s) {
+      const Pose& pose = m.samples[s].scans[0].worldFromSensor.front();
+      EXPECT_EQ(all[s].incidence.size(), all[s].size());
+      for (std::size_t i = 0; i < all[s].size(); ++i) {
+        ++points;
+        const double expected = angleAt(pose.translation, pose * Vec3d(all[s].position[i]), all[s].label[i] == car);
+        right += std::abs(all[s].incidence[i] - expected) < bound ? 1u : 0u;
+      }
+    }
+    EXPECT_GT(points, 1000u);
+    return static_cast<double>(right) / static_cast<double>(points);
+  }
+};
+
+TEST_F(IncidenceTest, IsThatOfTheFacesInEveryFormat) {
+  const Manifest m = sound({kColumns, "output.formats=[pcd, draco, csv]"});
+  EXPECT_THAT(m.columns, ElementsAre("x", "y", "z", "label", "ring", "column", "incidence"));
+  for (const char* suffix : {".pcd", ".csv", ".drc"}) EXPECT_EQ(shareWithin(5e-4, "out", suffix), 1) << suffix;
+}
+
+TEST_F(IncidenceTest, MissesHaveNone) {
+  sound({kColumns, "output.layout=organised", "sensors.0.range_m=[0.5, 15]"});
+  std::size_t misses = 0;
+  for (const Scan& image : scans()) {
+    for (std::size_t i = 0; i < image.size(); ++i) {
+      EXPECT_EQ(std::isnan(image.incidence[i]), !isFinite(image.position[i]));
+      misses += isFinite(image.position[i]) ? 0u : 1u;
+    }
+  }
+  EXPECT_GT(misses, 0u);
+}
+
+TEST_F(IncidenceTest, IsTheSameOfEveryMethodWithinItsAccuracy) {
+  sound({kColumns, "method={particle: {cache: none}}"}, "particle");
+  EXPECT_EQ(shareWithin(1e-3, "particle", ".pcd"), 1);
+  SKIP_WITHOUT_GL();
+  sound({kColumns, "method=depth_camera"}, "camera");
+  EXPECT_EQ(shareWithin(1e-3, "camera", ".pcd"), 1);
 }
 
 TEST_F(GenerateTest, DropOutLosesTheShareItSays) {

@@ -68,7 +68,7 @@ TEST_F(ReadPipeline, FillsInDefaults) {
   EXPECT_TRUE(p.effects.empty());
   EXPECT_FALSE(p.columns.organised);
   EXPECT_TRUE(p.columns.label && p.columns.instance && p.columns.ring && p.columns.column && p.columns.time);
-  EXPECT_FALSE(p.columns.rangeTrue);
+  EXPECT_FALSE(p.columns.rangeTrue || p.columns.incidence);
   EXPECT_EQ(p.shardBytes, 256'000'000u);
   EXPECT_EQ(p.maxRays, 1e11);
 }

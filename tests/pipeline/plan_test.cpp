@@ -18,6 +18,8 @@ TEST_F(PlanTest, OnlyChannelsThatSomebodyReads) {
   EXPECT_EQ(plan({"output.columns=[ring]"}).channels(), Channels(Channel::Range));
   EXPECT_EQ(plan({"output.columns=[label, instance]"}).channels(),
             Channel::Range | Channel::Semantic | Channel::Instance);
+  EXPECT_EQ(plan({"output.columns=[incidence]"}).channels(), Channel::Range | Channel::Incidence);
+  EXPECT_FALSE(plan({}).channels().has(Channel::Incidence));
   const Channels lit = plan({"output.columns=[intensity]", "effects=[intensity]"}).channels();
   EXPECT_TRUE(lit.has(Channel::Reflectance) && lit.has(Channel::Incidence));
   EXPECT_FALSE(lit.has(Channel::Semantic) || lit.has(Channel::Primitive));

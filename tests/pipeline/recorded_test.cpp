@@ -65,7 +65,8 @@ TEST_F(RecordedTest, KeptHitsMakeWhatAnotherPipelineWouldTrace) {
   for (const auto& more : std::vector<std::vector<std::string>>{
            {"effects=[intensity: {output: u8}, range_noise: {sigma_m: 0.1}]", "output.formats=[draco]"},
            {"effects=[intensity: {gain: 3}, dropout: {threshold: 0.001}]", "output.layout=organised"},
-           {"seed=77", "effects=[angular_jitter: {sigma_deg: 0.1}]", "output.columns=[ring]"}}) {
+           {"seed=77", "effects=[angular_jitter: {sigma_deg: 0.1}]", "output.columns=[ring]"},
+           {"output.columns=[incidence]", "output.formats=[pcd, draco, csv]"}}) {
     fs::remove_all(out("traced"));
     fs::remove_all(out("remade"));
     run(with({"motion=per_column"}, more), "traced");

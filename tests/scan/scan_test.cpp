@@ -44,8 +44,9 @@ TEST(Scan, NamesTheColumnsItHolds) {
   scan.ring.resize(2);
   scan.column.resize(2);
   scan.rangeTrue.resize(2);
-  EXPECT_THAT(columnNames(scan),
-              ElementsAre("x", "y", "z", "intensity", "label", "instance", "ring", "column", "time", "range_true"));
+  scan.incidence.resize(2);
+  EXPECT_THAT(columnNames(scan), ElementsAre("x", "y", "z", "intensity", "label", "instance", "ring", "column", "time",
+                                             "range_true", "incidence"));
 }
 
 }  // namespace

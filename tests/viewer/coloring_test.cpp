@@ -123,9 +123,109 @@ TEST(ColorScan, SaysWhichColumnIsMissing) {
   Scan scan = scanOf(2);
   scan.ring = {0, 1};
   for (const auto& [by, column] : {std::pair{ColorBy::Class, "'label'"}, std::pair{ColorBy::Intensity, "'intensity'"},
-                                   std::pair{ColorBy::Instance, "'instance'"}, std::pair{ColorBy::Time, "'time'"}}) {
+                                   std::pair{ColorBy::Instance, "'instance'"}, std::pair{ColorBy::Time, "'time'"},
+                                   std::pair{ColorBy::Incidence, "'incidence'"}}) {
     expectInputError([&] { colorScan(scan, by, nullptr); }, {column, "x, y, z, ring"});
   }
+}
+
+std::vector<std::uint64_t> counts(const Legend& legend) {
+  std::vector<std::uint64_t> out;
+  for (const LegendEntry& e : legend.entries) out.push_back(e.points);
+  return out;
+}
+
+TEST(ColorScan, EntriesKnowTheirClassAndHowManyPointsTheyHave) {
+  const Ontology ontology = testOntology();
+  Scan scan = scanOf(6);
+  scan.label = {3, 1, 3, 500, 0, 3};
+  scan.instance = {0, 7, 8, 7, 0, 9};
+  scan.position[4].z = std::numeric_limits<float>::quiet_NaN();
+  scan.position[5].x = std::numeric_limits<float>::infinity();
+  const Legend classes = colorScan(scan, ColorBy::Class, &ontology).legend;
+  std::vector<std::int64_t> ids;
+  for (const LegendEntry& e : classes.entries) ids.push_back(e.id);
+  EXPECT_THAT(ids, testing::ElementsAre(1, 3, 500));
+  EXPECT_THAT(counts(classes), testing::ElementsAre(1, 2, 1));
+  const Legend instances = colorScan(scan, ColorBy::Instance, &ontology).legend;
+  EXPECT_THAT(names(instances), testing::ElementsAre("2 instances, a colour each", "no instance"));
+  EXPECT_THAT(counts(instances), testing::ElementsAre(3, 1));
+  EXPECT_EQ(instances.entries[0].id, -1) << "of no class";
+}
+
+TEST(ColorScan, AllPointsAreFirstReturns) {
+  Scan scan = scanOf(3);
+  scan.position[1].x = std::numeric_limits<float>::quiet_NaN();
+  const Coloring c = colorScan(scan, ColorBy::Return, nullptr);
+  EXPECT_FALSE(c.legend.scale);
+  EXPECT_THAT(names(c.legend), testing::ElementsAre("first return (the only one)"));
+  EXPECT_THAT(counts(c.legend), testing::ElementsAre(2));
+  EXPECT_THAT(c.colors, testing::ElementsAre(c.colors[0], c.colors[0], c.colors[0]));
+  EXPECT_GT(luma(c.colors[0]), 59);
+}
+
+TEST(ColorScan, IncidenceSpansAllAngles) {
+  Scan scan = scanOf(4);
+  scan.incidence = {0, static_cast<float>(kPi / 4), static_cast<float>(kPi / 2),
+                    std::numeric_limits<float>::quiet_NaN()};
+  const Coloring c = colorScan(scan, ColorBy::Incidence, nullptr);
+  EXPECT_EQ(c.legend.title, "incidence (deg)");
+  EXPECT_EQ(c.legend.low, 0);
+  EXPECT_EQ(c.legend.high, 90);
+  EXPECT_THAT(c.colors,
+              testing::ElementsAre(viridis(0), viridis(degrees(scan.incidence[1]) / 90), viridis(1), kNoValue));
+  scan.incidence.assign(4, 0.5f);
+  EXPECT_EQ(colorScan(scan, ColorBy::Incidence, nullptr).legend.high, 90) << "an angle has one colour in all scans";
+}
+
+TEST(ColorScan, ErrorsAreThoseGiven) {
+  const Scan scan = scanOf(1001);
+  std::vector<float> error(1001);
+  for (std::size_t i = 0; i < error.size(); ++i) error[i] = 1 + static_cast<float>(i) / 1000;
+  error[1000] = 1e9f;
+  error[0] = std::numeric_limits<float>::quiet_NaN();
+  const Coloring c = colorScan(scan, ColorBy::Error, {.error = error, .errorTitle = "to the twin (m)"});
+  EXPECT_EQ(c.legend.title, "to the twin (m)");
+  EXPECT_EQ(c.legend.low, 0) << "not the least, which is 1.001";
+  EXPECT_NEAR(c.legend.high, 1.99, 2e-3);
+  EXPECT_EQ(c.colors[0], kNoValue);
+  EXPECT_EQ(c.colors[1], viridis(1.001 / c.legend.high));
+  EXPECT_EQ(c.colors[1000], viridis(1));
+  EXPECT_EQ(colorScan(scan, ColorBy::Error, {.error = error}).legend.title, "error (m)");
+  error.pop_back();
+  EXPECT_THROW(colorScan(scan, ColorBy::Error, {.error = error}), Error);
+}
+
+TEST(ColorScan, WithoutAGivenErrorItIsThatOfTheRange) {
+  Scan scan;
+  scan.position = {{3, 4, 0}, {0, 0, 2}, {1, 0, 0}};
+  scan.rangeTrue = {5.5f, 1.5f, 1};
+  const Coloring c = colorScan(scan, ColorBy::Error, nullptr);
+  EXPECT_EQ(c.legend.title, "error (m)");
+  EXPECT_EQ(c.legend.high, 0.5);
+  EXPECT_THAT(c.colors, testing::ElementsAre(viridis(1), viridis(1), viridis(0)));
+  scan.rangeTrue.clear();
+  expectInputError([&] { colorScan(scan, ColorBy::Error, nullptr); },
+                   {"`range_true`", "output.columns", "--twin DATASET", "x, y, z"});
+  EXPECT_NO_THROW(colorScan(Scan{}, ColorBy::Error, nullptr)) << "nothing to compare";
+}
+
+TEST(ColorScan, MethodIsOneColourAndName) {
+  const Scan scan = scanOf(3);
+  const Coloring c = colorScan(scan, ColorBy::Method, {.method = "particle", .methodColor = {1, 200, 3}});
+  EXPECT_EQ(c.legend.title, "method");
+  EXPECT_THAT(names(c.legend), testing::ElementsAre("particle"));
+  EXPECT_THAT(counts(c.legend), testing::ElementsAre(3));
+  EXPECT_THAT(c.colors, testing::Each(Rgb{1, 200, 3}));
+  EXPECT_THAT(names(colorScan(scan, ColorBy::Method, nullptr).legend), testing::ElementsAre("not known"));
+}
+
+TEST(ColorScan, EveryColouringHasAName) {
+  EXPECT_EQ(kColorNames[static_cast<std::size_t>(ColorBy::Height)], "height");
+  EXPECT_EQ(kColorNames[static_cast<std::size_t>(ColorBy::Return)], "return");
+  EXPECT_EQ(kColorNames[static_cast<std::size_t>(ColorBy::Incidence)], "incidence");
+  EXPECT_EQ(kColorNames[static_cast<std::size_t>(ColorBy::Error)], "error");
+  EXPECT_EQ(kColorNames[static_cast<std::size_t>(ColorBy::Method)], "method");
 }
 
 TEST(ColorScan, DefaultIsTheBestThatTheScanHas) {
