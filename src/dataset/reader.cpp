@@ -1,99 +1,22 @@
 #include "dataset/reader.h"
 
-#include <archive.h>
-#include <archive_entry.h>
 #include <fmt/core.h>
 
-#include <memory>
-#include <system_error>
-
 #include "base/error.h"
+#include "dataset/tar_reader.h"
 #include "formats/format.h"
 
 namespace scanmill {
 
 namespace {
 
-constexpr std::uint64_t kTarBlock = 512;
-constexpr std::uint64_t kEndBytes = 2 * kTarBlock;
-
-// A tar file that is read from front to back; every failure names the file and the byte.
-class TarReader {
- public:
-  explicit TarReader(const std::filesystem::path& file) : file_(file), tar_(archive_read_new()) {
-    std::error_code failure;
-    size_ = std::filesystem::file_size(file_, failure);
-    if (failure) throw InputError({file_.string()}, "cannot be read: " + failure.message());
-    archive_read_support_format_tar(tar_.get());
-    if (archive_read_open_filename(tar_.get(), file_.c_str(), 1 << 20) != ARCHIVE_OK) fail("cannot be read as tar");
-  }
-
-  // False at the end of the archive.
-  bool next() {
-    archive_entry* entry = nullptr;
-    const int result = archive_read_next_header(tar_.get(), &entry);
-    if (result == ARCHIVE_EOF) {
-      checkEnd();
-      return false;
-    }
-    if (result < ARCHIVE_WARN) fail("is not a whole tar file");
-    const char* name = archive_entry_pathname(entry);
-    if (name == nullptr) fail("has a member whose name cannot be read");
-    name_ = name;
-    if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_sparse_count(entry) > 0) {
-      fail(fmt::format("has a member '{}' that is no plain file", name_));
-    }
-    const std::uint64_t begin = position();
-    memberBytes_ = static_cast<std::uint64_t>(archive_entry_size(entry));
-    if (memberBytes_ > size_ - begin) {
-      fail(fmt::format("is truncated: member '{}' has {} bytes and the file ends after {}", name_, memberBytes_,
-                       size_ - begin));
-    }
-    end_ = begin + (memberBytes_ + kTarBlock - 1) / kTarBlock * kTarBlock;
-    return true;
-  }
-
-  const std::string& name() const { return name_; }
-
-  void readInto(std::string& bytes) {
-    bytes.resize(memberBytes_);
-    const la_ssize_t got = archive_read_data(tar_.get(), bytes.data(), bytes.size());
-    if (got < 0 || static_cast<std::uint64_t>(got) != memberBytes_) fail(fmt::format("is truncated in '{}'", name_));
-  }
-
- private:
-  struct Free {
-    void operator()(archive* tar) const { archive_read_free(tar); }
-  };
-
-  std::uint64_t position() const { return static_cast<std::uint64_t>(archive_filter_bytes(tar_.get(), 0)); }
-
-  // libarchive takes a file that stops between two members for a whole one; the end mark says whether it is.
-  void checkEnd() const {
-    if (size_ >= end_ + kEndBytes) return;
-    throw InputError({file_.string()},
-                     fmt::format("is truncated: no end mark at offset {} (the file has {} bytes)", end_, size_));
-  }
-
-  [[noreturn]] void fail(const std::string& what) const {
-    const char* reason = archive_error_string(tar_.get());
-    throw InputError({file_.string()},
-                     fmt::format("{} at offset {}{}{}", what, position(), reason ? ": " : "", reason ? reason : ""));
-  }
-
-  std::filesystem::path file_;
-  std::unique_ptr<archive, Free> tar_;
-  std::uint64_t size_ = 0;         // of the file
-  std::uint64_t end_ = 0;          // of the current member, padded
-  std::uint64_t memberBytes_ = 0;  // of the current member
-  std::string name_;
-};
+constexpr std::size_t kBlockBytes = 1 << 20;  // read at a time
 
 }  // namespace
 
 void readTar(const std::filesystem::path& file,
              const std::function<void(const std::string&, std::string_view)>& visit) {
-  TarReader tar(file);
+  TarReader tar(file, kBlockBytes);
   std::string bytes;
   while (tar.next()) {
     tar.readInto(bytes);

@@ -1,0 +1,70 @@
+#include "dataset/shard_index.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "base/error.h"
+#include "dataset/tar_reader.h"
+
+namespace scanmill {
+
+namespace {
+
+// A header and the pax header before it, if there is one.
+constexpr std::size_t kHeaderBytes = 2048;
+
+class OpenFile {
+ public:
+  explicit OpenFile(const std::filesystem::path& file) : descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {}
+  ~OpenFile() {
+    if (descriptor >= 0) ::close(descriptor);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  const int descriptor;
+};
+
+std::string reasonOf(int error) {
+  return std::generic_category().message(error);
+}
+
+}  // namespace
+
+ShardIndex::ShardIndex(std::filesystem::path file) : file_(std::move(file)) {
+  TarReader tar(file_, kHeaderBytes);
+  while (tar.next()) members_.push_back({tar.name(), tar.offset(), tar.bytes()});
+  byName_.reserve(members_.size());
+  for (std::size_t i = 0; i < members_.size(); ++i) byName_.emplace(members_[i].name, i);
+}
+
+const ShardMember* ShardIndex::find(std::string_view name) const {
+  const auto found = byName_.find(name);
+  return found == byName_.end() ? nullptr : &members_[found->second];
+}
+
+std::string ShardIndex::read(const ShardMember& member) const {
+  const OpenFile file(file_);
+  if (file.descriptor < 0) throw InputError({file_.string()}, "cannot be read: " + reasonOf(errno));
+  std::string bytes(member.bytes, '\0');
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t got =
+        ::pread(file.descriptor, bytes.data() + done, bytes.size() - done, static_cast<off_t>(member.offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw InputError({file_.string()}, fmt::format("cannot read '{}': {}", member.name, reasonOf(errno)));
+    if (got == 0) {
+      throw InputError({file_.string()},
+                       fmt::format("is truncated in '{}': it was longer when it was opened", member.name));
+    }
+    done += static_cast<std::size_t>(got);
+  }
+  return bytes;
+}
+
+}  // namespace scanmill

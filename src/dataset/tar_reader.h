@@ -1,0 +1,48 @@
+#pragma once
+
+// A tar file, member by member.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+struct archive;
+
+namespace scanmill {
+
+// Goes from front to back, and over what is not asked for without reading it. Every failure is an InputError that names
+// the file and the offset: where it is truncated, not a tar, or holds anything but plain files.
+class TarReader {
+ public:
+  // What is read from the disk at a time: large for whole members, small for headers alone.
+  TarReader(const std::filesystem::path& file, std::size_t blockBytes);
+
+  // False at the end of the archive.
+  bool next();
+
+  // Of the current member.
+  const std::string& name() const { return name_; }
+  std::uint64_t offset() const { return begin_; }  // of its first byte in the file
+  std::uint64_t bytes() const { return memberBytes_; }
+  void readInto(std::string& bytes);
+
+ private:
+  struct Free {
+    void operator()(archive* tar) const;
+  };
+
+  std::uint64_t position() const;
+  void checkEnd() const;
+  [[noreturn]] void fail(const std::string& what) const;
+
+  std::filesystem::path file_;
+  std::unique_ptr<archive, Free> tar_;
+  std::uint64_t size_ = 0;  // of the file
+  std::uint64_t begin_ = 0;
+  std::uint64_t end_ = 0;  // of the current member, padded
+  std::uint64_t memberBytes_ = 0;
+  std::string name_;
+};
+
+}  // namespace scanmill
