@@ -127,8 +127,8 @@ class ChartDrawing {
       if (entry.line) out_ += drawLine(entry.series->color, {{x, middle}, {x + sample, middle}}, false, false);
       if (entry.dot) out_ += drawMark(entry.series->color, x + sample / 2, middle, false, false, "");
       if (entry.bar) {
-        out_ += fmt::format("<rect class=\"f{}\" x=\"{}\" y=\"{}\" width=\"11\" height=\"11\"/>",
-                            entry.series->color % kChartColors, svgNumber(x), svgNumber(middle - 5.5));
+        out_ += fmt::format("<rect {} x=\"{}\" y=\"{}\" width=\"11\" height=\"11\"/>", barPaint(*entry.series, 0),
+                            svgNumber(x), svgNumber(middle - 5.5));
       }
       text("entry", x + sample + 6, y, "start", name);
       out_ += "</g>\n";

@@ -37,6 +37,8 @@ struct ChartSeries {
   std::vector<Vec2d> spans{};          // empty, or per point: the low and high end of an error bar in y
   std::vector<std::string> labels{};   // empty, or per point: written beside it where there is room ("": none)
   std::vector<std::string> details{};  // empty, or per point: shown when pointed at
+  // Empty, or per bar: "#rrggbb" in place of the palette's colour; the legend shows the first.
+  std::vector<std::string> fills{};
 };
 
 struct Chart {

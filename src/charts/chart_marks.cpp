@@ -127,8 +127,8 @@ class SeriesDrawing {
       const ChartBox box = lying_ ? ChartBox{low, across, low + length, across + thick - gap}
                                   : ChartBox{across, low, across + thick - gap, low + length};
       out_ +=
-          fmt::format(R"(<rect class="bar f{}{}" x="{}" y="{}" width="{}" height="{}">{}</rect>)",
-                      series.color % kChartColors, dim(series) ? " dim" : "", svgNumber(box.left), svgNumber(box.top),
+          fmt::format(R"(<rect {} x="{}" y="{}" width="{}" height="{}">{}</rect>)",
+                      barPaint(series, i, dim(series) ? "bar dim" : "bar"), svgNumber(box.left), svgNumber(box.top),
                       svgNumber(box.right - box.left), svgNumber(box.bottom - box.top), titled(at(series.details, i)));
       out_ += '\n';
       marks_.push_back(box);
@@ -233,6 +233,13 @@ std::string drawLine(std::size_t color, const std::vector<Vec2d>& pixels, bool e
   if (d.empty()) return "";
   return fmt::format("<path class=\"line s{}{}{}\" d=\"{}\"/>\n", color % kChartColors, emphasised ? " wide" : "",
                      dim ? " dim" : "", d);
+}
+
+std::string barPaint(const ChartSeries& series, std::size_t bar, const std::string& more) {
+  const std::string fill = at(series.fills, bar);
+  const std::string kind = more.empty() ? "" : more + " ";
+  if (fill.empty()) return fmt::format("class=\"{}f{}\"", kind, series.color % kChartColors);
+  return fmt::format("class=\"{}\" style=\"fill:{}\"", more, escapeXml(fill));
 }
 
 std::vector<std::vector<double>> barEnds(const Chart& chart) {

@@ -27,6 +27,9 @@ std::string drawLine(std::size_t color, const std::vector<Vec2d>& pixels, bool e
 // points' own values elsewhere.
 std::vector<std::vector<double>> barEnds(const Chart& chart);
 
+// Attributes of a bar's colour: its own, or else its series'; `more` are further classes.
+std::string barPaint(const ChartSeries& series, std::size_t bar, const std::string& more = "");
+
 // Bars, error bars, lines, dots and labels of all series.
 std::string drawSeries(const Chart& chart, const AxisMap& x, const AxisMap& y, const ChartBox& plot);
 

@@ -26,6 +26,8 @@ int runRepeatability(const std::vector<std::string>& arguments);
 int runFitNoise(const std::vector<std::string>& arguments);
 int runPlan(const std::vector<std::string>& arguments);
 int runVerify(const std::vector<std::string>& arguments);
+int runReport(const std::vector<std::string>& arguments);
+int runView(const std::vector<std::string>& arguments);
 int runInfo(const std::vector<std::string>& arguments);
 int runPicture(const std::vector<std::string>& arguments);
 int runList(const std::vector<std::string>& arguments);

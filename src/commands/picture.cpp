@@ -6,12 +6,11 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <span>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "commands/arguments.h"
-#include "dataset/recording.h"
+#include "commands/picture_options.h"
 #include "viewer/pass_picture.h"
 #include "viewer/scan_source.h"
 
@@ -20,45 +19,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kFarthestPlace = 1e5;  // m, from the sensor
-
-// The place of an option's word among `names`.
-std::size_t choice(const Arguments& parsed, const std::string& option, std::span<const std::string_view> names) {
-  const auto word = parsed.options[option].as<std::string>();
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (names[i] == word) return i;
-  }
-  throw InputError(fmt::format("--{} is one of {}, not '{}'", option, fmt::join(names, ", "), word));
-}
-
-std::string textOption(const Arguments& parsed, const std::string& option) {
-  return parsed.options.count(option) == 0 ? std::string() : parsed.options[option].as<std::string>();
-}
-
-void readSize(const std::string& text, PictureOptions& options) {
-  const char* const end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, options.width);
-  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
-    const auto height = std::from_chars(width.ptr + 1, end, options.height);
-    const auto fits = [](int side) { return side >= kLeastPictureSide && side <= kMostPictureSide; };
-    if (height.ec == std::errc() && height.ptr == end && fits(options.width) && fits(options.height) &&
-        options.width * options.height <= kMostPicturePixels) {
-      return;
-    }
-  }
-  throw InputError(
-      fmt::format("--size is WIDTHxHEIGHT in pixels, {} to {} each and {} million in all, such as 1600x900, "
-                  "not '{}'",
-                  kLeastPictureSide, kMostPictureSide, kMostPicturePixels / 1000000, text));
-}
-
-double factor(const Arguments& parsed, const std::string& option) {
-  constexpr double kMost = 100;
-  const double value = parsed.options[option].as<double>();
-  if (!(value >= 1 / kMost && value <= kMost)) {
-    throw InputError(fmt::format("--{} must be from {} to {}, not {}", option, 1 / kMost, kMost, value));
-  }
-  return value;
-}
+constexpr double kMostFactor = 100;
 
 // X,Y,Z.
 Vec3d readPlace(const std::string& text) {
@@ -94,10 +55,6 @@ std::optional<CloseUp> readCloseUp(const Arguments& parsed) {
     throw InputError(fmt::format("--within must be from {} to {} m, not {}", kLeast, kFarthestPlace, within));
   }
   return CloseUp{readPlace(parsed.options["at"].as<std::string>()), within};
-}
-
-bool isExr(const std::filesystem::path& file) {
-  return file.extension() == ".exr";
 }
 
 // The folder's or the file's name: "ray_tracing" of out/ray_tracing/.
@@ -156,26 +113,22 @@ int runPicture(const std::vector<std::string>& arguments) {
   if (out.extension() != ".png") throw InputError({out.string()}, "pictures are PNG: let the name end in .png");
 
   PictureOptions picture;
-  if (parsed.options.count("color") > 0) picture.colorBy = static_cast<ColorBy>(choice(parsed, "color", kColorNames));
-  picture.view = static_cast<View>(choice(parsed, "view", kViewNames));
-  readSize(parsed.options["size"].as<std::string>(), picture);
-  picture.zoom = factor(parsed, "zoom");
+  if (const auto color = textOption(parsed, "color"); hasOption(parsed, "color")) {
+    picture.colorBy = static_cast<ColorBy>(wordAmong(color, "color", kColorNames));
+  }
+  picture.view = static_cast<View>(wordAmong(parsed.options["view"].as<std::string>(), "view", kViewNames));
+  const PictureSize size = readPictureSize(parsed.options["size"].as<std::string>());
+  picture.width = size.width;
+  picture.height = size.height;
+  picture.zoom = numberWithin(parsed, "zoom", 1 / kMostFactor, kMostFactor);
   picture.closeUp = readCloseUp(parsed);
-  picture.splats.size = factor(parsed, "point-size");
+  picture.splats.size = numberWithin(parsed, "point-size", 1 / kMostFactor, kMostFactor);
   picture.splats.depthEdges = parsed.options.count("flat") == 0;
 
-  if (const auto kind = recordingIn(file)) {
-    throw InputError({file.string()}, fmt::format("is a recording of {}: name one of its EXR images", nameOf(*kind)));
-  }
+  refuseRecording(file);
   if (isExr(file)) {
     if (picture.closeUp) throw InputError({file.string()}, "is an image: --at is for scans, in which there are places");
-    std::optional<Ontology> classes;
-    if (const auto ontology = textOption(parsed, "ontology"); !ontology.empty()) classes = readOntology(ontology);
-    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-    if (const auto kind = recordingIn(folder); kind && !classes) {
-      Ontology recorded = readRecording(folder, *kind).ontology;
-      if (!recorded.classes.empty()) classes = std::move(recorded);
-    }
+    const std::optional<Ontology> classes = ontologyOfExr(file, parsed);
     const Image image = drawExr(file, classes ? &*classes : nullptr, picture.width);
     writeFile(out, encodePng(image));
     fmt::print("{}: {} x {}, {}\n", out.string(), image.width, image.height, file.filename().string());

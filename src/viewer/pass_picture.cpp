@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <vector>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <variant>
 
 #include "base/error.h"
 #include "passes/exr/exr_file.h"
@@ -18,12 +20,15 @@ namespace scanmill {
 
 namespace {
 
-// A plane of an image: its name, what its colours span, and the colour of each pixel.
+// A plane of an image: its name, what its colours span, the colour of each pixel, and its value with its unit.
 struct Plane {
   std::string name;
   std::string note;
   std::function<Rgb(std::size_t)> color;
+  std::function<std::string(std::size_t)> value;
 };
+
+const char* const kNothing = "nothing";
 
 struct Size {
   int width = 0;
@@ -35,9 +40,13 @@ constexpr int kTitleHeight = 30;    // px
 constexpr int kCaptionHeight = 26;  // px, above each plane
 constexpr int kGap = 8;             // px
 
+std::string captionOf(const Plane& plane) {
+  return plane.note.empty() ? plane.name : fmt::format("{}, {}", plane.name, plane.note);
+}
+
 // Nearest pixel: an id must not be mixed with another.
 void drawPlane(Image& picture, const Plane& plane, const Size& from, int x, int y, const Size& to) {
-  drawText(picture, x, y + 7, fitText(fmt::format("{}{}", plane.name, plane.note), to.width, kCell), kText, kCell);
+  drawText(picture, x, y + 7, fitText(captionOf(plane), to.width, kCell), kText, kCell);
   for (int row = 0; row < to.height; ++row) {
     const auto sourceRow = static_cast<std::size_t>(static_cast<std::int64_t>(row) * from.height / to.height);
     for (int column = 0; column < to.width; ++column) {
@@ -90,35 +99,65 @@ Span spanOf(const std::vector<float>& values) {
 Plane distancePlane(const char* name, const std::vector<float>& distance) {
   const Span span = spanOf(distance);
   const double scale = span.high > span.low ? 1 / std::log(span.high / span.low) : 0;
-  return {name, fmt::format(", {:.2g} to {:.3g} m, by its logarithm", span.low, span.high),
+  return {name, fmt::format("{:.2g} to {:.3g} m, by its logarithm", span.low, span.high),
           [=, &distance](std::size_t i) {
             const double d = distance[i];
             return std::isfinite(d) ? viridis(std::log(std::max(d, 1e-9) / span.low) * scale) : kBackground;
+          },
+          [&distance](std::size_t i) {
+            return std::isfinite(distance[i]) ? fmt::format("{:.2f} m", distance[i]) : kNothing;
           }};
 }
 
 Plane normalPlane(const std::vector<Vec3f>& normal) {
-  return {"normal", ", x red, y green, z blue", [&normal](std::size_t i) {
+  return {"normal", "x red, y green, z blue",
+          [&normal](std::size_t i) {
             const Vec3f n = normal[i];
             if (n == Vec3f{}) return kBackground;
             const auto byte = [](float c) { return static_cast<std::uint8_t>(std::lround(127.5 + 127.5 * c)); };
             return Rgb{byte(n.x), byte(n.y), byte(n.z)};
+          },
+          [&normal](std::size_t i) {
+            const Vec3f n = normal[i];
+            return n == Vec3f{} ? kNothing : fmt::format("{:.3f}, {:.3f}, {:.3f}", n.x, n.y, n.z);
+          }};
+}
+
+Plane semanticPlane(const std::vector<std::uint16_t>& ids, const std::vector<float>& distance,
+                    const Ontology* ontology) {
+  return {"semantic", ontology == nullptr ? "a colour each" : "",
+          [&ids, &distance, ontology](std::size_t i) {
+            return std::isfinite(distance[i]) ? classColor(ontology, ids[i]) : kBackground;
+          },
+          [&ids, &distance, ontology](std::size_t i) {
+            if (!std::isfinite(distance[i])) return std::string(kNothing);
+            const SemanticClass* known = ontology == nullptr ? nullptr : ontology->find(ids[i]);
+            return known == nullptr ? fmt::format("class {}", ids[i]) : fmt::format("{} ({})", known->name, ids[i]);
           }};
 }
 
 template <class Id>
 Plane idPlane(const char* name, const std::vector<Id>& ids, const std::vector<float>& distance, bool zeroIsNone) {
-  return {name, ", a colour each", [&ids, &distance, zeroIsNone](std::size_t i) {
+  return {name, "a colour each",
+          [&ids, &distance, zeroIsNone](std::size_t i) {
             if (!std::isfinite(distance[i])) return kBackground;
             return instanceColor(zeroIsNone ? ids[i] : ids[i] + 1u);
+          },
+          [&ids, &distance, zeroIsNone](std::size_t i) {
+            if (!std::isfinite(distance[i])) return std::string(kNothing);
+            return zeroIsNone && ids[i] == 0 ? std::string("none") : fmt::format("{}", ids[i]);
           }};
 }
 
 Plane sharePlane(const char* name, const std::vector<float>& values, const std::vector<float>& distance) {
   double most = 1;
   for (const float v : values) most = std::max(most, double{v});
-  return {name, fmt::format(", 0 to {:.3g}", most), [&values, &distance, most](std::size_t i) {
+  return {name, fmt::format("0 to {:.3g}", most),
+          [&values, &distance, most](std::size_t i) {
             return std::isfinite(distance[i]) ? viridis(values[i] / most) : kBackground;
+          },
+          [&values, &distance](std::size_t i) {
+            return std::isfinite(distance[i]) ? fmt::format("{:.3g}", values[i]) : kNothing;
           }};
 }
 
@@ -127,12 +166,7 @@ template <class Planes>
 void addPlanes(const Planes& p, const std::vector<float>& distance, const Ontology* ontology,
                std::vector<Plane>& planes) {
   if (!p.normal.empty()) planes.push_back(normalPlane(p.normal));
-  if (!p.semantic.empty()) {
-    planes.push_back(
-        {"semantic", ontology == nullptr ? ", a colour each" : "", [&p, &distance, ontology](std::size_t i) {
-           return std::isfinite(distance[i]) ? classColor(ontology, p.semantic[i]) : kBackground;
-         }});
-  }
+  if (!p.semantic.empty()) planes.push_back(semanticPlane(p.semantic, distance, ontology));
   if (!p.instance.empty()) planes.push_back(idPlane("instance", p.instance, distance, true));
   if (!p.material.empty()) planes.push_back(idPlane("material", p.material, distance, false));
   if (!p.primitive.empty()) planes.push_back(idPlane("primitive", p.primitive, distance, false));
@@ -142,38 +176,41 @@ void addPlanes(const Planes& p, const std::vector<float>& distance, const Ontolo
   if (!p.retroreflectance.empty()) planes.push_back(sharePlane("retroreflectance", p.retroreflectance, distance));
 }
 
-}  // namespace
-
-Image drawPasses(const PassImage& image, const Ontology* ontology, int width, const std::string& title) {
-  constexpr std::size_t kInOneRow = 4;
+// They refer to the image.
+std::vector<Plane> planesOf(const PassImage& image, const Ontology* ontology) {
   std::vector<Plane> planes{distancePlane("depth", image.planes.depth)};
   addPlanes(image.planes, image.planes.depth, ontology, planes);
-  const Camera& c = image.camera;
-  return drawPlanes(planes, {static_cast<int>(c.width), static_cast<int>(c.height)},
-                    planes.size() <= kInOneRow ? 4 : (static_cast<int>(planes.size()) + 1) / 2, width, 1,
-                    fmt::format("{}, {} x {} pixels, {:.1f} x {:.1f} degrees", title, c.width, c.height,
-                                degrees(c.horizontalField()), degrees(c.verticalField())));
+  return planes;
 }
 
-Image drawHits(const Hits& hits, const Ontology* ontology, int width, const std::string& title) {
-  constexpr double kReadableShare = 1.0 / 7;  // height over width
+std::vector<Plane> planesOf(const Hits& hits, const Ontology* ontology) {
   std::vector<Plane> planes{distancePlane("range", hits.range)};
+  planes[0].value = [&hits, known = planes[0].value](std::size_t i) {
+    const bool gaveUp = std::binary_search(hits.unresolved.begin(), hits.unresolved.end(), i);
+    return gaveUp ? std::string("unresolved") : known(i);
+  };
   addPlanes(hits, hits.range, ontology, planes);
   if (!hits.incidence.empty()) planes.push_back(sharePlane("cosine of the incidence", hits.incidence, hits.range));
-  const double share = static_cast<double>(hits.rings) / hits.columns;
-  return drawPlanes(planes, {static_cast<int>(hits.columns), static_cast<int>(hits.rings)}, 1, width,
-                    std::max(kReadableShare / share, 1.0),
-                    fmt::format("{}, {} rings x {} columns", title, hits.rings, hits.columns));
+  return planes;
 }
 
-Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width) {
-  const std::string title = file.filename().string();
+Size sizeOf(const PassImage& image) {
+  return {static_cast<int>(image.camera.width), static_cast<int>(image.camera.height)};
+}
+
+Size sizeOf(const Hits& hits) {
+  return {static_cast<int>(hits.columns), static_cast<int>(hits.rings)};
+}
+
+using PassesOrHits = std::variant<PassImage, Hits>;
+
+PassesOrHits readExr(const std::filesystem::path& file) {
   const ExrReader header(file);
   const auto& channels = header.channels();
   const auto has = [&](const char* name) {
     return std::any_of(channels.begin(), channels.end(), [&](const ExrChannel& c) { return c.name == name; });
   };
-  if (!has("range")) return drawPasses(readPasses(file, passesIn(file)), ontology, width, title);
+  if (!has("range")) return readPasses(file, passesIn(file));
   Channels there = Channel::Range;
   const std::pair<const char*, Channel> known[] = {
       {"N.X", Channel::Normal},          {"instance", Channel::Instance},   {"semantic", Channel::Semantic},
@@ -185,7 +222,60 @@ Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int w
   }
   Hits hits;
   readHits(file, there, hits);
-  return drawHits(hits, ontology, width, title);
+  return hits;
+}
+
+// What the values of planes need for as long as somebody asks for them.
+struct ExrContents {
+  PassesOrHits image;
+  std::optional<Ontology> ontology;
+};
+
+}  // namespace
+
+Image drawPasses(const PassImage& image, const Ontology* ontology, int width, const std::string& title) {
+  constexpr std::size_t kInOneRow = 4;
+  const std::vector<Plane> planes = planesOf(image, ontology);
+  const Camera& c = image.camera;
+  return drawPlanes(planes, sizeOf(image), planes.size() <= kInOneRow ? 4 : (static_cast<int>(planes.size()) + 1) / 2,
+                    width, 1,
+                    fmt::format("{}, {} x {} pixels, {:.1f} x {:.1f} degrees", title, c.width, c.height,
+                                degrees(c.horizontalField()), degrees(c.verticalField())));
+}
+
+Image drawHits(const Hits& hits, const Ontology* ontology, int width, const std::string& title) {
+  constexpr double kReadableShare = 1.0 / 7;  // height over width
+  const double share = static_cast<double>(hits.rings) / hits.columns;
+  return drawPlanes(planesOf(hits, ontology), sizeOf(hits), 1, width, std::max(kReadableShare / share, 1.0),
+                    fmt::format("{}, {} rings x {} columns", title, hits.rings, hits.columns));
+}
+
+Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width) {
+  const std::string title = file.filename().string();
+  const PassesOrHits image = readExr(file);
+  if (const Hits* hits = std::get_if<Hits>(&image)) return drawHits(*hits, ontology, width, title);
+  return drawPasses(std::get<PassImage>(image), ontology, width, title);
+}
+
+std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const Ontology* ontology) {
+  const auto contents = std::make_shared<ExrContents>();
+  contents->image = readExr(file);
+  if (ontology != nullptr) contents->ontology = *ontology;
+  const Ontology* classes = contents->ontology ? &*contents->ontology : nullptr;
+  const auto [planes, size] = std::visit(
+      [&](const auto& image) { return std::pair(planesOf(image, classes), sizeOf(image)); }, contents->image);
+  std::vector<PassPlane> out;
+  for (const Plane& plane : planes) {
+    PassPlane& made =
+        out.emplace_back(PassPlane{plane.name, Image(size.width, size.height, kBackground), {}, plane.note});
+    for (std::size_t i = 0; i < made.image.pixels.size(); ++i) made.image.pixels[i] = plane.color(i);
+    made.value = [contents, plane, from = size](int column, int row) {
+      if (column < 0 || row < 0 || column >= from.width || row >= from.height) return std::string();
+      const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(from.width);
+      return fmt::format("{}: {}", plane.name, plane.value(pixel + static_cast<std::size_t>(column)));
+    };
+  }
+  return out;
 }
 
 }  // namespace scanmill

@@ -3,7 +3,9 @@
 // Images of passes and of hits, all their planes side by side.
 
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "passes/pass_image.h"
 #include "scan/hits.h"
@@ -21,5 +23,16 @@ Image drawHits(const Hits& hits, const Ontology* ontology, int width, const std:
 
 // The EXR file of a pass image or of hits, whichever it is. Throws InputError.
 Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width);
+
+// A plane of an EXR file, for people who look at one at a time.
+struct PassPlane {
+  std::string name;                                       // "depth", "semantic"
+  Image image;                                            // a pixel per pixel of the file, in the colours of drawExr()
+  std::function<std::string(int column, int row)> value;  // "depth: 12.34 m", "semantic: car (6)"; empty outside
+  std::string note;                                       // what the colours span; may be empty
+};
+
+// All planes of what drawExr() draws; their values stay readable without the file. Throws InputError as that does.
+std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const Ontology* ontology);
 
 }  // namespace scanmill

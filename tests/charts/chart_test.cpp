@@ -255,5 +255,23 @@ TEST(Chart, GivenEndsAreKeptUnlessDataLieBeyond) {
   EXPECT_EQ(dotsOf(wider).size(), 3u);
 }
 
+TEST(Chart, BarsMayHaveColoursOfTheirOwn) {
+  Chart chart{.title = "own colours"};
+  chart.y.names = {"a", "b"};
+  ChartSeries bars{.name = "bars", .color = 3, .mark = ChartMark::Bars};
+  bars.points = {{1, 0}, {2, 1}};
+  bars.fills = {"#123456", "\"><script>"};
+  chart.series = {bars};
+  std::string svg = drawSvg(chart);
+  const std::vector<SvgElement> drawn = elementsOf(svg, "bar");
+  ASSERT_EQ(drawn.size(), 2u);
+  EXPECT_EQ(drawn[0].attributes.at("style"), "fill:#123456");
+  EXPECT_EQ(drawn[1].attributes.at("style"), "fill:\"><script>");  // stays text
+  EXPECT_EQ(svg.find("class=\"bar f3\""), std::string::npos);
+  chart.series[0].fills = {"#123456"};
+  svg = drawSvg(chart);
+  EXPECT_NE(svg.find("class=\"bar f3\""), std::string::npos);  // the second has the series' colour
+}
+
 }  // namespace
 }  // namespace scanmill

@@ -78,5 +78,66 @@ TEST(PassPicture, ReadsWhateverAnExrHolds) {
   expectInputError([&] { drawExr(folder.path() / "no.exr", nullptr, 600); }, {"no.exr"});
 }
 
+const PassPlane& planeOf(const std::vector<PassPlane>& planes, const std::string& name) {
+  const auto found = std::find_if(planes.begin(), planes.end(), [&](const PassPlane& p) { return p.name == name; });
+  if (found == planes.end()) throw Error("no plane " + name);
+  return *found;
+}
+
+TEST(PassPicture, PlanesOfAnImageHaveColoursAndValues) {
+  const TemporaryFolder folder;
+  writePasses(folder.path() / "front.exr", halfAWall());
+  std::vector<PassPlane> planes;
+  {
+    const Ontology ontology = walls();
+    planes = readExrPlanes(folder.path() / "front.exr", &ontology);
+  }
+  std::filesystem::remove(folder.path() / "front.exr");  // values outlive the file and the ontology
+  const std::pair<const char*, const char*> expected[] = {
+      {"depth", "depth: 10.00 m"},        {"normal", "normal: -1.000, 0.000, 0.000"},
+      {"semantic", "semantic: wall (7)"}, {"instance", "instance: 3"},
+      {"material", "material: 0"},        {"primitive", "primitive: 0"},
+      {"reflectance", "reflectance: 1"}};
+  for (const auto& [name, value] : expected) {
+    const PassPlane& plane = planeOf(planes, name);
+    EXPECT_EQ(plane.image.width, 40);
+    EXPECT_EQ(plane.image.height, 20);
+    EXPECT_EQ(plane.value(19, 19), value);
+    EXPECT_EQ(plane.value(20, 0), std::string(name) + ": nothing");
+    EXPECT_EQ(plane.value(40, 0), "");
+    EXPECT_EQ(plane.value(0, -1), "");
+    EXPECT_EQ(plane.image.at(30, 10), kBackground);
+  }
+  EXPECT_EQ(planeOf(planes, "semantic").image.at(5, 5), (Rgb{200, 30, 40}));
+  EXPECT_EQ(planeOf(planes, "instance").image.at(5, 5), instanceColor(3));
+}
+
+TEST(PassPicture, PlanesOfHitsHaveRingsAndColumns) {
+  const TemporaryFolder folder;
+  Hits hits;
+  hits.reset(4, 64, Channel::Semantic | Channel::Instance | Channel::Incidence);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    hits.range[i] = 1.0f + static_cast<float>(i);
+    hits.semantic[i] = static_cast<std::uint16_t>(i % 64);
+    hits.instance[i] = 0;
+    hits.incidence[i] = 0.5f;
+  }
+  hits.range[70] = hits.range[71] = kMiss;
+  hits.unresolved = {71};
+  writeHits(folder.path() / "hits.exr", hits);
+  const std::vector<PassPlane> planes = readExrPlanes(folder.path() / "hits.exr", nullptr);
+  const PassPlane& range = planeOf(planes, "range");
+  EXPECT_EQ(range.image.width, 64);
+  EXPECT_EQ(range.image.height, 4);
+  EXPECT_EQ(range.value(5, 2), "range: 134.00 m");
+  EXPECT_EQ(range.value(6, 1), "range: nothing");
+  EXPECT_EQ(range.value(7, 1), "range: unresolved");
+  EXPECT_EQ(planeOf(planes, "semantic").value(9, 3), "semantic: class 9");
+  EXPECT_EQ(planeOf(planes, "instance").value(9, 3), "instance: none");
+  EXPECT_EQ(planeOf(planes, "cosine of the incidence").value(9, 3), "cosine of the incidence: 0.5");
+  folder.write("no.exr", "not an image");
+  expectInputError([&] { readExrPlanes(folder.path() / "no.exr", nullptr); }, {"no.exr"});
+}
+
 }  // namespace
 }  // namespace scanmill

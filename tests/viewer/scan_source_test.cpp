@@ -49,6 +49,7 @@ TEST_F(FindScan, ByKeyByIndexAndBySensor) {
     EXPECT_EQ(findScan(dataset, manifest.samples[i].key, "Rear").scan.position, expected(i, 1).position);
   }
   EXPECT_EQ(findScan(dataset, "2", "rear").scan.position, expected(2, 1).position);
+  EXPECT_EQ(findScan(dataset, "drive-000005", "").scan.position, expected(5, 0).position);
 }
 
 TEST_F(FindScan, UnknownNamesGetTheNearest) {

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "base/hash.h"
 #include "charts/svg_text.h"
 
 namespace scanmill {
@@ -71,6 +72,7 @@ th:first-child{z-index:2}
 td:first-child{font-family:ui-monospace,SFMono-Regular,Menlo,Consolas,'DejaVu Sans Mono',monospace;font-size:12px}
 tr.strong td,tr.strong td:first-child{background:var(--strong)}tr.strong td:first-child{font-weight:700}
 tbody tr:hover td{background:var(--strong)}
+th.words,td.words{text-align:left}
 td.why{text-align:left;color:var(--bad);white-space:normal}
 @media (max-width:640px){td:first-child{min-width:132px;max-width:46vw;white-space:normal;overflow-wrap:anywhere}}
 details{margin:10px 0}summary{cursor:pointer;color:var(--accent)}
@@ -133,6 +135,18 @@ std::string attribute(const char* name, const std::string& value) {
   return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, escapeXml(value));
 }
 
+// As a Content-Security-Policy names a script that may run: its SHA-256, in base64 (W3C, CSP level 3, 2.3.1).
+std::string scriptSource(const std::string& script) {
+  const std::string hex = sha256(script);
+  std::string bytes;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
+    unsigned value = 0;
+    std::from_chars(hex.data() + i, hex.data() + i + 2, value, 16);
+    bytes += static_cast<char>(value);
+  }
+  return fmt::format(" 'sha256-{}'", base64(bytes));
+}
+
 }  // namespace
 
 std::string base64(std::string_view bytes) {
@@ -152,8 +166,8 @@ void HtmlTable::group(std::string title, std::size_t columns) {
   groups_.push_back({std::move(title), columns});
 }
 
-void HtmlTable::column(std::string title, std::string hint) {
-  columns_.push_back({std::move(title), std::move(hint)});
+void HtmlTable::column(std::string title, std::string hint, bool words) {
+  columns_.push_back({std::move(title), std::move(hint), words});
 }
 
 void HtmlTable::row(std::vector<HtmlCell> cells, bool strong) {
@@ -174,7 +188,10 @@ std::string HtmlTable::html() const {
     out += "</tr>";
   }
   out += "<tr class=\"columns\">";
-  for (const Column& c : columns_) out += fmt::format("<th{}>{}</th>", attribute("title", c.hint), escapeXml(c.title));
+  for (const Column& c : columns_) {
+    out += fmt::format("<th{}{}>{}</th>", attribute("class", c.words ? "words" : ""), attribute("title", c.hint),
+                       escapeXml(c.title));
+  }
   out += "</tr></thead><tbody>\n";
   for (const Row& row : rows_) {
     out += row.strong ? "<tr class=\"strong\">" : "<tr>";
@@ -186,14 +203,17 @@ std::string HtmlTable::html() const {
         continue;
       }
       const std::string order = std::isfinite(cell.order) ? fmt::format(" data-v=\"{:.9g}\"", cell.order) : "";
-      out += fmt::format("<td{}{}>{}</td>", order, attribute("title", cell.hint), escapeXml(cell.text));
+      const bool words = i < columns_.size() && columns_[i].words;
+      out += fmt::format("<td{}{}{}>{}</td>", attribute("class", words ? "words" : ""), order,
+                         attribute("title", cell.hint), escapeXml(cell.text));
     }
     out += "</tr>\n";
   }
   return out + "</tbody></table></div></div>\n";
 }
 
-std::string htmlPage(const std::string& title, const std::string& head, const std::vector<HtmlSection>& sections) {
+std::string htmlPage(const std::string& title, const std::string& head, const std::vector<HtmlSection>& sections,
+                     const HtmlExtras& extras) {
   std::string nav, body;
   for (const HtmlSection& s : sections) {
     if (s.body.empty()) continue;
@@ -201,12 +221,20 @@ std::string htmlPage(const std::string& title, const std::string& head, const st
     body += fmt::format("<section{}>\n<h2 id=\"{}\">{}</h2>\n{}{}</section>\n", s.wide ? " class=\"wide\"" : "", s.id,
                         escapeXml(s.title), s.lead.empty() ? "" : htmlParagraph(s.lead, "lead"), s.body);
   }
+  std::string sources = scriptSource(kScript);
+  std::string scripts = fmt::format("<script>{}</script>\n", kScript);
+  for (const std::string& script : extras.scripts) {
+    sources += scriptSource(script);
+    scripts += fmt::format("<script>{}</script>\n", script);
+  }
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src{6}; "
+      "style-src 'unsafe-inline'; img-src data:; connect-src 'none'; base-uri 'none'; form-action 'none'\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0}</title>\n"
-      "<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}<nav>\n{3}</nav>\n{4}</main>\n"
-      "<script>{5}</script>\n</body>\n</html>\n",
-      escapeXml(title), kCss, head, nav, body, kScript);
+      "<style>{1}{7}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}<nav>\n{3}</nav>\n{4}</main>\n"
+      "{5}</body>\n</html>\n",
+      escapeXml(title), kCss, head, nav, body, scripts, sources, extras.css);
 }
 
 std::string htmlParagraph(const std::string& text, const char* kind) {
@@ -216,6 +244,10 @@ std::string htmlParagraph(const std::string& text, const char* kind) {
 
 std::string htmlCode(const std::string& text) {
   return fmt::format("<pre>{}</pre>\n", escapeXml(text));
+}
+
+std::string htmlDetails(const std::string& summary, const std::string& body) {
+  return body.empty() ? "" : fmt::format("<details><summary>{}</summary>\n{}</details>\n", escapeXml(summary), body);
 }
 
 std::string htmlFigures(const std::vector<std::string>& svgs) {

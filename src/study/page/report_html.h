@@ -22,7 +22,8 @@ class HtmlTable {
  public:
   // Headings over so many columns each, together all of them; or never called.
   void group(std::string title, std::size_t columns);
-  void column(std::string title, std::string hint = "");
+  // Words begin at the left, figures end at the right.
+  void column(std::string title, std::string hint = "", bool words = false);
   void row(std::vector<HtmlCell> cells, bool strong = false);
   // A row whose cells after the first are one text: why there are no figures.
   void failure(std::string name, std::string why);
@@ -33,6 +34,7 @@ class HtmlTable {
  private:
   struct Column {
     std::string title, hint;
+    bool words = false;
   };
   struct Group {
     std::string title;
@@ -56,11 +58,20 @@ struct HtmlSection {
   std::string body;
   bool wide = false;  // tables may take the window's width
 };
-std::string htmlPage(const std::string& title, const std::string& head, const std::vector<HtmlSection>& sections);
+// What a page has beyond its sections: style rules, and scripts that run in this order after its own.
+struct HtmlExtras {
+  std::string css{};
+  std::vector<std::string> scripts{};
+};
+// Its Content-Security-Policy forbids every connection, and every script but these.
+std::string htmlPage(const std::string& title, const std::string& head, const std::vector<HtmlSection>& sections,
+                     const HtmlExtras& extras = {});
 
 // <p> and <pre> of plain text.
 std::string htmlParagraph(const std::string& text, const char* kind = "");
 std::string htmlCode(const std::string& text);
+// HTML that a click on the summary, plain text, unfolds; empty where there is none.
+std::string htmlDetails(const std::string& summary, const std::string& body);
 // Charts, two abreast where that leaves their text its size, others in a row of their own; empty ones are left out.
 std::string htmlFigures(const std::vector<std::string>& svgs);
 

@@ -1,0 +1,79 @@
+#include "commands/picture_options.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+
+#include "base/error.h"
+#include "dataset/recording.h"
+#include "viewer/picture.h"
+
+namespace scanmill {
+
+std::size_t wordAmong(const std::string& word, const std::string& option, std::span<const std::string_view> names) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == word) return i;
+  }
+  throw InputError(fmt::format("--{} is one of {}, not '{}'", option, fmt::join(names, ", "), word));
+}
+
+bool hasOption(const Arguments& parsed, const std::string& option) {
+  return parsed.options.count(option) > 0;
+}
+
+std::string textOption(const Arguments& parsed, const std::string& option) {
+  return hasOption(parsed, option) ? parsed.options[option].as<std::string>() : std::string();
+}
+
+std::vector<std::string> listOption(const Arguments& parsed, const std::string& option) {
+  return hasOption(parsed, option) ? parsed.options[option].as<std::vector<std::string>>() : std::vector<std::string>{};
+}
+
+double numberWithin(const Arguments& parsed, const std::string& option, double least, double most) {
+  const double value = parsed.options[option].as<double>();
+  if (!(value >= least && value <= most)) {
+    throw InputError(fmt::format("--{} must be from {} to {}, not {}", option, least, most, value));
+  }
+  return value;
+}
+
+PictureSize readPictureSize(const std::string& text) {
+  PictureSize size;
+  const char* const end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.width);
+  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
+    const auto height = std::from_chars(width.ptr + 1, end, size.height);
+    const auto fits = [](int side) { return side >= kLeastPictureSide && side <= kMostPictureSide; };
+    if (height.ec == std::errc() && height.ptr == end && fits(size.width) && fits(size.height) &&
+        size.width * size.height <= kMostPicturePixels) {
+      return size;
+    }
+  }
+  throw InputError(
+      fmt::format("--size is WIDTHxHEIGHT in pixels, {} to {} each and {} million in all, such as 1600x900, "
+                  "not '{}'",
+                  kLeastPictureSide, kMostPictureSide, kMostPicturePixels / 1000000, text));
+}
+
+bool isExr(const std::filesystem::path& file) {
+  return file.extension() == ".exr";
+}
+
+std::optional<Ontology> ontologyOfExr(const std::filesystem::path& file, const Arguments& parsed) {
+  if (const auto given = textOption(parsed, "ontology"); !given.empty()) return readOntology(given);
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (const auto kind = recordingIn(folder)) {
+    Ontology recorded = readRecording(folder, *kind).ontology;
+    if (!recorded.classes.empty()) return recorded;
+  }
+  return {};
+}
+
+void refuseRecording(const std::filesystem::path& folder) {
+  if (const auto kind = recordingIn(folder)) {
+    throw InputError({folder.string()}, fmt::format("is a recording of {}: name one of its EXR images", nameOf(*kind)));
+  }
+}
+
+}  // namespace scanmill

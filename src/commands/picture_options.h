@@ -1,0 +1,41 @@
+#pragma once
+
+// Options that commands which make pictures have in common.
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "commands/arguments.h"
+#include "scene/ontology.h"
+
+namespace scanmill {
+
+// The place of a word among `names`. Throws InputError that names the option.
+std::size_t wordAmong(const std::string& word, const std::string& option, std::span<const std::string_view> names);
+
+// Empty where the option is not given.
+std::string textOption(const Arguments& parsed, const std::string& option);
+std::vector<std::string> listOption(const Arguments& parsed, const std::string& option);
+bool hasOption(const Arguments& parsed, const std::string& option);
+
+// Of an option that has a value: a number within bounds, both included. Throws InputError.
+double numberWithin(const Arguments& parsed, const std::string& option, double least, double most);
+
+// Pixels, of --size WxH.
+struct PictureSize {
+  int width = 0;
+  int height = 0;
+};
+PictureSize readPictureSize(const std::string& text);
+
+bool isExr(const std::filesystem::path& file);
+// Of --ontology, else of the recording that the image lies in.
+std::optional<Ontology> ontologyOfExr(const std::filesystem::path& file, const Arguments& parsed);
+// Throws InputError where `folder` is a recording: its images are looked at one by one.
+void refuseRecording(const std::filesystem::path& folder);
+
+}  // namespace scanmill

@@ -1,0 +1,94 @@
+#include <fmt/core.h>
+
+#include <filesystem>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "commands/arguments.h"
+#include "commands/stop_signal.h"
+#include "pipeline/progress.h"
+#include "study/dataset/dataset_report.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kMostSamples = 64;  // pictures and points make the file large
+
+// "small_report.html" of a dataset of that name: never a path, whatever the name holds.
+std::string defaultName(const std::filesystem::path& folder) {
+  std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
+  if (!whole.has_filename()) whole = whole.parent_path();
+  const std::string name = whole.filename().string();
+  return (name.empty() || name == "/" ? std::string("dataset") : name) + "_report.html";
+}
+
+void expectFree(const std::filesystem::path& file, bool overwrite) {
+  std::error_code failure;
+  if (std::filesystem::is_directory(file, failure)) {
+    throw InputError({file.string()}, "is a folder: -o takes the name of an HTML file");
+  }
+  if (std::filesystem::exists(file, failure) && !overwrite) {
+    throw InputError({file.string()}, "exists: add --overwrite, or name another with -o");
+  }
+  const std::filesystem::path folder = file.parent_path();
+  if (!folder.empty() && std::filesystem::exists(folder, failure) && !std::filesystem::is_directory(folder, failure)) {
+    throw InputError({folder.string()}, "is a file: name another folder with -o");
+  }
+}
+
+void makeFolderOf(const std::filesystem::path& file) {
+  if (!file.has_parent_path()) return;
+  std::error_code failure;
+  std::filesystem::create_directories(file.parent_path(), failure);
+  if (failure) throw InputError({file.parent_path().string()}, "cannot be made: " + failure.message());
+}
+
+}  // namespace
+
+int runReport(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("report");
+  cxxopts::Options options = describe(command);
+  options.add_options()("o,out", "the page (default: NAME_report.html here, NAME being the folder's)",
+                        cxxopts::value<std::string>(),
+                        "FILE.html")("overwrite", "replace a page that is there already")(
+      "samples", "how many random samples to show, 0 to 64", cxxopts::value<std::size_t>()->default_value("4"), "N")(
+      "seed", "which random samples", cxxopts::value<std::uint64_t>()->default_value("0"))(
+      "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"))(
+      "q,quiet", "one line in place of progress and warnings");
+  const Arguments parsed = parseArguments(command, options, arguments,
+                                          "  scanmill report out/quickstart\n"
+                                          "  scanmill report out/quickstart -o quickstart.html --samples 8 --seed 7\n");
+  if (parsed.help) return 0;
+  const std::filesystem::path folder = parsed.positional("DATASET");
+  expectDataset(folder, "report");
+  const bool named = parsed.options.count("out") > 0;
+  const std::filesystem::path file = named ? parsed.options["out"].as<std::string>() : defaultName(folder);
+  if (file.empty()) throw InputError("-o names no file");
+  expectFree(file, parsed.options.count("overwrite") > 0);
+
+  DatasetReportOptions reportOptions;
+  reportOptions.seed = parsed.options["seed"].as<std::uint64_t>();
+  reportOptions.samples = parsed.options["samples"].as<std::size_t>();
+  if (reportOptions.samples > kMostSamples) {
+    throw InputError(fmt::format("--samples must be from 0 to {}, not {}", kMostSamples, reportOptions.samples));
+  }
+  reportOptions.quiet = parsed.options.count("quiet") > 0;
+  reportOptions.stop = &stopSignal();
+  const ThreadLimit limit(threadOption(parsed));
+  const DatasetReport report = examineDataset(folder, reportOptions);
+  const std::string page = datasetPage(report);
+  if (*reportOptions.stop) throw Error("stopped: nothing was written");
+  makeFolderOf(file);
+  writeFile(file, page);
+  if (!reportOptions.quiet) {
+    for (const DatasetWarning& w : report.warnings) {
+      warn(w.text + (w.places.empty() ? "" : " (" + w.places.front() + (w.places.size() > 1 ? ", ...)" : ")")));
+    }
+  }
+  fmt::print("{}: {}; open it in a browser\n", file.string(), shortBytes(static_cast<double>(page.size())));
+  return 0;
+}
+
+}  // namespace scanmill

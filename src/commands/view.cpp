@@ -1,0 +1,320 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <filesystem>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "commands/arguments.h"
+#include "commands/picture_options.h"
+#include "viewer/picture.h"
+#include "viewer/window/image_session.h"
+#include "viewer/window/session.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::array<std::string_view, 3> kLayoutNames{"one", "overlay", "split"};
+constexpr int kTickMs = 15;
+
+// What is made in place of a window; all may be empty.
+struct Outputs {
+  std::filesystem::path screenshot;
+  std::filesystem::path turntable;
+  int frames = 72;
+  std::optional<std::pair<int, int>> pick;  // px
+
+  bool window() const { return screenshot.empty() && turntable.empty() && !pick; }
+};
+
+Rgb readBackground(const std::string& text) {
+  if (text == "dark") return kBackground;
+  if (text == "grey") return {104, 108, 116};
+  if (text == "white") return {255, 255, 255};
+  Rgb color{};
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto read = std::from_chars(at, end, color[i]);
+    const bool followed = i < 2 ? read.ptr != end && *read.ptr == ',' : read.ptr == end;
+    if (read.ec != std::errc() || !followed) {
+      throw InputError(
+          fmt::format("--background is dark, grey, white, or R,G,B from 0 to 255, such as 30,30,40, not '{}'", text));
+    }
+    at = read.ptr + 1;
+  }
+  return color;
+}
+
+std::pair<int, int> readPixel(const std::string& text, const PictureSize& size) {
+  std::pair<int, int> pixel;
+  const char* const end = text.data() + text.size();
+  const auto x = std::from_chars(text.data(), end, pixel.first);
+  if (x.ec == std::errc() && x.ptr != end && *x.ptr == ',') {
+    const auto y = std::from_chars(x.ptr + 1, end, pixel.second);
+    const bool inside = pixel.first >= 0 && pixel.second >= 0 && pixel.first < size.width && pixel.second < size.height;
+    if (y.ec == std::errc() && y.ptr == end && inside) return pixel;
+  }
+  throw InputError(
+      fmt::format("--pick is X,Y: a pixel of the {} x {} picture, counted from the upper left corner, not '{}'",
+                  size.width, size.height, text));
+}
+
+Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
+  Outputs outputs;
+  if (hasOption(parsed, "screenshot")) {
+    outputs.screenshot = textOption(parsed, "screenshot");
+    if (outputs.screenshot.extension() != ".png") {
+      throw InputError({outputs.screenshot.string()}, "pictures are PNG: let the name end in .png");
+    }
+  }
+  outputs.turntable = folderOption(parsed, "turntable");
+  if (hasOption(parsed, "frames")) {
+    constexpr int kMost = 10000;
+    outputs.frames = parsed.options["frames"].as<int>();
+    if (outputs.turntable.empty()) throw InputError("--frames says how many pictures --turntable DIR makes: add that");
+    if (outputs.frames < 1 || outputs.frames > kMost) {
+      throw InputError(fmt::format("--frames must be from 1 to {}, not {}", kMost, outputs.frames));
+    }
+  }
+  if (hasOption(parsed, "pick")) outputs.pick = readPixel(textOption(parsed, "pick"), size);
+  return outputs;
+}
+
+ViewOptions readViewOptions(const Arguments& parsed) {
+  ViewOptions view;
+  for (const std::string& word : listOption(parsed, "color")) {
+    view.colors.push_back(static_cast<ColorBy>(wordAmong(word, "color", kColorNames)));
+  }
+  const bool over = hasOption(parsed, "over");
+  if (hasOption(parsed, "layout")) {
+    view.layout = static_cast<ViewLayout>(wordAmong(textOption(parsed, "layout"), "layout", kLayoutNames));
+  } else if (view.colors.size() > 1) {
+    view.layout = ViewLayout::Split;
+  } else if (over) {
+    view.layout = ViewLayout::Overlay;
+  }
+  if (view.colors.size() > 1 && view.layout != ViewLayout::Split) {
+    throw InputError("--color was given more than once: only --layout split has several views");
+  }
+  if (hasOption(parsed, "camera")) view.camera = parseCamera(textOption(parsed, "camera"));
+  if (hasOption(parsed, "point-size")) view.pointSize = numberWithin(parsed, "point-size", 0.5, 50);
+  view.background = readBackground(parsed.options["background"].as<std::string>());
+  view.sample = textOption(parsed, "sample");
+  view.depthEdges = !hasOption(parsed, "flat");
+  view.mesh = hasOption(parsed, "mesh");
+  view.rangeRings = hasOption(parsed, "rings");
+  view.rangeImage = hasOption(parsed, "range-image");
+  view.bare = hasOption(parsed, "bare");
+  if (view.bare) view.axes = view.trajectory = false;
+  if (hasOption(parsed, "hide") && hasOption(parsed, "only")) throw InputError("--hide and --only exclude each other");
+  view.only = hasOption(parsed, "only");
+  view.hidden = listOption(parsed, view.only ? "only" : "hide");
+  return view;
+}
+
+void prepareTurntable(const std::filesystem::path& folder, bool overwrite) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) throw InputError({folder.string()}, "cannot be made a folder: " + failure.message());
+  std::vector<std::filesystem::path> old;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const bool ours = name.starts_with("turntable_") && name.ends_with(".png");
+    if (!ours || !overwrite) {
+      throw InputError({folder.string()}, ours ? "holds a turntable already: add --overwrite, or name another folder"
+                                               : "is not empty: name another folder");
+    }
+    old.push_back(entry.path());
+  }
+  for (const auto& file : old) std::filesystem::remove(file);
+}
+
+void printRows(const std::string& heading, const std::vector<std::pair<std::string, std::string>>& rows) {
+  std::size_t widest = 0;
+  for (const auto& [name, value] : rows) widest = std::max(widest, name.size());
+  fmt::print("{}\n", heading);
+  for (const auto& [name, value] : rows) fmt::print("  {:{}}  {}\n", name, widest, value);
+}
+
+std::unique_ptr<Canvas> openCanvas(const std::filesystem::path& file, const PictureSize& size, bool window) {
+  if (!window) return openOffscreen(size.width, size.height);
+  try {
+    return openWindow(fmt::format("scanmill view {}", file.string()), size.width, size.height);
+  } catch (const NoDisplay& e) {
+    throw Error(fmt::format("{}\nwithout a display: scanmill view {} --screenshot FILE.png", e.what(), file.string()));
+  }
+}
+
+// Like a click of the left button.
+template <class Session>
+void clickAt(Session& session, const std::pair<int, int>& pixel) {
+  CanvasEvent event;
+  event.x = pixel.first;
+  event.y = pixel.second;
+  event.button = 1;
+  event.kind = CanvasEvent::Kind::Move;
+  session.handle(event);
+  event.kind = CanvasEvent::Kind::Down;
+  session.handle(event);
+  event.kind = CanvasEvent::Kind::Up;
+  session.handle(event);
+}
+
+void writePicture(const std::filesystem::path& file, const Image& image, const std::string& what) {
+  writeFile(file, encodePng(image));
+  fmt::print("{}: {} x {}, {}\n", file.string(), image.width, image.height, what);
+}
+
+void viewImage(const std::filesystem::path& file, const Arguments& parsed, const PictureSize& size,
+               const Outputs& outputs) {
+  for (const char* option : {"sample", "sensor", "over", "twin", "scene", "color", "layout", "camera", "hide", "only",
+                             "mesh", "rings", "range-image", "turntable"}) {
+    if (hasOption(parsed, option)) {
+      throw InputError({file.string()},
+                       fmt::format("is an image: --{} is for scans; --plane chooses what is shown", option));
+    }
+  }
+  const std::optional<Ontology> classes = ontologyOfExr(file, parsed);
+  const std::unique_ptr<Canvas> canvas = openCanvas(file, size, outputs.window());
+  ImageSession session(file, classes ? &*classes : nullptr, *canvas, textOption(parsed, "plane"),
+                       hasOption(parsed, "bare"));
+  if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });
+  session.settle();
+  if (outputs.pick) {
+    clickAt(session, *outputs.pick);
+    const auto rows = session.pick(outputs.pick->first, outputs.pick->second);
+    if (rows) {
+      printRows(file.filename().string(), *rows);
+    } else {
+      fmt::print("nothing lies at {},{}\n", outputs.pick->first, outputs.pick->second);
+    }
+  }
+  if (outputs.screenshot.empty()) return;
+  session.settle();
+  writePicture(outputs.screenshot, session.picture(), file.filename().string());
+}
+
+void makeTurntable(ViewSession& session, const Outputs& outputs) {
+  const OrbitCamera start = session.camera();
+  for (int i = 0; i < outputs.frames; ++i) {
+    OrbitCamera camera = start;
+    camera.yaw = std::remainder(start.yaw + 2 * kPi * i / outputs.frames, 2 * kPi);
+    session.setCamera(camera);
+    session.settle();
+    writeFile(outputs.turntable / fmt::format("turntable_{:03}.png", i), encodePng(session.picture()));
+  }
+  fmt::print("{}: {} pictures\n", outputs.turntable.string(), outputs.frames);
+}
+
+void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSize& size, const Outputs& outputs,
+                bool overwrite) {
+  const std::shared_ptr<const FrameSource> source = openFrames(input);
+  const std::unique_ptr<Canvas> canvas = openCanvas(input.path, size, outputs.window());
+  ViewSession session(source, *canvas, view);
+  if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });
+  session.settle();
+  session.check();
+  for (const std::string& problem : session.problems()) warn(problem);
+  if (outputs.pick) {
+    const auto& [x, y] = *outputs.pick;
+    if (const auto thing = session.pick(x, y)) {
+      printRows(thing->heading, thing->rows);
+      clickAt(session, *outputs.pick);
+    } else {
+      fmt::print("nothing lies at {},{}\n", x, y);
+    }
+  }
+  if (!outputs.screenshot.empty()) {
+    session.settle();
+    writePicture(outputs.screenshot, session.picture(), source->title());
+  }
+  if (outputs.turntable.empty()) return;
+  prepareTurntable(outputs.turntable, overwrite);
+  makeTurntable(session, outputs);
+}
+
+std::string keyHelp() {
+  std::string out = "\nKeys and pointer:\n";
+  for (const auto& [keys, what] : viewKeys()) out += fmt::format("  {:42} {}\n", keys, what);
+  return out;
+}
+
+void addOptions(cxxopts::Options& options) {
+  const auto text = [] { return cxxopts::value<std::string>(); };
+  const auto list = [] { return cxxopts::value<std::vector<std::string>>(); };
+  options.add_options()("sample", "key or index of a sample; the middle one where not given", text(), "KEY")(
+      "sensor", "only this sensor's scans", text(), "NAME")(
+      "over", "further scans to lay over those: samples are joined by their keys (may be repeated)", list(),
+      "DATASET|SHARD|SCAN")("twin", "the noise-free twin, for --color error", text(), "DATASET|SHARD|SCAN")(
+      "scene", "the scene that was scanned, in place of the one that the dataset names", text(), "FILE")(
+      "ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)", text(), "FILE")(
+      "color",
+      fmt::format("{}; the first that the scan has where not given; once per view", fmt::join(kColorNames, ", ")),
+      list(), "WHAT")("layout", fmt::format("{}: how the scans of a sample are shown", fmt::join(kLayoutNames, ", ")),
+                      text(), "NAME")(
+      "camera",
+      fmt::format("{}, or YAW,PITCH,DISTANCE[,X,Y,Z] in deg and m, such as 30,20,25", fmt::join(kViewNames, ", ")),
+      text(), "WHERE")("plane", "of an EXR image: the first where not given", text(), "NAME")(
+      "size", "width and height in pixels: of the window 1280x800, of pictures 1600x900", text(), "WxH")(
+      "point-size", "of the points, in pixels", cxxopts::value<double>(), "PX")(
+      "background", "dark, grey, white, or R,G,B", text()->default_value("dark"), "COLOR")(
+      "hide", "a class that is not shown: name or id (may be repeated)", list(), "CLASS")(
+      "only", "a class that alone is shown (may be repeated)", list(), "CLASS")("mesh", "the scene, faintly")(
+      "rings", "range rings")("range-image", "also as rings x columns")("flat", "no darkening of depth edges")(
+      "bare", "the points alone: no panels, axes or trajectory")(
+      "screenshot", "a picture in place of the window; needs no display", text(), "FILE.png")(
+      "turntable", "pictures from all around in place of the window; needs no display", text(), "DIR")(
+      "frames", "of the turntable, 72 where not given", cxxopts::value<int>(), "N")(
+      "pick", "prints what lies at a pixel of the picture, and marks it in that", text(), "X,Y")(
+      "overwrite", "replace a turntable that is there already");
+}
+
+}  // namespace
+
+int runView(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("view");
+  cxxopts::Options options = describe(command);
+  addOptions(options);
+  const Arguments parsed =
+      parseArguments(command, options, arguments,
+                     "  scanmill view out/quickstart\n"
+                     "  scanmill view out/quickstart --sample 12 --color intensity --camera above\n"
+                     "  scanmill view out/noisy --twin out/clean --color error\n"
+                     "  scanmill view out/ray_tracing --over out/depth_camera --over out/particle\n"
+                     "  scanmill view out/quickstart --color class --color range --mesh\n"
+                     "  scanmill view out/quickstart --screenshot street.png --size 1920x1080 --hide road\n"
+                     "  scanmill view out/quickstart --pick 800,450\n"
+                     "  scanmill view scan.pcd --turntable out/turntable --frames 36\n"
+                     "  scanmill view out/passes/street-s1-lane-000010.top.0.front.exr\n"
+                     "  scanmill view scenes/street.yaml\n" +
+                         keyHelp());
+  if (parsed.help) return 0;
+  ViewInput input;
+  input.path = parsed.positional("DATASET|SHARD|SCAN|EXR|SCENE");
+  const bool offscreen = hasOption(parsed, "screenshot") || hasOption(parsed, "turntable") || hasOption(parsed, "pick");
+  const PictureSize size = hasOption(parsed, "size") ? readPictureSize(textOption(parsed, "size"))
+                           : offscreen               ? PictureSize{1600, 900}
+                                                     : PictureSize{1280, 800};
+  const Outputs outputs = readOutputs(parsed, size);
+  const ViewOptions view = readViewOptions(parsed);
+  refuseRecording(input.path);
+  if (isExr(input.path)) {
+    viewImage(input.path, parsed, size, outputs);
+    return 0;
+  }
+  if (hasOption(parsed, "plane")) {
+    throw InputError({input.path.string()}, "is no EXR image: --plane chooses one of such an image's planes");
+  }
+  for (const std::string& other : listOption(parsed, "over")) input.over.emplace_back(other);
+  input.twin = textOption(parsed, "twin");
+  input.sensor = textOption(parsed, "sensor");
+  input.ontology = textOption(parsed, "ontology");
+  input.scene = textOption(parsed, "scene");
+  viewFrames(input, view, size, outputs, hasOption(parsed, "overwrite"));
+  return 0;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,48 @@
+#pragma once
+
+// What is counted in one scan. Whole numbers only: their sums do not depend on the order of adding.
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "scan/scan.h"
+#include "scene/ontology.h"
+
+namespace scanmill {
+
+// Distances from the sensor in steps; the last one holds all that lies farther.
+struct RangeSteps {
+  double step = 1;  // m
+  std::size_t count = 1;
+
+  std::size_t of(double distance) const {
+    const double place = distance / step;
+    return place < static_cast<double>(count - 1) ? static_cast<std::size_t>(place) : count - 1;
+  }
+};
+
+// Steps of 0.1, 0.2, 0.5, 1, 2, 5 ... m, at most 120 of them up to the farthest range, and one beyond.
+RangeSteps rangeStepsFor(double farthest);
+
+// Intensities are counted by the upper half of their float32 bits: to within 1 in 128, whole numbers to 255 exactly.
+std::uint16_t intensityKey(float intensity);  // 0 for all that is not above 0
+float intensityOfKey(std::uint16_t key);      // the least of the key
+
+struct InstanceCounts {
+  std::uint32_t id = 0;
+  std::map<std::uint16_t, std::uint64_t> pointsOfClass;
+};
+
+struct ScanCounts {
+  std::uint64_t points = 0;                                           // finite ones
+  std::map<std::uint16_t, std::vector<std::uint64_t>> rangesOfClass;  // class 0 for all where there are no labels
+  std::map<std::uint16_t, std::uint64_t> intensities;                 // by key
+  std::vector<InstanceCounts> instances;                              // ascending ids, without 0
+  std::map<std::uint16_t, std::uint64_t> thingsWithoutId;             // points of thing classes that have no instance
+};
+
+ScanCounts countScan(const Scan& scan, const Ontology& ontology, const RangeSteps& steps);
+
+}  // namespace scanmill

@@ -1,0 +1,267 @@
+#include "viewer/frames/frame_loader.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "formats/columns.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::int64_t kMostAhead = 64;  // frames; several seconds of play
+
+template <class T>
+std::uint64_t columnBytes(const std::vector<T>& column) {
+  return column.capacity() * sizeof(T);
+}
+
+std::uint64_t frameBytes(const ViewFrame& frame) {
+  std::uint64_t bytes = sizeof(ViewFrame);
+  for (const ViewScan& s : frame.scans) {
+    bytes += sizeof(ViewScan) + columnBytes(s.scan.position) + columnBytes(s.error);
+    visitOptionalColumns(s.scan, [&](std::string_view, const auto& column) { bytes += columnBytes(column); });
+  }
+  return bytes;
+}
+
+ViewFrame loadFrame(const FrameSource& source, std::size_t frame) {
+  try {
+    return source.load(frame);
+  } catch (const std::exception& e) {  // such as too little memory
+    return {source.keys().at(frame), {}, {e.what()}};
+  }
+}
+
+ViewMesh loadMesh(const SceneChoice& scene) {
+  try {
+    return loadViewMesh(scene.file, scene.seed);
+  } catch (const std::exception& e) {
+    ViewMesh mesh;
+    mesh.problem = e.what();
+    return mesh;
+  }
+}
+
+}  // namespace
+
+struct FrameLoader::State {
+  struct Kept {
+    std::shared_ptr<const ViewFrame> frame;
+    std::uint64_t bytes = 0;
+    std::uint64_t used = 0;  // when it was last asked for
+  };
+
+  State(std::shared_ptr<const FrameSource> from, std::uint64_t limit) : source(std::move(from)), keptBytes(limit) {}
+
+  // All below need the lock.
+
+  bool has(std::size_t number) const { return kept.contains(number); }
+
+  std::shared_ptr<const ViewFrame> use(std::size_t number) {
+    const auto found = kept.find(number);
+    if (found == kept.end()) return nullptr;
+    found->second.used = ++clock;
+    return found->second.frame;
+  }
+
+  bool meshMissing() const { return wantedMesh && (mesh == nullptr || meshScene != *wantedMesh); }
+
+  // From the wanted frame to where reading ahead has come, and what threads wait for: these stay.
+  bool isNeeded(std::size_t number) const {
+    if (awaited.contains(number)) return true;
+    if (!wanted) return false;
+    const auto at = static_cast<std::int64_t>(number);
+    const auto from = static_cast<std::int64_t>(*wanted);
+    return at == from || (step > 0 ? at > from && at < ahead : at < from && at > ahead);
+  }
+
+  std::uint64_t total() const {
+    std::uint64_t bytes = 0;
+    for (const auto& [number, k] : kept) bytes += k.bytes;
+    return bytes;
+  }
+
+  // Drops what was not used for longest until there is room for so many bytes more. False where there is none.
+  bool makeRoom(std::uint64_t bytes) {
+    std::uint64_t held = total();
+    while (held + bytes > keptBytes) {
+      auto oldest = kept.end();
+      for (auto k = kept.begin(); k != kept.end(); ++k) {
+        if (!isNeeded(k->first) && (oldest == kept.end() || k->second.used < oldest->second.used)) oldest = k;
+      }
+      if (oldest == kept.end()) return false;
+      held -= oldest->second.bytes;
+      kept.erase(oldest);
+    }
+    return true;
+  }
+
+  // The next frame in the direction of stepping that is not there. Reading ahead takes half of the room, for one more
+  // frame like the largest; the rest is for what was seen.
+  std::optional<std::size_t> nextAhead() {
+    if (!wanted || readAheadDone) return std::nullopt;
+    const auto count = static_cast<std::int64_t>(source->keys().size());
+    while (ahead >= 0 && ahead < count && has(static_cast<std::size_t>(ahead))) ahead += step;
+    std::uint64_t largest = 0;
+    std::uint64_t needed = 0;
+    for (const auto& [number, k] : kept) {
+      largest = std::max(largest, k.bytes);
+      if (isNeeded(number)) needed += k.bytes;
+    }
+    const bool far = std::abs(ahead - static_cast<std::int64_t>(*wanted)) > kMostAhead;
+    if (ahead < 0 || ahead >= count || far || needed + largest > keptBytes / 2 || !makeRoom(largest)) {
+      readAheadDone = true;
+      return std::nullopt;
+    }
+    return static_cast<std::size_t>(ahead);
+  }
+
+  std::optional<std::size_t> nextFrame() const {
+    if (wanted && !has(*wanted)) return wanted;
+    for (const std::size_t number : awaited) {
+      if (!has(number)) return number;
+    }
+    return std::nullopt;
+  }
+
+  void keep(std::size_t number, ViewFrame frame) {
+    const std::uint64_t bytes = frameBytes(frame);
+    const bool asked = (wanted && number == *wanted) || awaited.contains(number);
+    const bool room = makeRoom(bytes);
+    if (!room) readAheadDone = true;
+    if (room || asked) {
+      kept[number] = {std::make_shared<const ViewFrame>(std::move(frame)), bytes, ++clock};
+    }
+  }
+
+  // The thread: what is asked for, then the mesh, then what may be asked for next.
+  void run() {
+    std::unique_lock lock(mutex);
+    while (!stopping) {
+      auto number = nextFrame();
+      const bool loadsMesh = !number && meshMissing();
+      if (!number && !loadsMesh) number = nextAhead();
+      if (number) {
+        lock.unlock();
+        ViewFrame frame = loadFrame(*source, *number);
+        lock.lock();
+        keep(*number, std::move(frame));
+        done.notify_all();
+      } else if (loadsMesh) {
+        const SceneChoice scene = *wantedMesh;
+        lock.unlock();
+        auto made = std::make_shared<const ViewMesh>(loadMesh(scene));
+        lock.lock();
+        mesh = std::move(made);
+        meshScene = scene;
+        done.notify_all();
+      } else {
+        work.wait(lock);
+      }
+    }
+  }
+
+  const std::shared_ptr<const FrameSource> source;
+  const std::uint64_t keptBytes;
+  mutable std::mutex mutex;
+  std::condition_variable work;
+  std::condition_variable done;
+  bool stopping = false;
+
+  std::map<std::size_t, Kept> kept;
+  std::uint64_t clock = 0;
+  std::optional<std::size_t> wanted;
+  int step = 1;
+  std::int64_t ahead = 0;  // the next frame to read ahead; beyond either end where there is none
+  bool readAheadDone = false;
+  std::multiset<std::size_t> awaited;
+
+  std::optional<SceneChoice> wantedMesh;
+  std::shared_ptr<const ViewMesh> mesh;
+  SceneChoice meshScene;
+
+  std::thread thread;
+};
+
+FrameLoader::FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t keptBytes)
+    : state_(std::make_unique<State>(std::move(source), keptBytes)) {
+  state_->thread = std::thread([state = state_.get()] { state->run(); });
+}
+
+FrameLoader::~FrameLoader() {
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->stopping = true;
+  }
+  state_->work.notify_all();
+  state_->thread.join();
+}
+
+void FrameLoader::want(std::size_t frame, int step) {
+  State& s = *state_;
+  const std::lock_guard lock(s.mutex);
+  if (frame >= s.source->keys().size()) return;
+  s.wanted = frame;
+  s.step = step < 0 ? -1 : 1;
+  s.ahead = static_cast<std::int64_t>(frame);
+  s.readAheadDone = false;
+  s.work.notify_all();
+}
+
+std::shared_ptr<const ViewFrame> FrameLoader::frame(std::size_t frame) {
+  const std::lock_guard lock(state_->mutex);
+  return state_->use(frame);
+}
+
+std::shared_ptr<const ViewFrame> FrameLoader::wait(std::size_t frame) {
+  State& s = *state_;
+  std::unique_lock lock(s.mutex);
+  if (frame >= s.source->keys().size()) throw std::out_of_range("no such frame");
+  const auto waiting = s.awaited.insert(frame);
+  s.work.notify_all();
+  s.done.wait(lock, [&] { return s.has(frame); });
+  s.awaited.erase(waiting);
+  return s.use(frame);
+}
+
+void FrameLoader::wantMesh(const SceneChoice& scene) {
+  const std::lock_guard lock(state_->mutex);
+  state_->wantedMesh = scene;
+  state_->work.notify_all();
+  state_->done.notify_all();  // whoever waits for another one must ask again
+}
+
+std::shared_ptr<const ViewMesh> FrameLoader::mesh(const SceneChoice& scene) {
+  const std::lock_guard lock(state_->mutex);
+  return state_->meshScene == scene ? state_->mesh : nullptr;
+}
+
+std::shared_ptr<const ViewMesh> FrameLoader::waitMesh(const SceneChoice& scene) {
+  State& s = *state_;
+  std::unique_lock lock(s.mutex);
+  while (s.mesh == nullptr || s.meshScene != scene) {
+    if (!s.meshMissing()) {  // else another thread's comes first
+      s.wantedMesh = scene;
+      s.work.notify_all();
+    }
+    s.done.wait(lock);
+  }
+  return s.mesh;
+}
+
+std::string FrameLoader::busy() const {
+  const std::lock_guard lock(state_->mutex);
+  if (const auto number = state_->nextFrame()) return state_->source->keys()[*number];
+  if (state_->meshMissing()) return "scene " + state_->wantedMesh->file.stem().string();
+  return {};
+}
+
+}  // namespace scanmill

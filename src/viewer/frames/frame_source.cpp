@@ -1,0 +1,70 @@
+#include "viewer/frames/frame_source.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "formats/format.h"
+#include "viewer/frames/sample_names.h"
+#include "viewer/frames/scene_lookup.h"
+#include "viewer/frames/stored_frames.h"
+
+namespace scanmill {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// A scene alone: one frame without scans.
+class SceneFrames : public FrameSource {
+ public:
+  explicit SceneFrames(const ViewInput& input) : file_(input.path), keys_{input.path.filename().string()} {
+    if (!input.over.empty() || !input.twin.empty() || !input.sensor.empty() || !input.scene.empty()) {
+      throw InputError({file_.string()},
+                       "is a scene: --over, --twin, --sensor and --scene belong to a dataset, a shard or a scan");
+    }
+    requireScene(file_);
+    if (!input.ontology.empty()) ontology_ = readOntology(input.ontology);
+  }
+
+  std::string title() const override { return keys_.front(); }
+  const std::vector<std::string>& keys() const override { return keys_; }
+  const Ontology* ontology() const override { return ontology_ ? &*ontology_ : nullptr; }
+  bool isScene() const override { return true; }
+  ViewFrame load(std::size_t frame) const override { return {keys_.at(frame), {}, {}}; }
+  std::vector<Pose> trajectory(std::size_t) const override { return {}; }
+  std::optional<SceneChoice> scene(std::size_t, std::string&) const override { return SceneChoice{file_, 1}; }
+
+ private:
+  fs::path file_;
+  std::vector<std::string> keys_;
+  std::optional<Ontology> ontology_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
+  const std::string suffix = input.path.extension().string();
+  std::error_code ignored;
+  if (fs::is_regular_file(input.path, ignored)) {
+    if (suffix == ".yaml" || suffix == ".yml") return std::make_unique<SceneFrames>(input);
+    if (suffix == ".exr") {
+      throw InputError({input.path.string()}, "is an image of passes or hits, not a scan: it is viewed by itself");
+    }
+    if (suffix != ".tar" && (suffix.empty() || formatBySuffix(suffix.substr(1)) == nullptr)) {
+      std::vector<std::string> known{".tar"};
+      for (const FormatEntry& f : formats()) known.push_back(fmt::format(".{}", f.suffix));
+      throw InputError({input.path.string()},
+                       fmt::format("is neither a dataset's folder nor a shard or scan ({}) nor a scene (.yaml)",
+                                   fmt::join(known, ", ")));
+    }
+  }
+  if (!input.scene.empty()) requireScene(input.scene);
+  return std::make_unique<StoredFrames>(input);
+}
+
+std::size_t findFrame(const FrameSource& source, const std::string& wanted) {
+  return findKey(source.keys(), wanted, source.title());
+}
+
+}  // namespace scanmill

@@ -1,0 +1,158 @@
+#include "viewer/frames/scene_lookup.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "config/file_kind.h"
+#include "config/resources.h"
+#include "config/value.h"
+
+namespace scanmill {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kSuffix = ".yaml";
+
+// As pipeline/pipeline.cpp makes a scene's name fit for a key.
+std::string inKey(std::string name) {
+  for (char& c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    c = std::isalnum(byte) == 0 && c != '_' && c != '-' ? '_' : static_cast<char>(std::tolower(byte));
+  }
+  return name;
+}
+
+// The overrides stand as comments at the end of the text: "# --set scenes.0.seeds=[3]", on further lines where they
+// have several.
+std::vector<std::string> overridesOf(const std::string& text) {
+  constexpr std::string_view kComment = "# ";
+  constexpr std::string_view kSet = "# --set ";
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  std::size_t first = lines.size();
+  while (first > 0 && lines[first - 1].starts_with(kComment)) --first;
+  std::vector<std::string> overrides;
+  for (std::size_t i = first; i < lines.size(); ++i) {
+    if (lines[i].starts_with(kSet)) {
+      overrides.push_back(lines[i].substr(kSet.size()));
+    } else if (!overrides.empty()) {
+      overrides.back() += '\n' + lines[i].substr(kComment.size());
+    }
+  }
+  return overrides;
+}
+
+Value pipelineOf(const std::string& pipelineText, const fs::path& datasetFolder) {
+  Value root = parseYaml(pipelineText, "the pipeline in " + (datasetFolder / "manifest.json").string());
+  for (const std::string& assignment : overridesOf(pipelineText)) setValue(root, assignment);
+  return root;
+}
+
+bool hasSeed(const Value& entry, std::uint64_t seed) {
+  const Value* seeds = entry.find("seeds");
+  if (seeds == nullptr || seeds->kind == Value::Kind::Null) return seed == 1;
+  const std::string wanted = std::to_string(seed);
+  if (seeds->kind == Value::Kind::Scalar) return seeds->text == wanted;
+  for (const Value& item : seeds->items) {
+    if (item.text == wanted) return true;
+  }
+  return false;
+}
+
+// The seed that follows a scene's name at the start of a key.
+std::optional<std::uint64_t> seedBehind(const std::string& key, const std::string& scene) {
+  if (!key.starts_with(scene + "-s")) return std::nullopt;
+  const std::size_t begin = scene.size() + 2;
+  const std::size_t end = key.find_first_not_of("0123456789", begin);
+  if (end == std::string::npos || end == begin || end - begin > 18 || key[end] != '-') return std::nullopt;
+  return std::stoull(key.substr(begin, end - begin));
+}
+
+struct Entry {
+  std::string file;  // as written
+  std::uint64_t seed = 1;
+};
+
+// Of two names that fit ("town" and "town-s1-old"), the longer one.
+std::optional<Entry> entryOf(const Value& root, const std::string& key) {
+  const Value* scenes = root.find("scenes");
+  std::optional<Entry> best;
+  std::size_t bestLength = 0;
+  if (scenes == nullptr) return best;
+  for (const Value& entry : scenes->items) {
+    const Value* file = entry.find("scene");
+    if (file == nullptr) continue;
+    const fs::path name = fs::path(file->text).filename();
+    for (const std::string& scene : {inKey(name.stem().string()), inKey(name.string())}) {  // ".yaml" may be left out
+      const auto seed = seedBehind(key, scene);
+      if (!seed || !hasSeed(entry, *seed) || scene.size() < bestLength) continue;
+      best = {file->text, *seed};
+      bestLength = scene.size();
+    }
+  }
+  return best;
+}
+
+std::optional<fs::path> fileNamed(const std::string& name, const fs::path& datasetFolder) {
+  const fs::path resources = resourceFolder();
+  for (const fs::path& folder : {fs::path(), datasetFolder, resources / "pipelines", resources / "scenes", resources}) {
+    for (const std::string& written : {name, name + std::string(kSuffix)}) {
+      const fs::path file = (folder / written).lexically_normal();
+      std::error_code ignored;
+      if (fs::is_regular_file(file, ignored)) return file;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<SceneChoice> sceneOfSample(const std::string& pipelineText, const fs::path& datasetFolder,
+                                         const std::string& key, std::string& why) {
+  constexpr const char* kAdvice = "give --scene FILE to see it";
+  try {
+    const auto entry = entryOf(pipelineOf(pipelineText, datasetFolder), key);
+    if (!entry) {
+      why = fmt::format("the dataset's pipeline names no scene that '{}' was made of: {}", key, kAdvice);
+      return std::nullopt;
+    }
+    const auto file = fileNamed(entry->file, datasetFolder);
+    if (file) return SceneChoice{*file, entry->seed};
+    why = fmt::format("the scene '{}' of the dataset's pipeline is not found here: {}", entry->file, kAdvice);
+  } catch (const InputError& e) {
+    why = fmt::format("{}: {}", e.what(), kAdvice);
+  }
+  return std::nullopt;
+}
+
+std::uint64_t seedOfKey(const std::string& key) {
+  for (std::size_t at = key.find("-s"); at != std::string::npos; at = key.find("-s", at + 1)) {
+    if (const auto seed = seedBehind(key, key.substr(0, at))) return *seed;
+  }
+  return 1;
+}
+
+void requireScene(const fs::path& file) {
+  const Value root = readYaml(file);
+  if (fileKind(root) == FileKind::Scene) return;
+  if (fileKind(root) == FileKind::Pipeline) {
+    throw InputError({file.string()},
+                     fmt::format("is a pipeline: `scanmill generate {} -o DIR` makes the dataset that can be viewed",
+                                 file.string()));
+  }
+  expectKind(root, FileKind::Scene);
+  throw InputError({file.string()}, "is no scene: that has a list of `objects`");
+}
+
+}  // namespace scanmill

@@ -1,0 +1,295 @@
+#include "viewer/frames/stored_frames.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "dataset/sample_json.h"
+#include "viewer/frames/beam_error.h"
+#include "viewer/frames/sample_names.h"
+#include "viewer/frames/scene_lookup.h"
+
+namespace scanmill {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// The names of files or folders, each with as many of the folders above as it takes to tell all apart.
+std::vector<std::string> shortestLabels(const std::vector<fs::path>& paths) {
+  constexpr int kMostFolders = 8;
+  std::vector<fs::path> whole;
+  for (const fs::path& path : paths) {
+    fs::path clean = fs::absolute(path).lexically_normal();
+    whole.push_back(clean.has_filename() ? clean : clean.parent_path());
+  }
+  const std::size_t different = std::set(whole.begin(), whole.end()).size();
+  std::vector<std::string> labels;
+  for (int folders = 0; folders <= kMostFolders; ++folders) {
+    labels.clear();
+    for (const fs::path& path : whole) {
+      fs::path label = path.filename();
+      fs::path above = path.parent_path();
+      for (int i = 0; i < folders && above.has_filename(); ++i, above = above.parent_path()) {
+        label = above.filename() / label;
+      }
+      labels.push_back(label.string());
+    }
+    if (std::set(labels.begin(), labels.end()).size() == different) break;
+  }
+  return labels;
+}
+
+// The first class that the two name differently; empty where there is none.
+std::string differenceOf(const Ontology& a, const Ontology& b) {
+  const auto name = [](const Ontology& ontology, std::uint16_t id) {
+    const SemanticClass* found = ontology.find(id);
+    return found == nullptr ? std::string("nothing") : found->name;
+  };
+  for (const Ontology* both : {&a, &b}) {
+    for (const SemanticClass& c : both->classes) {
+      if (name(a, c.id) != name(b, c.id)) {
+        return fmt::format("class {} is {} in '{}' and {} in '{}'", c.id, name(a, c.id), a.name, name(b, c.id), b.name);
+      }
+    }
+  }
+  return {};
+}
+
+// Points of a turn that were moved to its start cannot be measured from where their beams began.
+bool movedToStart(const Manifest* manifest, const ScanRecord* record) {
+  return manifest != nullptr && manifest->deskewed && record != nullptr && record->worldFromSensor.size() > 1 &&
+         record->worldFromSensor.front() != record->worldFromSensor.back();
+}
+
+}  // namespace
+
+// One scan on its way.
+struct StoredFrames::Loading {
+  const Store* store = nullptr;
+  std::size_t sample = 0;
+  StoredScan stored;
+  ViewScan scan;
+  std::vector<std::string> problems;
+  bool loaded = false;
+};
+
+StoredFrames::StoredFrames(const ViewInput& input) : input_(input) {
+  std::vector<fs::path> paths{input.path};
+  paths.insert(paths.end(), input.over.begin(), input.over.end());
+  const std::vector<std::string> labels = shortestLabels(paths);
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    stores_.push_back({std::make_unique<const ScanStore>(paths[i]), labels[i], {}});
+  }
+  if (!input.twin.empty()) twin_ = std::make_unique<const ScanStore>(input.twin);
+  checkJoins();
+  takeOntology();
+  if (first().manifest() == nullptr) return;
+  for (const SampleRecord& s : first().manifest()->samples) sequences_[partsOfKey(s.key).sequence].push_back(&s);
+  for (auto& [name, samples] : sequences_) {
+    std::stable_sort(samples.begin(), samples.end(), [](const SampleRecord* a, const SampleRecord* b) {
+      const std::string frameA = partsOfKey(a->key).frame;
+      const std::string frameB = partsOfKey(b->key).frame;
+      return std::tuple(frameA.size(), frameA) < std::tuple(frameB.size(), frameB);
+    });
+  }
+}
+
+void StoredFrames::checkJoins() const {
+  const std::string where = input_.path.string();
+  if (keys().empty()) throw InputError({where}, "holds no sample");
+  if (first().single()) {
+    if (!input_.sensor.empty()) {
+      throw InputError({where}, "is a single scan: --sensor chooses from a dataset or a shard");
+    }
+    for (std::size_t i = 1; i < stores_.size(); ++i) {
+      if (!stores_[i].scans->single()) {
+        throw InputError({where}, fmt::format("is a single scan and has no key to find in {}: give the dataset first, "
+                                              "and the scan with --over",
+                                              stores_[i].scans->path().string()));
+      }
+    }
+    if (twin_ != nullptr && !twin_->single()) {
+      throw InputError({where}, fmt::format("is a single scan and has no key to find in {}: its twin must be a single "
+                                            "scan too",
+                                            twin_->path().string()));
+    }
+    return;
+  }
+  if (input_.sensor.empty()) return;
+  const std::vector<std::string> sensors = first().sensors();
+  const bool known = std::any_of(sensors.begin(), sensors.end(),
+                                 [&](const std::string& name) { return lowerCase(name) == lowerCase(input_.sensor); });
+  if (!known) {
+    throw InputError({where},
+                     fmt::format("has no sensor '{}'; it has {}", input_.sensor,
+                                 sensors.empty() ? "none with a name" : fmt::format("{}", fmt::join(sensors, ", "))));
+  }
+}
+
+void StoredFrames::takeOntology() {
+  if (!input_.ontology.empty()) {
+    ontology_ = readOntology(input_.ontology);
+    return;
+  }
+  std::string owner;
+  for (Store& s : stores_) {
+    if (s.scans->manifest() == nullptr) continue;
+    const Ontology& own = s.scans->manifest()->ontology;
+    if (!ontology_) {
+      ontology_ = own;
+      owner = s.label;
+    }
+    const std::string difference = differenceOf(*ontology_, own);
+    if (!difference.empty()) {
+      s.classes = fmt::format("{} has other classes than {}, whose names and colours are shown: {}", s.label, owner,
+                              difference);
+    }
+  }
+}
+
+// What there is of a sample in all stores.
+std::vector<StoredFrames::Loading> StoredFrames::find(const std::string& key,
+                                                      std::vector<std::string>& problems) const {
+  std::vector<Loading> all;
+  for (const Store& s : stores_) {
+    const auto sample = s.scans->single() ? std::optional<std::size_t>(0) : s.scans->find(key);
+    if (!sample) {
+      problems.push_back(fmt::format("{} has no sample '{}'", s.scans->path().string(), key));
+      continue;
+    }
+    try {
+      for (StoredScan& scan : s.scans->scans(*sample, input_.sensor)) {
+        all.push_back({&s, *sample, std::move(scan), {}, {}, false});
+      }
+    } catch (const InputError& e) {
+      problems.emplace_back(e.what());
+    }
+  }
+  return all;
+}
+
+void StoredFrames::nameScans(std::vector<Loading>& all) const {
+  std::set<std::string> methods;
+  for (const Loading& l : all) {
+    if (!l.stored.method.empty()) methods.insert(l.stored.method);
+  }
+  std::set<std::string> taken;
+  for (Loading& l : all) {
+    std::string name = l.stored.sensor;
+    if (methods.size() > 1 && !l.stored.method.empty()) name += (name.empty() ? "" : ", ") + l.stored.method;
+    if (name.empty()) {
+      name = l.store->label;
+    } else if (stores_.size() > 1) {
+      name = l.store->label + ": " + name;
+    }
+    l.scan.name = name;
+    for (int copy = 2; !taken.insert(l.scan.name).second; ++copy) l.scan.name = fmt::format("{} ({})", name, copy);
+  }
+}
+
+void StoredFrames::addTwinError(ViewScan& scan, const std::string& key) const {
+  const auto sample = twin_->single() ? std::optional<std::size_t>(0) : twin_->find(key);
+  if (!sample) throw InputError({twin_->path().string()}, fmt::format("the twin has no sample '{}'", key));
+  const std::vector<StoredScan> twins = twin_->scans(*sample, scan.sensor);
+  const auto same = std::find_if(twins.begin(), twins.end(),
+                                 [&](const StoredScan& t) { return lowerCase(t.method) == lowerCase(scan.method); });
+  std::string why;
+  scan.error = twinErrors(scan.scan, twin_->decode(*sample, same == twins.end() ? twins.front() : *same), why);
+  if (!why.empty()) throw InputError({twin_->path().string()}, why);
+  scan.errorTitle = "distance to the twin (m)";
+}
+
+void StoredFrames::addError(Loading& loading, const std::string& key, bool sensorsDiffer) const {
+  ViewScan& scan = loading.scan;
+  if (twin_ == nullptr) {
+    if (scan.scan.rangeTrue.empty() || movedToStart(loading.store->scans->manifest(), loading.stored.record)) return;
+    scan.error = rangeErrors(scan.scan, scan.beams.get());
+    scan.errorTitle = "range error (m)";
+    return;
+  }
+  if (twin_->single() && sensorsDiffer) {
+    throw InputError({twin_->path().string()}, "the twin is a single scan: say with --sensor whose");
+  }
+  addTwinError(scan, key);
+}
+
+void StoredFrames::loadOne(Loading& loading, const std::string& key, bool sensorsDiffer) const {
+  ViewScan& scan = loading.scan;
+  scan.sensor = loading.stored.sensor;
+  scan.method = loading.stored.method;
+  if (const ScanRecord* record = loading.stored.record) {
+    if (!record->worldFromSensor.empty()) scan.worldFromSensor = record->worldFromSensor.front();
+    scan.time = record->time;
+  }
+  try {
+    scan.scan = loading.store->scans->decode(loading.sample, loading.stored);
+    loading.loaded = true;
+    scan.beams = loading.store->scans->beams(scan.sensor);
+    addError(loading, key, sensorsDiffer);
+  } catch (const std::exception& e) {
+    loading.problems.emplace_back(e.what());
+  }
+}
+
+ViewFrame StoredFrames::load(std::size_t frame) const {
+  ViewFrame view;
+  view.key = keys().at(frame);
+  std::vector<Loading> all = find(view.key, view.problems);
+  nameScans(all);
+  const bool sensorsDiffer = std::any_of(all.begin(), all.end(), [&](const Loading& l) {
+    return lowerCase(l.stored.sensor) != lowerCase(all.front().stored.sensor);
+  });
+  parallelFor(all.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) loadOne(all[i], view.key, sensorsDiffer);
+  });
+  for (Loading& l : all) {
+    if (!l.store->classes.empty() && !l.scan.scan.label.empty()) l.problems.push_back(l.store->classes);
+    for (std::string& problem : l.problems) {
+      if (std::find(view.problems.begin(), view.problems.end(), problem) == view.problems.end()) {
+        view.problems.push_back(std::move(problem));
+      }
+    }
+    if (l.loaded) view.scans.push_back(std::move(l.scan));
+  }
+  return view;
+}
+
+// Where the first of its scans that are shown was taken.
+const Pose* StoredFrames::poseOf(const SampleRecord& sample) const {
+  for (const ScanRecord& scan : sample.scans) {
+    const bool shown = input_.sensor.empty() || lowerCase(scan.sensor) == lowerCase(input_.sensor);
+    if (shown && !scan.worldFromSensor.empty()) return &scan.worldFromSensor.front();
+  }
+  return nullptr;
+}
+
+std::vector<Pose> StoredFrames::trajectory(std::size_t frame) const {
+  const std::string& key = keys().at(frame);
+  const std::string sequence = partsOfKey(key).sequence;
+  const auto found = sequences_.find(sequence);
+  std::vector<Pose> poses;
+  if (found == sequences_.end()) return poses;
+  for (const SampleRecord* sample : found->second) {
+    if (sequence.empty() && sample->key != key) continue;  // keys without numbers have no order
+    if (const Pose* pose = poseOf(*sample)) poses.push_back(*pose);
+  }
+  return poses;
+}
+
+std::optional<SceneChoice> StoredFrames::scene(std::size_t frame, std::string& why) const {
+  const std::string& key = keys().at(frame);
+  if (!input_.scene.empty()) return SceneChoice{input_.scene, seedOfKey(key)};
+  if (first().manifest() == nullptr) {
+    why = "no manifest says which scene this is of: give --scene FILE to see it";
+    return std::nullopt;
+  }
+  return sceneOfSample(first().manifest()->pipelineText, first().folder(), key, why);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,53 @@
+#pragma once
+
+// Frames whose scans are on disk.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "viewer/frames/frame_source.h"
+#include "viewer/frames/scan_store.h"
+
+namespace scanmill {
+
+class StoredFrames : public FrameSource {
+ public:
+  explicit StoredFrames(const ViewInput& input);
+
+  std::string title() const override { return stores_.front().label; }
+  const std::vector<std::string>& keys() const override { return first().keys(); }
+  const Ontology* ontology() const override { return ontology_ ? &*ontology_ : nullptr; }
+  bool isScene() const override { return false; }
+  ViewFrame load(std::size_t frame) const override;
+  std::vector<Pose> trajectory(std::size_t frame) const override;
+  std::optional<SceneChoice> scene(std::size_t frame, std::string& why) const override;
+
+ private:
+  struct Store {
+    std::unique_ptr<const ScanStore> scans;
+    std::string label;    // the folder's or the file's name, as far as it tells it from the others'
+    std::string classes;  // why its classes are not those that are shown; empty: they are
+  };
+  struct Loading;
+
+  const ScanStore& first() const { return *stores_.front().scans; }
+  void checkJoins() const;
+  void takeOntology();
+  std::vector<Loading> find(const std::string& key, std::vector<std::string>& problems) const;
+  void loadOne(Loading& loading, const std::string& key, bool sensorsDiffer) const;
+  void addError(Loading& loading, const std::string& key, bool sensorsDiffer) const;
+  void addTwinError(ViewScan& scan, const std::string& key) const;
+  void nameScans(std::vector<Loading>& all) const;
+  const Pose* poseOf(const SampleRecord& sample) const;
+
+  ViewInput input_;
+  std::vector<Store> stores_;  // that which is shown, then those over it
+  std::unique_ptr<const ScanStore> twin_;
+  std::optional<Ontology> ontology_;
+  std::unordered_map<std::string, std::vector<const SampleRecord*>> sequences_;  // in the order of their frames
+};
+
+}  // namespace scanmill

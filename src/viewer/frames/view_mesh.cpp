@@ -1,0 +1,127 @@
+#include "viewer/frames/view_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <map>
+#include <utility>
+
+#include "base/parallel.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kTriangleGrain = 16384;
+constexpr std::size_t kBoxGrain = 64;
+
+// Where the triangles of the instances start, and behind the last; one more than there are instances.
+std::vector<std::size_t> firstTriangles(const Scene& scene) {
+  std::vector<std::size_t> first{0};
+  first.reserve(scene.instances.size() + 1);
+  for (const Instance& instance : scene.instances) {
+    first.push_back(first.back() + scene.meshes[instance.mesh].triangles.size());
+  }
+  return first;
+}
+
+// Names the parts of the scene, those without triangles left out. Gives each instance's parts by surface.
+std::vector<std::vector<std::uint32_t>> nameParts(const Scene& scene, std::vector<std::string>& parts) {
+  std::vector<std::vector<std::uint32_t>> partOf(scene.instances.size());
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    if (mesh.triangles.empty()) continue;
+    std::map<std::string_view, std::uint32_t> byNode;  // surfaces of one node are one part
+    for (const Surface& surface : mesh.surfaces) {
+      const auto [known, added] = byNode.emplace(surface.node, static_cast<std::uint32_t>(parts.size()));
+      if (added) parts.push_back(surface.node.empty() ? instance.name : instance.name + ": " + surface.node);
+      partOf[i].push_back(known->second);
+    }
+  }
+  return partOf;
+}
+
+void fillTriangles(const Scene& scene, ViewMesh& view) {
+  const std::vector<std::size_t> firstOf = firstTriangles(scene);
+  const std::vector<std::vector<std::uint32_t>> partOf = nameParts(scene, view.parts);
+  const std::size_t count = firstOf.back();
+  view.corners.resize(3 * count);
+  view.semantic.resize(count);
+  view.instance.resize(count);
+  view.material.resize(count);
+  view.part.resize(count);
+  parallelFor(count, kTriangleGrain, [&](std::size_t first, std::size_t last) {
+    auto owner =
+        static_cast<std::size_t>(std::upper_bound(firstOf.begin(), firstOf.end(), first) - firstOf.begin()) - 1;
+    for (std::size_t t = first; t < last; ++owner) {
+      const Instance& instance = scene.instances[owner];
+      const Mesh& mesh = scene.meshes[instance.mesh];
+      // The large world coordinates cancel before they are rounded to float.
+      const Affine fromMesh{instance.worldFromMesh.linear, instance.worldFromMesh.translation - view.origin};
+      for (const std::size_t end = std::min(last, firstOf[owner + 1]); t < end; ++t) {
+        const std::size_t own = t - firstOf[owner];
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+          view.corners[3 * t + corner] = Vec3f(fromMesh * Vec3d(mesh.positions[mesh.triangles[own][corner]]));
+        }
+        const Surface& surface = mesh.surfaces[mesh.surfaceOf[own]];
+        view.semantic[t] = surface.semantic;
+        view.instance[t] = instanceId(instance, surface);
+        view.material[t] = surface.material;
+        view.part[t] = partOf[owner][mesh.surfaceOf[own]];
+      }
+    }
+  });
+}
+
+void fillBoxes(ViewMesh& view) {
+  constexpr std::size_t kCorners = 3 * ViewMesh::kTrianglesPerBox;
+  view.boxes.resize((view.size() + ViewMesh::kTrianglesPerBox - 1) / ViewMesh::kTrianglesPerBox);
+  parallelFor(view.boxes.size(), kBoxGrain, [&](std::size_t first, std::size_t last) {
+    for (std::size_t b = first; b < last; ++b) {
+      const std::size_t end = std::min((b + 1) * kCorners, view.corners.size());
+      for (std::size_t c = b * kCorners; c < end; ++c) view.boxes[b].add(Vec3d(view.corners[c]));
+    }
+  });
+  for (const Box& box : view.boxes) view.bounds.add(box);
+}
+
+}  // namespace
+
+ViewMesh makeViewMesh(const Scene& scene) {
+  ViewMesh view;
+  view.name = scene.name;
+  const std::uint64_t placed = scene.placedTriangles();
+  if (placed > kMostViewTriangles) {
+    view.problem = fmt::format("{}: {} triangles are placed, and the viewer draws at most {}", scene.name, placed,
+                               kMostViewTriangles);
+    return view;
+  }
+  const Box world = scene.bounds();
+  if (!world.empty()) view.origin = world.center();
+  view.ontology = scene.ontology;
+  for (const Material& material : scene.materials) {
+    view.materials.push_back(material.name);
+    view.reflectance.push_back(material.reflectance);
+  }
+  fillTriangles(scene, view);
+  fillBoxes(view);
+  return view;
+}
+
+ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed) {
+  try {
+    SceneOptions options;
+    options.seed = seed;
+    options.textures = false;
+    return makeViewMesh(readScene(file, options));
+  } catch (const std::exception& e) {
+    ViewMesh none;
+    none.name = file.stem().string();
+    none.problem = e.what();
+    return none;
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,105 @@
+#include "viewer/vtk_module/depth_edges.h"
+
+#include <vtkOpenGLState.h>
+#include <vtkTextureObject.h>
+#include <vtk_glew.h>
+
+namespace scanmill {
+
+namespace {
+
+// Boucheny's own form sums how much nearer each neighbour is, by the logarithms of the depths, which darkens every
+// slope that falls away from the eye, and a road most of all. Here the two neighbours on opposite sides are taken
+// together: on a plane they cancel out, and an edge is left. A neighbour that is nothing is as if it were this point.
+// Without perspective depths themselves are compared. Logarithms are left out, since they cost more than all else: with
+// u the inverse of a depth, the pair's difference is log2(a * b / u^2), and the sum of these the logarithm of a
+// product.
+constexpr const char* kFragment = R"(//VTK::System::Dec
+//VTK::Output::Dec
+uniform sampler2D depths;
+uniform ivec2 first;
+uniform ivec2 last;
+uniform vec3 lens;
+uniform int orthographic;
+
+float nearness(float depth) {
+  return orthographic == 1 ? -depth * lens.z : lens.x - depth * lens.y;
+}
+float neighbour(ivec2 pixel, float here) {
+  float depth = texelFetch(depths, pixel, 0).r;
+  return depth < 1.0 ? nearness(depth) : here;
+}
+float pair(ivec2 pixel, ivec2 step, float here) {
+  if (any(lessThan(pixel - step, first)) || any(greaterThan(pixel + step, last))) return 1.0;
+  float a = neighbour(pixel + step, here);
+  float b = neighbour(pixel - step, here);
+  return max(1.0, orthographic == 1 ? 1.0 + a + b - 2.0 * here : a * b / (here * here));
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  float depth = texelFetch(depths, pixel, 0).r;
+  float here = nearness(depth);
+  float edge = pair(pixel, ivec2(2, 0), here) * pair(pixel, ivec2(0, 2), here);
+  if (depth >= 1.0 || edge < 1.001) discard;
+  float edge4 = edge * edge * edge * edge;
+  gl_FragData[0] = vec4(vec3(max(1.0 / (edge4 * edge4), 0.35)), 1.0);
+}
+)";
+
+// An orthographic picture's pixels are taken for those of a camera of so many pixels of focal length.
+constexpr double kUsualFocal = 800;
+
+}  // namespace
+
+DepthEdges::DepthEdges() : shader_(kFragment) {}
+
+void DepthEdges::darken(vtkOpenGLRenderWindow* window, const ScanmillCanvasView& view, int height) {
+  vtkOpenGLFramebufferObject* drawn = window->GetRenderFramebuffer();
+  vtkTextureObject* depths = drawn->GetDepthAttachmentAsTextureObject();
+  if (frame_->GetContext() == nullptr) frame_->SetContext(window);
+  vtkOpenGLState* state = window->GetState();
+  state->Push();
+  state->PushFramebufferBindings();
+  frame_->Bind();
+  frame_->AddColorAttachment(0, drawn->GetColorAttachmentAsTextureObject(0));
+  frame_->ActivateDrawBuffer(0);
+
+  const int left = static_cast<int>(view.left);
+  const int low = height - static_cast<int>(view.top + view.height);
+  const int size[2] = {static_cast<int>(view.width), static_cast<int>(view.height)};
+  state->vtkglViewport(left, low, size[0], size[1]);
+  state->vtkglScissor(left, low, size[0], size[1]);
+  state->vtkglEnable(GL_SCISSOR_TEST);
+  state->vtkglDisable(GL_DEPTH_TEST);
+  state->vtkglDepthMask(GL_FALSE);
+  state->vtkglEnable(GL_BLEND);
+  state->vtkglBlendFunc(GL_ZERO, GL_SRC_COLOR);
+
+  vtkShaderProgram* program = shader_.ready(window);
+  depths->Activate();
+  const int first[2] = {left, low};
+  const int last[2] = {left + size[0] - 1, low + size[1] - 1};
+  const double depth = view.farthest - view.nearest;
+  const bool flat = view.orthographic != 0;
+  const float lens[3] = {static_cast<float>(view.farthest), static_cast<float>(depth),
+                         static_cast<float>(depth * view.focal / kUsualFocal)};
+  program->SetUniformi("depths", depths->GetTextureUnit());
+  program->SetUniform2i("first", first);
+  program->SetUniform2i("last", last);
+  program->SetUniform3f("lens", lens);
+  program->SetUniformi("orthographic", flat ? 1 : 0);
+  shader_.draw();
+  depths->Deactivate();
+
+  frame_->RemoveColorAttachment(0);
+  state->PopFramebufferBindings();
+  state->Pop();
+}
+
+void DepthEdges::release(vtkWindow* window) {
+  shader_.release();
+  frame_->ReleaseGraphicsResources(window);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,30 @@
+#pragma once
+
+// Eye-dome lighting: what lies behind a nearer surface is darkened at its edge, so that a cloud of points, which has no
+// normals to be lit by, shows its shapes (Boucheny, "Interactive scientific visualization of large datasets: towards a
+// perceptive-based approach", 2009).
+
+#include <vtkNew.h>
+#include <vtkOpenGLFramebufferObject.h>
+#include <vtkOpenGLRenderWindow.h>
+
+#include "viewer/canvas/canvas_module.h"
+#include "viewer/vtk_module/screen_shader.h"
+
+namespace scanmill {
+
+class DepthEdges {
+ public:
+  DepthEdges();
+
+  // In the view's rectangle of a window `height` pixels high: depths as they are, colours multiplied. The background
+  // stays as it is.
+  void darken(vtkOpenGLRenderWindow* window, const ScanmillCanvasView& view, int height);
+  void release(vtkWindow* window);
+
+ private:
+  ScreenShader shader_;
+  vtkNew<vtkOpenGLFramebufferObject> frame_;  // the window's colours without its depths, which are read
+};
+
+}  // namespace scanmill

@@ -1,0 +1,212 @@
+#include "viewer/vtk_module/item.h"
+
+#include <vtkCellArray.h>
+#include <vtkOpenGLVertexBufferObject.h>
+#include <vtkPointData.h>
+#include <vtkShaderProperty.h>
+#include <vtkTypeInt32Array.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+namespace scanmill {
+
+namespace {
+
+constexpr ScanmillCanvasLook kPlainLook{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, 1, 1, 1, 1};
+
+// How much of a triangle's colour is left where it is seen edge on.
+constexpr double kAmbient = 0.35;
+
+// VTK's own light at the camera shines along its axis; this one from the eye, so that in the corners of a wide picture
+// too a surface that faces the eye has its colour.
+constexpr const char* kLightAtTheEye = R"(
+  float facing = cameraParallel == 1 ? normalVCVSOutput.z : -dot(normalVCVSOutput, normalize(vertexVC.xyz));
+  gl_FragData[0] = vec4(ambientColor + max(facing, 0.0) * diffuseColor, opacity);
+)";
+
+// Steele, Lea and Flood's splitmix64: numbers without a pattern, the same each time.
+std::uint64_t scattered(std::uint64_t k) {
+  k += 0x9E3779B97F4A7C15u;
+  k = (k ^ (k >> 30)) * 0xBF58476D1CE4E5B9u;
+  k = (k ^ (k >> 27)) * 0x94D049BB133111EBu;
+  return k ^ (k >> 31);
+}
+
+// One of each of `most` equal runs of 0 .. count-1, anywhere in it: at equal distances a scan's rings and columns would
+// make patterns.
+std::uint64_t sample(std::uint64_t k, std::uint64_t most, std::uint64_t count) {
+  const std::uint64_t first = k * count / most;
+  const std::uint64_t end = (k + 1) * count / most;
+  return first + scattered(k) % (end - first);
+}
+
+}  // namespace
+
+Item::Item(ItemKind kind) : kind_(kind) {
+  points_->SetDataTypeToFloat();
+  colors_->SetNumberOfComponents(4);
+  prepare(all_);
+  prepare(few_);
+  few_.actor->VisibilityOff();
+  setLook(kPlainLook);
+}
+
+void Item::prepare(Part& part) {
+  part.data->GetPointData()->SetScalars(colors_);
+  part.mapper->SetInputData(part.data);
+  part.mapper->SetColorModeToDirectScalars();
+  part.mapper->SetScalarModeToUsePointData();
+  part.mapper->SetVBOShiftScaleMethod(vtkOpenGLVertexBufferObject::DISABLE_SHIFT_SCALE);
+  part.actor->SetMapper(part.mapper);
+  part.actor->SetProperty(property_);
+  part.actor->SetUserMatrix(canvasFromItem_);
+  part.actor->PickableOff();
+}
+
+void Item::set(std::uint64_t count, const float* positions, const std::uint8_t* colors) {
+  const std::uint64_t vertices = count * corners();
+  if (count > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max()) / corners()) {
+    throw std::length_error("an item of the canvas has too many points");
+  }
+  count_ = static_cast<std::uint32_t>(count);
+  vtkNew<vtkFloatArray> array;
+  array->SetNumberOfComponents(3);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(vertices));
+  std::copy_n(positions, 3 * vertices, array->GetPointer(0));
+  points_->SetData(array);
+  colors_->SetNumberOfTuples(static_cast<vtkIdType>(vertices));
+
+  finite_.reset();
+  const auto isFinite = [&](std::uint32_t element) {
+    const float* first = positions + 3 * std::uint64_t{corners()} * element;
+    return std::all_of(first, first + 3 * corners(), [](float value) { return std::isfinite(value); });
+  };
+  unsigned others = 0;
+  for (std::uint64_t i = 0; i < 3 * vertices; ++i) {
+    others |= !(std::abs(positions[i]) <= std::numeric_limits<float>::max());  // without a branch: in SIMD
+  }
+  if (others != 0) {
+    finite_.emplace();
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      if (isFinite(i)) finite_->push_back(i);
+    }
+  }
+  setColors(colors);
+  for (Part* part : {&all_, &few_}) part->data->SetPoints(points_);
+  show({});
+}
+
+void Item::setColors(const std::uint8_t* colors) {
+  std::uint8_t* to = colors_->GetPointer(0);
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    for (std::uint32_t k = 0; k < corners(); ++k) {
+      to[0] = colors[3 * std::uint64_t{i}];
+      to[1] = colors[3 * std::uint64_t{i} + 1];
+      to[2] = colors[3 * std::uint64_t{i} + 2];
+      to[3] = 255;
+      to += 4;
+    }
+  }
+  colors_->Modified();
+  for (Part* part : {&all_, &few_}) part->data->Modified();
+}
+
+void Item::show(std::optional<std::vector<std::uint32_t>> indices) {
+  if (!indices) {
+    drawn_ = finite_;
+  } else if (!finite_) {
+    drawn_ = std::move(indices);
+  } else {
+    drawn_.emplace();
+    std::ranges::set_intersection(*indices, *finite_, std::back_inserter(*drawn_));
+  }
+  fill(all_, drawn_ ? &*drawn_ : nullptr);
+  chosen_ = 0;
+}
+
+void Item::setLook(const ScanmillCanvasLook& look) {
+  look_ = look;
+  canvasFromItem_->DeepCopy(look.canvasFromItem);
+  const bool lit = look.lit != 0 && kind_ == ItemKind::Triangles;
+  property_->SetPointSize(look.size);
+  property_->SetLineWidth(look.size);
+  property_->SetOpacity(look.opacity);
+  property_->SetLighting(lit);
+  property_->SetInterpolationToFlat();
+  property_->SetAmbient(lit ? kAmbient : 0);
+  property_->SetDiffuse(lit ? 1 - kAmbient : 1);
+  const bool opaque = look.opacity >= 1;
+  for (Part* part : {&all_, &few_}) {
+    part->actor->SetForceOpaque(opaque);
+    part->actor->SetForceTranslucent(!opaque);
+    vtkShaderProperty* shaders = part->actor->GetShaderProperty();
+    if (lit && shaders->GetNumberOfShaderReplacements() == 0) {
+      shaders->AddFragmentShaderReplacement("//VTK::Light::Impl", true, kLightAtTheEye, false);
+    } else if (!lit && shaders->GetNumberOfShaderReplacements() != 0) {
+      shaders->ClearAllShaderReplacements();
+    }
+  }
+}
+
+void Item::choose(std::uint64_t mostPoints) {
+  const std::uint64_t count = all_.elements;
+  const bool few = kind_ == ItemKind::Points && mostPoints != 0 && mostPoints < count;
+  if (few && chosen_ != mostPoints) {
+    std::vector<std::uint32_t> elements(mostPoints);
+    for (std::uint64_t k = 0; k < mostPoints; ++k) {
+      const std::uint64_t at = sample(k, mostPoints, count);
+      elements[k] = drawn_ ? (*drawn_)[at] : static_cast<std::uint32_t>(at);
+    }
+    fill(few_, &elements);
+    chosen_ = mostPoints;
+  }
+  const bool seen = count > 0 && look_.opacity > 0;
+  all_.actor->SetVisibility(seen && !few);
+  few_.actor->SetVisibility(seen && few);
+}
+
+// Points are one cell of all, since VTK goes through cells one by one.
+void Item::fill(Part& part, const std::vector<std::uint32_t>* elements) {
+  part.elements = elements != nullptr ? elements->size() : count_;
+  const std::uint32_t step = corners();
+  const vtkIdType vertices = static_cast<vtkIdType>(part.elements) * static_cast<vtkIdType>(step);
+  vtkNew<vtkTypeInt32Array> connectivity;
+  connectivity->SetNumberOfValues(vertices);
+  std::int32_t* to = connectivity->GetPointer(0);
+  if (elements == nullptr) {
+    std::iota(to, to + vertices, 0);
+  } else {
+    for (const std::uint32_t element : *elements) {
+      for (std::uint32_t k = 0; k < step; ++k) *to++ = static_cast<std::int32_t>(element * step + k);
+    }
+  }
+  const std::int32_t cellSize =
+      kind_ == ItemKind::Points ? static_cast<std::int32_t>(vertices) : static_cast<std::int32_t>(step);
+  const vtkIdType cells = cellSize > 0 ? vertices / cellSize : 0;
+  vtkNew<vtkTypeInt32Array> offsets;
+  offsets->SetNumberOfValues(cells + 1);
+  for (vtkIdType cell = 0; cell <= cells; ++cell) {
+    offsets->SetValue(cell, static_cast<std::int32_t>(cell * cellSize));
+  }
+  vtkNew<vtkCellArray> array;
+  array->SetData(offsets, connectivity);
+  switch (kind_) {
+    case ItemKind::Points:
+      part.data->SetVerts(array);
+      break;
+    case ItemKind::Segments:
+      part.data->SetLines(array);
+      break;
+    case ItemKind::Triangles:
+      part.data->SetPolys(array);
+      break;
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,33 @@
+#pragma once
+
+// How many points are drawn while something moves.
+
+#include <algorithm>
+#include <cstdint>
+
+namespace scanmill {
+
+// Learns from how long pictures took.
+class DrawPace {
+ public:
+  // Of `items` items with `total` points together: at most so many of each (0: all of them).
+  std::uint64_t mostOfEach(std::uint64_t total, std::size_t items) const {
+    const auto all = std::max(static_cast<std::uint64_t>(pointsPerMs_ * kWantedMs), kLeast);
+    return total <= all || items == 0 ? 0 : all / items;
+  }
+
+  void measured(std::uint64_t points, double ms) {
+    if (points < kLeast / 2 || !(ms > 0)) return;
+    const double seen = static_cast<double>(points) / ms;
+    pointsPerMs_ += 0.5 * (std::clamp(seen, kSlowest, kFastest) - pointsPerMs_);
+  }
+
+ private:
+  static constexpr double kWantedMs = 30;
+  static constexpr std::uint64_t kLeast = 150'000;  // what any machine draws, a scan of today
+  static constexpr double kSlowest = 500;
+  static constexpr double kFastest = 1e6;
+  double pointsPerMs_ = 20'000;
+};
+
+}  // namespace scanmill

@@ -1,0 +1,199 @@
+#include "viewer/window/orbit_camera.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kLeastDistance = 0.1;   // m
+constexpr double kMostDistance = 1e4;    // m
+constexpr double kFarthestTarget = 1e5;  // m, along each axis
+constexpr double kUsualFocal = 1.15;
+
+// As makeCamera() measures pictures.
+double sideOf(int width, int height) {
+  return std::min(width / 16.0 * 9.0, static_cast<double>(height));
+}
+
+Vec3d forwardOf(double yaw, double pitch) {
+  return {std::cos(pitch) * std::cos(yaw), std::cos(pitch) * std::sin(yaw), -std::sin(pitch)};
+}
+
+Vec3d rightOf(double yaw) {
+  return {std::sin(yaw), -std::cos(yaw), 0};
+}
+
+Vec3d within(const Vec3d& place) {
+  const auto limited = [](double v) { return std::clamp(v, -kFarthestTarget, kFarthestTarget); };
+  return {limited(place.x), limited(place.y), limited(place.z)};
+}
+
+double wrapped(double angle) {
+  return std::remainder(angle, 2 * kPi);
+}
+
+[[noreturn]] void refuse(const std::string& text) {
+  throw InputError(fmt::format(
+      "a camera is one of {}, or YAW,PITCH,DISTANCE[,X,Y,Z[,FOCAL]][,ortho]: where it looks (deg; yaw from x "
+      "towards y, pitch downwards from -90 to 90), from how far (m, {} to {}) at which place (m), such as "
+      "30,20,25 or 0,90,50,10,0,0; not '{}'",
+      fmt::join(kViewNames, ", "), kLeastDistance, kMostDistance, text));
+}
+
+}  // namespace
+
+Vec3d OrbitCamera::eye() const {
+  return target - forwardOf(yaw, pitch) * distance;
+}
+
+ViewCamera OrbitCamera::camera(int width, int height) const {
+  // An orthographic eye stands as far off as makeCamera()'s, so that nothing lies behind it.
+  constexpr double kOrthographicDistance = 1000;
+  constexpr double kNearestShare = 0.05;  // of the distance; half a metre for the presets
+  ViewCamera view;
+  view.orthographic = orthographic;
+  view.forward = forwardOf(yaw, pitch);
+  view.right = rightOf(yaw);
+  view.down = cross(view.forward, view.right);
+  view.focal = focal * sideOf(width, height);
+  if (orthographic) view.focal /= distance;
+  view.eye = target - view.forward * (orthographic ? std::max(distance, kOrthographicDistance) : distance);
+  view.centerX = width / 2.0;
+  view.centerY = height / 2.0;
+  view.nearest = orthographic ? 0.5 : std::clamp(kNearestShare * distance, 0.01, 0.5);
+  return view;
+}
+
+void OrbitCamera::orbit(double right, double down, int height) {
+  const double perPixel = kPi / std::max(height, 1);
+  yaw = wrapped(yaw - right * perPixel);
+  pitch = std::clamp(pitch + down * perPixel, -kPi / 2, kPi / 2);
+}
+
+void OrbitCamera::pan(double right, double down, int width, int height) {
+  const double metresPerPixel = distance / (focal * std::max(sideOf(width, height), 1.0));
+  const Vec3d forward = forwardOf(yaw, pitch);
+  const Vec3d rightward = rightOf(yaw);
+  target = within(target - rightward * (right * metresPerPixel) - cross(forward, rightward) * (down * metresPerPixel));
+}
+
+void OrbitCamera::zoom(double steps) {
+  distance = std::clamp(distance * std::pow(0.9, steps), kLeastDistance, kMostDistance);
+}
+
+void OrbitCamera::lookAt(const Vec3d& place) {
+  const Vec3d from = eye();
+  const Vec3d line = place - from;
+  const double far = length(line);
+  target = within(place);
+  if (orthographic || !(far > 0)) return;
+  yaw = line.x == 0 && line.y == 0 ? yaw : std::atan2(line.y, line.x);
+  pitch = std::atan2(-line.z, std::hypot(line.x, line.y));
+  distance = std::clamp(far, kLeastDistance, kMostDistance);
+}
+
+void OrbitCamera::frame(const Box& box) {
+  if (box.empty()) return;
+  target = within(box.center());
+  constexpr double kFilled = 0.9;  // of the picture, which is at least as wide as high
+  const Vec3d forward = forwardOf(yaw, pitch);
+  const Vec3d rightward = rightOf(yaw);
+  const Vec3d downward = cross(forward, rightward);
+  double needed = kLeastDistance;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d p = Vec3d{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                          corner & 4 ? box.high.z : box.low.z} -
+                    target;
+    const double aside = std::max(std::abs(dot(p, rightward)), std::abs(dot(p, downward)));
+    needed = std::max(needed, 2 / kFilled * focal * aside - (orthographic ? 0 : dot(p, forward)));
+  }
+  distance = std::min(needed, kMostDistance);
+}
+
+void OrbitCamera::moveBy(const Affine& newFromOld) {
+  target = within(newFromOld * target);
+  yaw = wrapped(yaw + std::atan2(newFromOld.linear.x.y, newFromOld.linear.x.x));
+}
+
+std::string OrbitCamera::text() const {
+  std::string out = fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", degrees(yaw), degrees(pitch), distance,
+                                target.x, target.y, target.z);
+  if (focal != kUsualFocal) out += fmt::format(",{:.6g}", focal);
+  if (orthographic) out += ",ortho";
+  return out;
+}
+
+OrbitCamera presetCamera(View view) {
+  OrbitCamera camera;
+  switch (view) {
+    case View::Driver:
+      camera.target = {10, 0, 0};
+      camera.distance = 10;
+      camera.focal = 0.9;
+      break;
+    case View::Above:
+      camera.yaw = kPi / 2;  // y is up in the picture
+      camera.pitch = kPi / 2;
+      camera.orthographic = true;
+      camera.distance = 50 * kUsualFocal;  // 50 m from top to bottom
+      break;
+    case View::Chase: {
+      const Vec3d eye{-12, 0, 6.5};
+      camera.target = {12, 0, -2.1};
+      camera.distance = length(camera.target - eye);
+      camera.pitch = std::atan2(eye.z - camera.target.z, camera.target.x - eye.x);
+      break;
+    }
+  }
+  return camera;
+}
+
+OrbitCamera parseCamera(const std::string& text) {
+  for (std::size_t i = 0; i < kViewNames.size(); ++i) {
+    if (kViewNames[i] == text) return presetCamera(static_cast<View>(i));
+  }
+  constexpr std::string_view kOrtho = ",ortho";
+  std::string_view rest = text;
+  OrbitCamera camera;
+  if (rest.ends_with(kOrtho)) {
+    camera.orthographic = true;
+    rest.remove_suffix(kOrtho.size());
+  }
+  std::vector<double> values;
+  const char* at = rest.data();
+  const char* const end = at + rest.size();
+  while (true) {
+    double value = 0;
+    const auto read = std::from_chars(at, end, value);
+    if (read.ec != std::errc() || !std::isfinite(value)) refuse(text);
+    values.push_back(value);
+    if (read.ptr == end) break;
+    if (*read.ptr != ',') refuse(text);
+    at = read.ptr + 1;
+  }
+  const bool counted = values.size() == 3 || values.size() == 6 || values.size() == 7;
+  if (!counted || std::abs(values[1]) > 90 || values[2] < kLeastDistance || values[2] > kMostDistance) refuse(text);
+  camera.yaw = wrapped(radians(values[0]));
+  camera.pitch = radians(values[1]);
+  camera.distance = values[2];
+  if (values.size() >= 6) {
+    camera.target = {values[3], values[4], values[5]};
+    if (within(camera.target) != camera.target) refuse(text);
+  }
+  if (values.size() == 7) {
+    camera.focal = values[6];
+    if (!(camera.focal >= 0.05 && camera.focal <= 20)) refuse(text);
+  }
+  return camera;
+}
+
+}  // namespace scanmill

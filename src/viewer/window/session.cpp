@@ -1,0 +1,77 @@
+#include "viewer/window/session.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "viewer/window/session_state.h"
+
+namespace scanmill {
+
+ViewSession::State::State(std::shared_ptr<const FrameSource> frames, Canvas& drawnOn, const ViewOptions& chosen)
+    : source(std::move(frames)),
+      canvas(drawnOn),
+      options(chosen),
+      camera(chosen.camera),
+      cameraGiven(!(chosen.camera == presetCamera(View::Chase))),
+      loader(source),
+      filter(chosen.hidden, chosen.only, source->ontology()) {
+  for (std::size_t v = 0; v < std::min(options.colors.size(), colors.size()); ++v) colors[v] = options.colors[v];
+  if (source->keys().empty()) throw InputError(fmt::format("{}: holds no sample", source->title()));
+  goTo(findFrame(*source, options.sample), 1);
+}
+
+ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canvas, const ViewOptions& options)
+    : state_(std::make_unique<State>(std::move(source), canvas, options)) {}
+
+ViewSession::~ViewSession() = default;
+
+bool ViewSession::handle(const CanvasEvent& event) {
+  return state_->handle(event);
+}
+
+void ViewSession::settle() {
+  State& s = *state_;
+  if (s.at != s.wanted) s.adopt(s.loader.wait(s.wanted));
+  if (s.meshOn() && s.meshWanted) {
+    auto loaded = s.loader.waitMesh(*s.meshWanted);
+    if (loaded != s.mesh) s.takeMesh(std::move(loaded));
+  }
+  s.busy.clear();
+  s.notices.clear();
+  s.hudChanged = true;
+  s.flush(true);
+}
+
+void ViewSession::check() const {
+  const State& s = *state_;
+  if (s.columnMissing) throw InputError(*s.columnMissing);
+  const bool nothing =
+      s.source->isScene() ? s.mesh == nullptr || s.mesh->size() == 0 : !s.frame || s.frame->scans.empty();
+  if (!nothing) return;
+  const auto all = s.problems();
+  throw Error(all.empty() ? "nothing could be loaded" : all.front());
+}
+
+Image ViewSession::picture() {
+  return state_->canvas.read();
+}
+
+const OrbitCamera& ViewSession::camera() const {
+  return state_->camera;
+}
+
+void ViewSession::setCamera(const OrbitCamera& camera) {
+  state_->setCamera(camera);
+}
+
+std::optional<PickedThing> ViewSession::pick(int x, int y) const {
+  state_->refresh();
+  return state_->pick(x, y);
+}
+
+std::vector<std::string> ViewSession::problems() const {
+  return state_->problems();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,263 @@
+// Points on the canvas: which scans stand in which view, in which colours, and what of them is shown.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "viewer/picture.h"
+#include "viewer/window/session_items.h"
+#include "viewer/window/session_state.h"
+
+namespace scanmill {
+
+namespace {
+
+// Methods have the colours of the paper's figure, whatever else the sample holds.
+Rgb methodColorOf(const std::string& method) {
+  constexpr std::array<std::string_view, 3> kOrder{"ray_tracing", "depth_camera", "particle"};
+  for (std::size_t i = 0; i < kOrder.size(); ++i) {
+    if (method.starts_with(kOrder[i])) return overlayColor(i);
+  }
+  return overlayColor(kOrder.size());
+}
+
+bool anyFinite(const Vec3f& p) {
+  return isFinite(p);
+}
+
+}  // namespace
+
+std::size_t ViewSession::State::viewCount() const {
+  if (options.layout != ViewLayout::Split || !frame || frame->scans.empty()) return 1;
+  return frame->scans.size() == 1 ? 2 : std::min(frame->scans.size(), kMostSplitViews);
+}
+
+std::size_t ViewSession::State::shownScan() const {
+  for (std::size_t i = 0; i < frame->scans.size(); ++i) {
+    if (frame->scans[i].name == scanName) return i;
+  }
+  return 0;
+}
+
+ColorContext ViewSession::State::contextOf(const ViewScan& scan) const {
+  return {source->ontology(), scan.error, scan.errorTitle, scan.method, methodColorOf(scan.method)};
+}
+
+bool ViewSession::State::hasColor(const ViewScan& viewed, ColorBy by) const {
+  const Scan& scan = viewed.scan;
+  switch (by) {
+    case ColorBy::Class:
+      return !scan.label.empty();
+    case ColorBy::Intensity:
+      return !scan.intensity.empty();
+    case ColorBy::Instance:
+      return !scan.instance.empty();
+    case ColorBy::Ring:
+      return !scan.ring.empty();
+    case ColorBy::Time:
+      return !scan.time.empty();
+    case ColorBy::Incidence:
+      return !scan.incidence.empty();
+    case ColorBy::Error:
+      return !viewed.error.empty() || !scan.rangeTrue.empty();
+    case ColorBy::Method:
+      return !viewed.method.empty();
+    case ColorBy::Return:
+    case ColorBy::Range:
+    case ColorBy::Height:
+      break;
+  }
+  return true;
+}
+
+// Without a choice: as colorScan() chooses, and in the second view of one scan something else.
+ColorBy ViewSession::State::colorOf(std::size_t view) const {
+  if (colors[view]) return *colors[view];
+  if (!frame || frame->scans.empty()) return ColorBy::Class;
+  const bool second = frame->scans.size() == 1 && view > 0;
+  if (!second && options.colors.size() == 1) return options.colors.front();
+  const ViewScan& scan = frame->scans[view < frame->scans.size() ? view : 0];
+  for (const ColorBy by : {ColorBy::Class, ColorBy::Intensity, ColorBy::Range}) {
+    if (hasColor(scan, by) && !(second && by == colorOf(0))) return by;
+  }
+  return ColorBy::Height;
+}
+
+Coloring ViewSession::State::colored(std::size_t scanIndex, std::size_t view) {
+  const ViewScan& scan = frame->scans[scanIndex];
+  const ColorContext context = contextOf(scan);
+  try {
+    return colorScan(scan.scan, colorOf(view), context);
+  } catch (const InputError& e) {
+    colorProblem = fmt::format("{}: {}", scan.name, e.what());
+    if (!columnMissing) columnMissing = colorProblem;
+    return colorScan(scan.scan, std::nullopt, context);
+  }
+}
+
+void ViewSession::State::arrange() {
+  const std::size_t before = clouds.size();
+  clouds.clear();
+  colorProblem.clear();
+  columnMissing.reset();
+  if (frame) {
+    const std::size_t count = frame->scans.size();
+    if (overlaid()) {
+      for (std::size_t s = 0; s < count; ++s) clouds.push_back({s, 0, {}, {}, {}, 0, 0});
+    } else if (options.layout == ViewLayout::Split && count > 1) {
+      for (std::size_t s = 0; s < viewCount(); ++s) clouds.push_back({s, s, {}, {}, {}, 0, 0});
+    } else if (count > 0) {
+      for (std::size_t v = 0; v < viewCount(); ++v) clouds.push_back({shownScan(), v, {}, {}, {}, 0, 0});
+    }
+  }
+  if (activeView && *activeView >= viewCount()) activeView.reset();
+  for (std::size_t k = 0; k < clouds.size(); ++k) {
+    ShownCloud& cloud = clouds[k];
+    const Scan& scan = frame->scans[cloud.scan].scan;
+    if (overlaid()) {
+      cloud.coloring.colors.assign(scan.size(), overlayColor(cloud.scan));
+    } else {
+      cloud.coloring = colored(cloud.scan, cloud.view);
+    }
+    cloud.finite = static_cast<std::uint64_t>(std::count_if(scan.position.begin(), scan.position.end(), anyFinite));
+    canvas.setPoints(cloudItem(k), scan.position, cloud.coloring.colors);
+  }
+  for (std::size_t k = clouds.size(); k < before; ++k) canvas.drop(cloudItem(k));
+  placeClouds();
+  applyFilter();
+  placeGuides();
+  placeMeshLook();
+}
+
+void ViewSession::State::recolor(std::size_t view) {
+  if (overlaid()) return;
+  for (std::size_t k = 0; k < clouds.size(); ++k) {
+    if (clouds[k].view != view) continue;
+    clouds[k].coloring = colored(clouds[k].scan, view);
+    canvas.setColors(cloudItem(k), clouds[k].coloring.colors);
+  }
+  itemsChanged = hudChanged = true;
+  makeStrip();
+}
+
+void ViewSession::State::applyFilter() {
+  for (std::size_t k = 0; k < clouds.size(); ++k) {
+    ShownCloud& cloud = clouds[k];
+    const ViewScan& viewed = frame->scans[cloud.scan];
+    const Scan& scan = viewed.scan;
+    const bool hiddenWhole = overlaid() && hiddenScans.contains(viewed.name);
+    cloud.shown.clear();
+    cloud.visible = cloud.finite;
+    if (!hiddenWhole && (filter.showsAll() || scan.label.empty())) {
+      canvas.showAll(cloudItem(k));
+      continue;
+    }
+    std::vector<std::uint8_t> classShown(std::size_t{UINT16_MAX} + 1, hiddenWhole ? 0 : 1);
+    if (!hiddenWhole) {
+      for (std::size_t id = 0; id < classShown.size(); ++id) {
+        classShown[id] = filter.shows(static_cast<std::uint16_t>(id)) ? 1 : 0;
+      }
+    }
+    cloud.shown.assign(scan.size(), 0);
+    cloud.visible = 0;
+    std::vector<std::uint32_t> indices;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (hiddenWhole || classShown[scan.label[i]] == 0) continue;
+      cloud.shown[i] = 1;
+      indices.push_back(static_cast<std::uint32_t>(i));
+      if (isFinite(scan.position[i])) ++cloud.visible;
+    }
+    canvas.showOnly(cloudItem(k), indices);
+  }
+  meshShown.clear();
+  if (mesh && meshOn()) {
+    if (filter.showsAll()) {
+      canvas.showAll(kMeshItem);
+    } else {
+      std::vector<std::uint32_t> indices;
+      meshShown.assign(mesh->size(), 0);
+      for (std::size_t i = 0; i < mesh->size(); ++i) {
+        if (!filter.shows(mesh->semantic[i])) continue;
+        meshShown[i] = 1;
+        indices.push_back(static_cast<std::uint32_t>(i));
+      }
+      canvas.showOnly(kMeshItem, indices);
+    }
+  }
+  hover.reset();
+  itemsChanged = hudChanged = hoverChanged = true;
+  makeStrip();
+}
+
+std::vector<std::size_t> ViewSession::State::actedViews() const {
+  if (activeView) return {*activeView};
+  std::vector<std::size_t> all;
+  for (std::size_t v = 0; v < viewCount(); ++v) all.push_back(v);
+  return all;
+}
+
+void ViewSession::State::chooseColor(ColorBy by) {
+  if (clouds.empty()) return;
+  if (overlaid()) return say("the overlay has fixed colours: l closes it");
+  const auto acted = actedViews();
+  for (const std::size_t view : acted) {
+    for (const ShownCloud& cloud : clouds) {
+      if (cloud.view != view) continue;
+      const ViewScan& scan = frame->scans[cloud.scan];
+      if (hasColor(scan, by) || scan.scan.size() == 0) continue;
+      // Says which column is missing and what to do.
+      try {
+        colorScan(scan.scan, by, contextOf(scan));
+      } catch (const InputError& e) {
+        colorProblem = e.what();
+      }
+      if (by == ColorBy::Method) colorProblem = "the method that made the scan is not known";
+      hudChanged = true;
+      return;
+    }
+  }
+  colorProblem.clear();
+  for (const std::size_t view : acted) {
+    colors[view] = by;
+    recolor(view);
+  }
+}
+
+void ViewSession::State::cycleColor(int step) {
+  if (clouds.empty()) return;
+  constexpr auto kCount = static_cast<int>(kColorNames.size());
+  const std::size_t view = activeView.value_or(0);
+  int by = static_cast<int>(colorOf(view));
+  for (int tried = 0; tried < kCount; ++tried) {
+    by = (by + step + kCount) % kCount;
+    const auto candidate = static_cast<ColorBy>(by);
+    const bool everywhere = std::all_of(clouds.begin(), clouds.end(), [&](const ShownCloud& cloud) {
+      return (activeView && cloud.view != *activeView) || hasColor(frame->scans[cloud.scan], candidate);
+    });
+    if (everywhere) return chooseColor(candidate);
+  }
+}
+
+void ViewSession::State::makeStrip() {
+  strip.reset();
+  hudState.strip.reset();
+  stripProblem.clear();
+  hudChanged = true;
+  if (!options.rangeImage || clouds.empty()) return;
+  stripCloud = 0;
+  for (std::size_t k = 0; k < clouds.size(); ++k) {
+    const bool hidden = overlaid() && hiddenScans.contains(frame->scans[clouds[k].scan].name);
+    if (hidden && stripCloud == k && k + 1 < clouds.size()) stripCloud = k + 1;
+    if (activeView && clouds[k].view == *activeView) stripCloud = k;
+  }
+  const ShownCloud& cloud = clouds[stripCloud];
+  const std::vector<bool> shown(cloud.shown.begin(), cloud.shown.end());
+  try {
+    strip = makeRangeStrip(frame->scans[cloud.scan].scan, cloud.coloring.colors, shown);
+    hudState.strip = HudStrip{strip->image, {}, {}};
+  } catch (const InputError& e) {
+    stripProblem = e.what();
+  }
+}
+
+}  // namespace scanmill

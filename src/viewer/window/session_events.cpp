@@ -1,0 +1,289 @@
+// Events, and what keys do.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "viewer/window/save_picture.h"
+#include "viewer/window/session_state.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::array<Rgb, 3> kBackgrounds{{{13, 15, 20}, {104, 108, 116}, {255, 255, 255}}};
+
+// The last letter of UTF-8 text, which may be several bytes long.
+void removeLast(std::string& text) {
+  while (!text.empty() && (static_cast<unsigned char>(text.back()) & 0xC0) == 0x80) text.pop_back();
+  if (!text.empty()) text.pop_back();
+}
+
+bool isPrintable(const std::string& text) {
+  return !text.empty() && std::none_of(text.begin(), text.end(),
+                                       [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
+}
+
+}  // namespace
+
+bool ViewSession::State::handle(const CanvasEvent& event) {
+  constexpr double kBetweenPictures = 0.012;  // s: moves that come faster are drawn together
+  switch (event.kind) {
+    case CanvasEvent::Kind::Close:
+      return false;
+    case CanvasEvent::Kind::Key:
+      prompt ? promptKey(event) : key(event);
+      break;
+    case CanvasEvent::Kind::Down:
+      press(event);
+      break;
+    case CanvasEvent::Kind::Up:
+      release(event);
+      break;
+    case CanvasEvent::Kind::Move:
+      moveTo(event);
+      break;
+    case CanvasEvent::Kind::Wheel:
+      if (const HudRegion* over = regionAt(hud, event.x, event.y); over == nullptr && std::isfinite(event.amount)) {
+        OrbitCamera zoomed = camera;
+        zoomed.zoom(std::clamp(event.amount, -20.0, 20.0));
+        setCamera(zoomed);
+      }
+      break;
+    case CanvasEvent::Kind::Resize:
+      viewsChanged = true;
+      placeClouds();
+      break;
+    case CanvasEvent::Kind::Expose:
+      itemsChanged = hudChanged = true;
+      break;
+    case CanvasEvent::Kind::Tick:
+      tick();
+      break;
+  }
+  if (quit) return false;
+  const bool passing = event.kind == CanvasEvent::Kind::Move || event.kind == CanvasEvent::Kind::Wheel;
+  if (!passing || clock.seconds() - lastPicture > std::max(kBetweenPictures, pictureSeconds)) {
+    flush(false);
+    for (const std::string& problem : hudState.problems) warn(problem);  // each once
+  }
+  return true;
+}
+
+void ViewSession::State::tick() {
+  takeWhatIsLoaded();
+  const double now = clock.seconds();
+  if (playing && at == wanted && now - lastStep >= frameSeconds()) {
+    if (wanted + 1 < source->keys().size()) {
+      goTo(wanted + 1, 1);
+    } else {
+      playing = false;
+      hudChanged = true;
+    }
+  }
+  const auto expired =
+      std::remove_if(notices.begin(), notices.end(), [&](const ViewNotice& n) { return n.until < now; });
+  if (expired != notices.end()) {
+    notices.erase(expired, notices.end());
+    hudChanged = true;
+  }
+  if (std::string loading = loader.busy(); loading != busy) {
+    busy = std::move(loading);
+    hudChanged = true;
+  }
+  // The longer it takes, the surer must be that nothing goes on.
+  const double rest = 0.15 + 0.5 * wholeSeconds;
+  if (partial && !playing && drag.button == 0 && now - lastChange > rest) flush(true);
+}
+
+void ViewSession::State::key(const CanvasEvent& event) {
+  if (const auto meaning = keyMeaning(event.key, event.shift)) act(*meaning);
+}
+
+void ViewSession::State::act(const KeyMeaning& meaning) {
+  const auto flip = [&](bool& option, const char* name) {
+    option = !option;
+    placeGuides();
+    say(fmt::format("{} {}", name, option ? "on" : "off"));
+  };
+  const auto setLayout = [&](ViewLayout wantedLayout) {
+    options.layout = options.layout == wantedLayout ? ViewLayout::One : wantedLayout;
+    activeView.reset();
+    if (options.layout == ViewLayout::Split && frame && frame->scans.size() == 1) activeView = 1;
+    hover.reset();
+    arrange();
+  };
+  const auto resizePoints = [&](double by) {
+    options.pointSize = std::clamp(pointSize() + by, 1.0, 20.0);
+    placeClouds();
+    say(fmt::format("points of {:.0f} px", options.pointSize));
+  };
+  switch (meaning.action) {
+    case KeyAction::NextColor:
+      return cycleColor(1);
+    case KeyAction::PreviousColor:
+      return cycleColor(-1);
+    case KeyAction::ColorByNumber:
+      return chooseColor(static_cast<ColorBy>(meaning.number));
+    case KeyAction::LargerPoints:
+      return resizePoints(1);
+    case KeyAction::SmallerPoints:
+      return resizePoints(-1);
+    case KeyAction::NextBackground: {
+      const auto is = std::find(kBackgrounds.begin(), kBackgrounds.end(), options.background);
+      options.background = is == kBackgrounds.end() || is + 1 == kBackgrounds.end() ? kBackgrounds.front() : is[1];
+      viewsChanged = hudChanged = true;
+      return;
+    }
+    case KeyAction::ToggleAxes:
+      return flip(options.axes, "axes");
+    case KeyAction::ToggleRangeRings:
+      return flip(options.rangeRings, "range rings");
+    case KeyAction::ToggleTrajectory:
+      if (trajectory.size() < 2) return say("there is no trajectory");
+      return flip(options.trajectory, "trajectory");
+    case KeyAction::ToggleMesh:
+      if (source->isScene()) return say("the scene's mesh is all that there is");
+      options.mesh = !options.mesh;
+      if (options.mesh) wantMesh();
+      meshProblem.clear();
+      return placeMesh();
+    case KeyAction::ToggleDepthEdges:
+      options.depthEdges = !options.depthEdges;
+      viewsChanged = hudChanged = true;
+      return say(options.depthEdges ? "depth edges on" : "depth edges off");
+    case KeyAction::ToggleProjection: {
+      OrbitCamera other = camera;
+      other.orthographic = !other.orthographic;
+      setCamera(other);
+      return say(other.orthographic ? "orthographic" : "perspective");
+    }
+    case KeyAction::ChaseView:
+      return setCamera(preset(View::Chase));
+    case KeyAction::DriverView:
+      return setCamera(preset(View::Driver));
+    case KeyAction::AboveView:
+      return setCamera(preset(View::Above));
+    case KeyAction::NextPreset:
+      if (camera == preset(View::Chase)) return setCamera(preset(View::Driver));
+      return setCamera(preset(camera == preset(View::Driver) ? View::Above : View::Chase));
+    case KeyAction::TurnAbout:
+      return turnAbout();
+    case KeyAction::ResetView:
+      return setCamera(cameraGiven || !source->isScene() ? options.camera : preset(View::Chase));
+    case KeyAction::NextFrame:
+      return stepBy(1);
+    case KeyAction::PreviousFrame:
+      return stepBy(-1);
+    case KeyAction::TenFramesOn:
+      return stepBy(10);
+    case KeyAction::TenFramesBack:
+      return stepBy(-10);
+    case KeyAction::FirstFrame:
+      return goTo(0, 1);
+    case KeyAction::LastFrame:
+      return goTo(source->keys().size() - 1, -1);
+    case KeyAction::Play:
+      return togglePlaying();
+    case KeyAction::GoTo:
+      prompt = "";
+      hudChanged = true;
+      return;
+    case KeyAction::ToggleOverlay:
+      if (frame && frame->scans.size() < 2) return say("the sample has no other scan; --over DATASET adds some");
+      return setLayout(ViewLayout::Overlay);
+    case KeyAction::ToggleSplit:
+      if (source->isScene()) return say("a scene has no scans to split");
+      return setLayout(ViewLayout::Split);
+    case KeyAction::NextView:
+      if (viewCount() < 2) return say("there is one view only; s splits it");
+      // One after the other, then all of them.
+      activeView = activeView ? *activeView + 1 : 0;
+      if (*activeView >= viewCount()) activeView.reset();
+      if (!activeView && frame->scans.size() == 1) activeView = 0;
+      itemsChanged = hudChanged = true;
+      return makeStrip();
+    case KeyAction::NextScan:
+      if (!frame || frame->scans.size() < 2) return say("the sample has no other scan");
+      scanName = frame->scans[(shownScan() + 1) % frame->scans.size()].name;
+      if (options.layout != ViewLayout::One) options.layout = ViewLayout::One;
+      return arrange();
+    case KeyAction::ToggleWorld:
+      return toggleWorld();
+    case KeyAction::ShowAllClasses:
+      filter.showAll();
+      hiddenScans.clear();
+      return applyFilter();
+    case KeyAction::Measure:
+      return toggleMeasuring();
+    case KeyAction::ToggleRangeImage:
+      options.rangeImage = !options.rangeImage;
+      viewsChanged = true;
+      return makeStrip();
+    case KeyAction::SavePicture:
+      return savePicture();
+    case KeyAction::ToggleHelp:
+      help = !help;
+      hudChanged = hoverChanged = true;
+      return;
+    case KeyAction::Escape:
+      return escape();
+    case KeyAction::Quit:
+      quit = true;
+      return;
+  }
+}
+
+void ViewSession::State::escape() {
+  hudChanged = true;
+  if (help) {
+    help = false;
+  } else if (measuring || !ends.empty()) {
+    toggleMeasuring();
+  } else if (pinned) {
+    pinned.reset();
+  } else if (playing) {
+    playing = false;
+  } else {
+    quit = true;
+  }
+}
+
+void ViewSession::State::promptKey(const CanvasEvent& event) {
+  hudChanged = true;
+  if (event.key == "Escape") {
+    prompt.reset();
+  } else if (event.key == "BackSpace") {
+    removeLast(*prompt);
+  } else if (event.key == "Return" || event.key == "KP_Enter") {
+    if (prompt->empty()) return prompt.reset();
+    try {
+      goTo(findFrame(*source, *prompt), 1);
+      prompt.reset();
+    } catch (const InputError& e) {
+      say(e.what());
+    }
+  } else if (event.key == "Tab") {
+    for (const std::string& candidate : source->keys()) {
+      if (candidate.find(*prompt) == std::string::npos) continue;
+      prompt = candidate;
+      return;
+    }
+  } else if (constexpr std::size_t kLongest = 200; isPrintable(event.text) && prompt->size() < kLongest) {
+    *prompt += event.text;
+  }
+}
+
+void ViewSession::State::savePicture() {
+  notices.clear();
+  hudChanged = true;
+  flush(true);
+  try {
+    say(fmt::format("saved {}; the same again: --camera {}", saveViewPicture(canvas.read()), camera.text()));
+  } catch (const Error& e) {
+    say(e.what());
+    warn(e.what());
+  }
+}
+
+}  // namespace scanmill

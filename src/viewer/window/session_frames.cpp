@@ -1,0 +1,108 @@
+// Frames and scenes: what is wanted, what has been loaded, playing.
+
+#include <algorithm>
+
+#include "viewer/window/session_state.h"
+
+namespace scanmill {
+
+void ViewSession::State::goTo(std::size_t target, int step) {
+  wanted = std::min(target, source->keys().size() - 1);
+  loader.want(wanted, step);
+  hudChanged = true;
+  takeWhatIsLoaded();
+}
+
+void ViewSession::State::stepBy(std::ptrdiff_t count) {
+  const auto last = static_cast<std::ptrdiff_t>(source->keys().size()) - 1;
+  const std::ptrdiff_t target = std::clamp(static_cast<std::ptrdiff_t>(wanted) + count, std::ptrdiff_t{0}, last);
+  if (target == static_cast<std::ptrdiff_t>(wanted)) {
+    say(count > 0 ? "this is the last frame" : "this is the first frame");
+    return;
+  }
+  goTo(static_cast<std::size_t>(target), count > 0 ? 1 : -1);
+}
+
+void ViewSession::State::togglePlaying() {
+  if (!playing && source->keys().size() < 2) return say("there is one frame only");
+  playing = !playing;
+  hudChanged = true;
+  if (!playing) return;
+  lastStep = clock.seconds();
+  if (wanted + 1 >= source->keys().size()) goTo(0, 1);
+}
+
+double ViewSession::State::frameSeconds() const {
+  constexpr double kLeast = 0.1;  // ten frames a second
+  constexpr double kMost = 1;
+  return std::clamp(recordedSeconds, kLeast, kMost);
+}
+
+void ViewSession::State::takeWhatIsLoaded() {
+  if (!at || *at != wanted) {
+    if (auto loaded = loader.frame(wanted)) adopt(std::move(loaded));
+  }
+  if (meshOn() && meshWanted) {
+    auto loaded = loader.mesh(*meshWanted);
+    if (loaded && loaded != mesh) takeMesh(std::move(loaded));
+  }
+}
+
+void ViewSession::State::adopt(std::shared_ptr<const ViewFrame> loaded) {
+  const auto timeOf = [](const ViewFrame& f) { return f.scans.empty() ? 0.0 : f.scans.front().time; };
+  const bool next = at && frame && wanted == *at + 1;
+  recordedSeconds = next ? timeOf(*loaded) - timeOf(*frame) : 0;
+  frame = std::move(loaded);
+  at = wanted;
+  hover.reset();
+  pinned.reset();
+  ends.clear();
+  measuring = false;
+  worldFromAnchor.reset();
+  for (const ViewScan& scan : frame->scans) {
+    if (scan.worldFromSensor && !worldFromAnchor) worldFromAnchor = scan.worldFromSensor;
+  }
+  trajectory = source->trajectory(*at);
+  lastStep = clock.seconds();
+  place();
+  arrange();
+  if (meshOn()) wantMesh();
+}
+
+void ViewSession::State::wantMesh() {
+  if (!at) return;
+  std::string why;
+  const auto choice = source->scene(*at, why);
+  meshProblem.clear();
+  if (!choice) {
+    meshWanted.reset();
+    if (mesh) takeMesh(nullptr);
+    if (source->isScene()) {
+      meshProblem = why;
+    } else {
+      say("no mesh: " + why);
+    }
+    return;
+  }
+  meshWanted = choice;
+  loader.wantMesh(*choice);
+  takeWhatIsLoaded();
+}
+
+void ViewSession::State::takeMesh(std::shared_ptr<const ViewMesh> loaded) {
+  mesh = std::move(loaded);
+  meshProblem = mesh ? mesh->problem : "";
+  hudChanged = true;
+  placeMesh();
+}
+
+std::vector<std::string> ViewSession::State::problems() const {
+  std::vector<std::string> all;
+  if (frame) all = frame->problems;
+  for (const std::string* one : {&colorProblem, &meshProblem, &stripProblem}) {
+    if (!one->empty() && std::find(all.begin(), all.end(), *one) == all.end()) all.push_back(*one);
+  }
+  return all;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,99 @@
+// What lies under the pointer.
+
+#include "viewer/window/picked_rows.h"
+#include "viewer/window/session_state.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kReach = 8;  // px, of the pointer
+
+}  // namespace
+
+std::optional<std::size_t> ViewSession::State::viewAt(int x, int y) const {
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    if (views[v].rect.contains(x, y)) return v;
+  }
+  return {};
+}
+
+PickedThing ViewSession::State::pickedPoint(std::size_t k, std::size_t point) const {
+  const ShownCloud& cloud = clouds[k];
+  const ViewScan& scan = frame->scans[cloud.scan];
+  PickedThing thing = describePoint(scan, cloud.scan, point, source->ontology());
+  thing.place = cloud.canvasFromScan * Vec3d(scan.scan.position[point]);
+  return thing;
+}
+
+std::optional<PickedThing> ViewSession::State::pick(int x, int y) const {
+  const auto view = viewAt(x, y);
+  if (!view) return {};
+  const CanvasView& in = views[*view];
+  const double px = x - in.rect.left + 0.5;  // the pixel's middle
+  const double py = y - in.rect.top + 0.5;
+  std::vector<PickCloud> candidates;
+  std::vector<std::size_t> cloudOf;
+  for (std::size_t k = 0; k < clouds.size(); ++k) {
+    if (clouds[k].view != *view) continue;
+    candidates.push_back({frame->scans[clouds[k].scan].scan.position, clouds[k].shown, clouds[k].canvasFromScan});
+    cloudOf.push_back(k);
+  }
+  if (const auto hit = pickPoint(candidates, in.camera, px, py, pointSize(), kReach)) {
+    return pickedPoint(cloudOf[hit->cloud], hit->point);
+  }
+  return pickMesh(sightLine(in.camera, px, py));
+}
+
+std::optional<PickedThing> ViewSession::State::pickMesh(const SightLine& line) const {
+  if (!mesh || !meshOn() || mesh->size() == 0 || !(source->isScene() || worldFromAnchor)) return {};
+  const Affine meshFromCanvas = inverse(canvasFromWorld * Affine{{}, mesh->origin});
+  Vec3d origin = meshFromCanvas * line.origin;
+  const Vec3d direction = meshFromCanvas.linear * line.direction;
+  // Hidden triangles are looked through.
+  constexpr int kMostLayers = 32;
+  constexpr double kBeyond = 1e-4;  // m
+  for (int layer = 0; layer < kMostLayers; ++layer) {
+    const auto hit = pickTriangle(*mesh, origin, direction);
+    if (!hit) return {};
+    const Vec3d spot = origin + direction * hit->distance;
+    if (meshShown.empty() || meshShown[hit->triangle] != 0) {
+      PickedThing thing = describeTriangle(*mesh, hit->triangle, spot + mesh->origin);
+      thing.place = canvasFromWorld * (spot + mesh->origin);
+      return thing;
+    }
+    origin = spot + direction * kBeyond;
+  }
+  return {};
+}
+
+std::optional<PickedThing> ViewSession::State::pickStrip(int x, int y) const {
+  if (!strip) return {};
+  const auto pixel = imagePixelAt(layout.strip, strip->image, x, y);
+  if (!pixel) return {};
+  const auto index = static_cast<std::size_t>(pixel->second) * static_cast<std::size_t>(strip->image.width) +
+                     static_cast<std::size_t>(pixel->first);
+  const std::uint32_t point = strip->pointAt[index];
+  if (point == kNoPoint) return {};
+  return pickedPoint(stripCloud, point);
+}
+
+void ViewSession::State::updateHover() {
+  hoverChanged = false;
+  std::optional<PickedThing> found;
+  if (drag.button == 0 && pointerX >= 0 && !help) {
+    const HudRegion* const region = regionAt(hud, pointerX, pointerY);
+    if (region == nullptr) {
+      found = pick(pointerX, pointerY);
+    } else if (region->part == HudPart::Strip) {
+      found = pickStrip(pointerX, pointerY);
+    }
+  }
+  const bool same = found.has_value() == hover.has_value() &&
+                    (!found || (found->scan == hover->scan && found->point == hover->point && found->scan != kNoScan));
+  if (same) return;
+  hover = std::move(found);
+  hudChanged = true;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,199 @@
+// Where things stand on the canvas: frames of reference, axes, rings, trajectory, the scene's mesh, cameras.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "viewer/color_map.h"
+#include "viewer/window/guides.h"
+#include "viewer/window/session_items.h"
+#include "viewer/window/session_state.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr Rgb kRingColor{120, 130, 150};
+constexpr Rgb kTrackColor{255, 214, 64};
+constexpr Rgb kMeasureColor{255, 240, 90};
+
+void setLines(Canvas& canvas, ItemId item, const LineSet& lines, std::size_t viewCount, double width) {
+  canvas.setLines(item, lines.ends, lines.colors);
+  ItemLook look;
+  look.size = width;
+  look.views = (1U << viewCount) - 1;
+  canvas.setLook(item, look);
+}
+
+}  // namespace
+
+void ViewSession::State::place() {
+  if (source->isScene()) {
+    canvasFromWorld = mesh ? Affine{{}, -mesh->origin} : Affine{};
+  } else if (!worldFromAnchor) {
+    canvasFromWorld = {};
+  } else if (world) {
+    canvasFromWorld = {{}, -(trajectory.empty() ? worldFromAnchor->translation : trajectory.front().translation)};
+  } else {
+    // Level, however the sensor is mounted.
+    const Vec3d ahead = toMatrix(worldFromAnchor->rotation).x;
+    const double yaw = std::hypot(ahead.x, ahead.y) > 1e-6 ? std::atan2(ahead.y, ahead.x) : 0;
+    canvasFromWorld = inverse(toAffine(Pose{fromYawPitchRoll(yaw, 0, 0), worldFromAnchor->translation}));
+  }
+}
+
+// A scan without a pose, such as a file over a dataset, stands where the frame's first one does.
+Affine ViewSession::State::canvasFromScan(const ViewScan& scan) const {
+  if (!worldFromAnchor) return {};
+  return canvasFromWorld * toAffine(scan.worldFromSensor.value_or(*worldFromAnchor));
+}
+
+void ViewSession::State::placeClouds() {
+  content.clear();
+  ground = {};
+  for (std::size_t k = 0; k < clouds.size(); ++k) {
+    ShownCloud& cloud = clouds[k];
+    const ViewScan& viewed = frame->scans[cloud.scan];
+    cloud.canvasFromScan = canvasFromScan(viewed);
+    ItemLook look;
+    look.canvasFromItem = cloud.canvasFromScan;
+    look.size = pointSize();
+    look.views = 1U << cloud.view;
+    canvas.setLook(cloudItem(k), look);
+    double radius = 0;
+    for (const Vec3f& p : viewed.scan.position) {
+      if (isFinite(p)) radius = std::max(radius, double{dot(p, p)});
+    }
+    content.push_back({cloud.canvasFromScan.translation, std::sqrt(radius)});
+  }
+  if (!clouds.empty()) {
+    const ShownCloud& first = clouds.front();
+    ground = first.canvasFromScan.translation;
+    ground.z = groundHeight(frame->scans[first.scan].scan.position, first.canvasFromScan);
+  }
+  itemsChanged = hudChanged = true;
+}
+
+void ViewSession::State::placeGuides() {
+  LineSet axes;
+  if (options.axes && source->isScene()) addAxes(axes, canvasFromWorld, 2);
+  if (options.axes) {
+    for (const ShownCloud& cloud : clouds) addAxes(axes, cloud.canvasFromScan, 1);
+  }
+  setLines(canvas, kAxesItem, axes, viewCount(), 2);
+  LineSet rings;
+  if (options.rangeRings && !clouds.empty()) addRangeRings(rings, ground, kRingColor);
+  setLines(canvas, kRangeRingsItem, rings, viewCount(), 1);
+  LineSet track;
+  if (options.trajectory && worldFromAnchor && trajectory.size() > 1) {
+    std::vector<Vec3d> places;
+    std::size_t current = 0;
+    for (const Pose& pose : trajectory) {
+      const auto away = [&](std::size_t i) { return length(trajectory[i].translation - worldFromAnchor->translation); };
+      if (away(places.size()) < away(current)) current = places.size();
+      places.push_back(canvasFromWorld * pose.translation);
+    }
+    addTrack(track, places, current, kTrackColor);
+  }
+  setLines(canvas, kTrackItem, track, viewCount(), 2);
+  itemsChanged = hudChanged = true;
+  placeMeasure();
+}
+
+void ViewSession::State::placeMeasure() {
+  LineSet line;
+  if (ends.size() == 2) line.add(ends[0], ends[1], kMeasureColor);
+  setLines(canvas, kMeasureItem, line, viewCount(), 2);
+  itemsChanged = hudChanged = true;
+}
+
+void ViewSession::State::placeMesh() {
+  itemsChanged = hudChanged = true;
+  const bool seen = mesh && meshOn() && mesh->size() > 0 && (source->isScene() || worldFromAnchor);
+  if (!seen) {
+    canvas.drop(kMeshItem);
+    meshShown.clear();
+    if (mesh && mesh->size() > 0 && meshOn()) say("no mesh: the pose of the scan is not known");
+    return;
+  }
+  place();
+  std::vector<Rgb> triangleColors;
+  triangleColors.reserve(mesh->size());
+  for (const std::uint16_t id : mesh->semantic) triangleColors.push_back(classColor(&mesh->ontology, id));
+  canvas.setTriangles(kMeshItem, mesh->corners, triangleColors);
+  placeMeshLook();
+  applyFilter();
+  if (source->isScene()) placeGuides();
+  if (source->isScene() && !cameraGiven && !sceneFramed) {
+    sceneFramed = true;
+    setCamera(preset(View::Chase));
+  }
+}
+
+void ViewSession::State::toggleWorld() {
+  if (!worldFromAnchor) return say("the poses of the scans are not known");
+  const Affine before = canvasFromWorld;
+  world = !world;
+  place();
+  const Affine newFromOld = canvasFromWorld * inverse(before);
+  OrbitCamera moved = camera;
+  moved.moveBy(newFromOld);
+  setCamera(moved);
+  for (Vec3d& end : ends) end = newFromOld * end;
+  if (pinned) pinned->place = newFromOld * pinned->place;
+  hover.reset();
+  placeClouds();
+  placeGuides();
+  placeMeshLook();
+  say(world ? "standing in the world" : "following the sensor");
+}
+
+OrbitCamera ViewSession::State::preset(View view) const {
+  OrbitCamera chosen = presetCamera(view);
+  if (source->isScene()) {
+    if (mesh) chosen.frame(mesh->bounds);
+  } else if (world && worldFromAnchor) {
+    chosen.moveBy(canvasFromWorld * toAffine(*worldFromAnchor));
+  }
+  return chosen;
+}
+
+void ViewSession::State::setCamera(const OrbitCamera& newCamera) {
+  if (newCamera == camera) return;
+  camera = newCamera;
+  viewsChanged = hudChanged = hoverChanged = true;
+}
+
+double ViewSession::State::farthest(const Vec3d& eye) const {
+  constexpr double kLeast = 20;
+  double far = kLeast;
+  const auto reach = [&](const Vec3d& center, double radius) { far = std::max(far, length(center - eye) + radius); };
+  for (const ContentBall& ball : content) reach(ball.center, ball.radius + 1);
+  if (options.rangeRings && !content.empty()) reach(ground, kRingRadii.back());
+  if (options.trajectory && worldFromAnchor) {
+    for (const Pose& pose : trajectory) reach(canvasFromWorld * pose.translation, 1);
+  }
+  if (mesh && meshOn() && !mesh->bounds.empty()) {
+    const Box& box = mesh->bounds;
+    reach(canvasFromWorld * (mesh->origin + box.center()), length(box.high - box.low) / 2);
+  }
+  return far;
+}
+
+double ViewSession::State::pointSize() const {
+  if (options.pointSize > 0) return options.pointSize;
+  return std::max(2.0, std::round(canvas.height() / 450.0));
+}
+
+void ViewSession::State::placeMeshLook() {
+  if (!mesh || !meshOn() || mesh->size() == 0) return;
+  constexpr double kFaint = 0.25;
+  ItemLook look;
+  look.canvasFromItem = canvasFromWorld * Affine{{}, mesh->origin};
+  look.opacity = source->isScene() ? 1 : kFaint;
+  look.views = (1U << viewCount()) - 1;
+  canvas.setLook(kMeshItem, look);
+  itemsChanged = true;
+}
+
+}  // namespace scanmill

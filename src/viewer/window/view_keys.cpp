@@ -1,0 +1,128 @@
+#include "viewer/window/view_keys.h"
+
+#include <array>
+
+#include "viewer/window/session.h"
+
+namespace scanmill {
+
+namespace {
+
+struct KeyRow {
+  std::string_view key;
+  KeyAction action;
+};
+
+constexpr KeyRow kKeys[] = {
+    {"c", KeyAction::NextColor},
+    {"C", KeyAction::PreviousColor},
+    {"plus", KeyAction::LargerPoints},
+    {"equal", KeyAction::LargerPoints},
+    {"KP_Add", KeyAction::LargerPoints},
+    {"minus", KeyAction::SmallerPoints},
+    {"KP_Subtract", KeyAction::SmallerPoints},
+    {"b", KeyAction::NextBackground},
+    {"a", KeyAction::ToggleAxes},
+    {"A", KeyAction::ShowAllClasses},
+    {"r", KeyAction::ToggleRangeRings},
+    {"m", KeyAction::ToggleMesh},
+    {"t", KeyAction::ToggleTrajectory},
+    {"e", KeyAction::ToggleDepthEdges},
+    {"o", KeyAction::ToggleProjection},
+    {"F1", KeyAction::ChaseView},
+    {"F2", KeyAction::DriverView},
+    {"F3", KeyAction::AboveView},
+    {"v", KeyAction::NextPreset},
+    {"f", KeyAction::TurnAbout},
+    {"Home", KeyAction::ResetView},
+    {"KP_Home", KeyAction::ResetView},
+    {"Right", KeyAction::NextFrame},
+    {"KP_Right", KeyAction::NextFrame},
+    {"period", KeyAction::NextFrame},
+    {"Left", KeyAction::PreviousFrame},
+    {"KP_Left", KeyAction::PreviousFrame},
+    {"comma", KeyAction::PreviousFrame},
+    {"Page_Down", KeyAction::TenFramesOn},
+    {"Next", KeyAction::TenFramesOn},
+    {"Page_Up", KeyAction::TenFramesBack},
+    {"Prior", KeyAction::TenFramesBack},
+    {"less", KeyAction::FirstFrame},
+    {"greater", KeyAction::LastFrame},
+    {"End", KeyAction::LastFrame},
+    {"space", KeyAction::Play},
+    {"g", KeyAction::GoTo},
+    {"l", KeyAction::ToggleOverlay},
+    {"s", KeyAction::ToggleSplit},
+    {"Tab", KeyAction::NextView},
+    {"ISO_Left_Tab", KeyAction::NextView},
+    {"n", KeyAction::NextScan},
+    {"w", KeyAction::ToggleWorld},
+    {"d", KeyAction::Measure},
+    {"i", KeyAction::ToggleRangeImage},
+    {"P", KeyAction::SavePicture},
+    {"h", KeyAction::ToggleHelp},
+    {"question", KeyAction::ToggleHelp},
+    {"Escape", KeyAction::Escape},
+    {"q", KeyAction::Quit},
+};
+
+constexpr std::array<std::string_view, 10> kDigits{"1", "2", "3", "4", "5", "6", "7", "8", "9", "0"};
+
+}  // namespace
+
+std::optional<KeyMeaning> keyMeaning(std::string_view key, bool shift) {
+  if (shift && (key == "Left" || key == "KP_Left")) return KeyMeaning{KeyAction::FirstFrame};
+  if (shift && (key == "Right" || key == "KP_Right")) return KeyMeaning{KeyAction::LastFrame};
+  for (const KeyRow& row : kKeys) {
+    if (row.key == key) return KeyMeaning{row.action};
+  }
+  for (std::size_t i = 0; i < kDigits.size(); ++i) {
+    if (kDigits[i] == key) return KeyMeaning{KeyAction::ColorByNumber, i};
+  }
+  return {};
+}
+
+std::vector<std::pair<std::string, std::string>> viewKeys() {
+  std::string colors;
+  for (std::size_t i = 0; i < kDigits.size(); ++i) colors += (i == 0 ? "" : ", ") + std::string(kColorNames[i]);
+  return {
+      {"left drag", "turn"},
+      {"right drag, shift + left drag", "move"},
+      {"wheel", "nearer, farther"},
+      {"click", "pin what lies there; in the legend: hide or show"},
+      {"double click, shift + click in the legend", "show that alone"},
+      {"Right, Left (. ,)", "next, previous frame"},
+      {"Page_Down, Page_Up", "ten frames on, back"},
+      {"< > (shift + Left, Right)", "first, last frame"},
+      {"space", "play, pause"},
+      {"g", "go to a sample by its key or index"},
+      {"c, C", "colour by the next, previous column"},
+      {"1 2 3 4 5 6 7 8 9 0", "colour by " + colors},
+      {"A", "show all classes"},
+      {"+ -", "larger, smaller points"},
+      {"b", "background dark, grey, white"},
+      {"a", "axes of the sensors: x red, y green, z blue"},
+      {"r", "range rings on the ground"},
+      {"t", "trajectory"},
+      {"m", "mesh of the scene"},
+      {"e", "dark depth edges"},
+      {"o", "perspective, orthographic"},
+      {"F1 F2 F3", "chase, driver's, from above"},
+      {"v", "the next of these views"},
+      {"f, double click", "look at what is pointed at, and turn about it"},
+      {"Home", "the first view again"},
+      {"n", "next scan of the sample"},
+      {"l", "overlay: all scans of the sample in colours of their own"},
+      {"s", "split: scans, or colours of one scan, side by side"},
+      {"Tab", "the view that c acts on"},
+      {"w", "stand in the world, follow the sensor"},
+      {"i", "range image"},
+      {"d", "distance: between two clicks"},
+      {"P", "save a picture"},
+      {"h", "these keys"},
+      {"Escape", "close what is open"},
+      {"q", "quit"},
+  };
+}
+
+}  // namespace scanmill

@@ -1,0 +1,278 @@
+// The viewer in a window, used as a person does: real keys and clicks, and what is on the screen.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <sstream>
+#include <thread>
+
+#include "base/file.h"
+#include "dataset/manifest.h"
+#include "images/images.h"
+#include "tests/commands/program.h"
+#include "tests/support/mislabelled.h"
+#include "tests/support/x_display.h"
+#include "viewer/color_map.h"
+#include "viewer/scan_source.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kWidth = 1000;
+constexpr int kHeight = 700;
+constexpr std::uint16_t kBuilding = 6;
+constexpr std::uint16_t kCar = 20;
+
+struct Pixel {
+  int x = 0;
+  int y = 0;
+};
+
+std::vector<Pixel> pixelsOf(const Image& image, const Rgb& color) {
+  std::vector<Pixel> found;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (image.at(x, y) == color) found.push_back({x, y});
+    }
+  }
+  return found;
+}
+
+// Two frames of a street, whose first shows parked cars all around.
+class ViewWindow : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    const Outcome made = scanmill({"generate", SCANMILL_SOURCE_DIR "/pipelines/quickstart.yaml", "-o", street(), "-q",
+                                   "--set", "scenes.0.seeds=[1]", "--set", "splits=null", "--set",
+                                   "trajectories.0.frames=2", "--set", "output.formats=[pcd]"});
+    ASSERT_EQ(made.code, 0) << made.error;
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static std::string street() { return at("street"); }
+  static std::string at(const std::string& name) { return (folder_->path() / name).string(); }
+
+  static Rgb colorOf(std::uint16_t id) {
+    const Manifest manifest = readManifest(street());
+    return classColor(&manifest.ontology, id);
+  }
+
+  static std::unique_ptr<TemporaryFolder> folder_;
+};
+
+std::unique_ptr<TemporaryFolder> ViewWindow::folder_;
+
+// `scanmill view` in a window that fills the screen, as the first frame stands in it.
+class OpenViewer {
+ public:
+  OpenViewer(const XDisplay& display, const std::string& dataset, std::vector<std::string> more = {})
+      : display_(display) {
+    std::vector<std::string> command{SCANMILL_PROGRAM, "view", dataset, "--size",
+                                     fmt::format("{}x{}", kWidth, kHeight)};
+    command.insert(command.end(), more.begin(), more.end());
+    program_ = std::make_unique<RunningProgram>(command, std::vector<std::string>{"DISPLAY=" + display.name()});
+  }
+
+  // What is on the screen once `holds` holds, or in the end.
+  Image screenWhen(const std::function<bool(const Image&)>& holds, double seconds = 30) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+    for (;;) {
+      Image screen = display_.screen();
+      if (holds(screen)) return screen;
+      if (std::chrono::steady_clock::now() > end || !program_->running()) {
+        ADD_FAILURE() << "the screen does not show what it should";
+        return screen;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  }
+
+  Outcome end() { return program_->wait(20); }
+
+ private:
+  const XDisplay& display_;
+  std::unique_ptr<RunningProgram> program_;
+};
+
+auto holdsColor(const Rgb& color, std::size_t atLeast) {
+  return [=](const Image& screen) { return pixelsOf(screen, color).size() >= atLeast; };
+}
+
+auto lacksColor(const Rgb& color, std::size_t atMost) {
+  return [=](const Image& screen) { return pixelsOf(screen, color).size() <= atMost; };
+}
+
+auto differsFrom(const Image& before, std::size_t atLeast) {
+  return [&before, atLeast](const Image& screen) {
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < screen.pixels.size(); ++i) different += screen.pixels[i] != before.pixels[i] ? 1 : 0;
+    return different >= atLeast;
+  };
+}
+
+// The swatch of the legend: where the colour fills a square.
+std::optional<Pixel> swatchOf(const Image& image, const Rgb& color) {
+  constexpr int kSide = 7;
+  for (const Pixel& p : pixelsOf(image, color)) {
+    bool filled = p.x + kSide < image.width && p.y + kSide < image.height && p.x > image.width / 2;
+    for (int y = 0; filled && y < kSide; ++y) {
+      for (int x = 0; filled && x < kSide; ++x) filled = image.at(p.x + x, p.y + y) == color;
+    }
+    if (filled) return Pixel{p.x + kSide / 2, p.y + kSide / 2};
+  }
+  return {};
+}
+
+TEST_F(ViewWindow, AClassIsHiddenByAClickInTheLegend) {
+  SKIP_WITHOUT_X();
+  const XDisplay display(fmt::format("{}x{}", kWidth, kHeight));
+  const Rgb car = colorOf(kCar);
+  const Rgb building = colorOf(kBuilding);
+  OpenViewer viewer(display, street(), {"--sample", "0", "--flat", "--camera", "above"});
+  const Image before = viewer.screenWhen(holdsColor(car, 1000));
+  const auto swatch = swatchOf(before, car);
+  ASSERT_TRUE(swatch.has_value());
+  act({"mousemove", std::to_string(swatch->x), std::to_string(swatch->y), "click", "1"});
+  const Image hidden = viewer.screenWhen(lacksColor(car, 60));
+  EXPECT_NEAR(static_cast<double>(pixelsOf(hidden, building).size()),
+              static_cast<double>(pixelsOf(before, building).size()),
+              0.05 * static_cast<double>(pixelsOf(before, building).size()) + 20);
+  act({"click", "1"});
+  viewer.screenWhen(holdsColor(car, pixelsOf(before, car).size() * 9 / 10));
+  act({"key", "q"});
+  const Outcome ended = viewer.end();
+  EXPECT_EQ(ended.code, 0) << ended.error;
+  EXPECT_EQ(ended.error, "");
+}
+
+TEST_F(ViewWindow, KeysChangeWhatIsSeen) {
+  SKIP_WITHOUT_X();
+  const XDisplay display(fmt::format("{}x{}", kWidth, kHeight));
+  const Rgb road = colorOf(1);
+  OpenViewer viewer(display, street(), {"--sample", "0", "--flat"});
+  const Image byClass = viewer.screenWhen(holdsColor(road, 1000));
+  act({"mousemove", "300", "650", "key", "4"});  // by range
+  const Image byRange = viewer.screenWhen(lacksColor(road, 60));
+  EXPECT_FALSE(swatchOf(byRange, road).has_value());
+  act({"key", "1"});
+  viewer.screenWhen(holdsColor(road, 1000));
+  act({"key", "h"});
+  const Image help = viewer.screenWhen(differsFrom(byClass, 40'000));
+  act({"key", "h", "key", "b", "key", "b"});  // a white background
+  viewer.screenWhen(holdsColor({255, 255, 255}, 200'000));
+  act({"key", "b", "key", "Right"});  // the next frame
+  viewer.screenWhen(
+      [&](const Image& screen) { return holdsColor(road, 1000)(screen) && differsFrom(byClass, 3000)(screen); });
+  act({"mousemove", "300", "400", "mousedown", "1", "mousemove_relative", "--sync", "120", "0", "mouseup", "1"});
+  const Image turned = viewer.screenWhen(differsFrom(byClass, 10'000));
+  EXPECT_GT(pixelsOf(turned, road).size(), 300u);
+  act({"key", "Escape", "key", "q"});
+  const Outcome ended = viewer.end();
+  EXPECT_EQ(ended.code, 0) << ended.error;
+}
+
+// The mistake stands out by its colour, and pointing at it says which instance it is.
+class MislabelledCar : public ViewWindow {
+ protected:
+  void SetUp() override {
+    const ScanSource source = findScan(street(), "0", "");
+    std::map<std::uint32_t, std::uint64_t> points;
+    for (std::size_t i = 0; i < source.scan.size(); ++i) {
+      const Vec3f& p = source.scan.position[i];
+      if (source.scan.label[i] == kCar && p.x > 4 && p.x < 25) ++points[source.scan.instance[i]];
+    }
+    ASSERT_FALSE(points.empty());
+    instance_ = std::max_element(points.begin(), points.end(), [](const auto& a, const auto& b) {
+                  return a.second < b.second;
+                })->first;
+    ASSERT_GT(
+        copyMislabelled(street(), at("wrong" + name()), readManifest(street()).samples[0].key, instance_, kBuilding),
+        500u);
+    const Outcome sound = scanmill({"verify", at("wrong" + name())});
+    ASSERT_EQ(sound.code, 0) << sound.out << sound.error;
+    ASSERT_EQ(scanmill(pictureOf(street(), "right")).code, 0);
+    ASSERT_EQ(scanmill(pictureOf(at("wrong" + name()), "wrong")).code, 0);
+    right_ = picture("right");
+    wrong_ = picture("wrong");
+  }
+
+  static std::string name() { return testing::UnitTest::GetInstance()->current_test_info()->name(); }
+
+  static std::vector<std::string> pictureOf(const std::string& dataset, const std::string& name) {
+    return {
+        "view",         dataset,          "--sample", "0", "--flat", "--size", fmt::format("{}x{}", kWidth, kHeight),
+        "--screenshot", at(name + ".png")};
+  }
+
+  static Image picture(const std::string& name) {
+    const DecodedImage decoded = readImage(at(name + ".png"));
+    Image image(static_cast<int>(decoded.width), static_cast<int>(decoded.height), Rgb{});
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+      std::copy_n(decoded.rgba.data() + 4 * i, 3, image.pixels[i].begin());
+    }
+    return image;
+  }
+
+  // In the middle of what has another colour than it should.
+  Pixel suspicious() const {
+    std::vector<Pixel> odd;
+    double x = 0;
+    double y = 0;
+    for (const Pixel& p : pixelsOf(wrong_, colorOf(kBuilding))) {
+      if (right_.at(p.x, p.y) != colorOf(kCar)) continue;
+      odd.push_back(p);
+      x += p.x;
+      y += p.y;
+    }
+    const auto count = static_cast<double>(odd.size());
+    return *std::min_element(odd.begin(), odd.end(), [&](const Pixel& a, const Pixel& b) {
+      return std::hypot(a.x - x / count, a.y - y / count) < std::hypot(b.x - x / count, b.y - y / count);
+    });
+  }
+
+  std::uint32_t instance_ = 0;
+  Image right_;
+  Image wrong_;
+};
+
+TEST_F(MislabelledCar, IsSeenAndNamedByAPictureAndAPick) {
+  const std::size_t missing = pixelsOf(right_, colorOf(kCar)).size() - pixelsOf(wrong_, colorOf(kCar)).size();
+  EXPECT_GT(missing, 200u) << "the mistake is large in the picture";
+  const Pixel p = suspicious();
+  std::vector<std::string> pick = pictureOf(at("wrong" + name()), "picked");
+  pick.insert(pick.end(), {"--pick", fmt::format("{},{}", p.x, p.y)});
+  const Outcome picked = scanmill(pick);
+  EXPECT_EQ(picked.code, 0) << picked.error;
+  EXPECT_THAT(picked.out, HasSubstr("building (6)"));
+  EXPECT_THAT(picked.out, testing::ContainsRegex("instance +" + std::to_string(instance_)));
+  pick[1] = street();
+  EXPECT_THAT(scanmill(pick).out, HasSubstr("car (20)"));
+}
+
+TEST_F(MislabelledCar, IsPointedAtInTheWindow) {
+  SKIP_WITHOUT_X();
+  const XDisplay display(fmt::format("{}x{}", kWidth, kHeight));
+  OpenViewer viewer(display, at("wrong" + name()), {"--sample", "0", "--flat"});
+  const Image before = viewer.screenWhen(holdsColor(colorOf(1), 1000));
+  const Pixel p = suspicious();
+  EXPECT_EQ(before.at(p.x, p.y), colorOf(kBuilding));
+  act({"mousemove", std::to_string(p.x), std::to_string(p.y)});
+  // The box with all columns, its swatch in the class's colour.
+  const Image pointed = viewer.screenWhen(differsFrom(before, 20'000));
+  std::size_t swatch = 0;
+  for (const Pixel& q : pixelsOf(pointed, colorOf(kBuilding))) {
+    swatch += before.at(q.x, q.y) != colorOf(kBuilding) ? 1 : 0;
+  }
+  EXPECT_GT(swatch, 20u);
+  act({"key", "q"});
+  EXPECT_EQ(viewer.end().code, 0);
+}
+
+}  // namespace
+}  // namespace scanmill

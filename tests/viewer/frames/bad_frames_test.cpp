@@ -1,0 +1,154 @@
+// What cannot be opened says so at once; what is wrong with a part of a dataset leaves the rest to be seen.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/file.h"
+#include "tests/viewer/frames/frame_fixture.h"
+
+namespace scanmill {
+
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::string refusalOf(const ViewInput& input) {
+  return messageOf<InputError>([&] { openFrames(input); });
+}
+
+class BadFrames : public testing::Test {
+ protected:
+  BadFrames() : data(folder.path() / "data"), manifest(writeTestDataset(data)) {}
+
+  fs::path shardOf(std::size_t sample) const { return data / manifest.shards[manifest.samples[sample].shard].file; }
+
+  // Frames of one shard have a problem that holds `words`, all others are whole.
+  void expectOnlyShardIsBad(std::uint32_t shard, const std::string& words) const {
+    const auto source = openFrames({.path = data});
+    for (std::size_t i = 0; i < manifest.samples.size(); ++i) {
+      const ViewFrame frame = source->load(i);
+      if (manifest.samples[i].shard != shard) {
+        EXPECT_THAT(frame.problems, IsEmpty()) << i;
+        EXPECT_EQ(frame.scans.size(), 2u) << i;
+      } else {
+        EXPECT_THAT(frame.scans, IsEmpty()) << i;
+        EXPECT_THAT(frame.problems, ElementsAre(AllOf(HasSubstr(manifest.shards[shard].file), HasSubstr(words)))) << i;
+        EXPECT_EQ(frame.key, manifest.samples[i].key);
+      }
+    }
+  }
+
+  TemporaryFolder folder;
+  fs::path data;
+  Manifest manifest;
+};
+
+TEST_F(BadFrames, AMissingShard) {
+  fs::remove(shardOf(0));
+  expectOnlyShardIsBad(0, "is missing, although the manifest lists it");
+}
+
+TEST_F(BadFrames, ATruncatedShard) {
+  const std::uint32_t shard = manifest.samples[7].shard;
+  fs::resize_file(shardOf(7), fs::file_size(shardOf(7)) / 2);
+  expectOnlyShardIsBad(shard, "offset");
+}
+
+TEST_F(BadFrames, AShardThatIsNoTar) {
+  const std::uint32_t shard = manifest.samples[8].shard;
+  writeFile(shardOf(8), std::string(4000, 'x'));
+  expectOnlyShardIsBad(shard, "cannot be read as tar");
+}
+
+TEST_F(BadFrames, AMissingShardThatComesBack) {
+  const fs::path aside = folder.path() / "aside.tar";
+  fs::rename(shardOf(0), aside);
+  const auto source = openFrames({.path = data});
+  EXPECT_THAT(source->load(0).scans, IsEmpty());
+  fs::rename(aside, shardOf(0));
+  EXPECT_EQ(source->load(0).scans.size(), 2u);
+}
+
+TEST_F(BadFrames, ADamagedMember) {
+  Members members = membersOf(shardOf(0));
+  const std::string key = manifest.samples[0].key;
+  for (auto& [name, bytes] : members) {
+    if (name == key + ".top.ray_tracing.pcd") bytes = "broken";  // CSV is left
+    if (name.starts_with(key + ".rear") && !name.ends_with("json")) bytes = "broken";
+  }
+  writeMembers(shardOf(0), members);
+  const auto source = openFrames({.path = data});
+  const ViewFrame frame = source->load(0);
+  EXPECT_THAT(namesOf(frame), ElementsAre("top"));
+  EXPECT_EQ(frame.scans[0].scan.size(), testScan(manifest.sensors[0].beams, 0).size());
+  EXPECT_THAT(frame.problems, ElementsAre(AllOf(HasSubstr("rear.ray_tracing.pcd"), HasSubstr("rear.ray_tracing.csv"))));
+  EXPECT_THAT(source->load(1).problems, IsEmpty());
+}
+
+TEST_F(BadFrames, AMemberThatIsNotThere) {
+  Members members = membersOf(shardOf(0));
+  std::erase_if(members, [](const auto& m) { return m.first.find(".top.") != std::string::npos; });
+  writeMembers(shardOf(0), members);
+  const ViewFrame frame = openFrames({.path = data})->load(0);
+  EXPECT_THAT(namesOf(frame), ElementsAre("Rear"));
+  EXPECT_THAT(frame.problems, ElementsAre(AllOf(HasSubstr("lacks the member"), HasSubstr(".top.ray_tracing.pcd"))));
+}
+
+TEST_F(BadFrames, NoSuchFileOrKind) {
+  EXPECT_THAT(refusalOf({.path = folder.path() / "none"}), AllOf(HasSubstr("none"), HasSubstr("does not exist")));
+  EXPECT_THAT(refusalOf({.path = folder.path() / "none.yaml"}), HasSubstr("does not exist"));
+  EXPECT_THAT(refusalOf({.path = folder.write("scan.txt", "1 2 3")}),
+              AllOf(HasSubstr(".tar, .pcd"), HasSubstr(".yaml")));
+  EXPECT_THAT(refusalOf({.path = folder.write("scan", "1 2 3")}), HasSubstr(".tar, .pcd"));
+  EXPECT_THAT(refusalOf({.path = folder.write("scan.pcd", "broken")}), HasSubstr("scan.pcd"));
+  EXPECT_THAT(refusalOf({.path = folder.write("scan.tar", "broken")}), HasSubstr("scan.tar"));
+  EXPECT_THAT(refusalOf({.path = folder.write("a.exr", "v")}),
+              AllOf(HasSubstr("a.exr"), HasSubstr("viewed by itself")));
+  EXPECT_THAT(refusalOf({.path = data, .over = {folder.path() / "none"}}), HasSubstr("does not exist"));
+  EXPECT_THAT(refusalOf({.path = data, .twin = folder.path() / "none"}), HasSubstr("does not exist"));
+  EXPECT_THAT(refusalOf({.path = data, .ontology = folder.path() / "none.yaml"}), HasSubstr("none.yaml"));
+  EXPECT_THAT(refusalOf({.path = data, .scene = folder.path() / "none.yaml"}), HasSubstr("none.yaml"));
+}
+
+TEST_F(BadFrames, FoldersThatAreNoDatasets) {
+  EXPECT_THAT(refusalOf({.path = folder.path()}), AllOf(HasSubstr("is no dataset"), HasSubstr("manifest.json")));
+  EXPECT_THAT(refusalOf({.path = folder.write("recorded/recording.json", "{\"kind\": \"hits\"}").parent_path()}),
+              HasSubstr("is a recording"));
+  writeFile(data / "manifest.json", "{\"schema");
+  EXPECT_THAT(refusalOf({.path = data}), HasSubstr("manifest.json"));
+  writeMembers(folder.path() / "notes.tar", {{"a.txt", "x"}});
+  EXPECT_THAT(refusalOf({.path = folder.path() / "notes.tar"}), HasSubstr("holds no sample"));
+}
+
+TEST_F(BadFrames, OtherYamlFiles) {
+  EXPECT_THAT(refusalOf({.path = folder.write("p.yaml", "scenes: []\nsensors: []\n")}),
+              AllOf(HasSubstr("is a pipeline"), HasSubstr("scanmill generate"), HasSubstr("p.yaml")));
+  EXPECT_THAT(refusalOf({.path = folder.write("o.yaml", "classes: []\n")}), HasSubstr("is an ontology"));
+  EXPECT_THAT(refusalOf({.path = folder.write("x.yaml", "a: 1\n")}), HasSubstr("is no scene"));
+  EXPECT_THAT(refusalOf({.path = folder.write("y.yaml", "a: [1\n")}), HasSubstr("y.yaml:"));
+}
+
+TEST_F(BadFrames, JoinsThatCannotBe) {
+  const fs::path one = folder.write("one.pcd", encode("pcd", testScan(manifest.sensors[0].beams, 4)));
+  EXPECT_THAT(refusalOf({.path = one, .over = {data}}), AllOf(HasSubstr("is a single scan"), HasSubstr("--over")));
+  EXPECT_THAT(refusalOf({.path = one, .twin = data}), HasSubstr("is a single scan"));
+  EXPECT_THAT(refusalOf({.path = one, .sensor = "top"}), HasSubstr("is a single scan"));
+  EXPECT_EQ(refusalOf({.path = one, .over = {one}, .twin = one}), "accepted");
+}
+
+TEST_F(BadFrames, ASampleWithoutScans) {
+  writeMembers(folder.path() / "x.tar",
+               {{"a-0.json", "{}"}, {"b-0.top.pcd", encode("pcd", testScan(testBeams(2, 4), 1))}});
+  const auto source = openFrames({.path = folder.path() / "x.tar"});
+  EXPECT_THAT(source->keys(), ElementsAre("b-0"));
+  EXPECT_THAT(source->load(0).problems, IsEmpty());
+}
+
+}  // namespace
+
+}  // namespace scanmill

@@ -1,0 +1,302 @@
+#include "viewer/frames/frame_source.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "formats/columns.h"
+#include "tests/support/shared_data.h"
+#include "tests/viewer/frames/frame_fixture.h"
+#include "viewer/scan_source.h"
+
+namespace scanmill {
+
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+void expectSameScan(const Scan& a, const Scan& b) {
+  EXPECT_EQ(a.position, b.position);
+  EXPECT_EQ(columnNames(a), columnNames(b));
+  EXPECT_EQ(a.label, b.label);
+  EXPECT_EQ(a.instance, b.instance);
+  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a.organised, b.organised);
+}
+
+class Frames : public testing::Test {
+ protected:
+  Frames() : data(folder.path() / "data"), manifest(writeTestDataset(data)) {}
+
+  ViewInput input() const { return {.path = data}; }
+
+  TemporaryFolder folder;
+  std::filesystem::path data;
+  Manifest manifest;
+};
+
+TEST_F(Frames, EqualWhatFindScanGives) {
+  const auto source = openFrames(input());
+  EXPECT_EQ(source->title(), "data");
+  EXPECT_FALSE(source->isScene());
+  ASSERT_EQ(source->keys().size(), 9u);
+  ASSERT_NE(source->ontology(), nullptr);
+  EXPECT_EQ(source->ontology()->find(65535)->name, "car");
+  for (std::size_t i = 0; i < 9; ++i) {
+    EXPECT_EQ(source->keys()[i], manifest.samples[i].key);
+    const ViewFrame frame = source->load(i);
+    EXPECT_EQ(frame.key, source->keys()[i]);
+    EXPECT_THAT(frame.problems, IsEmpty());
+    EXPECT_THAT(namesOf(frame), ElementsAre("top", "Rear"));
+    for (std::size_t s = 0; s < 2; ++s) {
+      const ViewScan& scan = frame.scans[s];
+      expectSameScan(scan.scan, findScan(data, frame.key, scan.sensor).scan);
+      const ScanRecord& record = manifest.samples[i].scans[s];
+      EXPECT_EQ(scan.sensor, record.sensor);
+      EXPECT_EQ(scan.method, "ray_tracing");
+      EXPECT_EQ(scan.time, record.time);
+      EXPECT_EQ(scan.worldFromSensor, record.worldFromSensor.front());
+      ASSERT_NE(scan.beams, nullptr);
+      EXPECT_EQ(scan.beams->direction, manifest.sensors[s].beams.direction);
+      EXPECT_EQ(scan.errorTitle, "range error (m)");
+      EXPECT_EQ(scan.error.size(), scan.scan.size());
+    }
+  }
+}
+
+TEST_F(Frames, OfOneSensor) {
+  ViewInput rear = input();
+  rear.sensor = "rear";
+  const auto source = openFrames(rear);
+  EXPECT_THAT(namesOf(source->load(3)), ElementsAre("Rear"));
+  rear.sensor = "left";
+  EXPECT_THAT(messageOf([&] { openFrames(rear); }), AllOf(HasSubstr("'left'"), HasSubstr("top, Rear")));
+}
+
+TEST_F(Frames, OfAShardWithAndWithoutItsManifest) {
+  const auto shard = data / manifest.shards.front().file;
+  const auto source = openFrames({.path = shard});
+  const auto whole = openFrames(input());
+  ASSERT_FALSE(source->keys().empty());
+  EXPECT_LT(source->keys().size(), 9u);
+  ASSERT_NE(source->ontology(), nullptr);
+  const auto bare = folder.path() / "lonely.tar";
+  std::filesystem::copy(shard, bare);
+  const auto lonely = openFrames({.path = bare});
+  EXPECT_EQ(lonely->keys(), source->keys());
+  EXPECT_EQ(lonely->ontology(), nullptr);
+  for (std::size_t i = 0; i < source->keys().size(); ++i) {
+    const ViewFrame frame = source->load(i);
+    const ViewFrame other = lonely->load(i);
+    ASSERT_EQ(frame.scans.size(), 2u);
+    EXPECT_THAT(namesOf(frame), ElementsAre("top", "Rear"));
+    EXPECT_THAT(namesOf(other), ElementsAre("top", "rear"));
+    for (std::size_t s = 0; s < 2; ++s) {
+      expectSameScan(frame.scans[s].scan, whole->load(i).scans[s].scan);
+      expectSameScan(other.scans[s].scan, frame.scans[s].scan);
+      EXPECT_TRUE(frame.scans[s].worldFromSensor);
+      EXPECT_FALSE(other.scans[s].worldFromSensor);
+      EXPECT_EQ(other.scans[s].beams, nullptr);
+    }
+  }
+  EXPECT_EQ(source->trajectory(0), whole->trajectory(0));
+  EXPECT_THAT(lonely->trajectory(0), IsEmpty());
+}
+
+TEST_F(Frames, OfASingleScan) {
+  for (const FormatEntry& format : formats()) {
+    const auto file = folder.write("one." + std::string(format.suffix),
+                                   encode(std::string(format.name), testScan(manifest.sensors[0].beams, 4)));
+    const auto source = openFrames({.path = file});
+    EXPECT_THAT(source->keys(), ElementsAre(file.filename().string()));
+    const ViewFrame frame = source->load(0);
+    EXPECT_THAT(frame.problems, IsEmpty());
+    EXPECT_THAT(namesOf(frame), ElementsAre(file.filename().string()));
+    expectSameScan(frame.scans[0].scan, findScan(file, "", "").scan);
+    EXPECT_THAT(source->trajectory(0), IsEmpty());
+    std::string why;
+    EXPECT_FALSE(source->scene(0, why));
+    EXPECT_THAT(why, HasSubstr("--scene FILE"));
+  }
+}
+
+TEST_F(Frames, AnEmptyScanIsShown) {
+  const auto file = folder.write("none.pcd", encode("pcd", Scan{}));
+  const ViewFrame frame = openFrames({.path = file})->load(0);
+  EXPECT_THAT(frame.problems, IsEmpty());
+  ASSERT_EQ(frame.scans.size(), 1u);
+  EXPECT_EQ(frame.scans[0].scan.size(), 0u);
+}
+
+TEST_F(Frames, SeveralMethodsOfASample) {
+  const auto both = folder.path() / "both";
+  writeChangedDataset(both, {.methods = {"ray_tracing", "particle"}});
+  const auto source = openFrames({.path = both});
+  EXPECT_THAT(namesOf(source->load(1)),
+              ElementsAre("top, ray_tracing", "top, particle", "Rear, ray_tracing", "Rear, particle"));
+}
+
+TEST_F(Frames, LieOverOneAnother) {
+  const auto a = folder.path() / "a/out";
+  const auto b = folder.path() / "b/out";
+  writeChangedDataset(a, {.frames = 3});
+  writeChangedDataset(b, {.frames = 2});
+  const auto file = folder.write("one.pcd", encode("pcd", testScan(manifest.sensors[0].beams, 4)));
+  const auto source = openFrames({.path = a, .over = {b, file}});
+  EXPECT_EQ(source->title(), "a/out");
+  EXPECT_EQ(source->keys().size(), 3u);
+  const std::string single = std::filesystem::path(folder.path().filename() / "one.pcd").string();
+  EXPECT_THAT(namesOf(source->load(0)), ElementsAre("a/out: top", "a/out: Rear", "b/out: top", "b/out: Rear", single));
+  const ViewFrame last = source->load(2);
+  EXPECT_THAT(namesOf(last), ElementsAre("a/out: top", "a/out: Rear", single));
+  EXPECT_THAT(last.problems, ElementsAre(AllOf(HasSubstr("b/out"), HasSubstr("'town-s3-drive-000002'"))));
+  EXPECT_THAT(namesOf(openFrames({.path = a, .over = {a}, .sensor = "top"})->load(0)),
+              ElementsAre("out: top", "out: top (2)"));
+}
+
+TEST_F(Frames, OtherClassesAreNoted) {
+  const auto a = folder.path() / "a";
+  const auto b = folder.path() / "b";
+  writeChangedDataset(a, {});
+  writeChangedDataset(b, {.manifest = [](Manifest& m) {
+                        m.ontology.name = "theirs";
+                        m.ontology.classes[1].name = "lawn";
+                      }});
+  const ViewInput both{.path = a, .over = {b}};
+  EXPECT_THAT(openFrames(both)->load(0).problems,
+              ElementsAre(AllOf(HasSubstr("b has other classes"), HasSubstr("class 7 is road in 'ours' and lawn in"))));
+  const auto labels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels/scanmill.yaml";
+  const auto ours = openFrames({.path = a, .over = {b}, .ontology = labels});
+  EXPECT_THAT(ours->load(0).problems, IsEmpty());
+  ASSERT_NE(ours->ontology(), nullptr);
+  EXPECT_EQ(ours->ontology()->name, readOntology(labels).name);
+}
+
+// The noise that a dataset was given is the error that its frames show.
+TEST_F(Frames, TheTwinShowsTheNoise) {
+  const auto shift = [](std::size_t point, std::size_t sample) {
+    return 0.01 * double(point % 5) + 0.001 * double(sample);
+  };
+  const auto clean = folder.path() / "clean";
+  const auto noisy = folder.path() / "noisy";
+  writeChangedDataset(clean, {});
+  writeChangedDataset(noisy, {.scan = [&](Scan& scan, std::size_t sample, std::size_t) {
+                        for (std::size_t i = 0; i < scan.size(); ++i) {
+                          const Vec3d p(scan.position[i]);
+                          scan.position[i] = Vec3f(p + normalized(p) * shift(i, sample));
+                        }
+                      }});
+  const auto source = openFrames({.path = noisy, .twin = clean});
+  for (std::size_t f = 0; f < source->keys().size(); ++f) {
+    const ViewFrame frame = source->load(f);
+    EXPECT_THAT(frame.problems, IsEmpty());
+    ASSERT_EQ(frame.scans.size(), 2u);
+    for (const ViewScan& scan : frame.scans) {
+      EXPECT_EQ(scan.errorTitle, "distance to the twin (m)");
+      ASSERT_EQ(scan.error.size(), scan.scan.size());
+      for (std::size_t i = 0; i < scan.error.size(); ++i) EXPECT_NEAR(scan.error[i], shift(i, f), 2e-5);
+    }
+  }
+}
+
+TEST_F(Frames, ATwinThatLacksSamplesOrColumnsIsAProblem) {
+  const auto scan = folder.path() / "scan";
+  const auto twin = folder.path() / "twin";
+  const auto bare = folder.path() / "bare";
+  const auto other = folder.path() / "other";
+  writeChangedDataset(scan, {});
+  writeChangedDataset(twin, {.frames = 2});
+  writeChangedDataset(bare, {.scan = [](Scan& s, std::size_t, std::size_t) { s.column.clear(); }});
+  writeChangedDataset(other, {.manifest = [](Manifest& m) { m.sensors.pop_back(); }});
+  const ViewFrame third = openFrames({.path = scan, .twin = twin})->load(2);
+  EXPECT_EQ(third.scans.size(), 2u);
+  EXPECT_TRUE(third.scans[0].error.empty());
+  EXPECT_THAT(third.problems, ElementsAre(AllOf(HasSubstr("twin"), HasSubstr("000002"))));
+  EXPECT_THAT(openFrames({.path = scan, .twin = bare})->load(0).problems,
+              ElementsAre(AllOf(HasSubstr("bare"), HasSubstr("ring and column in output.columns"))));
+  const ViewFrame half = openFrames({.path = scan, .twin = other})->load(0);
+  EXPECT_FALSE(half.scans[0].error.empty());
+  EXPECT_TRUE(half.scans[1].error.empty());
+  EXPECT_THAT(half.problems, ElementsAre(AllOf(HasSubstr("'Rear'"), HasSubstr("it has top"))));
+  const auto file = folder.write("one.pcd", encode("pcd", testScan(manifest.sensors[0].beams, 0)));
+  EXPECT_THAT(openFrames({.path = scan, .twin = file})->load(0).problems, ElementsAre(HasSubstr("--sensor whose")));
+  const ViewFrame joined = openFrames({.path = scan, .twin = file, .sensor = "top"})->load(0);
+  EXPECT_THAT(joined.problems, IsEmpty());
+  for (const float e : joined.scans[0].error) EXPECT_EQ(e, 0);
+}
+
+TEST_F(Frames, PointsMovedToTheStartOfTheTurnHaveNoRangeError) {
+  const auto moved = folder.path() / "moved";
+  writeChangedDataset(moved, {.manifest = [](Manifest& m) { m.deskewed = true; }});
+  EXPECT_TRUE(openFrames({.path = moved})->load(0).scans[0].error.empty());
+}
+
+TEST_F(Frames, TrajectoryOfTheSequence) {
+  const auto source = openFrames(input());
+  for (const std::size_t frame : {0u, 5u, 6u, 8u}) {
+    const std::string split = manifest.samples[frame].split;
+    std::vector<Pose> expected;
+    for (const SampleRecord& s : manifest.samples) {
+      if (s.split == split) expected.push_back(s.scans.front().worldFromSensor.front());
+    }
+    EXPECT_EQ(source->trajectory(frame), expected) << frame;
+  }
+  const auto rear = openFrames({.path = data, .sensor = "rear"});
+  EXPECT_EQ(rear->trajectory(8).front(), manifest.samples[8].scans[1].worldFromSensor.front());
+}
+
+TEST_F(Frames, FindFrame) {
+  const auto source = openFrames(input());
+  EXPECT_EQ(findFrame(*source, ""), 4u);
+  EXPECT_EQ(findFrame(*source, "7"), 7u);
+  EXPECT_EQ(findFrame(*source, manifest.samples[6].key), 6u);
+  EXPECT_EQ(findFrame(*source, "test"), 8u);
+  EXPECT_THAT(messageOf([&] { findFrame(*source, "train"); }), HasSubstr("nearest of 9"));
+  EXPECT_THAT(messageOf([&] { findFrame(*source, "9"); }), AllOf(HasSubstr("data"), HasSubstr("0 to 8")));
+}
+
+TEST_F(Frames, ThreadsLoadTheSame) {
+  const auto source = openFrames(input());
+  std::atomic<int> wrong = 0;
+  parallelFor(90, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const ViewFrame frame = source->load(i % 9);
+      const Scan expected = testScan(manifest.sensors[0].beams, static_cast<std::uint32_t>(i % 9 * 10));
+      if (!frame.problems.empty() || frame.scans[0].scan.position != expected.position) ++wrong;
+    }
+  });
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(SceneFrames, HoldNoScans) {
+  const std::filesystem::path street = std::filesystem::path(SCANMILL_SOURCE_DIR) / "scenes/street.yaml";
+  const auto source = openFrames({.path = street});
+  EXPECT_TRUE(source->isScene());
+  EXPECT_THAT(source->keys(), ElementsAre("street.yaml"));
+  EXPECT_THAT(source->load(0).scans, IsEmpty());
+  std::string why;
+  EXPECT_EQ(source->scene(0, why), (SceneChoice{street, 1}));
+  EXPECT_THAT(messageOf([&] { openFrames({.path = street, .sensor = "top"}); }), HasSubstr("is a scene"));
+}
+
+TEST(RealFrames, OfRecordedSensors) {
+  SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128/frame_1795.pcd");
+  const auto file = sharedData() / "lidar/ouster_os1_128/frame_1795.pcd";
+  const ViewFrame frame = openFrames({.path = file})->load(0);
+  EXPECT_THAT(frame.problems, IsEmpty());
+  EXPECT_EQ(frame.scans.at(0).scan.size(), 131072u);
+  const ViewFrame twin = openFrames({.path = file, .twin = file})->load(0);
+  EXPECT_THAT(twin.problems, IsEmpty());
+  for (const float e : twin.scans.at(0).error) ASSERT_TRUE(std::isnan(e) || e == 0);
+}
+
+}  // namespace
+
+}  // namespace scanmill

@@ -1,0 +1,218 @@
+#include "viewer/window/orbit_camera.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/support/message_of.h"
+
+namespace scanmill {
+namespace {
+
+constexpr std::pair<int, int> kSizes[] = {{1600, 900}, {640, 640}, {300, 900}, {64, 64}};
+
+OrbitCamera randomCamera(std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  OrbitCamera camera;
+  camera.target = {50 * unit(random), 50 * unit(random), 5 * unit(random)};
+  camera.yaw = kPi * unit(random);
+  camera.pitch = kPi / 2 * unit(random);
+  camera.distance = std::pow(10, 1 + unit(random));
+  camera.orthographic = unit(random) > 0.3;
+  return camera;
+}
+
+TEST(OrbitCamera, PresetsAreThoseOfPictures) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(-30, 30);
+  for (const View view : {View::Driver, View::Above, View::Chase}) {
+    for (const auto& [width, height] : kSizes) {
+      const ViewCamera wanted = makeCamera(view, width, height, 1);
+      const ViewCamera made = presetCamera(view).camera(width, height);
+      EXPECT_EQ(made.orthographic, wanted.orthographic);
+      EXPECT_DOUBLE_EQ(made.nearest, wanted.nearest);
+      EXPECT_NEAR(length(made.eye - wanted.eye), 0, 1e-9);
+      for (int i = 0; i < 20; ++i) {
+        const Vec3d p{place(random), place(random), place(random)};
+        const Projected a = made.project(p);
+        const Projected b = wanted.project(p);
+        EXPECT_NEAR(a.depth, b.depth, 1e-9);
+        if (b.depth < wanted.nearest) continue;
+        EXPECT_NEAR(a.x, b.x, 1e-6 * std::abs(b.x) + 1e-6);
+        EXPECT_NEAR(a.y, b.y, 1e-6 * std::abs(b.y) + 1e-6);
+      }
+    }
+  }
+}
+
+TEST(OrbitCamera, ItsAxesAreSquareAndTheTargetIsInTheMiddle) {
+  std::mt19937 random(2);
+  for (int i = 0; i < 100; ++i) {
+    const OrbitCamera camera = randomCamera(random);
+    const ViewCamera view = camera.camera(800, 600);
+    EXPECT_NEAR(dot(view.right, view.down), 0, 1e-12);
+    EXPECT_NEAR(dot(view.right, view.forward), 0, 1e-12);
+    EXPECT_NEAR(length(view.down), 1, 1e-12);
+    EXPECT_NEAR(view.right.z, 0, 1e-12);  // the horizon is level
+    const Projected middle = view.project(camera.target);
+    EXPECT_NEAR(middle.x, 400, 1e-6);
+    EXPECT_NEAR(middle.y, 300, 1e-6);
+    if (!camera.orthographic) {
+      EXPECT_NEAR(middle.depth, camera.distance, 1e-9);
+    }
+  }
+}
+
+TEST(OrbitCamera, BothProjectionsShowTheTargetAtTheSameSize) {
+  std::mt19937 random(3);
+  OrbitCamera camera = randomCamera(random);
+  camera.orthographic = false;
+  const double scale = camera.camera(800, 600).project(camera.target).scale;
+  camera.orthographic = true;
+  EXPECT_NEAR(camera.camera(800, 600).project(camera.target).scale, scale, 1e-9 * scale);
+}
+
+TEST(OrbitCamera, ADragOverTwiceTheHeightIsAWholeTurn) {
+  std::mt19937 random(4);
+  for (int i = 0; i < 20; ++i) {
+    const OrbitCamera before = randomCamera(random);
+    OrbitCamera after = before;
+    for (int k = 0; k < 12; ++k) after.orbit(100, 0, 600);
+    EXPECT_NEAR(std::remainder(after.yaw - before.yaw, 2 * kPi), 0, 1e-9);
+    EXPECT_EQ(after.target, before.target);
+    after.orbit(0, 1e6, 600);
+    EXPECT_DOUBLE_EQ(after.pitch, kPi / 2);
+    after.orbit(0, -1e7, 600);
+    EXPECT_DOUBLE_EQ(after.pitch, -kPi / 2);
+  }
+}
+
+TEST(OrbitCamera, WhatIsNearFollowsTheDrag) {
+  OrbitCamera camera = presetCamera(View::Chase);
+  const Vec3d near = camera.target - camera.camera(800, 600).forward;
+  const Projected before = camera.camera(800, 600).project(near);
+  camera.orbit(5, 3, 600);
+  const Projected after = camera.camera(800, 600).project(near);
+  EXPECT_GT(after.x, before.x);
+  EXPECT_GT(after.y, before.y);
+}
+
+TEST(OrbitCamera, PanningFollowsThePointer) {
+  std::mt19937 random(5);
+  for (int i = 0; i < 50; ++i) {
+    OrbitCamera camera = randomCamera(random);
+    const Vec3d held = camera.target;
+    camera.pan(37, -21, 800, 600);
+    const Projected now = camera.camera(800, 600).project(held);
+    EXPECT_NEAR(now.x, 437, 1e-6);
+    EXPECT_NEAR(now.y, 279, 1e-6);
+  }
+}
+
+TEST(OrbitCamera, ZoomStepsAreUndoneAndEndSomewhere) {
+  OrbitCamera camera;
+  const double before = camera.distance;
+  camera.zoom(1);
+  EXPECT_NEAR(camera.distance, 0.9 * before, 1e-12);
+  camera.zoom(-1);
+  EXPECT_NEAR(camera.distance, before, 1e-12);
+  camera.zoom(1e9);
+  EXPECT_DOUBLE_EQ(camera.distance, 0.1);
+  camera.zoom(-1e9);
+  EXPECT_DOUBLE_EQ(camera.distance, 1e4);
+}
+
+TEST(OrbitCamera, LooksAtAPlaceFromWhereItStands) {
+  std::mt19937 random(6);
+  for (int i = 0; i < 100; ++i) {
+    OrbitCamera camera = randomCamera(random);
+    const Vec3d eye = camera.eye();
+    const Vec3d place = camera.target + Vec3d{3, -2, 1};
+    camera.lookAt(place);
+    if (!camera.orthographic) {
+      EXPECT_NEAR(length(camera.eye() - eye), 0, 1e-6 * length(eye) + 1e-9);
+    }
+    const Projected middle = camera.camera(800, 600).project(place);
+    EXPECT_NEAR(middle.x, 400, 1e-6);
+    EXPECT_NEAR(middle.y, 300, 1e-6);
+  }
+}
+
+TEST(OrbitCamera, FramesABoxWhole) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> side(0.2, 80);
+  for (int i = 0; i < 50; ++i) {
+    OrbitCamera camera = randomCamera(random);
+    Box box;
+    box.add(Vec3d{1, 2, 3});
+    box.add(Vec3d{1 + side(random), 2 + side(random), 3 + side(random)});
+    camera.frame(box);
+    const ViewCamera view = camera.camera(800, 450);
+    for (int corner = 0; corner < 8; ++corner) {
+      const Projected p = view.project({corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                        corner & 4 ? box.high.z : box.low.z});
+      EXPECT_GT(p.depth, 0);
+      EXPECT_TRUE(p.x > 0 && p.x < 800 && p.y > 0 && p.y < 450) << p.x << " " << p.y;
+    }
+  }
+}
+
+TEST(OrbitCamera, MovesWithItsFrame) {
+  std::mt19937 random(8);
+  for (int i = 0; i < 50; ++i) {
+    const OrbitCamera before = randomCamera(random);
+    const Affine newFromOld = toAffine(Pose{fromYawPitchRoll(0.1 * i, 0, 0), {3, 4, 5}});
+    OrbitCamera after = before;
+    after.moveBy(newFromOld);
+    const Vec3d place = before.target + Vec3d{0.3, 0.2, 0.1};
+    const Projected a = before.camera(800, 600).project(place);
+    const Projected b = after.camera(800, 600).project(newFromOld * place);
+    EXPECT_NEAR(a.x, b.x, 1e-6);
+    EXPECT_NEAR(a.y, b.y, 1e-6);
+  }
+}
+
+TEST(OrbitCamera, ItsTextIsReadAgain) {
+  std::mt19937 random(9);
+  std::vector<OrbitCamera> cameras{presetCamera(View::Chase), presetCamera(View::Driver), presetCamera(View::Above)};
+  for (int i = 0; i < 100; ++i) cameras.push_back(randomCamera(random));
+  for (const OrbitCamera& camera : cameras) {
+    const OrbitCamera again = parseCamera(camera.text());
+    EXPECT_NEAR(std::remainder(again.yaw - camera.yaw, 2 * kPi), 0, 1e-5) << camera.text();
+    EXPECT_NEAR(again.pitch, camera.pitch, 1e-5);
+    EXPECT_NEAR(again.distance, camera.distance, 1e-5 * camera.distance);
+    EXPECT_NEAR(length(again.target - camera.target), 0, 1e-3);
+    EXPECT_NEAR(again.focal, camera.focal, 1e-5);
+    EXPECT_EQ(again.orthographic, camera.orthographic);
+    EXPECT_EQ(again.text(), camera.text());
+  }
+}
+
+TEST(OrbitCamera, WrongTextsAreRefusedWithAnExample) {
+  for (const char* text : {"",
+                           "behind",
+                           "1,2",
+                           "1,2,3,4",
+                           "1,2,3,4,5",
+                           "1,2,nan",
+                           "1,91,3",
+                           "1,2,0",
+                           "1,2,-5",
+                           "1,2,1e9",
+                           "1,2,3,1e9,0,0",
+                           "1,2,3,",
+                           ",1,2,3",
+                           "1;2;3",
+                           "1,2,3,4,5,6,0",
+                           "1,2,3,4,5,6,7,8",
+                           "1,2,3 ",
+                           "Chase",
+                           "1,2,3,ortho,ortho",
+                           "ortho"}) {
+    EXPECT_THAT(messageOf([&] { parseCamera(text); }), testing::HasSubstr("YAW,PITCH,DISTANCE")) << text;
+  }
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,346 @@
+// The viewer's keys, frames and messages.
+
+#include "viewer/window/session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <thread>
+
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/viewer/window/session_world.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using Kind = CanvasEvent::Kind;
+
+const std::vector<std::string> kMethods{"ray_tracing", "depth_camera"};
+
+class CurrentFolder {
+ public:
+  CurrentFolder() : before_(std::filesystem::current_path()) { std::filesystem::current_path(folder_.path()); }
+  ~CurrentFolder() { std::filesystem::current_path(before_); }
+
+ private:
+  TemporaryFolder folder_;
+  std::filesystem::path before_;
+};
+
+// Each row of the help, done: something on the canvas changes, or the viewer closes.
+TEST(ViewSession, EveryKeyOfTheHelpDoesSomething) {
+  using Do = std::function<void(SessionWorld&)>;
+  const CurrentFolder folder;
+  bool open = true;
+  const auto press = [&](std::vector<std::string> keys) -> Do {
+    return [keys, &open](SessionWorld& w) {
+      for (const std::string& k : keys) open = w.key(k) && open;
+    };
+  };
+  const auto point = [](SessionWorld& w) { return w.pixelOf(firstCloud(w), 3 * 72); };
+  std::map<std::string, std::pair<Do, std::vector<Do>>> rows;  // what goes before, and what each key does
+  const Do nothing = [](SessionWorld&) {};
+  rows["left drag"] = {nothing, {[](SessionWorld& w) { w.drag(300, 300, 40, 20); }}};
+  rows["right drag, shift + left drag"] = {
+      nothing,
+      {[](SessionWorld& w) { w.drag(300, 300, 40, 20, 3); }, [](SessionWorld& w) { w.drag(300, 300, 40, 20, 2); },
+       [](SessionWorld& w) { w.drag(300, 300, 40, 20, 1, true); }}};
+  rows["wheel"] = {nothing, {[](SessionWorld& w) { w.wheel(1); }, [](SessionWorld& w) { w.wheel(-2); }}};
+  rows["click"] = {nothing,
+                   {[&](SessionWorld& w) { w.click(point(w).first, point(w).second); },
+                    [](SessionWorld& w) {
+                      const auto at = w.inOverlay(kFakeCarColor);
+                      ASSERT_TRUE(at);
+                      w.click(at->first, at->second);
+                    }}};
+  rows["double click, shift + click in the legend"] = {nothing,
+                                                       {[](SessionWorld& w) {
+                                                          const auto at = w.inOverlay(kFakeCarColor);
+                                                          ASSERT_TRUE(at);
+                                                          w.click(at->first, at->second);
+                                                          w.pointer(Kind::Down, at->first, at->second, 1, false, 2);
+                                                        },
+                                                        [](SessionWorld& w) {
+                                                          const auto at = w.inOverlay(kFakeCarColor);
+                                                          ASSERT_TRUE(at);
+                                                          w.click(at->first, at->second, true);
+                                                        }}};
+  rows["Right, Left (. ,)"] = {nothing, {press({"Right"}), press({"Left"}), press({"period"}), press({"comma"})}};
+  rows["Page_Down, Page_Up"] = {nothing, {press({"Page_Down"}), press({"Page_Up"}), press({"Next"}), press({"Prior"})}};
+  rows["< > (shift + Left, Right)"] = {
+      nothing,
+      {press({"less"}), press({"greater"}), [](SessionWorld& w) { w.key("Left", true); },
+       [](SessionWorld& w) { w.key("Right", true); }}};
+  rows["space"] = {nothing, {press({"space"})}};
+  rows["g"] = {nothing, {press({"g"})}};
+  rows["c, C"] = {nothing, {press({"c"}), press({"C"})}};
+  rows["1 2 3 4 5 6 7 8 9 0"] = {press({"9"}),
+                                 {press({"1"}), press({"2"}), press({"3"}), press({"4"}), press({"5"}), press({"6"}),
+                                  press({"7"}), press({"8"}), press({"0"})}};
+  rows["A"] = {[](SessionWorld& w) {
+                 const auto at = w.inOverlay(kFakeCarColor);
+                 ASSERT_TRUE(at);
+                 w.click(at->first, at->second);
+               },
+               {press({"A"})}};
+  rows["+ -"] = {nothing, {press({"plus"}), press({"minus"}), press({"KP_Add"}), press({"equal"})}};
+  for (const char* key : {"b", "a", "r", "t", "m", "e", "o", "v", "n", "l", "s", "Tab", "w", "i", "d", "P", "h"}) {
+    rows[key] = {nothing, {press({key})}};
+  }
+  rows["F1 F2 F3"] = {[](SessionWorld& w) { w.wheel(3); }, {press({"F1"}), press({"F2"}), press({"F3"})}};
+  rows["f, double click"] = {
+      [&](SessionWorld& w) { w.pointer(Kind::Move, point(w).first, point(w).second); },
+      {press({"f"}), [&](SessionWorld& w) { w.pointer(Kind::Down, point(w).first, point(w).second, 1, false, 2); }}};
+  rows["Home"] = {[](SessionWorld& w) { w.wheel(3); }, {press({"Home"})}};
+  rows["Escape"] = {press({"h"}), {press({"Escape"})}};
+  rows["q"] = {nothing, {press({"q"})}};
+
+  std::size_t known = 0;
+  for (const auto& [keys, what] : viewKeys()) {
+    SCOPED_TRACE(keys + ": " + what);
+    ASSERT_TRUE(rows.contains(keys));
+    ++known;
+    for (const Do& act : rows[keys].second) {
+      SessionWorld world(3, kMethods);
+      open = true;
+      rows[keys].first(world);
+      world.session->settle();
+      const std::string before = world.drawn();
+      act(world);
+      // Neighbouring frames are loaded in the background.
+      const std::string now = world.drawn();
+      world.session->settle();
+      EXPECT_TRUE(!open || now != before || world.drawn() != before);
+      EXPECT_EQ(open, keys != "q");
+    }
+  }
+  EXPECT_EQ(known, rows.size());
+}
+
+TEST(ViewSession, EscapeClosesWhatIsOpenThenTheViewer) {
+  SessionWorld world(3);
+  const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72);
+  world.click(x, y);
+  world.key("h");
+  world.key("g");
+  EXPECT_TRUE(world.key("Escape"));  // the prompt
+  EXPECT_TRUE(world.key("Escape"));  // the help
+  EXPECT_TRUE(world.key("Escape"));  // the pin
+  EXPECT_FALSE(world.key("Escape"));
+  CanvasEvent close;
+  close.kind = Kind::Close;
+  EXPECT_FALSE(world.send(close));
+}
+
+// The frame on the canvas, by the positions of its points.
+std::size_t frameOn(const SessionWorld& world) {
+  const auto& places = world.canvas.items.at(firstCloud(world)).places;
+  for (std::size_t f = 0; f < world.frames->frames.size(); ++f) {
+    if (world.frames->frames[f].scans.front().scan.position == places) return f;
+  }
+  return SIZE_MAX;
+}
+
+TEST(ViewSession, StepsThroughFrames) {
+  SessionWorld world(25);
+  EXPECT_EQ(frameOn(world), 12u);  // the middle one
+  const auto goes = [&](const char* key, std::size_t to, bool shift = false) {
+    world.key(key, shift);
+    world.session->settle();
+    EXPECT_EQ(frameOn(world), to) << key;
+  };
+  goes("Right", 13);
+  goes("Left", 12);
+  goes("Left", 11);
+  goes("Page_Down", 21);
+  goes("Page_Down", 24);  // no further than the last
+  goes("Right", 24);
+  goes("Left", 0, true);
+  goes("Left", 0);
+  goes("Page_Up", 0);
+  goes("End", 24);
+  goes("less", 0);
+  goes("greater", 24);
+}
+
+TEST(ViewSession, GoesToAKeyOrAnIndex) {
+  SessionWorld world(25);
+  const auto goes = [&](const std::string& text, std::size_t to) {
+    world.key("g");
+    world.type(text);
+    world.key("Return");
+    world.session->settle();
+    EXPECT_EQ(frameOn(world), to) << text;
+  };
+  goes("3", 3);
+  goes("sample-117", 17);
+  world.key("g");
+  world.type("4z");
+  world.key("BackSpace");
+  world.key("Return");
+  world.session->settle();
+  EXPECT_EQ(frameOn(world), 4u);
+  // Keys are typed, not obeyed; a wrong one keeps the prompt open.
+  world.key("g");
+  world.type("nq");
+  EXPECT_TRUE(world.key("Return"));
+  EXPECT_EQ(frameOn(world), 4u);
+  EXPECT_TRUE(world.key("Escape"));
+  EXPECT_TRUE(world.key("h"));
+  goes("", 4);
+}
+
+TEST(ViewSession, PlaysToTheEndAndStops) {
+  SessionWorld world(4);
+  world.key("less");
+  world.session->settle();
+  world.key("space");
+  std::set<std::size_t> seen;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!seen.contains(3) && std::chrono::steady_clock::now() < end) {
+    world.tick();
+    seen.insert(frameOn(world));
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_EQ(seen, (std::set<std::size_t>{0, 1, 2, 3}));
+}
+
+TEST(ViewSession, ShowsWhatIsThereWhileItLoads) {
+  const auto frames = std::make_shared<FakeFrames>(30);
+  frames->setOpen(false, 29);
+  SessionWorld world(frames);
+  const std::size_t before = frameOn(world);
+  world.key("greater");
+  for (int i = 0; i < 20; ++i) {
+    world.tick();
+    world.key("Right");
+    world.drag(300, 300, 10, 5);
+  }
+  EXPECT_EQ(frameOn(world), before);
+  frames->setOpen(true);
+  world.session->settle();
+  EXPECT_EQ(frameOn(world), 29u);
+}
+
+TEST(ViewSession, ProblemsOfAFrameAreShownAndTheOthersStayGood) {
+  auto frames = std::make_shared<FakeFrames>(3);
+  frames->frames[1].scans.clear();
+  frames->frames[1].problems = {"train-000000.tar: is damaged"};
+  SessionWorld world(frames);
+  EXPECT_THAT(world.session->problems(), testing::ElementsAre("train-000000.tar: is damaged"));
+  EXPECT_THROW(world.session->check(), Error);
+  EXPECT_TRUE(world.canvas.pointItems().empty());
+  for (const char* key : {"c", "s", "l", "i", "m", "w", "d", "n", "Tab", "f", "A", "F3", "r"}) world.key(key);
+  world.click(400, 300);
+  world.key("Right");
+  world.session->settle();
+  EXPECT_THAT(world.session->problems(), IsEmpty());
+  EXPECT_NO_THROW(world.session->check());
+  EXPECT_FALSE(world.canvas.pointItems().empty());
+}
+
+TEST(ViewSession, AColumnThatIsNotThereKeepsTheColours) {
+  auto frames = std::make_shared<FakeFrames>(1);
+  ViewScan& scan = frames->frames[0].scans[0];
+  scan.scan.incidence.clear();
+  scan.scan.rangeTrue.clear();
+  scan.error.clear();
+  SessionWorld world(frames);
+  for (const char* key : {"9", "0"}) {
+    const auto before = world.canvas.items.at(firstCloud(world)).colors;
+    world.key(key);
+    EXPECT_EQ(world.canvas.items.at(firstCloud(world)).colors, before);
+    ASSERT_EQ(world.session->problems().size(), 1u);
+  }
+  EXPECT_THAT(world.session->problems().front(), HasSubstr("--twin"));
+  world.key("4");
+  EXPECT_THAT(world.session->problems(), IsEmpty());
+}
+
+TEST(ViewSession, OptionsThatNameWhatThereIsNot) {
+  const auto frames = std::make_shared<FakeFrames>(3);
+  FakeCanvas canvas(300, 200);
+  const auto refused = [&](const ViewOptions& options, const char* says) {
+    EXPECT_THAT(messageOf([&] { ViewSession(frames, canvas, options); }), HasSubstr(says));
+  };
+  refused({.sample = "sample-9"}, "sample-9");
+  refused({.sample = "3"}, "3");
+  refused({.hidden = {"lorry"}}, "lorry");
+  frames->frames[1].scans[0].scan.incidence.clear();
+  ViewSession session(frames, canvas, {.colors = {ColorBy::Incidence}});
+  session.settle();
+  EXPECT_THAT(messageOf([&] { session.check(); }), HasSubstr("incidence"));
+}
+
+TEST(ViewSession, AnEmptyScanSaysSo) {
+  auto frames = std::make_shared<FakeFrames>(1);
+  frames->frames[0].scans[0].scan = Scan{};
+  frames->frames[0].scans[0].error.clear();
+  SessionWorld world(frames);
+  EXPECT_NO_THROW(world.session->check());
+  const CanvasView& view = world.canvas.views().front();
+  int written = 0;
+  for (int y = view.rect.height / 2 - 30; y < view.rect.height / 2 + 30; ++y) {
+    for (int x = 300; x < SessionWorld::kWidth - 100; ++x) {
+      const std::size_t pixel =
+          static_cast<std::size_t>(view.rect.top + y) * SessionWorld::kWidth + static_cast<std::size_t>(x);
+      if (world.canvas.overlay[pixel][3] > 0) ++written;
+    }
+  }
+  EXPECT_GT(written, 200);
+  for (const auto& [keys, what] : viewKeys()) world.key(keys.substr(0, keys.find_first_of(" ,")));
+}
+
+TEST(ViewSession, StandsInTheWorldOrFollowsTheSensor) {
+  SessionWorld world(5);
+  const auto placeOf = [&] { return world.canvas.items.at(firstCloud(world)).look.canvasFromItem.translation; };
+  EXPECT_EQ(placeOf(), (Vec3d{0, 0, 0}));
+  const auto pixel = world.pixelOf(firstCloud(world), 80);
+  world.key("w");
+  EXPECT_EQ(world.pixelOf(firstCloud(world), 80), pixel);  // nothing jumps
+  EXPECT_NEAR(length(placeOf() - Vec3d{4, 0, 0}), 0, 1e-9);
+  const OrbitCamera camera = world.session->camera();
+  world.key("Right");
+  world.session->settle();
+  EXPECT_EQ(world.session->camera(), camera);
+  EXPECT_NEAR(length(placeOf() - Vec3d{6, 0, 0}), 0, 1e-9);
+  world.key("w");
+  EXPECT_NEAR(length(placeOf()), 0, 1e-9);
+}
+
+TEST(ViewSession, SavesPicturesThatNeverReplaceOthers) {
+  const CurrentFolder folder;
+  SessionWorld world(1);
+  world.key("P");
+  world.key("P");
+  EXPECT_TRUE(std::filesystem::exists("scanmill_view_000.png"));
+  EXPECT_TRUE(std::filesystem::exists("scanmill_view_001.png"));
+  EXPECT_FALSE(std::filesystem::exists("scanmill_view_002.png"));
+}
+
+TEST(ViewSession, OnlyMovesLeaveOutPoints) {
+  auto frames = std::make_shared<FakeFrames>(1);
+  frames->frames[0].scans[0].scan = fakeScan(64, 16000);
+  frames->frames[0].scans[0].error.clear();
+  SessionWorld world(frames);
+  EXPECT_EQ(world.canvas.lastMost, 0u);
+  const int before = world.canvas.renders;
+  world.pointer(Kind::Down, 300, 300);
+  world.pointer(Kind::Move, 340, 320);
+  world.tick();
+  EXPECT_GT(world.canvas.renders, before);
+  const std::uint64_t moving = world.canvas.lastMost;
+  world.pointer(Kind::Up, 340, 320);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (world.canvas.lastMost != 0 && std::chrono::steady_clock::now() < end) world.tick();
+  EXPECT_EQ(world.canvas.lastMost, 0u) << moving;
+}
+
+}  // namespace
+}  // namespace scanmill
