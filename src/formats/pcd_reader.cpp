@@ -239,6 +239,14 @@ class BodyReader {
     return &*found;
   }
 
+  // Sensors' own recordings call their intensity so (Ouster).
+  static constexpr std::string_view kReflectivity = "reflectivity";
+
+  const PcdField* findColumn(std::string_view name) const {
+    const PcdField* field = find(name);
+    return field == nullptr && name == "intensity" ? find(kReflectivity) : field;
+  }
+
   const PcdField& require(std::string_view name) const {
     const PcdField* field = find(name);
     if (!field) throw InputError(where_, fmt::format("there is no field {}", name));
@@ -297,7 +305,7 @@ class BodyReader {
     fill(require("y"), &scan.position[0].y, 3);
     fill(require("z"), &scan.position[0].z, 3);
     visitOptionalColumns(scan, [&](std::string_view name, auto& column) {
-      const PcdField* field = find(name);
+      const PcdField* field = findColumn(name);
       if (!field) return;
       column.resize(points);
       fill(*field, column.data(), 1);
@@ -314,7 +322,7 @@ class BodyReader {
     }
     scan.position.resize(header_.points);
     visitOptionalColumns(scan, [&](std::string_view name, auto& column) {
-      if (find(name)) column.resize(header_.points);
+      if (findColumn(name)) column.resize(header_.points);
     });
     std::string_view rest = header_.body;
     Location where{where_.file, header_.bodyLine - 1, 0};
@@ -348,14 +356,14 @@ class BodyReader {
     }
   }
 
-  static void readWord(const PcdField& field, std::string_view word, std::size_t point, const Location& where,
-                       Scan& scan) {
+  void readWord(const PcdField& field, std::string_view word, std::size_t point, const Location& where,
+                Scan& scan) const {
     Vec3f& position = scan.position[point];
     if (field.name == "x") return readNumber(word, position.x, field.name, where);
     if (field.name == "y") return readNumber(word, position.y, field.name, where);
     if (field.name == "z") return readNumber(word, position.z, field.name, where);
     visitOptionalColumns(scan, [&](std::string_view name, auto& column) {
-      if (name == field.name) readNumber(word, column[point], name, where);
+      if (findColumn(name) == &field) readNumber(word, column[point], name, where);
     });
   }
 

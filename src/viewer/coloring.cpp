@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace scanmill {
 
@@ -29,15 +30,27 @@ ColorBy defaultFor(const Scan& scan) {
 Coloring byClass(const Scan& scan, const Ontology* ontology) {
   Coloring out;
   out.legend.title = "class";
-  std::map<std::uint16_t, std::uint64_t> present;
+  constexpr std::size_t kIds = std::size_t{1} << 16;
+  std::vector<std::uint64_t> present(kIds);
+  std::vector<bool> known(kIds);
+  std::vector<Rgb> colors(kIds);
+  out.colors.reserve(scan.size());
   for (std::size_t i = 0; i < scan.label.size(); ++i) {
-    out.colors.push_back(classColor(ontology, scan.label[i]));
-    if (isFinite(scan.position[i])) ++present[scan.label[i]];
+    const std::uint16_t id = scan.label[i];
+    if (!known[id]) {
+      known[id] = true;
+      colors[id] = classColor(ontology, id);
+    }
+    out.colors.push_back(colors[id]);
+    present[id] += isFinite(scan.position[i]) ? 1 : 0;
   }
-  for (const auto& [id, points] : present) {
-    const SemanticClass* known = ontology == nullptr ? nullptr : ontology->find(id);
+  for (std::size_t k = 0; k < kIds; ++k) {
+    const std::uint64_t points = present[k];
+    if (points == 0) continue;
+    const auto id = static_cast<std::uint16_t>(k);
+    const SemanticClass* named = ontology == nullptr ? nullptr : ontology->find(id);
     out.legend.entries.push_back(
-        {known == nullptr ? fmt::format("class {}", id) : known->name, classColor(ontology, id), id, points});
+        {named == nullptr ? fmt::format("class {}", id) : named->name, colors[id], id, points});
   }
   return out;
 }
@@ -46,15 +59,25 @@ Coloring byInstance(const Scan& scan) {
   Coloring out;
   out.legend.title = "instance";
   std::map<std::uint32_t, std::uint64_t> present;
+  out.colors.reserve(scan.size());
+  std::uint64_t* count = &present[0];
+  std::uint32_t last = 0;
+  Rgb color = instanceColor(last);
   for (std::size_t i = 0; i < scan.instance.size(); ++i) {
-    out.colors.push_back(instanceColor(scan.instance[i]));
-    if (isFinite(scan.position[i])) ++present[scan.instance[i]];
+    if (scan.instance[i] != last) {  // neighbours mostly share their instance
+      last = scan.instance[i];
+      color = instanceColor(last);
+      count = &present[last];
+    }
+    out.colors.push_back(color);
+    *count += isFinite(scan.position[i]) ? 1 : 0;
   }
+  std::erase_if(present, [](const auto& entry) { return entry.first != 0 && entry.second == 0; });
   const std::uint64_t none = present[0];
   present.erase(0);
   if (!present.empty()) {
     std::uint64_t points = 0;
-    for (const auto& [id, count] : present) points += count;
+    for (const auto& [id, held] : present) points += held;
     out.legend.entries.push_back(
         {fmt::format("{} instance{}, a colour each", present.size(), present.size() == 1 ? "" : "s"),
          instanceColor(present.begin()->first), -1, points});
@@ -87,7 +110,8 @@ struct Scale {
 };
 
 constexpr double kClipped = 0.01;
-constexpr double kFirstReturn = 0.7;  // of the colour map
+constexpr std::size_t kMostSorted = 1'000'000;  // values that percentiles are taken from
+constexpr double kFirstReturn = 0.7;            // of the colour map
 
 // `at(i)` is the value of point i.
 template <class At>
@@ -97,7 +121,8 @@ Coloring byNumber(const Scan& scan, const Scale& scale, const At& at) {
   out.legend.scale = true;
   out.legend.power = scale.power;
   std::vector<double> finite;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
+  const std::size_t step = scale.clipped > 0 ? scan.size() / kMostSorted + 1 : 1;
+  for (std::size_t i = 0; i < scan.size(); i += step) {
     if (isFinite(scan.position[i]) && std::isfinite(static_cast<double>(at(i)))) finite.push_back(at(i));
   }
   const auto end = [&](const std::optional<double>& given, double share) {
@@ -106,11 +131,14 @@ Coloring byNumber(const Scan& scan, const Scale& scale, const At& at) {
   out.legend.low = end(scale.low, scale.clipped);
   out.legend.high = end(scale.high, 1 - scale.clipped);
   const double span = out.legend.high - out.legend.low;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const double value = at(i);
-    const double share = span > 0 ? std::clamp((value - out.legend.low) / span, 0.0, 1.0) : 0.5;
-    out.colors.push_back(std::isfinite(value) ? viridis(std::pow(share, 1 / scale.power)) : kNoValue);
-  }
+  out.colors.resize(scan.size());
+  parallelFor(scan.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const double value = at(i);
+      const double share = span > 0 ? std::clamp((value - out.legend.low) / span, 0.0, 1.0) : 0.5;
+      out.colors[i] = std::isfinite(value) ? viridis(std::pow(share, 1 / scale.power)) : kNoValue;
+    }
+  });
   return out;
 }
 
@@ -119,7 +147,7 @@ double distanceOf(const Scan& scan, std::size_t i) {
 }
 
 Coloring byError(const Scan& scan, const ColorContext& context) {
-  const Scale scale{context.errorTitle.empty() ? "error (m)" : context.errorTitle, kClipped, 1, 0.0};
+  const Scale scale{context.errorTitle.empty() ? "error (m)" : context.errorTitle, kClipped, 2, 0.0};
   if (!context.error.empty()) {
     if (context.error.size() != scan.size()) {
       throw Error(fmt::format("{} errors for the {} points of a scan", context.error.size(), scan.size()));
@@ -172,7 +200,7 @@ Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Color
     case ColorBy::Range:
       break;
   }
-  return byNumber(scan, {"range (m)", kClipped}, [&](std::size_t i) { return distanceOf(scan, i); });
+  return byNumber(scan, {"range (m)", kClipped, 2}, [&](std::size_t i) { return distanceOf(scan, i); });
 }
 
 Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Ontology* ontology) {

@@ -54,9 +54,10 @@ struct ColorContext {
 
 // Throws InputError where the scan lacks the column. Without a choice: class, else intensity, else range. The legend
 // names the classes that the scan holds, in the order of their ids. A scale of intensity, range or height runs from the
-// 1st to the 99th percentile (intensity by its square root: it falls with the square of the distance), one of ring or
-// time from the least to the greatest value, one of incidence over all angles that there are, 0 to 90 deg, one of error
-// from 0 to the 99th percentile; beyond it, its ends' colours. Without errors in the context, a point's is the
+// 1st to the 99th percentile, of every n-th point where there are millions (intensity by its square root: it falls with
+// the square of the distance; range too: most points are near), one of ring or time from the least to the greatest
+// value, one of incidence over all angles that there are, 0 to 90 deg, one of error from 0 to the 99th percentile, by
+// its square root; beyond it, its ends' colours. Uses all threads. Without errors in the context, a point's is the
 // difference of its distance from the sensor's origin and `range_true`; where beams start off that origin, or points
 // are moved into the frame of the turn's start, that offset is in it.
 Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const ColorContext& context);

@@ -261,7 +261,7 @@ TEST(Pcd, RealRecordingIsReadAsPclReadsIt) {
   EXPECT_TRUE(scan.organised);
   EXPECT_EQ(scan.rings, 128u);
   EXPECT_EQ(scan.columns, 1024u);
-  EXPECT_EQ(columnNames(scan), (std::vector<std::string>{"x", "y", "z", "ring", "column"}));
+  EXPECT_EQ(columnNames(scan), (std::vector<std::string>{"x", "y", "z", "intensity", "ring", "column"}));
   pcl::PCLPointCloud2 cloud;
   ASSERT_EQ(pcl::PCDReader().read(file, cloud), 0);
   const std::vector<float> x = fieldOf<float>(cloud, "x");
@@ -270,7 +270,21 @@ TEST(Pcd, RealRecordingIsReadAsPclReadsIt) {
   expectSameBits(ours, x, "x");
   EXPECT_EQ(scan.ring, fieldOf<std::uint16_t>(cloud, "ring"));
   EXPECT_EQ(scan.column, fieldOf<std::uint16_t>(cloud, "column"));
+  const std::vector<std::uint8_t> reflectivity = fieldOf<std::uint8_t>(cloud, "reflectivity");
+  EXPECT_TRUE(std::equal(scan.intensity.begin(), scan.intensity.end(), reflectivity.begin(), reflectivity.end()));
   for (const char* encoding : kEncodings) expectSame(decoded(pcd(encoding)->encode(scan)), scan);
+}
+
+// As Ouster's recordings have it.
+TEST(Pcd, ReflectivityStandsForAnAbsentIntensity) {
+  const auto text = [](const std::string& fields) {
+    return "VERSION 0.7\nFIELDS x y z " + fields +
+           "\nSIZE 4 4 4 1 1\nTYPE F F F U U\nCOUNT 1 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
+           "POINTS 2\nDATA ascii\n1 2 3 7 9\n4 5 6 8 250\n";
+  };
+  EXPECT_EQ(decoded(text("ring reflectivity")).intensity, (std::vector<float>{9, 250}));
+  EXPECT_EQ(decoded(text("intensity reflectivity")).intensity, (std::vector<float>{7, 8}));
+  EXPECT_EQ(decoded(text("reflectivity intensity")).intensity, (std::vector<float>{9, 250}));
 }
 
 }  // namespace

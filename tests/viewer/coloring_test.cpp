@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
 #include "viewer/color_map.h"
@@ -189,7 +191,7 @@ TEST(ColorScan, ErrorsAreThoseGiven) {
   EXPECT_EQ(c.legend.low, 0) << "not the least, which is 1.001";
   EXPECT_NEAR(c.legend.high, 1.99, 2e-3);
   EXPECT_EQ(c.colors[0], kNoValue);
-  EXPECT_EQ(c.colors[1], viridis(1.001 / c.legend.high));
+  EXPECT_EQ(c.colors[1], viridis(std::sqrt(1.001 / c.legend.high)));
   EXPECT_EQ(c.colors[1000], viridis(1));
   EXPECT_EQ(colorScan(scan, ColorBy::Error, {.error = error}).legend.title, "error (m)");
   error.pop_back();
@@ -235,6 +237,25 @@ TEST(ColorScan, DefaultIsTheBestThatTheScanHas) {
   EXPECT_EQ(colorScan(scan, {}, nullptr).legend.title, "intensity");
   scan.label = {1, 2};
   EXPECT_EQ(colorScan(scan, {}, nullptr).legend.title, "class");
+}
+
+TEST(Coloring, MillionsOfPointsGiveTheSameScaleAndColoursWithAnyNumberOfThreads) {
+  Scan scan;
+  constexpr std::size_t kPoints = 2'500'000;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    scan.position.push_back({static_cast<float>(i * 7919 % kPoints) * 4e-5f, 0, 0});  // 0 to 100 m, evenly
+    scan.instance.push_back(static_cast<std::uint32_t>(i / 1000 % 3));
+  }
+  const Coloring all = colorScan(scan, ColorBy::Range, nullptr);
+  EXPECT_NEAR(all.legend.low, 1, 0.05);
+  EXPECT_NEAR(all.legend.high, 99, 0.05);
+  const ThreadLimit one(1);
+  EXPECT_EQ(colorScan(scan, ColorBy::Range, nullptr).colors, all.colors);
+  const Coloring byInstance = colorScan(scan, ColorBy::Instance, nullptr);
+  for (std::size_t i = 0; i < kPoints; i += 997) {
+    ASSERT_EQ(byInstance.colors[i], instanceColor(scan.instance[i]));
+  }
+  EXPECT_EQ(byInstance.legend.entries.at(0).points + byInstance.legend.entries.at(1).points, kPoints);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #pragma once
 
-// A window or an image on which points, triangles and lines are drawn, by VTK (viewer/canvas/canvas_module.h). Metres in
-// the canvas's own frame; pixels from the upper left corner. A canvas is used by the thread that opened it.
+// A window or an image on which points, triangles and lines are drawn, by VTK (viewer/canvas/canvas_module.h). Metres
+// in the canvas's own frame; pixels from the upper left corner. A canvas is used by the thread that opened it.
 
 #include <array>
 #include <cstdint>
@@ -37,8 +37,8 @@ struct PixelRect {
   bool operator==(const PixelRect&) const = default;
 };
 
-// The camera looks through the middle of the rectangle (its centerX and centerY are half the rectangle's sides). What it
-// sees up to `farthest` (m, along its line of sight) is drawn.
+// The camera looks through the middle of the rectangle (its centerX and centerY are half the rectangle's sides). What
+// it sees up to `farthest` (m, along its line of sight) is drawn.
 struct CanvasView {
   PixelRect rect;
   ViewCamera camera;
@@ -49,10 +49,10 @@ struct CanvasView {
 
 struct ItemLook {
   Affine canvasFromItem;
-  double size = 1;              // px
-  double opacity = 1;           // 0 to 1
-  std::uint32_t views = 1;      // bit k: drawn in view k
-  bool lit = true;              // triangles
+  double size = 1;          // px
+  double opacity = 1;       // 0 to 1
+  std::uint32_t views = 1;  // bit k: drawn in view k
+  bool lit = true;          // triangles
 };
 
 struct CanvasEvent {
@@ -90,7 +90,7 @@ class Canvas {
   virtual void drop(ItemId item) = 0;
   virtual void setOverlay(int width, int height, std::span<const Rgba> pixels) = 0;  // 0 x 0: none
   virtual void render(std::uint64_t mostPoints = 0) = 0;                             // 0: all
-  virtual Image read() = 0;  // what was last drawn
+  virtual Image read() = 0;                                                          // what was last drawn
   // Of a window: until `handle` returns false or the window is closed. What `handle` throws ends it and is thrown on.
   virtual void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handle) = 0;
 };

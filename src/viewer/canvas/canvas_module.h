@@ -3,9 +3,9 @@
 // What the program and libscanmill_viewer.so have in common, and all of it. Plain structs and functions that do not
 // throw: each side frees what it allocated, and errors travel as text.
 //
-// A canvas is a window, or an image without one, on which points, triangles and lines are drawn by VTK. It knows nothing
-// of scans. Everything is metres in one frame, the canvas's own (float32 near its origin); an item may stand in it at a
-// pose of its own. Colours are sRGB, 8 bit. Pixels count from the upper left corner.
+// A canvas is a window, or an image without one, on which points, triangles and lines are drawn by VTK. It knows
+// nothing of scans. Everything is metres in one frame, the canvas's own (float32 near its origin); an item may stand in
+// it at a pose of its own. Colours are sRGB, 8 bit. Pixels count from the upper left corner.
 //
 // All calls of a canvas come from the thread that opened it; of windows there is one at a time.
 
@@ -75,24 +75,24 @@ struct ScanmillCanvasLook {
 };
 
 enum ScanmillCanvasEventKind : std::uint32_t {
-  kScanmillCanvasKey,      // pressed, also by auto-repeat
-  kScanmillCanvasMove,     // the pointer moved
-  kScanmillCanvasDown,     // a button went down
+  kScanmillCanvasKey,   // pressed, also by auto-repeat
+  kScanmillCanvasMove,  // the pointer moved
+  kScanmillCanvasDown,  // a button went down
   kScanmillCanvasUp,
-  kScanmillCanvasWheel,    // `amount` steps, away from the person positive
-  kScanmillCanvasResize,   // width and height are new; also when the window first stands
-  kScanmillCanvasExpose,   // the window wants to be drawn again
-  kScanmillCanvasTick,     // so many milliseconds have passed
-  kScanmillCanvasClose,    // the window is closed by its frame: the last event
+  kScanmillCanvasWheel,   // `amount` steps, away from the person positive
+  kScanmillCanvasResize,  // width and height are new; also when the window first stands
+  kScanmillCanvasExpose,  // the window wants to be drawn again
+  kScanmillCanvasTick,    // so many milliseconds have passed
+  kScanmillCanvasClose,   // the window is closed by its frame: the last event
 };
 
 struct ScanmillCanvasEvent {
   ScanmillCanvasEventKind kind;
-  char key[32];            // X's name of the key's symbol: "a", "A", "Left", "Return", "BackSpace", "slash", "F1"
-  char text[8];            // what it types, UTF-8; empty for keys that type nothing
-  std::int32_t x, y;       // px, of the pointer; may lie outside while a button is down
-  std::uint32_t button;    // 1 left, 2 middle, 3 right
-  std::uint32_t clicks;    // 2 for the second press of a double click
+  char key[32];          // X's name of the key's symbol: "a", "A", "Left", "Return", "BackSpace", "slash", "F1"
+  char text[8];          // what it types, UTF-8; empty for keys that type nothing
+  std::int32_t x, y;     // px, of the pointer; may lie outside while a button is down
+  std::uint32_t button;  // 1 left, 2 middle, 3 right
+  std::uint32_t clicks;  // 2 for the second press of a double click
   std::uint32_t shift, control;
   double amount;
   std::uint32_t width, height;  // px, of the canvas
@@ -129,8 +129,8 @@ struct ScanmillCanvasModule {
   ScanmillCanvasStatus (*look)(ScanmillCanvas* canvas, std::uint32_t item, const ScanmillCanvasLook* look,
                                ScanmillCanvasText* error);
   void (*drop)(ScanmillCanvas* canvas, std::uint32_t item);  // nothing where there is no such item
-  // An image over the whole canvas, above everything: rgba, alpha not premultiplied, the upper row first, kept until the
-  // next. It is not stretched: what it has too much is cut off on the right and at the bottom. Null: none.
+  // An image over the whole canvas, above everything: rgba, alpha not premultiplied, the upper row first, kept until
+  // the next. It is not stretched: what it has too much is cut off on the right and at the bottom. Null: none.
   ScanmillCanvasStatus (*overlay)(ScanmillCanvas* canvas, std::uint32_t width, std::uint32_t height,
                                   const std::uint8_t* rgba, ScanmillCanvasText* error);
   // Draws. `mostPoints`: of every item of points only so many, spread over it, for speed while something moves; 0: all.

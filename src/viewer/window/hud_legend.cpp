@@ -193,7 +193,7 @@ void drawEntries(HudPaint& paint, const HudPane& pane, std::size_t number, const
     drawSwatch(paint, {static_cast<int>(x), static_cast<int>(std::lround(y - 0.5 * cell)), size, size}, row, cell);
     const double nameLeft = (kSwatch + 4) * cell;
     const double nameRoom = table->columnWidth - nameLeft;
-    const bool counted = nameRoom - countWidth > kLeastColumn * cell;
+    const bool counted = nameRoom - countWidth > std::min(kLeastColumn * cell, textWidth(row.name, cell));
     paint.text(x + nameLeft, y, fittedText(row.name, counted ? nameRoom - countWidth : nameRoom, cell), color, cell);
     if (counted) {
       paint.text(x + table->columnWidth - textWidth(row.count, cell), y, row.count,

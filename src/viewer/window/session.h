@@ -33,6 +33,7 @@ struct ViewOptions {
   double pointSize = 0;  // px; 0: what suits the canvas
   Rgb background{13, 15, 20};
   bool depthEdges = true;
+  bool legends = true;
   bool mesh = false;  // of the scene, faintly
   bool axes = true;   // of the sensors
   bool rangeRings = false;

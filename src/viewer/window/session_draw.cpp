@@ -100,6 +100,9 @@ void ViewSession::State::refresh() {
     }
     pane.clickable = true;
   }
+  if (!options.legends) {
+    for (HudPane& pane : hudState.panes) pane = {pane.caption, {}, {}, false};
+  }
   hudState.frames = source->keys().size();
   hudState.frame = hudState.frames > 1 ? std::optional(wanted) : std::nullopt;
   hudState.key = hudState.frames > 0 ? source->keys()[wanted] : "";

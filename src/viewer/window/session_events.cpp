@@ -152,6 +152,10 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       options.depthEdges = !options.depthEdges;
       viewsChanged = hudChanged = true;
       return say(options.depthEdges ? "depth edges on" : "depth edges off");
+    case KeyAction::ToggleLegends:
+      options.legends = !options.legends;
+      hudChanged = viewsChanged = true;
+      return say(options.legends ? "legends on" : "legends off");
     case KeyAction::ToggleProjection: {
       OrbitCamera other = camera;
       other.orthographic = !other.orthographic;

@@ -65,7 +65,7 @@ void ViewSession::State::pressRegion(const HudRegion& region, const CanvasEvent&
       }
       return;
     case HudPart::Help:
-      help = false;
+      help = !help;
       hudChanged = true;
       return;
     case HudPart::Problem:  // read; those of the frame stay

@@ -20,6 +20,7 @@ enum class KeyAction {
   ToggleMesh,
   ToggleTrajectory,
   ToggleDepthEdges,
+  ToggleLegends,
   ToggleProjection,
   ChaseView,
   DriverView,
