@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "tests/commands/program.h"
+#include "viewer/window/session.h"
 
 namespace scanmill {
 namespace {
@@ -225,6 +226,13 @@ TEST_F(View, HelpNamesOptionsAndKeys) {
   EXPECT_EQ(o.code, 0);
   EXPECT_THAT(o.out, AllOf(HasSubstr("--screenshot"), HasSubstr("--turntable"), HasSubstr("--pick"),
                            HasSubstr("Page_Down"), HasSubstr("colour by the next")));
+}
+
+TEST(ViewPage, ListsEveryKey) {
+  const std::string page = readFile(SCANMILL_SOURCE_DIR "/docs/view.md");
+  for (const auto& [key, what] : viewKeys()) {
+    EXPECT_THAT(page, HasSubstr("| " + key + " | " + what + " |\n"));
+  }
 }
 
 }  // namespace
