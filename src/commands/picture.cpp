@@ -92,7 +92,8 @@ int runPicture(const std::vector<std::string>& arguments) {
       "R")("zoom", "factor on the size of everything", cxxopts::value<double>()->default_value("1"), "F")(
       "point-size", "factor on the size of the points", cxxopts::value<double>()->default_value("1"), "N")(
       "flat", "no darkening of depth edges")("range-image",
-                                             "rings x columns, as the sensor orders them, instead of a view")(
+                                             "rings x columns instead of a view: straight ahead in the middle, left on the left, the rings shifted by their "
+      "azimuth offsets")("sensor-order", "of a range image: columns as the sensor orders them, nothing shifted")(
       "over", "a further scan to draw over it, found like the first; each gets a colour (may be repeated)",
       cxxopts::value<std::vector<std::string>>(),
       "DATASET|SHARD|SCAN")("ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)",
@@ -143,7 +144,8 @@ int runPicture(const std::vector<std::string>& arguments) {
   try {
     image = parsed.options.count("over") > 0 ? drawOver(source, parsed, file, picture)
             : parsed.options.count("range-image") > 0
-                ? drawRangeImage(source.scan, ontology, picture.colorBy, source.title)
+                ? drawRangeImage(source.scan, ontology, picture.colorBy, source.title,
+                                 hasOption(parsed, "sensor-order") ? StripOrder::Sensor : StripOrder::Outward)
                 : drawPicture(source.scan, ontology, picture, source.title);
   } catch (const InputError& e) {
     throw InputError({file.string()}, e.what());

@@ -84,7 +84,14 @@ int runReport(const std::vector<std::string>& arguments) {
   writeFile(file, page);
   if (!reportOptions.quiet) {
     for (const DatasetWarning& w : report.warnings) {
-      warn(w.text + (w.places.empty() ? "" : " (" + w.places.front() + (w.places.size() > 1 ? ", ...)" : ")")));
+      const std::string first =
+          w.places.empty() ? "" : " (" + w.places.front() + (w.places.size() > 1 ? ", ...)" : ")");
+      const std::string text = w.text + first + (w.command.empty() ? "" : "\n  " + w.command);
+      if (w.note) {
+        fmt::print(stderr, "note: {}\n", text);
+      } else {
+        warn(text);
+      }
     }
   }
   fmt::print("{}: {}; open it in a browser\n", file.string(), shortBytes(static_cast<double>(page.size())));

@@ -1,13 +1,17 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "commands/arguments.h"
 #include "commands/picture_options.h"
+#include "dataset/recording.h"
+#include "viewer/frames/image_list.h"
 #include "viewer/picture.h"
 #include "viewer/window/image_session.h"
 #include "viewer/window/session.h"
@@ -62,6 +66,29 @@ std::pair<int, int> readPixel(const std::string& text, const PictureSize& size) 
                   size.width, size.height, text));
 }
 
+std::uint32_t readInstance(const std::string& text) {
+  std::uint32_t id = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, id);
+  if (read.ec == std::errc() && read.ptr == end && id != 0) return id;
+  throw InputError(fmt::format("--instance is the number of an instance, from 1 on, such as 4711, not '{}'", text));
+}
+
+ScaleRange readScale(const std::string& text) {
+  ScaleRange scale;
+  const char* const end = text.data() + text.size();
+  const auto low = std::from_chars(text.data(), end, scale.low);
+  if (low.ec == std::errc() && low.ptr != end && *low.ptr == ',') {
+    const auto high = std::from_chars(low.ptr + 1, end, scale.high);
+    const bool whole = high.ec == std::errc() && high.ptr == end;
+    if (whole && std::isfinite(scale.low) && std::isfinite(scale.high) && scale.low < scale.high) return scale;
+  }
+  throw InputError(
+      fmt::format("--scale is LOW,HIGH: the values of the first and the last colour, such as 0,0.05, "
+                  "not '{}'",
+                  text));
+}
+
 Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
   Outputs outputs;
   if (hasOption(parsed, "screenshot")) {
@@ -83,7 +110,7 @@ Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
   return outputs;
 }
 
-ViewOptions readViewOptions(const Arguments& parsed) {
+ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   ViewOptions view;
   for (const std::string& word : listOption(parsed, "color")) {
     view.colors.push_back(static_cast<ColorBy>(wordAmong(word, "color", kColorNames)));
@@ -99,6 +126,21 @@ ViewOptions readViewOptions(const Arguments& parsed) {
   if (view.colors.size() > 1 && view.layout != ViewLayout::Split) {
     throw InputError("--color was given more than once: only --layout split has several views");
   }
+  if (!view.colors.empty() && view.layout == ViewLayout::Overlay) {
+    throw InputError(
+        "--color: an overlay shows each scan in a colour of its own; add --layout split or --layout one, "
+        "or leave out --color");
+  }
+  if (hasOption(parsed, "scale")) {
+    view.scale = readScale(textOption(parsed, "scale"));
+    const auto numeric = std::count_if(view.colors.begin(), view.colors.end(), isNumeric);
+    if (numeric != 1) {
+      throw InputError(
+          fmt::format("--scale belongs to the one --color that shows numbers (intensity, range, ring, "
+                      "time, height, incidence, error); {}",
+                      numeric == 0 ? "name that" : "more of them have different scales"));
+    }
+  }
   if (hasOption(parsed, "camera")) view.camera = parseCamera(textOption(parsed, "camera"));
   if (hasOption(parsed, "point-size")) view.pointSize = numberWithin(parsed, "point-size", 0.5, 50);
   view.background = readBackground(parsed.options["background"].as<std::string>());
@@ -106,12 +148,15 @@ ViewOptions readViewOptions(const Arguments& parsed) {
   view.depthEdges = !hasOption(parsed, "flat");
   view.mesh = hasOption(parsed, "mesh");
   view.rangeRings = hasOption(parsed, "rings");
-  view.rangeImage = hasOption(parsed, "range-image");
+  view.rangeImage = hasOption(parsed, "range-image") || hasOption(parsed, "sensor-order");
+  if (hasOption(parsed, "sensor-order")) view.stripOrder = StripOrder::Sensor;
+  view.still = !window;
   view.bare = hasOption(parsed, "bare");
   if (view.bare) view.axes = view.trajectory = false;
   if (hasOption(parsed, "hide") && hasOption(parsed, "only")) throw InputError("--hide and --only exclude each other");
   view.only = hasOption(parsed, "only");
   view.hidden = listOption(parsed, view.only ? "only" : "hide");
+  for (const std::string& text : listOption(parsed, "instance")) view.instances.push_back(readInstance(text));
   return view;
 }
 
@@ -141,16 +186,11 @@ void printRows(const std::string& heading, const std::vector<std::pair<std::stri
 
 std::unique_ptr<Canvas> openCanvas(const std::filesystem::path& file, const PictureSize& size, bool window) {
   if (!window) return openOffscreen(size.width, size.height);
-  try {
-    return openWindow(fmt::format("scanmill view {}", file.string()), size.width, size.height);
-  } catch (const NoDisplay& e) {
-    throw Error(fmt::format("{}\nwithout a display: scanmill view {} --screenshot FILE.png", e.what(), file.string()));
-  }
+  return openWindow(fmt::format("scanmill view {}", file.string()), size.width, size.height);
 }
 
 // Like a click of the left button.
-template <class Session>
-void clickAt(Session& session, const std::pair<int, int>& pixel) {
+void clickAt(ImageSession& session, const std::pair<int, int>& pixel) {
   CanvasEvent event;
   event.x = pixel.first;
   event.y = pixel.second;
@@ -168,33 +208,36 @@ void writePicture(const std::filesystem::path& file, const Image& image, const s
   fmt::print("{}: {} x {}, {}\n", file.string(), image.width, image.height, what);
 }
 
-void viewImage(const std::filesystem::path& file, const Arguments& parsed, const PictureSize& size,
-               const Outputs& outputs) {
-  for (const char* option : {"sample", "sensor", "over", "twin", "scene", "color", "layout", "camera", "hide", "only",
-                             "mesh", "rings", "range-image", "turntable"}) {
+// An EXR image, or the folder of a recording.
+void viewImages(const std::filesystem::path& path, const Arguments& parsed, const PictureSize& size,
+                const Outputs& outputs) {
+  for (const char* option : {"sensor", "over", "twin", "scene", "color", "scale", "layout", "camera", "hide", "only",
+                             "instance", "mesh", "rings", "range-image", "turntable"}) {
     if (hasOption(parsed, option)) {
-      throw InputError({file.string()},
-                       fmt::format("is an image: --{} is for scans; --plane chooses what is shown", option));
+      throw InputError({path.string()},
+                       fmt::format("is shown as images: --{} is for scans; --plane chooses what is shown", option));
     }
   }
-  const std::optional<Ontology> classes = ontologyOfExr(file, parsed);
-  const std::unique_ptr<Canvas> canvas = openCanvas(file, size, outputs.window());
-  ImageSession session(file, classes ? &*classes : nullptr, *canvas, textOption(parsed, "plane"),
-                       hasOption(parsed, "bare"));
+  std::optional<Ontology> classes;
+  if (const auto given = textOption(parsed, "ontology"); !given.empty()) classes = readOntology(given);
+  ImageList images = openImages(path, textOption(parsed, "sample"), std::move(classes));
+  const std::unique_ptr<Canvas> canvas = openCanvas(path, size, outputs.window());
+  ImageSession session(std::move(images), *canvas, textOption(parsed, "plane"), hasOption(parsed, "bare"),
+                       !outputs.window());
   if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });
   session.settle();
   if (outputs.pick) {
     clickAt(session, *outputs.pick);
     const auto rows = session.pick(outputs.pick->first, outputs.pick->second);
     if (rows) {
-      printRows(file.filename().string(), *rows);
+      printRows(session.name(), *rows);
     } else {
       fmt::print("nothing lies at {},{}\n", outputs.pick->first, outputs.pick->second);
     }
   }
   if (outputs.screenshot.empty()) return;
   session.settle();
-  writePicture(outputs.screenshot, session.picture(), file.filename().string());
+  writePicture(outputs.screenshot, session.picture(), session.name());
 }
 
 void makeTurntable(ViewSession& session, const Outputs& outputs) {
@@ -218,11 +261,12 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
   session.settle();
   session.check();
   for (const std::string& problem : session.problems()) warn(problem);
+  for (const std::string& text : session.hints()) warn(text);
   if (outputs.pick) {
     const auto& [x, y] = *outputs.pick;
     if (const auto thing = session.pick(x, y)) {
       printRows(thing->heading, thing->rows);
-      clickAt(session, *outputs.pick);
+      session.pin(*thing);
     } else {
       fmt::print("nothing lies at {},{}\n", x, y);
     }
@@ -245,16 +289,20 @@ std::string keyHelp() {
 void addOptions(cxxopts::Options& options) {
   const auto text = [] { return cxxopts::value<std::string>(); };
   const auto list = [] { return cxxopts::value<std::vector<std::string>>(); };
-  options.add_options()("sample", "key or index of a sample; the middle one where not given", text(), "KEY")(
-      "sensor", "only this sensor's scans", text(), "NAME")(
+  options.add_options()(
+      "sample",
+      "key, or index from 0, of a sample, the middle one where not given; a part of the name of a recording's image",
+      text(), "KEY")("sensor", "only this sensor's scans", text(), "NAME")(
       "over", "further scans to lay over those: samples are joined by their keys (may be repeated)", list(),
       "DATASET|SHARD|SCAN")("twin", "the noise-free twin, for --color error", text(), "DATASET|SHARD|SCAN")(
       "scene", "the scene that was scanned, in place of the one that the dataset names", text(), "FILE")(
       "ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)", text(), "FILE")(
       "color",
       fmt::format("{}; the first that the scan has where not given; once per view", fmt::join(kColorNames, ", ")),
-      list(), "WHAT")("layout", fmt::format("{}: how the scans of a sample are shown", fmt::join(kLayoutNames, ", ")),
-                      text(), "NAME")(
+      list(),
+      "WHAT")("scale", "first and last value of the colours that show numbers; follows from the values where not given",
+              text(), "LOW,HIGH")(
+      "layout", fmt::format("{}: how the scans of a sample are shown", fmt::join(kLayoutNames, ", ")), text(), "NAME")(
       "camera",
       fmt::format("{}, or YAW,PITCH,DISTANCE[,X,Y,Z] in deg and m, such as 30,20,25", fmt::join(kViewNames, ", ")),
       text(), "WHERE")("plane", "of an EXR image: the first where not given", text(), "NAME")(
@@ -262,8 +310,10 @@ void addOptions(cxxopts::Options& options) {
       "point-size", "of the points, in pixels", cxxopts::value<double>(), "PX")(
       "background", "dark, grey, white, or R,G,B", text()->default_value("dark"), "COLOR")(
       "hide", "a class that is not shown: name or id (may be repeated)", list(), "CLASS")(
-      "only", "a class that alone is shown (may be repeated)", list(), "CLASS")("mesh", "the scene, faintly")(
-      "rings", "range rings")("range-image", "also as rings x columns")("flat", "no darkening of depth edges")(
+      "only", "a class that alone is shown (may be repeated)", list(), "CLASS")(
+      "instance", "an instance that alone is shown (may be repeated)", list(), "ID")("mesh", "the scene, faintly")(
+      "rings", "range rings")("range-image", "also as rings x columns, looking outward")(
+      "sensor-order", "the range image as the sensor orders it")("flat", "no darkening of depth edges")(
       "bare", "the points alone: no panels, axes or trajectory")(
       "screenshot", "a picture in place of the window; needs no display", text(), "FILE.png")(
       "turntable", "pictures from all around in place of the window; needs no display", text(), "DIR")(
@@ -283,12 +333,15 @@ int runView(const std::vector<std::string>& arguments) {
                      "  scanmill view out/quickstart\n"
                      "  scanmill view out/quickstart --sample 12 --color intensity --camera above\n"
                      "  scanmill view out/noisy --twin out/clean --color error\n"
+                     "  scanmill view out/noisy --twin out/clean --color error --scale 0,0.05\n"
                      "  scanmill view out/ray_tracing --over out/depth_camera --over out/particle\n"
                      "  scanmill view out/quickstart --color class --color range --mesh\n"
                      "  scanmill view out/quickstart --screenshot street.png --size 1920x1080 --hide road\n"
                      "  scanmill view out/quickstart --pick 800,450\n"
+                     "  scanmill view out/quickstart --instance 4711 --color intensity\n"
                      "  scanmill view scan.pcd --turntable out/turntable --frames 36\n"
                      "  scanmill view out/passes/street-s1-lane-000010.top.0.front.exr\n"
+                     "  scanmill view out/passes --sample 000010 --plane semantic\n"
                      "  scanmill view scenes/street.yaml\n" +
                          keyHelp());
   if (parsed.help) return 0;
@@ -299,10 +352,9 @@ int runView(const std::vector<std::string>& arguments) {
                            : offscreen               ? PictureSize{1600, 900}
                                                      : PictureSize{1280, 800};
   const Outputs outputs = readOutputs(parsed, size);
-  const ViewOptions view = readViewOptions(parsed);
-  refuseRecording(input.path);
-  if (isExr(input.path)) {
-    viewImage(input.path, parsed, size, outputs);
+  const ViewOptions view = readViewOptions(parsed, outputs.window());
+  if (isExr(input.path) || recordingIn(input.path)) {
+    viewImages(input.path, parsed, size, outputs);
     return 0;
   }
   if (hasOption(parsed, "plane")) {

@@ -36,9 +36,14 @@ std::string reasonOf(int error) {
 
 }  // namespace
 
-ShardIndex::ShardIndex(std::filesystem::path file) : file_(std::move(file)) {
+ShardIndex::ShardIndex(std::filesystem::path file, DamagedShard damaged) : file_(std::move(file)) {
   TarReader tar(file_, kHeaderBytes);
-  while (tar.next()) members_.push_back({tar.name(), tar.offset(), tar.bytes()});
+  try {
+    while (tar.next()) members_.push_back({tar.name(), tar.offset(), tar.bytes()});
+  } catch (const InputError& e) {
+    if (damaged == DamagedShard::Refused || members_.empty()) throw;
+    damage_ = e.what();
+  }
   byName_.reserve(members_.size());
   for (std::size_t i = 0; i < members_.size(); ++i) byName_.emplace(members_[i].name, i);
 }

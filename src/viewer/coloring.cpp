@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 
@@ -17,7 +18,7 @@ namespace {
 void requireColumn(const Scan& scan, bool present, ColorBy colorBy, const char* column) {
   if (present || scan.size() == 0) return;
   throw InputError(
-      fmt::format("the scan has no column '{}', which --color {} needs; it has {} (a dataset's scans have "
+      fmt::format("the scan has no column '{}', which colours by {} need; it has {} (a dataset's scans have "
                   "what `output.columns` of its pipeline names)",
                   column, kColorNames[static_cast<std::size_t>(colorBy)], fmt::join(columnNames(scan), ", ")));
 }
@@ -107,38 +108,46 @@ struct Scale {
   double power = 1;
   std::optional<double> low{};  // ends that are given by what is shown
   std::optional<double> high{};
+  bool integers = false;
 };
 
 constexpr double kClipped = 0.01;
 constexpr std::size_t kMostSorted = 1'000'000;  // values that percentiles are taken from
 constexpr double kFirstReturn = 0.7;            // of the colour map
 
-// `at(i)` is the value of point i.
+// `at(i)` is the value of point i; `given`, the ends of the scale.
 template <class At>
-Coloring byNumber(const Scan& scan, const Scale& scale, const At& at) {
+Coloring byNumber(const Scan& scan, const Scale& scale, const std::optional<ScaleRange>& given, const At& at) {
   Coloring out;
   out.legend.title = scale.title;
   out.legend.scale = true;
   out.legend.power = scale.power;
+  out.legend.integers = scale.integers;
+  out.legend.held = given.has_value();
   std::vector<double> finite;
   const std::size_t step = scale.clipped > 0 ? scan.size() / kMostSorted + 1 : 1;
-  for (std::size_t i = 0; i < scan.size(); i += step) {
+  for (std::size_t i = 0; i < scan.size() && !given; i += step) {
     if (isFinite(scan.position[i]) && std::isfinite(static_cast<double>(at(i)))) finite.push_back(at(i));
   }
-  const auto end = [&](const std::optional<double>& given, double share) {
-    return given ? *given : finite.empty() ? 0 : percentile(finite, share);
+  const auto end = [&](const std::optional<double>& known, double share) {
+    return known ? *known : finite.empty() ? 0 : percentile(finite, share);
   };
-  out.legend.low = end(scale.low, scale.clipped);
-  out.legend.high = end(scale.high, 1 - scale.clipped);
+  out.legend.low = given ? given->low : end(scale.low, scale.clipped);
+  out.legend.high = given ? given->high : end(scale.high, 1 - scale.clipped);
   const double span = out.legend.high - out.legend.low;
   out.colors.resize(scan.size());
+  std::atomic<std::uint64_t> unknown = 0;
   parallelFor(scan.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+    std::uint64_t missing = 0;
     for (std::size_t i = first; i < last; ++i) {
       const double value = at(i);
       const double share = span > 0 ? std::clamp((value - out.legend.low) / span, 0.0, 1.0) : 0.5;
       out.colors[i] = std::isfinite(value) ? viridis(std::pow(share, 1 / scale.power)) : kNoValue;
+      if (!std::isfinite(value) && isFinite(scan.position[i])) ++missing;
     }
+    unknown += missing;
   });
+  out.legend.unknown = unknown;
   return out;
 }
 
@@ -152,15 +161,18 @@ Coloring byError(const Scan& scan, const ColorContext& context) {
     if (context.error.size() != scan.size()) {
       throw Error(fmt::format("{} errors for the {} points of a scan", context.error.size(), scan.size()));
     }
-    return byNumber(scan, scale, [&](std::size_t i) { return context.error[i]; });
+    Coloring out = byNumber(scan, scale, context.scale, [&](std::size_t i) { return context.error[i]; });
+    out.legend.whyUnknown = context.whyNoError;
+    return out;
   }
   if (scan.rangeTrue.empty() && scan.size() > 0) {
     throw InputError(
-        fmt::format("--color error needs something to compare with: name `range_true` in output.columns of the "
-                    "pipeline, or give a twin (--twin DATASET); the scan has {}",
+        fmt::format("colours by error need something to compare with: name `range_true` in output.columns of the "
+                    "pipeline, or give the noise-free twin; the scan has {}",
                     fmt::join(columnNames(scan), ", ")));
   }
-  return byNumber(scan, scale, [&](std::size_t i) { return std::abs(distanceOf(scan, i) - scan.rangeTrue[i]); });
+  return byNumber(scan, scale, context.scale,
+                  [&](std::size_t i) { return std::abs(distanceOf(scan, i) - scan.rangeTrue[i]); });
 }
 
 }  // namespace
@@ -176,22 +188,24 @@ Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Color
       return byInstance(scan);
     case ColorBy::Intensity:
       requireColumn(scan, !scan.intensity.empty(), by, "intensity");
-      return byNumber(scan, {"intensity", kClipped, 2}, [&](std::size_t i) { return scan.intensity[i]; });
+      return byNumber(scan, {"intensity", kClipped, 2}, context.scale,
+                      [&](std::size_t i) { return scan.intensity[i]; });
     case ColorBy::Ring:
       requireColumn(scan, !scan.ring.empty(), by, "ring");
-      return byNumber(scan, {"ring"}, [&](std::size_t i) { return scan.ring[i]; });
+      return byNumber(scan, {.title = "ring", .integers = true}, context.scale,
+                      [&](std::size_t i) { return scan.ring[i]; });
     case ColorBy::Time:
       requireColumn(scan, !scan.time.empty(), by, "time");
-      return byNumber(scan, {"time (ms)"}, [&](std::size_t i) { return scan.time[i] * 1e3; });
+      return byNumber(scan, {"time (ms)"}, context.scale, [&](std::size_t i) { return scan.time[i] * 1e3; });
     case ColorBy::Height:
-      return byNumber(scan, {"height above the sensor (m)", kClipped},
+      return byNumber(scan, {"height above the sensor (m)", kClipped}, context.scale,
                       [&](std::size_t i) { return scan.position[i].z; });
     case ColorBy::Return:
       // The sensors of this program report one return a beam, so scans have no column of its number.
       return inOneColor(scan, "return", "first return (the only one)", viridis(kFirstReturn));
     case ColorBy::Incidence:
       requireColumn(scan, !scan.incidence.empty(), by, "incidence");
-      return byNumber(scan, {"incidence (deg)", 0, 1, 0.0, 90.0},
+      return byNumber(scan, {"incidence (deg)", 0, 1, 0.0, 90.0}, context.scale,
                       [&](std::size_t i) { return degrees(scan.incidence[i]); });
     case ColorBy::Error:
       return byError(scan, context);
@@ -200,7 +214,7 @@ Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Color
     case ColorBy::Range:
       break;
   }
-  return byNumber(scan, {"range (m)", kClipped, 2}, [&](std::size_t i) { return distanceOf(scan, i); });
+  return byNumber(scan, {"range (m)", kClipped, 2}, context.scale, [&](std::size_t i) { return distanceOf(scan, i); });
 }
 
 Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Ontology* ontology) {

@@ -28,6 +28,19 @@ struct LegendEntry {
   std::uint64_t points = 0;  // finite ones of this colour
 };
 
+// The ends of a scale.
+struct ScaleRange {
+  double low = 0;
+  double high = 1;
+  bool operator==(const ScaleRange&) const = default;
+};
+
+// Colours by numbers, which have a scale.
+constexpr bool isNumeric(ColorBy by) {
+  return by == ColorBy::Intensity || by == ColorBy::Range || by == ColorBy::Ring || by == ColorBy::Time ||
+         by == ColorBy::Height || by == ColorBy::Incidence || by == ColorBy::Error;
+}
+
 // Either named colours or a scale from `low` to `high`.
 struct Legend {
   std::string title;  // "range (m)"
@@ -35,7 +48,11 @@ struct Legend {
   bool scale = false;
   double low = 0;
   double high = 0;
-  double power = 1;  // the colour at t of the map stands for low + (high - low) * t^power
+  double power = 1;           // the colour at t of the map stands for low + (high - low) * t^power
+  bool integers = false;      // of a scale: its values are whole numbers
+  bool held = false;          // of a scale: its ends were given, and do not follow from the values
+  std::uint64_t unknown = 0;  // finite points whose value is not known: they have the colour kNoValue
+  std::string whyUnknown{};   // "no partner in the twin"; may be empty
 };
 
 struct Coloring {
@@ -50,6 +67,8 @@ struct ColorContext {
   std::string errorTitle{};        // "distance to the twin (m)"; empty: "error (m)"
   std::string method{};            // that made the scan; empty: not known
   Rgb methodColor = kNoValue;
+  std::string whyNoError{};           // what it means that an error is not known: "no partner in the twin"
+  std::optional<ScaleRange> scale{};  // in place of the ends that follow from the values
 };
 
 // Throws InputError where the scan lacks the column. Without a choice: class, else intensity, else range. The legend

@@ -7,6 +7,7 @@
 
 #include "viewer/color_map.h"
 #include "viewer/font.h"
+#include "viewer/scale_ticks.h"
 
 namespace scanmill {
 
@@ -52,12 +53,12 @@ int legendHeight(const Legend& legend, int width, double cell) {
 }
 
 void drawScale(Image& image, const PictureLayout& layout, const Legend& legend) {
-  constexpr int kTicks = 5;
   const double cell = layout.cell;
   const double top = layout.bottom + kMargin * 0.75 * cell;
   double x = kMargin * cell;
-  drawText(image, x, top + cell, legend.title, kText, cell);
-  x += textWidth(legend.title, cell) + 2 * kMargin * cell;
+  const std::string title = scaleTitle(legend);
+  drawText(image, x, top + cell, title, kText, cell);
+  x += textWidth(title, cell) + 2 * kMargin * cell;
   const int left = static_cast<int>(x);
   const int barHeight = static_cast<int>(9 * cell);
   const int barWidth =
@@ -66,15 +67,22 @@ void drawScale(Image& image, const PictureLayout& layout, const Legend& legend) 
     fillRectangle(image, left + i, static_cast<int>(top), 1, barHeight,
                   viridis(legend.high > legend.low ? static_cast<double>(i) / (barWidth - 1) : 0.5));
   }
-  for (int tick = 0; tick < kTicks; ++tick) {
-    const double share = static_cast<double>(tick) / (kTicks - 1);
+  for (const auto& [share, figure] : scaleTicks(legend)) {
     const double place = left + share * (barWidth - 1);
-    const std::string figure =
-        fmt::format("{:.3g}", legend.low + std::pow(share, legend.power) * (legend.high - legend.low));
     fillRectangle(image, static_cast<int>(place), static_cast<int>(top) + barHeight,
                   std::max(static_cast<int>(cell), 1), static_cast<int>(3 * cell), kText);
     drawText(image, place - textWidth(figure, cell) / 2, top + barHeight + 5 * cell, figure, kText, cell);
   }
+  if (legend.unknown == 0) return;
+  const double right = left + barWidth + 2 * kMargin * cell;
+  const double textLeft = right + (kSwatch + 4) * cell;
+  std::string text = fmt::format("no value: {}", legend.unknown);
+  if (!legend.whyUnknown.empty()) text += fmt::format(" ({})", legend.whyUnknown);
+  text = fitText(text, image.width - textLeft - kMargin * cell, cell);
+  if (text.empty()) return;
+  fillRectangle(image, static_cast<int>(right), static_cast<int>(top + 0.5 * cell), static_cast<int>(kSwatch * cell),
+                static_cast<int>(kSwatch * cell), kNoValue);
+  drawText(image, textLeft, top + cell, text, kText, cell);
 }
 
 void drawEntries(Image& image, const PictureLayout& layout, const Legend& legend) {

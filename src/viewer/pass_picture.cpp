@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -26,6 +27,7 @@ struct Plane {
   std::string note;
   std::function<Rgb(std::size_t)> color;
   std::function<std::string(std::size_t)> value;
+  double most = 0;  // of a scale from 0; 0: there is none
 };
 
 const char* const kNothing = "nothing";
@@ -158,7 +160,8 @@ Plane sharePlane(const char* name, const std::vector<float>& values, const std::
           },
           [&values, &distance](std::size_t i) {
             return std::isfinite(distance[i]) ? fmt::format("{:.3g}", values[i]) : kNothing;
-          }};
+          },
+          most};
 }
 
 // Planes that hits and pass images have in common, but for the distance.
@@ -229,7 +232,82 @@ PassesOrHits readExr(const std::filesystem::path& file) {
 struct ExrContents {
   PassesOrHits image;
   std::optional<Ontology> ontology;
+  std::vector<std::string> materials;
 };
+
+const PassPlanes& planesIn(const PassImage& image) {
+  return image.planes;
+}
+
+const Hits& planesIn(const Hits& hits) {
+  return hits;
+}
+
+const std::vector<float>& distancesOf(const PassPlanes& planes) {
+  return planes.depth;
+}
+
+const std::vector<float>& distancesOf(const Hits& hits) {
+  return hits.range;
+}
+
+std::string materialName(const std::vector<std::string>& materials, std::uint16_t id) {
+  return id < materials.size() ? materials[id] : fmt::format("material {}", id);
+}
+
+// Values with names, where these are known.
+template <class Image>
+void nameMaterials(const Image& image, const std::vector<std::string>& materials, std::vector<Plane>& planes) {
+  if (materials.empty()) return;
+  for (Plane& plane : planes) {
+    if (plane.name != "material") continue;
+    plane.note = "";
+    plane.value = [&image, &materials](std::size_t i) {
+      if (!std::isfinite(distancesOf(image)[i])) return std::string(kNothing);
+      return fmt::format("{} ({})", materialName(materials, image.material[i]), image.material[i]);
+    };
+  }
+}
+
+// Named colours of the ids that are seen, the most frequent first.
+template <class Id, class NameOf, class ColorOf>
+std::vector<LegendEntry> entriesOf(const std::vector<Id>& ids, const std::vector<float>& distance, const NameOf& nameOf,
+                                   const ColorOf& colorOf) {
+  std::map<Id, std::uint64_t> seen;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (std::isfinite(distance[i])) ++seen[ids[i]];
+  }
+  std::vector<LegendEntry> entries;
+  for (const auto& [id, pixels] : seen) entries.push_back({nameOf(id), colorOf(id), std::int64_t{id}, pixels});
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const LegendEntry& a, const LegendEntry& b) { return a.points > b.points; });
+  return entries;
+}
+
+template <class Image>
+Legend legendOf(const Plane& plane, const Image& image, const Ontology* ontology,
+                const std::vector<std::string>& materials) {
+  Legend legend;
+  legend.title = plane.name;
+  const std::vector<float>& distance = distancesOf(image);
+  if (plane.name == "semantic") {
+    legend.entries = entriesOf(
+        image.semantic, distance,
+        [&](std::uint16_t id) {
+          const SemanticClass* known = ontology == nullptr ? nullptr : ontology->find(id);
+          return known == nullptr ? fmt::format("class {}", id) : known->name;
+        },
+        [&](std::uint16_t id) { return classColor(ontology, id); });
+  } else if (plane.name == "material") {
+    legend.entries = entriesOf(
+        image.material, distance, [&](std::uint16_t id) { return materialName(materials, id); },
+        [](std::uint16_t id) { return instanceColor(id + 1u); });
+  } else if (plane.most > 0) {
+    legend.scale = true;
+    legend.high = plane.most;
+  }
+  return legend;
+}
 
 }  // namespace
 
@@ -257,18 +335,23 @@ Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int w
   return drawPasses(std::get<PassImage>(image), ontology, width, title);
 }
 
-std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const Ontology* ontology) {
+std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const Ontology* ontology,
+                                     const std::vector<std::string>& materials) {
   const auto contents = std::make_shared<ExrContents>();
   contents->image = readExr(file);
   if (ontology != nullptr) contents->ontology = *ontology;
+  contents->materials = materials;
   const Ontology* classes = contents->ontology ? &*contents->ontology : nullptr;
-  const auto [planes, size] = std::visit(
+  auto [planes, size] = std::visit(
       [&](const auto& image) { return std::pair(planesOf(image, classes), sizeOf(image)); }, contents->image);
+  std::visit([&](const auto& image) { nameMaterials(planesIn(image), contents->materials, planes); }, contents->image);
   std::vector<PassPlane> out;
   for (const Plane& plane : planes) {
     PassPlane& made =
-        out.emplace_back(PassPlane{plane.name, Image(size.width, size.height, kBackground), {}, plane.note});
+        out.emplace_back(PassPlane{plane.name, Image(size.width, size.height, kBackground), {}, plane.note, {}});
     for (std::size_t i = 0; i < made.image.pixels.size(); ++i) made.image.pixels[i] = plane.color(i);
+    std::visit([&](const auto& image) { made.legend = legendOf(plane, planesIn(image), classes, contents->materials); },
+               contents->image);
     made.value = [contents, plane, from = size](int column, int row) {
       if (column < 0 || row < 0 || column >= from.width || row >= from.height) return std::string();
       const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(from.width);

@@ -10,6 +10,7 @@
 #include "passes/pass_image.h"
 #include "scan/hits.h"
 #include "scene/ontology.h"
+#include "viewer/coloring.h"
 #include "viewer/image.h"
 
 namespace scanmill {
@@ -30,9 +31,12 @@ struct PassPlane {
   Image image;                                            // a pixel per pixel of the file, in the colours of drawExr()
   std::function<std::string(int column, int row)> value;  // "depth: 12.34 m", "semantic: car (6)"; empty outside
   std::string note;                                       // what the colours span; may be empty
+  Legend legend;                                          // of classes, materials and shares; else empty
 };
 
-// All planes of what drawExr() draws; their values stay readable without the file. Throws InputError as that does.
-std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const Ontology* ontology);
+// All planes of what drawExr() draws; their values stay readable without the file. `materials`: names by index; those
+// that are missing are numbers. Throws InputError as that does.
+std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const Ontology* ontology,
+                                     const std::vector<std::string>& materials = {});
 
 }  // namespace scanmill

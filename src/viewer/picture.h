@@ -12,6 +12,7 @@
 #include "viewer/image.h"
 #include "viewer/splats.h"
 #include "viewer/view_camera.h"
+#include "viewer/window/range_strip.h"
 
 namespace scanmill {
 
@@ -45,11 +46,10 @@ struct NamedScan {
 Rgb overlayColor(std::size_t scan);  // counted from 0
 Image drawOverlay(const std::vector<NamedScan>& scans, const PictureOptions& options, const std::string& title);
 
-// The scan as the sensor orders it: a row per ring, the highest beams on top, and a column per column, the first on
-// the left. Pixels are enlarged in whole steps until the image is readable. A head whose rings look past one another
-// (azimuth offsets) gives ragged upright edges: nothing is shifted. Of two points on a pixel the nearer wins.
+// The scan as its beams look: a row per ring, the highest beams on top, and a pixel per beam, see makeRangeStrip().
+// Pixels are enlarged in whole steps until the image is readable. Of two points on a pixel the nearer wins.
 // Throws InputError where the scan is not organised and lacks ring or column, or is too large for a picture.
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, std::optional<ColorBy> colorBy,
-                     const std::string& title);
+                     const std::string& title, StripOrder order = StripOrder::Sensor);
 
 }  // namespace scanmill

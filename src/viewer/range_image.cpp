@@ -27,11 +27,11 @@ int wholeSteps(double wanted, int size) {
 }  // namespace
 
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, std::optional<ColorBy> colorBy,
-                     const std::string& title) {
+                     const std::string& title, StripOrder order) {
   constexpr double kReadableWidth = 1600;
   constexpr double kReadableShare = 1.0 / 7;  // height over width
   const Coloring coloring = colorScan(scan, colorBy, ontology);
-  const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {});
+  const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {}, order);
   const int rings = strip.image.height;
   const int columns = strip.image.width;
   const int stepX = wholeSteps(kReadableWidth, columns);
@@ -40,7 +40,7 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, std::optional<C
   const PictureLayout layout = layoutAround(body.width, body.height, coloring.legend);
   Image image(layout.width, layout.height, kBackground);
   paste(image, body, 0, layout.top);
-  drawTitle(image, layout, fmt::format("{}, {} rings x {} columns", title, rings, columns),
+  drawTitle(image, layout, fmt::format("{}, {}", title, describeStrip(strip, order)),
             fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top", coloring.legend.title));
   drawLegend(image, layout, coloring.legend);
   const bool empty =

@@ -1,12 +1,16 @@
 // `scanmill report`.
 
+#include <fmt/core.h>
+
 #include <chrono>
 #include <csignal>
 #include <sstream>
 #include <thread>
 
 #include "base/file.h"
+#include "study/dataset/dataset_report.h"
 #include "tests/commands/program.h"
+#include "tests/support/mislabelled.h"
 
 namespace scanmill {
 namespace {
@@ -31,7 +35,7 @@ TEST_F(ReportCommand, WritesOnePageAndSaysWhere) {
   const Outcome o = scanmill({"report", at("small"), "-o", at("pages/a.html")});
   EXPECT_EQ(o.code, 0) << o.error;
   EXPECT_THAT(o.out, HasSubstr(at("pages/a.html")));
-  EXPECT_THAT(o.error, AllOf(HasSubstr("4/4 scans"), HasSubstr("warning: No points of")));
+  EXPECT_THAT(o.error, AllOf(HasSubstr("4/4 scans"), HasSubstr("note: No points of")));
   EXPECT_EQ(filesEndingIn("", at("pages")).size(), 1u);
   const std::string page = readFile(at("pages/a.html"));
   EXPECT_TRUE(has(page, "<h1>Dataset small</h1>") && has(page, "scene-s1-drive") && has(page, "name: small"));
@@ -104,6 +108,46 @@ TEST_F(ReportCommand, DamageIsAWarningUntilNothingIsLeft) {
   EXPECT_EQ(none.code, 1);
   EXPECT_THAT(none.error, HasSubstr("none of its scans can be read"));
   EXPECT_FALSE(std::filesystem::exists(at("none.html")));
+}
+
+// Somebody takes a car for a building, and another for a bush, in every scan of the quickstart's second street.
+TEST_F(ReportCommand, FindsAThingWithTheWrongClass) {
+  const std::string street = at("street");
+  const Outcome made = scanmill({"generate", SCANMILL_SOURCE_DIR "/pipelines/quickstart.yaml", "-o", street, "-q",
+                                 "--set", "scenes.0.seeds=[2]", "--set", "splits=null", "--set",
+                                 "trajectories.0.frames=5", "--set", "trajectories.0.every_m=24", "--set",
+                                 "output.formats=[{pcd: {encoding: "
+                                 "binary}}]"});
+  ASSERT_EQ(made.code, 0) << made.error;
+  DatasetReportOptions options;
+  options.quiet = true;
+  options.samples = 0;
+  const DatasetReport sound = examineDataset(street, options);
+  for (const DatasetWarning& w : sound.warnings) EXPECT_TRUE(w.command.empty()) << w.text;
+  constexpr std::uint16_t kCar = 20, kBuilding = 6, kVegetation = 10;
+  const ThingSummary* car = nullptr;
+  for (const ThingSummary& t : sound.summary.things) {
+    const bool van = t.size && (t.size->height > 1.6 || t.size->length > 5);
+    if (t.mostClass == kCar && t.size && !van && (car == nullptr || t.points > car->points)) car = &t;
+  }
+  ASSERT_NE(car, nullptr);
+  for (const std::uint16_t wrong : {kBuilding, kVegetation}) {
+    std::string from = street;
+    for (std::size_t i = 0; i < sound.manifest.samples.size(); ++i) {
+      const std::string to = at(fmt::format("wrong{}-{}", wrong, i));
+      copyMislabelled(from, to, sound.manifest.samples[i].key, car->id, wrong);
+      from = to;
+    }
+    ASSERT_EQ(scanmill({"verify", from}).code, 0);
+    const Outcome o = scanmill({"report", from, "--samples", "0", "-o", at("wrong.html"), "--overwrite"});
+    EXPECT_EQ(o.code, 0) << o.error;
+    EXPECT_THAT(o.error, HasSubstr(wrong == kBuilding
+                                       ? fmt::format("warning: building {} of street-s2-lane is ", car->id)
+                                       : fmt::format("warning: vegetation: instance {} of street-s2-lane", car->id)));
+    const std::string command = "scanmill view " + from + " --sample " + car->bestSample + " --camera=";
+    EXPECT_THAT(o.error, HasSubstr(command));
+    EXPECT_TRUE(has(readFile(at("wrong.html")), command));
+  }
 }
 
 // Whenever it is interrupted, there is the whole page or none.

@@ -55,6 +55,7 @@ TEST_F(View, PicturesOfDatasets) {
   expectPicture({at("a")});
   expectPicture({at("a"), "--sample", "2", "--camera", "above", "--rings", "--range-image", "--mesh"});
   expectPicture({at("a"), "--color", "class", "--color", "range", "--background", "white"});
+  expectPicture({at("a"), "--color", "class", "--color", "range", "--scale", "0,20"});
   expectPicture({at("a"), "--over", at("a"), "--layout", "overlay"});
   expectPicture({at("a"), "--over", at("a"), "--layout", "split", "--color", "height"});
   expectPicture({at("a"), "--twin", at("a"), "--color", "error"});
@@ -82,8 +83,12 @@ TEST_F(View, PicturesOfFiles) {
   expectPicture({exr});
   expectPicture({exr, "--plane", "semantic", "--bare"});
   expectRefused(scanmill({"view", exr, "--plane", "colour", "--screenshot", at("x.png")}), "semantic");
-  expectRefused(scanmill({"view", exr, "--color", "class", "--screenshot", at("x.png")}), "is an image");
-  expectRefused(scanmill({"view", at("passes"), "--screenshot", at("x.png")}), "is a recording");
+  expectRefused(scanmill({"view", exr, "--color", "class", "--screenshot", at("x.png")}), "shown as images");
+  expectPicture({at("passes")});
+  const std::string first = readFile(at("p.png"));
+  expectPicture({at("passes"), "--sample", "000002"});
+  EXPECT_NE(readFile(at("p.png")), first);
+  expectRefused(scanmill({"view", at("passes"), "--sample", "nowhere", "--screenshot", at("x.png")}), "nowhere");
 }
 
 TEST_F(View, AHiddenClassMakesAnotherPicture) {
@@ -153,6 +158,10 @@ TEST_F(View, BadInputIsRefusedWithAdvice) {
       {{at("a"), "--color", "colour"}, "--color is one of class"},
       {{at("a"), "--color", "class", "--color", "range", "--layout", "one"}, "--layout split"},
       {{at("a"), "--layout", "both"}, "one, overlay, split"},
+      {{at("a"), "--over", at("a"), "--color", "range"}, "--layout split"},
+      {{at("a"), "--color", "range", "--scale", "5"}, "LOW,HIGH"},
+      {{at("a"), "--color", "range", "--scale", "5,1"}, "LOW,HIGH"},
+      {{at("a"), "--color", "class", "--scale", "0,1"}, "shows numbers"},
       {{at("a"), "--camera", "behind"}, "YAW,PITCH,DISTANCE"},
       {{at("a"), "--size", "9x9"}, "--size"},
       {{at("a"), "--point-size", "0"}, "--point-size"},
@@ -193,7 +202,7 @@ TEST_F(View, BadInputIsRefusedWithAdvice) {
 TEST_F(View, DamagedDataIsSaidNotShown) {
   SKIP_WITHOUT_CANVAS();
   // A column that the scans lack.
-  expectRefused(scanmill({"view", at("a"), "--color", "error", "--screenshot", at("p.png")}), "--twin");
+  expectRefused(scanmill({"view", at("a"), "--color", "error", "--screenshot", at("p.png")}), "noise-free twin");
   // An empty scan is no mistake: the picture says so.
   const std::string empty = folder_.write("empty.csv", "x,y,z\n").string();
   expectPicture({empty});

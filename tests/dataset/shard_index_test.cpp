@@ -111,6 +111,35 @@ TEST(ShardIndex, RefusesWhatReadTarRefuses) {
   EXPECT_EQ(refusalOfIndex(folder.path()), refusalOfTar(folder.path()));
 }
 
+// Wherever a shard is cut: the members before that, as they were.
+TEST(ShardIndex, GivesWhatIsWholeWhereThatIsAskedFor) {
+  const TemporaryFolder folder;
+  Members members = oddMembers();
+  members[5].second.resize(3000);
+  writeMembers(folder.path() / "x.tar", members);
+  const std::string bytes = readFile(folder.path() / "x.tar");
+  std::size_t most = 0;
+  for (std::size_t size = 0; size < bytes.size(); size += 256) {
+    const fs::path cut = folder.write("cut.tar", bytes.substr(0, size));
+    const std::string refusal = refusalOfIndex(cut);
+    try {
+      const ShardIndex index(cut, DamagedShard::ReadAsFarAsWhole);
+      EXPECT_EQ(index.damage(), refusal == "accepted" ? "" : refusal) << size;
+      EXPECT_GE(index.members().size(), most) << size;
+      most = index.members().size();
+      for (std::size_t i = 0; i < most; ++i) {
+        EXPECT_EQ(index.members()[i].name, members[i].first);
+        EXPECT_EQ(index.read(index.members()[i]), members[i].second);
+      }
+    } catch (const InputError& e) {
+      EXPECT_EQ(e.what(), refusal);
+      EXPECT_EQ(most, 0u) << size;
+    }
+  }
+  EXPECT_EQ(most, members.size());
+  EXPECT_EQ(ShardIndex(folder.path() / "x.tar", DamagedShard::ReadAsFarAsWhole).damage(), "");
+}
+
 TEST(ShardIndex, AFileThatChangedIsNoticed) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "x.tar";

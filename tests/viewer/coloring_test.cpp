@@ -208,7 +208,7 @@ TEST(ColorScan, WithoutAGivenErrorItIsThatOfTheRange) {
   EXPECT_THAT(c.colors, testing::ElementsAre(viridis(1), viridis(1), viridis(0)));
   scan.rangeTrue.clear();
   expectInputError([&] { colorScan(scan, ColorBy::Error, nullptr); },
-                   {"`range_true`", "output.columns", "--twin DATASET", "x, y, z"});
+                   {"`range_true`", "output.columns", "noise-free twin", "x, y, z"});
   EXPECT_NO_THROW(colorScan(Scan{}, ColorBy::Error, nullptr)) << "nothing to compare";
 }
 

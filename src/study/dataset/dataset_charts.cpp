@@ -63,11 +63,14 @@ std::string ringsChartOf(const DatasetSummary& summary, bool shares) {
   chart.y = {.title = shares ? "share of the ring's points" : "points a scan", .unit = shares ? "%" : ""};
   if (shares) chart.y.high = 1;
   for (const DistanceRing& ring : rings) chart.x.names.push_back(ring.name);
+  std::vector<double> stacked(rings.size(), 0.0);
   const auto add = [&](const std::string& name, const std::string& fill, const std::vector<std::uint64_t>& ranges) {
     ChartSeries bars{.name = name, .mark = ChartMark::Bars};
     for (std::size_t i = 0; i < rings.size(); ++i) {
       const std::uint64_t points = sumOf(ranges, rings[i].first, rings[i].last);
-      const double value = perScan(points, shares ? sumOf(all, rings[i].first, rings[i].last) : summary.scansRead);
+      double value = perScan(points, shares ? sumOf(all, rings[i].first, rings[i].last) : summary.scansRead);
+      if (shares) value = std::min(value, 1 - stacked[i]);  // rounding must not lift the bar's end above 100 %
+      stacked[i] += value;
       bars.points.push_back({static_cast<double>(i), value});
       bars.details.push_back(fmt::format("{}, {}: {}", name, rings[i].name,
                                          shares ? shareText(value) : amountText(value) + " points a scan"));
@@ -174,7 +177,7 @@ std::string splitSharesChart(const DatasetSummary& summary) {
   const auto classes = classesWith(summary, [](const ClassSummary& c) { return c.points; });
   if (splits.size() < 2 || classes.empty()) return "";
   Chart chart{.title = "Share of each class in the splits", .note = "of a split's points; of all scans"};
-  chart.x = {.title = "share of points", .scale = AxisScale::Log, .unit = "%", .zero = "none"};
+  chart.x = {.title = "share of points", .scale = AxisScale::Log, .unit = "%", .high = 1, .zero = "none"};
   for (std::size_t i = 0; i < splits.size(); ++i) {
     ChartSeries dots{.name = splits[i]->name, .color = i};
     for (std::size_t row = 0; row < classes.size(); ++row) {

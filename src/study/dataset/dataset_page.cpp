@@ -2,7 +2,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <set>
+#include <string_view>
 
 #include "charts/svg_text.h"
 #include "pipeline/progress.h"
@@ -18,10 +21,11 @@ namespace scanmill {
 namespace {
 
 constexpr const char* kWarningCss = R"(
-.card.warn{border-left-color:var(--bad);margin:14px 0}
-.card.warn h2{margin:0 0 4px;font-size:16px;color:var(--bad)}
-.card.warn li{margin:3px 0}.card.warn details{margin:2px 0}
-.card.warn pre{max-height:40vh;overflow:auto}
+.card.warn,.card.notes{margin:14px 0}
+.card.warn{border-left-color:var(--bad)}
+.card.warn h2,.card.notes h2{margin:0 0 4px;font-size:16px}.card.warn h2{color:var(--bad)}
+.card.warn li,.card.notes li{margin:3px 0}.card.warn details,.card.notes details{margin:2px 0}
+.card.warn pre,.card.notes pre{max-height:40vh;overflow:auto}
 )";
 
 std::string listOf(const std::vector<std::string>& lines) {
@@ -40,14 +44,47 @@ std::string placesOf(const DatasetWarning& warning) {
   return text.empty() ? "" : htmlDetails("Where", htmlCode(text));
 }
 
-std::string warnings(const DatasetReport& report) {
-  if (report.warnings.empty()) return "";
+std::string remarks(const DatasetReport& report, bool notes) {
   std::string items;
+  std::size_t count = 0;
   for (const DatasetWarning& w : report.warnings) {
-    items += fmt::format("<li>{}{}</li>\n", escapeXml(w.text), placesOf(w));
+    if (w.note != notes) continue;
+    const std::string command = w.command.empty() ? "" : fmt::format("<code>{}</code>", escapeXml(w.command));
+    items += fmt::format("<li>{}{}{}</li>\n", escapeXml(w.text), placesOf(w), command);
+    ++count;
   }
-  return fmt::format("<div class=\"card warn\" id=\"warnings\">\n<h2>{}</h2>\n<ul>\n{}</ul>\n</div>\n",
-                     pluralOf(report.warnings.size(), "warning"), items);
+  if (count == 0) return "";
+  return fmt::format("<div class=\"card {}\" id=\"{}\">\n<h2>{}</h2>\n<ul>\n{}</ul>\n</div>\n",
+                     notes ? "notes" : "warn", notes ? "notes" : "warnings",
+                     pluralOf(count, notes ? "note" : "warning"), items);
+}
+
+// Methods tell these of every scene and seed; equal lines are there once. Where all differ, each is told whose it is:
+// they stand in the scenes' order.
+std::vector<std::string> modelledLines(const DatasetReport& report) {
+  constexpr std::array<std::string_view, 3> kOfScenes{"instancing", "alpha cut-outs", "reflectance textures"};
+  std::vector<std::string> scenes;
+  for (const SequenceSummary& s : report.summary.sequences) {
+    const std::string scene = fmt::format("{}, seed {}", s.scene, s.seed);
+    if (s.scene.empty()) return report.manifest.modelled;
+    if (std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) scenes.push_back(scene);
+  }
+  const auto topicOf = [](const std::string& line) { return line.substr(0, line.find(": ")); };
+  std::map<std::string, std::size_t> lines, next;
+  for (const std::string& line : report.manifest.modelled) ++lines[topicOf(line)];
+  std::vector<std::string> named;
+  for (const std::string& line : report.manifest.modelled) {
+    const std::string topic = topicOf(line);
+    const bool ofScenes = lines[topic] > 1 && lines[topic] == scenes.size() &&
+                          std::find(kOfScenes.begin(), kOfScenes.end(), topic) != kOfScenes.end();
+    named.push_back(ofScenes ? fmt::format("{} ({})", line, scenes[next[topic]++]) : line);
+  }
+  return named;
+}
+
+std::string titleOf(const DatasetReport& report) {
+  const std::string& name = report.manifest.name;
+  return "Dataset " + (report.folder.empty() || report.folder == name ? name : name + " (" + report.folder + ")");
 }
 
 std::string facts(const DatasetReport& report) {
@@ -146,7 +183,7 @@ std::string datasetPage(const DatasetReport& report) {
                                     : "Sizes were compared with the manifest's; `scanmill verify` compares the bytes.",
                       shardsOverview(m, report.shardFaults), true});
   sections.push_back({"format", "Columns and formats", "", columnsOverview(m) + formatsOverview(m)});
-  sections.push_back({"modelled", "What was modelled", "", listOf(m.modelled)});
+  sections.push_back({"modelled", "What was modelled", "", listOf(modelledLines(report))});
   sections.push_back({"stages", "Method and stages", "", heading("Stages of making the dataset", stageTimes(m))});
   sections.push_back({"pipeline", "Pipeline", "",
                       htmlParagraph("SHA-256 " + m.pipelineSha256, "small") +
@@ -154,7 +191,7 @@ std::string datasetPage(const DatasetReport& report) {
   HtmlExtras extras;
   if (!report.view.empty()) extras = scanViewExtras();
   extras.css += kWarningCss;
-  return htmlPage("Dataset " + m.name, warnings(report) + facts(report), sections, extras);
+  return htmlPage(titleOf(report), remarks(report, false) + remarks(report, true) + facts(report), sections, extras);
 }
 
 }  // namespace scanmill

@@ -51,6 +51,12 @@ PicturedScan pictureOf(const Manifest& manifest, const ScanPlace& place, const S
   return pictured;
 }
 
+// Of the folder itself, however it was named: "." too.
+std::string nameOf(const std::filesystem::path& folder) {
+  const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
 // What the reading of one place is for, and what came of it.
 struct Read {
   bool counted = false, shown = false;
@@ -64,6 +70,7 @@ class Examination {
   Examination(const std::filesystem::path& folder, const DatasetReportOptions& options)
       : folder_(folder), options_(options) {
     report_.manifest = readManifest(folder);
+    report_.folder = nameOf(folder);
     report_.seed = options.seed;
   }
 
@@ -109,7 +116,10 @@ class Examination {
     const ScanRecord& record = manifest.samples[places_[k].sample].scans[places_[k].scan];
     Read& own = reads_[k];
     own.mistakes = checkScan(scan, record, manifest, largestError());
-    if (own.counted) own.counts = countScan(scan, manifest.ontology, steps_);
+    if (own.counted) {
+      const std::vector<Pose>& poses = record.worldFromSensor;
+      own.counts = countScan(scan, steps_, poses.empty() ? Mat3() : levelFromSensor(poses.front().rotation));
+    }
     if (own.shown) own.scan = std::move(scan);
   }
 
@@ -138,16 +148,20 @@ class Examination {
       throw Error(
           fmt::format("{}: none of its scans can be read{}", folder_.string(), why.empty() ? "" : ": " + why.front()));
     }
-    report_.warnings = warningsOf(report_.summary, faults_);
+    report_.warnings = warningsOf(report_.summary, faults_, folder_);
   }
 
   void picture(const std::vector<ScanPlace>& shown) {
-    std::vector<std::size_t> order;  // into reads_, as they were chosen
+    std::vector<std::size_t> order;  // into reads_
     for (const ScanPlace& place : shown) {
       const auto k =
           static_cast<std::size_t>(std::lower_bound(places_.begin(), places_.end(), place) - places_.begin());
       if (reads_[k].scan) order.push_back(k);
     }
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      const auto keyOf = [&](std::size_t k) { return report_.manifest.samples[places_[k].sample].key; };
+      return keyOf(a) < keyOf(b);
+    });
     report_.pictured.resize(order.size());
     Progress progress("pictures", order.size(), "scans", "scans", options_.quiet);
     for (std::size_t i = 0; i < order.size(); ++i) {

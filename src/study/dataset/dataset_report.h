@@ -30,6 +30,7 @@ struct PicturedScan {
 };
 
 struct DatasetReport {
+  std::string folder;  // its name
   Manifest manifest;
   DatasetSummary summary;
   std::vector<std::string> shardFaults;  // as an index into the manifest's shards; empty: none
@@ -44,7 +45,7 @@ struct DatasetReport {
 // a warning.
 DatasetReport examineDataset(const std::filesystem::path& folder, const DatasetReportOptions& options);
 
-// The same dataset, seed and options give the same bytes.
+// The same dataset, under the same name, with the same seed and options gives the same bytes.
 std::string datasetPage(const DatasetReport& report);
 
 }  // namespace scanmill

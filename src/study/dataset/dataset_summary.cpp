@@ -120,6 +120,7 @@ class Summing {
     for (const auto& [key, points] : objects_) {
       for (const auto& entry : points) ++classEntry(entry.first).objects;
     }
+    listThings();
     findMixed();
   }
 
@@ -210,17 +211,49 @@ class Summing {
       if (sum_.labelled) addTo(classEntry(id).ranges, ranges);
     }
     for (const auto& [key, points] : counts.intensities) sensor.intensities[key] += points;
-    for (const auto& [id, points] : counts.thingsWithoutId) classEntry(id).pointsWithoutId += points;
     if (!sum_.labelled) return;
+    for (const auto& [id, points] : counts.withoutId) classEntry(id).pointsWithoutId += points;
     const std::string sequence = sequenceOf(sample);
     for (const InstanceCounts& instance : counts.instances) {
       const ObjectKey key{sequence, instance.id};
+      addView(things_[key], instance, sample.key, sample.scans[place.scan].sensor);
       for (const auto& [id, points] : instance.pointsOfClass) {
         ++classEntry(id).views;
         viewPoints_[id].push_back(points);
         objects_[key][id] += points;
         shownIn_[key].try_emplace(id, place.sample);
       }
+    }
+  }
+
+  static void addView(ThingSummary& thing, const InstanceCounts& seen, const std::string& sample,
+                      const std::string& sensor) {
+    std::uint64_t points = 0;
+    for (const auto& [id, count] : seen.pointsOfClass) points += count;
+    thing.points += points;
+    ++thing.scans;
+    if (points > thing.bestPoints) {
+      thing.bestPoints = points;
+      thing.bestSample = sample;
+      thing.bestSensor = sensor;
+      thing.bestBox = seen.box;
+    }
+    if (points < kWellSeenPoints) return;
+    const SeenSize before = thing.size.value_or(SeenSize());
+    thing.size = SeenSize{std::max(before.length, seen.size.length), std::max(before.width, seen.size.width),
+                          std::max(before.height, seen.size.height)};
+  }
+
+  void listThings() {
+    for (auto& [key, thing] : things_) {
+      thing.sequence = key.first;
+      thing.id = key.second;
+      thing.pointsOfClass = objects_.at(key);
+      thing.mostClass =
+          std::max_element(thing.pointsOfClass.begin(), thing.pointsOfClass.end(), [](const auto& a, const auto& b) {
+            return a.second < b.second;
+          })->first;
+      sum_.things.push_back(std::move(thing));
     }
   }
 
@@ -259,6 +292,7 @@ class Summing {
   std::map<std::string, std::vector<std::uint64_t>> pointsOfSensor_;
   std::map<std::uint16_t, std::vector<std::uint64_t>> viewPoints_;
   std::map<ObjectKey, ClassPoints> objects_;
+  std::map<ObjectKey, ThingSummary> things_;
   std::map<ObjectKey, std::map<std::uint16_t, std::size_t>> shownIn_;  // a sample with points of each class
 };
 

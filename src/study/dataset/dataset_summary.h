@@ -31,9 +31,9 @@ struct ClassSummary {
   std::vector<std::uint64_t> ranges{};  // points per step
   // Instances with points of the class, however many scans show them: the same id in a sequence is the same one.
   std::uint64_t objects = 0;
-  std::uint64_t views = 0;            // instances, counted again in every scan
-  double medianPoints = 0;            // that an instance in a scan has of the class
-  std::uint64_t pointsWithoutId = 0;  // of a thing class
+  std::uint64_t views = 0;  // instances, counted again in every scan
+  double medianPoints = 0;  // that an instance in a scan has of the class
+  std::uint64_t pointsWithoutId = 0;
 };
 
 struct SensorSummary {
@@ -59,6 +59,25 @@ struct SplitSummary {
   std::uint64_t samples = 0, scans = 0, points = 0, shards = 0, bytes = 0;
 };
 
+// A thing: an instance id of a sequence, in the scans that were read.
+struct ThingSummary {
+  std::string sequence;
+  std::uint32_t id = 0;
+  std::map<std::uint16_t, std::uint64_t> pointsOfClass{};
+  std::uint64_t points = 0, scans = 0;
+  std::uint16_t mostClass = 0;  // of most of its points
+  // The largest over the scans that show it well; absent where none does. They see its length, width and height from
+  // different sides.
+  std::optional<SeenSize> size{};
+  // The scan with most of its points.
+  std::string bestSample{}, bestSensor{};
+  std::uint64_t bestPoints = 0;
+  Box bestBox{};  // in that scan's level frame
+};
+
+// A scan shows a thing well with so many points of it.
+inline constexpr std::uint64_t kWellSeenPoints = 100;
+
 // An object with points of several classes.
 struct MixedInstance {
   std::string sequence;
@@ -83,6 +102,7 @@ struct DatasetSummary {
 
   std::uint64_t scansChosen = 0, scansRead = 0, pointsRead = 0;
   RangeSteps steps;
+  std::vector<ThingSummary> things;  // by sequence and id; of labelled scans
   std::vector<MixedInstance> mixed;
 };
 

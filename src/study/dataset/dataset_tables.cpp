@@ -96,7 +96,7 @@ std::string classesOverview(const DatasetSummary& summary) {
     table.column("instances", "different ones with points of the class" + of);
     table.column("a scan", "instances in a scan's view" + of);
     table.column("points an instance", "of the class: median over instances in a scan" + of);
-    table.column("without id", "points of things that have no instance" + of);
+    table.column("without id", "points that have no instance" + of);
   }
   for (const ClassSummary& c : summary.classes) {
     if (c.points == 0) continue;
@@ -114,7 +114,7 @@ std::string classesOverview(const DatasetSummary& summary) {
       cells.push_back(counted ? wholeCell(c.objects) : HtmlCell{});
       cells.push_back(counted ? meanCell(c.views, summary.scansRead) : HtmlCell{});
       cells.push_back(c.views > 0 ? HtmlCell{amountText(c.medianPoints), c.medianPoints} : HtmlCell{});
-      cells.push_back(c.thing ? wholeCell(c.pointsWithoutId) : HtmlCell{});
+      cells.push_back(wholeCell(c.pointsWithoutId));
     }
     table.row(std::move(cells));
   }

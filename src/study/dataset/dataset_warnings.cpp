@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 
+#include "study/dataset/odd_things.h"
 #include "study/tradeoff/report_figures.h"
 
 namespace scanmill {
@@ -20,7 +22,8 @@ double shareOf(std::uint64_t part, std::uint64_t whole) {
 
 class Warnings {
  public:
-  Warnings(const DatasetSummary& summary, const ReadingFaults& faults) : sum_(summary), faults_(faults) {}
+  Warnings(const DatasetSummary& summary, const ReadingFaults& faults, const std::filesystem::path& folder)
+      : sum_(summary), faults_(faults), folder_(folder) {}
 
   std::vector<DatasetWarning> all() {
     reading();
@@ -30,6 +33,7 @@ class Warnings {
       splits();
     }
     instances();
+    things();
     return std::move(list_);
   }
 
@@ -86,6 +90,7 @@ class Warnings {
       const auto known = std::count_if(sum_.classes.begin(), sum_.classes.end(),
                                        [](const ClassSummary& c) { return c.id != 0 && c.known; });
       add(fmt::format("No points of {} of the ontology's {} classes: {}.", none.size(), known, fmt::join(none, ", ")));
+      list_.back().note = true;  // few scenes have all of them
     }
     const auto few = classesWhere([&](const ClassSummary& c) {
       return c.id != 0 && c.points > 0 && shareOf(c.points, sum_.points) < kFewClassPoints;
@@ -123,7 +128,8 @@ class Warnings {
     if (!sum_.instanced || !sum_.labelled) return;
     std::vector<std::string> without;
     for (const ClassSummary& c : sum_.classes) {
-      if (c.pointsWithoutId > 0) without.push_back(fmt::format("{}: {}", c.name, pluralOf(c.pointsWithoutId, "point")));
+      if (c.thing && c.pointsWithoutId > 0)
+        without.push_back(fmt::format("{}: {}", c.name, pluralOf(c.pointsWithoutId, "point")));
     }
     if (!without.empty()) add("Things without an instance id, though their class is countable.", without);
     std::vector<std::string> mixed;
@@ -143,15 +149,63 @@ class Warnings {
     }
   }
 
+  const ClassSummary& classOf(std::uint16_t id) const {
+    return *std::find_if(sum_.classes.begin(), sum_.classes.end(), [&](const ClassSummary& c) { return c.id == id; });
+  }
+
+  void things() {
+    if (!sum_.instanced || !sum_.labelled) return;
+    constexpr std::size_t kMost = 20;  // on their own; the others are listed
+    const std::vector<OddThing> odd = oddThings(sum_);
+    std::map<std::uint16_t, std::size_t> withId;
+    for (const OddThing& o : odd) withId[sum_.things[o.thing].mostClass] += o.like ? 0 : 1;
+    std::vector<std::string> more;
+    for (std::size_t i = 0; i < odd.size(); ++i) {
+      const ThingSummary& thing = sum_.things[odd[i].thing];
+      const std::string text = odd[i].like ? sizeText(odd[i]) : idText(thing, withId[thing.mostClass]);
+      const std::string command = viewCommand(folder_, thing, sum_.sensors.size() > 1);
+      if (i < kMost) {
+        add(text);
+        list_.back().command = command;
+      } else {
+        more.push_back(fmt::format("{}  {}", text, command));
+      }
+    }
+    if (!more.empty())
+      add(fmt::format("{} more likely to have the wrong class.", pluralOf(more.size(), "thing")), more);
+  }
+
+  std::string idText(const ThingSummary& thing, std::size_t likeIt) const {
+    const ClassSummary& c = classOf(thing.mostClass);
+    const std::string others = c.pointsWithoutId == 0 ? fmt::format("though {} is not countable", c.name)
+                               : likeIt == 1          ? fmt::format("which no other {} has", c.name)
+                                                      : fmt::format("which most {} has not", c.name);
+    return fmt::format("{}: instance {} of {} ({}, {}) has an instance id, {}: a thing {} class?", c.name, thing.id,
+                       thing.sequence, pluralOf(thing.scans, "scan"), pluralOf(thing.points, "point"), others,
+                       c.id == 0 ? "without a" : "with the wrong");
+  }
+
+  std::string sizeText(const OddThing& odd) const {
+    const ThingSummary& thing = sum_.things[odd.thing];
+    const std::string& own = classOf(thing.mostClass).name;
+    return fmt::format(
+        "{} {} of {} is {:.1f} x {:.1f} x {:.1f} m, like {} ({} of them) and unlike any other {}: a thing with the "
+        "wrong class?",
+        own, thing.id, thing.sequence, thing.size->length, thing.size->width, thing.size->height,
+        classOf(*odd.like).name, odd.alike, own);
+  }
+
   const DatasetSummary& sum_;
   const ReadingFaults& faults_;
+  std::filesystem::path folder_;
   std::vector<DatasetWarning> list_;
 };
 
 }  // namespace
 
-std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults) {
-  return Warnings(summary, faults).all();
+std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults,
+                                       const std::filesystem::path& folder) {
+  return Warnings(summary, faults, folder).all();
 }
 
 }  // namespace scanmill

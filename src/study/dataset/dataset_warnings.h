@@ -2,6 +2,7 @@
 
 // What is remarkable about a dataset, in plain words.
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@ namespace scanmill {
 struct DatasetWarning {
   std::string text;                   // one sentence or two, complete in themselves
   std::vector<std::string> places{};  // samples, instances, shards: one line each
+  std::string command{};              // for a shell, that shows it
+  bool note = false;                  // worth knowing, and no sign of a fault
 };
 
 // What could not be read as it should.
@@ -21,6 +24,8 @@ struct ReadingFaults {
   std::vector<std::string> mistaken;  // that disagree with the manifest
 };
 
-std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults);
+// `folder` is the dataset's, as commands name it.
+std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults,
+                                       const std::filesystem::path& folder);
 
 }  // namespace scanmill

@@ -1,14 +1,14 @@
 #pragma once
 
-// What is counted in one scan. Whole numbers only: their sums do not depend on the order of adding.
+// What is counted in one scan. Counts are whole numbers: their sums do not depend on the order of adding.
 
 #include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
 
+#include "base/vec.h"
 #include "scan/scan.h"
-#include "scene/ontology.h"
 
 namespace scanmill {
 
@@ -30,9 +30,16 @@ RangeSteps rangeStepsFor(double farthest);
 std::uint16_t intensityKey(float intensity);  // 0 for all that is not above 0
 float intensityOfKey(std::uint16_t key);      // the least of the key
 
+// What of a thing is seen: of the upright box with the smallest base that holds its points. m
+struct SeenSize {
+  double length = 0, width = 0, height = 0;  // length >= width
+};
+
 struct InstanceCounts {
   std::uint32_t id = 0;
   std::map<std::uint16_t, std::uint64_t> pointsOfClass;
+  Box box;        // of its points, in the level frame
+  SeenSize size;  // likewise
 };
 
 struct ScanCounts {
@@ -40,9 +47,12 @@ struct ScanCounts {
   std::map<std::uint16_t, std::vector<std::uint64_t>> rangesOfClass;  // class 0 for all where there are no labels
   std::map<std::uint16_t, std::uint64_t> intensities;                 // by key
   std::vector<InstanceCounts> instances;                              // ascending ids, without 0
-  std::map<std::uint16_t, std::uint64_t> thingsWithoutId;             // points of thing classes that have no instance
+  std::map<std::uint16_t, std::uint64_t> withoutId;                   // points that have no instance, by class
 };
 
-ScanCounts countScan(const Scan& scan, const Ontology& ontology, const RangeSteps& steps);
+// A level frame about the sensor: its x axis is the sensor's, laid flat. Of a scan's pose at the start of its turn.
+Mat3 levelFromSensor(const Quat& worldFromSensor);
+
+ScanCounts countScan(const Scan& scan, const RangeSteps& steps, const Mat3& levelFromSensor = {});
 
 }  // namespace scanmill

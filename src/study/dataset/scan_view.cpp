@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "study/dataset/scan_thinning.h"
 #include "viewer/color_map.h"
 
 namespace scanmill {
@@ -57,22 +58,10 @@ Json narrowColumn(const std::vector<std::uint32_t>& numbers) {
                            : column<std::uint32_t>(numbers);
 }
 
-// The finite points, or as many of them as a page can hold.
-std::vector<std::size_t> pointsToView(const Scan& scan) {
-  std::vector<std::size_t> finite;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (isFinite(scan.position[i])) finite.push_back(i);
-  }
-  if (finite.size() <= kMostViewedPoints) return finite;
-  std::vector<std::size_t> kept;
-  for (std::size_t k = 0; k < kMostViewedPoints; ++k) kept.push_back(finite[k * finite.size() / kMostViewedPoints]);
-  return kept;
-}
-
 class ViewData {
  public:
   ViewData(const ViewedScan& viewed, const Ontology& ontology)
-      : scan_(viewed.scan), ontology_(ontology), points_(pointsToView(viewed.scan)) {
+      : scan_(viewed.scan), ontology_(ontology), points_(pointsToView(viewed.scan, kMostViewedPoints)) {
     json_["title"] = viewed.title;
     json_["points"] =
         std::count_if(scan_.position.begin(), scan_.position.end(), [](const Vec3f& p) { return isFinite(p); });

@@ -27,8 +27,8 @@ inline constexpr std::size_t kMostViewedPoints = 60'000;  // of a scan; below 65
 // "u16" or "u32", three a point for positions: coordinate = low + step * number (m). `class` and `instance` are indices
 // into `classes` ({id, name, color, points of the whole scan}) and `instances` ({ids, colors}); `values` are further
 // columns, {name, unit, whole, low, step, type, data}, in which 65535 stands for no number unless all are `whole`.
-// Columns that the scan lacks are left out. Of a scan with more points than kMostViewedPoints every n-th on average is
-// there.
+// Columns that the scan lacks are left out. A scan with more points than kMostViewedPoints is
+// thinned by pointsToView().
 std::string scanView(const std::vector<ViewedScan>& scans, const Ontology& ontology);
 
 HtmlExtras scanViewExtras();

@@ -30,7 +30,7 @@
   };
   var decode = function (scan) {
     var places = numbersOf(scan.position), n = scan.shown;
-    var made = {scan: scan, count: n, xyz: new Float32Array(3 * n), values: [], hidden: {}};
+    var made = {scan: scan, count: n, xyz: new Float32Array(3 * n), values: []};
     var range = new Float32Array(n), height = new Float32Array(n);
     for (var i = 0; i < n; ++i) {
       for (var c = 0; c < 3; ++c) made.xyz[3 * i + c] = scan.box.low[c] + scan.box.step[c] * places[3 * i + c];
@@ -158,6 +158,10 @@
 
   var clouds = data.scans.map(function () { return null; });
   var cloud = null, points = null, asked = false;
+  var hidden = {}, classIds = {};  // by the classes' ids: one choice for all scans
+  data.scans.forEach(function (scan) {
+    (scan.classes || []).forEach(function (entry) { classIds[entry.id] = true; });
+  });
   var draw = function () {
     asked = false;
     renderer.render(scene, camera);
@@ -181,7 +185,7 @@
   // From behind and above the sensor, or straight down.
   var look = function (above) {
     if (above) {
-      camera.position.set(-0.05, 0, 90);
+      camera.position.set(0, -0.05, 90);  // x to the right, y up
       controls.target.set(0, 0, 0);
     } else {
       camera.position.set(-17, 0, 9);
@@ -191,7 +195,7 @@
     redraw();
   };
 
-  var isVisible = function (i) { return !cloud.classOf || !cloud.hidden[cloud.classOf[i]]; };
+  var isVisible = function (i) { return !cloud.classOf || !hidden[cloud.scan.classes[cloud.classOf[i]].id]; };
   var filter = function () {
     var index = new Uint16Array(cloud.count), n = 0;
     for (var i = 0; i < cloud.count; ++i) if (isVisible(i)) index[n++] = i;
@@ -288,23 +292,25 @@
     var box = element('sv-classes');
     box.textContent = '';
     if (!cloud.classOf) return;
-    cloud.scan.classes.forEach(function (entry, k) {
+    cloud.scan.classes.forEach(function (entry) {
       var button = document.createElement('button'), swatch = document.createElement('i'),
           count = document.createElement('small');
       button.type = 'button';
-      button.setAttribute('aria-pressed', String(!cloud.hidden[k]));
+      button.setAttribute('aria-pressed', String(!hidden[entry.id]));
       swatch.style.background = css(entry.color);
       count.textContent = entry.points.toLocaleString('en');
       button.append(swatch, entry.name, count);
       button.addEventListener('click', function (event) {
         // The second click of a double click is told as one below.
         if (event.detail > 1) return;
-        cloud.hidden[k] = !cloud.hidden[k];
+        hidden[entry.id] = !hidden[entry.id];
         refresh();
       });
       button.addEventListener('dblclick', function () {
-        var alone = cloud.scan.classes.every(function (other, j) { return j === k || cloud.hidden[j]; });
-        cloud.scan.classes.forEach(function (other, j) { cloud.hidden[j] = !alone && j !== k; });
+        var others = Object.keys(classIds).filter(function (id) { return Number(id) !== entry.id; });
+        var alone = others.every(function (id) { return hidden[id]; });
+        others.forEach(function (id) { hidden[id] = !alone; });
+        hidden[entry.id] = false;
         refresh();
       });
       box.appendChild(button);
@@ -312,7 +318,7 @@
   };
   var refresh = function () {
     element('sv-classes').querySelectorAll('button').forEach(function (button, k) {
-      button.setAttribute('aria-pressed', String(!cloud.hidden[k]));
+      button.setAttribute('aria-pressed', String(!hidden[cloud.scan.classes[k].id]));
     });
     kept = -1;
     mark(-1);
@@ -342,7 +348,8 @@
     select.value = offered.indexOf(before) >= 0 ? before : offered[0];
     element('sv-thinned').textContent = cloud.count < cloud.scan.points ?
         cloud.count.toLocaleString('en') + ' of ' + cloud.scan.points.toLocaleString('en') +
-        ' points, evenly thinned to keep this file small.' : cloud.count.toLocaleString('en') + ' points, all of the scan.';
+        ' points, to keep this file small: near surfaces are thinned, far and small things are whole.' :
+        cloud.count.toLocaleString('en') + ' points, all of the scan.';
     recolor();
     showClasses();
     refresh();
@@ -413,7 +420,26 @@
     button.click();
     report.testHidden = String(pixelsOf(chosen.color));
     report.testLeft = String(points.geometry.index.count);
+    // What is hidden stays so in another scan.
+    show(data.scans.length - 1);
+    report.testOther = String(points.geometry.index.count);
+    show(0);
+    button = element('sv-classes').querySelectorAll('button')[most];
     button.click();
     report.testAgain = String(pixelsOf(chosen.color));
+    var press = function () { button.dispatchEvent(new MouseEvent('dblclick')); };
+    press();
+    report.testAlone = String(points.geometry.index.count);
+    press();
+    report.testAll = String(points.geometry.index.count);
   }
+  // As the viewer looks from above: 10 m along x are to the right of the middle, along y up from it.
+  look(true);
+  camera.updateMatrixWorld();
+  var turned = [new THREE.Vector3(10, 0, 0), new THREE.Vector3(0, 10, 0)].map(function (at) {
+    at.project(camera);
+    return (at.x * camera.aspect).toFixed(2) + ',' + at.y.toFixed(2);
+  });
+  report.testAbove = turned.join(' ');
+  look(false);
 }());

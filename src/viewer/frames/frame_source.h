@@ -28,6 +28,7 @@ struct ViewScan {
   std::vector<float> error;                // m, one per point, not negative; NaN where unknown; empty: nothing is known
   std::string errorTitle;                  // "distance to the twin (m)", "range error (m)"
   std::shared_ptr<const BeamTable> beams;  // of the dataset's sensor; null where unknown
+  std::string whyNoError{};                // what NaN means among errors: "no partner in the twin"; may be empty
 };
 
 struct ViewFrame {
@@ -68,6 +69,10 @@ class FrameSource {
   virtual std::vector<Pose> trajectory(std::size_t frame) const = 0;
   // What the frame was made of; none where that is unknown or its file is not there, and then `why` says so.
   virtual std::optional<SceneChoice> scene(std::size_t frame, std::string& why) const = 0;
+  // Ids of the classes that any frame holds, ascending; empty where that is unknown.
+  virtual std::vector<std::uint16_t> classes() const { return {}; }
+  // Frames that cannot be shown, as far as is known by now, ascending. From any thread.
+  virtual std::vector<std::size_t> damaged() const { return {}; }
 };
 
 // Throws InputError for what makes it senseless to go on: no such file, a file of no known kind, a manifest that cannot

@@ -67,19 +67,29 @@ std::size_t findKey(const std::vector<std::string>& keys, const std::string& wan
   if (wanted.empty()) return keys.size() / 2;
   const auto found = std::find(keys.begin(), keys.end(), wanted);
   if (found != keys.end()) return static_cast<std::size_t>(found - keys.begin());
-  const bool number = wanted.find_first_not_of("0123456789") == std::string::npos;
+  const std::string digits = wanted.substr(wanted.front() == '#' ? 1 : 0);  // as the viewer writes indices
+  const bool number = !digits.empty() && digits.find_first_not_of("0123456789") == std::string::npos;
   if (number) {
-    const std::uint64_t index = wanted.size() > 18 ? UINT64_MAX : std::stoull(wanted);
+    const std::uint64_t index = digits.size() > 18 ? UINT64_MAX : std::stoull(digits);
     if (index < keys.size()) return index;
   }
   std::vector<std::size_t> holding;
-  for (std::size_t i = 0; i < keys.size() && holding.size() < 2; ++i) {
+  for (std::size_t i = 0; i < keys.size(); ++i) {
     if (keys[i].find(wanted) != std::string::npos) holding.push_back(i);
   }
   if (holding.size() == 1) return holding.front();
   if (number) {
-    throw InputError({where}, fmt::format("has the samples 0 to {}, not {}: --sample takes such an index or a key",
+    throw InputError({where}, fmt::format("has the samples 0 to {}, not {}: such an index or a key chooses one",
                                           keys.size() - 1, wanted));
+  }
+  if (!holding.empty()) {
+    constexpr std::size_t kListed = 6;
+    std::vector<std::string> some;
+    for (std::size_t i = 0; i < std::min(kListed, holding.size()); ++i) some.push_back(keys[holding[i]]);
+    const std::string more =
+        holding.size() > kListed ? fmt::format(" and {} more", holding.size() - kListed) : std::string();
+    throw InputError({where}, fmt::format("'{}' is part of {} keys, name more of one: {}{}", wanted, holding.size(),
+                                          fmt::join(some, ", "), more));
   }
   throw InputError({where}, fmt::format("has no sample '{}'; the nearest of {} keys: {}", wanted, keys.size(),
                                         fmt::join(nearestKeys(wanted, keys), ", ")));

@@ -20,8 +20,8 @@ MemberName partsOfMember(const std::string& member);
 // ASCII; members are named in lower case, whatever the sensor's name.
 std::string lowerCase(std::string text);
 
-// The key that is `wanted`, or that has this index from 0, or the only one that holds it; empty: the middle one. Throws
-// InputError with the nearest keys; `where` names what holds them.
+// The key that is `wanted`, or that has this index from 0 ("12", "#12"), or the only one that holds it; empty: the
+// middle one. Throws InputError with the nearest keys; `where` names what holds them.
 std::size_t findKey(const std::vector<std::string>& keys, const std::string& wanted, const std::string& where);
 
 }  // namespace scanmill

@@ -3,6 +3,7 @@
 // Scans on disk: a dataset's folder, a shard, or the file of one scan.
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -28,7 +29,7 @@ struct StoredScan {
 class ScanStore {
  public:
   // Reads the manifest of a dataset, the directory of a shard, or a single scan. A shard finds its manifest beside or
-  // above it, and does without. Throws InputError.
+  // above it, and does without. Of a shard that was cut short, what is whole counts. Throws InputError.
   explicit ScanStore(std::filesystem::path path);
   ScanStore(const ScanStore&) = delete;
   ScanStore& operator=(const ScanStore&) = delete;
@@ -52,6 +53,12 @@ class ScanStore {
   // By the first of its members that can be decoded. From any thread. Throws InputError that says what is wrong with
   // each.
   Scan decode(std::size_t sample, const StoredScan& scan) const;
+  // What is wrong with the sample's shard, of which it may still be a whole part; empty: nothing is known, or it cannot
+  // be opened at all. From any thread.
+  std::string damage(std::size_t sample) const;
+  // Samples of which nothing can be read, as far as that is known by now: their shard is missing or no tar, or they lie
+  // behind the place where it was cut. Ascending. From any thread.
+  std::vector<std::size_t> lost() const;
 
  private:
   struct Sample {
@@ -62,6 +69,9 @@ class ScanStore {
   struct Shard {
     std::filesystem::path file;
     std::unique_ptr<const ShardIndex> index;  // once it is needed
+    std::uint64_t bytes = 0;                  // that the manifest says; 0: it says nothing
+    bool failed = false;                      // it could not be opened when it was last tried
+    bool sized = false;                       // its size has been compared with that
   };
 
   void openDataset();
@@ -70,6 +80,7 @@ class ScanStore {
   void addSample(const std::string& key, Sample sample);
   const std::vector<std::string>& membersOf(const Sample& sample) const;
   const ShardIndex& shard(std::size_t number) const;
+  void openIndex(Shard& shard) const;  // with the lock
 
   std::filesystem::path path_;
   std::filesystem::path folder_;

@@ -102,7 +102,7 @@ StoredFrames::StoredFrames(const ViewInput& input) : input_(input) {
 
 void StoredFrames::checkJoins() const {
   const std::string where = input_.path.string();
-  if (keys().empty()) throw InputError({where}, "holds no sample");
+  if (StoredFrames::keys().empty()) throw InputError({where}, "holds no sample");
   if (first().single()) {
     if (!input_.sensor.empty()) {
       throw InputError({where}, "is a single scan: --sensor chooses from a dataset or a shard");
@@ -203,6 +203,7 @@ void StoredFrames::addTwinError(ViewScan& scan, const std::string& key) const {
   scan.error = twinErrors(scan.scan, twin_->decode(*sample, same == twins.end() ? twins.front() : *same), why);
   if (!why.empty()) throw InputError({twin_->path().string()}, why);
   scan.errorTitle = "distance to the twin (m)";
+  scan.whyNoError = "no partner in the twin";
 }
 
 void StoredFrames::addError(Loading& loading, const std::string& key, bool sensorsDiffer) const {
@@ -249,6 +250,9 @@ ViewFrame StoredFrames::load(std::size_t frame) const {
     for (std::size_t i = begin; i < end; ++i) loadOne(all[i], view.key, sensorsDiffer);
   });
   for (Loading& l : all) {
+    if (std::string damage = l.loaded ? l.store->scans->damage(l.sample) : ""; !damage.empty()) {
+      l.problems.push_back(fmt::format("{}; what lies before that is shown", damage));
+    }
     if (!l.store->classes.empty() && !l.scan.scan.label.empty()) l.problems.push_back(l.store->classes);
     for (std::string& problem : l.problems) {
       if (std::find(view.problems.begin(), view.problems.end(), problem) == view.problems.end()) {
@@ -290,6 +294,27 @@ std::optional<SceneChoice> StoredFrames::scene(std::size_t frame, std::string& w
     return std::nullopt;
   }
   return sceneOfSample(first().manifest()->pipelineText, first().folder(), key, why);
+}
+
+std::vector<std::uint16_t> StoredFrames::classes() const {
+  std::set<std::uint16_t> ids;
+  for (const Store& s : stores_) {
+    if (s.scans->manifest() == nullptr) return {};
+    for (const SampleRecord& sample : s.scans->manifest()->samples) {
+      for (const ScanRecord& scan : sample.scans) {
+        if (!input_.sensor.empty() && lowerCase(scan.sensor) != lowerCase(input_.sensor)) continue;
+        for (const auto& [id, points] : scan.pointsPerClass) {
+          if (points > 0) ids.insert(id);
+        }
+      }
+    }
+  }
+  return {ids.begin(), ids.end()};
+}
+
+std::vector<std::size_t> StoredFrames::damaged() const {
+  // What lies over the first one's scans may be whole.
+  return stores_.size() == 1 ? first().lost() : std::vector<std::size_t>{};
 }
 
 }  // namespace scanmill

@@ -24,6 +24,8 @@ class StoredFrames : public FrameSource {
   ViewFrame load(std::size_t frame) const override;
   std::vector<Pose> trajectory(std::size_t frame) const override;
   std::optional<SceneChoice> scene(std::size_t frame, std::string& why) const override;
+  std::vector<std::uint16_t> classes() const override;
+  std::vector<std::size_t> damaged() const override;
 
  private:
   struct Store {

@@ -26,6 +26,12 @@ std::vector<std::size_t> firstTriangles(const Scene& scene) {
   return first;
 }
 
+// "hall: Wall.003"; the node's name alone where it is the object's, as that of "car" in "car#3".
+std::string partName(const std::string& object, const std::string& node) {
+  const bool same = object.starts_with(node) && (object.size() == node.size() || object[node.size()] == '#');
+  return node.empty() || same ? object : object + ": " + node;
+}
+
 // Names the parts of the scene, those without triangles left out. Gives each instance's parts by surface.
 std::vector<std::vector<std::uint32_t>> nameParts(const Scene& scene, std::vector<std::string>& parts) {
   std::vector<std::vector<std::uint32_t>> partOf(scene.instances.size());
@@ -36,7 +42,7 @@ std::vector<std::vector<std::uint32_t>> nameParts(const Scene& scene, std::vecto
     std::map<std::string_view, std::uint32_t> byNode;  // surfaces of one node are one part
     for (const Surface& surface : mesh.surfaces) {
       const auto [known, added] = byNode.emplace(surface.node, static_cast<std::uint32_t>(parts.size()));
-      if (added) parts.push_back(surface.node.empty() ? instance.name : instance.name + ": " + surface.node);
+      if (added) parts.push_back(partName(instance.name, surface.node));
       partOf[i].push_back(known->second);
     }
   }
@@ -87,6 +93,29 @@ void fillBoxes(ViewMesh& view) {
   for (const Box& box : view.boxes) view.bounds.add(box);
 }
 
+// A few large triangles, such as the ground around all things, do not count for more than many small ones.
+Box coreOf(const std::vector<Vec3f>& corners) {
+  constexpr std::size_t kEnough = 1'000'000;
+  constexpr double kLeftOut = 0.05;  // at each end
+  Box core;
+  if (corners.empty()) return core;
+  const std::size_t stride = corners.size() / kEnough + 1;
+  std::vector<float> along;
+  for (double Vec3d::*axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+    along.clear();
+    for (std::size_t i = 0; i < corners.size(); i += stride) {
+      along.push_back(static_cast<float>(Vec3d(corners[i]).*axis));
+    }
+    const auto rank = static_cast<std::ptrdiff_t>(kLeftOut * static_cast<double>(along.size() - 1));
+    std::nth_element(along.begin(), along.begin() + rank, along.end());
+    core.low.*axis = double{along[static_cast<std::size_t>(rank)]};
+    const std::ptrdiff_t other = static_cast<std::ptrdiff_t>(along.size()) - 1 - rank;
+    std::nth_element(along.begin(), along.begin() + other, along.end());
+    core.high.*axis = double{along[static_cast<std::size_t>(other)]};
+  }
+  return core;
+}
+
 }  // namespace
 
 ViewMesh makeViewMesh(const Scene& scene) {
@@ -107,6 +136,7 @@ ViewMesh makeViewMesh(const Scene& scene) {
   }
   fillTriangles(scene, view);
   fillBoxes(view);
+  view.core = coreOf(view.corners);
   return view;
 }
 

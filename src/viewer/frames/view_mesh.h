@@ -29,6 +29,7 @@ struct ViewMesh {
   std::vector<float> reflectance;  // per material
   Ontology ontology;
   Box bounds;              // m, from `origin`
+  Box core;                // where most of it is: the middle 90 % of the corners along each axis
   std::vector<Box> boxes;  // of each kTrianglesPerBox triangles, in order, from `origin`
 
   static constexpr std::size_t kTrianglesPerBox = 256;

@@ -22,6 +22,8 @@ struct HudPane {
   Legend legend;
   std::vector<bool> hidden;  // per entry of the legend; may be empty: none is
   bool clickable = false;    // entries can be hidden
+  bool active = false;       // what keys change; marked where there are several
+  std::string message{};     // why nothing is to be seen: large, in the middle
 };
 
 struct HudLabel {
@@ -32,13 +34,16 @@ struct HudLabel {
   bool mark = true;  // with a small ring at (x, y)
 };
 
-// Rows of name and value, in a box near the pointer that never leaves the canvas.
+// Rows of name and value, in a box near the pointer that never leaves the canvas, or in a corner of a pane.
 struct HudTip {
   int x = 0;  // px, canvas
   int y = 0;
   std::string heading;
   Rgb color{};  // beside the heading
   std::vector<std::pair<std::string, std::string>> rows;
+  std::string alarm{};                           // name of a row that warns; empty: none does
+  std::size_t pane = 0;                          // of one in a corner: that it belongs to
+  std::vector<std::pair<int, int>> keepClear{};  // of one in a corner: px, places that it must not cover
 };
 
 // The scan as rings x columns, or a pass of an image, along the bottom or over the whole pane.
@@ -56,10 +61,12 @@ struct HudState {
   std::vector<HudPane> panes;
   std::optional<std::size_t> frame;  // of a slider; none: no slider
   std::size_t frames = 0;
-  std::string key;  // of the frame
+  std::string key;                   // of the frame
+  std::vector<std::size_t> damaged;  // frames that cannot be shown, marked on the slider; ascending
   bool playing = false;
+  std::string speed;                // of playing: "2x"
   std::optional<HudStrip> strip;    // below the panes
-  std::optional<HudStrip> picture;  // in place of the panes: as large as fits, aspect kept
+  std::optional<HudStrip> picture;  // in place of the panes, below their legends: as large as fits
   std::string busy;                 // what is being loaded; empty: nothing
   std::vector<std::string> problems;
   std::vector<std::string> notices;   // plain words: what a key did, a hint
@@ -68,8 +75,11 @@ struct HudState {
   std::vector<std::string> promptHints;
   std::vector<HudLabel> labels;
   std::optional<HudTip> tip;
+  std::optional<HudTip> docked;  // what was clicked: in a corner of a pane, so that it covers neither it nor a legend
   bool help = false;
+  std::size_t helpFirst = 0;                              // line of the help that stands first where not all fit
   std::vector<std::pair<std::string, std::string>> keys;  // of the help: "c", "colour by the next column"
+  bool still = false;                                     // a picture: nothing that is there to be pressed
   bool bare = false;                                      // nothing but labels: for pictures that are used elsewhere
 };
 
@@ -100,6 +110,13 @@ struct Hud {
 };
 
 Hud drawHud(const HudState& state);
+
+// Of the help where not all of its lines fit.
+struct HelpPages {
+  std::size_t lastFirst = 0;  // the last line that may stand first; 0: all fit
+  std::size_t page = 1;       // lines
+};
+HelpPages helpPages(const HudState& state);
 
 // The region that lies uppermost at a pixel; null where there is none.
 const HudRegion* regionAt(const Hud& hud, int x, int y);

@@ -39,6 +39,12 @@ void drawSlider(HudPaint& paint, const HudState& state, const HudFrame& frame) {
   const int whole = slider.width - 2 * static_cast<int>(radius);
   paint.fill({left, top, whole, thick}, opaque(kEdge));
   paint.fill({left, top, passed, thick}, opaque(kAccent));
+  const int high = std::max(slider.height / 2, 1);
+  for (const std::size_t number : state.damaged) {
+    if (number >= state.frames) break;
+    const int at = static_cast<int>(knobAt(slider, state.frames, number));
+    paint.fill({at - thick / 2, slider.top + (slider.height - high) / 2, thick, high}, opaque(kAlarm));
+  }
   paint.disc(knob, slider.top + slider.height * 0.5, radius, kAccent);
   paint.disc(knob, slider.top + slider.height * 0.5, radius * 0.4, kPanel);
 }
@@ -73,8 +79,14 @@ void drawBarText(HudPaint& paint, const HudState& state, const HudFrame& frame, 
     right = drawBusy(paint, state.busy, rect, right, (right - rect.left) * (state.frame ? 0.5 : 1.0), cell);
   }
   if (!state.frame) return;
-  const std::string text = fmt::format("{} / {}  {}", *state.frame, state.frames, state.key);
-  paint.text(rect.left, lettersTop(rect, cell), fittedText(text, right - rect.left, cell), kText, cell);
+  double left = rect.left;
+  if (const double width = textWidth(state.speed, cell); !state.speed.empty() && width < (right - left) / 3) {
+    paint.text(left, lettersTop(rect, cell), state.speed, state.playing ? kAccent : kDimText, cell);
+    left += width + margin;
+  }
+  // Places count from 1, indices from 0: the sign tells them apart.
+  const std::string text = fmt::format("{} of {}, #{}: {}", *state.frame + 1, state.frames, *state.frame, state.key);
+  paint.text(left, lettersTop(rect, cell), fittedText(text, right - left, cell), kText, cell);
 }
 
 }  // namespace
@@ -94,6 +106,7 @@ void drawHudTitle(HudPaint& paint, const HudState& state, const HudFrame& frame,
 }
 
 void drawHudBar(HudPaint& paint, const HudState& state, const HudFrame& frame, HudRegions& regions) {
+  if (isEmpty(frame.bar)) return;
   paint.fill(frame.bar, opaque(kPanel));
   regions.push_back({HudPart::Panel, frame.bar, 0, 0});
   if (state.frame) {

@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "viewer/font.h"
@@ -10,16 +9,6 @@
 namespace scanmill {
 
 namespace {
-
-// Height of so many lines; the last one needs no room below its letters.
-double linesHeight(std::size_t lines, double cell) {
-  return lines == 0 ? 0 : (static_cast<double>(lines - 1) * kHudRow + kCapCells) * cell;
-}
-
-// Lines that fit into a height.
-std::size_t fittingLines(double height, double cell) {
-  return static_cast<std::size_t>(std::max((height - kCapCells * cell) / (kHudRow * cell) + 1, 0.0));
-}
 
 double widest(const std::vector<std::string>& lines, double cell) {
   double width = 0;
@@ -57,58 +46,6 @@ std::vector<std::string> messageLines(const std::vector<std::string>& messages, 
     }
   }
   return lines;
-}
-
-// Columns of help: keys and what they do.
-struct HelpTable {
-  double cell = 1;
-  double keyWidth = 0;  // px
-  double columnWidth = 0;
-  int columns = 1;
-  int rows = 0;
-};
-
-constexpr double kHelpGap = 14;    // cells, between columns
-constexpr double kHelpInset = 10;  // cells
-constexpr double kHelpTitle = 18;  // cells
-
-PixelRect helpBox(const HelpTable& table, const HudState& state) {
-  const double inset = 2 * kHelpInset * table.cell;
-  const int width = static_cast<int>(
-      std::ceil(table.columns * table.columnWidth + (table.columns - 1) * kHelpGap * table.cell + inset));
-  const int height = static_cast<int>(
-      std::ceil(kHelpTitle * table.cell + inset + linesHeight(static_cast<std::size_t>(table.rows), table.cell)));
-  return {(state.width - width) / 2, (state.height - height) / 2, width, height};
-}
-
-// Two columns where they fit, else one, else smaller letters; at last rows are left out.
-HelpTable helpTable(const HudState& state, double cell) {
-  constexpr std::array kScales{1.0, 0.9, 0.8, 0.7, 0.6};
-  constexpr double kLeastCell = 0.9;
-  const int count = static_cast<int>(state.keys.size());
-  HelpTable table;
-  for (const double scale : kScales) {
-    table.cell = std::max(cell * scale, std::min(cell, kLeastCell));
-    table.keyWidth = 0;
-    double meaning = 0;
-    for (const auto& [key, does] : state.keys) {
-      table.keyWidth = std::max(table.keyWidth, textWidth(key, table.cell));
-      meaning = std::max(meaning, textWidth(does, table.cell));
-    }
-    table.columnWidth = table.keyWidth + 8 * table.cell + meaning;
-    for (const int columns : {2, 1, 3}) {
-      table.columns = columns;
-      table.rows = (count + columns - 1) / columns;
-      const PixelRect box = helpBox(table, state);
-      if (box.width <= state.width && box.height <= state.height) return table;
-    }
-  }
-  table.columns = 1;
-  table.columnWidth = std::min(table.columnWidth, state.width - 2 * kHelpInset * table.cell);
-  table.keyWidth = std::min(table.keyWidth, table.columnWidth * 0.4);
-  const double room = state.height - (2 * kHelpInset + kHelpTitle) * table.cell;
-  table.rows = std::min(count, static_cast<int>(fittingLines(room, table.cell)));
-  return table;
 }
 
 }  // namespace
@@ -171,90 +108,6 @@ void drawHudPrompt(HudPaint& paint, const HudState& state, const HudFrame& frame
   for (std::size_t i = 0; i < hints; ++i) {
     paint.text(left + 4 * cell, y + static_cast<double>(i) * kHudRow * cell,
                fittedText(state.promptHints[i], room - 8 * cell, cell), kDimText, cell);
-  }
-}
-
-void drawHudHelp(HudPaint& paint, const HudState& state, const HudFrame& frame, HudRegions& regions) {
-  const HelpTable table = helpTable(state, frame.cell);
-  if (table.rows < 1) return;
-  const double cell = table.cell;
-  const PixelRect box = helpBox(table, state);
-  paint.fill(box, withAlpha(kPanel, kPanelAlpha));  // twice: much text, and nobody looks through it
-  paint.panel(box, kEdge, cell);
-  regions.push_back({HudPart::Help, box, 0, 0});
-  const double left = box.left + kHelpInset * cell;
-  const double top = box.top + kHelpInset * cell;
-  paint.text(left, top, fittedText("keys", table.columnWidth, cell), kDimText, cell);
-  const std::string close = "h closes";
-  const double closeLeft = box.left + box.width - kHelpInset * cell - textWidth(close, cell);
-  if (closeLeft > left + 40 * cell) paint.text(closeLeft, top, close, kDimText, cell);
-  const auto places = static_cast<std::size_t>(table.rows) * static_cast<std::size_t>(table.columns);
-  for (std::size_t i = 0; i < std::min(state.keys.size(), places); ++i) {
-    const auto& [key, does] = state.keys[i];
-    const bool cut = i + 1 == places && places < state.keys.size();
-    const std::size_t column = i / static_cast<std::size_t>(table.rows);
-    const double x = left + static_cast<double>(column) * (table.columnWidth + kHelpGap * cell);
-    const double y =
-        top + (kHelpTitle + static_cast<double>(i % static_cast<std::size_t>(table.rows)) * kHudRow) * cell;
-    if (cut) {
-      const std::string more = fmt::format("+ {} more", state.keys.size() - i);
-      paint.text(x, y, fittedText(more, table.columnWidth, cell), kDimText, cell);
-      break;
-    }
-    paint.text(x, y, fittedText(key, table.keyWidth, cell), kAccent, cell);
-    const double meaning = table.keyWidth + 8 * cell;
-    paint.text(x + meaning, y, fittedText(does, table.columnWidth - meaning, cell), kText, cell);
-  }
-}
-
-void drawHudTip(HudPaint& paint, const HudTip& tip, const HudFrame& frame) {
-  constexpr double kAway = 10;          // cells, from the pointer
-  constexpr double kWidestValue = 170;  // cells
-  constexpr double kSwatch = 8;         // cells
-  const double cell = frame.cell;
-  const int inset = toPixels(kHudMargin, cell);
-  const double roomWidth = paint.width() - 2.0 * inset;
-  const double roomHeight = paint.height() - 2.0 * inset;
-  const std::size_t lines = std::min(tip.rows.size() + 1, fittingLines(roomHeight, cell));
-  if (lines == 0 || roomWidth < kSwatch * cell) return;
-  double names = 0;
-  double values = 0;
-  for (const auto& [name, value] : tip.rows) {
-    names = std::max(names, textWidth(name, cell));
-    values = std::max(values, textWidth(value, cell));
-  }
-  names = std::min(names, roomWidth * 0.4);
-  const double valueLeft = tip.rows.empty() ? 0 : names + 8 * cell;
-  const double headingLeft = (kSwatch + 4) * cell;
-  const double width = std::min(std::max(headingLeft + std::min(textWidth(tip.heading, cell), kWidestValue * cell),
-                                         valueLeft + std::min(values, kWidestValue * cell)),
-                                roomWidth);
-  const int boxWidth = std::min(static_cast<int>(std::ceil(width)) + 2 * inset, paint.width());
-  const int boxHeight = std::min(static_cast<int>(std::ceil(linesHeight(lines, cell))) + 2 * inset, paint.height());
-  // To the right and below; on the other side of the pointer where that is outside.
-  const int away = toPixels(kAway, cell);
-  const auto placed = [away](int at, int size, int whole) {
-    const int pointer = std::clamp(at, 0, whole);
-    if (pointer + away + size <= whole) return pointer + away;
-    return std::clamp(pointer - away - size, 0, whole - size);
-  };
-  const PixelRect box{placed(tip.x, boxWidth, paint.width()), placed(tip.y, boxHeight, paint.height()), boxWidth,
-                      boxHeight};
-  paint.panel(box, kEdge, cell);
-  const double left = box.left + inset;
-  const double top = box.top + inset;
-  const int size = toPixels(kSwatch, cell);
-  paint.fill({static_cast<int>(left), static_cast<int>(std::lround(top - 0.5 * cell)), size, size}, opaque(tip.color));
-  paint.text(left + headingLeft, top, fittedText(tip.heading, width - headingLeft, cell), kText, cell);
-  for (std::size_t i = 1; i < lines; ++i) {
-    const double y = top + static_cast<double>(i) * kHudRow * cell;
-    if (i + 1 == lines && lines < tip.rows.size() + 1) {
-      paint.text(left, y, fittedText(fmt::format("+ {} more", tip.rows.size() + 1 - i), width, cell), kDimText, cell);
-      break;
-    }
-    const auto& [name, value] = tip.rows[i - 1];
-    paint.text(left, y, fittedText(name, names, cell), kDimText, cell);
-    paint.text(left + valueLeft, y, fittedText(value, width - valueLeft, cell), kText, cell);
   }
 }
 

@@ -20,19 +20,17 @@ double shownRatio(const Image& image) {
   return std::max(static_cast<double>(image.height) / std::max(image.width, 1), kFlattest);
 }
 
-// Rows of panes: that number of columns for which the pane that is farthest from a pleasing shape is nearest to it.
+// Panes are of one size, and none stays empty: of the numbers of columns for which that is so, the one whose panes are
+// nearest to a pleasing shape.
 int paneColumns(const PixelRect& body, int panes) {
   constexpr double kPleasing = 1.4;  // width over height
   int best = 1;
   double bestStray = 1e9;
   for (int columns = 1; columns <= panes; ++columns) {
-    const int rows = (panes + columns - 1) / columns;
-    const int inLastRow = panes - (rows - 1) * columns;
-    double stray = 0;
-    for (const int inRow : {columns, inLastRow}) {
-      const double shape = (static_cast<double>(body.width) / inRow) / (static_cast<double>(body.height) / rows);
-      stray = std::max(stray, std::abs(std::log(shape / kPleasing)));
-    }
+    if (panes % columns != 0) continue;
+    const int rows = panes / columns;
+    const double shape = (static_cast<double>(body.width) / columns) / (static_cast<double>(body.height) / rows);
+    const double stray = std::abs(std::log(shape / kPleasing));
     if (stray < bestStray - 1e-9) {
       bestStray = stray;
       best = columns;
@@ -51,14 +49,12 @@ void placePanes(int panes, HudFrame& frame) {
   if (panes == 0) return;
   const PixelRect& body = frame.body;
   const int columns = paneColumns(body, panes);
-  const int rows = (panes + columns - 1) / columns;
+  const int rows = panes / columns;
   const bool roomy = body.width >= 16 * columns && body.height >= 16 * rows;
   const int gap = frame.paneGap = roomy ? std::max(toPixels(1, frame.cell), 1) : 0;
   for (int i = 0; i < panes; ++i) {
-    const int row = i / columns;
-    const int inRow = row + 1 < rows ? columns : panes - (rows - 1) * columns;
-    const auto [left, width] = part(body.left, body.width, inRow, i % columns, gap);
-    const auto [top, height] = part(body.top, body.height, rows, row, gap);
+    const auto [left, width] = part(body.left, body.width, columns, i % columns, gap);
+    const auto [top, height] = part(body.top, body.height, rows, i / columns, gap);
     frame.panes.push_back({left, top, width, height});
   }
 }
@@ -114,9 +110,10 @@ HudFrame frameOf(const HudState& state) {
   frame.body = {0, 0, width, height};
   if (!state.bare) {
     frame.title = {0, 0, width, std::min(look.top, height / 3)};
-    const int barHeight = std::min(toPixels(state.frame ? kBarHeight : kPlainBarHeight, frame.cell), height / 3);
+    const double barCells = state.still ? 0 : state.frame ? kBarHeight : kPlainBarHeight;
+    const int barHeight = std::min(toPixels(barCells, frame.cell), height / 3);
     frame.bar = {0, height - barHeight, width, barHeight};
-    placeBar(state, frame);
+    if (!state.still) placeBar(state, frame);
     frame.body.top = frame.title.height;
     frame.body.height = height - frame.title.height - barHeight;
     if (state.strip && !state.strip->image.pixels.empty()) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "viewer/font.h"
+#include "viewer/scale_ticks.h"
 #include "viewer/window/hud_parts.h"
 #include "viewer/window/picked_rows.h"
 
@@ -16,13 +17,15 @@ namespace {
 constexpr double kSwatch = 8;
 constexpr double kColumnGap = 10;
 constexpr double kLongestName = 120;
+constexpr double kLongestOfFew = 240;  // names of short lists are sentences
+constexpr std::size_t kFew = 6;
 constexpr double kLeastColumn = 24;  // narrower ones are not worth reading
 constexpr double kLeastCell = 1;     // px: smaller letters cannot be read
 constexpr double kBarWidth = 9;
 constexpr double kTickLength = 3;
 
 struct Row {
-  enum class Look { Shown, Partly, Hidden };
+  enum class Look { Shown, Absent, Partly, Hidden };
   std::string name;
   std::string count;
   Rgb color{};
@@ -67,7 +70,8 @@ std::vector<Row> rowsOf(const HudPane& pane) {
   }
   for (std::size_t i = 0; i < entries.size(); ++i) {
     Row& row = rows.emplace_back(Row{entries[i].name, count(entries[i].points), entries[i].color, {}, {}, i});
-    row.look = isHidden(pane, i) ? Row::Look::Hidden : Row::Look::Shown;
+    const bool absent = points > 0 && entries[i].points == 0;  // of this frame
+    row.look = isHidden(pane, i) ? Row::Look::Hidden : absent ? Row::Look::Absent : Row::Look::Shown;
     if (pane.clickable) row.part = HudPart::Legend;
   }
   return rows;
@@ -80,10 +84,11 @@ double widestCount(const std::vector<Row>& rows, double cell) {
 }
 
 double columnWidth(const std::vector<Row>& rows, const std::string& title, double cell) {
+  const double longest = (rows.size() <= kFew ? kLongestOfFew : kLongestName) * cell;
   double name = 0;
   for (const Row& row : rows) name = std::max(name, textWidth(row.name, cell));
-  const double entries = (kSwatch + 4) * cell + std::min(name, kLongestName * cell) + widestCount(rows, cell);
-  return std::max(entries, std::min(textWidth(title, cell), kLongestName * cell));
+  const double entries = (kSwatch + 4) * cell + std::min(name, longest) + widestCount(rows, cell);
+  return std::max(entries, std::min(textWidth(title, cell), longest));
 }
 
 double titleRoom(const std::string& title, double cell) {
@@ -149,6 +154,7 @@ void drawSwatch(HudPaint& paint, const PixelRect& swatch, const Row& row, double
   const int line = std::max(toPixels(1, cell), 1);
   switch (row.look) {
     case Row::Look::Shown:
+    case Row::Look::Absent:
       paint.fill(swatch, opaque(row.color));
       break;
     case Row::Look::Partly:
@@ -188,7 +194,7 @@ void drawEntries(HudPaint& paint, const HudPane& pane, std::size_t number, const
       break;
     }
     const Row& row = rows[static_cast<std::size_t>(i)];
-    const Rgb color = row.look == Row::Look::Hidden ? kNoValue : kText;
+    const Rgb color = row.look == Row::Look::Hidden ? kNoValue : row.look == Row::Look::Absent ? kDimText : kText;
     const int size = toPixels(kSwatch, cell);
     drawSwatch(paint, {static_cast<int>(x), static_cast<int>(std::lround(y - 0.5 * cell)), size, size}, row, cell);
     const double nameLeft = (kSwatch + 4) * cell;
@@ -210,21 +216,13 @@ void drawEntries(HudPaint& paint, const HudPane& pane, std::size_t number, const
   }
 }
 
-struct Tick {
-  double share = 0;  // of the bar, from its low end
-  std::string figure;
-};
-
-std::vector<Tick> ticksOf(const Legend& legend) {
-  constexpr int kTicks = 5;
-  if (!(legend.high > legend.low)) return {{0.5, fmt::format("{:.4g}", legend.low)}};
-  std::vector<Tick> ticks;
-  for (int i = 0; i < kTicks; ++i) {
-    const double share = static_cast<double>(i) / (kTicks - 1);
-    const double value = legend.low + std::pow(share, legend.power) * (legend.high - legend.low);
-    ticks.push_back({share, fmt::format("{:.3g}", value)});
-  }
-  return ticks;
+// Below a scale: how many points have no value, and why.
+std::vector<std::string> unknownLines(const Legend& legend, double width, double cell) {
+  constexpr std::size_t kMostLines = 3;
+  if (legend.unknown == 0) return {};
+  std::string text = fmt::format("no value: {}", groupedCount(legend.unknown));
+  if (!legend.whyUnknown.empty()) text += fmt::format("\n{}", legend.whyUnknown);
+  return wrappedText(text, width, cell, kMostLines);
 }
 
 Rgb scaleColor(const Legend& legend, int at, int length) {
@@ -235,25 +233,30 @@ Rgb scaleColor(const Legend& legend, int at, int length) {
 void drawScale(HudPaint& paint, const Legend& legend, std::size_t number, const PixelRect& rect, const Room& room,
                double cell, HudRegions& regions) {
   constexpr double kLongest = 130, kShortest = 50, kTitleWidth = 90;  // cells
-  constexpr std::size_t kTitleLines = 3;
-  const std::vector<Tick> ticks = ticksOf(legend);
+  constexpr std::size_t kTitleLines = 4;
+  const std::vector<ScaleTick> ticks = scaleTicks(legend);
   double figures = 0;
-  for (const Tick& tick : ticks) figures = std::max(figures, textWidth(tick.figure, cell));
+  for (const ScaleTick& tick : ticks) figures = std::max(figures, textWidth(tick.figure, cell));
   const int inset = toPixels(kHudMargin, cell);
   const double titleWidth = std::min(kTitleWidth * cell, static_cast<double>(room.width - 2 * inset));
-  const std::vector<std::string> title = wrappedText(legend.title, titleWidth, cell, kTitleLines);
+  const std::vector<std::string> title = wrappedText(scaleTitle(legend), titleWidth, cell, kTitleLines);
+  const double unknownLeft = (kSwatch + 4) * cell;
+  const std::vector<std::string> unknown = unknownLines(legend, titleWidth - unknownLeft, cell);
   double widest = 0;
   for (const std::string& line : title) widest = std::max(widest, textWidth(line, cell));
+  for (const std::string& line : unknown) widest = std::max(widest, unknownLeft + textWidth(line, cell));
+  const int unknownHeight = toPixels(static_cast<double>(unknown.size()) * kHudRow, cell);
   const int titleHeight = toPixels(static_cast<double>(title.size()) * kHudRow, cell);
 
   const int thick = toPixels(kBarWidth, cell);
-  const double roomHeight = room.height - titleHeight - 2 * inset;
+  const double roomHeight = room.height - titleHeight - unknownHeight - 2 * inset;
   const bool upright = roomHeight >= kShortest * cell;
   const double beside = (kBarWidth + kTickLength + 3) * cell + figures;
   const double lying = std::max(2 * figures + 8 * cell, kShortest * cell);
   const int width = static_cast<int>(std::ceil(std::max(widest, upright ? beside : lying))) + 2 * inset;
   const int length = upright ? toPixels(std::min(kLongest, roomHeight / cell), cell) : std::max(width - 2 * inset, 1);
-  const int height = titleHeight + 2 * inset + (upright ? length : thick + toPixels(kTickLength + 9, cell));
+  const int below = upright ? length : thick + toPixels(kTickLength + 9, cell);
+  const int height = titleHeight + 2 * inset + below + unknownHeight;
   if (width > room.width || height > room.height) return;
   const PixelRect panel = panelAt(rect, width, height, cell);
   paint.panel(panel, kEdge, cell);
@@ -269,7 +272,16 @@ void drawScale(HudPaint& paint, const Legend& legend, std::size_t number, const 
   }
   const int line = std::max(toPixels(1, cell), 1);
   const int tickLength = toPixels(kTickLength, cell);
-  for (const Tick& tick : ticks) {
+  const double first = top + below + (kHudRow - kCapCells) * cell;
+  if (!unknown.empty()) {
+    const int size = toPixels(kSwatch, cell);
+    paint.fill({left, static_cast<int>(std::lround(first - 0.5 * cell)), size, size}, opaque(kNoValue));
+  }
+  for (std::size_t i = 0; i < unknown.size(); ++i) {
+    paint.text(left + unknownLeft, first + static_cast<double>(i) * kHudRow * cell, unknown[i],
+               i == 0 ? kText : kDimText, cell);
+  }
+  for (const ScaleTick& tick : ticks) {
     const int along = static_cast<int>(std::lround(tick.share * (length - line)));
     if (upright) {
       const int y = top + length - line - along;
@@ -279,7 +291,7 @@ void drawScale(HudPaint& paint, const Legend& legend, std::size_t number, const 
       continue;
     }
     paint.fill({left + along, top + thick, line, tickLength}, opaque(kDimText));
-    const bool end = tick.share == 0 || tick.share == 1 || ticks.size() == 1;
+    const bool end = &tick == &ticks.front() || &tick == &ticks.back();  // there is room for two
     const double own = textWidth(tick.figure, cell);
     if (end) paint.text(left + tick.share * (length - own), top + thick + 5 * cell, tick.figure, kText, cell);
   }

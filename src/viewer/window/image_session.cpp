@@ -11,6 +11,8 @@
 #include "viewer/color_map.h"
 #include "viewer/pass_picture.h"
 #include "viewer/window/hud.h"
+#include "viewer/window/hud_parts.h"
+#include "viewer/window/image_pane.h"
 #include "viewer/window/save_picture.h"
 
 namespace scanmill {
@@ -19,77 +21,128 @@ namespace {
 
 std::vector<std::pair<std::string, std::string>> imageKeys() {
   return {{"Right, Left (] [)", "next, previous plane"},
+          {"Page_Down, Page_Up (. ,)", "next, previous image"},
+          {"< >", "first, last image"},
+          {"space", "play, pause"},
           {"wheel", "larger, smaller"},
           {"drag", "move"},
           {"Home", "the whole image"},
+          {"k", "legend (what colours mean)"},
           {"P", "save a picture"},
-          {"h", "these keys"},
-          {"q, Escape", "quit"}};
+          {"h", "these keys; Up, Down or the wheel: more of them"},
+          {"Escape", "close what is open"},
+          {"q", "quit"}};
 }
 
-// The part of a plane that is seen, in its pixels.
-struct Window {
-  int left = 0, top = 0, width = 1, height = 1;
-};
-
-Image crop(const Image& image, const Window& part) {
-  Image out(part.width, part.height, {});
-  paste(out, image, -part.left, -part.top);
-  return out;
+bool isAmong(const std::string& name, std::initializer_list<const char*> names) {
+  return std::any_of(names.begin(), names.end(), [&](const char* n) { return name == n; });
 }
 
 }  // namespace
 
 struct ImageSession::State {
-  State(const std::filesystem::path& exr, const Ontology* ontology, Canvas& drawnOn, const std::string& wanted,
-        bool bare)
-      : file(exr), canvas(drawnOn), planes(readExrPlanes(exr, ontology)) {
+  State(ImageList all, Canvas& drawnOn, const std::string& wanted, bool bare, bool still)
+      : images(std::move(all)), canvas(drawnOn), index(images.first) {
     hud.bare = bare;
-    hud.title = file.filename().string();
+    hud.still = still;
+    hud.frames = images.files.size();
+    load();
     if (wanted.empty()) return;
     std::vector<std::string> names;
     for (const PassPlane& p : planes) names.push_back(p.name);
     const auto found = std::find(names.begin(), names.end(), wanted);
     if (found == names.end()) {
-      throw InputError({file.string()}, fmt::format("has no plane '{}'; it has {}", wanted, fmt::join(names, ", ")));
+      throw InputError({images.files[index].string()},
+                       fmt::format("has no plane '{}'; it has {}", wanted, fmt::join(names, ", ")));
     }
     plane = static_cast<std::size_t>(found - names.begin());
   }
 
   const Image& image() const { return planes[plane].image; }
 
-  void step(int by) {
+  void load() {
+    planes = readExrPlanes(images.files[index], images.ontology ? &*images.ontology : nullptr, images.materials(index));
+  }
+
+  // Of images that cannot be read, nothing is shown but why.
+  void goTo(std::size_t target) {
+    target = std::min(target, images.files.size() - 1);
+    if (target == index) return;
+    const std::string name = planes[plane].name;
+    index = target;
+    hud.problems.clear();
+    try {
+      load();
+    } catch (const Error& e) {
+      hud.problems = {e.what()};
+      warn(e.what());
+      planes = {PassPlane{name, Image(1, 1, kBackground), [](int, int) { return std::string(); }, "", {}}};
+    }
+    const auto same = std::find_if(planes.begin(), planes.end(), [&](const PassPlane& p) { return p.name == name; });
+    plane = same == planes.end() ? 0 : static_cast<std::size_t>(same - planes.begin());
+    lastStep = clock.seconds();
+    changed = pictureChanged = true;
+  }
+
+  void stepImage(int by) {
+    const std::size_t count = images.files.size();
+    if (count == 1) return notice("there is one image only: the recording's folder shows all");
+    const bool ends = by > 0 ? index + 1 == count : index == 0;
+    if (ends) return notice(by > 0 ? "this is the last image" : "this is the first image");
+    goTo(by > 0 ? index + 1 : index - 1);
+  }
+
+  void stepPlane(int by) {
     const std::size_t count = planes.size();
     plane = (plane + (by > 0 ? 1 : count - 1)) % count;
     pictureChanged = true;
   }
 
-  void scale(double by) {
-    const double most = std::max(1.0, std::min(image().width, image().height) / 4.0);
-    zoom = std::clamp(zoom * by, 1.0, most);
+  void togglePlaying() {
+    if (images.files.size() == 1) return notice("there is one image only");
+    hud.playing = !hud.playing;
+    lastStep = clock.seconds();
+    if (hud.playing && index + 1 == images.files.size()) goTo(0);
+  }
+
+  // Pixel of what is drawn of the image, of which there is one per pixel of the canvas.
+  std::optional<std::pair<double, double>> roomAt(int x, int y) const {
+    if (!hud.picture) return {};
+    const auto pixel = imagePixelAt(layout.picture, hud.picture->image, x, y);
+    if (!pixel) return {};
+    return std::pair(pixel->first + 0.5, pixel->second + 0.5);
+  }
+
+  void zoom(double steps, int x, int y) {
+    constexpr double kStep = 1.25;
+    const auto at = roomAt(x, y);
+    const double middleX = hud.picture ? hud.picture->image.width / 2.0 : 0;
+    const double middleY = hud.picture ? hud.picture->image.height / 2.0 : 0;
+    pane.zoomAt(std::pow(kStep, std::clamp(steps, -20.0, 20.0)), at ? at->first : middleX, at ? at->second : middleY);
     pictureChanged = true;
   }
 
   void show() {
-    if (pictureChanged) {
-      const Image& whole = image();
-      part.width = std::clamp(static_cast<int>(std::lround(whole.width / zoom)), 1, whole.width);
-      part.height = std::clamp(static_cast<int>(std::lround(whole.height / zoom)), 1, whole.height);
-      centerX = std::clamp(centerX, 0.5 * part.width / whole.width, 1 - 0.5 * part.width / whole.width);
-      centerY = std::clamp(centerY, 0.5 * part.height / whole.height, 1 - 0.5 * part.height / whole.height);
-      part.left = std::clamp(static_cast<int>(std::lround(centerX * whole.width - part.width / 2.0)), 0,
-                             whole.width - part.width);
-      part.top = std::clamp(static_cast<int>(std::lround(centerY * whole.height - part.height / 2.0)), 0,
-                            whole.height - part.height);
-      const PassPlane& p = planes[plane];
-      hud.picture = HudStrip{zoom > 1 ? crop(whole, part) : whole, {}, p.note};
-      hud.summary = fmt::format("{} ({} of {}), {} x {}", p.name, plane + 1, planes.size(), whole.width, whole.height);
-      pictureChanged = false;
-    }
+    const PassPlane& p = planes[plane];
+    hud.title = images.files.size() > 1 ? images.title + ": " + images.names[index] : images.title;
+    hud.key = images.names[index];
+    hud.frame = images.files.size() > 1 ? std::optional(index) : std::nullopt;
+    hud.summary =
+        fmt::format("{} ({} of {}), {} x {}", p.name, plane + 1, planes.size(), p.image.width, p.image.height);
+    hud.panes.clear();
+    if (legends && (p.legend.scale || !p.legend.entries.empty())) hud.panes.emplace_back().legend = p.legend;
+    if (hud.width != canvas.width() || hud.height != canvas.height()) pictureChanged = true;
     hud.width = canvas.width();
     hud.height = canvas.height();
     hud.help = help;
     hud.keys = help ? imageKeys() : std::vector<std::pair<std::string, std::string>>{};
+    if (pictureChanged) {
+      if (!hud.picture) hud.picture.emplace();
+      const HudFrame frame = frameOf(hud);
+      pane.place(p.image.width, p.image.height, frame.body.width, frame.body.height - frame.pictureCaption.height);
+      hud.picture = HudStrip{pane.draw(p.image), {}, p.note};
+      pictureChanged = false;
+    }
     layout = layoutHud(hud);
     point();
     drawn = drawHud(hud);
@@ -102,12 +155,9 @@ struct ImageSession::State {
     changed = false;
   }
 
-  // Column and row of the whole image.
   std::optional<std::pair<int, int>> pixelAt(int x, int y) const {
-    if (!hud.picture) return {};
-    auto pixel = imagePixelAt(layout.picture, hud.picture->image, x, y);
-    if (pixel) *pixel = {pixel->first + part.left, pixel->second + part.top};
-    return pixel;
+    const auto at = roomAt(x, y);
+    return at ? pane.pixelAt(at->first, at->second) : std::nullopt;
   }
 
   std::optional<std::vector<std::pair<std::string, std::string>>> valuesAt(int x, int y) const {
@@ -131,8 +181,10 @@ struct ImageSession::State {
     hud.tip.reset();
     hud.picture->mark.reset();
     const auto pixel = pixelAt(pointerX, pointerY);
-    if (!pixel) return;
-    hud.picture->mark = {pixel->first - part.left, pixel->second - part.top};
+    if (!pixel || help) return;
+    const HudRegion* const over = regionAt(drawn, pointerX, pointerY);
+    if (over != nullptr && over->part != HudPart::Picture) return;
+    hud.picture->mark = pane.roomPixelOf(pixel->first, pixel->second);
     HudTip tip;
     tip.x = pointerX;
     tip.y = pointerY;
@@ -146,22 +198,47 @@ struct ImageSession::State {
     constexpr double kSeconds = 4;
     hud.notices = {text};
     noticeUntil = clock.seconds() + kSeconds;
+    changed = true;
+  }
+
+  void scrollHelp(double lines) {
+    const auto last = static_cast<double>(helpPages(hud).lastFirst);
+    hud.helpFirst =
+        static_cast<std::size_t>(std::clamp(static_cast<double>(hud.helpFirst) + std::round(lines), 0.0, last));
+    changed = true;
   }
 
   bool key(const std::string& name) {
     changed = true;
-    if (name == "Right" || name == "bracketright" || name == "KP_Right" || name == "period") {
-      step(1);
-    } else if (name == "Left" || name == "bracketleft" || name == "KP_Left" || name == "comma") {
-      step(-1);
-    } else if (name == "Home") {
-      zoom = 1;
+    if (help && isAmong(name, {"Up", "Down", "KP_Up", "KP_Down"})) {
+      const auto page = static_cast<double>(helpPages(hud).page);
+      scrollHelp(name.ends_with("Up") ? -page : page);
+    } else if (isAmong(name, {"Right", "bracketright", "KP_Right"})) {
+      stepPlane(1);
+    } else if (isAmong(name, {"Left", "bracketleft", "KP_Left"})) {
+      stepPlane(-1);
+    } else if (isAmong(name, {"Page_Down", "Next", "period"})) {
+      stepImage(1);
+    } else if (isAmong(name, {"Page_Up", "Prior", "comma"})) {
+      stepImage(-1);
+    } else if (name == "less") {
+      goTo(0);
+    } else if (isAmong(name, {"greater", "End"})) {
+      goTo(images.files.size() - 1);
+    } else if (name == "space") {
+      togglePlaying();
+    } else if (isAmong(name, {"Home", "KP_Home"})) {
+      pane.showWhole();
       pictureChanged = true;
-    } else if (name == "h" || name == "question") {
+    } else if (name == "k") {
+      legends = !legends;
+    } else if (isAmong(name, {"h", "question"})) {
       help = !help;
-    } else if (name == "Escape" && help) {
+      hud.helpFirst = 0;
+    } else if (name == "Escape") {
+      if (!help) notice("q quits");
       help = false;
-    } else if (name == "q" || name == "Escape") {
+    } else if (name == "q") {
       return false;
     } else if (name == "P") {
       show();
@@ -174,10 +251,40 @@ struct ImageSession::State {
     return true;
   }
 
+  void press(const CanvasEvent& event) {
+    dragging = sliding = false;
+    const HudRegion* const over = regionAt(drawn, event.x, event.y);
+    if (over == nullptr) return;
+    switch (over->part) {
+      case HudPart::Picture:
+        dragging = true;
+        break;
+      case HudPart::Slider:
+        sliding = true;
+        slider = over->rect;
+        hud.playing = false;
+        goTo(sliderFrame(slider, images.files.size(), event.x));
+        break;
+      case HudPart::PlayButton:
+        togglePlaying();
+        break;
+      case HudPart::Help:
+        help = !help;
+        hud.helpFirst = 0;
+        break;
+      case HudPart::Problem:
+        hud.problems.clear();
+        break;
+      default:
+        break;
+    }
+    changed = true;
+  }
+
   void move(const CanvasEvent& event) {
-    if (dragging && layout.picture.width > 0 && layout.picture.height > 0) {
-      centerX -= (event.x - pointerX) / (layout.picture.width * zoom);
-      centerY -= (event.y - pointerY) / (layout.picture.height * zoom);
+    if (sliding) goTo(sliderFrame(slider, images.files.size(), event.x));
+    if (dragging) {
+      pane.moveBy(event.x - pointerX, event.y - pointerY);
       pictureChanged = true;
     }
     pointerX = event.x;
@@ -185,33 +292,47 @@ struct ImageSession::State {
     changed = true;
   }
 
-  std::filesystem::path file;
+  void tick() {
+    constexpr double kImageSeconds = 0.5;
+    const double now = clock.seconds();
+    if (!hud.notices.empty() && now > noticeUntil) {
+      hud.notices.clear();
+      changed = true;
+    }
+    if (!hud.playing || now - lastStep < kImageSeconds) return;
+    goTo(index + 1);
+    hud.playing = index + 1 < images.files.size();
+    changed = true;
+  }
+
+  ImageList images;
   Canvas& canvas;
+  std::size_t index = 0;
   std::vector<PassPlane> planes;
   std::size_t plane = 0;
-  double zoom = 1;
-  double centerX = 0.5, centerY = 0.5;  // of what is seen, 0 to 1
-  Window part;
+  ImagePane pane;
   HudState hud;
   HudLayout layout;
   Hud drawn;
+  bool legends = true;
   bool help = false;
   bool dragging = false;
+  bool sliding = false;
+  PixelRect slider;
   bool changed = true;
   bool pictureChanged = true;
   int pointerX = -1, pointerY = -1;
   WallTimer clock;
   double noticeUntil = 0;  // s
+  double lastStep = 0;     // s, of playing
 };
 
-ImageSession::ImageSession(const std::filesystem::path& file, const Ontology* ontology, Canvas& canvas,
-                           const std::string& plane, bool bare)
-    : state_(std::make_unique<State>(file, ontology, canvas, plane, bare)) {}
+ImageSession::ImageSession(ImageList images, Canvas& canvas, const std::string& plane, bool bare, bool still)
+    : state_(std::make_unique<State>(std::move(images), canvas, plane, bare, still)) {}
 
 ImageSession::~ImageSession() = default;
 
 bool ImageSession::handle(const CanvasEvent& event) {
-  constexpr double kStep = 1.25;
   State& s = *state_;
   switch (event.kind) {
     case CanvasEvent::Kind::Close:
@@ -223,24 +344,22 @@ bool ImageSession::handle(const CanvasEvent& event) {
       s.move(event);
       break;
     case CanvasEvent::Kind::Down:
-      s.dragging = s.layout.picture.contains(event.x, event.y);
+      s.press(event);
       break;
     case CanvasEvent::Kind::Up:
-      s.dragging = false;
+      s.dragging = s.sliding = false;
       break;
     case CanvasEvent::Kind::Wheel:
-      if (std::isfinite(event.amount)) s.scale(std::pow(kStep, std::clamp(event.amount, -20.0, 20.0)));
+      if (!std::isfinite(event.amount)) break;
       s.changed = true;
+      s.help ? s.scrollHelp(-3 * event.amount) : s.zoom(event.amount, event.x, event.y);
       break;
     case CanvasEvent::Kind::Resize:
     case CanvasEvent::Kind::Expose:
       s.changed = true;
       break;
     case CanvasEvent::Kind::Tick:
-      if (!s.hud.notices.empty() && s.clock.seconds() > s.noticeUntil) {
-        s.hud.notices.clear();
-        s.changed = true;
-      }
+      s.tick();
       break;
   }
   // Moves come in crowds: they are drawn with the next tick.
@@ -255,6 +374,10 @@ void ImageSession::settle() {
 
 Image ImageSession::picture() {
   return state_->canvas.read();
+}
+
+const std::string& ImageSession::name() const {
+  return state_->images.names[state_->index];
 }
 
 std::optional<std::vector<std::pair<std::string, std::string>>> ImageSession::pick(int x, int y) const {

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "viewer/window/class_filter.h"
@@ -25,6 +26,25 @@ std::optional<std::size_t> beamOf(const Scan& scan, std::size_t point) {
   if (scan.organised) return point;
   if (scan.ring.empty() || scan.column.empty()) return {};
   return std::size_t{scan.ring[point]} * scan.columns + scan.column[point];
+}
+
+// "range error (m)" as "range error": the value has the unit.
+std::string withoutUnit(const std::string& title) {
+  const std::size_t unit = title.rfind(" (");
+  return unit == std::string::npos || title.back() != ')' ? title : title.substr(0, unit);
+}
+
+std::string valueIn(const Rows& rows, const std::string& name) {
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.first == name; });
+  return found == rows.end() ? "" : found->second;
+}
+
+std::optional<std::size_t> pointOfBeam(const Scan& scan, std::size_t beam) {
+  if (scan.organised) return beam < scan.size() ? std::optional(beam) : std::nullopt;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (std::size_t{scan.ring[i]} * scan.columns + scan.column[i] == beam) return i;
+  }
+  return {};
 }
 
 void addBeam(Rows& rows, const ViewScan& scan, std::size_t point) {
@@ -77,7 +97,7 @@ PickedThing describePoint(const ViewScan& viewed, std::size_t scanIndex, std::si
   if (!scan.incidence.empty()) rows.emplace_back("incidence", angle(double{scan.incidence[point]}));
   if (!viewed.error.empty()) {
     const double error = double{viewed.error[point]};
-    rows.emplace_back(viewed.errorTitle.empty() ? "error" : viewed.errorTitle,
+    rows.emplace_back(viewed.errorTitle.empty() ? "error" : withoutUnit(viewed.errorTitle),
                       std::isfinite(error) ? fmt::format("{:.4f} m", error) : "not known");
   }
   if (!scan.time.empty()) rows.emplace_back("time", fmt::format("{:.4f} ms", double{scan.time[point]} * 1e3));
@@ -86,6 +106,90 @@ PickedThing describePoint(const ViewScan& viewed, std::size_t scanIndex, std::si
   if (!viewed.method.empty()) rows.emplace_back("method", viewed.method);
   rows.emplace_back("point", fmt::format("{} of {}", point, groupedCount(scan.size())));
   return thing;
+}
+
+void addBrief(PickedThing& thing, ColorBy shown) {
+  const Rows& rows = thing.rows;
+  thing.brief.emplace_back("range", valueIn(rows, "range"));
+  const std::string ring = valueIn(rows, "ring");
+  const std::string column = valueIn(rows, "column");
+  if (!ring.empty() && !column.empty()) {
+    thing.brief.emplace_back("ring, column", fmt::format("{}, {}", ring, column));
+  } else if (!ring.empty()) {
+    thing.brief.emplace_back("ring", ring);
+  }
+  const auto add = [&](const std::string& name, const std::string& value) {
+    if (!value.empty()) thing.brief.emplace_back(name, value);
+  };
+  switch (shown) {
+    case ColorBy::Intensity:
+      return add("intensity", valueIn(rows, "intensity"));
+    case ColorBy::Time:
+      return add("time", valueIn(rows, "time"));
+    case ColorBy::Height:
+      return add("height", valueIn(rows, "z"));
+    case ColorBy::Incidence:
+      return add("incidence", valueIn(rows, "incidence"));
+    case ColorBy::Method:
+      return add("method", valueIn(rows, "method"));
+    case ColorBy::Error: {
+      const auto error = std::find_if(rows.begin(), rows.end(), [](const auto& row) {
+        return row.first.find("error") != std::string::npos || row.first.find("twin") != std::string::npos;
+      });
+      if (error != rows.end()) add(error->first, error->second);
+      return;
+    }
+    case ColorBy::Class:
+    case ColorBy::Instance:
+    case ColorBy::Return:
+    case ColorBy::Range:
+    case ColorBy::Ring:
+      return;
+  }
+}
+
+void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology) {
+  const Vec3d& size = summary.size;
+  const std::string points =
+      fmt::format("{} point{}", groupedCount(summary.points.size()), summary.points.size() == 1 ? "" : "s");
+  Rows rows{{"its points", points.substr(0, points.find(' '))},
+            {"its upright box", fmt::format("{:.2f} x {:.2f} x {:.2f} m", size.x, size.y, size.z)}};
+  thing.brief.emplace_back("instance", fmt::format("{}, {:.1f} x {:.1f} x {:.1f} m", points, size.x, size.y, size.z));
+  if (summary.classes.size() > 1) {
+    std::string classes;
+    for (const auto& [id, count] : summary.classes) {
+      classes += fmt::format("{}{} {}", classes.empty() ? "" : ", ", className(ontology, id), groupedCount(count));
+    }
+    thing.alarm = "its classes";
+    rows.emplace_back(thing.alarm, classes);
+    thing.brief.emplace_back(thing.alarm, classes);
+  }
+  auto after = std::find_if(thing.rows.begin(), thing.rows.end(), [](const auto& r) { return r.first == "instance"; });
+  if (after != thing.rows.end()) ++after;
+  thing.rows.insert(after, rows.begin(), rows.end());
+}
+
+void addSameBeam(PickedThing& thing, const Scan& own, const ViewScan& other, const Ontology* ontology) {
+  const Scan& scan = other.scan;
+  const auto beam = beamOf(own, thing.point);
+  const bool known = scan.organised || (!scan.ring.empty() && !scan.column.empty());
+  if (!beam || !known || own.rings != scan.rings || own.columns != scan.columns) return;
+  const auto point = pointOfBeam(scan, *beam);
+  if (!point || !isFinite(scan.position[*point])) {
+    thing.rows.emplace_back(other.name, "no return");
+    return;
+  }
+  std::string told = fmt::format("{:.2f} m", length(Vec3d(scan.position[*point])));
+  if (!scan.label.empty()) told += ", " + className(ontology, scan.label[*point]);
+  thing.rows.emplace_back(other.name, told);
+}
+
+std::string wholeName(const ViewScan& scan, const std::string& dataset) {
+  std::string name = scan.name;
+  for (const std::string* part : {&scan.sensor, &scan.method}) {
+    if (!part->empty() && name.find(*part) == std::string::npos) name += ", " + *part;
+  }
+  return name.find(dataset) == std::string::npos && name.find(": ") == std::string::npos ? dataset + ": " + name : name;
 }
 
 PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPlace) {
@@ -108,6 +212,9 @@ PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const V
   thing.rows.emplace_back("world y", fmt::format("{:.3f} m", worldPlace.y));
   thing.rows.emplace_back("world z", fmt::format("{:.3f} m", worldPlace.z));
   thing.rows.emplace_back("triangle", fmt::format("{} of {}", triangle, groupedCount(mesh.size())));
+  for (const char* row : {"object", "material", "reflectance"}) {
+    if (const std::string value = valueIn(thing.rows, row); !value.empty()) thing.brief.emplace_back(row, value);
+  }
   return thing;
 }
 

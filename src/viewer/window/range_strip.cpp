@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/error.h"
 #include "viewer/color_map.h"
 #include "viewer/picture.h"
+#include "viewer/window/strip_columns.h"
 
 namespace scanmill {
 
@@ -38,8 +40,19 @@ bool elevationsRise(const Scan& scan) {
   return sumBoth * count > sumRing * sumElevation;
 }
 
-// Background, of the size of the sensor's rings and columns.
-Image emptyGrid(const Scan& scan) {
+struct GridSize {
+  std::size_t rings = 1;
+  std::size_t columns = 1;
+};
+
+void requireFitting(const GridSize& size) {
+  if (size.rings <= kMostPictureSide && size.columns <= kMostPictureSide) return;
+  throw InputError(fmt::format("{} rings x {} columns do not fit a picture of at most {} x {}", size.rings,
+                               size.columns, kMostPictureSide, kMostPictureSide));
+}
+
+// The sensor's rings and columns.
+GridSize gridOf(const Scan& scan) {
   std::size_t rings = scan.rings;
   std::size_t columns = scan.columns;
   if (!scan.organised) {
@@ -55,28 +68,43 @@ Image emptyGrid(const Scan& scan) {
     for (const std::uint16_t r : scan.ring) rings = std::max<std::size_t>(rings, r + std::size_t{1});
     for (const std::uint16_t c : scan.column) columns = std::max<std::size_t>(columns, c + std::size_t{1});
   }
-  if (rings > kMostPictureSide || columns > kMostPictureSide) {
-    throw InputError(fmt::format("{} rings x {} columns do not fit a picture of at most {} x {}", rings, columns,
-                                 kMostPictureSide, kMostPictureSide));
-  }
-  return {std::max(static_cast<int>(columns), 1), std::max(static_cast<int>(rings), 1), kBackground};
+  const GridSize size{std::max<std::size_t>(rings, 1), std::max<std::size_t>(columns, 1)};
+  requireFitting(size);
+  return size;
 }
 
 }  // namespace
 
-RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const std::vector<bool>& shown) {
+RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const std::vector<bool>& shown,
+                          StripOrder order, const BeamTable* beams) {
+  const GridSize grid = gridOf(scan);
   RangeStrip strip;
-  strip.image = emptyGrid(scan);
+  strip.columns = grid.columns;
+  std::vector<std::size_t> ring(scan.size());
+  std::vector<std::size_t> column(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    ring[i] = ringOf(scan, i);
+    column[i] = columnOf(scan, i);
+  }
+  std::size_t width = grid.columns;
+  if (order == StripOrder::Outward) {
+    const auto look = stripColumns(scan, ring, column, grid.rings, grid.columns, beams);
+    const auto shifts = look ? lookingOutward(*look, grid.columns) : std::nullopt;
+    if (shifts && shifts->width <= kMostPictureSide) {
+      for (std::size_t i = 0; i < scan.size(); ++i) column[i] = shifts->place(ring[i], column[i]);
+      width = shifts->width;
+      strip.order = StripOrder::Outward;
+      strip.fullTurn = shifts->fullTurn;
+    }
+  }
+  strip.image = Image(static_cast<int>(width), static_cast<int>(grid.rings), kBackground);
   strip.ringsRise = elevationsRise(scan);
   strip.pointAt.assign(strip.image.pixels.size(), kNoPoint);
   strip.pixelOf.resize(scan.size());
-  const auto width = static_cast<std::size_t>(strip.image.width);
-  const auto rings = static_cast<std::size_t>(strip.image.height);
   std::vector<double> nearest(strip.image.pixels.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    const std::size_t ring = ringOf(scan, i);
-    const std::size_t row = strip.ringsRise ? rings - 1 - ring : ring;
-    const std::size_t pixel = row * width + columnOf(scan, i);
+    const std::size_t row = strip.ringsRise ? grid.rings - 1 - ring[i] : ring[i];
+    const std::size_t pixel = row * width + column[i];
     strip.pixelOf[i] = static_cast<std::uint32_t>(pixel);
     const double range = length(Vec3d(scan.position[i]));
     if (!(range < nearest[pixel]) || (!shown.empty() && !shown[i])) continue;  // a miss is not a number
@@ -85,6 +113,16 @@ RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const s
     strip.pointAt[pixel] = static_cast<std::uint32_t>(i);
   }
   return strip;
+}
+
+std::string describeStrip(const RangeStrip& strip, StripOrder wanted) {
+  const char* how = "as the sensor orders it";
+  if (strip.order == StripOrder::Outward) {
+    how = strip.fullTurn ? "looking outward, straight ahead in the middle" : "looking outward";
+  } else if (wanted == StripOrder::Outward) {
+    how = "as the sensor orders it: its columns follow no azimuth";
+  }
+  return fmt::format("{} rings x {} columns, {}", strip.image.height, strip.columns, how);
 }
 
 }  // namespace scanmill

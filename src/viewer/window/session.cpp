@@ -15,10 +15,26 @@ ViewSession::State::State(std::shared_ptr<const FrameSource> frames, Canvas& dra
       camera(chosen.camera),
       cameraGiven(!(chosen.camera == presetCamera(View::Chase))),
       loader(source),
-      filter(chosen.hidden, chosen.only, source->ontology()) {
+      filter(chosen.hidden, chosen.only, source->ontology()),
+      aloneInstances(chosen.instances.begin(), chosen.instances.end()) {
   for (std::size_t v = 0; v < std::min(options.colors.size(), colors.size()); ++v) colors[v] = options.colors[v];
+  for (std::size_t v = 0; v < scales.size(); ++v) {
+    if (options.scale && v < options.colors.size() && isNumeric(options.colors[v])) scales[v] = options.scale;
+  }
+  if (options.scale && options.colors.size() == 1) scales.fill(options.scale);
   if (source->keys().empty()) throw InputError(fmt::format("{}: holds no sample", source->title()));
-  goTo(findFrame(*source, options.sample), 1);
+  if (source->isScene() && !options.colors.empty()) {
+    const ColorBy by = options.colors.front();
+    if (const std::string why = sceneLacks({KeyAction::ColorByNumber, static_cast<std::size_t>(by)}); !why.empty()) {
+      throw InputError(fmt::format("{}: {}", source->title(), why));
+    }
+    chooseColor(by);
+  }
+  for (const std::uint16_t id : source->classes()) presentClasses.insert(id);
+  classesKnown = !presentClasses.empty();
+  seeking = options.sample.empty() && !source->isScene();
+  firstWanted = findFrame(*source, options.sample);
+  wantFrame(firstWanted, 1);
 }
 
 ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canvas, const ViewOptions& options)
@@ -32,7 +48,7 @@ bool ViewSession::handle(const CanvasEvent& event) {
 
 void ViewSession::settle() {
   State& s = *state_;
-  if (s.at != s.wanted) s.adopt(s.loader.wait(s.wanted));
+  while (s.at != s.wanted) s.adopt(s.loader.wait(s.wanted));  // what cannot be read leads to another one
   if (s.meshOn() && s.meshWanted) {
     auto loaded = s.loader.waitMesh(*s.meshWanted);
     if (loaded != s.mesh) s.takeMesh(std::move(loaded));
@@ -67,11 +83,22 @@ void ViewSession::setCamera(const OrbitCamera& camera) {
 
 std::optional<PickedThing> ViewSession::pick(int x, int y) const {
   state_->refresh();
-  return state_->pick(x, y);
+  auto thing = state_->pick(x, y);
+  if (thing) thing = state_->inFull(std::move(*thing));
+  return thing;
+}
+
+void ViewSession::pin(const PickedThing& thing) {
+  state_->pinned = thing;
+  state_->hudChanged = true;
 }
 
 std::vector<std::string> ViewSession::problems() const {
   return state_->problems();
+}
+
+const std::vector<std::string>& ViewSession::hints() const {
+  return state_->hints;
 }
 
 }  // namespace scanmill

@@ -16,6 +16,7 @@
 #include "viewer/frames/frame_loader.h"
 #include "viewer/frames/frame_source.h"
 #include "viewer/window/orbit_camera.h"
+#include "viewer/window/range_strip.h"
 
 namespace scanmill {
 
@@ -26,10 +27,11 @@ enum class ViewLayout {
 };
 
 struct ViewOptions {
-  std::vector<ColorBy> colors{};  // of the views; absent: what colorScan() takes
+  std::vector<ColorBy> colors{};      // of the views; absent: what colorScan() takes
+  std::optional<ScaleRange> scale{};  // of the views whose colours are numbers; absent: follows from the values
   ViewLayout layout = ViewLayout::One;
   OrbitCamera camera = presetCamera(View::Chase);
-  std::string sample{};  // key or index; empty: the middle one
+  std::string sample{};  // key or index; empty: the middle one, or the first that can be read
   double pointSize = 0;  // px; 0: what suits the canvas
   Rgb background{13, 15, 20};
   bool depthEdges = true;
@@ -39,9 +41,12 @@ struct ViewOptions {
   bool rangeRings = false;
   bool trajectory = true;
   bool rangeImage = false;
-  bool bare = false;                  // no panels: the points alone
-  std::vector<std::string> hidden{};  // classes by name or id; or, with `only`, all others
+  StripOrder stripOrder = StripOrder::Outward;  // of the range image
+  bool still = false;                           // for pictures: nothing that is there to be pressed
+  bool bare = false;                            // no panels: the points alone
+  std::vector<std::string> hidden{};            // classes by name or id; or, with `only`, all others
   bool only = false;
+  std::vector<std::uint32_t> instances{};  // that alone are shown; empty: all
 };
 
 constexpr std::size_t kNoScan = SIZE_MAX;
@@ -50,9 +55,11 @@ constexpr std::size_t kNoScan = SIZE_MAX;
 struct PickedThing {
   std::string heading;  // "car 4711"
   std::vector<std::pair<std::string, std::string>> rows;
-  std::size_t scan = 0;   // of the frame; kNoScan: a triangle
-  std::size_t point = 0;  // of the scan, or triangle of the mesh
-  Vec3d place;            // m, canvas's frame
+  std::vector<std::pair<std::string, std::string>> brief;  // what is told while it is only pointed at
+  std::string alarm;                                       // name of a row that warns; empty: none does
+  std::size_t scan = 0;                                    // of the frame; kNoScan: a triangle
+  std::size_t point = 0;                                   // of the scan, or triangle of the mesh
+  Vec3d place;                                             // m, canvas's frame
 };
 
 class ViewSession {
@@ -77,8 +84,12 @@ class ViewSession {
   void setCamera(const OrbitCamera& camera);
   // What lies at a pixel of the canvas.
   std::optional<PickedThing> pick(int x, int y) const;
+  // As a click does.
+  void pin(const PickedThing& thing);
   // Of the frame that is shown: what could not be loaded or coloured.
   std::vector<std::string> problems() const;
+  // What is good to know, said once.
+  const std::vector<std::string>& hints() const;
 
  private:
   struct State;

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "viewer/picture.h"
 #include "viewer/window/session_items.h"
@@ -21,8 +22,45 @@ Rgb methodColorOf(const std::string& method) {
   return overlayColor(kOrder.size());
 }
 
+// By class, else by range.
+std::vector<Rgb> stripColors(const ViewScan& viewed, const ColorContext& context) {
+  return colorScan(viewed.scan, viewed.scan.label.empty() ? ColorBy::Range : ColorBy::Class, context).colors;
+}
+
+ScaleRange changedScale(const Legend& legend, ScaleChange change) {
+  ScaleRange scale{legend.low, legend.high};
+  const double span = scale.high > scale.low ? scale.high - scale.low : std::max(std::abs(scale.high), 1.0);
+  switch (change) {
+    case ScaleChange::LowerHigh:
+      scale.high = scale.high > 0 && scale.high / 2 > scale.low ? scale.high / 2 : scale.low + span / 2;
+      break;
+    case ScaleChange::RaiseHigh:
+      scale.high = scale.high > 0 ? scale.high * 2 : scale.low + 2 * span;
+      break;
+    case ScaleChange::LowerLow:  // what is never negative starts at 0
+      scale.low = scale.low >= 0 ? std::max(scale.low - span / 3, 0.0) : scale.low - span / 3;
+      break;
+    case ScaleChange::RaiseLow:
+      scale.low += span / 4;
+      break;
+    case ScaleChange::Automatic:
+      break;
+  }
+  return scale;
+}
+
 bool anyFinite(const Vec3f& p) {
   return isFinite(p);
+}
+
+void notePresent(const Scan& scan, std::set<std::uint16_t>& present) {
+  std::vector<bool> held(std::size_t{UINT16_MAX} + 1, false);
+  for (std::size_t i = 0; i < scan.label.size(); ++i) {
+    if (isFinite(scan.position[i])) held[scan.label[i]] = true;
+  }
+  for (std::size_t id = 0; id < held.size(); ++id) {
+    if (held[id]) present.insert(static_cast<std::uint16_t>(id));
+  }
 }
 
 }  // namespace
@@ -40,7 +78,8 @@ std::size_t ViewSession::State::shownScan() const {
 }
 
 ColorContext ViewSession::State::contextOf(const ViewScan& scan) const {
-  return {source->ontology(), scan.error, scan.errorTitle, scan.method, methodColorOf(scan.method)};
+  return {source->ontology(),         scan.error,      scan.errorTitle, scan.method,
+          methodColorOf(scan.method), scan.whyNoError, std::nullopt};
 }
 
 bool ViewSession::State::hasColor(const ViewScan& viewed, ColorBy by) const {
@@ -83,15 +122,36 @@ ColorBy ViewSession::State::colorOf(std::size_t view) const {
   return ColorBy::Height;
 }
 
+// Scans side by side are compared: where their ends follow from the values, they have them in common.
+std::optional<ScaleRange> ViewSession::State::scaleOf(std::size_t view) {
+  if (scales[view]) return scales[view];
+  const ColorBy by = colorOf(view);
+  if (options.layout != ViewLayout::Split || frame->scans.size() < 2 || !isNumeric(by)) return {};
+  if (const auto found = commonScales.find(by); found != commonScales.end()) return found->second;
+  std::optional<ScaleRange> common;
+  for (std::size_t v = 0; v < viewCount(); ++v) {
+    const ViewScan& scan = frame->scans[v];
+    if (colorOf(v) != by || !hasColor(scan, by) || scan.scan.size() == 0) continue;
+    const Legend own = colorScan(scan.scan, by, contextOf(scan)).legend;
+    common = common ? ScaleRange{std::min(common->low, own.low), std::max(common->high, own.high)}
+                    : ScaleRange{own.low, own.high};
+  }
+  if (common) commonScales[by] = *common;
+  return common;
+}
+
 Coloring ViewSession::State::colored(std::size_t scanIndex, std::size_t view) {
   const ViewScan& scan = frame->scans[scanIndex];
-  const ColorContext context = contextOf(scan);
+  ColorContext context = contextOf(scan);
   try {
-    return colorScan(scan.scan, colorOf(view), context);
+    context.scale = scaleOf(view);
+    Coloring out = colorScan(scan.scan, colorOf(view), context);
+    out.legend.held = scales[view].has_value();
+    return out;
   } catch (const InputError& e) {
     colorProblem = fmt::format("{}: {}", scan.name, e.what());
     if (!columnMissing) columnMissing = colorProblem;
-    return colorScan(scan.scan, std::nullopt, context);
+    return colorScan(scan.scan, std::nullopt, contextOf(scan));
   }
 }
 
@@ -100,6 +160,7 @@ void ViewSession::State::arrange() {
   clouds.clear();
   colorProblem.clear();
   columnMissing.reset();
+  commonScales.clear();
   if (frame) {
     const std::size_t count = frame->scans.size();
     if (overlaid()) {
@@ -120,6 +181,7 @@ void ViewSession::State::arrange() {
       cloud.coloring = colored(cloud.scan, cloud.view);
     }
     cloud.finite = static_cast<std::uint64_t>(std::count_if(scan.position.begin(), scan.position.end(), anyFinite));
+    if (!classesKnown) notePresent(scan, presentClasses);
     canvas.setPoints(cloudItem(k), scan.position, cloud.coloring.colors);
   }
   for (std::size_t k = clouds.size(); k < before; ++k) canvas.drop(cloudItem(k));
@@ -148,7 +210,8 @@ void ViewSession::State::applyFilter() {
     const bool hiddenWhole = overlaid() && hiddenScans.contains(viewed.name);
     cloud.shown.clear();
     cloud.visible = cloud.finite;
-    if (!hiddenWhole && (filter.showsAll() || scan.label.empty())) {
+    const bool all = aloneInstances.empty() && (filter.showsAll() || scan.label.empty());
+    if (!hiddenWhole && all) {
       canvas.showAll(cloudItem(k));
       continue;
     }
@@ -162,7 +225,8 @@ void ViewSession::State::applyFilter() {
     cloud.visible = 0;
     std::vector<std::uint32_t> indices;
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (hiddenWhole || classShown[scan.label[i]] == 0) continue;
+      if (hiddenWhole || (!scan.label.empty() && classShown[scan.label[i]] == 0)) continue;
+      if (!aloneInstances.empty() && (scan.instance.empty() || !aloneInstances.contains(scan.instance[i]))) continue;
       cloud.shown[i] = 1;
       indices.push_back(static_cast<std::uint32_t>(i));
       if (isFinite(scan.position[i])) ++cloud.visible;
@@ -170,19 +234,28 @@ void ViewSession::State::applyFilter() {
     canvas.showOnly(cloudItem(k), indices);
   }
   meshShown.clear();
-  if (mesh && meshOn()) {
-    if (filter.showsAll()) {
-      canvas.showAll(kMeshItem);
+  if (meshItem.there()) {
+    if (filter.showsAll() && aloneInstances.empty()) {
+      meshItem.showAll();
     } else {
       std::vector<std::uint32_t> indices;
       meshShown.assign(mesh->size(), 0);
       for (std::size_t i = 0; i < mesh->size(); ++i) {
         if (!filter.shows(mesh->semantic[i])) continue;
+        if (!aloneInstances.empty() && !aloneInstances.contains(mesh->instance[i])) continue;
         meshShown[i] = 1;
         indices.push_back(static_cast<std::uint32_t>(i));
       }
-      canvas.showOnly(kMeshItem, indices);
+      meshItem.showOnly(indices);
     }
+  }
+  instanceProblem.clear();
+  for (const std::uint32_t id : aloneInstances) {
+    const bool held = std::any_of(clouds.begin(), clouds.end(), [&](const ShownCloud& cloud) {
+      const auto& instances = frame->scans[cloud.scan].scan.instance;
+      return std::find(instances.begin(), instances.end(), id) != instances.end();
+    });
+    if (!held && !clouds.empty()) instanceProblem += fmt::format("instance {} has no points here. ", id);
   }
   hover.reset();
   itemsChanged = hudChanged = hoverChanged = true;
@@ -197,6 +270,7 @@ std::vector<std::size_t> ViewSession::State::actedViews() const {
 }
 
 void ViewSession::State::chooseColor(ColorBy by) {
+  if (source->isScene()) return chooseMeshColor(by == ColorBy::Instance ? MeshColor::Instance : MeshColor::Class);
   if (clouds.empty()) return;
   if (overlaid()) return say("the overlay has fixed colours: l closes it");
   const auto acted = actedViews();
@@ -218,12 +292,42 @@ void ViewSession::State::chooseColor(ColorBy by) {
   }
   colorProblem.clear();
   for (const std::size_t view : acted) {
+    if (colorOf(view) != by) scales[view].reset();
     colors[view] = by;
-    recolor(view);
+  }
+  commonScales.clear();
+  const bool common = options.layout == ViewLayout::Split && frame->scans.size() > 1;
+  for (std::size_t view = 0; view < viewCount(); ++view) {
+    const bool changed = std::find(acted.begin(), acted.end(), view) != acted.end();
+    if (changed || (common && isNumeric(colorOf(view)))) recolor(view);
   }
 }
 
+void ViewSession::State::changeScale(ScaleChange change) {
+  if (clouds.empty()) return;
+  if (overlaid()) return say("the overlay has fixed colours: l closes it");
+  std::string said;
+  for (const std::size_t view : actedViews()) {
+    const auto cloud = std::find_if(clouds.begin(), clouds.end(), [&](const ShownCloud& c) { return c.view == view; });
+    if (cloud == clouds.end() || !cloud->coloring.legend.scale) continue;
+    if (change == ScaleChange::Automatic) {
+      scales[view].reset();
+    } else {
+      scales[view] = changedScale(cloud->coloring.legend, change);
+    }
+    recolor(view);
+    const Legend& now = cloud->coloring.legend;
+    said = fmt::format("{}: {:.3g} to {:.3g}", now.title, now.low, now.high);
+  }
+  if (said.empty()) return say("these colours have no scale; numbers have one, such as range (4)");
+  say(change == ScaleChange::Automatic ? said : said + "; \\ takes what the values give");
+}
+
 void ViewSession::State::cycleColor(int step) {
+  if (source->isScene()) {
+    constexpr auto kMeshColors = static_cast<int>(kMeshColorNames.size());
+    return chooseMeshColor(static_cast<MeshColor>((static_cast<int>(meshColor) + step + kMeshColors) % kMeshColors));
+  }
   if (clouds.empty()) return;
   constexpr auto kCount = static_cast<int>(kColorNames.size());
   const std::size_t view = activeView.value_or(0);
@@ -253,7 +357,11 @@ void ViewSession::State::makeStrip() {
   const ShownCloud& cloud = clouds[stripCloud];
   const std::vector<bool> shown(cloud.shown.begin(), cloud.shown.end());
   try {
-    strip = makeRangeStrip(frame->scans[cloud.scan].scan, cloud.coloring.colors, shown);
+    const ViewScan& viewed = frame->scans[cloud.scan];
+    // One colour for all of a scan, as the overlay has it, would show nothing.
+    const std::vector<Rgb> colored = overlaid() ? stripColors(viewed, contextOf(viewed)) : std::vector<Rgb>{};
+    strip = makeRangeStrip(viewed.scan, overlaid() ? colored : cloud.coloring.colors, shown, options.stripOrder,
+                           viewed.beams.get());
     hudState.strip = HudStrip{strip->image, {}, {}};
   } catch (const InputError& e) {
     stripProblem = e.what();

@@ -16,28 +16,37 @@ namespace {
 
 constexpr Rgb kLabelColor{255, 255, 255};
 
-Legend meshLegend(const ViewMesh& mesh) {
-  std::vector<std::uint64_t> triangles(std::size_t{UINT16_MAX} + 1, 0);
-  for (const std::uint16_t id : mesh.semantic) ++triangles[id];
-  Legend legend;
-  legend.title = "class";
-  for (std::size_t id = 0; id < triangles.size(); ++id) {
-    if (triangles[id] == 0) continue;
-    const auto semantic = static_cast<std::uint16_t>(id);
-    legend.entries.push_back({className(&mesh.ontology, semantic), classColor(&mesh.ontology, semantic),
-                              static_cast<std::int64_t>(id), triangles[id]});
+bool isOfClasses(const Legend& legend) {
+  return !legend.entries.empty() && std::all_of(legend.entries.begin(), legend.entries.end(),
+                                                [](const LegendEntry& entry) { return entry.id >= 0; });
+}
+
+bool meansTheSame(const Legend& a, const Legend& b) {
+  if (a.title != b.title) return false;
+  if (a.scale || b.scale) {
+    return a.scale == b.scale && a.low == b.low && a.high == b.high && a.power == b.power && a.held == b.held;
   }
-  return legend;
+  return isOfClasses(a) && isOfClasses(b);
+}
+
+void sortById(Legend& legend) {
+  std::sort(legend.entries.begin(), legend.entries.end(),
+            [](const LegendEntry& a, const LegendEntry& b) { return a.id < b.id; });
 }
 
 }  // namespace
 
-void ViewSession::State::say(const std::string& text) {
-  constexpr double kSeconds = 4;
-  for (ViewNotice& notice : notices) {
-    if (notice.text == text) notice.until = 0;
-  }
-  notices.push_back({text, clock.seconds() + kSeconds});
+void ViewSession::State::hint(const std::string& text) {
+  constexpr double kSeconds = 15;
+  if (std::find(hints.begin(), hints.end(), text) != hints.end()) return;
+  hints.push_back(text);
+  say(text, kSeconds);
+}
+
+void ViewSession::State::say(const std::string& text, double seconds) {
+  // A key's newer words replace its older ones.
+  std::erase_if(notices, [&](const ViewNotice& n) { return n.text == text || (acting && n.of == acting); });
+  notices.push_back({text, clock.seconds() + seconds, acting});
   hudChanged = true;
 }
 
@@ -62,8 +71,94 @@ std::string ViewSession::State::summary() const {
       !filtered.empty()) {
     out += ", " + filtered;
   }
+  if (aloneInstances.size() == 1) out += fmt::format(", only instance {}", *aloneInstances.begin());
+  if (aloneInstances.size() > 1) out += fmt::format(", only {} instances", aloneInstances.size());
   if (measuring) out += fmt::format(", distance: click the {} end", ends.empty() ? "first" : "second");
   return out;
+}
+
+// So that rows stay where they are from frame to frame.
+void ViewSession::State::completeClasses(Legend& legend) const {
+  if (!isOfClasses(legend)) return;
+  for (const std::uint16_t id : presentClasses) {
+    const bool known = std::any_of(legend.entries.begin(), legend.entries.end(),
+                                   [&](const LegendEntry& entry) { return entry.id == id; });
+    if (!known) {
+      legend.entries.push_back({className(source->ontology(), id), classColor(source->ontology(), id), id, 0});
+    }
+  }
+  sortById(legend);
+}
+
+// What means the same in all panes is said in the last one alone; counts are those of the view that keys act on.
+void ViewSession::State::joinLegends() {
+  if (hudState.panes.size() < 2) return;
+  Legend joined;
+  for (const HudPane& pane : hudState.panes) {
+    const Legend& own = pane.legend;
+    if (!own.scale && own.entries.empty()) continue;
+    if (!joined.scale && joined.entries.empty()) {
+      joined = own;
+      if (!activeView) {
+        for (LegendEntry& entry : joined.entries) entry.points = 0;
+      }
+      continue;
+    }
+    if (!meansTheSame(joined, own)) return;
+    joined.unknown += own.unknown;
+    for (const LegendEntry& entry : own.entries) {
+      const bool known = std::any_of(joined.entries.begin(), joined.entries.end(),
+                                     [&](const LegendEntry& other) { return other.id == entry.id; });
+      if (!known) joined.entries.push_back(entry);
+    }
+  }
+  if (activeView) {
+    const Legend& active = hudState.panes[*activeView].legend;
+    joined.unknown = active.unknown;
+    for (LegendEntry& entry : joined.entries) {
+      const auto own = std::find_if(active.entries.begin(), active.entries.end(),
+                                    [&](const LegendEntry& other) { return other.id == entry.id; });
+      entry.points = own == active.entries.end() ? 0 : own->points;
+    }
+  }
+  if (!joined.scale) sortById(joined);
+  for (HudPane& pane : hudState.panes) {
+    pane.legend = {};
+    pane.hidden.clear();
+    pane.clickable = false;
+  }
+  HudPane& last = hudState.panes.back();
+  last.legend = std::move(joined);
+  for (LegendEntry& entry : last.legend.entries) {
+    if (!activeView) entry.points = 0;
+    last.hidden.push_back(!filter.shows(static_cast<std::uint16_t>(entry.id)));
+  }
+  last.clickable = !last.legend.scale;
+}
+
+// Why nothing is to be seen.
+void ViewSession::State::addMessages() {
+  if (!frame || source->isScene()) return;
+  if (frame->scans.empty()) {
+    std::string& message = hudState.panes.front().message;
+    message = frame->key + " cannot be shown";
+    for (const std::string& problem : frame->problems) message += "\n" + problem;
+    return;
+  }
+  for (std::size_t v = 0; v < hudState.panes.size(); ++v) {
+    std::uint64_t finite = 0;
+    std::uint64_t visible = 0;
+    for (const ShownCloud& cloud : clouds) {
+      if (cloud.view != v) continue;
+      finite += cloud.finite;
+      visible += cloud.visible;
+    }
+    if (visible > 0) continue;
+    std::string& message = hudState.panes[v].message;
+    message = finite == 0 ? "no points: the scan is empty"
+                          : fmt::format("no point is shown: the filter hides all {}", groupedCount(finite));
+    if (finite > 0 && !options.still) message += "\nA shows them";
+  }
 }
 
 // Panes, with their legends: what the layout follows from, and the views with it.
@@ -71,7 +166,10 @@ void ViewSession::State::refresh() {
   hudState.width = canvas.width();
   hudState.height = canvas.height();
   hudState.bare = options.bare;
+  hudState.still = options.still;
   hudState.panes.assign(viewCount(), {});
+  bool differ = false;
+  for (std::size_t v = 1; v < viewCount(); ++v) differ = differ || colorOf(v) != colorOf(0);
   for (const ShownCloud& cloud : clouds) {
     HudPane& pane = hudState.panes[cloud.view];
     const std::string& name = frame->scans[cloud.scan].name;
@@ -84,9 +182,15 @@ void ViewSession::State::refresh() {
       pane.clickable = true;
       continue;
     }
-    pane.caption = activeView == cloud.view && viewCount() > 1 ? "> " + name : name;
+    pane.active = activeView == cloud.view && viewCount() > 1;
+    pane.caption = name;
+    if (differ) {
+      const std::string_view by = kColorNames[static_cast<std::size_t>(colorOf(cloud.view))];
+      pane.caption += fmt::format("{}{}", name.empty() ? "" : ": ", by);
+    }
     if (cloud.finite == 0) continue;
     pane.legend = cloud.coloring.legend;
+    completeClasses(pane.legend);
     for (const LegendEntry& entry : pane.legend.entries) {
       pane.hidden.push_back(entry.id >= 0 && !filter.shows(static_cast<std::uint16_t>(entry.id)));
       pane.clickable = pane.clickable || entry.id >= 0;
@@ -94,14 +198,16 @@ void ViewSession::State::refresh() {
   }
   if (source->isScene() && mesh) {
     HudPane& pane = hudState.panes.front();
-    pane.legend = meshLegend(*mesh);
+    pane.legend = meshColoring.legend;
     for (const LegendEntry& entry : pane.legend.entries) {
-      pane.hidden.push_back(!filter.shows(static_cast<std::uint16_t>(entry.id)));
+      pane.hidden.push_back(entry.id >= 0 && !filter.shows(static_cast<std::uint16_t>(entry.id)));
+      pane.clickable = pane.clickable || entry.id >= 0;
     }
-    pane.clickable = true;
   }
+  joinLegends();
+  addMessages();
   if (!options.legends) {
-    for (HudPane& pane : hudState.panes) pane = {pane.caption, {}, {}, false};
+    for (HudPane& pane : hudState.panes) pane = {pane.caption, {}, {}, false, pane.active, pane.message};
   }
   hudState.frames = source->keys().size();
   hudState.frame = hudState.frames > 1 ? std::optional(wanted) : std::nullopt;
@@ -165,50 +271,12 @@ void ViewSession::State::addLabels() {
   }
   if (pinned) addLabel(pinned->place, "", true);
   if (hover) addLabel(hover->place, "", true);
-  for (const ShownCloud& cloud : clouds) {
-    if (cloud.finite > 0 || overlaid()) continue;
-    const PixelRect& rect = views[cloud.view].rect;
-    hudState.labels.push_back({rect.left + rect.width * 0.5, rect.top + rect.height * 0.5,
-                               "no points: the scan is empty", kLabelColor, false});
-  }
-}
-
-void ViewSession::State::addTip() {
-  hudState.tip.reset();
-  const std::optional<PickedThing>& thing = hover ? hover : pinned;
-  if (hudState.strip) hudState.strip->mark.reset();
-  if (!thing || help) return;
-  HudTip tip;
-  tip.heading = thing->heading;
-  tip.rows = thing->rows;
-  tip.x = pointerX;
-  tip.y = pointerY;
-  const std::size_t view = viewAt(pointerX, pointerY).value_or(strip ? clouds[stripCloud].view : 0);
-  if (view < views.size()) {
-    const Projected p = views[view].camera.project(thing->place);
-    const PixelRect& rect = views[view].rect;
-    if (p.depth >= views[view].camera.nearest && p.x >= 0 && p.y >= 0 && p.x < rect.width && p.y < rect.height) {
-      tip.x = rect.left + static_cast<int>(p.x);
-      tip.y = rect.top + static_cast<int>(p.y);
-    }
-  }
-  for (const ShownCloud& cloud : clouds) {
-    if (cloud.scan == thing->scan && thing->point < cloud.coloring.colors.size()) {
-      tip.color = cloud.coloring.colors[thing->point];
-    }
-  }
-  if (thing->scan == kNoScan && mesh && thing->point < mesh->size()) {
-    tip.color = classColor(&mesh->ontology, mesh->semantic[thing->point]);
-  }
-  if (strip && thing->scan == clouds[stripCloud].scan) {
-    hudState.strip->mark = strip->place(thing->point);
-  }
-  hudState.tip = std::move(tip);
 }
 
 void ViewSession::State::composeHud() {
   constexpr std::size_t kMostHints = 8;
   hudState.title = source->title();
+  if (options.still && hudState.frames > 1) hudState.title += ", " + hudState.key;
   if (frame && options.layout == ViewLayout::One && frame->scans.size() > 1) {
     hudState.title += ": " + frame->scans[shownScan()].name;
   } else if (frame && frame->scans.size() == 1 && !frame->scans.front().name.empty() && hudState.frames > 1) {
@@ -216,6 +284,7 @@ void ViewSession::State::composeHud() {
   }
   hudState.summary = summary();
   hudState.playing = playing;
+  hudState.speed = speedText();
   hudState.busy = busy;
   hudState.problems = problems();
   hudState.notices.clear();
@@ -223,7 +292,7 @@ void ViewSession::State::composeHud() {
   hudState.help = help;
   if (help && hudState.keys.empty()) hudState.keys = viewKeys();
   hudState.prompt = prompt;
-  hudState.promptCaption = "go to sample (key or index):";
+  hudState.promptCaption = "go to sample (key, or #index from 0):";
   hudState.promptHints.clear();
   if (prompt) {
     std::size_t found = 0;
@@ -238,18 +307,22 @@ void ViewSession::State::composeHud() {
   if (strip) {
     const auto& viewed = frame->scans[clouds[stripCloud].scan];
     hudState.strip->caption =
-        fmt::format("{}: {} rings x {} columns", viewed.name, strip->image.height, strip->image.width);
+        fmt::format("{}: {} (I: {})", viewed.name, describeStrip(*strip, options.stripOrder),
+                    options.stripOrder == StripOrder::Outward ? "as the sensor orders it" : "looking outward");
   }
   addLabels();
-  addTip();
+  addTips();
 }
 
 void ViewSession::State::flush(bool whole) {
   const double began = clock.seconds();
   if (viewsChanged || itemsChanged || hudChanged) refresh();
-  if (hoverChanged) updateHover();
+  if (itemsChanged && pinned && !isShown(*pinned)) pinned.reset();
+  // What lies under a pointer at rest is another thing when the picture moves.
+  if (hoverChanged || viewsChanged || itemsChanged) updateHover();
+  lightInstance();
   const bool sceneChanged = viewsChanged || itemsChanged;
-  const bool overlayChanged = sceneChanged || hudChanged;
+  const bool overlayChanged = sceneChanged || hudChanged || lightChanged;
   if (overlayChanged) {
     composeHud();
     hud = drawHud(hudState);
@@ -272,7 +345,7 @@ void ViewSession::State::flush(bool whole) {
   lastMost = most;
   partial = most != 0;
   pictureSeconds = lastPicture - began;
-  viewsChanged = itemsChanged = hudChanged = false;
+  viewsChanged = itemsChanged = hudChanged = lightChanged = false;
 }
 
 }  // namespace scanmill

@@ -44,6 +44,10 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
       moveTo(event);
       break;
     case CanvasEvent::Kind::Wheel:
+      if (help) {
+        scrollHelp(std::isfinite(event.amount) ? -3 * event.amount : 0);
+        break;
+      }
       if (const HudRegion* over = regionAt(hud, event.x, event.y); over == nullptr && std::isfinite(event.amount)) {
         OrbitCamera zoomed = camera;
         zoomed.zoom(std::clamp(event.amount, -20.0, 20.0));
@@ -66,13 +70,14 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
   if (!passing || clock.seconds() - lastPicture > std::max(kBetweenPictures, pictureSeconds)) {
     flush(false);
     for (const std::string& problem : hudState.problems) warn(problem);  // each once
+    for (const std::string& text : hints) warn(text);
   }
   return true;
 }
 
 void ViewSession::State::tick() {
+  const double now = clock.seconds();  // before it: a frame that comes now is drawn once, however fast they play
   takeWhatIsLoaded();
-  const double now = clock.seconds();
   if (playing && at == wanted && now - lastStep >= frameSeconds()) {
     if (wanted + 1 < source->keys().size()) {
       goTo(wanted + 1, 1);
@@ -96,8 +101,23 @@ void ViewSession::State::tick() {
   if (partial && !playing && drag.button == 0 && now - lastChange > rest) flush(true);
 }
 
+void ViewSession::State::scrollHelp(double lines) {
+  const auto last = static_cast<double>(helpPages(hudState).lastFirst);
+  hudState.helpFirst =
+      static_cast<std::size_t>(std::clamp(static_cast<double>(hudState.helpFirst) + std::round(lines), 0.0, last));
+  hudChanged = true;
+}
+
 void ViewSession::State::key(const CanvasEvent& event) {
-  if (const auto meaning = keyMeaning(event.key, event.shift)) act(*meaning);
+  if (help && (event.key == "Up" || event.key == "Down" || event.key == "KP_Up" || event.key == "KP_Down")) {
+    const auto page = static_cast<double>(helpPages(hudState).page);
+    return scrollHelp(event.key.ends_with("Up") ? -page : page);
+  }
+  const auto meaning = keyMeaning(event.key, event.shift);
+  if (!meaning) return;
+  acting = meaning->action;
+  act(*meaning);
+  acting.reset();
 }
 
 void ViewSession::State::act(const KeyMeaning& meaning) {
@@ -118,6 +138,9 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     placeClouds();
     say(fmt::format("points of {:.0f} px", options.pointSize));
   };
+  if (source->isScene()) {
+    if (const std::string why = sceneLacks(meaning); !why.empty()) return say(why);
+  }
   switch (meaning.action) {
     case KeyAction::NextColor:
       return cycleColor(1);
@@ -125,6 +148,16 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return cycleColor(-1);
     case KeyAction::ColorByNumber:
       return chooseColor(static_cast<ColorBy>(meaning.number));
+    case KeyAction::LowerHighEnd:
+      return changeScale(ScaleChange::LowerHigh);
+    case KeyAction::RaiseHighEnd:
+      return changeScale(ScaleChange::RaiseHigh);
+    case KeyAction::LowerLowEnd:
+      return changeScale(ScaleChange::LowerLow);
+    case KeyAction::RaiseLowEnd:
+      return changeScale(ScaleChange::RaiseLow);
+    case KeyAction::AutomaticScale:
+      return changeScale(ScaleChange::Automatic);
     case KeyAction::LargerPoints:
       return resizePoints(1);
     case KeyAction::SmallerPoints:
@@ -143,7 +176,6 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       if (trajectory.size() < 2) return say("there is no trajectory");
       return flip(options.trajectory, "trajectory");
     case KeyAction::ToggleMesh:
-      if (source->isScene()) return say("the scene's mesh is all that there is");
       options.mesh = !options.mesh;
       if (options.mesh) wantMesh();
       meshProblem.clear();
@@ -189,15 +221,18 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return goTo(source->keys().size() - 1, -1);
     case KeyAction::Play:
       return togglePlaying();
+    case KeyAction::Slower:
+      return changeSpeed(-1);
+    case KeyAction::Faster:
+      return changeSpeed(1);
     case KeyAction::GoTo:
       prompt = "";
       hudChanged = true;
       return;
     case KeyAction::ToggleOverlay:
-      if (frame && frame->scans.size() < 2) return say("the sample has no other scan; --over DATASET adds some");
+      if (frame && frame->scans.size() < 2) return say("the sample has no other scan to lay over it");
       return setLayout(ViewLayout::Overlay);
     case KeyAction::ToggleSplit:
-      if (source->isScene()) return say("a scene has no scans to split");
       return setLayout(ViewLayout::Split);
     case KeyAction::NextView:
       if (viewCount() < 2) return say("there is one view only; s splits it");
@@ -216,18 +251,27 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return toggleWorld();
     case KeyAction::ShowAllClasses:
       filter.showAll();
+      aloneInstances.clear();
       hiddenScans.clear();
       return applyFilter();
+    case KeyAction::InstanceAlone:
+      return toggleAlone();
     case KeyAction::Measure:
       return toggleMeasuring();
     case KeyAction::ToggleRangeImage:
       options.rangeImage = !options.rangeImage;
       viewsChanged = true;
       return makeStrip();
+    case KeyAction::ToggleStripOrder:
+      options.stripOrder = options.stripOrder == StripOrder::Outward ? StripOrder::Sensor : StripOrder::Outward;
+      options.rangeImage = true;
+      viewsChanged = true;
+      return makeStrip();
     case KeyAction::SavePicture:
       return savePicture();
     case KeyAction::ToggleHelp:
       help = !help;
+      hudState.helpFirst = 0;
       hudChanged = hoverChanged = true;
       return;
     case KeyAction::Escape:
@@ -246,10 +290,12 @@ void ViewSession::State::escape() {
     toggleMeasuring();
   } else if (pinned) {
     pinned.reset();
+  } else if (!aloneInstances.empty()) {
+    toggleAlone();
   } else if (playing) {
     playing = false;
   } else {
-    quit = true;
+    say("q quits");
   }
 }
 
@@ -283,7 +329,7 @@ void ViewSession::State::savePicture() {
   hudChanged = true;
   flush(true);
   try {
-    say(fmt::format("saved {}; the same again: --camera {}", saveViewPicture(canvas.read()), camera.text()));
+    say(fmt::format("saved {}; its camera: {}", saveViewPicture(canvas.read()), camera.text()));
   } catch (const Error& e) {
     say(e.what());
     warn(e.what());

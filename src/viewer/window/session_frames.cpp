@@ -1,5 +1,7 @@
 // Frames and scenes: what is wanted, what has been loaded, playing.
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 #include "viewer/window/session_state.h"
@@ -7,6 +9,11 @@
 namespace scanmill {
 
 void ViewSession::State::goTo(std::size_t target, int step) {
+  seeking = false;
+  wantFrame(target, step);
+}
+
+void ViewSession::State::wantFrame(std::size_t target, int step) {
   wanted = std::min(target, source->keys().size() - 1);
   loader.want(wanted, step);
   hudChanged = true;
@@ -34,8 +41,42 @@ void ViewSession::State::togglePlaying() {
 
 double ViewSession::State::frameSeconds() const {
   constexpr double kLeast = 0.1;  // ten frames a second
-  constexpr double kMost = 1;
-  return std::clamp(recordedSeconds, kLeast, kMost);
+  constexpr double kMost = 0.2;   // recordings at long intervals are not watched as slowly
+  const double times = kPlaySpeeds[speed];
+  return times > 0 ? std::clamp(recordedSeconds, kLeast, kMost) / times : 0;
+}
+
+std::string ViewSession::State::speedText() const {
+  const double times = kPlaySpeeds[speed];
+  return times > 0 ? fmt::format("{}x", times) : "as fast as it loads";
+}
+
+void ViewSession::State::changeSpeed(int step) {
+  if (source->keys().size() < 2) return say("there is one frame only");
+  const int last = static_cast<int>(kPlaySpeeds.size()) - 1;
+  speed = static_cast<std::size_t>(std::clamp(static_cast<int>(speed) + step, 0, last));
+  say("playing speed: " + speedText());
+}
+
+// Nobody asked for the frame that could not be loaded: the first one that can be is taken in its place.
+void ViewSession::State::seekReadable() {
+  const auto known = source->damaged();
+  const std::size_t count = source->keys().size();
+  while (seekAt < count && (unreadable.contains(seekAt) || std::binary_search(known.begin(), known.end(), seekAt))) {
+    ++seekAt;
+  }
+  if (seekAt < count) return wantFrame(seekAt++, 1);
+  goTo(firstWanted, 1);
+}
+
+void ViewSession::State::hintAtNames() {
+  if (source->ontology() != nullptr) return;
+  const bool labelled = std::any_of(frame->scans.begin(), frame->scans.end(),
+                                    [](const ViewScan& scan) { return !scan.scan.label.empty(); });
+  if (!labelled) return;
+  hint(
+      "the classes have no names here: a scan or shard away from its dataset does not know them; "
+      "open it with --ontology labels/scanmill.yaml, or the file of its own classes");
 }
 
 void ViewSession::State::takeWhatIsLoaded() {
@@ -54,8 +95,23 @@ void ViewSession::State::adopt(std::shared_ptr<const ViewFrame> loaded) {
   recordedSeconds = next ? timeOf(*loaded) - timeOf(*frame) : 0;
   frame = std::move(loaded);
   at = wanted;
+  if (frame->scans.empty() && !source->isScene()) {
+    unreadable.insert(*at);
+    if (seeking) return seekReadable();
+  } else {
+    unreadable.erase(*at);
+    if (seeking && *at != firstWanted) {
+      hint(fmt::format("{} cannot be read: {} is the first that can", source->keys()[firstWanted], frame->key));
+    }
+  }
+  seeking = false;
+  hudState.damaged = source->damaged();
+  hudState.damaged.insert(hudState.damaged.end(), unreadable.begin(), unreadable.end());
+  std::sort(hudState.damaged.begin(), hudState.damaged.end());
+  hintAtNames();
   hover.reset();
   pinned.reset();
+  lastSummary.reset();
   ends.clear();
   measuring = false;
   worldFromAnchor.reset();
@@ -67,6 +123,7 @@ void ViewSession::State::adopt(std::shared_ptr<const ViewFrame> loaded) {
   place();
   arrange();
   if (meshOn()) wantMesh();
+  if (meshItem.there() != meshSeen()) placeMesh();
 }
 
 void ViewSession::State::wantMesh() {
@@ -99,7 +156,7 @@ void ViewSession::State::takeMesh(std::shared_ptr<const ViewMesh> loaded) {
 std::vector<std::string> ViewSession::State::problems() const {
   std::vector<std::string> all;
   if (frame) all = frame->problems;
-  for (const std::string* one : {&colorProblem, &meshProblem, &stripProblem}) {
+  for (const std::string* one : {&colorProblem, &meshProblem, &stripProblem, &instanceProblem}) {
     if (!one->empty() && std::find(all.begin(), all.end(), *one) == all.end()) all.push_back(*one);
   }
   return all;

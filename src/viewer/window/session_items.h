@@ -1,8 +1,10 @@
 #pragma once
 
-// Numbers of the viewer's items on its canvas.
+// The viewer's items on its canvas.
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 
 #include "viewer/canvas/canvas.h"
 
@@ -16,5 +18,43 @@ constexpr ItemId kMeasureItem = 5;
 constexpr ItemId cloudItem(std::size_t cloud) {
   return static_cast<ItemId>(100 + cloud);
 }
+constexpr ItemId kLitItem = 1'000'000;  // the points of the instance that is pointed at
+
+// An item that comes and goes. While it is not there, there is nothing to be changed on it: a canvas refuses that.
+class CanvasItem {
+ public:
+  CanvasItem(Canvas& canvas, ItemId id) : canvas_(canvas), id_(id) {}
+
+  bool there() const { return there_; }
+  void setPoints(std::span<const Vec3f> positions, std::span<const Rgb> colors) {
+    canvas_.setPoints(id_, positions, colors);
+    there_ = true;
+  }
+  void setTriangles(std::span<const Vec3f> corners, std::span<const Rgb> colors) {
+    canvas_.setTriangles(id_, corners, colors);
+    there_ = true;
+  }
+  void setColors(std::span<const Rgb> colors) {
+    if (there_) canvas_.setColors(id_, colors);
+  }
+  void setLook(const ItemLook& look) {
+    if (there_) canvas_.setLook(id_, look);
+  }
+  void showAll() {
+    if (there_) canvas_.showAll(id_);
+  }
+  void showOnly(std::span<const std::uint32_t> indices) {
+    if (there_) canvas_.showOnly(id_, indices);
+  }
+  void drop() {
+    canvas_.drop(id_);
+    there_ = false;
+  }
+
+ private:
+  Canvas& canvas_;
+  ItemId id_;
+  bool there_ = false;
+};
 
 }  // namespace scanmill

@@ -1,5 +1,7 @@
 // What lies under the pointer.
 
+#include <algorithm>
+
 #include "viewer/window/picked_rows.h"
 #include "viewer/window/session_state.h"
 
@@ -23,7 +25,39 @@ PickedThing ViewSession::State::pickedPoint(std::size_t k, std::size_t point) co
   const ViewScan& scan = frame->scans[cloud.scan];
   PickedThing thing = describePoint(scan, cloud.scan, point, source->ontology());
   thing.place = cloud.canvasFromScan * Vec3d(scan.scan.position[point]);
+  addBrief(thing, colorOf(cloud.view));
+  if (const auto instance = instanceOf(thing)) addInstance(thing, summaryOf(cloud, *instance), source->ontology());
   return thing;
+}
+
+// With what the other scans that are shown say of the same beam.
+PickedThing ViewSession::State::inFull(PickedThing thing) const {
+  if (thing.scan == kNoScan || thing.scan >= frame->scans.size()) return thing;
+  const ViewScan& own = frame->scans[thing.scan];
+  std::vector<std::size_t> others;
+  for (const ShownCloud& cloud : clouds) {
+    const bool hidden = overlaid() && hiddenScans.contains(frame->scans[cloud.scan].name);
+    if (cloud.scan == thing.scan || hidden || std::find(others.begin(), others.end(), cloud.scan) != others.end()) {
+      continue;
+    }
+    others.push_back(cloud.scan);
+  }
+  if (others.empty()) return thing;
+  thing.rows.insert(thing.rows.begin(), {"scan", wholeName(own, source->title())});
+  for (const std::size_t other : others) {
+    addSameBeam(thing, own.scan, frame->scans[other], source->ontology());
+  }
+  return thing;
+}
+
+// It is neither hidden nor in a scan that is not shown.
+bool ViewSession::State::isShown(const PickedThing& thing) const {
+  if (thing.scan == kNoScan) {
+    return meshItem.there() && thing.point < mesh->size() && (meshShown.empty() || meshShown[thing.point] != 0);
+  }
+  return std::any_of(clouds.begin(), clouds.end(), [&](const ShownCloud& cloud) {
+    return cloud.scan == thing.scan && (cloud.shown.empty() || cloud.shown[thing.point] != 0);
+  });
 }
 
 std::optional<PickedThing> ViewSession::State::pick(int x, int y) const {
@@ -46,7 +80,7 @@ std::optional<PickedThing> ViewSession::State::pick(int x, int y) const {
 }
 
 std::optional<PickedThing> ViewSession::State::pickMesh(const SightLine& line) const {
-  if (!mesh || !meshOn() || mesh->size() == 0 || !(source->isScene() || worldFromAnchor)) return {};
+  if (!meshItem.there()) return {};
   const Affine meshFromCanvas = inverse(canvasFromWorld * Affine{{}, mesh->origin});
   Vec3d origin = meshFromCanvas * line.origin;
   const Vec3d direction = meshFromCanvas.linear * line.direction;
@@ -90,7 +124,8 @@ void ViewSession::State::updateHover() {
     }
   }
   const bool same = found.has_value() == hover.has_value() &&
-                    (!found || (found->scan == hover->scan && found->point == hover->point && found->scan != kNoScan));
+                    (!found || (found->scan == hover->scan && found->point == hover->point && found->scan != kNoScan &&
+                                found->place == hover->place && found->brief == hover->brief));
   if (same) return;
   hover = std::move(found);
   hudChanged = true;

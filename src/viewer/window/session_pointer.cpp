@@ -60,7 +60,7 @@ void ViewSession::State::pressRegion(const HudRegion& region, const CanvasEvent&
         OrbitCamera turned = camera;
         turned.lookAt(thing->place);
         setCamera(turned);
-        pinned = std::move(thing);
+        pinned = inFull(std::move(*thing));
         hudChanged = true;
       }
       return;
@@ -72,6 +72,7 @@ void ViewSession::State::pressRegion(const HudRegion& region, const CanvasEvent&
       colorProblem.clear();
       meshProblem.clear();
       stripProblem.clear();
+      instanceProblem.clear();
       hudChanged = true;
       return;
     case HudPart::Picture:
@@ -85,6 +86,7 @@ void ViewSession::State::moveTo(const CanvasEvent& event) {
   pointerX = event.x;
   pointerY = event.y;
   hoverChanged = true;
+  lastMove = clock.seconds();
   if (drag.button == 0) return;
   if (drag.slider) {
     const std::size_t target = sliderFrame(drag.slider->rect, source->keys().size(), event.x);
@@ -121,7 +123,8 @@ void ViewSession::State::click(int x, int y) {
   auto thing = pick(x, y);
   hudChanged = true;
   if (!measuring) {
-    pinned = std::move(thing);
+    pinned.reset();
+    if (thing) pinned = inFull(std::move(*thing));
     return;
   }
   if (!thing) return say("nothing lies there");
@@ -136,6 +139,22 @@ void ViewSession::State::toggleMeasuring() {
   measuring = start;
   if (start && pinned) ends.push_back(pinned->place);
   placeMeasure();
+}
+
+void ViewSession::State::toggleAlone() {
+  if (!aloneInstances.empty()) {
+    aloneInstances.clear();
+    applyFilter();
+    return say("all instances");
+  }
+  refresh();  // moves may not have been drawn yet
+  updateHover();
+  const std::optional<PickedThing>& thing = hover ? hover : pinned;
+  if (!thing) return say("nothing lies there: point at an instance");
+  const auto id = instanceOf(*thing);
+  if (!id) return say("what lies there is of no instance");
+  aloneInstances = {*id};
+  applyFilter();
 }
 
 void ViewSession::State::turnAbout() {

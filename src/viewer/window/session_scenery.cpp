@@ -25,6 +25,30 @@ void setLines(Canvas& canvas, ItemId item, const LineSet& lines, std::size_t vie
   canvas.setLook(item, look);
 }
 
+// Frames the box, then moves the camera aside and nearer until what is seen of it fills the picture: what is near takes
+// more room than what is far.
+void fillWith(OrbitCamera& camera, const Box& box, int width, int height) {
+  constexpr int kSteps = 16;
+  constexpr double kFilled = 0.9;
+  camera.frame(box);
+  for (int step = 0; step < kSteps; ++step) {
+    const ViewCamera view = camera.camera(width, height);
+    double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Projected p = view.project({corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                        corner & 4 ? box.high.z : box.low.z});
+      if (!(p.depth >= view.nearest)) return;
+      left = std::min(left, p.x);
+      right = std::max(right, p.x);
+      top = std::min(top, p.y);
+      bottom = std::max(bottom, p.y);
+    }
+    camera.pan((width - left - right) / 2, (height - top - bottom) / 2, width, height);
+    const double share = std::max((right - left) / width, (bottom - top) / height) / kFilled;
+    camera.distance *= std::clamp(share, 0.8, 1.25);
+  }
+}
+
 }  // namespace
 
 void ViewSession::State::place() {
@@ -109,18 +133,15 @@ void ViewSession::State::placeMeasure() {
 
 void ViewSession::State::placeMesh() {
   itemsChanged = hudChanged = true;
-  const bool seen = mesh && meshOn() && mesh->size() > 0 && (source->isScene() || worldFromAnchor);
-  if (!seen) {
-    canvas.drop(kMeshItem);
+  if (!meshSeen()) {
+    meshItem.drop();
     meshShown.clear();
     if (mesh && mesh->size() > 0 && meshOn()) say("no mesh: the pose of the scan is not known");
     return;
   }
   place();
-  std::vector<Rgb> triangleColors;
-  triangleColors.reserve(mesh->size());
-  for (const std::uint16_t id : mesh->semantic) triangleColors.push_back(classColor(&mesh->ontology, id));
-  canvas.setTriangles(kMeshItem, mesh->corners, triangleColors);
+  meshColoring = colorMesh(*mesh, meshColor);
+  meshItem.setTriangles(mesh->corners, meshColoring.colors);
   placeMeshLook();
   applyFilter();
   if (source->isScene()) placeGuides();
@@ -151,7 +172,7 @@ void ViewSession::State::toggleWorld() {
 OrbitCamera ViewSession::State::preset(View view) const {
   OrbitCamera chosen = presetCamera(view);
   if (source->isScene()) {
-    if (mesh) chosen.frame(mesh->bounds);
+    if (mesh) fillWith(chosen, mesh->core, canvas.width(), canvas.height());
   } else if (world && worldFromAnchor) {
     chosen.moveBy(canvasFromWorld * toAffine(*worldFromAnchor));
   }
@@ -186,13 +207,13 @@ double ViewSession::State::pointSize() const {
 }
 
 void ViewSession::State::placeMeshLook() {
-  if (!mesh || !meshOn() || mesh->size() == 0) return;
+  if (!meshItem.there()) return;
   constexpr double kFaint = 0.25;
   ItemLook look;
   look.canvasFromItem = canvasFromWorld * Affine{{}, mesh->origin};
   look.opacity = source->isScene() ? 1 : kFaint;
   look.views = (1U << viewCount()) - 1;
-  canvas.setLook(kMeshItem, look);
+  meshItem.setLook(look);
   itemsChanged = true;
 }
 

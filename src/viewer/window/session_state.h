@@ -3,20 +3,30 @@
 // What the viewer knows and does; for session*.cpp alone.
 
 #include <array>
+#include <map>
 #include <set>
 
 #include "base/wall_timer.h"
 #include "viewer/window/class_filter.h"
 #include "viewer/window/draw_pace.h"
 #include "viewer/window/hud.h"
+#include "viewer/window/instance_summary.h"
+#include "viewer/window/mesh_coloring.h"
 #include "viewer/window/picking.h"
 #include "viewer/window/range_strip.h"
 #include "viewer/window/session.h"
+#include "viewer/window/session_items.h"
 #include "viewer/window/view_keys.h"
 
 namespace scanmill {
 
 constexpr std::size_t kMostSplitViews = 4;
+
+// How fast frames are played; 0: as fast as they load.
+constexpr std::array<double, 5> kPlaySpeeds{0.5, 1, 2, 5, 0};
+constexpr std::size_t kUsualSpeed = 1;
+
+enum class ScaleChange { LowerHigh, RaiseHigh, LowerLow, RaiseLow, Automatic };
 
 // A scan of the frame as an item of the canvas, in one of the views.
 struct ShownCloud {
@@ -37,7 +47,15 @@ struct ContentBall {
 
 struct ViewNotice {
   std::string text;
-  double until = 0;  // s, of State::clock
+  double until = 0;               // s, of State::clock
+  std::optional<KeyAction> of{};  // that said it
+};
+
+// An instance in a scan of the frame.
+struct InstancePlace {
+  std::size_t scan = 0;
+  std::uint32_t id = 0;
+  bool operator==(const InstancePlace&) const = default;
 };
 
 struct PointerDrag {
@@ -58,8 +76,13 @@ struct ViewSession::State {
   void key(const CanvasEvent& event);
   void act(const KeyMeaning& meaning);
   void escape();
+  void scrollHelp(double lines);
   void promptKey(const CanvasEvent& event);
   void savePicture();
+
+  // session_scene_keys.cpp
+  std::string sceneLacks(const KeyMeaning& meaning) const;  // why a key means nothing for a scene; empty: it does
+  void chooseMeshColor(MeshColor by);
 
   // session_pointer.cpp
   void press(const CanvasEvent& event);
@@ -69,17 +92,25 @@ struct ViewSession::State {
   void click(int x, int y);
   void toggleMeasuring();
   void turnAbout();
+  void toggleAlone();
 
   // session_frames.cpp: what is wanted, loaded and taken over
   void goTo(std::size_t frame, int step);
+  void wantFrame(std::size_t frame, int step);
   void stepBy(std::ptrdiff_t count);
   void togglePlaying();
+  void changeSpeed(int step);
+  std::string speedText() const;
+  void seekReadable();
+  void hintAtNames();
   double frameSeconds() const;  // that a frame stays while they play
   void adopt(std::shared_ptr<const ViewFrame> loaded);
   void takeWhatIsLoaded();
   void wantMesh();
   void takeMesh(std::shared_ptr<const ViewMesh> loaded);
   bool meshOn() const { return options.mesh || source->isScene(); }
+  // There are triangles, and a place for them.
+  bool meshSeen() const { return mesh && meshOn() && mesh->size() > 0 && (source->isScene() || worldFromAnchor); }
   std::vector<std::string> problems() const;
 
   // session_clouds.cpp: points, colours, filters
@@ -90,6 +121,8 @@ struct ViewSession::State {
   std::size_t viewCount() const;
   std::size_t shownScan() const;  // of layout One
   Coloring colored(std::size_t scan, std::size_t view);
+  std::optional<ScaleRange> scaleOf(std::size_t view);
+  void changeScale(ScaleChange change);
   ColorContext contextOf(const ViewScan& scan) const;
   ColorBy colorOf(std::size_t view) const;
   bool hasColor(const ViewScan& scan, ColorBy by) const;
@@ -117,10 +150,13 @@ struct ViewSession::State {
   void flush(bool whole);
   void composeHud();
   void addLabels();
-  void addTip();
   void addLabel(const Vec3d& spot, const std::string& text, bool mark);
+  void completeClasses(Legend& legend) const;
+  void joinLegends();
+  void addMessages();
   std::string summary() const;
-  void say(const std::string& text);
+  void say(const std::string& text, double seconds = 4);
+  void hint(const std::string& text);
 
   // session_pick.cpp
   std::optional<std::size_t> viewAt(int x, int y) const;
@@ -128,7 +164,17 @@ struct ViewSession::State {
   PickedThing pickedPoint(std::size_t cloud, std::size_t point) const;
   std::optional<PickedThing> pickMesh(const SightLine& line) const;
   std::optional<PickedThing> pickStrip(int x, int y) const;
+  PickedThing inFull(PickedThing thing) const;
+  bool isShown(const PickedThing& thing) const;
   void updateHover();
+
+  // session_tip.cpp: what is told of it, and its instance
+  void addTips();
+  HudTip tipOf(const PickedThing& thing) const;
+  std::optional<std::uint32_t> instanceOf(const PickedThing& thing) const;  // none: of no instance
+  const InstanceSummary& summaryOf(const ShownCloud& cloud, std::uint32_t instance) const;
+  void lightInstance();
+  void placeLight();
 
   std::shared_ptr<const FrameSource> source;
   Canvas& canvas;
@@ -145,21 +191,34 @@ struct ViewSession::State {
   std::shared_ptr<const ViewFrame> frame;
   std::vector<Pose> trajectory;
   bool playing = false;
-  double lastStep = 0;         // s
-  double recordedSeconds = 0;  // between the last two frames, where one followed the other
-  std::string scanName;        // of layout One; empty: the first
+  double lastStep = 0;                     // s
+  double recordedSeconds = 0;              // between the last two frames, where one followed the other
+  std::size_t speed = kUsualSpeed;         // into kPlaySpeeds
+  bool seeking = false;                    // no frame was asked for: the first that can be read will do
+  std::size_t firstWanted = 0;             // where seeking began
+  std::size_t seekAt = 0;                  // the next frame to try
+  std::set<std::size_t> unreadable;        // frames that were loaded in vain
+  std::set<std::uint16_t> presentClasses;  // that a frame holds, as far as is known
+  bool classesKnown = false;               // of all frames
+  std::string scanName;                    // of layout One; empty: the first
 
   std::array<std::optional<ColorBy>, kMostSplitViews> colors{};
-  std::optional<std::size_t> activeView;  // that colours are chosen for; none: all
+  std::array<std::optional<ScaleRange>, kMostSplitViews> scales{};  // where they do not follow from the values
+  std::map<ColorBy, ScaleRange> commonScales;                       // of the frame's scans side by side
+  std::optional<std::size_t> activeView;                            // that colours are chosen for; none: all
   ClassFilter filter;
-  std::set<std::string> hiddenScans;  // of the overlay
+  std::set<std::uint32_t> aloneInstances;  // instances that alone are shown; empty: all
+  std::set<std::string> hiddenScans;       // of the overlay
   std::vector<ShownCloud> clouds;
 
   bool world = false;                   // stand in the world in place of following the sensor
   std::optional<Pose> worldFromAnchor;  // of the frame's first scan that has a pose
   Affine canvasFromWorld;
-  std::shared_ptr<const ViewMesh> mesh;  // as on the canvas
+  std::shared_ptr<const ViewMesh> mesh;  // that was loaded
+  CanvasItem meshItem{canvas, kMeshItem};
   std::optional<SceneChoice> meshWanted;
+  MeshColor meshColor = MeshColor::Class;
+  Coloring meshColoring;
   std::vector<std::uint8_t> meshShown;  // per triangle; empty: all
   std::vector<ContentBall> content;
   Vec3d ground;  // below the first scan's sensor, canvas's frame
@@ -171,15 +230,21 @@ struct ViewSession::State {
   int pointerX = -1, pointerY = -1;
   std::optional<PickedThing> hover;
   std::optional<PickedThing> pinned;
+  mutable std::optional<std::pair<InstancePlace, InstanceSummary>> lastSummary;
+  std::optional<InstancePlace> lit;  // as on the canvas
+  CanvasItem litItem{canvas, kLitItem};
+  double lastMove = 0;  // s, of the pointer
   bool measuring = false;
   std::vector<Vec3d> ends;  // of the measured distance, canvas's frame
   std::optional<std::string> prompt;
   bool help = false;
   bool quit = false;
 
-  std::string colorProblem, meshProblem, stripProblem;
+  std::string colorProblem, meshProblem, stripProblem, instanceProblem;
   std::optional<std::string> columnMissing;  // of the options' colours
   std::vector<ViewNotice> notices;
+  std::vector<std::string> hints;
+  std::optional<KeyAction> acting;  // of the key that is being obeyed
   std::string busy;
 
   HudState hudState;
@@ -189,6 +254,7 @@ struct ViewSession::State {
   bool viewsChanged = true;  // cameras, rectangles
   bool itemsChanged = true;  // points, lines, triangles
   bool hudChanged = true;
+  bool lightChanged = false;  // the points of the instance that is pointed at
   bool hoverChanged = false;
   bool partial = false;  // the last picture had not all points
   std::uint64_t lastMost = 0;

@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "study/dataset/dataset_charts.h"
 #include "tests/charts/svg_check.h"
 #include "tests/study/dataset/made_dataset.h"
 
@@ -119,11 +120,74 @@ TEST_F(MadeDataset, ASoundOneHasNoWarnings) {
   EXPECT_FALSE(has(datasetPage(examined(at())), "id=\"warnings\""));
 }
 
-TEST_F(MadeDataset, WarnsOfAClassWithoutPoints) {
+TEST_F(MadeDataset, AClassWithoutPointsIsANote) {
   Manifest manifest = madeManifest();
   manifest.ontology.classes.push_back({9, "tram", {1, 2, 3}, true, {}});
   EXPECT_THAT(warningsFor(samples_, manifest),
               testing::ElementsAre("No points of 1 of the ontology's 3 classes: tram."));
+  const DatasetReport report = examined(at());
+  EXPECT_TRUE(report.warnings[0].note);
+  const std::string page = datasetPage(report);
+  EXPECT_TRUE(has(page, "<h2>1 note</h2>") && has(page, "id=\"notes\""));
+  EXPECT_FALSE(has(page, "id=\"warnings\""));
+}
+
+TEST_F(MadeDataset, WarnsOfAnIdOfWhatHasNone) {
+  for (MadeSample& s : samples_) {
+    if (s.split == "train") s.points.push_back({{9, 2, -1}, 7, 5, 1});
+  }
+  const std::vector<std::string> warnings = warningsFor(samples_);
+  EXPECT_THAT(warnings,
+              testing::ElementsAre("road: instance 5 of street-s1-lane (4 scans, 4 points) has an instance id, "
+                                   "which no other road has: a thing with the wrong class?"));
+  const DatasetReport report = examined(at());
+  EXPECT_THAT(report.warnings[0].command,
+              HasSubstr("scanmill view " + at().string() + " --sample street-s1-lane-0000"));
+  const std::string page = datasetPage(report);
+  EXPECT_TRUE(has(page, report.warnings[0].command));
+  EXPECT_EQ(classNamed(report, "road").pointsWithoutId, 120u);
+}
+
+TEST_F(MadeDataset, TheTitleTellsTheFolder) {
+  writeMadeDataset(at(), samples_);
+  EXPECT_TRUE(has(datasetPage(examined(at())), "<h1>Dataset small (made)</h1>"));
+  EXPECT_TRUE(has(datasetPage(examined(at() / ".." / "made" / "")), "<h1>Dataset small (made)</h1>"));
+  std::filesystem::rename(at(), folder_.path() / "small");
+  EXPECT_TRUE(has(datasetPage(examined(folder_.path() / "small")), "<h1>Dataset small</h1>"));
+}
+
+TEST_F(MadeDataset, WhatWasModelledIsToldOfEachScene) {
+  Manifest manifest = madeManifest();
+  manifest.modelled = {"geometry: exact", "instancing: 277 objects", "instancing: 294 objects"};
+  writeMadeDataset(at(), samples_, manifest);
+  std::string page = datasetPage(examined(at()));
+  EXPECT_TRUE(has(page, "instancing: 277 objects (street, seed 1)") && has(page, "294 objects (street, seed 2)"));
+  EXPECT_TRUE(has(page, "geometry: exact<"));
+  std::filesystem::remove_all(at());
+  manifest.modelled.push_back("instancing: 300 objects");  // of nobody knows which
+  writeMadeDataset(at(), samples_, manifest);
+  EXPECT_FALSE(has(datasetPage(examined(at())), "(street, seed"));
+}
+
+TEST_F(MadeDataset, ScansAreInTheOrderOfTheirKeys) {
+  std::reverse(samples_.begin(), samples_.end());
+  writeMadeDataset(at(), samples_);
+  const DatasetReport report = examined(at(), 6);
+  ASSERT_EQ(report.pictured.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_THAT(report.pictured[i].title, HasSubstr("00000" + std::to_string(i)));
+}
+
+// Shares of classes add up to 1 but for rounding: no axis goes on to 120 %.
+TEST_F(MadeDataset, SharesEndAtAHundredPerCent) {
+  writeMadeDataset(at(), samples_);
+  for (std::uint64_t whole : {3, 7, 9, 49, 1234567}) {
+    DatasetSummary summary = examined(at()).summary;
+    for (ClassSummary& c : summary.classes) c.ranges.assign(summary.steps.count, c.id == 7 ? whole : whole / 2);
+    for (SensorSummary& s : summary.sensors) s.ranges.assign(summary.steps.count, whole + 2 * (whole / 2));
+    const std::string chart = ringSharesChart(summary);
+    EXPECT_TRUE(has(chart, ">100%<") || has(chart, ">100 %<") || has(chart, ">100")) << chart.substr(0, 200);
+    EXPECT_FALSE(has(chart, ">120") || has(chart, ">125") || has(chart, ">150"));
+  }
 }
 
 TEST_F(MadeDataset, WarnsOfFewPointsOfAClass) {

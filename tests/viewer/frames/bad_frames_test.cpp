@@ -50,13 +50,52 @@ class BadFrames : public testing::Test {
 
 TEST_F(BadFrames, AMissingShard) {
   fs::remove(shardOf(0));
+  std::vector<std::size_t> lost;
+  for (std::size_t i = 0; i < manifest.samples.size(); ++i) {
+    if (manifest.samples[i].shard == 0) lost.push_back(i);
+  }
+  EXPECT_EQ(openFrames({.path = data})->damaged(), lost);
   expectOnlyShardIsBad(0, "is missing, although the manifest lists it");
 }
 
 TEST_F(BadFrames, ATruncatedShard) {
   const std::uint32_t shard = manifest.samples[7].shard;
   fs::resize_file(shardOf(7), fs::file_size(shardOf(7)) / 2);
-  expectOnlyShardIsBad(shard, "offset");
+  const auto source = openFrames({.path = data});
+  const std::vector<std::size_t> damaged = source->damaged();
+  std::size_t whole = 0;
+  bool behind = false;
+  for (std::size_t i = 0; i < manifest.samples.size(); ++i) {
+    const ViewFrame frame = source->load(i);
+    const bool lost = std::binary_search(damaged.begin(), damaged.end(), i);
+    EXPECT_EQ(lost, frame.scans.empty()) << i;
+    if (manifest.samples[i].shard != shard) {
+      EXPECT_EQ(frame.scans.size(), 2u) << i;
+      EXPECT_THAT(frame.problems, IsEmpty()) << i;
+      continue;
+    }
+    EXPECT_FALSE(behind && !lost) << "what follows a lost frame is lost, too: " << i;
+    behind = lost;
+    whole += frame.scans.size() == 2 ? 1 : 0;
+    ASSERT_FALSE(frame.problems.empty()) << i;
+    EXPECT_THAT(frame.problems, Each(AllOf(HasSubstr(manifest.shards[shard].file), HasSubstr("truncated")))) << i;
+    for (const ViewScan& scan : frame.scans) EXPECT_GT(scan.scan.size(), 0u);
+  }
+  EXPECT_GT(whole, 0u) << "what lies before the cut";
+  EXPECT_TRUE(behind);
+}
+
+TEST_F(BadFrames, AShardAloneGivesWhatLiesBeforeTheCut) {
+  const fs::path cut = folder.path() / "cut.tar";
+  fs::copy_file(shardOf(0), cut);
+  const std::size_t all = openFrames({.path = cut})->keys().size();
+  fs::resize_file(cut, fs::file_size(cut) / 2);
+  const auto source = openFrames({.path = cut});
+  EXPECT_LT(source->keys().size(), all);
+  ASSERT_GT(source->keys().size(), 0u);
+  const ViewFrame frame = source->load(0);
+  EXPECT_FALSE(frame.scans.empty());
+  EXPECT_THAT(frame.problems, ElementsAre(AllOf(HasSubstr("cut.tar"), HasSubstr("what lies before that"))));
 }
 
 TEST_F(BadFrames, AShardThatIsNoTar) {

@@ -258,7 +258,7 @@ TEST_F(Frames, FindFrame) {
   EXPECT_EQ(findFrame(*source, "7"), 7u);
   EXPECT_EQ(findFrame(*source, manifest.samples[6].key), 6u);
   EXPECT_EQ(findFrame(*source, "test"), 8u);
-  EXPECT_THAT(messageOf([&] { findFrame(*source, "train"); }), HasSubstr("nearest of 9"));
+  EXPECT_THAT(messageOf([&] { findFrame(*source, "train"); }), HasSubstr("part of 6 keys"));
   EXPECT_THAT(messageOf([&] { findFrame(*source, "9"); }), AllOf(HasSubstr("data"), HasSubstr("0 to 8")));
 }
 

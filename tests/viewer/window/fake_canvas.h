@@ -49,18 +49,18 @@ class FakeCanvas : public Canvas {
     set(item, Item::Kind::Lines, ends, colors, 2);
   }
   void setColors(ItemId item, std::span<const Rgb> colors) override {
-    Item& i = items.at(item);
+    Item& i = itemOf(item);
     require(colors.size() == i.colors.size(), "as many colours as before");
     i.colors.assign(colors.begin(), colors.end());
   }
-  void showAll(ItemId item) override { items.at(item).shown.reset(); }
+  void showAll(ItemId item) override { itemOf(item).shown.reset(); }
   void showOnly(ItemId item, std::span<const std::uint32_t> indices) override {
-    Item& i = items.at(item);
+    Item& i = itemOf(item);
     require(std::is_sorted(indices.begin(), indices.end()), "indices ascend");
     require(indices.empty() || indices.back() < i.colors.size(), "indices are within the item");
     i.shown.emplace(indices.begin(), indices.end());
   }
-  void setLook(ItemId item, const ItemLook& look) override { items.at(item).look = look; }
+  void setLook(ItemId item, const ItemLook& look) override { itemOf(item).look = look; }
   void drop(ItemId item) override { items.erase(item); }
   void setOverlay(int width, int height, std::span<const Rgba> pixels) override {
     require(pixels.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height), "an overlay's pixels");
@@ -111,6 +111,12 @@ class FakeCanvas : public Canvas {
   std::uint64_t lastMost = 0;
 
  private:
+  // As the module does.
+  Item& itemOf(ItemId item) {
+    const auto found = items.find(item);
+    if (found == items.end()) throw Error("the viewer's canvas: the canvas has no item " + std::to_string(item));
+    return found->second;
+  }
   static void require(bool holds, const char* what) {
     if (!holds) throw std::logic_error(what);
   }

@@ -3,6 +3,7 @@
 // Frames in memory: rings of points about a sensor that drives along x.
 
 #include <condition_variable>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -21,6 +22,13 @@ constexpr std::uint16_t kFakeCar = 20;
 constexpr Rgb kFakeRoadColor{128, 64, 128};
 constexpr Rgb kFakeTreeColor{20, 200, 60};
 constexpr Rgb kFakeCarColor{250, 90, 10};
+
+// Of a file: two boxes about the sensors.
+constexpr const char* kWallScene =
+    "ontology: " SCANMILL_SOURCE_DIR "/labels/scanmill.yaml\nmaterials: " SCANMILL_SOURCE_DIR
+    "/labels/materials.yaml\nobjects:\n"
+    "  - {primitive: box, size: [60, 60, 0.1], class: road, material: asphalt, position: [5, 100, 0]}\n"
+    "  - {primitive: box, size: [4, 2, 1.5], class: car, material: asphalt, position: [15, 100, 1]}\n";
 
 inline Ontology fakeOntology() {
   Ontology ontology;
@@ -96,7 +104,8 @@ class FakeFrames : public FrameSource {
     }
     return poses;
   }
-  std::optional<SceneChoice> scene(std::size_t, std::string& why) const override {
+  std::optional<SceneChoice> scene(std::size_t frame, std::string& why) const override {
+    if (frame < scenes.size() && !scenes[frame].empty()) return SceneChoice{scenes[frame], 1};
     why = "there is no scene here";
     return {};
   }
@@ -112,6 +121,7 @@ class FakeFrames : public FrameSource {
   }
 
   std::vector<ViewFrame> frames;
+  std::vector<std::filesystem::path> scenes;  // of the frames, as far as they have one
   bool named = true;
 
  private:

@@ -67,6 +67,32 @@ TEST(HudLayout, TwoStandSideBySideAndFourInASquare) {
   EXPECT_EQ(tall[0].left, tall[1].left);
 }
 
+TEST(HudLayout, PanesAreOfOneSize) {
+  for (const auto& [width, height] : {std::pair(1280, 800), {1600, 900}, {800, 1000}, {1000, 1000}, {2560, 1080}}) {
+    for (std::size_t count = 2; count <= 6; ++count) {
+      const std::vector<PixelRect> panes = layoutHud(stateOf(width, height, count)).panes;
+      for (const PixelRect& pane : panes) {
+        EXPECT_NEAR(pane.width, panes[0].width, 1) << count;
+        EXPECT_NEAR(pane.height, panes[0].height, 1) << count;
+      }
+    }
+  }
+}
+
+TEST(HudLayout, PicturesHaveNoBar) {
+  HudState state = stateOf(1600, 900, 1);
+  const int before = layoutHud(state).panes[0].height;
+  state.still = true;
+  const PixelRect pane = layoutHud(state).panes[0];
+  EXPECT_GT(pane.height, before);
+  EXPECT_EQ(pane.top + pane.height, 900);
+  for (const HudRegion& region : drawHud(state).regions) {
+    EXPECT_NE(region.part, HudPart::Slider);
+    EXPECT_NE(region.part, HudPart::PlayButton);
+    EXPECT_NE(region.part, HudPart::Help);
+  }
+}
+
 TEST(HudLayout, NothingJumpsForWhatComesAndGoes) {
   const HudState plain = stateOf(1000, 700, 2);
   HudState state = plain;

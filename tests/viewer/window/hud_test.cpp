@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "viewer/color_map.h"
+#include "viewer/window/hud_paint.h"
 
 namespace scanmill {
 namespace {
@@ -257,6 +258,72 @@ TEST(Hud, TipsStayOnTheCanvasAndBesideThePointer) {
   }
 }
 
+TEST(Hud, TipsCoverNoLegend) {
+  HudState state = oneView(1000, 700);
+  const Hud plain = drawHud(state);
+  const PixelRect legend = regionOf(plain, HudPart::Legend, 1)->rect;
+  for (const int below : {-30, 5, 60}) {
+    state.tip = HudTip{legend.left - 20, legend.top + below, "car 4711", kTree, {{"range", "12.34 m"}, {"ring", "3"}}};
+    const Hud hud = drawHud(state);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const PixelRect row = regionOf(hud, HudPart::Legend, i)->rect;
+      for (int y = row.top; y < row.top + row.height; ++y) {
+        for (int x = row.left; x < row.left + row.width; ++x) {
+          ASSERT_EQ(pixelAt(hud, state, x, y), pixelAt(plain, state, x, y)) << x << ", " << y;
+        }
+      }
+    }
+  }
+}
+
+// In the lower left corner; in another one where that holds what was clicked. Opaque, and above strip and bar.
+TEST(Hud, WhatWasClickedIsDockedInACorner) {
+  for (const std::size_t panes : {1u, 2u, 4u}) {
+    HudState state = oneView(1200, 800);
+    state.strip = HudStrip{numbered(200, 16), {}, "range image"};
+    state.panes.resize(panes, state.panes[0]);
+    HudState with = state;
+    with.docked = HudTip{0, 0, "car 4711", kTree, std::vector(12, std::pair<std::string, std::string>("x", "1.5 m"))};
+    const HudLayout layout = layoutHud(state);
+    const auto dockedAt = [&] {
+      const Hud plain = drawHud(state);
+      const Hud hud = drawHud(with);
+      const PixelRect box = changed(plain, hud, state);
+      EXPECT_EQ(regionAt(hud, box.left + 1, box.top + 1)->part, HudPart::Panel);
+      for (int y = box.top; y < box.top + box.height; ++y) {
+        for (int x = box.left; x < box.left + box.width; ++x) EXPECT_EQ(pixelAt(hud, state, x, y)[3], 255);
+      }
+      EXPECT_TRUE(std::any_of(layout.panes.begin(), layout.panes.end(),
+                              [&](const PixelRect& pane) { return holds(pane, box); }));
+      return box;
+    };
+    const PixelRect usual = dockedAt();
+    const PixelRect& pane = layout.panes[0];
+    EXPECT_LT(usual.left, pane.left + 30);
+    EXPECT_GT(usual.top + usual.height, pane.top + pane.height - 30);
+    with.docked->keepClear = {{usual.left + 20, usual.top + 20}};
+    EXPECT_FALSE(dockedAt().contains(usual.left + 20, usual.top + 20));
+    // Messages stand beside it.
+    with.docked->keepClear.clear();
+    with.notices = {"a message"};
+    HudState messages = state;
+    messages.notices = with.notices;
+    const Hud both = drawHud(with);
+    with.notices.clear();
+    const PixelRect said = changed(drawHud(with), both, state);
+    EXPECT_GT(said.width, 20);
+    EXPECT_FALSE(said.contains(usual.left + 5, usual.top + usual.height - 5));
+  }
+}
+
+TEST(Hud, AWarningRowStandsOut) {
+  HudState state = oneView(800, 600);
+  state.tip = HudTip{300, 300, "car 4711", kTree, {{"range", "1 m"}, {"its classes", "car 3, tree 1"}}};
+  EXPECT_EQ(countAll(drawHud(state), state, kAlarm), 0);
+  state.tip->alarm = "its classes";
+  EXPECT_GT(countAll(drawHud(state), state, kAlarm), 20);
+}
+
 TEST(Hud, LabelsAreMarkedAndStayOnTheCanvas) {
   HudState state = oneView(800, 600);
   state.panes.clear();
@@ -308,6 +375,7 @@ TEST(Hud, ImagesAreDrawnWhereTheirPixelsAreFound) {
   };
   expectDrawn(layoutHud(state).strip, state.strip->image, HudPart::Strip);
   state.strip.reset();
+  state.panes.clear();  // their legends lie over the picture
   state.picture = HudStrip{numbered(100, 60), {}, "semantic"};
   const PixelRect rect = layoutHud(state).picture;
   EXPECT_EQ(rect.width % 100, 0);
@@ -391,6 +459,11 @@ TEST(Hud, SurvivesEverything) {
     if (upTo(1) == 1) {
       state.tip = HudTip{static_cast<int>(upTo(600)) - 100, static_cast<int>(upTo(600)) - 100, words(50), kCar, {}};
       for (std::size_t i = upTo(30); i > 0; --i) state.tip->rows.emplace_back(words(20), words(80));
+    }
+    if (upTo(1) == 1) {
+      state.docked = HudTip{0, 0, words(50), kCar, {}, "", upTo(9), {}};
+      for (std::size_t i = upTo(60); i > 0; --i) state.docked->rows.emplace_back(words(20), words(80));
+      for (std::size_t i = upTo(4); i > 0; --i) state.docked->keepClear.emplace_back(upTo(500), upTo(300));
     }
     state.help = upTo(2) == 0;
     for (std::size_t i = upTo(40); i > 0; --i) state.keys.emplace_back(words(15), words(50));

@@ -31,12 +31,21 @@ class ImageViewer : public testing::Test {
     writePasses(file(), image);
   }
   std::filesystem::path file() const { return folder_.path() / "a.exr"; }
+  ImageList images() const { return openImages(file(), "", {}); }
 
   static bool key(ImageSession& session, const std::string& name) {
     CanvasEvent event;
     event.kind = CanvasEvent::Kind::Key;
     event.key = name;
     return session.handle(event);
+  }
+  static void wheel(ImageSession& session, double amount, int x, int y) {
+    CanvasEvent event;
+    event.kind = CanvasEvent::Kind::Wheel;
+    event.amount = amount;
+    event.x = x;
+    event.y = y;
+    session.handle(event);
   }
   static std::string value(const ImageSession& session, int x, int y, const std::string& name) {
     const auto rows = session.pick(x, y);
@@ -54,7 +63,7 @@ class ImageViewer : public testing::Test {
 };
 
 TEST_F(ImageViewer, StepsThroughPlanesInARing) {
-  ImageSession session(file(), nullptr, canvas_, "", false);
+  ImageSession session(images(), canvas_, "", false);
   session.settle();
   const Image first = session.picture();
   EXPECT_TRUE(key(session, "Right"));
@@ -71,7 +80,7 @@ TEST_F(ImageViewer, StepsThroughPlanesInARing) {
 
 // Every pixel of the file is found somewhere, in its place, and enlarged it is still the same.
 TEST_F(ImageViewer, ValuesAreThoseOfThePixel) {
-  ImageSession session(file(), nullptr, canvas_, "semantic", false);
+  ImageSession session(images(), canvas_, "semantic", false);
   for (const double zoom : {0.0, 3.0}) {
     CanvasEvent wheel;
     wheel.kind = CanvasEvent::Kind::Wheel;
@@ -96,16 +105,85 @@ TEST_F(ImageViewer, ValuesAreThoseOfThePixel) {
   EXPECT_FALSE(session.pick(-1, 5));
 }
 
+// The pixel that is pointed at stays there, wherever that is, and the pane fills.
+TEST_F(ImageViewer, ZoomsAboutThePointerInTheWholePane) {
+  for (const auto& [x, y] : {std::pair(320, 240), std::pair(150, 120), std::pair(500, 380), std::pair(205, 300)}) {
+    ImageSession session(images(), canvas_, "", false);
+    session.settle();
+    const std::string before = value(session, x, y, "pixel");
+    ASSERT_NE(before, "");
+    for (int step = 1; step <= 8; ++step) {
+      wheel(session, 1, x, y);
+      session.settle();
+      EXPECT_EQ(value(session, x, y, "pixel"), before) << step;
+    }
+    wheel(session, -20, x, y);
+    session.settle();
+    EXPECT_EQ(value(session, x, y, "pixel"), before) << "whole again";
+  }
+  ImageSession session(images(), canvas_, "", false);
+  session.settle();
+  EXPECT_EQ(value(session, 5, 240, "pixel"), "") << "beside the whole image";
+  wheel(session, 4, 320, 240);
+  session.settle();
+  for (const int x : {2, 320, 637}) {
+    for (const int y : {60, 240, 440}) EXPECT_NE(value(session, x, y, "pixel"), "") << x << ' ' << y;
+  }
+}
+
+TEST_F(ImageViewer, StepsThroughARecordingsImages) {
+  for (const char* name : {"a-s1-x-000000.top.10.front.exr", "a-s1-x-000000.top.9.front.exr", "b.exr"}) {
+    std::filesystem::copy_file(file(), folder_.path() / name);
+  }
+  folder_.write("c.exr", "damaged");
+  const ImageList all = openImages(folder_.path(), "", {});
+  EXPECT_THAT(all.names,
+              testing::ElementsAre("a", "a-s1-x-000000.top.9.front", "a-s1-x-000000.top.10.front", "b", "c"));
+  EXPECT_EQ(openImages(folder_.path(), "top.10", {}).first, 2u);
+  EXPECT_EQ(openImages(folder_.path(), "3", {}).first, 3u);
+  EXPECT_THAT(messageOf([&] { openImages(folder_.path(), "nowhere", {}); }), HasSubstr("nowhere"));
+  ImageSession session(all, canvas_, "semantic", false);
+  session.settle();
+  std::vector<std::string> seen{session.name()};
+  for (int i = 0; i < 5; ++i) {
+    key(session, i % 2 ? "period" : "Page_Down");
+    seen.push_back(session.name());
+  }
+  EXPECT_THAT(seen, testing::ElementsAre(all.names[0], all.names[1], all.names[2], all.names[3], "c", "c"));
+  key(session, "Page_Up");
+  EXPECT_EQ(session.name(), "b");
+  EXPECT_NE(value(session, 320, 240, "semantic"), "");
+  key(session, "less");
+  EXPECT_EQ(session.name(), "a");
+}
+
+TEST_F(ImageViewer, MaterialsHaveTheNamesOfTheirRecording) {
+  ImageList list = images();
+  list.names = {"town-s1-old-s2-lane-000003.top"};
+  list.recording.emplace();
+  for (const char* name : {"grass", "steel"}) {
+    Material material;
+    material.name = name;
+    list.recording->materials.push_back({material});
+  }
+  list.recording->sequences = {{"town", 1, "lane", 1, 0}, {"town-s1-old", 2, "lane", 1, 1}};
+  EXPECT_EQ(list.materials(0), std::vector<std::string>{"steel"});
+  list.names = {"town-s1-lane-000003.top"};
+  EXPECT_EQ(list.materials(0), std::vector<std::string>{"grass"});
+  list.names = {"village-s1-lane-000003.top"};
+  EXPECT_THAT(list.materials(0), testing::IsEmpty());
+}
+
 TEST_F(ImageViewer, WrongFilesAndPlanesAreRefused) {
-  EXPECT_THAT(messageOf([&] { ImageSession(file(), nullptr, canvas_, "colour", false); }), HasSubstr("semantic"));
-  EXPECT_THAT(messageOf([&] { ImageSession(folder_.path() / "no.exr", nullptr, canvas_, "", false); }),
+  EXPECT_THAT(messageOf([&] { ImageSession(images(), canvas_, "colour", false); }), HasSubstr("semantic"));
+  EXPECT_THAT(messageOf([&] { ImageSession(openImages(folder_.path() / "no.exr", "", {}), canvas_, "", false); }),
               HasSubstr("no.exr"));
 }
 
 TEST_F(ImageViewer, NothingStopsIt) {
   std::mt19937 random(1);
-  const char* const keys[] = {"Right", "Left", "Home", "h", "bracketleft", "x", "Tab"};
-  ImageSession session(file(), nullptr, canvas_, "", false);
+  const char* const keys[] = {"Right", "Left", "Home", "h", "bracketleft", "x", "Tab", "k", "Escape", "Down"};
+  ImageSession session(images(), canvas_, "", false);
   for (int i = 0; i < 2000; ++i) {
     CanvasEvent event;
     event.kind = static_cast<CanvasEvent::Kind>(random() % 8);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/temporary_folder.h"
 #include "tests/viewer/window/session_world.h"
 #include "viewer/window/session.h"
 
@@ -9,11 +10,11 @@ namespace scanmill {
 namespace {
 
 constexpr const char* kNames[] = {
-    "c",    "C",       "1",      "2",         "3", "4",       "5",    "6",     "7",    "8",         "9",
-    "0",    "plus",    "minus",  "b",         "a", "A",       "r",    "m",     "t",    "e",         "k",
-    "o",    "F1",      "F2",     "F3",        "v", "f",       "Home", "Right", "Left", "Page_Down", "Page_Up",
-    "less", "greater", "space",  "g",         "l", "s",       "Tab",  "n",     "w",    "d",         "i",
-    "h",    "Escape",  "Return", "BackSpace", "z", "Shift_L", "End"};
+    "c",    "C",       "1",      "2",      "3",         "4", "5",       "6",     "7",    "8",         "9",
+    "0",    "plus",    "minus",  "b",      "a",         "A", "r",       "m",     "t",    "e",         "k",
+    "o",    "F1",      "F2",     "F3",     "v",         "f", "Home",    "Right", "Left", "Page_Down", "Page_Up",
+    "less", "greater", "space",  "g",      "l",         "s", "Tab",     "n",     "w",    "d",         "i",
+    "x",    "h",       "Escape", "Return", "BackSpace", "z", "Shift_L", "End"};
 
 CanvasEvent randomEvent(std::mt19937& random, FakeCanvas& canvas) {
   const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
@@ -61,18 +62,30 @@ std::shared_ptr<FakeFrames> manyKindsOfFrames() {
   bare.position = all[4].scans[0].scan.position;
   bare.position[5] = {NAN, NAN, NAN};
   bare.position[6] = {1e30F, 0, 0};
-  all[4].scans = {ViewScan{"bare", "", "", bare, {}, 0, {}, "", {}}};
+  ViewScan unknown;
+  unknown.name = "bare";
+  unknown.scan = bare;
+  all[4].scans = {unknown};
   all[5].scans[1].worldFromSensor.reset();
   all[6].scans[2].scan.label.clear();
   for (Vec3f& p : all[7].scans[0].scan.position) p = {NAN, NAN, NAN};
   return frames;
 }
 
+// Some have a scene, some one that cannot be read, some none.
+void addScenes(FakeFrames& frames, const TemporaryFolder& folder) {
+  const auto good = folder.write("wall.yaml", kWallScene);
+  const auto bad = folder.write("bad.yaml", "objects: 3\n");
+  frames.scenes = {good, folder.path() / "absent.yaml", bad, good, good, {}, bad, good};
+}
+
 class SessionFuzz : public testing::TestWithParam<unsigned> {};
 
 TEST_P(SessionFuzz, NothingStopsIt) {
   std::mt19937 random(GetParam());
+  const TemporaryFolder folder;
   const auto frames = manyKindsOfFrames();
+  addScenes(*frames, folder);
   frames->named = GetParam() % 2 == 0;
   FakeCanvas canvas(320, 240);
   frames->setOpen(GetParam() % 3 != 0);  // some begin before anything is loaded

@@ -78,6 +78,10 @@ TEST(ViewSession, EveryKeyOfTheHelpDoesSomething) {
       {press({"less"}), press({"greater"}), [](SessionWorld& w) { w.key("Left", true); },
        [](SessionWorld& w) { w.key("Right", true); }}};
   rows["space"] = {nothing, {press({"space"})}};
+  rows["( )"] = {nothing, {press({"parenleft"}), press({"parenright"})}};
+  rows["[ ]"] = {press({"4"}), {press({"bracketleft"}), press({"bracketright"})}};
+  rows["{ }"] = {press({"4"}), {press({"braceleft"}), press({"braceright"})}};
+  rows["\\"] = {press({"4", "bracketleft"}), {press({"backslash"})}};
   rows["g"] = {nothing, {press({"g"})}};
   rows["c, C"] = {nothing, {press({"c"}), press({"C"})}};
   rows["1 2 3 4 5 6 7 8 9 0"] = {press({"9"}),
@@ -90,7 +94,7 @@ TEST(ViewSession, EveryKeyOfTheHelpDoesSomething) {
                },
                {press({"A"})}};
   rows["+ -"] = {nothing, {press({"plus"}), press({"minus"}), press({"KP_Add"}), press({"equal"})}};
-  for (const char* key : {"b", "a", "r", "t", "m", "e", "k", "o", "v", "n", "l", "s", "Tab", "w", "i", "d", "P", "h"}) {
+  for (const char* key : {"b", "a", "r", "t", "m", "e", "k", "o", "v", "n", "l", "s", "Tab", "w", "i", "I", "d", "P", "h"}) {
     rows[key] = {nothing, {press({key})}};
   }
   rows["F1 F2 F3"] = {[](SessionWorld& w) { w.wheel(3); }, {press({"F1"}), press({"F2"}), press({"F3"})}};
@@ -98,6 +102,8 @@ TEST(ViewSession, EveryKeyOfTheHelpDoesSomething) {
       [&](SessionWorld& w) { w.pointer(Kind::Move, point(w).first, point(w).second); },
       {press({"f"}), [&](SessionWorld& w) { w.pointer(Kind::Down, point(w).first, point(w).second, 1, false, 2); }}};
   rows["Home"] = {[](SessionWorld& w) { w.wheel(3); }, {press({"Home"})}};
+  const auto car = [](SessionWorld& w) { return w.pixelOf(firstCloud(w), 3 * 72 + 70); };
+  rows["x"] = {[&](SessionWorld& w) { w.pointer(Kind::Move, car(w).first, car(w).second); }, {press({"x"})}};
   rows["Escape"] = {press({"h"}), {press({"Escape"})}};
   rows["q"] = {nothing, {press({"q"})}};
 
@@ -123,7 +129,7 @@ TEST(ViewSession, EveryKeyOfTheHelpDoesSomething) {
   EXPECT_EQ(known, rows.size());
 }
 
-TEST(ViewSession, EscapeClosesWhatIsOpenThenTheViewer) {
+TEST(ViewSession, EscapeClosesWhatIsOpenAndNeverTheViewer) {
   SessionWorld world(3);
   const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72);
   world.click(x, y);
@@ -132,10 +138,63 @@ TEST(ViewSession, EscapeClosesWhatIsOpenThenTheViewer) {
   EXPECT_TRUE(world.key("Escape"));  // the prompt
   EXPECT_TRUE(world.key("Escape"));  // the help
   EXPECT_TRUE(world.key("Escape"));  // the pin
-  EXPECT_FALSE(world.key("Escape"));
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(world.key("Escape"));
+  EXPECT_FALSE(world.key("q"));
   CanvasEvent close;
   close.kind = Kind::Close;
   EXPECT_FALSE(world.send(close));
+}
+
+// A scene that cannot be read is said; nothing else changes.
+TEST(ViewSession, AMeshThatFailsIsNoItem) {
+  const TemporaryFolder folder;
+  auto frames = std::make_shared<FakeFrames>(3, kMethods);
+  frames->scenes = {folder.path() / "absent.yaml", folder.write("wall.yaml", kWallScene),
+                    folder.write("bad.yaml", "objects: 3\n")};
+  frames->frames[2].scans[0].worldFromSensor.reset();
+  frames->frames[2].scans[1].worldFromSensor.reset();
+  const auto triangles = [](const SessionWorld& w) {
+    std::size_t count = 0;
+    for (const auto& [id, item] : w.canvas.items) {
+      if (item.kind == FakeCanvas::Item::Kind::Triangles) count += item.colors.size();
+    }
+    return count;
+  };
+  SessionWorld world(frames);
+  world.key("m");
+  world.session->settle();
+  EXPECT_EQ(triangles(world), 24u);
+  for (const char* key : {"less", "greater"}) {
+    world.key(key);
+    world.session->settle();
+    EXPECT_EQ(triangles(world), 0u);
+    EXPECT_THAT(world.session->problems(), testing::Contains(HasSubstr(".yaml")));
+    const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72);
+    for (const char* pressed : {"n", "l", "c", "s", "A", "w", "2", "x"}) {
+      world.pointer(Kind::Move, x, y);
+      EXPECT_NO_THROW(world.key(pressed));
+      world.session->settle();
+    }
+  }
+  // Back to a frame that has one, from one whose place in the world is not known.
+  world.key("less");
+  world.key("Right");
+  world.session->settle();
+  EXPECT_EQ(triangles(world), 24u);
+}
+
+TEST(ViewSession, MessagesSpeakOfNoOptions) {
+  auto frames = std::make_shared<FakeFrames>(3);
+  for (ViewFrame& frame : frames->frames) {
+    frame.scans[0].scan.incidence.clear();
+    frame.scans[0].scan.rangeTrue.clear();
+    frame.scans[0].error.clear();
+  }
+  SessionWorld world(frames);
+  for (const char* key : {"9", "0"}) {
+    world.key(key);
+    for (const std::string& problem : world.session->problems()) EXPECT_EQ(problem.find("--"), std::string::npos);
+  }
 }
 
 // The frame on the canvas, by the positions of its points.
@@ -201,7 +260,7 @@ TEST(ViewSession, PlaysToTheEndAndStops) {
   world.key("less");
   world.session->settle();
   world.key("space");
-  std::set<std::size_t> seen;
+  std::set<std::size_t> seen{frameOn(world)};
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (!seen.contains(3) && std::chrono::steady_clock::now() < end) {
     world.tick();
@@ -232,7 +291,7 @@ TEST(ViewSession, ProblemsOfAFrameAreShownAndTheOthersStayGood) {
   auto frames = std::make_shared<FakeFrames>(3);
   frames->frames[1].scans.clear();
   frames->frames[1].problems = {"train-000000.tar: is damaged"};
-  SessionWorld world(frames);
+  SessionWorld world(frames, {.sample = "1"});
   EXPECT_THAT(world.session->problems(), testing::ElementsAre("train-000000.tar: is damaged"));
   EXPECT_THROW(world.session->check(), Error);
   EXPECT_TRUE(world.canvas.pointItems().empty());
@@ -258,7 +317,7 @@ TEST(ViewSession, AColumnThatIsNotThereKeepsTheColours) {
     EXPECT_EQ(world.canvas.items.at(firstCloud(world)).colors, before);
     ASSERT_EQ(world.session->problems().size(), 1u);
   }
-  EXPECT_THAT(world.session->problems().front(), HasSubstr("--twin"));
+  EXPECT_THAT(world.session->problems().front(), HasSubstr("noise-free twin"));
   world.key("4");
   EXPECT_THAT(world.session->problems(), IsEmpty());
 }

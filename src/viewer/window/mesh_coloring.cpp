@@ -1,0 +1,111 @@
+#include "viewer/window/mesh_coloring.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <unordered_map>
+
+#include "viewer/window/class_filter.h"
+#include "viewer/window/picked_rows.h"
+
+namespace scanmill {
+
+namespace {
+
+Rgb materialColor(std::uint16_t material) {
+  return instanceColor(material + 1u);  // 0 would be none
+}
+
+std::vector<std::uint64_t> countEach(const std::vector<std::uint16_t>& ids) {
+  std::vector<std::uint64_t> count(std::size_t{UINT16_MAX} + 1, 0);
+  for (const std::uint16_t id : ids) ++count[id];
+  return count;
+}
+
+Legend classLegend(const ViewMesh& mesh) {
+  const std::vector<std::uint64_t> triangles = countEach(mesh.semantic);
+  Legend legend;
+  for (std::size_t id = 0; id < triangles.size(); ++id) {
+    if (triangles[id] == 0) continue;
+    const auto semantic = static_cast<std::uint16_t>(id);
+    legend.entries.push_back({className(&mesh.ontology, semantic), classColor(&mesh.ontology, semantic),
+                              static_cast<std::int64_t>(id), triangles[id]});
+  }
+  return legend;
+}
+
+Legend instanceLegend(const ViewMesh& mesh) {
+  std::unordered_map<std::uint32_t, std::uint64_t> triangles;
+  for (const std::uint32_t id : mesh.instance) ++triangles[id];
+  const std::uint64_t without = triangles[0];
+  triangles.erase(0);
+  Legend legend;
+  if (!triangles.empty()) {
+    const std::uint32_t first = std::min_element(triangles.begin(), triangles.end(), [](const auto& a, const auto& b) {
+                                  return a.first < b.first;
+                                })->first;
+    legend.entries.push_back(
+        {fmt::format("{} instance{}, a colour each", groupedCount(triangles.size()), triangles.size() == 1 ? "" : "s"),
+         instanceColor(first), -1, mesh.size() - without});
+  }
+  legend.entries.push_back({"no instance", instanceColor(0), -1, without});
+  return legend;
+}
+
+// The most frequent first.
+Legend materialLegend(const ViewMesh& mesh) {
+  const std::vector<std::uint64_t> triangles = countEach(mesh.material);
+  Legend legend;
+  for (std::size_t id = 0; id < triangles.size(); ++id) {
+    if (triangles[id] == 0) continue;
+    legend.entries.push_back({id < mesh.materials.size() ? mesh.materials[id] : fmt::format("material {}", id),
+                              materialColor(static_cast<std::uint16_t>(id)), -1, triangles[id]});
+  }
+  std::stable_sort(legend.entries.begin(), legend.entries.end(),
+                   [](const LegendEntry& a, const LegendEntry& b) { return a.points > b.points; });
+  return legend;
+}
+
+Legend reflectanceLegend() {
+  Legend legend;
+  legend.scale = true;
+  legend.low = 0;
+  legend.high = 1;
+  return legend;
+}
+
+}  // namespace
+
+Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {
+  Coloring coloring;
+  coloring.colors.reserve(mesh.size());
+  const auto paint = [&](const auto& colorOf) {
+    for (std::size_t t = 0; t < mesh.size(); ++t) coloring.colors.push_back(colorOf(t));
+  };
+  switch (by) {
+    case MeshColor::Class:
+      paint([&](std::size_t t) { return classColor(&mesh.ontology, mesh.semantic[t]); });
+      coloring.legend = classLegend(mesh);
+      break;
+    case MeshColor::Instance:
+      paint([&](std::size_t t) { return instanceColor(mesh.instance[t]); });
+      coloring.legend = instanceLegend(mesh);
+      break;
+    case MeshColor::Material:
+      paint([&](std::size_t t) { return materialColor(mesh.material[t]); });
+      coloring.legend = materialLegend(mesh);
+      break;
+    case MeshColor::Reflectance:
+      paint([&](std::size_t t) {
+        return mesh.material[t] < mesh.reflectance.size() ? viridis(double{mesh.reflectance[mesh.material[t]]})
+                                                          : kNoValue;
+      });
+      coloring.legend = reflectanceLegend();
+      break;
+  }
+  coloring.legend.title = std::string(kMeshColorNames[static_cast<std::size_t>(by)]);
+  return coloring;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,58 @@
+// What keys do where a scene is shown by itself: there are triangles, and neither points nor frames.
+
+#include <fmt/core.h>
+
+#include "viewer/window/session_state.h"
+
+namespace scanmill {
+
+std::string ViewSession::State::sceneLacks(const KeyMeaning& meaning) const {
+  constexpr const char* kColors = "c takes class, instance, material, reflectance";
+  switch (meaning.action) {
+    case KeyAction::ColorByNumber: {
+      const auto by = static_cast<ColorBy>(meaning.number);
+      if (by == ColorBy::Class || by == ColorBy::Instance) return {};
+      return fmt::format("a scene has no {}: {}", kColorNames[meaning.number], kColors);
+    }
+    case KeyAction::LargerPoints:
+    case KeyAction::SmallerPoints:
+      return "a scene has no points";
+    case KeyAction::ToggleRangeRings:
+      return "a scene has no sensor to draw range rings about";
+    case KeyAction::ToggleTrajectory:
+      return "a scene has no trajectory: a dataset of it has";
+    case KeyAction::ToggleMesh:
+      return "the scene's mesh is all that there is";
+    case KeyAction::NextFrame:
+    case KeyAction::PreviousFrame:
+    case KeyAction::TenFramesOn:
+    case KeyAction::TenFramesBack:
+    case KeyAction::FirstFrame:
+    case KeyAction::LastFrame:
+    case KeyAction::Play:
+    case KeyAction::GoTo:
+      return "a scene has no frames: a dataset of it has";
+    case KeyAction::ToggleOverlay:
+    case KeyAction::ToggleSplit:
+    case KeyAction::NextView:
+    case KeyAction::NextScan:
+      return "a scene has no scans: a dataset of it has";
+    case KeyAction::ToggleWorld:
+      return "a scene has no sensor to follow";
+    case KeyAction::ToggleRangeImage:
+    case KeyAction::ToggleStripOrder:
+      return "a scene has no range image: a dataset of it has";
+    default:
+      return {};
+  }
+}
+
+void ViewSession::State::chooseMeshColor(MeshColor by) {
+  meshColor = by;
+  if (!mesh || mesh->size() == 0) return;
+  meshColoring = colorMesh(*mesh, meshColor);
+  meshItem.setColors(meshColoring.colors);
+  itemsChanged = hudChanged = true;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,138 @@
+// What is told of a thing that is pointed at or was clicked, and how its instance stands out.
+
+#include <algorithm>
+
+#include "viewer/color_map.h"
+#include "viewer/window/session_state.h"
+
+namespace scanmill {
+
+HudTip ViewSession::State::tipOf(const PickedThing& thing) const {
+  HudTip tip;
+  tip.heading = thing.heading;
+  tip.rows = thing.rows;
+  tip.alarm = thing.alarm;
+  for (const ShownCloud& cloud : clouds) {
+    if (cloud.scan != thing.scan || thing.point >= cloud.coloring.colors.size()) continue;
+    tip.color = cloud.coloring.colors[thing.point];
+    tip.pane = cloud.view;
+    break;
+  }
+  if (thing.scan == kNoScan && mesh && thing.point < mesh->size()) {
+    tip.color = meshColoring.colors[thing.point];
+  }
+  return tip;
+}
+
+// A few rows beside the pointer, all of what was clicked in a corner.
+void ViewSession::State::addTips() {
+  hudState.tip.reset();
+  hudState.docked.reset();
+  if (hudState.strip) hudState.strip->mark.reset();
+  if (help) return;
+  if (pinned) {
+    HudTip docked = tipOf(*pinned);
+    for (const CanvasView& view : views) {
+      const Projected p = view.camera.project(pinned->place);
+      if (!(p.depth >= view.camera.nearest)) continue;
+      if (!(p.x >= 0 && p.y >= 0 && p.x < view.rect.width && p.y < view.rect.height)) continue;
+      docked.keepClear.emplace_back(view.rect.left + static_cast<int>(p.x), view.rect.top + static_cast<int>(p.y));
+    }
+    hudState.docked = std::move(docked);
+  }
+  const bool told = pinned && hover && pinned->scan == hover->scan && pinned->point == hover->point;
+  if (hover && !told && !measuring) {
+    HudTip tip = tipOf(*hover);
+    tip.rows = hover->brief;
+    tip.x = pointerX;
+    tip.y = pointerY;
+    hudState.tip = std::move(tip);
+  }
+  const std::optional<PickedThing>& thing = hover ? hover : pinned;
+  if (thing && strip && thing->scan == clouds[stripCloud].scan) {
+    hudState.strip->mark = strip->place(thing->point);
+  }
+}
+
+std::optional<std::uint32_t> ViewSession::State::instanceOf(const PickedThing& thing) const {
+  std::uint32_t id = 0;
+  if (thing.scan == kNoScan) {
+    if (mesh && thing.point < mesh->size()) id = mesh->instance[thing.point];
+  } else if (frame && thing.scan < frame->scans.size()) {
+    const Scan& scan = frame->scans[thing.scan].scan;
+    if (thing.point < scan.instance.size()) id = scan.instance[thing.point];
+  }
+  return id == 0 ? std::nullopt : std::optional(id);
+}
+
+// The pointer mostly stays on an instance for a while.
+const InstanceSummary& ViewSession::State::summaryOf(const ShownCloud& cloud, std::uint32_t instance) const {
+  const InstancePlace place{cloud.scan, instance};
+  if (!lastSummary || !(lastSummary->first == place)) {
+    lastSummary.emplace(place, summarizeInstance(frame->scans[cloud.scan].scan, instance, cloud.canvasFromScan));
+  }
+  return lastSummary->second;
+}
+
+// The points of the instance that is pointed at, or else was clicked, once more in white: larger and a little farther
+// away, so that they edge it.
+void ViewSession::State::lightInstance() {
+  constexpr double kQuick = 0.05;  // s, that a picture of all points takes
+  constexpr double kRest = 0.15;   // s, of the pointer
+  const std::optional<PickedThing>& thing = hover ? hover : pinned;
+  std::optional<InstancePlace> wantedLight;
+  const ShownCloud* cloud = nullptr;
+  if (thing && thing->scan != kNoScan) {
+    const auto shown = std::find_if(clouds.begin(), clouds.end(),
+                                    [&](const ShownCloud& candidate) { return candidate.scan == thing->scan; });
+    const auto id = instanceOf(*thing);
+    if (shown != clouds.end() && id) {
+      cloud = &*shown;
+      wantedLight = InstancePlace{thing->scan, *id};
+    }
+  }
+  if (wantedLight == lit && !itemsChanged) {
+    if (viewsChanged) placeLight();
+    return;
+  }
+  // A scan that takes long to be drawn is not drawn again for every point that the pointer passes.
+  const bool moves = clock.seconds() - lastMove < kRest;
+  if (!itemsChanged && wholeSeconds > kQuick && moves) return;
+  lit = wantedLight;
+  lightChanged = true;
+  if (!lit) return litItem.drop();
+  const Scan& scan = frame->scans[cloud->scan].scan;
+  std::vector<Vec3f> places;
+  for (const std::uint32_t i : summaryOf(*cloud, lit->id).points) {
+    if (cloud->shown.empty() || cloud->shown[i] != 0) places.push_back(scan.position[i]);
+  }
+  constexpr Rgb kLight{255, 255, 255};
+  litItem.setPoints(places, std::vector<Rgb>(places.size(), kLight));
+  placeLight();
+}
+
+void ViewSession::State::placeLight() {
+  if (!lit || views.empty()) return;
+  constexpr double kEdge = 1.5;                     // px on either side
+  constexpr double kFarther = 1.03;                 // of the distance from the eye
+  constexpr double kBehind = 0.2;                   // m, where there is no eye
+  const ViewCamera& seenBy = views.front().camera;  // they all look from there
+  ItemLook look;
+  look.views = 0;
+  Affine away;
+  if (seenBy.orthographic) {
+    away.translation = seenBy.forward * kBehind;
+  } else {
+    away.linear = {{kFarther, 0, 0}, {0, kFarther, 0}, {0, 0, kFarther}};
+    away.translation = seenBy.eye * (1 - kFarther);
+  }
+  for (const ShownCloud& cloud : clouds) {
+    if (cloud.scan != lit->scan) continue;
+    look.views |= 1U << cloud.view;
+    look.canvasFromItem = away * cloud.canvasFromScan;
+  }
+  look.size = pointSize() + 2 * kEdge;
+  litItem.setLook(look);
+}
+
+}  // namespace scanmill

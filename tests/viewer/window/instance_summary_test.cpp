@@ -1,0 +1,77 @@
+#include "viewer/window/instance_summary.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace scanmill {
+namespace {
+
+// Points on the walls of a box that is turned about the vertical, among others.
+struct BoxScan {
+  Scan scan;
+  std::size_t own = 0;
+
+  BoxScan(double length, double width, double height, double yaw) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(-0.5, 0.5);
+    const Affine placed = toAffine(Pose{fromYawPitchRoll(yaw, 0, 0), {12, -7, 1}});
+    const auto add = [&](const Vec3d& p, std::uint32_t instance, std::uint16_t label) {
+      scan.position.push_back(Vec3f(p));
+      scan.instance.push_back(instance);
+      scan.label.push_back(label);
+      own += instance == 7 ? 1 : 0;
+    };
+    for (int corner = 0; corner < 8; ++corner) {
+      add(placed * Vec3d{(corner & 1 ? 0.5 : -0.5) * length, (corner & 2 ? 0.5 : -0.5) * width,
+                         (corner & 4 ? 0.5 : -0.5) * height},
+          7, 3);
+    }
+    for (int i = 0; i < 500; ++i) {
+      add(placed * Vec3d{unit(random) * length, unit(random) * width, unit(random) * height}, 7, i < 20 ? 5 : 3);
+      add({100 * unit(random), 100 * unit(random), 100 * unit(random)}, 8, 3);
+    }
+    add({NAN, 0, 0}, 7, 3);
+    --own;
+  }
+};
+
+TEST(InstanceSummary, ABoxHasItsSizeHoweverItIsTurned) {
+  for (const double yaw : {0.0, 0.3, 1.2, 2.5, -3.0}) {
+    for (const auto& [length, width] : {std::pair(4.5, 1.8), {2.0, 1.9}, {12.0, 0.5}}) {
+      const BoxScan box(length, width, 1.5, yaw);
+      const InstanceSummary summary = summarizeInstance(box.scan, 7, {});
+      EXPECT_NEAR(summary.size.x, length, 1e-4);
+      EXPECT_NEAR(summary.size.y, width, 1e-4);
+      EXPECT_NEAR(summary.size.z, 1.5, 1e-4);
+      EXPECT_EQ(summary.points.size(), box.own);
+      ASSERT_EQ(summary.classes.size(), 2u);
+      EXPECT_EQ(summary.classes[0], (std::pair<std::uint16_t, std::uint64_t>(3, 488)));
+      EXPECT_EQ(summary.classes[1], (std::pair<std::uint16_t, std::uint64_t>(5, 20)));
+    }
+  }
+}
+
+// A sensor that is mounted askew says the same once it is turned upright.
+TEST(InstanceSummary, IsMeasuredUpright) {
+  BoxScan box(4.5, 1.8, 1.5, 0.4);
+  const Affine levelFromScan = toAffine(Pose{fromYawPitchRoll(0.2, 0.5, -0.3), {0, 0, 2}});
+  const Affine scanFromLevel = inverse(levelFromScan);
+  for (Vec3f& p : box.scan.position) p = Vec3f(scanFromLevel * Vec3d(p));
+  const Vec3d size = summarizeInstance(box.scan, 7, levelFromScan).size;
+  EXPECT_NEAR(length(size - Vec3d{4.5, 1.8, 1.5}), 0, 1e-4);
+}
+
+TEST(InstanceSummary, FewPointsHaveFlatBoxes) {
+  Scan scan;
+  EXPECT_TRUE(summarizeInstance(scan, 1, {}).points.empty());
+  scan.instance = {1, 1, 1, 2};
+  scan.position = {{0, 0, 0}, {3, 4, 0}, {1.5, 2, 0}, {9, 9, 9}};
+  InstanceSummary line = summarizeInstance(scan, 1, {});
+  EXPECT_NEAR(length(line.size - Vec3d{5, 0, 0}), 0, 1e-6);
+  EXPECT_TRUE(line.classes.empty());
+  EXPECT_EQ(summarizeInstance(scan, 2, {}).size, (Vec3d{0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace scanmill

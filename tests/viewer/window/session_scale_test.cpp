@@ -1,0 +1,197 @@
+// Scales, legends, and frames that cannot be shown.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "tests/viewer/window/session_world.h"
+#include "viewer/color_map.h"
+
+namespace scanmill {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::vector<std::string> kThree{"ray_tracing", "depth_camera", "particle"};
+
+std::vector<Rgb> colorsOn(const SessionWorld& world, std::size_t item = 0) {
+  return world.canvas.items.at(world.canvas.pointItems()[item]).colors;
+}
+
+// The colours that a scale by the square root gives to ranges.
+std::vector<Rgb> rangeColors(const Scan& scan, double low, double high) {
+  std::vector<Rgb> colors;
+  for (const Vec3f& p : scan.position) {
+    const double share = std::clamp((length(Vec3d(p)) - low) / (high - low), 0.0, 1.0);
+    colors.push_back(viridis(std::sqrt(share)));
+  }
+  return colors;
+}
+
+std::size_t countInOverlay(const SessionWorld& world, const Rgb& color) {
+  std::size_t found = 0;
+  for (const Rgba& o : world.canvas.overlay) found += o[3] == 255 && Rgb{o[0], o[1], o[2]} == color ? 1 : 0;
+  return found;
+}
+
+TEST(SessionScale, StaysOverFramesUntilTheColoursChange) {
+  SessionWorld world(3, {"ray_tracing"}, {.colors = {ColorBy::Range}, .scale = ScaleRange{2, 10}});
+  const auto& frames = world.frames->frames;
+  EXPECT_EQ(colorsOn(world), rangeColors(frames[1].scans[0].scan, 2, 10));
+  world.key("Right");
+  world.session->settle();
+  EXPECT_EQ(colorsOn(world), rangeColors(frames[2].scans[0].scan, 2, 10));
+  world.key("bracketleft");
+  EXPECT_EQ(colorsOn(world), rangeColors(frames[2].scans[0].scan, 2, 5));
+  world.key("bracketright");
+  world.key("bracketright");
+  EXPECT_EQ(colorsOn(world), rangeColors(frames[2].scans[0].scan, 2, 20));
+  world.key("Left");
+  world.session->settle();
+  EXPECT_EQ(colorsOn(world), rangeColors(frames[1].scans[0].scan, 2, 20));
+  const auto held = colorsOn(world);
+  world.key("backslash");
+  const auto automatic = colorsOn(world);
+  EXPECT_NE(automatic, held);
+  world.key("braceright");
+  EXPECT_NE(colorsOn(world), automatic);
+  world.key("5");
+  world.key("4");
+  EXPECT_EQ(colorsOn(world), automatic) << "other colours let go of it";
+}
+
+TEST(SessionScale, IsCommonToScansSideBySide) {
+  SessionWorld world(1, kThree,
+                     {.colors = {ColorBy::Range, ColorBy::Range, ColorBy::Range}, .layout = ViewLayout::Split});
+  const auto& scans = world.frames->frames[0].scans;
+  const auto low = colorScan(scans[0].scan, ColorBy::Range, nullptr).legend.low;
+  const auto high = colorScan(scans[2].scan, ColorBy::Range, nullptr).legend.high;
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(colorsOn(world, k), rangeColors(scans[k].scan, low, high));
+}
+
+TEST(SessionScale, TellsPointsWithoutAValue) {
+  auto frames = std::make_shared<FakeFrames>(1);
+  ViewScan& scan = frames->frames[0].scans[0];
+  scan.whyNoError = "no partner in the twin";
+  SessionWorld known(frames, {.colors = {ColorBy::Error}});
+  EXPECT_EQ(countInOverlay(known, kNoValue), 0u);
+  for (std::size_t i = 0; i < 7; ++i) scan.error[i] = NAN;
+  const Legend legend =
+      colorScan(scan.scan, ColorBy::Error, ColorContext{.error = scan.error, .whyNoError = scan.whyNoError}).legend;
+  EXPECT_EQ(legend.unknown, 7u);
+  EXPECT_EQ(legend.whyUnknown, "no partner in the twin");
+  SessionWorld world(frames, {.colors = {ColorBy::Error}});
+  EXPECT_GT(countInOverlay(world, kNoValue), 40u);
+}
+
+// Rows stand still although a class comes and goes.
+TEST(SessionLegend, KeepsTheClassesOfOtherFrames) {
+  auto frames = std::make_shared<FakeFrames>(3);
+  for (std::uint16_t& label : frames->frames[1].scans[0].scan.label) {
+    if (label == kFakeTree) label = kFakeRoad;
+  }
+  SessionWorld world(frames, {.sample = "0"});
+  const auto car = world.inOverlay(kFakeCarColor);
+  ASSERT_TRUE(world.inOverlay(kFakeTreeColor));
+  world.key("Right");
+  world.session->settle();
+  EXPECT_EQ(world.inOverlay(kFakeCarColor), car);
+  EXPECT_TRUE(world.inOverlay(kFakeTreeColor));
+}
+
+TEST(SessionLegend, IsDrawnOnceWhereAllViewsMeanTheSame) {
+  SessionWorld world(1, kThree, {.layout = ViewLayout::Split});
+  const std::size_t once = countInOverlay(world, kFakeCarColor);
+  EXPECT_GT(once, 40u);
+  EXPECT_LT(once, 200u);
+  const auto at = world.inOverlay(kFakeCarColor);
+  ASSERT_TRUE(at);
+  EXPECT_TRUE(world.canvas.views().back().rect.contains(at->first, at->second));
+  const std::size_t before = world.canvas.shownOf(world.canvas.pointItems()[0]).size();
+  world.click(at->first, at->second);
+  for (const ItemId item : world.canvas.pointItems()) EXPECT_LT(world.canvas.shownOf(item).size(), before);
+  // Views that differ have legends of their own.
+  world.click(at->first, at->second);
+  world.key("Tab");
+  world.key("4");
+  EXPECT_GT(countInOverlay(world, kFakeCarColor), once);
+}
+
+TEST(SessionDamage, WithoutAChoiceTheFirstFrameThatCanBeReadIsOpened) {
+  auto frames = std::make_shared<FakeFrames>(7);
+  for (const std::size_t bad : {0u, 1u, 3u}) {
+    frames->frames[bad].scans.clear();
+    frames->frames[bad].problems = {"train-000000.tar: is damaged"};
+  }
+  SessionWorld world(frames);
+  EXPECT_NO_THROW(world.session->check());
+  EXPECT_THAT(world.session->problems(), IsEmpty());
+  EXPECT_THAT(world.session->hints(), ElementsAre("sample-103 cannot be read: sample-102 is the first that can"));
+  EXPECT_EQ(world.canvas.items.at(firstCloud(world)).places, frames->frames[2].scans[0].scan.position);
+  // What was asked for is shown, whatever it is.
+  SessionWorld chosen(frames, {.sample = "3"});
+  EXPECT_THROW(chosen.session->check(), Error);
+  EXPECT_THAT(chosen.session->hints(), IsEmpty());
+}
+
+TEST(SessionDamage, WhereNoFrameCanBeReadTheReasonIsSaid) {
+  auto frames = std::make_shared<FakeFrames>(4);
+  for (ViewFrame& frame : frames->frames) {
+    frame.scans.clear();
+    frame.problems = {"train-000000.tar: is damaged"};
+  }
+  SessionWorld world(frames);
+  EXPECT_THAT(world.session->problems(), ElementsAre("train-000000.tar: is damaged"));
+  EXPECT_THROW(world.session->check(), Error);
+  const PixelRect rect = world.canvas.views().front().rect;
+  int written = 0;
+  for (int x = rect.left + 100; x < rect.left + rect.width - 100; ++x) {
+    const int y = rect.top + rect.height / 2;
+    written += world.canvas.overlay[static_cast<std::size_t>(y * SessionWorld::kWidth + x)][3] > 0 ? 1 : 0;
+  }
+  EXPECT_GT(written, 100) << "in the middle";
+}
+
+TEST(SessionDamage, AFilterThatHidesAllSaysSo) {
+  SessionWorld world(1, {"ray_tracing"}, {.hidden = {"road", "tree", "car"}});
+  EXPECT_TRUE(world.canvas.shownOf(firstCloud(world)).empty());
+  const auto middle = [&] {
+    const PixelRect rect = world.canvas.views().front().rect;
+    return world.canvas.overlay[static_cast<std::size_t>((rect.top + rect.height / 2) * SessionWorld::kWidth +
+                                                         rect.left + rect.width / 2)][3];
+  };
+  EXPECT_GT(middle(), 0);
+  world.key("A");
+  EXPECT_EQ(middle(), 0);
+}
+
+TEST(SessionHints, ClassesWithoutNamesAreSaidOnce) {
+  auto frames = std::make_shared<FakeFrames>(3);
+  frames->named = false;
+  SessionWorld world(frames);
+  world.key("Right");
+  world.session->settle();
+  EXPECT_THAT(world.session->hints(), ElementsAre(HasSubstr("--ontology")));
+}
+
+TEST(SessionPlaying, AsFastAsTheyLoadLeavesNoFrameOut) {
+  auto frames = std::make_shared<FakeFrames>(40);
+  SessionWorld world(frames, {.sample = "0"});
+  for (int i = 0; i < 5; ++i) world.key("parenright");
+  world.key("space");
+  const auto& places = [&]() -> const std::vector<Vec3f>& { return world.canvas.items.at(firstCloud(world)).places; };
+  std::size_t at = 0;
+  for (int i = 0; i < 10000 && at + 1 < 12; ++i) {
+    world.tick();
+    if (places() == frames->frames[at + 1].scans[0].scan.position) ++at;
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  EXPECT_EQ(at, 11u);
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,144 @@
+// A scene shown by itself, help that does not fit, and the range image of an overlay.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/viewer/window/session_world.h"
+#include "viewer/window/hud.h"
+#include "viewer/window/session_items.h"
+
+namespace scanmill {
+namespace {
+
+class SceneViewer : public testing::Test {
+ protected:
+  SceneViewer() : source_(openFrames({.path = folder_.write("wall.yaml", kWallScene)})) {}
+
+  std::unique_ptr<ViewSession> open(const ViewOptions& options = {}) {
+    auto session = std::make_unique<ViewSession>(source_, canvas_, options);
+    session->settle();
+    return session;
+  }
+  static void key(ViewSession& session, const std::string& name) {
+    CanvasEvent event;
+    event.kind = CanvasEvent::Kind::Key;
+    event.key = name;
+    session.handle(event);
+  }
+  std::vector<Rgb> colors() const { return canvas_.items.at(kMeshItem).colors; }
+
+  TemporaryFolder folder_;
+  std::shared_ptr<const FrameSource> source_;
+  FakeCanvas canvas_{800, 600};
+};
+
+TEST_F(SceneViewer, ColoursGoInARing) {
+  const auto session = open();
+  const std::vector<Rgb> byClass = colors();
+  const auto overlay = [&] {
+    return std::string(reinterpret_cast<const char*>(canvas_.overlay.data()), canvas_.overlay.size() * sizeof(Rgba));
+  };
+  std::set<std::string> seen{overlay()};
+  for (int i = 0; i < 3; ++i) {
+    key(*session, "c");
+    EXPECT_TRUE(seen.insert(overlay()).second) << "the legend says what colours mean";
+  }
+  key(*session, "c");
+  EXPECT_EQ(colors(), byClass);
+  key(*session, "3");
+  const std::vector<Rgb> byInstance = colors();
+  key(*session, "1");
+  EXPECT_EQ(colors(), byClass);
+  key(*session, "C");
+  key(*session, "C");
+  key(*session, "C");
+  EXPECT_EQ(colors(), byInstance);
+  open({.colors = {ColorBy::Instance}});
+  EXPECT_EQ(colors(), byInstance);
+  EXPECT_THAT(messageOf([&] { open({.colors = {ColorBy::Time}}); }), testing::HasSubstr("a scene has no time"));
+}
+
+TEST_F(SceneViewer, SaysWhatMeansNothing) {
+  for (const char* name : {"4", "plus", "minus", "r", "t", "m", "Right", "Page_Up", "greater", "space", "g", "l", "s",
+                           "Tab", "n", "w", "i", "I"}) {
+    const auto session = open();
+    const std::vector<Rgba> before = canvas_.overlay;
+    const std::size_t items = canvas_.items.size();
+    key(*session, name);
+    EXPECT_NE(canvas_.overlay, before) << name;
+    EXPECT_EQ(canvas_.items.size(), items) << name;
+    session->settle();
+    EXPECT_EQ(canvas_.overlay, before) << name << ": it was a notice";
+  }
+}
+
+TEST(SessionHelp, AllOfItCanBeRead) {
+  for (const auto& [width, height] : {std::pair(400, 300), std::pair(300, 200), std::pair(1600, 1000)}) {
+    HudState state;
+    state.width = width;
+    state.height = height;
+    state.help = true;
+    state.keys = viewKeys();
+    const HelpPages pages = helpPages(state);
+    EXPECT_EQ(pages.lastFirst == 0, width == 1600);
+    std::set<std::string> pictures;
+    for (std::size_t first = 0; first <= pages.lastFirst; first += pages.page) {
+      state.helpFirst = first;
+      const Hud hud = drawHud(state);
+      const auto* const bytes = reinterpret_cast<const char*>(hud.pixels.data());
+      EXPECT_TRUE(pictures.insert(std::string(bytes, hud.pixels.size() * sizeof(Rgba))).second);
+    }
+    state.helpFirst = pages.lastFirst;
+    const Hud last = drawHud(state);
+    state.helpFirst = pages.lastFirst + 1000;
+    EXPECT_EQ(drawHud(state).pixels, last.pixels);
+  }
+}
+
+TEST(SessionHelp, IsPagedByKeysAndTheWheel) {
+  SessionWorld world(1);
+  world.canvas.resize(400, 300);
+  CanvasEvent resize;
+  resize.kind = CanvasEvent::Kind::Resize;
+  world.send(resize);
+  const OrbitCamera before = world.session->camera();
+  world.key("h");
+  const auto first = world.canvas.overlay;
+  world.key("Down");
+  const auto second = world.canvas.overlay;
+  EXPECT_NE(second, first);
+  for (int i = 0; i < 20; ++i) world.key("Down");
+  const auto last = world.canvas.overlay;
+  world.wheel(1);
+  world.session->settle();
+  EXPECT_NE(world.canvas.overlay, last);
+  for (int i = 0; i < 20; ++i) world.key("Up");
+  world.session->settle();
+  EXPECT_EQ(world.canvas.overlay, first);
+  EXPECT_EQ(world.session->camera(), before) << "the wheel turned pages only";
+}
+
+TEST(SessionStrip, OfAnOverlayHasTheColoursOfClasses) {
+  SessionWorld world(1, {"ray_tracing", "depth_camera"}, {.layout = ViewLayout::Overlay, .rangeImage = true});
+  EXPECT_TRUE(world.inOverlay(kFakeRoadColor));
+  EXPECT_TRUE(world.inOverlay(kFakeCarColor));
+  world.key("i");
+  EXPECT_FALSE(world.inOverlay(kFakeRoadColor));
+}
+
+TEST(SessionStrip, TheSensorsOrderComesAndGoes) {
+  SessionWorld world(1, {"ray_tracing"}, {.rangeImage = true});
+  const std::string outward = world.drawn();
+  world.key("I");
+  EXPECT_NE(world.drawn(), outward);
+  world.key("I");
+  EXPECT_EQ(world.drawn(), outward);
+}
+
+}  // namespace
+}  // namespace scanmill
