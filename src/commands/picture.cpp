@@ -91,8 +91,9 @@ int runPicture(const std::vector<std::string>& arguments) {
       "within", "of a close-up: only points so near the place, in m, filling the picture", cxxopts::value<double>(),
       "R")("zoom", "factor on the size of everything", cxxopts::value<double>()->default_value("1"), "F")(
       "point-size", "factor on the size of the points", cxxopts::value<double>()->default_value("1"), "N")(
-      "flat", "no darkening of depth edges")("range-image",
-                                             "rings x columns instead of a view: straight ahead in the middle, left on the left, the rings shifted by their "
+      "flat", "no darkening of depth edges")(
+      "range-image",
+      "rings x columns instead of a view: straight ahead in the middle, left on the left, the rings shifted by their "
       "azimuth offsets")("sensor-order", "of a range image: columns as the sensor orders them, nothing shifted")(
       "over", "a further scan to draw over it, found like the first; each gets a colour (may be repeated)",
       cxxopts::value<std::vector<std::string>>(),

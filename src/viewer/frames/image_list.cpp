@@ -98,9 +98,8 @@ ImageList openImages(const fs::path& path, const std::string& wanted, std::optio
     if (entry.path().extension() == ".exr") list.files.push_back(entry.path());
   }
   if (list.files.empty()) throw InputError({path.string()}, "holds no EXR image: is the recording whole?");
-  std::sort(list.files.begin(), list.files.end(), [](const fs::path& a, const fs::path& b) {
-    return comesBefore(a.stem().string(), b.stem().string());
-  });
+  std::sort(list.files.begin(), list.files.end(),
+            [](const fs::path& a, const fs::path& b) { return comesBefore(a.stem().string(), b.stem().string()); });
   for (const fs::path& file : list.files) list.names.push_back(file.stem().string());
   list.first = findImage(list, wanted);
   return list;

@@ -94,7 +94,8 @@ TEST(ViewSession, EveryKeyOfTheHelpDoesSomething) {
                },
                {press({"A"})}};
   rows["+ -"] = {nothing, {press({"plus"}), press({"minus"}), press({"KP_Add"}), press({"equal"})}};
-  for (const char* key : {"b", "a", "r", "t", "m", "e", "k", "o", "v", "n", "l", "s", "Tab", "w", "i", "I", "d", "P", "h"}) {
+  for (const char* key :
+       {"b", "a", "r", "t", "m", "e", "k", "o", "v", "n", "l", "s", "Tab", "w", "i", "I", "d", "P", "h"}) {
     rows[key] = {nothing, {press({key})}};
   }
   rows["F1 F2 F3"] = {[](SessionWorld& w) { w.wheel(3); }, {press({"F1"}), press({"F2"}), press({"F3"})}};
