@@ -306,9 +306,11 @@ void ViewSession::State::composeHud() {
   }
   if (strip) {
     const auto& viewed = frame->scans[clouds[stripCloud].scan];
-    hudState.strip->caption =
-        fmt::format("{}: {} (I: {})", viewed.name, describeStrip(*strip, options.stripOrder),
-                    options.stripOrder == StripOrder::Outward ? "as the sensor orders it" : "looking outward");
+    hudState.strip->caption = viewed.name + ": " + describeStrip(*strip, options.stripOrder);
+    if (!options.still) {
+      hudState.strip->caption +=
+          options.stripOrder == StripOrder::Outward ? " (I: as the sensor orders it)" : " (I: looking outward)";
+    }
   }
   addLabels();
   addTips();
