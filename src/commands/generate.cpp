@@ -38,7 +38,7 @@ void printSummary(const GenerateSummary& s, const std::string& folder) {
              s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
   fmt::print("stages (s of thread time):");
   for (const auto& [name, seconds] : s.manifest.stages) fmt::print(" {} {:.2f}", name, seconds);
-  fmt::print("\nnext: scanmill verify {0}; scanmill info {0}\n", folder);
+  fmt::print("\nnext: scanmill view {0}; scanmill report {0}; scanmill verify {0}\n", folder);
 }
 
 // `method: auto` becomes the setting that is the cheapest here.
