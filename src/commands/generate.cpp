@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "base/grouped.h"
 #include "base/parallel.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/file.h"
+#include "base/grouped.h"
 #include "commands/arguments.h"
 #include "commands/info_recording.h"
 #include "commands/table.h"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/grouped.h"
 #include "commands/table.h"
 #include "dataset/recording.h"
 #include "passes/exr/camera_exr.h"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "base/grouped.h"
 #include "base/parallel.h"
 #include "commands/arguments.h"
 #include "commands/table.h"

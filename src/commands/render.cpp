@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "base/grouped.h"
 #include "base/parallel.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"

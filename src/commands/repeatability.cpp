@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/grouped.h"
 #include "base/parallel.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"

@@ -46,13 +46,6 @@ std::string formatTable(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
-std::string grouped(std::uint64_t value) {
-  std::string digits = std::to_string(value);
-  for (auto i = static_cast<std::ptrdiff_t>(digits.size()) - 3; i > 0; i -= 3)
-    digits.insert(static_cast<std::size_t>(i), ",");
-  return digits;
-}
-
 std::string percent(double part, double whole) {
   return fmt::format("{:.2f} %", whole > 0 ? 100 * part / whole : 0.0);
 }

@@ -9,9 +9,6 @@ namespace scanmill {
 // right-aligned.
 std::string formatTable(const std::vector<std::vector<std::string>>& rows);
 
-// 1,234,567
-std::string grouped(std::uint64_t value);
-
 // "12.3 %"
 std::string percent(double part, double whole);
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "base/grouped.h"
 #include "base/parallel.h"
 #include "commands/arguments.h"
 #include "commands/table.h"

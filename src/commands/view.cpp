@@ -160,11 +160,11 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   return view;
 }
 
-void prepareTurntable(const std::filesystem::path& folder, bool overwrite) {
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) throw InputError({folder.string()}, "cannot be made a folder: " + failure.message());
+// The pictures that a turntable in this folder replaces. Throws InputError where it may not be made there.
+std::vector<std::filesystem::path> turntableBefore(const std::filesystem::path& folder, bool overwrite) {
   std::vector<std::filesystem::path> old;
+  if (folder.empty() || !std::filesystem::exists(folder)) return old;
+  if (!std::filesystem::is_directory(folder)) throw InputError({folder.string()}, "is no folder: name another one");
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     const bool ours = name.starts_with("turntable_") && name.ends_with(".png");
@@ -174,7 +174,7 @@ void prepareTurntable(const std::filesystem::path& folder, bool overwrite) {
     }
     old.push_back(entry.path());
   }
-  for (const auto& file : old) std::filesystem::remove(file);
+  return old;
 }
 
 void printRows(const std::string& heading, const std::vector<std::pair<std::string, std::string>>& rows) {
@@ -242,12 +242,13 @@ void viewImages(const std::filesystem::path& path, const Arguments& parsed, cons
 
 void makeTurntable(ViewSession& session, const Outputs& outputs) {
   const OrbitCamera start = session.camera();
+  const std::size_t digits = std::max<std::size_t>(std::to_string(outputs.frames - 1).size(), 3);
   for (int i = 0; i < outputs.frames; ++i) {
     OrbitCamera camera = start;
     camera.yaw = std::remainder(start.yaw + 2 * kPi * i / outputs.frames, 2 * kPi);
     session.setCamera(camera);
     session.settle();
-    writeFile(outputs.turntable / fmt::format("turntable_{:03}.png", i), encodePng(session.picture()));
+    writeFile(outputs.turntable / fmt::format("turntable_{:0{}}.png", i, digits), encodePng(session.picture()));
   }
   fmt::print("{}: {} pictures\n", outputs.turntable.string(), outputs.frames);
 }
@@ -255,6 +256,7 @@ void makeTurntable(ViewSession& session, const Outputs& outputs) {
 void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSize& size, const Outputs& outputs,
                 bool overwrite) {
   const std::shared_ptr<const FrameSource> source = openFrames(input);
+  const std::vector<std::filesystem::path> old = turntableBefore(outputs.turntable, overwrite);
   const std::unique_ptr<Canvas> canvas = openCanvas(input.path, size, outputs.window());
   ViewSession session(source, *canvas, view);
   if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });
@@ -276,7 +278,10 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
     writePicture(outputs.screenshot, session.picture(), source->title());
   }
   if (outputs.turntable.empty()) return;
-  prepareTurntable(outputs.turntable, overwrite);
+  std::error_code failure;
+  std::filesystem::create_directories(outputs.turntable, failure);
+  if (failure) throw InputError({outputs.turntable.string()}, "cannot be made a folder: " + failure.message());
+  for (const auto& file : old) std::filesystem::remove(file);
   makeTurntable(session, outputs);
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/grouped.h"
 #include "viewer/color_map.h"
 #include "viewer/legend.h"
 
@@ -57,9 +58,7 @@ std::string viewOf(const PictureOptions& options) {
 }
 
 std::string titleWithPoints(const std::string& title, std::ptrdiff_t points) {
-  std::string digits = std::to_string(points);
-  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
-  return fmt::format("{}, {} point{}", title, digits, points == 1 ? "" : "s");
+  return fmt::format("{}, {} point{}", title, grouped(static_cast<std::uint64_t>(points)), points == 1 ? "" : "s");
 }
 
 // The first three are those of Figure 8 of "LiDAR-GEIL: LiDAR GPU Exploitation in Lightsimulations", which shows ray

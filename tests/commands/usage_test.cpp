@@ -9,7 +9,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 TEST(Usage, HelpOfEverythingHasExamples) {
-  const std::vector<std::string> commands{"generate", "repeatability", "plan", "verify", "report", "view", "info", "list"};
+  const std::vector<std::string> commands{"generate", "repeatability", "plan", "verify",
+                                          "report",   "view",          "info", "list"};
   std::vector<std::vector<std::string>> all{{"--help"}};
   for (const std::string& command : commands) all.push_back({command, "--help"});
   const std::vector<Outcome> outcomes = scanmillEach(all);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/grouped.h"
 #include "viewer/font.h"
 #include "viewer/scale_ticks.h"
 #include "viewer/window/hud_parts.h"
@@ -60,7 +61,7 @@ std::vector<Row> rowsOf(const HudPane& pane) {
     points += entries[i].points;
     hidden += isHidden(pane, i) ? 1 : 0;
   }
-  const auto count = [&](std::uint64_t n) { return points > 0 ? groupedCount(n) : std::string(); };
+  const auto count = [&](std::uint64_t n) { return points > 0 ? grouped(n) : std::string(); };
   std::vector<Row> rows;
   if (pane.clickable && !entries.empty()) {
     const Row::Look look = hidden == 0               ? Row::Look::Shown
@@ -220,7 +221,7 @@ void drawEntries(HudPaint& paint, const HudPane& pane, std::size_t number, const
 std::vector<std::string> unknownLines(const Legend& legend, double width, double cell) {
   constexpr std::size_t kMostLines = 3;
   if (legend.unknown == 0) return {};
-  std::string text = fmt::format("no value: {}", groupedCount(legend.unknown));
+  std::string text = fmt::format("no value: {}", grouped(legend.unknown));
   if (!legend.whyUnknown.empty()) text += fmt::format("\n{}", legend.whyUnknown);
   return wrappedText(text, width, cell, kMostLines);
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "base/grouped.h"
 #include "viewer/window/class_filter.h"
 #include "viewer/window/picked_rows.h"
 
@@ -46,7 +47,7 @@ Legend instanceLegend(const ViewMesh& mesh) {
                                   return a.first < b.first;
                                 })->first;
     legend.entries.push_back(
-        {fmt::format("{} instance{}, a colour each", groupedCount(triangles.size()), triangles.size() == 1 ? "" : "s"),
+        {fmt::format("{} instance{}, a colour each", grouped(triangles.size()), triangles.size() == 1 ? "" : "s"),
          instanceColor(first), -1, mesh.size() - without});
   }
   legend.entries.push_back({"no instance", instanceColor(0), -1, without});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/grouped.h"
 #include "viewer/window/class_filter.h"
 
 namespace scanmill {
@@ -104,7 +105,7 @@ PickedThing describePoint(const ViewScan& viewed, std::size_t scanIndex, std::si
   addBeam(rows, viewed, point);
   if (!viewed.sensor.empty()) rows.emplace_back("sensor", viewed.sensor);
   if (!viewed.method.empty()) rows.emplace_back("method", viewed.method);
-  rows.emplace_back("point", fmt::format("{} of {}", point, groupedCount(scan.size())));
+  rows.emplace_back("point", fmt::format("{} of {}", point, grouped(scan.size())));
   return thing;
 }
 
@@ -151,14 +152,14 @@ void addBrief(PickedThing& thing, ColorBy shown) {
 void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology) {
   const Vec3d& size = summary.size;
   const std::string points =
-      fmt::format("{} point{}", groupedCount(summary.points.size()), summary.points.size() == 1 ? "" : "s");
+      fmt::format("{} point{}", grouped(summary.points.size()), summary.points.size() == 1 ? "" : "s");
   Rows rows{{"its points", points.substr(0, points.find(' '))},
             {"its upright box", fmt::format("{:.2f} x {:.2f} x {:.2f} m", size.x, size.y, size.z)}};
   thing.brief.emplace_back("instance", fmt::format("{}, {:.1f} x {:.1f} x {:.1f} m", points, size.x, size.y, size.z));
   if (summary.classes.size() > 1) {
     std::string classes;
     for (const auto& [id, count] : summary.classes) {
-      classes += fmt::format("{}{} {}", classes.empty() ? "" : ", ", className(ontology, id), groupedCount(count));
+      classes += fmt::format("{}{} {}", classes.empty() ? "" : ", ", className(ontology, id), grouped(count));
     }
     thing.alarm = "its classes";
     rows.emplace_back(thing.alarm, classes);
@@ -211,17 +212,11 @@ PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const V
   thing.rows.emplace_back("world x", fmt::format("{:.3f} m", worldPlace.x));
   thing.rows.emplace_back("world y", fmt::format("{:.3f} m", worldPlace.y));
   thing.rows.emplace_back("world z", fmt::format("{:.3f} m", worldPlace.z));
-  thing.rows.emplace_back("triangle", fmt::format("{} of {}", triangle, groupedCount(mesh.size())));
+  thing.rows.emplace_back("triangle", fmt::format("{} of {}", triangle, grouped(mesh.size())));
   for (const char* row : {"object", "material", "reflectance"}) {
     if (const std::string value = valueIn(thing.rows, row); !value.empty()) thing.brief.emplace_back(row, value);
   }
   return thing;
-}
-
-std::string groupedCount(std::uint64_t count) {
-  std::string digits = std::to_string(count);
-  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
-  return digits;
 }
 
 }  // namespace scanmill

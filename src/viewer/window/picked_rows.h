@@ -28,7 +28,4 @@ std::string wholeName(const ViewScan& scan, const std::string& dataset);
 
 PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPlace);
 
-// 1234567 as "1,234,567".
-std::string groupedCount(std::uint64_t count);
-
 }  // namespace scanmill

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/grouped.h"
 #include "viewer/color_map.h"
 #include "viewer/picture.h"
 #include "viewer/window/guides.h"
@@ -61,11 +62,11 @@ std::string ViewSession::State::summary() const {
   }
   std::string out;
   if (source->isScene()) {
-    if (mesh) out = fmt::format("{} triangles", groupedCount(mesh->size()));
+    if (mesh) out = fmt::format("{} triangles", grouped(mesh->size()));
   } else if (visible == finite) {
-    out = fmt::format("{} point{}", groupedCount(finite), finite == 1 ? "" : "s");
+    out = fmt::format("{} point{}", grouped(finite), finite == 1 ? "" : "s");
   } else {
-    out = fmt::format("{} of {} points", groupedCount(visible), groupedCount(finite));
+    out = fmt::format("{} of {} points", grouped(visible), grouped(finite));
   }
   if (const std::string filtered = filter.text(source->isScene() && mesh ? &mesh->ontology : source->ontology());
       !filtered.empty()) {
@@ -156,7 +157,7 @@ void ViewSession::State::addMessages() {
     if (visible > 0) continue;
     std::string& message = hudState.panes[v].message;
     message = finite == 0 ? "no points: the scan is empty"
-                          : fmt::format("no point is shown: the filter hides all {}", groupedCount(finite));
+                          : fmt::format("no point is shown: the filter hides all {}", grouped(finite));
     if (finite > 0 && !options.still) message += "\nA shows them";
   }
 }
@@ -300,8 +301,7 @@ void ViewSession::State::composeHud() {
       if (key.find(*prompt) == std::string::npos) continue;
       if (found++ < kMostHints) hudState.promptHints.push_back(key);
     }
-    if (found > kMostHints)
-      hudState.promptHints.push_back(fmt::format("and {} more", groupedCount(found - kMostHints)));
+    if (found > kMostHints) hudState.promptHints.push_back(fmt::format("and {} more", grouped(found - kMostHints)));
     if (found == 0) hudState.promptHints.push_back("no key holds this; an index counts from 0");
   }
   if (strip) {
