@@ -123,4 +123,12 @@ inline ItemId firstCloud(const SessionWorld& world) {
   return world.canvas.pointItems().front();
 }
 
+// The value of a row of a picked thing; empty where it has none of that name.
+inline std::string rowOf(const PickedThing& thing, const std::string& name) {
+  for (const auto& [key, value] : thing.rows) {
+    if (key == name) return value;
+  }
+  return "";
+}
+
 }  // namespace scanmill
