@@ -342,8 +342,8 @@ std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const On
   if (ontology != nullptr) contents->ontology = *ontology;
   contents->materials = materials;
   const Ontology* classes = contents->ontology ? &*contents->ontology : nullptr;
-  auto [planes, size] = std::visit(
-      [&](const auto& image) { return std::pair(planesOf(image, classes), sizeOf(image)); }, contents->image);
+  const Size size = std::visit([](const auto& image) { return sizeOf(image); }, contents->image);
+  std::vector<Plane> planes = std::visit([&](const auto& image) { return planesOf(image, classes); }, contents->image);
   std::visit([&](const auto& image) { nameMaterials(planesIn(image), contents->materials, planes); }, contents->image);
   std::vector<PassPlane> out;
   for (const Plane& plane : planes) {

@@ -37,6 +37,7 @@ struct UsualSides {
   UsualSides(const std::vector<Sides>& things, double spared) {
     for (std::size_t side = 0; side < 3; ++side) {
       std::vector<double> values;
+      values.reserve(things.size());
       for (const Sides& t : things) values.push_back(t[side]);
       std::sort(values.begin(), values.end());
       low[side] = quantileOf(values, spared);

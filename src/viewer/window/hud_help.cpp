@@ -122,7 +122,8 @@ void drawHudHelp(HudPaint& paint, const HudState& state, const HudFrame& frame, 
     const auto& [key, does] = table.lines[i];
     const std::size_t place = i - first;
     const auto rows = static_cast<std::size_t>(table.rows);
-    const double x = left + static_cast<double>(place / rows) * (table.columnWidth + kHelpGap * cell);
+    const std::size_t tableColumn = place / rows;
+    const double x = left + static_cast<double>(tableColumn) * (table.columnWidth + kHelpGap * cell);
     const double y = top + (kHelpTitle + static_cast<double>(place % rows) * kHudRow) * cell;
     paint.text(x, y, fittedText(key, table.keyWidth, cell), kAccent, cell);
     const double meaning = table.keyWidth + kKeyGap * cell;
