@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "evaluate/cloud_errors.h"
 #include "evaluate/hit_errors.h"
-#include "tests/methods/trace.h"
+#include "tests/core/methods/trace.h"
 #include "tests/support/points_of.h"
 #include "tests/support/street.h"
 

@@ -17,7 +17,7 @@
 #include "pipeline/keeper.h"
 #include "tests/benchmarks/street_beams.h"
 #include "tests/benchmarks/timing.h"
-#include "tests/methods/trace.h"
+#include "tests/core/methods/trace.h"
 #include "tests/support/embree_passes.h"
 #include "tests/support/street.h"
 #include "tests/support/temporary_folder.h"

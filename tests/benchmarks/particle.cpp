@@ -16,7 +16,7 @@
 #include "methods/world/worlds.h"
 #include "tests/benchmarks/street_beams.h"
 #include "tests/benchmarks/timing.h"
-#include "tests/methods/trace.h"
+#include "tests/core/methods/trace.h"
 #include "tests/support/street.h"
 #include "tests/support/temporary_folder.h"
 

@@ -13,7 +13,7 @@
 #include "base/random.h"
 #include "evaluate/cloud_errors.h"
 #include "evaluate/hit_errors.h"
-#include "tests/methods/trace.h"
+#include "tests/core/methods/trace.h"
 #include "tests/support/points_of.h"
 #include "tests/support/street.h"
 #include "tests/support/test_scene.h"

@@ -1,7 +1,7 @@
 // Our trace stage, with all columns, against bare Embree on the same triangles, beams and threads. The counter
 // `of_bare` is the ratio of both times in one run; 64 x 2048 beams into 1.2 million triangles.
 
-#include "tests/methods/trace.h"
+#include "tests/core/methods/trace.h"
 
 #include <benchmark/benchmark.h>
 

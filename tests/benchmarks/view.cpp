@@ -12,7 +12,7 @@
 #include "formats/format.h"
 #include "tests/benchmarks/street_beams.h"
 #include "tests/benchmarks/timing.h"
-#include "tests/methods/trace.h"
+#include "tests/core/methods/trace.h"
 #include "tests/support/street.h"
 #include "tests/support/temporary_folder.h"
 #include "viewer/window/session.h"

@@ -1,0 +1,404 @@
+#include "dataset/manifest.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "dataset/sample_json.h"
+#include "tests/core/dataset/fixture.h"
+
+namespace scanmill {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using Json = nlohmann::ordered_json;
+
+Manifest filledManifest() {
+  Manifest m = testManifest();
+  m.shards = {{"train/train-000000.tar", "train", sha256("a"), 12345678901234u, 1},
+              {"val/val-000000.tar", "val", sha256("b"), 1024, 1}};
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    const Sample sample = testSample(m, i, "street-1-drive-00000" + std::to_string(i), i == 0 ? "train" : "val");
+    SampleRecord record{sample.key, sample.split, i, sample.scans, {sample.key + ".json"}};
+    for (const Member& member : sample.members) record.members.push_back(sample.key + "." + member.suffix);
+    m.samples.push_back(record);
+  }
+  return m;
+}
+
+std::string refusal(const Json& json) {
+  return messageOf<InputError>([&] { parseManifest(json.dump(), "manifest.json"); });
+}
+
+// Pointers of all values of a document, the root left out.
+void collect(const Json& value, const Json::json_pointer& place, std::vector<Json::json_pointer>& places) {
+  if (!value.is_structured()) return;
+  std::size_t i = 0;
+  for (const auto& entry : value.items()) {
+    const Json::json_pointer child = value.is_object() ? place / entry.key() : place / i++;
+    places.push_back(child);
+    collect(entry.value(), child, places);
+  }
+}
+
+std::vector<Json::json_pointer> placesOf(const Json& json) {
+  std::vector<Json::json_pointer> places;
+  collect(json, Json::json_pointer(), places);
+  return places;
+}
+
+TEST(Manifest, RoundTrips) {
+  const Manifest m = filledManifest();
+  const std::string text = toJson(m);
+  const Manifest read = parseManifest(text, "manifest.json");
+  EXPECT_EQ(toJson(read), text);
+
+  EXPECT_EQ(read.programVersion, m.programVersion);
+  EXPECT_EQ(read.pipelineText, m.pipelineText);
+  EXPECT_EQ(read.pipelineSha256, m.pipelineSha256);
+  EXPECT_EQ(read.seed, m.seed);
+  EXPECT_EQ(read.columns, m.columns);
+  EXPECT_EQ(read.modelled, m.modelled);
+  EXPECT_EQ(read.stages, m.stages);
+  ASSERT_EQ(read.ontology.classes.size(), 3u);
+  EXPECT_EQ(read.ontology.classes[1].color, m.ontology.classes[1].color);
+  EXPECT_EQ(read.ontology.classes[1].aliases, m.ontology.classes[1].aliases);
+  EXPECT_TRUE(read.ontology.classes[2].thing);
+  ASSERT_EQ(read.samples.size(), 2u);
+  EXPECT_EQ(read.samples[1].shard, 1u);
+  EXPECT_EQ(read.samples[1].members, m.samples[1].members);
+  const ScanRecord& scan = m.samples[1].scans[0];
+  const ScanRecord& readScan = read.samples[1].scans[0];
+  EXPECT_EQ(readScan.worldFromSensor, scan.worldFromSensor);
+  EXPECT_EQ(readScan.pointsPerClass, scan.pointsPerClass);
+  EXPECT_EQ(readScan.instances, scan.instances);
+  EXPECT_EQ(readScan.time, scan.time);
+}
+
+// The per-ring tables are enough: every beam comes back bit for bit.
+TEST(Manifest, RebuildsTheBeamTable) {
+  const Manifest m = filledManifest();
+  Manifest read = parseManifest(toJson(m), "manifest.json");
+  for (std::size_t s = 0; s < m.sensors.size(); ++s) {
+    BeamTable& beams = read.sensors[s].beams;
+    EXPECT_TRUE(beams.direction.empty());
+    fillBeams(beams);
+    EXPECT_EQ(beams.direction, m.sensors[s].beams.direction);
+    EXPECT_EQ(beams.origin, m.sensors[s].beams.origin);
+    EXPECT_EQ(beams.time, m.sensors[s].beams.time);
+    EXPECT_EQ(read.sensors[s].vehicleFromSensor, m.sensors[s].vehicleFromSensor);
+  }
+}
+
+TEST(Manifest, KeepsEveryBitOfADouble) {
+  Manifest m = filledManifest();
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    const RandomBlock random = randomBlock({.beam = i});
+    const double value = std::bit_cast<double>(std::uint64_t{random[0]} << 32 | random[1]);
+    if (!std::isfinite(value)) continue;
+    m.samples[0].scans[0].time = value;
+    const Manifest read = parseManifest(toJson(m), "manifest.json");
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(read.samples[0].scans[0].time), std::bit_cast<std::uint64_t>(value));
+    if (i == 0) m.samples.resize(1);  // small documents for the rest
+  }
+}
+
+TEST(Manifest, CannotHoldWhatIsNotFinite) {
+  Manifest m = filledManifest();
+  m.sensors[0].beams.maxRange = INFINITY;
+  EXPECT_THAT(messageOf<Error>([&] { toJson(m); }), HasSubstr("max_range"));
+}
+
+// A comment in another encoding must not cost a night's run its manifest.
+TEST(Manifest, SurvivesTextThatIsNotUtf8) {
+  Manifest m = filledManifest();
+  m.pipelineText =
+      "# Stra\xDF"
+      "e\n";
+  EXPECT_EQ(parseManifest(toJson(m), "manifest.json").pipelineText,
+            "# Stra\xEF\xBF\xBD"
+            "e\n");
+}
+
+TEST(Manifest, UnresolvedBeamsAreToldWhereThereAreAny) {
+  Manifest m = filledManifest();
+  EXPECT_THAT(toJson(m), Not(HasSubstr("unresolved")));
+  m.samples[1].scans[0].unresolved = 5;
+  const std::string text = toJson(m);
+  const Manifest read = parseManifest(text, "manifest.json");
+  EXPECT_EQ(toJson(read), text);
+  EXPECT_EQ(read.samples[0].scans[0].unresolved, 0u);
+  EXPECT_EQ(read.samples[1].scans[0].unresolved, 5u);
+  EXPECT_EQ(Json::parse(sampleJson(m.samples[1]))["scans"][0]["unresolved"], 5);
+  for (const Json& wrong : {Json(0), Json(m.samples[1].scans[0].beams + 1), Json("5"), Json(-1)}) {
+    Json damaged = Json::parse(text);
+    damaged["samples"][1]["scans"][0]["unresolved"] = wrong;
+    EXPECT_THAT(refusal(damaged), HasSubstr("/samples/1/scans/0/unresolved")) << wrong;
+  }
+}
+
+Manifest chosenManifest() {
+  Manifest m = filledManifest();
+  m.chosen = MethodRecord{"depth_camera resolution=1024", "method={depth_camera: {resolution: 1024}}",
+                          "the cheapest of 3: 99.5 %, \"fast\""};
+  return m;
+}
+
+// Of `method: auto`.
+TEST(Manifest, TheChoiceOfTheMethodIsToldWhereOneWasMade) {
+  EXPECT_THAT(toJson(filledManifest()), Not(HasSubstr("method_choice")));
+  EXPECT_FALSE(parseManifest(toJson(filledManifest()), "manifest.json").chosen.has_value());
+  const Manifest m = chosenManifest();
+  const std::string text = toJson(m);
+  const Manifest read = parseManifest(text, "manifest.json");
+  EXPECT_EQ(toJson(read), text);
+  ASSERT_TRUE(read.chosen.has_value());
+  EXPECT_EQ(read.chosen->setting, m.chosen->setting);
+  EXPECT_EQ(read.chosen->assignment, m.chosen->assignment);
+  EXPECT_EQ(read.chosen->why, m.chosen->why);
+  for (const char* key : {"setting", "assignment", "why"}) {
+    Json damaged = Json::parse(text);
+    damaged["method_choice"].erase(key);
+    EXPECT_THAT(refusal(damaged), HasSubstr(std::string("/method_choice: key '") + key + "' is missing"));
+    damaged["method_choice"][key] = 5;
+    EXPECT_THAT(refusal(damaged), HasSubstr(std::string("/method_choice/") + key + ": is number where text"));
+  }
+  Json damaged = Json::parse(text);
+  damaged["method_choice"]["cost"] = 1;
+  EXPECT_THAT(refusal(damaged), HasSubstr("'cost' is unknown"));
+  for (const Json& wrong : {Json(), Json("ray_tracing"), Json::array()}) {
+    damaged["method_choice"] = wrong;
+    EXPECT_THAT(refusal(damaged), HasSubstr("/method_choice")) << wrong;
+  }
+}
+
+TEST(Manifest, RefusesEveryMissingKey) {
+  const Json json = Json::parse(toJson(filledManifest()));
+  int tried = 0;
+  for (const Json::json_pointer& place : placesOf(json)) {
+    const Json& parent = json[place.parent_pointer()];
+    const std::string top = place.to_string().substr(0, 8);
+    if (!parent.is_object() || top == "/frames/" || top == "/stages/" || place.back() == "aliases") continue;
+    Json damaged = json;
+    damaged[place.parent_pointer()].erase(place.back());
+    const std::string message = refusal(damaged);
+    EXPECT_THAT(message, HasSubstr("manifest.json")) << place;
+    if (place.back() != "schema_version" && place.back() != "program" && place.to_string() != "/program/name") {
+      EXPECT_THAT(message, HasSubstr("'" + place.back() + "' is missing"));
+    }
+    ++tried;
+  }
+  EXPECT_GT(tried, 150);
+}
+
+TEST(Manifest, RefusesEveryUnknownKey) {
+  const Json json = Json::parse(toJson(filledManifest()));
+  std::vector<Json::json_pointer> places = placesOf(json);
+  places.emplace_back("");
+  for (const Json::json_pointer& place : places) {
+    if (!json[place].is_object() || place.to_string() == "/frames" || place.to_string() == "/stages") continue;
+    Json damaged = json;
+    damaged[place]["colour"] = 1;
+    EXPECT_THAT(refusal(damaged), HasSubstr("'colour' is unknown")) << place;
+  }
+}
+
+TEST(Manifest, RefusesEveryWrongType) {
+  const Json json = Json::parse(toJson(filledManifest()));
+  for (const Json::json_pointer& place : placesOf(json)) {
+    for (const Json& wrong : {Json(), Json(true), Json("x"), Json::array({nullptr}), Json{{"x", 1}}, Json(-1.5)}) {
+      if (wrong.type() == json[place].type()) continue;
+      if (wrong.is_number() && json[place].is_number_float()) continue;
+      Json damaged = json;
+      damaged[place] = wrong;
+      const std::string message = refusal(damaged);
+      EXPECT_THAT(message, HasSubstr("manifest.json")) << place << " as " << wrong;
+    }
+  }
+}
+
+TEST(Manifest, NamesThePlaceOfWhatIsOutOfRange) {
+  const Json json = Json::parse(toJson(filledManifest()));
+  const std::vector<std::tuple<std::string, Json, std::string>> damages = {
+      {"/samples/1/shard", 2, "2 is out of range: there are 2 shards"},
+      {"/samples/1/shard", 0, "is 'val' but shard 0 is of 'train'"},
+      {"/samples/0/key", "a.b", "'a.b' is no key"},
+      {"/samples/1/key", "street-1-drive-000000", "does not start with the sample's key"},
+      {"/samples/0/members/1", "other.csv", "does not start with"},
+      {"/samples/0/scans/0/sensor", "left", "no sensor is named 'left'"},
+      {"/samples/0/scans/0/world_from_sensor", Json::array(), "has no pose"},
+      {"/samples/0/scans/0/world_from_sensor/0/rotation", {1, 1, 0, 0}, "no unit quaternion"},
+      {"/samples/0/scans/0/world_from_sensor/0/translation", {1, 1}, "2 numbers where 3 belong"},
+      {"/samples/0/scans/0/points_per_class/0/id", 8, "class 8 is not in ontology 'ours'"},
+      {"/samples/0/scans/0/points_per_class/0/name", "tree", "is 'unlabeled' in the ontology"},
+      {"/samples/0/scans/0/points", -1, "/samples/0/scans/0/points: is number where"},
+      {"/ontology/classes/1/id", 65536, "65536 is not within 0 to 65535"},
+      {"/ontology/classes/1/id", 0, "0 is given to 'unlabeled' too"},
+      {"/ontology/classes/1/name", "car", "'car' is given to class 7 too"},
+      {"/ontology/classes/1/color", {1, 2}, "[red, green, blue]"},
+      {"/ontology/classes/1/color/0", 256, "256 is not within 0 to 255"},
+      {"/sensors/0/rings", 5, "has 4 numbers where 5 belong"},
+      {"/sensors/0/rings", 0, "0 is not within 1"},
+      {"/sensors/0/max_range", 0.1, "/sensors/0/max_range"},
+      {"/sensors/0/field", 7, "/sensors/0/field"},
+      {"/shards/0/file", "../../etc/passwd", "is no shard of split 'train'"},
+      {"/shards/0/file", "val/val-000000.tar", "is no shard of split 'train'"},
+      {"/shards/0/sha256", "abc", "no SHA-256"},
+      {"/units/length", "feet", "is not 'metres'"},
+      {"/stages/trace", -1, "/stages/trace"},
+      {"/schema_version", 2, "newer than this program, which reads up to 1: update scanmill"},
+      {"/schema_version", 0, "no version"},
+      {"/program/name", "other", "is not a manifest of scanmill"},
+  };
+  for (const auto& [place, value, expected] : damages) {
+    Json damaged = json;
+    damaged[Json::json_pointer(place)] = value;
+    EXPECT_THAT(refusal(damaged), HasSubstr(expected)) << place;
+  }
+  Json twice = json;
+  twice["samples"][1] = json["samples"][0];
+  EXPECT_THAT(refusal(twice), HasSubstr("/samples/1/key: another sample has this key"));
+}
+
+TEST(Manifest, SaysWhereATruncatedFileEnds) {
+  const std::string text = toJson(filledManifest());
+  for (std::size_t i = 0; i < 100; ++i) {
+    const std::string cut = text.substr(0, i * (text.size() - 2) / 100);
+    const auto lines = std::count(cut.begin(), cut.end(), '\n');
+    const std::string message = messageOf<InputError>([&] { parseManifest(cut, "m.json"); });
+    EXPECT_THAT(message, HasSubstr("is no whole JSON")) << cut.size();
+    EXPECT_THAT(message, HasSubstr("m.json:" + std::to_string(lines + 1) + ":")) << cut.size();
+  }
+}
+
+TEST(Manifest, NeverCrashesOnFlippedBytes) {
+  const std::string text = toJson(filledManifest());
+  int refused = 0;
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const RandomBlock random = randomBlock({.beam = i});
+    std::string damaged = text;
+    damaged[random[0] % text.size()] = static_cast<char>(random[1]);
+    try {
+      parseManifest(damaged, "m.json");
+    } catch (const InputError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 300);
+}
+
+TEST(Manifest, RefusesForeignFiles) {
+  for (const char* text : {"", "[]", "{}", "null", "\"x\"", "{\"name\": \"app\", \"manifest_version\": 3}", "\xFF\xFE",
+                           "1e999", "{\"schema_version\": 1}", "{\"schema_version\": \"1\", \"program\": 3}"}) {
+    EXPECT_THAT(messageOf<InputError>([&] { parseManifest(text, "m.json"); }), HasSubstr("m.json")) << text;
+  }
+  EXPECT_THAT(messageOf<InputError>([] { parseManifest(std::string(1000000, '['), "m.json"); }), HasSubstr("m.json"));
+}
+
+TEST(Manifest, AbsentOnesAreExplained) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path()); }), HasSubstr("--overwrite"));
+  EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path() / "absent"); }), HasSubstr("absent"));
+  folder.write("manifest.json", toJson(filledManifest()));
+  EXPECT_EQ(readManifest(folder.path()).samples.size(), 2u);
+}
+
+// Walks the schema beside the document: what is required is there, and what is there is described.
+void compare(const Json& schema, const Json& root, const Json& value, const std::string& place) {
+  if (schema.contains("$ref")) {
+    compare(root[Json::json_pointer(schema["$ref"].get<std::string>().substr(1))], root, value, place);
+    return;
+  }
+  if (value.is_object()) {
+    ASSERT_EQ(schema.value("type", ""), "object") << place;
+    for (const Json& key : schema.value("required", Json::array())) {
+      EXPECT_TRUE(value.contains(key.get<std::string>())) << place << "/" << key;
+    }
+    ASSERT_TRUE(schema.contains("additionalProperties")) << place;
+    for (const auto& entry : value.items()) {
+      const bool described = schema.contains("properties") && schema["properties"].contains(entry.key());
+      EXPECT_TRUE(described || schema["additionalProperties"].is_object()) << place << "/" << entry.key();
+      compare(described ? schema["properties"][entry.key()] : schema["additionalProperties"], root, entry.value(),
+              place + "/" + entry.key());
+    }
+  } else if (value.is_array()) {
+    ASSERT_EQ(schema.value("type", ""), "array") << place;
+    for (const Json& item : value) compare(schema["items"], root, item, place + "/-");
+  } else if (!schema.contains("const") && !schema.contains("enum")) {
+    const std::string type = schema.value("type", "");
+    EXPECT_TRUE((type == "string" && value.is_string()) || (type == "boolean" && value.is_boolean()) ||
+                (type == "integer" && value.is_number_integer()) || (type == "number" && value.is_number()))
+        << place << " is " << value << ", the schema says " << type;
+  }
+}
+
+const std::filesystem::path kSchema = std::filesystem::path(SCANMILL_SOURCE_DIR) / "docs" / "manifest.schema.json";
+
+// Every object of the schema: parser, schema and writer name the same keys, or RefusesEveryMissingKey would fail.
+TEST(ManifestSchema, DescribesTheManifest) {
+  const Json schema = Json::parse(readFile(kSchema));
+  Manifest manifest = chosenManifest();
+  manifest.samples[0].scans[0].unresolved = 1;
+  compare(schema, schema, Json::parse(toJson(manifest)), "");
+}
+
+TEST(ManifestSchema, IsSatisfied) {
+  if (std::system("/usr/bin/python3 -c 'import jsonschema' >/dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "python3-jsonschema is absent";
+  }
+  const TemporaryFolder folder;
+  const auto accepts = [&](const Manifest& manifest) {
+    const auto file = folder.write("manifest.json", toJson(manifest));
+    const std::string command =
+        "/usr/bin/python3 -c \"import json, sys, jsonschema; s = json.load(open(sys.argv[1])); "
+        "v = jsonschema.Draft202012Validator; v.check_schema(s); v(s).validate(json.load(open(sys.argv[2])))\" '" +
+        kSchema.string() + "' '" + file.string() + "'";
+    return std::system((command + " 2>'" + (folder.path() / "errors").string() + "'").c_str()) == 0;
+  };
+  EXPECT_TRUE(accepts(filledManifest())) << readFile(folder.path() / "errors");
+  EXPECT_TRUE(accepts(testManifest()));
+  EXPECT_TRUE(accepts(chosenManifest())) << readFile(folder.path() / "errors");
+  Manifest unresolved = filledManifest();
+  unresolved.samples[0].scans[0].unresolved = 1;
+  EXPECT_TRUE(accepts(unresolved)) << readFile(folder.path() / "errors");
+  Manifest wrong = filledManifest();
+  wrong.samples[0].key = "a.b";
+  EXPECT_FALSE(accepts(wrong));
+}
+
+TEST(SampleJson, TellsWhatDiffers) {
+  const SampleRecord sample = filledManifest().samples[0];
+  const std::string text = sampleJson(sample);
+  EXPECT_THAT(differenceOfSampleJson(text, sample), IsEmpty());
+  EXPECT_THAT(differenceOfSampleJson(Json::parse(text).dump(), sample), IsEmpty()) << "blanks do not matter";
+  SampleRecord other = sample;
+  other.scans[1].points += 1;
+  EXPECT_THAT(differenceOfSampleJson(text, other), HasSubstr("/scans/1/points is "));
+  other = sample;
+  other.scans.pop_back();
+  EXPECT_THAT(differenceOfSampleJson(text, other), HasSubstr("/scans has more entries than the manifest says"));
+  other = sample;
+  other.scans.push_back(sample.scans[0]);
+  EXPECT_THAT(differenceOfSampleJson(text, other), HasSubstr("/scans/2 is missing"));
+  EXPECT_THAT(differenceOfSampleJson(text.substr(0, 20), sample), HasSubstr("no valid JSON"));
+  EXPECT_THAT(differenceOfSampleJson("[]", sample), Not(IsEmpty()));
+}
+
+TEST(SampleJson, TakesSequenceAndFrameFromTheKey) {
+  const Json json = Json::parse(sampleJson(filledManifest().samples[1]));
+  EXPECT_EQ(json["sequence"], "street-1-drive");
+  EXPECT_EQ(json["frame"], "000001");
+  EXPECT_EQ(json["time"], 0.1);
+  EXPECT_THAT(partsOfKey("street").sequence, IsEmpty());
+  EXPECT_THAT(partsOfKey("street-").sequence, IsEmpty());
+  EXPECT_THAT(partsOfKey("street-x1").sequence, IsEmpty());
+}
+
+}  // namespace
+}  // namespace scanmill

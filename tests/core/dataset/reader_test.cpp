@@ -1,0 +1,117 @@
+#include "dataset/reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "tests/core/dataset/fixture.h"
+
+namespace scanmill {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+std::string refusal(const fs::path& file) {
+  return messageOf<InputError>([&] { membersOf(file); });
+}
+
+Members someMembers() {
+  return {{"a-0.json", "{}"},
+          {"a-0.empty", ""},
+          {"a-0.block", std::string(512, 'b')},
+          {"a-0.zeros", std::string(2000, '\0')},
+          {std::string(150, 'k') + ".long", "after a pax header"},
+          {"b-0.large", std::string(3000000, 'l')}};
+}
+
+TEST(ReadTar, GivesBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  writeMembers(folder.path() / "x.tar", someMembers());
+  EXPECT_EQ(membersOf(folder.path() / "x.tar"), someMembers());
+}
+
+TEST(ReadTar, ReadsWhatTarWrites) {
+  if (std::system("tar --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "tar is absent";
+  const TemporaryFolder folder;
+  folder.write("in/a-0.json", "{}");
+  folder.write("in/a-0.pcd", std::string(1000, 'p'));
+  ASSERT_EQ(std::system(("cd '" + folder.path().string() + "/in' && tar -cf ../x.tar a-0.json a-0.pcd").c_str()), 0);
+  EXPECT_EQ(membersOf(folder.path() / "x.tar"), (Members{{"a-0.json", "{}"}, {"a-0.pcd", std::string(1000, 'p')}}));
+}
+
+// Wherever a shard is cut, also between two members and within zeros, it is refused.
+TEST(ReadTar, NoticesEveryTruncation) {
+  const TemporaryFolder folder;
+  Members members = someMembers();
+  members.pop_back();
+  writeMembers(folder.path() / "x.tar", members);
+  const std::string bytes = readFile(folder.path() / "x.tar");
+  std::vector<std::size_t> sizes{1, 100, 511, bytes.size() - 1};
+  for (std::size_t size = 0; size < bytes.size(); size += 256) sizes.push_back(size);
+  for (const std::size_t size : sizes) {
+    const fs::path cut = folder.write("cut.tar", bytes.substr(0, size));
+    const std::string message = refusal(cut);
+    EXPECT_THAT(message, HasSubstr("cut.tar: ")) << size;
+    EXPECT_THAT(message, HasSubstr("offset")) << size;
+  }
+  EXPECT_EQ(membersOf(folder.write("padded.tar", bytes + std::string(8192, '\0'))), members);
+}
+
+TEST(ReadTar, NeverCrashesOnDamage) {
+  const TemporaryFolder folder;
+  Members members = someMembers();
+  members.pop_back();
+  writeMembers(folder.path() / "x.tar", members);
+  const std::string bytes = readFile(folder.path() / "x.tar");
+  int refused = 0;
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    const RandomBlock random = randomBlock({.beam = i});
+    std::string damaged = bytes;
+    damaged[random[0] % damaged.size()] = static_cast<char>(random[1]);
+    refused += refusal(folder.write("damaged.tar", damaged)).empty() ? 0 : 1;
+  }
+  EXPECT_GT(refused, 60);
+}
+
+TEST(ReadTar, RefusesWhatIsNoTar) {
+  const TemporaryFolder folder;
+  std::string noise;
+  for (std::uint32_t i = 0; i < 1000; ++i) noise += static_cast<char>(randomBlock({.beam = i})[0]);
+  EXPECT_THAT(refusal(folder.write("noise.tar", noise)), HasSubstr("noise.tar: cannot be read as tar at offset 0"));
+  EXPECT_THAT(refusal(folder.write("empty.tar", "")), HasSubstr("empty.tar"));
+  EXPECT_THAT(refusal(folder.write("text.tar", std::string(5000, 'a'))), HasSubstr("text.tar"));
+  EXPECT_THAT(refusal(folder.path() / "absent.tar"), HasSubstr("absent.tar"));
+  EXPECT_THAT(refusal(folder.path()), HasSubstr(folder.path().string()));
+}
+
+TEST(ReadTar, RefusesMembersThatAreNoPlainFiles) {
+  if (std::system("tar --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "tar is absent";
+  const TemporaryFolder folder;
+  fs::create_symlink("/etc/passwd", folder.path() / "a-0.json");
+  ASSERT_EQ(std::system(("cd '" + folder.path().string() + "' && tar -cf x.tar a-0.json").c_str()), 0);
+  EXPECT_THAT(refusal(folder.path() / "x.tar"), HasSubstr("'a-0.json' that is no plain file"));
+  // A hole of 1 GB takes no room in the file, and must take none in memory.
+  ASSERT_EQ(std::system(("cd '" + folder.path().string() +
+                         "' && truncate -s 1G b-0.bin && tar --format=gnu --sparse -cf y.tar b-0.bin")
+                            .c_str()),
+            0);
+  EXPECT_THAT(refusal(folder.path() / "y.tar"), HasSubstr("'b-0.bin' that is no plain file"));
+}
+
+TEST(DecodeMember, PicksTheFormatByItsSuffix) {
+  const Scan scan = testScan(testBeams(4, 16), 1);
+  for (const FormatEntry& format : formats()) {
+    const std::string name = "key.top.ray_tracing." + std::string(format.suffix);
+    const Scan decoded = decodeMember(name, encode(std::string(format.name), scan));
+    EXPECT_EQ(decoded.size(), scan.size()) << name;
+    EXPECT_THAT(messageOf<InputError>([&] { decodeMember(name, "garbage"); }), HasSubstr(name));
+  }
+  for (const char* name : {"key.top.xyz", "key", "key.", ""}) {
+    EXPECT_THAT(messageOf<InputError>([&] { decodeMember(name, "x"); }), HasSubstr("known: .pcd")) << name;
+  }
+}
+
+}  // namespace
+}  // namespace scanmill

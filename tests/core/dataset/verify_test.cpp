@@ -1,0 +1,292 @@
+#include "dataset/verify.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "dataset/sample_json.h"
+#include "dataset/scan_check.h"
+#include "tests/core/dataset/fixture.h"
+
+namespace scanmill {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class VerifyTest : public ::testing::Test {
+ protected:
+  std::vector<std::string> problems() const { return verifyDataset(folder_.path()).problems; }
+
+  // Changes the members of a shard, and where `honest` the manifest's hash and size with it.
+  void edit(std::size_t shard, const std::function<void(Members&)>& change, bool honest = true) {
+    ShardRecord& record = manifest_.shards[shard];
+    const fs::path file = folder_.path() / record.file;
+    Members members = membersOf(file);
+    change(members);
+    writeMembers(file, members);
+    if (!honest) return;
+    const std::string bytes = readFile(file);
+    record.bytes = bytes.size();
+    record.sha256 = sha256(bytes);
+    saveManifest();
+  }
+  void saveManifest() { writeFile(folder_.path() / "manifest.json", toJson(manifest_)); }
+
+  TemporaryFolder folder_;
+  Manifest manifest_ = writeTestDataset(folder_.path());
+};
+
+TEST_F(VerifyTest, ASoundDatasetHasNoProblems) {
+  std::vector<std::uint64_t> seen;
+  std::uint64_t total = 0;
+  const Verification result = verifyDataset(folder_.path(), [&](std::uint64_t done, std::uint64_t of) {
+    seen.push_back(done);
+    total = of;
+  });
+  EXPECT_THAT(result.problems, IsEmpty());
+  EXPECT_EQ(result.shards, manifest_.shards.size());
+  EXPECT_EQ(result.samples, 9u);
+  EXPECT_EQ(result.scans, 36u);
+  std::uint64_t points = 0;
+  for (const SampleRecord& sample : manifest_.samples) {
+    for (const ScanRecord& scan : sample.scans) points += 2 * scan.points;
+  }
+  EXPECT_EQ(result.points, points);
+  EXPECT_EQ(total, manifest_.shards.size());
+  ASSERT_EQ(seen.size(), manifest_.shards.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i], i + 1);
+}
+
+TEST(Verify, SoundInEveryFormat) {
+  for (const bool images : {false, true}) {
+    const TemporaryFolder folder;
+    Manifest manifest = testManifest();
+    manifest.organised = images;
+    manifest.formats.push_back({"draco", "drc", 0.001});
+    {
+      DatasetWriter writer(folder.path() / "data", false, 1 << 20);
+      for (std::uint32_t i = 0; i < 5; ++i) {
+        writer.add(testSample(manifest, i, "street-1-drive-" + std::to_string(i), "train"));
+      }
+      writer.finish(manifest);
+    }
+    EXPECT_THAT(verifyDataset(folder.path() / "data").problems, IsEmpty()) << images;
+  }
+}
+
+TEST(Verify, ScansMayBeEmpty) {
+  const TemporaryFolder folder;
+  Manifest manifest = testManifest();
+  manifest.formats.push_back({"draco", "drc", 0.001});
+  Scan empty;
+  empty.rings = 4;
+  empty.columns = 16;
+  Sample sample{"night-0", "train", {testRecord(manifest.sensors[0], empty, 0)}, {}};
+  for (const FormatRecord& f : manifest.formats) {
+    sample.members.push_back({memberSuffix(sample.scans[0], f.suffix), encode(f.name, empty)});
+  }
+  DatasetWriter writer(folder.path() / "data", false, 1 << 20);
+  writer.add(sample);
+  writer.finish(manifest);
+  EXPECT_THAT(verifyDataset(folder.path() / "data").problems, IsEmpty());
+}
+
+TEST_F(VerifyTest, FindsASingleFlippedBit) {
+  for (const double place : {0.1, 0.35, 0.6, 0.8, 0.999}) {
+    const fs::path file = folder_.path() / manifest_.shards[1].file;
+    const std::string sound = readFile(file);
+    std::string bytes = sound;
+    bytes[static_cast<std::size_t>(place * static_cast<double>(bytes.size()))] ^= 1;
+    writeFile(file, bytes);
+    EXPECT_THAT(problems(), Contains(AllOf(HasSubstr(manifest_.shards[1].file + ": "), HasSubstr("SHA-256")))) << place;
+    writeFile(file, sound);
+  }
+  EXPECT_THAT(problems(), IsEmpty());
+}
+
+TEST_F(VerifyTest, FindsMissingAndTruncatedShards) {
+  fs::remove(folder_.path() / manifest_.shards[0].file);
+  fs::resize_file(folder_.path() / manifest_.shards[1].file, manifest_.shards[1].bytes - 3000);
+  const std::vector<std::string> found = problems();
+  EXPECT_EQ(found[0], manifest_.shards[0].file + ": is missing");
+  EXPECT_THAT(found, Contains(AllOf(HasSubstr(manifest_.shards[1].file), HasSubstr("but the manifest says"))));
+  EXPECT_THAT(found, Contains(AllOf(HasSubstr(manifest_.shards[1].file), HasSubstr("not a whole tar file at offset"))));
+}
+
+TEST_F(VerifyTest, FindsFilesNobodyListed) {
+  folder_.write("train/train-000777.tar", "x");
+  folder_.write("val/val-000000.tar.partial-3", "x");
+  folder_.write("extra.tar", "x");
+  folder_.write("notes.txt", "a note beside the dataset is no problem");
+  folder_.write("pictures/scan.png", "nor is a picture");
+  EXPECT_THAT(problems(),
+              ElementsAre("extra.tar: is not in the manifest", "train/train-000777.tar: is not in the manifest",
+                          "val/val-000000.tar.partial-3: is not in the manifest"));
+}
+
+TEST_F(VerifyTest, FindsMembersThatAreMissingAddedOrOutOfOrder) {
+  edit(0, [](Members& members) { members.erase(members.begin() + 2); });
+  EXPECT_THAT(problems(), ElementsAre(HasSubstr(manifest_.samples[0].members[2] + ": is missing")));
+  edit(1, [](Members& members) { members.push_back({"other-0.pcd", "x"}); });
+  EXPECT_THAT(problems(), Contains(HasSubstr("other-0.pcd: is not in the manifest")));
+  edit(2, [](Members& members) { members.push_back(members[1]); });
+  EXPECT_THAT(problems(), Contains(HasSubstr("is there twice")));
+  edit(3, [](Members& members) { std::swap(members[1], members[3]); });
+  EXPECT_THAT(problems(), Contains(AllOf(HasSubstr(manifest_.shards[3].file), HasSubstr("out of order"))));
+  EXPECT_EQ(problems().size(), 4u);
+}
+
+TEST_F(VerifyTest, FindsMembersThatDoNotDecodeOrAgree) {
+  edit(0, [](Members& members) { members[1].second.resize(members[1].second.size() / 2); });
+  EXPECT_THAT(problems(),
+              ElementsAre(AllOf(HasSubstr(manifest_.shards[0].file), HasSubstr(manifest_.samples[0].members[1]))));
+  edit(1, [](Members& members) { members[0].second = "{}"; });
+  EXPECT_THAT(problems(), Contains(AllOf(HasSubstr(manifest_.shards[1].file), HasSubstr(".json: "))));
+  edit(2, [](Members& members) { std::swap(members[1].second, members[3].second); });
+  EXPECT_THAT(problems(), Contains(AllOf(HasSubstr(manifest_.shards[2].file), HasSubstr("points, but the manifest"))));
+}
+
+TEST_F(VerifyTest, FindsAManifestThatContradictsItself) {
+  ++manifest_.shards[0].samples;
+  manifest_.pipelineText += "# edited\n";
+  manifest_.samples[0].scans[0].points += 1;
+  manifest_.samples[0].key = "val_street-1-drive-000000";
+  for (std::string& member : manifest_.samples[0].members) {
+    member = manifest_.samples[0].key + member.substr(member.find('.'));
+  }
+  manifest_.formats.push_back({"draco", "drc", 0.001});
+  saveManifest();
+  const std::vector<std::string> found = problems();
+  EXPECT_THAT(found, Contains("manifest.json: the SHA-256 of the pipeline's text is not the one stated"));
+  EXPECT_THAT(found, Contains("manifest.json: frames of sequence val_street-1-drive are in several splits"));
+  EXPECT_THAT(found, Contains(AllOf(HasSubstr("lists no member"), HasSubstr(".drc"))));
+  EXPECT_THAT(found, Contains(HasSubstr("samples, but the manifest lists")));
+}
+
+TEST_F(VerifyTest, ListsTheSameProblemsWhateverTheThreads) {
+  for (std::size_t i = 0; i < manifest_.shards.size(); ++i) {
+    edit(
+        i, [](Members& members) { members[1].second.resize(100); }, false);
+  }
+  std::vector<std::string> alone;
+  {
+    const ThreadLimit one(1);
+    alone = problems();
+  }
+  EXPECT_GE(alone.size(), 2 * manifest_.shards.size());
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(problems(), alone);
+}
+
+TEST(Verify, AnUnreadableManifestIsRefused) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(verifyDataset(folder.path()), InputError);
+  folder.write("manifest.json", "{");
+  EXPECT_THROW(verifyDataset(folder.path()), InputError);
+}
+
+// Each law of a scan, broken one at a time.
+class ScanCheckTest : public ::testing::Test {
+ protected:
+  std::vector<std::string> check() const { return checkScan(scan_, record_, manifest_, 0.001); }
+
+  Manifest manifest_ = testManifest();
+  Scan scan_ = testScan(manifest_.sensors[0].beams, 1);
+  ScanRecord record_ = testRecord(manifest_.sensors[0], scan_, 0);
+};
+
+TEST_F(ScanCheckTest, SoundScans) {
+  EXPECT_THAT(check(), IsEmpty());
+  scan_ = organised(scan_);
+  manifest_.organised = true;
+  EXPECT_THAT(check(), IsEmpty());
+}
+
+TEST_F(ScanCheckTest, PointsMustBeFiniteUnlessTheyAreMisses) {
+  scan_.position[5].y = NAN;
+  EXPECT_THAT(check(), ElementsAre("1 point not finite (the first is point 5)"));
+  scan_.position[5] = {NAN, NAN, NAN};
+  scan_.position[7].x = INFINITY;
+  EXPECT_THAT(check(), ElementsAre("2 points not finite (the first is point 5)")) << "a dense scan has no misses";
+}
+
+TEST_F(ScanCheckTest, PointsMustLieWithinReach) {
+  scan_.position[3] = {200, 0, 0};
+  EXPECT_THAT(check(), ElementsAre(AllOf(HasSubstr("1 point farther than 120"), HasSubstr("point 3"))));
+}
+
+TEST_F(ScanCheckTest, CountsMustAgree) {
+  record_.points += 1;
+  EXPECT_THAT(check(), ElementsAre(HasSubstr("points, but the manifest says " + std::to_string(record_.points))));
+  record_.points -= 1;
+  record_.instances = 9;
+  EXPECT_THAT(check(), ElementsAre("3 instances, but the manifest says 9"));
+  record_.instances = 3;
+  record_.pointsPerClass[7] += 2;
+  EXPECT_THAT(check(), ElementsAre(HasSubstr("points of road, but the manifest says")));
+  record_.pointsPerClass.erase(7);
+  EXPECT_THAT(check(), ElementsAre(HasSubstr("points of road, but the manifest says 0")));
+}
+
+TEST_F(ScanCheckTest, ClassesMustBeKnown) {
+  for (std::uint16_t& label : scan_.label) label = label == 7 ? 8 : label;
+  EXPECT_THAT(check(),
+              ElementsAre(HasSubstr("points of class 8, which ontology 'ours' lacks"), HasSubstr("no points of road")));
+}
+
+TEST_F(ScanCheckTest, RingColumnAndRangeMustFitTheSensor) {
+  scan_.ring[0] = 4;
+  scan_.column[1] = 16;
+  scan_.rangeTrue[2] = 80.1f;
+  scan_.rangeTrue[3] = 0.4f;
+  scan_.rangeTrue[4] = NAN;
+  scan_.time[5] = NAN;
+  scan_.intensity[6] = INFINITY;
+  EXPECT_THAT(check(), ElementsAre(HasSubstr("1 point of a ring beyond 3 (the first is point 0)"),
+                                   HasSubstr("1 point of a column beyond 15 (the first is point 1)"),
+                                   HasSubstr("3 points of a noise-free range outside 0.5 to 80 m"),
+                                   HasSubstr("1 point of a time"), HasSubstr("1 point of an intensity")));
+  record_.beams = 63;
+  EXPECT_THAT(check(), ElementsAre("63 beams, but its sensor has 64"));
+}
+
+TEST_F(ScanCheckTest, IncidencesMustBeAngles) {
+  manifest_.columns.emplace_back("incidence");
+  EXPECT_THAT(check(), ElementsAre("no column incidence, but the manifest says so"));
+  scan_.incidence.assign(scan_.size(), static_cast<float>(kPi / 2));
+  scan_.incidence[0] = 0;
+  scan_.incidence[1] = NAN;
+  EXPECT_THAT(check(), IsEmpty()) << "a recording may not know a normal";
+  scan_.incidence[2] = 1.58f;
+  scan_.incidence[3] = -0.01f;
+  scan_.incidence[4] = INFINITY;
+  EXPECT_THAT(check(), ElementsAre("3 points of an incidence outside 0 to pi/2 (the first is point 2)"));
+}
+
+TEST_F(ScanCheckTest, ColumnsMustBeThoseOfTheManifest) {
+  scan_.time.clear();
+  EXPECT_THAT(check(), IsEmpty()) << "it follows from ring and column";
+  scan_.intensity.clear();
+  EXPECT_THAT(check(), ElementsAre("no column intensity, but the manifest says so"));
+  manifest_.columns = {"x", "y", "z", "label", "instance", "ring", "column"};
+  EXPECT_THAT(check(), ElementsAre("column range_true, of which the manifest says nothing"));
+}
+
+TEST_F(ScanCheckTest, ImagesHaveTheSensorsSize) {
+  scan_ = organised(scan_);
+  manifest_.organised = true;
+  scan_.columns = 8;
+  scan_.position.resize(32);
+  EXPECT_THAT(check(), Contains(HasSubstr("4 x 8 points, but its sensor has 4 rings of 16 columns")));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,81 @@
+#include <algorithm>
+
+#include "tests/core/effects/world.h"
+
+namespace scanmill {
+namespace {
+
+std::size_t lost(const Returns& returns) {
+  return static_cast<std::size_t>(std::count(returns.range.begin(), returns.range.end(), kMiss));
+}
+
+TEST(DropOut, RandomLossesAreBinomial) {
+  const World world = makeWorld(256, 1024);
+  const double n = static_cast<double>(world.hits.size());
+  for (double p : {0.001, 0.05, 0.5, 0.95}) {
+    const Returns returns = run(world, {"dropout: {probability: " + std::to_string(p) + "}"});
+    EXPECT_NEAR(static_cast<double>(lost(returns)), n * p, 5 * std::sqrt(n * p * (1 - p))) << p;
+  }
+}
+
+TEST(DropOut, NeighboursAreLostIndependently) {
+  const World world = makeWorld(256, 1024);
+  const Returns returns = run(world, {"dropout: {probability: 0.3}"});
+  std::size_t pairs = 0;
+  for (std::size_t b = 0; b + 1 < returns.range.size(); b += 2) {
+    pairs += returns.range[b] == kMiss && returns.range[b + 1] == kMiss ? 1u : 0u;
+  }
+  const double n = static_cast<double>(returns.range.size() / 2);
+  EXPECT_NEAR(static_cast<double>(pairs), n * 0.09, 5 * std::sqrt(n * 0.09 * 0.91));
+}
+
+TEST(DropOut, CertaintiesAreExact) {
+  const World world = makeRaggedWorld(16, 100);
+  EXPECT_EQ(run(world, {"dropout: {probability: 0}"}).range, world.hits.range);
+  EXPECT_EQ(lost(run(world, {"dropout: {probability: 1}"})), world.hits.size());
+}
+
+TEST(DropOut, LossesGrowWithTheProbabilityBeamByBeam) {
+  const World world = makeRaggedWorld(16, 100);
+  const Returns few = run(world, {"dropout: {probability: 0.2}"});
+  const Returns many = run(world, {"dropout: {probability: 0.6}"});
+  for (std::size_t b = 0; b < few.range.size(); ++b) {
+    if (few.range[b] == kMiss) {
+      EXPECT_EQ(many.range[b], kMiss);
+    }
+    if (many.range[b] != kMiss) {
+      EXPECT_EQ(many.range[b], world.hits.range[b]);
+    }
+  }
+}
+
+TEST(DropOut, FaintEchoesAreLostAtTheirClosedFormRange) {
+  // White: 100 / r^2 reaches 0.04 at 50 m; the response must not matter.
+  World world = makeWorld(1, 1000);
+  for (int i = 0; i < 1000; ++i) world.hits.range[i] = 0.1f * static_cast<float>(i + 1);
+  const Returns returns = run(world, {"intensity: {gain: 1000, output: u8}", "dropout: {threshold: 0.04}"});
+  for (std::size_t i = 0; i < 1000; ++i) {
+    if (std::abs(world.hits.range[i] - 50) < 0.01) continue;
+    const bool kept = world.hits.range[i] < 50;
+    EXPECT_EQ(returns.range[i], kept ? world.hits.range[i] : kMiss);
+    EXPECT_EQ(returns.intensity[i] > 0, kept);
+  }
+}
+
+TEST(DropOut, ThresholdNeedsTheIntensity) {
+  EXPECT_TRUE(makeEffect("dropout: {threshold: 0.1}")->needsIntensity());
+  EXPECT_FALSE(makeEffect("dropout: {threshold: 0}")->needsIntensity());
+  EXPECT_FALSE(makeEffect("dropout: {probability: 0.1}")->needsIntensity());
+  const World world = makeWorld(2, 2);
+  EXPECT_THROW(run(world, {"dropout: {threshold: 0.1}"}), InputError);
+}
+
+TEST(DropOut, RefusesBadOptions) {
+  EXPECT_THAT(refusal("dropout: {}"), testing::HasSubstr("threshold"));
+  EXPECT_NE(refusal("dropout: {probability: 1.5}"), "accepted");
+  EXPECT_NE(refusal("dropout: {threshold: -1}"), "accepted");
+  EXPECT_THAT(refusal("dropout: {probabilty: 0.5}"), testing::HasSubstr("probab"));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,242 @@
+#include <algorithm>
+#include <limits>
+
+#include "tests/core/effects/world.h"
+
+namespace scanmill {
+namespace {
+
+constexpr float kTiny = 1e-6f;
+
+float intensityAt(float range, float incidence, const Material& material, const std::string& options = "{}") {
+  World world = makeWorld(1, 1, range);
+  world.hits.incidence[0] = incidence;
+  world.hits.reflectance[0] = material.reflectance;
+  world.materials[0] = material;
+  return run(world, {"intensity: " + options}).intensity[0];
+}
+
+Material matt(float reflectance) {
+  return {.name = "matt", .reflectance = reflectance, .source = "", .texture = {}};
+}
+
+Material surface(float reflectance, float roughness, float metallic) {
+  Material material = matt(reflectance);
+  material.roughness = roughness;
+  material.metallic = metallic;
+  return material;
+}
+
+TEST(Intensity, WhiteTargetAtTheReferenceRangeIsExactlyOne) {
+  EXPECT_EQ(intensityAt(10, 1, matt(1)), 1.0f);
+  EXPECT_EQ(intensityAt(25, 1, matt(1), "{reference_range_m: 25}"), 1.0f);
+  EXPECT_EQ(intensityAt(10, 1, matt(1), "{output: u8}"), 255.0f);
+}
+
+TEST(Intensity, LambertsCosine) {
+  for (int degree = 0; degree <= 90; ++degree) {
+    const float c = std::max(0.0f, static_cast<float>(std::cos(radians(degree))));
+    EXPECT_NEAR(intensityAt(10, c, matt(0.4f)), 0.4f * c, kTiny);
+  }
+}
+
+TEST(Intensity, InverseSquareOfTheRange) {
+  for (float range : {1.0f, 2.0f, 5.0f, 20.0f, 100.0f, 1e4f}) {
+    const float expected = 0.3f * 100 / (range * range);
+    EXPECT_NEAR(intensityAt(range, 1, matt(0.3f)) / expected, 1, 1e-6);
+    EXPECT_EQ(intensityAt(range, 1, matt(0.3f), "{falloff: none}"), 0.3f);
+  }
+}
+
+TEST(Intensity, NearTargetsGainNothingBelowTheNearRange) {
+  const float at2 = intensityAt(2, 1, matt(0.3f), "{near_range_m: 2}");
+  for (float range : {0.0f, 1e-3f, 0.5f, 1.9f}) {
+    EXPECT_EQ(intensityAt(range, 1, matt(0.3f), "{near_range_m: 2}"), at2);
+  }
+  EXPECT_LT(intensityAt(2.1f, 1, matt(0.3f), "{near_range_m: 2}"), at2);
+}
+
+TEST(Intensity, AirAttenuatesBothWays) {
+  for (float range : {1.0f, 10.0f, 50.0f, 200.0f}) {
+    const double factor = intensityAt(range, 1, matt(0.5f), "{attenuation_per_m: 0.01}") /
+                          static_cast<double>(intensityAt(range, 1, matt(0.5f)));
+    EXPECT_NEAR(factor / std::exp(-2 * 0.01 * range), 1, 1e-6);
+  }
+  EXPECT_EQ(intensityAt(1e4f, 1, matt(0.5f), "{attenuation_per_m: 10}"), 0);
+}
+
+TEST(Intensity, RetroreflectorsAddToTheDiffusePart) {
+  Material sign = matt(0.2f);
+  sign.retroreflectance = 30;
+  EXPECT_NEAR(intensityAt(10, 1, sign), 30.2f, 1e-5);
+  EXPECT_NEAR(intensityAt(10, 0.5f, sign), 15.1f, 1e-5);
+}
+
+TEST(Intensity, SpecularPeakHasItsClosedForm) {
+  for (float roughness : {0.1f, 0.3f, 0.6f, 1.0f}) {
+    const double alpha = static_cast<double>(roughness) * roughness;
+    EXPECT_NEAR(intensityAt(10, 1, surface(0.8f, roughness, 1)) / (0.8 / (4 * alpha * alpha)), 1, 1e-5);
+    const double glossy = 0.04 * (1 - alpha);
+    const double expected = 0.8 * (1 - glossy) + glossy / (4 * alpha * alpha);
+    EXPECT_NEAR(intensityAt(10, 1, surface(0.8f, roughness, 0)) / expected, 1, 1e-5);
+  }
+}
+
+TEST(Intensity, SpecularPeakRisesAsRoughnessFalls) {
+  for (float metallic : {0.0f, 1.0f}) {
+    float last = 0;
+    for (float roughness = 1.0f; roughness > 0.07f; roughness -= 0.01f) {
+      const float peak = intensityAt(10, 1, surface(0.5f, roughness, metallic));
+      if (metallic == 1 || roughness < 0.5f) {
+        EXPECT_GT(peak, last) << roughness;
+      }
+      last = peak;
+    }
+    const float mirror = intensityAt(10, 1, surface(0.5f, 0, metallic));
+    EXPECT_GE(mirror, last);
+    EXPECT_TRUE(std::isfinite(mirror));
+  }
+}
+
+TEST(Intensity, SmoothMetalIsDarkAwayFromItsPeak) {
+  EXPECT_LT(intensityAt(10, 0.7f, surface(0.9f, 0.2f, 1)), 0.01f);
+  EXPECT_GT(intensityAt(10, 0.7f, surface(0.9f, 0.7f, 1)), 0.05f);
+}
+
+// The normals of a microfacet surface cover its area once: the integral of D cos over the hemisphere is 1. Of a white
+// metal the echo is pi D G / (4 cos), so D comes back from it with Smith's G = 2 / (1 + sqrt(1 + alpha^2 tan^2)).
+// Without G the integral is bounded by 1: no energy is made.
+TEST(Intensity, MicrofacetsCoverTheSurfaceOnce) {
+  for (float roughness : {0.2f, 0.5f, 0.8f, 1.0f}) {
+    constexpr int kSteps = 20000;
+    World world = makeWorld(1, kSteps);
+    world.materials[0] = surface(1, roughness, 1);
+    const auto angle = [](int i) { return (i + 0.5) / kSteps * (kPi / 2); };
+    for (int i = 0; i < kSteps; ++i) world.hits.incidence[i] = static_cast<float>(std::cos(angle(i)));
+    const Returns returns = run(world, {"intensity: {}"});
+    const double alpha = static_cast<double>(roughness) * roughness;
+    double area = 0;
+    double masked = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double t = angle(i);
+      const double masking = 2 / (1 + std::sqrt(1 + alpha * alpha * std::tan(t) * std::tan(t)));
+      const double slice =
+          returns.intensity[i] * 4 * std::cos(t) / kPi * std::cos(t) * 2 * kPi * std::sin(t) * (kPi / 2 / kSteps);
+      area += slice / masking;
+      masked += slice;
+    }
+    EXPECT_NEAR(area, 1, 1e-3) << roughness;
+    EXPECT_LT(masked, 1);
+  }
+}
+
+TEST(Intensity, FartherDarkerAndMoreObliqueTargetsAreNeverStronger) {
+  const std::string options = "{attenuation_per_m: 0.002, gain: 3, saturation: 2, gamma: 0.7}";
+  const Material paint = surface(0.6f, 0.5f, 0);
+  float last = 1e9f;
+  for (float range = 0.1f; range < 200; range *= 1.1f) {
+    const float value = intensityAt(range, 0.8f, paint, options);
+    EXPECT_LE(value, last);
+    last = value;
+  }
+  last = 1e9f;
+  for (float c = 1; c > 0; c -= 0.01f) {
+    const float value = intensityAt(10, c, paint, options);
+    EXPECT_LE(value, last);
+    last = value;
+  }
+  last = 0;
+  for (float reflectance = 0; reflectance <= 1; reflectance += 0.02f) {
+    const float value = intensityAt(10, 0.8f, surface(reflectance, 0.5f, 0), options);
+    EXPECT_GE(value, last);
+    last = value;
+  }
+}
+
+TEST(Intensity, ResponseAmplifiesSaturatesAndBends) {
+  EXPECT_NEAR(intensityAt(10, 1, matt(0.3f), "{gain: 5}"), 1.5f, kTiny);
+  EXPECT_EQ(intensityAt(10, 1, matt(0.3f), "{gain: 5, saturation: 1.25}"), 1.25f);
+  EXPECT_NEAR(intensityAt(10, 1, matt(0.25f), "{gamma: 0.5}"), 0.5f, kTiny);
+  EXPECT_EQ(intensityAt(10, 1, matt(0), "{gamma: 0.5}"), 0);
+  EXPECT_EQ(intensityAt(10, 1, matt(0.3f), "{gain: 0}"), 0);
+}
+
+TEST(Intensity, BytesAreWholeNumbersUpTo255) {
+  const std::string options = "{output: u8, gain: 2, saturation: 4}";
+  for (float reflectance = 0; reflectance <= 1; reflectance += 0.01f) {
+    const float value = intensityAt(10, 1, matt(reflectance), options);
+    EXPECT_EQ(value, std::floor(255 * (2 * reflectance * 0.25f) + 0.5f));
+  }
+  EXPECT_EQ(intensityAt(1, 1, matt(1), options), 255);
+  EXPECT_EQ(intensityAt(10, 1, matt(0.25f), "{output: u8, gamma: 0.5}"), 128);
+}
+
+TEST(Intensity, DropOutSeesThePowerBeforeTheResponse) {
+  World world = makeWorld(1, 1, 20);
+  const Returns returns = run(world, {"intensity: {gain: 9, saturation: 0.5, output: u8}"});
+  EXPECT_NEAR(returns.power[0], 0.25f, kTiny);
+  EXPECT_EQ(returns.intensity[0], 255);
+}
+
+TEST(Intensity, ExtremesAreFiniteAndNeverNegative) {
+  for (float range : {0.0f, 1e-3f, 1.0f, 1e4f, 3e38f}) {
+    for (float c : {0.0f, 1e-30f, 1e-4f, 1.0f}) {
+      for (float roughness : {0.0f, 0.5f, 1.0f}) {
+        for (float metallic : {0.0f, 1.0f}) {
+          for (const char* options : {"{}", "{output: u8, gain: 1e9}", "{attenuation_per_m: 10, gamma: 10, gain: 1e9}",
+                                      "{near_range_m: 0.001, reference_range_m: 1000, gain: 1e9, gamma: 10}"}) {
+            const float value = intensityAt(range, c, surface(1, roughness, metallic), options);
+            EXPECT_TRUE(std::isfinite(value)) << range << " " << c << " " << roughness << options;
+            EXPECT_GE(value, 0);
+          }
+        }
+      }
+    }
+  }
+  Material broken = matt(std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(intensityAt(10, 1, broken), 0);
+}
+
+TEST(Intensity, MissesAndUnknownMaterials) {
+  World world = makeWorld(3, 300);
+  for (std::size_t beam = 0; beam < 700; ++beam) miss(world, beam);
+  world.hits.material[800] = 65535;
+  const Returns returns = run(world, {"intensity: {}"});
+  for (std::size_t beam = 0; beam < 700; ++beam) EXPECT_EQ(returns.intensity[beam], 0);
+  for (std::size_t beam = 700; beam < 900; ++beam) EXPECT_EQ(returns.intensity[beam], 1);
+  EXPECT_EQ(returns.range, world.hits.range);
+}
+
+TEST(Intensity, RefusesBadOptions) {
+  EXPECT_THAT(refusal("intensity: {gian: 2}"), testing::HasSubstr("gain"));
+  EXPECT_NE(refusal("intensity: {falloff: cubic}"), "accepted");
+  EXPECT_NE(refusal("intensity: {reference_range_m: 0}"), "accepted");
+  EXPECT_NE(refusal("intensity: {saturation: 0}"), "accepted");
+  EXPECT_NE(refusal("intensity: {attenuation_per_m: -1}"), "accepted");
+  EXPECT_NE(refusal("intensity: {gain: .nan}"), "accepted");
+}
+
+// Passes drawn by others bring the look of each beam with them; the same figures give the same bits.
+TEST(Intensity, TheLookOfABeamStandsForItsMaterials) {
+  World world = makeRaggedWorld(4, 100);
+  world.materials = {surface(1, 0.1f, 0), surface(1, 0.5f, 1), surface(1, 0.9f, 0.3f)};
+  world.materials[2].retroreflectance = 5;
+  for (std::uint32_t beam = 0; beam < world.hits.size(); ++beam) {
+    world.hits.material[beam] = static_cast<std::uint16_t>(beam % 3);
+    world.hits.incidence[beam] = static_cast<float>(beam % 11) / 10;
+    world.hits.reflectance[beam] = static_cast<float>(beam % 7) / 7;
+  }
+  const Returns table = run(world, {"intensity: {}"});
+  for (const std::uint16_t m : world.hits.material) {
+    world.hits.roughness.push_back(world.materials[m].roughness);
+    world.hits.metallic.push_back(world.materials[m].metallic);
+    world.hits.retroreflectance.push_back(world.materials[m].retroreflectance);
+  }
+  std::fill(world.hits.material.begin(), world.hits.material.end(), std::uint16_t{0});
+  EXPECT_EQ(run(world, {"intensity: {}"}).intensity, table.intensity);
+  world.hits.retroreflectance[10] += 1;  // a hit
+  EXPECT_NE(run(world, {"intensity: {}"}).intensity, table.intensity);
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,106 @@
+#include <bit>
+
+#include "tests/core/effects/world.h"
+
+namespace scanmill {
+namespace {
+
+Moments errorsAt(float range, const std::string& options, std::uint32_t frame = 0) {
+  World world = makeWorld(128, 1024, range);
+  world.shot.frame = frame;
+  const Returns returns = run(world, {"range_noise: " + options});
+  std::vector<double> errors;
+  for (float r : returns.range) errors.push_back(static_cast<double>(r) - range);
+  return momentsOf(errors);
+}
+
+void expectSigma(const Moments& m, double sigma) {
+  const double n = std::sqrt(128.0 * 1024.0);
+  EXPECT_NEAR(m.mean, 0, 5 * sigma / n);
+  EXPECT_NEAR(std::sqrt(m.variance) / sigma, 1, 5 / std::sqrt(2.0) / n + 1e-3);
+}
+
+TEST(RangeNoise, HasItsSigma) {
+  expectSigma(errorsAt(20, "{sigma_m: 0.03}"), 0.03);
+  expectSigma(errorsAt(20, "{sigma_per_m: 0.002}"), 0.04);
+  expectSigma(errorsAt(20, "{sigma_m: 0.01, sigma_per_m: 0.002}"), 0.05);
+}
+
+TEST(RangeNoise, TableIsLinearBetweenItsRowsAndConstantBeyond) {
+  const std::string table = "{table: [[5, 0.01], [15, 0.03], [25, 0.03], [45, 0.0]]}";
+  expectSigma(errorsAt(2, table), 0.01);
+  expectSigma(errorsAt(5, table), 0.01);
+  expectSigma(errorsAt(10, table), 0.02);
+  expectSigma(errorsAt(20, table), 0.03);
+  expectSigma(errorsAt(35, table), 0.015);
+  EXPECT_NEAR(errorsAt(45, table).variance, 0, 1e-12);
+  EXPECT_NEAR(errorsAt(80, table).variance, 0, 1e-12);
+  expectSigma(errorsAt(30, "{table: [[10, 0.02]]}"), 0.02);
+}
+
+TEST(RangeNoise, ZeroSigmaKeepsEveryBit) {
+  const World world = makeRaggedWorld(33, 77);
+  for (const char* options : {"{sigma_m: 0}", "{sigma_m: 0, sigma_per_m: 0}", "{table: [[1, 0], [50, 0]]}"}) {
+    const Returns returns = run(world, {std::string("range_noise: ") + options});
+    EXPECT_EQ(returns.range, world.hits.range);
+    EXPECT_TRUE(returns.displacement.empty());
+  }
+}
+
+TEST(RangeNoise, NeverFlipsARay) {
+  for (float range : {1e-4f, 1e-3f, 0.01f, 1.0f, 1e4f}) {
+    const World world = makeWorld(64, 256, range);
+    for (const char* options : {"{sigma_m: 100}", "{sigma_per_m: 1}", "{table: [[0, 3], [2, 100]]}"}) {
+      for (float r : run(world, {std::string("range_noise: ") + options}).range) {
+        ASSERT_TRUE(std::isfinite(r));
+        ASSERT_GE(r, std::min(range, 0.001f));
+      }
+    }
+  }
+}
+
+TEST(RangeNoise, MissesStayMisses) {
+  const World world = makeRaggedWorld(33, 77);
+  for (const char* options : {"{sigma_m: 0.1, sigma_per_m: 0.1}", "{table: [[1, 0.3], [50, 0.1]]}"}) {
+    const Returns returns = run(world, {std::string("range_noise: ") + options});
+    for (std::size_t b = 0; b < world.hits.size(); ++b) EXPECT_EQ(returns.range[b] < kMiss, world.hits.hit(b));
+  }
+}
+
+TEST(RangeNoise, DependsOnTheAddressAlone) {
+  // The same beam index in a sensor with other neighbours, and with all other beams missing.
+  const World full = makeWorld(16, 400, 30);
+  World single = full;
+  for (std::size_t b = 0; b < single.hits.size(); ++b) {
+    if (b != 3333) miss(single, b);
+  }
+  const std::vector<std::string> noise{"range_noise: {sigma_m: 0.05}"};
+  EXPECT_EQ(run(full, noise).range[3333], run(single, noise).range[3333]);
+  EXPECT_EQ(run(full, noise).range, run(full, noise).range);
+  World later = full;
+  later.shot.frame = 1;
+  EXPECT_NE(run(full, noise).range, run(later, noise).range);
+}
+
+// Part of the data format: other machines, compilers and versions must give these very bits.
+TEST(RangeNoise, GivesTheSameBitsOnEveryMachine) {
+  const World world = makeWorld(1, 4, 30);
+  const Returns returns = run(world, {"range_noise: {sigma_m: 0.05}"});
+  std::vector<std::uint32_t> bits;
+  for (float r : returns.range) bits.push_back(std::bit_cast<std::uint32_t>(r));
+  EXPECT_EQ(bits, (std::vector<std::uint32_t>{1106312352, 1106217199, 1106232488, 1106209296}));
+}
+
+TEST(RangeNoise, RefusesBadOptions) {
+  EXPECT_THAT(refusal("range_noise: {}"), testing::HasSubstr("sigma_m"));
+  EXPECT_NE(refusal("range_noise: {sigma_m: -0.1}"), "accepted");
+  EXPECT_NE(refusal("range_noise: {table: []}"), "accepted");
+  EXPECT_NE(refusal("range_noise: {table: 3}"), "accepted");
+  EXPECT_NE(refusal("range_noise: {table: [[1, 2, 3]]}"), "accepted");
+  EXPECT_THAT(refusal("range_noise: {table: [[5, 0.1], [5, 0.2]]}"), testing::HasSubstr("rise"));
+  EXPECT_NE(refusal("range_noise: {table: [[5, 0.1]], sigma_m: 1}"), "accepted");
+  EXPECT_THAT(refusal("range_noise: {sigma: 0.1, sigma_m: 0.1}"), testing::HasSubstr("test.yaml:1"));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,289 @@
+#include <cstring>
+#include <map>
+#include <thread>
+
+#include "tests/core/effects/world.h"
+
+namespace scanmill {
+namespace {
+
+const std::vector<std::string> kAll{"intensity: {gain: 3}",         "dropout: {threshold: 0.01, probability: 0.05}",
+                                    "range_noise: {sigma_m: 0.02}", "shell: {growth_per_m: 0.01}",
+                                    "quantize: {step_m: 0.008}",    "angular_jitter: {sigma_deg: 0.02}"};
+constexpr ScanColumns kEvery{.rangeTrue = true, .incidence = true};
+constexpr ScanColumns kEveryOrganised{.organised = true, .rangeTrue = true, .incidence = true};
+
+template <class T>
+bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+bool sameBytes(const Scan& a, const Scan& b) {
+  return a.rings == b.rings && a.columns == b.columns && a.organised == b.organised &&
+         sameBytes(a.position, b.position) && sameBytes(a.intensity, b.intensity) && sameBytes(a.label, b.label) &&
+         sameBytes(a.instance, b.instance) && sameBytes(a.ring, b.ring) && sameBytes(a.column, b.column) &&
+         sameBytes(a.time, b.time) && sameBytes(a.rangeTrue, b.rangeTrue) && sameBytes(a.incidence, b.incidence);
+}
+
+TEST(Sense, NoiseFreePointsLieOnTheirBeamsInTheOrderOfFiring) {
+  for (const auto& [rings, columns] : std::vector<std::pair<std::uint32_t, std::uint32_t>>{
+           {1, 1}, {1, 300}, {300, 1}, {16, 64}, {17, 65}, {64, 1024}, {5, 63}}) {
+    const World world = makeRaggedWorld(rings, columns);
+    const Scan scan = senseOnce(world, {}, kEvery);
+    std::size_t k = 0;
+    for (std::uint32_t c = 0; c < columns; ++c) {
+      for (std::uint32_t r = 0; r < rings; ++r) {
+        const std::size_t b = std::size_t{r} * columns + c;
+        if (!world.hits.hit(b)) continue;
+        ASSERT_LT(k, scan.size());
+        ASSERT_EQ(scan.ring[k], r);
+        ASSERT_EQ(scan.column[k], c);
+        ASSERT_EQ(scan.label[k], world.hits.semantic[b]);
+        ASSERT_EQ(scan.instance[k], world.hits.instance[b]);
+        ASSERT_EQ(scan.time[k], world.shot.beams->time[b]);
+        ASSERT_EQ(scan.rangeTrue[k], world.hits.range[b]);
+        const Vec3d expected = world.shot.beams->direction[b] * static_cast<double>(world.hits.range[b]);
+        ASSERT_EQ(scan.position[k], static_cast<Vec3f>(expected));
+        ++k;
+      }
+    }
+    EXPECT_EQ(k, scan.size());
+    EXPECT_EQ(scan.rings, rings);
+    EXPECT_EQ(scan.columns, columns);
+    EXPECT_EQ(scan.height(), 1u);
+  }
+}
+
+TEST(Sense, DenseIsOrganisedWithoutItsMisses) {
+  const World world = makeRaggedWorld(33, 130);
+  const Scan dense = senseOnce(world, kAll, kEvery);
+  const Scan organised = senseOnce(world, kAll, kEveryOrganised);
+  ASSERT_EQ(organised.size(), world.hits.size());
+  EXPECT_EQ(organised.width(), 130u);
+  EXPECT_EQ(organised.height(), 33u);
+  std::size_t k = 0;
+  for (std::uint32_t c = 0; c < 130; ++c) {
+    for (std::uint32_t r = 0; r < 33; ++r) {
+      const std::size_t b = std::size_t{r} * 130 + c;
+      if (std::isnan(organised.position[b].x)) {
+        EXPECT_TRUE(std::isnan(organised.position[b].y) && std::isnan(organised.position[b].z));
+        EXPECT_TRUE(std::isnan(organised.rangeTrue[b]));
+        EXPECT_TRUE(std::isnan(organised.incidence[b]));
+        EXPECT_EQ(organised.intensity[b], 0);
+        EXPECT_EQ(organised.label[b] + organised.instance[b] + organised.ring[b] + organised.column[b], 0u);
+        EXPECT_EQ(organised.time[b], 0);
+        continue;
+      }
+      ASSERT_LT(k, dense.size());
+      EXPECT_EQ(dense.position[k], organised.position[b]);
+      EXPECT_EQ(dense.intensity[k], organised.intensity[b]);
+      EXPECT_EQ(dense.label[k], organised.label[b]);
+      EXPECT_EQ(dense.instance[k], organised.instance[b]);
+      EXPECT_EQ(dense.ring[k], organised.ring[b]);
+      EXPECT_EQ(dense.column[k], organised.column[b]);
+      EXPECT_EQ(dense.time[k], organised.time[b]);
+      EXPECT_EQ(dense.rangeTrue[k], organised.rangeTrue[b]);
+      EXPECT_EQ(dense.incidence[k], organised.incidence[b]);
+      ++k;
+    }
+  }
+  EXPECT_EQ(k, dense.size());
+  EXPECT_LT(k, world.hits.size() * 2 / 3);
+}
+
+TEST(Sense, NoisyScansJoinTheirNoiseFreeTwins) {
+  const World world = makeRaggedWorld(32, 256);
+  const std::vector<std::string> noisyEffects{"intensity: {}", "dropout: {probability: 0.2}",
+                                              "range_noise: {sigma_m: 0.02}"};
+  const Scan exact = senseOnce(world, {"intensity: {}"}, kEvery);
+  const Scan noisy = senseOnce(world, noisyEffects, kEvery);
+  std::map<std::pair<int, int>, std::size_t> twin;
+  for (std::size_t k = 0; k < exact.size(); ++k) twin[{exact.ring[k], exact.column[k]}] = k;
+  ASSERT_LT(noisy.size(), exact.size());
+  std::size_t unmoved = 0;  // by less than a float resolves
+  for (std::size_t k = 0; k < noisy.size(); ++k) {
+    const auto found = twin.find({noisy.ring[k], noisy.column[k]});
+    ASSERT_NE(found, twin.end());
+    const std::size_t t = found->second;
+    EXPECT_EQ(noisy.label[k], exact.label[t]);
+    EXPECT_EQ(noisy.instance[k], exact.instance[t]);
+    EXPECT_EQ(noisy.time[k], exact.time[t]);
+    EXPECT_EQ(noisy.intensity[k], exact.intensity[t]);
+    EXPECT_EQ(noisy.rangeTrue[k], exact.rangeTrue[t]);
+    EXPECT_EQ(noisy.incidence[k], exact.incidence[t]);
+    unmoved += noisy.position[k] == exact.position[t] ? 1u : 0u;
+    const Vec3d a = normalized(static_cast<Vec3d>(noisy.position[k]));
+    const Vec3d b = normalized(static_cast<Vec3d>(exact.position[t]));
+    EXPECT_NEAR(length(cross(a, b)), 0, 1e-6);
+    EXPECT_NEAR(length(static_cast<Vec3d>(noisy.position[k])), noisy.rangeTrue[k], 0.02 * 6.8);
+  }
+  EXPECT_LT(unmoved, noisy.size() / 100);
+}
+
+TEST(Sense, ZeroNoiseIsBitIdenticalToNone) {
+  const World world = makeRaggedWorld(32, 100);
+  const Scan none = senseOnce(world, {}, kEvery);
+  const Scan zero = senseOnce(world,
+                              {"dropout: {probability: 0, threshold: 0}", "range_noise: {sigma_m: 0}",
+                               "shell: {scale_m: 0}", "angular_jitter: {sigma_deg: 0}"},
+                              kEvery);
+  EXPECT_TRUE(sameBytes(none, zero));
+}
+
+TEST(Sense, ReusedBuffersAndOtherThreadsGiveTheSameBytes) {
+  const World big = makeRaggedWorld(40, 300);
+  const World small = makeRaggedWorld(3, 7);
+  const auto list = makeEffects(kAll);
+  const Scan expected = senseOnce(big, kAll, kEvery);
+  Returns scratch;
+  Scan scan;
+  sense(big.hits, big.shot, list, big.materials, kEveryOrganised, scratch, scan);
+  sense(small.hits, small.shot, {}, small.materials, kEvery, scratch, scan);
+  EXPECT_TRUE(scan.intensity.empty());
+  sense(big.hits, big.shot, list, big.materials, kEvery, scratch, scan);
+  EXPECT_TRUE(sameBytes(scan, expected));
+  std::vector<Scan> scans(4);
+  std::vector<std::thread> threads;
+  for (Scan& mine : scans) {
+    threads.emplace_back([&] {
+      Returns own;
+      for (int i = 0; i < 3; ++i) sense(big.hits, big.shot, list, big.materials, kEvery, own, mine);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const Scan& mine : scans) EXPECT_TRUE(sameBytes(mine, expected));
+}
+
+TEST(Sense, KeepsOnlyTheColumnsAskedFor) {
+  const World world = makeRaggedWorld(4, 50);
+  const ScanColumns few{
+      .intensity = false, .label = false, .instance = false, .ring = true, .column = false, .time = false};
+  EXPECT_EQ(columnNames(senseOnce(world, {"intensity: {}"}, few)), (std::vector<std::string>{"x", "y", "z", "ring"}));
+  EXPECT_EQ(columnNames(senseOnce(world, {}, kEvery)),
+            (std::vector<std::string>{"x", "y", "z", "label", "instance", "ring", "column", "time", "range_true",
+                                      "incidence"}));
+  World bare = world;
+  bare.hits.reset(4, 50, Channel::Range);
+  EXPECT_EQ(senseOnce(bare, {}, few).size(), senseOnce(world, {}, few).size());
+  EXPECT_THROW(senseOnce(bare, {}, kEvery), Error);
+  EXPECT_THROW(senseOnce(bare, {"intensity: {}"}, few), Error);
+}
+
+// Cosines of Hits become angles, from head-on to grazing; what a recording did not know stays unknown.
+TEST(Sense, IncidenceIsTheAngleOfItsCosine) {
+  constexpr ScanColumns kAngles{.ring = false, .incidence = true};
+  World world = makeWorld(1, 901);
+  for (std::size_t b = 0; b < world.hits.size(); ++b) {
+    world.hits.incidence[b] = static_cast<float>(std::cos(radians(0.1 * static_cast<double>(b))));
+  }
+  const Scan scan = senseOnce(world, {"range_noise: {sigma_m: 0.5}", "angular_jitter: {sigma_deg: 1}"}, kAngles);
+  ASSERT_EQ(scan.incidence.size(), world.hits.size());
+  for (std::size_t k = 0; k < scan.size(); ++k) {
+    const double angle = radians(0.1 * scan.column[k]);
+    // A cosine's rounding is an angle's over its sine.
+    EXPECT_NEAR(scan.incidence[k], angle, std::min(6e-8 / std::max(std::sin(angle), 1e-9), 3.5e-4) + 1e-7);
+  }
+  EXPECT_EQ(scan.incidence.front(), 0);
+  world.hits.incidence[5] = std::nanf("");
+  world.hits.incidence[6] = 1 + 1e-6f;
+  const Scan odd = senseOnce(world, {}, kAngles);
+  EXPECT_TRUE(std::isnan(odd.incidence[5]));
+  EXPECT_EQ(odd.incidence[6], 0);
+  EXPECT_TRUE(senseOnce(world, {}).incidence.empty()) << "nobody asked";
+  world.hits.reset(1, 901, Channel::Range | Channel::Semantic | Channels(Channel::Instance));
+  EXPECT_THAT(messageOf<Error>([&] { senseOnce(world, {}, kAngles); }), testing::HasSubstr("incidence"));
+}
+
+TEST(Sense, HitsMustBelongToTheSensor) {
+  World world = makeWorld(4, 50);
+  world.shot.beams = makeWorld(50, 4).shot.beams;
+  EXPECT_THROW(senseOnce(world, {}), Error);
+}
+
+TEST(Sense, BeamOriginsShiftThePoints) {
+  World world = makeWorld(4, 50, 20);
+  const Scan before = senseOnce(world, {}, kEveryOrganised);
+  world.beams().origin.assign(world.hits.size(), Vec3f{0.5f, -0.25f, 0.125f});
+  const Scan after = senseOnce(world, {}, kEveryOrganised);
+  for (std::size_t b = 0; b < before.size(); ++b) {
+    EXPECT_NEAR(length(after.position[b] - before.position[b] - Vec3f{0.5f, -0.25f, 0.125f}), 0, 4e-6);
+  }
+}
+
+TEST(Sense, MissesGiveEmptyDenseScansAndOrganisedOnesWithoutPoints) {
+  World world = makeWorld(6, 70);
+  for (std::size_t b = 0; b < world.hits.size(); ++b) miss(world, b);
+  EXPECT_EQ(senseOnce(world, kAll, kEvery).size(), 0u);
+  const Scan organised = senseOnce(world, kAll, kEveryOrganised);
+  EXPECT_EQ(organised.size(), 420u);
+  for (const Vec3f& p : organised.position) EXPECT_TRUE(std::isnan(p.x));
+  EXPECT_EQ(senseOnce(makeWorld(0, 0), kAll, kEvery).size(), 0u);
+  EXPECT_EQ(senseOnce(makeWorld(0, 0), kAll, kEveryOrganised).size(), 0u);
+}
+
+TEST(Sense, ExtremeRangesGiveFinitePoints) {
+  for (float range : {1e-3f, 0.1f, 1e4f}) {
+    const Scan scan = senseOnce(makeWorld(8, 128, range),
+                                {"intensity: {}", "range_noise: {sigma_m: 1}", "shell: {scale_m: 1}",
+                                 "quantize: {step_m: 0.008}", "angular_jitter: {sigma_deg: 5}"},
+                                kEvery);
+    ASSERT_EQ(scan.size(), 8u * 128u);
+    for (std::size_t k = 0; k < scan.size(); ++k) {
+      EXPECT_TRUE(isFinite(scan.position[k]));
+      EXPECT_TRUE(std::isfinite(scan.intensity[k]));
+      EXPECT_EQ(scan.rangeTrue[k], range);
+    }
+  }
+}
+
+// A wall that stands still in the world, seen from a sensor that drives and turns: after deskewing all points lie on
+// it, in the frame of the turn's start, whatever the world's origin.
+TEST(Sense, DeskewUndoesTheMotionOfTheSensor) {
+  const auto scanAt = [](const Vec3d& corner, std::size_t steps, bool deskew) {
+    World world = makeWorld(8, 720);
+    world.shot.deskew = deskew;
+    world.shot.worldFromSensor.clear();
+    for (std::size_t s = 0; s < steps; ++s) {
+      const double t = static_cast<double>(s) / static_cast<double>(steps);
+      world.shot.worldFromSensor.push_back(
+          {fromYawPitchRoll(0.7 + 0.2 * t, 0.02 * t, 0.01), corner + Vec3d{2 * t, 0.5 * t, 0.1 * t}});
+    }
+    for (std::size_t b = 0; b < world.hits.size(); ++b) {
+      const Pose& pose = world.shot.worldFromSensor[world.shot.stepOf(static_cast<std::uint32_t>(b % 720))];
+      const Vec3d direction = toMatrix(pose.rotation) * world.shot.beams->direction[b];
+      const double distance = (30 - (pose.translation.x - corner.x)) / direction.x;
+      if (direction.x > 0.05) {
+        world.hits.range[b] = static_cast<float>(distance);
+      } else {
+        miss(world, b);
+      }
+    }
+    return std::make_pair(senseOnce(world, {}), world.shot.worldFromSensor.front());
+  };
+  for (std::size_t steps : {7u, 360u, 720u}) {
+    for (const Vec3d& corner : {Vec3d{0, 0, 0}, Vec3d{1e7, -1e7, 100}}) {
+      const auto [scan, start] = scanAt(corner, steps, true);
+      ASSERT_GT(scan.size(), 1000u);
+      const auto [skewed, same] = scanAt(corner, steps, false);
+      double worstSkewed = 0;
+      for (std::size_t k = 0; k < scan.size(); ++k) {
+        const double range = length(static_cast<Vec3d>(scan.position[k]));
+        EXPECT_NEAR((toMatrix(start.rotation) * static_cast<Vec3d>(scan.position[k])).x, 30, 1e-6 * range + 1e-8);
+        worstSkewed =
+            std::max(worstSkewed, std::abs((toMatrix(start.rotation) * static_cast<Vec3d>(skewed.position[k])).x - 30));
+      }
+      EXPECT_GT(worstSkewed, 0.5);
+    }
+  }
+}
+
+TEST(Sense, DeskewOfASensorThatStandsStillChangesNoBit) {
+  World world = makeRaggedWorld(8, 100);
+  const Scan before = senseOnce(world, {});
+  world.shot.deskew = true;
+  world.shot.worldFromSensor[0] = {fromYawPitchRoll(1, 0.1, 0.2), {5e6, 3e6, 10}};
+  EXPECT_TRUE(sameBytes(before, senseOnce(world, {})));
+}
+
+}  // namespace
+}  // namespace scanmill

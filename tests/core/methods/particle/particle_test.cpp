@@ -1,0 +1,511 @@
+// The particle method as a whole, against closed forms and against ray tracing.
+
+#include "methods/particle/particle.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "tests/core/methods/trace.h"
+#include "tests/support/directions.h"
+#include "tests/support/same_hits.h"
+#include "tests/support/test_scene.h"
+
+namespace scanmill {
+namespace {
+
+// Without the disk's cache, and on the processor where nothing else is said.
+std::unique_ptr<Method> particle(const Scene& scene, const std::string& options = "") {
+  const bool backend = options.find("backend") != std::string::npos;
+  return methodOf(
+      "particle", scene,
+      "{cache: none" + std::string(backend ? "" : ", backend: cpu") + (options.empty() ? "" : ", ") + options + "}");
+}
+
+Hits flown(const Scene& scene, const Shot& shot, const std::string& options = "") {
+  return traced(*particle(scene, options), shot);
+}
+
+// m, of the level that serves a place so far from the sensor along the axis that is farthest; a level further out where
+// the place is near a border.
+double voxelAt(const Vec3d& fromSensor, double finest, int voxels) {
+  const double reach = (voxels / 2 - 9) * finest - 9 * finest;
+  const double most = std::max({std::abs(fromSensor.x), std::abs(fromSensor.y), std::abs(fromSensor.z)});
+  double voxel = finest;
+  for (double r = reach; most > r; r *= 2) voxel *= 2;
+  return voxel;
+}
+
+Scene groundScene(double depth, double shift = 0) {
+  SceneBuilder builder = testBuilder();
+  Mesh ground = meshOf(builder, "ground");
+  appendPlane(ground, 0, {}, 400, 400, 8);
+  builder.place(builder.addMesh(ground), at(shift, shift, shift - depth), "ground");
+  return builder.finish();
+}
+
+std::vector<Vec3d> fan(const std::vector<double>& incidences) {
+  std::vector<Vec3d> directions;
+  for (const double incidence : incidences) {
+    for (int k = 0; k < 40; ++k) {
+      const double azimuth = 0.1 + 2 * kPi * k / 40;
+      const double i = radians(incidence);
+      directions.push_back({std::sin(i) * std::cos(azimuth), std::sin(i) * std::sin(azimuth), -std::cos(i)});
+    }
+  }
+  return directions;
+}
+
+TEST(Particle, PlaneIsMetToHalfAVoxelWithoutRefinement) {
+  for (const double depth : {1.7, 1.73, 1.75, 1.777}) {
+    const Scene scene = groundScene(depth);
+    const std::vector<Vec3d> directions = fan({0, 20, 45, 60, 75, 80, 84});
+    const Hits hits = flown(scene, shotAt(beamsOf(directions, 0, 200)), "refine: none");
+    for (std::size_t b = 0; b < directions.size(); ++b) {
+      ASSERT_TRUE(hits.hit(b)) << b;
+      const Vec3d point = directions[b] * double{hits.range[b]};
+      EXPECT_LE(std::abs(point.z + depth), 0.502 * voxelAt(point, 0.1, 256)) << b << " depth " << depth;
+      EXPECT_EQ(hits.semantic[b], 1);
+    }
+  }
+}
+
+TEST(Particle, PlaneIsMetToAFiftiethOfAVoxelAlongTheGradient) {
+  for (const double depth : {1.7, 1.73, 1.75, 1.777}) {
+    const Scene scene = groundScene(depth);
+    const std::vector<Vec3d> directions = fan({0, 20, 45, 60, 75, 80, 84, 87});
+    const Hits hits = flown(scene, shotAt(beamsOf(directions, 0, 200)), "refine: normal");
+    for (std::size_t b = 0; b < directions.size(); ++b) {
+      ASSERT_TRUE(hits.hit(b)) << b;
+      const Vec3d point = directions[b] * double{hits.range[b]};
+      EXPECT_LE(std::abs(point.z + depth), 0.02 * 0.1) << b << " depth " << depth;
+    }
+  }
+}
+
+TEST(Particle, PlaneIsMetExactlyByItsTriangles) {
+  const Scene scene = groundScene(1.73);
+  const std::vector<Vec3d> directions = fan({0, 20, 45, 60, 75, 80, 84, 87, 89});
+  const Hits hits = flown(scene, shotAt(beamsOf(directions, 0, 200)));
+  for (std::size_t b = 0; b < directions.size(); ++b) {
+    EXPECT_NEAR(hits.range[b], 1.73 / -directions[b].z, 1e-4) << b;
+    EXPECT_EQ(hits.normal[b], (Vec3f{0, 0, 1}));
+  }
+}
+
+struct TurnedBox {
+  Mat3 worldFromBox = toMatrix(fromYawPitchRoll(0.4, 0.3, 0.2));
+  Vec3d half{5, 3.5, 2};
+  Vec3d centre;
+
+  Scene scene() const {
+    SceneBuilder builder = testBuilder();
+    Mesh walls = meshOf(builder, "thing");
+    appendBox(walls, 0, {}, half * 2.0);
+    builder.place(builder.addMesh(walls), {worldFromBox, centre}, "box");
+    return builder.finish();
+  }
+  Vec3d inBox(const Vec3d& point) const { return transposed(worldFromBox) * (point - centre); }
+  // To the wall that is nearest, from inside or outside (m).
+  double toWalls(const Vec3d& point) const {
+    const Vec3d p = inBox(point);
+    const Vec3d beyond{std::abs(p.x) - half.x, std::abs(p.y) - half.y, std::abs(p.z) - half.z};
+    const Vec3d out{std::max(beyond.x, 0.0), std::max(beyond.y, 0.0), std::max(beyond.z, 0.0)};
+    const double within = std::max({beyond.x, beyond.y, beyond.z});
+    return within > 0 ? length(out) : -within;
+  }
+};
+
+TEST(Particle, RoomFromInside) {
+  const TurnedBox room;
+  const Scene scene = room.scene();
+  const Shot shot = shotAt(beamsOf(randomDirections(20000, 1), 0, 100), {{}, {0.3, -0.2, 0.1}});
+  const Hits truth = traced(scene, shot);
+  for (const char* refine : {"none", "normal", "triangle"}) {
+    const Hits hits = flown(scene, shot, std::string("refine: ") + refine);
+    double worst = 0;
+    double worstRange = 0;
+    for (std::size_t b = 0; b < hits.size(); ++b) {
+      ASSERT_TRUE(hits.hit(b)) << refine << b;
+      const Vec3d point = shot.worldFromSensor[0].translation + shot.beams->direction[b] * double{hits.range[b]};
+      worst = std::max(worst, room.toWalls(point));
+      worstRange = std::max(worstRange, std::abs(double{hits.range[b]} - double{truth.range[b]}));
+    }
+    if (std::string(refine) == "none") {
+      EXPECT_LE(worst, 0.0504);
+    } else if (std::string(refine) == "normal") {
+      EXPECT_LE(worst, 0.06);  // in the edges, where the other wall's plane may be the nearer one
+    } else {
+      EXPECT_LE(worstRange, 1e-4);
+      EXPECT_EQ(hits.primitive, truth.primitive);
+    }
+  }
+}
+
+// Ten million beams of each kind, from ten places in rooms turned at random. Sanitized builds fly a tenth.
+TEST(Particle, NobodyLeavesAClosedRoom) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr std::uint32_t kColumns = 1000;
+#else
+  constexpr std::uint32_t kColumns = 20'000;
+#endif
+  const auto beams = spinning(50, kColumns, -89, 89, 100);
+  for (std::uint32_t place = 0; place < 10; ++place) {
+    const RandomBlock b = randomBlock({21, 0, 0, 0, place, 0, Purpose::Test});
+    TurnedBox room;
+    room.worldFromBox = toMatrix(fromYawPitchRoll(7 * uniform(b[0]), 7 * uniform(b[1]), 7 * uniform(b[2])));
+    const Scene scene = room.scene();
+    const Pose pose{{}, {4 * uniform(b[3]) - 2, uniform(b[2]), uniform(b[1])}};
+    for (const char* refine : {"refine: none", "refine: triangle"}) {
+      const Hits hits = traced(*particle(scene, refine), shotAt(beams, pose), Channel::Range);
+      EXPECT_EQ(std::count_if(hits.range.begin(), hits.range.end(), [](float r) { return !(r < kMiss); }), 0)
+          << refine << " " << place;
+      EXPECT_TRUE(hits.unresolved.empty()) << refine << " " << place;
+    }
+  }
+}
+
+TEST(Particle, BoxFromOutside) {
+  TurnedBox box;
+  box.half = {1, 0.7, 0.5};
+  box.centre = {6, 2, 0.5};
+  const Scene scene = box.scene();
+  const Shot shot = shotAt(spinning(128, 4096, -20, 20, 100));
+  const Hits truth = traced(scene, shot);
+  const Hits exact = flown(scene, shot);
+  std::size_t differ = 0;
+  for (std::size_t b = 0; b < truth.size(); ++b) differ += truth.hit(b) != exact.hit(b) ? 1u : 0u;
+  EXPECT_LE(differ, 2u);  // at the silhouette, to rounding
+  for (std::size_t b = 0; b < truth.size(); ++b) {
+    if (truth.hit(b) && exact.hit(b)) {
+      ASSERT_NEAR(exact.range[b], truth.range[b], 1e-4) << b;
+    }
+  }
+  const Hits rough = flown(scene, shot, "refine: none");
+  for (std::size_t b = 0; b < truth.size(); ++b) {
+    EXPECT_TRUE(!truth.hit(b) || rough.hit(b)) << "a particle passed through the box: " << b;
+    if (!rough.hit(b)) continue;
+    const Vec3d point = shot.beams->direction[b] * double{rough.range[b]};
+    EXPECT_LE(box.toWalls(point), 0.0502) << b;
+    EXPECT_EQ(rough.instance[b], 1u);
+  }
+}
+
+TEST(Particle, SphereIsMetLikeByRayTracing) {
+  SceneBuilder builder = testBuilder();
+  Mesh sphere = meshOf(builder, "thing");
+  appendSphere(sphere, 0, {}, 2.0, 128);
+  builder.place(builder.addMesh(sphere), at(0.2, 0.1, 0), "sphere");
+  const Scene scene = builder.finish();
+  const Shot shot = shotAt(beamsOf(randomDirections(20000, 2), 0, 100));
+  const Hits truth = traced(scene, shot);
+  const Hits exact = flown(scene, shot);
+  const Hits corrected = flown(scene, shot, "refine: normal");
+  const Hits rough = flown(scene, shot, "refine: none");
+  for (std::size_t b = 0; b < truth.size(); ++b) {
+    ASSERT_TRUE(exact.hit(b) && corrected.hit(b) && rough.hit(b)) << b;
+    EXPECT_NEAR(exact.range[b], truth.range[b], 1e-4);
+    EXPECT_NEAR(corrected.range[b], truth.range[b], 0.05 * 0.1);
+    const Vec3d point = shot.beams->direction[b] * double{rough.range[b]} - Vec3d{0.2, 0.1, 0};
+    EXPECT_NEAR(length(point), 2.0, 0.0504 + 0.0013) << "half a voxel, and the facets' sagitta";
+  }
+}
+
+// A few things on a ground, some thin.
+Scene things(double shift = 0) {
+  SceneBuilder builder = testBuilder();
+  Mesh ground = meshOf(builder, "ground");
+  appendPlane(ground, 0, {}, 200, 200, 40);
+  builder.place(builder.addMesh(ground), at(shift, shift, shift - 2), "ground");
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, {}, {1, 2, 3});
+  const std::uint32_t boxMesh = builder.addMesh(box);
+  Mesh post = meshOf(builder, "other", "dark");
+  appendBox(post, 0, {}, {0.06, 0.06, 4});
+  const std::uint32_t postMesh = builder.addMesh(post);
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    const RandomBlock b = randomBlock({9, 0, 0, 0, i, 0, Purpose::Test});
+    const double r = 4 + 40 * uniform(b[0]);
+    const double a = 2 * kPi * uniform(b[1]);
+    builder.place(i % 2 == 0 ? boxMesh : postMesh,
+                  {toMatrix(fromYawPitchRoll(6 * uniform(b[2]), 0.3, 0.1)),
+                   {shift + r * std::cos(a), shift + r * std::sin(a), shift - 1}},
+                  "object");
+  }
+  return builder.finish();
+}
+
+TEST(Particle, TrianglesAreMetLikeByRayTracing) {
+  const Scene scene = things();
+  const Shot shot = shotAt(spinning(64, 1024, -25, 5, 120));
+  const Hits truth = traced(scene, shot);
+  const Hits hits = flown(scene, shot);
+  std::size_t differ = 0;
+  for (std::size_t b = 0; b < truth.size(); ++b) {
+    if (truth.instance[b] != hits.instance[b] || truth.hit(b) != hits.hit(b)) {
+      ++differ;
+    } else if (truth.hit(b)) {
+      EXPECT_NEAR(hits.range[b], truth.range[b], 1e-4) << b;
+      EXPECT_EQ(hits.material[b], truth.material[b]);
+      EXPECT_EQ(hits.semantic[b], truth.semantic[b]);
+    }
+  }
+  EXPECT_LE(differ, truth.size() / 10000);  // at silhouettes, to rounding
+}
+
+TEST(Particle, MovedSceneGivesTheSameCloud) {
+  const auto beams = spinning(32, 512, -25, 5, 120);
+  for (const char* refine : {"refine: none", "refine: triangle"}) {
+    const Hits near = flown(things(), shotAt(beams), refine);
+    const Hits far = flown(things(1e7), shotAt(beams, {{}, {1e7, 1e7, 1e7}}), refine);
+    std::size_t differ = 0;
+    for (std::size_t b = 0; b < near.size(); ++b) {
+      if (near.hit(b) != far.hit(b) || near.instance[b] != far.instance[b] ||
+          (near.hit(b) && std::abs(near.range[b] - far.range[b]) > 1e-4f * near.range[b])) {
+        ++differ;
+      }
+    }
+    EXPECT_LE(differ, near.size() / 1000) << refine;  // float32 rests a step earlier or later
+  }
+}
+
+TEST(Particle, ThreadsDoNotMatter) {
+  const Scene scene = things();
+  const Shot shot = shotAt(spinning(32, 1000, -25, 5, 120));
+  for (const char* refine : {"refine: none", "refine: normal", "refine: triangle", "refine: none, steps: 16"}) {
+    Hits first;
+    for (const int threads : {1, 2, 8}) {
+      const ThreadLimit limit(threads);
+      const Hits hits = flown(scene, shot, refine);
+      if (threads == 1) {
+        first = hits;
+      } else {
+        expectSameHits(first, hits);
+        EXPECT_EQ(first.unresolved, hits.unresolved);
+      }
+    }
+  }
+}
+
+TEST(Particle, TheOrderOfShotsDoesNotMatter) {
+  const Scene scene = things();
+  const auto beams = spinning(16, 256, -25, 5, 120);
+  std::vector<Shot> shots;
+  for (const double x : {0.0, 0.7, 1.9, -6.0, 12.0}) shots.push_back(shotAt(beams, {{}, {x, 0.4 * x, 0}}));
+  const auto method = particle(scene);
+  std::vector<Hits> forwards;
+  for (const Shot& shot : shots) forwards.push_back(traced(*method, shot));
+  const auto other = particle(scene);
+  for (std::size_t i = shots.size(); i-- > 0;) expectSameHits(forwards[i], traced(*other, shots[i]));
+}
+
+TEST(Particle, ExhaustedBudgetIsNeitherHitNorMiss) {
+  const Scene scene = groundScene(1.73);
+  const Shot shot = shotAt(beamsOf(fan({0, 30, 89, 89.9}), 0, 150));
+  const auto method = particle(scene, "refine: none, steps: 16");
+  const Hits hits = traced(*method, shot);
+  ASSERT_FALSE(hits.unresolved.empty());
+  EXPECT_TRUE(std::is_sorted(hits.unresolved.begin(), hits.unresolved.end()));
+  for (const std::uint32_t beam : hits.unresolved) EXPECT_FALSE(hits.hit(beam));
+  EXPECT_TRUE(hits.hit(0));
+  ASSERT_EQ(method->warnings().size(), 1u);
+  EXPECT_NE(method->warnings()[0].find("steps"), std::string::npos);
+  EXPECT_TRUE(traced(*particle(scene, "refine: none, steps: 4000"), shot).unresolved.empty());
+}
+
+TEST(Particle, RangeLimits) {
+  const Scene scene = groundScene(2);
+  const std::vector<Vec3d> down{{0, 0, -1}};
+  EXPECT_TRUE(flown(scene, shotAt(beamsOf(down, 0, 2.0))).hit(0));
+  EXPECT_FALSE(flown(scene, shotAt(beamsOf(down, 0, 1.99))).hit(0));
+  EXPECT_FALSE(flown(scene, shotAt(beamsOf(down, 2.01, 10))).hit(0)) << "nearer surfaces block";
+  EXPECT_TRUE(flown(scene, shotAt(beamsOf(down, 1.99, 10))).hit(0));
+}
+
+TEST(Particle, NoBlindMetre) {
+  for (const double depth : {0.004, 0.03, 0.2, 0.9}) {
+    const Hits hits = flown(groundScene(depth), shotAt(beamsOf(fan({0, 45, 70}), 0, 10)));
+    for (std::size_t b = 0; b < hits.size(); ++b) {
+      EXPECT_NEAR(hits.range[b], depth / std::cos(radians(b < 40 ? 0 : b < 80 ? 45 : 70)), 1e-4) << depth;
+    }
+  }
+}
+
+TEST(Particle, TouchingASurfaceIsSaid) {
+  const Scene scene = groundScene(0.03);
+  const auto method = particle(scene, "refine: none");
+  const Hits hits = traced(*method, shotAt(beamsOf({{0, 0, 1}}, 0.5, 10)));
+  EXPECT_FALSE(hits.hit(0));
+  ASSERT_EQ(method->warnings().size(), 1u);
+  EXPECT_NE(method->warnings()[0].find("start within half a voxel"), std::string::npos);
+}
+
+TEST(Particle, SensorInsideASolid) {
+  TurnedBox solid;
+  solid.half = {0.5, 0.5, 0.5};  // its walls are seen from inside, as by ray tracing
+  const Scene scene = solid.scene();
+  const Shot shot = shotAt(beamsOf(randomDirections(2000, 4), 0, 50));
+  const Hits truth = traced(scene, shot);
+  const Hits hits = flown(scene, shot);
+  for (std::size_t b = 0; b < hits.size(); ++b) EXPECT_NEAR(hits.range[b], truth.range[b], 1e-4);
+}
+
+TEST(Particle, SensorOutsideOfTheSceneAndOfItsField) {
+  const Scene scene = things();
+  std::vector<Vec3d> towards;
+  for (int i = -20; i <= 20; ++i) towards.push_back({-1, 0.02 * i, -0.05});
+  const Shot shot = shotAt(beamsOf(towards, 0, 400), {{}, {150, 0, 5}});
+  const Hits truth = traced(scene, shot);
+  for (const char* field : {"field: sensor, voxels: 128", "field: scene, voxel_m: 0.25"}) {
+    const Hits hits = flown(scene, shot, field);
+    EXPECT_TRUE(hits.unresolved.empty()) << field;
+    for (std::size_t b = 0; b < hits.size(); ++b) {
+      ASSERT_EQ(hits.hit(b), truth.hit(b)) << field << " " << b;
+      if (truth.hit(b)) {
+        EXPECT_NEAR(hits.range[b], truth.range[b], 1e-3) << field << " " << b;
+      }
+    }
+  }
+}
+
+TEST(Particle, ALevelTooFewIsSaid) {
+  const Scene scene = groundScene(1.7);
+  const auto method = particle(scene, "levels: 1");
+  const Hits hits = traced(*method, shotAt(beamsOf(fan({0, 89}), 0, 200)));
+  EXPECT_TRUE(hits.hit(0));
+  EXPECT_EQ(hits.unresolved.size(), 40u);
+  ASSERT_EQ(method->warnings().size(), 1u);
+  EXPECT_NE(method->warnings()[0].find("levels: auto"), std::string::npos);
+}
+
+TEST(Particle, EmptySceneAndOneTriangle) {
+  Scene empty;
+  empty.materials.emplace_back();
+  SceneBuilder builder = testBuilder();
+  Mesh mesh = meshOf(builder, "thing");
+  mesh.positions = {{5, -1, -1}, {5, 1, -1}, {5, 0, 1}};
+  mesh.triangles = {{0, 1, 2}};
+  mesh.surfaceOf = {0};
+  builder.place(builder.addMesh(mesh), at(0, 0, 0), "triangle");
+  const Scene one = builder.finish();
+  const Shot shot = shotAt(beamsOf(randomDirections(500, 5), 0, 50));
+  const Hits truth = traced(one, shot);
+  for (const char* field : {"field: sensor", "field: scene"}) {
+    const Hits none = flown(empty, shot, field);
+    EXPECT_EQ(std::count_if(none.range.begin(), none.range.end(), [](float r) { return r < kMiss; }), 0);
+    EXPECT_TRUE(none.unresolved.empty());
+    const Hits hits = flown(one, shot, field);
+    for (std::size_t b = 0; b < hits.size(); ++b) {
+      ASSERT_EQ(hits.hit(b), truth.hit(b));
+      if (truth.hit(b)) {
+        EXPECT_NEAR(hits.range[b], truth.range[b], 1e-4);
+      }
+    }
+  }
+}
+
+TEST(Particle, VoxelsFromAMillimetreToTenMetres) {
+  const Shot shot = shotAt(spinning(16, 128, -25, 5, 60));
+  const Scene scene = things();
+  const Hits truth = traced(scene, shot);
+  for (const char* voxel : {"0.001", "0.01", "0.1", "1", "10"}) {
+    const Hits hits = flown(scene, shot, std::string("voxels: 64, steps: 4000, voxel_m: ") + voxel);
+    std::size_t differ = 0;
+    for (std::size_t b = 0; b < hits.size(); ++b) {
+      if (hits.hit(b) != truth.hit(b) || hits.instance[b] != truth.instance[b] ||
+          (truth.hit(b) && std::abs(hits.range[b] - truth.range[b]) > 1e-3f)) {
+        ++differ;
+      }
+    }
+    EXPECT_LE(differ, 2u) << voxel;
+    EXPECT_TRUE(hits.unresolved.empty()) << voxel;
+  }
+}
+
+// Plates across the beams' way, half a metre wide at least on each side of each beam.
+Scene plate(double thickness, double distance) {
+  SceneBuilder builder = testBuilder();
+  Mesh mesh = meshOf(builder, "thing");
+  appendBox(mesh, 0, {}, {thickness, 6, 6});
+  builder.place(builder.addMesh(mesh), {toMatrix(fromYawPitchRoll(0.1, 0.05, 0)), {distance, 0, 0}}, "plate");
+  return builder.finish();
+}
+
+TEST(Particle, ThinPlatesAreSeenHoweverThin) {
+  std::vector<Vec3d> ahead;
+  for (int i = -10; i <= 10; ++i) {
+    for (int j = -10; j <= 10; ++j) ahead.push_back({1, 0.03 * i, 0.03 * j});
+  }
+  const Shot shot = shotAt(beamsOf(ahead, 0, 50));
+  for (const double share : {0.01, 0.1, 0.5, 1.0, 4.0}) {
+    const Scene scene = plate(share * 0.1, 5.03);
+    for (const char* refine : {"none", "normal", "triangle"}) {
+      const Hits hits = flown(scene, shot, std::string("refine: ") + refine);
+      const auto seen = std::count_if(hits.range.begin(), hits.range.end(), [](float r) { return r < kMiss; });
+      EXPECT_EQ(seen, static_cast<std::ptrdiff_t>(ahead.size())) << share << " " << refine;
+    }
+  }
+}
+
+// A road marking: 3 mm above the road, a thirtieth of a voxel, wherever the road lies among the voxels. Those are
+// counted from the middle of the scene, which the box far below moves.
+TEST(Particle, ThinLayersKeepTheirLabels) {
+  const double depth = 1.7;
+  for (const double shift : {0.0, 0.001, 0.02, 0.04, 0.06, 0.09, 0.1, 0.13, 0.197, 0.2}) {
+    SceneBuilder builder = testBuilder();
+    Mesh below = meshOf(builder, "thing");
+    appendBox(below, 0, {}, {1, 1, 1});
+    builder.place(builder.addMesh(below), at(0, 0, -6 - shift), "below");
+    Mesh ground = meshOf(builder, "ground");
+    appendPlane(ground, 0, {}, 400, 400, 8);
+    builder.place(builder.addMesh(ground), at(0, 0, -depth), "ground");
+    Mesh marking = meshOf(builder, "other");
+    appendPlane(marking, 0, {}, 4, 4, 1);
+    builder.place(builder.addMesh(marking), at(0, 0, 0.003 - depth), "marking");
+    const Scene scene = builder.finish();
+    const Shot shot = shotAt(beamsOf(fan({0, 10, 20, 30, 40, 44}), 0, 50));  // to 1.7 m off: the marking reaches 2
+    const Shot beyond = shotAt(beamsOf(fan({60, 70}), 0, 50));
+    for (const char* refine : {"refine: none", "refine: normal", "refine: triangle"}) {
+      const Hits hits = flown(scene, shot, refine);
+      EXPECT_EQ(std::count(hits.semantic.begin(), hits.semantic.end(), 3), std::ptrdiff_t(hits.size()))
+          << refine << " " << shift;
+      const Hits road = flown(scene, beyond, refine);
+      EXPECT_EQ(std::count(road.semantic.begin(), road.semantic.end(), 1), std::ptrdiff_t(road.size()))
+          << refine << " " << shift;
+    }
+  }
+}
+
+TEST(Particle, MovingSensorsKeepEachColumnsPose) {
+  const Scene scene = groundScene(1.7);
+  Shot shot = shotAt(spinning(8, 64, -60, -20, 50));
+  shot.worldFromSensor.clear();
+  for (int step = 0; step < 16; ++step) shot.worldFromSensor.push_back({{}, {0.1 * step, 0, 0.05 * step}});
+  const Hits truth = traced(scene, shot);
+  const Hits hits = flown(scene, shot);
+  for (std::size_t b = 0; b < hits.size(); ++b) EXPECT_NEAR(hits.range[b], truth.range[b], 1e-4) << b;
+}
+
+TEST(Particle, BothBackendsGiveTheSameBytes) {
+  const Scene scene = things();
+  const Shot shot = shotAt(spinning(32, 500, -25, 5, 120));
+  for (const char* refine : {"none", "normal", "triangle"}) {
+    const std::string options = std::string("refine: ") + refine;
+    Hits device;
+    try {
+      device = flown(scene, shot, options + ", backend: gl");
+    } catch (const Error& e) {
+      GTEST_SKIP() << e.what();
+    }
+    expectSameHits(flown(scene, shot, options), device);
+  }
+}
+
+}  // namespace
+}  // namespace scanmill

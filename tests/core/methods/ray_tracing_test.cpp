@@ -1,0 +1,489 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "tests/core/methods/trace.h"
+#include "tests/support/directions.h"
+#include "tests/support/same_hits.h"
+#include "tests/support/test_scene.h"
+
+namespace scanmill {
+namespace {
+
+// Boxes, spheres and cylinders on a ground, some turned and stretched.
+Scene clutter(double shift = 0) {
+  SceneBuilder builder = testBuilder();
+  Mesh ground = meshOf(builder, "ground");
+  appendPlane(ground, 0, {}, 200, 200, 40);
+  builder.place(builder.addMesh(ground), at(shift, shift, -2), "ground");
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, {}, {1, 2, 3});
+  const std::uint32_t boxMesh = builder.addMesh(box);
+  Mesh sphere = meshOf(builder, "other", "dark");
+  appendSphere(sphere, 0, {}, 1.0, 48);
+  const std::uint32_t sphereMesh = builder.addMesh(sphere);
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    const RandomBlock b = randomBlock({7, 0, 0, 0, i, 0, Purpose::Test});
+    const double r = 4 + 40 * uniform(b[0]);
+    const double a = 2 * kPi * uniform(b[1]);
+    const Affine place{toMatrix(fromYawPitchRoll(6 * uniform(b[2]), 0.3, 0.1)) * Mat3::scale({1, 1 + uniform(b[3]), 1}),
+                       {shift + r * std::cos(a), shift + r * std::sin(a), -1}};
+    builder.place(i % 2 == 0 ? boxMesh : sphereMesh, place, "object");
+  }
+  return builder.finish();
+}
+
+TEST(RayTracing, PlaneFollowsItsClosedFormToGrazingIncidence) {
+  SceneBuilder builder = testBuilder();
+  Mesh ground = meshOf(builder, "ground");
+  appendPlane(ground, 0, {}, 1e5, 1e5, 7);
+  builder.place(builder.addMesh(ground), at(0, 0, -1.7), "ground");
+  const Scene scene = builder.finish();
+  std::vector<Vec3d> directions;
+  std::vector<double> incidences;
+  for (const double incidence : {0.0, 10.0, 45.0, 80.0, 89.0, 89.9, 89.95, 89.99}) {
+    for (int k = 0; k < 50; ++k) {
+      const double azimuth = 0.1 + 0.125 * k;
+      const double i = radians(incidence);
+      directions.push_back({std::sin(i) * std::cos(azimuth), std::sin(i) * std::sin(azimuth), -std::cos(i)});
+      incidences.push_back(i);
+    }
+  }
+  const Hits hits = traced(scene, shotAt(beamsOf(directions, 0, 1e5)));
+  for (std::size_t b = 0; b < directions.size(); ++b) {
+    const double expected = 1.7 / -normalized(directions[b]).z;
+    EXPECT_NEAR(hits.range[b], expected, 1e-5 / std::cos(incidences[b])) << degrees(incidences[b]);
+    EXPECT_NEAR(hits.incidence[b], std::cos(incidences[b]), 1e-6);
+    EXPECT_EQ(hits.normal[b], (Vec3f{0, 0, 1}));
+  }
+}
+
+TEST(RayTracing, SphereIsWithinItsFacets) {
+  SceneBuilder builder = testBuilder();
+  Mesh sphere = meshOf(builder, "thing");
+  appendSphere(sphere, 0, {}, 2.0, 256);
+  builder.place(builder.addMesh(sphere), at(0, 0, 0), "sphere");
+  const Scene scene = builder.finish();
+  const Hits hits = traced(scene, shotAt(beamsOf(randomDirections(20000))));
+  const double sagitta = 2.0 * (1 - std::cos(kPi / 128) * std::cos(kPi / 128));
+  for (const float range : hits.range) {
+    EXPECT_LE(range, 2.0 + 1e-6);
+    EXPECT_GE(range, 2.0 - 1.01 * sagitta);
+  }
+}
+
+// A turned sensor's axes are often an ulp off the world's.
+TEST(RayTracing, ComponentsThatAreNearlyZeroLoseNothing) {
+  const Scene scene = clutter();
+  for (const double tiny : {-4e-19, -1e-17, -1e-30, 4e-19, -0.0}) {
+    for (const Vec3d& forward :
+         {Vec3d{0.969, tiny, -0.2463}, Vec3d{tiny, -0.969, -0.2463}, Vec3d{-0.969, tiny, -0.2463}}) {
+      std::vector<Vec3d> directions;
+      const Vec3d aside = std::abs(forward.x) > 0.5 ? Vec3d{0, -0.0034, 0} : Vec3d{-0.0034, 0, 0};
+      for (int i = 0; i < 64; ++i) directions.push_back(forward + aside * double(i));
+      for (const double height : {0.0, 0.4, 3.0}) {
+        const Shot shot = shotAt(beamsOf(directions), {{}, {0.3, -0.2, height}});
+        const Hits hits = traced(scene, shot);
+        expectSameHits(traced(scene, shot, "{packet: 1}"), hits);
+        EXPECT_EQ(std::count(hits.range.begin(), hits.range.end(), kMiss), 0) << tiny;
+      }
+    }
+  }
+}
+
+TEST(RayTracing, MovedSceneGivesTheSameCloud) {
+  const auto beams = spinning(64, 2048, -25, 5);
+  const Hits near = traced(clutter(), shotAt(beams));
+  const Hits far = traced(clutter(1e7), shotAt(beams, {{}, {1e7, 1e7, 0}}));
+  for (std::size_t b = 0; b < near.size(); ++b) {
+    if (!near.hit(b)) {
+      EXPECT_FALSE(far.hit(b));
+    } else {
+      EXPECT_NEAR(far.range[b], near.range[b], 1e-6 * near.range[b]) << b;
+    }
+  }
+  EXPECT_EQ(near.instance, far.instance);
+  EXPECT_EQ(near.primitive, far.primitive);
+}
+
+TEST(RayTracing, FarFromTheScenesCentreToo) {
+  // 5 km from the anchor: another origin on the grid, the same ranges.
+  SceneBuilder builder = testBuilder();
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, {}, {2, 2, 2});
+  const std::uint32_t mesh = builder.addMesh(box);
+  builder.place(mesh, at(-5000.25, 0, 0), "west");
+  builder.place(mesh, at(5000.25, 0, 0), "east");
+  const Scene scene = builder.finish();
+  const auto method = rayTracing(scene);
+  for (const double side : {-1.0, 1.0}) {
+    const Hits hits = traced(*method, shotAt(beamsOf({{side, 0, 0}}, 0, 100), {{}, {side * 4990.0, 0.1, 0.2}}));
+    EXPECT_NEAR(hits.range[0], 9.25, 1e-6);
+  }
+}
+
+TEST(RayTracing, RangeLimits) {
+  SceneBuilder builder = testBuilder();
+  Mesh wall = meshOf(builder, "ground");
+  appendQuad(wall, 0, {10, -50, -50}, {10, 50, -50}, {10, 50, 50}, {10, -50, 50});
+  builder.place(builder.addMesh(wall), {}, "wall");
+  const Scene scene = builder.finish();
+  const auto method = rayTracing(scene);
+  const auto range = [&](double minimum, double maximum, double x = 0) {
+    return traced(*method, shotAt(beamsOf({{1, 0, 0}}, minimum, maximum), {{}, {x, 0, 0}})).range[0];
+  };
+  EXPECT_EQ(range(0, 10), 10.0f) << "exactly the maximum counts";
+  EXPECT_EQ(range(10, 20), 10.0f) << "exactly the minimum counts";
+  EXPECT_EQ(range(0, 9.999999), kMiss) << "beyond";
+  EXPECT_EQ(range(10.000001, 20), kMiss) << "nearer than the minimum";
+  EXPECT_EQ(range(0, 20, 10), kMiss) << "a sensor on the surface sees nothing of it";
+  EXPECT_EQ(range(0, 20, 9.999), static_cast<float>(10 - 9.999));
+  EXPECT_EQ(range(0, 20, 10.5), kMiss) << "behind";
+}
+
+TEST(RayTracing, NearSurfaceBlocksWhatLiesBehind) {
+  SceneBuilder builder = testBuilder();
+  Mesh wall = meshOf(builder, "ground");
+  appendQuad(wall, 0, {0, -5, -5}, {0, 5, -5}, {0, 5, 5}, {0, -5, 5});
+  const std::uint32_t mesh = builder.addMesh(wall);
+  builder.place(mesh, at(1, 0, 0), "near");
+  builder.place(mesh, at(10, 0, 0), "far");
+  const Scene scene = builder.finish();
+  EXPECT_EQ(traced(scene, shotAt(beamsOf({{1, 0, 0}}, 2, 100))).range[0], kMiss);
+}
+
+TEST(RayTracing, ClosedRoomHasNoEscapes) {
+  SceneBuilder builder = testBuilder();
+  Mesh room = meshOf(builder, "ground");
+  appendSphere(room, 0, {}, 30.0, 96);
+  appendBox(room, 0, {toMatrix(fromYawPitchRoll(0.3, 0.2, 0.1)), {}}, {120, 120, 120});
+  builder.place(builder.addMesh(room), {toMatrix(fromYawPitchRoll(0.7, 0.4, 0.2)), {3, 2, 1}}, "room");
+  const Scene scene = builder.finish();
+  const auto method = rayTracing(scene);
+  Hits hits;
+  std::size_t misses = 0;
+  std::size_t rays = 0;
+  for (std::uint32_t shot = 0; rays < 10'000'000; ++shot) {
+    const auto beams = beamsOf(randomDirections(50'000, shot));
+    for (int turn = 0; turn < 20; ++turn) {  // the same directions, turned and moved
+      const Pose pose{fromYawPitchRoll(0.31 * turn, 0.17 * turn, 0.05 * turn), {0.5 * turn, -0.3 * turn, 0.2 * turn}};
+      method->trace(shotAt(beams, pose), Channel::Range, hits);
+      for (const float range : hits.range) misses += range < kMiss ? 0 : 1;
+      rays += hits.size();
+    }
+  }
+  EXPECT_EQ(misses, 0u) << "of " << rays;
+}
+
+TEST(RayTracing, AnyPacketAndTileGivesTheSame) {
+  const Scene scene = clutter();
+  const Shot shot = shotAt(spinning(33, 517, -25, 5));
+  const Hits reference = traced(scene, shot, "{packet: 1}");
+  for (const char* options : {"{}", "{tile_columns: 1}", "{tile_columns: 2}", "{tile_columns: 4}", "{tile_columns: 8}",
+                              "{tile_columns: 16}"}) {
+    SCOPED_TRACE(options);
+    expectSameHits(traced(scene, shot, options), reference);
+  }
+}
+
+// Another hierarchy meets triangles in another order: of two that share the edge that is hit, either may be told.
+TEST(RayTracing, AnyHierarchyGivesTheSameButForTrianglesOfSharedEdges) {
+  const Scene scene = clutter();
+  const Shot shot = shotAt(spinning(33, 517, -25, 5));
+  const Hits reference = traced(scene, shot, "{}");
+  for (const char* options : {"{bvh: high}", "{bvh: low}"}) {
+    SCOPED_TRACE(options);
+    Hits hits = traced(scene, shot, options);
+    std::size_t different = 0;
+    for (std::size_t b = 0; b < hits.size(); ++b) different += hits.primitive[b] != reference.primitive[b] ? 1 : 0;
+    EXPECT_LE(different, hits.size() / 1000);
+    hits.primitive = reference.primitive;
+    expectSameHits(hits, reference);
+  }
+}
+
+TEST(RayTracing, InstancedOrFlattenedGivesTheSame) {
+  const Scene scene = clutter();
+  const Shot shot = shotAt(spinning(64, 1024, -25, 5));
+  const Hits flat = traced(scene, shot, "{instancing: never}");
+  const Hits instanced = traced(scene, shot, "{instancing: always}");
+  std::size_t different = 0;  // silhouettes: float32 rounding differs between the two frames
+  for (std::size_t b = 0; b < flat.size(); ++b) {
+    if (flat.instance[b] != instanced.instance[b]) {
+      ++different;
+    } else if (flat.hit(b) && flat.primitive[b] != instanced.primitive[b]) {  // a shared edge
+      EXPECT_NEAR(instanced.range[b], flat.range[b], 1e-4 * flat.range[b]);
+    } else if (flat.hit(b)) {
+      EXPECT_NEAR(instanced.range[b], flat.range[b], 1e-6 * flat.range[b]);
+      EXPECT_NEAR(instanced.incidence[b], flat.incidence[b], 1e-6);
+    }
+  }
+  EXPECT_LE(different, flat.size() / 10000);
+}
+
+TEST(RayTracing, ThreadsDoNotMatter) {
+  const Scene scene = clutter();
+  const Shot shot = shotAt(spinning(64, 2048, -25, 5));
+  std::vector<Hits> results;
+  for (const int threads : {1, 2, 8}) {
+    const ThreadLimit limit(threads);
+    results.push_back(traced(scene, shot));
+  }
+  expectSameHits(results[1], results[0]);
+  expectSameHits(results[2], results[0]);
+}
+
+TEST(RayTracing, OddSizes) {
+  const Scene scene = clutter();
+  for (const auto& [rings, columns] : {std::pair{1u, 1u}, {1u, 17u}, {17u, 1u}, {3u, 5u}, {2048u, 2048u}}) {
+    const auto beams = spinning(rings, columns, -30, -5);
+    const Hits hits = traced(scene, shotAt(beams));
+    ASSERT_EQ(hits.range.size(), std::size_t{rings} * columns);
+    for (std::size_t b = 0; b < hits.size(); ++b) ASSERT_TRUE(hits.hit(b)) << rings << "x" << columns << " " << b;
+  }
+}
+
+TEST(RayTracing, OnlyAskedChannelsAreFilled) {
+  const Scene scene = clutter();
+  const auto method = rayTracing(scene);
+  const Hits hits = traced(*method, shotAt(spinning(4, 64, -20, 0)), Channel::Range | Channel::Semantic);
+  EXPECT_EQ(hits.range.size(), 256u);
+  EXPECT_EQ(hits.semantic.size(), 256u);
+  EXPECT_TRUE(hits.instance.empty() && hits.normal.empty() && hits.reflectance.empty() && hits.incidence.empty());
+}
+
+TEST(RayTracing, MissesAreZeroed) {
+  const Scene scene = clutter();
+  const Hits hits = traced(scene, shotAt(beamsOf({{0, 0, 1}})));
+  EXPECT_EQ(hits.range[0], kMiss);
+  EXPECT_EQ(hits.instance[0], 0u);
+  EXPECT_EQ(hits.semantic[0], 0u);
+  EXPECT_EQ(hits.reflectance[0], 0.0f);
+  EXPECT_EQ(hits.incidence[0], 0.0f);
+  EXPECT_EQ(hits.normal[0], Vec3f{});
+}
+
+TEST(RayTracing, TinyAndHugeTrianglesInOneScene) {
+  SceneBuilder builder = testBuilder();
+  Mesh ground = meshOf(builder, "ground");
+  appendQuad(ground, 0, {-1e5, -1e5, -1}, {1e5, -1e5, -1}, {1e5, 1e5, -1}, {-1e5, 1e5, -1});
+  builder.place(builder.addMesh(ground), {}, "ground");
+  Mesh speck = meshOf(builder, "thing");
+  // A triangle of a micrometre, 1 cm before the sensor, around the x axis.
+  speck.positions = {{0.01f, -5e-7f, -5e-7f}, {0.01f, 5e-7f, -5e-7f}, {0.01f, 0, 5e-7f}};
+  speck.triangles = {{0, 1, 2}};
+  speck.surfaceOf = {0};
+  builder.place(builder.addMesh(speck), {}, "speck");
+  const Scene scene = builder.finish();
+  EXPECT_EQ(scene.dropped.total(), 0u);
+  const Hits hits = traced(scene, shotAt(beamsOf({{1, 0, 0}, {1, 1e-3, 0}, {1, 0, -1e-5}, {0, 0, -1}}, 0, 2e5)));
+  EXPECT_EQ(hits.instance[0], 1u);
+  EXPECT_NEAR(hits.range[0], 0.01, 1e-8);
+  EXPECT_EQ(hits.range[1], kMiss);
+  EXPECT_EQ(hits.semantic[3], 1u);
+  EXPECT_NEAR(hits.range[3], 1.0, 1e-7);
+}
+
+// Two walls in one plane, cut into different triangles; the later one is placed first or second, baked or instanced.
+TEST(RayTracing, CoplanarSurfacesGiveTheLowestInstance) {
+  const auto beams = spinning(64, 512, -40, 40);
+  for (const bool coarseFirst : {true, false}) {
+    for (const char* options : {"{instancing: never}", "{instancing: always}", "{packet: 1}",
+                                "{instancing: always, packet: 1}", "{bvh: low}"}) {
+      SceneBuilder builder = testBuilder();
+      Mesh coarse = meshOf(builder, "thing");
+      appendPlane(coarse, 0, {}, 30, 30, 1);
+      Mesh fine = meshOf(builder, "other", "dark");
+      appendPlane(fine, 0, {toMatrix(fromYawPitchRoll(0.3, 0, 0)), {}}, 60, 60, 13);
+      const std::uint32_t a = builder.addMesh(coarse);
+      const std::uint32_t b = builder.addMesh(fine);
+      const Affine place{toMatrix(fromYawPitchRoll(0.4, 0.9, 0.2)), {3, 1, -4}};
+      builder.place(coarseFirst ? a : b, place, "first");
+      builder.place(coarseFirst ? b : a, place, "second");
+      const Scene scene = builder.finish();
+      const Hits hits = traced(scene, shotAt(beams), options);
+      const Affine planeFromWorld = inverse(place);
+      std::size_t both = 0;
+      for (std::size_t i = 0; i < hits.size(); ++i) {
+        if (!hits.hit(i)) continue;
+        const Vec3d p = planeFromWorld * (beams->direction[i] * hits.range[i]);
+        EXPECT_NEAR(p.z, 0, 1e-5);
+        const bool inCoarse = std::abs(p.x) < 14.999 && std::abs(p.y) < 14.999;
+        if (!inCoarse) continue;  // the fine one is larger and turned: inside the coarse one there are always both
+        ++both;
+        EXPECT_EQ(hits.instance[i], 1u) << options << " beam " << i << " range " << hits.range[i];
+      }
+      EXPECT_GT(both, 5000u);
+    }
+  }
+}
+
+TEST(RayTracing, ExactDuplicatesHaveTheSameRange) {
+  SceneBuilder builder = testBuilder();
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, {}, {4, 4, 4});
+  const std::uint32_t mesh = builder.addMesh(box);
+  const Affine place{toMatrix(fromYawPitchRoll(1, 0.5, 0.25)), {12, 3, 0}};
+  builder.place(mesh, place, "once");
+  const Scene once = [&] {
+    SceneBuilder single = testBuilder();
+    Mesh same = meshOf(single, "thing");
+    appendBox(same, 0, {}, {4, 4, 4});
+    single.place(single.addMesh(same), place, "once");
+    return single.finish();
+  }();
+  for (int i = 0; i < 5; ++i) builder.place(mesh, place, "again");
+  const Scene many = builder.finish();
+  const Shot shot = shotAt(spinning(32, 2048, -30, 30));
+  for (const char* options : {"{instancing: never}", "{instancing: always}"}) {
+    expectSameHits(traced(many, shot, options), traced(once, shot, options));
+  }
+}
+
+TEST(RayTracing, AlphaLetsBeamsThrough) {
+  SceneBuilder builder = testBuilder();
+  Material leaf;
+  leaf.name = "leaf";
+  leaf.alphaTested = true;
+  auto texture = std::make_shared<Texture>();
+  texture->width = 2;
+  texture->height = 1;
+  texture->hasAlpha = true;
+  texture->rgba = {255, 255, 255, 255, 255, 255, 255, 0};  // the left half is there, the right half is not
+  leaf.texture = texture;
+  Mesh curtain;
+  curtain.surfaces.push_back({builder.addMaterial(leaf), 2, 1, ""});
+  appendQuad(curtain, 0, {5, 5, -5}, {5, -5, -5}, {5, -5, 5}, {5, 5, 5});
+  curtain.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  builder.place(builder.addMesh(curtain), {}, "curtain");
+  Mesh wall = meshOf(builder, "ground");
+  appendQuad(wall, 0, {10, 50, -50}, {10, -50, -50}, {10, -50, 50}, {10, 50, 50});
+  builder.place(builder.addMesh(wall), {}, "wall");
+  const Scene scene = builder.finish();
+  std::vector<Vec3d> directions;
+  for (int i = -40; i <= 40; ++i) {
+    if (i != 0) directions.push_back({1, i * 0.02, 0.013});
+  }
+  for (const char* options : {"{instancing: never}", "{instancing: always}", "{packet: 1}"}) {
+    const Hits hits = traced(scene, shotAt(beamsOf(directions)), options);
+    for (std::size_t b = 0; b < directions.size(); ++b) {
+      EXPECT_EQ(hits.semantic[b], directions[b].y > 0 ? 2 : 1) << options << " y " << directions[b].y;
+    }
+  }
+}
+
+TEST(RayTracing, TextureScalesReflectance) {
+  SceneBuilder builder = testBuilder();
+  Material paint;
+  paint.name = "paint";
+  paint.reflectance = 0.4f;
+  paint.textured = true;
+  auto texture = std::make_shared<Texture>();
+  texture->width = 2;
+  texture->height = 1;
+  texture->rgba = {255, 255, 255, 255, 0, 0, 0, 255};
+  paint.texture = texture;
+  paint.textureMean = 0.5f;
+  Mesh wall;
+  wall.surfaces.push_back({builder.addMaterial(paint), 1, 0, ""});
+  appendQuad(wall, 0, {5, 5, -5}, {5, -5, -5}, {5, -5, 5}, {5, 5, 5});
+  wall.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  builder.place(builder.addMesh(wall), {}, "wall");
+  const Scene scene = builder.finish();
+  const Hits hits = traced(scene, shotAt(beamsOf({{1, 0.3, 0.1}, {1, -0.3, 0.1}})));
+  EXPECT_FLOAT_EQ(hits.reflectance[0], 0.8f);
+  EXPECT_FLOAT_EQ(hits.reflectance[1], 0.0f);
+}
+
+TEST(RayTracing, BeamOriginsAndPosesMove) {
+  SceneBuilder builder = testBuilder();
+  Mesh wall = meshOf(builder, "ground");
+  appendQuad(wall, 0, {10, -50, -50}, {10, 50, -50}, {10, 50, 50}, {10, -50, 50});
+  builder.place(builder.addMesh(wall), {}, "wall");
+  const Scene scene = builder.finish();
+  auto beams = beamsOf(std::vector<Vec3d>(40, {1, 0, 0}));
+  beams->origin.assign(40, {0.25f, 0, 0});
+  Shot shot = shotAt(beams);
+  for (int step = 1; step < 7; ++step) shot.worldFromSensor.push_back({{}, {0.5 * step, 0, 0}});
+  const Hits hits = traced(scene, shot);
+  for (std::uint32_t c = 0; c < 40; ++c) {
+    EXPECT_EQ(hits.range[c], static_cast<float>(9.75 - 0.5 * static_cast<double>(c * 7 / 40))) << c;
+  }
+}
+
+TEST(RayTracing, MirroredInstancesKeepTheirNormalsTowardsTheSensor) {
+  SceneBuilder builder = testBuilder();
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, {}, {2, 2, 2});
+  const std::uint32_t mesh = builder.addMesh(box);
+  builder.place(mesh, {Mat3::scale({-1, 1, 1}), {5, 0, 0}}, "mirrored");
+  const Scene scene = builder.finish();
+  for (const char* options : {"{instancing: never}", "{instancing: always}"}) {
+    const Hits hits = traced(scene, shotAt(beamsOf({{1, 0.01, 0.02}})), options);
+    EXPECT_NEAR(hits.normal[0].x, -1, 1e-6);
+    EXPECT_NEAR(hits.range[0], 4 / normalized(Vec3d{1, 0.01, 0.02}).x, 1e-6);
+  }
+}
+
+std::string geometryOf(const Method& method) {
+  return method.modelled().front();
+}
+
+TEST(RayTracing, SimplifiedMeshesAreTraced) {
+  SceneBuilder builder = testBuilder();
+  Mesh sphere = meshOf(builder, "thing");
+  appendSphere(sphere, 0, {}, 2.0, 128);
+  const std::uint32_t mesh = builder.addMesh(sphere);
+  builder.place(mesh, at(0, 0, 0), "first");
+  builder.place(mesh, at(0, 0, 0), "second");
+  const Scene scene = builder.finish();
+  const Shot shot = shotAt(beamsOf(randomDirections(20000)));
+  for (const char* instancing : {"never", "always"}) {
+    double last = 1e-6;  // of all triangles: see SphereIsWithinItsFacets
+    for (const double keep : {1.0, 0.3, 0.05}) {
+      const auto method = rayTracing(scene, fmt::format("{{simplify: {}, instancing: {}}}", keep, instancing));
+      const Hits hits = traced(*method, shot);
+      double worst = 0;
+      for (std::size_t b = 0; b < hits.size(); ++b) {
+        ASSERT_TRUE(hits.hit(b)) << "a closed mesh stays closed";
+        worst = std::max(worst, std::abs(2.0 - double{hits.range[b]}));
+        EXPECT_EQ(hits.instance[b], 1u);
+        EXPECT_EQ(hits.semantic[b], 2u);
+        EXPECT_LE(hits.primitive[b], keep * static_cast<double>(sphere.triangles.size()) + 4);
+      }
+      EXPECT_GT(worst, last) << keep;
+      EXPECT_LT(worst, 0.1);
+      last = worst;
+    }
+  }
+}
+
+TEST(RayTracing, ModelledTellsOfSimplifiedMeshes) {
+  const Scene scene = clutter();
+  EXPECT_EQ(geometryOf(*rayTracing(scene)), "geometry: exact triangles, one return per beam, watertight");
+  const auto method = rayTracing(scene, "{simplify: 0.5}");
+  EXPECT_THAT(geometryOf(*method), testing::StartsWith("geometry: simplified meshes, "));
+  EXPECT_THAT(geometryOf(*method), testing::HasSubstr(fmt::format("of {} placed", scene.placedTriangles())));
+  expectSameHits(traced(*rayTracing(scene, "{simplify: 1}"), shotAt(spinning(16, 512, -25, 5))),
+                 traced(*rayTracing(scene), shotAt(spinning(16, 512, -25, 5))));
+}
+
+TEST(RayTracing, UnknownOptionsAreRefused) {
+  const Scene scene = clutter();
+  EXPECT_THROW(rayTracing(scene, "{paket: 16}"), InputError);
+  EXPECT_THROW(rayTracing(scene, "{packet: 7}"), InputError);
+  for (const char* share : {"0", "0.009", "1.01", "-1", "half"}) {
+    EXPECT_THROW(rayTracing(scene, fmt::format("{{simplify: {}}}", share)), InputError) << share;
+  }
+  EXPECT_THROW(requireMethod("ray_tracin", {"x.yaml", 3, 1}), InputError);
+}
+
+}  // namespace
+}  // namespace scanmill
