@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <set>
 
@@ -96,29 +95,25 @@ struct Span {
 };
 
 void printScan(const Scan& scan, const std::string& what) {
-  fmt::print(
-      "scan {}: {} points, {}\n\n", what, grouped(scan.size()),
-      scan.organised ? fmt::format("organised {} rings x {} columns", scan.rings, scan.columns) : std::string("dense"));
+  fmt::print("scan {}: {} points, {}\n\n", what, grouped(scan.size()),
+             scan.organised ? fmt::format("organised {} rings x {} columns{}", scan.rings, scan.columns,
+                                          scan.planes == 1 ? "" : fmt::format(" x {} returns", scan.planes))
+                            : std::string("dense"));
   Rows rows{{"column", "min", "max"}};
-  const auto add = [&](const char* name, std::size_t count, const std::function<double(std::size_t)>& at) {
-    if (count == 0) return;
+  const auto add = [&](std::string_view name, std::string_view unit, const auto& at) {
+    if (scan.size() == 0) return;
     Span span;
-    for (std::size_t i = 0; i < count; ++i) span.add(at(i));
-    rows.push_back({name, fmt::format("{:.6g}", span.low), fmt::format("{:.6g}", span.high)});
+    for (std::size_t i = 0; i < scan.size(); ++i) span.add(static_cast<double>(at(i)));
+    rows.push_back({withUnit(name, unit), fmt::format("{:.6g}", span.low), fmt::format("{:.6g}", span.high)});
   };
-  const std::size_t n = scan.size();
-  add("x (m)", n, [&](std::size_t i) { return scan.position[i].x; });
-  add("y (m)", n, [&](std::size_t i) { return scan.position[i].y; });
-  add("z (m)", n, [&](std::size_t i) { return scan.position[i].z; });
-  add("distance (m)", n, [&](std::size_t i) { return length(Vec3d(scan.position[i])); });
-  add("intensity", scan.intensity.size(), [&](std::size_t i) { return scan.intensity[i]; });
-  add("label", scan.label.size(), [&](std::size_t i) { return scan.label[i]; });
-  add("instance", scan.instance.size(), [&](std::size_t i) { return scan.instance[i]; });
-  add("ring", scan.ring.size(), [&](std::size_t i) { return scan.ring[i]; });
-  add("column", scan.column.size(), [&](std::size_t i) { return scan.column[i]; });
-  add("time (s)", scan.time.size(), [&](std::size_t i) { return scan.time[i]; });
-  add("range_true (m)", scan.rangeTrue.size(), [&](std::size_t i) { return scan.rangeTrue[i]; });
-  add("incidence (rad)", scan.incidence.size(), [&](std::size_t i) { return scan.incidence[i]; });
+  add("x", "m", [&](std::size_t i) { return scan.position[i].x; });
+  add("y", "m", [&](std::size_t i) { return scan.position[i].y; });
+  add("z", "m", [&](std::size_t i) { return scan.position[i].z; });
+  add("distance", "m", [&](std::size_t i) { return length(Vec3d(scan.position[i])); });
+  visitColumns(scan, [&](std::string_view name, const auto& values) {
+    const std::size_t index = columnIndex(name);
+    add(name, index < kColumnCount ? kColumns[index].unit : "", [&](std::size_t i) { return values[i]; });
+  });
   fmt::print("{}", formatTable(rows));
 }
 

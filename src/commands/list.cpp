@@ -7,10 +7,11 @@
 #include "commands/table.h"
 #include "config/fields.h"
 #include "config/resources.h"
-#include "effects/effect.h"
 #include "formats/format.h"
 #include "methods/method.h"
+#include "scan/columns.h"
 #include "scene/ontology.h"
+#include "sense/effect.h"
 #include "sensors/sensor.h"
 
 namespace scanmill {
@@ -23,6 +24,16 @@ template <class Entries>
 Rows entryRows(const Entries& entries) {
   Rows rows;
   for (const auto& entry : entries) rows.push_back({std::string(entry.name), std::string(entry.summary)});
+  return rows;
+}
+
+Rows columnRows() {
+  Rows rows;
+  for (const Column& column : kColumns) {
+    rows.push_back({std::string(column.name),
+                    fmt::format("{}{}{}; {}{}", column.unit, column.unit.empty() ? "" : ", ", column.meaning,
+                                nameOf(column.type), column.byDefault ? "" : ", only where output.columns names it")});
+  }
   return rows;
 }
 
@@ -93,6 +104,7 @@ int runList(const std::vector<std::string>& arguments) {
       {"sensors", sensorRows},
       {"effects", [] { return entryRows(effects()); }},
       {"formats", [] { return entryRows(formats()); }},
+      {"columns", columnRows},
       {"ontologies", ontologyRows},
       {"scenes", [] { return exampleRows("scenes"); }},
       {"pipelines", [] { return exampleRows("pipelines"); }},

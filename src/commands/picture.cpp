@@ -83,7 +83,7 @@ int runPicture(const std::vector<std::string>& arguments) {
   options.add_options()("o,out", "the picture, a PNG", cxxopts::value<std::string>(), "FILE")(
       "sample", "key or index of a sample; the middle one where not given", cxxopts::value<std::string>(), "KEY")(
       "sensor", "sensor on the vehicle; the first where not given", cxxopts::value<std::string>(), "NAME")(
-      "color", fmt::format("{}; the first that the scan has where not given", fmt::join(kColorNames, ", ")),
+      "color", fmt::format("{}; the first that the scan has where not given", fmt::join(colorNames(), ", ")),
       cxxopts::value<std::string>(), "WHAT")("view", fmt::format("{}", fmt::join(kViewNames, ", ")), text("chase"),
                                              "NAME")("size", "width and height in pixels", text("1600x900"), "WxH")(
       "at", "a close-up of this place, in m in the sensor's frame (x forward, y left, z up), looking as the view does",
@@ -116,7 +116,7 @@ int runPicture(const std::vector<std::string>& arguments) {
 
   PictureOptions picture;
   if (const auto color = textOption(parsed, "color"); hasOption(parsed, "color")) {
-    picture.colorBy = static_cast<ColorBy>(wordAmong(color, "color", kColorNames));
+    picture.colorBy = readColor(color);
   }
   picture.view = static_cast<View>(wordAmong(parsed.options["view"].as<std::string>(), "view", kViewNames));
   const PictureSize size = readPictureSize(parsed.options["size"].as<std::string>());

@@ -3,13 +3,27 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "base/error.h"
+#include "config/fields.h"
 #include "dataset/recording.h"
 #include "viewer/picture.h"
 
 namespace scanmill {
+
+ColorBy readColor(const std::string& word) {
+  const std::vector<std::string>& names = colorNames();
+  const bool known = std::find(names.begin(), names.end(), word) != names.end();
+  const std::string meant = nearest(word, names);
+  if (word.empty() || (!known && !meant.empty())) {
+    throw InputError(fmt::format("--color is one of {}, or a column of a recorded file, not '{}'{}",
+                                 fmt::join(names, ", "), word,
+                                 meant.empty() ? "" : fmt::format(" (did you mean '{}'?)", meant)));
+  }
+  return ColorBy(word);
+}
 
 std::size_t wordAmong(const std::string& word, const std::string& option, std::span<const std::string_view> names) {
   for (std::size_t i = 0; i < names.size(); ++i) {

@@ -11,11 +11,16 @@
 
 #include "commands/arguments.h"
 #include "scene/ontology.h"
+#include "viewer/coloring.h"
 
 namespace scanmill {
 
 // The place of a word among `names`. Throws InputError that names the option.
 std::size_t wordAmong(const std::string& word, const std::string& option, std::span<const std::string_view> names);
+
+// Of --color: one of colorNames(), or a column of a recorded file that the table of columns does not have. Throws
+// InputError for a word that is nearly one of the names.
+ColorBy readColor(const std::string& word);
 
 // Empty where the option is not given.
 std::string textOption(const Arguments& parsed, const std::string& option);

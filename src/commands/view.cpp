@@ -113,7 +113,7 @@ Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
 ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   ViewOptions view;
   for (const std::string& word : listOption(parsed, "color")) {
-    view.colors.push_back(static_cast<ColorBy>(wordAmong(word, "color", kColorNames)));
+    view.colors.push_back(readColor(word));
   }
   const bool over = hasOption(parsed, "over");
   if (hasOption(parsed, "layout")) {
@@ -303,7 +303,7 @@ void addOptions(cxxopts::Options& options) {
       "scene", "the scene that was scanned, in place of the one that the dataset names", text(), "FILE")(
       "ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)", text(), "FILE")(
       "color",
-      fmt::format("{}; the first that the scan has where not given; once per view", fmt::join(kColorNames, ", ")),
+      fmt::format("{}; the first that the scan has where not given; once per view", fmt::join(colorNames(), ", ")),
       list(),
       "WHAT")("scale", "first and last value of the colours that show numbers; follows from the values where not given",
               text(), "LOW,HIGH")(

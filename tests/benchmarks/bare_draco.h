@@ -56,19 +56,19 @@ inline std::string bareDracoBytes(const Scan& scan, const BareDraco& options) {
     position = addDracoAttribute<float>(cloud, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, coordinates);
   }
   if (options.narrow) {
-    addDracoAttribute<std::uint8_t>(cloud, generic, draco::DT_UINT8, 1, scan.intensity);
-    addDracoAttribute<std::uint8_t>(cloud, generic, draco::DT_UINT8, 1, scan.label);
-    addDracoAttribute<std::uint16_t>(cloud, generic, draco::DT_UINT16, 1, scan.instance);
-    addDracoAttribute<std::uint8_t>(cloud, generic, draco::DT_UINT8, 1, scan.ring);
-    addDracoAttribute<std::uint16_t>(cloud, generic, draco::DT_UINT16, 1, scan.column);
+    addDracoAttribute<std::uint8_t>(cloud, generic, draco::DT_UINT8, 1, scan[kIntensity]);
+    addDracoAttribute<std::uint8_t>(cloud, generic, draco::DT_UINT8, 1, scan[kLabel]);
+    addDracoAttribute<std::uint16_t>(cloud, generic, draco::DT_UINT16, 1, scan[kInstance]);
+    addDracoAttribute<std::uint8_t>(cloud, generic, draco::DT_UINT8, 1, scan[kRing]);
+    addDracoAttribute<std::uint16_t>(cloud, generic, draco::DT_UINT16, 1, scan[kColumn]);
   } else {
-    addDracoAttribute<std::uint32_t>(cloud, generic, draco::DT_UINT32, 1, scan.intensity);
-    addDracoAttribute<std::uint32_t>(cloud, generic, draco::DT_UINT32, 1, scan.label);
-    addDracoAttribute<std::uint32_t>(cloud, generic, draco::DT_UINT32, 1, scan.instance);
-    addDracoAttribute<std::uint32_t>(cloud, generic, draco::DT_UINT32, 1, scan.ring);
-    addDracoAttribute<std::uint32_t>(cloud, generic, draco::DT_UINT32, 1, scan.column);
+    addDracoAttribute<std::uint32_t>(cloud, generic, draco::DT_UINT32, 1, scan[kIntensity]);
+    addDracoAttribute<std::uint32_t>(cloud, generic, draco::DT_UINT32, 1, scan[kLabel]);
+    addDracoAttribute<std::uint32_t>(cloud, generic, draco::DT_UINT32, 1, scan[kInstance]);
+    addDracoAttribute<std::uint32_t>(cloud, generic, draco::DT_UINT32, 1, scan[kRing]);
+    addDracoAttribute<std::uint32_t>(cloud, generic, draco::DT_UINT32, 1, scan[kColumn]);
     std::vector<std::uint32_t> bits(scan.size());
-    std::memcpy(bits.data(), scan.time.data(), scan.size() * sizeof(float));
+    std::memcpy(bits.data(), scan[kTime].data(), scan.size() * sizeof(float));
     addDracoAttribute<std::uint32_t>(cloud, generic, draco::DT_UINT32, 1, bits);
   }
   if (options.deduplicate) {

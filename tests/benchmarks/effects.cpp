@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/random.h"
-#include "effects/effect.h"
+#include "sense/sense.h"
 
 namespace scanmill {
 namespace {

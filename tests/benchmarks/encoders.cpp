@@ -76,13 +76,13 @@ void addBeam(std::uint32_t ring, std::uint32_t column, Scan& scan) {
   const double gauss =
       std::sqrt(-2 * std::log(uniform(random[0]))) * std::cos(2 * kPi * uniform(random[1]));  // Box and Muller
   scan.position.push_back(Vec3f(direction * (echo.range + kNoise * gauss)));
-  scan.intensity.push_back(
+  scan[kIntensity].push_back(
       static_cast<float>(std::floor(255 * std::min(1.0, (0.2 + 0.1 * echo.label) * 20 / (echo.range * echo.range)))));
-  scan.label.push_back(echo.label);
-  scan.instance.push_back(echo.instance);
-  scan.ring.push_back(static_cast<std::uint16_t>(ring));
-  scan.column.push_back(static_cast<std::uint16_t>(column));
-  scan.time.push_back(0.1f * static_cast<float>(column) / kColumns);
+  scan[kLabel].push_back(echo.label);
+  scan[kInstance].push_back(echo.instance);
+  scan[kRing].push_back(static_cast<std::uint16_t>(ring));
+  scan[kColumn].push_back(static_cast<std::uint16_t>(column));
+  scan[kTime].push_back(0.1f * static_cast<float>(column) / kColumns);
 }
 
 Scan makeStreet(bool firingOrder) {

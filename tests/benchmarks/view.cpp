@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/file.h"
-#include "effects/effect.h"
 #include "formats/format.h"
+#include "sense/sense.h"
 #include "tests/benchmarks/street_beams.h"
 #include "tests/benchmarks/timing.h"
 #include "tests/core/methods/trace.h"
@@ -29,11 +29,9 @@ Scan streetScan() {
   Hits hits;
   rayTracing(street)->trace(
       shot, Channels(Channel::Range) | Channel::Semantic | Channel::Instance | Channel::Reflectance, hits);
-  ScanColumns columns;
-  columns.label = columns.instance = columns.ring = columns.column = true;
   Returns returns;
   Scan scan;
-  sense(hits, shot, {}, street.materials, columns, returns, scan);
+  sense(hits, shot, {}, street.materials, {}, returns, scan);
   return scan;
 }
 
@@ -44,10 +42,10 @@ Scan repeated(const Scan& scan, int times) {
   many.columns = scan.columns;
   for (int k = 0; k < times; ++k) {
     for (const Vec3f& p : scan.position) many.position.push_back(p * (1 + 0.0007F * static_cast<float>(k)));
-    many.label.insert(many.label.end(), scan.label.begin(), scan.label.end());
-    many.instance.insert(many.instance.end(), scan.instance.begin(), scan.instance.end());
-    many.ring.insert(many.ring.end(), scan.ring.begin(), scan.ring.end());
-    many.column.insert(many.column.end(), scan.column.begin(), scan.column.end());
+    many.label.insert(many.label.end(), scan[kLabel].begin(), scan[kLabel].end());
+    many.instance.insert(many.instance.end(), scan[kInstance].begin(), scan[kInstance].end());
+    many.ring.insert(many.ring.end(), scan[kRing].begin(), scan[kRing].end());
+    many.column.insert(many.column.end(), scan[kColumn].begin(), scan[kColumn].end());
   }
   return many;
 }

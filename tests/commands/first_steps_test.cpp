@@ -6,9 +6,9 @@
 #include <set>
 
 #include "base/file.h"
-#include "effects/effect.h"
 #include "formats/format.h"
 #include "methods/method.h"
+#include "sense/sense.h"
 #include "tests/commands/program.h"
 #include "tests/support/message_of.h"
 

@@ -185,7 +185,7 @@ class MislabelledCar : public ViewWindow {
     std::map<std::uint32_t, std::uint64_t> points;
     for (std::size_t i = 0; i < source.scan.size(); ++i) {
       const Vec3f& p = source.scan.position[i];
-      if (source.scan.label[i] == kCar && p.x > 4 && p.x < 25) ++points[source.scan.instance[i]];
+      if (source.scan[kLabel][i] == kCar && p.x > 4 && p.x < 25) ++points[source.scan[kInstance][i]];
     }
     ASSERT_FALSE(points.empty());
     instance_ = std::max_element(points.begin(), points.end(), [](const auto& a, const auto& b) {

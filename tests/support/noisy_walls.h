@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "config/fields.h"
-#include "effects/effect.h"
+#include "sense/sense.h"
 #include "sensors/sensor.h"
 
 namespace scanmill {
@@ -61,12 +61,10 @@ inline Scan noisyScan(const std::shared_ptr<const BeamTable>& beams, const std::
     Fields options(item.entries.front().value, "effect");
     made.push_back(requireEffect(item.entries.front().key, item.where).make(options));
   }
-  ScanColumns columns;
-  columns.organised = organised;
-  columns.label = columns.instance = columns.intensity = false;
+  const ScanLayout layout{ColumnSet(kRing, kColumn, kTime), organised};
   Returns scratch;
   Scan scan;
-  sense(hits, shot, made, {}, columns, scratch, scan);
+  sense(hits, shot, made, {}, layout, scratch, scan);
   return scan;
 }
 

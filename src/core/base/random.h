@@ -26,7 +26,7 @@ struct RandomAddress {
   std::uint32_t frame = 0;
   std::uint32_t sensor = 0;  // below 4096
   std::uint32_t beam = 0;    // ring * columns + column
-  std::uint32_t echo = 0;    // return number, below 16
+  std::uint32_t number = 0;  // of the return, 0 the first; below 16
   Purpose purpose = Purpose::Test;
 };
 
@@ -45,7 +45,7 @@ constexpr RandomBlock philox4x32(RandomBlock counter, std::array<std::uint32_t, 
 }
 
 constexpr RandomBlock randomBlock(const RandomAddress& a) {
-  const std::uint32_t tail = (a.sensor << 20) | ((a.echo & 15) << 16) | static_cast<std::uint32_t>(a.purpose);
+  const std::uint32_t tail = (a.sensor << 20) | ((a.number & 15) << 16) | static_cast<std::uint32_t>(a.purpose);
   return philox4x32({a.beam, a.frame, a.scene, tail},
                     {static_cast<std::uint32_t>(a.seed), static_cast<std::uint32_t>(a.seed >> 32)});
 }

@@ -16,8 +16,6 @@ namespace {
 constexpr double kNoiseReach = 1.5;
 // Ranges are stored in float32, or in CSV's decimal digits.
 constexpr double kRangeRounding = 1e-5;
-// rad: what Draco may move an incidence by, and more than float32 rounds pi/2 by.
-constexpr double kIncidenceSlack = 2e-4;
 
 // Counts the points that break a rule and remembers the first.
 class Rule {
@@ -78,7 +76,7 @@ class ScanCheck {
 
   void checkShape() {
     if (record_.beams != beams_->size()) problem("{} beams, but its sensor has {}", record_.beams, beams_->size());
-    if (scan_.organised && scan_.size() != beams_->size()) {
+    if (scan_.organised && scan_.size() != scan_.planes * beams_->size()) {
       problem("{} x {} points, but its sensor has {} rings of {} columns", scan_.height(), scan_.width(), beams_->rings,
               beams_->columns);
     }
@@ -95,7 +93,7 @@ class ScanCheck {
       if (!has(manifest_.columns, name)) problem("column {}, of which the manifest says nothing", name);
     }
     for (const std::string& name : manifest_.columns) {
-      if (!has(found, name) && name != "time") problem("no column {}, but the manifest says so", name);
+      if (!has(found, name) && name != kTime.row.name) problem("no column {}, but the manifest says so", name);
     }
   }
 
@@ -117,40 +115,58 @@ class ScanCheck {
     if (points != record_.points) problem("{} points, but the manifest says {}", points, record_.points);
   }
 
-  // The columns that the beam table limits.
+  // What the table of columns says of sound values.
   void checkTable() {
-    Rule ring(fmt::format("of a ring beyond {}", beams_->rings - 1));
-    for (std::size_t i = 0; i < scan_.ring.size(); ++i) ring.check(scan_.ring[i] < beams_->rings, i);
-    ring.report(problems_);
-    Rule column(fmt::format("of a column beyond {}", beams_->columns - 1));
-    for (std::size_t i = 0; i < scan_.column.size(); ++i) column.check(scan_.column[i] < beams_->columns, i);
-    column.report(problems_);
-    Rule range(fmt::format("of a noise-free range outside {:.6g} to {:.6g} m", beams_->minRange, beams_->maxRange));
-    const double slack = maxError_ + kRangeRounding * beams_->maxRange;
-    for (std::size_t i = 0; i < scan_.rangeTrue.size(); ++i) {
-      const double r = scan_.rangeTrue[i];
-      range.check(isMiss(i) || (r >= beams_->minRange - slack && r <= beams_->maxRange + slack), i);
+    visitTable(scan_, [&](auto key, const auto& values) {
+      if (!values.empty()) checkColumn(key.row, values);
+    });
+  }
+
+  template <class T>
+  void checkColumn(const Column& column, const std::vector<T>& values) {
+    const auto check = [&](const std::string& what, const auto& holds) {
+      Rule rule(what);
+      for (std::size_t i = 0; i < values.size(); ++i) rule.check(holds(i, static_cast<double>(values[i])), i);
+      rule.report(problems_);
+    };
+    const auto below = [&](std::uint32_t count) {
+      check(fmt::format("of a {} beyond {}", column.name, count - 1),
+            [&](std::size_t, double value) { return value < count; });
+    };
+    switch (column.validity) {
+      case ColumnValidity::Any:
+        return;
+      case ColumnValidity::Finite:
+        return check(fmt::format("of {} that is not finite", column.name),
+                     [](std::size_t, double value) { return std::isfinite(value); });
+      case ColumnValidity::Rings:
+        return below(beams_->rings);
+      case ColumnValidity::Columns:
+        return below(beams_->columns);
+      case ColumnValidity::SensorRange: {
+        const double slack = maxError_ + kRangeRounding * beams_->maxRange;
+        return check(fmt::format("of {} outside {:.6g} to {:.6g} m", column.name, beams_->minRange, beams_->maxRange),
+                     [&](std::size_t i, double value) {
+                       return isMiss(i) || (value >= beams_->minRange - slack && value <= beams_->maxRange + slack);
+                     });
+      }
+      case ColumnValidity::Interval: {
+        // What a format may move a value by, and what float32 rounds a bound by.
+        const double slack = 2 * column.lossBound + 1e-6 * std::max(std::abs(column.low), std::abs(column.high));
+        return check(
+            fmt::format("of {} outside {:.6g} to {:.6g} {}", column.name, column.low, column.high, column.unit),
+            [&](std::size_t, double value) {
+              return std::isnan(value) || (value >= column.low - slack && value <= column.high + slack);
+            });
+      }
     }
-    range.report(problems_);
-    Rule incidence("of an incidence outside 0 to pi/2");  // NaN: the recording did not know it
-    for (std::size_t i = 0; i < scan_.incidence.size(); ++i) {
-      const double angle = scan_.incidence[i];
-      incidence.check(std::isnan(angle) || (angle >= -kIncidenceSlack && angle <= kPi / 2 + kIncidenceSlack), i);
-    }
-    incidence.report(problems_);
-    Rule time("of a time that is not finite");
-    for (std::size_t i = 0; i < scan_.time.size(); ++i) time.check(std::isfinite(scan_.time[i]), i);
-    time.report(problems_);
-    Rule intensity("of an intensity that is not finite");
-    for (std::size_t i = 0; i < scan_.intensity.size(); ++i) intensity.check(std::isfinite(scan_.intensity[i]), i);
-    intensity.report(problems_);
   }
 
   void checkClasses() {
-    if (scan_.label.empty()) return;
+    if (scan_[kLabel].empty()) return;
     std::map<std::uint16_t, std::uint64_t> counts;
     for (std::size_t i = 0; i < scan_.size(); ++i) {
-      if (!isMiss(i)) ++counts[scan_.label[i]];
+      if (!isMiss(i)) ++counts[scan_[kLabel][i]];
     }
     for (const auto& [id, points] : counts) {
       const SemanticClass* known = manifest_.ontology.find(id);
@@ -169,10 +185,10 @@ class ScanCheck {
   }
 
   void checkInstances() {
-    if (scan_.instance.empty()) return;
+    if (scan_[kInstance].empty()) return;
     std::unordered_set<std::uint32_t> instances;
     std::uint32_t last = 0;  // neighbours mostly see the same object
-    for (const std::uint32_t id : scan_.instance) {
+    for (const std::uint32_t id : scan_[kInstance]) {
       if (id != last && id != 0) instances.insert(id);
       last = id;
     }

@@ -5,23 +5,21 @@
 //
 // Numbers have the shortest digits that read back to the same bits, lines end with '\n', the misses of an organised
 // scan are "nan". The text says nothing of the sensor: decode() gives one row per line, and rings and columns unknown.
+// Columns of others, which the table of columns does not have, are kept as double-precision numbers.
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <cctype>
+#include <functional>
 #include <vector>
 
-#include "formats/columns.h"
 #include "formats/makers.h"
 #include "formats/text_rows.h"
 
 namespace scanmill {
 
 namespace {
-
-constexpr std::array<const char*, 11> kNames{"x",    "y",      "z",    "intensity",  "label",    "instance",
-                                             "ring", "column", "time", "range_true", "incidence"};
 
 // Cuts the text up to the next `separator`, which is removed; the rest of the text where there is none.
 std::string_view cut(std::string_view& text, char separator) {
@@ -31,62 +29,62 @@ std::string_view cut(std::string_view& text, char separator) {
   return piece;
 }
 
-// Indices into kNames.
-std::vector<std::size_t> readHeader(std::string_view line, const Location& where) {
-  const std::vector<std::string> known(kNames.begin(), kNames.end());
-  std::vector<std::size_t> columns;
+// Reads a cell of the last point.
+using ReadCell = std::function<void(std::string_view word, const Location& where)>;
+
+// Where the values of a column go. A name that the table of columns does not have is kept as a foreign column, unless
+// it is nearly one of the table's.
+ReadCell cellReader(Scan& scan, const std::string& name, const Location& at) {
+  for (const auto& [axis, member] : {std::pair{"x", &Vec3f::x}, {"y", &Vec3f::y}, {"z", &Vec3f::z}}) {
+    if (name != axis) continue;
+    return [&scan, axis, member](std::string_view word, const Location& where) {
+      readNumber(word, scan.position.back().*member, axis, where);
+    };
+  }
+  ReadCell read;
+  visitTable(scan, [&](auto key, auto& values) {
+    if (key.row.name != name) return;
+    read = [&values, key](std::string_view word, const Location& where) {
+      readNumber(word, values.emplace_back(), key.row.name, where);
+    };
+  });
+  if (read) return read;
+  const std::string meant = nearest(name, scanColumnNames(ColumnSet::all()));
+  if (!meant.empty()) throw InputError(at, fmt::format("unknown column '{}' (did you mean '{}'?)", name, meant));
+  scan.foreign.push_back({name, std::vector<double>{}});
+  return [&scan, index = scan.foreign.size() - 1](std::string_view word, const Location& where) {
+    ForeignColumn& column = scan.foreign[index];
+    readNumber(word, std::get<std::vector<double>>(column.values).emplace_back(), column.name, where);
+  };
+}
+
+std::vector<ReadCell> readHeader(std::string_view line, Scan& scan, const Location& where) {
+  constexpr std::size_t kMostColumns = 256;
   const auto columnCount = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
-  if (columnCount > kNames.size()) throw InputError(where, "the header names too many columns to be a scan's");
+  if (columnCount > kMostColumns) throw InputError(where, "the header names too many columns to be a scan's");
+  std::vector<std::string> names;
+  std::vector<ReadCell> cells;
   for (std::size_t i = 0; i < columnCount; ++i) {
-    const std::string_view name = cut(line, ',');
-    const auto found = std::find(kNames.begin(), kNames.end(), name);
-    if (found == kNames.end()) {
-      throw InputError(where, fmt::format("unknown column '{}'{}", name.substr(0, 40), suggestion(name, known)));
+    const std::string name(cut(line, ','));
+    const bool word = !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+    });
+    if (!word || std::isdigit(static_cast<unsigned char>(name.front())) != 0) {
+      throw InputError(where,
+                       fmt::format("'{}' is no name of a column: the first line names them", name.substr(0, 40)));
     }
-    const auto index = static_cast<std::size_t>(found - kNames.begin());
-    if (std::find(columns.begin(), columns.end(), index) != columns.end()) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) {
       throw InputError(where, fmt::format("column '{}' is named twice", name));
     }
-    columns.push_back(index);
+    cells.push_back(cellReader(scan, name, where));
+    names.push_back(name);
   }
-  for (const std::size_t axis : {0u, 1u, 2u}) {
-    if (std::find(columns.begin(), columns.end(), axis) == columns.end()) {
-      throw InputError(where, fmt::format("there is no column '{}'", kNames[axis]));
+  for (const char* axis : {"x", "y", "z"}) {
+    if (std::find(names.begin(), names.end(), axis) == names.end()) {
+      throw InputError(where, fmt::format("there is no column '{}'", axis));
     }
   }
-  return columns;
-}
-
-template <class T>
-void readInto(std::vector<T>& column, std::string_view word, std::size_t index, const Location& where) {
-  readNumber(word, column.emplace_back(), kNames[index], where);
-}
-
-void readCell(Scan& scan, std::size_t index, std::string_view word, const Location& where) {
-  switch (index) {
-    case 0:
-      return readNumber(word, scan.position.back().x, "x", where);
-    case 1:
-      return readNumber(word, scan.position.back().y, "y", where);
-    case 2:
-      return readNumber(word, scan.position.back().z, "z", where);
-    case 3:
-      return readInto(scan.intensity, word, index, where);
-    case 4:
-      return readInto(scan.label, word, index, where);
-    case 5:
-      return readInto(scan.instance, word, index, where);
-    case 6:
-      return readInto(scan.ring, word, index, where);
-    case 7:
-      return readInto(scan.column, word, index, where);
-    case 8:
-      return readInto(scan.time, word, index, where);
-    case 9:
-      return readInto(scan.rangeTrue, word, index, where);
-    default:
-      return readInto(scan.incidence, word, index, where);
-  }
+  return cells;
 }
 
 class Csv : public Format {
@@ -96,8 +94,9 @@ class Csv : public Format {
   bool keepsMisses() const override { return true; }
 
   double mostBytes(const ScanOutline& outline) const override {
-    return static_cast<double>(fmt::format("{}\n", fmt::join(outline.names, ",")).size()) +
-           static_cast<double>(outline.points) * static_cast<double>(longestRow(outline.names));
+    const std::string header = fmt::format("x,y,z,{}\n", fmt::join(outline.held.names(), ","));
+    return static_cast<double>(header.size()) +
+           static_cast<double>(outline.points) * static_cast<double>(longestRow(outline.held));
   }
 
   std::string encode(const Scan& scan) const override {
@@ -114,8 +113,8 @@ class Csv : public Format {
       where.line = static_cast<int>(std::count(bytes.begin(), bytes.end(), '\n')) + 1;
       throw InputError(where, "the last line has no end: the file is truncated");
     }
-    const std::vector<std::size_t> columns = readHeader(cut(bytes, '\n'), where);
     Scan scan;
+    const std::vector<ReadCell> columns = readHeader(cut(bytes, '\n'), scan, where);
     while (!bytes.empty()) {
       ++where.line;
       std::string_view line = cut(bytes, '\n');
@@ -124,7 +123,7 @@ class Csv : public Format {
         throw InputError(where, fmt::format("{} values where the header names {} columns", cells, columns.size()));
       }
       scan.position.emplace_back();
-      for (const std::size_t column : columns) readCell(scan, column, cut(line, ','), where);
+      for (const ReadCell& read : columns) read(cut(line, ','), where);
     }
     return scan;
   }

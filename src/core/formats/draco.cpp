@@ -1,16 +1,17 @@
 // draco: Google Draco point clouds, sequential, so points keep their order and identical ones stay.
 //
 //   format: draco
-//   max_error_mm: 1     # Euclidean, of a position; range_true keeps the same bound
+//   max_error_mm: 1     # Euclidean, of a position
 //   speed: 7            # Draco's scale, 10 the least effort; here it only sets the precision of the probabilities
 //   intensity_bits: 0   # 0 keeps every bit; else as many over the span of each scan's intensities
 //   time: false         # time follows from ring and column by the beam table in the manifest, so it is left out
 //
 // POSITION is a quantised float32 attribute: any reader gets metres. The others are GENERIC with a metadata entry
-// "name" (label, instance, ring, column, intensity, time, range_true, incidence). Integers have the narrowest of u8,
-// u16 and u32 and are never changed; intensities that are all integers up to 65535 are such too, others are float32.
-// Incidences are quantised, within 0.1 mrad. The geometry's metadata holds rings and columns of the sensor. Misses are
-// left out: ring and column join what stays.
+// "name", in the order of the table of columns (scan/columns.h), which says what may be rounded, and by how much.
+// Integers have the narrowest of u8, u16 and u32 and are never changed; intensities that are all integers up to 65535
+// are such too, others are float32. The geometry's metadata holds rings and columns of the sensor. Misses are left out:
+// ring and column join what stays. Of foreign columns, those of numbers that Draco's attributes hold exactly (u8, u16,
+// u32, float32) stay.
 //
 // What was measured (tests/benchmarks/encoders.cpp): a street seen by 64 x 2048 beams with 10 mm of range noise, in
 // firing and in image order; xyz, intensity, label, instance, ring, column; 1 mm. Million points per second of
@@ -37,7 +38,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "formats/columns.h"
 #include "formats/draco_reader.h"
 #include "formats/draco_writer.h"
 #include "formats/grid.h"
@@ -51,9 +51,6 @@ namespace {
 // Beside the points' own: metadata and descriptors; tables of probabilities of the lengths of symbols.
 constexpr double kMostHeaderBytes = 100;
 constexpr double kMostColumnBytes = 200;
-
-// rad, 0.006 deg: less than the 0.35 mrad between the angles whose float32 cosines are nearest to 1.
-constexpr double kIncidenceError = 1e-4;
 
 // What an entry of symbols of so many bits takes at most: its length, the symbols themselves, and less than one for
 // probabilities that are rounded. Symbols with probabilities of their own are only taken where they are shorter.
@@ -115,17 +112,17 @@ class DracoFormat : public Format {
   double mostBytes(const ScanOutline& outline) const override {
     double bits = symbolBits(mostIndexBits(outline.reach, 3, options_.maxError), 3);
     double columns = 1;
-    visitNamedColumns(outline.names, [&]<class T>(std::string_view name, const std::vector<T>&) {
-      if (name == "time" && !options_.time) return;
+    forEachColumn([&]<class Key>(Key key) {
+      if (!outline.held.has(key) || !keeps(key.row)) return;
       ++columns;
-      if (name == "range_true") {
+      if (key.row.loss == ColumnLoss::AsPositions) {
         bits += symbolBits(mostIndexBits(outline.reach, 1, options_.maxError), 1);
-      } else if (std::is_floating_point_v<T>) {
+      } else if (key.row.type == ColumnType::Float32) {
         bits += 32;  // more than integers and quantised values take
       } else {
-        const std::uint32_t largest = name == "ring"     ? outline.rings
-                                      : name == "column" ? outline.columns
-                                                         : std::numeric_limits<T>::max();
+        const std::uint32_t largest = key.row.validity == ColumnValidity::Rings     ? outline.rings
+                                      : key.row.validity == ColumnValidity::Columns ? outline.columns
+                                                                                    : largestOf<typename Key::Value>();
         bits += symbolBits(std::bit_width(largest), 1);
       }
     });
@@ -151,15 +148,53 @@ class DracoFormat : public Format {
     writer.addEntry("columns", static_cast<std::int32_t>(scan.columns));
     if (scan.size() == 0) return writer.finish();
     addPosition(scan, writer);
-    if (!scan.intensity.empty()) addIntensity(scan, writer);
-    if (!scan.label.empty()) writer.addIntegers("label", scan.label);
-    if (!scan.instance.empty()) writer.addIntegers("instance", scan.instance);
-    if (!scan.ring.empty()) writer.addIntegers("ring", scan.ring);
-    if (!scan.column.empty()) writer.addIntegers("column", scan.column);
-    if (options_.time && !scan.time.empty()) writer.addFloats("time", scan.time);
-    if (!scan.rangeTrue.empty()) addBounded("range_true", scan.rangeTrue, options_.maxError, writer);
-    if (!scan.incidence.empty()) addIncidence(scan, writer);
+    visitTable(scan, [&](auto key, const auto& values) {
+      if (!values.empty() && keeps(key.row)) addColumn(key.row, values, writer);
+    });
+    for (const ForeignColumn& column : scan.foreign) {
+      std::visit([&](const auto& values) { addForeign(column.name, values, writer); }, column.values);
+    }
     return writer.finish();
+  }
+
+  // The time of a point follows from its ring and column, so it is kept only where somebody asks for it.
+  bool keeps(const Column& column) const { return column.name != kTime.row.name || options_.time; }
+
+  template <class T>
+  static constexpr std::uint32_t largestOf() {
+    return std::is_integral_v<T> ? static_cast<std::uint32_t>(std::numeric_limits<T>::max()) : 0;
+  }
+
+  template <class T>
+  void addColumn(const Column& column, const std::vector<T>& values, DracoWriter& writer) const {
+    if constexpr (std::is_integral_v<T>) {
+      writer.addIntegers(column.name, std::span<const T>(values));
+    } else if (column.name == kIntensity.row.name) {
+      addIntensity(values, writer);
+    } else if (column.loss == ColumnLoss::Exact || !allValid(column, values)) {
+      writer.addFloats(column.name, values);
+    } else {
+      addBounded(std::string(column.name), values,
+                 column.loss == ColumnLoss::AsPositions ? options_.maxError : column.lossBound, writer);
+    }
+  }
+
+  template <class T>
+  static void addForeign(const std::string& name, const std::vector<T>& values, DracoWriter& writer) {
+    if constexpr (std::is_same_v<T, float>) {
+      writer.addFloats(name, values);
+    } else if constexpr (std::is_unsigned_v<T> && sizeof(T) <= 4) {
+      writer.addIntegers(name, std::span<const T>(values));
+    }
+  }
+
+  // A foreign scan may hold anything under a column's name: only values that can be the column's are rounded as such.
+  static bool allValid(const Column& column, const std::vector<float>& values) {
+    if (!allFinite(values)) return false;
+    if (column.validity != ColumnValidity::Interval) return true;
+    const double slack = 2 * column.lossBound;
+    return std::all_of(values.begin(), values.end(),
+                       [&](float v) { return v >= column.low - slack && v <= column.high + slack; });
   }
 
   void addPosition(const Scan& scan, DracoWriter& writer) const {
@@ -173,32 +208,23 @@ class DracoFormat : public Format {
     writer.addPosition(onGrid({reinterpret_cast<const float*>(scan.position.data()), 3 * scan.size()}, grid));
   }
 
-  void addIntensity(const Scan& scan, DracoWriter& writer) const {
-    const std::vector<std::uint16_t> integers = asIntegers(scan.intensity);
-    if (!integers.empty()) return writer.addIntegers("intensity", integers);
-    if (options_.intensityBits > 0 && allFinite(scan.intensity)) {
-      const auto [low, high] = std::minmax_element(scan.intensity.begin(), scan.intensity.end());
+  void addIntensity(const std::vector<float>& values, DracoWriter& writer) const {
+    const std::string_view name = kIntensity.row.name;
+    const std::vector<std::uint16_t> integers = asIntegers(values);
+    if (!integers.empty()) return writer.addIntegers(name, std::span<const std::uint16_t>(integers));
+    if (options_.intensityBits > 0 && allFinite(values)) {
+      const auto [low, high] = std::minmax_element(values.begin(), values.end());
       const double bound = (double{*high} - double{*low}) / (std::exp2(options_.intensityBits) - 1) / 2;
       // A narrow span far from zero has no more bits than these to give: it stays as it is.
       if (bound > std::max(std::fabs(*low), std::fabs(*high)) * 0x1p-21) {
         const Grid grid = chooseGrid({&*low, 1}, {&*high, 1}, bound, "draco: intensity");
-        return writer.addQuantised("intensity", onGrid(scan.intensity, grid));
+        return writer.addQuantised(name, onGrid(values, grid));
       }
     }
-    writer.addFloats("intensity", scan.intensity);
-  }
-
-  static void addIncidence(const Scan& scan, DracoWriter& writer) {
-    // A foreign scan may hold anything under this name.
-    const auto isAngle = [](float angle) { return angle >= 0 && angle < 2; };
-    if (!std::all_of(scan.incidence.begin(), scan.incidence.end(), isAngle)) {
-      return writer.addFloats("incidence", scan.incidence);
-    }
-    addBounded("incidence", scan.incidence, kIncidenceError, writer);
+    writer.addFloats(name, values);
   }
 
   static void addBounded(const std::string& name, std::span<const float> values, double bound, DracoWriter& writer) {
-    if (!allFinite(values)) return writer.addFloats(name, values);
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
     const Grid grid = chooseGrid({&*low, 1}, {&*high, 1}, bound, "draco: " + name);
     writer.addQuantised(name, onGrid(values, grid));

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "formats/column_value.h"
-#include "formats/columns.h"
+#include "scan/scan.h"
 
 namespace scanmill {
 
@@ -129,12 +129,13 @@ class CloudReader {
     if (!position || position->num_components() != 3) throw InputError(where_, "there are no positions x, y, z");
     scan.position.resize(cloud_.num_points());
     readAttribute(*position, "position", &scan.position[0].x);
-    visitOptionalColumns(scan, [&](std::string_view name, auto& column) {
-      const draco::PointAttribute* attribute = find(name);
+    visitTable(scan, [&](auto key, auto& values) {
+      const draco::PointAttribute* attribute = find(key.row.name);
       if (!attribute) return;
-      column.resize(cloud_.num_points());
-      readAttribute(*attribute, name, column.data());
+      values.resize(cloud_.num_points());
+      readAttribute(*attribute, key.row.name, values.data());
     });
+    readForeign(scan);
     return scan;
   }
 
@@ -148,9 +149,7 @@ class CloudReader {
   const draco::PointAttribute* find(std::string_view name) const {
     if (!cloud_.GetMetadata()) return nullptr;
     for (int i = 0; i < cloud_.num_attributes(); ++i) {
-      const draco::AttributeMetadata* metadata = cloud_.GetAttributeMetadataByAttributeId(i);
-      std::string found;
-      if (!metadata || !metadata->GetEntryString("name", &found) || found != name) continue;
+      if (nameOf(i) != name) continue;
       if (cloud_.attribute(i)->num_components() != 1) {
         throw InputError(where_, fmt::format("{} has {} values a point", name, cloud_.attribute(i)->num_components()));
       }
@@ -159,32 +158,60 @@ class CloudReader {
     return nullptr;
   }
 
+  // Empty: the attribute has no name.
+  std::string nameOf(int attribute) const {
+    const draco::AttributeMetadata* metadata = cloud_.GetAttributeMetadataByAttributeId(attribute);
+    std::string name;
+    if (metadata == nullptr || !metadata->GetEntryString("name", &name)) name.clear();
+    return name;
+  }
+
+  // What has a name that the table of columns does not have, and one value a point.
+  void readForeign(Scan& scan) const {
+    if (!cloud_.GetMetadata()) return;
+    for (int i = 0; i < cloud_.num_attributes(); ++i) {
+      const draco::PointAttribute& attribute = *cloud_.attribute(i);
+      const std::string name = nameOf(i);
+      if (name.empty() || attribute.num_components() != 1 || columnIndex(name) < kColumnCount) continue;
+      visitStored(attribute, name, [&]<class Stored>(Stored) {
+        std::vector<Stored> values(cloud_.num_points());
+        convert<Stored>(attribute, name, values.data());
+        scan.foreign.push_back({name, std::move(values)});
+      });
+    }
+  }
+
   // Fills components after each other, point by point.
   template <class T>
   void readAttribute(const draco::PointAttribute& attribute, std::string_view name, T* to) const {
-    const auto as = [&]<class Stored>(Stored) { convert<Stored>(attribute, name, to); };
+    visitStored(attribute, name, [&]<class Stored>(Stored) { convert<Stored>(attribute, name, to); });
+  }
+
+  // Calls visit(value) with a value of the type in which the attribute is stored.
+  template <class Visit>
+  void visitStored(const draco::PointAttribute& attribute, std::string_view name, const Visit& visit) const {
     switch (attribute.data_type()) {
       case draco::DT_INT8:
-        return as(std::int8_t{});
+        return visit(std::int8_t{});
       case draco::DT_UINT8:
       case draco::DT_BOOL:
-        return as(std::uint8_t{});
+        return visit(std::uint8_t{});
       case draco::DT_INT16:
-        return as(std::int16_t{});
+        return visit(std::int16_t{});
       case draco::DT_UINT16:
-        return as(std::uint16_t{});
+        return visit(std::uint16_t{});
       case draco::DT_INT32:
-        return as(std::int32_t{});
+        return visit(std::int32_t{});
       case draco::DT_UINT32:
-        return as(std::uint32_t{});
+        return visit(std::uint32_t{});
       case draco::DT_INT64:
-        return as(std::int64_t{});
+        return visit(std::int64_t{});
       case draco::DT_UINT64:
-        return as(std::uint64_t{});
+        return visit(std::uint64_t{});
       case draco::DT_FLOAT32:
-        return as(float{});
+        return visit(float{});
       case draco::DT_FLOAT64:
-        return as(double{});
+        return visit(double{});
       default:
         throw InputError(where_, fmt::format("{} has an unknown type", name));
     }

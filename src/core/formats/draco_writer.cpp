@@ -100,6 +100,10 @@ void DracoWriter::addQuantised(std::string_view name, const QuantisedColumn& col
   addGrid(column);
 }
 
+void DracoWriter::addIntegers(std::string_view name, std::span<const std::uint8_t> values) {
+  addNarrowed(name, values);
+}
+
 void DracoWriter::addIntegers(std::string_view name, std::span<const std::uint16_t> values) {
   addNarrowed(name, values);
 }

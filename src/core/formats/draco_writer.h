@@ -31,6 +31,7 @@ class DracoWriter {
   // Columns, in the order of the attributes; `name` becomes the attribute's metadata entry "name".
   void addPosition(const QuantisedColumn& column);
   void addQuantised(std::string_view name, const QuantisedColumn& column);
+  void addIntegers(std::string_view name, std::span<const std::uint8_t> values);
   void addIntegers(std::string_view name, std::span<const std::uint16_t> values);  // u8 where they all fit
   void addIntegers(std::string_view name, std::span<const std::uint32_t> values);  // u8, u16 or u32
   void addFloats(std::string_view name, std::span<const float> values);            // as they are

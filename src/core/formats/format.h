@@ -16,11 +16,11 @@ namespace scanmill {
 
 // What is known of a scan before it is made.
 struct ScanOutline {
-  std::uint64_t points = 0;        // at most
-  std::uint32_t rings = 0;         // of the sensor
-  std::uint32_t columns = 0;       // of the sensor
-  double reach = 0;                // m, of the largest coordinate
-  std::vector<std::string> names;  // of its columns, as columnNames() has them
+  std::uint64_t points = 0;   // at most
+  std::uint32_t rings = 0;    // of the sensor
+  std::uint32_t columns = 0;  // of the sensor
+  double reach = 0;           // m, of the largest coordinate
+  ColumnSet held;             // besides the position
 };
 
 class Format {

@@ -3,8 +3,9 @@
 //   format: pcd
 //   encoding: binary_compressed   # LZF over whole columns; or binary, rows as they are; or ascii
 //
-// Fields: x y z intensity time range_true incidence F 4, label instance U 4, ring column U 2, as far as the scan has
-// them. An organised scan keeps WIDTH and HEIGHT, its misses are NaN. A comment keeps the sensor's rings and columns.
+// Fields: x y z F 4, then the scan's columns in the types of the table of columns (scan/columns.h), but for the label,
+// which is U 4, as PCL's PointXYZL has it. An organised scan keeps WIDTH and HEIGHT, its misses are NaN. A comment
+// keeps the sensor's rings and columns.
 
 #include <fmt/format.h>
 #include <pcl/io/lzf.h>
@@ -13,10 +14,8 @@
 #include <cstring>
 #include <limits>
 #include <memory>
-#include <span>
 #include <vector>
 
-#include "formats/columns.h"
 #include "formats/makers.h"
 #include "formats/pcd_reader.h"
 #include "formats/scratch.h"
@@ -30,31 +29,44 @@ enum class Encoding { Compressed, Binary, Ascii };
 
 constexpr double kMostLzfGrowth = 33.0 / 32;  // a byte before up to 32 that are kept as they are
 
-// As stored: class ids are U 4, as PCL's PointXYZL has them; everything else as in memory.
 template <class T>
 constexpr std::size_t storedSize(std::string_view name) {
-  return name == "label" ? 4 : sizeof(T);
+  return name == kLabel.row.name ? sizeof(std::uint32_t) : sizeof(T);
 }
 
-// Of a scan with the columns of these names.
-std::size_t rowSize(std::span<const std::string> names) {
+std::size_t rowSize(ColumnSet columns) {
   std::size_t size = sizeof(Vec3f);
-  visitNamedColumns(names, [&]<class T>(std::string_view name, const std::vector<T>&) { size += storedSize<T>(name); });
+  forEachColumn(
+      [&]<class Key>(Key key) { size += columns.has(key) ? storedSize<typename Key::Value>(key.row.name) : 0; });
   return size;
 }
 
-constexpr double kMostHeaderBytes = 400;  // with all columns, and the longest numbers
+std::size_t rowSize(const Scan& scan) {
+  std::size_t size = sizeof(Vec3f);
+  visitColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>&) { size += storedSize<T>(name); });
+  return size;
+}
+
+double mostHeaderBytes(ColumnSet columns) {
+  std::size_t bytes = 350;  // without columns, with the longest numbers
+  for (const std::string& name : columns.names()) bytes += name.size() + std::string_view(" , 4 F 1").size();
+  return static_cast<double>(bytes);
+}
+
+template <class T>
+constexpr char kPcdType = std::is_floating_point_v<T> ? 'F'
+                          : std::is_signed_v<T>       ? 'I'
+                                                      : 'U';
 
 std::string header(const Scan& scan, std::string_view data) {
   std::string fields = "x y z";
   std::string sizes = "4 4 4";
   std::string types = "F F F";
   std::string counts = "1 1 1";
-  visitOptionalColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& column) {
-    if (column.empty()) return;
+  visitColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>&) {
     fields += fmt::format(" {}", name);
     sizes += fmt::format(" {}", storedSize<T>(name));
-    types += std::is_floating_point_v<T> ? " F" : " U";
+    types += fmt::format(" {}", kPcdType<T>);
     counts += " 1";
   });
   return fmt::format(
@@ -74,21 +86,22 @@ void scatter(const T* values, std::size_t count, char* to, std::size_t stride) {
 
 // Rows. A block stays in the first-level cache while one column after the other is spread over it.
 void appendBinary(const Scan& scan, std::string& out) {
-  constexpr std::size_t kBlock = 256;
-  constexpr std::size_t kWidest = 40;  // bytes of a row with all columns
-  const std::size_t stride = rowSize(columnNames(scan));
+  constexpr std::size_t kBlockBytes = 12 * 1024;
+  const std::size_t stride = rowSize(scan);
+  const std::size_t rows = kBlockBytes / stride;
+  if (rows == 0)
+    throw Error(fmt::format("a row of {} bytes is wider than binary PCDs of {} hold", stride, kBlockBytes));
   out.reserve(out.size() + stride * scan.size());
-  char block[kBlock * kWidest];
-  for (std::size_t first = 0; first < scan.size(); first += kBlock) {
-    const std::size_t count = std::min(kBlock, scan.size() - first);
+  char block[kBlockBytes];
+  for (std::size_t first = 0; first < scan.size(); first += rows) {
+    const std::size_t count = std::min(rows, scan.size() - first);
     scatter<Vec3f>(scan.position.data() + first, count, block, stride);
     char* to = block + sizeof(Vec3f);
-    visitOptionalColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& column) {
-      if (column.empty()) return;
-      if (name == "label") {
-        scatter<std::uint32_t>(column.data() + first, count, to, stride);
+    visitColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& values) {
+      if (name == kLabel.row.name) {
+        scatter<std::uint32_t>(values.data() + first, count, to, stride);
       } else {
-        scatter<T>(column.data() + first, count, to, stride);
+        scatter<T>(values.data() + first, count, to, stride);
       }
       to += storedSize<T>(name);
     });
@@ -99,7 +112,7 @@ void appendBinary(const Scan& scan, std::string& out) {
 // One column after the other, LZF over all, behind the sizes before and after decompression.
 void appendCompressed(const Scan& scan, std::string& out) {
   const std::size_t size = scan.size();
-  const std::size_t raw = rowSize(columnNames(scan)) * size;
+  const std::size_t raw = rowSize(scan) * size;
   const std::size_t room = raw + raw / 16 + 64;  // LZF adds at most one byte in 32
   if (room > std::numeric_limits<std::uint32_t>::max()) {
     throw Error(fmt::format("{} points are more than a compressed PCD holds: use encoding binary", size));
@@ -114,12 +127,11 @@ void appendCompressed(const Scan& scan, std::string& out) {
     }
     to += sizeof(float) * size;
   }
-  visitOptionalColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& column) {
-    if (column.empty()) return;
-    if (name == "label") {
-      scatter<std::uint32_t>(column.data(), size, to, sizeof(std::uint32_t));
+  visitColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& values) {
+    if (name == kLabel.row.name) {
+      scatter<std::uint32_t>(values.data(), size, to, sizeof(std::uint32_t));
     } else {
-      std::memcpy(to, column.data(), sizeof(T) * size);
+      std::memcpy(to, values.data(), sizeof(T) * size);
     }
     to += storedSize<T>(name) * size;
   });
@@ -143,10 +155,10 @@ class Pcd : public Format {
   double mostBytes(const ScanOutline& outline) const override {
     const auto points = static_cast<double>(outline.points);
     if (encoding_ == Encoding::Ascii) {
-      return kMostHeaderBytes + points * static_cast<double>(longestRow(outline.names));
+      return mostHeaderBytes(outline.held) + points * static_cast<double>(longestRow(outline.held));
     }
-    const double raw = points * static_cast<double>(rowSize(outline.names));
-    return kMostHeaderBytes + (encoding_ == Encoding::Binary ? raw : raw * kMostLzfGrowth);
+    const double raw = points * static_cast<double>(rowSize(outline.held));
+    return mostHeaderBytes(outline.held) + (encoding_ == Encoding::Binary ? raw : raw * kMostLzfGrowth);
   }
 
   std::string encode(const Scan& scan) const override {

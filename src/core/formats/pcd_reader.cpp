@@ -12,7 +12,6 @@
 
 #include "base/error.h"
 #include "formats/column_value.h"
-#include "formats/columns.h"
 #include "formats/text_rows.h"
 
 namespace scanmill {
@@ -168,7 +167,9 @@ class HeaderReader {
     if (h.width * h.height != h.points) {
       throw InputError(where, fmt::format("{} x {} (WIDTH x HEIGHT) are not {} POINTS", h.width, h.height, h.points));
     }
-    if (h.sensor && h.organised && (h.width != (*h.sensor)[1] || h.height != (*h.sensor)[0])) {
+    if (!h.sensor || !h.organised) return;
+    const auto [rings, columns] = *h.sensor;
+    if (h.width != columns || (rings == 0 ? h.height != 0 : h.height == 0 || h.height % rings != 0)) {
       throw InputError(where, "WIDTH and HEIGHT disagree with the sensor comment");
     }
   }
@@ -191,24 +192,29 @@ void convert(const PcdField& field, const char* first, std::size_t step, T* to, 
   }
 }
 
+// Calls visit(value) with a value of the type in which the field is stored.
+template <class Visit>
+auto visitStored(const PcdField& field, const Visit& visit) {
+  switch (field.type) {
+    case 'F':
+      return field.size == 4 ? visit(float{}) : visit(double{});
+    case 'U':
+      return field.size == 1   ? visit(std::uint8_t{})
+             : field.size == 2 ? visit(std::uint16_t{})
+             : field.size == 4 ? visit(std::uint32_t{})
+                               : visit(std::uint64_t{});
+    default:
+      return field.size == 1   ? visit(std::int8_t{})
+             : field.size == 2 ? visit(std::int16_t{})
+             : field.size == 4 ? visit(std::int32_t{})
+                               : visit(std::int64_t{});
+  }
+}
+
 template <class T>
 void readField(const PcdField& field, const char* first, std::size_t step, T* to, std::size_t stride,
                std::size_t points, const Location& where) {
-  const auto as = [&]<class Stored>(Stored) { convert<Stored>(field, first, step, to, stride, points, where); };
-  switch (field.type) {
-    case 'F':
-      return field.size == 4 ? as(float{}) : as(double{});
-    case 'U':
-      return field.size == 1   ? as(std::uint8_t{})
-             : field.size == 2 ? as(std::uint16_t{})
-             : field.size == 4 ? as(std::uint32_t{})
-                               : as(std::uint64_t{});
-    default:
-      return field.size == 1   ? as(std::int8_t{})
-             : field.size == 2 ? as(std::int16_t{})
-             : field.size == 4 ? as(std::int32_t{})
-                               : as(std::int64_t{});
-  }
+  visitStored(field, [&]<class Stored>(Stored) { convert<Stored>(field, first, step, to, stride, points, where); });
 }
 
 class BodyReader {
@@ -247,6 +253,17 @@ class BodyReader {
     return field == nullptr && name == "intensity" ? find(kReflectivity) : field;
   }
 
+  // Fields that belong to no column of the table are kept, but for those of several values a point, and the padding
+  // that PCL calls "_".
+  static bool isForeign(const PcdField& field) {
+    return field.count == 1 && field.name != "_" && field.name != "x" && field.name != "y" && field.name != "z" &&
+           columnIndex(field.name) == kColumnCount;
+  }
+
+  ForeignColumn::Values newValues(const PcdField& field) const {
+    return visitStored(field, [&]<class T>(T) { return ForeignColumn::Values(std::vector<T>(header_.points)); });
+  }
+
   const PcdField& require(std::string_view name) const {
     const PcdField* field = find(name);
     if (!field) throw InputError(where_, fmt::format("there is no field {}", name));
@@ -263,6 +280,10 @@ class BodyReader {
     scan.columns = static_cast<std::uint32_t>(header_.sensor   ? (*header_.sensor)[1]
                                               : scan.organised ? header_.width
                                                                : 0);
+    if (scan.organised && scan.rings > 0) scan.planes = static_cast<std::uint32_t>(header_.height / scan.rings);
+    for (const PcdField& field : header_.fields) {
+      if (isForeign(field)) scan.foreign.push_back({std::string(field.name), newValues(field)});
+    }
     return scan;
   }
 
@@ -304,25 +325,28 @@ class BodyReader {
     fill(require("x"), &scan.position[0].x, 3);
     fill(require("y"), &scan.position[0].y, 3);
     fill(require("z"), &scan.position[0].z, 3);
-    visitOptionalColumns(scan, [&](std::string_view name, auto& column) {
-      const PcdField* field = findColumn(name);
+    visitTable(scan, [&](auto key, auto& values) {
+      const PcdField* field = findColumn(key.row.name);
       if (!field) return;
-      column.resize(points);
-      fill(*field, column.data(), 1);
+      values.resize(points);
+      fill(*field, values.data(), 1);
     });
+    for (ForeignColumn& column : scan.foreign) {
+      std::visit([&](auto& values) { fill(*find(column.name), values.data(), 1); }, column.values);
+    }
     return scan;
   }
 
   Scan readAscii() const {
-    Scan scan = newScan();
     // A row takes at least a digit and a separator per element: no header makes us reserve more than that.
     if (header_.points > 0 && header_.points > header_.body.size() / (2 * header_.rowWords) + 1) {
       throw InputError(where_,
                        fmt::format("truncated: {} points do not fit in {} bytes", header_.points, header_.body.size()));
     }
+    Scan scan = newScan();
     scan.position.resize(header_.points);
-    visitOptionalColumns(scan, [&](std::string_view name, auto& column) {
-      if (findColumn(name)) column.resize(header_.points);
+    visitTable(scan, [&](auto key, auto& values) {
+      if (findColumn(key.row.name)) values.resize(header_.points);
     });
     std::string_view rest = header_.body;
     Location where{where_.file, header_.bodyLine - 1, 0};
@@ -362,9 +386,13 @@ class BodyReader {
     if (field.name == "x") return readNumber(word, position.x, field.name, where);
     if (field.name == "y") return readNumber(word, position.y, field.name, where);
     if (field.name == "z") return readNumber(word, position.z, field.name, where);
-    visitOptionalColumns(scan, [&](std::string_view name, auto& column) {
-      if (findColumn(name) == &field) readNumber(word, column[point], name, where);
+    visitTable(scan, [&](auto key, auto& values) {
+      if (findColumn(key.row.name) == &field) readNumber(word, values[point], key.row.name, where);
     });
+    for (ForeignColumn& column : scan.foreign) {
+      if (column.name != field.name) continue;
+      std::visit([&](auto& values) { readNumber(word, values[point], field.name, where); }, column.values);
+    }
   }
 
   const PcdHeader& header_;

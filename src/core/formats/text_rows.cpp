@@ -8,15 +8,24 @@
 #include <limits>
 #include <memory>
 
-#include "formats/columns.h"
-
 namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kLongestNumber = 16;  // "-1.17549435e-38" and a separator
-constexpr std::size_t kLongestRow = 11 * kLongestNumber;
 constexpr std::size_t kBuffer = 1 << 16;
+
+// Characters of the longest number of a type, and a separator.
+template <class T>
+constexpr std::size_t kLongest = std::is_same_v<T, float> ? 16  // "-1.17549435e-38"
+                                 : std::is_same_v<T, double>
+                                     ? 25  // "-2.2250738585072014e-308"
+                                     : std::numeric_limits<T>::digits10 + 2 + (std::is_signed_v<T> ? 1 : 0);
+
+std::size_t longestRowOf(const Scan& scan) {
+  std::size_t length = 3 * kLongest<float>;
+  visitColumns(scan, [&]<class T>(std::string_view, const std::vector<T>&) { length += kLongest<T>; });
+  return length;
+}
 
 template <class T>
 char* append(char* to, T value, char separator) {
@@ -24,62 +33,59 @@ char* append(char* to, T value, char separator) {
   if constexpr (std::is_floating_point_v<T>) {
     if (std::isnan(value)) value = std::numeric_limits<T>::quiet_NaN();
   }
-  to = std::to_chars(to, to + kLongestNumber, value).ptr;
+  to = std::to_chars(to, to + kLongest<T>, value).ptr;
   *to++ = separator;
   return to;
 }
 
-template <class T>
-void readAny(std::string_view word, T& value, std::string_view column, const Location& where) {
-  const char* end = word.data() + word.size();
-  const auto [stop, error] = std::from_chars(word.data(), end, value);
-  if (error != std::errc() || stop != end || word.empty()) {
-    const char* kind = std::is_floating_point_v<T>
-                           ? "a number"
-                           : (sizeof(T) == 2 ? "an integer of 0 to 65535" : "an integer of 0 to 4294967295");
-    throw InputError(where, fmt::format("{} must be {}, not '{}'", column, kind, word.substr(0, 40)));
-  }
-}
-
 }  // namespace
 
-std::size_t longestRow(std::span<const std::string> names) {
-  std::size_t length = 3 * kLongestNumber;
-  visitNamedColumns(names, [&]<class T>(std::string_view, const std::vector<T>&) {
-    length += std::is_floating_point_v<T> ? kLongestNumber : std::numeric_limits<T>::digits10 + 2;
-  });
+std::size_t longestRow(ColumnSet columns) {
+  std::size_t length = 3 * kLongest<float>;
+  forEachColumn([&]<class Key>(Key key) { length += columns.has(key) ? kLongest<typename Key::Value> : 0; });
   return length;
 }
 
 void appendRows(const Scan& scan, char separator, std::string& out) {
-  const auto buffer = std::make_unique_for_overwrite<char[]>(kBuffer);
+  const std::size_t longest = longestRowOf(scan);
+  const std::size_t room = std::max(kBuffer, longest);
+  const auto buffer = std::make_unique_for_overwrite<char[]>(room);
   char* to = buffer.get();
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (to + kLongestRow > buffer.get() + kBuffer) {
+    if (to + longest > buffer.get() + room) {
       out.append(buffer.get(), to);
       to = buffer.get();
     }
     to = append(to, scan.position[i].x, separator);
     to = append(to, scan.position[i].y, separator);
     to = append(to, scan.position[i].z, separator);
-    visitOptionalColumns(scan, [&](std::string_view, const auto& column) {
-      if (!column.empty()) to = append(to, column[i], separator);
-    });
+    visitColumns(scan, [&](std::string_view, const auto& values) { to = append(to, values[i], separator); });
     to[-1] = '\n';
   }
   out.append(buffer.get(), to);
 }
 
-void readNumber(std::string_view word, float& value, std::string_view column, const Location& where) {
-  readAny(word, value, column, where);
+template <class T>
+void readNumber(std::string_view word, T& value, std::string_view column, const Location& where) {
+  const char* end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, value);
+  if (error == std::errc() && stop == end && !word.empty()) return;
+  const std::string kind =
+      std::is_floating_point_v<T>
+          ? std::string("a number")
+          : fmt::format("an integer of {} to {}", std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
+  throw InputError(where, fmt::format("{} must be {}, not '{}'", column, kind, word.substr(0, 40)));
 }
 
-void readNumber(std::string_view word, std::uint16_t& value, std::string_view column, const Location& where) {
-  readAny(word, value, column, where);
-}
-
-void readNumber(std::string_view word, std::uint32_t& value, std::string_view column, const Location& where) {
-  readAny(word, value, column, where);
-}
+template void readNumber(std::string_view, float&, std::string_view, const Location&);
+template void readNumber(std::string_view, double&, std::string_view, const Location&);
+template void readNumber(std::string_view, std::uint8_t&, std::string_view, const Location&);
+template void readNumber(std::string_view, std::uint16_t&, std::string_view, const Location&);
+template void readNumber(std::string_view, std::uint32_t&, std::string_view, const Location&);
+template void readNumber(std::string_view, std::uint64_t&, std::string_view, const Location&);
+template void readNumber(std::string_view, std::int8_t&, std::string_view, const Location&);
+template void readNumber(std::string_view, std::int16_t&, std::string_view, const Location&);
+template void readNumber(std::string_view, std::int32_t&, std::string_view, const Location&);
+template void readNumber(std::string_view, std::int64_t&, std::string_view, const Location&);
 
 }  // namespace scanmill

@@ -45,7 +45,7 @@ SampleRecord longestSample(const Plan& plan, const Sequence& sequence, const Ont
     scan.beams = plan.beams()[s]->size();
     scan.points = scan.beams;
     scan.instances = static_cast<std::uint32_t>(scan.beams);
-    if (pipeline.columns.label) {
+    if (pipeline.layout.columns.has(kLabel)) {
       for (const SemanticClass& c : ontology.classes) scan.pointsPerClass[c.id] = scan.beams;
     }
     for (const FormatChoice& f : pipeline.formats) {
@@ -60,7 +60,7 @@ SampleRecord longestSample(const Plan& plan, const Sequence& sequence, const Ont
 std::vector<double> scanBytes(const Plan& plan) {
   std::vector<double> bytes;
   ScanOutline outline;
-  outline.names = plan.columns();
+  outline.held = plan.columns();
   for (const auto& beams : plan.beams()) {
     outline.points = beams->size();
     outline.rings = beams->rings;
@@ -77,7 +77,7 @@ double manifestBytes(const Plan& plan, const Ontology& ontology) {
   Manifest manifest;
   manifest.name = pipeline.name;
   manifest.pipelineText = pipeline.text;
-  manifest.columns = plan.columns();
+  manifest.columns = scanColumnNames(plan.columns());
   for (const FormatChoice& f : pipeline.formats) {
     manifest.formats.push_back({std::string(f.entry->name), std::string(f.entry->suffix), f.format->maxError()});
   }

@@ -48,7 +48,7 @@ void runOnce(Variant& v, std::uint32_t frame) {
     trace += secondsOfWork([&] { v.method->trace(shot, v.plan->channels(), hits); });
     const ThreadLimit one(1);
     effects += secondsOfWork([&] {
-      sense(hits, shot, pipeline.effectsOf(shot.sensor), v.scene->materials, pipeline.columns, returns, scan);
+      sense(hits, shot, pipeline.effectsOf(shot.sensor), v.scene->materials, pipeline.layout, returns, scan);
     });
     for (const Vec3f& p : scan.position) v.points += isFinite(p) ? 1 : 0;
     encode += secondsOfWork([&] {
@@ -82,16 +82,6 @@ FrameCost difference(const FrameCost& with, const FrameCost& without) {
   return {with.traceSeconds - without.traceSeconds, with.effectsSeconds - without.effectsSeconds,
           with.encodeSeconds - without.encodeSeconds, with.bytes - without.bytes};
 }
-
-struct Column {
-  const char* name;
-  bool ScanColumns::*flag;
-};
-
-constexpr Column kColumns[] = {{"label", &ScanColumns::label},        {"instance", &ScanColumns::instance},
-                               {"ring", &ScanColumns::ring},          {"column", &ScanColumns::column},
-                               {"time", &ScanColumns::time},          {"range_true", &ScanColumns::rangeTrue},
-                               {"incidence", &ScanColumns::incidence}};
 
 // Those that go with an effect: itself and, where it sets the intensity, what looks at that.
 std::vector<bool> dependents(std::span<const std::unique_ptr<Effect>> effects,
@@ -212,10 +202,13 @@ class Features {
     }
   }
 
+  // The intensity goes with its effect.
   void addColumns() {
-    for (const Column& column : kColumns) {
-      const bool present = whole_.plan->pipeline().columns.*column.flag;
-      add(fmt::format("column {}", column.name), present, [&](Pipeline& p) { p.columns.*column.flag = !present; });
+    for (std::size_t c = 0; c < kColumnCount; ++c) {
+      if (c == kIntensity.index) continue;
+      const bool present = whole_.plan->pipeline().layout.columns.has(c);
+      add(fmt::format("column {}", kColumns[c].name), present,
+          [&](Pipeline& p) { present ? p.layout.columns.remove(c) : p.layout.columns.add(c); });
     }
   }
 

@@ -95,13 +95,13 @@ ScanRecord describe(const Shot& shot, const Hits& hits, const Scan& scan, std::s
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (!isFinite(scan.position[i])) continue;
     ++record.points;
-    if (!scan.label.empty()) {
-      if (scan.label[i] >= perClass.size()) perClass.resize(scan.label[i] + std::size_t{1});
-      ++perClass[scan.label[i]];
+    if (!scan[kLabel].empty()) {
+      if (scan[kLabel][i] >= perClass.size()) perClass.resize(scan[kLabel][i] + std::size_t{1});
+      ++perClass[scan[kLabel][i]];
     }
-    if (!scan.instance.empty() && scan.instance[i] != 0 &&
-        (instances.empty() || instances.back() != scan.instance[i])) {
-      instances.push_back(scan.instance[i]);
+    if (!scan[kInstance].empty() && scan[kInstance][i] != 0 &&
+        (instances.empty() || instances.back() != scan[kInstance][i])) {
+      instances.push_back(scan[kInstance][i]);
     }
   }
   for (std::size_t c = 0; c < perClass.size(); ++c) {
@@ -127,7 +127,7 @@ Sample makeSample(const Plan& plan, const Scene& scene, const Method& method, co
     if (keeper.keeps()) keeper.keep(shot, plan.channels(), work.hits);
     {
       const StageTimer timer(times, StageTimes::Effects);
-      sense(work.hits, shot, pipeline.effectsOf(shot.sensor), scene.materials, pipeline.columns, work.returns,
+      sense(work.hits, shot, pipeline.effectsOf(shot.sensor), scene.materials, pipeline.layout, work.returns,
             work.scan);
       sample.scans.push_back(describe(shot, work.hits, work.scan, pipeline.methodName()));
     }
@@ -147,9 +147,9 @@ Manifest startManifest(const Plan& plan) {
   manifest.pipelineText = pipeline.text;
   manifest.pipelineSha256 = sha256(pipeline.text);
   manifest.seed = pipeline.seed;
-  manifest.organised = pipeline.columns.organised;
+  manifest.organised = pipeline.layout.organised;
   manifest.deskewed = pipeline.motion.deskew;
-  manifest.columns = plan.columns();
+  manifest.columns = scanColumnNames(plan.columns());
   for (const FormatChoice& f : pipeline.formats) {
     manifest.formats.push_back({std::string(f.entry->name), std::string(f.entry->suffix), f.format->maxError()});
   }

@@ -10,7 +10,7 @@ std::function<std::vector<float>(const Shot&, const Hits&)> noiseFreeIntensity(c
   if (std::none_of(first.begin(), first.end(), [](const auto& effect) { return effect->setsIntensity(); })) return {};
   return [&pipeline, &scene](const Shot& shot, const Hits& hits) {
     Returns returns;
-    returns.range = hits.range;
+    returns.start(hits);
     for (const auto& effect : pipeline.effectsOf(shot.sensor)) {
       if (effect->setsIntensity()) effect->apply(hits, shot, scene.materials, returns);
     }

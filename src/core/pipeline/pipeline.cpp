@@ -18,7 +18,7 @@
 //   splits: {by: seed, train: 0.8, val: 0.1, test: 0.1}
 //   output:
 //     layout: dense                  # or organised
-//     columns: [intensity, label, instance, ring, column, time, range_true, incidence]
+//     columns: [intensity, label]    # of the table in scan/columns.h; default: those that it writes by default
 //     formats: [pcd, {draco: {max_error_mm: 1}}]
 //     shard_mb: 256
 //   limits: {max_rays: 1e11}
@@ -322,26 +322,17 @@ void readEffects(Fields& fields, Pipeline& pipeline) {
 void readOutput(const Value& value, Pipeline& pipeline) {
   Fields output(value, "output");
   output.also({"layout", "columns", "formats", "shard_mb"}).finish();
-  pipeline.columns.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
+  pipeline.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
   if (const Value* list = output.find("columns")) {
     if (list->kind != Value::Kind::Sequence) throw InputError(list->where, "columns must be a list of names");
-    ScanColumns& c = pipeline.columns;
-    const std::vector<std::pair<std::string, bool*>> table{
-        {"intensity", &c.intensity}, {"label", &c.label}, {"instance", &c.instance},    {"ring", &c.ring},
-        {"column", &c.column},       {"time", &c.time},   {"range_true", &c.rangeTrue}, {"incidence", &c.incidence},
-    };
-    std::vector<std::string> names;
-    for (const auto& [name, flag] : table) {
-      names.push_back(name);
-      *flag = false;
-    }
+    pipeline.layout.columns = {};
     for (const Value& item : list->items) {
       const std::string name = readText(item, "columns");
-      const auto row = std::find_if(table.begin(), table.end(), [&](const auto& r) { return r.first == name; });
-      if (row == table.end()) {
-        throw InputError(item.where, "unknown column '" + name + "'" + suggestion(name, names));
+      const std::size_t column = columnIndex(name);
+      if (column == kColumnCount) {
+        throw InputError(item.where, "unknown column '" + name + "'" + suggestion(name, allColumnNames()));
       }
-      *row->second = true;
+      pipeline.layout.columns.add(column);
     }
   }
   std::set<std::string> suffixes;

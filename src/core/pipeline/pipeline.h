@@ -12,9 +12,9 @@
 #include "base/vec.h"
 #include "config/value.h"
 #include "dataset/recording.h"
-#include "effects/effect.h"
 #include "formats/format.h"
 #include "methods/method.h"
+#include "sense/sense.h"
 #include "sensors/sensor.h"
 #include "sensors/shot.h"
 #include "sensors/trajectory.h"
@@ -82,7 +82,7 @@ struct Pipeline {
   MethodChoice method;
   std::vector<std::unique_ptr<Effect>> effects;   // in the order in which they run; none where sensors have their own
   std::vector<const EffectEntry*> effectEntries;  // likewise
-  ScanColumns columns;
+  ScanLayout layout;                              // of the scans that are written
   std::vector<FormatChoice> formats;
   bool splitsBySeed = false;  // the splits part scenes by their seeds
   std::uint64_t shardBytes = 0;

@@ -119,7 +119,7 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   checkOntologies(pipeline_);
   if (pipeline_.method.automatic) checkAutoChoice(pipeline_);
   for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
-    channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.columns);
+    channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.layout.columns);
   }
   traced_ = channels_ | kept;
   const std::uint64_t beams = pipeline_.raysPerFrame();
@@ -221,7 +221,7 @@ std::vector<Shot> Plan::shots(std::size_t sequence, std::uint32_t frame) const {
 }
 
 std::vector<std::string> Plan::modelled() const {
-  const ScanColumns& c = pipeline_.columns;
+  const ColumnSet columns = pipeline_.layout.columns;
   std::vector<std::string> lines;
   lines.push_back(fmt::format("channels: {}", fmt::join(channelNames(traced_), ", ")));
   std::string left;
@@ -230,7 +230,7 @@ std::vector<std::string> Plan::modelled() const {
     if (std::find(asked.begin(), asked.end(), name) == asked.end()) left += (left.empty() ? "" : ", ") + name;
   }
   if (!left.empty()) lines.push_back(fmt::format("channels left out, nothing reads them: {}", left));
-  if (c.intensity && !setsIntensity(pipeline_)) {
+  if (columns.has(kIntensity) && !setsIntensity(pipeline_)) {
     lines.emplace_back("intensity: left out, no effect sets it (add `effects: [intensity]`)");
   }
   if (!traced_.has(Channel::Reflectance)) {
@@ -238,15 +238,19 @@ std::vector<std::string> Plan::modelled() const {
   }
   addEffectLines(pipeline_, lines);
   lines.push_back(motionLine(pipeline_));
-  lines.push_back(c.organised ? "misses: kept, as NaN"
-                              : "misses: left out of the files; ring and column tell the beam");
-  if (!c.rangeTrue) lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");
+  lines.push_back(pipeline_.layout.organised ? "misses: kept, as NaN"
+                                             : "misses: left out of the files; ring and column tell the beam");
+  if (!columns.has(kRangeTrue)) {
+    lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");
+  }
   return lines;
 }
 
 std::uint64_t Plan::bytesPerFrameInMemory() const {
   // Hits, returns, scan and encoded bytes; the beam tables are shared by all frames.
-  const std::uint64_t perBeam = 4 + (traced_.has(Channel::Normal) ? 12 : 0) + 20 + 20 + 45 + 40;
+  std::uint64_t perPoint = sizeof(Vec3f);
+  for (const Column& column : kColumns) perPoint += bytesOf(column.type);
+  const std::uint64_t perBeam = 4 + (traced_.has(Channel::Normal) ? 12 : 0) + 20 + 20 + 2 * perPoint;
   return perBeam * pipeline_.raysPerFrame();
 }
 
@@ -255,21 +259,8 @@ std::size_t Plan::framesInFlight() const {
   return std::clamp<std::uint64_t>(fitting, 1, static_cast<std::uint64_t>(threadCount()) + 2);
 }
 
-std::vector<std::string> Plan::columns() const {
-  const ScanColumns& c = pipeline_.columns;
-  std::vector<std::string> names{"x", "y", "z"};
-  const std::pair<bool, const char*> optional[] = {{c.intensity && setsIntensity(pipeline_), "intensity"},
-                                                   {c.label, "label"},
-                                                   {c.instance, "instance"},
-                                                   {c.ring, "ring"},
-                                                   {c.column, "column"},
-                                                   {c.time, "time"},
-                                                   {c.rangeTrue, "range_true"},
-                                                   {c.incidence, "incidence"}};
-  for (const auto& [asked, name] : optional) {
-    if (asked) names.emplace_back(name);
-  }
-  return names;
+ColumnSet Plan::columns() const {
+  return setsIntensity(pipeline_) ? pipeline_.layout.columns : pipeline_.layout.columns.without(kIntensity);
 }
 
 }  // namespace scanmill

@@ -43,8 +43,8 @@ class Plan {
   // One line each: what is computed and what is left out, and why.
   std::vector<std::string> modelled() const;
 
-  // Names of the columns that the scans have, as columnNames() gives them.
-  std::vector<std::string> columns() const;
+  // The columns that the scans have besides their positions: those asked for, without an intensity that no effect sets.
+  ColumnSet columns() const;
 
   // Upper bound of what a frame takes while it is made.
   std::uint64_t bytesPerFrameInMemory() const;

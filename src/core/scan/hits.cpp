@@ -6,6 +6,8 @@ void Hits::reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels as
   rings = ringCount;
   columns = columnCount;
   channels = asked | Channel::Range;
+  beamOfRay.clear();
+  weightOfRay.clear();
   const auto fit = [&](auto& column, Channel channel) { column.resize(channels.has(channel) ? size() : 0); };
   fit(range, Channel::Range);
   fit(normal, Channel::Normal);

@@ -1,43 +1,117 @@
 #pragma once
 
-// What the sensor reports and what is written: one row per point.
+// What the sensor reports and what is written: a row per point.
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "base/vec.h"
+#include "scan/columns.h"
 
 namespace scanmill {
 
-// A scan is dense (misses left out, height 1) or organised (width = columns, height = rings, misses have NaN positions
-// and zeros elsewhere). A beam's index, ring * columns + column, is stable: it joins a noisy scan to its noise-free
-// twin. Optional columns are empty where nobody asked for them.
-struct Scan {
+// A column of a recorded file that the table of columns does not know (near_ir, ambient, ...), in the type that it was
+// stored in.
+struct ForeignColumn {
+  using Values = std::variant<std::vector<float>, std::vector<std::uint8_t>, std::vector<std::uint16_t>,
+                              std::vector<std::uint32_t>, std::vector<std::uint64_t>, std::vector<std::int8_t>,
+                              std::vector<std::int16_t>, std::vector<std::int32_t>, std::vector<std::int64_t>,
+                              std::vector<double>>;
+  std::string name;
+  Values values;
+};
+
+// A scan is dense (misses are left out; points are ordered by column, then ring, then return) or organised: width =
+// columns, height = planes * rings, and misses have a NaN position and their columns' values for "none". Plane n of an
+// organised scan holds the (n + 1)th return of each beam. A point is known by its beam, ring * columns + column, and
+// the number of its return: this key joins a noisy scan to its noise-free reference. Columns are empty where nobody
+// asked for them.
+class Scan {
+ public:
   std::uint32_t rings = 0;    // of the sensor
   std::uint32_t columns = 0;  // of the sensor
   bool organised = false;
+  std::uint32_t planes = 1;  // of an organised scan; 1 in dense ones
 
-  std::vector<Vec3f> position;          // m, sensor frame
-  std::vector<float> intensity;         // unit of the intensity effect; optional
-  std::vector<std::uint16_t> label;     // class id; optional
-  std::vector<std::uint32_t> instance;  // 0: none; optional
-  std::vector<std::uint16_t> ring;      // optional
-  std::vector<std::uint16_t> column;    // optional
-  std::vector<float> time;              // s since the start of the turn; optional
-  std::vector<float> rangeTrue;         // m, noise-free; NaN on an organised miss; optional
-  // rad, between the beam and the normal of the surface that it meets, noise-free: 0 head-on, pi/2 grazing; NaN on an
-  // organised miss, and where a recording does not know the normal; optional
-  std::vector<float> incidence;
+  std::vector<Vec3f> position;         // m, sensor frame
+  std::vector<ForeignColumn> foreign;  // each as long as the scan
 
   std::size_t size() const { return position.size(); }
   std::uint32_t width() const { return organised ? columns : static_cast<std::uint32_t>(size()); }
-  std::uint32_t height() const { return organised ? rings : 1; }
+  std::uint32_t height() const { return organised ? planes * rings : 1; }
+
+  // The values of a column of the table, one per point; empty where the scan does not have it.
+  template <std::size_t Index>
+  std::vector<typename ColumnKey<Index>::Value>& operator[](ColumnKey<Index>) {
+    return std::get<Index>(values_);
+  }
+  template <std::size_t Index>
+  const std::vector<typename ColumnKey<Index>::Value>& operator[](ColumnKey<Index>) const {
+    return std::get<Index>(values_);
+  }
+
+ private:
+  template <std::size_t... Index>
+  static auto columnsOfTable(std::index_sequence<Index...>)
+      -> std::tuple<std::vector<typename ColumnKey<Index>::Value>...>;
+
+  decltype(columnsOfTable(std::make_index_sequence<kColumnCount>())) values_;
 };
 
-// Names of the columns that a scan holds: "x", "y", "z", "intensity", "label", "instance", "ring", "column", "time",
-// "range_true", "incidence", in this order.
+// Calls visit(key, values) for every row of the table, the columns that the scan does not have (empty) included.
+template <class ScanType, class Visit>
+void visitTable(ScanType& scan, Visit&& visit) {
+  forEachColumn([&](auto key) { visit(key, scan[key]); });
+}
+
+// Calls visit(name, values) for the columns that the scan has besides its position, those of the table first.
+template <class ScanType, class Visit>
+void visitColumns(ScanType& scan, Visit&& visit) {
+  visitTable(scan, [&](auto key, auto& values) {
+    if (!values.empty()) visit(key.row.name, values);
+  });
+  for (auto& column : scan.foreign) {
+    std::visit([&](auto& values) { visit(std::string_view(column.name), values); }, column.values);
+  }
+}
+
+// The columns of the table that the scan has.
+ColumnSet columnsOf(const Scan& scan);
+
+// "x", "y", "z", then the names of the columns that the scan has, in the order of visitColumns().
 std::vector<std::string> columnNames(const Scan& scan);
+
+// Throws Error where a column is neither empty nor as long as the scan, or an organised scan is not planes * rings *
+// columns long.
+void requireConsistent(const Scan& scan);
+
+// The points whose position is finite; the sensor's rings and columns stay.
+Scan withoutMisses(const Scan& scan);
+
+// Which beam a point belongs to, and which of the beam's returns it is, 0 the first.
+struct PointKey {
+  std::uint32_t ring = 0;
+  std::uint32_t column = 0;
+  std::uint32_t number = 0;
+  bool operator==(const PointKey&) const = default;
+};
+
+// Whether the scan says which beam its points belong to: by its order where it is organised, else by the columns ring
+// and column. A scan without points does.
+bool knowsBeams(const Scan& scan);
+
+// Of a scan that knows its beams. Where a dense scan has no column of the return's number, every point is the first
+// return.
+PointKey keyOf(const Scan& scan, std::size_t point);
+
+// How far the keys of a scan reach: one more than the largest ring, column and number.
+PointKey extentOf(const Scan& scan);
 
 }  // namespace scanmill

@@ -7,6 +7,8 @@
 #include <atomic>
 #include <cmath>
 #include <map>
+#include <type_traits>
+#include <variant>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -15,17 +17,26 @@ namespace scanmill {
 
 namespace {
 
-void requireColumn(const Scan& scan, bool present, ColorBy colorBy, const char* column) {
-  if (present || scan.size() == 0) return;
+[[noreturn]] void failForColumn(const Scan& scan, const ColorBy& by, std::string_view column) {
   throw InputError(
       fmt::format("the scan has no column '{}', which colours by {} need; it has {} (a dataset's scans have "
                   "what `output.columns` of its pipeline names)",
-                  column, kColorNames[static_cast<std::size_t>(colorBy)], fmt::join(columnNames(scan), ", ")));
+                  column, by.name(), fmt::join(columnNames(scan), ", ")));
+}
+
+const ForeignColumn* foreignOf(const Scan& scan, const ColorBy& by) {
+  const auto found = std::find_if(scan.foreign.begin(), scan.foreign.end(),
+                                  [&](const ForeignColumn& column) { return column.name == by.name(); });
+  return found == scan.foreign.end() ? nullptr : &*found;
+}
+
+bool holds(const Scan& scan, const Column& column) {
+  return columnsOf(scan).has(columnIndex(column.name));
 }
 
 ColorBy defaultFor(const Scan& scan) {
-  if (!scan.label.empty()) return ColorBy::Class;
-  return scan.intensity.empty() ? ColorBy::Range : ColorBy::Intensity;
+  if (!scan[kLabel].empty()) return kByClass;
+  return scan[kIntensity].empty() ? kByRange : kByIntensity;
 }
 
 Coloring byClass(const Scan& scan, const Ontology* ontology) {
@@ -36,8 +47,8 @@ Coloring byClass(const Scan& scan, const Ontology* ontology) {
   std::vector<bool> known(kIds);
   std::vector<Rgb> colors(kIds);
   out.colors.reserve(scan.size());
-  for (std::size_t i = 0; i < scan.label.size(); ++i) {
-    const std::uint16_t id = scan.label[i];
+  for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
+    const std::uint16_t id = scan[kLabel][i];
     if (!known[id]) {
       known[id] = true;
       colors[id] = classColor(ontology, id);
@@ -64,9 +75,9 @@ Coloring byInstance(const Scan& scan) {
   std::uint64_t* count = &present[0];
   std::uint32_t last = 0;
   Rgb color = instanceColor(last);
-  for (std::size_t i = 0; i < scan.instance.size(); ++i) {
-    if (scan.instance[i] != last) {  // neighbours mostly share their instance
-      last = scan.instance[i];
+  for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
+    if (scan[kInstance][i] != last) {  // neighbours mostly share their instance
+      last = scan[kInstance][i];
       color = instanceColor(last);
       count = &present[last];
     }
@@ -165,56 +176,120 @@ Coloring byError(const Scan& scan, const ColorContext& context) {
     out.legend.whyUnknown = context.whyNoError;
     return out;
   }
-  if (scan.rangeTrue.empty() && scan.size() > 0) {
+  if (scan[kRangeTrue].empty() && scan.size() > 0) {
     throw InputError(
         fmt::format("colours by error need something to compare with: name `range_true` in output.columns of the "
                     "pipeline, or give the noise-free twin; the scan has {}",
                     fmt::join(columnNames(scan), ", ")));
   }
   return byNumber(scan, scale, context.scale,
-                  [&](std::size_t i) { return std::abs(distanceOf(scan, i) - scan.rangeTrue[i]); });
+                  [&](std::size_t i) { return std::abs(distanceOf(scan, i) - scan[kRangeTrue][i]); });
+}
+
+Coloring byColumn(const Scan& scan, const Column& column, const ColorContext& context) {
+  if (column.display.colors == ColumnColors::Classes) return byClass(scan, context.ontology);
+  if (column.display.colors == ColumnColors::Instances) return byInstance(scan);
+  const ColumnDisplay& display = column.display;
+  Scale scale{withUnit(ColorBy::titleOf(column), display.unit), display.scaleClipped, display.scalePower};
+  scale.integers = column.type != ColumnType::Float32;
+  if (display.scaleOfValidity) {
+    scale.low = column.low * display.factor;
+    scale.high = column.high * display.factor;
+  }
+  Coloring out;
+  visitTable(scan, [&](auto key, const auto& values) {
+    if (key.row.name != column.name) return;
+    out = byNumber(scan, scale, context.scale,
+                   [&](std::size_t i) { return static_cast<double>(values[i]) * display.factor; });
+  });
+  return out;
+}
+
+Coloring byForeign(const Scan& scan, const ForeignColumn& column, const ColorContext& context) {
+  return std::visit(
+      [&]<class T>(const std::vector<T>& values) {
+        const Scale scale{.title = column.name, .clipped = kClipped, .integers = std::is_integral_v<T>};
+        return byNumber(scan, scale, context.scale, [&](std::size_t i) { return static_cast<double>(values[i]); });
+      },
+      column.values);
+}
+
+// The figures that are no columns, and the viewer's keys for them.
+struct Figure {
+  const ColorBy& by;
+  char key;
+};
+
+std::vector<std::string> namesInOrder() {
+  const Figure figures[] = {{kByRange, '4'}, {kByHeight, '7'}, {kByError, '0'}};
+  std::vector<std::string> names;
+  for (const char key : std::string_view("1234567890")) {
+    for (const Column& column : kColumns) {
+      if (column.display.key == key) names.emplace_back(ColorBy::titleOf(column));
+    }
+    for (const Figure& figure : figures) {
+      if (figure.key == key) names.push_back(figure.by.name());
+    }
+  }
+  names.push_back(kByMethod.name());
+  for (const Column& column : kColumns) {
+    if (column.display.key == 0) names.emplace_back(ColorBy::titleOf(column));
+  }
+  return names;
 }
 
 }  // namespace
 
+const Column* ColorBy::column() const {
+  const auto found =
+      std::find_if(kColumns.begin(), kColumns.end(), [&](const Column& c) { return titleOf(c) == name_; });
+  return found == kColumns.end() ? nullptr : &*found;
+}
+
+const std::vector<std::string>& colorNames() {
+  static const std::vector<std::string> names = namesInOrder();
+  return names;
+}
+
+std::vector<ColorBy> colorsOf(const Scan& scan) {
+  std::vector<ColorBy> colors;
+  for (const std::string& name : colorNames()) colors.emplace_back(name);
+  for (const ForeignColumn& column : scan.foreign) colors.emplace_back(column.name);
+  return colors;
+}
+
+bool hasColor(const Scan& scan, const ColorBy& by, bool errorKnown, bool methodKnown) {
+  if (by == kByRange || by == kByHeight || by == kByReturn) return true;
+  if (by == kByMethod) return methodKnown;
+  if (by == kByError) return errorKnown || !scan[kRangeTrue].empty();
+  const Column* const column = by.column();
+  return column == nullptr ? foreignOf(scan, by) != nullptr : holds(scan, *column);
+}
+
 Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const ColorContext& context) {
   const ColorBy by = colorBy.value_or(defaultFor(scan));
-  switch (by) {
-    case ColorBy::Class:
-      requireColumn(scan, !scan.label.empty(), by, "label");
-      return byClass(scan, context.ontology);
-    case ColorBy::Instance:
-      requireColumn(scan, !scan.instance.empty(), by, "instance");
-      return byInstance(scan);
-    case ColorBy::Intensity:
-      requireColumn(scan, !scan.intensity.empty(), by, "intensity");
-      return byNumber(scan, {"intensity", kClipped, 2}, context.scale,
-                      [&](std::size_t i) { return scan.intensity[i]; });
-    case ColorBy::Ring:
-      requireColumn(scan, !scan.ring.empty(), by, "ring");
-      return byNumber(scan, {.title = "ring", .integers = true}, context.scale,
-                      [&](std::size_t i) { return scan.ring[i]; });
-    case ColorBy::Time:
-      requireColumn(scan, !scan.time.empty(), by, "time");
-      return byNumber(scan, {"time (ms)"}, context.scale, [&](std::size_t i) { return scan.time[i] * 1e3; });
-    case ColorBy::Height:
-      return byNumber(scan, {"height above the sensor (m)", kClipped}, context.scale,
-                      [&](std::size_t i) { return scan.position[i].z; });
-    case ColorBy::Return:
-      // The sensors of this program report one return a beam, so scans have no column of its number.
-      return inOneColor(scan, "return", "first return (the only one)", viridis(kFirstReturn));
-    case ColorBy::Incidence:
-      requireColumn(scan, !scan.incidence.empty(), by, "incidence");
-      return byNumber(scan, {"incidence (deg)", 0, 1, 0.0, 90.0}, context.scale,
-                      [&](std::size_t i) { return degrees(scan.incidence[i]); });
-    case ColorBy::Error:
-      return byError(scan, context);
-    case ColorBy::Method:
-      return inOneColor(scan, "method", context.method.empty() ? "not known" : context.method, context.methodColor);
-    case ColorBy::Range:
-      break;
+  if (by == kByRange) {
+    return byNumber(scan, {"range (m)", kClipped, 2}, context.scale,
+                    [&](std::size_t i) { return distanceOf(scan, i); });
   }
-  return byNumber(scan, {"range (m)", kClipped, 2}, context.scale, [&](std::size_t i) { return distanceOf(scan, i); });
+  if (by == kByHeight) {
+    return byNumber(scan, {"height above the sensor (m)", kClipped}, context.scale,
+                    [&](std::size_t i) { return scan.position[i].z; });
+  }
+  if (by == kByError) return byError(scan, context);
+  if (by == kByMethod) {
+    return inOneColor(scan, "method", context.method.empty() ? "not known" : context.method, context.methodColor);
+  }
+  if (by == kByReturn && scan[kReturn].empty()) {
+    return inOneColor(scan, "return", "first return (the only one)", viridis(kFirstReturn));
+  }
+  if (const Column* const column = by.column()) {
+    if (!holds(scan, *column) && scan.size() > 0) failForColumn(scan, by, column->name);
+    return byColumn(scan, *column, context);
+  }
+  const ForeignColumn* const foreign = foreignOf(scan, by);
+  if (foreign == nullptr) failForColumn(scan, by, by.name());
+  return byForeign(scan, *foreign, context);
 }
 
 Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Ontology* ontology) {

@@ -2,12 +2,13 @@
 
 // What the colours of a picture mean.
 
-#include <array>
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "scan/scan.h"
@@ -17,9 +18,42 @@
 
 namespace scanmill {
 
-enum class ColorBy { Class, Intensity, Instance, Range, Ring, Time, Height, Return, Incidence, Error, Method };
-constexpr std::array<std::string_view, 11> kColorNames{"class",  "intensity", "instance",  "range", "ring",  "time",
-                                                       "height", "return",    "incidence", "error", "method"};
+// What colours show, by its name: a column of the table (scan/columns.h; "class" for the label), a foreign column of
+// the scan, or one of the figures that follow from what is known of a point: range, height, error, method.
+class ColorBy {
+ public:
+  explicit ColorBy(std::string name) : name_(std::move(name)) {}
+  explicit ColorBy(const Column& column) : ColorBy(std::string(titleOf(column))) {}
+  const std::string& name() const { return name_; }
+  auto operator<=>(const ColorBy&) const = default;
+
+  static std::string_view titleOf(const Column& column) {
+    return column.display.title.empty() ? column.name : column.display.title;
+  }
+  // The row of the table of columns; null where there is none.
+  const Column* column() const;
+
+ private:
+  std::string name_;
+};
+
+inline const ColorBy kByClass{kLabel.row};
+inline const ColorBy kByInstance{kInstance.row};
+inline const ColorBy kByIntensity{kIntensity.row};
+inline const ColorBy kByReturn{kReturn.row};
+inline const ColorBy kByRange{"range"};
+inline const ColorBy kByHeight{"height"};
+inline const ColorBy kByError{"error"};
+inline const ColorBy kByMethod{"method"};
+
+// The names of all but foreign columns. The first ten are those of the viewer's keys 1 to 9 and 0.
+const std::vector<std::string>& colorNames();
+
+// Whether the scan can be coloured so: `known` are errors and method, which a scan does not say of itself.
+bool hasColor(const Scan& scan, const ColorBy& by, bool errorKnown, bool methodKnown);
+
+// The names of colorNames(), then the scan's foreign columns.
+std::vector<ColorBy> colorsOf(const Scan& scan);
 
 struct LegendEntry {
   std::string name;
@@ -36,9 +70,8 @@ struct ScaleRange {
 };
 
 // Colours by numbers, which have a scale.
-constexpr bool isNumeric(ColorBy by) {
-  return by == ColorBy::Intensity || by == ColorBy::Range || by == ColorBy::Ring || by == ColorBy::Time ||
-         by == ColorBy::Height || by == ColorBy::Incidence || by == ColorBy::Error;
+inline bool isNumeric(const ColorBy& by) {
+  return by != kByClass && by != kByInstance && by != kByReturn && by != kByMethod;
 }
 
 // Either named colours or a scale from `low` to `high`.
@@ -72,13 +105,14 @@ struct ColorContext {
 };
 
 // Throws InputError where the scan lacks the column. Without a choice: class, else intensity, else range. The legend
-// names the classes that the scan holds, in the order of their ids. A scale of intensity, range or height runs from the
-// 1st to the 99th percentile, of every n-th point where there are millions (intensity by its square root: it falls with
-// the square of the distance; range too: most points are near), one of ring or time from the least to the greatest
-// value, one of incidence over all angles that there are, 0 to 90 deg, one of error from 0 to the 99th percentile, by
-// its square root; beyond it, its ends' colours. Uses all threads. Without errors in the context, a point's is the
-// difference of its distance from the sensor's origin and `range_true`; where beams start off that origin, or points
-// are moved into the frame of the turn's start, that offset is in it.
+// names the classes that the scan holds, in the order of their ids. The scale of a column is what its row of the table
+// says: from the least to the greatest value, or from the 1st to the 99th percentile (of every n-th point where there
+// are millions), or over all values that are valid; foreign columns, range and height have percentiles. Intensity,
+// range and error go by their square roots: intensity falls with the square of the distance, and most points are near.
+// The scale of errors starts at 0. Values beyond a scale have its ends' colours. Uses all threads. Without errors in
+// the context, a point's is the difference of its distance from the sensor's origin and `range_true`; where beams start
+// off that origin, or points are moved into the frame of the revolution's start, that offset is in it. A scan without a
+// column `return` has first returns only.
 Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const ColorContext& context);
 Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Ontology* ontology);
 

@@ -22,13 +22,13 @@ TEST(Philox, GivesTheKnownAnswers) {
 }
 
 TEST(RandomBlock, IsAFunctionOfItsAddress) {
-  constexpr RandomAddress kAddress{.seed = 7, .scene = 1, .frame = 2, .sensor = 3, .beam = 4, .echo = 1};
+  constexpr RandomAddress kAddress{.seed = 7, .scene = 1, .frame = 2, .sensor = 3, .beam = 4, .number = 1};
   static_assert(randomBlock(kAddress) == randomBlock(kAddress));
   EXPECT_EQ(randomBlock(kAddress), randomBlock(kAddress));
 }
 
 TEST(RandomBlock, EveryPartOfTheAddressCounts) {
-  const RandomAddress base{.seed = 7, .scene = 1, .frame = 2, .sensor = 3, .beam = 4, .echo = 1};
+  const RandomAddress base{.seed = 7, .scene = 1, .frame = 2, .sensor = 3, .beam = 4, .number = 1};
   std::vector<RandomAddress> addresses(9, base);
   addresses[1].seed = 8;
   addresses[2].seed += std::uint64_t{1} << 32;
@@ -36,7 +36,7 @@ TEST(RandomBlock, EveryPartOfTheAddressCounts) {
   addresses[4].frame = 3;
   addresses[5].sensor = 4095;
   addresses[6].beam = 5;
-  addresses[7].echo = 15;
+  addresses[7].number = 15;
   addresses[8].purpose = Purpose::RangeNoise;
   std::set<RandomBlock> blocks;
   for (const RandomAddress& address : addresses) blocks.insert(randomBlock(address));
@@ -52,7 +52,7 @@ TEST(RandomBlock, NoTwoAddressesShareACounter) {
       for (const Purpose purpose : {Purpose::RangeNoise, Purpose::AngularJitter, Purpose::ShellNoise, Purpose::DropOut,
                                     Purpose::Street, Purpose::Test}) {
         for (std::uint32_t beam = 0; beam < 3; ++beam) {
-          blocks.insert(randomBlock({.sensor = sensor, .beam = beam, .echo = echo, .purpose = purpose}));
+          blocks.insert(randomBlock({.sensor = sensor, .beam = beam, .number = echo, .purpose = purpose}));
           ++addresses;
         }
       }

@@ -79,13 +79,13 @@ inline Scan testScan(const BeamTable& beams, std::uint32_t number) {
     const auto range = static_cast<float>(beams.minRange + uniform(random[1]) * (beams.maxRange - beams.minRange));
     const bool car = random[2] % 3 == 2;
     scan.position.push_back(static_cast<Vec3f>(beams.direction[beam] * static_cast<double>(range)));
-    scan.intensity.push_back(static_cast<float>(uniform(random[3])));
-    scan.label.push_back(car ? 65535 : random[2] % 3 == 1 ? 7 : 0);
-    scan.instance.push_back(car ? 1 + random[2] / 3 % 3 : 0);
-    scan.ring.push_back(static_cast<std::uint16_t>(beam / beams.columns));
-    scan.column.push_back(static_cast<std::uint16_t>(beam % beams.columns));
-    scan.time.push_back(beams.time[beam]);
-    scan.rangeTrue.push_back(range);
+    scan[kIntensity].push_back(static_cast<float>(uniform(random[3])));
+    scan[kLabel].push_back(car ? 65535 : random[2] % 3 == 1 ? 7 : 0);
+    scan[kInstance].push_back(car ? 1 + random[2] / 3 % 3 : 0);
+    scan[kRing].push_back(static_cast<std::uint16_t>(beam / beams.columns));
+    scan[kColumn].push_back(static_cast<std::uint16_t>(beam % beams.columns));
+    scan[kTime].push_back(beams.time[beam]);
+    scan[kRangeTrue].push_back(range);
   }
   return scan;
 }
@@ -98,24 +98,13 @@ inline Scan organised(const Scan& dense) {
   image.organised = true;
   const std::size_t beams = std::size_t{dense.rings} * dense.columns;
   image.position.assign(beams, {kNaN, kNaN, kNaN});
-  image.intensity.assign(beams, 0);
-  image.label.assign(beams, 0);
-  image.instance.assign(beams, 0);
-  image.ring.assign(beams, 0);
-  image.column.assign(beams, 0);
-  image.time.assign(beams, 0);
-  image.rangeTrue.assign(beams, kNaN);
-  for (std::size_t i = 0; i < dense.size(); ++i) {
-    const std::size_t beam = std::size_t{dense.ring[i]} * dense.columns + dense.column[i];
-    image.position[beam] = dense.position[i];
-    image.intensity[beam] = dense.intensity[i];
-    image.label[beam] = dense.label[i];
-    image.instance[beam] = dense.instance[i];
-    image.ring[beam] = dense.ring[i];
-    image.column[beam] = dense.column[i];
-    image.time[beam] = dense.time[i];
-    image.rangeTrue[beam] = dense.rangeTrue[i];
-  }
+  const auto beamOf = [&](std::size_t i) { return std::size_t{dense[kRing][i]} * dense.columns + dense[kColumn][i]; };
+  for (std::size_t i = 0; i < dense.size(); ++i) image.position[beamOf(i)] = dense.position[i];
+  visitTable(dense, [&]<class T>(auto key, const std::vector<T>& values) {
+    if (values.empty()) return;
+    image[key].assign(beams, static_cast<T>(key.row.none));
+    for (std::size_t i = 0; i < values.size(); ++i) image[key][beamOf(i)] = values[i];
+  });
   return image;
 }
 
@@ -132,8 +121,8 @@ inline ScanRecord testRecord(const SensorRecord& sensor, const Scan& scan, doubl
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (!isFinite(scan.position[i])) continue;
     ++record.points;
-    ++record.pointsPerClass[scan.label[i]];
-    const std::uint32_t id = scan.instance[i];
+    ++record.pointsPerClass[scan[kLabel][i]];
+    const std::uint32_t id = scan[kInstance][i];
     if (id != 0 && std::find(instances.begin(), instances.end(), id) == instances.end()) instances.push_back(id);
   }
   record.instances = static_cast<std::uint32_t>(instances.size());

@@ -237,23 +237,24 @@ TEST_F(ScanCheckTest, CountsMustAgree) {
 }
 
 TEST_F(ScanCheckTest, ClassesMustBeKnown) {
-  for (std::uint16_t& label : scan_.label) label = label == 7 ? 8 : label;
+  for (std::uint16_t& label : scan_[kLabel]) label = label == 7 ? 8 : label;
   EXPECT_THAT(check(),
               ElementsAre(HasSubstr("points of class 8, which ontology 'ours' lacks"), HasSubstr("no points of road")));
 }
 
 TEST_F(ScanCheckTest, RingColumnAndRangeMustFitTheSensor) {
-  scan_.ring[0] = 4;
-  scan_.column[1] = 16;
-  scan_.rangeTrue[2] = 80.1f;
-  scan_.rangeTrue[3] = 0.4f;
-  scan_.rangeTrue[4] = NAN;
-  scan_.time[5] = NAN;
-  scan_.intensity[6] = INFINITY;
-  EXPECT_THAT(check(), ElementsAre(HasSubstr("1 point of a ring beyond 3 (the first is point 0)"),
-                                   HasSubstr("1 point of a column beyond 15 (the first is point 1)"),
-                                   HasSubstr("3 points of a noise-free range outside 0.5 to 80 m"),
-                                   HasSubstr("1 point of a time"), HasSubstr("1 point of an intensity")));
+  scan_[kRing][0] = 4;
+  scan_[kColumn][1] = 16;
+  scan_[kRangeTrue][2] = 80.1f;
+  scan_[kRangeTrue][3] = 0.4f;
+  scan_[kRangeTrue][4] = NAN;
+  scan_[kTime][5] = NAN;
+  scan_[kIntensity][6] = INFINITY;
+  EXPECT_THAT(check(), ElementsAre("1 point of intensity that is not finite (the first is point 6)",
+                                   "1 point of a ring beyond 3 (the first is point 0)",
+                                   "1 point of a column beyond 15 (the first is point 1)",
+                                   "1 point of time that is not finite (the first is point 5)",
+                                   "3 points of range_true outside 0.5 to 80 m (the first is point 2)"));
   record_.beams = 63;
   EXPECT_THAT(check(), ElementsAre("63 beams, but its sensor has 64"));
 }
@@ -261,20 +262,20 @@ TEST_F(ScanCheckTest, RingColumnAndRangeMustFitTheSensor) {
 TEST_F(ScanCheckTest, IncidencesMustBeAngles) {
   manifest_.columns.emplace_back("incidence");
   EXPECT_THAT(check(), ElementsAre("no column incidence, but the manifest says so"));
-  scan_.incidence.assign(scan_.size(), static_cast<float>(kPi / 2));
-  scan_.incidence[0] = 0;
-  scan_.incidence[1] = NAN;
+  scan_[kIncidence].assign(scan_.size(), static_cast<float>(kPi / 2));
+  scan_[kIncidence][0] = 0;
+  scan_[kIncidence][1] = NAN;
   EXPECT_THAT(check(), IsEmpty()) << "a recording may not know a normal";
-  scan_.incidence[2] = 1.58f;
-  scan_.incidence[3] = -0.01f;
-  scan_.incidence[4] = INFINITY;
-  EXPECT_THAT(check(), ElementsAre("3 points of an incidence outside 0 to pi/2 (the first is point 2)"));
+  scan_[kIncidence][2] = 1.58f;
+  scan_[kIncidence][3] = -0.01f;
+  scan_[kIncidence][4] = INFINITY;
+  EXPECT_THAT(check(), ElementsAre("3 points of incidence outside 0 to 1.5708 rad (the first is point 2)"));
 }
 
 TEST_F(ScanCheckTest, ColumnsMustBeThoseOfTheManifest) {
-  scan_.time.clear();
+  scan_[kTime].clear();
   EXPECT_THAT(check(), IsEmpty()) << "it follows from ring and column";
-  scan_.intensity.clear();
+  scan_[kIntensity].clear();
   EXPECT_THAT(check(), ElementsAre("no column intensity, but the manifest says so"));
   manifest_.columns = {"x", "y", "z", "label", "instance", "ring", "column"};
   EXPECT_THAT(check(), ElementsAre("column range_true, of which the manifest says nothing"));

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tests/formats/scans.h"
+#include "tests/core/formats/scans.h"
 
 namespace scanmill {
 namespace {
@@ -30,8 +30,8 @@ TEST(Csv, RoundTripIsExactForAllSetsOfColumns) {
 TEST(Csv, TextIsWhatAPersonWouldWrite) {
   Scan scan;
   scan.position = {{1.5f, -2.25f, 0.1f}, {std::nanf(""), -std::nanf(""), std::nanf("")}};
-  scan.label = {4, 0};
-  scan.time = {0.05f, 0};
+  scan[kLabel] = {4, 0};
+  scan[kTime] = {0.05f, 0};
   EXPECT_EQ(makeFormat("csv")->encode(scan), "x,y,z,label,time\n1.5,-2.25,0.1,4,0.05\nnan,nan,nan,0,0\n");
   EXPECT_EQ(makeFormat("csv")->encode(Scan{}), "x,y,z\n");
 }
@@ -46,7 +46,16 @@ TEST(Csv, HeaderNamesTheColumnsInTheirOrder) {
 TEST(Csv, ColumnsMayComeInAnyOrder) {
   const Scan scan = decoded("label,z,x,y\n7,3,1,2\n");
   EXPECT_EQ(scan.position[0], (Vec3f{1, 2, 3}));
-  EXPECT_EQ(scan.label[0], 7);
+  EXPECT_EQ(scan[kLabel][0], 7);
+}
+
+TEST(Csv, ForeignColumnsAreKept) {
+  const std::string text = "x,y,z,label,near_ir,signal\n1,2,3,7,812,-0.25\n4,5,6,8,0,1e-300\n";
+  const Scan scan = decoded(text);
+  ASSERT_EQ(scan.foreign.size(), 2u);
+  EXPECT_EQ(scan.foreign[0].name, "near_ir");
+  EXPECT_EQ(std::get<std::vector<double>>(scan.foreign[1].values), (std::vector<double>{-0.25, 1e-300}));
+  EXPECT_EQ(makeFormat("csv")->encode(scan), text);
 }
 
 TEST(Csv, ErrorsNameTheLine) {
@@ -57,7 +66,8 @@ TEST(Csv, ErrorsNameTheLine) {
       {"x,y\n1,2\n", "test.csv:1: there is no column 'z'"},
       {"x,y,z,labl\n", "label"},
       {"x,y,z,x\n", "named twice"},
-      {"x,y,z,\n", "unknown column ''"},
+      {"x,y,z,\n", "'' is no name of a column"},
+      {"x,y,z,4\n", "'4' is no name of a column"},
       {"x,y,z\n1,2,3\n1,2\n", "test.csv:3: 2 values"},
       {"x,y,z\n1,2,3,4\n", "test.csv:2: 4 values"},
       {"x,y,z\n1,2,\n", "test.csv:2: z"},

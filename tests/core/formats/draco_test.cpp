@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "formats/grid.h"
-#include "tests/formats/scans.h"
+#include "tests/core/formats/scans.h"
 #include "tests/support/shared_data.h"
 
 namespace scanmill {
@@ -86,10 +86,10 @@ TEST(Draco, IntegersAreNeverChangedAndOrderIsKept) {
       SCOPED_TRACE(fmt::format("columns {:x}, {} x {}", columns, rings, width));
       Scan scan = randomScan(columns, rings, width, columns, false, 100);
       const Scan read = roundTrip(scan);
-      EXPECT_EQ(read.label, scan.label);
-      EXPECT_EQ(read.instance, scan.instance);
-      EXPECT_EQ(read.ring, scan.ring);
-      EXPECT_EQ(read.column, scan.column);
+      EXPECT_EQ(read[kLabel], scan[kLabel]);
+      EXPECT_EQ(read[kInstance], scan[kInstance]);
+      EXPECT_EQ(read[kRing], scan[kRing]);
+      EXPECT_EQ(read[kColumn], scan[kColumn]);
       EXPECT_EQ(read.rings, scan.rings);
       EXPECT_EQ(read.columns, scan.columns);
       EXPECT_LE(largestError(scan, read), 1e-3);
@@ -100,29 +100,29 @@ TEST(Draco, IntegersAreNeverChangedAndOrderIsKept) {
 TEST(Draco, IdsAtTheEndsOfTheirTypes) {
   Scan scan = extremeScan();
   for (std::size_t i = 0; i < scan.size(); ++i) scan.position[i] = {static_cast<float>(i), 0, 1};
-  scan.rangeTrue.clear();
+  scan[kRangeTrue].clear();
   const Scan read = roundTrip(scan);
-  EXPECT_EQ(read.label, scan.label);
-  EXPECT_EQ(read.instance, scan.instance);
-  EXPECT_EQ(read.ring, scan.ring);
-  EXPECT_EQ(read.column, scan.column);
-  expectSameBits(read.intensity, scan.intensity, "intensity");
+  EXPECT_EQ(read[kLabel], scan[kLabel]);
+  EXPECT_EQ(read[kInstance], scan[kInstance]);
+  EXPECT_EQ(read[kRing], scan[kRing]);
+  EXPECT_EQ(read[kColumn], scan[kColumn]);
+  expectSameBits(read[kIntensity], scan[kIntensity], "intensity");
   for (const std::uint32_t id : {0u, 255u, 256u, 65535u, 65536u, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFFu}) {
-    scan.instance.assign(scan.size(), id);
-    EXPECT_EQ(roundTrip(scan).instance, scan.instance);
-    scan.instance[3] = 0;
-    EXPECT_EQ(roundTrip(scan).instance, scan.instance);
+    scan[kInstance].assign(scan.size(), id);
+    EXPECT_EQ(roundTrip(scan)[kInstance], scan[kInstance]);
+    scan[kInstance][3] = 0;
+    EXPECT_EQ(roundTrip(scan)[kInstance], scan[kInstance]);
   }
 }
 
 TEST(Draco, IdenticalPointsStay) {
   Scan scan;
   scan.position.assign(1000, {1, 2, 3});
-  scan.label.assign(1000, 9);
+  scan[kLabel].assign(1000, 9);
   const Scan read = roundTrip(scan);
   EXPECT_EQ(read.size(), 1000u);
   EXPECT_LE(largestError(scan, read), 1e-3);
-  EXPECT_EQ(read.label, scan.label);
+  EXPECT_EQ(read[kLabel], scan[kLabel]);
 }
 
 TEST(Draco, MissesAreLeftOutAndRingAndColumnJoinTheRest) {
@@ -136,16 +136,16 @@ TEST(Draco, MissesAreLeftOutAndRingAndColumnJoinTheRest) {
   for (std::size_t beam = 0; beam < scan.size(); ++beam) {
     if (!isFinite(scan.position[beam])) continue;
     ASSERT_LT(next, read.size());
-    EXPECT_EQ(read.ring[next] * 100u + read.column[next], beam);
+    EXPECT_EQ(read[kRing][next] * 100u + read[kColumn][next], beam);
     EXPECT_LE(length(Vec3d(read.position[next]) - Vec3d(scan.position[beam])), 1e-3);
-    EXPECT_LE(std::fabs(double{read.rangeTrue[next]} - double{scan.rangeTrue[beam]}), 1e-3);
-    EXPECT_LE(std::fabs(double{read.incidence[next]} - double{scan.incidence[beam]}), 1e-4);
-    EXPECT_EQ(read.time[next], scan.time[beam]);
-    EXPECT_EQ(read.intensity[next], scan.intensity[beam]);
+    EXPECT_LE(std::fabs(double{read[kRangeTrue][next]} - double{scan[kRangeTrue][beam]}), 1e-3);
+    EXPECT_LE(std::fabs(double{read[kIncidence][next]} - double{scan[kIncidence][beam]}), 1e-4);
+    EXPECT_EQ(read[kTime][next], scan[kTime][beam]);
+    EXPECT_EQ(read[kIntensity][next], scan[kIntensity][beam]);
     ++next;
   }
   EXPECT_EQ(next, read.size());
-  EXPECT_TRUE(roundTrip(scan).time.empty()) << "time is left out unless asked for";
+  EXPECT_TRUE(roundTrip(scan)[kTime].empty()) << "time is left out unless asked for";
 }
 
 TEST(Draco, EmptyScans) {
@@ -163,10 +163,10 @@ TEST(Draco, IntensitiesAreNarrowedOnlyWhereNothingIsLost) {
   const auto typeOf = [](std::vector<float> intensity) {
     Scan scan;
     scan.position.assign(intensity.size(), {1, 2, 3});
-    scan.intensity = intensity;
+    scan[kIntensity] = intensity;
     const auto format = makeFormat("draco");
     const std::string bytes = format->encode(scan);
-    expectSameBits(format->decode(bytes, "x").intensity, intensity, "intensity");
+    expectSameBits(format->decode(bytes, "x")[kIntensity], intensity, "intensity");
     return byDraco(bytes)->attribute(1)->data_type();
   };
   EXPECT_EQ(typeOf({0, 1, 255}), draco::DT_UINT8);
@@ -181,17 +181,17 @@ TEST(Draco, IntensityBitsBoundTheError) {
   Scan scan = randomScan(3, 10, 100, 0, false, 10);
   std::mt19937 generator(8);
   std::uniform_real_distribution<float> uniform(-3, 7);
-  for (std::size_t i = 0; i < scan.size(); ++i) scan.intensity.push_back(uniform(generator));
+  for (std::size_t i = 0; i < scan.size(); ++i) scan[kIntensity].push_back(uniform(generator));
   for (const int bits : {1, 4, 8, 12, 16}) {
     const Scan read = roundTrip(scan, fmt::format("intensity_bits: {}", bits));
     double worst = 0;
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      worst = std::fmax(worst, std::fabs(double{read.intensity[i]} - double{scan.intensity[i]}));
+      worst = std::fmax(worst, std::fabs(double{read[kIntensity][i]} - double{scan[kIntensity][i]}));
     }
     EXPECT_LE(worst, 10 / (std::exp2(bits) - 1) / 2) << bits;
   }
-  scan.intensity.assign(scan.size(), 0.3f);
-  EXPECT_EQ(roundTrip(scan, "intensity_bits: 8").intensity, scan.intensity);
+  scan[kIntensity].assign(scan.size(), 0.3f);
+  EXPECT_EQ(roundTrip(scan, "intensity_bits: 8")[kIntensity], scan[kIntensity]);
 }
 
 // Whatever the bound of positions; what is no angle is kept bit by bit.
@@ -199,10 +199,10 @@ TEST(Draco, IncidencesKeepTheirOwnBound) {
   for (const char* options : {"max_error_mm: 0.1", "max_error_mm: 100"}) {
     const Scan scan = randomScan(4, 20, 200, 128, false, 40);
     const Scan read = roundTrip(scan, options);
-    ASSERT_EQ(read.incidence.size(), scan.size());
+    ASSERT_EQ(read[kIncidence].size(), scan.size());
     double worst = 0;
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      worst = std::fmax(worst, std::fabs(double{read.incidence[i]} - double{scan.incidence[i]}));
+      worst = std::fmax(worst, std::fabs(double{read[kIncidence][i]} - double{scan[kIncidence][i]}));
     }
     EXPECT_LE(worst, 1e-4) << options;
     EXPECT_GT(worst, 0.5e-4) << "the step is far smaller than it need be";
@@ -210,11 +210,11 @@ TEST(Draco, IncidencesKeepTheirOwnBound) {
   Scan scan;
   scan.position.assign(3, {1, 2, 3});
   const auto halfPi = static_cast<float>(kPi / 2);
-  scan.incidence = {0, halfPi, halfPi};
-  EXPECT_NEAR(roundTrip(scan).incidence[1], halfPi, 1e-4);
+  scan[kIncidence] = {0, halfPi, halfPi};
+  EXPECT_NEAR(roundTrip(scan)[kIncidence][1], halfPi, 1e-4);
   for (const float odd : {-1.0f, 90.0f, 1e30f, std::nanf(""), INFINITY}) {
-    scan.incidence = {0.25f, odd, 1.0f / 3};
-    expectSameBits(roundTrip(scan).incidence, scan.incidence, "incidence");
+    scan[kIncidence] = {0.25f, odd, 1.0f / 3};
+    expectSameBits(roundTrip(scan)[kIncidence], scan[kIncidence], "incidence");
   }
 }
 
@@ -230,8 +230,8 @@ TEST(Draco, AnyDracoReaderFindsMetresAndNames) {
     position->GetMappedValue(draco::PointIndex(i), &p);
     ASSERT_LE(length(Vec3d(p) - Vec3d(scan.position[i])), 1e-3);
   }
-  const std::vector<std::string> names = {"position", "intensity", "label",      "instance", "ring",
-                                          "column",   "time",      "range_true", "incidence"};
+  std::vector<std::string> names = allColumnNames();
+  names.insert(names.begin(), "position");
   ASSERT_EQ(cloud->num_attributes(), static_cast<int>(names.size()));
   for (int i = 0; i < cloud->num_attributes(); ++i) {
     EXPECT_EQ(cloud->GetAttributeIdByMetadataEntry("name", names[static_cast<std::size_t>(i)]), i);
@@ -239,6 +239,26 @@ TEST(Draco, AnyDracoReaderFindsMetresAndNames) {
   std::int32_t rings = 0;
   EXPECT_TRUE(cloud->GetMetadata()->GetEntryInt("rings", &rings));
   EXPECT_EQ(rings, 8);
+}
+
+TEST(Draco, ForeignColumnsThatItHoldsExactlyAreKept) {
+  Scan scan = randomScan(4, 3, 50, kAllColumns, false, 50);
+  std::vector<std::uint16_t> infrared;
+  std::vector<float> signal;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    infrared.push_back(static_cast<std::uint16_t>(i * 431));
+    signal.push_back(0.1f * static_cast<float>(i));
+  }
+  scan.foreign = {{"near_ir", infrared}, {"signal", signal}, {"t", std::vector<double>(scan.size(), 0.5)}};
+  const Scan back = makeFormat("draco")->decode(makeFormat("draco")->encode(scan), "test.drc");
+  ASSERT_EQ(back.foreign.size(), 2u) << "doubles are none of its";
+  EXPECT_EQ(back.foreign[1].name, "signal");
+  EXPECT_EQ(std::get<std::vector<float>>(back.foreign[1].values), signal);
+  std::visit(
+      [&](const auto& values) {
+        EXPECT_TRUE(std::equal(values.begin(), values.end(), infrared.begin(), infrared.end()));
+      },
+      back.foreign[0].values);
 }
 
 // Draco's own encoder, with both of its methods: foreign to us, and valid.
@@ -287,7 +307,7 @@ TEST(Draco, SpeedChangesSizeAlone) {
   const Scan scan = randomScan(12, 64, 200, 30, false, 70);
   for (int speed = 0; speed <= 10; ++speed) {
     const Scan read = roundTrip(scan, fmt::format("speed: {}", speed));
-    EXPECT_EQ(read.label, scan.label);
+    EXPECT_EQ(read[kLabel], scan[kLabel]);
     EXPECT_LE(largestError(read, scan), 1e-3);
   }
 }
@@ -300,15 +320,15 @@ TEST(Draco, RealRecordingKeepsTheBound) {
   for (std::size_t i = 0; i < organised.size(); ++i) {
     if (!isFinite(organised.position[i])) continue;
     dense.position.push_back(organised.position[i]);
-    dense.ring.push_back(organised.ring[i]);
-    dense.column.push_back(organised.column[i]);
+    dense[kRing].push_back(organised[kRing][i]);
+    dense[kColumn].push_back(organised[kColumn][i]);
   }
   EXPECT_GT(dense.size(), organised.size() / 2);
   for (const double bound : {0.1, 1.0, 10.0}) {
     const Scan read = roundTrip(organised, fmt::format("max_error_mm: {}", bound));
     EXPECT_LE(largestError(read, dense), bound * 1e-3);
-    EXPECT_EQ(read.ring, dense.ring);
-    EXPECT_EQ(read.column, dense.column);
+    EXPECT_EQ(read[kRing], dense[kRing]);
+    EXPECT_EQ(read[kColumn], dense[kColumn]);
   }
 }
 

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "base/file.h"
-#include "tests/formats/scans.h"
+#include "tests/core/formats/scans.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 
@@ -35,6 +35,48 @@ TEST(Pcd, RoundTripIsExactForAllSetsOfColumns) {
       }
     }
   }
+}
+
+// Columns of others stay what they are, whatever their types.
+TEST(Pcd, ForeignColumnsComeBackInTheirTypes) {
+  for (const char* encoding : kEncodings) {
+    for (const bool organised : {false, true}) {
+      SCOPED_TRACE(fmt::format("{} organised {}", encoding, organised));
+      Scan scan = randomScan(3, 4, 25, kAllColumns, organised, 50);
+      std::mt19937_64 generator(5);
+      const auto add = [&]<class T>(const char* name, T) {
+        std::vector<T> values;
+        for (std::size_t i = 0; i < scan.size(); ++i) {
+          values.push_back(std::is_integral_v<T> ? static_cast<T>(generator())
+                                                 : static_cast<T>(static_cast<double>(generator()) * 1e-3));
+        }
+        scan.foreign.push_back({name, std::move(values)});
+      };
+      add("near_ir", std::uint16_t{}), add("t", std::uint32_t{}), add("timestamp", double{}), add("ambient", float{});
+      add("u1", std::uint8_t{}), add("u8", std::uint64_t{}), add("i1", std::int8_t{}), add("i2", std::int16_t{});
+      add("i4", std::int32_t{}), add("i8", std::int64_t{});
+      const Scan back = decoded(pcd(encoding)->encode(scan));
+      expectSame(back, scan);
+      ASSERT_EQ(back.foreign.size(), scan.foreign.size());
+      for (std::size_t c = 0; c < scan.foreign.size(); ++c) {
+        EXPECT_EQ(back.foreign[c].name, scan.foreign[c].name);
+        EXPECT_EQ(back.foreign[c].values, scan.foreign[c].values) << scan.foreign[c].name;
+      }
+    }
+  }
+}
+
+TEST(Pcd, FurtherReturnsAreFurtherPlanes) {
+  for (const char* encoding : kEncodings) {
+    Scan scan = randomScan(3, 6, 25, kAllColumns, true, 50);
+    scan.rings = 2;
+    scan.planes = 3;
+    for (auto& ring : scan[kRing]) ring %= 2;
+    expectSame(decoded(pcd(encoding)->encode(scan)), scan);
+  }
+  const std::string text =
+      "# scanmill sensor: 4 1 organised\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 6\n";
+  EXPECT_THAT(messageOf([&] { decoded(text + "POINTS 6\nDATA ascii\n"); }), HasSubstr("disagree with the sensor"));
 }
 
 TEST(Pcd, RoundTripHoldsAtTheEdges) {
@@ -81,17 +123,13 @@ void expectPclReads(const Scan& scan, const std::filesystem::path& file) {
   const std::vector<float> y = fieldOf<float>(cloud, "y");
   const std::vector<float> z = fieldOf<float>(cloud, "z");
   for (std::size_t i = 0; i < x.size(); ++i) read.position.push_back({x[i], y[i], z[i]});
-  read.intensity = fieldOf<float>(cloud, "intensity");
+  visitTable(read, [&]<class T>(auto key, std::vector<T>& values) {
+    if (key.index != kLabel.index) values = fieldOf<T>(cloud, std::string(key.row.name));
+  });
   for (const std::uint32_t label : fieldOf<std::uint32_t>(cloud, "label")) {
     ASSERT_LT(label, 65536u);
-    read.label.push_back(static_cast<std::uint16_t>(label));
+    read[kLabel].push_back(static_cast<std::uint16_t>(label));
   }
-  read.instance = fieldOf<std::uint32_t>(cloud, "instance");
-  read.ring = fieldOf<std::uint16_t>(cloud, "ring");
-  read.column = fieldOf<std::uint16_t>(cloud, "column");
-  read.time = fieldOf<float>(cloud, "time");
-  read.rangeTrue = fieldOf<float>(cloud, "range_true");
-  read.incidence = fieldOf<float>(cloud, "incidence");
   expectSameColumns(read, scan);
 }
 
@@ -153,7 +191,7 @@ TEST(Pcd, WeReadWhatPclWrites) {
     ASSERT_EQ(scan.size(), cloud.size());
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       EXPECT_NEAR(scan.position[i].y, cloud[i].y, 1e-6f);
-      EXPECT_EQ(scan.label[i], cloud[i].label);
+      EXPECT_EQ(scan[kLabel][i], cloud[i].label);
     }
   };
   pcl::io::savePCDFileASCII(file, cloud);
@@ -174,9 +212,9 @@ TEST(Pcd, FieldsMayComeInAnyOrderAndType) {
   EXPECT_EQ(scan.position[0], (Vec3f{1, 2, 3}));
   EXPECT_EQ(scan.position[1].x, -1e-3f);
   EXPECT_TRUE(std::isnan(scan.position[1].z));
-  EXPECT_EQ(scan.label, (std::vector<std::uint16_t>{4, 65535}));
-  EXPECT_EQ(scan.ring, (std::vector<std::uint16_t>{5, 6}));
-  EXPECT_TRUE(scan.instance.empty());
+  EXPECT_EQ(scan[kLabel], (std::vector<std::uint16_t>{4, 65535}));
+  EXPECT_EQ(scan[kRing], (std::vector<std::uint16_t>{5, 6}));
+  EXPECT_TRUE(scan[kInstance].empty());
   EXPECT_FALSE(scan.organised);
 }
 
@@ -184,9 +222,9 @@ TEST(Pcd, IncidenceIsTakenFromForeignFiles) {
   const Scan scan = decoded(
       "VERSION .7\nFIELDS x y incidence z\nSIZE 4 4 8 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"
       "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n1 2 0.5 3\n4 5 nan 6\n");
-  ASSERT_EQ(scan.incidence.size(), 2u);
-  EXPECT_EQ(scan.incidence[0], 0.5f);
-  EXPECT_TRUE(std::isnan(scan.incidence[1]));
+  ASSERT_EQ(scan[kIncidence].size(), 2u);
+  EXPECT_EQ(scan[kIncidence][0], 0.5f);
+  EXPECT_TRUE(std::isnan(scan[kIncidence][1]));
 }
 
 TEST(Pcd, ValuesThatDoNotFitAreRefused) {
@@ -196,8 +234,8 @@ TEST(Pcd, ValuesThatDoNotFitAreRefused) {
     return fmt::format(fmt::runtime(head), type, "binary") + std::string(reinterpret_cast<const char*>(xyz), 12) +
            std::string(reinterpret_cast<const char*>(&label), 4);
   };
-  EXPECT_EQ(decoded(binary('F', 65535.0f)).label[0], 65535);
-  EXPECT_EQ(decoded(binary('I', 65535)).label[0], 65535);
+  EXPECT_EQ(decoded(binary('F', 65535.0f))[kLabel][0], 65535);
+  EXPECT_EQ(decoded(binary('I', 65535))[kLabel][0], 65535);
   for (const std::string& bytes :
        {binary('U', 65536u), binary('I', -1), binary('F', 0.5f), binary('F', std::nanf("")), binary('F', 1e10f),
         fmt::format(fmt::runtime(head), 'U', "ascii") + "1 2 3 65536\n"}) {
@@ -261,17 +299,18 @@ TEST(Pcd, RealRecordingIsReadAsPclReadsIt) {
   EXPECT_TRUE(scan.organised);
   EXPECT_EQ(scan.rings, 128u);
   EXPECT_EQ(scan.columns, 1024u);
-  EXPECT_EQ(columnNames(scan), (std::vector<std::string>{"x", "y", "z", "intensity", "ring", "column"}));
+  EXPECT_EQ(columnNames(scan), (std::vector<std::string>{"x", "y", "z", "intensity", "ring", "column", "range",
+                                                         "reflectivity", "near_ir"}));
   pcl::PCLPointCloud2 cloud;
   ASSERT_EQ(pcl::PCDReader().read(file, cloud), 0);
   const std::vector<float> x = fieldOf<float>(cloud, "x");
   std::vector<float> ours;
   for (const Vec3f& p : scan.position) ours.push_back(p.x);
   expectSameBits(ours, x, "x");
-  EXPECT_EQ(scan.ring, fieldOf<std::uint16_t>(cloud, "ring"));
-  EXPECT_EQ(scan.column, fieldOf<std::uint16_t>(cloud, "column"));
+  EXPECT_EQ(scan[kRing], fieldOf<std::uint16_t>(cloud, "ring"));
+  EXPECT_EQ(scan[kColumn], fieldOf<std::uint16_t>(cloud, "column"));
   const std::vector<std::uint8_t> reflectivity = fieldOf<std::uint8_t>(cloud, "reflectivity");
-  EXPECT_TRUE(std::equal(scan.intensity.begin(), scan.intensity.end(), reflectivity.begin(), reflectivity.end()));
+  EXPECT_TRUE(std::equal(scan[kIntensity].begin(), scan[kIntensity].end(), reflectivity.begin(), reflectivity.end()));
   for (const char* encoding : kEncodings) expectSame(decoded(pcd(encoding)->encode(scan)), scan);
 }
 
@@ -282,9 +321,9 @@ TEST(Pcd, ReflectivityStandsForAnAbsentIntensity) {
            "\nSIZE 4 4 4 1 1\nTYPE F F F U U\nCOUNT 1 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
            "POINTS 2\nDATA ascii\n1 2 3 7 9\n4 5 6 8 250\n";
   };
-  EXPECT_EQ(decoded(text("ring reflectivity")).intensity, (std::vector<float>{9, 250}));
-  EXPECT_EQ(decoded(text("intensity reflectivity")).intensity, (std::vector<float>{7, 8}));
-  EXPECT_EQ(decoded(text("reflectivity intensity")).intensity, (std::vector<float>{9, 250}));
+  EXPECT_EQ(decoded(text("ring reflectivity"))[kIntensity], (std::vector<float>{9, 250}));
+  EXPECT_EQ(decoded(text("intensity reflectivity"))[kIntensity], (std::vector<float>{7, 8}));
+  EXPECT_EQ(decoded(text("reflectivity intensity"))[kIntensity], (std::vector<float>{9, 250}));
 }
 
 }  // namespace

@@ -26,8 +26,8 @@ inline std::unique_ptr<Format> makeFormat(std::string_view name, std::string_vie
   return requireFormat(name, {}).make(fields);
 }
 
-// Bits of `columns`: which of intensity, label, instance, ring, column, time, range_true and incidence the scan has.
-constexpr unsigned kAllColumns = 255;
+// Bits of `present`: which rows of the table of columns the scan has.
+constexpr unsigned kAllColumns = (1u << kColumnCount) - 1;
 
 // Any bits a float can have but infinities, NaN and, as PCL's text reader knows none, -0.
 inline float anyFloat(std::mt19937& generator) {
@@ -37,8 +37,8 @@ inline float anyFloat(std::mt19937& generator) {
   }
 }
 
-// Positions within `reach` and incidences that are angles, or anything that a float can hold where it is 0; about a
-// tenth of an organised scan misses.
+// Positions within `reach` and values that are valid, or anything that their types can hold where it is 0; rings and
+// columns are the beams'. About a tenth of an organised scan misses.
 inline Scan randomScan(std::uint32_t seed, std::uint32_t rings, std::uint32_t columns, unsigned present,
                        bool organised = false, float reach = 0) {
   std::mt19937 generator(seed);
@@ -53,21 +53,23 @@ inline Scan randomScan(std::uint32_t seed, std::uint32_t rings, std::uint32_t co
     const bool miss = organised && generator() % 10 == 0;
     const float nan = std::numeric_limits<float>::quiet_NaN();
     scan.position.push_back(miss ? Vec3f{nan, nan, nan} : Vec3f{coordinate(), coordinate(), coordinate()});
-    const auto add = [&](unsigned bit, auto& column, auto value) {
-      using T = typename std::remove_reference_t<decltype(column)>::value_type;
-      if ((present >> bit & 1u) != 0) column.push_back(miss ? T(0) : static_cast<T>(value));
+    const auto valueFor = [&]<class T>(const Column& column, T) {
+      if (column.validity == ColumnValidity::Rings) return static_cast<T>(i / columns);
+      if (column.validity == ColumnValidity::Columns) return static_cast<T>(i % columns);
+      if constexpr (std::is_integral_v<T>) {
+        return static_cast<T>(generator() >> (generator() % 32));
+      } else {
+        if (column.loss == ColumnLoss::AsPositions) return std::fabs(coordinate());
+        if (column.validity != ColumnValidity::Interval || reach == 0) return anyFloat(generator);
+        return std::uniform_real_distribution<float>(static_cast<float>(column.low),
+                                                     static_cast<float>(column.high))(generator);
+      }
     };
-    add(0, scan.intensity, anyFloat(generator));
-    add(1, scan.label, generator() >> (generator() % 32));
-    add(2, scan.instance, generator() >> (generator() % 32));
-    add(3, scan.ring, i / columns);
-    add(4, scan.column, i % columns);
-    add(5, scan.time, 0.1f * static_cast<float>(i % columns) / static_cast<float>(columns));
-    if ((present >> 6 & 1u) != 0) scan.rangeTrue.push_back(miss ? nan : std::fabs(coordinate()));
-    if ((present >> 7 & 1u) != 0) {
-      std::uniform_real_distribution<float> angle(0, static_cast<float>(kPi / 2));
-      scan.incidence.push_back(miss ? nan : reach > 0 ? angle(generator) : anyFloat(generator));
-    }
+    visitTable(scan, [&]<class T>(auto key, std::vector<T>& values) {
+      if ((present >> key.index & 1u) == 0) return;
+      const T value = valueFor(key.row, T{});
+      values.push_back(miss ? static_cast<T>(key.row.none) : value);
+    });
   }
   return scan;
 }
@@ -84,15 +86,15 @@ inline Scan extremeScan() {
                    {std::nextafter(1.0f, 2.0f), std::nextafter(1.0f, 0.0f), 123456.789f},
                    {7, 7, 7},
                    {7, 7, 7}};
-  scan.label = {0, 1, 255, 256, 32767, 32768, 65534, 65535};
-  scan.instance = {0, 1, 65535, 65536, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFEu, 0xFFFFFFFFu};
-  scan.ring = {0, 255, 256, 65535, 0, 0, 1, 2};
-  scan.column = {65535, 0, 65535, 0, 1, 2, 3, 4};
-  scan.intensity = {0, 255, 65535, 65536, 0.5f, -1, Limits::denorm_min(), Limits::max()};
+  scan[kLabel] = {0, 1, 255, 256, 32767, 32768, 65534, 65535};
+  scan[kInstance] = {0, 1, 65535, 65536, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFEu, 0xFFFFFFFFu};
+  scan[kRing] = {0, 255, 256, 65535, 0, 0, 1, 2};
+  scan[kColumn] = {65535, 0, 65535, 0, 1, 2, 3, 4};
+  scan[kIntensity] = {0, 255, 65535, 65536, 0.5f, -1, Limits::denorm_min(), Limits::max()};
   return scan;
 }
 
-inline void expectSameBits(const std::vector<float>& a, const std::vector<float>& b, const char* column) {
+inline void expectSameBits(const std::vector<float>& a, const std::vector<float>& b, std::string_view column) {
   ASSERT_EQ(a.size(), b.size()) << column;
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (std::isnan(a[i]) && std::isnan(b[i])) continue;
@@ -108,14 +110,13 @@ inline std::vector<float> coordinates(const Scan& scan) {
 
 inline void expectSameColumns(const Scan& a, const Scan& b) {
   expectSameBits(coordinates(a), coordinates(b), "position");
-  expectSameBits(a.intensity, b.intensity, "intensity");
-  expectSameBits(a.time, b.time, "time");
-  expectSameBits(a.rangeTrue, b.rangeTrue, "range_true");
-  expectSameBits(a.incidence, b.incidence, "incidence");
-  EXPECT_EQ(a.label, b.label);
-  EXPECT_EQ(a.instance, b.instance);
-  EXPECT_EQ(a.ring, b.ring);
-  EXPECT_EQ(a.column, b.column);
+  visitTable(a, [&]<class T>(auto key, const std::vector<T>& values) {
+    if constexpr (std::is_integral_v<T>) {
+      EXPECT_EQ(values, b[key]) << key.row.name;
+    } else {
+      expectSameBits(values, b[key], key.row.name);
+    }
+  });
 }
 
 inline void expectSame(const Scan& a, const Scan& b) {
@@ -123,6 +124,7 @@ inline void expectSame(const Scan& a, const Scan& b) {
   EXPECT_EQ(a.rings, b.rings);
   EXPECT_EQ(a.columns, b.columns);
   EXPECT_EQ(a.organised, b.organised);
+  EXPECT_EQ(a.planes, b.planes);
 }
 
 }  // namespace scanmill

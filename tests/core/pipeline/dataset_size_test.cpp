@@ -2,7 +2,7 @@
 
 #include "pipeline/dataset_size.h"
 
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
 namespace {
@@ -24,7 +24,7 @@ class DatasetSize : public Yard {
     const Plan plan(readPipeline(pipeline_, overrides));
     const double most = mostDatasetBytes(plan, plan.loadScene(plan.pipeline().sequences[0]).ontology);
     const GenerateSummary made = run(overrides, name);
-    EXPECT_EQ(made.manifest.columns, plan.columns());
+    EXPECT_EQ(made.manifest.columns, scanColumnNames(plan.columns()));
     return most / bytesIn(out(name));
   }
 };

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "formats/format.h"
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 #include "tests/support/gl.h"
 
 namespace scanmill {
@@ -140,11 +140,11 @@ TEST_F(GenerateTest, AnotherSeedChangesTheNoiseAlone) {
   std::size_t points = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     ASSERT_EQ(a[i].size(), b[i].size());
-    EXPECT_EQ(a[i].label, b[i].label);
-    EXPECT_EQ(a[i].instance, b[i].instance);
-    EXPECT_EQ(a[i].rangeTrue, b[i].rangeTrue);
-    EXPECT_EQ(a[i].ring, b[i].ring);
-    EXPECT_EQ(a[i].column, b[i].column);
+    EXPECT_EQ(a[i][kLabel], b[i][kLabel]);
+    EXPECT_EQ(a[i][kInstance], b[i][kInstance]);
+    EXPECT_EQ(a[i][kRangeTrue], b[i][kRangeTrue]);
+    EXPECT_EQ(a[i][kRing], b[i][kRing]);
+    EXPECT_EQ(a[i][kColumn], b[i][kColumn]);
     for (std::size_t p = 0; p < a[i].size(); ++p) moved += a[i].position[p] == b[i].position[p] ? 0 : 1;
     points += a[i].size();
   }
@@ -168,8 +168,8 @@ TEST_F(GenerateTest, ANoiseFreeTwinJoinsByRingAndColumn) {
     for (const auto& [beam, row] : twinRows) {
       const std::size_t other = noisyRows.at(beam);
       const double range = length(Vec3d(twins[s].position[row]));
-      EXPECT_NEAR(noisy[s].rangeTrue[other], range, 1e-6 * range);
-      EXPECT_EQ(noisy[s].label[other], twins[s].label[row]);
+      EXPECT_NEAR(noisy[s][kRangeTrue][other], range, 1e-6 * range);
+      EXPECT_EQ(noisy[s][kLabel][other], twins[s][kLabel][row]);
       errors += std::abs(length(Vec3d(noisy[s].position[other])) - range);
     }
     EXPECT_NEAR(errors / static_cast<double>(noisy[s].size()), 0.05 * std::sqrt(2 / kPi), 0.01);
@@ -195,10 +195,10 @@ TEST_F(GenerateTest, OrganisedScansKeepEveryBeamInItsPlace) {
       const auto row = rows.find({static_cast<int>(i / 64), static_cast<int>(i % 64)});
       if (row == rows.end()) {
         EXPECT_FALSE(isFinite(image.position[i]));
-        EXPECT_EQ(image.label[i], 0);
+        EXPECT_EQ(image[kLabel][i], 0);
       } else {
         EXPECT_EQ(image.position[i], dense[s].position[row->second]);
-        EXPECT_EQ(image.label[i], dense[s].label[row->second]);
+        EXPECT_EQ(image[kLabel][i], dense[s][kLabel][row->second]);
       }
     }
   }
@@ -216,7 +216,7 @@ TEST_F(GenerateTest, PointsLieOnTheSceneAndBearItsLabels) {
     const Pose& pose = m.samples[s].scans[0].worldFromSensor.front();
     for (std::size_t i = 0; i < all[s].size(); ++i) {
       const Vec3d p = pose * Vec3d(all[s].position[i]);
-      const std::uint16_t label = all[s].label[i];
+      const std::uint16_t label = all[s][kLabel][i];
       ++seen[label];
       if (label == ground) {
         EXPECT_NEAR(p.z, 0, 1e-4);
@@ -226,9 +226,9 @@ TEST_F(GenerateTest, PointsLieOnTheSceneAndBearItsLabels) {
       }
       if (label == car) {
         EXPECT_NEAR(std::max({std::abs(p.x - 8) - 2, std::abs(std::abs(p.y) - 5) - 1, p.z - 1.5}), 0, 1e-4);
-        EXPECT_EQ(all[s].instance[i], p.y > 0 ? 1u : 2u);
+        EXPECT_EQ(all[s][kInstance][i], p.y > 0 ? 1u : 2u);
       } else {
-        EXPECT_EQ(all[s].instance[i], 0u);
+        EXPECT_EQ(all[s][kInstance][i], 0u);
       }
     }
   }
@@ -260,11 +260,11 @@ class IncidenceTest : public Yard {
     std::size_t right = 0;
     for (std::size_t s = 0; s < all.size(); ++s) {
       const Pose& pose = m.samples[s].scans[0].worldFromSensor.front();
-      EXPECT_EQ(all[s].incidence.size(), all[s].size());
+      EXPECT_EQ(all[s][kIncidence].size(), all[s].size());
       for (std::size_t i = 0; i < all[s].size(); ++i) {
         ++points;
-        const double expected = angleAt(pose.translation, pose * Vec3d(all[s].position[i]), all[s].label[i] == car);
-        right += std::abs(all[s].incidence[i] - expected) < bound ? 1u : 0u;
+        const double expected = angleAt(pose.translation, pose * Vec3d(all[s].position[i]), all[s][kLabel][i] == car);
+        right += std::abs(all[s][kIncidence][i] - expected) < bound ? 1u : 0u;
       }
     }
     EXPECT_GT(points, 1000u);
@@ -283,7 +283,7 @@ TEST_F(IncidenceTest, MissesHaveNone) {
   std::size_t misses = 0;
   for (const Scan& image : scans()) {
     for (std::size_t i = 0; i < image.size(); ++i) {
-      EXPECT_EQ(std::isnan(image.incidence[i]), !isFinite(image.position[i]));
+      EXPECT_EQ(std::isnan(image[kIncidence][i]), !isFinite(image.position[i]));
       misses += isFinite(image.position[i]) ? 0u : 1u;
     }
   }
@@ -316,7 +316,7 @@ TEST_F(GenerateTest, QuantisedRangesAreWholeSteps) {
     for (std::size_t i = 0; i < s.size(); ++i) {
       const double range = length(Vec3d(s.position[i]));
       EXPECT_NEAR(range, std::round(range / 0.25) * 0.25, 1e-5);
-      EXPECT_NEAR(range, s.rangeTrue[i], 0.125 + 1e-5);
+      EXPECT_NEAR(range, s[kRangeTrue][i], 0.125 + 1e-5);
     }
   }
 }
@@ -331,14 +331,14 @@ TEST_F(GenerateTest, AllFormatsHoldTheSameCloud) {
   ASSERT_EQ(csv.size(), 24u);
   for (std::size_t s = 0; s < pcd.size(); ++s) {
     EXPECT_EQ(csv[s].position, pcd[s].position);
-    EXPECT_EQ(csv[s].rangeTrue, pcd[s].rangeTrue);
+    EXPECT_EQ(csv[s][kRangeTrue], pcd[s][kRangeTrue]);
     for (const Scan* other : {&draco[s], &csv[s]}) {
       ASSERT_EQ(other->size(), pcd[s].size());
-      EXPECT_EQ(other->label, pcd[s].label);
-      EXPECT_EQ(other->instance, pcd[s].instance);
-      EXPECT_EQ(other->ring, pcd[s].ring);
-      EXPECT_EQ(other->column, pcd[s].column);
-      EXPECT_EQ(other->intensity, pcd[s].intensity);
+      EXPECT_EQ((*other)[kLabel], pcd[s][kLabel]);
+      EXPECT_EQ((*other)[kInstance], pcd[s][kInstance]);
+      EXPECT_EQ((*other)[kRing], pcd[s][kRing]);
+      EXPECT_EQ((*other)[kColumn], pcd[s][kColumn]);
+      EXPECT_EQ((*other)[kIntensity], pcd[s][kIntensity]);
     }
     for (std::size_t i = 0; i < pcd[s].size(); ++i) {
       EXPECT_LE(length(Vec3d(draco[s].position[i]) - Vec3d(pcd[s].position[i])), 0.002);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
 namespace {
@@ -18,7 +18,7 @@ class MotionTest : public Yard {
     for (std::size_t s = 0; s < all.size(); ++s) {
       const Pose& start = m.samples[s].scans[0].worldFromSensor.front();
       for (std::size_t i = 0; i < all[s].size(); ++i) {
-        if (all[s].label[i] != wall) continue;
+        if (all[s][kLabel][i] != wall) continue;
         const Vec3d p = start * Vec3d(all[s].position[i]);
         errors.push_back(std::min(std::abs(std::abs(p.x) - 30), std::abs(std::abs(p.y) - 20)));
       }
@@ -90,9 +90,9 @@ TEST_F(MotionTest, TimesFollowTheColumns) {
     sound({motion, "sensors.0.firing_time_us={step_us: 10}"}, motion);
     for (const Scan& s : scans(".pcd", motion)) {
       for (std::size_t i = 0; i < s.size(); ++i) {
-        EXPECT_NEAR(s.time[i], s.column[i] * 0.1 / 64 + s.ring[i] * 10e-6, 1e-7);
+        EXPECT_NEAR(s[kTime][i], s[kColumn][i] * 0.1 / 64 + s[kRing][i] * 10e-6, 1e-7);
         if (i > 0) {
-          EXPECT_GE(s.time[i], s.time[i - 1]);
+          EXPECT_GE(s[kTime][i], s[kTime][i - 1]);
         }
       }
     }

@@ -1,6 +1,6 @@
 #include "pipeline/pipeline.h"
 
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
 namespace {
@@ -66,9 +66,8 @@ TEST_F(ReadPipeline, FillsInDefaults) {
   EXPECT_EQ(p.sensors[0].vehicleFromSensor, Pose{});
   EXPECT_EQ(p.motion.kind, MotionKind::None);
   EXPECT_TRUE(p.effects.empty());
-  EXPECT_FALSE(p.columns.organised);
-  EXPECT_TRUE(p.columns.label && p.columns.instance && p.columns.ring && p.columns.column && p.columns.time);
-  EXPECT_FALSE(p.columns.rangeTrue || p.columns.incidence);
+  EXPECT_FALSE(p.layout.organised);
+  EXPECT_EQ(p.layout.columns, ColumnSet::byDefault());
   EXPECT_EQ(p.shardBytes, 256'000'000u);
   EXPECT_EQ(p.maxRays, 1e11);
 }
@@ -123,8 +122,8 @@ limits: {max_rays: 1e6}
   std::vector<std::string_view> effects;
   for (const EffectEntry* e : p.effectEntries) effects.push_back(e->name);
   EXPECT_THAT(effects, ElementsAre("intensity", "range_noise", "quantize"));  // by stage, not by the file's order
-  EXPECT_TRUE(p.columns.organised && p.columns.label);
-  EXPECT_FALSE(p.columns.intensity || p.columns.instance || p.columns.ring || p.columns.column || p.columns.time);
+  EXPECT_TRUE(p.layout.organised && p.layout.columns.has(kLabel));
+  EXPECT_EQ(p.layout.columns, ColumnSet(kLabel));
   ASSERT_EQ(p.formats.size(), 2u);
   EXPECT_EQ(p.formats[0].entry->name, "csv");
   EXPECT_DOUBLE_EQ(p.formats[1].format->maxError(), 0.005);
@@ -166,7 +165,7 @@ TEST_F(ReadPipeline, KeysWithoutAValueCountAsAbsent) {
   EXPECT_EQ(p.sensors[0].name, "lidar0");
   EXPECT_EQ(p.sensors[0].vehicleFromSensor, Pose{});
   EXPECT_EQ(p.sequences[0].key(), "yard-s1-t0");
-  EXPECT_TRUE(p.columns.label);
+  EXPECT_TRUE(p.layout.columns.has(kLabel));
 }
 
 // A key of a preset is refused where it stands.

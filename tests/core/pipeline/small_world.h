@@ -136,7 +136,7 @@ class Yard : public testing::Test {
 // Index of the row of each beam, by ring and column.
 inline std::map<std::pair<int, int>, std::size_t> rowsByBeam(const Scan& scan) {
   std::map<std::pair<int, int>, std::size_t> rows;
-  for (std::size_t i = 0; i < scan.size(); ++i) rows[{scan.ring[i], scan.column[i]}] = i;
+  for (std::size_t i = 0; i < scan.size(); ++i) rows[{scan[kRing][i], scan[kColumn][i]}] = i;
   return rows;
 }
 

@@ -36,15 +36,15 @@ TEST(Scan, NamesTheColumnsItHolds) {
   Scan scan;
   scan.position.resize(2);
   EXPECT_THAT(columnNames(scan), ElementsAre("x", "y", "z"));
-  scan.time.resize(2);
-  scan.label.resize(2);
+  scan[kTime].resize(2);
+  scan[kLabel].resize(2);
   EXPECT_THAT(columnNames(scan), ElementsAre("x", "y", "z", "label", "time"));
-  scan.intensity.resize(2);
-  scan.instance.resize(2);
-  scan.ring.resize(2);
-  scan.column.resize(2);
-  scan.rangeTrue.resize(2);
-  scan.incidence.resize(2);
+  scan[kIntensity].resize(2);
+  scan[kInstance].resize(2);
+  scan[kRing].resize(2);
+  scan[kColumn].resize(2);
+  scan[kRangeTrue].resize(2);
+  scan[kIncidence].resize(2);
   EXPECT_THAT(columnNames(scan), ElementsAre("x", "y", "z", "intensity", "label", "instance", "ring", "column", "time",
                                              "range_true", "incidence"));
 }

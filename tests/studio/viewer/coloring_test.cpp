@@ -55,13 +55,13 @@ TEST(ClassColor, IsTheOntologysUnlessTooDark) {
 TEST(ColorScan, LegendNamesTheClassesInTheScanAlone) {
   const Ontology ontology = testOntology();
   Scan scan = scanOf(4);
-  scan.label = {3, 1, 3, 500};
-  const Coloring c = colorScan(scan, ColorBy::Class, &ontology);
+  scan[kLabel] = {3, 1, 3, 500};
+  const Coloring c = colorScan(scan, ColorBy("class"), &ontology);
   EXPECT_THAT(names(c.legend), testing::ElementsAre("ground", "other", "class 500"));
   EXPECT_EQ(c.colors[0], c.colors[2]);
   EXPECT_EQ(c.colors[0], c.legend.entries[1].color);
   EXPECT_EQ(c.colors[1], c.legend.entries[0].color);
-  EXPECT_THAT(names(colorScan(scan, ColorBy::Class, nullptr).legend),
+  EXPECT_THAT(names(colorScan(scan, ColorBy("class"), nullptr).legend),
               testing::ElementsAre("class 1", "class 3", "class 500"));
 }
 
@@ -69,15 +69,15 @@ TEST(ColorScan, MissesDoNotReachTheLegend) {
   const Ontology ontology = testOntology();
   Scan scan = scanOf(2);
   scan.position[1].x = std::numeric_limits<float>::quiet_NaN();
-  scan.label = {3, 0};
-  EXPECT_THAT(names(colorScan(scan, ColorBy::Class, &ontology).legend), testing::ElementsAre("other"));
+  scan[kLabel] = {3, 0};
+  EXPECT_THAT(names(colorScan(scan, ColorBy("class"), &ontology).legend), testing::ElementsAre("other"));
 }
 
 TEST(ColorScan, PercentilesClipIntensity) {
   Scan scan = scanOf(1001);
-  for (std::size_t i = 0; i <= 1000; ++i) scan.intensity.push_back(static_cast<float>(i));
-  scan.intensity[1000] = 1e9f;
-  const Coloring c = colorScan(scan, ColorBy::Intensity, nullptr);
+  for (std::size_t i = 0; i <= 1000; ++i) scan[kIntensity].push_back(static_cast<float>(i));
+  scan[kIntensity][1000] = 1e9f;
+  const Coloring c = colorScan(scan, ColorBy("intensity"), nullptr);
   EXPECT_EQ(c.legend.low, 10);
   EXPECT_EQ(c.legend.high, 990);
   EXPECT_EQ(c.colors[0], viridis(0));
@@ -88,33 +88,33 @@ TEST(ColorScan, PercentilesClipIntensity) {
 
 TEST(ColorScan, RingAndTimeSpanAll) {
   Scan scan = scanOf(3);
-  scan.ring = {0, 31, 62};
-  scan.time = {0, 0.025f, 0.1f};
-  const Coloring ring = colorScan(scan, ColorBy::Ring, nullptr);
+  scan[kRing] = {0, 31, 62};
+  scan[kTime] = {0, 0.025f, 0.1f};
+  const Coloring ring = colorScan(scan, ColorBy("ring"), nullptr);
   EXPECT_EQ(ring.legend.low, 0);
   EXPECT_EQ(ring.legend.high, 62);
   EXPECT_EQ(ring.colors[1], viridis(0.5));
-  EXPECT_NEAR(colorScan(scan, ColorBy::Time, nullptr).legend.high, 100, 1e-4) << "ms";
+  EXPECT_NEAR(colorScan(scan, ColorBy("time"), nullptr).legend.high, 100, 1e-4) << "ms";
 }
 
 TEST(ColorScan, RangeAndHeightNeedNoColumn) {
   const Scan scan = scanOf(2);
-  EXPECT_NEAR(colorScan(scan, ColorBy::Range, nullptr).legend.high, std::hypot(2, 1), 1e-6);
-  const Coloring height = colorScan(scan, ColorBy::Height, nullptr);
+  EXPECT_NEAR(colorScan(scan, ColorBy("range"), nullptr).legend.high, std::hypot(2, 1), 1e-6);
+  const Coloring height = colorScan(scan, ColorBy("height"), nullptr);
   EXPECT_EQ(height.legend.low, -1);
   EXPECT_EQ(height.colors[0], viridis(0.5)) << "one value alone is in the middle";
 }
 
 TEST(ColorScan, NoNumberIsGrey) {
   Scan scan = scanOf(2);
-  scan.intensity = {1, std::numeric_limits<float>::quiet_NaN()};
-  EXPECT_EQ(colorScan(scan, ColorBy::Intensity, nullptr).colors[1], kNoValue);
+  scan[kIntensity] = {1, std::numeric_limits<float>::quiet_NaN()};
+  EXPECT_EQ(colorScan(scan, ColorBy("intensity"), nullptr).colors[1], kNoValue);
 }
 
 TEST(ColorScan, InstancesDiffer) {
   Scan scan = scanOf(4);
-  scan.instance = {0, 7, 8, 7};
-  const Coloring c = colorScan(scan, ColorBy::Instance, nullptr);
+  scan[kInstance] = {0, 7, 8, 7};
+  const Coloring c = colorScan(scan, ColorBy("instance"), nullptr);
   EXPECT_EQ(c.colors[0], kNoValue);
   EXPECT_EQ(c.colors[1], c.colors[3]);
   EXPECT_NE(c.colors[1], c.colors[2]);
@@ -123,10 +123,11 @@ TEST(ColorScan, InstancesDiffer) {
 
 TEST(ColorScan, SaysWhichColumnIsMissing) {
   Scan scan = scanOf(2);
-  scan.ring = {0, 1};
-  for (const auto& [by, column] : {std::pair{ColorBy::Class, "'label'"}, std::pair{ColorBy::Intensity, "'intensity'"},
-                                   std::pair{ColorBy::Instance, "'instance'"}, std::pair{ColorBy::Time, "'time'"},
-                                   std::pair{ColorBy::Incidence, "'incidence'"}}) {
+  scan[kRing] = {0, 1};
+  for (const auto& [by, column] :
+       {std::pair{ColorBy("class"), "'label'"}, std::pair{ColorBy("intensity"), "'intensity'"},
+        std::pair{ColorBy("instance"), "'instance'"}, std::pair{ColorBy("time"), "'time'"},
+        std::pair{ColorBy("incidence"), "'incidence'"}}) {
     expectInputError([&] { colorScan(scan, by, nullptr); }, {column, "x, y, z, ring"});
   }
 }
@@ -140,16 +141,16 @@ std::vector<std::uint64_t> counts(const Legend& legend) {
 TEST(ColorScan, EntriesKnowTheirClassAndHowManyPointsTheyHave) {
   const Ontology ontology = testOntology();
   Scan scan = scanOf(6);
-  scan.label = {3, 1, 3, 500, 0, 3};
-  scan.instance = {0, 7, 8, 7, 0, 9};
+  scan[kLabel] = {3, 1, 3, 500, 0, 3};
+  scan[kInstance] = {0, 7, 8, 7, 0, 9};
   scan.position[4].z = std::numeric_limits<float>::quiet_NaN();
   scan.position[5].x = std::numeric_limits<float>::infinity();
-  const Legend classes = colorScan(scan, ColorBy::Class, &ontology).legend;
+  const Legend classes = colorScan(scan, ColorBy("class"), &ontology).legend;
   std::vector<std::int64_t> ids;
   for (const LegendEntry& e : classes.entries) ids.push_back(e.id);
   EXPECT_THAT(ids, testing::ElementsAre(1, 3, 500));
   EXPECT_THAT(counts(classes), testing::ElementsAre(1, 2, 1));
-  const Legend instances = colorScan(scan, ColorBy::Instance, &ontology).legend;
+  const Legend instances = colorScan(scan, ColorBy("instance"), &ontology).legend;
   EXPECT_THAT(names(instances), testing::ElementsAre("2 instances, a colour each", "no instance"));
   EXPECT_THAT(counts(instances), testing::ElementsAre(3, 1));
   EXPECT_EQ(instances.entries[0].id, -1) << "of no class";
@@ -158,7 +159,7 @@ TEST(ColorScan, EntriesKnowTheirClassAndHowManyPointsTheyHave) {
 TEST(ColorScan, AllPointsAreFirstReturns) {
   Scan scan = scanOf(3);
   scan.position[1].x = std::numeric_limits<float>::quiet_NaN();
-  const Coloring c = colorScan(scan, ColorBy::Return, nullptr);
+  const Coloring c = colorScan(scan, ColorBy("return"), nullptr);
   EXPECT_FALSE(c.legend.scale);
   EXPECT_THAT(names(c.legend), testing::ElementsAre("first return (the only one)"));
   EXPECT_THAT(counts(c.legend), testing::ElementsAre(2));
@@ -168,16 +169,16 @@ TEST(ColorScan, AllPointsAreFirstReturns) {
 
 TEST(ColorScan, IncidenceSpansAllAngles) {
   Scan scan = scanOf(4);
-  scan.incidence = {0, static_cast<float>(kPi / 4), static_cast<float>(kPi / 2),
-                    std::numeric_limits<float>::quiet_NaN()};
-  const Coloring c = colorScan(scan, ColorBy::Incidence, nullptr);
+  scan[kIncidence] = {0, static_cast<float>(kPi / 4), static_cast<float>(kPi / 2),
+                      std::numeric_limits<float>::quiet_NaN()};
+  const Coloring c = colorScan(scan, ColorBy("incidence"), nullptr);
   EXPECT_EQ(c.legend.title, "incidence (deg)");
   EXPECT_EQ(c.legend.low, 0);
   EXPECT_EQ(c.legend.high, 90);
   EXPECT_THAT(c.colors,
-              testing::ElementsAre(viridis(0), viridis(degrees(scan.incidence[1]) / 90), viridis(1), kNoValue));
-  scan.incidence.assign(4, 0.5f);
-  EXPECT_EQ(colorScan(scan, ColorBy::Incidence, nullptr).legend.high, 90) << "an angle has one colour in all scans";
+              testing::ElementsAre(viridis(0), viridis(degrees(scan[kIncidence][1]) / 90), viridis(1), kNoValue));
+  scan[kIncidence].assign(4, 0.5f);
+  EXPECT_EQ(colorScan(scan, ColorBy("incidence"), nullptr).legend.high, 90) << "an angle has one colour in all scans";
 }
 
 TEST(ColorScan, ErrorsAreThoseGiven) {
@@ -186,56 +187,56 @@ TEST(ColorScan, ErrorsAreThoseGiven) {
   for (std::size_t i = 0; i < error.size(); ++i) error[i] = 1 + static_cast<float>(i) / 1000;
   error[1000] = 1e9f;
   error[0] = std::numeric_limits<float>::quiet_NaN();
-  const Coloring c = colorScan(scan, ColorBy::Error, {.error = error, .errorTitle = "to the twin (m)"});
+  const Coloring c = colorScan(scan, ColorBy("error"), {.error = error, .errorTitle = "to the twin (m)"});
   EXPECT_EQ(c.legend.title, "to the twin (m)");
   EXPECT_EQ(c.legend.low, 0) << "not the least, which is 1.001";
   EXPECT_NEAR(c.legend.high, 1.99, 2e-3);
   EXPECT_EQ(c.colors[0], kNoValue);
   EXPECT_EQ(c.colors[1], viridis(std::sqrt(1.001 / c.legend.high)));
   EXPECT_EQ(c.colors[1000], viridis(1));
-  EXPECT_EQ(colorScan(scan, ColorBy::Error, {.error = error}).legend.title, "error (m)");
+  EXPECT_EQ(colorScan(scan, ColorBy("error"), {.error = error}).legend.title, "error (m)");
   error.pop_back();
-  EXPECT_THROW(colorScan(scan, ColorBy::Error, {.error = error}), Error);
+  EXPECT_THROW(colorScan(scan, ColorBy("error"), {.error = error}), Error);
 }
 
 TEST(ColorScan, WithoutAGivenErrorItIsThatOfTheRange) {
   Scan scan;
   scan.position = {{3, 4, 0}, {0, 0, 2}, {1, 0, 0}};
-  scan.rangeTrue = {5.5f, 1.5f, 1};
-  const Coloring c = colorScan(scan, ColorBy::Error, nullptr);
+  scan[kRangeTrue] = {5.5f, 1.5f, 1};
+  const Coloring c = colorScan(scan, ColorBy("error"), nullptr);
   EXPECT_EQ(c.legend.title, "error (m)");
   EXPECT_EQ(c.legend.high, 0.5);
   EXPECT_THAT(c.colors, testing::ElementsAre(viridis(1), viridis(1), viridis(0)));
-  scan.rangeTrue.clear();
-  expectInputError([&] { colorScan(scan, ColorBy::Error, nullptr); },
+  scan[kRangeTrue].clear();
+  expectInputError([&] { colorScan(scan, ColorBy("error"), nullptr); },
                    {"`range_true`", "output.columns", "noise-free twin", "x, y, z"});
-  EXPECT_NO_THROW(colorScan(Scan{}, ColorBy::Error, nullptr)) << "nothing to compare";
+  EXPECT_NO_THROW(colorScan(Scan{}, ColorBy("error"), nullptr)) << "nothing to compare";
 }
 
 TEST(ColorScan, MethodIsOneColourAndName) {
   const Scan scan = scanOf(3);
-  const Coloring c = colorScan(scan, ColorBy::Method, {.method = "particle", .methodColor = {1, 200, 3}});
+  const Coloring c = colorScan(scan, ColorBy("method"), {.method = "particle", .methodColor = {1, 200, 3}});
   EXPECT_EQ(c.legend.title, "method");
   EXPECT_THAT(names(c.legend), testing::ElementsAre("particle"));
   EXPECT_THAT(counts(c.legend), testing::ElementsAre(3));
   EXPECT_THAT(c.colors, testing::Each(Rgb{1, 200, 3}));
-  EXPECT_THAT(names(colorScan(scan, ColorBy::Method, nullptr).legend), testing::ElementsAre("not known"));
+  EXPECT_THAT(names(colorScan(scan, ColorBy("method"), nullptr).legend), testing::ElementsAre("not known"));
 }
 
 TEST(ColorScan, EveryColouringHasAName) {
-  EXPECT_EQ(kColorNames[static_cast<std::size_t>(ColorBy::Height)], "height");
-  EXPECT_EQ(kColorNames[static_cast<std::size_t>(ColorBy::Return)], "return");
-  EXPECT_EQ(kColorNames[static_cast<std::size_t>(ColorBy::Incidence)], "incidence");
-  EXPECT_EQ(kColorNames[static_cast<std::size_t>(ColorBy::Error)], "error");
-  EXPECT_EQ(kColorNames[static_cast<std::size_t>(ColorBy::Method)], "method");
+  EXPECT_EQ(ColorBy("height").name(), "height");
+  EXPECT_EQ(ColorBy("return").name(), "return");
+  EXPECT_EQ(ColorBy("incidence").name(), "incidence");
+  EXPECT_EQ(ColorBy("error").name(), "error");
+  EXPECT_EQ(ColorBy("method").name(), "method");
 }
 
 TEST(ColorScan, DefaultIsTheBestThatTheScanHas) {
   Scan scan = scanOf(2);
   EXPECT_EQ(colorScan(scan, {}, nullptr).legend.title, "range (m)");
-  scan.intensity = {1, 2};
+  scan[kIntensity] = {1, 2};
   EXPECT_EQ(colorScan(scan, {}, nullptr).legend.title, "intensity");
-  scan.label = {1, 2};
+  scan[kLabel] = {1, 2};
   EXPECT_EQ(colorScan(scan, {}, nullptr).legend.title, "class");
 }
 
@@ -244,16 +245,16 @@ TEST(Coloring, MillionsOfPointsGiveTheSameScaleAndColoursWithAnyNumberOfThreads)
   constexpr std::size_t kPoints = 2'500'000;
   for (std::size_t i = 0; i < kPoints; ++i) {
     scan.position.push_back({static_cast<float>(i * 7919 % kPoints) * 4e-5f, 0, 0});  // 0 to 100 m, evenly
-    scan.instance.push_back(static_cast<std::uint32_t>(i / 1000 % 3));
+    scan[kInstance].push_back(static_cast<std::uint32_t>(i / 1000 % 3));
   }
-  const Coloring all = colorScan(scan, ColorBy::Range, nullptr);
+  const Coloring all = colorScan(scan, ColorBy("range"), nullptr);
   EXPECT_NEAR(all.legend.low, 1, 0.05);
   EXPECT_NEAR(all.legend.high, 99, 0.05);
   const ThreadLimit one(1);
-  EXPECT_EQ(colorScan(scan, ColorBy::Range, nullptr).colors, all.colors);
-  const Coloring byInstance = colorScan(scan, ColorBy::Instance, nullptr);
+  EXPECT_EQ(colorScan(scan, ColorBy("range"), nullptr).colors, all.colors);
+  const Coloring byInstance = colorScan(scan, ColorBy("instance"), nullptr);
   for (std::size_t i = 0; i < kPoints; i += 997) {
-    ASSERT_EQ(byInstance.colors[i], instanceColor(scan.instance[i]));
+    ASSERT_EQ(byInstance.colors[i], instanceColor(scan[kInstance][i]));
   }
   EXPECT_EQ(byInstance.legend.entries.at(0).points + byInstance.legend.entries.at(1).points, kPoints);
 }

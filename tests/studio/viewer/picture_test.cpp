@@ -31,10 +31,10 @@ Scan smallScan() {
       const double range = 14 - ring;
       scan.position.push_back(static_cast<Vec3f>(
           Vec3d{range * std::cos(azimuth), range * std::sin(azimuth), column < 10 ? 3 - 0.5 * ring : -1.8}));
-      scan.label.push_back(column < 10 ? 2 : 1);
-      scan.intensity.push_back(static_cast<float>(ring * 10));
-      scan.ring.push_back(ring);
-      scan.column.push_back(column);
+      scan[kLabel].push_back(column < 10 ? 2 : 1);
+      scan[kIntensity].push_back(static_cast<float>(ring * 10));
+      scan[kRing].push_back(ring);
+      scan[kColumn].push_back(column);
     }
   }
   return scan;
@@ -71,7 +71,7 @@ TEST(Picture, HasTheSizeAskedFor) {
     PictureOptions options;
     options.width = width;
     options.height = height;
-    for (const ColorBy by : {ColorBy::Class, ColorBy::Intensity}) {
+    for (const ColorBy& by : {ColorBy("class"), ColorBy("intensity")}) {
       options.colorBy = by;
       const Image image = drawPicture(smallScan(), &ontology, options, "a scan");
       EXPECT_EQ(image.width, width);
@@ -87,7 +87,7 @@ TEST(Picture, ShowsTheClassesThatAreThere) {
   EXPECT_GT(count(image, {0, 255, 0}), 50);
   EXPECT_EQ(count(image, {255, 255, 0}), 0) << "no point has this class";
   PictureOptions intensity = small();
-  intensity.colorBy = ColorBy::Intensity;
+  intensity.colorBy = ColorBy("intensity");
   EXPECT_EQ(count(drawPicture(smallScan(), &ontology, intensity, "a scan"), {255, 0, 0}), 0);
 }
 
@@ -131,7 +131,7 @@ TEST(Picture, EmptyScanSaysSo) {
   EXPECT_EQ(empty.width, 480);
   EXPECT_GT(bright(empty, 100, 180), 50) << "words in the middle";
   PictureOptions wanted = small();
-  wanted.colorBy = ColorBy::Class;
+  wanted.colorBy = ColorBy("class");
   EXPECT_NO_THROW(drawPicture({}, nullptr, wanted, "nothing"));
   Scan misses;
   misses.organised = true;
@@ -173,11 +173,11 @@ TEST(Png, ReadsBackAsWritten) {
 TEST(RangeImage, HasAPixelPerBeam) {
   const Ontology ontology = colorful();
   const Scan scan = smallScan();
-  const Image image = drawRangeImage(scan, &ontology, ColorBy::Class, "a scan");
+  const Image image = drawRangeImage(scan, &ontology, ColorBy("class"), "a scan");
   const int stepX = image.width / 90;
   ASSERT_EQ(image.width, stepX * 90);
   ASSERT_GE(image.width, 1600);
-  const PictureLayout layout = layoutAround(image.width, 8, colorScan(scan, ColorBy::Class, &ontology).legend);
+  const PictureLayout layout = layoutAround(image.width, 8, colorScan(scan, ColorBy("class"), &ontology).legend);
   int bodyHeight = 0;
   while (image.at(stepX * 50, layout.top + bodyHeight) == Rgb{255, 0, 0}) ++bodyHeight;
   const int stepY = bodyHeight / 8;
@@ -196,15 +196,15 @@ TEST(RangeImage, HighBeamsAreOnTop) {
   Scan scan;
   for (std::uint16_t ring = 0; ring < 4; ++ring) {
     scan.position.push_back({10, 0, static_cast<float>(ring)});
-    scan.ring.push_back(ring);
-    scan.column.push_back(0);
-    scan.label.push_back(ring == 3 ? 2 : 1);
+    scan[kRing].push_back(ring);
+    scan[kColumn].push_back(0);
+    scan[kLabel].push_back(ring == 3 ? 2 : 1);
   }
   const Ontology ontology = colorful();
-  const Image up = drawRangeImage(scan, &ontology, ColorBy::Class, "up");
+  const Image up = drawRangeImage(scan, &ontology, ColorBy("class"), "up");
   for (Vec3f& p : scan.position) p.z = -p.z;
-  const Image down = drawRangeImage(scan, &ontology, ColorBy::Class, "down");
-  const int top = layoutAround(up.width, 1, colorScan(scan, ColorBy::Class, &ontology).legend).top;
+  const Image down = drawRangeImage(scan, &ontology, ColorBy("class"), "down");
+  const int top = layoutAround(up.width, 1, colorScan(scan, ColorBy("class"), &ontology).legend).top;
   EXPECT_EQ(up.at(5, top), (Rgb{0, 255, 0}));
   EXPECT_EQ(down.at(5, top), (Rgb{255, 0, 0}));
 }
@@ -215,8 +215,8 @@ TEST(RangeImage, OrganisedScanNeedsNoColumns) {
   scan.rings = 2;
   scan.columns = 3;
   scan.position = {{5, 0, 1}, {NAN, NAN, NAN}, {5, 1, 1}, {5, 0, -1}, {5, 0, -1}, {5, 1, -1}};
-  const Image image = drawRangeImage(scan, nullptr, ColorBy::Range, "organised");
-  const int top = layoutAround(image.width, 1, colorScan(scan, ColorBy::Range, nullptr).legend).top;
+  const Image image = drawRangeImage(scan, nullptr, ColorBy("range"), "organised");
+  const int top = layoutAround(image.width, 1, colorScan(scan, ColorBy("range"), nullptr).legend).top;
   const int step = image.width / 3;
   EXPECT_NE(image.at(0, top), kBackground);
   EXPECT_EQ(image.at(step, top), kBackground) << "a miss";
@@ -226,20 +226,20 @@ TEST(RangeImage, OrganisedScanNeedsNoColumns) {
 TEST(RangeImage, NearerWins) {
   Scan scan;
   scan.position = {{9, 0, 0}, {3, 0, 0}, {6, 0, 0}};
-  scan.ring = scan.column = {0, 0, 0};
-  scan.label = {1, 2, 3};
+  scan[kRing] = scan[kColumn] = {0, 0, 0};
+  scan[kLabel] = {1, 2, 3};
   const Ontology ontology = colorful();
-  const Image image = drawRangeImage(scan, &ontology, ColorBy::Class, "a pixel");
+  const Image image = drawRangeImage(scan, &ontology, ColorBy("class"), "a pixel");
   EXPECT_EQ(image.at(image.width / 2, 60), (Rgb{0, 255, 0}));
 }
 
 TEST(RangeImage, SaysWhatIsMissing) {
   Scan scan = smallScan();
-  scan.column.clear();
-  expectInputError([&] { drawRangeImage(scan, nullptr, ColorBy::Range, "no column"); }, {"'column'"});
+  scan[kColumn].clear();
+  expectInputError([&] { drawRangeImage(scan, nullptr, ColorBy("range"), "no column"); }, {"'column'"});
   scan = smallScan();
-  scan.column[3] = 65535;
-  EXPECT_THROW(drawRangeImage(scan, nullptr, ColorBy::Range, "too wide"), InputError);
+  scan[kColumn][3] = 65535;
+  EXPECT_THROW(drawRangeImage(scan, nullptr, ColorBy("range"), "too wide"), InputError);
 }
 
 TEST(Picture, OverlaidScansHaveColoursOfTheirOwn) {
@@ -327,7 +327,7 @@ Scan aroundPlace(const Vec3f& at) {
                    at + Vec3f{0, 0, 0.5f},
                    at + Vec3f{0, 0, -1.01f},
                    {-30, 20, 1}};
-  scan.label = {2, 2, 2, 2, 2, 3, 3};
+  scan[kLabel] = {2, 2, 2, 2, 2, 3, 3};
   return scan;
 }
 
@@ -383,7 +383,7 @@ TEST(Picture, CloseUpHasThePlaceInTheMiddle) {
   const Vec3f at{9, -4, -1};
   Scan scan;
   scan.position = {at, {-30, 20, 1}};
-  scan.label = {2, 3};
+  scan[kLabel] = {2, 3};
   for (const View view : {View::Driver, View::Above, View::Chase}) {
     for (const Image& image : {drawPicture(scan, &ontology, closeUpOf(at, 0.5, view), "one"),
                                drawOverlay({{"one", scan}}, closeUpOf(at, 0.5, view), "one")}) {

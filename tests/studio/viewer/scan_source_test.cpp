@@ -125,7 +125,7 @@ TEST(RealScan, IsDrawnFromAllSides) {
     EXPECT_LT(std::count(image.pixels.begin(), image.pixels.end(), image.at(240, 30)), 480 * 270 * 9 / 10);
   }
   EXPECT_EQ(drawRangeImage(source.scan, nullptr, {}, source.title).width, 2048);
-  options.colorBy = ColorBy::Class;
+  options.colorBy = ColorBy("class");
   EXPECT_THROW(drawPicture(source.scan, nullptr, options, source.title), InputError);
 }
 

@@ -37,15 +37,15 @@ std::string titleOf(const Manifest& manifest, const ScanPlace& place) {
 PicturedScan pictureOf(const Manifest& manifest, const ScanPlace& place, const Scan& scan) {
   PicturedScan pictured{titleOf(manifest, place), manifest.samples[place.sample].split, {}};
   std::vector<ColorBy> colors;
-  if (!scan.label.empty()) colors.push_back(ColorBy::Class);
-  if (!scan.intensity.empty()) colors.push_back(ColorBy::Intensity);
-  if (colors.empty()) colors.push_back(ColorBy::Range);
-  for (const ColorBy color : colors) {
+  if (!scan[kLabel].empty()) colors.push_back(kByClass);
+  if (!scan[kIntensity].empty()) colors.push_back(kByIntensity);
+  if (colors.empty()) colors.push_back(kByRange);
+  for (const ColorBy& color : colors) {
     PictureOptions options;
     options.width = kPictureWidth;
     options.height = kPictureHeight;
     options.colorBy = color;
-    pictured.pictures.emplace_back(kColorNames[static_cast<std::size_t>(color)],
+    pictured.pictures.emplace_back(color.name(),
                                    encodePng(drawPicture(scan, &manifest.ontology, options, pictured.title)));
   }
   return pictured;

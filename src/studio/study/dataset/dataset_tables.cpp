@@ -4,11 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
 
 #include "pipeline/progress.h"
+#include "scan/columns.h"
 #include "study/dataset/dataset_charts.h"
 #include "study/page/report_html.h"
 #include "study/tradeoff/report_figures.h"
@@ -58,22 +60,14 @@ std::string list(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// What a column is, as docs/manifest.schema.json and the formats have it.
-std::string meaningOf(const std::string& column) {
-  static const std::map<std::string, std::string> kMeanings{
-      {"x", "m, sensor frame: forward"},
-      {"y", "m, sensor frame: left"},
-      {"z", "m, sensor frame: up"},
-      {"intensity", "strength of the echo"},
-      {"label", "class id"},
-      {"instance", "id of the thing; 0: none"},
-      {"ring", "row of the beam, in the order of the sensor's elevations"},
-      {"column", "column of the beam; column 0 fires first"},
-      {"time", "s since the start of the turn"},
-      {"range_true", "m, noise-free"},
-      {"incidence", "rad, between the beam and the surface's normal"}};
-  const auto found = kMeanings.find(column);
-  return found == kMeanings.end() ? "" : found->second;
+std::string meaningOf(const std::string& name) {
+  const std::size_t axis = std::string_view("xyz").find(name);
+  if (name.size() == 1 && axis < 3)
+    return fmt::format("m, sensor frame: {}", std::array{"forward", "left", "up"}[axis]);
+  const std::size_t index = columnIndex(name);
+  if (index == kColumnCount) return "";
+  const Column& column = kColumns[index];
+  return fmt::format("{}{}{}", column.unit, column.unit.empty() ? "" : ", ", column.meaning);
 }
 
 }  // namespace

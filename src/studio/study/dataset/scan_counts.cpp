@@ -39,8 +39,8 @@ void measure(const Scan& scan, const Mat3& levelFromSensor, std::map<std::uint32
   if (instances.empty()) return;
   std::unordered_map<std::uint32_t, std::vector<Vec3d>> places;
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (scan.instance[i] == 0 || !isFinite(scan.position[i])) continue;
-    places[scan.instance[i]].push_back(levelFromSensor * Vec3d(scan.position[i]));
+    if (scan[kInstance][i] == 0 || !isFinite(scan.position[i])) continue;
+    places[scan[kInstance][i]].push_back(levelFromSensor * Vec3d(scan.position[i]));
   }
   for (auto& [id, own] : instances) {
     const std::vector<Vec3d>& points = places.at(id);
@@ -79,20 +79,21 @@ ScanCounts countScan(const Scan& scan, const RangeSteps& steps, const Mat3& leve
   std::unordered_map<std::uint64_t, std::uint64_t> pairs;  // id and class
   std::uint64_t lastPair = 0;
   std::uint64_t* pairPoints = nullptr;
-  std::vector<std::uint64_t> intensities(scan.intensity.empty() ? 0 : std::size_t{1} << 16, 0);
+  std::vector<std::uint64_t> intensities(scan[kIntensity].empty() ? 0 : std::size_t{1} << 16, 0);
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Vec3f& p = scan.position[i];
     if (!isFinite(p)) continue;
     ++counts.points;
-    const std::uint16_t label = scan.label.empty() ? std::uint16_t{0} : scan.label[i];
+    const std::uint16_t label = scan[kLabel].empty() ? std::uint16_t{0} : scan[kLabel][i];
     if (ranges == nullptr || label != lastClass) {
       ranges = &counts.rangesOfClass.try_emplace(label, steps.count, 0).first->second;
       lastClass = label;
     }
     ++(*ranges)[steps.of(length(Vec3d(p)))];
-    if (!scan.intensity.empty() && std::isfinite(scan.intensity[i])) ++intensities[intensityKey(scan.intensity[i])];
-    if (scan.instance.empty()) continue;
-    const std::uint64_t pair = std::uint64_t{scan.instance[i]} << 16 | label;
+    if (!scan[kIntensity].empty() && std::isfinite(scan[kIntensity][i]))
+      ++intensities[intensityKey(scan[kIntensity][i])];
+    if (scan[kInstance].empty()) continue;
+    const std::uint64_t pair = std::uint64_t{scan[kInstance][i]} << 16 | label;
     if (pairPoints == nullptr || pair != lastPair) {
       pairPoints = &pairs[pair];
       lastPair = pair;

@@ -58,8 +58,8 @@ std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most) {
   std::vector<bool> whole(scan.size(), false);
   std::size_t wholeCount = 0;
   std::vector<std::pair<std::size_t, std::vector<std::size_t>>> groups;
-  addRare(scan, scan.instance, finite, true, groups);
-  addRare(scan, scan.label, finite, false, groups);
+  addRare(scan, scan[kInstance], finite, true, groups);
+  addRare(scan, scan[kLabel], finite, false, groups);
   std::stable_sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (const auto& [count, points] : groups) {
     if (wholeCount + count > most / 2) break;

@@ -73,9 +73,11 @@ class ViewData {
     classes();
     instances();
     json_["values"] = Json::array();
-    numbers("intensity", "", scan_.intensity, 1);
-    numbers("ring", "", scan_.ring, 1);
-    numbers("incidence", "\xC2\xB0", scan_.incidence, 180 / kPi);
+    visitTable(scan_, [&](auto key, const auto& values) {
+      if (!key.row.display.inReport) return;
+      const std::string_view unit = key.row.display.unit == "deg" ? "\xC2\xB0" : key.row.display.unit;
+      numbers(key.row.name, unit, values, key.row.display.factor);
+    });
     return std::move(json_);
   }
 
@@ -105,10 +107,10 @@ class ViewData {
   }
 
   void classes() {
-    if (scan_.label.empty()) return;
+    if (scan_[kLabel].empty()) return;
     std::map<std::uint16_t, std::uint64_t> counts;
     for (std::size_t i = 0; i < scan_.size(); ++i) {
-      if (isFinite(scan_.position[i])) ++counts[scan_.label[i]];
+      if (isFinite(scan_.position[i])) ++counts[scan_[kLabel][i]];
     }
     std::map<std::uint16_t, std::uint32_t> indexOf;
     Json classes = Json::array();
@@ -121,15 +123,15 @@ class ViewData {
                          {"points", count}});
     }
     std::vector<std::uint32_t> indices;
-    for (const std::size_t i : points_) indices.push_back(indexOf.at(scan_.label[i]));
+    for (const std::size_t i : points_) indices.push_back(indexOf.at(scan_[kLabel][i]));
     json_["classes"] = std::move(classes);
     json_["class"] = narrowColumn(indices);
   }
 
   void instances() {
-    if (scan_.instance.empty()) return;
+    if (scan_[kInstance].empty()) return;
     std::map<std::uint32_t, std::uint32_t> indexOf;
-    for (const std::size_t i : points_) indexOf.emplace(scan_.instance[i], 0);
+    for (const std::size_t i : points_) indexOf.emplace(scan_[kInstance][i], 0);
     Json ids = Json::array(), colors = Json::array();
     std::uint32_t next = 0;
     for (auto& [id, index] : indexOf) {
@@ -138,14 +140,14 @@ class ViewData {
       colors.push_back(instanceColor(id));
     }
     std::vector<std::uint32_t> indices;
-    for (const std::size_t i : points_) indices.push_back(indexOf.at(scan_.instance[i]));
+    for (const std::size_t i : points_) indices.push_back(indexOf.at(scan_[kInstance][i]));
     json_["instances"] = {{"ids", std::move(ids)}, {"colors", std::move(colors)}};
     json_["instance"] = narrowColumn(indices);
   }
 
   // Whole numbers stay what they are; others are kept in 65534 steps, and one more for what is no number.
   template <class Number>
-  void numbers(const char* name, const char* unit, const std::vector<Number>& values, double factor) {
+  void numbers(std::string_view name, std::string_view unit, const std::vector<Number>& values, double factor) {
     if (values.empty()) return;
     constexpr double kSteps = 65534, kNone = 65535;
     double low = std::numeric_limits<double>::infinity(), high = -low;

@@ -10,9 +10,9 @@
 #include "base/parallel.h"
 #include "config/fields.h"
 #include "config/value.h"
-#include "effects/effect.h"
 #include "evaluate/registration.h"
 #include "scan/hits.h"
+#include "sense/sense.h"
 
 namespace scanmill {
 

@@ -29,7 +29,7 @@ Vec3d originOf(const BeamTable& beams, std::size_t beam) {
 
 // The beam of each point that has one. Points of dense scans name theirs.
 std::vector<std::size_t> beamsOf(const Scan& scan, const BeamTable& beams, const Location& where) {
-  const bool named = scan.ring.size() == scan.size() && scan.column.size() == scan.size() && scan.size() > 0;
+  const bool named = scan[kRing].size() == scan.size() && scan[kColumn].size() == scan.size() && scan.size() > 0;
   if (!named && !scan.organised) {
     throw InputError(where,
                      "has neither an organised layout (width columns x height rings) nor the columns ring and "
@@ -43,11 +43,11 @@ std::vector<std::size_t> beamsOf(const Scan& scan, const BeamTable& beams, const
   std::vector<std::size_t> owners(scan.size());
   std::iota(owners.begin(), owners.end(), std::size_t{0});
   for (std::size_t i = 0; i < scan.size() && named && !scan.organised; ++i) {
-    if (scan.ring[i] >= beams.rings || scan.column[i] >= beams.columns) {
+    if (scan[kRing][i] >= beams.rings || scan[kColumn][i] >= beams.columns) {
       throw InputError(where, fmt::format("point {} is of ring {}, column {}, but the sensor {} has {} x {} beams", i,
-                                          scan.ring[i], scan.column[i], beams.model, beams.rings, beams.columns));
+                                          scan[kRing][i], scan[kColumn][i], beams.model, beams.rings, beams.columns));
     }
-    owners[i] = std::size_t{scan.ring[i]} * beams.columns + scan.column[i];
+    owners[i] = std::size_t{scan[kRing][i]} * beams.columns + scan[kColumn][i];
   }
   return owners;
 }
@@ -160,10 +160,10 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
     if (std::isnan(recorded.range[p.beam])) ++recorded.returns;
     recorded.range[p.beam] = range;
   }
-  if (scan.intensity.size() == scan.size()) {
+  if (scan[kIntensity].size() == scan.size()) {
     recorded.intensity.assign(beams.size(), 0.0f);
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (!std::isnan(recorded.range[owners[i]])) recorded.intensity[owners[i]] = scan.intensity[i];
+      if (!std::isnan(recorded.range[owners[i]])) recorded.intensity[owners[i]] = scan[kIntensity][i];
     }
   }
   return recorded;

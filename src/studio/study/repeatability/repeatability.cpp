@@ -8,8 +8,8 @@
 
 #include "base/parallel.h"
 #include "config/version.h"
-#include "effects/effect.h"
 #include "pipeline/progress.h"
+#include "sense/sense.h"
 #include "study/repeatability/repeatability_choice.h"
 #include "study/repeatability/repeatability_object.h"
 
@@ -28,7 +28,7 @@ ObjectCloud crop(const Scan& scan, const Shot& shot, const BoxedThing& thing, do
   ObjectCloud cloud;
   const Vec3d middle = thing.center();
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Vec3d p = worldPoint(shot, scan.position[i], scan.column[i]);
+    const Vec3d p = worldPoint(shot, scan.position[i], scan[kColumn][i]);
     if (thing.distance(p) <= margin) cloud.push_back(static_cast<Vec3f>(p - middle));
   }
   return cloud;
@@ -204,7 +204,7 @@ class RepeatabilityRun {
       for (std::size_t c = first; c < last; ++c) {
         repeated.seed = shot.seed + c % choice_.scans;
         sense(hits, repeated, choice_.levels[c / choice_.scans].effects(plan_.pipeline(), shot.sensor), scene.materials,
-              repeatabilityColumns(), scratch, scan);
+              repeatabilityLayout(), scratch, scan);
         clouds[c] = crop(scan, repeated, thing, choice_.margin);
       }
     });

@@ -94,17 +94,15 @@ RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline) {
   return choice;
 }
 
-ScanColumns repeatabilityColumns() {
-  ScanColumns columns;
-  columns.intensity = columns.label = columns.instance = columns.ring = columns.time = false;
-  return columns;
+ScanLayout repeatabilityLayout() {
+  return {ColumnSet(kColumn), false};
 }
 
 Channels repeatabilityChannels(const Pipeline& pipeline) {
   Channels channels = Channel::Range;
   for (const NoiseLevel& level : readRepeatabilityChoice(pipeline).levels) {
     for (std::size_t sensor = 0; sensor < pipeline.sensors.size(); ++sensor) {
-      channels |= channelsFor(level.effects(pipeline, sensor), repeatabilityColumns());
+      channels |= channelsFor(level.effects(pipeline, sensor), repeatabilityLayout().columns);
     }
   }
   return channels;

@@ -19,10 +19,10 @@
 #include <string>
 #include <vector>
 
-#include "effects/effect.h"
 #include "evaluate/registration.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/settings.h"
+#include "sense/sense.h"
 
 namespace scanmill {
 
@@ -52,7 +52,7 @@ struct RepeatabilityChoice {
 RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline);
 
 // What the scans keep of the sensor's report: where points are, and which column fired them.
-ScanColumns repeatabilityColumns();
+ScanLayout repeatabilityLayout();
 // Channels that the noise levels read; a plan must know of them to load textures.
 Channels repeatabilityChannels(const Pipeline& pipeline);
 

@@ -235,7 +235,7 @@ class StudyRun {
   }
 
   void senseInto(const Shot& shot, const Hits& hits, Returns& returns, Scan& scan) const {
-    sense(hits, shot, plan_.pipeline().effectsOf(shot.sensor), scene_.materials, plan_.pipeline().columns, returns,
+    sense(hits, shot, plan_.pipeline().effectsOf(shot.sensor), scene_.materials, plan_.pipeline().layout, returns,
           scan);
   }
 

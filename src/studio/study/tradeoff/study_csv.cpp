@@ -19,7 +19,7 @@ constexpr std::string_view kHeader =
     "hausdorff_m,group_kind,group,low,high,beams,both_hit,both_miss,lost,spurious,unresolved,class_agreed,"
     "instance_agreed,labels,range_mean_m,range_rms_m,range_median_m,range_p95_m,range_p99_m,range_p999_m,"
     "range_max_m,intensity_mean_error,group_nearest_to_mean_m,group_nearest_from_mean_m,group_hausdorff_m,failure";
-constexpr std::size_t kColumns = 1 + static_cast<std::size_t>(std::count(kHeader.begin(), kHeader.end(), ','));
+constexpr std::size_t kCells = 1 + static_cast<std::size_t>(std::count(kHeader.begin(), kHeader.end(), ','));
 
 // RFC 4180.
 std::string cell(const std::string& text) {
@@ -79,8 +79,8 @@ std::string toCsv(const Study& study) {
   for (const SettingResult& result : study.settings) {
     if (!result.failure.empty()) {
       const Setting& s = result.setting;
-      csv += fmt::format("{},{},{}{}{}\n", cell(s.name), cell(s.method), cell(s.options),
-                         std::string(kColumns - 3, ','), cell(result.failure));
+      csv += fmt::format("{},{},{}{}{}\n", cell(s.name), cell(s.method), cell(s.options), std::string(kCells - 3, ','),
+                         cell(result.failure));
       continue;
     }
     const std::string setting = settingCells(study, result);

@@ -18,30 +18,6 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kGrain = 16384;
 constexpr std::uint64_t kMostBeams = std::uint64_t{1} << 26;  // of a table to join by; 4 bytes each
 
-struct RingColumn {
-  std::uint64_t ring = 0;
-  std::uint64_t column = 0;
-};
-
-bool knowsBeams(const Scan& scan) {
-  if (scan.organised) return scan.size() == std::size_t{scan.rings} * scan.columns;
-  return scan.size() == 0 || (!scan.ring.empty() && !scan.column.empty());
-}
-
-// The order tells more than the columns, which are zero where a beam missed.
-RingColumn beamOfPoint(const Scan& scan, std::size_t point) {
-  if (scan.organised) return {point / scan.columns, point % scan.columns};
-  return {scan.ring[point], scan.column[point]};
-}
-
-RingColumn extent(const Scan& scan) {
-  if (scan.organised) return {scan.rings, scan.columns};
-  RingColumn extent;
-  for (const std::uint16_t ring : scan.ring) extent.ring = std::max<std::uint64_t>(extent.ring, ring + 1u);
-  for (const std::uint16_t column : scan.column) extent.column = std::max<std::uint64_t>(extent.column, column + 1u);
-  return extent;
-}
-
 }  // namespace
 
 std::vector<float> twinErrors(const Scan& scan, const Scan& twin, std::string& why) {
@@ -59,24 +35,27 @@ std::vector<float> twinErrors(const Scan& scan, const Scan& twin, std::string& w
                       scan.columns);
     return {};
   }
-  const RingColumn size = extent(twin);
-  if (size.ring * size.column > kMostBeams) {
+  const PointKey size = extentOf(twin);
+  const std::uint64_t beams = std::uint64_t{size.ring} * size.column;
+  if (beams * size.number > kMostBeams) {
     why =
         fmt::format("the twin's rings and columns reach {} x {}: no sensor has so many beams", size.ring, size.column);
     return {};
   }
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> rowOf(size.ring * size.column, kNone);
-  for (std::size_t i = twin.size(); i-- > 0;) {  // of two points of a beam the first stays
-    const RingColumn beam = beamOfPoint(twin, i);
-    rowOf[beam.ring * size.column + beam.column] = static_cast<std::uint32_t>(i);
+  const auto placeOf = [&](const PointKey& key) {
+    return (std::uint64_t{key.number} * size.ring + key.ring) * size.column + key.column;
+  };
+  std::vector<std::uint32_t> rowOf(beams * size.number, kNone);
+  for (std::size_t i = twin.size(); i-- > 0;) {  // of two points with the same key the first stays
+    rowOf[placeOf(keyOf(twin, i))] = static_cast<std::uint32_t>(i);
   }
   std::vector<float> errors(scan.size(), kUnknown);
   parallelFor(scan.size(), kGrain, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      const RingColumn beam = beamOfPoint(scan, i);
-      if (beam.ring >= size.ring || beam.column >= size.column) continue;
-      const std::uint32_t row = rowOf[beam.ring * size.column + beam.column];
+      const PointKey key = keyOf(scan, i);
+      if (key.ring >= size.ring || key.column >= size.column || key.number >= size.number) continue;
+      const std::uint32_t row = rowOf[placeOf(key)];
       if (row == kNone || !isFinite(scan.position[i]) || !isFinite(twin.position[row])) continue;
       errors[i] = static_cast<float>(length(Vec3d(scan.position[i]) - Vec3d(twin.position[row])));
     }
@@ -85,19 +64,19 @@ std::vector<float> twinErrors(const Scan& scan, const Scan& twin, std::string& w
 }
 
 std::vector<float> rangeErrors(const Scan& scan, const BeamTable* beams) {
-  if (scan.rangeTrue.empty()) return {};
+  if (scan[kRangeTrue].empty()) return {};
   std::vector<float> errors(scan.size(), kUnknown);
   const bool offAxis = beams != nullptr && !beams->origin.empty() && knowsBeams(scan);
   parallelFor(scan.size(), kGrain, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      if (!isFinite(scan.position[i]) || !std::isfinite(scan.rangeTrue[i])) continue;
+      if (!isFinite(scan.position[i]) || !std::isfinite(scan[kRangeTrue][i])) continue;
       Vec3d origin;
       if (offAxis) {
-        const RingColumn beam = beamOfPoint(scan, i);
+        const PointKey beam = keyOf(scan, i);
         if (beam.ring >= beams->rings || beam.column >= beams->columns) continue;
         origin = Vec3d(beams->origin[beam.ring * beams->columns + beam.column]);
       }
-      errors[i] = static_cast<float>(std::abs(length(Vec3d(scan.position[i]) - origin) - double{scan.rangeTrue[i]}));
+      errors[i] = static_cast<float>(std::abs(length(Vec3d(scan.position[i]) - origin) - double{scan[kRangeTrue][i]}));
     }
   });
   return errors;

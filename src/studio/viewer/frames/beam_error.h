@@ -10,9 +10,9 @@
 
 namespace scanmill {
 
-// m, one per point: the distance between the point of a beam and the twin's; NaN where either has none. Beams are
-// joined by ring and column, which an organised scan knows by its order. Empty where that cannot be, and then `why`
-// says so, for the one who made the scans.
+// m, one per point: the distance between the point of a beam's return and the twin's; NaN where either has none. Points
+// are joined by their keys: ring, column and number of the return, which an organised scan knows by its order. Empty
+// where that cannot be, and then `why` says so, for the one who made the scans.
 std::vector<float> twinErrors(const Scan& scan, const Scan& twin, std::string& why);
 
 // m, one per point: by how much its range differs from `range_true`; NaN where it has none. Ranges count from where

@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "formats/columns.h"
+#include "scan/scan.h"
 
 namespace scanmill {
 
@@ -27,7 +27,7 @@ std::uint64_t frameBytes(const ViewFrame& frame) {
   std::uint64_t bytes = sizeof(ViewFrame);
   for (const ViewScan& s : frame.scans) {
     bytes += sizeof(ViewScan) + columnBytes(s.scan.position) + columnBytes(s.error);
-    visitOptionalColumns(s.scan, [&](std::string_view, const auto& column) { bytes += columnBytes(column); });
+    visitColumns(s.scan, [&](std::string_view, const auto& column) { bytes += columnBytes(column); });
   }
   return bytes;
 }

@@ -209,7 +209,7 @@ void StoredFrames::addTwinError(ViewScan& scan, const std::string& key) const {
 void StoredFrames::addError(Loading& loading, const std::string& key, bool sensorsDiffer) const {
   ViewScan& scan = loading.scan;
   if (twin_ == nullptr) {
-    if (scan.scan.rangeTrue.empty() || movedToStart(loading.store->scans->manifest(), loading.stored.record)) return;
+    if (scan.scan[kRangeTrue].empty() || movedToStart(loading.store->scans->manifest(), loading.stored.record)) return;
     scan.error = rangeErrors(scan.scan, scan.beams.get());
     scan.errorTitle = "range error (m)";
     return;
@@ -253,7 +253,7 @@ ViewFrame StoredFrames::load(std::size_t frame) const {
     if (std::string damage = l.loaded ? l.store->scans->damage(l.sample) : ""; !damage.empty()) {
       l.problems.push_back(fmt::format("{}; what lies before that is shown", damage));
     }
-    if (!l.store->classes.empty() && !l.scan.scan.label.empty()) l.problems.push_back(l.store->classes);
+    if (!l.store->classes.empty() && !l.scan.scan[kLabel].empty()) l.problems.push_back(l.store->classes);
     for (std::string& problem : l.problems) {
       if (std::find(view.problems.begin(), view.problems.end(), problem) == view.problems.end()) {
         view.problems.push_back(std::move(problem));

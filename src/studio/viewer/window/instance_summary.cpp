@@ -64,14 +64,14 @@ InstanceSummary summarizeInstance(const Scan& scan, std::uint32_t instance, cons
   std::map<std::uint16_t, std::uint64_t> classes;
   std::vector<Vec2d> places;
   double low = 0, high = 0;
-  for (std::size_t i = 0; i < scan.instance.size(); ++i) {
-    if (scan.instance[i] != instance || !isFinite(scan.position[i])) continue;
+  for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
+    if (scan[kInstance][i] != instance || !isFinite(scan.position[i])) continue;
     const Vec3d p = levelFromScan * Vec3d(scan.position[i]);
     low = places.empty() ? p.z : std::min(low, p.z);
     high = places.empty() ? p.z : std::max(high, p.z);
     places.push_back({p.x, p.y});
     summary.points.push_back(static_cast<std::uint32_t>(i));
-    if (!scan.label.empty()) ++classes[scan.label[i]];
+    if (!scan[kLabel].empty()) ++classes[scan[kLabel][i]];
   }
   summary.classes.assign(classes.begin(), classes.end());
   std::stable_sort(summary.classes.begin(), summary.classes.end(),

@@ -18,15 +18,13 @@ std::string angle(double rad) {
   return fmt::format("{:.3f} deg", degrees(rad));
 }
 
-double elevationOf(const Vec3d& direction) {
-  return std::atan2(direction.z, std::hypot(direction.x, direction.y));
+// None where the scan does not know its beams.
+std::optional<PointKey> keyIn(const Scan& scan, std::size_t point) {
+  return knowsBeams(scan) ? std::optional(keyOf(scan, point)) : std::nullopt;
 }
 
-// Index of the point's beam in the sensor's table, ring * columns + column.
-std::optional<std::size_t> beamOf(const Scan& scan, std::size_t point) {
-  if (scan.organised) return point;
-  if (scan.ring.empty() || scan.column.empty()) return {};
-  return std::size_t{scan.ring[point]} * scan.columns + scan.column[point];
+double elevationOf(const Vec3d& direction) {
+  return std::atan2(direction.z, std::hypot(direction.x, direction.y));
 }
 
 // "range error (m)" as "range error": the value has the unit.
@@ -40,31 +38,45 @@ std::string valueIn(const Rows& rows, const std::string& name) {
   return found == rows.end() ? "" : found->second;
 }
 
-std::optional<std::size_t> pointOfBeam(const Scan& scan, std::size_t beam) {
-  if (scan.organised) return beam < scan.size() ? std::optional(beam) : std::nullopt;
+// Of the same beam and return.
+std::optional<std::size_t> pointOf(const Scan& scan, const PointKey& wanted) {
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (std::size_t{scan.ring[i]} * scan.columns + scan.column[i] == beam) return i;
+    if (keyOf(scan, i) == wanted) return i;
   }
   return {};
 }
 
+// What the table of columns and the file know of a point, but for what is told in another way: class, instance, beam.
+void addColumns(Rows& rows, const Scan& scan, std::size_t point) {
+  const ColumnSet told(kLabel, kInstance, kRing, kColumn);
+  visitTable(scan, [&](auto key, const auto& values) {
+    if (values.empty() || told.has(key)) return;
+    rows.emplace_back(key.row.name, displayText(key.row, static_cast<double>(values[point])));
+  });
+  for (const ForeignColumn& column : scan.foreign) {
+    std::visit([&](const auto& values) { rows.emplace_back(column.name, fmt::format("{}", values[point])); },
+               column.values);
+  }
+}
+
 void addBeam(Rows& rows, const ViewScan& scan, std::size_t point) {
-  const auto beam = beamOf(scan.scan, point);
+  const std::optional<PointKey> key = keyIn(scan.scan, point);
   const BeamTable* const table = scan.beams.get();
-  const bool known = beam && table != nullptr && table->columns == scan.scan.columns && *beam < table->direction.size();
-  const Vec3d direction = known ? table->direction[*beam] : Vec3d(scan.scan.position[point]);
-  if (scan.scan.organised) {
-    rows.emplace_back("ring", fmt::format("{}", point / scan.scan.columns));
-    rows.emplace_back("column", fmt::format("{}", point % scan.scan.columns));
-  } else {
-    if (!scan.scan.ring.empty()) rows.emplace_back("ring", fmt::format("{}", scan.scan.ring[point]));
-    if (!scan.scan.column.empty()) rows.emplace_back("column", fmt::format("{}", scan.scan.column[point]));
+  const bool same = key && table != nullptr && table->columns == scan.scan.columns && key->column < table->columns;
+  const std::size_t beam = key ? std::size_t{key->ring} * scan.scan.columns + key->column : 0;
+  const bool known = same && beam < table->direction.size();
+  const Vec3d direction = known ? table->direction[beam] : Vec3d(scan.scan.position[point]);
+  if (scan.scan.organised || !scan.scan[kRing].empty()) {
+    rows.emplace_back("ring", fmt::format("{}", scan.scan.organised ? key->ring : scan.scan[kRing][point]));
+  }
+  if (scan.scan.organised || !scan.scan[kColumn].empty()) {
+    rows.emplace_back("column", fmt::format("{}", scan.scan.organised ? key->column : scan.scan[kColumn][point]));
   }
   const std::string of = known ? "beam " : "";  // else those of the point itself
   rows.emplace_back(of + "azimuth", angle(std::atan2(direction.y, direction.x)));
   rows.emplace_back(of + "elevation", angle(elevationOf(direction)));
-  if (known && *beam < table->time.size()) {
-    rows.emplace_back("beam fires at", fmt::format("{:.4f} ms", table->time[*beam] * 1e3));
+  if (known && beam < table->time.size()) {
+    rows.emplace_back("beam fires at", displayText(kTime.row, double{table->time[beam]}));
   }
 }
 
@@ -77,31 +89,26 @@ PickedThing describePoint(const ViewScan& viewed, std::size_t scanIndex, std::si
   thing.scan = scanIndex;
   thing.point = point;
   Rows& rows = thing.rows;
-  thing.heading = scan.label.empty() ? "point" : className(ontology, scan.label[point]);
-  if (!scan.instance.empty() && scan.instance[point] != 0) {
-    thing.heading += fmt::format(" {}", scan.instance[point]);
+  thing.heading = scan[kLabel].empty() ? "point" : className(ontology, scan[kLabel][point]);
+  if (!scan[kInstance].empty() && scan[kInstance][point] != 0) {
+    thing.heading += fmt::format(" {}", scan[kInstance][point]);
   }
-  if (!scan.label.empty()) {
-    rows.emplace_back("class", fmt::format("{} ({})", className(ontology, scan.label[point]), scan.label[point]));
+  if (!scan[kLabel].empty()) {
+    rows.emplace_back("class", fmt::format("{} ({})", className(ontology, scan[kLabel][point]), scan[kLabel][point]));
   }
-  if (!scan.instance.empty()) {
-    rows.emplace_back("instance", scan.instance[point] == 0 ? "none" : fmt::format("{}", scan.instance[point]));
+  if (!scan[kInstance].empty()) {
+    rows.emplace_back("instance", scan[kInstance][point] == 0 ? "none" : fmt::format("{}", scan[kInstance][point]));
   }
   rows.emplace_back("range", fmt::format("{:.3f} m", length(p)));
   rows.emplace_back("x", fmt::format("{:.3f} m", p.x));
   rows.emplace_back("y", fmt::format("{:.3f} m", p.y));
   rows.emplace_back("z", fmt::format("{:.3f} m", p.z));
-  if (!scan.intensity.empty()) rows.emplace_back("intensity", fmt::format("{:.5g}", scan.intensity[point]));
-  if (!scan.rangeTrue.empty()) {
-    rows.emplace_back("range_true", fmt::format("{:.4f} m", scan.rangeTrue[point]));
-  }
-  if (!scan.incidence.empty()) rows.emplace_back("incidence", angle(double{scan.incidence[point]}));
+  addColumns(rows, scan, point);
   if (!viewed.error.empty()) {
     const double error = double{viewed.error[point]};
     rows.emplace_back(viewed.errorTitle.empty() ? "error" : withoutUnit(viewed.errorTitle),
                       std::isfinite(error) ? fmt::format("{:.4f} m", error) : "not known");
   }
-  if (!scan.time.empty()) rows.emplace_back("time", fmt::format("{:.4f} ms", double{scan.time[point]} * 1e3));
   addBeam(rows, viewed, point);
   if (!viewed.sensor.empty()) rows.emplace_back("sensor", viewed.sensor);
   if (!viewed.method.empty()) rows.emplace_back("method", viewed.method);
@@ -109,7 +116,7 @@ PickedThing describePoint(const ViewScan& viewed, std::size_t scanIndex, std::si
   return thing;
 }
 
-void addBrief(PickedThing& thing, ColorBy shown) {
+void addBrief(PickedThing& thing, const ColorBy& shown) {
   const Rows& rows = thing.rows;
   thing.brief.emplace_back("range", valueIn(rows, "range"));
   const std::string ring = valueIn(rows, "ring");
@@ -122,31 +129,19 @@ void addBrief(PickedThing& thing, ColorBy shown) {
   const auto add = [&](const std::string& name, const std::string& value) {
     if (!value.empty()) thing.brief.emplace_back(name, value);
   };
-  switch (shown) {
-    case ColorBy::Intensity:
-      return add("intensity", valueIn(rows, "intensity"));
-    case ColorBy::Time:
-      return add("time", valueIn(rows, "time"));
-    case ColorBy::Height:
-      return add("height", valueIn(rows, "z"));
-    case ColorBy::Incidence:
-      return add("incidence", valueIn(rows, "incidence"));
-    case ColorBy::Method:
-      return add("method", valueIn(rows, "method"));
-    case ColorBy::Error: {
-      const auto error = std::find_if(rows.begin(), rows.end(), [](const auto& row) {
-        return row.first.find("error") != std::string::npos || row.first.find("twin") != std::string::npos;
-      });
-      if (error != rows.end()) add(error->first, error->second);
-      return;
-    }
-    case ColorBy::Class:
-    case ColorBy::Instance:
-    case ColorBy::Return:
-    case ColorBy::Range:
-    case ColorBy::Ring:
-      return;
+  const auto named = [](const std::string& word) {
+    return [word](const auto& row) { return row.first.find(word) != std::string::npos; };
+  };
+  if (shown == kByError) {
+    auto error = std::find_if(rows.begin(), rows.end(), named("error"));
+    if (error == rows.end()) error = std::find_if(rows.begin(), rows.end(), named("twin"));
+    if (error != rows.end()) add(error->first, error->second);
+    return;
   }
+  if (shown == kByHeight) return add("height", valueIn(rows, "z"));
+  const bool inHeading =
+      shown == kByClass || shown == kByInstance || shown == kByRange || shown.name() == kRing.row.name;
+  if (!inHeading) add(shown.name(), valueIn(rows, shown.name()));
 }
 
 void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology) {
@@ -172,16 +167,15 @@ void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontol
 
 void addSameBeam(PickedThing& thing, const Scan& own, const ViewScan& other, const Ontology* ontology) {
   const Scan& scan = other.scan;
-  const auto beam = beamOf(own, thing.point);
-  const bool known = scan.organised || (!scan.ring.empty() && !scan.column.empty());
-  if (!beam || !known || own.rings != scan.rings || own.columns != scan.columns) return;
-  const auto point = pointOfBeam(scan, *beam);
+  const std::optional<PointKey> key = keyIn(own, thing.point);
+  if (!key || !knowsBeams(scan) || own.rings != scan.rings || own.columns != scan.columns) return;
+  const auto point = pointOf(scan, *key);
   if (!point || !isFinite(scan.position[*point])) {
     thing.rows.emplace_back(other.name, "no return");
     return;
   }
   std::string told = fmt::format("{:.2f} m", length(Vec3d(scan.position[*point])));
-  if (!scan.label.empty()) told += ", " + className(ontology, scan.label[*point]);
+  if (!scan[kLabel].empty()) told += ", " + className(ontology, scan[kLabel][*point]);
   thing.rows.emplace_back(other.name, told);
 }
 

@@ -15,7 +15,7 @@ namespace scanmill {
 PickedThing describePoint(const ViewScan& scan, std::size_t scanIndex, std::size_t point, const Ontology* ontology);
 
 // What is told while it is only pointed at: range, ring and column, and the column that is coloured.
-void addBrief(PickedThing& thing, ColorBy shown);
+void addBrief(PickedThing& thing, const ColorBy& shown);
 
 // How many points of the scan the instance has, how large it is, and which classes, where there is more than one.
 void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology);

@@ -16,14 +16,6 @@ namespace scanmill {
 
 namespace {
 
-std::size_t ringOf(const Scan& scan, std::size_t i) {
-  return scan.organised ? i / scan.columns : scan.ring[i];
-}
-
-std::size_t columnOf(const Scan& scan, std::size_t i) {
-  return scan.organised ? i % scan.columns : scan.column[i];
-}
-
 // Whether elevations rise with the ring's number: the sign of their covariance.
 bool elevationsRise(const Scan& scan) {
   double sumRing = 0, sumElevation = 0, sumBoth = 0, count = 0;
@@ -31,7 +23,7 @@ bool elevationsRise(const Scan& scan) {
     if (!isFinite(scan.position[i])) continue;
     const Vec3d p(scan.position[i]);
     const double elevation = std::atan2(p.z, std::hypot(p.x, p.y));
-    const auto ring = static_cast<double>(ringOf(scan, i));
+    const auto ring = static_cast<double>(keyOf(scan, i).ring);
     sumRing += ring;
     sumElevation += elevation;
     sumBoth += ring * elevation;
@@ -57,7 +49,7 @@ GridSize gridOf(const Scan& scan) {
   std::size_t columns = scan.columns;
   if (!scan.organised) {
     for (const char* name : {"ring", "column"}) {
-      const auto& column = name[0] == 'r' ? scan.ring : scan.column;
+      const auto& column = name[0] == 'r' ? scan[kRing] : scan[kColumn];
       if (column.empty() && scan.size() > 0) {
         throw InputError(
             fmt::format("the scan has no column '{}', which a range image needs where a scan is not organised: name "
@@ -65,8 +57,8 @@ GridSize gridOf(const Scan& scan) {
                         name));
       }
     }
-    for (const std::uint16_t r : scan.ring) rings = std::max<std::size_t>(rings, r + std::size_t{1});
-    for (const std::uint16_t c : scan.column) columns = std::max<std::size_t>(columns, c + std::size_t{1});
+    for (const std::uint16_t r : scan[kRing]) rings = std::max<std::size_t>(rings, r + std::size_t{1});
+    for (const std::uint16_t c : scan[kColumn]) columns = std::max<std::size_t>(columns, c + std::size_t{1});
   }
   const GridSize size{std::max<std::size_t>(rings, 1), std::max<std::size_t>(columns, 1)};
   requireFitting(size);
@@ -83,8 +75,9 @@ RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const s
   std::vector<std::size_t> ring(scan.size());
   std::vector<std::size_t> column(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    ring[i] = ringOf(scan, i);
-    column[i] = columnOf(scan, i);
+    const PointKey key = keyOf(scan, i);
+    ring[i] = key.ring;
+    column[i] = key.column;
   }
   std::size_t width = grid.columns;
   if (order == StripOrder::Outward) {

@@ -24,8 +24,8 @@ ViewSession::State::State(std::shared_ptr<const FrameSource> frames, Canvas& dra
   if (options.scale && options.colors.size() == 1) scales.fill(options.scale);
   if (source->keys().empty()) throw InputError(fmt::format("{}: holds no sample", source->title()));
   if (source->isScene() && !options.colors.empty()) {
-    const ColorBy by = options.colors.front();
-    if (const std::string why = sceneLacks({KeyAction::ColorByNumber, static_cast<std::size_t>(by)}); !why.empty()) {
+    const ColorBy& by = options.colors.front();
+    if (const std::string why = sceneLacks(by); !why.empty()) {
       throw InputError(fmt::format("{}: {}", source->title(), why));
     }
     chooseColor(by);

@@ -24,7 +24,7 @@ Rgb methodColorOf(const std::string& method) {
 
 // By class, else by range.
 std::vector<Rgb> stripColors(const ViewScan& viewed, const ColorContext& context) {
-  return colorScan(viewed.scan, viewed.scan.label.empty() ? ColorBy::Range : ColorBy::Class, context).colors;
+  return colorScan(viewed.scan, viewed.scan[kLabel].empty() ? kByRange : kByClass, context).colors;
 }
 
 ScaleRange changedScale(const Legend& legend, ScaleChange change) {
@@ -55,8 +55,8 @@ bool anyFinite(const Vec3f& p) {
 
 void notePresent(const Scan& scan, std::set<std::uint16_t>& present) {
   std::vector<bool> held(std::size_t{UINT16_MAX} + 1, false);
-  for (std::size_t i = 0; i < scan.label.size(); ++i) {
-    if (isFinite(scan.position[i])) held[scan.label[i]] = true;
+  for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
+    if (isFinite(scan.position[i])) held[scan[kLabel][i]] = true;
   }
   for (std::size_t id = 0; id < held.size(); ++id) {
     if (held[id]) present.insert(static_cast<std::uint16_t>(id));
@@ -82,44 +82,21 @@ ColorContext ViewSession::State::contextOf(const ViewScan& scan) const {
           methodColorOf(scan.method), scan.whyNoError, std::nullopt};
 }
 
-bool ViewSession::State::hasColor(const ViewScan& viewed, ColorBy by) const {
-  const Scan& scan = viewed.scan;
-  switch (by) {
-    case ColorBy::Class:
-      return !scan.label.empty();
-    case ColorBy::Intensity:
-      return !scan.intensity.empty();
-    case ColorBy::Instance:
-      return !scan.instance.empty();
-    case ColorBy::Ring:
-      return !scan.ring.empty();
-    case ColorBy::Time:
-      return !scan.time.empty();
-    case ColorBy::Incidence:
-      return !scan.incidence.empty();
-    case ColorBy::Error:
-      return !viewed.error.empty() || !scan.rangeTrue.empty();
-    case ColorBy::Method:
-      return !viewed.method.empty();
-    case ColorBy::Return:
-    case ColorBy::Range:
-    case ColorBy::Height:
-      break;
-  }
-  return true;
+bool ViewSession::State::hasColor(const ViewScan& viewed, const ColorBy& by) const {
+  return scanmill::hasColor(viewed.scan, by, !viewed.error.empty(), !viewed.method.empty());
 }
 
 // Without a choice: as colorScan() chooses, and in the second view of one scan something else.
 ColorBy ViewSession::State::colorOf(std::size_t view) const {
   if (colors[view]) return *colors[view];
-  if (!frame || frame->scans.empty()) return ColorBy::Class;
+  if (!frame || frame->scans.empty()) return kByClass;
   const bool second = frame->scans.size() == 1 && view > 0;
   if (!second && options.colors.size() == 1) return options.colors.front();
   const ViewScan& scan = frame->scans[view < frame->scans.size() ? view : 0];
-  for (const ColorBy by : {ColorBy::Class, ColorBy::Intensity, ColorBy::Range}) {
+  for (const ColorBy& by : {kByClass, kByIntensity, kByRange}) {
     if (hasColor(scan, by) && !(second && by == colorOf(0))) return by;
   }
-  return ColorBy::Height;
+  return kByHeight;
 }
 
 // Scans side by side are compared: where their ends follow from the values, they have them in common.
@@ -210,7 +187,7 @@ void ViewSession::State::applyFilter() {
     const bool hiddenWhole = overlaid() && hiddenScans.contains(viewed.name);
     cloud.shown.clear();
     cloud.visible = cloud.finite;
-    const bool all = aloneInstances.empty() && (filter.showsAll() || scan.label.empty());
+    const bool all = aloneInstances.empty() && (filter.showsAll() || scan[kLabel].empty());
     if (!hiddenWhole && all) {
       canvas.showAll(cloudItem(k));
       continue;
@@ -225,8 +202,9 @@ void ViewSession::State::applyFilter() {
     cloud.visible = 0;
     std::vector<std::uint32_t> indices;
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (hiddenWhole || (!scan.label.empty() && classShown[scan.label[i]] == 0)) continue;
-      if (!aloneInstances.empty() && (scan.instance.empty() || !aloneInstances.contains(scan.instance[i]))) continue;
+      if (hiddenWhole || (!scan[kLabel].empty() && classShown[scan[kLabel][i]] == 0)) continue;
+      if (!aloneInstances.empty() && (scan[kInstance].empty() || !aloneInstances.contains(scan[kInstance][i])))
+        continue;
       cloud.shown[i] = 1;
       indices.push_back(static_cast<std::uint32_t>(i));
       if (isFinite(scan.position[i])) ++cloud.visible;
@@ -252,7 +230,7 @@ void ViewSession::State::applyFilter() {
   instanceProblem.clear();
   for (const std::uint32_t id : aloneInstances) {
     const bool held = std::any_of(clouds.begin(), clouds.end(), [&](const ShownCloud& cloud) {
-      const auto& instances = frame->scans[cloud.scan].scan.instance;
+      const auto& instances = frame->scans[cloud.scan].scan[kInstance];
       return std::find(instances.begin(), instances.end(), id) != instances.end();
     });
     if (!held && !clouds.empty()) instanceProblem += fmt::format("instance {} has no points here. ", id);
@@ -269,8 +247,8 @@ std::vector<std::size_t> ViewSession::State::actedViews() const {
   return all;
 }
 
-void ViewSession::State::chooseColor(ColorBy by) {
-  if (source->isScene()) return chooseMeshColor(by == ColorBy::Instance ? MeshColor::Instance : MeshColor::Class);
+void ViewSession::State::chooseColor(const ColorBy& by) {
+  if (source->isScene()) return chooseMeshColor(by == kByInstance ? MeshColor::Instance : MeshColor::Class);
   if (clouds.empty()) return;
   if (overlaid()) return say("the overlay has fixed colours: l closes it");
   const auto acted = actedViews();
@@ -285,7 +263,7 @@ void ViewSession::State::chooseColor(ColorBy by) {
       } catch (const InputError& e) {
         colorProblem = e.what();
       }
-      if (by == ColorBy::Method) colorProblem = "the method that made the scan is not known";
+      if (by == kByMethod) colorProblem = "the method that made the scan is not known";
       hudChanged = true;
       return;
     }
@@ -329,12 +307,14 @@ void ViewSession::State::cycleColor(int step) {
     return chooseMeshColor(static_cast<MeshColor>((static_cast<int>(meshColor) + step + kMeshColors) % kMeshColors));
   }
   if (clouds.empty()) return;
-  constexpr auto kCount = static_cast<int>(kColorNames.size());
   const std::size_t view = activeView.value_or(0);
-  int by = static_cast<int>(colorOf(view));
-  for (int tried = 0; tried < kCount; ++tried) {
-    by = (by + step + kCount) % kCount;
-    const auto candidate = static_cast<ColorBy>(by);
+  const auto shown = std::find_if(clouds.begin(), clouds.end(), [&](const ShownCloud& c) { return c.view == view; });
+  const std::vector<ColorBy> all = colorsOf(frame->scans[shown == clouds.end() ? 0 : shown->scan].scan);
+  const auto count = static_cast<std::ptrdiff_t>(all.size());
+  std::ptrdiff_t place = std::find(all.begin(), all.end(), colorOf(view)) - all.begin();
+  for (std::ptrdiff_t tried = 0; tried < count; ++tried) {
+    place = (place + step + count) % count;
+    const ColorBy& candidate = all[static_cast<std::size_t>(place)];
     const bool everywhere = std::all_of(clouds.begin(), clouds.end(), [&](const ShownCloud& cloud) {
       return (activeView && cloud.view != *activeView) || hasColor(frame->scans[cloud.scan], candidate);
     });

@@ -186,8 +186,7 @@ void ViewSession::State::refresh() {
     pane.active = activeView == cloud.view && viewCount() > 1;
     pane.caption = name;
     if (differ) {
-      const std::string_view by = kColorNames[static_cast<std::size_t>(colorOf(cloud.view))];
-      pane.caption += fmt::format("{}{}", name.empty() ? "" : ": ", by);
+      pane.caption += fmt::format("{}{}", name.empty() ? "" : ": ", colorOf(cloud.view).name());
     }
     if (cloud.finite == 0) continue;
     pane.legend = cloud.coloring.legend;

@@ -147,7 +147,7 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::PreviousColor:
       return cycleColor(-1);
     case KeyAction::ColorByNumber:
-      return chooseColor(static_cast<ColorBy>(meaning.number));
+      return chooseColor(ColorBy(colorNames()[meaning.number]));
     case KeyAction::LowerHighEnd:
       return changeScale(ScaleChange::LowerHigh);
     case KeyAction::RaiseHighEnd:

@@ -72,7 +72,7 @@ void ViewSession::State::seekReadable() {
 void ViewSession::State::hintAtNames() {
   if (source->ontology() != nullptr) return;
   const bool labelled = std::any_of(frame->scans.begin(), frame->scans.end(),
-                                    [](const ViewScan& scan) { return !scan.scan.label.empty(); });
+                                    [](const ViewScan& scan) { return !scan.scan[kLabel].empty(); });
   if (!labelled) return;
   hint(
       "the classes have no names here: a scan or shard away from its dataset does not know them; "

@@ -6,14 +6,15 @@
 
 namespace scanmill {
 
+std::string ViewSession::State::sceneLacks(const ColorBy& by) const {
+  if (by == kByClass || by == kByInstance) return {};
+  return fmt::format("a scene has no {}: c takes class, instance, material, reflectance", by.name());
+}
+
 std::string ViewSession::State::sceneLacks(const KeyMeaning& meaning) const {
-  constexpr const char* kColors = "c takes class, instance, material, reflectance";
   switch (meaning.action) {
-    case KeyAction::ColorByNumber: {
-      const auto by = static_cast<ColorBy>(meaning.number);
-      if (by == ColorBy::Class || by == ColorBy::Instance) return {};
-      return fmt::format("a scene has no {}: {}", kColorNames[meaning.number], kColors);
-    }
+    case KeyAction::ColorByNumber:
+      return sceneLacks(ColorBy(colorNames()[meaning.number]));
     case KeyAction::LargerPoints:
     case KeyAction::SmallerPoints:
       return "a scene has no points";

@@ -82,6 +82,7 @@ struct ViewSession::State {
 
   // session_scene_keys.cpp
   std::string sceneLacks(const KeyMeaning& meaning) const;  // why a key means nothing for a scene; empty: it does
+  std::string sceneLacks(const ColorBy& by) const;
   void chooseMeshColor(MeshColor by);
 
   // session_pointer.cpp
@@ -125,8 +126,8 @@ struct ViewSession::State {
   void changeScale(ScaleChange change);
   ColorContext contextOf(const ViewScan& scan) const;
   ColorBy colorOf(std::size_t view) const;
-  bool hasColor(const ViewScan& scan, ColorBy by) const;
-  void chooseColor(ColorBy by);
+  bool hasColor(const ViewScan& scan, const ColorBy& by) const;
+  void chooseColor(const ColorBy& by);
   void cycleColor(int step);
   std::vector<std::size_t> actedViews() const;
   void makeStrip();

@@ -60,7 +60,7 @@ std::optional<std::uint32_t> ViewSession::State::instanceOf(const PickedThing& t
     if (mesh && thing.point < mesh->size()) id = mesh->instance[thing.point];
   } else if (frame && thing.scan < frame->scans.size()) {
     const Scan& scan = frame->scans[thing.scan].scan;
-    if (thing.point < scan.instance.size()) id = scan.instance[thing.point];
+    if (thing.point < scan[kInstance].size()) id = scan[kInstance][thing.point];
   }
   return id == 0 ? std::nullopt : std::optional(id);
 }

@@ -94,7 +94,7 @@ std::optional<KeyMeaning> keyMeaning(std::string_view key, bool shift) {
 
 std::vector<std::pair<std::string, std::string>> viewKeys() {
   std::string colors;
-  for (std::size_t i = 0; i < kDigits.size(); ++i) colors += (i == 0 ? "" : ", ") + std::string(kColorNames[i]);
+  for (std::size_t i = 0; i < kDigits.size(); ++i) colors += (i == 0 ? "" : ", ") + colorNames()[i];
   return {
       {"left drag", "turn"},
       {"right drag, shift + left drag", "move"},

@@ -61,7 +61,7 @@ enum class KeyAction {
 
 struct KeyMeaning {
   KeyAction action = KeyAction::Quit;
-  std::size_t number = 0;  // of ColorByNumber: into kColorNames
+  std::size_t number = 0;  // of ColorByNumber: into colorNames()
 };
 
 // By X's name of the key's symbol; none for a key that does nothing.

@@ -38,10 +38,10 @@ inline Scan madeScan(const BeamTable& beams, const std::vector<MadePoint>& point
   scan.columns = beams.columns;
   for (const MadePoint& p : points) {
     scan.position.push_back(p.at);
-    scan.label.push_back(p.label);
-    scan.instance.push_back(p.instance);
-    scan.intensity.push_back(p.intensity);
-    scan.ring.push_back(static_cast<std::uint16_t>(scan.ring.size() % beams.rings));
+    scan[kLabel].push_back(p.label);
+    scan[kInstance].push_back(p.instance);
+    scan[kIntensity].push_back(p.intensity);
+    scan[kRing].push_back(static_cast<std::uint16_t>(scan[kRing].size() % beams.rings));
   }
   return scan;
 }

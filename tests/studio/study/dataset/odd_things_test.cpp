@@ -42,8 +42,8 @@ class OddThingsInStreets : public testing::Test {
         scan.position = pointsOf(shot, hits);
         for (std::size_t b = 0; b < hits.size(); ++b) {
           if (!hits.hit(b)) continue;
-          scan.label.push_back(hits.semantic[b]);
-          scan.instance.push_back(hits.instance[b]);
+          scan[kLabel].push_back(hits.semantic[b]);
+          scan[kInstance].push_back(hits.instance[b]);
         }
         counts_->push_back(countScan(scan, kSteps));
         ScanRecord record = testRecord(manifest_->sensors[0], scan, i);

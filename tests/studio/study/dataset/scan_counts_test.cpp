@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "tests/study/dataset/made_dataset.h"
+#include "tests/studio/study/dataset/made_dataset.h"
 
 namespace scanmill {
 namespace {
@@ -44,10 +44,10 @@ TEST(ScanCounts, CountsWhatIsThere) {
   points.push_back({{0, 5, 0}, 7, 9, 255});
   Scan scan = madeScan(manifest.sensors[0].beams, points);
   scan.position.push_back({NAN, NAN, NAN});  // a miss
-  scan.label.push_back(7);
-  scan.instance.push_back(0);
-  scan.intensity.push_back(0);
-  scan.ring.push_back(0);
+  scan[kLabel].push_back(7);
+  scan[kInstance].push_back(0);
+  scan[kIntensity].push_back(0);
+  scan[kRing].push_back(0);
   const RangeSteps steps{1, 8};
   const ScanCounts counts = countScan(scan, steps);
   EXPECT_EQ(counts.points, 17u);
@@ -82,8 +82,8 @@ TEST(ScanCounts, SizesAreThoseOfTheThings) {
       for (const double z : {0.0, 0.7, 1.5}) {
         for (const Vec3d& p : {Vec3d{0.1 * i, 0, z}, Vec3d{0, 0.05 * i, z}, Vec3d{4, 0.05 * i, z}}) {
           scan.position.push_back(Vec3f(sensorFromLevel * (turn * p + Vec3d{12, 3, -2})));
-          scan.label.push_back(1);
-          scan.instance.push_back(5);
+          scan[kLabel].push_back(1);
+          scan[kInstance].push_back(5);
         }
       }
     }

@@ -62,19 +62,19 @@ TEST(ScanThinning, FarPointsStayAndNearOnesAreThinnedByTheSquare) {
 
 TEST(ScanThinning, SmallThingsAndRareClassesStayWhole) {
   Scan scan = groundScan(30'000);
-  scan.label.assign(scan.size(), 1);
-  scan.instance.assign(scan.size(), 0);
+  scan[kLabel].assign(scan.size(), 1);
+  scan[kInstance].assign(scan.size(), 0);
   for (std::size_t i = 0; i < 300; ++i) {
     scan.position[50 * i] = {2, 0.01f * float(i), -2};  // near: thinned but for its id
-    scan.instance[50 * i] = 9;
+    scan[kInstance][50 * i] = 9;
     scan.position[50 * i + 1] = {2, 0.01f * float(i), -2};
-    scan.label[50 * i + 1] = 3;
+    scan[kLabel][50 * i + 1] = 3;
     scan.position[50 * i + 2] = {2, 0.01f * float(i), -2};
   }
   std::size_t thing = 0, rare = 0, plain = 0;
   for (const std::size_t i : pointsToView(scan, 6'000)) {
-    thing += scan.instance[i] == 9;
-    rare += scan.label[i] == 3;
+    thing += scan[kInstance][i] == 9;
+    rare += scan[kLabel][i] == 3;
     plain += i % 50 == 2 && i < 15'000;
   }
   EXPECT_EQ(thing, 300u);
@@ -85,10 +85,10 @@ TEST(ScanThinning, SmallThingsAndRareClassesStayWhole) {
 // Many small things cannot displace all else.
 TEST(ScanThinning, HalfIsLeftForTheRest) {
   Scan scan = groundScan(20'000);
-  for (std::size_t i = 0; i < scan.size(); ++i) scan.instance.push_back(i < 10'000 ? 1 + std::uint32_t(i / 500) : 0);
+  for (std::size_t i = 0; i < scan.size(); ++i) scan[kInstance].push_back(i < 10'000 ? 1 + std::uint32_t(i / 500) : 0);
   std::size_t without = 0;
   const std::vector<std::size_t> kept = pointsToView(scan, 4'000);
-  for (const std::size_t i : kept) without += scan.instance[i] == 0;
+  for (const std::size_t i : kept) without += scan[kInstance][i] == 0;
   EXPECT_NEAR(double(kept.size()), 4'000, 1);
   EXPECT_GE(without, 500u);
 }

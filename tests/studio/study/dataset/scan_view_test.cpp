@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "base/process.h"
 #include "study/dataset/dataset_report.h"
-#include "tests/study/dataset/made_dataset.h"
+#include "tests/studio/study/dataset/made_dataset.h"
 
 namespace scanmill {
 namespace {
@@ -44,10 +44,10 @@ Scan largeScan(std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const double t = 0.001 * double(i);
     scan.position.push_back(Vec3f(Vec3d{60 * std::cos(t), 40 * std::sin(1.7 * t), 5 * std::sin(0.3 * t)}));
-    scan.label.push_back(static_cast<std::uint16_t>(i % 3 == 0 ? 7 : 65535));
-    scan.instance.push_back(i % 3 == 0 ? 0 : 70000 + static_cast<std::uint32_t>(i % 300));
-    scan.intensity.push_back(static_cast<float>(0.5 + 0.5 * std::sin(t)));
-    scan.ring.push_back(static_cast<std::uint16_t>(i % 128));
+    scan[kLabel].push_back(static_cast<std::uint16_t>(i % 3 == 0 ? 7 : 65535));
+    scan[kInstance].push_back(i % 3 == 0 ? 0 : 70000 + static_cast<std::uint32_t>(i % 300));
+    scan[kIntensity].push_back(static_cast<float>(0.5 + 0.5 * std::sin(t)));
+    scan[kRing].push_back(static_cast<std::uint16_t>(i % 128));
   }
   return scan;
 }
@@ -69,14 +69,14 @@ TEST(ScanView, PointsComeBackWithinHalfAStep) {
       EXPECT_LT(size, 0.002);  // 120 m in 65535 steps
       EXPECT_NEAR(low.at(c).get<double>() + size * places[3 * i + c], xyz[c], 0.501 * size);
     }
-    EXPECT_EQ(made.at("classes").at(classes[i]).at("id"), scan.label[i]);
-    EXPECT_EQ(made.at("instances").at("ids").at(instances[i]), scan.instance[i]);
+    EXPECT_EQ(made.at("classes").at(classes[i]).at("id"), scan[kLabel][i]);
+    EXPECT_EQ(made.at("instances").at("ids").at(instances[i]), scan[kInstance][i]);
   }
   const Json& intensity = made.at("values").at(0);
   EXPECT_EQ(intensity.at("name"), "intensity");
   const std::vector<std::uint32_t> values = numbersIn(intensity);
   for (std::size_t i = 0; i < 5000; ++i) {
-    EXPECT_NEAR(intensity.at("low").get<double>() + intensity.at("step").get<double>() * values[i], scan.intensity[i],
+    EXPECT_NEAR(intensity.at("low").get<double>() + intensity.at("step").get<double>() * values[i], scan[kIntensity][i],
                 1e-5);
   }
   const Json& ring = made.at("values").at(1);
@@ -87,7 +87,7 @@ TEST(ScanView, PointsComeBackWithinHalfAStep) {
 TEST(ScanView, LargeScansAreThinned) {
   Scan scan = largeScan(150'000);
   scan.position[10] = {NAN, NAN, NAN};
-  for (std::uint32_t& id : scan.instance) id %= 30;  // none of them small
+  for (std::uint32_t& id : scan[kInstance]) id %= 30;  // none of them small
   const Json made = dataIn(scanView({{"a", scan}}, testManifest().ontology)).at("scans").at(0);
   EXPECT_EQ(made.at("points"), 149'999);
   EXPECT_EQ(made.at("shown"), kMostViewedPoints);
@@ -114,7 +114,7 @@ TEST(ScanView, NamesCannotEndTheData) {
   ontology.classes[1].name = "</script><!--\xFF";
   Scan scan;
   scan.position = {{1, 2, 3}};
-  scan.label = {7};
+  scan[kLabel] = {7};
   const std::string html = scanView({{"</SCRIPT>", scan}}, ontology);
   const Json data = dataIn(html);
   EXPECT_EQ(data.at("scans").at(0).at("title"), "</SCRIPT>");

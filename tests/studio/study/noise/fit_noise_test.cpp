@@ -232,7 +232,7 @@ TEST(RangesAlong, TakesDenseScansByRingAndColumn) {
   for (std::size_t beam = 0; beam < beams->size(); ++beam) {
     ASSERT_EQ(std::isnan(organised.range[beam]), std::isnan(same.range[beam]));
   }
-  dense.ring.clear();
+  dense[kRing].clear();
   EXPECT_THAT(messageOf([&] { rangesAlong(dense, *beams, "b.pcd"); }), AllOf(HasSubstr("b.pcd"), HasSubstr("ring")));
 }
 
@@ -438,7 +438,7 @@ TEST(FitNoise, FindsInASimulatedRecordingWhatItsSensorFileSays) {
     Returns returns;
     scans.emplace_back();
     method->trace(shots.front(), plan.channels(), hits);
-    sense(hits, shots.front(), plan.pipeline().effectsOf(0), scene.materials, plan.pipeline().columns, returns,
+    sense(hits, shots.front(), plan.pipeline().effectsOf(0), scene.materials, plan.pipeline().layout, returns,
           scans.back());
   }
   const BeamTable& beams = *plan.beams().front();

@@ -26,10 +26,10 @@ Scan turnOf(std::uint32_t seed, std::uint32_t rings, std::uint32_t columns) {
       const double range = 2 + 78 * uniform(r[0]);
       scan.position.push_back(
           Vec3f(Vec3d{range * std::cos(azimuth), range * std::sin(azimuth), 4 * uniform(r[1]) - 2}));
-      scan.intensity.push_back(static_cast<float>(uniform(r[2])));
-      scan.label.push_back(static_cast<std::uint16_t>(r[3] % 20));
-      scan.ring.push_back(static_cast<std::uint16_t>(ring));
-      scan.column.push_back(static_cast<std::uint16_t>(column));
+      scan[kIntensity].push_back(static_cast<float>(uniform(r[2])));
+      scan[kLabel].push_back(static_cast<std::uint16_t>(r[3] % 20));
+      scan[kRing].push_back(static_cast<std::uint16_t>(ring));
+      scan[kColumn].push_back(static_cast<std::uint16_t>(column));
     }
   }
   return scan;

@@ -53,17 +53,17 @@ TEST(TwinErrors, AnyOrderAndLayoutGivesTheSame) {
   const std::vector<float> expected = joined(scan, clean);
   Scan turned = clean;
   std::reverse(turned.position.begin(), turned.position.end());
-  std::reverse(turned.ring.begin(), turned.ring.end());
-  std::reverse(turned.column.begin(), turned.column.end());
+  std::reverse(turned[kRing].begin(), turned[kRing].end());
+  std::reverse(turned[kColumn].begin(), turned[kColumn].end());
   EXPECT_EQ(joined(scan, turned), expected);
   Scan image = organised(clean);
-  image.ring.clear();
-  image.column.clear();
+  image[kRing].clear();
+  image[kColumn].clear();
   EXPECT_EQ(joined(scan, image), expected);
   const std::vector<float> ofImage = joined(organised(scan), image);
   ASSERT_EQ(ofImage.size(), image.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    EXPECT_EQ(ofImage[std::size_t{scan.ring[i]} * scan.columns + scan.column[i]], expected[i]);
+    EXPECT_EQ(ofImage[std::size_t{scan[kRing][i]} * scan.columns + scan[kColumn][i]], expected[i]);
   }
   EXPECT_EQ(std::count_if(ofImage.begin(), ofImage.end(), [](float e) { return std::isnan(e); }),
             static_cast<std::ptrdiff_t>(image.size() - scan.size()));
@@ -72,7 +72,7 @@ TEST(TwinErrors, AnyOrderAndLayoutGivesTheSame) {
 TEST(TwinErrors, AreUnknownWhereTheTwinHasNoPoint) {
   const Scan scan = testScan(testBeams(8, 16), 3);
   Scan twin = scan;
-  for (auto* column : {&twin.ring, &twin.column}) column->resize(10);
+  for (auto* column : {&twin[kRing], &twin[kColumn]}) column->resize(10);
   twin.position.resize(10);
   twin.position[4].y = NAN;
   const std::vector<float> errors = joined(scan, twin);
@@ -85,13 +85,13 @@ TEST(TwinErrors, AreUnknownWhereTheTwinHasNoPoint) {
 TEST(TwinErrors, NeedToKnowTheBeams) {
   const Scan scan = testScan(testBeams(8, 16), 3);
   Scan bare = scan;
-  bare.column.clear();
+  bare[kColumn].clear();
   EXPECT_THAT(refusal(bare, scan), testing::AllOf(HasSubstr("the scan"), HasSubstr("output.columns")));
   EXPECT_THAT(refusal(scan, bare), HasSubstr("the twin does not say"));
   EXPECT_THAT(refusal(scan, testScan(testBeams(4, 16), 3)), HasSubstr("4 x 16 beams, not 8 x 16"));
   Scan wide = scan;
   wide.rings = wide.columns = 0;
-  wide.ring[0] = wide.column[1] = 65535;
+  wide[kRing][0] = wide[kColumn][1] = 65535;
   EXPECT_THAT(refusal(scan, wide), HasSubstr("65536 x 65536"));
 }
 
@@ -100,9 +100,9 @@ TEST(RangeErrors, CountFromWhereTheBeamStarts) {
   ASSERT_FALSE(beams.origin.empty());
   Scan scan = testScan(beams, 5);
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    const std::size_t beam = std::size_t{scan.ring[i]} * beams.columns + scan.column[i];
+    const std::size_t beam = std::size_t{scan[kRing][i]} * beams.columns + scan[kColumn][i];
     scan.position[i] =
-        Vec3f(Vec3d(beams.origin[beam]) + beams.direction[beam] * (double{scan.rangeTrue[i]} + shift(i)));
+        Vec3f(Vec3d(beams.origin[beam]) + beams.direction[beam] * (double{scan[kRangeTrue][i]} + shift(i)));
   }
   const std::vector<float> errors = rangeErrors(scan, &beams);
   ASSERT_EQ(errors.size(), scan.size());
@@ -113,7 +113,7 @@ TEST(RangeErrors, CountFromWhereTheBeamStarts) {
   EXPECT_EQ(known, scan.size());
 
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    scan.position[i] = Vec3f(normalized(Vec3d(scan.position[i])) * (double{scan.rangeTrue[i]} + shift(i)));
+    scan.position[i] = Vec3f(normalized(Vec3d(scan.position[i])) * (double{scan[kRangeTrue][i]} + shift(i)));
   }
   const std::vector<float> central = rangeErrors(scan, nullptr);
   for (std::size_t i = 0; i < scan.size(); ++i) EXPECT_NEAR(central[i], std::abs(shift(i)), 2e-5) << i;
@@ -122,9 +122,9 @@ TEST(RangeErrors, CountFromWhereTheBeamStarts) {
 TEST(RangeErrors, NeedTheColumn) {
   const BeamTable beams = testBeams(4, 8);
   Scan scan = testScan(beams, 5);
-  scan.ring[0] = 60000;  // damage
+  scan[kRing][0] = 60000;  // damage
   EXPECT_TRUE(std::isnan(rangeErrors(scan, &beams)[0]));
-  scan.rangeTrue.clear();
+  scan[kRangeTrue].clear();
   EXPECT_TRUE(rangeErrors(scan, &beams).empty());
 }
 

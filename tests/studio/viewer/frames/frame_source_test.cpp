@@ -7,9 +7,9 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "formats/columns.h"
+#include "scan/scan.h"
+#include "tests/studio/viewer/frames/frame_fixture.h"
 #include "tests/support/shared_data.h"
-#include "tests/viewer/frames/frame_fixture.h"
 #include "viewer/scan_source.h"
 
 namespace scanmill {
@@ -25,9 +25,9 @@ using testing::IsEmpty;
 void expectSameScan(const Scan& a, const Scan& b) {
   EXPECT_EQ(a.position, b.position);
   EXPECT_EQ(columnNames(a), columnNames(b));
-  EXPECT_EQ(a.label, b.label);
-  EXPECT_EQ(a.instance, b.instance);
-  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a[kLabel], b[kLabel]);
+  EXPECT_EQ(a[kInstance], b[kInstance]);
+  EXPECT_EQ(a[kTime], b[kTime]);
   EXPECT_EQ(a.organised, b.organised);
 }
 
@@ -213,7 +213,7 @@ TEST_F(Frames, ATwinThatLacksSamplesOrColumnsIsAProblem) {
   const auto other = folder.path() / "other";
   writeChangedDataset(scan, {});
   writeChangedDataset(twin, {.frames = 2});
-  writeChangedDataset(bare, {.scan = [](Scan& s, std::size_t, std::size_t) { s.column.clear(); }});
+  writeChangedDataset(bare, {.scan = [](Scan& s, std::size_t, std::size_t) { s[kColumn].clear(); }});
   writeChangedDataset(other, {.manifest = [](Manifest& m) { m.sensors.pop_back(); }});
   const ViewFrame third = openFrames({.path = scan, .twin = twin})->load(2);
   EXPECT_EQ(third.scans.size(), 2u);

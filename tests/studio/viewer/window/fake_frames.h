@@ -52,14 +52,14 @@ inline Scan fakeScan(std::uint32_t rings, std::uint32_t columns, double grown = 
       const Vec3d p{range * std::cos(azimuth), range * std::sin(azimuth), far ? -1.8 + 0.3 * (rings - r) : -1.8};
       scan.position.push_back(Vec3f(p));
       const std::uint16_t label = !far ? kFakeRoad : c < columns / 2 ? kFakeTree : kFakeCar;
-      scan.label.push_back(label);
-      scan.instance.push_back(label == kFakeCar ? 4711 : 0);
-      scan.intensity.push_back(0.25F + static_cast<float>(r) / 64);
-      scan.ring.push_back(static_cast<std::uint16_t>(r));
-      scan.column.push_back(static_cast<std::uint16_t>(c));
-      scan.time.push_back(static_cast<float>(c) * 1e-4F);
-      scan.rangeTrue.push_back(static_cast<float>(length(p)) + 0.01F);
-      scan.incidence.push_back(0.5F);
+      scan[kLabel].push_back(label);
+      scan[kInstance].push_back(label == kFakeCar ? 4711 : 0);
+      scan[kIntensity].push_back(0.25F + static_cast<float>(r) / 64);
+      scan[kRing].push_back(static_cast<std::uint16_t>(r));
+      scan[kColumn].push_back(static_cast<std::uint16_t>(c));
+      scan[kTime].push_back(static_cast<float>(c) * 1e-4F);
+      scan[kRangeTrue].push_back(static_cast<float>(length(p)) + 0.01F);
+      scan[kIncidence].push_back(0.5F);
     }
   }
   return scan;

@@ -18,8 +18,8 @@ struct BoxScan {
     const Affine placed = toAffine(Pose{fromYawPitchRoll(yaw, 0, 0), {12, -7, 1}});
     const auto add = [&](const Vec3d& p, std::uint32_t instance, std::uint16_t label) {
       scan.position.push_back(Vec3f(p));
-      scan.instance.push_back(instance);
-      scan.label.push_back(label);
+      scan[kInstance].push_back(instance);
+      scan[kLabel].push_back(label);
       own += instance == 7 ? 1 : 0;
     };
     for (int corner = 0; corner < 8; ++corner) {
@@ -65,7 +65,7 @@ TEST(InstanceSummary, IsMeasuredUpright) {
 TEST(InstanceSummary, FewPointsHaveFlatBoxes) {
   Scan scan;
   EXPECT_TRUE(summarizeInstance(scan, 1, {}).points.empty());
-  scan.instance = {1, 1, 1, 2};
+  scan[kInstance] = {1, 1, 1, 2};
   scan.position = {{0, 0, 0}, {3, 4, 0}, {1.5, 2, 0}, {9, 9, 9}};
   InstanceSummary line = summarizeInstance(scan, 1, {});
   EXPECT_NEAR(length(line.size - Vec3d{5, 0, 0}), 0, 1e-6);

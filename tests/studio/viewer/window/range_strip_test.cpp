@@ -21,8 +21,8 @@ Scan fullScan(bool rising) {
       const double azimuth = 2 * M_PI * column / 30;
       const double elevation = (rising ? 1 : -1) * (ring - 3.5) * 0.05;
       scan.position.push_back(Vec3f(Vec3d{10 * std::cos(azimuth), 10 * std::sin(azimuth), 10 * std::tan(elevation)}));
-      scan.ring.push_back(ring);
-      scan.column.push_back(column);
+      scan[kRing].push_back(ring);
+      scan[kColumn].push_back(column);
     }
   }
   return scan;
@@ -44,8 +44,8 @@ TEST(RangeStrip, PointsAndPixelsLeadToEachOther) {
     EXPECT_EQ(strip.ringsRise, rising);
     for (std::size_t i = 0; i < scan.size(); ++i) {
       const auto [column, row] = strip.place(i);
-      EXPECT_EQ(column, scan.column[i]);
-      EXPECT_EQ(row, rising ? 7 - scan.ring[i] : scan.ring[i]);
+      EXPECT_EQ(column, scan[kColumn][i]);
+      EXPECT_EQ(row, rising ? 7 - scan[kRing][i] : scan[kRing][i]);
       EXPECT_EQ(strip.pointAt[strip.pixelOf[i]], i);
       EXPECT_EQ(strip.image.at(column, row), colors[i]);
     }
@@ -56,8 +56,8 @@ TEST(RangeStrip, AnOrganisedScanIsTheSameStrip) {
   const Scan dense = fullScan(true);
   Scan organised = dense;
   organised.organised = true;
-  organised.ring.clear();
-  organised.column.clear();
+  organised[kRing].clear();
+  organised[kColumn].clear();
   const std::vector<Rgb> colors = colorEach(dense);
   const RangeStrip a = makeRangeStrip(dense, colors, {});
   RangeStrip b = makeRangeStrip(organised, colors, {});
@@ -73,7 +73,7 @@ TEST(RangeStrip, AnOrganisedScanIsTheSameStrip) {
 TEST(RangeStrip, TheNearestThatIsShownWins) {
   Scan scan;
   scan.position = {{9, 0, 0}, {3, 0, 0}, {6, 0, 0}};
-  scan.ring = scan.column = {0, 0, 0};
+  scan[kRing] = scan[kColumn] = {0, 0, 0};
   const std::vector<Rgb> colors = colorEach(scan);
   EXPECT_EQ(makeRangeStrip(scan, colors, {}).pointAt, std::vector<std::uint32_t>{1});
   const RangeStrip second = makeRangeStrip(scan, colors, {true, false, true});
@@ -88,13 +88,13 @@ TEST(RangeStrip, TheNearestThatIsShownWins) {
 TEST(RangeStrip, SaysWhatIsMissing) {
   Scan scan = fullScan(true);
   const std::vector<Rgb> colors = colorEach(scan);
-  scan.column.clear();
+  scan[kColumn].clear();
   expectInputError([&] { makeRangeStrip(scan, colors, {}); }, {"'column'", "output.columns"});
   scan = fullScan(true);
-  scan.ring.clear();
+  scan[kRing].clear();
   expectInputError([&] { makeRangeStrip(scan, colors, {}); }, {"'ring'"});
   scan = fullScan(true);
-  scan.column[3] = 65535;
+  scan[kColumn][3] = 65535;
   expectInputError([&] { makeRangeStrip(scan, colors, {}); }, {"65536"});
   EXPECT_NO_THROW(makeRangeStrip({}, {}, {}));
 }

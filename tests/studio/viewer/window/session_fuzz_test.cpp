@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/viewer/window/session_world.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {
@@ -67,7 +67,7 @@ std::shared_ptr<FakeFrames> manyKindsOfFrames() {
   unknown.scan = bare;
   all[4].scans = {unknown};
   all[5].scans[1].worldFromSensor.reset();
-  all[6].scans[2].scan.label.clear();
+  all[6].scans[2].scan[kLabel].clear();
   for (Vec3f& p : all[7].scans[0].scan.position) p = {NAN, NAN, NAN};
   return frames;
 }

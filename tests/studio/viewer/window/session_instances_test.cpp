@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "tests/viewer/window/session_world.h"
+#include "tests/studio/viewer/window/session_world.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {
@@ -17,7 +17,7 @@ using Kind = CanvasEvent::Kind;
 std::set<std::uint32_t> shownInstances(const SessionWorld& world, std::size_t frame) {
   std::set<std::uint32_t> instances;
   for (const std::uint32_t i : world.canvas.shownOf(firstCloud(world))) {
-    instances.insert(world.frames->frames[frame].scans[0].scan.instance[i]);
+    instances.insert(world.frames->frames[frame].scans[0].scan[kInstance][i]);
   }
   return instances;
 }
@@ -80,7 +80,7 @@ TEST(SessionInstances, PointedAtTheyStandOut) {
     ASSERT_NE(lit, nullptr);
     std::vector<Vec3f> held;
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (scan.instance[i] == 4711) held.push_back(scan.position[i]);
+      if (scan[kInstance][i] == 4711) held.push_back(scan.position[i]);
     }
     EXPECT_EQ(lit->places, held);
     const auto& own = world.canvas.items.at(firstCloud(world));
@@ -110,7 +110,7 @@ TEST(SessionInstances, AMixtureOfClassesWarns) {
   auto frames = std::make_shared<FakeFrames>(1);
   Scan& scan = frames->frames[0].scans[0].scan;
   std::size_t cars = 0;
-  for (const std::uint32_t id : scan.instance) cars += id == 4711 ? 1 : 0;
+  for (const std::uint32_t id : scan[kInstance]) cars += id == 4711 ? 1 : 0;
   const std::size_t own = 3 * 72 + 70;
   const auto pickOwn = [&] {
     const SessionWorld world(frames);
@@ -122,7 +122,7 @@ TEST(SessionInstances, AMixtureOfClassesWarns) {
   EXPECT_EQ(rowOf(*pure, "its points"), std::to_string(cars));
   EXPECT_EQ(rowOf(*pure, "its classes"), "");
   EXPECT_TRUE(pure->alarm.empty());
-  for (std::size_t i = 0; i < 3; ++i) scan.label[own - i] = kFakeTree;
+  for (std::size_t i = 0; i < 3; ++i) scan[kLabel][own - i] = kFakeTree;
   const auto mixed = pickOwn();
   ASSERT_TRUE(mixed);
   EXPECT_EQ(mixed->alarm, "its classes");

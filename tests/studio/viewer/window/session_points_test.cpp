@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <set>
 
-#include "tests/viewer/window/session_world.h"
+#include "tests/studio/viewer/window/session_world.h"
 #include "viewer/picture.h"
 #include "viewer/window/session.h"
 
@@ -22,7 +22,7 @@ std::set<Rgb> colorsOf(const Image& image) {
 std::set<std::uint16_t> shownClasses(const SessionWorld& world, std::size_t frame) {
   std::set<std::uint16_t> classes;
   for (const std::uint32_t i : world.canvas.shownOf(firstCloud(world))) {
-    classes.insert(world.frames->frames[frame].scans[0].scan.label[i]);
+    classes.insert(world.frames->frames[frame].scans[0].scan[kLabel][i]);
   }
   return classes;
 }
@@ -94,13 +94,13 @@ TEST(SessionPicking, ATipHoldsTheColumnsOfItsPoint) {
       EXPECT_NEAR(numberOf(*thing, "y"), scan.position[p].y, 6e-4);
       EXPECT_NEAR(numberOf(*thing, "z"), scan.position[p].z, 6e-4);
       EXPECT_NEAR(numberOf(*thing, "range"), length(Vec3d(scan.position[p])), 6e-4);
-      EXPECT_NEAR(numberOf(*thing, "intensity"), scan.intensity[p], 1e-4);
-      EXPECT_NEAR(numberOf(*thing, "range_true"), scan.rangeTrue[p], 1e-4);
-      EXPECT_NEAR(numberOf(*thing, "time"), scan.time[p] * 1e3, 1e-3);
+      EXPECT_NEAR(numberOf(*thing, "intensity"), scan[kIntensity][p], 1e-4);
+      EXPECT_NEAR(numberOf(*thing, "range_true"), scan[kRangeTrue][p], 1e-4);
+      EXPECT_NEAR(numberOf(*thing, "time"), scan[kTime][p] * 1e3, 1e-3);
       EXPECT_NEAR(numberOf(*thing, "incidence"), degrees(0.5), 1e-2);
       EXPECT_NEAR(numberOf(*thing, "range error"), 0.01, 1e-4);
-      EXPECT_EQ(numberOf(*thing, "ring"), scan.ring[p]);
-      EXPECT_EQ(numberOf(*thing, "column"), scan.column[p]);
+      EXPECT_EQ(numberOf(*thing, "ring"), scan[kRing][p]);
+      EXPECT_EQ(numberOf(*thing, "column"), scan[kColumn][p]);
       EXPECT_NEAR(
           std::remainder(radians(numberOf(*thing, "azimuth")) - std::atan2(scan.position[p].y, scan.position[p].x),
                          2 * kPi),
@@ -108,10 +108,10 @@ TEST(SessionPicking, ATipHoldsTheColumnsOfItsPoint) {
       EXPECT_EQ(numberOf(*thing, "point"), static_cast<double>(p));
       EXPECT_EQ(rowOf(*thing, "sensor"), "top");
       EXPECT_EQ(rowOf(*thing, "method"), "ray_tracing");
-      const bool car = scan.label[p] == kFakeCar;
-      EXPECT_EQ(rowOf(*thing, "class"), car ? "car (20)" : scan.label[p] == kFakeTree ? "tree (2)" : "road (1)");
+      const bool car = scan[kLabel][p] == kFakeCar;
+      EXPECT_EQ(rowOf(*thing, "class"), car ? "car (20)" : scan[kLabel][p] == kFakeTree ? "tree (2)" : "road (1)");
       EXPECT_EQ(rowOf(*thing, "instance"), car ? "4711" : "none");
-      EXPECT_EQ(thing->heading, car ? "car 4711" : scan.label[p] == kFakeTree ? "tree" : "road");
+      EXPECT_EQ(thing->heading, car ? "car 4711" : scan[kLabel][p] == kFakeTree ? "tree" : "road");
       ++picked;
     }
   }
@@ -147,7 +147,7 @@ TEST(SessionPicking, TheSameBeamOfTheOtherScans) {
     auto& scans = frames->frames[0].scans;
     Scan& other = scans[1].scan;
     other.position[3 * 72 + 70] = {1, 2, 2};
-    other.ring[3 * 72] = 99;  // no return of that beam
+    other[kRing][3 * 72] = 99;  // no return of that beam
     scans[2].scan.columns = 360;
     const SessionWorld world(frames, {.layout = layout});
     for (const bool returned : {true, false}) {
@@ -324,8 +324,8 @@ TEST(SessionStrip, IsLinkedBothWays) {
         if (azimuth < -3.1 && lastAzimuth == 4) azimuth += 2 * kPi;  // straight behind
         EXPECT_LE(azimuth, lastAzimuth);
         lastAzimuth = azimuth;
-        columns.insert(scan.column[i]);
-        rings.insert(scan.ring[i]);
+        columns.insert(scan[kColumn][i]);
+        rings.insert(scan[kRing][i]);
         if (scan.position[i].x > 3 * std::abs(scan.position[i].y)) inStrip = {x, y};  // ahead: it is seen
       }
     }

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <thread>
 
-#include "tests/viewer/window/session_world.h"
+#include "tests/studio/viewer/window/session_world.h"
 #include "viewer/color_map.h"
 
 namespace scanmill {
@@ -39,7 +39,7 @@ std::size_t countInOverlay(const SessionWorld& world, const Rgb& color) {
 }
 
 TEST(SessionScale, StaysOverFramesUntilTheColoursChange) {
-  SessionWorld world(3, {"ray_tracing"}, {.colors = {ColorBy::Range}, .scale = ScaleRange{2, 10}});
+  SessionWorld world(3, {"ray_tracing"}, {.colors = {ColorBy("range")}, .scale = ScaleRange{2, 10}});
   const auto& frames = world.frames->frames;
   EXPECT_EQ(colorsOn(world), rangeColors(frames[1].scans[0].scan, 2, 10));
   world.key("Right");
@@ -66,10 +66,10 @@ TEST(SessionScale, StaysOverFramesUntilTheColoursChange) {
 
 TEST(SessionScale, IsCommonToScansSideBySide) {
   SessionWorld world(1, kThree,
-                     {.colors = {ColorBy::Range, ColorBy::Range, ColorBy::Range}, .layout = ViewLayout::Split});
+                     {.colors = {ColorBy("range"), ColorBy("range"), ColorBy("range")}, .layout = ViewLayout::Split});
   const auto& scans = world.frames->frames[0].scans;
-  const auto low = colorScan(scans[0].scan, ColorBy::Range, nullptr).legend.low;
-  const auto high = colorScan(scans[2].scan, ColorBy::Range, nullptr).legend.high;
+  const auto low = colorScan(scans[0].scan, ColorBy("range"), nullptr).legend.low;
+  const auto high = colorScan(scans[2].scan, ColorBy("range"), nullptr).legend.high;
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(colorsOn(world, k), rangeColors(scans[k].scan, low, high));
 }
 
@@ -77,21 +77,21 @@ TEST(SessionScale, TellsPointsWithoutAValue) {
   auto frames = std::make_shared<FakeFrames>(1);
   ViewScan& scan = frames->frames[0].scans[0];
   scan.whyNoError = "no partner in the twin";
-  SessionWorld known(frames, {.colors = {ColorBy::Error}});
+  SessionWorld known(frames, {.colors = {ColorBy("error")}});
   EXPECT_EQ(countInOverlay(known, kNoValue), 0u);
   for (std::size_t i = 0; i < 7; ++i) scan.error[i] = NAN;
   const Legend legend =
-      colorScan(scan.scan, ColorBy::Error, ColorContext{.error = scan.error, .whyNoError = scan.whyNoError}).legend;
+      colorScan(scan.scan, ColorBy("error"), ColorContext{.error = scan.error, .whyNoError = scan.whyNoError}).legend;
   EXPECT_EQ(legend.unknown, 7u);
   EXPECT_EQ(legend.whyUnknown, "no partner in the twin");
-  SessionWorld world(frames, {.colors = {ColorBy::Error}});
+  SessionWorld world(frames, {.colors = {ColorBy("error")}});
   EXPECT_GT(countInOverlay(world, kNoValue), 40u);
 }
 
 // Rows stand still although a class comes and goes.
 TEST(SessionLegend, KeepsTheClassesOfOtherFrames) {
   auto frames = std::make_shared<FakeFrames>(3);
-  for (std::uint16_t& label : frames->frames[1].scans[0].scan.label) {
+  for (std::uint16_t& label : frames->frames[1].scans[0].scan[kLabel]) {
     if (label == kFakeTree) label = kFakeRoad;
   }
   SessionWorld world(frames, {.sample = "0"});

@@ -6,9 +6,9 @@
 #include <set>
 #include <string>
 
+#include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/viewer/window/session_world.h"
 #include "viewer/window/hud.h"
 #include "viewer/window/session_items.h"
 
@@ -58,9 +58,9 @@ TEST_F(SceneViewer, ColoursGoInARing) {
   key(*session, "C");
   key(*session, "C");
   EXPECT_EQ(colors(), byInstance);
-  open({.colors = {ColorBy::Instance}});
+  open({.colors = {ColorBy("instance")}});
   EXPECT_EQ(colors(), byInstance);
-  EXPECT_THAT(messageOf([&] { open({.colors = {ColorBy::Time}}); }), testing::HasSubstr("a scene has no time"));
+  EXPECT_THAT(messageOf([&] { open({.colors = {ColorBy("time")}}); }), testing::HasSubstr("a scene has no time"));
 }
 
 TEST_F(SceneViewer, SaysWhatMeansNothing) {

@@ -10,9 +10,9 @@
 #include <map>
 #include <thread>
 
+#include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/viewer/window/session_world.h"
 
 namespace scanmill {
 namespace {
@@ -187,8 +187,8 @@ TEST(ViewSession, AMeshThatFailsIsNoItem) {
 TEST(ViewSession, MessagesSpeakOfNoOptions) {
   auto frames = std::make_shared<FakeFrames>(3);
   for (ViewFrame& frame : frames->frames) {
-    frame.scans[0].scan.incidence.clear();
-    frame.scans[0].scan.rangeTrue.clear();
+    frame.scans[0].scan[kIncidence].clear();
+    frame.scans[0].scan[kRangeTrue].clear();
     frame.scans[0].error.clear();
   }
   SessionWorld world(frames);
@@ -308,8 +308,8 @@ TEST(ViewSession, ProblemsOfAFrameAreShownAndTheOthersStayGood) {
 TEST(ViewSession, AColumnThatIsNotThereKeepsTheColours) {
   auto frames = std::make_shared<FakeFrames>(1);
   ViewScan& scan = frames->frames[0].scans[0];
-  scan.scan.incidence.clear();
-  scan.scan.rangeTrue.clear();
+  scan.scan[kIncidence].clear();
+  scan.scan[kRangeTrue].clear();
   scan.error.clear();
   SessionWorld world(frames);
   for (const char* key : {"9", "0"}) {
@@ -332,8 +332,8 @@ TEST(ViewSession, OptionsThatNameWhatThereIsNot) {
   refused({.sample = "sample-9"}, "sample-9");
   refused({.sample = "3"}, "3");
   refused({.hidden = {"lorry"}}, "lorry");
-  frames->frames[1].scans[0].scan.incidence.clear();
-  ViewSession session(frames, canvas, {.colors = {ColorBy::Incidence}});
+  frames->frames[1].scans[0].scan[kIncidence].clear();
+  ViewSession session(frames, canvas, {.colors = {ColorBy("incidence")}});
   session.settle();
   EXPECT_THAT(messageOf([&] { session.check(); }), HasSubstr("incidence"));
 }

@@ -48,8 +48,8 @@ Scan scanOf(const BeamTable& table) {
     const RandomBlock random = randomBlock({.beam = beam});
     if (random[0] % 7 == 0) continue;
     scan.position.push_back(Vec3f(table.direction[beam] * (2 + 60 * uniform(random[1]))));
-    scan.ring.push_back(static_cast<std::uint16_t>(beam / table.columns));
-    scan.column.push_back(static_cast<std::uint16_t>(beam % table.columns));
+    scan[kRing].push_back(static_cast<std::uint16_t>(beam / table.columns));
+    scan[kColumn].push_back(static_cast<std::uint16_t>(beam % table.columns));
   }
   return scan;
 }
@@ -93,7 +93,7 @@ TEST(StripColumns, EveryPointKeepsItsOwnPixel) {
       ASSERT_LT(strip.pixelOf[i], strip.pointAt.size());
       ASSERT_EQ(strip.pointAt[strip.pixelOf[i]], i);
       pixels.insert(strip.pixelOf[i]);
-      ASSERT_EQ(strip.place(i).second, strip.ringsRise ? 7 - scan.ring[i] : scan.ring[i]);
+      ASSERT_EQ(strip.place(i).second, strip.ringsRise ? 7 - scan[kRing][i] : scan[kRing][i]);
     }
     EXPECT_EQ(pixels.size(), scan.size());
     EXPECT_EQ(static_cast<std::size_t>(std::count(strip.pointAt.begin(), strip.pointAt.end(), kNoPoint)),
@@ -166,10 +166,10 @@ TEST(StripColumns, ColumnsOfNoAzimuthStayAsTheyAre) {
   const RangeStrip strip = stripOf(scan, nullptr);
   EXPECT_EQ(strip.order, StripOrder::Sensor);
   EXPECT_NE(describeStrip(strip, StripOrder::Outward).find("follow no azimuth"), std::string::npos);
-  for (std::size_t i = 0; i < scan.size(); ++i) ASSERT_EQ(strip.place(i).first, scan.column[i]);
+  for (std::size_t i = 0; i < scan.size(); ++i) ASSERT_EQ(strip.place(i).first, scan[kColumn][i]);
   Scan one;
   one.position = {{5, 0, 0}};
-  one.ring = one.column = {0};
+  one[kRing] = one[kColumn] = {0};
   EXPECT_EQ(stripOf(one, nullptr).order, StripOrder::Sensor);
   EXPECT_EQ(stripOf({}, nullptr).order, StripOrder::Sensor);
 }

@@ -2,7 +2,7 @@
 #include <map>
 #include <thread>
 
-#include "tests/core/effects/world.h"
+#include "tests/core/sense/world.h"
 
 namespace scanmill {
 namespace {
@@ -10,8 +10,8 @@ namespace {
 const std::vector<std::string> kAll{"intensity: {gain: 3}",         "dropout: {threshold: 0.01, probability: 0.05}",
                                     "range_noise: {sigma_m: 0.02}", "shell: {growth_per_m: 0.01}",
                                     "quantize: {step_m: 0.008}",    "angular_jitter: {sigma_deg: 0.02}"};
-constexpr ScanColumns kEvery{.rangeTrue = true, .incidence = true};
-constexpr ScanColumns kEveryOrganised{.organised = true, .rangeTrue = true, .incidence = true};
+constexpr ScanLayout kEvery{ColumnSet::all(), false};
+constexpr ScanLayout kEveryOrganised{ColumnSet::all(), true};
 
 template <class T>
 bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
@@ -19,10 +19,10 @@ bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
 }
 
 bool sameBytes(const Scan& a, const Scan& b) {
-  return a.rings == b.rings && a.columns == b.columns && a.organised == b.organised &&
-         sameBytes(a.position, b.position) && sameBytes(a.intensity, b.intensity) && sameBytes(a.label, b.label) &&
-         sameBytes(a.instance, b.instance) && sameBytes(a.ring, b.ring) && sameBytes(a.column, b.column) &&
-         sameBytes(a.time, b.time) && sameBytes(a.rangeTrue, b.rangeTrue) && sameBytes(a.incidence, b.incidence);
+  bool same = a.rings == b.rings && a.columns == b.columns && a.organised == b.organised && a.planes == b.planes &&
+              sameBytes(a.position, b.position);
+  visitTable(a, [&](auto key, const auto& values) { same = same && sameBytes(values, b[key]); });
+  return same;
 }
 
 TEST(Sense, NoiseFreePointsLieOnTheirBeamsInTheOrderOfFiring) {
@@ -36,12 +36,12 @@ TEST(Sense, NoiseFreePointsLieOnTheirBeamsInTheOrderOfFiring) {
         const std::size_t b = std::size_t{r} * columns + c;
         if (!world.hits.hit(b)) continue;
         ASSERT_LT(k, scan.size());
-        ASSERT_EQ(scan.ring[k], r);
-        ASSERT_EQ(scan.column[k], c);
-        ASSERT_EQ(scan.label[k], world.hits.semantic[b]);
-        ASSERT_EQ(scan.instance[k], world.hits.instance[b]);
-        ASSERT_EQ(scan.time[k], world.shot.beams->time[b]);
-        ASSERT_EQ(scan.rangeTrue[k], world.hits.range[b]);
+        ASSERT_EQ(scan[kRing][k], r);
+        ASSERT_EQ(scan[kColumn][k], c);
+        ASSERT_EQ(scan[kLabel][k], world.hits.semantic[b]);
+        ASSERT_EQ(scan[kInstance][k], world.hits.instance[b]);
+        ASSERT_EQ(scan[kTime][k], world.shot.beams->time[b]);
+        ASSERT_EQ(scan[kRangeTrue][k], world.hits.range[b]);
         const Vec3d expected = world.shot.beams->direction[b] * static_cast<double>(world.hits.range[b]);
         ASSERT_EQ(scan.position[k], static_cast<Vec3f>(expected));
         ++k;
@@ -67,23 +67,23 @@ TEST(Sense, DenseIsOrganisedWithoutItsMisses) {
       const std::size_t b = std::size_t{r} * 130 + c;
       if (std::isnan(organised.position[b].x)) {
         EXPECT_TRUE(std::isnan(organised.position[b].y) && std::isnan(organised.position[b].z));
-        EXPECT_TRUE(std::isnan(organised.rangeTrue[b]));
-        EXPECT_TRUE(std::isnan(organised.incidence[b]));
-        EXPECT_EQ(organised.intensity[b], 0);
-        EXPECT_EQ(organised.label[b] + organised.instance[b] + organised.ring[b] + organised.column[b], 0u);
-        EXPECT_EQ(organised.time[b], 0);
+        EXPECT_TRUE(std::isnan(organised[kRangeTrue][b]));
+        EXPECT_TRUE(std::isnan(organised[kIncidence][b]));
+        EXPECT_EQ(organised[kIntensity][b], 0);
+        EXPECT_EQ(organised[kLabel][b] + organised[kInstance][b] + organised[kRing][b] + organised[kColumn][b], 0u);
+        EXPECT_EQ(organised[kTime][b], 0);
         continue;
       }
       ASSERT_LT(k, dense.size());
       EXPECT_EQ(dense.position[k], organised.position[b]);
-      EXPECT_EQ(dense.intensity[k], organised.intensity[b]);
-      EXPECT_EQ(dense.label[k], organised.label[b]);
-      EXPECT_EQ(dense.instance[k], organised.instance[b]);
-      EXPECT_EQ(dense.ring[k], organised.ring[b]);
-      EXPECT_EQ(dense.column[k], organised.column[b]);
-      EXPECT_EQ(dense.time[k], organised.time[b]);
-      EXPECT_EQ(dense.rangeTrue[k], organised.rangeTrue[b]);
-      EXPECT_EQ(dense.incidence[k], organised.incidence[b]);
+      EXPECT_EQ(dense[kIntensity][k], organised[kIntensity][b]);
+      EXPECT_EQ(dense[kLabel][k], organised[kLabel][b]);
+      EXPECT_EQ(dense[kInstance][k], organised[kInstance][b]);
+      EXPECT_EQ(dense[kRing][k], organised[kRing][b]);
+      EXPECT_EQ(dense[kColumn][k], organised[kColumn][b]);
+      EXPECT_EQ(dense[kTime][k], organised[kTime][b]);
+      EXPECT_EQ(dense[kRangeTrue][k], organised[kRangeTrue][b]);
+      EXPECT_EQ(dense[kIncidence][k], organised[kIncidence][b]);
       ++k;
     }
   }
@@ -98,24 +98,24 @@ TEST(Sense, NoisyScansJoinTheirNoiseFreeTwins) {
   const Scan exact = senseOnce(world, {"intensity: {}"}, kEvery);
   const Scan noisy = senseOnce(world, noisyEffects, kEvery);
   std::map<std::pair<int, int>, std::size_t> twin;
-  for (std::size_t k = 0; k < exact.size(); ++k) twin[{exact.ring[k], exact.column[k]}] = k;
+  for (std::size_t k = 0; k < exact.size(); ++k) twin[{exact[kRing][k], exact[kColumn][k]}] = k;
   ASSERT_LT(noisy.size(), exact.size());
   std::size_t unmoved = 0;  // by less than a float resolves
   for (std::size_t k = 0; k < noisy.size(); ++k) {
-    const auto found = twin.find({noisy.ring[k], noisy.column[k]});
+    const auto found = twin.find({noisy[kRing][k], noisy[kColumn][k]});
     ASSERT_NE(found, twin.end());
     const std::size_t t = found->second;
-    EXPECT_EQ(noisy.label[k], exact.label[t]);
-    EXPECT_EQ(noisy.instance[k], exact.instance[t]);
-    EXPECT_EQ(noisy.time[k], exact.time[t]);
-    EXPECT_EQ(noisy.intensity[k], exact.intensity[t]);
-    EXPECT_EQ(noisy.rangeTrue[k], exact.rangeTrue[t]);
-    EXPECT_EQ(noisy.incidence[k], exact.incidence[t]);
+    EXPECT_EQ(noisy[kLabel][k], exact[kLabel][t]);
+    EXPECT_EQ(noisy[kInstance][k], exact[kInstance][t]);
+    EXPECT_EQ(noisy[kTime][k], exact[kTime][t]);
+    EXPECT_EQ(noisy[kIntensity][k], exact[kIntensity][t]);
+    EXPECT_EQ(noisy[kRangeTrue][k], exact[kRangeTrue][t]);
+    EXPECT_EQ(noisy[kIncidence][k], exact[kIncidence][t]);
     unmoved += noisy.position[k] == exact.position[t] ? 1u : 0u;
     const Vec3d a = normalized(static_cast<Vec3d>(noisy.position[k]));
     const Vec3d b = normalized(static_cast<Vec3d>(exact.position[t]));
     EXPECT_NEAR(length(cross(a, b)), 0, 1e-6);
-    EXPECT_NEAR(length(static_cast<Vec3d>(noisy.position[k])), noisy.rangeTrue[k], 0.02 * 6.8);
+    EXPECT_NEAR(length(static_cast<Vec3d>(noisy.position[k])), noisy[kRangeTrue][k], 0.02 * 6.8);
   }
   EXPECT_LT(unmoved, noisy.size() / 100);
 }
@@ -139,7 +139,7 @@ TEST(Sense, ReusedBuffersAndOtherThreadsGiveTheSameBytes) {
   Scan scan;
   sense(big.hits, big.shot, list, big.materials, kEveryOrganised, scratch, scan);
   sense(small.hits, small.shot, {}, small.materials, kEvery, scratch, scan);
-  EXPECT_TRUE(scan.intensity.empty());
+  EXPECT_TRUE(scan[kIntensity].empty());
   sense(big.hits, big.shot, list, big.materials, kEvery, scratch, scan);
   EXPECT_TRUE(sameBytes(scan, expected));
   std::vector<Scan> scans(4);
@@ -156,12 +156,9 @@ TEST(Sense, ReusedBuffersAndOtherThreadsGiveTheSameBytes) {
 
 TEST(Sense, KeepsOnlyTheColumnsAskedFor) {
   const World world = makeRaggedWorld(4, 50);
-  const ScanColumns few{
-      .intensity = false, .label = false, .instance = false, .ring = true, .column = false, .time = false};
+  const ScanLayout few{ColumnSet(kRing), false};
   EXPECT_EQ(columnNames(senseOnce(world, {"intensity: {}"}, few)), (std::vector<std::string>{"x", "y", "z", "ring"}));
-  EXPECT_EQ(columnNames(senseOnce(world, {}, kEvery)),
-            (std::vector<std::string>{"x", "y", "z", "label", "instance", "ring", "column", "time", "range_true",
-                                      "incidence"}));
+  EXPECT_EQ(columnNames(senseOnce(world, {}, kEvery)), scanColumnNames(ColumnSet::all().without(kIntensity)));
   World bare = world;
   bare.hits.reset(4, 50, Channel::Range);
   EXPECT_EQ(senseOnce(bare, {}, few).size(), senseOnce(world, {}, few).size());
@@ -171,25 +168,25 @@ TEST(Sense, KeepsOnlyTheColumnsAskedFor) {
 
 // Cosines of Hits become angles, from head-on to grazing; what a recording did not know stays unknown.
 TEST(Sense, IncidenceIsTheAngleOfItsCosine) {
-  constexpr ScanColumns kAngles{.ring = false, .incidence = true};
+  constexpr ScanLayout kAngles{ColumnSet::byDefault().without(kRing).with(kIncidence), false};
   World world = makeWorld(1, 901);
   for (std::size_t b = 0; b < world.hits.size(); ++b) {
     world.hits.incidence[b] = static_cast<float>(std::cos(radians(0.1 * static_cast<double>(b))));
   }
   const Scan scan = senseOnce(world, {"range_noise: {sigma_m: 0.5}", "angular_jitter: {sigma_deg: 1}"}, kAngles);
-  ASSERT_EQ(scan.incidence.size(), world.hits.size());
+  ASSERT_EQ(scan[kIncidence].size(), world.hits.size());
   for (std::size_t k = 0; k < scan.size(); ++k) {
-    const double angle = radians(0.1 * scan.column[k]);
+    const double angle = radians(0.1 * scan[kColumn][k]);
     // A cosine's rounding is an angle's over its sine.
-    EXPECT_NEAR(scan.incidence[k], angle, std::min(6e-8 / std::max(std::sin(angle), 1e-9), 3.5e-4) + 1e-7);
+    EXPECT_NEAR(scan[kIncidence][k], angle, std::min(6e-8 / std::max(std::sin(angle), 1e-9), 3.5e-4) + 1e-7);
   }
-  EXPECT_EQ(scan.incidence.front(), 0);
+  EXPECT_EQ(scan[kIncidence].front(), 0);
   world.hits.incidence[5] = std::nanf("");
   world.hits.incidence[6] = 1 + 1e-6f;
   const Scan odd = senseOnce(world, {}, kAngles);
-  EXPECT_TRUE(std::isnan(odd.incidence[5]));
-  EXPECT_EQ(odd.incidence[6], 0);
-  EXPECT_TRUE(senseOnce(world, {}).incidence.empty()) << "nobody asked";
+  EXPECT_TRUE(std::isnan(odd[kIncidence][5]));
+  EXPECT_EQ(odd[kIncidence][6], 0);
+  EXPECT_TRUE(senseOnce(world, {})[kIncidence].empty()) << "nobody asked";
   world.hits.reset(1, 901, Channel::Range | Channel::Semantic | Channels(Channel::Instance));
   EXPECT_THAT(messageOf<Error>([&] { senseOnce(world, {}, kAngles); }), testing::HasSubstr("incidence"));
 }
@@ -230,8 +227,8 @@ TEST(Sense, ExtremeRangesGiveFinitePoints) {
     ASSERT_EQ(scan.size(), 8u * 128u);
     for (std::size_t k = 0; k < scan.size(); ++k) {
       EXPECT_TRUE(isFinite(scan.position[k]));
-      EXPECT_TRUE(std::isfinite(scan.intensity[k]));
-      EXPECT_EQ(scan.rangeTrue[k], range);
+      EXPECT_TRUE(std::isfinite(scan[kIntensity][k]));
+      EXPECT_EQ(scan[kRangeTrue][k], range);
     }
   }
 }

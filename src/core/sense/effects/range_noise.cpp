@@ -6,8 +6,8 @@
 // A noisy range is never nearer than 1 mm (or than the true range, where that is nearer): no point passes behind the
 // sensor. It may exceed the sensor's maximum range. A sigma of zero everywhere leaves every bit as it was.
 
-#include "effects/makers.h"
-#include "effects/normal_random.h"
+#include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {
@@ -67,7 +67,7 @@ class RangeNoise : public Effect {
     Batch<double> sigma;
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       float* const range = returns.range.data() + first;
-      drawWords(shot, Purpose::RangeNoise, first, words);
+      drawWords(shot, Purpose::RangeNoise, returns, first, words);
       for (std::size_t i = 0; i < count; ++i) sigma[i] = sigma_.base + sigma_.growth * range[i];
       for (const Ramp& ramp : sigma_.ramps) {
         for (std::size_t i = 0; i < count; ++i) {

@@ -1,4 +1,4 @@
-#include "tests/core/effects/world.h"
+#include "tests/core/sense/world.h"
 
 namespace scanmill {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "tests/core/effects/world.h"
+#include "tests/core/sense/world.h"
 
 namespace scanmill {
 namespace {

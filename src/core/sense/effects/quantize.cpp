@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "effects/makers.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {

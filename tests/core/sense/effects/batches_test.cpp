@@ -1,8 +1,8 @@
-#include "effects/normal_random.h"
+#include "sense/effects/batches.h"
 
 #include <algorithm>
 
-#include "tests/core/effects/world.h"
+#include "tests/core/sense/world.h"
 
 namespace scanmill {
 namespace {
@@ -22,7 +22,7 @@ std::vector<double> normals(const Shot& shot, Purpose purpose, bool second = fal
   std::vector<double> values;
   RandomWords words;
   for (std::size_t first = 0; first < kMany; first += kBatch) {
-    drawWords(shot, purpose, first, words);
+    drawWords(shot, purpose, Returns{}, first, words);
     for (std::size_t i = 0; i < kBatch; ++i) {
       const NormalPair pair = normalPair(words.a[i], words.b[i]);
       values.push_back(second ? pair.second : pair.first);
@@ -39,7 +39,7 @@ TEST(NormalRandom, BatchesHoldTheNumbersOfTheirAddresses) {
   const Shot shot = shotOf(0x123456789ABCDEFu, 3, 7, 2);
   RandomWords words;
   for (std::size_t first : {std::size_t{0}, std::size_t{4096}, std::size_t{1} << 28}) {
-    drawWords(shot, Purpose::ShellNoise, first, words);
+    drawWords(shot, Purpose::ShellNoise, Returns{}, first, words);
     for (std::size_t i = 0; i < kBatch; ++i) {
       const RandomBlock block = randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor,
                                              static_cast<std::uint32_t>(first + i), 0, Purpose::ShellNoise});

@@ -25,8 +25,8 @@
 #include <cfloat>
 #include <cmath>
 
-#include "effects/makers.h"
-#include "effects/normal_random.h"
+#include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {
@@ -95,32 +95,44 @@ class Intensity : public Effect {
     for (const Material& m : materials) lobes.push_back(lobesOf(m.roughness, m.metallic, m.retroreflectance));
     lobes.emplace_back();  // for what has no material: matt
 
-    returns.power.assign(returns.range.size(), 0);
-    returns.intensity.assign(returns.range.size(), 0);
+    returns.power.resize(returns.size());
+    returns.intensity.assign(returns.size(), 0);
+    Batch<float> ranges;
+    Batch<float> given;
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       float* const power = returns.power.data() + first;
-      reflect(hits, lobes, first, count, power);
-      travel(hits.range.data() + first, count, power);
+      for (std::size_t i = 0; i < count && !returns.onePerBeam(); ++i) given[i] = power[i];
+      reflect(hits, lobes, returns, first, count, power);
+      travel(valuesOfHits(returns, hits.range, first, ranges, kMiss), count, power);
       for (std::size_t i = 0; i < count; ++i) {
         const float finite = power[i] < FLT_MAX ? power[i] : FLT_MAX;
         const bool returned = returns.range[first + i] < kMiss;
         power[i] = returned && power[i] > 0 ? finite : 0;
+      }
+      if (!hits.weightOfRay.empty()) share(hits, returns, first, count, power);
+      for (std::size_t i = 0; i < count && !returns.onePerBeam(); ++i) {
+        power[i] = returns.hit(first + i) == kNoHit ? given[i] : power[i];  // as the effect that added the row says
       }
       respond(power, count, returns.intensity.data() + first);
     });
   }
 
  private:
-  static void reflect(const Hits& hits, const std::vector<Lobes>& lobes, std::size_t first, std::size_t count,
-                      float* power) {
-    const std::uint16_t* const material = hits.material.data() + first;
-    const float* const reflectance = hits.reflectance.data() + first;
-    const float* const incidence = hits.incidence.data() + first;
+  static void reflect(const Hits& hits, const std::vector<Lobes>& lobes, const Returns& returns, std::size_t first,
+                      std::size_t count, float* power) {
+    Batch<std::uint16_t> materials;
+    Batch<float> reflectances;
+    Batch<float> incidences;
+    const std::uint16_t* const material = valuesOfHits(returns, hits.material, first, materials);
+    const float* const reflectance = valuesOfHits(returns, hits.reflectance, first, reflectances);
+    const float* const incidence = valuesOfHits(returns, hits.incidence, first, incidences);
     if (!hits.roughness.empty()) {  // as the hits say, not the materials
+      Batch<float> buffers[3];
+      const float* const roughness = valuesOfHits(returns, hits.roughness, first, buffers[0]);
+      const float* const metallic = valuesOfHits(returns, hits.metallic, first, buffers[1]);
+      const float* const retro = valuesOfHits(returns, hits.retroreflectance, first, buffers[2]);
       for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t beam = first + i;
-        power[i] = reflected(lobesOf(hits.roughness[beam], hits.metallic[beam], hits.retroreflectance[beam]),
-                             incidence[i], reflectance[i]);
+        power[i] = reflected(lobesOf(roughness[i], metallic[i], retro[i]), incidence[i], reflectance[i]);
       }
       return;
     }
@@ -130,6 +142,13 @@ class Intensity : public Effect {
       const Lobes lobe = table[std::min<std::uint32_t>(material[i], last)];
       power[i] = reflected(lobe, incidence[i], reflectance[i]);
     }
+  }
+
+  // A ray has a part of its beam's power.
+  static void share(const Hits& hits, const Returns& returns, std::size_t first, std::size_t count, float* power) {
+    Batch<float> weights;
+    const float* const weight = valuesOfHits(returns, hits.weightOfRay, first, weights, 1.0f);
+    for (std::size_t i = 0; i < count; ++i) power[i] *= weight[i];
   }
 
   void travel(const float* range, std::size_t count, float* power) const {

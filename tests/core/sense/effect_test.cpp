@@ -1,8 +1,7 @@
-#include "effects/effect.h"
-
 #include <set>
 
-#include "tests/core/effects/world.h"
+#include "sense/sense.h"
+#include "tests/core/sense/world.h"
 
 namespace scanmill {
 namespace {
@@ -27,16 +26,15 @@ TEST(Effects, UnknownNamesAreRefusedWithASuggestion) {
 }
 
 TEST(Effects, ChannelsAreThoseThatSomebodyNeeds) {
-  const ScanColumns bare{.label = false, .instance = false};
+  const ColumnSet bare = ColumnSet::byDefault().without(kLabel).without(kInstance);
   EXPECT_EQ(channelsFor({}, bare), Channels(Channel::Range));
-  EXPECT_EQ(channelsFor({}, {}), Channel::Range | Channel::Semantic | Channels(Channel::Instance));
+  EXPECT_EQ(channelsFor({}, ColumnSet::byDefault()), Channel::Range | Channel::Semantic | Channels(Channel::Instance));
   const auto noise = makeEffects({"range_noise: {sigma_m: 1}"});
   EXPECT_EQ(channelsFor(noise, bare), Channels(Channel::Range));
   const auto lit = makeEffects({"intensity: {}", "dropout: {threshold: 0.1}"});
   EXPECT_EQ(channelsFor(lit, bare),
             Channel::Range | Channel::Material | Channels(Channel::Reflectance) | Channel::Incidence);
-  EXPECT_EQ(channelsFor({}, {.label = false, .instance = false, .incidence = true}),
-            Channel::Range | Channel::Incidence);
+  EXPECT_EQ(channelsFor({}, bare.with(kIncidence)), Channel::Range | Channel::Incidence);
   EXPECT_TRUE(lit[0]->setsIntensity());
   EXPECT_FALSE(lit[1]->setsIntensity());
 }

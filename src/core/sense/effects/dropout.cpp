@@ -6,8 +6,8 @@
 //
 // Both may be given. A threshold needs the intensity effect.
 
-#include "effects/makers.h"
-#include "effects/normal_random.h"
+#include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {
@@ -23,18 +23,18 @@ class DropOut : public Effect {
     if (threshold_ > 0) loseFaint(returns);
     if (probability_ > 0) loseAtRandom(shot, returns);
     if (returns.intensity.empty()) return;
-    for (std::size_t beam = 0; beam < returns.range.size(); ++beam) {
-      returns.intensity[beam] = returns.range[beam] < kMiss ? returns.intensity[beam] : 0.0f;
+    for (std::size_t row = 0; row < returns.size(); ++row) {
+      returns.intensity[row] = returns.range[row] < kMiss ? returns.intensity[row] : 0.0f;
     }
   }
 
  private:
   void loseFaint(Returns& returns) const {
-    if (returns.power.size() != returns.range.size()) {
+    if (returns.power.size() != returns.size()) {
       throw InputError("effect dropout: a threshold needs the effect intensity");
     }
-    for (std::size_t beam = 0; beam < returns.range.size(); ++beam) {
-      returns.range[beam] = returns.power[beam] >= threshold_ ? returns.range[beam] : kMiss;
+    for (std::size_t row = 0; row < returns.size(); ++row) {
+      returns.range[row] = returns.power[row] >= threshold_ ? returns.range[row] : kMiss;
     }
   }
 
@@ -42,7 +42,7 @@ class DropOut : public Effect {
     RandomWords words;
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       float* const range = returns.range.data() + first;
-      drawWords(shot, Purpose::DropOut, first, words);
+      drawWords(shot, Purpose::DropOut, returns, first, words);
       for (std::size_t i = 0; i < count; ++i) {
         range[i] = (toDouble(words.a[i]) + 0.5) * 0x1p-32 < probability_ ? kMiss : range[i];
       }

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "effects/effect.h"
+#include "sense/effect.h"
 
 namespace scanmill {
 

@@ -5,8 +5,8 @@
 //
 // The scale is at most half the range: no point passes behind the sensor.
 
-#include "effects/makers.h"
-#include "effects/normal_random.h"
+#include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {
@@ -24,7 +24,7 @@ class ShellNoise : public Effect {
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       const float* const range = returns.range.data() + first;
       Vec3f* const displacement = returns.displacement.data() + first;
-      drawWords(shot, Purpose::ShellNoise, first, words);
+      drawWords(shot, Purpose::ShellNoise, returns, first, words);
       for (std::size_t i = 0; i < count; ++i) {
         const double r = range[i] < kMiss ? range[i] : 0.0;
         const double wanted = scale_ + growth_ * r;

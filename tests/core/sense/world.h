@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/random.h"
-#include "effects/effect.h"
+#include "sense/sense.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {
@@ -93,15 +93,15 @@ inline std::vector<std::unique_ptr<Effect>> makeEffects(const std::vector<std::s
 
 inline Returns run(const World& world, const std::vector<std::string>& yaml) {
   Returns returns;
-  returns.range = world.hits.range;
+  returns.start(world.hits);
   for (const auto& effect : makeEffects(yaml)) effect->apply(world.hits, world.shot, world.materials, returns);
   return returns;
 }
 
-inline Scan senseOnce(const World& world, const std::vector<std::string>& yaml, const ScanColumns& columns = {}) {
+inline Scan senseOnce(const World& world, const std::vector<std::string>& yaml, const ScanLayout& layout = {}) {
   Returns scratch;
   Scan scan;
-  sense(world.hits, world.shot, makeEffects(yaml), world.materials, columns, scratch, scan);
+  sense(world.hits, world.shot, makeEffects(yaml), world.materials, layout, scratch, scan);
   return scan;
 }
 

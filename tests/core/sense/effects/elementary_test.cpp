@@ -1,4 +1,4 @@
-#include "effects/elementary.h"
+#include "sense/effects/elementary.h"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 // Azimuth errors turn the beam about the sensor's z axis (an encoder's error: they move a steep beam less), elevation
 // errors tilt it. Both are Gaussian and independent from beam to beam. Runs last, on the range that is reported.
 
-#include "effects/makers.h"
-#include "effects/normal_random.h"
+#include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 namespace {
@@ -27,11 +27,12 @@ class AngularJitter : public Effect {
     if (azimuthSigma_ == 0 && elevationSigma_ == 0) return;
     returns.displacement.resize(returns.range.size());
     RandomWords words;
+    Batch<Vec3d> directions;
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       const float* const range = returns.range.data() + first;
-      const Vec3d* const direction = shot.beams->direction.data() + first;
+      const Vec3d* const direction = valuesOfBeams(returns, shot.beams->direction, first, directions);
       Vec3f* const displacement = returns.displacement.data() + first;
-      drawWords(shot, Purpose::AngularJitter, first, words);
+      drawWords(shot, Purpose::AngularJitter, returns, first, words);
       for (std::size_t i = 0; i < count; ++i) {
         const NormalPair normal = normalPair(words.a[i], words.b[i]);
         const SinCos turn = sinCosSmall(azimuthSigma_ * normal.first);

@@ -1,10 +1,10 @@
-#include "effects/effect.h"
+#include "sense/effect.h"
 
 #include <fmt/format.h>
 
 #include <array>
 
-#include "effects/makers.h"
+#include "sense/effects/makers.h"
 
 namespace scanmill {
 

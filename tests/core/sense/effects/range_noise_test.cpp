@@ -1,6 +1,6 @@
 #include <bit>
 
-#include "tests/core/effects/world.h"
+#include "tests/core/sense/world.h"
 
 namespace scanmill {
 namespace {

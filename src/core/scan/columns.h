@@ -1,0 +1,322 @@
+#pragma once
+
+// The table of the columns that a point of a scan may have besides its position. Each column is stated here and nowhere
+// else: whoever writes, reads, checks, plans, describes or colours columns goes over this table. A new column is a row
+// here and the lines of sense/gather.cpp that fill it.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "base/vec.h"
+#include "scan/channels.h"
+
+namespace scanmill {
+
+enum class ColumnType : std::uint8_t { Float32, UInt8, UInt16, UInt32 };
+
+// What a value is a property of.
+enum class ColumnOrigin : std::uint8_t {
+  Beam,    // of the beam, whatever it meets
+  Hit,     // of the surface that the beam meets, exact and noise-free
+  Return,  // of what the receiver makes of it, after all effects
+};
+
+// What a format with bounded errors (Draco) may do to a column. Integers are always exact.
+enum class ColumnLoss : std::uint8_t {
+  Exact,
+  AsPositions,  // as large an error as the format's positions have
+  Bounded,      // an error of at most Column::lossBound
+};
+
+// Which values are sound.
+enum class ColumnValidity : std::uint8_t {
+  Any,
+  Finite,
+  Rings,        // below the sensor's number of rings
+  Columns,      // below the sensor's number of columns
+  SensorRange,  // within the sensor's range limits
+  Interval,     // from Column::low to Column::high, or NaN
+};
+
+enum class ColumnColors : std::uint8_t {
+  Classes,    // each value is a class of the ontology
+  Instances,  // each value has a colour of its own, 0 is grey
+  Scale,      // a colour map from the least to the greatest value
+};
+
+// How values are told to people: `factor` times the value, in `unit`.
+struct ColumnDisplay {
+  std::string_view title{};  // of colours by this column; empty: the column's name
+  std::string_view unit{};
+  double factor = 1;
+  int decimals = -1;  // -1: five significant digits
+  ColumnColors colors = ColumnColors::Scale;
+  double scalePower = 1;         // the colour at the part t of the map stands for low + (high - low) * t^scalePower
+  double scaleClipped = 0;       // share of the values that lie beyond each end of the scale
+  bool scaleOfValidity = false;  // the scale runs from Column::low to Column::high, whatever the values
+  char key = 0;                  // of the viewer, that colours by this column; 0: none
+  bool inReport = false;         // the page of a dataset colours its points by this column too
+};
+
+struct Column {
+  std::string_view name;  // in files and in output.columns
+  ColumnType type;
+  std::string_view unit;     // of stored values; empty: they have none
+  std::string_view meaning;  // a phrase without a full stop
+  double none;               // the value where there is none, such as in the misses of an organised scan
+  ColumnOrigin origin;
+  Channels channels{};    // of Hits, that it is computed from
+  bool byDefault = true;  // written where a pipeline does not name output.columns
+  ColumnLoss loss = ColumnLoss::Exact;
+  double lossBound = 0;  // in `unit`
+  ColumnValidity validity = ColumnValidity::Any;
+  double low = 0;  // of ColumnValidity::Interval
+  double high = 0;
+  ColumnDisplay display{};
+};
+
+inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+
+// In the order in which files hold them, behind x, y and z.
+inline constexpr auto kColumns = std::to_array<Column>({
+    {.name = "intensity",
+     .type = ColumnType::Float32,
+     .unit = "",
+     .meaning = "strength of the return, in the unit of the effect `intensity`",
+     .none = 0,
+     .origin = ColumnOrigin::Return,
+     .validity = ColumnValidity::Finite,
+     .display = {.scalePower = 2, .scaleClipped = 0.01, .key = '2', .inReport = true}},
+    {.name = "label",
+     .type = ColumnType::UInt16,
+     .unit = "",
+     .meaning = "class id of the ontology",
+     .none = 0,
+     .origin = ColumnOrigin::Return,
+     .channels = Channel::Semantic,
+     .display = {.title = "class", .colors = ColumnColors::Classes, .key = '1'}},
+    {.name = "instance",
+     .type = ColumnType::UInt32,
+     .unit = "",
+     .meaning = "id of the thing; 0: none",
+     .none = 0,
+     .origin = ColumnOrigin::Return,
+     .channels = Channel::Instance,
+     .display = {.colors = ColumnColors::Instances, .key = '3'}},
+    {.name = "ring",
+     .type = ColumnType::UInt16,
+     .unit = "",
+     .meaning = "row of the beam, in the order of the sensor's elevations",
+     .none = 0,
+     .origin = ColumnOrigin::Beam,
+     .validity = ColumnValidity::Rings,
+     .display = {.key = '5', .inReport = true}},
+    {.name = "column",
+     .type = ColumnType::UInt16,
+     .unit = "",
+     .meaning = "column of the beam; column 0 fires first",
+     .none = 0,
+     .origin = ColumnOrigin::Beam,
+     .validity = ColumnValidity::Columns},
+    {.name = "time",
+     .type = ColumnType::Float32,
+     .unit = "s",
+     .meaning = "time since the start of the revolution",
+     .none = 0,
+     .origin = ColumnOrigin::Beam,
+     .validity = ColumnValidity::Finite,
+     .display = {.unit = "ms", .factor = 1e3, .decimals = 4, .key = '6'}},
+    {.name = "range_true",
+     .type = ColumnType::Float32,
+     .unit = "m",
+     .meaning = "noise-free range, from where the beam starts",
+     .none = kNoNumber,
+     .origin = ColumnOrigin::Hit,
+     .byDefault = false,
+     .loss = ColumnLoss::AsPositions,
+     .validity = ColumnValidity::SensorRange,
+     .display = {.unit = "m", .decimals = 4, .scalePower = 2, .scaleClipped = 0.01}},
+    {.name = "incidence",
+     .type = ColumnType::Float32,
+     .unit = "rad",
+     .meaning = "angle between the beam and the normal of the surface: 0 head-on, pi/2 grazing",
+     .none = kNoNumber,
+     .origin = ColumnOrigin::Hit,
+     .channels = Channel::Incidence,
+     .byDefault = false,
+     .loss = ColumnLoss::Bounded,
+     .lossBound = 1e-4,  // 0.006 deg: less than the 0.35 mrad between angles whose float32 cosines are nearest to 1
+     .validity = ColumnValidity::Interval,
+     .low = 0,
+     .high = kPi / 2,
+     .display =
+         {.unit = "deg", .factor = 180 / kPi, .decimals = 3, .scaleOfValidity = true, .key = '9', .inReport = true}},
+    {.name = "return",
+     .type = ColumnType::UInt8,
+     .unit = "",
+     .meaning = "number of the beam's return, 1 the nearest; 0: none",
+     .none = 0,
+     .origin = ColumnOrigin::Return,
+     .byDefault = false,
+     .display = {.key = '8'}},
+    {.name = "cause",
+     .type = ColumnType::UInt8,
+     .unit = "",
+     .meaning = "what the return comes from: 1 a surface of the scene, 2 nothing (a false positive); 0: none",
+     .none = 0,
+     .origin = ColumnOrigin::Return,
+     .byDefault = false},
+});
+
+inline constexpr std::size_t kColumnCount = kColumns.size();
+
+// The index of a column in the table; kColumnCount where there is none of that name.
+constexpr std::size_t columnIndex(std::string_view name) {
+  std::size_t index = 0;
+  while (index < kColumnCount && kColumns[index].name != name) ++index;
+  return index;
+}
+
+template <ColumnType>
+struct ColumnTypeOf;
+template <>
+struct ColumnTypeOf<ColumnType::Float32> {
+  using Value = float;
+};
+template <>
+struct ColumnTypeOf<ColumnType::UInt8> {
+  using Value = std::uint8_t;
+};
+template <>
+struct ColumnTypeOf<ColumnType::UInt16> {
+  using Value = std::uint16_t;
+};
+template <>
+struct ColumnTypeOf<ColumnType::UInt32> {
+  using Value = std::uint32_t;
+};
+
+// A row of the table that the compiler knows: scan[kLabel] is a std::vector<std::uint16_t>.
+template <std::size_t Index>
+struct ColumnKey {
+  static_assert(Index < kColumnCount, "the table of columns has no row of this name");
+  static constexpr std::size_t index = Index;
+  static constexpr const Column& row = kColumns[Index];
+  using Value = typename ColumnTypeOf<kColumns[Index].type>::Value;
+};
+
+// The columns that code names one by one.
+inline constexpr ColumnKey<columnIndex("intensity")> kIntensity;
+inline constexpr ColumnKey<columnIndex("label")> kLabel;
+inline constexpr ColumnKey<columnIndex("instance")> kInstance;
+inline constexpr ColumnKey<columnIndex("ring")> kRing;
+inline constexpr ColumnKey<columnIndex("column")> kColumn;
+inline constexpr ColumnKey<columnIndex("time")> kTime;
+inline constexpr ColumnKey<columnIndex("range_true")> kRangeTrue;
+inline constexpr ColumnKey<columnIndex("incidence")> kIncidence;
+inline constexpr ColumnKey<columnIndex("return")> kReturn;
+inline constexpr ColumnKey<columnIndex("cause")> kCause;
+
+// Calls visit(key) for every row of the table, in its order.
+template <class Visit>
+constexpr void forEachColumn(Visit&& visit) {
+  [&]<std::size_t... Index>(std::index_sequence<Index...>) {
+    (visit(ColumnKey<Index>{}), ...);
+  }
+  (std::make_index_sequence<kColumnCount>());
+}
+
+// "float32", "uint8", ...
+std::string_view nameOf(ColumnType type);
+
+constexpr std::size_t bytesOf(ColumnType type) {
+  return type == ColumnType::UInt8 ? 1 : type == ColumnType::UInt16 ? 2 : 4;
+}
+
+// A set of rows of the table.
+class ColumnSet {
+ public:
+  constexpr ColumnSet() = default;
+  template <std::size_t... Index>
+  constexpr explicit ColumnSet(ColumnKey<Index>... keys) {
+    (add(keys.index), ...);
+  }
+  static constexpr ColumnSet all() {
+    ColumnSet set;
+    for (std::size_t i = 0; i < kColumnCount; ++i) set.add(i);
+    return set;
+  }
+  // What is written where a pipeline does not say.
+  static constexpr ColumnSet byDefault() {
+    ColumnSet set;
+    for (std::size_t i = 0; i < kColumnCount; ++i) {
+      if (kColumns[i].byDefault) set.add(i);
+    }
+    return set;
+  }
+
+  constexpr bool has(std::size_t index) const { return (bits_ >> index & 1) != 0; }
+  template <std::size_t Index>
+  constexpr bool has(ColumnKey<Index>) const {
+    return has(Index);
+  }
+  constexpr ColumnSet& add(std::size_t index) {
+    bits_ |= std::uint64_t{1} << index;
+    return *this;
+  }
+  constexpr ColumnSet& remove(std::size_t index) {
+    bits_ &= ~(std::uint64_t{1} << index);
+    return *this;
+  }
+  template <std::size_t Index>
+  constexpr ColumnSet with(ColumnKey<Index>) const {
+    return ColumnSet(*this).add(Index);
+  }
+  template <std::size_t Index>
+  constexpr ColumnSet without(ColumnKey<Index>) const {
+    return ColumnSet(*this).remove(Index);
+  }
+  constexpr bool operator==(const ColumnSet&) const = default;
+
+  // The channels of Hits that the columns are computed from.
+  constexpr Channels channels() const {
+    Channels needed;
+    for (std::size_t i = 0; i < kColumnCount; ++i) {
+      if (has(i)) needed |= kColumns[i].channels;
+    }
+    return needed;
+  }
+  // In the order of the table.
+  std::vector<std::string> names() const;
+
+ private:
+  static_assert(kColumnCount <= 64);
+  std::uint64_t bits_ = 0;
+};
+
+// What of a scan is kept.
+struct ScanLayout {
+  ColumnSet columns = ColumnSet::byDefault();
+  bool organised = false;
+};
+
+// The names of all rows, in their order.
+std::vector<std::string> allColumnNames();
+
+// "x", "y", "z" and the names of the columns: those of a scan, as its files list them.
+std::vector<std::string> scanColumnNames(ColumnSet columns);
+
+// "time (s)"; without a unit the text alone.
+std::string withUnit(std::string_view text, std::string_view unit);
+
+// A stored value as people read it: "3.1416 ms", "12", "45.000 deg".
+std::string displayText(const Column& column, double value);
+
+}  // namespace scanmill

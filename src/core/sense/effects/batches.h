@@ -1,0 +1,94 @@
+#pragma once
+
+// Batches of neighbouring rows of the table of returns: their random numbers, the same as randomBlock() gives one by
+// one, and what their beams and hits are.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "base/random.h"
+#include "scan/hits.h"
+#include "sense/effects/elementary.h"
+#include "sense/returns.h"
+#include "sensors/shot.h"
+
+namespace scanmill {
+
+constexpr std::size_t kBatch = 128;  // rows; the working set of a batch stays in the nearest cache
+
+template <class T>
+using Batch = std::array<T, kBatch>;
+
+// Calls body(first, count) for every batch of rows that holds at least one return.
+template <class Body>
+void forBatches(std::span<const float> range, Body body) {
+  for (std::size_t first = 0; first < range.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, range.size() - first);
+    std::uint32_t returned = 0;
+    for (std::size_t i = 0; i < count; ++i) returned |= range[first + i] < kMiss ? 1u : 0u;
+    if (returned != 0) body(first, count);
+  }
+}
+
+struct RandomWords {
+  Batch<std::uint32_t> a;
+  Batch<std::uint32_t> b;
+};
+
+// The first two words of each row's block, for rows first, first + 1, ...
+inline void drawWords(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first,
+                      RandomWords& words) {
+  const auto draw = [&](std::size_t i, std::uint32_t beam, std::uint32_t number) {
+    const RandomBlock block = randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, number, purpose});
+    words.a[i] = block[0];
+    words.b[i] = block[1];
+  };
+  if (returns.onePerBeam()) {
+    for (std::size_t i = 0; i < kBatch; ++i) draw(i, static_cast<std::uint32_t>(first + i), 0);
+    return;
+  }
+  const std::size_t count = std::min(kBatch, returns.size() - first);
+  for (std::size_t i = 0; i < count; ++i) draw(i, returns.beam(first + i), returns.number(first + i));
+}
+
+// The values of the hits of rows first, first + 1, ...: where they lie, or gathered in `buffer`. `none`: of rows
+// without a hit.
+template <class T>
+const T* valuesOfHits(const Returns& returns, const std::vector<T>& values, std::size_t first, Batch<T>& buffer,
+                      T none = {}) {
+  if (returns.onePerBeam()) return values.data() + first;
+  const std::size_t count = std::min(kBatch, returns.size() - first);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t hit = returns.hit(first + i);
+    buffer[i] = hit == kNoHit ? none : values[hit];
+  }
+  return buffer.data();
+}
+
+// The values of their beams.
+template <class T>
+const T* valuesOfBeams(const Returns& returns, const std::vector<T>& values, std::size_t first, Batch<T>& buffer) {
+  if (returns.onePerBeam()) return values.data() + first;
+  const std::size_t count = std::min(kBatch, returns.size() - first);
+  for (std::size_t i = 0; i < count; ++i) buffer[i] = values[returns.beam(first + i)];
+  return buffer.data();
+}
+
+// Two independent standard normal numbers from two words: Box and Muller, "A note on the generation of random normal
+// deviates", 1958. The largest is sqrt(-2 log(2^-33)) = 6.76.
+struct NormalPair {
+  double first;
+  double second;
+};
+
+inline NormalPair normalPair(std::uint32_t a, std::uint32_t b) {
+  const double radius = std::sqrt(-2 * naturalLog((toDouble(a) + 0.5) * 0x1p-32));
+  const SinCos angle = sinCosRandom(b);
+  return {radius * angle.cos, radius * angle.sin};
+}
+
+}  // namespace scanmill

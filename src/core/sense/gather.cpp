@@ -1,0 +1,344 @@
+#include "sense/gather.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+namespace scanmill {
+namespace {
+
+// Beams lie in memory ring by ring, dense scans column by column. Tiles keep both sides in the nearest cache: short
+// rows of beams are read whole, and as many places as a tile has columns are written to in turn.
+constexpr std::uint32_t kTileRings = 16;
+constexpr std::uint32_t kTileColumns = 64;
+constexpr std::size_t kPoints = std::size_t{kTileRings} * kTileColumns;
+
+constexpr std::uint32_t kNoRow = 0xFFFFFFFF;
+
+// Which row of the table is a beam's nth return: the nearest first, of equal ranges that of the lower row.
+class ReturnOrder {
+ public:
+  ReturnOrder(const Returns& returns, std::size_t beams) : returns_(returns) {
+    if (returns.onePerBeam()) return;
+    std::vector<std::uint32_t> rows;
+    for (std::uint32_t row = 0; row < returns.size(); ++row) {
+      if (returns.returned(row)) rows.push_back(row);
+    }
+    std::sort(rows.begin(), rows.end(), [&](std::uint32_t a, std::uint32_t b) {
+      if (returns.beam(a) != returns.beam(b)) return returns.beam(a) < returns.beam(b);
+      return returns.range[a] != returns.range[b] ? returns.range[a] < returns.range[b] : a < b;
+    });
+    std::uint32_t number = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      number = i > 0 && returns.beam(rows[i]) == returns.beam(rows[i - 1]) ? number + 1 : 0;
+      if (number >= planes_.size()) planes_.emplace_back(beams, kNoRow);
+      planes_[number][returns.beam(rows[i])] = rows[i];
+    }
+  }
+
+  std::uint32_t planes() const { return std::max<std::uint32_t>(static_cast<std::uint32_t>(planes_.size()), 1); }
+  // kNoRow: the beam has no such return.
+  std::uint32_t row(std::uint32_t plane, std::uint32_t beam) const {
+    return plane < planes_.size() ? planes_[plane][beam] : kNoRow;
+  }
+  bool several() const { return !returns_.onePerBeam(); }
+
+ private:
+  const Returns& returns_;
+  std::vector<std::vector<std::uint32_t>> planes_;  // empty where there is one row per beam
+};
+
+// The points of a tile: of which beam, row and hit they are, and to which row of the scan they go. Where there is one
+// row per beam, beam, row and hit are the same number.
+struct Moves {
+  explicit Moves(bool several) : row(several ? rows_.data() : beam.data()), hit(several ? hits_.data() : beam.data()) {}
+  Moves(const Moves&) = delete;
+  Moves& operator=(const Moves&) = delete;
+
+  std::size_t count = 0;
+  std::array<std::uint32_t, kPoints> beam;
+  std::array<std::uint32_t, kPoints> to;
+  std::array<std::uint16_t, kPoints> ring;
+  std::array<std::uint16_t, kPoints> column;
+  const std::uint32_t* row;
+  const std::uint32_t* hit;
+
+  void set(std::size_t move, std::uint32_t ownRow, std::uint32_t ownHit) {
+    rows_[move] = ownRow;
+    hits_[move] = ownHit;
+  }
+
+ private:
+  std::array<std::uint32_t, kPoints> rows_;
+  std::array<std::uint32_t, kPoints> hits_;
+};
+
+// A stretch of columns, and where the next point of each goes.
+struct Strip {
+  std::uint32_t firstColumn;
+  std::uint32_t width;
+  std::array<std::uint32_t, kTileColumns> next;
+};
+
+// From the frame of a step of the revolution to that of its start. Differences of the large world coordinates first.
+Affine startFromStep(const Shot& shot, std::size_t step) {
+  if (step == 0) return {};
+  const Pose& start = shot.worldFromSensor[0];
+  const Pose& now = shot.worldFromSensor[step];
+  const Mat3 startFromWorld = transposed(toMatrix(start.rotation));
+  return {startFromWorld * toMatrix(now.rotation), startFromWorld * (now.translation - start.translation)};
+}
+
+class Gathering {
+ public:
+  Gathering(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout, Scan& scan)
+      : hits_(hits),
+        shot_(shot),
+        beams_(*shot.beams),
+        returns_(returns),
+        layout_(layout),
+        scan_(scan),
+        order_(returns, hits.size()),
+        moves_(order_.several()) {}
+
+  void run() {
+    shape();
+    const bool deskew = shot_.deskew && shot_.worldFromSensor.size() > 1;
+    std::array<Affine, kTileColumns> toStart;
+    std::uint32_t next = 0;
+    for (std::uint32_t first = 0; first < hits_.columns; first += kTileColumns) {
+      strip_.firstColumn = first;
+      strip_.width = std::min(kTileColumns, hits_.columns - first);
+      startStrip(next);
+      for (std::uint32_t c = 0; deskew && c < strip_.width; ++c) {
+        toStart[c] = startFromStep(shot_, shot_.stepOf(first + c));
+      }
+      for (std::uint32_t ring = 0; ring < hits_.rings; ring += kTileRings) {
+        if (order_.several()) {
+          for (std::uint32_t plane = 0; plane < order_.planes(); ++plane) {
+            collectPlane(ring, plane);
+            move(deskew ? toStart.data() : nullptr, plane);
+          }
+        } else {
+          collect(ring);
+          move(deskew ? toStart.data() : nullptr, 0);
+        }
+      }
+    }
+  }
+
+ private:
+  // Gives every column its size; what was not asked for is empty. Organised scans start as all misses.
+  void shape() {
+    scan_.rings = hits_.rings;
+    scan_.columns = hits_.columns;
+    scan_.organised = layout_.organised;
+    scan_.planes = layout_.organised ? order_.planes() : 1;
+    scan_.foreign.clear();
+    std::size_t points = 0;
+    for (const float range : returns_.range) points += range < kMiss ? 1u : 0u;
+    const auto fit = [&](auto& values, bool wanted, auto none) {
+      if (!wanted) {
+        values.clear();
+      } else if (layout_.organised) {
+        values.assign(scan_.planes * hits_.size(), none);
+      } else {
+        values.resize(points);
+      }
+    };
+    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+    fit(scan_.position, true, Vec3f{kNaN, kNaN, kNaN});
+    visitTable(scan_, [&]<class T>(auto key, std::vector<T>& values) {
+      const bool known = key.index != kIntensity.index || !returns_.intensity.empty();
+      fit(values, layout_.columns.has(key) && known, static_cast<T>(key.row.none));
+    });
+  }
+
+  // Where the points of each of the strip's columns start in a dense scan; `next`: where the strip's do, and where the
+  // next strip's do.
+  void startStrip(std::uint32_t& next) {
+    std::array<std::uint32_t, kTileColumns> returned{};
+    for (std::uint32_t ring = 0; ring < hits_.rings; ++ring) {
+      const std::uint32_t line = ring * hits_.columns + strip_.firstColumn;
+      for (std::uint32_t plane = 0; order_.several() && plane < order_.planes(); ++plane) {
+        for (std::uint32_t c = 0; c < strip_.width; ++c) returned[c] += order_.row(plane, line + c) != kNoRow ? 1u : 0u;
+      }
+      if (order_.several()) continue;
+      const float* const range = returns_.range.data() + line;
+      for (std::uint32_t c = 0; c < strip_.width; ++c) returned[c] += range[c] < kMiss ? 1u : 0u;
+    }
+    for (std::uint32_t c = 0; c < strip_.width; ++c) {
+      strip_.next[c] = next;
+      next += returned[c];
+    }
+  }
+
+  // One row per beam.
+  void collect(std::uint32_t firstRing) {
+    std::size_t count = 0;
+    const std::uint32_t endRing = std::min(firstRing + kTileRings, hits_.rings);
+    const float* const range = returns_.range.data();
+    for (std::uint32_t ring = firstRing; ring < endRing; ++ring) {
+      const std::uint32_t line = ring * hits_.columns + strip_.firstColumn;
+      for (std::uint32_t c = 0; c < strip_.width; ++c) {
+        // Written always, kept only where there is a return: misses are too irregular for branches.
+        moves_.beam[count] = line + c;
+        moves_.to[count] = layout_.organised ? line + c : strip_.next[c];
+        moves_.ring[count] = static_cast<std::uint16_t>(ring);
+        moves_.column[count] = static_cast<std::uint16_t>(strip_.firstColumn + c);
+        const std::uint32_t returned = range[line + c] < kMiss ? 1u : 0u;
+        count += returned;
+        strip_.next[c] += returned;
+      }
+    }
+    moves_.count = count;
+  }
+
+  // Any number of rows per beam. In a dense scan the returns of a beam follow each other, so the place of one counts
+  // those before it: of its own beam, and of the rings of the tile above it.
+  void collectPlane(std::uint32_t firstRing, std::uint32_t plane) {
+    std::size_t count = 0;
+    const std::uint32_t endRing = std::min(firstRing + kTileRings, hits_.rings);
+    for (std::uint32_t c = 0; c < strip_.width; ++c) {
+      std::uint32_t place = strip_.next[c];
+      for (std::uint32_t ring = firstRing; ring < endRing; ++ring) {
+        const std::uint32_t beam = ring * hits_.columns + strip_.firstColumn + c;
+        for (std::uint32_t number = 0; number < order_.planes() && order_.row(number, beam) != kNoRow; ++number) {
+          if (number == plane) {
+            const std::uint32_t row = order_.row(plane, beam);
+            moves_.beam[count] = beam;
+            moves_.set(count, row, returns_.hit(row));
+            moves_.to[count] = layout_.organised ? static_cast<std::uint32_t>(plane * hits_.size()) + beam : place;
+            moves_.ring[count] = static_cast<std::uint16_t>(ring);
+            moves_.column[count] = static_cast<std::uint16_t>(strip_.firstColumn + c);
+            ++count;
+          }
+          ++place;
+        }
+      }
+      if (plane + 1 == order_.planes()) strip_.next[c] = place;
+    }
+    moves_.count = count;
+  }
+
+  void move(const Affine* toStart, std::uint32_t plane) {
+    place(toStart);
+    visitTable(scan_, [&](auto key, auto& values) {
+      if (!values.empty()) fill(key, plane, values);
+    });
+  }
+
+  // Positions in the sensor's frame; in that of the revolution's start where `toStart` is given, one entry per column
+  // of the strip.
+  void place(const Affine* toStart) {
+    std::array<double, kPoints> x;
+    std::array<double, kPoints> y;
+    std::array<double, kPoints> z;
+    for (std::size_t m = 0; m < moves_.count; ++m) {
+      const Vec3d& direction = beams_.direction[moves_.beam[m]];
+      const double range = returns_.range[moves_.row[m]];
+      x[m] = direction.x * range;
+      y[m] = direction.y * range;
+      z[m] = direction.z * range;
+    }
+    const auto add = [&](const std::vector<Vec3f>& offsets, const std::uint32_t* from) {
+      for (std::size_t m = 0; m < moves_.count && !offsets.empty(); ++m) {
+        const Vec3f& offset = offsets[from[m]];
+        x[m] += offset.x;
+        y[m] += offset.y;
+        z[m] += offset.z;
+      }
+    };
+    add(beams_.origin, moves_.beam.data());
+    add(returns_.displacement, moves_.row);
+    for (std::size_t m = 0; m < moves_.count && toStart != nullptr; ++m) {
+      const Vec3d point = toStart[moves_.column[m] - strip_.firstColumn] * Vec3d{x[m], y[m], z[m]};
+      x[m] = point.x;
+      y[m] = point.y;
+      z[m] = point.z;
+    }
+    Vec3f* const position = scan_.position.data();
+    for (std::size_t m = 0; m < moves_.count; ++m) {
+      position[moves_.to[m]] = {static_cast<float>(x[m]), static_cast<float>(y[m]), static_cast<float>(z[m])};
+    }
+  }
+
+  // What each column of the table holds. A row of the table that is not named here does not compile.
+  template <class Key, class T>
+  void fill(Key key, std::uint32_t plane, std::vector<T>& values) {
+    constexpr std::string_view name = Key::row.name;
+    if constexpr (name == "intensity") {
+      copy(returns_.intensity, moves_.row, values);
+    } else if constexpr (name == "label") {
+      returns_.label.empty() ? copyHits(key, hits_.semantic, values) : copy(returns_.label, moves_.row, values);
+    } else if constexpr (name == "instance") {
+      returns_.instance.empty() ? copyHits(key, hits_.instance, values) : copy(returns_.instance, moves_.row, values);
+    } else if constexpr (name == "ring") {
+      put(values, [&](std::size_t m) { return moves_.ring[m]; });
+    } else if constexpr (name == "column") {
+      put(values, [&](std::size_t m) { return moves_.column[m]; });
+    } else if constexpr (name == "time") {
+      copy(beams_.time, moves_.beam.data(), values);
+    } else if constexpr (name == "range_true") {
+      copyHits(key, hits_.range, values);
+    } else if constexpr (name == "incidence") {
+      // From cosines. In double, as the float versions of the function differ between libraries. NaN stays NaN.
+      putHits(key, values, [&](std::uint32_t hit) {
+        return static_cast<float>(std::acos(std::clamp(double{hits_.incidence[hit]}, 0.0, 1.0)));
+      });
+    } else if constexpr (name == "return") {
+      put(values, [&](std::size_t) { return static_cast<T>(plane + 1); });
+    } else if constexpr (name == "cause") {
+      put(values, [&](std::size_t m) { return static_cast<T>(returns_.cause(moves_.row[m])); });
+    } else {
+      static_assert(Key::index >= kColumnCount, "say here what fills the column");
+    }
+  }
+
+  template <class T, class Value>
+  void put(std::vector<T>& values, const Value& value) {
+    T* const target = values.data();
+    for (std::size_t m = 0; m < moves_.count; ++m) target[moves_.to[m]] = value(m);
+  }
+
+  template <class T>
+  void copy(const std::vector<T>& from, const std::uint32_t* at, std::vector<T>& values) {
+    const T* const source = from.data();
+    put(values, [&](std::size_t m) { return source[at[m]]; });
+  }
+
+  // Of hits; rows without one have the column's value for none.
+  template <class Key, class T, class Value>
+  void putHits(Key key, std::vector<T>& values, const Value& value) {
+    if (!order_.several()) return put(values, [&](std::size_t m) { return value(moves_.hit[m]); });
+    const T none = static_cast<T>(key.row.none);
+    put(values, [&](std::size_t m) { return moves_.hit[m] == kNoHit ? none : value(moves_.hit[m]); });
+  }
+
+  template <class Key, class T>
+  void copyHits(Key key, const std::vector<T>& from, std::vector<T>& values) {
+    const T* const source = from.data();
+    putHits(key, values, [source](std::uint32_t hit) { return source[hit]; });
+  }
+
+  const Hits& hits_;
+  const Shot& shot_;
+  const BeamTable& beams_;
+  const Returns& returns_;
+  const ScanLayout& layout_;
+  Scan& scan_;
+  ReturnOrder order_;
+  Moves moves_;
+  Strip strip_{};
+};
+
+}  // namespace
+
+void gather(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout, Scan& scan) {
+  Gathering(hits, shot, returns, layout, scan).run();
+}
+
+}  // namespace scanmill

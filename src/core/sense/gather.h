@@ -1,0 +1,16 @@
+#pragma once
+
+// The last stage of sensing: rows of the table of returns become points of a scan.
+
+#include "scan/hits.h"
+#include "scan/scan.h"
+#include "sense/returns.h"
+#include "sensors/shot.h"
+
+namespace scanmill {
+
+// Keeps the columns of the layout; an intensity only where an effect has set it. Dense scans are ordered by column,
+// then ring, then return: the order of firing. Of a beam's returns the nearest is the first.
+void gather(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout, Scan& scan);
+
+}  // namespace scanmill

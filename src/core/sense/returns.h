@@ -1,0 +1,81 @@
+#pragma once
+
+// The table of returns: what the receiver makes of what the rays meet, one row per return. Detection starts it from the
+// hits; effects change, remove and add rows; gathering makes a scan of what is left.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "base/vec.h"
+#include "scan/hits.h"
+
+namespace scanmill {
+
+// What a return comes from.
+enum class Cause : std::uint8_t {
+  None = 0,           // there is no return
+  Surface = 1,        // a surface of the scene
+  FalsePositive = 2,  // nothing: the receiver's own error
+};
+
+// The row comes from no hit: an effect added it.
+constexpr std::uint32_t kNoHit = 0xFFFFFFFF;
+
+// A row that an effect adds.
+struct AddedReturn {
+  std::uint32_t beam = 0;
+  float range = 0;  // m along the beam
+  float power = 0;  // of the return, as the effect `intensity` has it
+  float intensity = 0;
+  Cause cause = Cause::FalsePositive;
+  std::uint16_t label = 0;
+  std::uint32_t instance = 0;
+};
+
+// A structure of arrays. Most often every beam has one ray and one return at most: then row i is the first return of
+// beam i and comes from hit i, and the columns that say so stay empty, so that nothing is spent on them.
+class Returns {
+ public:
+  std::vector<float> range;      // m along the beam; kMiss: the row was removed, or never was
+  std::vector<float> power;      // before the sensor's response; empty until an effect sets it
+  std::vector<float> intensity;  // what the sensor makes of the power; empty until an effect sets it
+  std::vector<Vec3f>
+      displacement;  // m, sensor axes, added to origin + range * direction; empty until an effect needs it
+  std::vector<std::uint16_t> label;     // class id; empty: the hits'
+  std::vector<std::uint32_t> instance;  // empty: the hits'
+
+  std::size_t size() const { return range.size(); }
+  bool returned(std::size_t row) const { return range[row] < kMiss; }
+
+  // Whether row i is the first return of beam i and comes from hit i.
+  bool onePerBeam() const { return onePerBeam_; }
+  std::uint32_t beam(std::size_t row) const { return onePerBeam() ? static_cast<std::uint32_t>(row) : beam_[row]; }
+  // Of the beam's rows, counted from 0: with seed, scene, frame, sensor and beam the address of the row's randomness.
+  // Removed rows keep theirs. The scan's column `return` counts anew what is left, the nearest first.
+  std::uint32_t number(std::size_t row) const { return onePerBeam() ? 0 : number_[row]; }
+  // Index into Hits, or kNoHit.
+  std::uint32_t hit(std::size_t row) const { return onePerBeam() ? static_cast<std::uint32_t>(row) : hit_[row]; }
+  Cause cause(std::size_t row) const { return onePerBeam() ? Cause::Surface : cause_[row]; }
+
+  void remove(std::size_t row) { range[row] = kMiss; }
+  // Rows before it stay where they are. `hits`: those that the table was started from.
+  void add(const AddedReturn& added, const Hits& hits);
+
+  // Starts the table. One ray a beam: a row per beam. Several: a row for each ray that meets something, ordered by beam
+  // and, within a beam, by range.
+  void start(const Hits& hits);
+
+ private:
+  void startOfSeveral(const Hits& hits);
+  void makeIndices(const Hits& hits);
+
+  bool onePerBeam_ = true;
+  std::vector<std::uint32_t> beam_;  // these four are empty where there is one row per beam
+  std::vector<std::uint32_t> hit_;
+  std::vector<std::uint8_t> number_;
+  std::vector<Cause> cause_;
+  std::vector<std::uint8_t> rowsOfBeam_;  // once rows are added
+};
+
+}  // namespace scanmill

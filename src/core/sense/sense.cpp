@@ -1,0 +1,42 @@
+#include "sense/sense.h"
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "sense/gather.h"
+
+namespace scanmill {
+
+namespace {
+
+void checkHits(const Hits& hits, const Shot& shot, Channels needed) {
+  const BeamTable& beams = *shot.beams;
+  const std::size_t rays = hits.beamOfRay.empty() ? hits.size() : hits.beamOfRay.size();
+  if (hits.rings != beams.rings || hits.columns != beams.columns || hits.rays() != rays) {
+    throw Error(fmt::format("hits of {} x {} beams do not belong to a sensor of {} x {}", hits.rings, hits.columns,
+                            beams.rings, beams.columns));
+  }
+  const Channels missing = needed.without(hits.channels);
+  if (missing != Channels()) {
+    throw Error(fmt::format("hits lack the channel {} that the effects and the columns asked for need",
+                            channelNames(missing).front()));
+  }
+}
+
+}  // namespace
+
+Channels channelsFor(std::span<const std::unique_ptr<Effect>> effects, ColumnSet columns) {
+  Channels channels = Channels(Channel::Range) | columns.channels();
+  for (const auto& effect : effects) channels |= effect->reads();
+  return channels;
+}
+
+void sense(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<Effect>> effects,
+           std::span<const Material> materials, const ScanLayout& layout, Returns& returns, Scan& scan) {
+  checkHits(hits, shot, channelsFor(effects, layout.columns));
+  returns.start(hits);
+  for (const auto& effect : effects) effect->apply(hits, shot, materials, returns);
+  gather(hits, shot, returns, layout, scan);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,26 @@
+#pragma once
+
+// From hits to a scan: detect, apply the effects, gather.
+
+#include <memory>
+#include <span>
+
+#include "scan/channels.h"
+#include "scan/hits.h"
+#include "scan/scan.h"
+#include "scene/material.h"
+#include "sense/effect.h"
+#include "sense/returns.h"
+#include "sensors/shot.h"
+
+namespace scanmill {
+
+// Channels of Hits that the effects and the columns need.
+Channels channelsFor(std::span<const std::unique_ptr<Effect>> effects, ColumnSet columns);
+
+// Starts the table of returns from the hits, applies the effects in their given order and keeps the columns asked for.
+// `returns` is reused between calls. Throws Error where the hits lack a channel or belong to another sensor.
+void sense(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<Effect>> effects,
+           std::span<const Material> materials, const ScanLayout& layout, Returns& returns, Scan& scan);
+
+}  // namespace scanmill
