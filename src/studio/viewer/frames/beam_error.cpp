@@ -44,9 +44,9 @@ RingColumn extent(const Scan& scan) {
 
 }  // namespace
 
-std::vector<float> twinErrors(const Scan& scan, const Scan& twin, std::string& why) {
+std::vector<float> referenceErrors(const Scan& scan, const Scan& reference, std::string& why) {
   for (const auto& [known, whose] :
-       {std::pair{knowsBeams(scan), "the scan"}, std::pair{knowsBeams(twin), "the twin"}}) {
+       {std::pair{knowsBeams(scan), "the scan"}, std::pair{knowsBeams(reference), "the noise-free reference"}}) {
     if (known) continue;
     why = fmt::format(
         "{} does not say which beam its points belong to: name ring and column in output.columns of its "
@@ -54,21 +54,21 @@ std::vector<float> twinErrors(const Scan& scan, const Scan& twin, std::string& w
         whose);
     return {};
   }
-  if (scan.rings != 0 && twin.rings != 0 && (scan.rings != twin.rings || scan.columns != twin.columns)) {
-    why = fmt::format("the twin's sensor has {} x {} beams, not {} x {}", twin.rings, twin.columns, scan.rings,
-                      scan.columns);
+  if (scan.rings != 0 && reference.rings != 0 && (scan.rings != reference.rings || scan.columns != reference.columns)) {
+    why = fmt::format("the noise-free reference's sensor has {} x {} beams, not {} x {}", reference.rings,
+                      reference.columns, scan.rings, scan.columns);
     return {};
   }
-  const RingColumn size = extent(twin);
+  const RingColumn size = extent(reference);
   if (size.ring * size.column > kMostBeams) {
-    why =
-        fmt::format("the twin's rings and columns reach {} x {}: no sensor has so many beams", size.ring, size.column);
+    why = fmt::format("the noise-free reference's rings and columns reach {} x {}: no sensor has so many beams",
+                      size.ring, size.column);
     return {};
   }
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> rowOf(size.ring * size.column, kNone);
-  for (std::size_t i = twin.size(); i-- > 0;) {  // of two points of a beam the first stays
-    const RingColumn beam = beamOfPoint(twin, i);
+  for (std::size_t i = reference.size(); i-- > 0;) {  // of two points of a beam the first stays
+    const RingColumn beam = beamOfPoint(reference, i);
     rowOf[beam.ring * size.column + beam.column] = static_cast<std::uint32_t>(i);
   }
   std::vector<float> errors(scan.size(), kUnknown);
@@ -77,8 +77,8 @@ std::vector<float> twinErrors(const Scan& scan, const Scan& twin, std::string& w
       const RingColumn beam = beamOfPoint(scan, i);
       if (beam.ring >= size.ring || beam.column >= size.column) continue;
       const std::uint32_t row = rowOf[beam.ring * size.column + beam.column];
-      if (row == kNone || !isFinite(scan.position[i]) || !isFinite(twin.position[row])) continue;
-      errors[i] = static_cast<float>(length(Vec3d(scan.position[i]) - Vec3d(twin.position[row])));
+      if (row == kNone || !isFinite(scan.position[i]) || !isFinite(reference.position[row])) continue;
+      errors[i] = static_cast<float>(length(Vec3d(scan.position[i]) - Vec3d(reference.position[row])));
     }
   });
   return errors;

@@ -135,7 +135,7 @@ void addBrief(PickedThing& thing, ColorBy shown) {
       return add("method", valueIn(rows, "method"));
     case ColorBy::Error: {
       const auto error = std::find_if(rows.begin(), rows.end(), [](const auto& row) {
-        return row.first.find("error") != std::string::npos || row.first.find("twin") != std::string::npos;
+        return row.first.find("error") != std::string::npos || row.first.find("reference") != std::string::npos;
       });
       if (error != rows.end()) add(error->first, error->second);
       return;

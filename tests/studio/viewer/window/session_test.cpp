@@ -10,9 +10,9 @@
 #include <map>
 #include <thread>
 
+#include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/viewer/window/session_world.h"
 
 namespace scanmill {
 namespace {
@@ -318,7 +318,7 @@ TEST(ViewSession, AColumnThatIsNotThereKeepsTheColours) {
     EXPECT_EQ(world.canvas.items.at(firstCloud(world)).colors, before);
     ASSERT_EQ(world.session->problems().size(), 1u);
   }
-  EXPECT_THAT(world.session->problems().front(), HasSubstr("noise-free twin"));
+  EXPECT_THAT(world.session->problems().front(), HasSubstr("noise-free reference"));
   world.key("4");
   EXPECT_THAT(world.session->problems(), IsEmpty());
 }
