@@ -179,7 +179,8 @@ class Calibrator {
     const bool onlyRate = limitTexts(chosen.candidate, errors).empty();
     return fmt::format(
         "the {} of {} settings that hold, of {} measured on {} frames; asked for: {}; it traces {} beams/s, set-up "
-        "included, range error p99 {:.3g} mm, {:.3f} % of beams false negatives or positives, {:.3f} % of labels agree",
+        "included, range error p99 {:.3g} mm, {:.3f} % of the beams are false negatives or positives, {:.3f} % of "
+        "labels agree",
         onlyRate ? "most exact" : "cheapest", holding, calibration.settings.size(), frames_,
         fmt::join(limitTexts(chosen.candidate, choice_.limits), "; "), shortNumber(1 / chosen.candidate.secondsPerBeam),
         e.range.p99 * 1e3, 100 * e.missRate(), 100 * e.labels());

@@ -22,7 +22,7 @@ std::vector<std::string> shardFaults(const std::filesystem::path& folder, const 
 struct ScanReading {
   // Takes the scan of the k-th place. It is called on several threads at once, and for each place at most once.
   std::function<void(std::size_t k, Scan&& scan)> take;
-  // Is told now and then how many scans and points have been read since; may be empty.
+  // Is called now and then with the numbers of scans and points that were read since its last call; may be empty.
   std::function<void(std::uint64_t scans, std::uint64_t points)> advance;
   const std::atomic<bool>* stop = nullptr;  // true ends the reading with an Error
 };

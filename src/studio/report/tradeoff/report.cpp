@@ -47,7 +47,7 @@ std::vector<std::string> overridesOf(const Study& study) {
   return assignments;
 }
 
-// As the user named it. Studies of earlier versions do not know it.
+// The pipeline as the user named it; a study that a program made need not know its file.
 std::string pipelineWord(const Study& study) {
   return study.pipelineFile.empty() ? "PIPELINE.yaml" : shellWord(study.pipelineFile);
 }

@@ -104,8 +104,8 @@ std::size_t rangeBandOf(double range);
 // patches do not move. 0 where there are no patches.
 double commonDeviation(const std::vector<const FlatPatch*>& patches);
 
-// The quantile of chi^2 / freedom at which the standard normal distribution has the value `standardNormal`: Wilson and
-// Hilferty, PNAS 17, 1931.
+// The value of chi^2 / freedom that is exceeded as seldom as a standard normal variable exceeds `standardNormal`:
+// Wilson and Hilferty, PNAS 17, 1931.
 double chiSquareQuantile(double freedom, double standardNormal);
 
 }  // namespace scanmill

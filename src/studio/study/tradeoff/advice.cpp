@@ -178,8 +178,8 @@ class Adviser {
       list.push_back(fmt::format("{} of the labels against {}", shareText(a.labels()), shareText(b.labels())));
     }
     if (missesWorse(a, b)) {
-      list.push_back(fmt::format("{} of the beams false negatives or positives against {}", shareText(a.missRate()),
-                                 shareText(b.missRate())));
+      list.push_back(
+          fmt::format("{} false negatives or positives against {}", shareText(a.missRate()), shareText(b.missRate())));
     }
     return list;
   }

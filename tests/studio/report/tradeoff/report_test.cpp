@@ -9,7 +9,6 @@
 #include "report/tradeoff/report_charts.h"
 #include "report/tradeoff/report_figures.h"
 #include "report/tradeoff/report_tables.h"
-#include "study/figure_text.h"
 #include "study/tradeoff/study_figures.h"
 #include "tests/studio/charts/svg_check.h"
 #include "tests/studio/study/tradeoff/example_study.h"
@@ -154,19 +153,6 @@ TEST(ReportHtml, WideFiguresHaveARowOfTheirOwn) {
   EXPECT_EQ(countOf(figures, "<figure><svg width=\"575\""), 1u);
   EXPECT_EQ(countOf(figures, "<figure class=\"wide\"><svg class=\"c\" width=\"860\""), 1u);
   EXPECT_EQ(countOf(figures, "<figure"), 2u);
-}
-
-// From the exact one: 4 % faster is none, 6 % is one, and what is 4 % faster than that is none again.
-TEST(ReportFigures, AFrontHasNoStepsWithinTheNoiseOfTime) {
-  Study study = exampleStudy();
-  study.settings.clear();
-  double milliseconds = 100, p99 = 0.01, labels = 1;
-  for (const double step : {1.0, 1.04, 1.02, 1.04, 1.5}) {
-    const std::string name = study.settings.empty() ? "" : "simplify=0." + std::to_string(study.settings.size());
-    study.settings.push_back(exampleResult({"ray_tracing", name, milliseconds /= step, p99 *= 1.5, labels -= 0.01, 0}));
-  }
-  EXPECT_THAT(rangeFront(study), testing::ElementsAre(4, 2, 0));
-  EXPECT_THAT(wrongFront(study), testing::ElementsAre(4, 2, 0));
 }
 
 TEST(ReportFigures, ColoursAreOfMethodsWhateverTheirOrder) {
@@ -330,28 +316,6 @@ TEST(Report, TheParetoChartHoldsEverySettingOnceAndItsFront) {
   const std::vector<std::string> labels = textsOf(svg, "strong");
   EXPECT_EQ(labels.size(), rangeFront(study).size()) << "all of the front are named";
   EXPECT_THAT(labels, testing::Contains("simplify=0.1"));
-}
-
-TEST(ReportFigures, AreReadable) {
-  EXPECT_EQ(metresText(0), "0");
-  EXPECT_EQ(metresText(0.0464), "46.4 mm");
-  EXPECT_EQ(metresText(3e-7), "< 1 \xC2\xB5m");
-  EXPECT_EQ(metresText(0.9999), "1 m");
-  EXPECT_EQ(metresText(12.34), "12.3 m");
-  EXPECT_EQ(secondsText(0.0054), "5.4 ms");
-  EXPECT_EQ(secondsText(3.5e-5), "35 \xC2\xB5s");
-  EXPECT_EQ(amountText(45'300'000), "45.3 M");
-  EXPECT_EQ(amountText(999'900), "1 M");
-  EXPECT_EQ(shareText(1), "100 %");
-  EXPECT_EQ(shareText(0), "0 %");
-  EXPECT_EQ(shareText(0.5), "50.0 %");
-  EXPECT_EQ(shareText(0.98451), "98.5 %");
-  EXPECT_EQ(shareText(0.999991), "99.99910 %");
-  EXPECT_EQ(shareText(1 - 1e-9), "above 99.99999 %");
-  EXPECT_EQ(shareText(7e-4), "0.070 %");
-  EXPECT_EQ(factorText(2.14), "2.1");
-  EXPECT_EQ(factorText(26.6), "27");
-  EXPECT_EQ(factorText(0.346), "0.35");
 }
 
 TEST(ReportHtml, Base64IsOfRfc4648) {
