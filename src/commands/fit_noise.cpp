@@ -19,13 +19,13 @@
 #include "commands/table.h"
 #include "config/fields.h"
 #include "config/file_kind.h"
+#include "dataset/scan_source.h"
 #include "formats/format.h"
+#include "report/noise/noise_report.h"
+#include "report/page/report_folder.h"
 #include "sensors/sensor.h"
 #include "study/noise/noise_comparison.h"
-#include "study/noise/noise_report.h"
 #include "study/noise/sensor_effects.h"
-#include "study/page/report_folder.h"
-#include "viewer/scan_source.h"
 
 namespace scanmill {
 

@@ -6,13 +6,13 @@
 
 #include "base/grouped.h"
 #include "base/parallel.h"
+#include "base/short_text.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "dataset/output_folder.h"
-#include "pipeline/calibrate.h"
+#include "evaluate/auto/calibrate.h"
 #include "pipeline/keeper.h"
-#include "pipeline/progress.h"
 
 namespace scanmill {
 
@@ -44,6 +44,7 @@ void printSummary(const GenerateSummary& s, const std::string& folder) {
 
 // `method: auto` becomes the setting that is the cheapest here.
 void chooseMethod(Plan& plan, const GenerateOptions& options) {
+  checkAutoChoice(plan.pipeline());
   if (!options.overwrite) prepareOutputFolder(options.folder, false);  // refused now, not after minutes
   const Calibration calibration = calibrate(plan, options.quiet, options.stop);
   const CalibratedSetting& chosen = calibration.settings[calibration.chosen];

@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/grouped.h"
+#include "base/short_text.h"
 #include "commands/arguments.h"
 #include "commands/info_recording.h"
 #include "commands/table.h"
@@ -17,7 +18,6 @@
 #include "dataset/reader.h"
 #include "dataset/recording.h"
 #include "pipeline/pipeline.h"
-#include "pipeline/progress.h"
 #include "pipeline/warnings.h"
 #include "scene/assets/asset.h"
 #include "scene/scene.h"

@@ -8,11 +8,11 @@
 
 #include "base/error.h"
 #include "base/grouped.h"
+#include "base/short_text.h"
 #include "commands/table.h"
 #include "dataset/recording.h"
 #include "passes/exr/camera_exr.h"
 #include "passes/exr/exr_file.h"
-#include "pipeline/progress.h"
 
 namespace scanmill {
 

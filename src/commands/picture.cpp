@@ -11,8 +11,8 @@
 #include "base/file.h"
 #include "commands/arguments.h"
 #include "commands/picture_options.h"
+#include "dataset/scan_source.h"
 #include "viewer/pass_picture.h"
-#include "viewer/scan_source.h"
 
 namespace scanmill {
 

@@ -7,12 +7,12 @@
 
 #include "base/grouped.h"
 #include "base/parallel.h"
+#include "base/short_text.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
-#include "pipeline/calibrate.h"
+#include "evaluate/auto/calibrate.h"
 #include "pipeline/dataset_size.h"
 #include "pipeline/feature_costs.h"
-#include "pipeline/progress.h"
 #include "pipeline/warnings.h"
 
 namespace scanmill {
@@ -93,6 +93,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   const ThreadLimit limit(threadOption(parsed));
   const Plan plan(readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed), recordingOf(parsed)));
   const Pipeline& pipeline = plan.pipeline();
+  checkAutoChoice(pipeline);
   printSensors(plan);
   printSequences(pipeline);
 
@@ -130,7 +131,7 @@ int runPlan(const std::vector<std::string>& arguments) {
 
   if (pipeline.method.automatic) {
     modelled.push_back(fmt::format("method: auto, one of {} settings, chosen when the dataset is made",
-                                   readAutoChoice(pipeline.method.options).settings.size()));
+                                   readAutoChoice(pipeline).settings.size()));
   }
   fmt::print("modelled and left out:\n");
   for (const std::string& line : modelled) fmt::print("  {}\n", line);

@@ -7,10 +7,11 @@
 
 #include "base/grouped.h"
 #include "base/parallel.h"
+#include "base/short_text.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
-#include "pipeline/progress.h"
+#include "evaluate/auto/calibrate.h"
 
 namespace scanmill {
 
@@ -78,6 +79,7 @@ int runRender(const std::vector<std::string>& arguments) {
   RenderOptions render;
   render.passes = readPassList(parsed.options["passes"].as<std::string>());
   const Plan plan(readPipeline(file, pipelineOverrides(parsed)), render.passes.channels);
+  checkAutoChoice(plan.pipeline());
   render.folder = parsed.options["out"].as<std::string>();
   render.overwrite = parsed.options.count("overwrite") > 0;
   render.quiet = parsed.options.count("quiet") > 0;

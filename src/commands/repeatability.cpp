@@ -15,9 +15,9 @@
 #include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "pipeline/plan.h"
-#include "study/page/report_folder.h"
+#include "report/page/report_folder.h"
+#include "report/repeatability/repeatability_report.h"
 #include "study/repeatability/repeatability_choice.h"
-#include "study/repeatability/repeatability_report.h"
 
 namespace scanmill {
 

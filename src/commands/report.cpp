@@ -5,10 +5,10 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/parallel.h"
+#include "base/short_text.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
-#include "pipeline/progress.h"
-#include "study/dataset/dataset_report.h"
+#include "report/dataset/dataset_report.h"
 
 namespace scanmill {
 

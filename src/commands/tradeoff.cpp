@@ -8,16 +8,20 @@
 #include "base/file.h"
 #include "base/grouped.h"
 #include "base/parallel.h"
+#include "base/short_text.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "pipeline/plan.h"
-#include "pipeline/progress.h"
-#include "study/page/report_folder.h"
-#include "study/tradeoff/report_charts.h"
-#include "study/tradeoff/report_figures.h"
+#include "report/page/report_folder.h"
+#include "report/tradeoff/error_picture.h"
+#include "report/tradeoff/report.h"
+#include "report/tradeoff/report_charts.h"
+#include "study/figure_text.h"
 #include "study/tradeoff/settings.h"
 #include "study/tradeoff/study.h"
+#include "study/tradeoff/study_figures.h"
+#include "viewer/picture.h"
 
 namespace scanmill {
 
@@ -33,7 +37,8 @@ std::string awayText(const BeamErrors& errors) {
 
 void printSettings(const Study& study) {
   std::vector<std::vector<std::string>> rows{{"setting", "set-up", "scan", "beams/s", "memory", "median", "p99",
-                                              "away from edges", "labels", "lost", "spurious", "to", "from"}};
+                                              "away from edges", "labels", "false negatives", "false positives", "to",
+                                              "from"}};
   for (const SettingResult& s : study.settings) {
     if (!s.failure.empty()) {
       rows.push_back({s.setting.name, "failed", "", "", "", "", "", "", "", "", "", "", ""});
@@ -46,13 +51,14 @@ void printSettings(const Study& study) {
                     shortNumber(cost.beamsPerSecond(study.beamsPerShot)),
                     shortBytes(static_cast<double>(cost.memoryBytes)), metresText(e.range.median),
                     metresText(e.range.p99), awayText(s.measured.errors), fmt::format("{:.3f} %", 100 * e.labels()),
-                    fmt::format("{:.3f} %", 100 * static_cast<double>(e.lost) / beams),
-                    fmt::format("{:.3f} %", 100 * static_cast<double>(e.spurious) / beams),
+                    fmt::format("{:.3f} %", 100 * static_cast<double>(e.falseNegatives) / beams),
+                    fmt::format("{:.3f} %", 100 * static_cast<double>(e.falsePositives) / beams),
                     metresText(s.measured.cloud.to.mean), metresText(s.measured.cloud.from.mean)});
   }
   fmt::print(
-      "{}median, p99, away from edges (p99 there): of the range error; lost: only the truth hits; spurious: only the\n"
-      "setting hits; to, from: mean distance from the truth's points to the nearest of the setting's, and back\n\n",
+      "{}median, p99, away from edges (p99 there): of the range error; false negatives: only the truth hits; false\n"
+      "positives: only the setting hits; to, from: mean distance from the truth's points to the nearest of the\n"
+      "setting's, and back\n\n",
       formatTable(rows));
   for (const SettingResult& s : study.settings) {
     if (!s.failure.empty()) fmt::print("{} failed: {}\n", s.setting.name, s.failure);
@@ -169,6 +175,8 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   StudyOptions studyOptions;
   studyOptions.quiet = parsed.options.count("quiet") > 0;
   studyOptions.stop = &stopSignal();
+  studyOptions.showScan = [](const Scan& scan, const Ontology& ontology) { drawPicture(scan, &ontology, {}, "scan"); };
+  studyOptions.drawErrors = drawErrors;
   if (parsed.options.count("budget") > 0) {
     constexpr double kMostMinutes = 1e5;
     const double minutes = parsed.options["budget"].as<double>();

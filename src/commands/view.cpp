@@ -211,8 +211,8 @@ void writePicture(const std::filesystem::path& file, const Image& image, const s
 // An EXR image, or the folder of a recording.
 void viewImages(const std::filesystem::path& path, const Arguments& parsed, const PictureSize& size,
                 const Outputs& outputs) {
-  for (const char* option : {"sensor", "over", "twin", "scene", "color", "scale", "layout", "camera", "hide", "only",
-                             "instance", "mesh", "rings", "range-image", "turntable"}) {
+  for (const char* option : {"sensor", "over", "reference", "scene", "color", "scale", "layout", "camera", "hide",
+                             "only", "instance", "mesh", "rings", "range-image", "turntable"}) {
     if (hasOption(parsed, option)) {
       throw InputError({path.string()},
                        fmt::format("is shown as images: --{} is for scans; --plane chooses what is shown", option));
@@ -299,7 +299,8 @@ void addOptions(cxxopts::Options& options) {
       "key, or index from 0, of a sample, the middle one where not given; a part of the name of a recording's image",
       text(), "KEY")("sensor", "only this sensor's scans", text(), "NAME")(
       "over", "further scans to lay over those: samples are joined by their keys (may be repeated)", list(),
-      "DATASET|SHARD|SCAN")("twin", "the noise-free twin, for --color error", text(), "DATASET|SHARD|SCAN")(
+      "DATASET|SHARD|SCAN")("reference,twin", "the noise-free reference, for --color error", text(),
+                            "DATASET|SHARD|SCAN")(
       "scene", "the scene that was scanned, in place of the one that the dataset names", text(), "FILE")(
       "ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)", text(), "FILE")(
       "color",
@@ -337,8 +338,8 @@ int runView(const std::vector<std::string>& arguments) {
       parseArguments(command, options, arguments,
                      "  scanmill view out/quickstart\n"
                      "  scanmill view out/quickstart --sample 12 --color intensity --camera above\n"
-                     "  scanmill view out/noisy --twin out/clean --color error\n"
-                     "  scanmill view out/noisy --twin out/clean --color error --scale 0,0.05\n"
+                     "  scanmill view out/noisy --reference out/clean --color error\n"
+                     "  scanmill view out/noisy --reference out/clean --color error --scale 0,0.05\n"
                      "  scanmill view out/ray_tracing --over out/depth_camera --over out/particle\n"
                      "  scanmill view out/quickstart --color class --color range --mesh\n"
                      "  scanmill view out/quickstart --screenshot street.png --size 1920x1080 --hide road\n"
@@ -366,7 +367,7 @@ int runView(const std::vector<std::string>& arguments) {
     throw InputError({input.path.string()}, "is no EXR image: --plane chooses one of such an image's planes");
   }
   for (const std::string& other : listOption(parsed, "over")) input.over.emplace_back(other);
-  input.twin = textOption(parsed, "twin");
+  input.reference = textOption(parsed, "reference");
   input.sensor = textOption(parsed, "sensor");
   input.ontology = textOption(parsed, "ontology");
   input.scene = textOption(parsed, "scene");

@@ -53,7 +53,8 @@ int run() {
   const double pixel = 2 * std::tan(radians(60)) / 2048;  // rad, at the centre of an image of 120 degrees
   const std::vector<std::uint8_t> edges = edgeBeams(*tracing, shot, pixel);
   fmt::print(
-      "| setting | median mm | p95 mm | p99 mm | p99.9 m | max m | labels | interior labels | lost | spurious | "
+      "| setting | median mm | p95 mm | p99 mm | p99.9 m | max m | labels | interior labels | false negatives | false "
+      "positives | "
       "to mm | from mm | Hausdorff m |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const Setting& s : kSettings) {
     const auto method = methodOf("depth_camera", scene, s.options);
@@ -69,8 +70,8 @@ int run() {
         "| {} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.2f} % | {:.3f} % | {:.2f} % | {:.2f} % | {:.2f} "
         "| {:.2f} | {:.2f} |\n",
         s.name, r.median * 1e3, r.p95 * 1e3, r.p99 * 1e3, r.p999, r.max, share(e.sameLabel, e.bothHit),
-        share(e.interiorAgree, e.interior), share(e.lost, e.beams), share(e.spurious, e.beams), cloud.to.mean * 1e3,
-        cloud.from.mean * 1e3, cloud.hausdorff);
+        share(e.interiorAgree, e.interior), share(e.falseNegatives, e.beams), share(e.falsePositives, e.beams),
+        cloud.to.mean * 1e3, cloud.from.mean * 1e3, cloud.hausdorff);
     std::fflush(stdout);
   }
   return 0;

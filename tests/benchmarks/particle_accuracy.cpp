@@ -57,7 +57,8 @@ void printSettings(const Scene& scene, const Method& tracing) {
   const std::vector<Vec3f> there = pointsOf(shot, truth);
   const std::vector<std::uint8_t> edges = edgeBeams(tracing, shot, 0.0016915);  // rad, as in docs/depth_camera.md
   fmt::print(
-      "| setting | median mm | p95 mm | p99 m | p99.9 m | max m | labels | interior labels | lost | spurious | to mm | "
+      "| setting | median mm | p95 mm | p99 m | p99.9 m | max m | labels | interior labels | false negatives | false "
+      "positives | to mm | "
       "from mm | Hausdorff m |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const ParticleSetting& s : kParticleSettings) {
     const Hits tested = traced(*particleOf(scene, s.options), shot);
@@ -69,7 +70,7 @@ void printSettings(const Scene& scene, const Method& tracing) {
         "| {} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.2f} % | {:.3f} % | {:.2f} % | {:.2f} % | {:.2f} | "
         "{:.2f} | {:.2f} |\n",
         s.name, r.median * 1e3, r.p95 * 1e3, r.p99, r.p999, r.max, percent(e.sameLabel, e.bothHit),
-        percent(e.interiorAgree, e.interior), percent(e.lost, e.beams), percent(e.spurious, e.beams),
+        percent(e.interiorAgree, e.interior), percent(e.falseNegatives, e.beams), percent(e.falsePositives, e.beams),
         cloud.to.mean * 1e3, cloud.from.mean * 1e3, cloud.hausdorff);
     std::fflush(stdout);
   }
@@ -78,7 +79,8 @@ void printSettings(const Scene& scene, const Method& tracing) {
 // Beams by the level in which ray tracing meets something.
 void printLevels(const Scene& scene, const Method& tracing) {
   fmt::print(
-      "\n| level | voxel m | beams | refine | median mm | p95 mm | p99 m | labels | lost | spurious |\n"
+      "\n| level | voxel m | beams | refine | median mm | p95 mm | p99 m | labels | false negatives | false positives "
+      "|\n"
       "|---|---|---|---|---|---|---|---|---|---|\n");
   const Shot shot = streetShot(presetBeams("paper_64"), -20);
   const Hits truth = traced(tracing, shot);
@@ -88,7 +90,7 @@ void printLevels(const Scene& scene, const Method& tracing) {
       const double reach = (128 - 9) * 0.1 * std::pow(2, level);
       const double inner = level == 0 ? 0 : reach / 2;
       std::vector<double> errors;
-      std::uint64_t beams = 0, lost = 0, spurious = 0, same = 0;
+      std::uint64_t beams = 0, falseNegatives = 0, falsePositives = 0, same = 0;
       for (std::size_t i = 0; i < truth.size(); ++i) {
         const bool hit = truth.hit(i) || tested.hit(i);
         if (!hit) continue;
@@ -96,18 +98,18 @@ void printLevels(const Scene& scene, const Method& tracing) {
         const double most = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
         if (most <= inner || most > reach) continue;
         ++beams;
-        lost += truth.hit(i) && !tested.hit(i) ? 1 : 0;
-        spurious += !truth.hit(i) && tested.hit(i) ? 1 : 0;
+        falseNegatives += truth.hit(i) && !tested.hit(i) ? 1 : 0;
+        falsePositives += !truth.hit(i) && tested.hit(i) ? 1 : 0;
         if (!truth.hit(i) || !tested.hit(i)) continue;
         const bool label = truth.semantic[i] == tested.semantic[i] && truth.instance[i] == tested.instance[i];
         same += label ? 1 : 0;
         if (label) errors.push_back(std::abs(double{truth.range[i]} - double{tested.range[i]}));
       }
-      const std::uint64_t both = beams - lost - spurious;
+      const std::uint64_t both = beams - falseNegatives - falsePositives;
       const Spread s = spreadOf(errors);
       fmt::print("| {} | {:g} | {} | {} | {:.3g} | {:.3g} | {:.3g} | {:.2f} % | {:.2f} % | {:.2f} % |\n", level,
                  0.1 * std::pow(2, level), beams, refine, s.median * 1e3, s.p95 * 1e3, s.p99, percent(same, both),
-                 percent(lost, beams), percent(spurious, beams));
+                 percent(falseNegatives, beams), percent(falsePositives, beams));
     }
   }
 }

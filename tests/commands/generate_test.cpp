@@ -123,6 +123,17 @@ TEST_F(Generate, AutoTakesASettingAndSaysWhich) {
   expectRefused(scanmill({"render", pipeline_, "-o", at("passes"), "--set", automatic}), "take `method: depth_camera`");
 }
 
+// Before anything is done, whatever the command does with the method.
+TEST_F(Generate, AWrongAutoIsRefusedByEveryCommand) {
+  const std::string wrong = "method={auto: {max_error: {p98: 1cm}}}";
+  for (const char* command : {"generate", "render", "tradeoff", "repeatability"}) {
+    SCOPED_TRACE(command);
+    expectRefused(scanmill({command, pipeline_, "-o", at("wrong"), "--set", wrong}), "unknown key 'p98'");
+    EXPECT_FALSE(std::filesystem::exists(at("wrong")));
+  }
+  expectRefused(scanmill({"plan", pipeline_, "--set", wrong}), "unknown key 'p98'");
+}
+
 TEST_F(Generate, VerifyFindsAFlippedByte) {
   ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out")}).code, 0);
   const std::string shard = at("out/train/train-000000.tar");

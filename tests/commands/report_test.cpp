@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "base/file.h"
-#include "study/dataset/dataset_report.h"
+#include "report/dataset/dataset_report.h"
 #include "tests/commands/program.h"
 #include "tests/support/mislabelled.h"
 

@@ -58,7 +58,8 @@ TEST_F(View, PicturesOfDatasets) {
   expectPicture({at("a"), "--color", "class", "--color", "range", "--scale", "0,20"});
   expectPicture({at("a"), "--over", at("a"), "--layout", "overlay"});
   expectPicture({at("a"), "--over", at("a"), "--layout", "split", "--color", "height"});
-  expectPicture({at("a"), "--twin", at("a"), "--color", "error"});
+  expectPicture({at("a"), "--reference", at("a"), "--color", "error"});
+  expectPicture({at("a"), "--twin", at("a"), "--color", "error"});  // its former name
   expectPicture({at("a"), "--hide", "ground", "--hide", "wall", "--bare", "--flat"});
   expectPicture({at("a"), "--only", "car", "--camera", "30,20,25,1,2,0", "--point-size", "4"});
 }
@@ -177,7 +178,7 @@ TEST_F(View, BadInputIsRefusedWithAdvice) {
       {{at("a"), "--frames", "3"}, "--turntable"},
       {{at("a"), "--turntable", at("t"), "--frames", "0"}, "--frames"},
       {{at("a"), "--over", at("absent")}, "absent"},
-      {{at("a"), "--twin", at("absent")}, "absent"},
+      {{at("a"), "--reference", at("absent")}, "absent"},
       {{at("a"), "--plane", "depth"}, "--plane"},
       {{at("absent.exr")}, "absent.exr"},
   };
@@ -202,7 +203,7 @@ TEST_F(View, BadInputIsRefusedWithAdvice) {
 TEST_F(View, DamagedDataIsSaidNotShown) {
   SKIP_WITHOUT_CANVAS();
   // A column that the scans lack.
-  expectRefused(scanmill({"view", at("a"), "--color", "error", "--screenshot", at("p.png")}), "noise-free twin");
+  expectRefused(scanmill({"view", at("a"), "--color", "error", "--screenshot", at("p.png")}), "noise-free reference");
   // An empty scan is no mistake: the picture says so.
   const std::string empty = folder_.write("empty.csv", "x,y,z\n").string();
   expectPicture({empty});

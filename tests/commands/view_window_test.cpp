@@ -11,12 +11,12 @@
 
 #include "base/file.h"
 #include "dataset/manifest.h"
+#include "dataset/scan_source.h"
 #include "images/images.h"
 #include "tests/commands/program.h"
 #include "tests/support/mislabelled.h"
 #include "tests/support/x_display.h"
 #include "viewer/color_map.h"
-#include "viewer/scan_source.h"
 
 namespace scanmill {
 namespace {

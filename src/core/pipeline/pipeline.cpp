@@ -13,7 +13,7 @@
 //   sensors:                         # see sensors/sensor.h
 //     - {name: top, preset: sensors/paper_64.yaml, mount: {position: [0, 0, 1.9]}}
 //   motion: none                     # none | per_column | {steps: 360, deskew: false}
-//   method: ray_tracing              # or {ray_tracing: {...}}, or auto: see pipeline/calibrate.h
+//   method: ray_tracing              # or {ray_tracing: {...}}, or auto: see docs/keys.md
 //   effects: [{intensity: {...}}, {range_noise: {...}}]   # the word sensor: those of each sensor's own file
 //   splits: {by: seed, train: 0.8, val: 0.1, test: 0.1}
 //   output:
@@ -22,8 +22,8 @@
 //     formats: [pcd, {draco: {max_error_mm: 1}}]
 //     shard_mb: 256
 //   limits: {max_rays: 1e11}
-//   tradeoff: {...}                  # of `scanmill tradeoff`: see study/tradeoff/settings.h
-//   repeatability: {...}             # of `scanmill repeatability`: see study/repeatability/repeatability.h
+//   tradeoff: {...}                  # of `scanmill tradeoff`: see docs/keys.md
+//   repeatability: {...}             # of `scanmill repeatability`: see docs/keys.md
 
 #include "pipeline/pipeline.h"
 
@@ -35,8 +35,8 @@
 
 #include "base/file.h"
 #include "config/file_kind.h"
+#include "config/named_options.h"
 #include "dataset/split.h"
-#include "pipeline/settings.h"
 
 namespace scanmill {
 
@@ -372,6 +372,11 @@ std::string Sequence::key() const {
 
 std::string Sequence::key(std::uint32_t frame) const {
   return fmt::format("{}-{:06}", key(), frame);
+}
+
+bool setsIntensity(const Pipeline& pipeline) {
+  const auto effects = pipeline.effectsOf(0);  // all sensors' do, or none's
+  return std::any_of(effects.begin(), effects.end(), [](const auto& effect) { return effect->setsIntensity(); });
 }
 
 std::span<const std::unique_ptr<Effect>> Pipeline::effectsOf(std::size_t sensor) const {

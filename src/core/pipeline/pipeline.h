@@ -59,7 +59,7 @@ struct Sequence {
 };
 
 struct MethodChoice {
-  const MethodEntry* entry = nullptr;  // null for `auto`, until calibrate() has chosen
+  const MethodEntry* entry = nullptr;  // null for `auto`, until Plan::choose()
   Value options;                       // its map, or that of `auto`; Null where the pipeline gives only the name
   bool automatic = false;              // the pipeline says `method: auto`
 };
@@ -88,7 +88,7 @@ struct Pipeline {
   std::uint64_t shardBytes = 0;
   double maxRays = 0;
 
-  // Of the studies, which read them: study/tradeoff/settings.h, study/repeatability/. Null where absent.
+  // The keys of the studies, which read them themselves. Null where absent.
   Value tradeoff;
   Value repeatability;
 
@@ -101,6 +101,9 @@ struct Pipeline {
   std::uint64_t raysPerFrame() const;
   std::string methodName() const;  // that made, or makes, the hits
 };
+
+// Whether an effect sets the intensity; either an effect of every sensor does, or none.
+bool setsIntensity(const Pipeline& pipeline);
 
 // `overrides` are the arguments of --set. With a recording, its sequences are the pipeline's: the keys `scenes` and
 // `trajectories` are not looked at, nor is `method` for recorded hits. Throws InputError with file:line:column.

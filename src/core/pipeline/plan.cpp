@@ -9,26 +9,11 @@
 
 #include "base/parallel.h"
 #include "config/file_kind.h"
-#include "pipeline/calibrate.h"
 #include "pipeline/recorded_method.h"
 
 namespace scanmill {
 
 namespace {
-
-bool setsIntensity(const Pipeline& pipeline) {
-  const auto effects = pipeline.effectsOf(0);  // all sensors' do, or none's
-  return std::any_of(effects.begin(), effects.end(), [](const auto& effect) { return effect->setsIntensity(); });
-}
-
-void checkAutoChoice(const Pipeline& pipeline) {
-  const AutoChoice choice = readAutoChoice(pipeline.method.options);
-  if (!choice.limits.intensity || setsIntensity(pipeline)) return;
-  const Value* limit = pipeline.method.options.find("max_error")->find("intensity");
-  throw InputError(limit->where,
-                   "method auto: max_error: no effect sets the intensity: add the effect `intensity`, or "
-                   "leave this limit out");
-}
 
 constexpr double kGibibyte = 1024.0 * 1024 * 1024;
 constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // of a beam table
@@ -109,7 +94,7 @@ void checkBeams(const Recording& recording, const MountedSensor& sensor, const B
 }  // namespace
 
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
-  if (choice.entry == nullptr) throw Error("the method is still to be chosen: calibrate() does");
+  if (choice.entry == nullptr) throw Error("`method: auto`: the method is still to be chosen");
   Fields options(choice.options, "method " + std::string(choice.entry->name));
   options.alsoDescribed(choice.entry->keys).finish();
   return choice.entry->make(scene, options);
@@ -117,7 +102,6 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
 
 Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   checkOntologies(pipeline_);
-  if (pipeline_.method.automatic) checkAutoChoice(pipeline_);
   for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
     channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.layout.columns);
   }

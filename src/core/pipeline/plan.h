@@ -15,7 +15,8 @@
 
 namespace scanmill {
 
-// Of a pipeline or of a study; not of `auto`. Throws InputError for what is wrong with the options.
+// Makes the method that a pipeline or a study names; not `auto`, which names none. Throws InputError for what is wrong
+// with the options.
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene);
 
 class Plan {
@@ -33,7 +34,7 @@ class Plan {
   Scene loadScene(const Sequence& sequence) const;
   std::unique_ptr<Method> makeMethod(const Scene& scene) const;
 
-  // Takes the setting that calibrate() has chosen in place of `method: auto`.
+  // Puts a setting in place of `method: auto`; the record says which it is and why.
   void choose(MethodChoice choice, MethodRecord record);
   const std::optional<MethodRecord>& chosen() const { return chosen_; }
 

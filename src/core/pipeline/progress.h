@@ -36,11 +36,4 @@ class Progress {
   std::chrono::steady_clock::time_point start_, lastShown_;
 };
 
-// 12.3 M, 456 k, 7.
-std::string shortNumber(double value);
-// 1.2 GiB, 34 MiB.
-std::string shortBytes(double bytes);
-// 1:02:03, 4:05, 6 s.
-std::string shortTime(double seconds);
-
 }  // namespace scanmill

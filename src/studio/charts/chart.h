@@ -1,7 +1,7 @@
 #pragma once
 
-// Charts as SVG: text stays text, no display is needed, and a browser opens them without a network. Every member has an
-// initialiser, so that users may name just those they mean.
+// Draws charts as SVG. Text stays text, no display is needed, and a browser opens them without a network. Every member
+// has an initialiser, so that users may name just those that they mean.
 
 #include <cstddef>
 #include <optional>
@@ -17,42 +17,49 @@ enum class AxisScale { Linear, Log };
 struct ChartAxis {
   std::string title{};  // with its unit: "range error, 99th percentile (m)"
   AxisScale scale = AxisScale::Linear;
-  // "m", "s", "B" ... are written with prefixes (10 µm, 1 mm), "%" makes per cent of shares; empty: 0.001, 10 k.
+  // Units such as "m", "s" and "B" are written with prefixes (10 µm, 1 mm), and "%" makes per cent of shares. Without a
+  // unit, numbers are written as 0.001 and 10 k.
   std::string unit{};
-  std::optional<double> low{}, high{};  // absent: from the data; widened where data lie beyond
-  // On a logarithmic axis values of zero and below lie on a line of their own beside it, named so: "exact".
+  // The ends of the axis. They follow from the data where absent, and are widened where data lie beyond.
+  std::optional<double> low{}, high{};
+  // On a logarithmic axis values of zero and below lie on a line of their own beside it, which has this name.
   std::string zero = "0";
-  std::vector<std::string> names{};  // of 0, 1, 2, ... in place of numbers; on the y axis they run downwards
+  // Names that stand for the numbers 0, 1, 2 and so on; on the y axis they run downwards.
+  std::vector<std::string> names{};
 };
 
 enum class ChartMark { Dots, Line, LineAndDots, Bars };
 
 struct ChartSeries {
-  std::string name{};     // in the legend, where those of one name and colour share an entry; empty: none
-  std::size_t color = 0;  // of the palette, which colour-blind people can tell apart (Okabe and Ito); also the shape
+  // The name in the legend, where series of one name and colour share an entry; one without a name has no entry.
+  std::string name{};
+  // The place in the palette, whose colours colour-blind people can tell apart (Okabe and Ito). The mark's shape
+  // follows from it, too.
+  std::size_t color = 0;
   ChartMark mark = ChartMark::Dots;
-  bool emphasised = false;             // larger, drawn on top: the Pareto front
-  bool labelsFirst = false;            // labels that no other may displace, and that stand even where room is scarce
-  std::vector<Vec2d> points{};         // one that is not finite is left out, and a line broken there
-  std::vector<Vec2d> spans{};          // empty, or per point: the low and high end of an error bar in y
-  std::vector<std::string> labels{};   // empty, or per point: written beside it where there is room ("": none)
-  std::vector<std::string> details{};  // empty, or per point: shown when pointed at
-  // Empty, or per bar: "#rrggbb" in place of the palette's colour; the legend shows the first.
-  std::vector<std::string> fills{};
+  bool emphasised = false;      // larger and drawn on top, as the Pareto front is
+  bool labelsFirst = false;     // its labels displace those of other series, and stand even where room is scarce
+  std::vector<Vec2d> points{};  // a point that is not finite is left out, and a line is broken there
+  // The following lists are empty, or have an entry for each point.
+  std::vector<Vec2d> spans{};          // the low and high end of an error bar in y
+  std::vector<std::string> labels{};   // written beside the point where there is room; an empty one is not written
+  std::vector<std::string> details{};  // shown when the point is pointed at
+  std::vector<std::string> fills{};  // "#rrggbb" in place of the palette's colour of a bar; the legend shows the first
 };
 
 struct Chart {
   std::string title{};
-  std::string note{};  // below the title: what is shown, on which data
+  std::string note{};  // stands below the title: what is shown, on which data
   ChartAxis x{}, y{};
-  // Bars stand on the x axis, whose names their points' x count; with names on the y axis they lie, and y counts.
+  // A bar stands on the x axis, at the name whose number is its point's x. Where the y axis has names, bars lie, each
+  // at the name whose number is its point's y.
   std::vector<ChartSeries> series{};
-  bool stacked = false;  // bars of one name upon each other, on linear axes
+  bool stacked = false;  // bars at one name stand upon each other; for linear axes
   int width = 860;       // pixels
-  int height = 480;
+  int height = 480;      // pixels
 };
 
-// A whole SVG document, light or dark as the reader prefers. Without any finite point it says "no data".
+// Draws a whole SVG document, light or dark as the reader prefers. Without any finite point it says "no data".
 std::string drawSvg(const Chart& chart);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// How charts look.
+// The colours and fonts of charts.
 
 #include <cstddef>
 #include <string>
@@ -9,7 +9,7 @@ namespace scanmill {
 
 inline constexpr std::size_t kChartColors = 8;
 
-// <style> of a chart; its rules hold for what is inside class "smc" alone.
+// The <style> of a chart. Its rules hold for what is inside of class "smc" alone.
 std::string chartStyle();
 
 }  // namespace scanmill

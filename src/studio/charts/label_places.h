@@ -1,6 +1,6 @@
 #pragma once
 
-// Text beside points, so that nothing covers anything.
+// Finds places for text beside points, so that nothing covers anything.
 
 #include <optional>
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// Pixels; y grows downwards.
+// A box in pixels; y grows downwards.
 struct ChartBox {
   double left = 0, top = 0, right = 0, bottom = 0;
   bool overlaps(const ChartBox& o) const {
@@ -19,13 +19,14 @@ struct ChartBox {
   }
 };
 
+// A label that wants a place beside a point.
 struct LabelWish {
   enum class Side { Any, Right, Above };
   Vec2d point;
-  double radius = 0;  // of the mark
-  double width = 0, height = 0;
+  double radius = 0;             // of the point's mark
+  double width = 0, height = 0;  // of the label
   Side side = Side::Any;
-  bool needed = false;  // farther away, or upon marks, rather than not at all
+  bool needed = false;  // the label rather lies farther away or upon marks than that it is left out
 };
 
 struct LabelPlace {
@@ -33,8 +34,9 @@ struct LabelPlace {
   bool leader = false;  // so far away that a line must lead to it
 };
 
-// One place per wish, earlier wishes first: inside `area`, clear of each other and of `marks`, and of `lines` (pairs of
-// ends) where that can be. None: there is no room, though a needed one may cover marks then.
+// Finds a place for each wish, the earlier wishes first. Places lie inside `area`, clear of each other and of `marks`,
+// and of `lines` (pairs of ends) where that is possible. A place is absent where there is no room; a label that is
+// needed covers marks rather than being left out.
 std::vector<std::optional<LabelPlace>> placeLabels(std::span<const LabelWish> wishes, const ChartBox& area,
                                                    std::span<const ChartBox> marks, std::span<const Vec2d> lines);
 

@@ -179,7 +179,7 @@ Coloring byError(const Scan& scan, const ColorContext& context) {
   if (scan[kRangeTrue].empty() && scan.size() > 0) {
     throw InputError(
         fmt::format("colours by error need something to compare with: name `range_true` in output.columns of the "
-                    "pipeline, or give the noise-free twin; the scan has {}",
+                    "pipeline, or give the noise-free reference; the scan has {}",
                     fmt::join(columnNames(scan), ", ")));
   }
   return byNumber(scan, scale, context.scale,

@@ -85,7 +85,7 @@ struct Legend {
   bool integers = false;      // of a scale: its values are whole numbers
   bool held = false;          // of a scale: its ends were given, and do not follow from the values
   std::uint64_t unknown = 0;  // finite points whose value is not known: they have the colour kNoValue
-  std::string whyUnknown{};   // "no partner in the twin"; may be empty
+  std::string whyUnknown{};   // "no partner in the reference"; may be empty
 };
 
 struct Coloring {
@@ -97,10 +97,10 @@ struct Coloring {
 struct ColorContext {
   const Ontology* ontology = nullptr;
   std::span<const float> error{};  // m, one per point; NaN: not known; empty: none
-  std::string errorTitle{};        // "distance to the twin (m)"; empty: "error (m)"
+  std::string errorTitle{};        // "distance to the reference (m)"; empty: "error (m)"
   std::string method{};            // that made the scan; empty: not known
   Rgb methodColor = kNoValue;
-  std::string whyNoError{};           // what it means that an error is not known: "no partner in the twin"
+  std::string whyNoError{};           // what it means that an error is not known: "no partner in the reference"
   std::optional<ScaleRange> scale{};  // in place of the ends that follow from the values
 };
 

@@ -151,25 +151,25 @@ TEST_F(GenerateTest, AnotherSeedChangesTheNoiseAlone) {
   EXPECT_GT(moved, points * 99 / 100);
 }
 
-TEST_F(GenerateTest, ANoiseFreeTwinJoinsByRingAndColumn) {
-  sound({"motion=per_column"}, "twin");
+TEST_F(GenerateTest, ANoiseFreeReferenceJoinsByRingAndColumn) {
+  sound({"motion=per_column"}, "reference");
   sound({"motion=per_column",
          "effects=[range_noise: {sigma_m: 0.05}, angular_jitter: {sigma_deg: 0.2}, quantize: {step_m: 0.01}]"},
         "noisy");
-  const std::vector<Scan> twins = scans(".pcd", "twin");
+  const std::vector<Scan> references = scans(".pcd", "reference");
   const std::vector<Scan> noisy = scans(".pcd", "noisy");
-  ASSERT_EQ(twins.size(), noisy.size());
-  for (std::size_t s = 0; s < twins.size(); ++s) {
-    const auto twinRows = rowsByBeam(twins[s]);
+  ASSERT_EQ(references.size(), noisy.size());
+  for (std::size_t s = 0; s < references.size(); ++s) {
+    const auto referenceRows = rowsByBeam(references[s]);
     const auto noisyRows = rowsByBeam(noisy[s]);
-    ASSERT_EQ(twinRows.size(), twins[s].size());  // a beam has one row
-    ASSERT_EQ(twinRows.size(), noisyRows.size());
+    ASSERT_EQ(referenceRows.size(), references[s].size());  // a beam has one row
+    ASSERT_EQ(referenceRows.size(), noisyRows.size());
     double errors = 0;
-    for (const auto& [beam, row] : twinRows) {
+    for (const auto& [beam, row] : referenceRows) {
       const std::size_t other = noisyRows.at(beam);
-      const double range = length(Vec3d(twins[s].position[row]));
+      const double range = length(Vec3d(references[s].position[row]));
       EXPECT_NEAR(noisy[s][kRangeTrue][other], range, 1e-6 * range);
-      EXPECT_EQ(noisy[s][kLabel][other], twins[s][kLabel][row]);
+      EXPECT_EQ(noisy[s][kLabel][other], references[s][kLabel][row]);
       errors += std::abs(length(Vec3d(noisy[s].position[other])) - range);
     }
     EXPECT_NEAR(errors / static_cast<double>(noisy[s].size()), 0.05 * std::sqrt(2 / kPi), 0.01);

@@ -187,8 +187,8 @@ TEST(ColorScan, ErrorsAreThoseGiven) {
   for (std::size_t i = 0; i < error.size(); ++i) error[i] = 1 + static_cast<float>(i) / 1000;
   error[1000] = 1e9f;
   error[0] = std::numeric_limits<float>::quiet_NaN();
-  const Coloring c = colorScan(scan, ColorBy("error"), {.error = error, .errorTitle = "to the twin (m)"});
-  EXPECT_EQ(c.legend.title, "to the twin (m)");
+  const Coloring c = colorScan(scan, ColorBy("error"), {.error = error, .errorTitle = "to the reference (m)"});
+  EXPECT_EQ(c.legend.title, "to the reference (m)");
   EXPECT_EQ(c.legend.low, 0) << "not the least, which is 1.001";
   EXPECT_NEAR(c.legend.high, 1.99, 2e-3);
   EXPECT_EQ(c.colors[0], kNoValue);
@@ -209,7 +209,7 @@ TEST(ColorScan, WithoutAGivenErrorItIsThatOfTheRange) {
   EXPECT_THAT(c.colors, testing::ElementsAre(viridis(1), viridis(1), viridis(0)));
   scan[kRangeTrue].clear();
   expectInputError([&] { colorScan(scan, ColorBy("error"), nullptr); },
-                   {"`range_true`", "output.columns", "noise-free twin", "x, y, z"});
+                   {"`range_true`", "output.columns", "noise-free reference", "x, y, z"});
   EXPECT_NO_THROW(colorScan(Scan{}, ColorBy("error"), nullptr)) << "nothing to compare";
 }
 

@@ -7,8 +7,10 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "dataset/scan_source.h"
 #include "scene/assets/texture.h"
 #include "tests/support/message_of.h"
+#include "tests/support/shared_data.h"
 #include "tests/support/test_scene.h"
 #include "viewer/color_map.h"
 #include "viewer/legend.h"
@@ -425,6 +427,24 @@ TEST(Picture, CloseUpOfNothingSaysWhereThePointsAre) {
                             HasSubstr("--within")));
   }
   EXPECT_THAT(messageOf<InputError>([&] { drawPicture({}, nullptr, options, "none"); }), HasSubstr("none at all"));
+}
+
+// A frame of a real OS-1-128: organised, intensity but no classes.
+TEST(RealScan, IsDrawnFromAllSides) {
+  SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128/frame_1795.pcd");
+  const ScanSource source = findScan(sharedData() / "lidar/ouster_os1_128/frame_1795.pcd", "", "");
+  EXPECT_FALSE(source.ontology);
+  PictureOptions options;
+  options.width = 480;
+  options.height = 270;
+  for (const View view : {View::Driver, View::Above, View::Chase}) {
+    options.view = view;
+    const Image image = drawPicture(source.scan, nullptr, options, source.title);
+    EXPECT_LT(std::count(image.pixels.begin(), image.pixels.end(), image.at(240, 30)), 480 * 270 * 9 / 10);
+  }
+  EXPECT_EQ(drawRangeImage(source.scan, nullptr, {}, source.title).width, 2048);
+  options.colorBy = ColorBy("class");
+  EXPECT_THROW(drawPicture(source.scan, nullptr, options, source.title), InputError);
 }
 
 }  // namespace

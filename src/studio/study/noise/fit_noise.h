@@ -1,6 +1,7 @@
 #pragma once
 
-// The noise of a real sensor, measured on the flat patches of its recordings, as effects that a pipeline can use.
+// Measures the noise of a real sensor on the flat patches of its recordings, and writes it as effects that a pipeline
+// can use.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +15,7 @@
 
 namespace scanmill {
 
-// A share with its standard error.
+// A share lost / of, with its standard error.
 struct MeasuredShare {
   std::uint64_t lost = 0;
   std::uint64_t of = 0;
@@ -23,67 +24,70 @@ struct MeasuredShare {
   double share() const { return of > 0 ? static_cast<double>(lost) / static_cast<double>(of) : 0; }
 };
 
-// Patches that have something in common.
+// The noise on patches of a band of range, incidence or intensity. The step is that in which the sensor rounds ranges;
+// sigma is the standard deviation of the ranges about a smooth surface.
 struct PatchGroup {
   std::string name;  // "7.5-10 m", "60-75 deg"
-  double low = 0;    // of the range, the incidence or the intensity
-  double high = 0;   // infinite: no end
+  double low = 0;    // the ends of the band; `high` is infinite where it is open
+  double high = 0;
   double range = 0;  // m, mean
   std::size_t patches = 0;
-  std::uint64_t points = 0;  // of the measured halves
-  double sigma = 0;          // m, without the step
+  std::uint64_t points = 0;  // of the measured halves of the patches
+  double sigma = 0;          // m, the rounding to the step taken out
   double error = 0;          // m, standard error of sigma, by bootstrap over the patches
-  double withStep = 0;       // m
-  double planeSigma = 0;     // m, about planes, without the step: ring offsets, bends and motion included
-  double unevenness = 0;     // how much wider the patches' variances spread than those of equal noise: 1 is none
+  double withStep = 0;       // m, the same deviation with the rounding
+  double planeSigma = 0;     // m, the deviation about planes: ring offsets, bends and motion are included
+  double unevenness = 0;     // how much wider the patches' variances spread than those of equal noise; 1 is no wider
   MeasuredShare dropOut;
-  double density = 0;          // returns per m^2, median
-  double densityRatio = 0;     // measured / expected by the beam table, median of the patches' own ratios
-  double expectedDensity = 0;  // density / ratio: the median of the expected ones is that of another patch
-  std::string leftOut;         // why the fit uses none of it; empty: it does
+  double density = 0;       // returns per m^2, median
+  double densityRatio = 0;  // measured / expected by the beam table, median of the patches' own ratios
+  // density / densityRatio, so that the three belong together: the median of the patches' expected densities may be
+  // that of another patch.
+  double expectedDensity = 0;
+  std::string leftOut;  // why the fit uses none of the band; empty where it does
 };
 
 struct NoiseFit {
-  std::vector<std::string> files;  // names only
-  std::size_t patches = 0;         // that the fit uses
-  std::uint64_t points = 0;
-  std::uint64_t returns = 0;  // of all beams
+  std::vector<std::string> files;  // names without folders
+  std::size_t patches = 0;         // patches that the fit uses
+  std::uint64_t points = 0;        // points of these patches
+  std::uint64_t returns = 0;       // returns of all beams
   std::uint64_t beams = 0;
-  double step = 0;                      // m, of the ranges; 0: none
+  double step = 0;                      // m, in which ranges are rounded; 0 where none was found
   double mostIncidence = 0;             // rad
   double sensorReach = 0;               // m, by the beam table
-  std::vector<PatchGroup> bands;        // by range, up to that incidence
-  std::vector<PatchGroup> incidences;   // by incidence, all ranges that the fit uses
-  std::vector<PatchGroup> intensities;  // likewise; empty without intensities
+  std::vector<PatchGroup> bands;        // by range, of patches up to that incidence
+  std::vector<PatchGroup> incidences;   // by incidence, at all ranges that the fit uses
+  std::vector<PatchGroup> intensities;  // by intensity, at all ranges that the fit uses; empty without intensities
 
-  // sigma(r) = base + growth * r, by least squares weighted with the bands' errors.
+  // The model sigma(r) = base + growth * r, by least squares weighted with the bands' errors.
   double base = 0;  // m
   double baseError = 0;
   double growth = 0;  // m per m
   double growthError = 0;
   double chiSquare = 0;
   double freedom = 0;
-  double largestMisfit = 0;  // of a band, relative
-  bool linear = true;        // else the bands themselves are the model
+  double largestMisfit = 0;  // the largest relative difference between a band and the model
+  bool linear = true;        // where false, the bands themselves are the model
   MeasuredShare dropOut;     // of the bands that the fit uses
 
-  double sigmaAt(double range) const;  // m, of the model
+  double sigmaAt(double range) const;  // m, by the model
   double measuredUpTo() const;         // m, mean range of the last band that the fit uses
 };
 
 struct FitNoiseOptions {
-  double mostIncidence = radians(60);  // of the patches that the fit uses
+  double mostIncidence = radians(60);  // patches that are seen at a larger incidence are not used
 };
 
-// Throws InputError where the scans hold too few flat patches.
+// Fits the model to patches of the scans. Throws InputError where the scans hold too few flat patches.
 NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans, const std::vector<FlatPatch>& patches,
                   const FitNoiseOptions& options = {});
 
-// What the model says of ranges beyond the measured ones, where the sensor reaches farther; else empty. A sentence, of
-// a line or two.
+// A sentence, in a line or two, about what the model says of ranges beyond the measured ones. Empty where the sensor
+// reaches no farther.
 std::vector<std::string> beyondMeasured(const NoiseFit& fit);
 
-// `effects:` of a sensor file, with where the figures come from as comments. Ends with a newline.
+// The key `effects` of a sensor file, with comments that say where the figures come from. Ends with a newline.
 std::string effectsYaml(const NoiseFit& fit, const std::string& date);
 
 }  // namespace scanmill

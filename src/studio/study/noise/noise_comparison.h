@@ -1,7 +1,7 @@
 #pragma once
 
-// What was recorded, beside the same patches simulated: the planes that were found, seen by the same beams, with the
-// fitted effects.
+// Compares a recording with a simulation of its own patches: the planes that were found, seen by the same beams, with
+// the fitted effects.
 
 #include <cstddef>
 #include <optional>
@@ -14,13 +14,14 @@
 
 namespace scanmill {
 
-// One of the two, or of steep and grazing views.
+// How the ranges of some patches scatter, in the recording or in the simulation.
 struct ResidualSpread {
   std::vector<double> residuals;  // m, about the lines: see FlatPatch::residuals
-  double deviation = 0;           // m, that most patches share, the step included
-  double planeDeviation = 0;      // likewise about planes
+  double deviation = 0;           // m, the one that most patches share; the rounding of ranges is included
+  double planeDeviation = 0;      // m, the same about planes
 };
 
+// The two beside each other, of steep or of grazing views.
 struct ResidualComparison {
   std::string name;  // "up to 60 deg"
   std::size_t patches = 0;
@@ -28,16 +29,17 @@ struct ResidualComparison {
   ResidualSpread simulated;
 };
 
-// Clouds of two scans' patches, one moved onto the other by their planes and not by the points, whose fitness is
-// what is asked: mean squared distance (m^2) to the nearest point. A motion that did not converge leaves its fitness
-// out.
+// The fitness (mean squared distance to the nearest point, m^2) of the patches' points of two scans, one scan moved
+// onto the other. Planes give the motion, since points would be moved until their own fitness is best. Where a motion
+// did not converge, its fitness is absent.
 struct FitnessComparison {
   std::string pair;  // "a.pcd on b.pcd"
   PlaneMotion recordedMotion;
-  PlaneMotion simulatedMotion;  // the planes measured again in the simulation: the same, but for its noise
+  PlaneMotion simulatedMotion;  // from the planes as measured in the simulation: it differs by their noise alone
   std::optional<double> recorded;
   std::optional<double> simulated;
-  std::optional<double> exact;  // without effects, moved as recorded: what the beams' pattern alone makes
+  // The fitness of a simulation without effects, moved as the recording: what the pattern of the beams alone makes.
+  std::optional<double> exact;
 };
 
 struct NoiseComparison {
@@ -45,7 +47,7 @@ struct NoiseComparison {
   std::vector<FitnessComparison> fitness;
 };
 
-// On patches at ranges that the fit uses. `effects` is a list as in a sensor file, see effectsYaml().
+// Compares on the patches at ranges that the fit uses. `effects` is a list as in a sensor file, see effectsYaml().
 NoiseComparison compareNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans,
                              const std::vector<FlatPatch>& patches, const NoiseFit& fit, const std::string& effects);
 

@@ -13,20 +13,20 @@
 namespace scanmill {
 
 struct RecordedScan {
-  std::string name;              // of its file
-  std::vector<double> range;     // m along each beam, from the beam's own origin; NaN: no return
-  std::vector<float> intensity;  // likewise, zero without a return; or empty
-  Pose scanFromSensor;           // the frame that the points are given in, which may be turned against the sensor's
+  std::string name;              // the file's name
+  std::vector<double> range;     // m along each beam, from the beam's own origin; NaN without a return
+  std::vector<float> intensity;  // of each beam, zero without a return; empty where the scan has no intensities
+  Pose scanFromSensor;           // the frame in which the scan gives its points, which may differ from the sensor's
   std::size_t returns = 0;
 };
 
-// Each point goes to its beam by its place in an organised scan, or by its ring and column. How the points' frame lies
-// against the beams is found by itself: recordings often leave the sensor's own offsets out. Throws InputError that
-// begins with the name: where the scan has another size than the sensor or no ring and column, is empty, or where its
-// points do not lie on the sensor's beams.
+// Gives each point of a scan to its beam, by its place in an organised scan or by its ring and column. Where the frame
+// of the points lies against the beams is found from the points, since recordings often leave the sensor's own offsets
+// out. Throws InputError, which begins with the name, where the scan has another size than the sensor, has no ring and
+// column, or is empty, or where its points do not lie on the sensor's beams.
 RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::string& name);
 
-// The step in which ranges are reported (m): they are multiples of it, plus a constant. 0: none was found.
+// The step (m) in which ranges are reported: they are multiples of it plus a constant. 0 where no step was found.
 double rangeStep(const std::vector<RecordedScan>& scans);
 
 }  // namespace scanmill

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "config/fields.h"
+#include "evaluate/auto/calibrate.h"
 
 namespace scanmill {
 
@@ -76,6 +77,7 @@ std::vector<MethodSetting> pipelinesOwnMethod(const Pipeline& pipeline) {
 }  // namespace
 
 RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline) {
+  checkAutoChoice(pipeline);
   RepeatabilityChoice choice;
   Fields fields(pipeline.repeatability, "repeatability");
   fields.also({"scans", "noise", "reference", "methods", "object", "margin_m", "icp"}).finish();

@@ -1,10 +1,10 @@
 #pragma once
 
-// What a repeatability study compares: the key `repeatability:` of a pipeline. All of it may be left out.
+// What a repeatability study compares: the key `repeatability:` of a pipeline, every part of which may be left out.
 //
 //   repeatability:
-//     scans: 5                      # of each pose, with the seeds seed, seed + 1, ...
-//     noise:                        # levels; default: one, the pipeline's own effects
+//     scans: 5                      # so many from each pose, with the seeds seed, seed + 1, ...
+//     noise:                        # noise levels (default: one, the pipeline's own effects)
 //       - {name: 1 cm, effects: [{shell: {scale_m: 0.01}}]}
 //       - {name: fitted, effects: sensor}      # those of the sensor's own file
 //     reference: 1 cm               # the level of the first charts (default: the first)
@@ -20,15 +20,15 @@
 #include <vector>
 
 #include "evaluate/registration.h"
+#include "evaluate/settings.h"
 #include "pipeline/pipeline.h"
-#include "pipeline/settings.h"
 #include "sense/sense.h"
 
 namespace scanmill {
 
 struct NoiseLevel {
   std::string name;
-  std::vector<SensorEffects> own;  // per sensor; empty: the pipeline's
+  std::vector<SensorEffects> own;  // one per sensor; empty where the level is the pipeline's own effects
 
   std::span<const EffectEntry* const> entries(const Pipeline& pipeline, std::size_t sensor) const {
     return own.empty() ? pipeline.effectEntriesOf(sensor) : own[sensor].entries;
@@ -43,17 +43,18 @@ struct RepeatabilityChoice {
   std::vector<NoiseLevel> levels;
   std::size_t reference = 0;  // index into levels
   std::vector<MethodSetting> methods;
-  std::string object;   // empty: the nearest thing
+  std::string object;   // empty where it is the thing nearest to the sensor
   double margin = 0.1;  // m
   IcpOptions icp;
 };
 
-// Throws InputError with the place.
+// Reads the key, and checks the options of the pipeline's own `method: auto`, where it says so. Throws InputError with
+// the place.
 RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline);
 
-// What the scans keep of the sensor's report: where points are, and which column fired them.
+// What is kept of the scans that are compared: where the points are, and which column fired them.
 ScanLayout repeatabilityLayout();
-// Channels that the noise levels read; a plan must know of them to load textures.
+// The channels that the noise levels read. The plan is made with them, so that it loads the textures that they need.
 Channels repeatabilityChannels(const Pipeline& pipeline);
 
 }  // namespace scanmill

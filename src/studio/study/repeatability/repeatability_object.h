@@ -1,6 +1,6 @@
 #pragma once
 
-// The thing that repeated scans look at: its box, and what lies near it.
+// The thing that repeated scans look at, and how far points lie from it.
 
 #include <cstdint>
 #include <string>
@@ -18,7 +18,8 @@ class BoxedThing {
 
   const std::string& name() const { return name_; }
   Vec3d center() const { return worldFromMesh_ * box_.center(); }
-  // From a point of the world to the box (m); 0 inside. Exact where the mesh's axes stay perpendicular in the world.
+  // The distance (m) from a point of the world to the box; 0 inside it. It is exact where the mesh's axes stay
+  // perpendicular in the world.
   double distance(const Vec3d& point) const;
 
  private:
@@ -27,11 +28,11 @@ class BoxedThing {
   Box box_;
 };
 
-// All things, by instance id.
+// All things of a scene, in the order of their instance ids.
 std::vector<BoxedThing> boxedThings(const Scene& scene);
 
-// The thing with this name or, where the name is empty, the one nearest to `from`. Of several the nearest. Throws
-// InputError that names the scene.
+// The thing with this name that is nearest to `from`; where the name is empty, the nearest thing of all. Throws
+// InputError, which names the scene, where there is none.
 const BoxedThing& thingToWatch(const std::vector<BoxedThing>& things, const std::string& name, const Vec3d& from,
                                const Scene& scene);
 

@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "base/short_text.h"
 #include "evaluate/limits.h"
-#include "pipeline/progress.h"
-#include "study/tradeoff/report_figures.h"
+#include "study/figure_text.h"
 #include "study/tradeoff/study.h"
+#include "study/tradeoff/study_figures.h"
 
 namespace scanmill {
 
@@ -140,7 +141,7 @@ class Adviser {
                                  e.range.p95 < kExactRange ? "are exact" : "lie within " + metresText(e.range.p95),
                                       metresText(p99));
     return fmt::format(
-        "{}{}, {} of the labels agree{}, {} of the beams are lost or spurious{}", ranges,
+        "{}{}, {} of the labels agree{}, {} of the beams are false negatives or positives{}", ranges,
         better(there != nullptr && rangesWorse(e, *there), there == nullptr ? "" : p99Text(*there)),
         shareText(e.labels()),
         better(there != nullptr && labelsWorse(e, *there), there == nullptr ? "" : shareText(there->labels())),
@@ -178,7 +179,7 @@ class Adviser {
     }
     if (missesWorse(a, b)) {
       list.push_back(
-          fmt::format("{} of the beams lost or spurious against {}", shareText(a.missRate()), shareText(b.missRate())));
+          fmt::format("{} false negatives or positives against {}", shareText(a.missRate()), shareText(b.missRate())));
     }
     return list;
   }

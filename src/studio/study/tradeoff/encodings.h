@@ -1,6 +1,6 @@
 #pragma once
 
-// What each encoding of a scan takes, and what it loses.
+// Measures what each encoding of a scan takes, and what it loses.
 
 #include <span>
 #include <vector>
@@ -11,9 +11,9 @@
 
 namespace scanmill {
 
-// Each encodes and decodes all scans, one after the other on one thread; the least of `repeats` times of each counts.
-// Points are returns: an organised scan's misses
-// cost bytes and count as none. Errors are those of the decoded positions, point by point.
+// Encodes and decodes all scans, one after the other on one thread; the least of `repeats` times of each scan counts.
+// Points are returns: an organised scan's misses cost bytes, but are no points. Errors are those of the decoded
+// positions, point by point.
 EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Scan> scans, int repeats);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// How long scans take by the number of rings: a fixed cost and a slope.
+// How the time of a scan depends on the number of rings: a fixed cost and a cost per ring.
 
 #include <memory>
 
@@ -9,12 +9,12 @@
 
 namespace scanmill {
 
-// The same sensor with so many rings, evenly between its highest and lowest one, without offsets between rings. Top
-// down where the sensor is. Throws Error for fewer than two.
+// The same sensor with so many rings, evenly spread between its highest and its lowest ring, in the sensor's own order
+// and without offsets between rings. Throws Error for fewer than two rings.
 std::shared_ptr<const BeamTable> withRings(const BeamTable& beams, std::uint32_t rings);
 
-// Fills in the fit: seconds = fixed + perRing * rings by least squares of relative errors, so that fast scans count as
-// much as slow ones. At least two different numbers of rings.
+// Fits seconds = fixed + perRing * rings to the timings by least squares of relative errors, so that fast scans count
+// as much as slow ones. Throws Error where the timings have fewer than two different numbers of rings.
 void fitRings(RingFit& fit);
 
 }  // namespace scanmill

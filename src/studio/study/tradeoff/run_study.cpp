@@ -6,17 +6,16 @@
 #include <set>
 
 #include "base/parallel.h"
+#include "base/short_text.h"
 #include "base/wall_timer.h"
 #include "config/version.h"
+#include "evaluate/intensity.h"
 #include "passes/compute.h"
-#include "pipeline/intensity.h"
 #include "pipeline/progress.h"
 #include "study/tradeoff/encodings.h"
-#include "study/tradeoff/error_picture.h"
 #include "study/tradeoff/ring_timings.h"
 #include "study/tradeoff/settings.h"
 #include "study/tradeoff/study.h"
-#include "viewer/picture.h"
 
 namespace scanmill {
 
@@ -226,12 +225,13 @@ class StudyRun {
       return spreadOf(std::move(seconds)).median;
     };
     fit.timings.push_back({rings, timed([&] { method->trace(shot, measureOptions_.channels, hits); })});
-    if (!study_.rings.empty() || setting.setting.name != choice_.settings.front().setting.name) return;
+    const bool first = study_.rings.empty() && setting.setting.name == choice_.settings.front().setting.name;
+    if (!first || !options_.showScan) return;
     if (!study_.showing) study_.showing = RingFit{};
     Returns returns;
     Scan scan;
     senseInto(shot, hits, returns, scan);
-    study_.showing->timings.push_back({rings, timed([&] { drawPicture(scan, &scene_.ontology, {}, "scan"); })});
+    study_.showing->timings.push_back({rings, timed([&] { options_.showScan(scan, scene_.ontology); })});
   }
 
   void senseInto(const Shot& shot, const Hits& hits, Returns& returns, Scan& scan) const {
@@ -273,6 +273,7 @@ class StudyRun {
 
   // Where shortcuts err: of each method that errs, its first setting that does and its worst.
   void takePictures() {
+    if (!options_.drawErrors) return;
     std::set<std::string> wanted;
     std::map<std::string, std::vector<const SettingResult*>> erring;
     for (const SettingResult& s : study_.settings) {
@@ -293,7 +294,7 @@ class StudyRun {
       try {
         Hits hits;
         makeMethod(builtAnew(s.choice), scene_)->trace(truth_.front().shot, kErrorChannels, hits);
-        study_.pictures.push_back(drawErrors(s.setting, truth_.front(), hits));
+        study_.pictures.push_back({s.setting.name, s.setting.name, options_.drawErrors(truth_.front(), hits)});
       } catch (const Error& error) {
         study_.left.push_back(fmt::format("picture of {}: {}", s.setting.name, error.what()));
       }

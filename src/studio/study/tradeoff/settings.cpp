@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "config/fields.h"
+#include "config/named_options.h"
+#include "evaluate/auto/calibrate.h"
 
 namespace scanmill {
 
@@ -81,6 +83,7 @@ std::vector<MethodSetting> defaultSettings() {
 }
 
 StudyChoice readStudyChoice(const Pipeline& pipeline) {
+  checkAutoChoice(pipeline);
   StudyChoice choice;
   Fields fields(pipeline.tradeoff, "tradeoff");
   fields.also({"settings", "encodings", "rings", "sequence", "shots", "repeats", "budget_s"}).finish();

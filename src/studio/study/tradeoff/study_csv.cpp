@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::string_view kHeader =
     "setting,method,options,setup_s,scan_s,beams_per_s,stages_s,memory_bytes,nearest_to_mean_m,nearest_from_mean_m,"
-    "hausdorff_m,group_kind,group,low,high,beams,both_hit,both_miss,lost,spurious,unresolved,class_agreed,"
-    "instance_agreed,labels,range_mean_m,range_rms_m,range_median_m,range_p95_m,range_p99_m,range_p999_m,"
+    "hausdorff_m,group_kind,group,low,high,beams,both_hit,both_miss,false_negatives,false_positives,unresolved,"
+    "class_agreed,instance_agreed,labels,range_mean_m,range_rms_m,range_median_m,range_p95_m,range_p99_m,range_p999_m,"
     "range_max_m,intensity_mean_error,group_nearest_to_mean_m,group_nearest_from_mean_m,group_hausdorff_m,failure";
 constexpr std::size_t kCells = 1 + static_cast<std::size_t>(std::count(kHeader.begin(), kHeader.end(), ','));
 
@@ -67,9 +67,10 @@ std::string groupCells(const std::string& kind, const ErrorGroup& group) {
   const bool near = e.nearestTo.count + e.nearestFrom.count > 0;
   const std::string hausdorff = near ? number(e.hausdorff()) : std::string();
   return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", kind, cell(group.name), number(group.low),
-                     number(group.high), e.beams, e.bothHit, e.bothMiss, e.lost, e.spurious, e.unresolved,
-                     number(e.classAgreed()), number(e.instanceAgreed()), number(e.labels()), spreadCells(e.range),
-                     meanCell(e.intensity), meanCell(e.nearestTo), meanCell(e.nearestFrom), hausdorff);
+                     number(group.high), e.beams, e.bothHit, e.bothMiss, e.falseNegatives, e.falsePositives,
+                     e.unresolved, number(e.classAgreed()), number(e.instanceAgreed()), number(e.labels()),
+                     spreadCells(e.range), meanCell(e.intensity), meanCell(e.nearestTo), meanCell(e.nearestFrom),
+                     hausdorff);
 }
 
 }  // namespace

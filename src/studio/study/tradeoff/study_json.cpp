@@ -23,10 +23,10 @@ void describe(Archive& a, Spread& s) {
 
 template <class Archive>
 void describe(Archive& a, GroupErrors& g) {
-  a("beams", g.beams)("both_hit", g.bothHit)("both_miss", g.bothMiss)("lost", g.lost)("spurious", g.spurious)(
-      "unresolved", g.unresolved)("same_class", g.sameClass)("same_instance", g.sameInstance)(
-      "same_label", g.sameLabel)("range_m", g.range)("intensity", g.intensity)("nearest_to_m", g.nearestTo)(
-      "nearest_from_m", g.nearestFrom);
+  a("beams", g.beams)("both_hit", g.bothHit)("both_miss", g.bothMiss)("false_negatives", g.falseNegatives)(
+      "false_positives", g.falsePositives)("unresolved", g.unresolved)("same_class", g.sameClass)(
+      "same_instance", g.sameInstance)("same_label", g.sameLabel)("range_m", g.range)("intensity", g.intensity)(
+      "nearest_to_m", g.nearestTo)("nearest_from_m", g.nearestFrom);
 }
 
 template <class Archive>
@@ -225,10 +225,15 @@ Study parseStudy(const std::string& text, const std::string& file) {
     node.fail("is no trade-off study: `scanmill tradeoff PIPELINE -o DIR` writes one");
   }
   if (!node.has("schema_version")) node.fail("key 'schema_version' is missing");
-  if (const int version = node["schema_version"].integer<int>(1); version > Study::kSchemaVersion) {
+  const int version = node["schema_version"].integer<int>(1);
+  if (version < Study::kSchemaVersion) {
+    node["schema_version"].fail(fmt::format("{} is older than this program, which reads {}: run the study again",
+                                            version, Study::kSchemaVersion));
+  }
+  if (version > Study::kSchemaVersion) {
     node["schema_version"].fail(
-        fmt::format("{} is newer than this program, which reads up to {}: update scanmill, or run the study again",
-                    version, Study::kSchemaVersion));
+        fmt::format("{} is newer than this program, which reads {}: update scanmill, or run the study again", version,
+                    Study::kSchemaVersion));
   }
   Study study;
   JsonReader reader(node);

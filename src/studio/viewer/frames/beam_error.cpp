@@ -20,9 +20,9 @@ constexpr std::uint64_t kMostBeams = std::uint64_t{1} << 26;  // of a table to j
 
 }  // namespace
 
-std::vector<float> twinErrors(const Scan& scan, const Scan& twin, std::string& why) {
+std::vector<float> referenceErrors(const Scan& scan, const Scan& reference, std::string& why) {
   for (const auto& [known, whose] :
-       {std::pair{knowsBeams(scan), "the scan"}, std::pair{knowsBeams(twin), "the twin"}}) {
+       {std::pair{knowsBeams(scan), "the scan"}, std::pair{knowsBeams(reference), "the noise-free reference"}}) {
     if (known) continue;
     why = fmt::format(
         "{} does not say which beam its points belong to: name ring and column in output.columns of its "
@@ -30,16 +30,16 @@ std::vector<float> twinErrors(const Scan& scan, const Scan& twin, std::string& w
         whose);
     return {};
   }
-  if (scan.rings != 0 && twin.rings != 0 && (scan.rings != twin.rings || scan.columns != twin.columns)) {
-    why = fmt::format("the twin's sensor has {} x {} beams, not {} x {}", twin.rings, twin.columns, scan.rings,
-                      scan.columns);
+  if (scan.rings != 0 && reference.rings != 0 && (scan.rings != reference.rings || scan.columns != reference.columns)) {
+    why = fmt::format("the noise-free reference's sensor has {} x {} beams, not {} x {}", reference.rings,
+                      reference.columns, scan.rings, scan.columns);
     return {};
   }
-  const PointKey size = extentOf(twin);
+  const PointKey size = extentOf(reference);
   const std::uint64_t beams = std::uint64_t{size.ring} * size.column;
   if (beams * size.number > kMostBeams) {
     why =
-        fmt::format("the twin's rings and columns reach {} x {}: no sensor has so many beams", size.ring, size.column);
+        fmt::format("the noise-free reference's rings and columns reach {} x {}: no sensor has so many beams", size.ring, size.column);
     return {};
   }
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -47,8 +47,8 @@ std::vector<float> twinErrors(const Scan& scan, const Scan& twin, std::string& w
     return (std::uint64_t{key.number} * size.ring + key.ring) * size.column + key.column;
   };
   std::vector<std::uint32_t> rowOf(beams * size.number, kNone);
-  for (std::size_t i = twin.size(); i-- > 0;) {  // of two points with the same key the first stays
-    rowOf[placeOf(keyOf(twin, i))] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = reference.size(); i-- > 0;) {  // of two points with the same key the first stays
+    rowOf[placeOf(keyOf(reference, i))] = static_cast<std::uint32_t>(i);
   }
   std::vector<float> errors(scan.size(), kUnknown);
   parallelFor(scan.size(), kGrain, [&](std::size_t first, std::size_t last) {
@@ -56,8 +56,8 @@ std::vector<float> twinErrors(const Scan& scan, const Scan& twin, std::string& w
       const PointKey key = keyOf(scan, i);
       if (key.ring >= size.ring || key.column >= size.column || key.number >= size.number) continue;
       const std::uint32_t row = rowOf[placeOf(key)];
-      if (row == kNone || !isFinite(scan.position[i]) || !isFinite(twin.position[row])) continue;
-      errors[i] = static_cast<float>(length(Vec3d(scan.position[i]) - Vec3d(twin.position[row])));
+      if (row == kNone || !isFinite(scan.position[i]) || !isFinite(reference.position[row])) continue;
+      errors[i] = static_cast<float>(length(Vec3d(scan.position[i]) - Vec3d(reference.position[row])));
     }
   });
   return errors;

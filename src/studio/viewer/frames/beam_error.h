@@ -1,6 +1,6 @@
 #pragma once
 
-// How far the points of a scan lie from where they would be without noise.
+// Measures how far the points of a scan lie from where they would be without noise.
 
 #include <string>
 #include <vector>
@@ -10,13 +10,14 @@
 
 namespace scanmill {
 
-// m, one per point: the distance between the point of a beam's return and the twin's; NaN where either has none. Points
-// are joined by their keys: ring, column and number of the return, which an organised scan knows by its order. Empty
-// where that cannot be, and then `why` says so, for the one who made the scans.
-std::vector<float> twinErrors(const Scan& scan, const Scan& twin, std::string& why);
+// The distance (m) of each point of the scan from the point of the same beam in its noise-free reference; NaN where
+// either has no point. Points are joined by ring, column and number of the
+// return, which an organised scan knows by its order. Empty where
+// they cannot be joined; then `why` says to the user what the scans lack.
+std::vector<float> referenceErrors(const Scan& scan, const Scan& reference, std::string& why);
 
-// m, one per point: by how much its range differs from `range_true`; NaN where it has none. Ranges count from where
-// the beam starts: without a table, from the sensor's origin. Empty where the scan lacks the column.
+// The difference (m) of each point's range from `range_true`; NaN where a point has no range. Ranges count from where
+// the beam starts; without a beam table, from the sensor's origin. Empty where the scan lacks the column `range_true`.
 std::vector<float> rangeErrors(const Scan& scan, const BeamTable* beams);
 
 }  // namespace scanmill

@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "dataset/sample_names.h"
 #include "formats/format.h"
-#include "viewer/frames/sample_names.h"
 #include "viewer/frames/scene_lookup.h"
 #include "viewer/frames/stored_frames.h"
 
@@ -19,9 +19,9 @@ namespace {
 class SceneFrames : public FrameSource {
  public:
   explicit SceneFrames(const ViewInput& input) : file_(input.path), keys_{input.path.filename().string()} {
-    if (!input.over.empty() || !input.twin.empty() || !input.sensor.empty() || !input.scene.empty()) {
+    if (!input.over.empty() || !input.reference.empty() || !input.sensor.empty() || !input.scene.empty()) {
       throw InputError({file_.string()},
-                       "is a scene: --over, --twin, --sensor and --scene belong to a dataset, a shard or a scan");
+                       "is a scene: --over, --reference, --sensor and --scene belong to a dataset, a shard or a scan");
     }
     requireScene(file_);
     if (!input.ontology.empty()) ontology_ = readOntology(input.ontology);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the viewer shows: the samples of a dataset or a shard, a single scan, or a scene.
+// Gives the viewer what it shows: the samples of a dataset or of a shard, a single scan, or a scene.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,22 +19,22 @@ namespace scanmill {
 
 // One scan of a sample, and what is known of it besides its columns.
 struct ViewScan {
-  std::string name;    // what tells it from the sample's others: "top", "top, particle", "out/b: top"
-  std::string sensor;  // these two are empty where unknown
-  std::string method;
+  std::string name;    // tells it from the sample's other scans: "top", "top, particle", "out/b: top"
+  std::string sensor;  // empty where unknown
+  std::string method;  // empty where unknown
   Scan scan;
-  std::optional<Pose> worldFromSensor;     // at the start of the turn
-  double time = 0;                         // s since the start of the sequence
-  std::vector<float> error;                // m, one per point, not negative; NaN where unknown; empty: nothing is known
-  std::string errorTitle;                  // "distance to the twin (m)", "range error (m)"
+  std::optional<Pose> worldFromSensor;  // at the start of the turn
+  double time = 0;                      // s since the start of the sequence
+  std::vector<float> error;             // m, one per point, not negative; NaN where unknown; empty where none is known
+  std::string errorTitle;               // "distance to the reference (m)", "range error (m)"
   std::shared_ptr<const BeamTable> beams;  // of the dataset's sensor; null where unknown
-  std::string whyNoError{};                // what NaN means among errors: "no partner in the twin"; may be empty
+  std::string whyNoError{};                // what NaN means among errors: "no partner in the reference"; may be empty
 };
 
 struct ViewFrame {
   std::string key;
   std::vector<ViewScan> scans;
-  std::vector<std::string> problems;  // what of it could not be loaded, one line each
+  std::vector<std::string> problems;  // a line for everything that could not be loaded
 };
 
 struct SceneChoice {
@@ -43,45 +43,51 @@ struct SceneChoice {
   bool operator==(const SceneChoice&) const = default;
 };
 
-// What somebody wants to see.
+// What a user wants to see. What is empty is not asked for.
 struct ViewInput {
   std::filesystem::path path;  // a dataset's folder, a shard, a scan of any known format, or a scene (.yaml)
-  std::vector<std::filesystem::path> over{};  // further datasets, shards or scans: samples are joined by their keys, a
-                                              // single scan with every sample
-  std::filesystem::path twin{};               // the noise-free dataset, shard or scan; empty: none
-  std::string sensor{};                       // only this one's scans; empty: all
-  std::filesystem::path ontology{};           // labels/*.yaml, in place of the dataset's; empty: the dataset's
-  std::filesystem::path scene{};              // in place of the dataset's; empty: that which the manifest names
+  // Further datasets, shards or scans. Their samples are joined by their keys, a single scan with every sample.
+  std::vector<std::filesystem::path> over{};
+  std::filesystem::path reference{};  // the noise-free reference: a dataset, a shard or a scan
+  std::string sensor{};               // only the scans of this sensor are shown
+  std::filesystem::path ontology{};   // a file as labels/*.yaml, in place of the dataset's own ontology
+  std::filesystem::path scene{};      // the scene that was scanned, in place of the one that the manifest names
 };
 
+// A list of frames that are loaded when they are wanted.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  virtual std::string title() const = 0;  // the folder's or the file's name
-  // Of the frames, in their order; one for a single scan or a scene.
+  // The name of the folder or the file that is shown.
+  virtual std::string title() const = 0;
+  // The names of the frames, in the order in which they are shown. A single scan or a scene is one frame.
   virtual const std::vector<std::string>& keys() const = 0;
-  virtual const Ontology* ontology() const = 0;  // null where unknown
-  virtual bool isScene() const = 0;              // frames without scans: only scene() is to be seen
-  // From any thread. Throws nothing for what is wrong with the data: a damaged or missing shard, a member that does not
-  // decode, a sample that a further dataset lacks are problems of the frame, with the file's name and what to do.
+  // Names and colours of the classes; null where they are unknown.
+  virtual const Ontology* ontology() const = 0;
+  // Whether a scene is shown: its frame has no scans, only what scene() names.
+  virtual bool isScene() const = 0;
+  // Loads a frame; any thread may call it. Faults of the data do not throw: a damaged or missing shard, a member that
+  // cannot be decoded, or a sample that a further dataset lacks becomes one of the frame's problems, which names the
+  // file and says what to do.
   virtual ViewFrame load(std::size_t frame) const = 0;
-  // Of the frame's sequence, in the order of its frames: worldFromSensor of each one's first scan; empty where unknown.
+  // Where the sensor of the first scan stood in every frame of the frame's sequence, as worldFromSensor, in the order
+  // of the frames. Empty where that is unknown.
   virtual std::vector<Pose> trajectory(std::size_t frame) const = 0;
-  // What the frame was made of; none where that is unknown or its file is not there, and then `why` says so.
+  // The scene that the frame was made of. Absent where it is unknown or its file is missing; then `why` says so.
   virtual std::optional<SceneChoice> scene(std::size_t frame, std::string& why) const = 0;
-  // Ids of the classes that any frame holds, ascending; empty where that is unknown.
+  // The ids of all classes that occur in the frames, ascending; empty where they are unknown.
   virtual std::vector<std::uint16_t> classes() const { return {}; }
-  // Frames that cannot be shown, as far as is known by now, ascending. From any thread.
+  // The indices of frames that cannot be shown, as far as they are known by now, ascending. Any thread may call it.
   virtual std::vector<std::size_t> damaged() const { return {}; }
 };
 
-// Throws InputError for what makes it senseless to go on: no such file, a file of no known kind, a manifest that cannot
-// be read, a sensor that there is not, a single scan that does not decode. Reads the manifest and the directories of
-// shards, no scan of a dataset.
+// Opens what a user wants to see: reads the manifest and the directories of the shards, but no scan of a dataset.
+// Throws InputError where there is nothing to show: the file does not exist or is of no known kind, the manifest or a
+// single scan cannot be read, or there is no such sensor.
 std::unique_ptr<FrameSource> openFrames(const ViewInput& input);
 
-// The frame of a key, or of an index from 0, or the only key that holds `wanted`; empty: the middle one. Throws
-// InputError with the nearest keys.
+// The index of the frame that is `wanted`: its key, a part of it that no other key has, or its index from 0; where
+// `wanted` is empty, the middle frame. Throws InputError with the nearest keys.
 std::size_t findFrame(const FrameSource& source, const std::string& wanted);
 
 }  // namespace scanmill

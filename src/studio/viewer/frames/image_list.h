@@ -1,6 +1,6 @@
 #pragma once
 
-// The EXR images of a recording, or one alone, and what their numbers mean.
+// Lists the EXR images of a recording, or a single one, and what their numbers mean.
 
 #include <cstddef>
 #include <filesystem>
@@ -16,17 +16,18 @@ namespace scanmill {
 struct ImageList {
   std::string title;                         // the folder's or the file's name
   std::vector<std::filesystem::path> files;  // at least one
-  std::vector<std::string> names;            // of the files, without the suffix
-  std::size_t first = 0;                     // that is shown first
+  std::vector<std::string> names;            // the names of the files without the suffix
+  std::size_t first = 0;                     // index of the file that is shown first
   std::optional<Ontology> ontology;
-  std::optional<Recording> recording;  // that they lie in
+  std::optional<Recording> recording;  // the recording that they belong to
 
-  // Names of the materials that a file points to, by index; empty where unknown.
+  // The names of the materials that a file's numbers stand for, by index; empty where they are unknown.
   std::vector<std::string> materials(std::size_t file) const;
 };
 
-// An EXR file, or the folder of a recording: its images in the order of their names, numbers by their value. `wanted`:
-// a part of a name, or an index from 0; empty: the first. `ontology`: in place of the recording's. Throws InputError.
+// Lists an EXR file, or the images in the folder of a recording in the order of their names, where digits count as
+// numbers. `wanted` is a part of the name, or the index from 0, of the image that is shown first; where it is empty,
+// the first one is. `ontology` stands in place of the recording's. Throws InputError.
 ImageList openImages(const std::filesystem::path& path, const std::string& wanted, std::optional<Ontology> ontology);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// Which scene a sample was made of.
+// Finds the scene that a sample was made of.
 
 #include <cstdint>
 #include <filesystem>
@@ -11,13 +11,13 @@
 
 namespace scanmill {
 
-// The entry under `scenes:` of the pipeline whose scene and seed make the sample's key. A relative file is looked for
-// where the program runs, in the dataset's folder and among the program's own files: the manifest does not say where
-// the pipeline was. None where that fails, and then `why` says what is missing.
+// Finds the entry under `scenes:` of the pipeline whose scene and seed make the sample's key. Since the manifest does
+// not say where the pipeline was, a relative file is looked for where the program runs, in the dataset's folder and
+// among the program's own files. Absent where it is not found; then `why` says what is missing.
 std::optional<SceneChoice> sceneOfSample(const std::string& pipelineText, const std::filesystem::path& datasetFolder,
                                          const std::string& key, std::string& why);
 
-// What follows "-s" in "street-s3-lane-000012"; 1 where a key holds no seed.
+// The seed of the scene by the sample's key: 3 for "street-s3-lane-000012"; 1 where a key holds no seed.
 std::uint64_t seedOfKey(const std::string& key);
 
 // Throws InputError unless the file is a scene.

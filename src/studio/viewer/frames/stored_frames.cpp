@@ -10,8 +10,8 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "dataset/sample_json.h"
+#include "dataset/sample_names.h"
 #include "viewer/frames/beam_error.h"
-#include "viewer/frames/sample_names.h"
 #include "viewer/frames/scene_lookup.h"
 
 namespace scanmill {
@@ -86,7 +86,7 @@ StoredFrames::StoredFrames(const ViewInput& input) : input_(input) {
   for (std::size_t i = 0; i < paths.size(); ++i) {
     stores_.push_back({std::make_unique<const ScanStore>(paths[i]), labels[i], {}});
   }
-  if (!input.twin.empty()) twin_ = std::make_unique<const ScanStore>(input.twin);
+  if (!input.reference.empty()) reference_ = std::make_unique<const ScanStore>(input.reference);
   checkJoins();
   takeOntology();
   if (first().manifest() == nullptr) return;
@@ -114,10 +114,11 @@ void StoredFrames::checkJoins() const {
                                               stores_[i].scans->path().string()));
       }
     }
-    if (twin_ != nullptr && !twin_->single()) {
-      throw InputError({where}, fmt::format("is a single scan and has no key to find in {}: its twin must be a single "
-                                            "scan too",
-                                            twin_->path().string()));
+    if (reference_ != nullptr && !reference_->single()) {
+      throw InputError({where},
+                       fmt::format("is a single scan and has no key to find in {}: its reference must be a single "
+                                   "scan too",
+                                   reference_->path().string()));
     }
     return;
   }
@@ -193,31 +194,34 @@ void StoredFrames::nameScans(std::vector<Loading>& all) const {
   }
 }
 
-void StoredFrames::addTwinError(ViewScan& scan, const std::string& key) const {
-  const auto sample = twin_->single() ? std::optional<std::size_t>(0) : twin_->find(key);
-  if (!sample) throw InputError({twin_->path().string()}, fmt::format("the twin has no sample '{}'", key));
-  const std::vector<StoredScan> twins = twin_->scans(*sample, scan.sensor);
-  const auto same = std::find_if(twins.begin(), twins.end(),
+void StoredFrames::addReferenceError(ViewScan& scan, const std::string& key) const {
+  const auto sample = reference_->single() ? std::optional<std::size_t>(0) : reference_->find(key);
+  if (!sample)
+    throw InputError({reference_->path().string()}, fmt::format("the noise-free reference has no sample '{}'", key));
+  const std::vector<StoredScan> references = reference_->scans(*sample, scan.sensor);
+  const auto same = std::find_if(references.begin(), references.end(),
                                  [&](const StoredScan& t) { return lowerCase(t.method) == lowerCase(scan.method); });
   std::string why;
-  scan.error = twinErrors(scan.scan, twin_->decode(*sample, same == twins.end() ? twins.front() : *same), why);
-  if (!why.empty()) throw InputError({twin_->path().string()}, why);
-  scan.errorTitle = "distance to the twin (m)";
-  scan.whyNoError = "no partner in the twin";
+  scan.error = referenceErrors(scan.scan,
+                               reference_->decode(*sample, same == references.end() ? references.front() : *same), why);
+  if (!why.empty()) throw InputError({reference_->path().string()}, why);
+  scan.errorTitle = "distance to the reference (m)";
+  scan.whyNoError = "no partner in the reference";
 }
 
 void StoredFrames::addError(Loading& loading, const std::string& key, bool sensorsDiffer) const {
   ViewScan& scan = loading.scan;
-  if (twin_ == nullptr) {
+  if (reference_ == nullptr) {
     if (scan.scan[kRangeTrue].empty() || movedToStart(loading.store->scans->manifest(), loading.stored.record)) return;
     scan.error = rangeErrors(scan.scan, scan.beams.get());
     scan.errorTitle = "range error (m)";
     return;
   }
-  if (twin_->single() && sensorsDiffer) {
-    throw InputError({twin_->path().string()}, "the twin is a single scan: say with --sensor whose");
+  if (reference_->single() && sensorsDiffer) {
+    throw InputError({reference_->path().string()},
+                     "the noise-free reference is a single scan: say with --sensor whose");
   }
-  addTwinError(scan, key);
+  addReferenceError(scan, key);
 }
 
 void StoredFrames::loadOne(Loading& loading, const std::string& key, bool sensorsDiffer) const {
@@ -314,7 +318,7 @@ std::vector<std::uint16_t> StoredFrames::classes() const {
 
 std::vector<std::size_t> StoredFrames::damaged() const {
   // What lies over the first one's scans may be whole.
-  return stores_.size() == 1 ? first().lost() : std::vector<std::size_t>{};
+  return stores_.size() == 1 ? first().unreadableSamples() : std::vector<std::size_t>{};
 }
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// Frames whose scans are on disk.
+// Loads frames whose scans are on disk.
 
 #include <memory>
 #include <optional>
@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "dataset/scan_store.h"
 #include "viewer/frames/frame_source.h"
-#include "viewer/frames/scan_store.h"
 
 namespace scanmill {
 
@@ -30,8 +30,8 @@ class StoredFrames : public FrameSource {
  private:
   struct Store {
     std::unique_ptr<const ScanStore> scans;
-    std::string label;    // the folder's or the file's name, as far as it tells it from the others'
-    std::string classes;  // why its classes are not those that are shown; empty: they are
+    std::string label;    // as much of the path as tells it from the other stores
+    std::string classes;  // why its classes are not those that are shown; empty where they are
   };
   struct Loading;
 
@@ -41,15 +41,15 @@ class StoredFrames : public FrameSource {
   std::vector<Loading> find(const std::string& key, std::vector<std::string>& problems) const;
   void loadOne(Loading& loading, const std::string& key, bool sensorsDiffer) const;
   void addError(Loading& loading, const std::string& key, bool sensorsDiffer) const;
-  void addTwinError(ViewScan& scan, const std::string& key) const;
+  void addReferenceError(ViewScan& scan, const std::string& key) const;
   void nameScans(std::vector<Loading>& all) const;
   const Pose* poseOf(const SampleRecord& sample) const;
 
   ViewInput input_;
-  std::vector<Store> stores_;  // that which is shown, then those over it
-  std::unique_ptr<const ScanStore> twin_;
+  std::vector<Store> stores_;  // the one that is shown, then those that lie over it
+  std::unique_ptr<const ScanStore> reference_;
   std::optional<Ontology> ontology_;
-  std::unordered_map<std::string, std::vector<const SampleRecord*>> sequences_;  // in the order of their frames
+  std::unordered_map<std::string, std::vector<const SampleRecord*>> sequences_;  // samples in the order of their frames
 };
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// A scene's triangles, placed, as the viewer draws and picks them.
+// Makes of a scene the triangles that the viewer draws and picks, at their places in the world.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,20 +17,21 @@ namespace scanmill {
 
 struct ViewMesh {
   std::string name;
-  std::string problem;         // why there is no mesh: the scene could not be read, or is too large; then all is empty
-  Vec3d origin;                // m, world: what the corners count from
-  std::vector<Vec3f> corners;  // three a triangle, world axes, m
-  std::vector<std::uint16_t> semantic;  // per triangle: class id
-  std::vector<std::uint32_t> instance;  // 0: none
-  std::vector<std::uint16_t> material;  // index into materials
-  std::vector<std::uint32_t> part;      // index into parts
+  // Why there is no mesh: the scene could not be read, or is too large. Then everything else is empty.
+  std::string problem;
+  Vec3d origin;                         // m, world; the corners count from here
+  std::vector<Vec3f> corners;           // m, along the world's axes; three for each triangle
+  std::vector<std::uint16_t> semantic;  // of each triangle the class id
+  std::vector<std::uint32_t> instance;  // of each triangle the instance id; 0 where it has none
+  std::vector<std::uint16_t> material;  // of each triangle an index into materials
+  std::vector<std::uint32_t> part;      // of each triangle an index into parts
   std::vector<std::string> materials;
   std::vector<std::string> parts;  // "hall: Wall.003": the placed object and the asset's node
-  std::vector<float> reflectance;  // per material
+  std::vector<float> reflectance;  // of each material
   Ontology ontology;
   Box bounds;              // m, from `origin`
-  Box core;                // where most of it is: the middle 90 % of the corners along each axis
-  std::vector<Box> boxes;  // of each kTrianglesPerBox triangles, in order, from `origin`
+  Box core;                // m, from `origin`; it holds the middle 90 % of the corners along each axis
+  std::vector<Box> boxes;  // m, from `origin`; each holds the next kTrianglesPerBox triangles
 
   static constexpr std::size_t kTrianglesPerBox = 256;
   std::size_t size() const { return semantic.size(); }
@@ -38,17 +39,18 @@ struct ViewMesh {
 
 constexpr std::uint64_t kMostViewTriangles = 20'000'000;
 
-// Deterministic; uses all threads. A scene of more triangles gives a mesh without them whose `problem` says so.
+// Makes the mesh of a scene, the same every time, on all threads. A scene with more than kMostViewTriangles gives a
+// mesh without triangles whose `problem` says so.
 ViewMesh makeViewMesh(const Scene& scene);
 
-// Reads the scene (without textures) and makes its mesh. Never throws for what is wrong with the scene: see `problem`.
+// Reads a scene without its textures and makes its mesh. Faults of the scene do not throw: `problem` names them.
 ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed);
 
-// The first triangle on a ray (origin counted from mesh.origin), and how far it is (m).
 struct MeshHit {
   std::size_t triangle = 0;
-  double distance = 0;
+  double distance = 0;  // m
 };
+// The first triangle on a ray. Its origin (m) counts from mesh.origin. Absent where the ray meets no triangle.
 std::optional<MeshHit> pickTriangle(const ViewMesh& mesh, const Vec3d& origin, const Vec3d& direction);
 
 }  // namespace scanmill

@@ -134,7 +134,7 @@ void addBrief(PickedThing& thing, const ColorBy& shown) {
   };
   if (shown == kByError) {
     auto error = std::find_if(rows.begin(), rows.end(), named("error"));
-    if (error == rows.end()) error = std::find_if(rows.begin(), rows.end(), named("twin"));
+    if (error == rows.end()) error = std::find_if(rows.begin(), rows.end(), named("reference"));
     if (error != rows.end()) add(error->first, error->second);
     return;
   }

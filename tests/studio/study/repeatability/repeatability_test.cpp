@@ -10,77 +10,13 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "study/repeatability/repeatability_choice.h"
 #include "study/repeatability/repeatability_object.h"
-#include "study/repeatability/repeatability_report.h"
-#include "tests/support/message_of.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/studio/study/repeatability/repeated_scans.h"
 
 namespace scanmill {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
-
-constexpr const char* kShells = R"(  noise:
-    - {name: none, effects: []}
-    - {name: 1 mm, effects: [{shell: {scale_m: 0.001}}]}
-    - {name: 4 cm, effects: [{shell: {scale_m: 0.04}}]}
-    - {name: growing, effects: [{shell: {growth_per_m: 0.001}}]}
-  reference: 1 mm
-)";
-
-// A wall of 2 x 2 m, its front in the plane x = 0, and a crate far behind the sensor. Beams look at the wall alone:
-// rings and columns 0.5 degrees apart over 20 degrees.
-class RepeatedScans : public testing::Test {
- protected:
-  RepeatedScans() {
-    folder_.write("wall.yaml", fmt::format(R"(ontology: {0}/labels/scanmill.yaml
-materials: {0}/labels/materials.yaml
-objects:
-  - {{name: slab, primitive: box, size: [0.2, 2, 2], class: object, material: wood, position: [0.1, 0, 0]}}
-  - {{name: crate, primitive: box, size: [1, 1, 1], class: object, material: wood, position: [-40, 0, 0]}}
-)",
-                                           SCANMILL_SOURCE_DIR));
-  }
-
-  std::filesystem::path pipeline(const std::string& repeatability, const std::string& more = "") const {
-    return folder_.write("p.yaml", fmt::format(R"(seed: 7
-scenes: [{{scene: wall.yaml}}]
-trajectories:
-  - name: ahead
-    poses: [{{position: [-3, 0.01, 0.02]}}, {{position: [-6, 0.01, 0.02]}}, {{position: [-12, 0.01, 0.02]}}]
-sensors:
-  - {{name: top, columns: 21, rate_hz: 10, first_azimuth_deg: -10, field_deg: 20, elevation_deg: {{top: 10, bottom: -10, rings: 21}}, range_m: [0.5, 100]}}
-method: ray_tracing
-output: {{formats: [pcd]}}
-{}repeatability:
-{})",
-                                               more, repeatability));
-  }
-
-  static Repeatability measure(const std::filesystem::path& file, const std::vector<std::string>& overrides = {}) {
-    Pipeline read = readPipeline(file, overrides);
-    const Channels channels = repeatabilityChannels(read);
-    const Plan plan(std::move(read), channels);
-    RepeatabilityOptions options;
-    options.quiet = true;
-    return measureRepeatability(plan, options);
-  }
-
-  // Of kShells: measured once.
-  const Repeatability& shells() const {
-    static const Repeatability result = measure(pipeline(kShells));
-    return result;
-  }
-
-  void expectRefusedAt(const std::string& repeatability, const std::vector<std::string>& words) const {
-    const std::filesystem::path file = pipeline(repeatability);
-    expectInputError([&] { readRepeatabilityChoice(readPipeline(file, {})); }, words);
-  }
-
-  TemporaryFolder folder_;
-};
 
 // What two noisy scans of a plane have for a fitness: points on a grid, each moved to a sphere around it, all
 // distances.
@@ -194,7 +130,6 @@ TEST_F(RepeatedScans, LooksAtTheNamedObject) {
                                                  HasSubstr("0 (36.5 m), 1 (33.5 m), 2 (27.5 m)")));
   const nlohmann::json json = nlohmann::json::parse(repeatabilityJson(result));
   EXPECT_TRUE(json["views"][0]["places"][0]["fitness_m2"][0]["unmoved"].is_null());
-  EXPECT_THAT(repeatabilityReport(result, "2026-01-02"), HasSubstr("crate"));
 }
 
 TEST_F(RepeatedScans, UsesThePipelinesEffectsWhereNoLevelIsNamed) {
@@ -217,8 +152,6 @@ TEST_F(RepeatedScans, WarnsOfScansThatAreAllTheSame) {
               testing::ElementsAre(HasSubstr("moves points: quantize;")));
   EXPECT_THAT(warnings("effects: [{range_noise: {sigma_m: 0.01}}]\n"), testing::IsEmpty());
   EXPECT_THAT(shells().warnings, testing::IsEmpty());  // its level `none` says so itself
-  EXPECT_THAT(repeatabilityReport(measure(pipeline("  scans: 2\n")), "2026-01-02"),
-              testing::AllOf(HasSubstr("Warning: noise"), HasSubstr("2026-01-02"), HasSubstr("21 x 21 beams")));
 }
 
 // There and back between two scans is one pair.
@@ -238,7 +171,6 @@ TEST_F(RepeatedScans, MethodsAreMeasuredSideBySide) {
   for (std::size_t p = 0; p < 3; ++p) {
     EXPECT_EQ(result.views[0].places[p].points[0].mean, result.views[1].places[p].points[0].mean);
   }
-  EXPECT_THAT(repeatabilityReport(result, "2026-01-02"), HasSubstr("ray_tracing packet=1"));
 }
 
 TEST_F(RepeatedScans, ThreadsDoNotChangeAByteAndSeedsDo) {
@@ -281,23 +213,6 @@ TEST_F(RepeatedScans, TablesHoldEveryFigure) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 3 * 16);
   const auto commas = std::count(csv.begin(), csv.begin() + static_cast<std::ptrdiff_t>(csv.find('\n')), ',');
   EXPECT_EQ(std::count(csv.begin(), csv.end(), ','), commas * (1 + 3 * 16));
-}
-
-TEST_F(RepeatedScans, TheReportHoldsAllChartsAndIsSelfContained) {
-  const Repeatability result = measure(pipeline(std::string(kShells) + "  scans: 2\n"));
-  const std::string page = repeatabilityReport(result, "2026-01-02");
-  for (const std::string& svg :
-       {repeatabilityRegisteredSvg(result, 0), repeatabilityUnmovedSvg(result, 0), repeatabilityPointsSvg(result, 0),
-        repeatabilityShareSvg(result, 0), repeatabilityLevelsSvg(result, result.views[0]),
-        repeatabilityWithinSvg(result, result.views[0])}) {
-    EXPECT_THAT(svg, HasSubstr("<svg"));
-    EXPECT_THAT(svg, Not(HasSubstr("no data")));
-  }
-  std::size_t charts = 0;
-  for (std::size_t at = page.find("<svg"); at != std::string::npos; at = page.find("<svg", at + 1)) ++charts;
-  EXPECT_EQ(charts, 6u);
-  EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
-  EXPECT_THAT(page, HasSubstr("wall ahead"));
 }
 
 TEST_F(RepeatedScans, RefusesWhatItCannotCompare) {

@@ -33,10 +33,10 @@ inline GroupErrors exampleErrors(std::uint64_t beams, double p99, double labels,
   const auto part = [&](double share) {
     return static_cast<std::uint64_t>(std::llround(share * static_cast<double>(beams)));
   };
-  e.lost = part(missed * 0.4);
-  e.spurious = part(missed * 0.6);
+  e.falseNegatives = part(missed * 0.4);
+  e.falsePositives = part(missed * 0.6);
   e.bothMiss = part(0.1);
-  e.bothHit = beams - e.bothMiss - e.lost - e.spurious;
+  e.bothHit = beams - e.bothMiss - e.falseNegatives - e.falsePositives;
   const auto agreed = [&](double share) {
     return static_cast<std::uint64_t>(std::llround(share * static_cast<double>(e.bothHit)));
   };
@@ -45,8 +45,8 @@ inline GroupErrors exampleErrors(std::uint64_t beams, double p99, double labels,
   e.sameInstance = agreed(1 - (1 - labels) * 0.8);
   e.range = exampleSpread(e.bothHit, p99);
   e.intensity = exampleSpread(e.bothHit, p99 / 10);
-  e.nearestTo = exampleSpread(e.bothHit + e.lost, p99 / 3);
-  e.nearestFrom = exampleSpread(e.bothHit + e.spurious, p99 / 2);
+  e.nearestTo = exampleSpread(e.bothHit + e.falseNegatives, p99 / 3);
+  e.nearestFrom = exampleSpread(e.bothHit + e.falsePositives, p99 / 2);
   return e;
 }
 

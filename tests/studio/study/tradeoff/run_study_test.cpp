@@ -26,8 +26,18 @@ class RunStudy : public Yard {
     return folder_.write(name, std::string(kYardPipeline) + "effects: [intensity]\ntradeoff: " + tradeoff + "\n");
   }
 
+  // Drawing belongs to the report: here a picture is a text that counts what differs.
+  static std::string countErrors(const TrueShot& truth, const Hits& tested) {
+    std::size_t differing = 0;
+    for (std::size_t i = 0; i < tested.size(); ++i) {
+      differing += std::abs(double{tested.range[i]} - truth.truth.range[i]) > 1e-3 ? 1 : 0;
+    }
+    return fmt::format("{} of {}", differing, tested.size());
+  }
+
   static Study studied(const std::filesystem::path& file, StudyOptions options = {}) {
     options.quiet = true;
+    options.drawErrors = countErrors;
     return runStudy(Plan(readPipeline(file, {})), options);
   }
 
@@ -122,7 +132,8 @@ TEST_F(RunStudy, PicturesShowOnlyWhatErrs) {
   const Study study = studied(withKey(three()));
   ASSERT_THAT(study.pictures, SizeIs(1));
   EXPECT_EQ(study.pictures[0].setting, study.settings[1].setting.name);
-  EXPECT_THAT(study.pictures[0].png, testing::StartsWith("\x89PNG"));
+  EXPECT_EQ(study.pictures[0].title, study.settings[1].setting.name);
+  EXPECT_THAT(study.pictures[0].png, AllOf(HasSubstr(" of 512"), Not(testing::StartsWith("0 of"))));
   EXPECT_THAT(studied(withKey("{settings: [ray_tracing], shots: 1, repeats: 1}")).pictures, IsEmpty());
 }
 
@@ -177,10 +188,14 @@ TEST_F(RunStudy, WhatTheBudgetDoesNotHoldIsLeftOutAndSaid) {
 }
 
 TEST_F(RunStudy, RingsAreTimedForTheFirstSettingOfEachMethod) {
-  const Study study = studied(withKey(
-      fmt::format("{{settings: [ray_tracing, {{ray_tracing: {{packet: 1}}}}, {0}, {1}], shots: 1, rings: [2, 8, 32], "
-                  "repeats: 1}}",
-                  kCoarse, kTooLarge)));
+  std::vector<std::uint32_t> shown;
+  StudyOptions options;
+  options.showScan = [&](const Scan& scan, const Ontology&) { shown.push_back(scan.rings); };
+  const Study study = studied(
+      withKey(fmt::format("{{settings: [ray_tracing, {{ray_tracing: {{packet: 1}}}}, {0}, {1}], shots: 1, rings: [2, "
+                          "8, 32], repeats: 1}}",
+                          kCoarse, kTooLarge)),
+      options);
   ASSERT_THAT(study.rings, SizeIs(2));
   EXPECT_EQ(study.rings[0].setting.name, "ray_tracing");
   EXPECT_EQ(study.rings[1].setting.method, "particle");
@@ -193,6 +208,7 @@ TEST_F(RunStudy, RingsAreTimedForTheFirstSettingOfEachMethod) {
   ASSERT_TRUE(study.showing.has_value());
   EXPECT_THAT(study.showing->timings, SizeIs(3));
   EXPECT_EQ(study.showing->setting.name, "");
+  EXPECT_THAT(shown, ElementsAre(2, 2, 2, 8, 8, 8, 32, 32, 32)) << "three times each";
 }
 
 // A method that cannot run has no line; the others do.
@@ -201,7 +217,7 @@ TEST_F(RunStudy, RingsOfWhatCannotRunAreLeftOut) {
       withKey(fmt::format("{{settings: [{}, ray_tracing], shots: 1, rings: [2, 4, 8], repeats: 1}}", kTooLarge)));
   ASSERT_THAT(study.rings, SizeIs(1));
   EXPECT_EQ(study.rings[0].setting.name, "ray_tracing");
-  EXPECT_FALSE(study.showing.has_value());
+  EXPECT_FALSE(study.showing.has_value()) << "nothing shows a scan";
   EXPECT_THAT(study.left, ElementsAre(AllOf(HasSubstr("rings of particle"), HasSubstr("voxel_m"))));
 }
 
@@ -222,6 +238,12 @@ TEST_F(RunStudy, APipelineWhoseMethodIsStillToBeChosenCanBeStudied) {
       Plan(readPipeline(withKey("{settings: [ray_tracing], shots: 1, repeats: 1}"), {"method={auto: {min_rate: 1}}"})),
       StudyOptions{0, true, nullptr});
   EXPECT_THAT(study.settings, SizeIs(1));
+}
+
+// Its limits are checked all the same.
+TEST_F(RunStudy, AWrongChoiceOfTheMethodIsRefused) {
+  const Plan plan(readPipeline(withKey("{settings: [ray_tracing]}"), {"method={auto: {max_error: {p98: 1cm}}}"}));
+  expectInputError([&] { runStudy(plan, StudyOptions{0, true, nullptr}); }, {"--set method", "unknown key 'p98'"});
 }
 
 TEST_F(RunStudy, RecordingsAreRefused) {

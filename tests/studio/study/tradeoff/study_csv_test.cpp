@@ -100,8 +100,8 @@ TEST(StudyCsv, HoldsTheFiguresOfTheStudy) {
       EXPECT_EQ(at(rows, row, "beams"), std::to_string(e.beams));
       EXPECT_EQ(at(rows, row, "both_hit"), std::to_string(e.bothHit));
       EXPECT_EQ(at(rows, row, "both_miss"), std::to_string(e.bothMiss));
-      EXPECT_EQ(at(rows, row, "lost"), std::to_string(e.lost));
-      EXPECT_EQ(at(rows, row, "spurious"), std::to_string(e.spurious));
+      EXPECT_EQ(at(rows, row, "false_negatives"), std::to_string(e.falseNegatives));
+      EXPECT_EQ(at(rows, row, "false_positives"), std::to_string(e.falsePositives));
       EXPECT_EQ(at(rows, row, "unresolved"), std::to_string(e.unresolved));
       const auto near = [&](const std::string& column, double value) {
         EXPECT_NEAR(std::stod(at(rows, row, column)), value, 1e-8 * std::abs(value)) << column;

@@ -163,6 +163,7 @@ TEST(StudyJson, RefusesWhatIsNoStudy) {
   const Json json = damagedStudy();
   const std::vector<std::tuple<std::string, Json, std::string>> damages{
       {"/schema_version", Study::kSchemaVersion + 1, "newer than this program"},
+      {"/schema_version", Study::kSchemaVersion - 1, "older than this program"},
       {"/schema_version", 0, "/schema_version: 0 is not within 1"},
       {"/schema_version", "1", "/schema_version: is string"},
       {"/kind", "scanmill repeatability", "no trade-off study"},

@@ -50,11 +50,11 @@ class BadFrames : public testing::Test {
 
 TEST_F(BadFrames, AMissingShard) {
   fs::remove(shardOf(0));
-  std::vector<std::size_t> lost;
+  std::vector<std::size_t> unreadable;
   for (std::size_t i = 0; i < manifest.samples.size(); ++i) {
-    if (manifest.samples[i].shard == 0) lost.push_back(i);
+    if (manifest.samples[i].shard == 0) unreadable.push_back(i);
   }
-  EXPECT_EQ(openFrames({.path = data})->damaged(), lost);
+  EXPECT_EQ(openFrames({.path = data})->damaged(), unreadable);
   expectOnlyShardIsBad(0, "is missing, although the manifest lists it");
 }
 
@@ -67,15 +67,15 @@ TEST_F(BadFrames, ATruncatedShard) {
   bool behind = false;
   for (std::size_t i = 0; i < manifest.samples.size(); ++i) {
     const ViewFrame frame = source->load(i);
-    const bool lost = std::binary_search(damaged.begin(), damaged.end(), i);
-    EXPECT_EQ(lost, frame.scans.empty()) << i;
+    const bool unreadable = std::binary_search(damaged.begin(), damaged.end(), i);
+    EXPECT_EQ(unreadable, frame.scans.empty()) << i;
     if (manifest.samples[i].shard != shard) {
       EXPECT_EQ(frame.scans.size(), 2u) << i;
       EXPECT_THAT(frame.problems, IsEmpty()) << i;
       continue;
     }
-    EXPECT_FALSE(behind && !lost) << "what follows a lost frame is lost, too: " << i;
-    behind = lost;
+    EXPECT_FALSE(behind && !unreadable) << "what follows an unreadable frame is unreadable, too: " << i;
+    behind = unreadable;
     whole += frame.scans.size() == 2 ? 1 : 0;
     ASSERT_FALSE(frame.problems.empty()) << i;
     EXPECT_THAT(frame.problems, Each(AllOf(HasSubstr(manifest.shards[shard].file), HasSubstr("truncated")))) << i;
@@ -149,7 +149,7 @@ TEST_F(BadFrames, NoSuchFileOrKind) {
   EXPECT_THAT(refusalOf({.path = folder.write("a.exr", "v")}),
               AllOf(HasSubstr("a.exr"), HasSubstr("viewed by itself")));
   EXPECT_THAT(refusalOf({.path = data, .over = {folder.path() / "none"}}), HasSubstr("does not exist"));
-  EXPECT_THAT(refusalOf({.path = data, .twin = folder.path() / "none"}), HasSubstr("does not exist"));
+  EXPECT_THAT(refusalOf({.path = data, .reference = folder.path() / "none"}), HasSubstr("does not exist"));
   EXPECT_THAT(refusalOf({.path = data, .ontology = folder.path() / "none.yaml"}), HasSubstr("none.yaml"));
   EXPECT_THAT(refusalOf({.path = data, .scene = folder.path() / "none.yaml"}), HasSubstr("none.yaml"));
 }
@@ -175,9 +175,9 @@ TEST_F(BadFrames, OtherYamlFiles) {
 TEST_F(BadFrames, JoinsThatCannotBe) {
   const fs::path one = folder.write("one.pcd", encode("pcd", testScan(manifest.sensors[0].beams, 4)));
   EXPECT_THAT(refusalOf({.path = one, .over = {data}}), AllOf(HasSubstr("is a single scan"), HasSubstr("--over")));
-  EXPECT_THAT(refusalOf({.path = one, .twin = data}), HasSubstr("is a single scan"));
+  EXPECT_THAT(refusalOf({.path = one, .reference = data}), HasSubstr("is a single scan"));
   EXPECT_THAT(refusalOf({.path = one, .sensor = "top"}), HasSubstr("is a single scan"));
-  EXPECT_EQ(refusalOf({.path = one, .over = {one}, .twin = one}), "accepted");
+  EXPECT_EQ(refusalOf({.path = one, .over = {one}, .reference = one}), "accepted");
 }
 
 TEST_F(BadFrames, ASampleWithoutScans) {

@@ -24,20 +24,20 @@ Scan noisy(Scan scan) {
   return scan;
 }
 
-std::vector<float> joined(const Scan& scan, const Scan& twin) {
+std::vector<float> joined(const Scan& scan, const Scan& reference) {
   std::string why;
-  std::vector<float> errors = twinErrors(scan, twin, why);
+  std::vector<float> errors = referenceErrors(scan, reference, why);
   EXPECT_EQ(why, "");
   return errors;
 }
 
-std::string refusal(const Scan& scan, const Scan& twin) {
+std::string refusal(const Scan& scan, const Scan& reference) {
   std::string why;
-  EXPECT_TRUE(twinErrors(scan, twin, why).empty());
+  EXPECT_TRUE(referenceErrors(scan, reference, why).empty());
   return why;
 }
 
-TEST(TwinErrors, AreTheNoiseByConstruction) {
+TEST(ReferenceErrors, AreTheNoiseByConstruction) {
   const Scan clean = testScan(testBeams(32, 64), 3);
   const Scan scan = noisy(clean);
   const std::vector<float> errors = joined(scan, clean);
@@ -47,7 +47,7 @@ TEST(TwinErrors, AreTheNoiseByConstruction) {
 }
 
 // The order of the points says nothing: beams do. Nor does it matter which of the two is organised.
-TEST(TwinErrors, AnyOrderAndLayoutGivesTheSame) {
+TEST(ReferenceErrors, AnyOrderAndLayoutGivesTheSame) {
   const Scan clean = testScan(testBeams(32, 64), 3);
   const Scan scan = noisy(clean);
   const std::vector<float> expected = joined(scan, clean);
@@ -69,25 +69,25 @@ TEST(TwinErrors, AnyOrderAndLayoutGivesTheSame) {
             static_cast<std::ptrdiff_t>(image.size() - scan.size()));
 }
 
-TEST(TwinErrors, AreUnknownWhereTheTwinHasNoPoint) {
+TEST(ReferenceErrors, AreUnknownWhereTheReferenceHasNoPoint) {
   const Scan scan = testScan(testBeams(8, 16), 3);
-  Scan twin = scan;
-  for (auto* column : {&twin[kRing], &twin[kColumn]}) column->resize(10);
-  twin.position.resize(10);
-  twin.position[4].y = NAN;
-  const std::vector<float> errors = joined(scan, twin);
+  Scan reference = scan;
+  for (auto* column : {&reference[kRing], &reference[kColumn]}) column->resize(10);
+  reference.position.resize(10);
+  reference.position[4].y = NAN;
+  const std::vector<float> errors = joined(scan, reference);
   for (std::size_t i = 0; i < errors.size(); ++i) EXPECT_EQ(std::isnan(errors[i]), i >= 10 || i == 4) << i;
   Scan empty;
   for (const float e : joined(scan, empty)) EXPECT_TRUE(std::isnan(e));
   EXPECT_TRUE(joined(empty, scan).empty());
 }
 
-TEST(TwinErrors, NeedToKnowTheBeams) {
+TEST(ReferenceErrors, NeedToKnowTheBeams) {
   const Scan scan = testScan(testBeams(8, 16), 3);
   Scan bare = scan;
   bare[kColumn].clear();
   EXPECT_THAT(refusal(bare, scan), testing::AllOf(HasSubstr("the scan"), HasSubstr("output.columns")));
-  EXPECT_THAT(refusal(scan, bare), HasSubstr("the twin does not say"));
+  EXPECT_THAT(refusal(scan, bare), HasSubstr("the noise-free reference does not say"));
   EXPECT_THAT(refusal(scan, testScan(testBeams(4, 16), 3)), HasSubstr("4 x 16 beams, not 8 x 16"));
   Scan wide = scan;
   wide.rings = wide.columns = 0;

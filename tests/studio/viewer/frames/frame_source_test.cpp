@@ -7,10 +7,10 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "dataset/scan_source.h"
 #include "scan/scan.h"
 #include "tests/studio/viewer/frames/frame_fixture.h"
 #include "tests/support/shared_data.h"
-#include "viewer/scan_source.h"
 
 namespace scanmill {
 
@@ -180,7 +180,7 @@ TEST_F(Frames, OtherClassesAreNoted) {
 }
 
 // The noise that a dataset was given is the error that its frames show.
-TEST_F(Frames, TheTwinShowsTheNoise) {
+TEST_F(Frames, TheReferenceShowsTheNoise) {
   const auto shift = [](std::size_t point, std::size_t sample) {
     return 0.01 * double(point % 5) + 0.001 * double(sample);
   };
@@ -193,41 +193,42 @@ TEST_F(Frames, TheTwinShowsTheNoise) {
                           scan.position[i] = Vec3f(p + normalized(p) * shift(i, sample));
                         }
                       }});
-  const auto source = openFrames({.path = noisy, .twin = clean});
+  const auto source = openFrames({.path = noisy, .reference = clean});
   for (std::size_t f = 0; f < source->keys().size(); ++f) {
     const ViewFrame frame = source->load(f);
     EXPECT_THAT(frame.problems, IsEmpty());
     ASSERT_EQ(frame.scans.size(), 2u);
     for (const ViewScan& scan : frame.scans) {
-      EXPECT_EQ(scan.errorTitle, "distance to the twin (m)");
+      EXPECT_EQ(scan.errorTitle, "distance to the reference (m)");
       ASSERT_EQ(scan.error.size(), scan.scan.size());
       for (std::size_t i = 0; i < scan.error.size(); ++i) EXPECT_NEAR(scan.error[i], shift(i, f), 2e-5);
     }
   }
 }
 
-TEST_F(Frames, ATwinThatLacksSamplesOrColumnsIsAProblem) {
+TEST_F(Frames, AReferenceThatLacksSamplesOrColumnsIsAProblem) {
   const auto scan = folder.path() / "scan";
-  const auto twin = folder.path() / "twin";
+  const auto reference = folder.path() / "reference";
   const auto bare = folder.path() / "bare";
   const auto other = folder.path() / "other";
   writeChangedDataset(scan, {});
-  writeChangedDataset(twin, {.frames = 2});
+  writeChangedDataset(reference, {.frames = 2});
   writeChangedDataset(bare, {.scan = [](Scan& s, std::size_t, std::size_t) { s[kColumn].clear(); }});
   writeChangedDataset(other, {.manifest = [](Manifest& m) { m.sensors.pop_back(); }});
-  const ViewFrame third = openFrames({.path = scan, .twin = twin})->load(2);
+  const ViewFrame third = openFrames({.path = scan, .reference = reference})->load(2);
   EXPECT_EQ(third.scans.size(), 2u);
   EXPECT_TRUE(third.scans[0].error.empty());
-  EXPECT_THAT(third.problems, ElementsAre(AllOf(HasSubstr("twin"), HasSubstr("000002"))));
-  EXPECT_THAT(openFrames({.path = scan, .twin = bare})->load(0).problems,
+  EXPECT_THAT(third.problems, ElementsAre(AllOf(HasSubstr("reference"), HasSubstr("000002"))));
+  EXPECT_THAT(openFrames({.path = scan, .reference = bare})->load(0).problems,
               ElementsAre(AllOf(HasSubstr("bare"), HasSubstr("ring and column in output.columns"))));
-  const ViewFrame half = openFrames({.path = scan, .twin = other})->load(0);
+  const ViewFrame half = openFrames({.path = scan, .reference = other})->load(0);
   EXPECT_FALSE(half.scans[0].error.empty());
   EXPECT_TRUE(half.scans[1].error.empty());
   EXPECT_THAT(half.problems, ElementsAre(AllOf(HasSubstr("'Rear'"), HasSubstr("it has top"))));
   const auto file = folder.write("one.pcd", encode("pcd", testScan(manifest.sensors[0].beams, 0)));
-  EXPECT_THAT(openFrames({.path = scan, .twin = file})->load(0).problems, ElementsAre(HasSubstr("--sensor whose")));
-  const ViewFrame joined = openFrames({.path = scan, .twin = file, .sensor = "top"})->load(0);
+  EXPECT_THAT(openFrames({.path = scan, .reference = file})->load(0).problems,
+              ElementsAre(HasSubstr("--sensor whose")));
+  const ViewFrame joined = openFrames({.path = scan, .reference = file, .sensor = "top"})->load(0);
   EXPECT_THAT(joined.problems, IsEmpty());
   for (const float e : joined.scans[0].error) EXPECT_EQ(e, 0);
 }
@@ -292,9 +293,9 @@ TEST(RealFrames, OfRecordedSensors) {
   const ViewFrame frame = openFrames({.path = file})->load(0);
   EXPECT_THAT(frame.problems, IsEmpty());
   EXPECT_EQ(frame.scans.at(0).scan.size(), 131072u);
-  const ViewFrame twin = openFrames({.path = file, .twin = file})->load(0);
-  EXPECT_THAT(twin.problems, IsEmpty());
-  for (const float e : twin.scans.at(0).error) ASSERT_TRUE(std::isnan(e) || e == 0);
+  const ViewFrame reference = openFrames({.path = file, .reference = file})->load(0);
+  EXPECT_THAT(reference.problems, IsEmpty());
+  for (const float e : reference.scans.at(0).error) ASSERT_TRUE(std::isnan(e) || e == 0);
 }
 
 }  // namespace

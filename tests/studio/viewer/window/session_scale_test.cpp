@@ -76,14 +76,14 @@ TEST(SessionScale, IsCommonToScansSideBySide) {
 TEST(SessionScale, TellsPointsWithoutAValue) {
   auto frames = std::make_shared<FakeFrames>(1);
   ViewScan& scan = frames->frames[0].scans[0];
-  scan.whyNoError = "no partner in the twin";
+  scan.whyNoError = "no partner in the reference";
   SessionWorld known(frames, {.colors = {ColorBy("error")}});
   EXPECT_EQ(countInOverlay(known, kNoValue), 0u);
   for (std::size_t i = 0; i < 7; ++i) scan.error[i] = NAN;
   const Legend legend =
       colorScan(scan.scan, ColorBy("error"), ColorContext{.error = scan.error, .whyNoError = scan.whyNoError}).legend;
   EXPECT_EQ(legend.unknown, 7u);
-  EXPECT_EQ(legend.whyUnknown, "no partner in the twin");
+  EXPECT_EQ(legend.whyUnknown, "no partner in the reference");
   SessionWorld world(frames, {.colors = {ColorBy("error")}});
   EXPECT_GT(countInOverlay(world, kNoValue), 40u);
 }

@@ -318,7 +318,7 @@ TEST(ViewSession, AColumnThatIsNotThereKeepsTheColours) {
     EXPECT_EQ(world.canvas.items.at(firstCloud(world)).colors, before);
     ASSERT_EQ(world.session->problems().size(), 1u);
   }
-  EXPECT_THAT(world.session->problems().front(), HasSubstr("noise-free twin"));
+  EXPECT_THAT(world.session->problems().front(), HasSubstr("noise-free reference"));
   world.key("4");
   EXPECT_THAT(world.session->problems(), IsEmpty());
 }

@@ -1,0 +1,34 @@
+#include "base/short_text.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace scanmill {
+
+std::string shortNumber(double value) {
+  for (const auto& [scale, suffix] : {std::pair{1e12, " T"}, {1e9, " G"}, {1e6, " M"}, {1e3, " k"}}) {
+    if (std::abs(value) >= scale) return fmt::format("{:.3g}{}", value / scale, suffix);
+  }
+  return fmt::format("{:.3g}", value);
+}
+
+std::string shortBytes(double bytes) {
+  const std::pair<double, const char*> units[] = {
+      {1024.0 * 1024 * 1024 * 1024, "TiB"}, {1024.0 * 1024 * 1024, "GiB"}, {1024.0 * 1024, "MiB"}, {1024.0, "KiB"}};
+  for (const auto& [scale, suffix] : units) {
+    if (bytes >= scale) return fmt::format("{:.1f} {}", bytes / scale, suffix);
+  }
+  return fmt::format("{:.0f} B", bytes);
+}
+
+std::string shortTime(double seconds) {
+  if (seconds < 60) return fmt::format("{:.1f} s", seconds);
+  const auto whole = static_cast<long>(std::min(seconds, 1e12));
+  if (whole < 3600) return fmt::format("{}:{:02}", whole / 60, whole % 60);
+  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,18 @@
+#pragma once
+
+// Numbers, sizes and times as short text, for people.
+
+#include <string>
+
+namespace scanmill {
+
+// A number with three digits and a decimal prefix: "12.3 M", "456 k", "7".
+std::string shortNumber(double value);
+
+// A size with a binary prefix: "1.2 GiB", "34.0 MiB", "12 B".
+std::string shortBytes(double bytes);
+
+// A duration as hours, minutes and seconds: "1:02:03", "4:05", "6.0 s".
+std::string shortTime(double seconds);
+
+}  // namespace scanmill

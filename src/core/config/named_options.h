@@ -1,0 +1,20 @@
+#pragma once
+
+// How YAML names one of several kinds of things, with its options: a method, an effect, a format.
+
+#include <string>
+
+#include "config/value.h"
+
+namespace scanmill {
+
+struct NamedOptions {
+  std::string name;
+  Location where;
+  Value options;  // a value of the kind Null where the text gives only the name
+};
+
+// Reads "name" or {name: {options}}. `what` describes the item in messages, such as "an effect". Throws InputError.
+NamedOptions readNamed(const Value& value, const std::string& what);
+
+}  // namespace scanmill

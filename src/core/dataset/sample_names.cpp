@@ -1,0 +1,98 @@
+#include "dataset/sample_names.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+namespace {
+
+// Levenshtein's distance.
+std::size_t edits(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({substituted, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::vector<std::string> nearestKeys(const std::string& wanted, const std::vector<std::string>& keys) {
+  constexpr std::size_t kShown = 3;
+  std::vector<std::pair<std::size_t, std::size_t>> order;
+  for (std::size_t i = 0; i < keys.size(); ++i) order.emplace_back(edits(wanted, keys[i]), i);
+  const std::size_t shown = std::min(kShown, order.size());
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(shown), order.end());
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < shown; ++i) out.push_back(keys[order[i].second]);
+  return out;
+}
+
+}  // namespace
+
+MemberName partsOfMember(const std::string& member) {
+  const std::size_t slash = member.rfind('/');
+  const std::size_t first = member.find('.', slash == std::string::npos ? 0 : slash);
+  if (first == std::string::npos) return {member, {}, {}, {}};
+  const std::size_t last = member.rfind('.');
+  MemberName parts{member.substr(0, first), {}, {}, member.substr(last + 1)};
+  if (last == first) return parts;
+  const std::size_t second = member.find('.', first + 1);
+  parts.sensor = member.substr(first + 1, second - first - 1);
+  if (second != last) parts.method = member.substr(second + 1, last - second - 1);
+  return parts;
+}
+
+std::string lowerCase(std::string text) {
+  for (char& c : text) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return text;
+}
+
+std::size_t findKey(const std::vector<std::string>& keys, const std::string& wanted, const std::string& where) {
+  if (keys.empty()) throw InputError({where}, "holds no sample");
+  if (wanted.empty()) return keys.size() / 2;
+  const auto found = std::find(keys.begin(), keys.end(), wanted);
+  if (found != keys.end()) return static_cast<std::size_t>(found - keys.begin());
+  const std::string digits = wanted.substr(wanted.front() == '#' ? 1 : 0);  // as the viewer writes indices
+  const bool number = !digits.empty() && digits.find_first_not_of("0123456789") == std::string::npos;
+  if (number) {
+    const std::uint64_t index = digits.size() > 18 ? UINT64_MAX : std::stoull(digits);
+    if (index < keys.size()) return index;
+  }
+  std::vector<std::size_t> holding;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (keys[i].find(wanted) != std::string::npos) holding.push_back(i);
+  }
+  if (holding.size() == 1) return holding.front();
+  if (number) {
+    throw InputError({where}, fmt::format("has the samples 0 to {}, not {}: such an index or a key chooses one",
+                                          keys.size() - 1, wanted));
+  }
+  if (!holding.empty()) {
+    constexpr std::size_t kListed = 6;
+    std::vector<std::string> some;
+    for (std::size_t i = 0; i < std::min(kListed, holding.size()); ++i) some.push_back(keys[holding[i]]);
+    const std::string more =
+        holding.size() > kListed ? fmt::format(" and {} more", holding.size() - kListed) : std::string();
+    throw InputError({where}, fmt::format("'{}' is part of {} keys, name more of one: {}{}", wanted, holding.size(),
+                                          fmt::join(some, ", "), more));
+  }
+  throw InputError({where}, fmt::format("has no sample '{}'; the nearest of {} keys: {}", wanted, keys.size(),
+                                        fmt::join(nearestKeys(wanted, keys), ", ")));
+}
+
+}  // namespace scanmill

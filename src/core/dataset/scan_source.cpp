@@ -1,0 +1,27 @@
+#include "dataset/scan_source.h"
+
+#include "base/error.h"
+#include "dataset/sample_names.h"
+#include "dataset/scan_store.h"
+
+namespace scanmill {
+
+ScanSource findScan(const std::filesystem::path& path, const std::string& sample, const std::string& sensor) {
+  const ScanStore store(path);
+  if (store.single()) {
+    if (!sample.empty() || !sensor.empty()) {
+      throw InputError({path.string()}, "is a single scan: --sample and --sensor choose from a dataset or a shard");
+    }
+    return {store.decode(0, {}), store.keys().front(), {}};
+  }
+  const std::size_t chosen = findKey(store.keys(), sample, path.string());
+  const std::string& key = store.keys()[chosen];
+  const StoredScan first = store.scans(chosen, sensor).front();
+  ScanSource source;
+  source.scan = store.decode(chosen, first);
+  source.title = first.sensor.empty() ? key : key + ", " + lowerCase(first.sensor);
+  if (store.manifest() != nullptr) source.ontology = store.manifest()->ontology;
+  return source;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,288 @@
+#include "dataset/scan_store.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "dataset/reader.h"
+#include "dataset/recording.h"
+#include "dataset/sample_names.h"
+#include "dataset/shard_name.h"
+#include "formats/format.h"
+
+namespace scanmill {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// A damaged manifest may speak of 65536 x 65536; 40 bytes each.
+constexpr std::size_t kMostFilledBeams = std::size_t{1} << 23;
+
+void requireDataset(const fs::path& folder) {
+  std::error_code ignored;
+  if (fs::exists(folder / kManifestName, ignored)) return;
+  if (recordingIn(folder)) {
+    throw InputError({folder.string()}, "is a recording, not a dataset: `scanmill generate` makes scans of it");
+  }
+  throw InputError({folder.string()},
+                   fmt::format("is no dataset: it holds no {}, which `scanmill generate` writes last; "
+                               "a shard, .tar, or a single scan opens without",
+                               kManifestName));
+}
+
+// The manifest that lists the shard, in its folder or the one above; null where there is none.
+std::shared_ptr<const Manifest> manifestOf(const fs::path& shard, fs::path& folderOfManifest) {
+  const fs::path file = fs::absolute(shard).lexically_normal();
+  for (const fs::path& folder : {file.parent_path(), file.parent_path().parent_path()}) {
+    if (!fs::exists(folder / kManifestName)) continue;
+    try {
+      auto manifest = std::make_shared<const Manifest>(readManifest(folder));
+      const std::string relative = file.lexically_relative(folder).generic_string();
+      for (const ShardRecord& s : manifest->shards) {
+        if (s.file != relative) continue;
+        folderOfManifest = folder;
+        return manifest;
+      }
+    } catch (const InputError& e) {
+      warn(fmt::format("the classes stay without names: {}", e.what()));
+    }
+  }
+  return nullptr;
+}
+
+const ScanRecord* recordOf(const SampleRecord* sample, const MemberName& name) {
+  if (sample == nullptr) return nullptr;
+  const auto found = std::find_if(sample->scans.begin(), sample->scans.end(), [&](const ScanRecord& r) {
+    return lowerCase(r.sensor) == lowerCase(name.sensor) && lowerCase(r.method) == lowerCase(name.method);
+  });
+  return found == sample->scans.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+ScanStore::ScanStore(fs::path path) : path_(std::move(path)) {
+  std::error_code failure;
+  const fs::file_status status = fs::status(path_, failure);
+  if (!fs::exists(status)) {
+    const bool absent = status.type() == fs::file_type::not_found;
+    throw InputError({path_.string()}, absent ? "does not exist" : "cannot be read: " + failure.message());
+  }
+  std::string suffix = path_.extension().string();
+  if (!suffix.empty()) suffix.erase(0, 1);
+  if (fs::is_directory(status)) {
+    openDataset();
+  } else if (suffix == "tar") {
+    openShard();
+  } else {
+    openSingle(suffix);
+  }
+}
+
+void ScanStore::openSingle(const std::string& suffix) {
+  if (formatBySuffix(suffix) == nullptr) {
+    std::vector<std::string> known{".tar"};
+    for (const FormatEntry& f : formats()) known.push_back(fmt::format(".{}", f.suffix));
+    throw InputError({path_.string()},
+                     fmt::format("is neither a dataset's folder nor one of {}", fmt::join(known, ", ")));
+  }
+  single_ = decodeMember(path_.string(), readFile(path_));
+  keys_.push_back(path_.filename().string());
+}
+
+void ScanStore::openDataset() {
+  requireDataset(path_);
+  folder_ = path_;
+  manifest_ = std::make_shared<const Manifest>(readManifest(path_));
+  for (const ShardRecord& s : manifest_->shards) shards_.push_back({path_ / s.file, nullptr, s.bytes, false, false});
+  for (const SampleRecord& s : manifest_->samples) addSample(s.key, {s.shard, {}, &s});
+}
+
+void ScanStore::openShard() {
+  shards_.push_back(
+      {path_, std::make_unique<const ShardIndex>(path_, DamagedShard::ReadAsFarAsWhole), 0, false, false});
+  manifest_ = manifestOf(path_, folder_);
+  for (const ShardMember& member : shards_.front().index->members()) {
+    const MemberName name = partsOfMember(member.name);
+    if (formatBySuffix(name.suffix) == nullptr) continue;
+    if (!byKey_.contains(name.key)) addSample(name.key, {});
+    samples_[byKey_.at(name.key)].members.push_back(member.name);
+  }
+  if (manifest_ == nullptr) return;
+  for (const SampleRecord& s : manifest_->samples) {
+    if (const auto own = find(s.key)) samples_[*own].record = &s;
+  }
+}
+
+void ScanStore::addSample(const std::string& key, Sample sample) {
+  byKey_.emplace(key, keys_.size());
+  keys_.push_back(key);
+  samples_.push_back(std::move(sample));
+}
+
+std::shared_ptr<const BeamTable> ScanStore::beams(const std::string& sensor) const {
+  if (manifest_ == nullptr) return nullptr;
+  const std::vector<SensorRecord>& known = manifest_->sensors;
+  const auto found = std::find_if(known.begin(), known.end(),
+                                  [&](const SensorRecord& s) { return lowerCase(s.name) == lowerCase(sensor); });
+  if (found == known.end()) return nullptr;
+  const auto number = static_cast<std::size_t>(found - known.begin());
+  {
+    const std::lock_guard lock(mutex_);
+    beams_.resize(known.size());
+    if (beams_[number] != nullptr) return beams_[number];
+  }
+  // Without the lock: the threads that fill the table may come back here with other work.
+  auto table = std::make_shared<BeamTable>(found->beams);
+  if (table->size() <= kMostFilledBeams) fillBeams(*table);
+  const std::lock_guard lock(mutex_);
+  if (beams_[number] == nullptr) beams_[number] = std::move(table);
+  return beams_[number];
+}
+
+std::optional<std::size_t> ScanStore::find(const std::string& key) const {
+  const auto found = byKey_.find(key);
+  if (found == byKey_.end()) return std::nullopt;
+  return found->second;
+}
+
+std::vector<std::string> ScanStore::sensors() const {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  if (manifest_ != nullptr) {
+    for (const SensorRecord& s : manifest_->sensors) add(s.name);
+    return names;
+  }
+  for (const Sample& s : samples_) {
+    for (const std::string& member : s.members) add(partsOfMember(member).sensor);
+  }
+  return names;
+}
+
+const std::vector<std::string>& ScanStore::membersOf(const Sample& sample) const {
+  return sample.members.empty() && sample.record != nullptr ? sample.record->members : sample.members;
+}
+
+std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& sensor) const {
+  if (single_) return {{}};
+  const Sample& own = samples_.at(sample);
+  std::vector<StoredScan> all;
+  std::vector<std::pair<std::string, std::string>> names;  // of sensor and method, as in members
+  for (const std::string& member : membersOf(own)) {
+    const MemberName name = partsOfMember(member);
+    if (formatBySuffix(name.suffix) == nullptr) continue;
+    const std::pair key{lowerCase(name.sensor), lowerCase(name.method)};
+    const auto known = std::find(names.begin(), names.end(), key);
+    if (known != names.end()) {
+      all[static_cast<std::size_t>(known - names.begin())].members.push_back(member);
+      continue;
+    }
+    const ScanRecord* record = recordOf(own.record, name);
+    names.push_back(key);
+    all.push_back({record ? record->sensor : name.sensor, record ? record->method : name.method, {member}, record});
+  }
+  const std::string where = shards_[own.shard].file.string();
+  if (all.empty()) {
+    throw InputError({where}, fmt::format("holds no scan of the sample '{}' in a known format", keys_[sample]));
+  }
+  if (sensor.empty()) return all;
+  std::vector<StoredScan> wanted;
+  std::vector<std::string> others;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (names[i].first == lowerCase(sensor)) {
+      wanted.push_back(std::move(all[i]));
+    } else if (std::find(others.begin(), others.end(), names[i].first) == others.end()) {
+      others.push_back(names[i].first);
+    }
+  }
+  if (!wanted.empty()) return wanted;
+  throw InputError({where}, fmt::format("the sample '{}' has no sensor '{}'; it has {}", keys_[sample], sensor,
+                                        fmt::join(others, ", ")));
+}
+
+void ScanStore::openIndex(Shard& shard) const {
+  shard.failed = true;
+  std::error_code ignored;
+  if (!fs::exists(shard.file, ignored)) {
+    throw InputError({shard.file.string()},
+                     "is missing, although the manifest lists it: copy it here, or generate the dataset again");
+  }
+  shard.index = std::make_unique<const ShardIndex>(shard.file, DamagedShard::ReadAsFarAsWhole);
+  shard.failed = false;
+}
+
+const ShardIndex& ScanStore::shard(std::size_t number) const {
+  const std::lock_guard lock(mutex_);
+  Shard& shard = shards_[number];
+  if (shard.index == nullptr) openIndex(shard);
+  return *shard.index;
+}
+
+std::string ScanStore::damage(std::size_t sample) const {
+  if (single_) return {};
+  const std::lock_guard lock(mutex_);
+  const Shard& shard = shards_[samples_.at(sample).shard];
+  return shard.index == nullptr ? std::string() : shard.index->damage();
+}
+
+std::vector<std::size_t> ScanStore::unreadableSamples() const {
+  if (single_) return {};
+  const std::lock_guard lock(mutex_);
+  std::vector<bool> suspect;
+  for (Shard& shard : shards_) {
+    if (shard.index == nullptr && !shard.sized) {
+      shard.sized = true;
+      std::error_code missing;
+      const std::uint64_t size = fs::file_size(shard.file, missing);
+      try {
+        if (missing || size < shard.bytes) openIndex(shard);
+      } catch (const InputError&) {  // said when one of its samples is loaded
+      }
+    }
+    suspect.push_back(shard.failed || (shard.index != nullptr && !shard.index->damage().empty()));
+  }
+  std::vector<std::size_t> unreadable;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const Sample& sample = samples_[i];
+    if (!suspect[sample.shard]) continue;
+    const ShardIndex* const index = shards_[sample.shard].index.get();
+    const std::vector<std::string>& members = membersOf(sample);
+    const bool left = index != nullptr && std::any_of(members.begin(), members.end(), [&](const std::string& name) {
+                        return formatBySuffix(partsOfMember(name).suffix) != nullptr && index->find(name) != nullptr;
+                      });
+    if (!left) unreadable.push_back(i);
+  }
+  return unreadable;
+}
+
+Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {
+  if (single_) return *single_;
+  const ShardIndex& index = shard(samples_.at(sample).shard);
+  std::string failures;
+  for (const std::string& name : scan.members) {
+    const auto fail = [&](const std::string& what) { failures += (failures.empty() ? "" : "; ") + what; };
+    const ShardMember* member = index.find(name);
+    if (member == nullptr && !index.damage().empty()) {
+      throw InputError(fmt::format("{}; {} lies behind that", index.damage(), name));
+    }
+    if (member == nullptr) {
+      fail(fmt::format("lacks the member {} that the manifest lists", name));
+      continue;
+    }
+    const std::string bytes = index.read(*member);
+    try {
+      return decodeMember(name, bytes);
+    } catch (const InputError& e) {
+      fail(e.what());
+    }
+  }
+  throw InputError({index.file().string()}, failures);
+}
+
+}  // namespace scanmill

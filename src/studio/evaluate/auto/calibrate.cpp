@@ -1,0 +1,258 @@
+#include "evaluate/auto/calibrate.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "base/short_text.h"
+#include "evaluate/intensity.h"
+#include "evaluate/measure.h"
+#include "pipeline/progress.h"
+
+namespace scanmill {
+
+namespace {
+
+// Cheap to measure, and between them some way from exact to fast on processors and GPUs.
+constexpr const char* kAutoSettings = R"(
+- ray_tracing
+- {ray_tracing: {simplify: [0.5, 0.25]}}
+- depth_camera
+- {depth_camera: {resolution: [512, 1024]}}
+- {depth_camera: {sampling: nearest}}
+- particle
+- {particle: {refine: [normal, none]}}
+- {particle: {refine: [normal, none], voxel_m: 0.2}}
+)";
+
+constexpr std::size_t kMostScenes = 3;
+
+// A percentile of a union is at most the larger one of its parts', a mean too.
+Spread worstOf(const Spread& a, const Spread& b) {
+  Spread s;
+  s.count = a.count + b.count;
+  s.mean = std::max(a.mean, b.mean);
+  s.rms = std::max(a.rms, b.rms);
+  s.median = std::max(a.median, b.median);
+  s.p95 = std::max(a.p95, b.p95);
+  s.p99 = std::max(a.p99, b.p99);
+  s.p999 = std::max(a.p999, b.p999);
+  s.max = std::max(a.max, b.max);
+  return s;
+}
+
+GroupErrors worstOf(const GroupErrors& a, const GroupErrors& b) {
+  GroupErrors e;
+  e.beams = a.beams + b.beams;
+  e.bothHit = a.bothHit + b.bothHit;
+  e.bothMiss = a.bothMiss + b.bothMiss;
+  e.falseNegatives = a.falseNegatives + b.falseNegatives;
+  e.falsePositives = a.falsePositives + b.falsePositives;
+  e.unresolved = a.unresolved + b.unresolved;
+  e.sameClass = a.sameClass + b.sameClass;
+  e.sameInstance = a.sameInstance + b.sameInstance;
+  e.sameLabel = a.sameLabel + b.sameLabel;
+  e.range = worstOf(a.range, b.range);
+  e.intensity = worstOf(a.intensity, b.intensity);
+  return e;
+}
+
+// Sequences of different scenes, spread over the pipeline's.
+std::vector<std::size_t> sequencesOf(const Pipeline& pipeline, std::size_t most) {
+  std::vector<std::size_t> firsts;
+  for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
+    if (s == 0 || !pipeline.sequences[s].sameScene(pipeline.sequences[s - 1])) firsts.push_back(s);
+  }
+  const std::size_t count = std::min({most, firsts.size(), kMostScenes});
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < count; ++i) chosen.push_back(firsts[i * firsts.size() / count]);
+  return chosen;
+}
+
+std::uint64_t scenesOf(const Pipeline& pipeline) {
+  std::uint64_t count = 0;
+  for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
+    count += s == 0 || !pipeline.sequences[s].sameScene(pipeline.sequences[s - 1]) ? 1 : 0;
+  }
+  return count;
+}
+
+class Calibrator {
+ public:
+  Calibrator(const Plan& plan, bool quiet, const std::atomic<bool>* stop)
+      : plan_(plan),
+        pipeline_(plan.pipeline()),
+        choice_(readAutoChoice(pipeline_)),
+        stop_(stop),
+        scenes_(sequencesOf(pipeline_, choice_.shots)),
+        progress_("calibrate", scenes_.size() * choice_.settings.size(), "settings", "beams", quiet) {}
+
+  Calibration run() {
+    Calibration calibration;
+    for (const MethodSetting& s : choice_.settings) calibration.settings.push_back({s, {}, {}});
+    sums_.resize(choice_.settings.size());
+    for (std::size_t i = 0; i < scenes_.size(); ++i) measureScene(i, calibration);
+    const auto beams = static_cast<double>(pipeline_.frames() * pipeline_.raysPerFrame());
+    for (std::size_t s = 0; s < sums_.size(); ++s) {
+      const double parts = std::max(sums_[s].scenes, 1);
+      const double setup = sums_[s].setup / parts * static_cast<double>(scenesOf(pipeline_));
+      calibration.settings[s].candidate.secondsPerBeam = setup / beams + sums_[s].perBeam / parts;
+    }
+    calibration.chosen = chooseSetting(calibration.settings, choice_.limits, pipeline_.method.options.where);
+    calibration.why = reason(calibration);
+    return calibration;
+  }
+
+ private:
+  struct Sum {
+    double setup = 0;    // s
+    double perBeam = 0;  // s
+    int scenes = 0;      // that it was measured on
+  };
+
+  // What errs too much on the scenes so far need not be measured on more of them.
+  bool erring(const CalibratedSetting& row) const {
+    ErrorLimits errors = choice_.limits;
+    errors.minRate.reset();
+    return !broken(row.candidate, errors).empty();
+  }
+
+  void measureScene(std::size_t index, Calibration& calibration) {
+    const std::size_t sequence = scenes_[index];
+    const Sequence& own = pipeline_.sequences[sequence];
+    progress_.say(fmt::format("reading {}", own.key()));
+    const Scene scene = plan_.loadScene(own);
+    // Every scene has a share of the shots; the first ones take what is left over.
+    const auto shares = static_cast<std::uint32_t>(scenes_.size());
+    const std::uint32_t count = choice_.shots / shares + (index < choice_.shots % shares ? 1 : 0);
+    std::vector<Shot> shots;
+    for (const std::uint32_t frame : own.spreadFrames(count)) {
+      ++frames_;
+      for (Shot& shot : plan_.shots(sequence, frame)) shots.push_back(std::move(shot));
+    }
+    MeasureOptions options;
+    options.clouds = false;
+    options.leastSeconds = 0.1;
+    options.channels = plan_.channels();
+    options.intensity = noiseFreeIntensity(pipeline_, scene);
+    options.stop = [this] { return stop_ != nullptr && *stop_; };
+    const std::vector<TrueShot> truth = trueShots(scene, std::move(shots), options);
+    if (!anyHit(truth)) {
+      throw InputError({pipeline_.file.string()},
+                       fmt::format("no beam of {} scans of {} meets anything: nothing can be judged by them; look at "
+                                   "the trajectory and the sensor's mount",
+                                   truth.size(), own.key()));
+    }
+    double beams = 0;
+    for (const TrueShot& t : truth) beams += static_cast<double>(t.truth.hits.size());
+    beams /= static_cast<double>(truth.size());
+    for (std::size_t s = 0; s < calibration.settings.size(); ++s) {
+      CalibratedSetting& row = calibration.settings[s];
+      progress_.say(row.setting.setting.name);
+      if (row.failure.empty() && (index == 0 || !erring(row))) {
+        try {
+          const Measurement m =
+              measure([&] { return makeMethod(builtAnew(row.setting.choice), scene); }, scene, truth, options);
+          sums_[s].setup += m.cost.setupSeconds;
+          sums_[s].perBeam += m.cost.scanSeconds / beams;
+          ++sums_[s].scenes;
+          row.candidate.errors = index == 0 ? m.errors.all : worstOf(row.candidate.errors, m.errors.all);
+        } catch (const Error& error) {
+          if (options.stop()) throw;
+          row.failure = error.what();
+        }
+      }
+      progress_.advance(1, beams * static_cast<double>(truth.size()) * (options.repeats + 1));
+    }
+  }
+
+  std::string reason(const Calibration& calibration) const {
+    const CalibratedSetting& chosen = calibration.settings[calibration.chosen];
+    const GroupErrors& e = chosen.candidate.errors;
+    std::size_t holding = 0;
+    for (const CalibratedSetting& s : calibration.settings) {
+      holding += s.failure.empty() && broken(s.candidate, choice_.limits).empty() ? 1 : 0;
+    }
+    ErrorLimits errors = choice_.limits;
+    errors.minRate.reset();
+    const bool onlyRate = limitTexts(chosen.candidate, errors).empty();
+    return fmt::format(
+        "the {} of {} settings that hold, of {} measured on {} frames; asked for: {}; it traces {} beams/s, set-up "
+        "included, range error p99 {:.3g} mm, {:.3f} % of the beams are false negatives or positives, {:.3f} % of "
+        "labels agree",
+        onlyRate ? "most exact" : "cheapest", holding, calibration.settings.size(), frames_,
+        fmt::join(limitTexts(chosen.candidate, choice_.limits), "; "), shortNumber(1 / chosen.candidate.secondsPerBeam),
+        e.range.p99 * 1e3, 100 * e.missRate(), 100 * e.labels());
+  }
+
+  const Plan& plan_;
+  const Pipeline& pipeline_;
+  AutoChoice choice_;
+  const std::atomic<bool>* stop_;
+  std::vector<std::size_t> scenes_;
+  Progress progress_;
+  std::vector<Sum> sums_;
+  std::uint32_t frames_ = 0;  // that were measured
+};
+
+}  // namespace
+
+AutoChoice readAutoChoice(const Pipeline& pipeline) {
+  const Value& options = pipeline.method.options;
+  AutoChoice choice;
+  Fields fields(options, "method auto");
+  fields.also({"max_error", "min_rate", "settings", "shots"}).finish();
+  if (!fields.has("max_error") && !fields.has("min_rate")) {
+    throw InputError(options.where,
+                     "method auto: say what is good enough, such as {auto: {max_error: {p99: 2cm, miss_rate: 0.1%, "
+                     "labels: 99.5%}}} or {auto: {min_rate: 5e6}}");
+  }
+  choice.limits = readErrorLimits(fields.find("max_error"), fields.find("min_rate"));
+  const Value* settings = fields.find("settings");
+  choice.settings = readSettings(settings == nullptr ? parseYaml(kAutoSettings, "settings of auto") : *settings,
+                                 "method auto: settings");
+  choice.shots = static_cast<std::uint32_t>(fields.integer("shots", 1, 1000, 3));
+  if (choice.limits.intensity && !setsIntensity(pipeline)) {
+    throw InputError(fields.find("max_error")->find("intensity")->where,
+                     "method auto: max_error: no effect sets the intensity: add the effect `intensity`, or "
+                     "leave this limit out");
+  }
+  return choice;
+}
+
+void checkAutoChoice(const Pipeline& pipeline) {
+  if (pipeline.method.automatic) readAutoChoice(pipeline);
+}
+
+std::size_t chooseSetting(const std::vector<CalibratedSetting>& settings, const ErrorLimits& limits,
+                          const Location& where) {
+  std::vector<Candidate> candidates;
+  std::vector<std::size_t> index;
+  for (std::size_t s = 0; s < settings.size(); ++s) {
+    if (!settings[s].failure.empty()) continue;
+    candidates.push_back(settings[s].candidate);
+    index.push_back(s);
+  }
+  if (candidates.empty()) {
+    throw InputError(where, fmt::format("method auto: none of the {} settings can run here; the first: {}",
+                                        settings.size(), settings.empty() ? "" : settings.front().failure));
+  }
+  if (const auto best = bestThatHolds(candidates, limits)) return index[*best];
+  const std::size_t nearestOne = nearestToHolding(candidates, limits);
+  throw InputError(where, fmt::format("method auto: none of the {} settings is good enough; the nearest is {} ({}). "
+                                      "Ask for less, or name more `settings`",
+                                      settings.size(), settings[index[nearestOne]].setting.setting.name,
+                                      fmt::join(broken(candidates[nearestOne], limits), "; ")));
+}
+
+MethodRecord Calibration::record() const {
+  const Setting& s = settings[chosen].setting.setting;
+  return {s.name, s.assignment(), why};
+}
+
+Calibration calibrate(const Plan& plan, bool quiet, const std::atomic<bool>* stop) {
+  return Calibrator(plan, quiet, stop).run();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,292 @@
+#include "evaluate/beam_errors.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "base/error.h"
+#include "base/parallel.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kOpen = std::numeric_limits<double>::infinity();
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+// Where bands begin; the last end closes the last band.
+constexpr std::array kRangeEdges{0.0, 5.0, 10.0, 20.0, 40.0, 80.0, kOpen};      // m
+constexpr std::array kIncidenceEdges{0.0, 30.0, 45.0, 60.0, 75.0, 85.0, 90.0};  // degrees
+constexpr std::array kThicknessEdges{0.0, 0.05, 0.2, 0.5, 1.0, kOpen};          // m
+constexpr std::array kLengthEdges{0.0, 0.3, 1.0, 2.0, 5.0, kOpen};              // m
+
+// The band that `value`, which is not below the first, lies in. What lies beyond the last end, as 90 degrees do, counts
+// to the last band.
+std::size_t bandOf(std::span<const double> edges, double value) {
+  std::size_t band = 0;
+  while (band + 2 < edges.size() && value >= edges[band + 1]) ++band;
+  return band;
+}
+
+std::string bandName(double low, double high, const char* unit) {
+  return std::isinf(high) ? fmt::format("{:g} {} and more", low, unit)
+                          : fmt::format("{:g} to {:g} {}", low, high, unit);
+}
+
+struct Outcome {
+  bool truth = false;   // hits
+  bool tested = false;  // hits
+  bool unresolved = false;
+  bool sameClass = false;
+  bool sameInstance = false;
+  float range = 0;               // |tested - truth| where both hit (m)
+  float intensity = kUnknown;    // likewise
+  float nearestTo = kUnknown;    // m, where the truth hits
+  float nearestFrom = kUnknown;  // m, where the tested method hits
+};
+
+// Spreads need every error: as floats, which keep seven digits of it.
+struct GroupSum {
+  GroupErrors counts;
+  std::vector<float> range;
+  std::vector<float> intensity;
+  std::vector<float> nearestTo;
+  std::vector<float> nearestFrom;
+
+  void add(const Outcome& beam) {
+    ++counts.beams;
+    if (beam.unresolved) {
+      ++counts.unresolved;
+    } else if (!beam.truth && !beam.tested) {
+      ++counts.bothMiss;
+    } else if (!beam.tested) {
+      ++counts.falseNegatives;
+    } else if (!beam.truth) {
+      ++counts.falsePositives;
+    } else {
+      ++counts.bothHit;
+      counts.sameClass += beam.sameClass ? 1 : 0;
+      counts.sameInstance += beam.sameInstance ? 1 : 0;
+      counts.sameLabel += beam.sameClass && beam.sameInstance ? 1 : 0;
+      range.push_back(beam.range);
+      if (std::isfinite(beam.intensity)) intensity.push_back(beam.intensity);
+    }
+    if (std::isfinite(beam.nearestTo)) nearestTo.push_back(beam.nearestTo);
+    if (std::isfinite(beam.nearestFrom)) nearestFrom.push_back(beam.nearestFrom);
+  }
+};
+
+template <std::size_t N>
+std::vector<ErrorGroup> bands(const std::array<double, N>& edges, const char* unit,
+                              const std::array<GroupSum, N - 1>& sums) {
+  std::vector<ErrorGroup> groups;
+  for (std::size_t i = 0; i + 1 < N; ++i) {
+    groups.push_back({bandName(edges[i], edges[i + 1], unit), edges[i], edges[i + 1], sums[i].counts});
+  }
+  while (!groups.empty() && groups.back().errors.beams == 0) groups.pop_back();
+  return groups;
+}
+
+double share(std::uint64_t part, std::uint64_t whole, double ofNone) {
+  return whole == 0 ? ofNone : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+void checkSizes(const TrueShot& truth, const Hits& tested, std::span<const float> intensity,
+                std::span<const float> nearestTo, std::span<const float> nearestFrom) {
+  const std::size_t beams = truth.truth.range.size();
+  const auto fits = [&](std::size_t size) { return size == beams; };
+  const auto fitsOrNone = [&](std::size_t size) { return size == 0 || size == beams; };
+  const Hits& exact = truth.truth.hits;
+  if (!fits(tested.size()) || !fits(tested.range.size())) {
+    throw Error(fmt::format("hits of {} and of {} beams cannot be compared", beams, tested.size()));
+  }
+  if (!fits(exact.instance.size()) || !fits(exact.semantic.size()) || !fits(exact.incidence.size()) ||
+      !fits(tested.instance.size()) || !fits(tested.semantic.size())) {
+    throw Error("hits can be compared only where instance, semantic and, of the truth, incidence were traced");
+  }
+  if (!fitsOrNone(truth.edges.size()) || !fitsOrNone(truth.intensity.size()) || !fitsOrNone(intensity.size())) {
+    throw Error(fmt::format("edges and intensities must be of the {} beams that are compared", beams));
+  }
+  if (!fitsOrNone(nearestTo.size()) || !fitsOrNone(nearestFrom.size())) {
+    throw Error(fmt::format("distances to the nearest points must be of the {} beams that are compared", beams));
+  }
+}
+
+}  // namespace
+
+double GroupErrors::missRate() const {
+  return share(falseNegatives + falsePositives + unresolved, beams, 0);
+}
+double GroupErrors::labels() const {
+  return share(sameLabel, bothHit, 1);
+}
+double GroupErrors::classAgreed() const {
+  return share(sameClass, bothHit, 1);
+}
+double GroupErrors::instanceAgreed() const {
+  return share(sameInstance, bothHit, 1);
+}
+double GroupErrors::hausdorff() const {
+  return std::max(nearestTo.max, nearestFrom.max);
+}
+
+class BeamErrorSum::Impl {
+ public:
+  explicit Impl(const Scene& scene) : scene_(scene), sizes_(thingSizes(scene)), things_(sizes_.size()) {}
+
+  void add(const TrueShot& shot, const Hits& tested, std::span<const float> intensity, std::span<const float> nearestTo,
+           std::span<const float> nearestFrom) {
+    checkSizes(shot, tested, intensity, nearestTo, nearestFrom);
+    const Hits& exact = shot.truth.hits;
+    const bool lit = !shot.intensity.empty() && !intensity.empty();
+    auto unresolved = tested.unresolved.begin();
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      const double range = shot.truth.range[i];
+      Outcome beam;
+      beam.truth = std::isfinite(range);
+      while (unresolved != tested.unresolved.end() && *unresolved < i) ++unresolved;
+      beam.unresolved = unresolved != tested.unresolved.end() && *unresolved == i;
+      beam.tested = std::isfinite(tested.range[i]) && !beam.unresolved;
+      if (beam.truth && beam.tested) {
+        beam.sameClass = tested.semantic[i] == exact.semantic[i];
+        beam.sameInstance = tested.instance[i] == exact.instance[i];
+        beam.range = static_cast<float>(std::abs(double{tested.range[i]} - range));
+        if (lit) beam.intensity = std::abs(intensity[i] - shot.intensity[i]);
+      }
+      if (beam.truth && !nearestTo.empty()) beam.nearestTo = nearestTo[i];
+      if (beam.tested && !nearestFrom.empty()) beam.nearestFrom = nearestFrom[i];
+      all_.add(beam);
+      places_[shot.edges.empty() || shot.edges[i] == 0 ? 0 : 1].add(beam);
+      if (beam.truth || beam.tested) {
+        ranges_[bandOf(kRangeEdges, beam.truth ? range : double{tested.range[i]})].add(beam);
+        classes_[beam.truth ? exact.semantic[i] : tested.semantic[i]].add(beam);
+      }
+      if (!beam.truth) continue;
+      if (const double cosine = exact.incidence[i]; !std::isnan(cosine)) {
+        incidences_[bandOf(kIncidenceEdges, degrees(std::acos(std::clamp(cosine, 0.0, 1.0))))].add(beam);
+      }
+      if (exact.instance[i] != 0) {
+        if (exact.instance[i] >= things_.size()) throw Error("the hits are of another scene: it has fewer things");
+        Thing& thing = things_[exact.instance[i]];
+        ++thing.beams;
+        thing.found += beam.sameInstance ? 1 : 0;
+      }
+    }
+  }
+
+  BeamErrors finish() const {
+    BeamErrors errors;
+    errors.all = all_.counts;
+    errors.byPlace = {{"interior", 0, 0, places_[0].counts}, {"edges", 0, 0, places_[1].counts}};
+    errors.byRange = bands(kRangeEdges, "m", ranges_);
+    errors.byIncidence = bands(kIncidenceEdges, "deg", incidences_);
+    for (const auto& [id, sum] : classes_) {
+      const SemanticClass* known = scene_.ontology.find(id);
+      errors.byClass.push_back({known != nullptr ? known->name : fmt::format("class {}", id), 0, 0, sum.counts});
+    }
+    std::vector<std::pair<const std::vector<float>*, Spread*>> spreads;
+    const auto spread = [&](const GroupSum& of, GroupErrors& group) {
+      spreads.insert(spreads.end(), {{&of.range, &group.range},
+                                     {&of.intensity, &group.intensity},
+                                     {&of.nearestTo, &group.nearestTo},
+                                     {&of.nearestFrom, &group.nearestFrom}});
+    };
+    spread(all_, errors.all);
+    for (std::size_t i = 0; i < errors.byPlace.size(); ++i) spread(places_[i], errors.byPlace[i].errors);
+    for (std::size_t i = 0; i < errors.byRange.size(); ++i) spread(ranges_[i], errors.byRange[i].errors);
+    for (std::size_t i = 0; i < errors.byIncidence.size(); ++i) spread(incidences_[i], errors.byIncidence[i].errors);
+    auto byClass = errors.byClass.begin();
+    for (const auto& entry : classes_) spread(entry.second, (byClass++)->errors);
+    // Sorting is what takes time, and groups are few and large.
+    parallelFor(spreads.size(), 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        const auto& [values, result] = spreads[i];
+        *result = spreadOf({values->begin(), values->end()});
+      }
+    });
+    errors.byThickness = recall(kThicknessEdges, &ThingSize::smallest);
+    errors.byLength = recall(kLengthEdges, &ThingSize::largest);
+    return errors;
+  }
+
+ private:
+  struct Thing {
+    std::uint64_t beams = 0;
+    std::uint64_t found = 0;
+  };
+
+  std::vector<SizeRecall> recall(std::span<const double> edges, double ThingSize::*side) const {
+    std::vector<SizeRecall> groups;
+    for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+      groups.push_back({bandName(edges[i], edges[i + 1], "m"), edges[i], edges[i + 1]});
+    }
+    for (std::size_t id = 1; id < things_.size(); ++id) {
+      if (things_[id].beams == 0) continue;
+      SizeRecall& group = groups[bandOf(edges, sizes_[id].*side)];
+      ++group.things;
+      group.thingsFound += things_[id].found > 0 ? 1 : 0;
+      group.beams += things_[id].beams;
+      group.beamsFound += things_[id].found;
+    }
+    while (!groups.empty() && groups.back().things == 0) groups.pop_back();
+    return groups;
+  }
+
+  const Scene& scene_;
+  std::vector<ThingSize> sizes_;
+  std::vector<Thing> things_;  // by instance id
+  GroupSum all_;
+  std::array<GroupSum, 2> places_;  // interior, edges
+  std::array<GroupSum, kRangeEdges.size() - 1> ranges_;
+  std::array<GroupSum, kIncidenceEdges.size() - 1> incidences_;
+  std::map<std::uint16_t, GroupSum> classes_;
+};
+
+BeamErrorSum::BeamErrorSum(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
+BeamErrorSum::~BeamErrorSum() = default;
+BeamErrorSum::BeamErrorSum(BeamErrorSum&&) noexcept = default;
+BeamErrorSum& BeamErrorSum::operator=(BeamErrorSum&&) noexcept = default;
+
+void BeamErrorSum::add(const TrueShot& truth, const Hits& tested, std::span<const float> intensity,
+                       std::span<const float> nearestTo, std::span<const float> nearestFrom) {
+  impl_->add(truth, tested, intensity, nearestTo, nearestFrom);
+}
+
+BeamErrors BeamErrorSum::finish() const {
+  return impl_->finish();
+}
+
+std::vector<ThingSize> thingSizes(const Scene& scene) {
+  std::vector<std::vector<Box>> boxes(scene.meshes.size());  // of each mesh's things, in its own frame
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    boxes[m].resize(mesh.objects);
+    for (std::size_t t = 0; mesh.objects > 0 && t < mesh.triangles.size(); ++t) {
+      const std::uint32_t object = mesh.surfaces[mesh.surfaceOf[t]].object;
+      if (object == 0) continue;
+      for (const std::uint32_t corner : mesh.triangles[t]) boxes[m][object - 1].add(Vec3d(mesh.positions[corner]));
+    }
+  }
+  std::vector<ThingSize> sizes(1);
+  for (const Instance& instance : scene.instances) {
+    const Mat3& linear = instance.worldFromMesh.linear;
+    for (std::size_t object = 0; object < boxes[instance.mesh].size(); ++object) {
+      const std::size_t id = instance.firstInstanceId + object;
+      if (id >= sizes.size()) sizes.resize(id + 1);
+      const Box& box = boxes[instance.mesh][object];
+      if (box.empty()) continue;
+      const Vec3d size = box.high - box.low;
+      const auto [smallest, largest] =
+          std::minmax({size.x * length(linear.x), size.y * length(linear.y), size.z * length(linear.z)});
+      sizes[id] = {smallest, largest};
+    }
+  }
+  return sizes;
+}
+
+}  // namespace scanmill

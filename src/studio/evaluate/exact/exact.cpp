@@ -1,0 +1,320 @@
+// The truth: every beam against every triangle that it might meet, in double.
+//
+// Embree only finds candidates. Its boxes and rays are float32, so boxes are given slack for all that rounding moves;
+// which triangle is met, and where, is decided in double from the mesh's own corners.
+
+#include "evaluate/exact/exact.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <list>
+#include <mutex>
+#include <tuple>
+
+#include "base/parallel.h"
+#include "evaluate/exact/watertight.h"
+#include "methods/ray_tracing/filter.h"
+#include "methods/world/resolve.h"
+#include "methods/world/world.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kGrid = 1024;           // m, between origins; anchored at the scene's centre
+constexpr std::size_t kKeptOrigins = 2;  // that a drive across a grid line needs at once
+constexpr double kRounding = 0x1p-24;    // of a float32, relative
+constexpr double kAlongAnAxis = 1e-12;   // smaller components of a direction are zero for Embree, see component()
+constexpr HierarchyOptions kUnfiltered{};
+
+// Surfaces are coplanar where they lie within kCoplanar x distance + this of each other along their normals (m), as for
+// ray tracing with the sensor at its origin: what float32 corners near the sensor are rounded by.
+const double kFloor = double{coplanarFloor(0)};
+
+// How far behind the nearest surface its rivals are looked for (m).
+double reachOf(double range) {
+  return range + (range * double{kReach} + kFloor);
+}
+
+// A placed mesh, as Embree's callbacks see it.
+struct PlacedGeometry {
+  const PlacedBlock* placed;
+  double radius;  // m, see ExactWorld
+};
+
+// The scene relative to one origin: each placed mesh is a geometry of Embree, its number the mesh's index in `placed`.
+struct ExactWorld {
+  World world;
+  std::vector<PlacedGeometry> placements;
+  double radius = 0;  // m: beams start within it of the origin
+};
+
+struct Found {
+  double range;            // m
+  std::uint32_t placed;    // index into World::placed
+  std::uint32_t triangle;  // of its block
+};
+
+// Follows a ray through Embree.
+struct ExactContext {
+  RTCIntersectContext embree;
+  const ExactWorld* world;
+  const ShearedBeam* beam;
+  double far;                 // m
+  std::vector<Found>* found;  // all that lie within `far`, and some beyond
+};
+
+struct WorldCorners {
+  Vec3d a, b, c;
+};
+
+WorldCorners cornersOf(const PlacedBlock& placed, std::uint32_t triangle) {
+  const TriangleBlock& block = *placed.block;
+  const Triangle& t = block.corners[triangle];
+  const auto corner = [&](int k) { return placed.originFromMesh * Vec3d(block.vertices[t[k]]); };
+  return {corner(0), corner(1), corner(2)};
+}
+
+float below(double x) {
+  return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
+}
+
+float above(double x) {
+  return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+}
+
+// A ray of Embree starts off by the rounding of its origin, and strays by that of its direction on the way to the
+// triangle; twice that is added.
+void boundTriangle(const RTCBoundsFunctionArguments* arguments) {
+  const auto& placement = *static_cast<const PlacedGeometry*>(arguments->geometryUserPtr);
+  const WorldCorners t = cornersOf(*placement.placed, arguments->primID);
+  Box box;
+  for (const Vec3d& p : {t.a, t.b, t.c}) box.add(p);
+  const double farthest = std::max({length(t.a), length(t.b), length(t.c)});
+  const double slack = 2 * (kRounding + kAlongAnAxis) * (2 * placement.radius + farthest);
+  RTCBounds& bounds = *arguments->bounds_o;
+  bounds.lower_x = below(box.low.x - slack);
+  bounds.lower_y = below(box.low.y - slack);
+  bounds.lower_z = below(box.low.z - slack);
+  bounds.upper_x = above(box.high.x + slack);
+  bounds.upper_y = above(box.high.y + slack);
+  bounds.upper_z = above(box.high.z + slack);
+}
+
+// Embree traces single rays: there is one lane.
+void meetTriangle(const RTCIntersectFunctionNArguments* arguments) {
+  if (arguments->valid[0] == 0) return;
+  auto& context = *reinterpret_cast<ExactContext*>(arguments->context);
+  const PlacedBlock& placed = *static_cast<const PlacedGeometry*>(arguments->geometryUserPtr)->placed;
+  const std::uint32_t triangle = arguments->primID;
+  const WorldCorners t = cornersOf(placed, triangle);
+  const TriangleMeet meet = context.beam->meet(t.a, t.b, t.c);
+  if (!(meet.range > 0) || meet.range > context.far) return;
+  const TriangleBlock& block = *placed.block;
+  if (triangle >= block.firstAlpha && transparentAt(context.world->world, block, triangle, meet.u, meet.v)) return;
+  context.found->push_back({meet.range, arguments->geomID, triangle});
+  const double far = reachOf(meet.range);
+  if (far >= context.far) return;
+  context.far = far;
+  RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = above(far);
+}
+
+// The order among coplanar surfaces: that of ray tracing's filter over a flattened scene.
+auto rank(const World& world, const Found& f) {
+  const PlacedBlock& placed = world.placed[f.placed];
+  const std::uint32_t object = placed.block->surfaceOf(f.triangle).instance;
+  const std::uint32_t id = object == 0 ? 0 : placed.firstInstanceId + object - 1;
+  return std::tuple(id, f.triangle >= placed.block->firstAlpha, f.placed, f.triangle);
+}
+
+double cosineOf(const World& world, const Found& f, const Vec3d& direction) {
+  const PlacedBlock& placed = world.placed[f.placed];
+  return std::abs(dot(normalized(placed.normalFromMesh * placed.block->triangles[f.triangle].normal), direction));
+}
+
+// Of all that is coplanar with the nearest, the first by rank; whatever order they were found in. `found` is not empty.
+Found firstOf(const World& world, const std::vector<Found>& found, const Vec3d& direction) {
+  if (found.size() == 1) return found.front();
+  const Found nearest = *std::min_element(found.begin(), found.end(), [&](const Found& a, const Found& b) {
+    return a.range != b.range ? a.range < b.range : rank(world, a) < rank(world, b);
+  });
+  const double far = reachOf(nearest.range);
+  const double tolerance = double{kCoplanar} * nearest.range + kFloor;
+  const double cosine = cosineOf(world, nearest, direction);
+  Found first = nearest;
+  for (const Found& f : found) {
+    if (f.range > far || !(rank(world, f) < rank(world, first))) continue;
+    const double apart = (f.range - nearest.range) * std::max(cosine, cosineOf(world, f, direction));
+    if (apart <= tolerance) first = f;
+  }
+  return first;
+}
+
+// Embree 3.13 misses hits of rays with components below 1e-18; see also ray tracing.
+float component(double direction) {
+  return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
+}
+
+void findTriangles(const Vec3d& origin, const Vec3d& direction, ExactContext& context) {
+  RTCRayHit ray;
+  ray.ray = {static_cast<float>(origin.x),
+             static_cast<float>(origin.y),
+             static_cast<float>(origin.z),
+             0,
+             component(direction.x),
+             component(direction.y),
+             component(direction.z),
+             0,
+             above(context.far),
+             ~0u,
+             0,
+             0};
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(context.world->world.embree.get(), &context.embree, &ray);
+}
+
+SceneHandle hierarchyOf(RTCDevice device, const ExactWorld& made) {
+  SceneHandle scene(rtcNewScene(device));
+  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+  for (std::uint32_t i = 0; i < made.placements.size(); ++i) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(made.world.placed[i].block->triangles.size()));
+    rtcSetGeometryUserData(geometry, const_cast<PlacedGeometry*>(&made.placements[i]));
+    rtcSetGeometryBoundsFunction(geometry, boundTriangle, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, meetTriangle);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene.get(), geometry, i);
+    rtcReleaseGeometry(geometry);
+  }
+  rtcCommitScene(scene.get());
+  return scene;
+}
+
+}  // namespace
+
+class ExactTracer::Impl {
+ public:
+  explicit Impl(const Scene& scene)
+      : scene_(scene),
+        anchor_(scene.bounds().empty() ? Vec3d{} : scene.bounds().center()),
+        device_(makeDevice()),
+        shared_(buildSharedMeshes(device_.get(), scene, std::vector<bool>(scene.meshes.size(), true), kUnfiltered)),
+        materials_(compactMaterials(scene)) {
+    shared_.scenes.clear();  // only the triangles are of use here
+    if (materials_.empty()) materials_.emplace_back();
+  }
+
+  void trace(const Shot& shot, Channels channels, ExactHits& out) const {
+    const BeamTable& beams = *shot.beams;
+    out.hits.reset(beams.rings, beams.columns, channels);
+    out.range.resize(out.hits.size());
+    const std::shared_ptr<const ExactWorld> world = near(shot);
+    const ShotFrame frame = frameOf(shot, world->world.origin);
+    const std::uint32_t across = (beams.columns + kPacket - 1) / kPacket;
+    parallelFor(std::size_t{across} * beams.rings, 64, [&](std::size_t first, std::size_t last) {
+      std::vector<Found> found;
+      for (std::size_t i = first; i < last; ++i) {
+        const auto ring = static_cast<std::uint32_t>(i / across);
+        const auto column = static_cast<std::uint32_t>(i % across) * kPacket;
+        traceTile(*world, shot, frame, {ring, column, 1, std::min<std::uint32_t>(kPacket, beams.columns - column)},
+                  found, out);
+      }
+    });
+  }
+
+ private:
+  void traceTile(const ExactWorld& world, const Shot& shot, const ShotFrame& frame, const Tile& tile,
+                 std::vector<Found>& found, ExactHits& out) const {
+    Rays rays;
+    setUp(shot, frame, tile, rays);
+    Resolved resolved;
+    HitTriangle triangles[kPacket];
+    for (int i = 0; i < kPacket; ++i) {
+      loadMiss(resolved, i);
+      if (i >= rays.count) continue;
+      const Vec3d origin{rays.ox[i], rays.oy[i], rays.oz[i]};
+      const Vec3d direction{rays.dx[i], rays.dy[i], rays.dz[i]};
+      const ShearedBeam beam(origin, direction);
+      ExactContext context;
+      rtcInitIntersectContext(&context.embree);
+      context.world = &world;
+      context.beam = &beam;
+      context.far = reachOf(shot.beams->maxRange);
+      found.clear();
+      context.found = &found;
+      findTriangles(origin, direction, context);
+      if (found.empty()) continue;
+      const Found first = firstOf(world.world, found, direction);
+      const PlacedBlock& placed = world.world.placed[first.placed];
+      triangles[i] = {placed.block, &placed, first.triangle};
+      loadPlane(triangles[i], 0, resolved, i);
+      resolved.traced[i] = first.range;
+    }
+    keepTraced(rays, *shot.beams, resolved);
+    store(materials_, tile, rays, resolved, triangles, out.hits);
+    std::copy_n(resolved.range, tile.width, &out.range[std::size_t{tile.ring} * out.hits.columns + tile.column]);
+  }
+
+  // The world whose origin is nearest to the sensor, with slack for all places that beams of the shot start from.
+  std::shared_ptr<const ExactWorld> near(const Shot& shot) const {
+    const auto cell = [](double d) { return std::round(d / kGrid) * kGrid; };
+    const Vec3d offset = shot.worldFromSensor.front().translation - anchor_;
+    const Vec3d origin = anchor_ + Vec3d{cell(offset.x), cell(offset.y), cell(offset.z)};
+    double start = 0;
+    for (const Vec3f& o : shot.beams->origin) start = std::max(start, length(Vec3d(o)));
+    double farthest = 0;
+    for (const Pose& pose : shot.worldFromSensor) farthest = std::max(farthest, length(pose.translation - origin));
+    double radius = kGrid;
+    while (radius < start + farthest) radius *= 2;
+
+    const std::scoped_lock lock(mutex_);
+    const auto known = std::find_if(worlds_.begin(), worlds_.end(), [&](const std::shared_ptr<const ExactWorld>& w) {
+      return w->world.origin == origin && w->radius >= radius;
+    });
+    if (known != worlds_.end()) {
+      worlds_.splice(worlds_.begin(), worlds_, known);
+      return worlds_.front();
+    }
+    if (worlds_.size() >= kKeptOrigins) worlds_.pop_back();
+    worlds_.push_front(build(origin, radius));
+    return worlds_.front();
+  }
+
+  std::shared_ptr<const ExactWorld> build(const Vec3d& origin, double radius) const {
+    auto made = std::make_shared<ExactWorld>();
+    World& world = made->world;
+    world.origin = origin;
+    world.scene = &scene_;
+    made->radius = radius;
+    for (const Instance& instance : scene_.instances) {
+      const Affine originFromMesh{instance.worldFromMesh.linear, instance.worldFromMesh.translation - origin};
+      world.placed.push_back({shared_.blocks[instance.mesh].get(), originFromMesh,
+                              transposed(inverse(originFromMesh.linear)), instance.firstInstanceId});
+    }
+    made->placements.reserve(world.placed.size());
+    for (const PlacedBlock& placed : world.placed) made->placements.push_back({&placed, radius});
+    world.embree = hierarchyOf(device_.get(), *made);
+    return made;
+  }
+
+  const Scene& scene_;
+  Vec3d anchor_;
+  DeviceHandle device_;
+  SharedMeshes shared_;
+  std::vector<CompactMaterial> materials_;
+  mutable std::mutex mutex_;
+  mutable std::list<std::shared_ptr<const ExactWorld>> worlds_;
+};
+
+ExactTracer::ExactTracer(const Scene& scene) : impl_(std::make_unique<const Impl>(scene)) {}
+ExactTracer::~ExactTracer() = default;
+
+void ExactTracer::trace(const Shot& shot, Channels channels, ExactHits& hits) const {
+  impl_->trace(shot, channels, hits);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,150 @@
+#include "evaluate/settings.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "config/fields.h"
+#include "config/named_options.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kMostSettings = 500;
+
+const Value& requireItems(const Value& list, const std::string& what) {
+  if (list.kind != Value::Kind::Sequence || list.items.empty()) {
+    throw InputError(list.where, fmt::format("{} must be a list with at least one item", what));
+  }
+  return list;
+}
+
+// Whether a plain scalar reads the same in {...} and [...], in an assignment and in a shell's quotes.
+bool staysPlain(const std::string& text) {
+  const auto word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; };
+  const auto inner = [&](char c) { return word(c) || c == '-' || c == '+' || c == '/' || c == '%' || c == ' '; };
+  const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
+  return text.size() > sign && (word(text[sign]) || text[sign] == '/') && text.back() != ' ' &&
+         std::all_of(text.begin(), text.end(), inner);
+}
+
+// In quotes, on one line.
+std::string quotedText(const std::string& text) {
+  const bool escaped = text.find_first_of("\n\r\t") != std::string::npos;
+  std::string quoted;
+  for (const char c : text) {
+    if (!escaped) {
+      quoted += c == '\'' ? std::string("''") : std::string(1, c);
+    } else if (c == '\n' || c == '\r' || c == '\t') {
+      quoted += c == '\n' ? "\\n" : c == '\r' ? "\\r" : "\\t";
+    } else {
+      quoted += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+    }
+  }
+  return escaped ? "\"" + quoted + "\"" : "'" + quoted + "'";
+}
+
+// A dollar begins a variable in values, not in keys.
+std::string doubledDollars(const std::string& text) {
+  std::string doubled;
+  for (const char c : text) doubled += c == '$' ? std::string("$$") : std::string(1, c);
+  return doubled;
+}
+
+// Of a value within a list or map.
+std::string innerText(const Value& value) {
+  return value.kind == Value::Kind::Null ? "null" : flowText(value);
+}
+
+}  // namespace
+
+MethodChoice builtAnew(MethodChoice choice) {
+  if (choice.entry->name != "particle") return choice;
+  choice.options.kind = Value::Kind::Map;
+  std::vector<Value::Entry>& entries = choice.options.entries;
+  auto cache = std::find_if(entries.begin(), entries.end(), [](const Value::Entry& e) { return e.key == "cache"; });
+  if (cache == entries.end()) cache = entries.insert(entries.end(), {"cache", {}});
+  if (cache->value.kind != Value::Kind::Null) return choice;
+  cache->value.kind = Value::Kind::Scalar;
+  cache->value.text = "none";
+  return choice;
+}
+
+std::vector<Value> expandLists(const Value& options, const std::string& what) {
+  std::vector<Value> all{options};
+  for (std::size_t e = 0; e < options.entries.size(); ++e) {
+    const Value& list = options.entries[e].value;
+    if (list.kind != Value::Kind::Sequence) continue;
+    if (list.items.empty()) throw InputError(list.where, fmt::format("{}: the list is empty", what));
+    std::vector<Value> more;
+    for (const Value& one : all) {
+      for (const Value& item : list.items) {
+        more.push_back(one);
+        more.back().entries[e].value = item;
+      }
+    }
+    all = std::move(more);
+    if (all.size() > kMostSettings) {
+      throw InputError(list.where, fmt::format("{}: these lists stand for more than {} settings", what, kMostSettings));
+    }
+  }
+  return all;
+}
+
+std::string settingName(const std::string& method, const Value& options) {
+  std::string name = method;
+  for (const Value::Entry& entry : options.entries) name += fmt::format(" {}={}", entry.key, flowText(entry.value));
+  return name;
+}
+
+std::string Setting::assignment() const {
+  return options == "{}" ? fmt::format("method={}", method) : fmt::format("method={{{}: {}}}", method, options);
+}
+
+std::string flowText(const Value& value) {
+  std::string text;
+  switch (value.kind) {
+    case Value::Kind::Null:
+      return "{}";
+    case Value::Kind::Scalar:
+      return value.quoted || !staysPlain(value.text) ? quotedText(doubledDollars(value.text)) : value.text;
+    case Value::Kind::Sequence:
+      for (const Value& item : value.items) text += (text.empty() ? "" : ", ") + innerText(item);
+      return "[" + text + "]";
+    case Value::Kind::Map:
+      for (const Value::Entry& e : value.entries) {
+        text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", staysPlain(e.key) ? e.key : quotedText(e.key),
+                            innerText(e.value));
+      }
+      return "{" + text + "}";
+  }
+  return text;
+}
+
+std::vector<MethodSetting> readSettings(const Value& list, const std::string& what) {
+  std::vector<MethodSetting> settings;
+  const Scene nothing;
+  for (const Value& item : requireItems(list, what).items) {
+    const NamedOptions named = readNamed(item, "an item of " + what);
+    const MethodEntry& entry = requireMethod(named.name, named.where);
+    for (const Value& options : expandLists(named.options, what)) {
+      Fields fields(options, "method " + named.name);
+      fields.alsoDescribed(entry.keys).finish();
+      entry.make(nothing, fields);
+      MethodSetting setting{{settingName(named.name, options), named.name, flowText(options)},
+                            {&entry, options, false}};
+      const bool twice = std::any_of(settings.begin(), settings.end(),
+                                     [&](const MethodSetting& s) { return s.setting.name == setting.setting.name; });
+      if (twice) throw InputError(item.where, fmt::format("{}: '{}' stands twice", what, setting.setting.name));
+      settings.push_back(std::move(setting));
+      if (settings.size() > kMostSettings) {
+        throw InputError(item.where, fmt::format("{}: there are more than {} settings", what, kMostSettings));
+      }
+    }
+  }
+  return settings;
+}
+
+}  // namespace scanmill

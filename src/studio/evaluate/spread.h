@@ -1,0 +1,25 @@
+#pragma once
+
+// Percentiles and means of errors.
+
+#include <cstddef>
+#include <vector>
+
+namespace scanmill {
+
+// How errors spread. Everything is zero where there are no errors. A percentile is the smallest value that so many per
+// cent of the errors do not exceed.
+struct Spread {
+  std::size_t count = 0;
+  double mean = 0;
+  double rms = 0;
+  double median = 0;
+  double p95 = 0;
+  double p99 = 0;
+  double p999 = 0;
+  double max = 0;
+};
+
+Spread spreadOf(std::vector<double> values);
+
+}  // namespace scanmill

@@ -1,0 +1,309 @@
+#include "report/dataset/dataset_summary.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "dataset/sample_json.h"
+#include "viewer/color_map.h"
+
+namespace scanmill {
+
+namespace {
+
+using ClassPoints = std::map<std::uint16_t, std::uint64_t>;
+
+template <class List, class Named>
+auto& entryNamed(List& list, const std::string& name, Named make) {
+  const auto found = std::find_if(list.begin(), list.end(), [&](const auto& e) { return e.name == name; });
+  return found == list.end() ? list.emplace_back(make()) : *found;
+}
+
+double medianOf(std::vector<std::uint64_t> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  const auto upper = static_cast<double>(values[middle]);
+  return values.size() % 2 == 1 ? upper : (static_cast<double>(values[middle - 1]) + upper) / 2;
+}
+
+void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& part) {
+  if (sum.size() < part.size()) sum.resize(part.size(), 0);
+  for (std::size_t i = 0; i < part.size(); ++i) sum[i] += part[i];
+}
+
+// "street-s1-lane" is seed 1 of the scene street, driven along the trajectory lane.
+SequenceSummary sequenceNamed(const std::string& name) {
+  SequenceSummary sequence{name, {}, {}, {}, {}, 0, 0, 0, 0};
+  for (std::size_t at = name.find("-s"); at != std::string::npos; at = name.find("-s", at + 1)) {
+    const std::size_t digits = at + 2;
+    const std::size_t end = name.find_first_not_of("0123456789", digits);
+    if (at == 0 || end == std::string::npos || end == digits || name[end] != '-' || end + 1 == name.size()) continue;
+    sequence.scene = name.substr(0, at);
+    sequence.seed = name.substr(digits, end - digits);
+    sequence.trajectory = name.substr(end + 1);
+    break;
+  }
+  return sequence;
+}
+
+std::string sequenceOf(const SampleRecord& sample) {
+  const std::string sequence = partsOfKey(sample.key).sequence;
+  return sequence.empty() ? sample.key : sequence;
+}
+
+class Summing {
+ public:
+  Summing(const Manifest& manifest, const RangeSteps& steps) : manifest_(manifest) {
+    sum_.steps = steps;
+    for (const SemanticClass& c : manifest.ontology.classes) {
+      ClassSummary entry{c.id, c.name, classColor(&manifest.ontology, c.id), c.thing};
+      entry.ranges.assign(steps.count, 0);
+      classAt_[c.id] = sum_.classes.size();
+      sum_.classes.push_back(std::move(entry));
+    }
+    for (const SensorRecord& s : manifest.sensors) {
+      sum_.sensors.push_back({s.name, {}, 0, 0, 0, 0, 0, 0, std::vector<std::uint64_t>(steps.count, 0), {}});
+    }
+  }
+
+  // All scans.
+  void addManifest() {
+    const auto has = [&](const char* column) {
+      return std::find(manifest_.columns.begin(), manifest_.columns.end(), column) != manifest_.columns.end();
+    };
+    sum_.labelled = has("label");
+    sum_.instanced = has("instance");
+    sum_.samples = manifest_.samples.size();
+    std::map<std::string, std::pair<double, double>> times;  // of sequences
+    std::map<std::string, std::set<std::string>> splitsOf;
+    for (const SampleRecord& sample : manifest_.samples) {
+      const std::string name = sequenceOf(sample);
+      SequenceSummary& sequence = sequenceEntry(name);
+      SplitSummary& split = splitEntry(sample.split);
+      if (splitsOf[name].insert(sample.split).second) {
+        sequence.split += (sequence.split.empty() ? "" : ", ") + sample.split;
+      }
+      ++sequence.samples;
+      ++split.samples;
+      for (const ScanRecord& scan : sample.scans) {
+        auto [time, first] = times.try_emplace(name, scan.time, scan.time);
+        time->second = {std::min(time->second.first, scan.time), std::max(time->second.second, scan.time)};
+        ++sequence.scans;
+        ++split.scans;
+        sequence.points += scan.points;
+        split.points += scan.points;
+        addRecord(sample, scan);
+      }
+    }
+    for (SequenceSummary& s : sum_.sequences) {
+      const auto time = times.find(s.name);
+      if (time != times.end()) s.seconds = time->second.second - time->second.first;
+    }
+    for (const ShardRecord& shard : manifest_.shards) {
+      SplitSummary& split = splitEntry(shard.split);
+      ++split.shards;
+      split.bytes += shard.bytes;
+    }
+    findFewPoints();
+  }
+
+  void addCounts(const std::vector<ScanPlace>& places, const std::vector<std::optional<ScanCounts>>& counts) {
+    sum_.scansChosen = places.size();
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      if (counts[k]) addScan(places[k], *counts[k]);
+    }
+    for (ClassSummary& c : sum_.classes) c.medianPoints = medianOf(std::move(viewPoints_[c.id]));
+    for (const auto& [key, points] : objects_) {
+      for (const auto& entry : points) ++classEntry(entry.first).objects;
+    }
+    listThings();
+    findMixed();
+  }
+
+  DatasetSummary result() { return std::move(sum_); }
+
+ private:
+  using ObjectKey = std::pair<std::string, std::uint32_t>;  // sequence, id
+
+  ClassSummary& classEntry(std::uint16_t id) {
+    const auto [at, added] = classAt_.try_emplace(id, sum_.classes.size());
+    if (added) {
+      ClassSummary entry{id, fmt::format("class {}", id), classColor(&manifest_.ontology, id), false, false};
+      entry.ranges.assign(sum_.steps.count, 0);
+      sum_.classes.push_back(std::move(entry));
+    }
+    return sum_.classes[at->second];
+  }
+
+  SequenceSummary& sequenceEntry(const std::string& name) {
+    const auto [at, added] = sequenceAt_.try_emplace(name, sum_.sequences.size());
+    if (added) sum_.sequences.push_back(sequenceNamed(name));
+    return sum_.sequences[at->second];
+  }
+
+  SplitSummary& splitEntry(const std::string& name) {
+    return entryNamed(sum_.splits, name, [&] { return SplitSummary{name, 0, 0, 0, 0, 0}; });
+  }
+
+  SensorSummary& sensorEntry(const std::string& name) {
+    return entryNamed(sum_.sensors, name, [&] {
+      return SensorSummary{name, {}, 0, 0, 0, 0, 0, 0, std::vector<std::uint64_t>(sum_.steps.count, 0), {}};
+    });
+  }
+
+  void addRecord(const SampleRecord& sample, const ScanRecord& scan) {
+    const std::string title = fmt::format("{}, {}", sample.key, scan.sensor);
+    ++sum_.scans;
+    sum_.points += scan.points;
+    sum_.beams += scan.beams;
+    sum_.unresolved += scan.unresolved;
+    SensorSummary& sensor = sensorEntry(scan.sensor);
+    ++sensor.scans;
+    sensor.points += scan.points;
+    sensor.beams += scan.beams;
+    if (std::find(sensor.methods.begin(), sensor.methods.end(), scan.method) == sensor.methods.end()) {
+      sensor.methods.push_back(scan.method);
+    }
+    for (const auto& [id, points] : scan.pointsPerClass) {
+      if (points == 0) continue;
+      ClassSummary& c = classEntry(id);
+      c.points += points;
+      ++c.scans;
+      c.pointsOfSplit[sample.split] += points;
+    }
+    if (scan.points == 0) {
+      ++sensor.emptyScans;
+      sum_.emptyScans.push_back(title);
+    }
+    if (scan.unresolved > 0) sum_.unresolvedScans.push_back(fmt::format("{}: {} beams", title, scan.unresolved));
+    pointsOfSensor_[scan.sensor].push_back(scan.points);
+  }
+
+  void findFewPoints() {
+    std::map<std::string, double> medians;
+    for (SensorSummary& s : sum_.sensors) {
+      const double median = medianOf(pointsOfSensor_[s.name]);
+      s.medianPoints = static_cast<std::uint64_t>(median);
+      medians[s.name] = median;
+    }
+    for (const SampleRecord& sample : manifest_.samples) {
+      for (const ScanRecord& scan : sample.scans) {
+        const double median = medians[scan.sensor];
+        if (scan.points == 0 || static_cast<double>(scan.points) >= kFewPointsShare * median) continue;
+        sum_.fewPoints.push_back(fmt::format("{}, {}: {} points, where the sensor's median is {:.0f}", sample.key,
+                                             scan.sensor, scan.points, median));
+      }
+    }
+  }
+
+  void addScan(const ScanPlace& place, const ScanCounts& counts) {
+    const SampleRecord& sample = manifest_.samples[place.sample];
+    SensorSummary& sensor = sensorEntry(sample.scans[place.scan].sensor);
+    ++sum_.scansRead;
+    ++sensor.scansRead;
+    sum_.pointsRead += counts.points;
+    for (const auto& [id, ranges] : counts.rangesOfClass) {
+      addTo(sensor.ranges, ranges);
+      if (sum_.labelled) addTo(classEntry(id).ranges, ranges);
+    }
+    for (const auto& [key, points] : counts.intensities) sensor.intensities[key] += points;
+    if (!sum_.labelled) return;
+    for (const auto& [id, points] : counts.withoutId) classEntry(id).pointsWithoutId += points;
+    const std::string sequence = sequenceOf(sample);
+    for (const InstanceCounts& instance : counts.instances) {
+      const ObjectKey key{sequence, instance.id};
+      addView(things_[key], instance, sample.key, sample.scans[place.scan].sensor);
+      for (const auto& [id, points] : instance.pointsOfClass) {
+        ++classEntry(id).views;
+        viewPoints_[id].push_back(points);
+        objects_[key][id] += points;
+        shownIn_[key].try_emplace(id, place.sample);
+      }
+    }
+  }
+
+  static void addView(ThingSummary& thing, const InstanceCounts& seen, const std::string& sample,
+                      const std::string& sensor) {
+    std::uint64_t points = 0;
+    for (const auto& [id, count] : seen.pointsOfClass) points += count;
+    thing.points += points;
+    ++thing.scans;
+    if (points > thing.bestPoints) {
+      thing.bestPoints = points;
+      thing.bestSample = sample;
+      thing.bestSensor = sensor;
+      thing.bestBox = seen.box;
+    }
+    if (points < kWellSeenPoints) return;
+    const SeenSize before = thing.size.value_or(SeenSize());
+    thing.size = SeenSize{std::max(before.length, seen.size.length), std::max(before.width, seen.size.width),
+                          std::max(before.height, seen.size.height)};
+  }
+
+  void listThings() {
+    for (auto& [key, thing] : things_) {
+      thing.sequence = key.first;
+      thing.id = key.second;
+      thing.pointsOfClass = objects_.at(key);
+      thing.mostClass =
+          std::max_element(thing.pointsOfClass.begin(), thing.pointsOfClass.end(), [](const auto& a, const auto& b) {
+            return a.second < b.second;
+          })->first;
+      sum_.things.push_back(std::move(thing));
+    }
+  }
+
+  // Things may have parts of different classes; then most things of one of the classes have the other too. Where few
+  // have, labels are likely to be wrong.
+  void findMixed() {
+    constexpr std::uint64_t kFewest = 3;  // so many such things tell that this is meant
+    std::map<std::uint16_t, std::uint64_t> holders;
+    std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> together;
+    for (const auto& [key, points] : objects_) {
+      for (auto a = points.begin(); a != points.end(); ++a) {
+        ++holders[a->first];
+        for (auto b = std::next(a); b != points.end(); ++b) ++together[{a->first, b->first}];
+      }
+    }
+    for (const auto& [key, points] : objects_) {
+      if (points.size() < 2) continue;
+      bool usual = true;
+      std::uint16_t rarest = points.begin()->first;
+      for (auto a = points.begin(); a != points.end(); ++a) {
+        if (a->second < points.at(rarest)) rarest = a->first;
+        for (auto b = std::next(a); b != points.end(); ++b) {
+          const std::uint64_t both = together[{a->first, b->first}];
+          usual = usual && both >= kFewest && 2 * both > std::min(holders[a->first], holders[b->first]);
+        }
+      }
+      const std::string& sample = manifest_.samples[shownIn_[key].at(rarest)].key;
+      sum_.mixed.push_back({key.first, sample, key.second, points, usual});
+    }
+  }
+
+  const Manifest& manifest_;
+  DatasetSummary sum_;
+  std::map<std::uint16_t, std::size_t> classAt_;
+  std::map<std::string, std::size_t> sequenceAt_;
+  std::map<std::string, std::vector<std::uint64_t>> pointsOfSensor_;
+  std::map<std::uint16_t, std::vector<std::uint64_t>> viewPoints_;
+  std::map<ObjectKey, ClassPoints> objects_;
+  std::map<ObjectKey, ThingSummary> things_;
+  std::map<ObjectKey, std::map<std::uint16_t, std::size_t>> shownIn_;  // a sample with points of each class
+};
+
+}  // namespace
+
+DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanPlace>& places,
+                         const std::vector<std::optional<ScanCounts>>& counts, const RangeSteps& steps) {
+  Summing summing(manifest, steps);
+  summing.addManifest();
+  summing.addCounts(places, counts);
+  return summing.result();
+}
+
+}  // namespace scanmill

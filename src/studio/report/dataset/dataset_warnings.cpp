@@ -1,0 +1,211 @@
+#include "report/dataset/dataset_warnings.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+
+#include "report/dataset/anomalies.h"
+#include "study/figure_text.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kFewClassPoints = 1e-4;  // share of all points
+
+double shareOf(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+class Warnings {
+ public:
+  Warnings(const DatasetSummary& summary, const ReadingFaults& faults, const std::filesystem::path& folder)
+      : sum_(summary), faults_(faults), folder_(folder) {}
+
+  std::vector<DatasetWarning> all() {
+    reading();
+    scans();
+    if (sum_.labelled && sum_.points > 0) {
+      classes();
+      splits();
+    }
+    instances();
+    things();
+    return std::move(list_);
+  }
+
+ private:
+  void add(std::string text, std::vector<std::string> places = {}) {
+    list_.push_back({std::move(text), std::move(places)});
+  }
+
+  std::vector<std::string> classesWhere(const std::function<bool(const ClassSummary&)>& holds) const {
+    std::vector<std::string> names;
+    for (const ClassSummary& c : sum_.classes) {
+      if (holds(c)) names.push_back(c.name);
+    }
+    return names;
+  }
+
+  void reading() {
+    if (!faults_.shards.empty()) {
+      add(fmt::format("{} missing or damaged. Pictures and figures that need points are of what can be read.",
+                      faults_.shards.size() == 1 ? "1 shard is" : fmt::format("{} shards are", faults_.shards.size())),
+          faults_.shards);
+    }
+    if (!faults_.scans.empty()) {
+      add(fmt::format("{} of {} could not be read.", sum_.scansChosen - sum_.scansRead,
+                      pluralOf(sum_.scansChosen, "scan")),
+          faults_.scans);
+    }
+    if (!faults_.mistaken.empty()) {
+      add("Scans are not what the manifest says of them: `scanmill verify` tells all.", faults_.mistaken);
+    }
+  }
+
+  void scans() {
+    if (sum_.samples == 0) add("The dataset has no samples.");
+    if (!sum_.emptyScans.empty()) {
+      add(fmt::format("{} of {} without points.", sum_.emptyScans.size(), pluralOf(sum_.scans, "scan")),
+          sum_.emptyScans);
+    }
+    if (!sum_.fewPoints.empty()) {
+      add(fmt::format("{} unusually few points: less than half of their sensor's median.",
+                      sum_.fewPoints.size() == 1 ? "1 scan has" : fmt::format("{} scans have", sum_.fewPoints.size())),
+          sum_.fewPoints);
+    }
+    if (sum_.unresolved > 0) {
+      add(fmt::format("The method gave up {} ({}): nobody knows whether they hit.", pluralOf(sum_.unresolved, "beam"),
+                      shareText(shareOf(sum_.unresolved, sum_.beams))),
+          sum_.unresolvedScans);
+    }
+  }
+
+  void classes() {
+    const auto none = classesWhere([](const ClassSummary& c) { return c.id != 0 && c.points == 0; });
+    if (!none.empty()) {
+      const auto known = std::count_if(sum_.classes.begin(), sum_.classes.end(),
+                                       [](const ClassSummary& c) { return c.id != 0 && c.known; });
+      add(fmt::format("No points of {} of the ontology's {} classes: {}.", none.size(), known, fmt::join(none, ", ")));
+      list_.back().note = true;  // few scenes have all of them
+    }
+    const auto few = classesWhere([&](const ClassSummary& c) {
+      return c.id != 0 && c.points > 0 && shareOf(c.points, sum_.points) < kFewClassPoints;
+    });
+    if (!few.empty()) add(fmt::format("Fewer than 1 in 10,000 points each: {}.", fmt::join(few, ", ")));
+    const auto unknown = classesWhere([](const ClassSummary& c) { return !c.known; });
+    if (!unknown.empty()) add(fmt::format("The ontology does not know: {}.", fmt::join(unknown, ", ")));
+    for (const ClassSummary& c : sum_.classes) {
+      if (c.id == 0 && c.points > 0) {
+        add(fmt::format("{} of the points are unlabelled, in {}.", shareText(shareOf(c.points, sum_.points)),
+                        pluralOf(c.scans, "scan")));
+      }
+    }
+  }
+
+  // What is learned against what it is tested on.
+  void splits() {
+    const auto train = std::find_if(sum_.splits.begin(), sum_.splits.end(),
+                                    [](const SplitSummary& s) { return s.name == "train" && s.points > 0; });
+    if (train == sum_.splits.end()) return;
+    for (const SplitSummary& other : sum_.splits) {
+      if (other.name == train->name || other.points == 0) continue;
+      const auto only = [&](const std::string& here, const std::string& absent) {
+        const auto names = classesWhere([&](const ClassSummary& c) {
+          return c.id != 0 && c.pointsOfSplit.contains(here) && !c.pointsOfSplit.contains(absent);
+        });
+        if (!names.empty()) add(fmt::format("In {} but not in {}: {}.", here, absent, fmt::join(names, ", ")));
+      };
+      only(train->name, other.name);
+      only(other.name, train->name);
+    }
+  }
+
+  void instances() {
+    if (!sum_.instanced || !sum_.labelled) return;
+    std::vector<std::string> without;
+    for (const ClassSummary& c : sum_.classes) {
+      if (c.thing && c.pointsWithoutId > 0)
+        without.push_back(fmt::format("{}: {}", c.name, pluralOf(c.pointsWithoutId, "point")));
+    }
+    if (!without.empty()) add("Things without an instance id, though their class is countable.", without);
+    std::vector<std::string> mixed;
+    for (const MixedInstance& m : sum_.mixed) {
+      if (m.usual) continue;
+      std::vector<std::string> parts;
+      for (const ClassSummary& c : sum_.classes) {
+        const auto points = m.pointsOfClass.find(c.id);
+        if (points != m.pointsOfClass.end()) parts.push_back(fmt::format("{} {}", points->second, c.name));
+      }
+      mixed.push_back(fmt::format("{}, instance {}: {} points", m.sample, m.id, fmt::join(parts, ", ")));
+    }
+    if (!mixed.empty()) {
+      add(fmt::format("{} labels of more than one class that seldom make one thing: a sign of wrong labels.",
+                      mixed.size() == 1 ? "1 instance has" : fmt::format("{} instances have", mixed.size())),
+          mixed);
+    }
+  }
+
+  const ClassSummary& classOf(std::uint16_t id) const {
+    return *std::find_if(sum_.classes.begin(), sum_.classes.end(), [&](const ClassSummary& c) { return c.id == id; });
+  }
+
+  void things() {
+    if (!sum_.instanced || !sum_.labelled) return;
+    constexpr std::size_t kMost = 20;  // on their own; the others are listed
+    const std::vector<Anomaly> anomalies = findAnomalies(sum_);
+    std::map<std::uint16_t, std::size_t> withId;
+    for (const Anomaly& a : anomalies) withId[sum_.things[a.thing].mostClass] += a.like ? 0 : 1;
+    std::vector<std::string> more;
+    for (std::size_t i = 0; i < anomalies.size(); ++i) {
+      const ThingSummary& thing = sum_.things[anomalies[i].thing];
+      const std::string text = anomalies[i].like ? sizeText(anomalies[i]) : idText(thing, withId[thing.mostClass]);
+      const std::string command = viewCommand(folder_, thing, sum_.sensors.size() > 1);
+      if (i < kMost) {
+        add(text);
+        list_.back().command = command;
+      } else {
+        more.push_back(fmt::format("{}  {}", text, command));
+      }
+    }
+    if (!more.empty())
+      add(fmt::format("{} more likely to have the wrong class.", pluralOf(more.size(), "thing")), more);
+  }
+
+  std::string idText(const ThingSummary& thing, std::size_t likeIt) const {
+    const ClassSummary& c = classOf(thing.mostClass);
+    const std::string others = c.pointsWithoutId == 0 ? fmt::format("though {} is not countable", c.name)
+                               : likeIt == 1          ? fmt::format("which no other {} has", c.name)
+                                                      : fmt::format("which most {} has not", c.name);
+    return fmt::format("{}: instance {} of {} ({}, {}) has an instance id, {}: a thing {} class?", c.name, thing.id,
+                       thing.sequence, pluralOf(thing.scans, "scan"), pluralOf(thing.points, "point"), others,
+                       c.id == 0 ? "without a" : "with the wrong");
+  }
+
+  std::string sizeText(const Anomaly& anomaly) const {
+    const ThingSummary& thing = sum_.things[anomaly.thing];
+    const std::string& own = classOf(thing.mostClass).name;
+    return fmt::format(
+        "{} {} of {} is {:.1f} x {:.1f} x {:.1f} m, like {} ({} of them) and unlike any other {}: a thing with the "
+        "wrong class?",
+        own, thing.id, thing.sequence, thing.size->length, thing.size->width, thing.size->height,
+        classOf(*anomaly.like).name, anomaly.alike, own);
+  }
+
+  const DatasetSummary& sum_;
+  const ReadingFaults& faults_;
+  std::filesystem::path folder_;
+  std::vector<DatasetWarning> list_;
+};
+
+}  // namespace
+
+std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults,
+                                       const std::filesystem::path& folder) {
+  return Warnings(summary, faults, folder).all();
+}
+
+}  // namespace scanmill

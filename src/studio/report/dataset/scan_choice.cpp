@@ -1,0 +1,72 @@
+#include "report/dataset/scan_choice.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string>
+
+#include "base/random.h"
+
+namespace scanmill {
+
+namespace {
+
+// Philox's key holds the seed, its counter the sample: a place of its own among random numbers, none of which a
+// dataset's noise has (those have a purpose in the counter's last word).
+std::uint64_t drawOf(std::uint64_t seed, std::size_t sample) {
+  constexpr std::uint32_t kPictures = 0xFFFF0000u;
+  const RandomBlock block = philox4x32(
+      {static_cast<std::uint32_t>(sample), static_cast<std::uint32_t>(std::uint64_t{sample} >> 32), 0, kPictures},
+      {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+  return std::uint64_t{block[0]} << 32 | block[1];
+}
+
+// In the order in which they come.
+struct SplitSamples {
+  std::string split;
+  std::vector<std::pair<std::uint64_t, std::size_t>> drawn;  // random number, sample
+};
+
+}  // namespace
+
+std::vector<ScanPlace> spreadScans(const Manifest& manifest, std::size_t most) {
+  std::vector<ScanPlace> all;
+  for (std::size_t s = 0; s < manifest.samples.size(); ++s) {
+    for (std::size_t i = 0; i < manifest.samples[s].scans.size(); ++i) all.push_back({s, i});
+  }
+  if (all.size() <= most) return all;
+  std::vector<ScanPlace> spread;
+  for (std::size_t k = 0; k < most; ++k) spread.push_back(all[(2 * k + 1) * all.size() / (2 * most)]);
+  return spread;
+}
+
+std::vector<ScanPlace> randomScans(const Manifest& manifest, const std::vector<bool>& sound, std::size_t count,
+                                   std::uint64_t seed) {
+  std::vector<SplitSamples> splits;
+  for (std::size_t s = 0; s < manifest.samples.size(); ++s) {
+    const SampleRecord& sample = manifest.samples[s];
+    const bool any = std::any_of(sample.scans.begin(), sample.scans.end(), [](const auto& r) { return r.points > 0; });
+    if (!any || !sound[sample.shard]) continue;
+    auto split = std::find_if(splits.begin(), splits.end(), [&](const auto& p) { return p.split == sample.split; });
+    if (split == splits.end()) split = splits.insert(splits.end(), {sample.split, {}});
+    split->drawn.emplace_back(drawOf(seed, s), s);
+  }
+  for (SplitSamples& split : splits) std::sort(split.drawn.begin(), split.drawn.end());
+  std::vector<ScanPlace> chosen;
+  for (std::size_t turn = 0; chosen.size() < count; ++turn) {
+    bool more = false;
+    for (const SplitSamples& split : splits) {
+      if (turn >= split.drawn.size() || chosen.size() == count) continue;
+      more = true;
+      const std::size_t sample = split.drawn[turn].second;
+      const std::vector<ScanRecord>& scans = manifest.samples[sample].scans;
+      std::size_t scan = chosen.size() % scans.size();
+      while (scans[scan].points == 0) scan = (scan + 1) % scans.size();
+      chosen.push_back({sample, scan});
+    }
+    if (!more) break;
+  }
+  return chosen;
+}
+
+}  // namespace scanmill

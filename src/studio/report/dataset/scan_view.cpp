@@ -1,0 +1,239 @@
+#include "report/dataset/scan_view.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "report/dataset/scan_thinning.h"
+#include "viewer/color_map.h"
+
+namespace scanmill {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kThreeLicence = R"(/*
+three.js, https://threejs.org: Debian's package libjs-three. The following holds for this script alone.
+
+The MIT License
+Copyright (c) 2010-2019 three.js authors
+
+Permission is hereby granted, free of charge, to any person obtaining a copy of this software and associated
+documentation files (the "Software"), to deal in the Software without restriction, including without limitation the
+rights to use, copy, modify, merge, publish, distribute, sublicense, and/or sell copies of the Software, and to permit
+persons to whom the Software is furnished to do so, subject to the following conditions:
+
+The above copyright notice and this permission notice shall be included in all copies or substantial portions of the
+Software.
+
+THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING BUT NOT LIMITED TO THE
+WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE AUTHORS OR
+COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR
+OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE.
+*/
+)";
+
+// Little-endian, whatever this machine is.
+template <class Number>
+Json column(const std::vector<std::uint32_t>& numbers) {
+  std::string bytes;
+  bytes.reserve(numbers.size() * sizeof(Number));
+  for (const std::uint32_t n : numbers) {
+    for (std::size_t b = 0; b < sizeof(Number); ++b) bytes += static_cast<char>(n >> (8 * b) & 0xFF);
+  }
+  return {{"type", fmt::format("u{}", 8 * sizeof(Number))}, {"data", base64(bytes)}};
+}
+
+// As narrow as they allow.
+Json narrowColumn(const std::vector<std::uint32_t>& numbers) {
+  const std::uint32_t most = numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end());
+  return most < 1u << 8    ? column<std::uint8_t>(numbers)
+         : most < 1u << 16 ? column<std::uint16_t>(numbers)
+                           : column<std::uint32_t>(numbers);
+}
+
+class ViewData {
+ public:
+  ViewData(const ViewedScan& viewed, const Ontology& ontology)
+      : scan_(viewed.scan), ontology_(ontology), points_(pointsToView(viewed.scan, kMostViewedPoints)) {
+    json_["title"] = viewed.title;
+    json_["points"] =
+        std::count_if(scan_.position.begin(), scan_.position.end(), [](const Vec3f& p) { return isFinite(p); });
+    json_["shown"] = points_.size();
+  }
+
+  Json made() {
+    positions();
+    classes();
+    instances();
+    json_["values"] = Json::array();
+    visitTable(scan_, [&](auto key, const auto& values) {
+      if (!key.row.display.inReport) return;
+      const std::string_view unit = key.row.display.unit == "deg" ? "\xC2\xB0" : key.row.display.unit;
+      numbers(key.row.name, unit, values, key.row.display.factor);
+    });
+    return std::move(json_);
+  }
+
+ private:
+  void positions() {
+    constexpr double kSteps = 65535;
+    Vec3d low{}, high{};
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+      const Vec3d p(scan_.position[points_[k]]);
+      low = k == 0 ? p : Vec3d{std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = k == 0 ? p : Vec3d{std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    const auto stepOf = [](double extent) { return extent > 0 ? extent / kSteps : 1; };
+    const Vec3d step{stepOf(high.x - low.x), stepOf(high.y - low.y), stepOf(high.z - low.z)};
+    std::vector<std::uint32_t> places;
+    const auto place = [&](double value, double from, double size) {
+      places.push_back(static_cast<std::uint32_t>(std::clamp(std::round((value - from) / size), 0.0, kSteps)));
+    };
+    for (const std::size_t i : points_) {
+      const Vec3d p(scan_.position[i]);
+      place(p.x, low.x, step.x);
+      place(p.y, low.y, step.y);
+      place(p.z, low.z, step.z);
+    }
+    json_["box"] = {{"low", {low.x, low.y, low.z}}, {"step", {step.x, step.y, step.z}}};
+    json_["position"] = column<std::uint16_t>(places);
+  }
+
+  void classes() {
+    if (scan_[kLabel].empty()) return;
+    std::map<std::uint16_t, std::uint64_t> counts;
+    for (std::size_t i = 0; i < scan_.size(); ++i) {
+      if (isFinite(scan_.position[i])) ++counts[scan_[kLabel][i]];
+    }
+    std::map<std::uint16_t, std::uint32_t> indexOf;
+    Json classes = Json::array();
+    for (const auto& [id, count] : counts) {
+      const SemanticClass* known = ontology_.find(id);
+      indexOf.emplace(id, static_cast<std::uint32_t>(indexOf.size()));
+      classes.push_back({{"id", id},
+                         {"name", known == nullptr ? fmt::format("class {}", id) : known->name},
+                         {"color", classColor(&ontology_, id)},
+                         {"points", count}});
+    }
+    std::vector<std::uint32_t> indices;
+    for (const std::size_t i : points_) indices.push_back(indexOf.at(scan_[kLabel][i]));
+    json_["classes"] = std::move(classes);
+    json_["class"] = narrowColumn(indices);
+  }
+
+  void instances() {
+    if (scan_[kInstance].empty()) return;
+    std::map<std::uint32_t, std::uint32_t> indexOf;
+    for (const std::size_t i : points_) indexOf.emplace(scan_[kInstance][i], 0);
+    Json ids = Json::array(), colors = Json::array();
+    std::uint32_t next = 0;
+    for (auto& [id, index] : indexOf) {
+      index = next++;
+      ids.push_back(id);
+      colors.push_back(instanceColor(id));
+    }
+    std::vector<std::uint32_t> indices;
+    for (const std::size_t i : points_) indices.push_back(indexOf.at(scan_[kInstance][i]));
+    json_["instances"] = {{"ids", std::move(ids)}, {"colors", std::move(colors)}};
+    json_["instance"] = narrowColumn(indices);
+  }
+
+  // Whole numbers stay what they are; others are kept in 65534 steps, and one more for what is no number.
+  template <class Number>
+  void numbers(std::string_view name, std::string_view unit, const std::vector<Number>& values, double factor) {
+    if (values.empty()) return;
+    constexpr double kSteps = 65534, kNone = 65535;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    bool whole = factor == 1;
+    for (const std::size_t i : points_) {
+      const double v = factor * static_cast<double>(values[i]);
+      if (!std::isfinite(v)) {
+        whole = false;
+        continue;
+      }
+      low = std::min(low, v);
+      high = std::max(high, v);
+      whole = whole && v == std::floor(v);
+    }
+    if (low > high) return;
+    whole = whole && low >= 0 && high < kNone;
+    if (whole) low = 0;
+    const double step = whole ? 1 : high > low ? (high - low) / kSteps : 1;
+    std::vector<std::uint32_t> places;
+    for (const std::size_t i : points_) {
+      const double v = factor * static_cast<double>(values[i]);
+      places.push_back(static_cast<std::uint32_t>(std::isfinite(v) ? std::round((v - low) / step) : kNone));
+    }
+    Json made = narrowColumn(places);
+    made.update({{"name", name}, {"unit", unit}, {"whole", whole}, {"low", low}, {"step", step}});
+    json_["values"].push_back(std::move(made));
+  }
+
+  const Scan& scan_;
+  const Ontology& ontology_;
+  std::vector<std::size_t> points_;  // indices into the scan
+  Json json_;
+};
+
+// JSON that a <script> element can hold: "<" stands in strings alone, where an escape says the same.
+std::string inScript(const Json& json) {
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string safe;
+  safe.reserve(text.size());
+  for (const char c : text) {
+    if (c == '<') {
+      safe += "\\u003c";
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
+}  // namespace
+
+std::string scanView(const std::vector<ViewedScan>& scans, const Ontology& ontology) {
+  if (scans.empty()) return "";
+  constexpr int kMapColors = 64;
+  Json data;
+  for (int i = 0; i < kMapColors; ++i) data["viridis"].push_back(viridis(static_cast<double>(i) / (kMapColors - 1)));
+  data["background"] = kBackground;
+  data["none"] = kNoValue;
+  for (const ViewedScan& viewed : scans) data["scans"].push_back(ViewData(viewed, ontology).made());
+  return fmt::format(
+      R"(<div class="scanview" id="scanview">
+<div class="bar">
+<label>Scan <select id="sv-scan"></select></label>
+<label>Colour <select id="sv-color"></select></label>
+<label>Points <input type="range" id="sv-size" min="1" max="8" step="0.5" value="2.5"></label>
+<button type="button" id="sv-reset">Reset view</button>
+<button type="button" id="sv-above">From above</button>
+</div>
+<p class="small" id="sv-thinned"></p>
+<div class="stage"><canvas id="sv-canvas" tabindex="0" aria-label="Points in 3D"></canvas><div id="sv-scale"></div>
+<div id="sv-point" aria-live="polite"></div><p id="sv-nothing" hidden></p></div>
+<div class="classes" id="sv-classes"></div>
+<p class="small">Drag turns, the right button (or shift) moves, the wheel zooms once the picture was clicked. Point at a
+point to read it, click to keep it. A click on a class hides it, a double click shows it alone.</p>
+<p class="small">Drawn by three.js, Copyright 2010-2019 three.js authors, MIT licence (its text is in this file).</p>
+<noscript><p>Scripts are switched off: only the pictures show the scans.</p></noscript>
+</div>
+<script type="application/json" id="scan-data">{}</script>
+)",
+      inScript(data));
+}
+
+HtmlExtras scanViewExtras() {
+  return {std::string(kScanViewStyle),
+          {kThreeLicence + std::string(kThreeScript), kThreeLicence + std::string(kOrbitScript),
+           std::string(kScanViewScript)}};
+}
+
+}  // namespace scanmill

@@ -1,0 +1,43 @@
+#pragma once
+
+// Scans that can be turned about in a report's page: scan_view.js and three.js draw what this writes.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "report/page/report_html.h"
+#include "scan/scan.h"
+#include "scene/ontology.h"
+
+namespace scanmill {
+
+struct ViewedScan {
+  std::string title;
+  Scan scan;
+};
+
+// At most so many points of a scan are shown: below 65536, so that indices take 16 bits.
+inline constexpr std::size_t kMostViewedPoints = 60'000;
+
+// The HTML of the view with its data in it; empty without scans. The page needs scanViewExtras(), too.
+//
+// The data are JSON: {viridis: [[r, g, b] ...], scans: [{title, points, shown, box: {low, step}, position, classes,
+// class, instances, instance, values}]}. `position` and each column are {type, data}: base64 of little-endian "u8",
+// "u16" or "u32", three a point for positions: coordinate = low + step * number (m). `class` and `instance` are indices
+// into `classes` ({id, name, color, points of the whole scan}) and `instances` ({ids, colors}); `values` are further
+// columns, {name, unit, whole, low, step, type, data}, in which 65535 stands for no number unless all are `whole`.
+// Columns that the scan lacks are left out. A scan with more points than kMostViewedPoints is thinned by
+// pointsToView().
+std::string scanView(const std::vector<ViewedScan>& scans, const Ontology& ontology);
+
+HtmlExtras scanViewExtras();
+
+// The texts of files that CMake puts into the program.
+extern const std::string_view kThreeScript;     // three.js
+extern const std::string_view kOrbitScript;     // its OrbitControls
+extern const std::string_view kScanViewScript;  // scan_view.js
+extern const std::string_view kScanViewStyle;   // scan_view.css
+
+}  // namespace scanmill

@@ -1,0 +1,211 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "charts/chart.h"
+#include "charts/chart_style.h"
+#include "report/repeatability/repeatability_report.h"
+#include "study/repeatability/repeatability.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  // is left out of charts
+constexpr double kRounding = 1e-12;                                    // m²; less is what float32 leaves of nothing
+constexpr std::size_t kMostPlaces = 7;                                 // in one chart, a line each
+
+using OfLevels = FitnessSpread LevelFitness::*;
+
+// The first series are drawn first; views and levels keep their colours from chart to chart.
+ChartSeries line(std::string name, std::size_t color) {
+  ChartSeries series;
+  series.name = std::move(name);
+  series.color = color % kChartColors;
+  series.mark = ChartMark::LineAndDots;
+  return series;
+}
+
+// The mean, and a deviation up and down.
+void add(ChartSeries& series, double x, const FitnessSpread& spread, const std::string& detail) {
+  const bool any = spread.count > 0;
+  const bool spreads = any && spread.mean >= kRounding;
+  series.points.push_back({x, spreads ? spread.mean : any ? 0 : kNothing});
+  const double low = std::max(spread.mean - spread.deviation, spread.low);
+  series.spans.push_back({spreads ? low : kNothing, spreads ? spread.mean + spread.deviation : kNothing});
+  series.details.push_back(
+      fmt::format("{}: {:.4g} +- {:.2g} m² of {} pairs", detail, spread.mean, spread.deviation, spread.count));
+}
+
+ChartAxis logAxis(const std::string& title) {
+  ChartAxis axis;
+  axis.title = title;
+  axis.scale = AxisScale::Log;
+  return axis;
+}
+
+Chart fitnessAxes(const std::string& title, const std::string& note) {
+  Chart chart;
+  chart.title = title;
+  chart.note = note;
+  chart.x = logAxis("distance to the object (m)");
+  chart.y = logAxis("fitness: mean squared distance (m²)");
+  return chart;
+}
+
+std::vector<const RepeatedPlace*> byDistance(const RepeatedView& view) {
+  std::vector<const RepeatedPlace*> places;
+  for (const RepeatedPlace& place : view.places) places.push_back(&place);
+  std::stable_sort(places.begin(), places.end(),
+                   [](const RepeatedPlace* a, const RepeatedPlace* b) { return a->distance < b->distance; });
+  return places;
+}
+
+std::string at(const RepeatedPlace& place) {
+  return fmt::format("{:.3g} m", place.distance);
+}
+
+std::string drawFitness(const Repeatability& result, std::size_t method, OfLevels when, const std::string& title) {
+  Chart chart =
+      fitnessAxes(title, fmt::format("Noise {} on both scans; {} scans of each pose, all ordered pairs. Bars: "
+                                     "standard deviation.",
+                                     result.levels[result.reference], result.scans));
+  for (const RepeatedView& view : result.views) {
+    if (view.method != method) continue;
+    ChartSeries series = line(view.name, chart.series.size());
+    for (const RepeatedPlace* place : byDistance(view)) {
+      add(series, place->distance, result.at(*place, result.reference, result.reference).*when, at(*place));
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return drawSvg(chart);
+}
+
+}  // namespace
+
+std::string repeatabilityRegisteredSvg(const Repeatability& result, std::size_t method) {
+  return drawFitness(result, method, &LevelFitness::registered, "Fitness after ICP against distance");
+}
+
+std::string repeatabilityUnmovedSvg(const Repeatability& result, std::size_t method) {
+  return drawFitness(result, method, &LevelFitness::unmoved, "Fitness without ICP against distance");
+}
+
+std::string repeatabilityPointsSvg(const Repeatability& result, std::size_t method) {
+  Chart chart;
+  chart.title = "Points against distance";
+  chart.note = fmt::format("Within {:g} m of the object's box; noise {}. Points fall as 1 / distance².", result.margin,
+                           result.levels[result.reference]);
+  chart.x = logAxis("distance to the object (m)");
+  chart.y = logAxis("points of a scan");
+  for (const RepeatedView& view : result.views) {
+    if (view.method != method) continue;
+    ChartSeries series = line(view.name, chart.series.size());
+    for (const RepeatedPlace* place : byDistance(view)) {
+      const PointCount& count = place->points[result.reference];
+      series.points.push_back({place->distance, count.mean});
+      series.details.push_back(
+          fmt::format("{}: {:g} points, {} to {}", at(*place), count.mean, count.least, count.most));
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return drawSvg(chart);
+}
+
+std::string repeatabilityShareSvg(const Repeatability& result, std::size_t method) {
+  Chart chart;
+  chart.title = "What ICP leaves of the fitness";
+  chart.note =
+      "Fitness after ICP by that without, on the pairs that ICP moved. The poses are the same: ICP has nothing to "
+      "find, but the fewer points there are, the more of their noise its six degrees of freedom fit.";
+  chart.x = logAxis("points of a scan");
+  chart.y.title = "share";
+  chart.y.low = 0;
+  double most = 0;
+  for (const RepeatedView& view : result.views) {
+    if (view.method != method) continue;
+    ChartSeries series = line(view.name, chart.series.size());
+    series.mark = ChartMark::Dots;
+    for (const RepeatedPlace& place : view.places) {
+      for (std::size_t level = 0; level < result.levels.size(); ++level) {
+        const LevelFitness& cell = result.at(place, level, level);
+        // Only where ICP moved every pair are both means of the same pairs.
+        if (cell.registered.count < cell.pairs || !(cell.unmoved.mean > 0)) continue;
+        series.points.push_back({place.points[level].mean, cell.registered.mean / cell.unmoved.mean});
+        series.details.push_back(fmt::format("{}, noise {}: {:.3f}", at(place), result.levels[level],
+                                             cell.registered.mean / cell.unmoved.mean));
+        most = std::max(most, place.points[level].mean);
+      }
+    }
+    chart.series.push_back(std::move(series));
+  }
+  ChartSeries pairs = line("1 - 2 / points: pairs that stay together", chart.series.size());
+  pairs.mark = ChartMark::Line;
+  // Of the 3 coordinates of each of n differences a rigid motion can fit 6.
+  double n = 3;
+  while (n < 1.1 * most) {
+    pairs.points.push_back({n, 1 - 2 / n});
+    n *= 1.1;
+  }
+  chart.series.push_back(std::move(pairs));
+  return drawSvg(chart);
+}
+
+std::string repeatabilityLevelsSvg(const Repeatability& result, const RepeatedView& view) {
+  Chart chart;
+  chart.title = fmt::format("{}: {} against other noise", view.name, result.levels[result.reference]);
+  chart.note = fmt::format(
+      "Scans with noise {0} moved by ICP onto scans with the noise below, by distance; marks without a line: onto "
+      "others "
+      "with {0}. Bars: standard deviation.",
+      result.levels[result.reference]);
+  chart.x.title = "noise of the target";
+  chart.x.names = result.levels;
+  chart.y = logAxis("fitness after ICP (m²)");
+  const std::vector<const RepeatedPlace*> places = byDistance(view);
+  const std::size_t step = (places.size() + kMostPlaces - 1) / kMostPlaces;
+  for (std::size_t p = 0; p < places.size(); p += step) {
+    ChartSeries others = line(at(*places[p]), p / step);
+    ChartSeries itself = line("", p / step);
+    itself.mark = ChartMark::Dots;
+    for (std::size_t level = 0; level < result.levels.size(); ++level) {
+      add(level == result.reference ? itself : others, static_cast<double>(level),
+          result.at(*places[p], result.reference, level).registered,
+          fmt::format("{}, noise {}", at(*places[p]), result.levels[level]));
+    }
+    chart.series.push_back(std::move(others));
+    chart.series.push_back(std::move(itself));
+  }
+  return drawSvg(chart);
+}
+
+std::string repeatabilityWithinSvg(const Repeatability& result, const RepeatedView& view) {
+  Chart chart =
+      fitnessAxes(fmt::format("{}: both scans with the same noise", view.name), "After ICP. Bars: standard deviation.");
+  for (std::size_t level = 0; level < result.levels.size(); ++level) {
+    ChartSeries series = line(result.levels[level], level);
+    for (const RepeatedPlace* place : byDistance(view)) {
+      add(series, place->distance, result.at(*place, level, level).registered, at(*place));
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return drawSvg(chart);
+}
+
+std::string repeatabilityMethodsSvg(const Repeatability& result, const std::string& view) {
+  Chart chart = fitnessAxes(fmt::format("{}: methods", view),
+                            fmt::format("After ICP; noise {} on both scans.", result.levels[result.reference]));
+  for (const RepeatedView& own : result.views) {
+    if (own.name != view) continue;
+    ChartSeries series = line(result.methods[own.method], own.method);
+    for (const RepeatedPlace* place : byDistance(own)) {
+      add(series, place->distance, result.at(*place, result.reference, result.reference).registered, at(*place));
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return drawSvg(chart);
+}
+
+}  // namespace scanmill

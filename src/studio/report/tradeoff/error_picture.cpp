@@ -1,0 +1,78 @@
+#include "report/tradeoff/error_picture.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "viewer/color_map.h"
+#include "viewer/picture.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kLeast = 1e-3;  // m, and below
+constexpr double kDecades = 3;
+constexpr Rgb kFalseNegativeColor{255, 70, 70};
+constexpr Rgb kFalsePositiveColor{255, 255, 255};
+constexpr Rgb kLabelColor{255, 150, 220};
+
+Rgb errorColor(double error) {
+  constexpr double kDarkest = 0.15;  // of the map: what is darker is not seen on the background
+  return viridis(kDarkest + (1 - kDarkest) * std::log10(std::max(error, kLeast) / kLeast) / kDecades);
+}
+
+Vec3f pointOfBeam(const BeamTable& beams, std::size_t i, double range) {
+  const Vec3d origin = beams.origin.empty() ? Vec3d{} : Vec3d(beams.origin[i]);
+  return Vec3f(origin + beams.direction[i] * range);
+}
+
+}  // namespace
+
+std::string drawErrors(const TrueShot& truth, const Hits& tested) {
+  const Hits& real = truth.truth.hits;
+  Scan scan;
+  scan.rings = real.rings;
+  scan.columns = real.columns;
+  Coloring coloring;
+  std::uint64_t falseNegatives = 0;
+  std::uint64_t falsePositives = 0;
+  std::uint64_t label = 0;
+  const auto add = [&](std::size_t i, double range, const Rgb& color) {
+    scan.position.push_back(pointOfBeam(*truth.shot.beams, i, range));
+    coloring.colors.push_back(color);
+  };
+  for (std::size_t i = 0; i < real.size(); ++i) {
+    if (!real.hit(i) && !tested.hit(i)) continue;
+    if (!tested.hit(i)) {
+      add(i, truth.truth.range[i], kFalseNegativeColor);
+      ++falseNegatives;
+    } else if (!real.hit(i)) {
+      add(i, double{tested.range[i]}, kFalsePositiveColor);
+      ++falsePositives;
+    } else if (real.semantic[i] != tested.semantic[i] || real.instance[i] != tested.instance[i]) {
+      add(i, truth.truth.range[i], kLabelColor);
+      ++label;
+    } else {
+      add(i, truth.truth.range[i], errorColor(std::abs(double{tested.range[i]} - truth.truth.range[i])));
+    }
+  }
+  coloring.legend.title = "range error";
+  for (const auto& [name, error] :
+       {std::pair{"1 mm or less", 1e-3}, {"1 cm", 1e-2}, {"10 cm", 0.1}, {"1 m or more", 1.0}}) {
+    coloring.legend.entries.push_back({name, errorColor(error)});
+  }
+  coloring.legend.entries.push_back({fmt::format("other label: {}", label), kLabelColor});
+  coloring.legend.entries.push_back({fmt::format("false negatives: {}", falseNegatives), kFalseNegativeColor});
+  coloring.legend.entries.push_back({fmt::format("false positives: {}", falsePositives), kFalsePositiveColor});
+  PictureOptions options;
+  options.width = 1200;
+  options.height = 675;
+  options.zoom = 1.6;
+  options.splats.depthEdges = false;
+  const std::string title = fmt::format("{}, {}", truth.shot.sample, truth.shot.sensorName);
+  return encodePng(drawColored(std::move(scan), coloring, options, title));
+}
+
+}  // namespace scanmill

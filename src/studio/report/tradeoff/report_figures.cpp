@@ -1,0 +1,93 @@
+#include "report/tradeoff/report_figures.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+
+#include "study/tradeoff/study_figures.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::array<const char*, 3> kColoredMethods{"ray_tracing", "depth_camera", "particle"};
+constexpr std::array<std::size_t, 5> kMoreColors{3, 4, 5, 7, 6};
+
+}  // namespace
+
+std::string placeText(const std::string& group) {
+  return group == kAwayFromEdges ? "away from edges" : group == "edges" ? "at edges" : group;
+}
+
+std::string setArgument(const Setting& setting) {
+  std::string quoted;
+  for (const char c : setting.assignment()) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return fmt::format("--set '{}'", quoted);
+}
+
+std::size_t methodColor(const Study& study, const std::string& method) {
+  const auto known = std::find(kColoredMethods.begin(), kColoredMethods.end(), method);
+  if (known != kColoredMethods.end()) return static_cast<std::size_t>(known - kColoredMethods.begin());
+  std::size_t others = 0;
+  for (const std::string& other : methodsOf(study)) {
+    if (other == method) break;
+    others += std::find(kColoredMethods.begin(), kColoredMethods.end(), other) == kColoredMethods.end() ? 1 : 0;
+  }
+  return kMoreColors[others % 3];
+}
+
+std::vector<std::size_t> settingColors(const Study& study, const std::vector<std::string>& methods) {
+  const auto first = [&](std::size_t k) {
+    return std::find(methods.begin(), methods.end(), methods[k]) - methods.begin();
+  };
+  std::vector<std::size_t> colors(methods.size());
+  std::vector<std::size_t> free(kMoreColors.begin(), kMoreColors.end());
+  for (std::size_t k = 0; k < methods.size(); ++k) {
+    if (static_cast<std::size_t>(first(k)) != k) continue;
+    colors[k] = methodColor(study, methods[k]);
+    std::erase(free, colors[k]);
+  }
+  std::size_t more = 0;
+  for (std::size_t k = 0; k < methods.size(); ++k) {
+    if (static_cast<std::size_t>(first(k)) != k && !free.empty()) colors[k] = free[more++ % free.size()];
+  }
+  return colors;
+}
+
+std::vector<std::size_t> shownSettings(const Study& study, std::size_t most) {
+  const std::vector<std::size_t> measured = measuredSettings(study);
+  std::vector<std::size_t> shown, fastest;
+  const auto show = [&](std::size_t i) {
+    if (shown.size() < most && std::find(shown.begin(), shown.end(), i) == shown.end()) shown.push_back(i);
+  };
+  for (const std::string& method : methodsOf(study)) {
+    std::vector<std::size_t> own;
+    std::copy_if(measured.begin(), measured.end(), std::back_inserter(own),
+                 [&](std::size_t i) { return study.settings[i].setting.method == method; });
+    if (own.empty()) continue;
+    fastest.push_back(*std::min_element(own.begin(), own.end(), [&](std::size_t a, std::size_t b) {
+      return study.settings[a].measured.cost.scanSeconds < study.settings[b].measured.cost.scanSeconds;
+    }));
+    const auto byDefault =
+        std::find_if(own.begin(), own.end(), [&](std::size_t i) { return isDefault(study.settings[i].setting); });
+    show(byDefault != own.end() ? *byDefault : fastest.back());
+  }
+  for (const std::size_t i : fastest) show(i);
+  for (const std::size_t i : rangeFront(study)) show(i);
+  for (const std::size_t i : wrongFront(study)) show(i);
+  return shown;
+}
+
+std::vector<std::size_t> settingsByMethod(const Study& study, std::size_t most) {
+  std::vector<std::size_t> rows = measuredSettings(study);
+  if (rows.size() > most) rows = shownSettings(study, most);
+  const std::vector<std::string> methods = methodsOf(study);
+  const auto place = [&](std::size_t i) {
+    return std::find(methods.begin(), methods.end(), study.settings[i].setting.method);
+  };
+  std::stable_sort(rows.begin(), rows.end(), [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
+  return rows;
+}
+
+}  // namespace scanmill

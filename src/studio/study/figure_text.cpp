@@ -1,0 +1,84 @@
+#include "study/figure_text.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace scanmill {
+
+namespace {
+
+// Three significant digits, never an exponent.
+std::string threeDigits(double value) {
+  if (!std::isfinite(value)) return std::isnan(value) ? "unknown" : "unlimited";
+  const double size = std::abs(value);
+  if (size == 0) return "0";
+  const int before = static_cast<int>(std::floor(std::log10(size))) + 1;
+  std::string text = fmt::format("{:.{}f}", value, std::clamp(3 - before, 0, 9));
+  if (text.find('.') == std::string::npos) return text;
+  while (text.back() == '0') text.pop_back();
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+struct Scale {
+  double factor;
+  const char* unit;
+};
+
+// The largest scale that leaves at least 1 (0.9995 becomes 1.00), or the smallest scale.
+template <std::size_t n>
+std::string scaled(double value, const std::array<Scale, n>& scales) {
+  for (const Scale& scale : scales) {
+    if (std::abs(value) >= scale.factor * 0.9995) return threeDigits(value / scale.factor) + scale.unit;
+  }
+  return threeDigits(value / scales.back().factor) + scales.back().unit;
+}
+
+}  // namespace
+
+std::string metresText(double metres) {
+  if (metres == 0) return "0";
+  if (metres < 1e-6) return "< 1 \xC2\xB5m";
+  return scaled(metres, std::array<Scale, 4>{{{1e3, " km"}, {1, " m"}, {1e-3, " mm"}, {1e-6, " \xC2\xB5m"}}});
+}
+
+std::string secondsText(double seconds) {
+  if (seconds == 0) return "0 s";
+  return scaled(seconds, std::array<Scale, 3>{{{1, " s"}, {1e-3, " ms"}, {1e-6, " \xC2\xB5s"}}});
+}
+
+std::string amountText(double amount) {
+  if (amount < 1) return threeDigits(amount);
+  return scaled(amount, std::array<Scale, 4>{{{1e9, " G"}, {1e6, " M"}, {1e3, " k"}, {1, ""}}});
+}
+
+std::string shareText(double value) {
+  if (!std::isfinite(value)) return "unknown";
+  const double fromEnd = std::min(value, 1 - value) * 100;
+  if (fromEnd <= 0) return fmt::format("{:.0f} %", value * 100);
+  if (fromEnd < 1e-5) return value < 0.5 ? "below 0.00001 %" : "above 99.99999 %";
+  // Two digits of what is missing to 0 or to 100.
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(fromEnd))), 1, 6);
+  return fmt::format("{:.{}f} %", value * 100, decimals);
+}
+
+std::string factorText(double factor) {
+  if (!std::isfinite(factor)) return "unknown";
+  if (factor >= 10) return fmt::format("{:.0f}", factor);
+  return fmt::format("{:.{}f}", factor, factor >= 0.995 ? 1 : 2);
+}
+
+std::string wordsOf(std::string_view key) {
+  std::string words(key);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
+std::string pluralOf(std::uint64_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+}  // namespace scanmill

@@ -1,0 +1,106 @@
+#include "study/tradeoff/study_figures.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace scanmill {
+
+namespace {
+
+// Times that differ by less than this factor are equal: two measurements of one thing differ by as much.
+constexpr double kFrontStep = 1.05;
+
+std::vector<std::size_t> frontOf(const Study& study, double (*error)(const GroupErrors&)) {
+  const std::vector<std::size_t> measured = measuredSettings(study);
+  std::vector<double> seconds, errors;
+  for (const std::size_t i : measured) {
+    seconds.push_back(study.settings[i].measured.cost.scanSeconds);
+    errors.push_back(error(study.settings[i].measured.errors.all));
+  }
+  std::vector<std::size_t> whole = paretoFront(seconds, errors);
+  std::reverse(whole.begin(), whole.end());
+  std::vector<std::size_t> front;
+  double last = std::numeric_limits<double>::infinity();
+  for (const std::size_t i : whole) {
+    if (seconds[i] * kFrontStep >= last) continue;
+    last = seconds[i];
+    front.push_back(measured[i]);
+  }
+  std::reverse(front.begin(), front.end());
+  return front;
+}
+
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+}  // namespace
+
+const GroupErrors* awayFromEdges(const BeamErrors& errors) {
+  for (const ErrorGroup& group : errors.byPlace) {
+    if (group.name == kAwayFromEdges) return &group.errors;
+  }
+  return nullptr;
+}
+
+double wrongShare(const GroupErrors& e) {
+  return share(e.bothHit - std::min(e.sameLabel, e.bothHit) + e.falseNegatives + e.falsePositives + e.unresolved,
+               e.beams);
+}
+
+double falseNegativeShare(const GroupErrors& e) {
+  return share(e.falseNegatives, e.bothHit + e.falseNegatives);
+}
+
+double rangeP99(const GroupErrors& e) {
+  if (e.range.count == 0) return std::numeric_limits<double>::quiet_NaN();
+  return e.range.p99 < kExactRange ? 0 : e.range.p99;
+}
+
+double nearestMean(const GroupErrors& e) {
+  if (e.nearestTo.count == 0) return std::numeric_limits<double>::quiet_NaN();
+  return e.nearestTo.mean < kExactRange ? 0 : e.nearestTo.mean;
+}
+
+double beamsPerSecond(const Study& study, const SettingResult& result) {
+  return result.measured.cost.beamsPerSecond(study.beamsPerShot);
+}
+
+bool isDefault(const Setting& setting) {
+  return setting.name == setting.method;
+}
+
+std::vector<std::size_t> measuredSettings(const Study& study) {
+  std::vector<std::size_t> measured;
+  for (std::size_t i = 0; i < study.settings.size(); ++i) {
+    if (study.settings[i].failure.empty()) measured.push_back(i);
+  }
+  return measured;
+}
+
+std::optional<std::size_t> tracingDefault(const Study& study) {
+  for (const std::size_t i : measuredSettings(study)) {
+    if (study.settings[i].setting.method == "ray_tracing" && isDefault(study.settings[i].setting)) return i;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> methodsOf(const Study& study) {
+  std::vector<std::string> methods;
+  for (const SettingResult& s : study.settings) {
+    if (std::find(methods.begin(), methods.end(), s.setting.method) == methods.end()) {
+      methods.push_back(s.setting.method);
+    }
+  }
+  return methods;
+}
+
+std::vector<std::size_t> rangeFront(const Study& study) {
+  return frontOf(study, rangeP99);
+}
+
+std::vector<std::size_t> wrongFront(const Study& study) {
+  return frontOf(study, wrongShare);
+}
+
+}  // namespace scanmill

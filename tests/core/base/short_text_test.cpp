@@ -1,0 +1,28 @@
+#include "base/short_text.h"
+
+#include <gtest/gtest.h>
+
+namespace scanmill {
+namespace {
+
+TEST(ShortText, NumbersHaveThreeDigits) {
+  EXPECT_EQ(shortNumber(7), "7");
+  EXPECT_EQ(shortNumber(456'000), "456 k");
+  EXPECT_EQ(shortNumber(12'345'678), "12.3 M");
+  EXPECT_EQ(shortNumber(-2.5e9), "-2.5 G");
+}
+
+TEST(ShortText, SizesHaveBinaryPrefixes) {
+  EXPECT_EQ(shortBytes(1000), "1000 B");
+  EXPECT_EQ(shortBytes(1024), "1.0 KiB");
+  EXPECT_EQ(shortBytes(1.25 * 1024 * 1024 * 1024), "1.2 GiB");
+}
+
+TEST(ShortText, TimesAreSecondsMinutesAndHours) {
+  EXPECT_EQ(shortTime(6), "6.0 s");
+  EXPECT_EQ(shortTime(245), "4:05");
+  EXPECT_EQ(shortTime(3723), "1:02:03");
+}
+
+}  // namespace
+}  // namespace scanmill

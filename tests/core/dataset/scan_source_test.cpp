@@ -1,0 +1,114 @@
+#include "dataset/scan_source.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "base/error.h"
+#include "tests/core/dataset/fixture.h"
+
+namespace scanmill {
+
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string complaint(const std::filesystem::path& path, const std::string& sample = "",
+                      const std::string& sensor = "") {
+  return messageOf<InputError>([&] { findScan(path, sample, sensor); });
+}
+
+class FindScan : public testing::Test {
+ protected:
+  FindScan() : dataset(folder.path() / "data"), manifest(writeTestDataset(dataset)) {}
+
+  Scan expected(std::uint32_t sample, std::uint32_t sensor) const {
+    return testScan(manifest.sensors[sensor].beams, sample * 10 + sensor);
+  }
+
+  TemporaryFolder folder;
+  std::filesystem::path dataset;
+  Manifest manifest;
+};
+
+TEST_F(FindScan, TakesTheMiddleSampleAndTheFirstSensor) {
+  const ScanSource source = findScan(dataset, "", "");
+  EXPECT_EQ(source.title, manifest.samples[4].key + ", top");
+  EXPECT_EQ(source.scan.position, expected(4, 0).position);
+  ASSERT_TRUE(source.ontology);
+  EXPECT_EQ(source.ontology->require("car", {}).id, 65535);
+}
+
+TEST_F(FindScan, ByKeyByIndexAndBySensor) {
+  for (std::uint32_t i = 0; i < 9; ++i) {
+    EXPECT_EQ(findScan(dataset, std::to_string(i), "").scan.position, expected(i, 0).position);
+    EXPECT_EQ(findScan(dataset, manifest.samples[i].key, "Rear").scan.position, expected(i, 1).position);
+  }
+  EXPECT_EQ(findScan(dataset, "2", "rear").scan.position, expected(2, 1).position);
+  EXPECT_EQ(findScan(dataset, "drive-000005", "").scan.position, expected(5, 0).position);
+}
+
+TEST_F(FindScan, UnknownNamesGetTheNearest) {
+  EXPECT_THAT(complaint(dataset, "train_street-1-drive-000009"),
+              AllOf(HasSubstr("train_street-1-drive-000009"), HasSubstr("train_street-1-drive-000000"),
+                    HasSubstr("nearest of 9")));
+  EXPECT_THAT(complaint(dataset, "test_street-1-drive-8"), HasSubstr("keys: test_street-1-drive-000008"));
+  EXPECT_THAT(complaint(dataset, "9"), HasSubstr("0 to 8"));
+  EXPECT_THAT(complaint(dataset, "99999999999999999999999"), HasSubstr("0 to 8"));
+  EXPECT_THAT(complaint(dataset, "", "left"), AllOf(HasSubstr("'left'"), HasSubstr("top, rear")));
+}
+
+TEST_F(FindScan, AShardFindsItsManifest) {
+  const std::filesystem::path shard = dataset / manifest.shards.front().file;
+  const ScanSource source = findScan(shard, "0", "");
+  EXPECT_EQ(source.scan.position, expected(0, 0).position);
+  EXPECT_TRUE(source.ontology);
+  std::filesystem::copy(shard, folder.path() / "lonely.tar");
+  const ScanSource lonely = findScan(folder.path() / "lonely.tar", "0", "rear");
+  EXPECT_EQ(lonely.scan.position, expected(0, 1).position);
+  EXPECT_FALSE(lonely.ontology);
+}
+
+TEST_F(FindScan, TakesTheFormatThatCanBeDecoded) {
+  Members members = membersOf(dataset / manifest.shards.front().file);
+  for (auto& [name, bytes] : members) {
+    if (name.ends_with(".pcd")) bytes = "broken";
+  }
+  const std::filesystem::path shard = folder.path() / "half.tar";
+  writeMembers(shard, members);
+  EXPECT_EQ(findScan(shard, "0", "top").scan.size(), expected(0, 0).size());
+  for (auto& [name, bytes] : members) {
+    if (name.ends_with(".csv")) bytes = "broken";
+  }
+  writeMembers(folder.path() / "all.tar", members);
+  EXPECT_THAT(complaint(folder.path() / "all.tar", "0", "top"), AllOf(HasSubstr(".pcd"), HasSubstr(".csv")));
+}
+
+TEST_F(FindScan, SingleScans) {
+  const Scan scan = expected(0, 0);
+  for (const char* format : {"pcd", "csv"}) {
+    const auto file = folder.write(std::string("scan.") + format, encode(format, scan));
+    const ScanSource source = findScan(file, "", "");
+    EXPECT_EQ(source.scan.position, scan.position);
+    EXPECT_EQ(source.title, file.filename().string());
+    EXPECT_THAT(complaint(file, "3"), HasSubstr("single scan"));
+  }
+}
+
+TEST_F(FindScan, BadFiles) {
+  EXPECT_THAT(complaint(folder.path() / "none.pcd"), AllOf(HasSubstr("none.pcd"), HasSubstr("does not exist")));
+  EXPECT_THAT(complaint(folder.write("scan.txt", "1 2 3")), HasSubstr(".tar, .pcd"));
+  EXPECT_THAT(complaint(folder.write("scan.pcd", "")), HasSubstr("scan.pcd"));
+  EXPECT_THAT(complaint(folder.write("scan.tar", "no tar at all")), HasSubstr("scan.tar"));
+  EXPECT_THAT(complaint(folder.path()), HasSubstr("manifest.json"));
+  writeMembers(folder.path() / "notes.tar", {{"a.txt", "x"}});
+  EXPECT_THAT(complaint(folder.path() / "notes.tar"), HasSubstr("no sample"));
+  std::filesystem::remove(dataset / manifest.shards.front().file);
+  EXPECT_THAT(complaint(dataset, "0"), HasSubstr("train-000000.tar"));
+}
+
+}  // namespace
+
+}  // namespace scanmill

@@ -1,0 +1,390 @@
+#include "evaluate/measure.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "tests/core/methods/trace.h"
+#include "tests/support/points_of.h"
+#include "tests/support/test_scene.h"
+
+namespace scanmill {
+namespace {
+
+// Ground 2 m below the sensor, with a box, a pole and a ball before it.
+Scene courtyard() {
+  SceneBuilder builder = testBuilder();
+  Mesh ground = meshOf(builder, "ground");
+  appendPlane(ground, 0, {}, 60, 60);
+  builder.place(builder.addMesh(ground), at(0, 0, -2), "ground");
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, {}, {1, 2, 3});
+  builder.place(builder.addMesh(box), {toMatrix(fromYawPitchRoll(0.4, 0, 0)), {6, 0, -0.5}}, "box");
+  Mesh pole = meshOf(builder, "other", "dark");
+  appendCylinder(pole, 0, {}, 0.02, 0.02, 3);
+  builder.place(builder.addMesh(pole), at(0, 5, -0.5), "pole");
+  Mesh ball = meshOf(builder, "thing");
+  appendSphere(ball, 0, {}, 1);
+  builder.place(builder.addMesh(ball), at(-5, -2, -1), "ball");
+  return builder.finish();
+}
+
+std::vector<Shot> twoShots() {
+  const auto beams = spinning(24, 256, -25, 5, 15);
+  return {shotAt(beams), shotAt(beams, {fromYawPitchRoll(1, 0, 0), {0.3, -0.2, 0.1}})};
+}
+
+// Notes its scans and holds so many bytes.
+class Counting : public Method {
+ public:
+  Counting(const Scene& scene, std::size_t bytes, std::vector<Channels>& scans)
+      : rays_(rayTracing(scene)), bytes_(bytes), scans_(scans) {}
+
+  void prepare(const Shot&) const override { held_.assign(bytes_, 'x'); }
+  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    scans_.push_back(channels);
+    rays_->trace(shot, channels, hits);
+  }
+  std::vector<std::string> modelled() const override { return {}; }
+  std::uint64_t memoryBytes() const override { return bytes_; }
+  // Whatever is compared takes ten times as long.
+  std::map<std::string, double> stageSeconds() const override {
+    double seconds = 0;
+    for (const Channels c : scans_) seconds += c.has(Channel::Incidence) ? 5 : 0.5;
+    return {{"fly", seconds}};
+  }
+  std::vector<std::string> warnings() const override { return {"slow"}; }
+
+ private:
+  std::unique_ptr<Method> rays_;
+  std::size_t bytes_;
+  std::vector<Channels>& scans_;
+  mutable std::vector<char> held_;
+};
+
+// What ray tracing sees, as truth.
+std::vector<TrueShot> seenByRays(const Scene& scene) {
+  std::vector<TrueShot> shots;
+  for (const Shot& shot : twoShots()) {
+    TrueShot truth;
+    truth.shot = shot;
+    truth.truth.hits = traced(scene, shot);
+    truth.truth.range.assign(truth.truth.hits.range.begin(), truth.truth.hits.range.end());
+    shots.push_back(truth);
+  }
+  return shots;
+}
+
+TEST(Measure, TimesOnlyTheScansAndChannelsThatAreAskedFor) {
+  const Scene scene = courtyard();
+  const std::vector<TrueShot> shots = seenByRays(scene);
+  std::vector<Channels> scans;
+  MeasureOptions options;
+  options.repeats = 4;
+  options.channels = Channel::Instance;
+  const auto make = [&] { return std::make_unique<Counting>(scene, std::size_t{32} << 20, scans); };
+  const Measurement m = measure(make, scene, shots, options);
+  EXPECT_EQ(m.cost.stages, (std::map<std::string, double>{{"fly", 0.5}}));
+  EXPECT_EQ(m.cost.memoryBytes, 32u << 20);
+  EXPECT_GE(m.cost.residentBytes, 31u << 20);
+  EXPECT_GT(m.cost.setupSeconds, 0);
+  EXPECT_GT(m.cost.fastest, 0);
+  EXPECT_LE(m.cost.fastest, m.cost.scanSeconds);
+  EXPECT_LE(m.cost.scanSeconds, m.cost.slowest);
+  EXPECT_EQ(m.warnings, std::vector<std::string>{"slow"});
+  const Channels timed = Channel::Instance | Channel::Range;
+  EXPECT_EQ(std::count(scans.begin(), scans.end(), timed), 10);
+  EXPECT_EQ(std::count(scans.begin(), scans.end(), timed | kErrorChannels), 2);
+  EXPECT_EQ(scans.size(), 12u);
+
+  // No scan but the timed ones where these say all.
+  scans.clear();
+  options.channels = kErrorChannels;
+  measure(make, scene, shots, options);
+  EXPECT_EQ(scans, std::vector<Channels>(10, kErrorChannels));
+}
+
+TEST(Measure, FastScansAreRepeatedFurther) {
+  const Scene scene = courtyard();
+  MeasureOptions options;
+  options.repeats = 2;
+  options.clouds = false;
+  options.channels = kErrorChannels;
+  const std::vector<TrueShot> truth = trueShots(scene, {twoShots().front()}, options);
+  const auto scansWith = [&](double leastSeconds) {
+    options.leastSeconds = leastSeconds;
+    std::vector<Channels> scans;
+    measure([&] { return std::make_unique<Counting>(scene, 1, scans); }, scene, truth, options);
+    return scans.size();
+  };
+  EXPECT_EQ(scansWith(0), 3u);
+  EXPECT_EQ(scansWith(1e9), 31u);
+}
+
+// Sleeps longer for larger scans.
+class Slow : public Counting {
+ public:
+  using Counting::Counting;
+  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(shot.sensor == 0 ? 2 : 20));
+    Counting::trace(shot, channels, hits);
+  }
+};
+
+// Of two sensors with scans of two sizes neither one's time stands for both; sleeping never ends early.
+TEST(Measure, SensorsCountByTheirNumberOfScans) {
+  const Scene scene = courtyard();
+  std::vector<Shot> shots = twoShots();
+  shots.push_back(shots.front());
+  shots.push_back(shots.front());
+  shots[3].sensor = 1;
+  MeasureOptions options;
+  options.repeats = 1;
+  options.clouds = false;
+  const std::vector<TrueShot> truth = trueShots(scene, shots, options);
+  std::vector<Channels> scans;
+  const Cost cost = measure([&] { return std::make_unique<Slow>(scene, 1, scans); }, scene, truth, options).cost;
+  EXPECT_GE(cost.fastest, (3 * 2e-3 + 20e-3) / 4);
+  EXPECT_GE(cost.scanSeconds, cost.fastest);
+  EXPECT_GE(cost.slowest, cost.scanSeconds);
+}
+
+TEST(Measure, AnyHitTellsABlindSensor) {
+  MeasureOptions options;
+  EXPECT_TRUE(anyHit(trueShots(courtyard(), twoShots(), options)));
+  std::vector<Shot> blind = twoShots();
+  for (Shot& shot : blind) shot.worldFromSensor.front().translation.z = 5000;
+  EXPECT_FALSE(anyHit(trueShots(courtyard(), blind, options)));
+  EXPECT_FALSE(anyHit({}));
+}
+
+TEST(Measure, StopsBetweenScans) {
+  const Scene scene = courtyard();
+  const std::vector<TrueShot> shots = seenByRays(scene);
+  MeasureOptions options;
+  int scans = 0;
+  options.stop = [&] { return ++scans > 3; };
+  EXPECT_THROW(measure([&] { return rayTracing(scene); }, scene, shots, options), Error);
+  options.stop = [] { return true; };
+  EXPECT_THROW(trueShots(scene, twoShots(), options), Error);
+  EXPECT_THROW(measure([&] { return rayTracing(scene); }, scene, {}, {}), Error);
+}
+
+TEST(Measure, WithoutRepeatsOnlyErrorsAreMeasured) {
+  const Scene scene = courtyard();
+  const std::vector<TrueShot> shots = seenByRays(scene);
+  MeasureOptions options;
+  options.repeats = 0;
+  options.clouds = false;
+  std::vector<Channels> scans;
+  const Measurement m = measure([&] { return std::make_unique<Counting>(scene, 0, scans); }, scene, shots, options);
+  EXPECT_EQ(m.cost.scanSeconds, 0);
+  EXPECT_EQ(m.cost.beamsPerSecond(1000), 0);
+  EXPECT_TRUE(m.cost.stages.empty());
+  EXPECT_EQ(m.errors.all.beams, 2u * 24 * 256);
+  EXPECT_EQ(m.cloud.to.count, 0u);
+  EXPECT_EQ(m.errors.all.nearestTo.count, 0u);
+  EXPECT_EQ(m.errors.all.nearestFrom.count, 0u);
+}
+
+TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
+  const Scene scene = courtyard();
+  MeasureOptions options;
+  options.repeats = 1;
+  options.channels = Channel::Reflectance;
+  options.intensity = [](const Shot&, const Hits& hits) {
+    std::vector<float> intensity(hits.size(), 0.0f);
+    for (std::size_t i = 0; i < hits.size(); ++i) intensity[i] = hits.reflectance[i] * hits.incidence[i];
+    return intensity;
+  };
+  const std::vector<TrueShot> shots = trueShots(scene, twoShots(), options);
+  ASSERT_EQ(shots.size(), 2u);
+  EXPECT_EQ(shots[1].edges.size(), shots[1].truth.range.size());
+  EXPECT_EQ(shots[1].intensity.size(), shots[1].truth.range.size());
+
+  const Measurement rays = measure([&] { return rayTracing(scene); }, scene, shots, options);
+  const GroupErrors& exact = rays.errors.all;
+  EXPECT_EQ(exact.beams, 2u * 24 * 256);
+  EXPECT_GT(exact.bothHit, 3000u);
+  EXPECT_LT(exact.range.max, 1e-6);
+  EXPECT_EQ(exact.missRate(), 0);
+  EXPECT_EQ(exact.labels(), 1);
+  EXPECT_EQ(exact.intensity.count, exact.bothHit);
+  EXPECT_LT(exact.intensity.max, 1e-5);
+  EXPECT_LT(rays.cloud.hausdorff, 2e-6);
+  EXPECT_EQ(rays.cloud.to.count, exact.bothHit);
+  for (const SizeRecall& size : rays.errors.byThickness) EXPECT_EQ(size.thingsFound, size.things) << size.name;
+
+  const auto coarse = [&] {
+    return methodOf("particle", scene, "{cache: none, backend: cpu, refine: none, voxel_m: 0.4, voxels: 64}");
+  };
+  const Measurement particles = measure(coarse, scene, shots, options);
+  EXPECT_GT(particles.errors.all.range.median, 0.01);
+  EXPECT_GT(particles.errors.all.missRate(), 0);
+  EXPECT_LT(particles.errors.all.labels(), 1);
+  EXPECT_GT(particles.cloud.to.mean, 0.01);
+  EXPECT_GT(particles.cost.memoryBytes, 0u);
+  // Silhouettes are where it errs.
+  const GroupErrors& interior = particles.errors.byPlace[0].errors;
+  const GroupErrors& edges = particles.errors.byPlace[1].errors;
+  EXPECT_GT(edges.beams, 0u);
+  EXPECT_GT(interior.beams, edges.beams);
+  EXPECT_GT(edges.missRate() + 1 - edges.labels(), interior.missRate() + 1 - interior.labels());
+}
+
+void expectSame(const Spread& a, const Spread& b) {
+  EXPECT_EQ(a.count, b.count);
+  EXPECT_EQ(a.mean, b.mean);
+  EXPECT_EQ(a.rms, b.rms);
+  EXPECT_EQ(a.median, b.median);
+  EXPECT_EQ(a.p95, b.p95);
+  EXPECT_EQ(a.p99, b.p99);
+  EXPECT_EQ(a.p999, b.p999);
+  EXPECT_EQ(a.max, b.max);
+}
+
+// Against another scene: what it lacks are false negatives, what it has beyond are false positives.
+TEST(Measure, NearestDistancesOfTheGroupsAreThoseOfTheClouds) {
+  const Scene scene = courtyard();
+  SceneBuilder builder = testBuilder();
+  Mesh ground = meshOf(builder, "ground");
+  appendPlane(ground, 0, {}, 15, 15);
+  builder.place(builder.addMesh(ground), at(0, 0, -2.1), "ground");
+  Mesh tower = meshOf(builder, "thing");
+  appendBox(tower, 0, {}, {2, 6, 20});
+  builder.place(builder.addMesh(tower), at(-9, 4, 0), "tower");
+  const Scene other = builder.finish();
+  MeasureOptions options;
+  options.repeats = 0;
+  const Measurement m = measure([&] { return rayTracing(other); }, scene, seenByRays(scene), options);
+  const BeamErrors& e = m.errors;
+  EXPECT_GT(e.all.falseNegatives, 0u);
+  EXPECT_GT(e.all.falsePositives, 0u);
+  EXPECT_GT(m.cloud.hausdorff, 0.1);
+  expectSame(e.all.nearestTo, m.cloud.to);
+  expectSame(e.all.nearestFrom, m.cloud.from);
+  EXPECT_EQ(e.all.hausdorff(), m.cloud.hausdorff);
+  EXPECT_EQ(e.all.nearestTo.count, e.all.bothHit + e.all.falseNegatives);
+  EXPECT_EQ(e.all.nearestFrom.count, e.all.bothHit + e.all.falsePositives);
+  for (const auto* groups : {&e.byRange, &e.byPlace, &e.byClass}) {
+    std::size_t to = 0, from = 0;
+    double sum = 0, largest = 0;
+    for (const ErrorGroup& g : *groups) {
+      to += g.errors.nearestTo.count;
+      from += g.errors.nearestFrom.count;
+      sum += g.errors.nearestTo.mean * static_cast<double>(g.errors.nearestTo.count);
+      largest = std::max(largest, g.errors.hausdorff());
+    }
+    EXPECT_EQ(to, m.cloud.to.count);
+    EXPECT_EQ(from, m.cloud.from.count);
+    EXPECT_NEAR(sum, m.cloud.to.mean * static_cast<double>(to), 1e-9 * sum);
+    EXPECT_EQ(largest, m.cloud.hausdorff);
+  }
+}
+
+// Ground that lies lower: no point is nearer than the planes are, and none farther than the one of the same beam.
+TEST(Measure, NearestDistancesOfLoweredGroundAreItsOffsetAndMore) {
+  constexpr double kHeight = 2, kOffset = 0.05;
+  const auto groundAt = [](double z) {
+    SceneBuilder builder = testBuilder();
+    Mesh ground = meshOf(builder, "ground");
+    appendPlane(ground, 0, {}, 4000, 4000);
+    builder.place(builder.addMesh(ground), at(0, 0, z), "ground");
+    return builder.finish();
+  };
+  const Scene upper = groundAt(-kHeight);
+  const Scene lower = groundAt(-kHeight - kOffset);
+  MeasureOptions options;
+  options.repeats = 0;
+  const std::vector<TrueShot> shots = trueShots(upper, {shotAt(spinning(60, 512, -85, -5))}, options);
+  const Measurement m = measure([&] { return rayTracing(lower); }, upper, shots, options);
+  std::size_t bands = 0;
+  for (const ErrorGroup& band : m.errors.byRange) {
+    const GroupErrors& e = band.errors;
+    if (e.beams == 0) continue;
+    ++bands;
+    EXPECT_EQ(e.nearestTo.count, e.beams) << band.name;
+    EXPECT_GE(e.nearestTo.mean, kOffset * (1 - 1e-5)) << band.name;
+    EXPECT_LE(e.nearestTo.mean, e.range.mean * (1 + 1e-5)) << band.name;
+    EXPECT_LE(e.hausdorff(), e.range.max * (1 + 1e-5)) << band.name;
+  }
+  EXPECT_GE(bands, 3u);
+}
+
+TEST(Measure, WhereNothingIsHitNoDistanceIsKnown) {
+  const Scene scene = courtyard();
+  std::vector<TrueShot> shots = seenByRays(scene);
+  for (TrueShot& shot : shots) {
+    Hits& hits = shot.truth.hits;
+    hits.range.assign(hits.size(), kMiss);
+    shot.truth.range.assign(hits.size(), kMiss);
+  }
+  MeasureOptions options;
+  options.repeats = 0;
+  const Measurement m = measure([&] { return rayTracing(scene); }, scene, shots, options);
+  EXPECT_GT(m.errors.all.falsePositives, 0u);
+  EXPECT_EQ(m.cloud.unmatched, m.errors.all.falsePositives);
+  EXPECT_EQ(m.errors.all.nearestTo.count, 0u);
+  EXPECT_EQ(m.errors.all.nearestFrom.count, 0u);
+  EXPECT_EQ(m.errors.all.hausdorff(), 0);
+}
+
+TEST(Measure, ErrorsDoNotDependOnThreads) {
+  const Scene scene = courtyard();
+  MeasureOptions options;
+  options.repeats = 1;
+  const auto run = [&](int threads) {
+    const ThreadLimit limit(threads);
+    const std::vector<TrueShot> shots = trueShots(scene, twoShots(), options);
+    const auto make = [&] { return methodOf("particle", scene, "{cache: none, backend: cpu, voxel_m: 0.2}"); };
+    return measure(make, scene, shots, options);
+  };
+  const Measurement one = run(1);
+  const Measurement three = run(3);
+  EXPECT_EQ(one.errors.all.range.mean, three.errors.all.range.mean);
+  EXPECT_EQ(one.errors.all.range.p999, three.errors.all.range.p999);
+  EXPECT_EQ(one.errors.all.sameLabel, three.errors.all.sameLabel);
+  EXPECT_EQ(one.errors.all.falseNegatives, three.errors.all.falseNegatives);
+  EXPECT_EQ(one.errors.byPlace[1].errors.beams, three.errors.byPlace[1].errors.beams);
+  EXPECT_EQ(one.cloud.to.mean, three.cloud.to.mean);
+  EXPECT_EQ(one.cloud.from.rms, three.cloud.from.rms);
+  EXPECT_EQ(one.cloud.hausdorff, three.cloud.hausdorff);
+  EXPECT_EQ(one.errors.byPlace[1].errors.nearestTo.rms, three.errors.byPlace[1].errors.nearestTo.rms);
+}
+
+TEST(HitPoints, AreWhereTheSensorPutsThem) {
+  const Scene scene = courtyard();
+  auto beams = spinning(8, 64, -25, 5, 15);
+  beams->origin.assign(beams->size(), Vec3f{0.1f, 0.2f, 0.3f});
+  const Shot shot = shotAt(beams, {fromYawPitchRoll(1, 0.1, 0.2), {0.3, -0.2, 0.1}});
+  const Hits hits = traced(scene, shot);
+  const std::vector<Vec3f> points = hitPoints(shot, hits);
+  EXPECT_EQ(points, pointsOf(shot, hits));
+  EXPECT_EQ(points.size(), static_cast<std::size_t>(
+                               std::count_if(hits.range.begin(), hits.range.end(), [](float r) { return r < kMiss; })));
+  EXPECT_THROW(hitPoints(twoShots()[0], hits), Error);
+}
+
+TEST(HitPoints, OfAMovingSensorAreInTheFrameThatTheShotAsksFor) {
+  const auto beams = spinning(1, 4, 0, 0);
+  Shot shot = shotAt(beams, {fromYawPitchRoll(0.5, 0, 0), {1e6, 2e6, 0}});
+  shot.worldFromSensor.push_back({fromYawPitchRoll(0.7, 0.1, 0), {1e6 + 1, 2e6 + 2, 0.5}});
+  Hits hits;
+  hits.reset(1, 4, Channel::Range);
+  hits.range = {1, 2, 3, 4};
+  EXPECT_EQ(hitPoints(shot, hits), pointsOf(shot, hits));
+  shot.deskew = true;
+  const std::vector<Vec3f> points = hitPoints(shot, hits);
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const Vec3d world = shot.worldFromSensor[i / 2] * (beams->direction[i] * double{hits.range[i]});
+    const Vec3d expected = inverse(shot.worldFromSensor[0]) * world;
+    EXPECT_LT(length(Vec3d(points[i]) - expected), 1e-6) << i;
+  }
+}
+
+}  // namespace
+}  // namespace scanmill

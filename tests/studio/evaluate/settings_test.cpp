@@ -1,0 +1,217 @@
+#include "evaluate/settings.h"
+
+#include "base/random.h"
+#include "tests/core/pipeline/small_world.h"
+#include "tests/support/same_hits.h"
+
+namespace scanmill {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::vector<std::string> textsOf(const std::vector<Value>& values) {
+  std::vector<std::string> texts;
+  for (const Value& value : values) texts.push_back(flowText(value));
+  return texts;
+}
+
+std::vector<std::string> namesOf(const std::vector<MethodSetting>& settings) {
+  std::vector<std::string> names;
+  for (const MethodSetting& s : settings) names.push_back(s.setting.name);
+  return names;
+}
+
+std::vector<MethodSetting> settingsIn(const std::string& yaml) {
+  return readSettings(parseYaml(yaml, "f.yaml"), "settings");
+}
+
+TEST(ExpandLists, TheLastListChangesFirst) {
+  EXPECT_THAT(textsOf(expandLists(parseYaml("{a: [1, 2], b: x, c: [3, 4, 5]}", "f"), "lists")),
+              ElementsAre("{a: 1, b: x, c: 3}", "{a: 1, b: x, c: 4}", "{a: 1, b: x, c: 5}", "{a: 2, b: x, c: 3}",
+                          "{a: 2, b: x, c: 4}", "{a: 2, b: x, c: 5}"));
+  EXPECT_THAT(textsOf(expandLists(Value{}, "lists")), ElementsAre("{}"));
+  EXPECT_THAT(textsOf(expandLists(parseYaml("{a: {b: [1, 2]}}", "f"), "lists")), ElementsAre("{a: {b: [1, 2]}}"));
+}
+
+// The setting with number n has the items that n's digits name, in the base of the lists' lengths.
+TEST(ExpandLists, GivesTheCartesianProduct) {
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    const RandomBlock random = randomBlock({.beam = i});
+    std::vector<std::size_t> lengths;
+    std::string yaml = "{";
+    std::size_t all = 1;
+    for (std::size_t e = 0; e < 1 + random[0] % 4; ++e) {
+      lengths.push_back(1 + (random[1] >> (3 * e)) % 4);
+      all *= lengths.back();
+      yaml += fmt::format("{}k{}: [", e > 0 ? ", " : "", e);
+      for (std::size_t item = 0; item < lengths.back(); ++item)
+        yaml += fmt::format("{}v{}", item > 0 ? ", " : "", item);
+      yaml += "]";
+    }
+    const std::vector<Value> expanded = expandLists(parseYaml(yaml + "}", "f"), "lists");
+    ASSERT_EQ(expanded.size(), all) << yaml;
+    for (std::size_t n = 0; n < all; ++n) {
+      std::size_t rest = n;
+      for (std::size_t e = lengths.size(); e-- > 0; rest /= lengths[e]) {
+        EXPECT_EQ(expanded[n].entries[e].value.text, fmt::format("v{}", rest % lengths[e])) << yaml << " " << n;
+      }
+    }
+  }
+}
+
+TEST(ReadSettings, NamesAndOptionsAreThoseOfThePipeline) {
+  const std::vector<MethodSetting> settings =
+      settingsIn("[ray_tracing, {depth_camera: {resolution: [512, 1024], sampling: nearest}}, {particle: {}}]");
+  EXPECT_THAT(namesOf(settings), ElementsAre("ray_tracing", "depth_camera resolution=512 sampling=nearest",
+                                             "depth_camera resolution=1024 sampling=nearest", "particle"));
+  EXPECT_EQ(settings[0].setting.options, "{}");
+  EXPECT_EQ(settings[0].setting.assignment(), "method=ray_tracing");
+  EXPECT_EQ(settings[1].setting.options, "{resolution: 512, sampling: nearest}");
+  EXPECT_EQ(settings[1].setting.assignment(), "method={depth_camera: {resolution: 512, sampling: nearest}}");
+  EXPECT_EQ(settings[3].setting.options, "{}");
+  for (const MethodSetting& s : settings) {
+    EXPECT_EQ(s.choice.entry->name, s.setting.method);
+    EXPECT_FALSE(s.choice.automatic);
+  }
+}
+
+TEST(ReadSettings, EveryWrongTextHasItsPlaceAndAWayOut) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> wrongs{
+      {"[]", {"f.yaml:1:1", "settings", "at least one item"}},
+      {"ray_tracing", {"f.yaml:1:1", "must be a list"}},
+      {"\n- ray_traicing", {"f.yaml:2:3", "unknown method 'ray_traicing'", "did you mean 'ray_tracing'"}},
+      {"\n- auto", {"f.yaml:2:3", "unknown method 'auto'"}},
+      {"\n- {ray_tracing: {paket: 1}}", {"f.yaml:2:18", "unknown key 'paket'", "did you mean 'packet'"}},
+      {"\n- {ray_tracing: {paket: [1, 16]}}", {"f.yaml:2:", "unknown key 'paket'", "did you mean 'packet'"}},
+      {"- {ray_tracing: {packet: [1, 3]}}", {"f.yaml:1:30", "packet may not be '3'"}},
+      {"- {ray_tracing: {packet: []}}", {"f.yaml:1:26", "the list is empty"}},
+      {"- {ray_tracing: 5}", {"f.yaml:1:17", "must be a map", "'5'"}},
+      {"- {ray_tracing: [packet]}", {"f.yaml:1:17", "must be a map", "a list"}},
+      {"- {ray_tracing: {}, particle: {}}", {"f.yaml:1:3", "one pair"}},
+      {"- [ray_tracing]", {"f.yaml:1:3", "must be a name or one pair"}},
+      {"- ray_tracing\n- particle\n- ray_tracing", {"f.yaml:3:3", "'ray_tracing' stands twice"}},
+      {"- {depth_camera: {resolution: [512, 512]}}", {"f.yaml:1:3", "'depth_camera resolution=512' stands twice"}},
+      {"- {particle: {refine: triangle, smallest_m: 0.1}}", {"f.yaml:1:", "smallest_m"}},
+      {"- {depth_camera: {resolution: [512, 99999]}}", {"f.yaml:1:", "resolution", "99999"}},
+      {"- {ray_tracing: {simplify: half}}", {"f.yaml:1:28", "simplify", "'half'"}},
+  };
+  for (const auto& [yaml, words] : wrongs) {
+    SCOPED_TRACE(yaml);
+    expectInputError([&, &text = yaml] { settingsIn(text); }, words);
+  }
+  std::string many = "- {particle: {voxel_m: [";
+  for (int i = 1; i <= 30; ++i) many += fmt::format("{}0.{:03}", i > 1 ? ", " : "", i + 50);
+  expectInputError([&] { settingsIn(many + "], steps: [" + many.substr(many.find('[') + 1) + "]}}"); },
+                   {"f.yaml:1:", "more than 500 settings"});
+}
+
+// A tree of maps and lists with texts that YAML or a shell might take for something else.
+Value randomTree(std::uint32_t& counter, int depth) {
+  static const std::vector<std::string> kTexts{
+      "a, b",  "x: y", "# no", "$HOME", "${HOME}", "$$",    "'",   "\"",   "it's", "a\nb", " lead", "trail ",
+      "[1]",   "{",    "}",    "null",  "",        "~",     "-",   "- a",  "%a",   "@a",   "a\tb",  "Straße",
+      "a: b:", "a #b", "!x",   "&x",    "*x",      "? y",   "\\n", "a\\b", "|",    ">",    "`",     "\"\n\\",
+      "true",  "1e5",  "a,b",  "a=b",   "\r\n",    "--- x", "...", ":x",   "x:",   "a  b"};
+  static const std::vector<std::string> kPlain{"1", "-1.5", ".5", "+3", "1e-6", "auto", "2 cm", "/a/b-c", "99.5%", "x"};
+  const RandomBlock random = randomBlock({.frame = 7, .beam = counter++});
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  if (depth > 0 && random[0] % 3 > 0) {
+    value.kind = random[0] % 3 == 1 ? Value::Kind::Sequence : Value::Kind::Map;
+    for (std::uint32_t i = 0; i < random[1] % 4; ++i) {
+      if (value.kind == Value::Kind::Sequence) {
+        value.items.push_back(randomTree(counter, depth - 1));
+      } else {
+        value.entries.push_back(
+            {fmt::format("{}{}", kTexts[(random[2] >> (4 * i)) % kTexts.size()], i), randomTree(counter, depth - 1)});
+      }
+    }
+  } else if (random[0] % 7 == 0) {
+    value.kind = Value::Kind::Null;
+  } else if (random[1] % 2 == 0) {
+    value.text = kPlain[random[2] % kPlain.size()];
+  } else {
+    value.quoted = true;
+    value.text = kTexts[random[2] % kTexts.size()];
+  }
+  return value;
+}
+
+void expectSameTree(const Value& a, const Value& b) {
+  ASSERT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.text, b.text);
+  EXPECT_EQ(a.quoted, b.quoted);
+  ASSERT_EQ(a.items.size(), b.items.size());
+  for (std::size_t i = 0; i < a.items.size(); ++i) expectSameTree(a.items[i], b.items[i]);
+  ASSERT_EQ(a.entries.size(), b.entries.size());
+  for (std::size_t i = 0; i < a.entries.size(); ++i) {
+    EXPECT_EQ(a.entries[i].key, b.entries[i].key);
+    expectSameTree(a.entries[i].value, b.entries[i].value);
+  }
+}
+
+TEST(FlowText, ReadsBackAsTheSameTree) {
+  std::uint32_t counter = 0;
+  for (int i = 0; i < 2000; ++i) {
+    Value tree;
+    tree.kind = Value::Kind::Map;
+    tree.entries.push_back({"key", randomTree(counter, 3)});
+    const std::string text = flowText(tree);
+    SCOPED_TRACE(text);
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+    expectSameTree(parseYaml(text, "f"), tree);
+    Value root;
+    setValue(root, "a.b=" + text);
+    expectSameTree(*root.find("a")->find("b"), tree);
+    if (HasFailure()) break;
+  }
+  EXPECT_EQ(flowText(Value{}), "{}");
+}
+
+TEST(BuiltAnew, OnlyParticlesWithoutACacheOfTheirOwnChange) {
+  for (const auto& [item, options] : {std::pair{"ray_tracing", "{}"},
+                                      {"particle", "{cache: none}"},
+                                      {"{particle: {steps: 99}}", "{steps: 99, cache: none}"},
+                                      {"{particle: {cache: auto}}", "{cache: auto}"},
+                                      {"{particle: {cache: }}", "{cache: none}"},
+                                      {"{depth_camera: {resolution: 512}}", "{resolution: 512}"}}) {
+    EXPECT_EQ(flowText(builtAnew(settingsIn(fmt::format("[{}]", item))[0].choice).options), options);
+  }
+}
+
+class SettingOfYard : public Yard {};
+
+// What --set makes of a setting is the method that was measured.
+TEST_F(SettingOfYard, AnAssignmentGivesTheSameMethod) {
+  const std::vector<MethodSetting> settings = settingsIn(
+      "[ray_tracing, {ray_tracing: {packet: 1, robust: false, bvh: [low, high]}}, {ray_tracing: {simplify: 0.5}}, "
+      "{particle: {refine: [triangle, none], voxel_m: 0.5, cache: none}}]");
+  for (const MethodSetting& s : settings) {
+    SCOPED_TRACE(s.setting.assignment());
+    const Plan plan(readPipeline(pipeline_, {s.setting.assignment()}));
+    EXPECT_EQ(plan.pipeline().method.entry, s.choice.entry);
+    EXPECT_EQ(flowText(plan.pipeline().method.options), s.setting.options);
+    const Scene scene = plan.loadScene(plan.pipeline().sequences[0]);
+    const auto assigned = plan.makeMethod(scene);
+    const auto chosen = makeMethod(s.choice, scene);
+    EXPECT_EQ(assigned->modelled(), chosen->modelled());
+    Hits a;
+    Hits b;
+    const Shot shot = plan.shots(0, 1).front();
+    assigned->trace(shot, plan.channels(), a);
+    chosen->trace(shot, plan.channels(), b);
+    expectSameHits(a, b);
+  }
+}
+
+TEST_F(SettingOfYard, AMethodThatIsStillToBeChosenCannotBeMade) {
+  const Plan plan(readPipeline(pipeline_, {"method={auto: {min_rate: 1}}"}));
+  EXPECT_EQ(plan.pipeline().methodName(), "auto");
+  const Scene scene = plan.loadScene(plan.pipeline().sequences[0]);
+  EXPECT_THAT(messageOf<Error>([&] { plan.makeMethod(scene); }), HasSubstr("still to be chosen"));
+}
+
+}  // namespace
+}  // namespace scanmill

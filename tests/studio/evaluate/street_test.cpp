@@ -1,0 +1,160 @@
+// The depth camera and particles against ray tracing: the same beams on the quickstart's street. docs/depth_camera.md
+// has the whole table; tests/benchmarks/accuracy.cpp makes it.
+
+#include "tests/support/street.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "evaluate/cloud_distance.h"
+#include "evaluate/hit_errors.h"
+#include "tests/core/methods/trace.h"
+#include "tests/support/points_of.h"
+
+namespace scanmill {
+namespace {
+
+// rad, at the centre of an image of 120 degrees and 2048 pixels: 2 tan(60 degrees) / 2048.
+constexpr double kPixel = 0.0016915;
+
+class Street : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    scene_ = std::make_unique<Scene>(quickstartStreet());
+    tracing_ = rayTracing(*scene_);
+  }
+  static void TearDownTestSuite() {
+    tracing_.reset();
+    scene_.reset();
+  }
+
+  Hits seen(const Shot& shot, const std::string& options) const {
+    const auto method = methodOf("depth_camera", *scene_, options);
+    try {
+      method->prepare(shot);
+    } catch (const InputError&) {
+      throw;
+    } catch (const Error& e) {
+      skipped_ = e.what();  // no OpenGL
+      return {};
+    }
+    return traced(*method, shot);
+  }
+
+  static std::unique_ptr<Scene> scene_;
+  static std::unique_ptr<Method> tracing_;
+  mutable std::string skipped_;
+};
+
+std::unique_ptr<Scene> Street::scene_;
+std::unique_ptr<Method> Street::tracing_;
+
+TEST_F(Street, PlaneSamplingIsAsGoodAsTheTableSays) {
+  const Shot shot = streetShot(presetBeams("paper_64"), -20);
+  const Hits tested = seen(shot, "{layout: three_120, resolution: 2048}");
+  if (!skipped_.empty()) GTEST_SKIP() << skipped_;
+  const Hits truth = traced(*tracing_, shot);
+  const HitErrors e = compareHits(truth, tested, edgeBeams(*tracing_, shot, kPixel));
+  EXPECT_GT(e.bothHit, 90'000u);
+  EXPECT_LT(e.rangeSameSurface.median, 1e-3);
+  EXPECT_LT(e.rangeSameSurface.p99, 0.05);
+  EXPECT_GT(e.interior, 80'000u);
+  EXPECT_GT(static_cast<double>(e.interiorAgree), 0.995 * static_cast<double>(e.interior));
+  const std::vector<Vec3f> there = pointsOf(shot, truth);
+  const std::vector<Vec3f> here = pointsOf(shot, tested);
+  EXPECT_LT(nearestDistances(there, here).mean, 0.01);
+  EXPECT_LT(nearestDistances(here, there).mean, 0.01);
+}
+
+// Where the trees are nearest; the default layout.
+TEST_F(Street, TheDefaultHoldsItsBoundsAmongTrees) {
+  const Shot shot = streetShot(presetBeams("paper_64"), 3);
+  const Hits tested = seen(shot, "{}");
+  if (!skipped_.empty()) GTEST_SKIP() << skipped_;
+  const Hits truth = traced(*tracing_, shot);
+  const HitErrors e = compareHits(truth, tested, edgeBeams(*tracing_, shot, kPixel));
+  EXPECT_LT(e.rangeSameSurface.median, 1e-3);
+  EXPECT_LT(e.rangeSameSurface.p99, 0.05);
+  EXPECT_GT(static_cast<double>(e.interiorAgree), 0.995 * static_cast<double>(e.interior));
+}
+
+// Samplings err in the order in which they simplify, and finer images err less.
+TEST_F(Street, WhatIsSimplerErrsMore) {
+  const Shot shot = streetShot(presetBeams("paper_64"), 12);
+  const Hits truth = traced(*tracing_, shot);
+  const std::vector<std::uint8_t> edges = edgeBeams(*tracing_, shot, kPixel);
+  const auto median = [&](const std::string& options) {
+    const Hits tested = seen(shot, options);
+    return skipped_.empty() ? compareHits(truth, tested, edges).rangeInterior.median : 0;
+  };
+  const double plane = median("{layout: three_120, resolution: 1024}");
+  if (!skipped_.empty()) GTEST_SKIP() << skipped_;
+  const double nearest = median("{layout: three_120, resolution: 1024, sampling: nearest}");
+  const double finer = median("{layout: three_120, resolution: 2048, sampling: nearest}");
+  const double coarse = median("{layout: three_120, resolution: 1024, depth: half_500}");
+  const double row = median("{layout: three_120, resolution: 1024, sampling: pixel_row}");
+  EXPECT_LT(10 * plane, nearest);
+  EXPECT_LT(1.5 * finer, nearest);
+  EXPECT_GT(coarse, 0.02);  // steps of 0.25 to 0.5 m
+  EXPECT_GT(row, 0.2);
+}
+
+// The same effect reads the same figures: on flat surfaces intensities are the same.
+TEST_F(Street, WhatIntensityIsMadeOfIsTheSameOnFlatSurfaces) {
+  const Shot shot = streetShot(presetBeams("paper_64"), -41);
+  const Hits tested = seen(shot, "{}");
+  if (!skipped_.empty()) GTEST_SKIP() << skipped_;
+  const Hits truth = traced(*tracing_, shot);
+  std::size_t flat = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (!truth.hit(i) || !tested.hit(i) || truth.instance[i] != tested.instance[i]) continue;
+    if (truth.primitive[i] != tested.primitive[i] || std::abs(truth.range[i] - tested.range[i]) > 1e-3f) continue;
+    ++flat;
+    EXPECT_EQ(tested.material[i], truth.material[i]);
+    EXPECT_NEAR(tested.incidence[i], truth.incidence[i], 1e-3f) << i;
+    EXPECT_NEAR(tested.reflectance[i], truth.reflectance[i], 1e-3f) << i;
+  }
+  EXPECT_GT(flat, 60'000u);
+}
+
+// docs/particle.md has the whole table; tests/benchmarks/particle_accuracy.cpp makes it.
+Hits flownOver(const Scene& scene, const Shot& shot, const std::string& options) {
+  return traced(*methodOf("particle", scene, "{cache: none, backend: cpu, " + options + "}"), shot);
+}
+
+TEST_F(Street, ParticlesThatMeetTrianglesSeeWhatRaysSee) {
+  for (const double x : {-20.0, 3.0}) {
+    const Shot shot = streetShot(presetBeams("paper_64"), x);
+    const Hits truth = traced(*tracing_, shot);
+    const Hits tested = flownOver(*scene_, shot, "refine: triangle");
+    const HitErrors e = compareHits(truth, tested, {});
+    EXPECT_GT(e.bothHit, 90'000u);
+    EXPECT_LT(e.falseNegatives + e.falsePositives, e.beams / 10'000);
+    EXPECT_GT(static_cast<double>(e.sameLabel), 0.9999 * static_cast<double>(e.bothHit));
+    EXPECT_LT(e.rangeSameSurface.p999, 1e-4);
+    EXPECT_LT(nearestDistances(pointsOf(shot, truth), pointsOf(shot, tested)).mean, 1e-3);
+    EXPECT_LT(nearestDistances(pointsOf(shot, tested), pointsOf(shot, truth)).mean, 1e-3);
+    EXPECT_TRUE(tested.unresolved.empty());
+  }
+}
+
+TEST_F(Street, ParticlesErrInTheOrderInWhichTheySimplify) {
+  const Shot shot = streetShot(presetBeams("paper_64"), -20);
+  const Hits truth = traced(*tracing_, shot);
+  const auto errors = [&](const std::string& options) {
+    return compareHits(truth, flownOver(*scene_, shot, options), {});
+  };
+  const HitErrors none = errors("refine: none");
+  const HitErrors normal = errors("refine: normal");
+  const HitErrors coarse = errors("refine: none, voxel_m: 0.4, voxels: 64");
+  EXPECT_LT(none.rangeSameSurface.median, 0.1);
+  EXPECT_LT(normal.rangeSameSurface.median, 1e-3);
+  EXPECT_GT(coarse.rangeSameSurface.median, 2 * none.rangeSameSurface.median);
+  // Half a voxel thicker than it is, everything is seen: only beams past silhouettes are false positives.
+  EXPECT_LT(none.falseNegatives, none.beams / 1000);
+  EXPECT_GT(static_cast<double>(none.sameLabel), 0.85 * static_cast<double>(none.bothHit));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,443 @@
+#include "report/dataset/dataset_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "report/dataset/dataset_charts.h"
+#include "tests/studio/charts/svg_check.h"
+#include "tests/studio/report/dataset/made_dataset.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::size_t kAll = 400;
+
+DatasetReport examined(const std::filesystem::path& folder, std::size_t samples = 0, std::size_t most = kAll) {
+  DatasetReportOptions options;
+  options.quiet = true;
+  options.samples = samples;
+  options.mostScans = most;
+  return examineDataset(folder, options);
+}
+
+// The warnings, each with its places behind it.
+std::vector<std::string> warningTexts(const DatasetReport& report) {
+  std::vector<std::string> texts;
+  for (const DatasetWarning& w : report.warnings) {
+    std::string text = w.text;
+    for (const std::string& place : w.places) text += "\n" + place;
+    texts.push_back(text);
+  }
+  return texts;
+}
+
+class MadeDataset : public testing::Test {
+ protected:
+  std::filesystem::path at() const { return folder_.path() / "made"; }
+  std::vector<std::string> warningsFor(const std::vector<MadeSample>& samples, Manifest manifest = madeManifest()) {
+    writeMadeDataset(at(), samples, std::move(manifest));
+    return warningTexts(examined(at()));
+  }
+
+  TemporaryFolder folder_;
+  std::vector<MadeSample> samples_ = soundSamples();
+};
+
+// Pages are megabytes: nobody wants to see them printed.
+bool has(const std::string& text, const std::string& words) {
+  return text.find(words) != std::string::npos;
+}
+
+std::size_t times(const std::string& text, const std::string& words) {
+  std::size_t count = 0;
+  for (std::size_t i = text.find(words); i != std::string::npos; i = text.find(words, i + 1)) ++count;
+  return count;
+}
+
+const ClassSummary& classNamed(const DatasetReport& report, const std::string& name) {
+  for (const ClassSummary& c : report.summary.classes) {
+    if (c.name == name) return c;
+  }
+  throw std::runtime_error("no class " + name);
+}
+
+TEST_F(MadeDataset, FiguresAreThoseOfTheScans) {
+  writeMadeDataset(at(), samples_);
+  const DatasetReport report = examined(at());
+  const DatasetSummary& s = report.summary;
+  EXPECT_EQ(s.samples, 6u);
+  EXPECT_EQ(s.points, 150u);
+  EXPECT_EQ(s.pointsRead, 150u);
+  EXPECT_EQ(s.scansRead, 6u);
+  const ClassSummary& car = classNamed(report, "car");
+  EXPECT_EQ(car.points, 30u);
+  EXPECT_EQ(car.scans, 6u);
+  EXPECT_EQ(car.views, 6u);
+  EXPECT_EQ(car.objects, 2u);  // instance 3 of each of two sequences
+  EXPECT_EQ(car.medianPoints, 5);
+  EXPECT_EQ(car.pointsOfSplit, (std::map<std::string, std::uint64_t>{{"train", 20}, {"val", 10}}));
+  ASSERT_EQ(s.sequences.size(), 2u);
+  EXPECT_EQ(s.sequences[1].name, "street-s2-lane");
+  EXPECT_EQ(s.sequences[1].scene, "street");
+  EXPECT_EQ(s.sequences[1].seed, "2");
+  EXPECT_EQ(s.sequences[1].trajectory, "lane");
+  EXPECT_EQ(s.sequences[0].samples, 4u);
+  EXPECT_NEAR(s.sequences[0].seconds, 0.3, 1e-9);
+  const std::string page = datasetPage(report);
+  for (const char* cell : {">120<", ">30<", ">80.0 %<", ">20.0 %<", "street-s2-lane"}) {
+    EXPECT_TRUE(has(page, cell));
+  }
+  EXPECT_TRUE(has(page, report.manifest.shards[0].sha256.substr(0, 12)));
+  EXPECT_TRUE(has(page, "# a tab"));  // of the pipeline's text
+  EXPECT_TRUE(has(page, "left out: glass"));
+}
+
+// Of ranges, classes and sensors alike: every point is in one place.
+TEST_F(MadeDataset, HistogramsHoldEveryPoint) {
+  writeMadeDataset(at(), samples_);
+  const DatasetReport report = examined(at());
+  std::uint64_t byClass = 0, bySensor = 0, intensities = 0;
+  for (const ClassSummary& c : report.summary.classes) {
+    for (const std::uint64_t n : c.ranges) byClass += n;
+  }
+  for (const SensorSummary& s : report.summary.sensors) {
+    for (const std::uint64_t n : s.ranges) bySensor += n;
+    for (const auto& [key, n] : s.intensities) intensities += n;
+  }
+  EXPECT_EQ(byClass, 150u);
+  EXPECT_EQ(bySensor, 150u);
+  EXPECT_EQ(intensities, 150u);
+}
+
+TEST_F(MadeDataset, ASoundOneHasNoWarnings) {
+  EXPECT_THAT(warningsFor(samples_), testing::IsEmpty());
+  EXPECT_FALSE(has(datasetPage(examined(at())), "id=\"warnings\""));
+}
+
+TEST_F(MadeDataset, AClassWithoutPointsIsANote) {
+  Manifest manifest = madeManifest();
+  manifest.ontology.classes.push_back({9, "tram", {1, 2, 3}, true, {}});
+  EXPECT_THAT(warningsFor(samples_, manifest),
+              testing::ElementsAre("No points of 1 of the ontology's 3 classes: tram."));
+  const DatasetReport report = examined(at());
+  EXPECT_TRUE(report.warnings[0].note);
+  const std::string page = datasetPage(report);
+  EXPECT_TRUE(has(page, "<h2>1 note</h2>") && has(page, "id=\"notes\""));
+  EXPECT_FALSE(has(page, "id=\"warnings\""));
+}
+
+TEST_F(MadeDataset, WarnsOfAnIdOfWhatHasNone) {
+  for (MadeSample& s : samples_) {
+    if (s.split == "train") s.points.push_back({{9, 2, -1}, 7, 5, 1});
+  }
+  const std::vector<std::string> warnings = warningsFor(samples_);
+  EXPECT_THAT(warnings,
+              testing::ElementsAre("road: instance 5 of street-s1-lane (4 scans, 4 points) has an instance id, "
+                                   "which no other road has: a thing with the wrong class?"));
+  const DatasetReport report = examined(at());
+  EXPECT_THAT(report.warnings[0].command,
+              HasSubstr("scanmill view " + at().string() + " --sample street-s1-lane-0000"));
+  const std::string page = datasetPage(report);
+  EXPECT_TRUE(has(page, report.warnings[0].command));
+  EXPECT_EQ(classNamed(report, "road").pointsWithoutId, 120u);
+}
+
+TEST_F(MadeDataset, TheTitleTellsTheFolder) {
+  writeMadeDataset(at(), samples_);
+  EXPECT_TRUE(has(datasetPage(examined(at())), "<h1>Dataset small (made)</h1>"));
+  EXPECT_TRUE(has(datasetPage(examined(at() / ".." / "made" / "")), "<h1>Dataset small (made)</h1>"));
+  std::filesystem::rename(at(), folder_.path() / "small");
+  EXPECT_TRUE(has(datasetPage(examined(folder_.path() / "small")), "<h1>Dataset small</h1>"));
+}
+
+TEST_F(MadeDataset, WhatWasModelledIsToldOfEachScene) {
+  Manifest manifest = madeManifest();
+  manifest.modelled = {"geometry: exact", "instancing: 277 objects", "instancing: 294 objects"};
+  writeMadeDataset(at(), samples_, manifest);
+  std::string page = datasetPage(examined(at()));
+  EXPECT_TRUE(has(page, "instancing: 277 objects (street, seed 1)") && has(page, "294 objects (street, seed 2)"));
+  EXPECT_TRUE(has(page, "geometry: exact<"));
+  std::filesystem::remove_all(at());
+  manifest.modelled.push_back("instancing: 300 objects");  // of nobody knows which
+  writeMadeDataset(at(), samples_, manifest);
+  EXPECT_FALSE(has(datasetPage(examined(at())), "(street, seed"));
+}
+
+TEST_F(MadeDataset, ScansAreInTheOrderOfTheirKeys) {
+  std::reverse(samples_.begin(), samples_.end());
+  writeMadeDataset(at(), samples_);
+  const DatasetReport report = examined(at(), 6);
+  ASSERT_EQ(report.pictured.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_THAT(report.pictured[i].title, HasSubstr("00000" + std::to_string(i)));
+}
+
+// Shares of classes add up to 1 but for rounding: no axis goes on to 120 %.
+TEST_F(MadeDataset, SharesEndAtAHundredPerCent) {
+  writeMadeDataset(at(), samples_);
+  for (std::uint64_t whole : {3, 7, 9, 49, 1234567}) {
+    DatasetSummary summary = examined(at()).summary;
+    for (ClassSummary& c : summary.classes) c.ranges.assign(summary.steps.count, c.id == 7 ? whole : whole / 2);
+    for (SensorSummary& s : summary.sensors) s.ranges.assign(summary.steps.count, whole + 2 * (whole / 2));
+    const std::string chart = ringSharesChart(summary);
+    EXPECT_TRUE(has(chart, ">100%<") || has(chart, ">100 %<") || has(chart, ">100")) << chart.substr(0, 200);
+    EXPECT_FALSE(has(chart, ">120") || has(chart, ">125") || has(chart, ">150"));
+  }
+}
+
+TEST_F(MadeDataset, WarnsOfFewPointsOfAClass) {
+  Manifest manifest = madeManifest();
+  manifest.ontology.classes.push_back({9, "tram", {1, 2, 3}, false, {}});
+  for (MadeSample& s : samples_) {
+    s.points.resize(2200, MadePoint{{20, 1, -1}, 7, 0, 1});
+    if (s.split == "val") s.points[100].label = 9;
+  }
+  samples_[0].points[100].label = 9;
+  samples_[0].points[101].label = 9;  // 4 of 13200 points
+  EXPECT_THAT(warningsFor(samples_, manifest), testing::IsEmpty());
+  std::filesystem::remove_all(at());
+  samples_[0].points[101].label = samples_[0].points[100].label = samples_[5].points[100].label = 7;
+  samples_[1].points[100].label = 7;
+  EXPECT_THAT(warningsFor(samples_, manifest),
+              testing::ElementsAre("Fewer than 1 in 10,000 points each: tram.", "In val but not in train: tram."));
+}
+
+TEST_F(MadeDataset, WarnsOfClassesThatOneSplitLacks) {
+  for (MadeSample& s : samples_) {
+    if (s.split == "val") s.points.resize(20);
+  }
+  EXPECT_THAT(warningsFor(samples_), testing::ElementsAre("In train but not in val: car."));
+}
+
+TEST_F(MadeDataset, WarnsOfUnlabelledPoints) {
+  samples_[2].points[0].label = samples_[2].points[1].label = samples_[2].points[2].label = 0;
+  EXPECT_THAT(warningsFor(samples_), testing::ElementsAre("2.0 % of the points are unlabelled, in 1 scan."));
+}
+
+TEST_F(MadeDataset, WarnsOfEmptyAndSparseScans) {
+  samples_[1].points.clear();
+  samples_[3].points.resize(12);
+  EXPECT_THAT(warningsFor(samples_),
+              testing::ElementsAre("1 of 6 scans without points.\nstreet-s1-lane-000001, top",
+                                   "1 scan has unusually few points: less than half of their sensor's median.\n"
+                                   "street-s1-lane-000003, top: 12 points, where the sensor's median is 25"));
+}
+
+TEST_F(MadeDataset, WarnsOfUnresolvedBeams) {
+  samples_[4].unresolved = 2;
+  const auto warnings = warningsFor(samples_);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0], HasSubstr("gave up 2 beams"));
+  EXPECT_THAT(warnings[0], HasSubstr("street-s2-lane-000004, top: 2 beams"));
+}
+
+TEST_F(MadeDataset, WarnsOfAnInstanceOfTwoClasses) {
+  samples_[3].points[2].instance = 3;  // a point of road in the car
+  EXPECT_THAT(warningsFor(samples_),
+              testing::ElementsAre(
+                  "1 instance has labels of more than one class that seldom make one thing: a sign of wrong labels.\n"
+                  "street-s1-lane-000003, instance 3: 1 road, 20 car points"));
+}
+
+TEST_F(MadeDataset, WarnsOfAnInstanceThatOneSampleLabelsOtherwise) {
+  Manifest manifest = madeManifest();
+  manifest.ontology.classes.push_back({9, "truck", {1, 2, 3}, true, {}});
+  for (MadeSample& s : samples_) s.points.push_back({{15, 3, 0}, 9, 8, 5});
+  for (std::size_t k = 20; k < 25; ++k) samples_[2].points[k].label = 9;
+  EXPECT_THAT(warningsFor(samples_, manifest),
+              testing::ElementsAre(
+                  "1 instance has labels of more than one class that seldom make one thing: a sign of wrong labels.\n"
+                  "street-s1-lane-000002, instance 3: 15 car, 5 truck points"));
+}
+
+// Trees have trunks: what most have is no mistake.
+TEST_F(MadeDataset, PartsThatMostInstancesHaveAreNoMistake) {
+  Manifest manifest = madeManifest();
+  manifest.ontology.classes.push_back({9, "wheel", {1, 2, 3}, true, {}});
+  for (MadeSample& s : samples_) {
+    for (std::uint32_t id = 10; id < 14; ++id) {
+      s.points.push_back({{9, 1, 0}, 65535, id, 5});
+      s.points.push_back({{9, 1, 0}, 9, id, 5});
+    }
+  }
+  EXPECT_THAT(warningsFor(samples_, manifest), testing::IsEmpty());
+  const DatasetReport report = examined(at());
+  EXPECT_EQ(report.summary.mixed.size(), 8u);
+  EXPECT_TRUE(has(datasetPage(report), "car, wheel"));
+}
+
+TEST_F(MadeDataset, WarnsOfThingsWithoutId) {
+  samples_[0].points[22].instance = 0;
+  EXPECT_THAT(warningsFor(samples_),
+              testing::ElementsAre("Things without an instance id, though their class is countable.\ncar: 1 point"));
+}
+
+TEST_F(MadeDataset, GoesOnWithoutDamagedShards) {
+  writeMadeDataset(at(), samples_, madeManifest(), true);
+  const Manifest manifest = readManifest(at());
+  ASSERT_EQ(manifest.shards.size(), 6u);
+  std::filesystem::remove(at() / manifest.shards[0].file);
+  const std::string whole = readFile(at() / manifest.shards[1].file);
+  writeFile(at() / manifest.shards[1].file, whole.substr(0, 700));  // truncated
+  std::string changed = readFile(at() / manifest.shards[2].file);
+  changed[changed.find("DATA") + 20] ^= 1;  // of a scan
+  writeFile(at() / manifest.shards[2].file, changed);
+  const DatasetReport report = examined(at(), 4);
+  ASSERT_GE(report.warnings.size(), 2u);
+  EXPECT_EQ(report.warnings[0].places.size(), 3u);
+  EXPECT_THAT(report.warnings[0].text, HasSubstr("3 shards are missing or damaged"));
+  EXPECT_THAT(report.warnings[0].places[0], HasSubstr("is missing"));
+  EXPECT_THAT(report.warnings[0].places[1], HasSubstr("has 700 bytes"));
+  EXPECT_THAT(report.warnings[0].places[2], HasSubstr("SHA-256"));
+  EXPECT_LE(report.summary.scansRead, 4u);
+  EXPECT_GE(report.summary.scansRead, 3u);
+  EXPECT_EQ(report.pictured.size(), 3u);  // only of sound shards
+  EXPECT_TRUE(has(datasetPage(report), "is missing"));
+}
+
+TEST_F(MadeDataset, NothingToReadIsAFailure) {
+  writeMadeDataset(at(), samples_);
+  for (const ShardRecord& s : readManifest(at()).shards) std::filesystem::remove(at() / s.file);
+  try {
+    examined(at());
+    FAIL();
+  } catch (const InputError&) {
+    FAIL() << "the input's form is not at fault";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("none of its scans can be read"));
+  }
+  writeFile(at() / "manifest.json", "{");
+  EXPECT_THROW(examined(at()), InputError);
+}
+
+TEST_F(MadeDataset, StopsWhenAsked) {
+  writeMadeDataset(at(), samples_);
+  const std::atomic<bool> stop = true;
+  DatasetReportOptions options;
+  options.quiet = true;
+  options.stop = &stop;
+  EXPECT_THAT(messageOf<Error>([&] { examineDataset(at(), options); }), HasSubstr("stopped: nothing was written"));
+}
+
+TEST_F(MadeDataset, ASpreadIsReadOfLargeOnes) {
+  writeMadeDataset(at(), samples_);
+  const DatasetReport report = examined(at(), 2, 3);
+  EXPECT_EQ(report.summary.scansRead, 3u);
+  EXPECT_EQ(report.summary.pointsRead, 75u);
+  EXPECT_EQ(report.summary.points, 150u);  // of the manifest
+  EXPECT_EQ(report.pictured.size(), 2u);
+  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_TRUE(has(datasetPage(report), "3 of 6 scans"));
+}
+
+TEST_F(MadeDataset, NamesStayText) {
+  Manifest manifest = madeManifest();
+  const std::string evil = "</script><img src=x onerror=alert(1)>\"'&";
+  manifest.name = evil;
+  manifest.ontology.name = evil;
+  manifest.ontology.classes[1].name = evil;
+  manifest.sensors[0].beams.model = evil;
+  manifest.pipelineText = evil;
+  manifest.modelled = {evil};
+  writeMadeDataset(at(), samples_, manifest);
+  const std::string page = datasetPage(examined(at(), 2));
+  EXPECT_FALSE(has(page, "<img src=x"));
+  EXPECT_TRUE(has(page, "&lt;img src=x onerror=alert(1)&gt;"));
+  EXPECT_TRUE(has(page, "\\u003c/script>\\u003cimg src=x"));
+  // Scripts that the program carries, the data, and no other.
+  EXPECT_EQ(times(page, "<script"), 5u);
+  EXPECT_EQ(times(page, "</script"), 5u);
+}
+
+TEST_F(MadeDataset, ThePageAsksForNothing) {
+  writeMadeDataset(at(), samples_);
+  const std::string page = datasetPage(examined(at(), 4));
+  EXPECT_TRUE(has(page, "default-src 'none'; script-src 'sha256-"));
+  EXPECT_TRUE(has(page, "connect-src 'none'"));
+  EXPECT_FALSE(has(page, "'unsafe-eval'"));
+  std::string own = page;  // without scripts, which the policy above binds
+  for (std::size_t i = own.find("<script>"); i != std::string::npos; i = own.find("<script>")) {
+    own.erase(i, own.find("</script>", i) + 9 - i);
+  }
+  for (const char* attribute : {" src=\"", " href=\""}) {
+    for (std::size_t i = own.find(attribute); i != std::string::npos; i = own.find(attribute, i + 1)) {
+      const std::string value = own.substr(own.find('"', i) + 1, 5);
+      EXPECT_TRUE(value == "data:" || value[0] == '#') << value;
+    }
+  }
+  for (const char* words : {"@import", "url(", "<link", "<iframe", "<object"}) EXPECT_FALSE(has(own, words)) << words;
+  const std::string script =
+      readFile(std::filesystem::path(SCANMILL_SOURCE_DIR) / "src/studio/study/dataset/scan_view.js");
+  for (const char* words : {"http", "fetch", "XMLHttpRequest", "import", "innerHTML", "eval"}) {
+    EXPECT_FALSE(has(script, words)) << words;
+  }
+  EXPECT_EQ(times(own, "<img src=\"data:image/png;base64,"), 8u);
+  EXPECT_TRUE(has(page, "The MIT License"));
+}
+
+TEST_F(MadeDataset, ChartsAreWellFormed) {
+  writeMadeDataset(at(), samples_);
+  const std::string page = datasetPage(examined(at(), 1));
+  std::size_t charts = 0;
+  for (std::size_t i = page.find("<svg"); i != std::string::npos; i = page.find("<svg", i + 1), ++charts) {
+    parseSvg(page.substr(i, page.find("</svg>", i) + 6 - i));
+  }
+  EXPECT_EQ(charts, 8u);
+}
+
+TEST_F(MadeDataset, TheSameBytesOnAnyNumberOfThreads) {
+  Manifest manifest = writeTestDataset(at());
+  std::string first;
+  for (const int threads : {1, 2, 5}) {
+    const ThreadLimit limit(threads);
+    const std::string page = datasetPage(examined(at(), 3));
+    if (first.empty()) first = page;
+    EXPECT_TRUE(page == first) << threads;
+  }
+  DatasetReportOptions other;
+  other.quiet = true;
+  other.seed = 1;
+  EXPECT_NE(datasetPage(examineDataset(at(), other)), first);
+}
+
+// Two sensors, misses kept, and a dataset without labels or anything else but positions.
+TEST_F(MadeDataset, OtherLayoutsAreShownToo) {
+  writeTestDataset(at(), false, true);
+  const DatasetReport images = examined(at(), 2);
+  EXPECT_EQ(images.summary.pointsRead, images.summary.points);
+  EXPECT_EQ(images.pictured.size(), 2u);
+  std::filesystem::remove_all(at());
+  Manifest bare = madeManifest();
+  bare.columns = {"x", "y", "z"};
+  bare.formats = {{"pcd", "pcd", 0}};
+  DatasetWriter writer(at(), false, 100000);
+  Scan scan;
+  scan.rings = 4;
+  scan.columns = 16;
+  scan.position = {{1, 2, 3}, {4, 5, 6}};
+  ScanRecord record;
+  record.sensor = "top";
+  record.method = "ray_tracing";
+  record.worldFromSensor = {Pose{}};
+  record.beams = 64;
+  record.points = 2;
+  writer.add({"a-s1-b-000000", "train", {record}, {{memberSuffix(record, "pcd"), encode("pcd", scan)}}});
+  writer.finish(bare);
+  const DatasetReport report = examined(at(), 1);
+  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_EQ(report.pictured.at(0).pictures.at(0).first, "range");
+  EXPECT_TRUE(has(datasetPage(report), "no class labels"));
+}
+
+TEST_F(MadeDataset, ADatasetWithoutSamplesIsAPage) {
+  EXPECT_THAT(warningsFor({}), testing::ElementsAre("The dataset has no samples."));
+  EXPECT_TRUE(has(datasetPage(examined(at(), 4)), "no samples"));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,102 @@
+#include "report/dataset/scan_counts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "tests/studio/report/dataset/made_dataset.h"
+
+namespace scanmill {
+namespace {
+
+TEST(ScanCounts, StepsHoldTheFarthestRange) {
+  for (const double farthest : {0.5, 1.0, 7.0, 12.0, 80.0, 120.0, 245.0, 1000.0, 12345.0}) {
+    const RangeSteps steps = rangeStepsFor(farthest);
+    EXPECT_LE(steps.count, 122u) << farthest;
+    EXPECT_GE(double(steps.count - 1) * steps.step, farthest * (1 - 1e-12));
+    EXPECT_EQ(steps.of(2 * farthest + steps.step), steps.count - 1);
+    EXPECT_EQ(steps.of(0), 0u);
+    const double digit = steps.step / std::pow(10, std::floor(std::log10(steps.step) + 1e-9));
+    EXPECT_TRUE(std::abs(digit - 1) < 1e-9 || std::abs(digit - 2) < 1e-9 || std::abs(digit - 5) < 1e-9) << steps.step;
+  }
+}
+
+TEST(ScanCounts, IntensityKeysKeepOrderAndBytes) {
+  for (int i = 1; i <= 256; ++i) EXPECT_EQ(intensityOfKey(intensityKey(float(i))), float(i));
+  float before = 0;
+  for (float v = 1e-6f; v < 1e6f; v *= 1.01f) {
+    const float of = intensityOfKey(intensityKey(v));
+    EXPECT_LE(of, v);
+    EXPECT_GT(of, v * (1 - 1.0f / 127));
+    EXPECT_GE(of, before);
+    before = of;
+  }
+  EXPECT_EQ(intensityKey(0), 0);
+  EXPECT_EQ(intensityKey(-3), 0);
+}
+
+TEST(ScanCounts, CountsWhatIsThere) {
+  const Manifest manifest = madeManifest();
+  std::vector<MadePoint> points;
+  for (int k = 0; k < 10; ++k) points.push_back({{float(k) + 0.5f, 0, 0}, 7, 0, 10});
+  for (int k = 0; k < 6; ++k) points.push_back({{0, 5, 0}, 65535, k < 4 ? 9u : 0u, 255});
+  points.push_back({{0, 5, 0}, 7, 9, 255});
+  Scan scan = madeScan(manifest.sensors[0].beams, points);
+  scan.position.push_back({NAN, NAN, NAN});  // a miss
+  scan[kLabel].push_back(7);
+  scan[kInstance].push_back(0);
+  scan[kIntensity].push_back(0);
+  scan[kRing].push_back(0);
+  const RangeSteps steps{1, 8};
+  const ScanCounts counts = countScan(scan, steps);
+  EXPECT_EQ(counts.points, 17u);
+  EXPECT_EQ(counts.rangesOfClass.at(7), (std::vector<std::uint64_t>{1, 1, 1, 1, 1, 2, 1, 3}));
+  EXPECT_EQ(counts.rangesOfClass.at(65535), (std::vector<std::uint64_t>{0, 0, 0, 0, 0, 6, 0, 0}));
+  EXPECT_EQ(counts.intensities.at(intensityKey(10)), 10u);
+  EXPECT_EQ(counts.intensities.at(intensityKey(255)), 7u);
+  ASSERT_EQ(counts.instances.size(), 1u);
+  EXPECT_EQ(counts.instances[0].id, 9u);
+  EXPECT_EQ(counts.instances[0].pointsOfClass, (std::map<std::uint16_t, std::uint64_t>{{7, 1}, {65535, 4}}));
+  EXPECT_EQ(counts.withoutId, (std::map<std::uint16_t, std::uint64_t>{{7, 10}, {65535, 2}}));
+}
+
+TEST(ScanCounts, AScanWithoutColumnsIsCountedToo) {
+  Scan scan;
+  scan.position = {{1, 0, 0}, {2, 0, 0}};
+  const ScanCounts counts = countScan(scan, {1, 4});
+  EXPECT_EQ(counts.points, 2u);
+  EXPECT_EQ(counts.rangesOfClass.at(0), (std::vector<std::uint64_t>{0, 1, 1, 0}));
+  EXPECT_TRUE(counts.intensities.empty() && counts.instances.empty() && counts.withoutId.empty());
+}
+
+// Whichever way a thing stands and the sensor leans.
+TEST(ScanCounts, SizesAreThoseOfTheThings) {
+  for (const double yaw : {0.0, 0.3, 1.1, 2.0, 3.0}) {
+    const Quat sensor = fromYawPitchRoll(0.8, 0.2, -0.15);
+    const Mat3 level = levelFromSensor(sensor), sensorFromLevel = inverse(level);
+    EXPECT_NEAR((level * Vec3d{1, 0, 0}).y, 0, 1e-12);
+    const Mat3 turn = toMatrix(fromYawPitchRoll(yaw, 0, 0));
+    Scan scan;
+    for (int i = 0; i <= 40; ++i) {  // three sides of a box of 4 x 2 x 1.5 m
+      for (const double z : {0.0, 0.7, 1.5}) {
+        for (const Vec3d& p : {Vec3d{0.1 * i, 0, z}, Vec3d{0, 0.05 * i, z}, Vec3d{4, 0.05 * i, z}}) {
+          scan.position.push_back(Vec3f(sensorFromLevel * (turn * p + Vec3d{12, 3, -2})));
+          scan[kLabel].push_back(1);
+          scan[kInstance].push_back(5);
+        }
+      }
+    }
+    const ScanCounts counts = countScan(scan, {1, 40}, level);
+    ASSERT_EQ(counts.instances.size(), 1u);
+    const InstanceCounts& thing = counts.instances[0];
+    EXPECT_NEAR(thing.size.length, 4, 0.06) << yaw;  // to 1.5 degrees
+    EXPECT_NEAR(thing.size.width, 2, 0.11) << yaw;
+    EXPECT_NEAR(thing.size.height, 1.5, 1e-5) << yaw;
+    EXPECT_NEAR(thing.box.low.z, -2, 1e-5);
+    EXPECT_NEAR(thing.box.high.z, -0.5, 1e-5);
+  }
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,43 @@
+#include "report/repeatability/repeatability_report.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/studio/study/repeatability/repeated_scans.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST_F(RepeatedScans, TheReportHoldsAllChartsAndIsSelfContained) {
+  const Repeatability result = measure(pipeline(std::string(kShells) + "  scans: 2\n"));
+  const std::string page = repeatabilityReport(result, "2026-01-02");
+  for (const std::string& svg :
+       {repeatabilityRegisteredSvg(result, 0), repeatabilityUnmovedSvg(result, 0), repeatabilityPointsSvg(result, 0),
+        repeatabilityShareSvg(result, 0), repeatabilityLevelsSvg(result, result.views[0]),
+        repeatabilityWithinSvg(result, result.views[0])}) {
+    EXPECT_THAT(svg, HasSubstr("<svg"));
+    EXPECT_THAT(svg, Not(HasSubstr("no data")));
+  }
+  std::size_t charts = 0;
+  for (std::size_t at = page.find("<svg"); at != std::string::npos; at = page.find("<svg", at + 1)) ++charts;
+  EXPECT_EQ(charts, 6u);
+  EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
+  EXPECT_THAT(page, HasSubstr("wall ahead"));
+}
+
+TEST_F(RepeatedScans, TheReportNamesWhatWasLookedAtAndWhatIsWrong) {
+  const std::string page = repeatabilityReport(measure(pipeline("  scans: 2\n  object: crate\n")), "2026-01-02");
+  EXPECT_THAT(page, testing::AllOf(HasSubstr("crate"), HasSubstr("Warning: noise"), HasSubstr("2026-01-02"),
+                                   HasSubstr("21 x 21 beams")));
+}
+
+TEST_F(RepeatedScans, TheReportNamesEveryMethod) {
+  const std::string methods = "  methods: [ray_tracing, {ray_tracing: {packet: 1}}]\n";
+  EXPECT_THAT(repeatabilityReport(measure(pipeline(kShells + methods)), "2026-01-02"),
+              HasSubstr("ray_tracing packet=1"));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,345 @@
+#include "report/tradeoff/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "report/page/report_html.h"
+#include "report/tradeoff/report_charts.h"
+#include "report/tradeoff/report_figures.h"
+#include "report/tradeoff/report_tables.h"
+#include "study/tradeoff/study_figures.h"
+#include "tests/studio/charts/svg_check.h"
+#include "tests/studio/study/tradeoff/example_study.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// All charts of a page.
+std::vector<std::string> chartsIn(const std::string& html) {
+  std::vector<std::string> charts;
+  for (std::size_t at = html.find("<svg"); at != std::string::npos; at = html.find("<svg", at + 1)) {
+    charts.push_back(html.substr(at, html.find("</svg>", at) + 6 - at));
+  }
+  return charts;
+}
+
+std::size_t countOf(const std::string& text, const std::string& words) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++count;
+  return count;
+}
+
+// Elements open and close in order; those that HTML never closes aside.
+void expectBalanced(const std::string& html) {
+  std::vector<std::string> open;
+  std::string text = std::regex_replace(html, std::regex("<script>[^]*?</script>"), "");
+  const std::regex tags("<(/?)([a-zA-Z0-9]+)([^>]*)>");
+  for (std::sregex_iterator it(text.begin(), text.end(), tags), end; it != end; ++it) {
+    const std::string tag = (*it)[2], rest = (*it)[3];
+    if (tag == "meta" || tag == "img" || rest.ends_with("/")) continue;
+    if ((*it)[1].length() == 0) {
+      open.push_back(tag);
+      continue;
+    }
+    ASSERT_FALSE(open.empty()) << tag;
+    ASSERT_EQ(open.back(), tag) << std::string(it->prefix()).substr(0, 200);
+    open.pop_back();
+  }
+  EXPECT_TRUE(open.empty());
+}
+
+Study picturedStudy() {
+  Study study = exampleStudy();
+  study.pictures = {{"depth_camera", "range errors", "\x89PNG not quite"}};
+  return study;
+}
+
+TEST(Report, IsOneFileThatNeedsNoNetwork) {
+  std::string html = studyReport(picturedStudy());
+  const std::string xml = "http://www.w3.org/2000/svg";
+  for (std::size_t at = html.find(xml); at != std::string::npos; at = html.find(xml)) html.erase(at, xml.size());
+  for (const char* words : {"http://", "https://", "<link", "@import", "url(", "src=\"//"}) {
+    EXPECT_THAT(html, Not(HasSubstr(words)));
+  }
+  EXPECT_EQ(countOf(html, " src=\""), 1u);
+  EXPECT_EQ(countOf(html, " src=\"data:image/png;base64,"), 1u);
+}
+
+TEST(Report, IsWellFormed) {
+  const std::string html = studyReport(picturedStudy());
+  expectBalanced(html);
+  const std::vector<std::string> charts = chartsIn(html);
+  EXPECT_GE(charts.size(), 14u);
+  for (const std::string& chart : charts) parseSvg(chart);
+  parseSvg(paretoSvg(exampleStudy()));
+}
+
+TEST(Report, ShowsEverySettingEncodingAndFailure) {
+  const Study study = picturedStudy();
+  const std::string html = studyReport(study);
+  for (const SettingResult& s : study.settings) {
+    EXPECT_THAT(html, HasSubstr("<td>" + s.setting.name + "</td>"));
+    if (!s.failure.empty()) continue;
+    EXPECT_THAT(html, HasSubstr(escapeXml(s.setting.assignment())));
+  }
+  for (const EncodingResult& e : study.encodings) EXPECT_THAT(html, HasSubstr("<td>" + e.name + "</td>"));
+  EXPECT_THAT(html, HasSubstr("not measured: Blender was not found"));
+  EXPECT_THAT(html, HasSubstr("depth_camera resolution=4096: the budget of 5 min was spent"));
+  for (const char* id : {"advice", "speed", "settings", "range", "edges", "classes", "things", "stages", "encodings",
+                         "rings", "pictures", "left", "again"}) {
+    EXPECT_THAT(html, HasSubstr(std::string("<h2 id=\"") + id));
+    EXPECT_THAT(html, HasSubstr(std::string("<a href=\"#") + id));
+  }
+  EXPECT_THAT(html, HasSubstr("AMD EPYC 9B14, 2 threads"));
+}
+
+TEST(Report, TheCommandIsTheOneThatWasGiven) {
+  Study study = exampleStudy();
+  study.pipelineText += "# --set method=particle\n";
+  study.pipelineFile = "my pipelines/street.yaml";
+  const std::string plain = studyReport(study);
+  const std::string file = "'my pipelines/street.yaml'";
+  const auto shown = [](const std::string& words) { return HasSubstr(escapeXml(words)); };
+  EXPECT_THAT(plain, shown("scanmill tradeoff " + file + " -o out/tradeoff --set seed=7 --set method=particle"));
+  EXPECT_THAT(plain, shown("scanmill generate " + file + " -o out/quickstart --set seed=7 --set 'method=ray_tracing'"));
+  EXPECT_THAT(plain, Not(HasSubstr("--budget")));
+  EXPECT_THAT(plain, Not(HasSubstr("pipelines/quickstart.yaml")));
+  study.budgetGiven = true;
+  EXPECT_THAT(studyReport(study), shown("-o out/tradeoff --budget 5 --set seed=7"));
+}
+
+// What decides stands where it is seen first.
+TEST(Report, TheSettingsTableBeginsWithWhatDecides) {
+  const std::string table = settingsTable(exampleStudy());
+  std::vector<std::string> columns;
+  const std::regex heading("<th[^>]*>([^<]*)</th>");
+  const std::string head = table.substr(table.find("<tr class=\"columns\">"));
+  for (std::sregex_iterator it(head.begin(), head.end(), heading), end; it != end; ++it) columns.push_back((*it)[1]);
+  ASSERT_EQ(columns.size(), 25u);
+  columns.resize(10);
+  EXPECT_THAT(columns,
+              testing::ElementsAre("setting", "a scan", "beams/s", "x ray tracing", "p99", "p99 away from edges",
+                                   "labels", "false negatives", "false positives", "set-up"));
+  // The depth camera's row: its p99, and an eighth of it away from edges.
+  EXPECT_THAT(table, HasSubstr(">11.8 mm</td><td data-v=\"0.001475\">1.47 mm</td><td data-v=\"0.98890"));
+  std::size_t grouped = 0;
+  const std::regex groups("colspan=\"([0-9]+)\">");
+  const std::string above = table.substr(0, table.find("<tr class=\"columns\">"));
+  for (std::sregex_iterator it(above.begin(), above.end(), groups), end; it != end; ++it) {
+    grouped += std::stoul((*it)[1]);
+  }
+  EXPECT_EQ(grouped, 25u);
+  EXPECT_THAT(studyReport(exampleStudy()), HasSubstr("<section class=\"wide\">\n<h2 id=\"settings\""));
+}
+
+TEST(Report, HasOneWordForEachThing) {
+  const std::string html = studyReport(picturedStudy());
+  for (const char* words : {"invented", "invents", "interior", "inside", " shots", ">edges<"}) {
+    EXPECT_THAT(html, Not(HasSubstr(words))) << words;
+  }
+  for (const char* words : {"false negatives or positives", "away from edges", "3 scans of 131 k beams"}) {
+    EXPECT_THAT(html, HasSubstr(words));
+  }
+}
+
+TEST(ReportHtml, WideFiguresHaveARowOfTheirOwn) {
+  const std::string figures = htmlFigures({"<svg width=\"575\" height=\"400\"><rect width=\"900\"/></svg>", "",
+                                           "<svg class=\"c\" width=\"860\" height=\"400\"></svg>"});
+  EXPECT_EQ(countOf(figures, "<figure><svg width=\"575\""), 1u);
+  EXPECT_EQ(countOf(figures, "<figure class=\"wide\"><svg class=\"c\" width=\"860\""), 1u);
+  EXPECT_EQ(countOf(figures, "<figure"), 2u);
+}
+
+TEST(ReportFigures, ColoursAreOfMethodsWhateverTheirOrder) {
+  Study study = exampleStudy();
+  std::reverse(study.settings.begin(), study.settings.end());
+  EXPECT_EQ(methodColor(study, "ray_tracing"), 0u);
+  EXPECT_EQ(methodColor(study, "depth_camera"), 1u);
+  EXPECT_EQ(methodColor(study, "particle"), 2u);
+  EXPECT_EQ(methodColor(study, "another"), 3u);
+  EXPECT_THAT(settingColors(study, {"particle", "ray_tracing", "particle", "ray_tracing", "depth_camera", "particle"}),
+              testing::ElementsAre(2, 0, 3, 4, 1, 5));
+  const std::string marks = R"(class="mark f0)";
+  study.settings.resize(0);
+  study.settings.push_back(exampleResult({"ray_tracing", "packet=1", 5, 0, 1, 0}));
+  EXPECT_THAT(paretoSvg(study), HasSubstr(marks));
+  study.settings[0].setting.method = "particle";
+  EXPECT_THAT(paretoSvg(study), Not(HasSubstr(marks)));
+}
+
+// So many settings in one place that most labels are left out.
+TEST(Report, TheParetoChartAlwaysNamesDefaults) {
+  Study study = exampleStudy();
+  study.settings.clear();
+  for (int i = 0; i < 300; ++i) {
+    const double a = i % 20 * 0.012, b = i / 20 * 0.03;
+    study.settings.push_back(exampleResult(
+        {"particle", "voxel_m=0." + std::to_string(1000 + i), 10 * std::exp(a), 0.1 * std::exp(b), 0.9, 0.01}));
+  }
+  study.settings.push_back(exampleResult({"particle", "", 10 * std::exp(0.12), 0.1 * std::exp(0.22), 0.9, 0.01}));
+  study.settings.push_back(exampleResult({"ray_tracing", "", 10 * std::exp(0.1), 0.1 * std::exp(0.2), 0.9, 0.01}));
+  const std::vector<std::string> labels = textsOf(paretoSvg(study), "label");
+  EXPECT_LT(labels.size(), 150u);
+  EXPECT_THAT(labels, testing::Contains("particle"));
+  EXPECT_THAT(labels, testing::Contains("ray tracing"));
+}
+
+TEST(Report, RecommendsWhatTheAdviceSays) {
+  const Study study = exampleStudy();
+  const std::string html = studyReport(study);
+  for (const Advice& a : advise(study)) EXPECT_THAT(html, HasSubstr(escapeXml(a.text)));
+}
+
+TEST(Report, HostileTextStaysText) {
+  const std::string hostile = "</title></script><img src=x onerror='alert(1)'>&\"";
+  Study study = picturedStudy();
+  for (SettingResult& s : study.settings) {
+    s.setting.name += hostile;
+    s.setting.options = "{a: " + hostile + "}";
+    if (!s.failure.empty()) s.failure += hostile;
+    s.measured.warnings = {hostile};
+    for (ErrorGroup& g : s.measured.errors.byClass) g.name += hostile;
+    if (!s.measured.cost.stages.empty()) s.measured.cost.stages[hostile] = 1e-3;
+  }
+  for (EncodingResult& e : study.encodings) e.name += hostile, e.format += hostile;
+  for (RingFit& f : study.rings) f.setting.name += hostile;
+  study.pipelineName = study.pipelineText = study.pipelineFile = study.machine.processor = study.machine.renderer =
+      study.date = hostile;
+  study.programVersion = study.scene.key = study.sensors[0] = study.left[0] = hostile;
+  study.pictures[0].setting = study.pictures[0].title = hostile;
+  study.commonStages[hostile] = 1;
+  const std::string html = studyReport(study);
+  EXPECT_THAT(html, Not(HasSubstr("<img src=x")));
+  EXPECT_EQ(countOf(html, "</script>"), 1u);
+  EXPECT_EQ(countOf(html, "<img"), 1u);
+  expectBalanced(html);
+  for (const std::string& chart : chartsIn(html)) parseSvg(chart);
+}
+
+TEST(Report, OfNothingSaysSo) {
+  const std::string html = studyReport(Study{});
+  expectBalanced(html);
+  EXPECT_THAT(html, HasSubstr("No setting was measured."));
+  EXPECT_TRUE(chartsIn(html).empty()) << "sections without data are left out";
+  EXPECT_THAT(html, Not(HasSubstr("<h2 id=\"advice\"")));
+  EXPECT_THAT(textsOf(paretoSvg(Study{}), "nodata"), testing::ElementsAre("no data"));
+}
+
+TEST(Report, OfFailuresOnlyShowsThem) {
+  Study study = exampleStudy();
+  for (SettingResult& s : study.settings) s.measured = {}, s.failure = "nothing runs here";
+  study.rings.clear();
+  study.showing.reset();
+  const std::string html = studyReport(study);
+  expectBalanced(html);
+  EXPECT_EQ(countOf(html, "not measured: nothing runs here"), study.settings.size());
+}
+
+TEST(Report, OfOneSettingIsWhole) {
+  Study study = exampleStudy();
+  study.settings.resize(1);
+  const std::string html = studyReport(study);
+  expectBalanced(html);
+  EXPECT_THAT(html, HasSubstr("Only this setting was measured"));
+  EXPECT_THAT(html, HasSubstr("<h2 id=\"speed\""));
+  for (const std::string& chart : chartsIn(html)) {
+    parseSvg(chart);
+    EXPECT_EQ(chart.find("nan"), std::string::npos);
+  }
+}
+
+// 131,072 beams in 10 ms are 13.1 M a second.
+TEST(Report, EveryStageHasItsTimeAndItsBeams) {
+  Study study = exampleStudy();
+  study.settings.resize(3);
+  study.settings[1].measured.cost.stages = {{"read_back", 0.01}, {"render", 0}, {"wait", 0}};
+  study.settings[2].measured.cost.stages = {{"march", 1.024}, {"render", 1e-3}};
+  study.commonStages = {{"effects", 0.002}, {"encode pcd", 0.016384}};
+  const std::string table = stagesTables(study);
+  expectBalanced(table);
+  for (const char* stage : {"read back", "render", "march", "effects, one thread", "encode pcd, one thread"}) {
+    EXPECT_THAT(table, HasSubstr(std::string("<th colspan=\"2\">") + stage + "</th>"));
+  }
+  EXPECT_THAT(table, HasSubstr(">10 ms</td><td data-v=\"13107200\">13.1 M</td>"));
+  EXPECT_THAT(table, HasSubstr(">1.02 s</td><td data-v=\"128000\">128 k</td>"));
+  EXPECT_EQ(countOf(table, ">2 ms</td><td data-v=\"65536000\">65.5 M</td>"), 3u) << "the same for each setting";
+  EXPECT_EQ(countOf(table, ">16.4 ms</td><td data-v=\"8000000\">8 M</td>"), 3u);
+  EXPECT_THAT(table, Not(HasSubstr("wait"))) << "a stage that takes nothing by any setting";
+  EXPECT_THAT(studyReport(study), HasSubstr(table));
+}
+
+TEST(Report, NearestPointsAreShownByRangeIncidencePlaceAndClass) {
+  Study study = exampleStudy();
+  EXPECT_EQ(elementsOf(nearestByRange(study), "line").size(), 6u) << "a line a setting that is shown";
+  EXPECT_EQ(elementsOf(nearestByIncidence(study), "line").size(), 6u);
+  for (ErrorGroup& g : study.settings[0].measured.errors.byPlace) {
+    g.errors.nearestTo = {10, 0.5, 0, 0, 0, 0, 0, 3};
+    g.errors.nearestFrom = {10, 0.25, 0, 0, 0, 0, 0, 4};
+  }
+  EXPECT_THAT(placesTable(study),
+              HasSubstr("title=\"back: 250 mm; Hausdorff 4 m\">500 mm</td><td data-v=\"4\">4 m</td>"));
+  study.settings[0].measured.errors.byClass[0].errors.nearestTo = {10, 0.375, 0, 0, 0, 0, 0, 3};
+  EXPECT_THAT(classesTable(study), HasSubstr(">375 mm</td>"));
+}
+
+TEST(Report, SettingsThatHitNothingHaveNoErrors) {
+  Study study = exampleStudy();
+  Measurement& m = study.settings[1].measured;
+  m.errors = {};
+  m.errors.all.beams = 1000;
+  m.errors.all.falseNegatives = 900;
+  m.errors.all.bothMiss = 100;
+  m.cloud = {};
+  m.cost.scanSeconds = 0;
+  const std::string html = studyReport(study);
+  for (const std::string& chart : chartsIn(html)) {
+    for (const SvgElement& e : parseSvg(chart)) {
+      for (const auto& [name, value] : e.attributes) EXPECT_EQ(value.find("nan"), std::string::npos) << name;
+    }
+  }
+}
+
+TEST(Report, SameStudySameBytes) {
+  EXPECT_EQ(studyReport(picturedStudy()), studyReport(picturedStudy()));
+}
+
+TEST(Report, TheParetoChartHoldsEverySettingOnceAndItsFront) {
+  const Study study = exampleStudy();
+  const std::string svg = paretoSvg(study);
+  EXPECT_EQ(dotsOf(svg).size(), measuredSettings(study).size());
+  EXPECT_EQ(elementsOf(svg, "line").size(), 1u);
+  const std::vector<std::string> labels = textsOf(svg, "strong");
+  EXPECT_EQ(labels.size(), rangeFront(study).size()) << "all of the front are named";
+  EXPECT_THAT(labels, testing::Contains("simplify=0.1"));
+}
+
+TEST(ReportHtml, Base64IsOfRfc4648) {
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64("\xFF\xFE\xFD"), "//79");
+}
+
+TEST(ReportFigures, TheShownSettingsAreDefaultsThenTheFastest) {
+  const Study study = exampleStudy();
+  std::vector<std::string> names;
+  for (const std::size_t i : shownSettings(study, 6)) names.push_back(study.settings[i].setting.name);
+  EXPECT_THAT(names, testing::ElementsAre("ray_tracing", "depth_camera", "particle", "ray_tracing simplify=0.1",
+                                          "depth_camera sampling=nearest resolution=512",
+                                          "particle field=scene voxel_m=1 refine=none"));
+}
+
+TEST(ReportFigures, ACommandLineSurvivesQuotes) {
+  EXPECT_EQ(setArgument({"particle", "particle", "{}"}), "--set 'method=particle'");
+  EXPECT_EQ(setArgument({"x", "particle", "{cache: it's}"}), "--set 'method={particle: {cache: it'\\''s}}'");
+}
+
+}  // namespace
+}  // namespace scanmill
