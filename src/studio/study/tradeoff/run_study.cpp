@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "base/wall_timer.h"
 #include "config/version.h"
-#include "passes/compute.h"
+#include "gpu/compute.h"
 #include "pipeline/intensity.h"
 #include "pipeline/progress.h"
 #include "study/tradeoff/encodings.h"
