@@ -26,7 +26,8 @@ struct ModuleFile {
   std::string_view install;  // what its libraries need: "install OpenImageIO (on Debian the package ...)"
 };
 
-// What a module exports by its only symbol, the function scanmillModule().
+// What a module exports by its only symbol, the function scanmillModule(). This struct stays as it is, so that each
+// version can refuse the modules of every other.
 struct ModuleEntry {
   std::string_view build;  // kModuleBuild as the module was made
   std::string_view file;   // ModuleFile::name of its interface
@@ -55,13 +56,17 @@ const Interface& moduleOf() {
   return loaded;
 }
 
+template <class Interface>
+ModuleEntry moduleEntry(const Interface& object) {
+  return {kModuleBuild, Interface::kFile.name, &object};
+}
+
 }  // namespace scanmill
 
 // Stands once in a module, outside of all namespaces: exports an object of scanmill::Implementation.
-#define SCANMILL_MODULE(Interface, Implementation)                                                             \
-  extern "C" __attribute__((visibility("default"))) const scanmill::ModuleEntry* scanmillModule() {            \
-    static const scanmill::Implementation implementation{};                                                    \
-    static const scanmill::Interface* const object = &implementation;                                          \
-    static const scanmill::ModuleEntry entry{scanmill::kModuleBuild, scanmill::Interface::kFile.name, object}; \
-    return &entry;                                                                                             \
+#define SCANMILL_MODULE(Interface, Implementation)                                                         \
+  extern "C" __attribute__((visibility("default"))) const scanmill::ModuleEntry* scanmillModule() {        \
+    static const scanmill::Implementation implementation{};                                                \
+    static const scanmill::ModuleEntry entry = scanmill::moduleEntry<scanmill::Interface>(implementation); \
+    return &entry;                                                                                         \
   }

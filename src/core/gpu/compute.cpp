@@ -12,12 +12,6 @@
 namespace scanmill {
 
 struct ComputeContext {
-  explicit ComputeContext(ComputeErrorWords errorWords) : words(std::move(errorWords)) {
-    backend = told([] { return moduleOf<ComputeModule>().open(namedDevice()); });
-    name = backend->name();
-    limits = backend->limits();
-  }
-
   [[noreturn]] void fail(const std::string& why) const {
     throw Error(fmt::format("{}: {}; {}", words.cannot, why, words.instead));
   }
@@ -34,6 +28,12 @@ struct ComputeContext {
     } catch (const std::exception& e) {
       fail(e.what());
     }
+  }
+
+  explicit ComputeContext(ComputeErrorWords errorWords) : words(std::move(errorWords)) {
+    backend = told([] { return moduleOf<ComputeModule>().open(namedDevice()); });
+    name = backend->name();
+    limits = backend->limits();
   }
 
   ComputeErrorWords words;

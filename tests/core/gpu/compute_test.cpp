@@ -142,7 +142,9 @@ void invoke(uint i) {
 )");
   const std::uint32_t count = 10000;
   std::vector<float> numbers(std::size_t{4} * count);
-  for (std::uint32_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<float>(uniform(i, -3, 3));
+  for (std::uint32_t i = 0; i < numbers.size(); ++i) {
+    numbers[i] = static_cast<float>(6 * uniform(randomBlock({.seed = 7, .beam = i})[0]) - 3);
+  }
   ComputeBuffer buffer(device);
   buffer.hold(std::span<const float>(numbers));
   program.run(count, {&buffer});
@@ -235,7 +237,7 @@ void invoke(uint i) {
     shorts.push_back(static_cast<std::uint16_t>(block[0]));
     words.push_back(block[1]);
     quads.insert(quads.end(), block.begin(), block.end());
-    for (std::uint32_t k = 0; k < 4; ++k) numbers.push_back(static_cast<float>(block[k] % 1800u) / 100.0f - 9.0f);
+    for (std::uint32_t k = 0; k < 4; ++k) numbers.push_back(static_cast<float>(18 * uniform(block[k]) - 9));
   }
   ComputeBuffer buffers[] = {ComputeBuffer(device), ComputeBuffer(device), ComputeBuffer(device), ComputeBuffer(device),
                              ComputeBuffer(device)};
