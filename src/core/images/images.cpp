@@ -13,7 +13,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "images/loader.h"
+#include "images/images_interface.h"
 #include "images/png_chunks.h"
 
 namespace scanmill {
@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kMaxSize = 16384;
 
-// The kinds that image bytes are recognised by; anything else is left to the name.
+// Recognises the kind of an image by its first bytes; empty where its name has to tell.
 std::string kindOf(std::string_view bytes) {
   const auto starts = [&](std::string_view magic, std::size_t at = 0) {
     return bytes.size() >= at + magic.size() && bytes.substr(at, magic.size()) == magic;
@@ -39,35 +39,38 @@ std::string kindOf(std::string_view bytes) {
   return {};
 }
 
-// The module's words on one line, or `otherwise` where it has none.
-std::string reason(const ScanmillImageError& error, const char* otherwise = "not an image that can be decoded") {
-  std::string text = error.text;
+// What the module says went wrong, on one line, or `otherwise` where it says nothing.
+std::string reason(const std::exception& error, const char* otherwise = "not an image that can be decoded") {
+  std::string text = error.what();
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text.empty() ? otherwise : text;
 }
 
-struct Closer {
-  void operator()(ScanmillImageReader* reader) const { imagesModule().close(reader); }
-};
-
-struct OpenImage {
-  std::unique_ptr<ScanmillImageReader, Closer> reader;  // null where it cannot be opened
-  ScanmillImageInfo info{};
-  ScanmillImageError error{};
-};
-
-// The bytes, of the kind that `name` ends with, or without bytes the file of that name.
-OpenImage openImage(const std::string& name, std::string_view bytes = {}) {
-  OpenImage image;
-  ScanmillImageReader* reader = nullptr;
-  const auto status = imagesModule().open(name.c_str(), bytes.data(), bytes.size(), &reader, &image.info, &image.error);
-  if (status == kScanmillImageOutOfMemory) throw std::bad_alloc();
-  image.reader.reset(reader);
-  return image;
+// Opens the bytes, of the kind that `kind` ends with, or without bytes the file of that name. `name` stands for the
+// image in messages.
+std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
+  const auto& module = moduleOf<ImagesModule>();
+  try {
+    return module.open(kind, bytes);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw InputError({name}, "the image cannot be read: " + reason(e));
+  }
 }
 
-// By what an 8-bit colour that was multiplied by each alpha is multiplied to undo it.
+void readPixels(ImageReader& image, std::uint8_t* pixels, const std::string& name) {
+  try {
+    image.read(pixels);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw InputError({name}, "the image cannot be decoded: " + reason(e));
+  }
+}
+
+// The factors that undo the multiplication of an 8-bit colour by each alpha.
 std::array<float, 256> divisionByAlpha(double gamma) {
   std::array<float, 256> gain{};
   for (std::size_t i = 1; i < gain.size(); ++i) {
@@ -76,10 +79,9 @@ std::array<float, 256> divisionByAlpha(double gamma) {
   return gain;
 }
 
-DecodedImage decode(const OpenImage& image, const std::string& name) {
-  const ScanmillImageInfo& info = image.info;
+DecodedImage decode(ImageReader& image, const std::string& name) {
+  const ImageHeader info = image.header();
   const auto fail = [&](const std::string& what) { return InputError({name}, what); };
-  if (!image.reader) throw fail("the image cannot be read: " + reason(image.error));
   if (info.width < 1 || info.height < 1 || info.channels < 1) throw fail("the image has no pixels");
   if (info.width > kMaxSize || info.height > kMaxSize) {
     throw fail(fmt::format("the image of {} x {} pixels is larger than {} x {}: scale it down", info.width, info.height,
@@ -92,10 +94,7 @@ DecodedImage decode(const OpenImage& image, const std::string& name) {
 
   const std::size_t count = static_cast<std::size_t>(info.width) * static_cast<std::size_t>(info.height);
   std::vector<std::uint8_t> pixels(count * static_cast<std::size_t>(channels));
-  ScanmillImageError error{};
-  const auto status = imagesModule().read(image.reader.get(), pixels.data(), &error);
-  if (status == kScanmillImageOutOfMemory) throw std::bad_alloc();
-  if (status != kScanmillImageDone) throw fail("the image cannot be decoded: " + reason(error));
+  readPixels(image, pixels.data(), name);
 
   const bool multiplied = info.alphaGamma > 0;
   const auto gain = divisionByAlpha(multiplied ? info.alphaGamma : 1.0);
@@ -127,7 +126,7 @@ DecodedImage decodeImage(std::string_view bytes, const std::string& name) {
   const std::string kind = kindOf(bytes);
   const std::string hint = kind.empty() ? name : "embedded." + kind;
   const std::string png = kind == "png" ? plainPng(bytes, name) : std::string();
-  return decode(openImage(hint, kind == "png" ? png : bytes), name);
+  return decode(*openImage(hint, kind == "png" ? png : bytes, name), name);
 }
 
 DecodedImage readImage(const std::filesystem::path& path) {
@@ -137,25 +136,26 @@ DecodedImage readImage(const std::filesystem::path& path) {
   std::string magic(4, '\0');
   std::ifstream(path, std::ios::binary).read(magic.data(), 4);
   if (kindOf(magic) == "png") return decodeImage(readFile(path), name);
-  return decode(openImage(name), name);
+  return decode(*openImage(name, {}, name), name);
 }
 
 bool mayHaveAlpha(const std::filesystem::path& path) {
-  const OpenImage image = openImage(path.string());
-  return !image.reader || image.info.alphaChannel >= 0;
+  try {
+    return openImage(path.string(), {}, path.string())->header().alphaChannel >= 0;
+  } catch (const InputError&) {
+    return true;
+  }
 }
 
 std::string encodePng(const std::uint8_t* rgb, int width, int height) {
-  const ScanmillImagesModule& module = imagesModule();
-  ScanmillImageBytes png{};
-  ScanmillImageError error{};
-  const auto status = module.encodePng(rgb, width, height, &png, &error);
-  if (status == kScanmillImageOutOfMemory) throw std::bad_alloc();
-  if (status != kScanmillImageDone)
-    throw Error("the PNG could not be encoded: " + reason(error, "OpenImageIO says no more"));
-  const auto release = [&](ScanmillImageBytes* bytes) { module.release(bytes); };
-  const std::unique_ptr<ScanmillImageBytes, decltype(release)> owner(&png, release);
-  return {png.data, png.size};
+  const auto& module = moduleOf<ImagesModule>();
+  try {
+    return module.encodePng(rgb, width, height);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw Error("the PNG could not be encoded: " + reason(e, "OpenImageIO says no more"));
+  }
 }
 
 }  // namespace scanmill

@@ -1,8 +1,8 @@
 #pragma once
 
-// Images in and out, by OpenImageIO. It is loaded at the first call, from any thread: it brings hundreds of shared
-// libraries, and most scenes have no image. Where it cannot be loaded, each of these throws an Error that names the
-// file that was looked for and what to install.
+// Reads and writes images, by OpenImageIO. Its module (images/images_interface.h) is loaded at the first call, from any
+// thread: it brings hundreds of shared libraries, and most scenes have no image. Where it cannot be loaded, each of
+// these functions throws an Error that names the file that was looked for and what to install.
 
 #include <cstdint>
 #include <filesystem>
@@ -25,14 +25,14 @@ struct DecodedImage {
 // an image, damaged, truncated, wider or higher than 16384.
 DecodedImage decodeImage(std::string_view bytes, const std::string& name);
 
-// The same for a file; also InputError where there is none.
+// Does the same for a file. Throws InputError also where there is none.
 DecodedImage readImage(const std::filesystem::path& path);
 
 // Whether the file's header speaks of an alpha channel; true where the header cannot be read.
 bool mayHaveAlpha(const std::filesystem::path& path);
 
-// PNG of 8 bit RGB, 3 * width * height bytes, the top row first. The same pixels give the same bytes: no clock is
-// written.
+// Makes a PNG of 8 bit RGB, 3 * width * height bytes, the top row first. The same pixels give the same bytes: no clock
+// is written.
 std::string encodePng(const std::uint8_t* rgb, int width, int height);
 
 }  // namespace scanmill

@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "scene/assets/texture.h"
 
 namespace scanmill {
 
@@ -98,12 +97,7 @@ Resolver::Resolver(const Scene& scene) : scene_(scene) {
                           instance.firstInstanceId});
   }
   for (const Material& m : scene.materials) {
-    Finish finish{m.reflectance, m.roughness, m.metallic, m.retroreflectance, 0, nullptr};
-    if (m.textured && m.texture != nullptr && m.textureMean > 0) {
-      finish.texture = m.texture.get();
-      finish.textureGain = m.reflectance / m.textureMean;
-    }
-    materials_.push_back(finish);
+    materials_.push_back({compact(m), m.roughness, m.metallic, m.retroreflectance});
   }
 }
 
@@ -157,8 +151,7 @@ void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last)
       plane[first + i] = faces[i] != &kNothing ? value(i) : std::remove_cvref_t<decltype(plane[0])>{};
     }
   };
-  store(planes.instance,
-        [&](std::size_t i) { return looks[i].object == 0 ? 0 : placed[i]->firstInstanceId + looks[i].object - 1; });
+  store(planes.instance, [&](std::size_t i) { return instanceId(placed[i]->firstInstanceId, looks[i].object); });
   store(planes.semantic, [&](std::size_t i) { return looks[i].semantic; });
   store(planes.material, [&](std::size_t i) { return looks[i].material; });
   store(planes.primitive, [&](std::size_t i) { return seen[i].triangle; });
@@ -167,14 +160,14 @@ void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last)
   store(planes.metallic, [&](std::size_t i) { return finishOf(i).metallic; });
   store(planes.retroreflectance, [&](std::size_t i) { return finishOf(i).retroreflectance; });
   store(planes.reflectance, [&](std::size_t i) {
-    const Finish& finish = finishOf(i);
-    if (finish.texture == nullptr) return finish.reflectance;
+    const CompactMaterial& material = finishOf(i).base;
+    if (material.texture == nullptr) return material.reflectance;
     const DrawnView& view = job.viewOf(addresses[i]);
-    return texturedReflectance(seen[i], finish, view.eye, sightOf(view, addresses[i]));
+    return texturedReflectance(seen[i], material, view.eye, sightOf(view, addresses[i]));
   });
   if (planes.normal.empty()) return;
 
-  // Lane by lane from memory, then all lanes at once: the second loop has no branch and becomes vector instructions.
+  // The first loop reads memory, lane by lane. The second has no branch and becomes vector instructions.
   alignas(64) std::array<double, kLanes> x, y, z, along;
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3d n = placed[i]->normalFromMesh * faces[i]->normal;
@@ -192,8 +185,9 @@ void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last)
   }
 }
 
-// The line of sight meets the triangle's plane; relative to the eye, so that a scene far from the origin loses nothing.
-float Resolver::texturedReflectance(const SeenTriangle& seen, const Finish& finish, const Vec3d& eye,
+// The point is where the line of sight meets the triangle's plane. All of it is relative to the eye, so that a scene
+// far from the origin loses nothing.
+float Resolver::texturedReflectance(const SeenTriangle& seen, const CompactMaterial& material, const Vec3d& eye,
                                     const Vec3d& sight) const {
   const Instance& instance = scene_.instances[seen.instance - 1];
   const Mesh& mesh = scene_.meshes[instance.mesh];
@@ -205,20 +199,7 @@ float Resolver::texturedReflectance(const SeenTriangle& seen, const Finish& fini
   const Vec3d ac = corner(2) - a;
   const Vec3d n = cross(ab, ac);
   const Vec3d p = sight * (dot(n, a) / dot(n, sight)) - a;
-  const double square = dot(n, n);
-  const double u = std::clamp(dot(n, cross(p, ac)) / square, 0.0, 1.0);
-  const double v = std::clamp(dot(n, cross(ab, p)) / square, 0.0, 1.0 - u);
-  const double w = 1 - u - v;
-  float s = 0;
-  float t = 0;
-  if (!mesh.uvs.empty()) {
-    const Vec2f& uvA = mesh.uvs[corners[0]];
-    const Vec2f& uvB = mesh.uvs[corners[1]];
-    const Vec2f& uvC = mesh.uvs[corners[2]];
-    s = static_cast<float>(w * uvA.x + u * uvB.x + v * uvC.x);
-    t = static_cast<float>(w * uvA.y + u * uvB.y + v * uvC.y);
-  }
-  return std::min(1.0f, finish.textureGain * luminance(finish.texture->texel(s, t)));
+  return material.texturedAt(textureCoordinates(mesh.uvs, corners, barycentric(ab, ac, p)));
 }
 
 }  // namespace scanmill

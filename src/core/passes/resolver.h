@@ -1,6 +1,6 @@
 #pragma once
 
-// From what a renderer draws, a triangle and a depth for each pixel, to the values of all passes.
+// Makes the values of all passes from what a renderer draws: a triangle and a depth for each pixel.
 
 #include <cstdint>
 #include <span>
@@ -8,6 +8,7 @@
 
 #include "base/vec.h"
 #include "passes/pass_image.h"
+#include "scene/reflectance.h"
 #include "scene/scene.h"
 
 namespace scanmill {
@@ -19,17 +20,18 @@ struct SeenTriangle {
   std::uint32_t triangle = 0;  // index into Mesh::triangles
 };
 
-// Normals, labels and materials come from the scene's own triangles, in double: whatever draws, they are exact. Safe to
-// call from several threads. The scene must outlive it.
+// Normals, labels and materials come from the scene's own triangles, in double: whatever draws, they are exact. A
+// resolver may be used by several threads at once. The scene must outlive it.
 class Resolver {
  public:
   explicit Resolver(const Scene& scene);
   Resolver(const Resolver&) = delete;
   Resolver& operator=(const Resolver&) = delete;
 
-  // One entry of `planes` per entry of `seen`. addresses[i] tells the pixel of seen[i] among the cameras' (kNoPixel: no
-  // pixel). Normals are turned towards the line of sight of the pixel's centre. The reflectance of textured materials
-  // is that of the texel there. Throws Error where an instance, a triangle or an address is not there.
+  // Makes one entry of `planes` per entry of `seen`. addresses[i] tells the pixel of seen[i] among the cameras'
+  // (kNoPixel: no pixel). Normals are turned towards the line of sight of the pixel's centre. The reflectance of
+  // textured materials is that of the texel there. Throws Error where an instance, a triangle or an address is not
+  // there.
   void resolve(std::span<const Camera> cameras, std::span<const PixelAddress> addresses,
                std::span<const SeenTriangle> seen, PassChoice asked, PassPlanes& planes) const;
 
@@ -53,17 +55,16 @@ class Resolver {
     std::uint16_t material = 0;
   };
   struct Finish {
-    float reflectance = 0;
+    CompactMaterial base;
     float roughness = 0;
     float metallic = 0;
     float retroreflectance = 0;
-    float textureGain = 0;             // reflectance / mean luminance of the texture
-    const Texture* texture = nullptr;  // only where it scales the reflectance
   };
   struct Job;
 
   void resolveBlock(const Job& job, std::size_t first, std::size_t last) const;
-  float texturedReflectance(const SeenTriangle& seen, const Finish& finish, const Vec3d& eye, const Vec3d& sight) const;
+  float texturedReflectance(const SeenTriangle& seen, const CompactMaterial& material, const Vec3d& eye,
+                            const Vec3d& sight) const;
 
   const Scene& scene_;
   std::vector<Face> faces_;        // mesh by mesh

@@ -78,9 +78,14 @@ struct Scene {
   Box bounds() const;                     // world
 };
 
-// Instance id of a surface of a placed mesh; 0 for stuff.
+// The instance id of an object (see Surface::object) of a mesh that is placed with this first id; 0 for stuff.
+inline std::uint32_t instanceId(std::uint32_t firstInstanceId, std::uint32_t object) {
+  return object == 0 ? 0 : firstInstanceId + object - 1;
+}
+
+// The instance id of a surface of a placed mesh; 0 for stuff.
 inline std::uint32_t instanceId(const Instance& instance, const Surface& surface) {
-  return surface.object == 0 ? 0 : instance.firstInstanceId + surface.object - 1;
+  return instanceId(instance.firstInstanceId, surface.object);
 }
 
 struct SceneOptions {

@@ -14,7 +14,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "images/loader.h"
+#include "images/images_interface.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 
@@ -163,7 +163,7 @@ TEST(ImagesModule, IsLoadedAtTheFirstUseByAnyNumberOfThreads) {
 
 std::string loadFailure(const std::vector<std::string>& folders) {
   try {
-    loadImagesModule(folders);
+    loadModule<ImagesModule>(folders);
   } catch (const InputError& e) {
     ADD_FAILURE() << "is no error of the input: " << e.what();
   } catch (const Error& e) {

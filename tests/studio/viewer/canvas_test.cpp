@@ -13,7 +13,7 @@
 
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
-#include "viewer/canvas/canvas_loader.h"
+#include "viewer/canvas/canvas_interface.h"
 
 namespace scanmill {
 namespace {
@@ -518,12 +518,12 @@ TEST(Canvas, WrongUseIsTold) {
 TEST(CanvasModule, SaysWhatIsMissing) {
   const TemporaryFolder folder;
   EXPECT_THAT(messageOf<Error>([&] {
-                loadCanvasModule({"/absent", folder.path()});
+                loadModule<CanvasModule>({"/absent", folder.path()});
               }),
               HasSubstr("looked for /absent/libscanmill_viewer.so, " + folder.path().string()));
-  EXPECT_THAT(
-      messageOf<Error>([&] { loadCanvasModule({folder.write("libscanmill_viewer.so", "text").parent_path()}); }),
-      HasSubstr("cannot be loaded"));
+  EXPECT_THAT(messageOf<Error>(
+                  [&] { loadModule<CanvasModule>({folder.write("libscanmill_viewer.so", "text").parent_path()}); }),
+              HasSubstr("cannot be loaded"));
 }
 
 // Sets a variable of the environment, and puts it back.

@@ -41,7 +41,7 @@ std::vector<CanvasEvent> watch(Canvas& canvas, const std::function<bool(int)>& s
   std::vector<CanvasEvent> events;
   int ticks = 0;
   canvas.run(20, [&](const CanvasEvent& event) {
-    if (event.kind == Kind::Resize || event.kind == Kind::Expose) draw(canvas);
+    if (event.kind == Kind::Resize || event.kind == Kind::Redraw) draw(canvas);
     if (event.kind != Kind::Tick) {
       events.push_back(event);
       return true;

@@ -20,8 +20,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "gpu/compute.h"
 #include "methods/march/march_shader.h"
-#include "passes/compute.h"
 
 namespace scanmill {
 

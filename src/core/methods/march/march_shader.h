@@ -4,7 +4,7 @@
 
 namespace scanmill {
 
-// The compute program that does what marchOne() does, for fields with lists or without; see passes/compute.h.
+// The compute program that does what marchOne() does, for fields with lists or without; see gpu/compute.h.
 //
 // Storage buffers: 0 particles (float columns, in Particles' order), 1 landings (uint columns: bits of the way,
 // triangle, outcome; with lists also the bits of a numerator and a denominator, whose quotient in m the way lacks).

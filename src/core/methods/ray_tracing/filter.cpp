@@ -23,8 +23,7 @@ std::uint32_t instanceIdOf(const World& world, const Candidate& c) {
   }
   const PlacedBlock& placed = world.placed[c.instance - World::kFirstPlaced];
   const TriangleBlock& block = *placed.block;
-  const std::uint32_t object = block.surfaceOf(block.global(c.geometry, c.primitive)).instance;
-  return object == 0 ? 0 : placed.firstInstanceId + object - 1;
+  return instanceId(placed.firstInstanceId, block.surfaceOf(block.global(c.geometry, c.primitive)).instance);
 }
 
 bool precedes(const World& world, const Candidate& a, const Candidate& b) {

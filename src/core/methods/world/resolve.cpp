@@ -4,13 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "scene/assets/texture.h"
-
 namespace scanmill {
 
 namespace {
 
-// How far the distance to a plane may lie from Embree's: seen edge-on, a plane says little of where its triangle is.
+// How far the distance to a plane may lie from Embree's. Seen edge-on, a plane says little of where its triangle is.
 constexpr double kTrust = 1e-2;  // of the distance, and m
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();
@@ -24,14 +22,12 @@ RangeLimits limitsOf(const BeamTable& beams) {
           beams.maxRange * (1 + 1e-12)};
 }
 
-// Base colour's linear luminance over the texture's mean, times the material's reflectance.
 float texturedReflectance(const HitTriangle& hit, const CompactMaterial& material, const Rays& rays, const Resolved& r,
                           int i) {
   const Vec3d point =
       Vec3d{rays.ox[i], rays.oy[i], rays.oz[i]} + Vec3d{rays.dx[i], rays.dy[i], rays.dz[i]} * r.range[i];
-  const Vec2d at = barycentric(hit, point);
-  const std::uint8_t* texel = texelAt(*hit.block, hit.index, *material.texture, at.x, at.y);
-  return std::min(1.0f, material.textureGain * luminance(texel));
+  return material.texturedAt(
+      textureCoordinates(hit.block->uvs, hit.block->corners[hit.index], barycentric(hit, point)));
 }
 
 // Copies one value per lane into an image, row by row of the tile.
@@ -46,7 +42,7 @@ void storeRows(const Tile& tile, const T* lanes, std::vector<T>& column, std::ui
   }
 }
 
-// What the triangles say of the lanes' hits.
+// What the triangles say about the lanes' hits.
 struct Looked {
   std::uint32_t instance[kPacket];
   std::uint16_t semantic[kPacket];
@@ -63,7 +59,7 @@ void lookUp(const HitTriangle* triangles, const float* range, Looked& looked) {
       const BlockTriangle& triangle = t.block->triangles[t.index];
       surface = t.block->surfaces[triangle.surface];
       primitive = triangle.primitive;
-      if (t.placed != nullptr && surface.instance != 0) surface.instance += t.placed->firstInstanceId - 1;
+      if (t.placed != nullptr) surface.instance = instanceId(t.placed->firstInstanceId, surface.instance);
     }
     looked.instance[i] = surface.instance;
     looked.semantic[i] = surface.semantic;
@@ -110,7 +106,7 @@ void storeNormals(const Tile& tile, const Resolved& r, Hits& hits) {
   storeRows(tile, normal, hits.normal, hits.columns);
 }
 
-// Beams of one pose, next to each other in one ring.
+// Sets up beams of one pose that are next to each other in one ring.
 void setUpRow(const ShotFrame& frame, const Vec3d* directions, Rays& rays) {
   const Mat3 rotation = frame.rotation.front();
   const Vec3d o = frame.position.front();
@@ -127,20 +123,6 @@ void setUpRow(const ShotFrame& frame, const Vec3d* directions, Rays& rays) {
 }
 
 }  // namespace
-
-std::vector<CompactMaterial> compactMaterials(const Scene& scene) {
-  std::vector<CompactMaterial> compact;
-  compact.reserve(scene.materials.size());
-  for (const Material& m : scene.materials) {
-    CompactMaterial made{m.reflectance, 0, nullptr};
-    if (m.textured && m.texture != nullptr && m.textureMean > 0) {
-      made.texture = m.texture.get();
-      made.textureGain = m.reflectance / m.textureMean;
-    }
-    compact.push_back(made);
-  }
-  return compact;
-}
 
 ShotFrame frameOf(const Shot& shot, const Vec3d& origin) {
   ShotFrame frame;
@@ -217,13 +199,7 @@ Vec2d barycentric(const HitTriangle& hit, const Vec3d& point) {
     return hit.placed == nullptr ? p : hit.placed->originFromMesh * p;
   };
   const Vec3d a = corner(0);
-  const Vec3d ab = corner(1) - a;
-  const Vec3d ac = corner(2) - a;
-  const Vec3d n = cross(ab, ac);
-  const double square = dot(n, n);
-  const double u = std::clamp(dot(n, cross(point - a, ac)) / square, 0.0, 1.0);
-  const double v = std::clamp(dot(n, cross(ab, point - a)) / square, 0.0, 1.0 - u);
-  return {u, v};
+  return barycentric(corner(1) - a, corner(2) - a, point - a);
 }
 
 void expectStore(const Tile& tile, Hits& hits) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What beams meet, from the triangles that they hit: in double, 16 beams at a time.
+// Makes what beams meet from the triangles that they hit: in double, 16 beams at a time.
 
 #include <cstdint>
 #include <limits>
@@ -9,20 +9,12 @@
 #include "base/vec.h"
 #include "methods/world/world.h"
 #include "scan/hits.h"
+#include "scene/reflectance.h"
 #include "sensors/shot.h"
 
 namespace scanmill {
 
 constexpr int kPacket = 16;
-
-// What resolving needs of a material, without its texts.
-struct CompactMaterial {
-  float reflectance = 0;
-  float textureGain = 0;             // reflectance / mean luminance of the texture; 0 where untextured
-  const Texture* texture = nullptr;  // only where textured
-};
-
-std::vector<CompactMaterial> compactMaterials(const Scene& scene);
 
 // A shot's poses, relative to the world's origin.
 struct ShotFrame {
@@ -51,7 +43,7 @@ struct HitTriangle {
   std::uint32_t index = 0;
 };
 
-// The planes of the hit triangles, likewise, and what was asked of them.
+// The planes of the hit triangles, relative to the world's origin too, and what was asked of them.
 struct Resolved {
   alignas(64) Lane nx, ny, nz;  // unit normals
   alignas(64) Lane offset;      // normal . p of the plane
@@ -62,7 +54,7 @@ struct Resolved {
 
 void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays);
 
-// What was hit at about the distance `traced` (m).
+// Loads the plane of a triangle that was hit at about the distance `traced` (m).
 inline void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lane) {
   const BlockTriangle& triangle = hit.block->triangles[hit.index];
   Vec3d normal = triangle.normal;
@@ -85,9 +77,10 @@ inline void loadMiss(Resolved& r, int lane) {
   r.traced[lane] = std::numeric_limits<double>::infinity();
 }
 
-// Distance along each ray to the plane of its triangle, all lanes at once; misses outside of the sensor's range.
+// Computes the distance along each ray to the plane of its triangle, for all lanes at once. Hits outside of the
+// sensor's range become misses.
 void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r);
-// The same with the distances as they were found.
+// Does the same with the distances as they were found.
 void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r);
 
 // Fills the channels that `hits` has.
@@ -97,8 +90,8 @@ void store(const std::vector<CompactMaterial>& materials, const Tile& tile, cons
 // Asks for the memory that store() will write.
 void expectStore(const Tile& tile, Hits& hits);
 
-// Barycentric coordinates, of the second and third corner, of a point of a triangle (m, relative to the world's
-// origin), clamped to the triangle.
+// Barycentric coordinates of a point (m, relative to the world's origin) of the triangle that was hit: see
+// scene/reflectance.h.
 Vec2d barycentric(const HitTriangle& hit, const Vec3d& point);
 
 inline void prefetch(const BlockTriangle& triangle) {

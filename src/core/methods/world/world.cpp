@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "scene/reflectance.h"
 
 namespace scanmill {
 
@@ -264,22 +265,10 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
   return world;
 }
 
-const std::uint8_t* texelAt(const TriangleBlock& block, std::uint32_t triangle, const Texture& texture, double u,
-                            double v) {
-  if (block.uvs.empty()) return texture.texel(0, 0);
-  const Triangle& corners = block.corners[triangle];
-  const Vec2f a = block.uvs[corners[0]];
-  const Vec2f b = block.uvs[corners[1]];
-  const Vec2f c = block.uvs[corners[2]];
-  const double w = 1 - u - v;
-  return texture.texel(static_cast<float>(w * a.x + u * b.x + v * c.x),
-                       static_cast<float>(w * a.y + u * b.y + v * c.y));
-}
-
 bool transparentAt(const World& world, const TriangleBlock& block, std::uint32_t triangle, double u, double v) {
   const Material& material = world.scene->materials[block.surfaceOf(triangle).material];
-  const std::uint8_t* texel = texelAt(block, triangle, *material.texture, u, v);
-  return static_cast<float>(texel[3]) < material.alphaCutoff * 255.0f;
+  const Vec2f uv = textureCoordinates(block.uvs, block.corners[triangle], {u, v});
+  return letsPass(material, material.texture->texel(uv.x, uv.y));
 }
 
 }  // namespace scanmill

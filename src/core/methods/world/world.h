@@ -107,10 +107,6 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
                                   const std::vector<bool>& instanced, const SharedMeshes& shared,
                                   const HierarchyOptions& options);
 
-// Base colour's alpha and linear luminance at a triangle's barycentric coordinates (of its second and third corner).
-const std::uint8_t* texelAt(const TriangleBlock& block, std::uint32_t triangle, const Texture& texture, double u,
-                            double v);
-
 // Whether the alpha-tested material of a triangle lets beams through at these barycentric coordinates.
 bool transparentAt(const World& world, const TriangleBlock& block, std::uint32_t triangle, double u, double v);
 

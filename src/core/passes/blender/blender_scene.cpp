@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "scene/reflectance.h"
 
 namespace scanmill {
 
@@ -90,7 +91,7 @@ class SceneWriter {
       const Texture& texture = *material.texture;
       mask.resize(std::size_t{texture.width} * texture.height);
       for (std::size_t i = 0; i < mask.size(); ++i) {
-        mask[i] = static_cast<float>(texture.rgba[i * 4 + 3]) < material.alphaCutoff * 255.0f ? 0 : 1;
+        mask[i] = letsPass(material, &texture.rgba[i * 4]) ? 0 : 1;
       }
       list.back() = arrays_.add<std::uint8_t>(mask, "u1", {texture.height, texture.width});
     }

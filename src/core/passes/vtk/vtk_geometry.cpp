@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "scene/reflectance.h"
 
 namespace scanmill {
 
@@ -177,7 +178,7 @@ std::vector<std::uint32_t> addCutouts(const Scene& scene, ViewGeometry& geometry
     geometry.cutouts.push_back({static_cast<std::uint32_t>(first), texture.width, texture.height, 0});
     geometry.cutoutWords.resize(first + (texels + 31) / 32);
     for (std::size_t i = 0; i < texels; ++i) {
-      const bool open = static_cast<float>(texture.rgba[i * 4 + 3]) < material.alphaCutoff * 255.0f;
+      const bool open = letsPass(material, &texture.rgba[i * 4]);
       geometry.cutoutWords[first + i / 32] |= std::uint32_t{open} << (i % 32);
     }
   }

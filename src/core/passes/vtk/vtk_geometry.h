@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "passes/vtk/vtk_module.h"
+#include "passes/vtk/vtk_interface.h"
 #include "scene/scene.h"
 
 namespace scanmill {
@@ -45,7 +45,7 @@ struct ViewGeometry {
   ViewBatch solid;
   ViewBatch cut;
   std::vector<ViewMesh> meshes;  // as Scene::meshes; those that no instance places are empty
-  std::vector<ScanmillVtkCutout> cutouts;
+  std::vector<VtkCutout> cutouts;
   std::vector<std::uint32_t> cutoutWords;
 };
 

@@ -1,4 +1,4 @@
-// The VTK renderer: cameras become views, the module draws them, and pixels that are asked for become passes.
+// This is the VTK renderer: cameras become views, the module draws them, and pixels that are asked for become passes.
 //
 // An image holds one number a pixel, that of the triangle seen, and stays where it was drawn. Everything else, depth
 // included, follows from the number and the scene, exactly, and only for the pixels that are fetched.
@@ -9,45 +9,42 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <memory>
+#include <new>
 #include <semaphore>
 #include <span>
 #include <vector>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "gpu/device.h"
 #include "passes/renderer.h"
 #include "passes/resolver.h"
 #include "passes/vtk/vtk_geometry.h"
-#include "passes/vtk/vtk_loader.h"
+#include "passes/vtk/vtk_interface.h"
 #include "passes/vtk/vtk_view.h"
 
 namespace scanmill {
 
 namespace {
 
-constexpr const char* kDeviceVariable = "SCANMILL_GL_DEVICE";
-
-void require(ScanmillVtkStatus status, const ScanmillVtkText& error) {
-  switch (status) {
-    case kScanmillVtkDone:
-      return;
-    case kScanmillVtkNoDevice:
-      throw Error(
-          fmt::format("images cannot be drawn, this machine has no OpenGL 4.3 by EGL ({}): install Mesa (on Debian the "
-                      "packages libegl-mesa0 and libgl1-mesa-dri) or the graphics card's driver with its EGL library, "
-                      "or take ray tracing",
-                      error.text));
-    case kScanmillVtkOutOfMemory:
-      throw Error("images cannot be drawn, memory is out: take smaller images or a smaller scene");
-    case kScanmillVtkFailed:
-      break;
+// Does the module's work, and throws what fails in the words of this renderer.
+template <class Work>
+decltype(auto) told(const Work& work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    throw Error("images cannot be drawn, memory is out: take smaller images or a smaller scene");
+  } catch (const NoDevice& e) {
+    throw Error(
+        fmt::format("images cannot be drawn, this machine has no OpenGL 4.3 by EGL ({}): {}, or take ray tracing",
+                    e.what(), kInstallOpenGl));
+  } catch (const std::exception& e) {
+    throw Error(fmt::format("images cannot be drawn: {}", e.what()));
   }
-  throw Error(fmt::format("images cannot be drawn: {}", error.text));
 }
 
-void check(const Camera& camera, const ScanmillVtkLimits& limits) {
+void check(const Camera& camera, const VtkLimits& limits) {
   if (camera.width == 0 || camera.height == 0 || camera.width > limits.imageSize || camera.height > limits.imageSize) {
     throw InputError(fmt::format("the camera '{}' has {} x {} pixels: an image is 1 to {} pixels wide and high here",
                                  camera.name, camera.width, camera.height, limits.imageSize));
@@ -77,51 +74,37 @@ struct StageSeconds {
   std::atomic<double> readBack = 0;
 };
 
-// The module's renderer with the scene in it.
+// The module's device with the scene in it.
 class Device {
  public:
-  explicit Device(const Scene& scene) : resolver(scene), module_(vtkModule()) {
-    ScanmillVtkText described{};
-    ScanmillVtkText error{};
-    require(module_.open(std::getenv(kDeviceVariable), &renderer_, &limits, &described, &error), error);
-    try {
-      name = described.text;
-      upload(scene);
-    } catch (...) {
-      module_.close(renderer_);
-      throw;
-    }
+  explicit Device(const Scene& scene) : resolver(scene) {
+    const auto& module = moduleOf<VtkModule>();
+    device_ = told([&] { return module.open(namedDevice()); });
+    limits = device_->limits();
+    name = device_->name();
+    upload(scene);
   }
-  ~Device() { module_.close(renderer_); }
-  Device(const Device&) = delete;
-  Device& operator=(const Device&) = delete;
 
   Resolver resolver;
-  ScanmillVtkLimits limits{};
+  VtkLimits limits;
   std::string name;
   ViewGeometry geometry;  // without its vertices, which the device has
   StageSeconds seconds;
 
   void draw(std::uint32_t slot, const DrawnView& view) {
-    ScanmillVtkText error{};
-    const ScanmillVtkImage image = view.image();
-    require(module_.draw(renderer_, slot, &image, &error), error);
+    told([&] { device_->draw(slot, view.image()); });
   }
 
   void finish() {
-    ScanmillVtkText error{};
-    require(module_.finish(renderer_, &error), error);
+    told([&] { device_->finish(); });
   }
 
-  void gather(const ScanmillVtkPixels& pixels, std::span<const PixelAddress> addresses,
-              std::span<std::uint32_t> numbers) {
-    ScanmillVtkText error{};
-    require(module_.gather(renderer_, &pixels, addresses.data(), addresses.size(), numbers.data(), &error), error);
+  void gather(const VtkPixels& pixels, std::span<const PixelAddress> addresses, std::span<std::uint32_t> numbers) {
+    told([&] { device_->gather(pixels, addresses, numbers.data()); });
   }
 
   void read(std::uint32_t slot, std::uint32_t firstRow, std::uint32_t rows, std::span<std::uint32_t> numbers) {
-    ScanmillVtkText error{};
-    require(module_.read(renderer_, slot, firstRow, rows, numbers.data(), &error), error);
+    told([&] { device_->read(slot, firstRow, rows, numbers.data()); });
   }
 
  private:
@@ -129,14 +112,12 @@ class Device {
     const Stopwatch watch(seconds.upload);
     geometry = buildViewGeometry(scene, limits.trianglesPerBatch);
     const auto triangles = [](const ViewBatch& batch) {
-      return ScanmillVtkTriangles{batch.original.size(), batch.positions.data(), batch.uvs.data(),
-                                  batch.cutouts.data()};
+      return VtkTriangles{batch.positions, batch.uvs, batch.cutouts};
     };
-    const ScanmillVtkScene sent{triangles(geometry.solid), triangles(geometry.cut),     geometry.cutouts.data(),
-                                geometry.cutouts.size(),   geometry.cutoutWords.data(), geometry.cutoutWords.size()};
-    ScanmillVtkText error{};
-    require(module_.upload(renderer_, &sent, &error), error);
-    finish();
+    told([&] {
+      device_->upload({triangles(geometry.solid), triangles(geometry.cut), geometry.cutouts, geometry.cutoutWords});
+      device_->finish();
+    });
     for (ViewBatch* batch : {&geometry.solid, &geometry.cut}) {
       batch->positions = {};
       batch->uvs = {};
@@ -144,11 +125,10 @@ class Device {
     }
   }
 
-  const ScanmillVtkModule& module_;
-  ScanmillVtkRenderer* renderer_ = nullptr;
+  std::unique_ptr<VtkDevice> device_;
 };
 
-// Who draws holds it until the images are gone. No mutex, which would belong to a thread.
+// Whoever draws holds it until the images are gone. It is not a mutex, which would belong to a thread.
 class Turn {
  public:
   explicit Turn(std::binary_semaphore& free) : free_(free) { free_.acquire(); }
@@ -233,7 +213,7 @@ class VtkSource : public PixelSource {
   }
 
   void gather(std::span<const PixelAddress> addresses) {
-    ScanmillVtkPixels pixels{};
+    VtkPixels pixels{};
     for (std::size_t k = 0; k < kVtkImages; ++k) {
       const bool there = k < cameras_.size();
       pixels.widths[k] = there ? cameras_[k].width : 1;

@@ -86,7 +86,8 @@ DrawnView::DrawnView(const Scene& scene, const ViewGeometry& geometry, const Cam
   rowsOfFrame_ = {};
 }
 
-// Everything in double, and the difference of the places first: far from the world's origin the same numbers result.
+// Everything is computed in double, and the difference of the places comes first: far from the world's origin the same
+// numbers result.
 void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std::vector<Candidate>& cut) {
   const Instance& instance = scene_.instances[index];
   const ViewMesh& mesh = geometry_.meshes[instance.mesh];
@@ -131,7 +132,7 @@ void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std
 
   frames_.push_back({index, meshFromWorld * transposed(cameraFromWorld_), cameraInMesh, rows.z,
                      translation.z - dot(rows.z, mesh.origin)});
-  ScanmillVtkPlacement placement{};
+  VtkPlacement placement{};
   const HalfSpace clip[3] = {combine(2 * camera_.fx / camera_.width, 0, 2 * camera_.cx / camera_.width - 1),
                              combine(0, 2 * camera_.fy / camera_.height, 2 * camera_.cy / camera_.height - 1),
                              combine(0, 0, 1)};
@@ -145,8 +146,9 @@ void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std
   rowsOfFrame_.push_back(placement);
 }
 
-// Near chunks first, so that they hide what comes later; instances of the same chunk at the same distance together.
-void DrawnView::addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<ScanmillVtkDraw>& draws) {
+// Near chunks come first, so that they hide what comes later. Instances of the same chunk at the same distance are
+// drawn together.
+void DrawnView::addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<VtkDraw>& draws) {
   std::sort(candidates.begin(), candidates.end());
   const Candidate* before = nullptr;
   for (const Candidate& candidate : candidates) {
@@ -157,7 +159,7 @@ void DrawnView::addDraws(std::vector<Candidate>& candidates, bool cut, std::vect
       draws.push_back({chunk.firstTriangle, chunk.triangles, static_cast<std::uint32_t>(placements_.size()), 1});
     }
     before = &candidate;
-    ScanmillVtkPlacement placement = rowsOfFrame_[candidate.frame];
+    VtkPlacement placement = rowsOfFrame_[candidate.frame];
     // The k-th triangle of the batch gets firstNumber + k.
     placement.firstNumber = static_cast<std::uint32_t>(nextNumber_) - chunk.firstTriangle;
     placements_.push_back(placement);
@@ -173,17 +175,14 @@ void DrawnView::addDraws(std::vector<Candidate>& candidates, bool cut, std::vect
   }
 }
 
-ScanmillVtkImage DrawnView::image() const {
-  ScanmillVtkImage image{};
+VtkImage DrawnView::image() const {
+  VtkImage image{};
   image.width = camera_.width;
   image.height = camera_.height;
   image.nearest = static_cast<float>(limits_.nearest);
-  image.placements = placements_.data();
-  image.placementCount = placements_.size();
-  image.solid = solid_.data();
-  image.solidCount = solid_.size();
-  image.cut = cut_.data();
-  image.cutCount = cut_.size();
+  image.placements = placements_;
+  image.solid = solid_;
+  image.cut = cut_;
   return image;
 }
 

@@ -9,7 +9,7 @@
 #include "passes/renderer.h"
 #include "passes/resolver.h"
 #include "passes/vtk/vtk_geometry.h"
-#include "passes/vtk/vtk_module.h"
+#include "passes/vtk/vtk_interface.h"
 
 namespace scanmill {
 
@@ -18,8 +18,8 @@ class DrawnView {
  public:
   DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits);
 
-  // Points into this view.
-  ScanmillVtkImage image() const;
+  // The image holds pointers into this view.
+  VtkImage image() const;
   // What a pixel of the image that holds a number sees. The depth is that of the triangle's plane at the pixel's
   // centre, computed in double.
   SeenTriangle seen(std::uint32_t pixel, std::uint32_t number) const;
@@ -41,7 +41,7 @@ class DrawnView {
   struct Candidate;
 
   void addFrame(std::uint32_t instance, std::vector<Candidate>& solid, std::vector<Candidate>& cut);
-  void addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<ScanmillVtkDraw>& draws);
+  void addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<VtkDraw>& draws);
 
   const Scene& scene_;
   const ViewGeometry& geometry_;
@@ -49,10 +49,10 @@ class DrawnView {
   DrawLimits limits_;
   Mat3 cameraFromWorld_;
   std::vector<Frame> frames_;
-  std::vector<ScanmillVtkPlacement> rowsOfFrame_;
-  std::vector<ScanmillVtkPlacement> placements_;
-  std::vector<ScanmillVtkDraw> solid_;
-  std::vector<ScanmillVtkDraw> cut_;
+  std::vector<VtkPlacement> rowsOfFrame_;
+  std::vector<VtkPlacement> placements_;
+  std::vector<VtkDraw> solid_;
+  std::vector<VtkDraw> cut_;
   std::vector<Run> runs_;
   std::vector<std::uint32_t> firstNumbers_;  // per run, ascending
   std::uint64_t nextNumber_ = 1;

@@ -84,7 +84,7 @@ void main() {
 
 vtkStandardNewMacro(ImagePass);
 
-void ImagePass::next(TriangleStore* triangles, const ScanmillVtkImage* image, std::uint32_t slot) {
+void ImagePass::next(TriangleStore* triangles, const VtkImage* image, std::uint32_t slot) {
   triangles_ = triangles;
   image_ = image;
   slot_ = slot;
@@ -96,7 +96,7 @@ void ImagePass::Render(const vtkRenderState* state) {
   draw(window);
 }
 
-// Programs and textures; the latter are kept from one image to the next of the same size.
+// Makes programs and textures. Textures are kept from one image to the next of the same size.
 void ImagePass::prepare(vtkOpenGLRenderWindow* window) {
   if (!solid_) {
     zeroToOne_ = GLEW_VERSION_4_5 || GLEW_ARB_clip_control;
@@ -152,15 +152,15 @@ void ImagePass::draw(vtkOpenGLRenderWindow* window) {
   const GLfloat infinity = 0;
   glClearBufferuiv(GL_COLOR, 0, nothing);
   glClearBufferfv(GL_DEPTH, 0, &infinity);
-  triangles_->place(image_->placements, image_->placementCount);
-  const auto run = [&](const GlProgram& program, bool cut, const ScanmillVtkDraw* draws, std::size_t count) {
+  triangles_->place(image_->placements);
+  const auto run = [&](const GlProgram& program, bool cut, std::span<const VtkDraw> draws) {
     program.use();
     const float nearest = image_->nearest;
     glUniform2f(program.uniform("depthFromW"), zeroToOne_ ? nearest : 2 * nearest, zeroToOne_ ? 0.0f : -1.0f);
-    triangles_->draw(cut, draws, count);
+    triangles_->draw(cut, draws);
   };
-  run(*solid_, false, image_->solid, image_->solidCount);
-  run(*cut_, true, image_->cut, image_->cutCount);
+  run(*solid_, false, image_->solid);
+  run(*cut_, true, image_->cut);
   glUseProgram(0);
 
   if (zeroToOne_) glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);

@@ -11,8 +11,8 @@
 #include <memory>
 #include <string>
 
-#include "passes/vtk/vtk_module.h"
-#include "passes/vtk_module/gl_objects.h"
+#include "gpu/opengl_module/gl_objects.h"
+#include "passes/vtk/vtk_interface.h"
 #include "passes/vtk_module/triangle_store.h"
 
 namespace scanmill {
@@ -22,7 +22,7 @@ class ImagePass : public vtkRenderPass {  // NOLINT(cppcoreguidelines-virtual-cl
   static ImagePass* New();
 
   // What the next Render() draws, and where to.
-  void next(TriangleStore* triangles, const ScanmillVtkImage* image, std::uint32_t slot);
+  void next(TriangleStore* triangles, const VtkImage* image, std::uint32_t slot);
   void Render(const vtkRenderState* state) override;
 
   vtkTextureObject* numbers(std::uint32_t slot) const { return slots_[slot]; }
@@ -37,7 +37,7 @@ class ImagePass : public vtkRenderPass {  // NOLINT(cppcoreguidelines-virtual-cl
   void draw(vtkOpenGLRenderWindow* window);
 
   TriangleStore* triangles_ = nullptr;
-  const ScanmillVtkImage* image_ = nullptr;
+  const VtkImage* image_ = nullptr;
   std::uint32_t slot_ = 0;
   bool zeroToOne_ = false;  // clip space holds the depths 0 to 1
 

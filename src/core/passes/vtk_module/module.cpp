@@ -1,5 +1,4 @@
-// libscanmill_passes.so: VTK on an OpenGL context of our own, behind the functions of passes/vtk/vtk_module.h. It is
-// not part of the program, which loads it when it draws the first image or computes by OpenGL (gl_compute.h).
+// libscanmill_passes.so: VTK on an OpenGL context of our own, behind the interface of passes/vtk/vtk_interface.h.
 
 #include <vtkAutoInit.h>
 #include <vtkNew.h>
@@ -11,137 +10,132 @@
 #include <memory>
 #include <string>
 
-#include "passes/vtk/vtk_module.h"
-#include "passes/vtk_module/egl_context.h"
-#include "passes/vtk_module/gl_compute.h"
-#include "passes/vtk_module/gl_thread.h"
-#include "passes/vtk_module/gl_window.h"
-#include "passes/vtk_module/guarded.h"
+#include "gpu/device.h"
+#include "gpu/opengl_module/egl_context.h"
+#include "gpu/opengl_module/gl_thread.h"
+#include "gpu/opengl_module/gl_window.h"
+#include "passes/vtk/vtk_interface.h"
 #include "passes/vtk_module/image_pass.h"
 #include "passes/vtk_module/pixel_reader.h"
 #include "passes/vtk_module/triangle_store.h"
 
 VTK_MODULE_INIT(vtkRenderingOpenGL2)
 
-using namespace scanmill;
+namespace scanmill {
 
-struct ScanmillVtkRenderer {
-  explicit ScanmillVtkRenderer(const std::string& device) : context(device) {}
+namespace {
 
-  std::shared_ptr<GlThread> thread;
+// What draws in a context, made and used while it is current.
+struct ContextState {
+  explicit ContextState(const std::string& device) : context(device) {
+    window->start(8, 8);  // nothing is drawn to it
+    if (!GLEW_VERSION_4_3) throw NoDevice("VTK does not find OpenGL 4.3");
+    window->AddRenderer(renderer);
+    reader = std::make_unique<GlPixelReader>();
+  }
+  ~ContextState() {
+    triangles.reset();
+    reader.reset();
+    pass->ReleaseGraphicsResources(window);
+    window->Finalize();
+  }
+  ContextState(const ContextState&) = delete;
+  ContextState& operator=(const ContextState&) = delete;
+
   EglContext context;
   vtkNew<GlWindow> window;
   vtkNew<vtkRenderer> renderer;
   vtkNew<ImagePass> pass;
   std::unique_ptr<TriangleStore> triangles;
   std::unique_ptr<GlPixelReader> reader;
+};
 
-  void start() {
-    window->start(8, 8);  // nothing is drawn to it
-    if (!GLEW_VERSION_4_3) throw NoDevice("VTK does not find OpenGL 4.3");
-    window->AddRenderer(renderer);
-    reader = std::make_unique<GlPixelReader>();
+class GlDevice final : public VtkDevice {
+ public:
+  explicit GlDevice(const std::string& device) {
+    thread_->run([&] {
+      Quiet quiet;
+      auto made = std::make_unique<ContextState>(device);
+      GLint size = 0;
+      glGetIntegerv(GL_MAX_TEXTURE_SIZE, &size);
+      limits_ = {static_cast<std::uint32_t>(size), 0x7FFFFFFFu / 3};  // a vertex's index is signed
+      name_ = describeGl();
+      made->context.release();
+      state_ = std::move(made);
+    });
   }
 
-  ~ScanmillVtkRenderer() {
-    triangles.reset();
-    reader.reset();
-    pass->ReleaseGraphicsResources(window);
-    window->Finalize();
+  ~GlDevice() override {
+    thread_->run([&]() noexcept {
+      Quiet quiet;
+      state_->context.tryMakeCurrent();
+      state_.reset();
+    });
+  }
+  GlDevice(const GlDevice&) = delete;
+  GlDevice& operator=(const GlDevice&) = delete;
+
+  std::string name() const override { return name_; }
+  VtkLimits limits() const override { return limits_; }
+
+  void upload(const VtkScene& scene) override {
+    withContext([&](ContextState& state) { state.triangles = std::make_unique<TriangleStore>(scene); });
+  }
+
+  void draw(std::uint32_t slot, const VtkImage& image) override {
+    withContext([&](ContextState& state) {
+      state.pass->next(state.triangles.get(), &image, slot);
+      // It goes not by way of the window, which would copy the result to a default framebuffer that there is not.
+      const vtkRenderState renderState(state.renderer);
+      state.pass->Render(&renderState);
+    });
+  }
+
+  void finish() override {
+    withContext([](ContextState&) { glFinish(); });
+  }
+
+  void gather(const VtkPixels& pixels, std::span<const std::uint32_t> addresses, std::uint32_t* numbers) override {
+    withContext([&](ContextState& state) {
+      std::array<vtkTextureObject*, kVtkImages> images{};
+      for (std::uint32_t slot = 0; slot < kVtkImages; ++slot) images[slot] = state.pass->numbers(slot);
+      state.reader->gather(images, pixels, addresses, numbers);
+    });
+  }
+
+  void read(std::uint32_t slot, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers) override {
+    withContext([&](ContextState& state) { state.reader->read(state.pass->numbers(slot), firstRow, rows, numbers); });
+  }
+
+ private:
+  // Does the work on the thread of all OpenGL, with the context current and VTK quiet.
+  template <class Work>
+  void withContext(const Work& work) {
+    thread_->run([&] {
+      Quiet quiet;
+      {
+        const CurrentContext current(state_->context);
+        work(*state_);
+      }
+      quiet.check();
+    });
+  }
+
+  std::shared_ptr<GlThread> thread_ = GlThread::shared();
+  std::unique_ptr<ContextState> state_;
+  std::string name_;
+  VtkLimits limits_;
+};
+
+class GlVtkModule final : public VtkModule {
+ public:
+  std::unique_ptr<VtkDevice> open(const std::string& device) const override {
+    return std::make_unique<GlDevice>(device);
   }
 };
 
-namespace {
-
-// The same with the renderer's context.
-template <class Work>
-ScanmillVtkStatus withContext(ScanmillVtkRenderer& renderer, ScanmillVtkText& error, const Work& work) noexcept {
-  return guarded(*renderer.thread, error, [&] {
-    Quiet quiet;
-    renderer.context.makeCurrent();
-    try {
-      work();
-    } catch (...) {
-      renderer.context.release();
-      throw;
-    }
-    renderer.context.release();
-    const std::string errors = quiet.errors();
-    if (!errors.empty()) throw std::runtime_error(errors);
-  });
-}
-
-ScanmillVtkStatus open(const char* device, ScanmillVtkRenderer** renderer, ScanmillVtkLimits* limits,
-                       ScanmillVtkText* described, ScanmillVtkText* error) {
-  std::shared_ptr<GlThread> thread;
-  try {
-    thread = GlThread::shared();
-  } catch (const std::exception& e) {  // no thread to be had
-    put(*error, e.what());
-    return kScanmillVtkFailed;
-  }
-  return guarded(*thread, *error, [&] {
-    Quiet quiet;
-    auto opened = std::make_unique<ScanmillVtkRenderer>(device != nullptr ? device : "");
-    opened->thread = thread;
-    opened->start();
-    GLint size = 0;
-    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &size);
-    *limits = {static_cast<std::uint32_t>(size), 0x7FFFFFFFu / 3};  // a vertex's index is signed
-    put(*described, describeGl());
-    opened->context.release();
-    *renderer = opened.release();
-  });
-}
-
-void close(ScanmillVtkRenderer* renderer) {
-  const std::shared_ptr<GlThread> thread = renderer->thread;  // outlives the renderer: it cannot end itself
-  ScanmillVtkText ignored;
-  guarded(*thread, ignored, [&] {
-    Quiet quiet;
-    const std::unique_ptr<ScanmillVtkRenderer> closed(renderer);
-    closed->context.makeCurrent();
-  });
-}
-
-ScanmillVtkStatus upload(ScanmillVtkRenderer* renderer, const ScanmillVtkScene* scene, ScanmillVtkText* error) {
-  return withContext(*renderer, *error, [&] { renderer->triangles = std::make_unique<TriangleStore>(*scene); });
-}
-
-ScanmillVtkStatus draw(ScanmillVtkRenderer* renderer, std::uint32_t slot, const ScanmillVtkImage* image,
-                       ScanmillVtkText* error) {
-  return withContext(*renderer, *error, [&] {
-    renderer->pass->next(renderer->triangles.get(), image, slot);
-    // Not by way of the window, which would copy the result to a default framebuffer that there is not.
-    const vtkRenderState state(renderer->renderer);
-    renderer->pass->Render(&state);
-  });
-}
-
-ScanmillVtkStatus finish(ScanmillVtkRenderer* renderer, ScanmillVtkText* error) {
-  return withContext(*renderer, *error, [] { glFinish(); });
-}
-
-ScanmillVtkStatus gather(ScanmillVtkRenderer* renderer, const ScanmillVtkPixels* pixels, const std::uint32_t* addresses,
-                         std::uint64_t count, std::uint32_t* numbers, ScanmillVtkText* error) {
-  return withContext(*renderer, *error, [&] {
-    std::array<vtkTextureObject*, kVtkImages> images{};
-    for (std::uint32_t slot = 0; slot < kVtkImages; ++slot) images[slot] = renderer->pass->numbers(slot);
-    renderer->reader->gather(images, *pixels, {addresses, count}, numbers);
-  });
-}
-
-ScanmillVtkStatus read(ScanmillVtkRenderer* renderer, std::uint32_t slot, std::uint32_t firstRow, std::uint32_t rows,
-                       std::uint32_t* numbers, ScanmillVtkText* error) {
-  return withContext(*renderer, *error,
-                     [&] { renderer->reader->read(renderer->pass->numbers(slot), firstRow, rows, numbers); });
-}
-
-constexpr ScanmillVtkModule kModule{
-    kVtkModuleVersion, &kComputeFunctions, open, close, upload, draw, finish, gather, read};
-
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) const ScanmillVtkModule* scanmillVtkModule() {
-  return &kModule;
-}
+}  // namespace scanmill
+
+SCANMILL_MODULE(VtkModule, GlVtkModule)

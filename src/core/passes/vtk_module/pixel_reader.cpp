@@ -47,7 +47,7 @@ GlPixelReader::~GlPixelReader() {
   glDeleteFramebuffers(1, &frame_);
 }
 
-void GlPixelReader::gather(const std::array<vtkTextureObject*, kVtkImages>& images, const ScanmillVtkPixels& pixels,
+void GlPixelReader::gather(const std::array<vtkTextureObject*, kVtkImages>& images, const VtkPixels& pixels,
                            std::span<const std::uint32_t> addresses, std::uint32_t* numbers) {
   std::array<GLint, kVtkImages> units{};
   GLuint count = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Gets pixels back: single ones gathered by a compute shader, so that only they travel, or whole rows.
+// Gets pixels back: single ones, which a compute shader gathers so that only they travel, or whole rows.
 
 #include <vtkTextureObject.h>
 
@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <span>
 
-#include "passes/vtk/vtk_module.h"
-#include "passes/vtk_module/gl_objects.h"
+#include "gpu/opengl_module/gl_objects.h"
+#include "passes/vtk/vtk_interface.h"
 
 namespace scanmill {
 
@@ -20,8 +20,8 @@ class GlPixelReader {
   GlPixelReader(const GlPixelReader&) = delete;
   GlPixelReader& operator=(const GlPixelReader&) = delete;
 
-  // See ScanmillVtkModule::gather.
-  void gather(const std::array<vtkTextureObject*, kVtkImages>& images, const ScanmillVtkPixels& pixels,
+  // See VtkDevice::gather() and read().
+  void gather(const std::array<vtkTextureObject*, kVtkImages>& images, const VtkPixels& pixels,
               std::span<const std::uint32_t> addresses, std::uint32_t* numbers);
   void read(vtkTextureObject* image, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers);
 

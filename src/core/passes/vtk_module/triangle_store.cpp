@@ -17,40 +17,41 @@ struct Command {
   GLuint baseInstance;
 };
 
-void upload(GlBuffer& buffer, const void* data, std::size_t bytes) {
+template <class T>
+void upload(GlBuffer& buffer, std::span<const T> data) {
   static constexpr std::uint32_t kNothing = 0;  // a buffer without storage cannot be bound
-  if (bytes == 0) {
+  if (data.empty()) {
     buffer.fill(&kNothing, sizeof kNothing, GL_STATIC_DRAW);
   } else {
-    buffer.fill(data, bytes, GL_STATIC_DRAW);
+    buffer.fill(data.data(), data.size_bytes(), GL_STATIC_DRAW);
   }
 }
 
 void addPositions(GlVertexArray& array, const GlBuffer& positions, const GlBuffer& placements) {
-  constexpr std::size_t kStride = sizeof(ScanmillVtkPlacement);
+  constexpr std::size_t kStride = sizeof(VtkPlacement);
   array.add({kPosition, &positions, 3, false, 3 * sizeof(float), 0, 0});
   for (GLuint row = 0; row < 3; ++row) {
     array.add({kRows + row, &placements, 4, false, kStride, row * 4 * sizeof(float), 1});
   }
-  array.add({kFirstNumber, &placements, 1, true, kStride, offsetof(ScanmillVtkPlacement, firstNumber), 1});
+  array.add({kFirstNumber, &placements, 1, true, kStride, offsetof(VtkPlacement, firstNumber), 1});
 }
 
 }  // namespace
 
-TriangleStore::TriangleStore(const ScanmillVtkScene& scene) {
+TriangleStore::TriangleStore(const VtkScene& scene) {
   GLint64 largest = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);
-  if (scene.wordCount * sizeof(std::uint32_t) > static_cast<std::uint64_t>(largest)) {
+  if (scene.words.size_bytes() > static_cast<std::uint64_t>(largest)) {
     throw std::runtime_error(fmt::format(
         "the textures with alpha have {} texels, more than the {} that OpenGL takes here: make them smaller",
-        scene.wordCount * 32, largest * 8));
+        scene.words.size() * 32, largest * 8));
   }
-  upload(solidPositions_, scene.solid.positions, scene.solid.count * 9 * sizeof(float));
-  upload(cutPositions_, scene.cut.positions, scene.cut.count * 9 * sizeof(float));
-  upload(cutUvs_, scene.cut.uvs, scene.cut.count * 6 * sizeof(float));
-  upload(cutCutouts_, scene.cut.cutouts, scene.cut.count * 3 * sizeof(std::uint32_t));
-  upload(cutouts_, scene.cutouts, scene.cutoutCount * sizeof(ScanmillVtkCutout));
-  upload(words_, scene.words, scene.wordCount * sizeof(std::uint32_t));
+  upload(solidPositions_, scene.solid.positions);
+  upload(cutPositions_, scene.cut.positions);
+  upload(cutUvs_, scene.cut.uvs);
+  upload(cutCutouts_, scene.cut.cutouts);
+  upload(cutouts_, scene.cutouts);
+  upload(words_, scene.words);
   addPositions(solid_, solidPositions_, placements_);
   addPositions(cut_, cutPositions_, placements_);
   cut_.add({kUv, &cutUvs_, 2, false, 2 * sizeof(float), 0, 0});
@@ -58,15 +59,15 @@ TriangleStore::TriangleStore(const ScanmillVtkScene& scene) {
   checkGl("the scene's triangles cannot be uploaded");
 }
 
-void TriangleStore::place(const ScanmillVtkPlacement* placements, std::size_t count) {
-  placements_.fill(placements, count * sizeof(ScanmillVtkPlacement), GL_STREAM_DRAW);
+void TriangleStore::place(std::span<const VtkPlacement> placements) {
+  placements_.fill(placements.data(), placements.size_bytes(), GL_STREAM_DRAW);
 }
 
-void TriangleStore::draw(bool cut, const ScanmillVtkDraw* draws, std::size_t count) {
-  if (count == 0) return;
-  std::vector<Command> commands(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const ScanmillVtkDraw& d = draws[i];
+void TriangleStore::draw(bool cut, std::span<const VtkDraw> draws) {
+  if (draws.empty()) return;
+  std::vector<Command> commands(draws.size());
+  for (std::size_t i = 0; i < draws.size(); ++i) {
+    const VtkDraw& d = draws[i];
     commands[i] = {d.triangles * 3, d.placements, d.firstTriangle * 3, d.firstPlacement};
   }
   commands_.fill(commands.data(), commands.size() * sizeof(Command), GL_STREAM_DRAW);
@@ -76,7 +77,7 @@ void TriangleStore::draw(bool cut, const ScanmillVtkDraw* draws, std::size_t cou
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kWords, words_.name());
   }
   (cut ? cut_ : solid_).bind();
-  glMultiDrawArraysIndirect(GL_TRIANGLES, nullptr, static_cast<GLsizei>(count), 0);
+  glMultiDrawArraysIndirect(GL_TRIANGLES, nullptr, static_cast<GLsizei>(commands.size()), 0);
   glBindVertexArray(0);
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
 }

@@ -2,8 +2,10 @@
 
 // The scene's triangles where OpenGL draws from.
 
-#include "passes/vtk/vtk_module.h"
-#include "passes/vtk_module/gl_objects.h"
+#include <span>
+
+#include "gpu/opengl_module/gl_objects.h"
+#include "passes/vtk/vtk_interface.h"
 
 namespace scanmill {
 
@@ -14,11 +16,11 @@ enum StorageBinding : GLuint { kCutouts = 0, kWords = 1 };
 
 class TriangleStore {
  public:
-  explicit TriangleStore(const ScanmillVtkScene& scene);
+  explicit TriangleStore(const VtkScene& scene);
 
-  // The placings that the following draws name.
-  void place(const ScanmillVtkPlacement* placements, std::size_t count);
-  void draw(bool cut, const ScanmillVtkDraw* draws, std::size_t count);
+  // Sets the placings that the following draws name.
+  void place(std::span<const VtkPlacement> placements);
+  void draw(bool cut, std::span<const VtkDraw> draws);
 
  private:
   GlBuffer solidPositions_;

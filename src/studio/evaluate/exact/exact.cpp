@@ -125,8 +125,7 @@ void meetTriangle(const RTCIntersectFunctionNArguments* arguments) {
 // The order among coplanar surfaces: that of ray tracing's filter over a flattened scene.
 auto rank(const World& world, const Found& f) {
   const PlacedBlock& placed = world.placed[f.placed];
-  const std::uint32_t object = placed.block->surfaceOf(f.triangle).instance;
-  const std::uint32_t id = object == 0 ? 0 : placed.firstInstanceId + object - 1;
+  const std::uint32_t id = instanceId(placed.firstInstanceId, placed.block->surfaceOf(f.triangle).instance);
   return std::tuple(id, f.triangle >= placed.block->firstAlpha, f.placed, f.triangle);
 }
 

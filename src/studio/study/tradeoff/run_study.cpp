@@ -10,7 +10,7 @@
 #include "base/wall_timer.h"
 #include "config/version.h"
 #include "evaluate/intensity.h"
-#include "passes/compute.h"
+#include "gpu/compute.h"
 #include "pipeline/progress.h"
 #include "study/tradeoff/encodings.h"
 #include "study/tradeoff/ring_timings.h"

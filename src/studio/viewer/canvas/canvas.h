@@ -1,7 +1,10 @@
 #pragma once
 
-// A window or an image on which points, triangles and lines are drawn, by VTK (viewer/canvas/canvas_module.h). Metres
-// in the canvas's own frame; pixels from the upper left corner. A canvas is used by the thread that opened it.
+// A canvas is a window, or an image without one, on which VTK draws points, triangles and lines. It knows nothing of
+// scans. Everything is in metres in one frame, the canvas's own (float32 near its origin); an item may stand in it at a
+// pose of its own. Pixels count from the upper left corner. All calls of a canvas come from the thread that opened it.
+// Of windows there is one at a time. VTK is in a module (viewer/canvas/canvas_interface.h), loaded with the first
+// canvas.
 
 #include <array>
 #include <cstdint>
@@ -18,13 +21,15 @@
 
 namespace scanmill {
 
-// A window cannot be opened: there is no display. What to do is said.
+// A window cannot be opened, since there is no display. The text says what to do.
 class NoDisplay : public Error {
  public:
   using Error::Error;
 };
 
-using ItemId = std::uint32_t;
+constexpr std::size_t kCanvasViews = 8;  // at once
+
+using ItemId = std::uint32_t;              // a number of the caller's choice
 using Rgba = std::array<std::uint8_t, 4>;  // sRGB, alpha not premultiplied
 
 struct PixelRect {
@@ -44,23 +49,33 @@ struct CanvasView {
   ViewCamera camera;
   double farthest = 1000;
   Rgb background{};
-  bool depthEdges = true;
+  bool depthEdges = true;  // points behind a nearer surface are darkened (eye-dome lighting)
 };
 
 struct ItemLook {
   Affine canvasFromItem;
-  double size = 1;          // px
+  double size = 1;          // px: the side of a point, the width of a line
   double opacity = 1;       // 0 to 1
   std::uint32_t views = 1;  // bit k: drawn in view k
-  bool lit = true;          // triangles
+  bool lit = true;          // triangles are shaded by a light at the eye
 };
 
 struct CanvasEvent {
-  enum class Kind { Key, Move, Down, Up, Wheel, Resize, Expose, Tick, Close };
+  enum class Kind {
+    Key,     // a key was pressed, also by auto-repeat
+    Move,    // the pointer moved
+    Down,    // a button went down
+    Up,      // a button went up
+    Wheel,   // the wheel turned by `amount`
+    Resize,  // width and height are new; also when the window first stands
+    Redraw,  // the window wants to be drawn again
+    Tick,    // so many milliseconds have passed
+    Close,   // the window is closed by its frame: the last event
+  };
   Kind kind = Kind::Tick;
   std::string key;   // X's name of its symbol: "a", "A", "Left", "Return"
   std::string text;  // what it types, UTF-8; may be empty
-  int x = 0;         // px, the pointer
+  int x = 0;         // px, the pointer; may lie outside while a button is down
   int y = 0;
   int button = 0;  // 1 left, 2 middle, 3 right
   int clicks = 1;  // 2: the second press of a double click
@@ -71,33 +86,43 @@ struct CanvasEvent {
   int height = 0;
 };
 
+// What is passed to a canvas is copied. Its calls throw Error.
 class Canvas {
  public:
   virtual ~Canvas() = default;
-  virtual std::string device() const = 0;  // what draws
-  virtual int width() const = 0;
+  virtual std::string device() const = 0;  // what draws, for reports
+  virtual int width() const = 0;           // px
   virtual int height() const = 0;
   virtual void resize(int width, int height) = 0;
-  virtual void setViews(std::span<const CanvasView> views) = 0;  // at most kCanvasViews
+  // Sets the rectangles that are drawn, at most kCanvasViews, none over another. What none covers is black.
+  virtual void setViews(std::span<const CanvasView> views) = 0;
+  // Three corners make a triangle, two ends a segment; each has one colour. An item that is there already is replaced,
+  // and keeps its look. Points that are not finite are never drawn.
   virtual void setPoints(ItemId item, std::span<const Vec3f> positions, std::span<const Rgb> colors) = 0;
-  // Three corners a triangle, two ends a segment; one colour each.
   virtual void setTriangles(ItemId item, std::span<const Vec3f> corners, std::span<const Rgb> colors) = 0;
   virtual void setLines(ItemId item, std::span<const Vec3f> ends, std::span<const Rgb> colors) = 0;
+  // Gives new colours to an item, as many as it has points, triangles or segments.
   virtual void setColors(ItemId item, std::span<const Rgb> colors) = 0;
+  // Only these points, triangles or segments of an item are drawn from now on. The indices ascend; there may be none.
+  virtual void showOnly(ItemId item, std::span<const std::uint32_t> indices) = 0;
   virtual void showAll(ItemId item) = 0;
-  virtual void showOnly(ItemId item, std::span<const std::uint32_t> indices) = 0;  // ascending; may be none
   virtual void setLook(ItemId item, const ItemLook& look) = 0;
-  virtual void drop(ItemId item) = 0;
-  virtual void setOverlay(int width, int height, std::span<const Rgba> pixels) = 0;  // 0 x 0: none
-  virtual void render(std::uint64_t mostPoints = 0) = 0;                             // 0: all
-  virtual Image read() = 0;                                                          // what was last drawn
-  // Of a window: until `handle` returns false or the window is closed. What `handle` throws ends it and is thrown on.
+  virtual void drop(ItemId item) = 0;  // does nothing where there is no such item
+  // An image over the whole canvas, above everything, the upper row first, kept until the next. It is not stretched:
+  // what it has too much is cut off on the right and at the bottom. 0 x 0 takes it away.
+  virtual void setOverlay(int width, int height, std::span<const Rgba> pixels) = 0;
+  // Draws. Of every item of points only so many are drawn, spread over it, for speed while something moves; 0: all.
+  virtual void render(std::uint64_t mostPoints = 0) = 0;
+  virtual Image read() = 0;  // what was last drawn
+  // Shows a window and gives its events to `handle` until that returns false or the window is closed. `handle` may call
+  // everything but run(). What it throws ends the run and is thrown on.
   virtual void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handle) = 0;
 };
 
-// Throws NoDisplay, or Error where there is no OpenGL or the module is missing.
+// Opens a window on the display that DISPLAY names. Throws NoDisplay, and Error where there is no OpenGL or the module
+// is missing.
 std::unique_ptr<Canvas> openWindow(const std::string& title, int width, int height);
-// An image, without a display. SCANMILL_GL_DEVICE chooses the device, as for the depth camera.
+// Makes an image, without a display, by the device that namedDevice() names (gpu/device.h). Throws Error.
 std::unique_ptr<Canvas> openOffscreen(int width, int height);
 
 }  // namespace scanmill

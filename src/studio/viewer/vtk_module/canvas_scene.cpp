@@ -6,18 +6,18 @@
 #include <vtk_glew.h>
 
 #include <algorithm>
-#include <new>
-#include <optional>
+#include <cstddef>
+#include <functional>
 #include <stdexcept>
+#include <utility>
 
 namespace scanmill {
 
 namespace {
 
-void checkSize(std::uint32_t width, std::uint32_t height) {
-  GLint most = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
-  const auto limit = static_cast<std::uint32_t>(std::max(most, 0));
+void checkSize(int width, int height) {
+  GLint limit = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
   if (width < 1 || height < 1 || width > limit || height > limit) {
     throw std::invalid_argument(
         fmt::format("a canvas of {} x {} pixels cannot be drawn: take 1 to {} a side", width, height, limit));
@@ -26,9 +26,9 @@ void checkSize(std::uint32_t width, std::uint32_t height) {
 
 }  // namespace
 
-CanvasScene::CanvasScene(std::uint32_t width, std::uint32_t height) : width_(width), height_(height) {
+CanvasScene::CanvasScene(int width, int height) : width_(width), height_(height) {
   checkSize(width, height);
-  window_->start(static_cast<int>(width), static_cast<int>(height));
+  window_->start(width, height);
   window_->SetFrameBlitModeToNoBlit();
   uncovered_->SetBackground(0, 0, 0);
   uncovered_->InteractiveOff();
@@ -43,25 +43,27 @@ CanvasScene::~CanvasScene() {
   window_->Finalize();
 }
 
-void CanvasScene::resize(std::uint32_t width, std::uint32_t height) {
+void CanvasScene::resize(int width, int height) {
   if (width == width_ && height == height_) return;
   checkSize(width, height);
   width_ = width;
   height_ = height;
   pictured_ = false;
-  window_->SetSize(static_cast<int>(width), static_cast<int>(height));
+  window_->SetSize(width, height);
   placeViews();
 }
 
-void CanvasScene::setViews(std::span<const ScanmillCanvasView> views) {
+void CanvasScene::setViews(std::span<const CanvasView> views) {
   if (views.size() > kCanvasViews) {
     throw std::invalid_argument(fmt::format("a canvas has at most {} views", kCanvasViews));
   }
-  for (const ScanmillCanvasView& view : views) {
-    const bool inside = view.width > 0 && view.height > 0 && view.left < width_ && view.top < height_ &&
-                        view.width <= width_ - view.left && view.height <= height_ - view.top;
+  for (const CanvasView& view : views) {
+    const auto& [left, top, width, height] = view.rect;
+    const bool inside = width > 0 && height > 0 && left >= 0 && top >= 0 && left < width_ && top < height_ &&
+                        width <= width_ - left && height <= height_ - top;
     if (!inside) throw std::invalid_argument("a view lies outside of its canvas");
-    if (!(view.focal > 0) || !(view.nearest < view.farthest) || (view.orthographic == 0 && !(view.nearest > 0))) {
+    const ViewCamera& camera = view.camera;
+    if (!(camera.focal > 0) || !(camera.nearest < view.farthest) || (!camera.orthographic && !(camera.nearest > 0))) {
       throw std::invalid_argument("a view of the canvas has no camera");
     }
   }
@@ -71,30 +73,30 @@ void CanvasScene::setViews(std::span<const ScanmillCanvasView> views) {
 
 void CanvasScene::placeViews() {
   drawn_ = false;
-  const int width = static_cast<int>(width_);
-  const int height = static_cast<int>(height_);
-  // In this order: the black is laid first.
+  // The black comes first, so that it is laid under the views.
   if (window_->HasRenderer(uncovered_) == 0) window_->AddRenderer(uncovered_);
   for (std::size_t k = 0; k < renderers_.size(); ++k) {
-    const bool used = k < views_.size() && views_[k].left < width_ && views_[k].top < height_;
+    const bool used = k < views_.size() && views_[k].rect.left < width_ && views_[k].rect.top < height_;
     const bool there = window_->HasRenderer(renderers_[k]) != 0;
-    if (used) renderers_[k]->setView(views_[k], width, height);
+    if (used) renderers_[k]->setView(views_[k], width_, height_);
     if (used && !there) window_->AddRenderer(renderers_[k]);
     if (!used && there) window_->RemoveRenderer(renderers_[k]);
   }
 }
 
-Item& CanvasScene::item(std::uint32_t number) {
+Item& CanvasScene::item(ItemId number) {
   const auto found = items_.find(number);
   if (found == items_.end()) throw std::invalid_argument(fmt::format("the canvas has no item {}", number));
   return *found->second;
 }
 
-void CanvasScene::set(std::uint32_t number, ItemKind kind, std::uint64_t count, const float* positions,
-                      const std::uint8_t* colors) {
+void CanvasScene::set(ItemId number, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors) {
+  if (corners.size() != colors.size() * static_cast<std::size_t>(kind)) {
+    throw std::invalid_argument(fmt::format("{} colors for {} corners", colors.size(), corners.size()));
+  }
   drawn_ = false;
   std::unique_ptr<Item>& slot = items_[number];
-  std::optional<ScanmillCanvasLook> look;
+  std::optional<ItemLook> look;
   if (slot != nullptr && slot->kind() != kind) {
     look = slot->look();
     remove(*slot);
@@ -105,31 +107,38 @@ void CanvasScene::set(std::uint32_t number, ItemKind kind, std::uint64_t count, 
     if (look) slot->setLook(*look);
     place(*slot);
   }
-  slot->set(count, positions, colors);
+  slot->set(corners, colors);
 }
 
-void CanvasScene::setColors(std::uint32_t number, const std::uint8_t* colors) {
-  drawn_ = false;
-  item(number).setColors(colors);
-}
-
-void CanvasScene::show(std::uint32_t number, const std::uint32_t* indices, std::uint64_t count) {
-  drawn_ = false;
-  if (indices == nullptr) {
-    item(number).show({});
-  } else {
-    item(number).show(std::vector<std::uint32_t>(indices, indices + count));
+void CanvasScene::setColors(ItemId number, std::span<const Rgb> colors) {
+  Item& changed = item(number);
+  if (colors.size() != changed.count()) {
+    throw std::invalid_argument(fmt::format("item {} has {} elements, not {}", number, changed.count(), colors.size()));
   }
+  drawn_ = false;
+  changed.setColors(colors);
 }
 
-void CanvasScene::setLook(std::uint32_t number, const ScanmillCanvasLook& look) {
+void CanvasScene::show(ItemId number, std::optional<std::vector<std::uint32_t>> indices) {
+  Item& changed = item(number);
+  if (indices) {
+    const bool ascending = std::ranges::adjacent_find(*indices, std::greater_equal<>()) == indices->end();
+    if (!ascending || (!indices->empty() && indices->back() >= changed.count())) {
+      throw std::invalid_argument(fmt::format("indices of item {} do not ascend below {}", number, changed.count()));
+    }
+  }
+  drawn_ = false;
+  changed.show(std::move(indices));
+}
+
+void CanvasScene::setLook(ItemId number, const ItemLook& look) {
   drawn_ = false;
   Item& changed = item(number);
   changed.setLook(look);
   place(changed);
 }
 
-void CanvasScene::drop(std::uint32_t number) {
+void CanvasScene::drop(ItemId number) {
   const auto found = items_.find(number);
   if (found == items_.end()) return;
   drawn_ = false;
@@ -137,7 +146,7 @@ void CanvasScene::drop(std::uint32_t number) {
   items_.erase(found);
 }
 
-// Into the views that it is in, and out of the others.
+// Puts it into the views that it is in, and takes it out of the others.
 void CanvasScene::place(Item& item) {
   for (std::uint32_t k = 0; k < kCanvasViews; ++k) {
     const bool wanted = (item.look().views >> k & 1u) != 0;
@@ -157,9 +166,16 @@ void CanvasScene::remove(Item& item) {
   }
 }
 
-void CanvasScene::setOverlay(std::uint32_t width, std::uint32_t height, const std::uint8_t* rgba) {
-  checkSize(std::max(width, 1u), std::max(height, 1u));
-  overlay_.set(window_, width, height, rgba);
+void CanvasScene::setOverlay(int width, int height, std::span<const Rgba> pixels) {
+  if (width <= 0 || height <= 0) {
+    overlay_.clear();
+    return;
+  }
+  checkSize(width, height);
+  if (pixels.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+    throw std::invalid_argument(fmt::format("{} pixels are no {} x {} of an overlay", pixels.size(), width, height));
+  }
+  overlay_.set(window_, width, height, pixels);
 }
 
 // VTK draws the views to one framebuffer, where they stay, and copies them to another; there the overlay is laid over.
@@ -173,32 +189,31 @@ void CanvasScene::draw(std::uint64_t mostPoints) {
   }
   state->Push();
   state->PushFramebufferBindings();
-  const auto width = static_cast<GLint>(width_);
-  const auto height = static_cast<GLint>(height_);
   window_->GetRenderFramebuffer()->Bind(GL_READ_FRAMEBUFFER);
   window_->GetRenderFramebuffer()->ActivateReadBuffer(0);
   window_->GetDisplayFramebuffer()->Bind(GL_DRAW_FRAMEBUFFER);
   window_->GetDisplayFramebuffer()->ActivateDrawBuffer(0);
   state->vtkglDisable(GL_SCISSOR_TEST);
-  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  overlay_.draw(window_, width, height);
+  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  overlay_.draw(window_, width_, height_);
   state->PopFramebufferBindings();
   state->Pop();
   pictured_ = true;
 }
 
-void CanvasScene::read(std::uint8_t* rgb) {
+void CanvasScene::read(std::span<Rgb> pixels) {
   if (!pictured_) throw std::invalid_argument("nothing has been drawn at this size yet");
   vtkOpenGLState* state = window_->GetState();
   state->PushReadFramebufferBinding();
   window_->GetDisplayFramebuffer()->Bind(GL_READ_FRAMEBUFFER);
   window_->GetDisplayFramebuffer()->ActivateReadBuffer(0);
   state->vtkglPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_), GL_RGB, GL_UNSIGNED_BYTE, rgb);
+  glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
   state->PopReadFramebufferBinding();
-  const std::size_t row = std::size_t{3} * width_;
-  for (std::size_t y = 0; y < height_ / 2; ++y) {
-    std::swap_ranges(rgb + y * row, rgb + (y + 1) * row, rgb + (height_ - 1 - y) * row);
+  const std::ptrdiff_t rows = height_;
+  for (std::ptrdiff_t y = 0; y < rows / 2; ++y) {
+    const auto upper = pixels.begin() + y * width_;
+    std::swap_ranges(upper, upper + width_, pixels.begin() + (rows - 1 - y) * width_);
   }
 }
 
@@ -209,9 +224,7 @@ void CanvasScene::showPicture() {
   window_->GetDisplayFramebuffer()->ActivateReadBuffer(0);
   state->vtkglBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   state->vtkglDisable(GL_SCISSOR_TEST);
-  const auto width = static_cast<GLint>(width_);
-  const auto height = static_cast<GLint>(height_);
-  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   state->PopFramebufferBindings();
 }
 

@@ -9,11 +9,12 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "passes/vtk_module/gl_window.h"
-#include "viewer/canvas/canvas_module.h"
+#include "gpu/opengl_module/gl_window.h"
+#include "viewer/canvas/canvas.h"
 #include "viewer/vtk_module/depth_edges.h"
 #include "viewer/vtk_module/item.h"
 #include "viewer/vtk_module/overlay.h"
@@ -21,45 +22,47 @@
 
 namespace scanmill {
 
-// Of one OpenGL context, which is current whenever it is used. The views are drawn by VTK and kept: as long as only the
-// overlay changes, a picture costs no more than that. Errors are std::invalid_argument.
+// A scene belongs to one OpenGL context, which is current whenever it is used. VTK draws the views and keeps them: as
+// long as only the overlay changes, a picture costs no more than that. Wrong use throws std::invalid_argument.
 class CanvasScene {
  public:
-  CanvasScene(std::uint32_t width, std::uint32_t height);
+  CanvasScene(int width, int height);
   ~CanvasScene();
   CanvasScene(const CanvasScene&) = delete;
   CanvasScene& operator=(const CanvasScene&) = delete;
 
-  std::uint32_t width() const { return width_; }
-  std::uint32_t height() const { return height_; }
-  void resize(std::uint32_t width, std::uint32_t height);
-  void setViews(std::span<const ScanmillCanvasView> views);
-  // See ScanmillCanvasModule.
-  void set(std::uint32_t item, ItemKind kind, std::uint64_t count, const float* positions, const std::uint8_t* colors);
-  void setColors(std::uint32_t item, const std::uint8_t* colors);
-  void show(std::uint32_t item, const std::uint32_t* indices, std::uint64_t count);
-  void setLook(std::uint32_t item, const ScanmillCanvasLook& look);
-  void drop(std::uint32_t item);
-  void setOverlay(std::uint32_t width, std::uint32_t height, const std::uint8_t* rgba);
+  int width() const { return width_; }
+  int height() const { return height_; }
+  // See Canvas.
+  void resize(int width, int height);
+  void setViews(std::span<const CanvasView> views);
+  void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors);
+  void setColors(ItemId item, std::span<const Rgb> colors);
+  // nullopt: all.
+  void show(ItemId item, std::optional<std::vector<std::uint32_t>> indices);
+  void setLook(ItemId item, const ItemLook& look);
+  void drop(ItemId item);
+  void setOverlay(int width, int height, std::span<const Rgba> pixels);
 
   void draw(std::uint64_t mostPoints);
-  void read(std::uint8_t* rgb);
+  // Reads width * height pixels, the upper row first.
+  void read(std::span<Rgb> pixels);
   // Copies the picture to the context's own framebuffer.
   void showPicture();
 
  private:
-  Item& item(std::uint32_t number);
+  Item& item(ItemId number);
   void place(Item& item);
   void remove(Item& item);
   void placeViews();
 
-  std::uint32_t width_;
-  std::uint32_t height_;
+  int width_;
+  int height_;
   vtkNew<GlWindow> window_;
   vtkNew<vtkRenderer> uncovered_;  // black, under all views
   std::array<vtkNew<ViewRenderer>, kCanvasViews> renderers_;
-  std::vector<ScanmillCanvasView> views_;
-  std::map<std::uint32_t, std::unique_ptr<Item>> items_;
+  std::vector<CanvasView> views_;
+  std::map<ItemId, std::unique_ptr<Item>> items_;
   DepthEdges edges_;
   Overlay overlay_;
   bool drawn_ = false;  // the window's framebuffer holds the views as they are

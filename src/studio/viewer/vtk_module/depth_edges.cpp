@@ -54,7 +54,7 @@ constexpr double kUsualFocal = 800;
 
 DepthEdges::DepthEdges() : shader_(kFragment) {}
 
-void DepthEdges::darken(vtkOpenGLRenderWindow* window, const ScanmillCanvasView& view, int height) {
+void DepthEdges::darken(vtkOpenGLRenderWindow* window, const CanvasView& view, int height) {
   vtkOpenGLFramebufferObject* drawn = window->GetRenderFramebuffer();
   vtkTextureObject* depths = drawn->GetDepthAttachmentAsTextureObject();
   if (frame_->GetContext() == nullptr) frame_->SetContext(window);
@@ -65,9 +65,10 @@ void DepthEdges::darken(vtkOpenGLRenderWindow* window, const ScanmillCanvasView&
   frame_->AddColorAttachment(0, drawn->GetColorAttachmentAsTextureObject(0));
   frame_->ActivateDrawBuffer(0);
 
-  const int left = static_cast<int>(view.left);
-  const int low = height - static_cast<int>(view.top + view.height);
-  const int size[2] = {static_cast<int>(view.width), static_cast<int>(view.height)};
+  const PixelRect& rect = view.rect;
+  const int left = rect.left;
+  const int low = height - (rect.top + rect.height);
+  const int size[2] = {rect.width, rect.height};
   state->vtkglViewport(left, low, size[0], size[1]);
   state->vtkglScissor(left, low, size[0], size[1]);
   state->vtkglEnable(GL_SCISSOR_TEST);
@@ -80,15 +81,14 @@ void DepthEdges::darken(vtkOpenGLRenderWindow* window, const ScanmillCanvasView&
   depths->Activate();
   const int first[2] = {left, low};
   const int last[2] = {left + size[0] - 1, low + size[1] - 1};
-  const double depth = view.farthest - view.nearest;
-  const bool flat = view.orthographic != 0;
+  const double depth = view.farthest - view.camera.nearest;
   const float lens[3] = {static_cast<float>(view.farthest), static_cast<float>(depth),
-                         static_cast<float>(depth * view.focal / kUsualFocal)};
+                         static_cast<float>(depth * view.camera.focal / kUsualFocal)};
   program->SetUniformi("depths", depths->GetTextureUnit());
   program->SetUniform2i("first", first);
   program->SetUniform2i("last", last);
   program->SetUniform3f("lens", lens);
-  program->SetUniformi("orthographic", flat ? 1 : 0);
+  program->SetUniformi("orthographic", view.camera.orthographic ? 1 : 0);
   shader_.draw();
   depths->Deactivate();
 

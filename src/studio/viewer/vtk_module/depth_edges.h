@@ -8,7 +8,7 @@
 #include <vtkOpenGLFramebufferObject.h>
 #include <vtkOpenGLRenderWindow.h>
 
-#include "viewer/canvas/canvas_module.h"
+#include "viewer/canvas/canvas.h"
 #include "viewer/vtk_module/screen_shader.h"
 
 namespace scanmill {
@@ -17,9 +17,9 @@ class DepthEdges {
  public:
   DepthEdges();
 
-  // In the view's rectangle of a window `height` pixels high: depths as they are, colours multiplied. The background
-  // stays as it is.
-  void darken(vtkOpenGLRenderWindow* window, const ScanmillCanvasView& view, int height);
+  // Multiplies colours in the view's rectangle of a window `height` pixels high. Depths and the background stay as they
+  // are.
+  void darken(vtkOpenGLRenderWindow* window, const CanvasView& view, int height);
   void release(vtkWindow* window);
 
  private:

@@ -18,8 +18,6 @@ namespace scanmill {
 
 namespace {
 
-constexpr ScanmillCanvasLook kPlainLook{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, 1, 1, 1, 1};
-
 // How much of a triangle's colour is left where it is seen edge on.
 constexpr double kAmbient = 0.35;
 
@@ -54,7 +52,7 @@ Item::Item(ItemKind kind) : kind_(kind) {
   prepare(all_);
   prepare(few_);
   few_.actor->VisibilityOff();
-  setLook(kPlainLook);
+  setLook({});
 }
 
 void Item::prepare(Part& part) {
@@ -69,18 +67,20 @@ void Item::prepare(Part& part) {
   part.actor->PickableOff();
 }
 
-void Item::set(std::uint64_t count, const float* positions, const std::uint8_t* colors) {
-  const std::uint64_t vertices = count * corners();
+void Item::set(std::span<const Vec3f> vertices, std::span<const Rgb> colors) {
+  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+  const auto* positions = reinterpret_cast<const float*>(vertices.data());
+  const std::uint64_t count = colors.size();
   if (count > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max()) / corners()) {
     throw std::length_error("an item of the canvas has too many points");
   }
   count_ = static_cast<std::uint32_t>(count);
   vtkNew<vtkFloatArray> array;
   array->SetNumberOfComponents(3);
-  array->SetNumberOfTuples(static_cast<vtkIdType>(vertices));
-  std::copy_n(positions, 3 * vertices, array->GetPointer(0));
+  array->SetNumberOfTuples(static_cast<vtkIdType>(vertices.size()));
+  std::copy_n(positions, 3 * vertices.size(), array->GetPointer(0));
   points_->SetData(array);
-  colors_->SetNumberOfTuples(static_cast<vtkIdType>(vertices));
+  colors_->SetNumberOfTuples(static_cast<vtkIdType>(vertices.size()));
 
   finite_.reset();
   const auto isFinite = [&](std::uint32_t element) {
@@ -88,7 +88,7 @@ void Item::set(std::uint64_t count, const float* positions, const std::uint8_t* 
     return std::all_of(first, first + 3 * corners(), [](float value) { return std::isfinite(value); });
   };
   unsigned others = 0;
-  for (std::uint64_t i = 0; i < 3 * vertices; ++i) {
+  for (std::uint64_t i = 0; i < 3 * vertices.size(); ++i) {
     others |= !(std::abs(positions[i]) <= std::numeric_limits<float>::max());  // without a branch: in SIMD
   }
   if (others != 0) {
@@ -102,13 +102,13 @@ void Item::set(std::uint64_t count, const float* positions, const std::uint8_t* 
   show({});
 }
 
-void Item::setColors(const std::uint8_t* colors) {
+void Item::setColors(std::span<const Rgb> colors) {
   std::uint8_t* to = colors_->GetPointer(0);
-  for (std::uint32_t i = 0; i < count_; ++i) {
+  for (const Rgb& color : colors) {
     for (std::uint32_t k = 0; k < corners(); ++k) {
-      to[0] = colors[3 * std::uint64_t{i}];
-      to[1] = colors[3 * std::uint64_t{i} + 1];
-      to[2] = colors[3 * std::uint64_t{i} + 2];
+      to[0] = color[0];
+      to[1] = color[1];
+      to[2] = color[2];
       to[3] = 255;
       to += 4;
     }
@@ -130,18 +130,22 @@ void Item::show(std::optional<std::vector<std::uint32_t>> indices) {
   chosen_ = 0;
 }
 
-void Item::setLook(const ScanmillCanvasLook& look) {
+void Item::setLook(const ItemLook& look) {
   look_ = look;
-  canvasFromItem_->DeepCopy(look.canvasFromItem);
-  const bool lit = look.lit != 0 && kind_ == ItemKind::Triangles;
-  property_->SetPointSize(look.size);
-  property_->SetLineWidth(look.size);
-  property_->SetOpacity(look.opacity);
+  const Mat3& m = look.canvasFromItem.linear;
+  const Vec3d& t = look.canvasFromItem.translation;
+  const double rows[16] = {m.x.x, m.y.x, m.z.x, t.x, m.x.y, m.y.y, m.z.y, t.y, m.x.z, m.y.z, m.z.z, t.z, 0, 0, 0, 1};
+  canvasFromItem_->DeepCopy(rows);
+  const bool lit = look.lit && kind_ == ItemKind::Triangles;
+  const auto opacity = static_cast<float>(std::clamp(look.opacity, 0.0, 1.0));
+  property_->SetPointSize(static_cast<float>(look.size));
+  property_->SetLineWidth(static_cast<float>(look.size));
+  property_->SetOpacity(opacity);
   property_->SetLighting(lit);
   property_->SetInterpolationToFlat();
   property_->SetAmbient(lit ? kAmbient : 0);
   property_->SetDiffuse(lit ? 1 - kAmbient : 1);
-  const bool opaque = look.opacity >= 1;
+  const bool opaque = opacity >= 1;
   for (Part* part : {&all_, &few_}) {
     part->actor->SetForceOpaque(opaque);
     part->actor->SetForceTranslucent(!opaque);

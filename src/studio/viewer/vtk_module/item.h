@@ -18,27 +18,29 @@
 #include <span>
 #include <vector>
 
-#include "viewer/canvas/canvas_module.h"
+#include "viewer/canvas/canvas.h"
 
 namespace scanmill {
 
 enum class ItemKind : std::uint32_t { Points = 1, Segments = 2, Triangles = 3 };  // by the corners of an element
 
-// What is drawn of it is a list of indices beside the positions: neither another list nor other colours touch them.
+// What is drawn of an item is a list of indices beside its positions: neither another list nor other colours touch
+// them.
 class Item {
  public:
   explicit Item(ItemKind kind);
 
   ItemKind kind() const { return kind_; }
-  // All elements are shown. Throws std::length_error where there are too many.
-  void set(std::uint64_t count, const float* positions, const std::uint8_t* colors);
-  void setColors(const std::uint8_t* colors);
-  // Ascending; nullopt: all.
+  std::uint32_t count() const { return count_; }  // of elements
+  // Replaces all elements and shows them. Throws std::length_error where there are too many.
+  void set(std::span<const Vec3f> corners, std::span<const Rgb> colors);
+  void setColors(std::span<const Rgb> colors);
+  // Shows only these elements (ascending); nullopt: all.
   void show(std::optional<std::vector<std::uint32_t>> indices);
-  void setLook(const ScanmillCanvasLook& look);
-  const ScanmillCanvasLook& look() const { return look_; }
+  void setLook(const ItemLook& look);
+  const ItemLook& look() const { return look_; }
 
-  // Makes ready what is drawn where only so many points shall be; 0: all.
+  // Makes ready what is drawn where only so many points shall be drawn; 0: all.
   void choose(std::uint64_t mostPoints);
   std::array<vtkActor*, 2> actors() { return {all_.actor.Get(), few_.actor.Get()}; }
 
@@ -56,7 +58,7 @@ class Item {
 
   ItemKind kind_;
   std::uint32_t count_ = 0;
-  ScanmillCanvasLook look_;
+  ItemLook look_;
   vtkNew<vtkPoints> points_;
   vtkNew<vtkUnsignedCharArray> colors_;               // rgba, one a corner: VTK takes these as they are
   std::optional<std::vector<std::uint32_t>> finite_;  // elements whose coordinates are; nullopt: all

@@ -1,216 +1,213 @@
-// libscanmill_viewer.so: VTK on an X window, or on EGL without one, behind the functions of
-// viewer/canvas/canvas_module.h. It is not part of the program, which loads it when it opens the first canvas.
+// libscanmill_viewer.so: canvases on an X window, or on EGL without one, behind the interface of
+// viewer/canvas/canvas_interface.h.
 
+#include <fmt/format.h>
 #include <vtkAutoInit.h>
 
 #include <algorithm>
 #include <exception>
 #include <memory>
 #include <new>
-#include <span>
+#include <optional>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 
-#include "passes/vtk_module/egl_context.h"
-#include "passes/vtk_module/gl_window.h"
-#include "viewer/canvas/canvas_module.h"
+#include "gpu/device.h"
+#include "gpu/opengl_module/egl_context.h"
+#include "gpu/opengl_module/gl_window.h"
+#include "viewer/canvas/canvas_interface.h"
 #include "viewer/vtk_module/canvas_scene.h"
 #include "viewer/vtk_module/x_window.h"
 
 VTK_MODULE_INIT(vtkRenderingOpenGL2)
 
-using namespace scanmill;
-
-struct ScanmillCanvas {
-  std::unique_ptr<XWindow> window;      // of a window
-  std::unique_ptr<EglContext> context;  // of an image
-  std::unique_ptr<CanvasScene> scene;   // last: it ends before its context
-
-  void makeCurrent() {
-    if (window != nullptr) {
-      window->makeCurrent();
-    } else {
-      context->makeCurrent();
-    }
-  }
-};
+namespace scanmill {
 
 namespace {
 
-void put(ScanmillCanvasText& to, std::string_view text) {
-  const std::size_t size = std::min(text.size(), sizeof to.text - 1);
-  std::copy_n(text.data(), size, to.text);
-  to.text[size] = '\0';
-}
-
-// Lets no exception out.
+// Does the work, and throws what fails in the words of the canvas.
 template <class Work>
-ScanmillCanvasStatus guardedCall(ScanmillCanvasText& error, const Work& work) noexcept {
+decltype(auto) told(const Work& work) {
   try {
-    work();
-    put(error, "");
-    return kScanmillCanvasDone;
+    return work();
   } catch (const std::bad_alloc&) {
-    put(error, "out of memory");
-    return kScanmillCanvasOutOfMemory;
-  } catch (const NoScreen& e) {
-    put(error, e.what());
-    return kScanmillCanvasNoDisplay;
+    throw;
+  } catch (const NoDisplay&) {
+    throw;
   } catch (const NoDevice& e) {
-    put(error, e.what());
-    return kScanmillCanvasNoDevice;
+    throw Error(
+        fmt::format("nothing can be shown, there is no OpenGL that will do ({}): {}", e.what(), kInstallOpenGl));
   } catch (const std::exception& e) {
-    put(error, e.what());
-  } catch (...) {
-    put(error, "for no reason given");
+    throw Error(fmt::format("the viewer's canvas: {}", e.what()));
   }
-  return kScanmillCanvasFailed;
 }
 
-// The same with VTK quiet and the canvas's context current.
-template <class Work>
-ScanmillCanvasStatus withCanvas(ScanmillCanvas& canvas, ScanmillCanvasText& error, const Work& work) noexcept {
-  return guardedCall(error, [&] {
-    Quiet quiet;
-    canvas.makeCurrent();
-    work(*canvas.scene);
-    if (const std::string errors = quiet.errors(); !errors.empty()) throw std::runtime_error(errors);
-    if (canvas.window != nullptr) canvas.window->check();
-  });
-}
+class VtkCanvas final : public Canvas {
+ public:
+  VtkCanvas(std::unique_ptr<XWindow> window, std::unique_ptr<EglContext> context, int width, int height)
+      : window_(std::move(window)),
+        context_(std::move(context)),
+        scene_(std::make_unique<CanvasScene>(width, height)),
+        device_(describeGl()) {}
 
-void close(ScanmillCanvas* canvas) {
-  ScanmillCanvasText ignored;
-  guardedCall(ignored, [&] {
+  ~VtkCanvas() override {
     Quiet quiet;
-    const std::unique_ptr<ScanmillCanvas> closed(canvas);
-    closed->makeCurrent();
-    closed->scene.reset();
-  });
-}
-
-ScanmillCanvasStatus open(const ScanmillCanvasOptions* options, ScanmillCanvas** canvas, ScanmillCanvasText* described,
-                          ScanmillCanvasText* error) {
-  return guardedCall(*error, [&] {
-    Quiet quiet;
-    auto opened = std::make_unique<ScanmillCanvas>();
-    if (options->window != 0) {
-      opened->window =
-          std::make_unique<XWindow>(options->title != nullptr ? options->title : "", options->width, options->height);
+    if (window_ != nullptr) {
+      window_->tryMakeCurrent();
     } else {
-      opened->context = std::make_unique<EglContext>(options->device != nullptr ? options->device : "");
+      context_->tryMakeCurrent();
     }
-    opened->scene = std::make_unique<CanvasScene>(options->width, options->height);
-    put(*described, describeGl());
-    if (const std::string errors = quiet.errors(); !errors.empty()) throw std::runtime_error(errors);
-    *canvas = opened.release();
-  });
-}
+    scene_.reset();
+  }
+  VtkCanvas(const VtkCanvas&) = delete;
+  VtkCanvas& operator=(const VtkCanvas&) = delete;
 
-ScanmillCanvasStatus resize(ScanmillCanvas* canvas, std::uint32_t width, std::uint32_t height,
-                            ScanmillCanvasText* error) {
-  return withCanvas(*canvas, *error, [&](CanvasScene& scene) {
-    scene.resize(width, height);
-    if (canvas->window != nullptr) canvas->window->resize(width, height);
-  });
-}
+  std::string device() const override { return device_; }
+  int width() const override { return scene_->width(); }
+  int height() const override { return scene_->height(); }
 
-ScanmillCanvasStatus views(ScanmillCanvas* canvas, const ScanmillCanvasView* list, std::uint32_t count,
-                           ScanmillCanvasText* error) {
-  return withCanvas(*canvas, *error, [&](CanvasScene& scene) { scene.setViews({list, count}); });
-}
-
-ScanmillCanvasStatus points(ScanmillCanvas* canvas, std::uint32_t item, const ScanmillCanvasPoints* p,
-                            ScanmillCanvasText* error) {
-  return withCanvas(*canvas, *error,
-                    [&](CanvasScene& scene) { scene.set(item, ItemKind::Points, p->count, p->positions, p->colors); });
-}
-
-ScanmillCanvasStatus triangles(ScanmillCanvas* canvas, std::uint32_t item, const ScanmillCanvasTriangles* t,
-                               ScanmillCanvasText* error) {
-  return withCanvas(*canvas, *error,
-                    [&](CanvasScene& scene) { scene.set(item, ItemKind::Triangles, t->count, t->corners, t->colors); });
-}
-
-ScanmillCanvasStatus lines(ScanmillCanvas* canvas, std::uint32_t item, const ScanmillCanvasLines* l,
-                           ScanmillCanvasText* error) {
-  return withCanvas(*canvas, *error,
-                    [&](CanvasScene& scene) { scene.set(item, ItemKind::Segments, l->count, l->ends, l->colors); });
-}
-
-ScanmillCanvasStatus colors(ScanmillCanvas* canvas, std::uint32_t item, const std::uint8_t* rgb,
-                            ScanmillCanvasText* error) {
-  return withCanvas(*canvas, *error, [&](CanvasScene& scene) { scene.setColors(item, rgb); });
-}
-
-ScanmillCanvasStatus shown(ScanmillCanvas* canvas, std::uint32_t item, const std::uint32_t* indices,
-                           std::uint64_t count, ScanmillCanvasText* error) {
-  return withCanvas(*canvas, *error, [&](CanvasScene& scene) { scene.show(item, indices, count); });
-}
-
-ScanmillCanvasStatus look(ScanmillCanvas* canvas, std::uint32_t item, const ScanmillCanvasLook* wanted,
-                          ScanmillCanvasText* error) {
-  return withCanvas(*canvas, *error, [&](CanvasScene& scene) { scene.setLook(item, *wanted); });
-}
-
-void drop(ScanmillCanvas* canvas, std::uint32_t item) {
-  ScanmillCanvasText ignored;
-  withCanvas(*canvas, ignored, [&](CanvasScene& scene) { scene.drop(item); });
-}
-
-ScanmillCanvasStatus overlay(ScanmillCanvas* canvas, std::uint32_t width, std::uint32_t height,
-                             const std::uint8_t* rgba, ScanmillCanvasText* error) {
-  return withCanvas(*canvas, *error, [&](CanvasScene& scene) { scene.setOverlay(width, height, rgba); });
-}
-
-ScanmillCanvasStatus render(ScanmillCanvas* canvas, std::uint64_t mostPoints, ScanmillCanvasText* error) {
-  return withCanvas(*canvas, *error, [&](CanvasScene& scene) {
-    scene.draw(mostPoints);
-    if (canvas->window == nullptr) return;
-    scene.showPicture();
-    canvas->window->present();
-  });
-}
-
-ScanmillCanvasStatus read(ScanmillCanvas* canvas, std::uint8_t* rgb, ScanmillCanvasText* error) {
-  return withCanvas(*canvas, *error, [&](CanvasScene& scene) { scene.read(rgb); });
-}
-
-// VTK is quiet in the calls of the handler only: they see to it themselves.
-ScanmillCanvasStatus run(ScanmillCanvas* canvas, std::uint32_t tickMilliseconds, ScanmillCanvasHandler handler,
-                         void* self, ScanmillCanvasText* error) {
-  return guardedCall(*error, [&] {
-    if (canvas->window == nullptr) throw std::invalid_argument("a canvas without a window has no events");
-    canvas->window->run(tickMilliseconds, [&](const ScanmillCanvasEvent& event) {
-      if (event.kind == kScanmillCanvasResize) {
-        canvas->makeCurrent();
-        canvas->scene->resize(event.width, event.height);
-      }
-      return handler(self, &event) != 0;
+  void resize(int width, int height) override {
+    change([&] {
+      scene_->resize(width, height);
+      if (window_ != nullptr) window_->resize(width, height);
     });
-  });
-}
+  }
 
-constexpr ScanmillCanvasModule kModule{kCanvasModuleVersion,
-                                       open,
-                                       close,
-                                       resize,
-                                       views,
-                                       points,
-                                       triangles,
-                                       lines,
-                                       colors,
-                                       shown,
-                                       look,
-                                       drop,
-                                       overlay,
-                                       render,
-                                       read,
-                                       run};
+  void setViews(std::span<const CanvasView> views) override {
+    change([&] { scene_->setViews(views); });
+  }
+
+  void setPoints(ItemId item, std::span<const Vec3f> positions, std::span<const Rgb> colors) override {
+    change([&] { scene_->set(item, ItemKind::Points, positions, colors); });
+  }
+
+  void setTriangles(ItemId item, std::span<const Vec3f> corners, std::span<const Rgb> colors) override {
+    change([&] { scene_->set(item, ItemKind::Triangles, corners, colors); });
+  }
+
+  void setLines(ItemId item, std::span<const Vec3f> ends, std::span<const Rgb> colors) override {
+    change([&] { scene_->set(item, ItemKind::Segments, ends, colors); });
+  }
+
+  void setColors(ItemId item, std::span<const Rgb> colors) override {
+    change([&] { scene_->setColors(item, colors); });
+  }
+
+  void showAll(ItemId item) override {
+    change([&] { scene_->show(item, std::nullopt); });
+  }
+
+  void showOnly(ItemId item, std::span<const std::uint32_t> indices) override {
+    change([&] { scene_->show(item, std::vector<std::uint32_t>(indices.begin(), indices.end())); });
+  }
+
+  void setLook(ItemId item, const ItemLook& look) override {
+    change([&] { scene_->setLook(item, look); });
+  }
+
+  void drop(ItemId item) override {
+    change([&] { scene_->drop(item); });
+  }
+
+  void setOverlay(int width, int height, std::span<const Rgba> pixels) override {
+    change([&] { scene_->setOverlay(width, height, pixels); });
+  }
+
+  void render(std::uint64_t mostPoints) override {
+    change([&] {
+      scene_->draw(mostPoints);
+      if (window_ == nullptr) return;
+      scene_->showPicture();
+      window_->present();
+    });
+  }
+
+  Image read() override {
+    Image image(width(), height(), Rgb{});
+    change([&] { scene_->read(image.pixels); });
+    return image;
+  }
+
+  // VTK is quiet in the calls that `handle` makes, which see to it themselves.
+  void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handle) override {
+    std::exception_ptr thrown;  // by `handle`: it is thrown on as it is
+    const auto handled = [&](const CanvasEvent& event) {
+      if (event.kind == CanvasEvent::Kind::Resize) {
+        makeCurrent();
+        scene_->resize(event.width, event.height);
+      }
+      try {
+        return handle(event);
+      } catch (...) {
+        thrown = std::current_exception();
+        return false;
+      }
+    };
+    try {
+      told([&] {
+        if (window_ == nullptr) throw std::invalid_argument("a canvas without a window has no events");
+        window_->run(tickMilliseconds, handled);
+      });
+    } catch (const Error&) {
+      if (!thrown) throw;
+    }
+    if (thrown) std::rethrow_exception(thrown);
+  }
+
+ private:
+  void makeCurrent() {
+    if (window_ != nullptr) {
+      window_->makeCurrent();
+    } else {
+      context_->makeCurrent();
+    }
+  }
+
+  // Does work on the scene with the context current and VTK quiet.
+  template <class Work>
+  void change(const Work& work) {
+    told([&] {
+      Quiet quiet;
+      makeCurrent();
+      work();
+      quiet.check();
+      if (window_ != nullptr) window_->check();
+    });
+  }
+
+  std::unique_ptr<XWindow> window_;      // of a window
+  std::unique_ptr<EglContext> context_;  // of an image without one
+  std::unique_ptr<CanvasScene> scene_;
+  std::string device_;
+};
+
+class VtkCanvasModule final : public CanvasModule {
+ public:
+  std::unique_ptr<Canvas> openWindow(const std::string& title, int width, int height) const override {
+    return open([&] {
+      return std::make_unique<VtkCanvas>(std::make_unique<XWindow>(title, width, height), nullptr, width, height);
+    });
+  }
+
+  std::unique_ptr<Canvas> openOffscreen(const std::string& device, int width, int height) const override {
+    return open(
+        [&] { return std::make_unique<VtkCanvas>(nullptr, std::make_unique<EglContext>(device), width, height); });
+  }
+
+ private:
+  template <class Make>
+  static std::unique_ptr<Canvas> open(const Make& make) {
+    return told([&] {
+      Quiet quiet;
+      std::unique_ptr<Canvas> canvas = make();
+      quiet.check();
+      return canvas;
+    });
+  }
+};
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) const ScanmillCanvasModule* scanmillCanvasModule() {
-  return &kModule;
-}
+}  // namespace scanmill
+
+SCANMILL_MODULE(CanvasModule, VtkCanvasModule)

@@ -28,30 +28,28 @@ constexpr int kTile = 64;  // px
 
 Overlay::Overlay() : shader_(kFragment) {}
 
-void Overlay::set(vtkOpenGLRenderWindow* window, std::uint32_t width, std::uint32_t height, const std::uint8_t* rgba) {
+void Overlay::set(vtkOpenGLRenderWindow* window, int width, int height, std::span<const Rgba> pixels) {
   runs_.clear();
-  if (rgba == nullptr || width == 0 || height == 0) return;
-  if (texture_->GetHandle() == 0 || texture_->GetWidth() != width || texture_->GetHeight() != height) {
+  const auto columns = static_cast<unsigned>(width);
+  const auto rows = static_cast<unsigned>(height);
+  if (texture_->GetHandle() == 0 || texture_->GetWidth() != columns || texture_->GetHeight() != rows) {
     texture_->SetContext(window);
-    if (!texture_->Allocate2D(width, height, 4, VTK_UNSIGNED_CHAR)) throw std::bad_alloc();
+    if (!texture_->Allocate2D(columns, rows, 4, VTK_UNSIGNED_CHAR)) throw std::bad_alloc();
   }
   texture_->Activate();
   window->GetState()->vtkglPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height), GL_RGBA,
-                  GL_UNSIGNED_BYTE, rgba);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
   texture_->Deactivate();
 
   // Most of it is transparent as a rule, and what is not drawn costs nothing.
-  const int columns = static_cast<int>(width);
-  const int rows = static_cast<int>(height);
-  for (int top = 0; top < rows; top += kTile) {
-    const int tileHeight = std::min(kTile, rows - top);
-    for (int left = 0; left < columns; left += kTile) {
-      const int tileWidth = std::min(kTile, columns - left);
+  for (int top = 0; top < height; top += kTile) {
+    const int tileHeight = std::min(kTile, height - top);
+    for (int left = 0; left < width; left += kTile) {
+      const int tileWidth = std::min(kTile, width - left);
       unsigned alpha = 0;
       for (int y = top; y < top + tileHeight; ++y) {
-        const std::uint8_t* texels = rgba + 4 * (static_cast<std::size_t>(y) * width + static_cast<std::size_t>(left));
-        for (int x = 0; x < tileWidth; ++x) alpha |= texels[4 * x + 3];
+        const Rgba* row = &pixels[static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(left)];
+        for (int x = 0; x < tileWidth; ++x) alpha |= row[x][3];
       }
       if (alpha == 0) continue;
       const bool goesOn = !runs_.empty() && runs_.back().top == top && runs_.back().left + runs_.back().width == left;

@@ -6,9 +6,10 @@
 #include <vtkOpenGLRenderWindow.h>
 #include <vtkTextureObject.h>
 
-#include <cstdint>
+#include <span>
 #include <vector>
 
+#include "viewer/canvas/canvas.h"
 #include "viewer/vtk_module/screen_shader.h"
 
 namespace scanmill {
@@ -17,9 +18,11 @@ class Overlay {
  public:
   Overlay();
 
-  // rgba, the upper row first; null: none.
-  void set(vtkOpenGLRenderWindow* window, std::uint32_t width, std::uint32_t height, const std::uint8_t* rgba);
-  // Onto the framebuffer that is bound, of this size.
+  // Takes an image of this size (px), the upper row first.
+  void set(vtkOpenGLRenderWindow* window, int width, int height, std::span<const Rgba> pixels);
+  // Takes the image away.
+  void clear() { runs_.clear(); }
+  // Draws onto the framebuffer that is bound, of this size (px).
   void draw(vtkOpenGLRenderWindow* window, int width, int height);
   void release(vtkWindow* window);
 

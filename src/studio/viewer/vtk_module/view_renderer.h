@@ -2,7 +2,7 @@
 
 #include <vtkOpenGLRenderer.h>
 
-#include "viewer/canvas/canvas_module.h"
+#include "viewer/canvas/canvas.h"
 #include "viewer/vtk_module/depth_edges.h"
 
 namespace scanmill {
@@ -12,15 +12,15 @@ class ViewRenderer : public vtkOpenGLRenderer {  // NOLINT(cppcoreguidelines-vir
  public:
   static ViewRenderer* New();
 
-  // For a canvas of this size.
-  void setView(const ScanmillCanvasView& view, int canvasWidth, int canvasHeight);
+  // Sets the camera and the place of the view on a canvas of this size (px).
+  void setView(const CanvasView& view, int canvasWidth, int canvasHeight);
   void useEdges(DepthEdges* edges) { edges_ = edges; }
 
   void DeviceRenderOpaqueGeometry(vtkFrameBufferObjectBase* frame) override;
   void DeviceRenderTranslucentPolygonalGeometry(vtkFrameBufferObjectBase* frame) override;
 
  private:
-  ScanmillCanvasView view_{};
+  CanvasView view_{};
   int canvasHeight_ = 0;
   DepthEdges* edges_ = nullptr;
 };

@@ -16,16 +16,9 @@ namespace {
 constexpr Time kDoubleClick = 400;  // ms
 constexpr int kSamePlace = 4;       // px
 
-template <std::size_t size>
-void copyText(char (&to)[size], std::string_view text) {
-  if (text.size() >= size) text = {};
-  std::copy(text.begin(), text.end(), to);
-  to[text.size()] = '\0';
-}
-
 }  // namespace
 
-XEvents::XEvents(Display* display, Window window, std::uint32_t width, std::uint32_t height)
+XEvents::XEvents(Display* display, Window window, int width, int height)
     : display_(display),
       window_(window),
       protocols_(XInternAtom(display, "WM_PROTOCOLS", False)),
@@ -33,7 +26,8 @@ XEvents::XEvents(Display* display, Window window, std::uint32_t width, std::uint
       width_(width),
       height_(height) {
   XSetWMProtocols(display, window, &deleteWindow_, 1);
-  // Of Xlib itself, not of an input server, which could be gone: it knows all keyboards and dead keys.
+  // The input method is that of Xlib itself, not of an input server, which could be gone. It knows all keyboards and
+  // dead keys.
   XSetLocaleModifiers("@im=none");
   method_ = XOpenIM(display, nullptr, nullptr, nullptr);
   if (method_ != nullptr) {
@@ -49,8 +43,8 @@ XEvents::~XEvents() {
   if (method_ != nullptr) XCloseIM(method_);
 }
 
-ScanmillCanvasEvent XEvents::plain(ScanmillCanvasEventKind kind) const {
-  ScanmillCanvasEvent event{};
+CanvasEvent XEvents::plain(CanvasEvent::Kind kind) const {
+  CanvasEvent event;
   event.kind = kind;
   event.x = x_;
   event.y = y_;
@@ -59,30 +53,30 @@ ScanmillCanvasEvent XEvents::plain(ScanmillCanvasEventKind kind) const {
   return event;
 }
 
-ScanmillCanvasEvent XEvents::at(ScanmillCanvasEventKind kind, int x, int y, unsigned modifiers) {
+CanvasEvent XEvents::at(CanvasEvent::Kind kind, int x, int y, unsigned modifiers) {
   x_ = x;
   y_ = y;
-  ScanmillCanvasEvent event = plain(kind);
-  event.shift = (modifiers & ShiftMask) != 0 ? 1 : 0;
-  event.control = (modifiers & ControlMask) != 0 ? 1 : 0;
+  CanvasEvent event = plain(kind);
+  event.shift = (modifiers & ShiftMask) != 0;
+  event.control = (modifiers & ControlMask) != 0;
   return event;
 }
 
-std::optional<ScanmillCanvasEvent> XEvents::configured(int width, int height) {
-  if (static_cast<int>(width_) == width && static_cast<int>(height_) == height) return {};
-  width_ = static_cast<std::uint32_t>(width);
-  height_ = static_cast<std::uint32_t>(height);
-  return plain(kScanmillCanvasResize);
+std::optional<CanvasEvent> XEvents::configured(int width, int height) {
+  if (width_ == width && height_ == height) return {};
+  width_ = width;
+  height_ = height;
+  return plain(CanvasEvent::Kind::Resize);
 }
 
-ScanmillCanvasEvent XEvents::size() {
+CanvasEvent XEvents::size() {
   XWindowAttributes attributes{};
   if (XGetWindowAttributes(display_, window_, &attributes) != 0) configured(attributes.width, attributes.height);
-  return plain(kScanmillCanvasResize);
+  return plain(CanvasEvent::Kind::Resize);
 }
 
-ScanmillCanvasEvent XEvents::key(XKeyEvent& press) {
-  ScanmillCanvasEvent event = at(kScanmillCanvasKey, press.x, press.y, press.state);
+CanvasEvent XEvents::key(XKeyEvent& press) {
+  CanvasEvent event = at(CanvasEvent::Kind::Key, press.x, press.y, press.state);
   std::array<char, 64> typed{};
   KeySym symbol = NoSymbol;
   int length = 0;
@@ -96,22 +90,22 @@ ScanmillCanvasEvent XEvents::key(XKeyEvent& press) {
     if (length == 1 && static_cast<unsigned char>(typed[0]) >= 0x80) length = 0;  // Latin-1
   }
   const char* name = symbol != NoSymbol ? XKeysymToString(symbol) : nullptr;
-  copyText(event.key, name != nullptr ? name : "");
+  event.key = name != nullptr ? name : "";
   const std::string_view text(typed.data(), static_cast<std::size_t>(std::max(length, 0)));
   const bool controls = !text.empty() && (static_cast<unsigned char>(text[0]) < 0x20 || text[0] == 0x7F);
-  if (!controls) copyText(event.text, text);
+  if (!controls) event.text = text;
   return event;
 }
 
-std::optional<ScanmillCanvasEvent> XEvents::button(const XButtonEvent& press, bool down) {
+std::optional<CanvasEvent> XEvents::button(const XButtonEvent& press, bool down) {
   if (press.button >= 4) {  // 4 and 5 are the wheel's, 6 and 7 of one that tilts
     if (!down || press.button > 5) return {};
-    ScanmillCanvasEvent event = at(kScanmillCanvasWheel, press.x, press.y, press.state);
+    CanvasEvent event = at(CanvasEvent::Kind::Wheel, press.x, press.y, press.state);
     event.amount = press.button == 4 ? 1 : -1;
     return event;
   }
-  ScanmillCanvasEvent event = at(down ? kScanmillCanvasDown : kScanmillCanvasUp, press.x, press.y, press.state);
-  event.button = press.button;
+  CanvasEvent event = at(down ? CanvasEvent::Kind::Down : CanvasEvent::Kind::Up, press.x, press.y, press.state);
+  event.button = static_cast<int>(press.button);
   if (down) {
     const bool again = clicks_ == 1 && press.button == lastPress_.button &&
                        press.time - lastPress_.time <= kDoubleClick && std::abs(press.x - lastPress_.x) <= kSamePlace &&
@@ -119,11 +113,11 @@ std::optional<ScanmillCanvasEvent> XEvents::button(const XButtonEvent& press, bo
     clicks_ = again ? 2 : 1;
     lastPress_ = press;
   }
-  event.clicks = std::max(clicks_, 1u);
+  event.clicks = std::max(clicks_, 1);
   return event;
 }
 
-std::optional<ScanmillCanvasEvent> XEvents::take() {
+std::optional<CanvasEvent> XEvents::take() {
   XEvent event{};
   XNextEvent(display_, &event);
   if (XFilterEvent(&event, None) != 0) return {};
@@ -148,13 +142,13 @@ std::optional<ScanmillCanvasEvent> XEvents::take() {
       return button(event.xbutton, event.type == ButtonPress);
     case MotionNotify:
       skipTo();
-      return at(kScanmillCanvasMove, event.xmotion.x, event.xmotion.y, event.xmotion.state);
+      return at(CanvasEvent::Kind::Move, event.xmotion.x, event.xmotion.y, event.xmotion.state);
     case ConfigureNotify:
       skipTo();
       return configured(event.xconfigure.width, event.xconfigure.height);
     case Expose:
       if (event.xexpose.count > 0) return {};
-      return plain(kScanmillCanvasExpose);
+      return plain(CanvasEvent::Kind::Redraw);
     case FocusIn:
       if (context_ != nullptr) XSetICFocus(context_);
       return {};
@@ -163,11 +157,11 @@ std::optional<ScanmillCanvasEvent> XEvents::take() {
       return {};
     case ClientMessage:
       if (event.xclient.message_type == protocols_ && static_cast<Atom>(event.xclient.data.l[0]) == deleteWindow_) {
-        return plain(kScanmillCanvasClose);
+        return plain(CanvasEvent::Kind::Close);
       }
       return {};
     case DestroyNotify:
-      return plain(kScanmillCanvasClose);
+      return plain(CanvasEvent::Kind::Close);
     default:
       return {};
   }

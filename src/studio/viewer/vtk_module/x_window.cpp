@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "passes/vtk_module/egl_context.h"
+#include "gpu/device.h"
 #include "viewer/vtk_module/x_events.h"
 
 namespace scanmill {
@@ -42,7 +42,7 @@ int keepComplaint(Display* display, XErrorEvent* error) {
   return 0;
 }
 
-// Must not return: Xlib would end the program by itself, by way of the destructors of what is in use.
+// It must not return: Xlib would end the program by itself, by way of the destructors of what is in use.
 int endProgram(Display*) {
   constexpr std::string_view kMessage = "error: the connection to the X server, and with it the window, is lost\n";
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
@@ -107,7 +107,7 @@ struct XWindow::State {
 
   void connect();
   void start();
-  void create(const XVisualInfo& visual, const std::string& title, std::uint32_t width, std::uint32_t height);
+  void create(const XVisualInfo& visual, const std::string& title, int width, int height);
   void makeContext(EGLConfig config);
   ~State();
 };
@@ -116,11 +116,11 @@ void XWindow::State::connect() {
   const char* name = std::getenv("DISPLAY");
   const std::string instead = "or take a picture without one: --screenshot FILE.png";
   if (name == nullptr || *name == '\0') {
-    throw NoScreen(fmt::format("there is no display for a window: DISPLAY is not set; set it, {}", instead));
+    throw NoDisplay(fmt::format("there is no display for a window: DISPLAY is not set; set it, {}", instead));
   }
   server = XOpenDisplay(name);
   if (server == nullptr) {
-    throw NoScreen(
+    throw NoDisplay(
         fmt::format("there is no display for a window: the X server {} (DISPLAY) does not answer or lets nobody in; "
                     "set DISPLAY, {}",
                     name, instead));
@@ -144,8 +144,7 @@ void XWindow::State::start() {
   if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) throw NoDevice("EGL has no OpenGL on this X server");
 }
 
-void XWindow::State::create(const XVisualInfo& visual, const std::string& title, std::uint32_t width,
-                            std::uint32_t height) {
+void XWindow::State::create(const XVisualInfo& visual, const std::string& title, int width, int height) {
   const ::Window root = RootWindow(server, visual.screen);
   colors = XCreateColormap(server, root, visual.visual, AllocNone);
   XSetWindowAttributes attributes{};
@@ -153,12 +152,13 @@ void XWindow::State::create(const XVisualInfo& visual, const std::string& title,
   attributes.border_pixel = 0;
   attributes.background_pixmap = None;  // not cleared by the server, which would flicker
   attributes.bit_gravity = NorthWestGravity;
-  window = XCreateWindow(server, root, 0, 0, width, height, 0, visual.depth, InputOutput, visual.visual,
-                         CWColormap | CWBorderPixel | CWBackPixmap | CWBitGravity, &attributes);
+  window =
+      XCreateWindow(server, root, 0, 0, static_cast<unsigned>(width), static_cast<unsigned>(height), 0, visual.depth,
+                    InputOutput, visual.visual, CWColormap | CWBorderPixel | CWBackPixmap | CWBitGravity, &attributes);
   XSizeHints sizes{};
   sizes.flags = PSize | PMinSize;
-  sizes.width = static_cast<int>(width);
-  sizes.height = static_cast<int>(height);
+  sizes.width = width;
+  sizes.height = height;
   sizes.min_width = 160;
   sizes.min_height = 120;
   XWMHints hints{};
@@ -214,9 +214,8 @@ XWindow::State::~State() {
   XSetIOErrorHandler(lossBefore);
 }
 
-XWindow::XWindow(const std::string& title, std::uint32_t width, std::uint32_t height)
-    : state_(std::make_unique<State>()) {
-  constexpr std::uint32_t kLargest = 32767;  // X's numbers have 16 bits
+XWindow::XWindow(const std::string& title, int width, int height) : state_(std::make_unique<State>()) {
+  constexpr int kLargest = 32767;  // X's numbers have 16 bits
   if (width < 1 || height < 1 || width > kLargest || height > kLargest) {
     throw std::invalid_argument(fmt::format("a window of {} x {} pixels cannot be made", width, height));
   }
@@ -232,9 +231,13 @@ XWindow::XWindow(const std::string& title, std::uint32_t width, std::uint32_t he
 
 XWindow::~XWindow() = default;
 
-void XWindow::makeCurrent() {
+bool XWindow::tryMakeCurrent() noexcept {
   eglBindAPI(EGL_OPENGL_API);
-  if (eglMakeCurrent(state_->display, state_->surface, state_->surface, state_->context) != EGL_TRUE) {
+  return eglMakeCurrent(state_->display, state_->surface, state_->surface, state_->context) == EGL_TRUE;
+}
+
+void XWindow::makeCurrent() {
+  if (!tryMakeCurrent()) {
     throw std::runtime_error(
         fmt::format("the window's OpenGL context cannot be used (EGL error {:#x})", eglGetError()));
   }
@@ -247,8 +250,8 @@ void XWindow::present() {
   }
 }
 
-void XWindow::resize(std::uint32_t width, std::uint32_t height) {
-  XResizeWindow(state_->server, state_->window, width, height);
+void XWindow::resize(int width, int height) {
+  XResizeWindow(state_->server, state_->window, static_cast<unsigned>(width), static_cast<unsigned>(height));
   XSync(state_->server, False);
 }
 
@@ -256,7 +259,7 @@ void XWindow::check() {
   if (const std::string text = std::exchange(complaint(), {}); !text.empty()) throw std::runtime_error(text);
 }
 
-void XWindow::run(std::uint32_t tickMilliseconds, const std::function<bool(const ScanmillCanvasEvent&)>& handler) {
+void XWindow::run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handler) {
   const std::chrono::milliseconds tick(tickMilliseconds);
   XMapRaised(state_->server, state_->window);
   XEvents& events = *state_->events;
@@ -264,27 +267,27 @@ void XWindow::run(std::uint32_t tickMilliseconds, const std::function<bool(const
   Clock::time_point next = Clock::now() + tick;
   for (;;) {
     // A tick that is due goes before further events, or a moving mouse could keep it away for ever.
-    while ((tickMilliseconds == 0 || Clock::now() < next) && XPending(state_->server) > 0) {
-      const std::optional<ScanmillCanvasEvent> event = events.take();
+    while ((tickMilliseconds <= 0 || Clock::now() < next) && XPending(state_->server) > 0) {
+      const std::optional<CanvasEvent> event = events.take();
       if (!event) continue;
       const bool more = handler(*event);
       check();
-      if (!more || event->kind == kScanmillCanvasClose) return;
+      if (!more || event->kind == CanvasEvent::Kind::Close) return;
     }
-    if (tickMilliseconds != 0 && Clock::now() >= next) {
-      if (!handler(events.plain(kScanmillCanvasTick))) return;
+    if (tickMilliseconds > 0 && Clock::now() >= next) {
+      if (!handler(events.plain(CanvasEvent::Kind::Tick))) return;
       check();
       next = std::max(next + tick, Clock::now());  // those missed are not made up for
       if (XPending(state_->server) > 0) {
         // At least one event between two ticks.
-        const std::optional<ScanmillCanvasEvent> event = events.take();
-        if (event && (!handler(*event) || event->kind == kScanmillCanvasClose)) return;
+        const std::optional<CanvasEvent> event = events.take();
+        if (event && (!handler(*event) || event->kind == CanvasEvent::Kind::Close)) return;
       }
       continue;
     }
     pollfd connection{ConnectionNumber(state_->server), POLLIN, 0};
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(next - Clock::now()).count() + 1;
-    const int wait = tickMilliseconds == 0 ? -1 : static_cast<int>(std::max<std::int64_t>(left, 0));
+    const int wait = tickMilliseconds <= 0 ? -1 : static_cast<int>(std::max<std::int64_t>(left, 0));
     if (::poll(&connection, 1, wait) < 0 && errno != EINTR) {
       throw std::runtime_error("the X server cannot be waited for");
     }

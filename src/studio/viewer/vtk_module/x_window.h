@@ -2,21 +2,13 @@
 
 // A window of an X server, with an OpenGL context.
 
-#include <cstdint>
 #include <functional>
 #include <memory>
-#include <stdexcept>
 #include <string>
 
-#include "viewer/canvas/canvas_module.h"
+#include "viewer/canvas/canvas.h"
 
 namespace scanmill {
-
-// No X server takes a window.
-class NoScreen : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 // VTK's own window ends the program by abort() where the server lacks what it wants, and its interactor binds keys;
 // this one says what is wrong, and binds none. Its OpenGL is that of EGL, as without a window. It is invisible until
@@ -24,19 +16,22 @@ class NoScreen : public std::runtime_error {
 // on.
 class XWindow {
  public:
-  // The context is current. Throws NoScreen, and NoDevice.
-  XWindow(const std::string& title, std::uint32_t width, std::uint32_t height);
+  // Leaves the context current. Throws NoDisplay, and NoDevice.
+  XWindow(const std::string& title, int width, int height);
   ~XWindow();
   XWindow(const XWindow&) = delete;
   XWindow& operator=(const XWindow&) = delete;
 
+  // Makes the context current on the calling thread. Throws std::runtime_error.
   void makeCurrent();
+  // Does the same where it can be done; false elsewhere.
+  bool tryMakeCurrent() noexcept;
   // Shows what was drawn to the context's own framebuffer.
   void present();
   // Asks for another size. Whoever manages the windows may give it or not: an event tells.
-  void resize(std::uint32_t width, std::uint32_t height);
-  // See ScanmillCanvasModule. The handler returns false to end it.
-  void run(std::uint32_t tickMilliseconds, const std::function<bool(const ScanmillCanvasEvent&)>& handler);
+  void resize(int width, int height);
+  // See Canvas::run().
+  void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handler);
   // Throws what the server has complained about since the last call.
   void check();
 

@@ -355,7 +355,7 @@ bool ImageSession::handle(const CanvasEvent& event) {
       s.help ? s.scrollHelp(-3 * event.amount) : s.zoom(event.amount, event.x, event.y);
       break;
     case CanvasEvent::Kind::Resize:
-    case CanvasEvent::Kind::Expose:
+    case CanvasEvent::Kind::Redraw:
       s.changed = true;
       break;
     case CanvasEvent::Kind::Tick:

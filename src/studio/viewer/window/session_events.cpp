@@ -58,7 +58,7 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
       viewsChanged = true;
       placeClouds();
       break;
-    case CanvasEvent::Kind::Expose:
+    case CanvasEvent::Kind::Redraw:
       itemsChanged = hudChanged = true;
       break;
     case CanvasEvent::Kind::Tick:

@@ -21,9 +21,9 @@ namespace scanmill {
 inline const PassChoice kIds{Channels(Channel::Instance) | Channel::Primitive | Channel::Normal | Channel::Material,
                              false};
 
-#define RENDERER_OR_SKIP(name, scene)                              \
-  const std::unique_ptr<PassRenderer> name = vtkRendererOf(scene); \
-  if (name == nullptr) GTEST_SKIP() << "this machine has no OpenGL 4.3 by EGL"
+#define RENDERER_OR_SKIP(name, scene) \
+  SKIP_WITHOUT_GL();                  \
+  const std::unique_ptr<PassRenderer> name = makeVtkRenderer(scene)
 
 inline Camera cameraAt(const Vec3d& position, double yawDeg, double pitchDeg, double rollDeg, std::uint32_t width,
                        std::uint32_t height, double fieldDeg) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <thread>
 
+#include "gpu/compute.h"
 #include "passes/renderer.h"
 #include "tests/core/passes/vtk/drawing.h"
 #include "tests/support/gl.h"
@@ -198,6 +199,46 @@ TEST(VtkRenderer, SaysWhichDevicesThereAre) {
   EXPECT_THAT(message, HasSubstr("SCANMILL_GL_DEVICE: there is no device '77': take"));
   EXPECT_THAT(message, testing::Not(HasSubstr("libgl1-mesa-dri")));  // nothing is amiss but the number
   EXPECT_TRUE(software == "accepted" || software.find("there is no device 'software'") != std::string::npos);
+}
+
+// Renderers and compute devices have threads and contexts of their own.
+TEST(VtkRenderer, DrawsWhileOthersCompute) {
+  const Scene scene = randomScene();
+  RENDERER_OR_SKIP(renderer, scene);
+  const Camera camera = cameraAt({-9, 1, 0.5}, 5, 3, 20, 64, 48, 80);
+  const PassPlanes expected = drawnOne(*renderer, camera);
+  const int rounds = kSanitized ? 3 : 20;
+  std::vector<int> right(4, 0);
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t t = 0; t < right.size(); ++t) {
+      threads.emplace_back([&, t] {
+        for (int round = 0; round < rounds; ++round) {
+          if (t == 0) {
+            right[t] += same(expected, drawnOne(*renderer, camera));
+            continue;
+          }
+          const ComputeDevice device({"tests cannot compute", "do it by hand"});
+          ComputeProgram program(device, "add", R"(
+layout(std140, binding = 0) uniform Parameters { uint added; };
+layout(std430, binding = 0) buffer Sums { uint sums[]; };
+void invoke(uint i) { sums[i] += added * i; }
+)");
+          ComputeBuffer buffer(device);
+          std::vector<std::uint32_t> sums(100 * t, 5);
+          buffer.hold(std::span<const std::uint32_t>(sums));
+          const auto added = static_cast<std::uint32_t>(t);
+          program.run(sums.size(), {&buffer}, std::as_bytes(std::span(&added, 1)));
+          std::vector<std::uint32_t> got(sums.size());
+          const ComputeBuffer::Target all{0, std::as_writable_bytes(std::span(got))};
+          buffer.read({&all, 1});
+          for (std::uint32_t i = 0; i < sums.size(); ++i) sums[i] += added * i;
+          right[t] += got == sums;
+        }
+      });
+    }
+  }
+  EXPECT_EQ(right, std::vector<int>(4, rounds));
 }
 
 }  // namespace

@@ -1,12 +1,15 @@
-#include "passes/vtk_module/egl_context.h"
+#include "gpu/opengl_module/egl_context.h"
 
 #include <EGL/eglext.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 #include <string_view>
 #include <vector>
+
+#include "gpu/device.h"
 
 namespace scanmill {
 
@@ -34,7 +37,7 @@ Function entry(const char* name) {
   return reinterpret_cast<Function>(eglGetProcAddress(name));
 }
 
-// Cards first, then what runs on the processor.
+// Graphics cards come first, then what runs on the processor.
 std::vector<Candidate> candidates() {
   const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
   std::vector<Candidate> found;
@@ -74,7 +77,7 @@ std::vector<Candidate> chosen(const std::string& device) {
   return list;
 }
 
-// Empty where it became current.
+// Makes a context of the candidate and leaves it current. Tells why it cannot; empty where it can.
 std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLContext& context) {
   const auto getDisplay = entry<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   if (getDisplay == nullptr) return "it knows no platforms";
@@ -129,14 +132,18 @@ EglContext::~EglContext() {
   eglDestroyContext(display_, context_);
 }
 
-void EglContext::makeCurrent() {
+bool EglContext::tryMakeCurrent() noexcept {
   eglBindAPI(EGL_OPENGL_API);
-  if (eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) != EGL_TRUE) {
+  return eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_TRUE;
+}
+
+void EglContext::makeCurrent() {
+  if (!tryMakeCurrent()) {
     throw std::runtime_error(fmt::format("the OpenGL context cannot be used (EGL error {:#x})", eglGetError()));
   }
 }
 
-void EglContext::release() {
+void EglContext::release() noexcept {
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// Computing by compute shaders of OpenGL 4.3, on the device that draws images, without an X server.
+// Computing by compute shaders of OpenGL 4.3, without an X server. OpenGL is in a module (gpu/compute_interface.h) that
+// is loaded with the first device.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +16,7 @@ namespace scanmill {
 
 struct ComputeContext;  // what a device's buffers and programs share
 
-// Errors of a device and of what it has made are told as "<cannot>: <why>; <instead>".
+// Errors of a device and of what it has made read "<cannot>: <why>; <instead>".
 struct ComputeErrorWords {
   std::string cannot;   // "particles cannot fly by OpenGL"
   std::string instead;  // "'backend: cpu' does without it"
@@ -23,15 +24,16 @@ struct ComputeErrorWords {
 
 class ComputeDevice {
  public:
-  // The device is chosen as the VTK renderer chooses its own. Throws Error where the machine has no OpenGL 4.3 by EGL.
+  // Takes the device that namedDevice() names (gpu/device.h). Throws Error where the machine has no OpenGL 4.3 by EGL,
+  // or the module cannot be loaded.
   explicit ComputeDevice(ComputeErrorWords words);
 
   const std::string& name() const;        // "llvmpipe (LLVM 15.0.6, 256 bits)"
   bool software() const;                  // it runs on the processor
   std::uint64_t mostBufferBytes() const;  // of one buffer that a program reads and writes
-  std::uint64_t mostTableTexels() const;  // of one that it only reads
+  std::uint64_t mostTableTexels() const;  // of one table, which a program only reads
   std::uint32_t mostBuffers() const;      // of one program; OpenGL promises 8
-  std::uint32_t mostTables() const;       // likewise; OpenGL promises 16
+  std::uint32_t mostTables() const;       // of one program; OpenGL promises 16
   // Waits until everything asked for is done.
   void finish();
   // Throws an Error in the device's words.
@@ -52,11 +54,11 @@ class ComputeBuffer {
   ComputeBuffer(const ComputeBuffer&) = delete;
   ComputeBuffer& operator=(const ComputeBuffer&) = delete;
 
-  // At least so many bytes; the contents are lost where it grows.
+  // Makes the buffer at least so large. Its contents are lost where it grows.
   void reserve(std::uint64_t bytes);
   std::uint64_t bytes() const { return bytes_; }
 
-  // Pieces that lie in the buffer, each at its offset (bytes).
+  // A piece of the buffer, which starts at `offset` (bytes), and the memory that it is copied from or to.
   struct Source {
     std::uint64_t offset;
     std::span<const std::byte> bytes;
@@ -68,7 +70,7 @@ class ComputeBuffer {
   void write(std::span<const Source> pieces);
   void read(std::span<const Target> pieces) const;
 
-  // Becomes as large as the array, and holds it.
+  // Makes the buffer at least as large as the array, and copies the array to its start.
   template <class T>
   void hold(std::span<const T> array) {
     reserve(array.size_bytes());
@@ -83,9 +85,8 @@ class ComputeBuffer {
   std::uint64_t bytes_ = 0;
 };
 
-// A buffer that a program only reads, by texelFetch() of a usamplerBuffer (Uint16 ...) or a samplerBuffer
-// (Float32x4). Made for access here and there: by llvmpipe a tenth to a fifth faster than a storage
-// buffer.
+// A buffer that a program only reads, by texelFetch() of a usamplerBuffer (Uint16 ...) or a samplerBuffer (Float32x4).
+// It suits access here and there: llvmpipe reads it a tenth to a fifth faster than a storage buffer.
 struct ComputeTable {
   enum class Texel { Uint16, Uint32, Uint32x4, Float32x4 };
   const ComputeBuffer* buffer;
@@ -104,8 +105,8 @@ class ComputeProgram {
   ComputeProgram(const ComputeProgram&) = delete;
   ComputeProgram& operator=(const ComputeProgram&) = delete;
 
-  // invoke(0) to invoke(invocations - 1), less than 2^32, in any order. What they write is there for the next run and
-  // read().
+  // Calls invoke(0) to invoke(invocations - 1), less than 2^32, in any order. What they write is there for the next run
+  // and for read().
   void run(std::uint64_t invocations, std::initializer_list<const ComputeBuffer*> buffers,
            std::span<const std::byte> parameters = {}, std::initializer_list<ComputeTable> tables = {});
 

@@ -11,7 +11,8 @@
 
 namespace scanmill {
 
-// Throws std::bad_alloc where OpenGL ran out of memory, and std::runtime_error with its error else.
+// Throws std::bad_alloc where OpenGL ran out of memory, and std::runtime_error where it has another error: "<doing>:
+// OpenGL error ...".
 void checkGl(std::string_view doing);
 
 class GlBuffer {
@@ -22,9 +23,9 @@ class GlBuffer {
   GlBuffer& operator=(const GlBuffer&) = delete;
 
   GLuint name() const { return name_; }
-  // Replaces the contents; `data` may be null.
+  // Replaces the contents. Where `data` is null they are undefined.
   void fill(const void* data, std::size_t bytes, GLenum usage);
-  // At least so large; the contents are lost where it grows.
+  // Makes it at least so large. Its contents are lost where it grows.
   void reserve(std::size_t bytes, GLenum usage);
 
  private:
@@ -32,8 +33,8 @@ class GlBuffer {
   std::size_t bytes_ = 0;
 };
 
-// A vertex attribute: `components` floats, or one uint32 where `integer`, of a buffer's elements. `divisor` 1: one
-// element per instance.
+// A vertex attribute is read from a buffer's elements: `components` floats, or as many uint32 where `integer` is set.
+// There is one element per vertex where `divisor` is 0, and one per instance where it is 1.
 struct GlAttribute {
   GLuint location;
   const GlBuffer* buffer;

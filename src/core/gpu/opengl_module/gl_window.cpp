@@ -1,4 +1,4 @@
-#include "passes/vtk_module/gl_window.h"
+#include "gpu/opengl_module/gl_window.h"
 
 #include <fmt/format.h>
 #include <vtkLogger.h>
@@ -6,9 +6,10 @@
 #include <vtkVersion.h>
 #include <vtk_glew.h>
 
+#include <stdexcept>
 #include <utility>
 
-#include "passes/vtk_module/egl_context.h"
+#include "gpu/device.h"
 
 namespace scanmill {
 
@@ -66,8 +67,8 @@ Quiet::~Quiet() {
   vtkOutputWindow::SetInstance(before_);
 }
 
-std::string Quiet::errors() {
-  return messages_->take();
+void Quiet::check() {
+  if (const std::string errors = messages_->take(); !errors.empty()) throw std::runtime_error(errors);
 }
 
 std::string describeGl() {

@@ -1,6 +1,6 @@
 #pragma once
 
-// The thread on which all OpenGL and VTK calls are made.
+// The thread on which a module makes its calls of OpenGL and VTK.
 
 #include <condition_variable>
 #include <exception>
@@ -15,7 +15,7 @@ namespace scanmill {
 // time, corrupts memory in Mesa 22.3's llvmpipe; and VTK's own objects are not made for several threads.
 class GlThread {
  public:
-  // One for all renderers that there are; it ends with the last of them.
+  // The one thread for all devices of a module. It ends with the last of them.
   static std::shared_ptr<GlThread> shared();
 
   GlThread();

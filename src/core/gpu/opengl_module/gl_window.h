@@ -11,18 +11,18 @@
 
 namespace scanmill {
 
-// A window that is none: VTK needs one to hold its state of OpenGL.
+// VTK needs a window to hold its state of OpenGL. This one shows nothing.
 class GlWindow
     : public vtkGenericOpenGLRenderWindow {  // NOLINT(cppcoreguidelines-virtual-class-destructor): VTK counts
  public:
   static GlWindow* New();
 
-  // Takes the context that is current. Throws NoDevice.
+  // Takes the context that is current, for pictures of this size (px). Throws NoDevice.
   void start(int width, int height);
   void OpenGLInitContext() override;
 };
 
-// While it lives, VTK's messages are kept; else they would go to standard error.
+// While it lives, VTK's messages are kept, which otherwise would go to standard error.
 class Quiet {
  public:
   Quiet();
@@ -30,8 +30,8 @@ class Quiet {
   Quiet(const Quiet&) = delete;
   Quiet& operator=(const Quiet&) = delete;
 
-  // Takes the errors among them. The warnings are lost.
-  std::string errors();
+  // Throws std::runtime_error with the errors among them since the last call. The warnings are lost.
+  void check();
 
  private:
   class Messages;

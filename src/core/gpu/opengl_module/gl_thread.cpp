@@ -1,4 +1,4 @@
-#include "passes/vtk_module/gl_thread.h"
+#include "gpu/opengl_module/gl_thread.h"
 
 namespace scanmill {
 

@@ -1,4 +1,4 @@
-#include "passes/vtk_module/gl_objects.h"
+#include "gpu/opengl_module/gl_objects.h"
 
 #include <fmt/format.h>
 

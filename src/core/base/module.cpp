@@ -1,4 +1,4 @@
-#include "base/module_loader.h"
+#include "base/module.h"
 
 #include <dlfcn.h>
 #include <fmt/core.h>
@@ -45,29 +45,31 @@ std::vector<std::string> programLibraryFolders() {
   return folders;
 }
 
-void* loadModule(const ModuleFile& module, const std::vector<std::string>& folders) {
+const void* loadModuleObject(const ModuleFile& module, const std::vector<std::string>& folders) {
   std::string sought;
   for (const std::string& folder : folders) {
-    const std::string file = folder + "/" + module.file;
+    const std::string file = fmt::format("{}/{}", folder, module.name);
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) {
       sought += (sought.empty() ? "" : ", ") + file;
       continue;
     }
-    // Local: nothing of its libraries may stand in for a symbol of ours. Never closed: they keep threads and tables.
+    // It is loaded locally, so that nothing of its libraries stands in for a symbol of the program. It is never closed,
+    // since its libraries keep threads and tables.
     void* library = ::dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (library == nullptr) {
       throw Error(fmt::format("{}, {} cannot be loaded: {}; {}, or {}", module.without, file, lastError(),
                               module.install, kInstallAgain));
     }
-    return ::dlsym(library, module.symbol.c_str());
+    const auto entryOf = reinterpret_cast<const ModuleEntry* (*)()>(::dlsym(library, "scanmillModule"));
+    const ModuleEntry* entry = entryOf != nullptr ? entryOf() : nullptr;
+    if (entry == nullptr || entry->build != kModuleBuild || entry->file != module.name) {
+      throw Error(
+          fmt::format("{}, {} belongs to another version of Scanmill: {}", module.without, file, kInstallAgain));
+    }
+    return entry->object;
   }
-  throw Error(fmt::format("{}, {} is missing: looked for {}; {}", module.without, module.file, sought, kInstallAgain));
-}
-
-void failForeignModule(const ModuleFile& module) {
-  throw Error(
-      fmt::format("{}, {} belongs to another version of Scanmill: {}", module.without, module.file, kInstallAgain));
+  throw Error(fmt::format("{}, {} is missing: looked for {}; {}", module.without, module.name, sought, kInstallAgain));
 }
 
 }  // namespace scanmill

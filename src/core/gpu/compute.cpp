@@ -1,0 +1,150 @@
+#include "gpu/compute.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <new>
+
+#include "base/error.h"
+#include "gpu/compute_interface.h"
+#include "gpu/device.h"
+
+namespace scanmill {
+
+struct ComputeContext {
+  [[noreturn]] void fail(const std::string& why) const {
+    throw Error(fmt::format("{}: {}; {}", words.cannot, why, words.instead));
+  }
+
+  // Does the work, and throws what fails in the words of the device.
+  template <class Work>
+  decltype(auto) told(const Work& work) const {
+    try {
+      return work();
+    } catch (const std::bad_alloc&) {
+      fail(fmt::format("the memory of {} is out", name.empty() ? "the device" : name));
+    } catch (const NoDevice& e) {
+      fail(fmt::format("this machine has no OpenGL 4.3 by EGL ({}): {}", e.what(), kInstallOpenGl));
+    } catch (const std::exception& e) {
+      fail(e.what());
+    }
+  }
+
+  explicit ComputeContext(ComputeErrorWords errorWords) : words(std::move(errorWords)) {
+    backend = told([] { return moduleOf<ComputeModule>().open(namedDevice()); });
+    name = backend->name();
+    limits = backend->limits();
+  }
+
+  ComputeErrorWords words;
+  std::unique_ptr<ComputeBackend> backend;
+  ComputeLimits limits;
+  std::string name;
+};
+
+std::uint64_t texelBytes(ComputeTable::Texel texel) {
+  switch (texel) {
+    case ComputeTable::Texel::Uint16:
+      return 2;
+    case ComputeTable::Texel::Uint32:
+      return 4;
+    case ComputeTable::Texel::Uint32x4:
+    case ComputeTable::Texel::Float32x4:
+      break;
+  }
+  return 16;
+}
+
+ComputeDevice::ComputeDevice(ComputeErrorWords words) : context_(std::make_shared<ComputeContext>(std::move(words))) {}
+
+const std::string& ComputeDevice::name() const {
+  return context_->name;
+}
+
+bool ComputeDevice::software() const {
+  return context_->backend->software();
+}
+
+std::uint64_t ComputeDevice::mostBufferBytes() const {
+  return context_->limits.bufferBytes;
+}
+
+std::uint64_t ComputeDevice::mostTableTexels() const {
+  return context_->limits.tableTexels;
+}
+
+std::uint32_t ComputeDevice::mostBuffers() const {
+  return context_->limits.buffers;
+}
+
+std::uint32_t ComputeDevice::mostTables() const {
+  return context_->limits.tables;
+}
+
+void ComputeDevice::finish() {
+  context_->told([&] { context_->backend->finish(); });
+}
+
+void ComputeDevice::fail(const std::string& why) const {
+  context_->fail(why);
+}
+
+ComputeBuffer::ComputeBuffer(const ComputeDevice& device)
+    : context_(device.context_), number_(context_->told([&] { return context_->backend->makeBuffer(); })) {}
+
+ComputeBuffer::~ComputeBuffer() {
+  context_->backend->dropBuffer(number_);
+}
+
+void ComputeBuffer::reserve(std::uint64_t bytes) {
+  if (bytes <= bytes_) return;
+  bytes_ = 0;  // what the buffer has where it cannot grow is not known
+  context_->told([&] { context_->backend->resize(number_, bytes); });
+  bytes_ = bytes;
+}
+
+void ComputeBuffer::write(std::span<const Source> pieces) {
+  context_->told([&] { context_->backend->write(number_, pieces); });
+}
+
+void ComputeBuffer::read(std::span<const Target> pieces) const {
+  context_->told([&] { context_->backend->read(number_, pieces); });
+}
+
+ComputeProgram::ComputeProgram(const ComputeDevice& device, const std::string& name, const std::string& text)
+    : context_(device.context_), number_(context_->told([&] { return context_->backend->makeProgram(name, text); })) {}
+
+ComputeProgram::~ComputeProgram() {
+  context_->backend->dropProgram(number_);
+}
+
+void ComputeProgram::run(std::uint64_t invocations, std::initializer_list<const ComputeBuffer*> buffers,
+                         std::span<const std::byte> parameters, std::initializer_list<ComputeTable> tables) {
+  const ComputeContext& context = *context_;
+  const ComputeLimits& limits = context.limits;
+  if (invocations > 0xFFFFFFFFu || buffers.size() > limits.buffers || tables.size() > limits.tables ||
+      parameters.size() > limits.parameterBytes) {
+    context.fail(fmt::format("{} invocations with {} buffers, {} tables and {} bytes of parameters are too many for {}",
+                             invocations, buffers.size(), tables.size(), parameters.size(), context.name));
+  }
+  std::vector<std::uint32_t> numbers;
+  for (const ComputeBuffer* buffer : buffers) {
+    if (buffer->bytes_ > limits.bufferBytes) {
+      context.fail(
+          fmt::format("a buffer has {} bytes, and at most {} on {}", buffer->bytes_, limits.bufferBytes, context.name));
+    }
+    numbers.push_back(buffer->number_);
+  }
+  std::vector<ComputeRun::Table> shown;
+  for (const ComputeTable& table : tables) {
+    const std::uint64_t texels = table.buffer->bytes_ / texelBytes(table.texel);
+    if (texels > limits.tableTexels) {
+      context.fail(
+          fmt::format("a table has {} texels, and at most {} on {}", texels, limits.tableTexels, context.name));
+    }
+    shown.push_back({table.buffer->number_, table.texel});
+  }
+  context.told([&] { context.backend->run({number_, numbers, shown, parameters, invocations}); });
+}
+
+}  // namespace scanmill

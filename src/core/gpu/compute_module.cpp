@@ -1,0 +1,289 @@
+// libscanmill_gpu.so: compute shaders on an OpenGL context of our own, behind the interface of gpu/compute_interface.h.
+// It needs nothing of VTK but its GLEW.
+
+#include <fmt/format.h>
+#include <vtk_glew.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "gpu/compute_interface.h"
+#include "gpu/device.h"
+#include "gpu/opengl_module/egl_context.h"
+#include "gpu/opengl_module/gl_objects.h"
+#include "gpu/opengl_module/gl_thread.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::uint64_t kGroup = 64;
+constexpr GLint kFirst = 0;  // locations of the uniforms
+constexpr GLint kEnd = 1;
+
+constexpr const char* kBefore = R"(#version 430 core
+layout(local_size_x = 64) in;
+layout(location = 0) uniform uint firstInvocation;
+layout(location = 1) uniform uint endInvocation;
+#line 1
+)";
+
+// Numbers are compared with what is left, for a sum could overflow.
+constexpr const char* kAfter = R"(
+void main() {
+  if (gl_GlobalInvocationID.x < endInvocation - firstInvocation) invoke(firstInvocation + gl_GlobalInvocationID.x);
+}
+)";
+
+// GLEW finds OpenGL's functions, then asks for an X display and calls it an error where it finds none.
+void findFunctions() {
+  glewExperimental = GL_TRUE;
+  glewInit();
+  while (glGetError() != GL_NO_ERROR) continue;
+  if (!GLEW_VERSION_4_3) throw NoDevice("its functions are not those of OpenGL 4.3");
+}
+
+std::string rendererName() {
+  const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  return name != nullptr ? name : "an unknown device";
+}
+
+// Mesa's rasterisers on the processor, and Windows' by way of Mesa.
+bool isSoftware(std::string_view renderer) {
+  return std::ranges::any_of(
+      std::initializer_list<std::string_view>{"llvmpipe", "softpipe", "SWR", "swrast", "Software", "Basic Render"},
+      [&](std::string_view name) { return renderer.find(name) != std::string_view::npos; });
+}
+
+std::uint64_t limitOf(GLenum name) {
+  GLint64 value = 0;
+  glGetInteger64v(name, &value);
+  return static_cast<std::uint64_t>(std::max<GLint64>(value, 0));
+}
+
+// The number of groups in one dispatch. Mesa's llvmpipe gives each of its threads one contiguous part of a dispatch,
+// however long that takes: small dispatches, of elements that are alike, keep all of them busy.
+std::uint64_t groupsAtOnce(bool software) {
+  GLint most = 0;
+  glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &most);
+  const auto promised = static_cast<std::uint64_t>(std::max(most, 65535));
+  constexpr std::uint64_t kGroupsPerThread = 64;
+  const std::uint64_t threads = std::max(std::thread::hardware_concurrency(), 1u);
+  return software ? std::min(promised, kGroupsPerThread * threads) : promised;
+}
+
+GLenum formatOf(ComputeTable::Texel texel) {
+  switch (texel) {
+    case ComputeTable::Texel::Uint16:
+      return GL_R16UI;
+    case ComputeTable::Texel::Uint32:
+      return GL_R32UI;
+    case ComputeTable::Texel::Uint32x4:
+      return GL_RGBA32UI;
+    case ComputeTable::Texel::Float32x4:
+      break;
+  }
+  return GL_RGBA32F;
+}
+
+class BufferTexture {
+ public:
+  BufferTexture() { glGenTextures(1, &name_); }
+  ~BufferTexture() { glDeleteTextures(1, &name_); }
+  BufferTexture(const BufferTexture&) = delete;
+  BufferTexture& operator=(const BufferTexture&) = delete;
+
+  void show(GLuint unit, GLuint buffer, GLenum format) const {
+    glActiveTexture(GL_TEXTURE0 + unit);
+    glBindTexture(GL_TEXTURE_BUFFER, name_);
+    glTexBuffer(GL_TEXTURE_BUFFER, format, buffer);
+  }
+
+ private:
+  GLuint name_ = 0;
+};
+
+// What a context has, made and used while it is current.
+struct ContextState {
+  explicit ContextState(const std::string& device) : context(device) {
+    findFunctions();
+    parameters = std::make_unique<GlBuffer>();
+  }
+
+  EglContext context;
+  std::map<std::uint32_t, std::unique_ptr<GlProgram>> programs;
+  std::map<std::uint32_t, std::unique_ptr<GlBuffer>> buffers;
+  std::uint32_t lastNumber = 0;
+  std::unique_ptr<GlBuffer> parameters;
+  std::vector<std::unique_ptr<BufferTexture>> textures;  // by binding
+};
+
+class GlCompute final : public ComputeBackend {
+ public:
+  explicit GlCompute(const std::string& device) {
+    thread_->run([&] {
+      auto made = std::make_unique<ContextState>(device);
+      name_ = rendererName();
+      software_ = isSoftware(name_);
+      groups_ = groupsAtOnce(software_);
+      limits_ = {limitOf(GL_MAX_SHADER_STORAGE_BLOCK_SIZE), limitOf(GL_MAX_TEXTURE_BUFFER_SIZE),
+                 limitOf(GL_MAX_UNIFORM_BLOCK_SIZE),
+                 static_cast<std::uint32_t>(limitOf(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS)),
+                 static_cast<std::uint32_t>(limitOf(GL_MAX_COMPUTE_TEXTURE_IMAGE_UNITS))};
+      checkGl("the device cannot be asked for its limits");
+      made->context.release();
+      state_ = std::move(made);
+    });
+  }
+
+  ~GlCompute() override {
+    thread_->run([&]() noexcept {
+      state_->context.tryMakeCurrent();
+      state_.reset();
+    });
+  }
+  GlCompute(const GlCompute&) = delete;
+  GlCompute& operator=(const GlCompute&) = delete;
+
+  std::string name() const override { return name_; }
+  bool software() const override { return software_; }
+  ComputeLimits limits() const override { return limits_; }
+
+  std::uint32_t makeProgram(const std::string& name, const std::string& text) override {
+    const std::string whole = kBefore + text + kAfter;
+    std::uint32_t number = 0;
+    withContext([&](ContextState& state) {
+      auto made =
+          std::make_unique<GlProgram>(name, std::initializer_list<GlShaderText>{{GL_COMPUTE_SHADER, whole.c_str()}});
+      number = ++state.lastNumber;
+      state.programs[number] = std::move(made);
+    });
+    return number;
+  }
+
+  std::uint32_t makeBuffer() override {
+    std::uint32_t number = 0;
+    withContext([&](ContextState& state) {
+      auto made = std::make_unique<GlBuffer>();
+      number = ++state.lastNumber;
+      state.buffers[number] = std::move(made);
+    });
+    return number;
+  }
+
+  void dropProgram(std::uint32_t program) noexcept override {
+    thread_->run([&]() noexcept {
+      state_->context.tryMakeCurrent();
+      state_->programs.erase(program);
+      state_->context.release();
+    });
+  }
+
+  void dropBuffer(std::uint32_t buffer) noexcept override {
+    thread_->run([&]() noexcept {
+      state_->context.tryMakeCurrent();
+      state_->buffers.erase(buffer);
+      state_->context.release();
+    });
+  }
+
+  // Memory of the device is asked for: programs, not the processor, read and write most.
+  void resize(std::uint32_t buffer, std::uint64_t bytes) override {
+    withContext([&](ContextState& state) {
+      state.buffers.at(buffer)->fill(nullptr, bytes, GL_DYNAMIC_COPY);
+      checkGl("a buffer cannot be made");
+    });
+  }
+
+  void write(std::uint32_t buffer, std::span<const ComputeBuffer::Source> pieces) override {
+    withContext([&](ContextState& state) {
+      glBindBuffer(GL_COPY_WRITE_BUFFER, state.buffers.at(buffer)->name());
+      for (const ComputeBuffer::Source& piece : pieces) {
+        glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(piece.offset),
+                        static_cast<GLsizeiptr>(piece.bytes.size()), piece.bytes.data());
+      }
+      checkGl("a buffer cannot be written");
+    });
+  }
+
+  void read(std::uint32_t buffer, std::span<const ComputeBuffer::Target> pieces) override {
+    withContext([&](ContextState& state) {
+      glBindBuffer(GL_COPY_READ_BUFFER, state.buffers.at(buffer)->name());
+      for (const ComputeBuffer::Target& piece : pieces) {
+        glGetBufferSubData(GL_COPY_READ_BUFFER, static_cast<GLintptr>(piece.offset),
+                           static_cast<GLsizeiptr>(piece.bytes.size()), piece.bytes.data());
+      }
+      checkGl("a buffer cannot be read back");
+    });
+  }
+
+  void run(const ComputeRun& run) override {
+    withContext([&](ContextState& state) {
+      state.programs.at(run.program)->use();
+      for (GLuint k = 0; k < run.buffers.size(); ++k) {
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, k, state.buffers.at(run.buffers[k])->name());
+      }
+      while (state.textures.size() < run.tables.size()) state.textures.push_back(std::make_unique<BufferTexture>());
+      for (GLuint k = 0; k < run.tables.size(); ++k) {
+        const ComputeRun::Table& table = run.tables[k];
+        state.textures[k]->show(k, state.buffers.at(table.buffer)->name(), formatOf(table.texel));
+      }
+      if (!run.parameters.empty()) {
+        state.parameters->fill(run.parameters.data(), run.parameters.size(), GL_STREAM_DRAW);
+        glBindBufferBase(GL_UNIFORM_BUFFER, 0, state.parameters->name());
+      }
+      for (std::uint64_t first = 0; first < run.invocations; first += groups_ * kGroup) {
+        const std::uint64_t end = std::min(first + groups_ * kGroup, run.invocations);
+        glUniform1ui(kFirst, static_cast<GLuint>(first));
+        glUniform1ui(kEnd, static_cast<GLuint>(end));
+        glDispatchCompute(static_cast<GLuint>((end - first + kGroup - 1) / kGroup), 1, 1);
+      }
+      glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+      glUseProgram(0);
+      checkGl("a program cannot be run");
+    });
+  }
+
+  void finish() override {
+    withContext([](ContextState&) {
+      glFinish();
+      checkGl("the device failed");
+    });
+  }
+
+ private:
+  // Does the work on the thread of all OpenGL, with the context current.
+  template <class Work>
+  void withContext(const Work& work) {
+    thread_->run([&] {
+      const CurrentContext current(state_->context);
+      work(*state_);
+    });
+  }
+
+  std::shared_ptr<GlThread> thread_ = GlThread::shared();
+  std::unique_ptr<ContextState> state_;
+  std::string name_;
+  bool software_ = false;
+  ComputeLimits limits_;
+  std::uint64_t groups_ = 0;  // in one dispatch
+};
+
+class GlComputeModule final : public ComputeModule {
+ public:
+  std::unique_ptr<ComputeBackend> open(const std::string& device) const override {
+    return std::make_unique<GlCompute>(device);
+  }
+};
+
+}  // namespace
+
+}  // namespace scanmill
+
+SCANMILL_MODULE(ComputeModule, GlComputeModule)

@@ -1,0 +1,45 @@
+#pragma once
+
+// An OpenGL context without a window, an X server or a surface.
+
+#include <EGL/egl.h>
+
+#include <string>
+
+namespace scanmill {
+
+class EglContext {
+ public:
+  // Makes the context of a device and leaves it current on the calling thread. `device` is as namedDevice() gives it
+  // (gpu/device.h); where it is empty, a graphics card's driver goes before Mesa's rasteriser on the processor. Throws
+  // NoDevice, and std::invalid_argument where there is no device of that name.
+  explicit EglContext(const std::string& device);
+  ~EglContext();
+  EglContext(const EglContext&) = delete;
+  EglContext& operator=(const EglContext&) = delete;
+
+  // Makes it current on the calling thread. Throws std::runtime_error.
+  void makeCurrent();
+  // Does the same where it can be done; false elsewhere.
+  bool tryMakeCurrent() noexcept;
+  // Leaves the calling thread without a context.
+  void release() noexcept;
+
+ private:
+  EGLDisplay display_ = EGL_NO_DISPLAY;
+  EGLContext context_ = EGL_NO_CONTEXT;
+};
+
+// Keeps a context current on the calling thread as long as it lives.
+class CurrentContext {
+ public:
+  explicit CurrentContext(EglContext& context) : context_(context) { context_.makeCurrent(); }
+  ~CurrentContext() { context_.release(); }
+  CurrentContext(const CurrentContext&) = delete;
+  CurrentContext& operator=(const CurrentContext&) = delete;
+
+ private:
+  EglContext& context_;
+};
+
+}  // namespace scanmill

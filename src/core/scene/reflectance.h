@@ -1,0 +1,54 @@
+#pragma once
+
+// Reflectance and transparency at a point of a triangle: the same for whatever finds the triangle, rays or images.
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "base/vec.h"
+#include "scene/scene.h"
+
+namespace scanmill {
+
+// What the reflectance at a hit needs of a material, without its texts.
+struct CompactMaterial {
+  float reflectance = 0;
+  float textureGain = 0;             // reflectance / mean luminance of the texture; 0 where it is not textured
+  const Texture* texture = nullptr;  // only where it scales the reflectance
+
+  // The reflectance at these texture coordinates: the texture's luminance there, scaled so that its mean gives the
+  // material's reflectance, and at most 1. The material is textured.
+  float texturedAt(const Vec2f& uv) const;
+};
+
+CompactMaterial compact(const Material& material);
+std::vector<CompactMaterial> compactMaterials(const Scene& scene);
+
+// Barycentric coordinates, of the second and third corner, of a point in the plane of a triangle, clamped to the
+// triangle. The edges ab and ac and the point are relative to the first corner (m, in one frame).
+inline Vec2d barycentric(const Vec3d& ab, const Vec3d& ac, const Vec3d& point) {
+  const Vec3d n = cross(ab, ac);
+  const double square = dot(n, n);
+  const double u = std::clamp(dot(n, cross(point, ac)) / square, 0.0, 1.0);
+  const double v = std::clamp(dot(n, cross(ab, point)) / square, 0.0, 1.0 - u);
+  return {u, v};
+}
+
+// Texture coordinates at barycentric coordinates of a triangle. `uvs` has one entry per vertex, or is empty: then they
+// are (0, 0).
+inline Vec2f textureCoordinates(const std::vector<Vec2f>& uvs, const Triangle& corners, const Vec2d& at) {
+  if (uvs.empty()) return {};
+  const Vec2f& a = uvs[corners[0]];
+  const Vec2f& b = uvs[corners[1]];
+  const Vec2f& c = uvs[corners[2]];
+  const double w = 1 - at.x - at.y;
+  return {static_cast<float>(w * a.x + at.x * b.x + at.y * c.x), static_cast<float>(w * a.y + at.x * b.y + at.y * c.y)};
+}
+
+// Whether an alpha-tested material lets beams pass where its texture has this texel (RGBA).
+inline bool letsPass(const Material& material, const std::uint8_t* texel) {
+  return static_cast<float>(texel[3]) < material.alphaCutoff * 255.0f;
+}
+
+}  // namespace scanmill

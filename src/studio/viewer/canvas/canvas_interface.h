@@ -1,0 +1,24 @@
+#pragma once
+
+// The interface of libscanmill_viewer.so, in which VTK draws on an X window, or on EGL without one (base/module.h).
+
+#include <memory>
+#include <string>
+
+#include "base/module.h"
+#include "viewer/canvas/canvas.h"
+
+namespace scanmill {
+
+class CanvasModule {
+ public:
+  static constexpr ModuleFile kFile{
+      "libscanmill_viewer.so", "nothing can be shown by VTK",
+      "install VTK, EGL and X11 (on Debian the packages libvtk9-dev, libegl-dev and libx11-dev)"};
+  virtual ~CanvasModule() = default;
+  // See openWindow() and openOffscreen().
+  virtual std::unique_ptr<Canvas> openWindow(const std::string& title, int width, int height) const = 0;
+  virtual std::unique_ptr<Canvas> openOffscreen(const std::string& device, int width, int height) const = 0;
+};
+
+}  // namespace scanmill
