@@ -236,9 +236,9 @@ class Flock {
     if constexpr (kLists) cell = nearestOf(group, cell);
     hn::Store(cell, kWords, group.cell);
     const std::uint16_t* distance = field_.distance.data();
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      __builtin_prefetch(distance + group.cell[lane]);
-      if constexpr (!kLists) __builtin_prefetch(distance + group.cell[lane] + kCornerLayer);
+    for (const std::uint32_t corner : group.cell) {
+      __builtin_prefetch(distance + corner);
+      if constexpr (!kLists) __builtin_prefetch(distance + corner + kCornerLayer);
     }
   }
 
