@@ -1,6 +1,9 @@
 // Particles in the lanes of the processor. What is between HWY_BEFORE_NAMESPACE() and HWY_AFTER_NAMESPACE() is compiled
 // for each instruction set that Highway knows of this kind of processor, and the best that the machine has is taken.
 
+#ifdef __AVX2__  // a build for the own processor: its instructions alone
+#define HWY_COMPILE_ONLY_STATIC
+#endif
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "methods/march/march_cpu.cpp"
 #include <hwy/foreach_target.h>
