@@ -17,6 +17,16 @@
 
 namespace scanmill {
 
+namespace {
+
+// The one that was built with these tests; scripts/sanitize names another.
+std::string testedProgram() {
+  const char* other = std::getenv("SCANMILL_TESTED_PROGRAM");
+  return other != nullptr ? other : SCANMILL_PROGRAM;
+}
+
+}  // namespace
+
 RunningProgram::RunningProgram(std::vector<std::string> command, const std::vector<std::string>& variables) {
   const std::string out = (folder_.path() / "out").string();
   const std::string error = (folder_.path() / "error").string();
@@ -76,7 +86,7 @@ Outcome RunningProgram::wait(double seconds) {
 }
 
 Outcome scanmill(const std::vector<std::string>& arguments, const std::vector<std::string>& variables) {
-  std::vector<std::string> command{SCANMILL_PROGRAM};
+  std::vector<std::string> command{testedProgram()};
   command.insert(command.end(), arguments.begin(), arguments.end());
   return RunningProgram(command, variables).wait();
 }
@@ -87,7 +97,7 @@ std::vector<Outcome> scanmillEach(const std::vector<std::vector<std::string>>& a
   for (std::size_t first = 0; first < arguments.size(); first += kAtATime) {
     std::vector<std::unique_ptr<RunningProgram>> processes;
     for (std::size_t i = first; i < std::min(first + kAtATime, arguments.size()); ++i) {
-      std::vector<std::string> command{SCANMILL_PROGRAM};
+      std::vector<std::string> command{testedProgram()};
       command.insert(command.end(), arguments[i].begin(), arguments[i].end());
       processes.push_back(std::make_unique<RunningProgram>(command));
     }

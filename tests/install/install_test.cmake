@@ -1,5 +1,7 @@
-# Installs into a new folder, moves it, builds a program of somebody else against it, and runs both programs there.
-#   cmake -DBUILD=... -DSOURCE=... -DWORK=... -P install_test.cmake
+# Installs into a new folder, moves it, looks at what is there, builds programs of somebody else against it, and runs
+# them and the own program there.
+#   cmake -DBUILD=... -DSOURCE=... -DWORK=... -DCOMPILER=... -DHEADERS=a.h,b.h -DPROGRAM=ON -P install_test.cmake
+# HEADERS: those that a program of others includes; PROGRAM: the program is installed too.
 
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -12,12 +14,37 @@ endfunction()
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/first)
 file(RENAME ${WORK}/first ${WORK}/prefix)
+
+# The headers that are installed are those that the public ones reach, by the compiler's word, and no library's.
+set(include ${WORK}/prefix/include/scanmill)
+string(REPLACE "," ">\n#include <" includes "#include <${HEADERS}>\n")
+file(WRITE ${WORK}/public.cpp "${includes}")
+execute_process(COMMAND ${COMPILER} -std=c++20 -M -I ${include} ${WORK}/public.cpp OUTPUT_VARIABLE reached
+                COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "[^ \n\\]+" reached "${reached}")
+list(FILTER reached INCLUDE REGEX "^${include}/")
+file(GLOB_RECURSE installed ${include}/*)
+list(SORT reached)
+list(SORT installed)
+if(NOT installed STREQUAL reached)
+  message(FATAL_ERROR "installed:\n${installed}\nreached from the public headers:\n${reached}")
+endif()
+foreach(header ${installed})
+  file(STRINGS ${header} foreign REGEX "^ *# *include *<[^>]*[./]")
+  if(foreign)
+    message(FATAL_ERROR "${header} needs the headers of a library: ${foreign}")
+  endif()
+endforeach()
+
 run(${CMAKE_COMMAND} -S ${SOURCE}/consumer -B ${WORK}/build -G Ninja -DCMAKE_BUILD_TYPE=Release
-    -DCMAKE_PREFIX_PATH=${WORK}/prefix)
+    -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_PREFIX_PATH=${WORK}/prefix)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
-set(pipeline ${WORK}/prefix/share/scanmill/pipelines/quickstart.yaml)
-run(${WORK}/build/consumer ${pipeline} ${WORK}/dataset)
-run(${WORK}/prefix/bin/scanmill verify ${WORK}/dataset)
-run(${WORK}/prefix/bin/scanmill picture ${WORK}/dataset -o ${WORK}/picture.png)
-run(${WORK}/prefix/bin/scanmill list scenes)
+set(share ${WORK}/prefix/share/scanmill)
+run(${WORK}/build/scan ${share})
+run(${WORK}/build/generate ${share}/pipelines/quickstart.yaml ${WORK}/dataset)
+if(PROGRAM)
+  run(${WORK}/prefix/bin/scanmill verify ${WORK}/dataset)
+  run(${WORK}/prefix/bin/scanmill picture ${WORK}/dataset -o ${WORK}/picture.png)
+  run(${WORK}/prefix/bin/scanmill list scenes)
+endif()
 file(REMOVE_RECURSE ${WORK})

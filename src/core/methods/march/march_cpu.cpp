@@ -1,3 +1,13 @@
+// Particles in the lanes of the processor. What is between HWY_BEFORE_NAMESPACE() and HWY_AFTER_NAMESPACE() is compiled
+// for each instruction set that Highway knows of this kind of processor, and the best that the machine has is taken.
+
+#ifdef __AVX2__  // a build for the own processor: its instructions alone
+#define HWY_COMPILE_ONLY_STATIC
+#endif
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "methods/march/march_cpu.cpp"
+#include <hwy/foreach_target.h>
+
 #include "methods/march/march_lanes.h"
 #if HWY_TARGET != HWY_SCALAR
 #include "methods/march/march_flock.h"
@@ -7,9 +17,8 @@
 
 #include "methods/march/march.h"
 
-namespace scanmill {
-
-namespace {
+HWY_BEFORE_NAMESPACE();
+namespace scanmill::HWY_NAMESPACE {
 
 // Lanes find distances by offsets of 31 bits. Where Highway knows no instructions for lanes there is but one: so it is
 // for x86 without SSSE3 if g++ is older than 12.3.
@@ -17,6 +26,31 @@ bool fitsLanes(const Field& field) {
   constexpr auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
   return HWY_TARGET != HWY_SCALAR && field.distance.size() * sizeof field.distance[0] <= most;
 }
+
+// False: nothing was done, since lanes cannot.
+bool marchInLanes(const Field& field, [[maybe_unused]] const TriangleBlock& triangles,
+                  [[maybe_unused]] const MarchOptions& options, [[maybe_unused]] const Particles& particles,
+                  [[maybe_unused]] std::size_t first, [[maybe_unused]] std::size_t last,
+                  [[maybe_unused]] Landings& landings) {
+  if (!fitsLanes(field)) return false;
+#if HWY_TARGET != HWY_SCALAR
+  if (field.shape.lists) {
+    Flock<true>(field, triangles, options, particles, first, last, landings).fly();
+  } else {
+    Flock<false>(field, triangles, options, particles, first, last, landings).fly();
+  }
+#endif
+  return true;
+}
+
+}  // namespace scanmill::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace scanmill {
+
+namespace {
 
 void marchAlone(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,
                 const Particles& particles, std::size_t first, std::size_t last, Landings& landings) {
@@ -28,7 +62,6 @@ void marchAlone(const Field& field, const TriangleBlock& triangles, const MarchO
   }
 }
 
-#if HWY_TARGET != HWY_SCALAR
 // From corners to their triangles: all at once, since words lie anywhere in memory.
 void nameTriangles(const Field& field, std::size_t first, std::size_t last, Landings& landings) {
   for (std::size_t i = first; i < last; ++i) {
@@ -36,24 +69,20 @@ void nameTriangles(const Field& field, std::size_t first, std::size_t last, Land
     if (outcome == Outcome::Hit || outcome == Outcome::Brink) landings.triangle[i] = field.word[landings.triangle[i]];
   }
 }
-#endif
+
+HWY_EXPORT(marchInLanes);
 
 }  // namespace
 
 void marchCpu(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,
               const Particles& particles, std::size_t first, std::size_t last, Landings& landings) {
-  if (!fitsLanes(field)) {
+  if (!HWY_DYNAMIC_DISPATCH(marchInLanes)(field, triangles, options, particles, first, last, landings)) {
     marchAlone(field, triangles, options, particles, first, last, landings);
-    return;
-  }
-#if HWY_TARGET != HWY_SCALAR
-  if (field.shape.lists) {
-    Flock<true>(field, triangles, options, particles, first, last, landings).fly();
-  } else {
-    Flock<false>(field, triangles, options, particles, first, last, landings).fly();
+  } else if (!field.shape.lists) {
     nameTriangles(field, first, last, landings);
   }
-#endif
 }
 
 }  // namespace scanmill
+
+#endif

@@ -1,11 +1,16 @@
-#pragma once
-
 // marchOne() for as many particles at a time as the processor has lanes, for march_cpu.cpp.
 //
 // Lanes are persistent: where a particle has landed, the next one takes its lane, so that long ways leave no lanes
 // idle. A step is cut into stages, and each stage is done for all groups of lanes before the next: the loads of a
 // stage take far longer than its arithmetic, and so the processor has the other groups' to do meanwhile. What a
 // particle does depends on nothing but itself.
+// Read once for each instruction set: see march_cpu.cpp.
+#if defined(SCANMILL_MARCH_FLOCK_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef SCANMILL_MARCH_FLOCK_H
+#undef SCANMILL_MARCH_FLOCK_H
+#else
+#define SCANMILL_MARCH_FLOCK_H
+#endif
 
 #include <algorithm>
 
@@ -14,7 +19,8 @@
 #include "methods/march/march_rule.h"
 #include "methods/march/march_triangles.h"
 
-namespace scanmill {
+HWY_BEFORE_NAMESPACE();
+namespace scanmill::HWY_NAMESPACE {
 
 constexpr std::size_t kLaneGroups = 12;
 static_assert(kLaneGroups * kLanes <= TriangleTester::kLines);
@@ -230,9 +236,9 @@ class Flock {
     if constexpr (kLists) cell = nearestOf(group, cell);
     hn::Store(cell, kWords, group.cell);
     const std::uint16_t* distance = field_.distance.data();
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      __builtin_prefetch(distance + group.cell[lane]);
-      if constexpr (!kLists) __builtin_prefetch(distance + group.cell[lane] + kCornerLayer);
+    for (const std::uint32_t corner : group.cell) {
+      __builtin_prefetch(distance + corner);
+      if constexpr (!kLists) __builtin_prefetch(distance + corner + kCornerLayer);
     }
   }
 
@@ -455,4 +461,7 @@ class Flock {
   LaneGroup groups_[kLaneGroups];
 };
 
-}  // namespace scanmill
+}  // namespace scanmill::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

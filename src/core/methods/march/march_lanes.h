@@ -1,15 +1,20 @@
-#pragma once
-
 // Lanes of particles, by Google Highway. Only for march_cpu.cpp and what that includes: third-party types stay there.
+// Read once for each instruction set: see march_cpu.cpp.
+#if defined(SCANMILL_MARCH_LANES_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef SCANMILL_MARCH_LANES_H
+#undef SCANMILL_MARCH_LANES_H
+#else
+#define SCANMILL_MARCH_LANES_H
+#endif
 
-#define HWY_COMPILE_ONLY_STATIC  // instructions are chosen by the build
 #include <hwy/highway.h>
 
 #include <bit>
 #include <cstdint>
 #include <cstring>
 
-namespace scanmill {
+HWY_BEFORE_NAMESPACE();
+namespace scanmill::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -46,4 +51,7 @@ inline Floats dotOf(const Floats (&a)[3], const Floats (&b)[3]) {
   return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
 }
 
-}  // namespace scanmill
+}  // namespace scanmill::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

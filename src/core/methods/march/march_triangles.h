@@ -1,6 +1,11 @@
-#pragma once
-
 // Lines of many particles against the triangles of many lists, for march_cpu.cpp.
+// Read once for each instruction set: see march_cpu.cpp.
+#if defined(SCANMILL_MARCH_TRIANGLES_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef SCANMILL_MARCH_TRIANGLES_H
+#undef SCANMILL_MARCH_TRIANGLES_H
+#else
+#define SCANMILL_MARCH_TRIANGLES_H
+#endif
 
 #include <cstdint>
 #include <vector>
@@ -10,7 +15,8 @@
 #include "methods/march/march_rule.h"
 #include "methods/world/world.h"
 
-namespace scanmill {
+HWY_BEFORE_NAMESPACE();
+namespace scanmill::HWY_NAMESPACE {
 
 // The part of a particle's way that is looked at; m, relative to the world's origin.
 struct LineStart {
@@ -180,4 +186,7 @@ inline void TriangleTester::look(const Pair* pairs) {
   }
 }
 
-}  // namespace scanmill
+}  // namespace scanmill::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

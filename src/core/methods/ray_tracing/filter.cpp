@@ -5,6 +5,8 @@
 #include <limits>
 #include <tuple>
 
+#include "base/instruction_sets.h"
+
 namespace scanmill {
 
 namespace {
@@ -171,7 +173,7 @@ void TieContext::reset() {
   std::fill_n(instance, kPacket, RTC_INVALID_GEOMETRY_ID);
 }
 
-void tieFilter(const RTCFilterFunctionNArguments* arguments) {
+SCANMILL_BEST_INSTRUCTIONS void tieFilter(const RTCFilterFunctionNArguments* arguments) {
   auto& context = *reinterpret_cast<TieContext*>(arguments->context);
   switch (arguments->N) {
     case 16:

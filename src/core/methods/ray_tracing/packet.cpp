@@ -7,6 +7,8 @@
 #include <cstring>
 #include <limits>
 
+#include "base/instruction_sets.h"
+
 namespace scanmill {
 
 namespace {
@@ -80,7 +82,7 @@ struct Pending {
   float traced[kPacket];  // m
 };
 
-void begin(const PacketJob& job, const Tile& tile, Pending& p) {
+SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pending& p) {
   p.tile = tile;
   setUp(job.shot, job.frame, tile, p.rays);
   TieContext context;
@@ -100,7 +102,7 @@ void begin(const PacketJob& job, const Tile& tile, Pending& p) {
   }
 }
 
-void finish(const PacketJob& job, const Pending& p, Hits& hits) {
+SCANMILL_BEST_INSTRUCTIONS void finish(const PacketJob& job, const Pending& p, Hits& hits) {
   Resolved resolved;
   for (int i = 0; i < kPacket; ++i) {
     if (p.triangles[i].block != nullptr) {

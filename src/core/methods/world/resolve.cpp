@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/instruction_sets.h"
+
 namespace scanmill {
 
 namespace {
@@ -133,7 +135,7 @@ ShotFrame frameOf(const Shot& shot, const Vec3d& origin) {
   return frame;
 }
 
-void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays) {
+SCANMILL_BEST_INSTRUCTIONS void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays) {
   const BeamTable& beams = *shot.beams;
   if (tile.width == kPacket && frame.rotation.size() == 1 && beams.origin.empty()) {
     setUpRow(frame, &beams.direction[std::size_t{tile.ring} * beams.columns + tile.column], rays);
@@ -167,7 +169,7 @@ void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& ray
   }
 }
 
-void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r) {
+SCANMILL_BEST_INSTRUCTIONS void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r) {
   const RangeLimits limits = limitsOf(beams);
   for (int i = 0; i < kPacket; ++i) {
     const double along = r.nx[i] * rays.dx[i] + r.ny[i] * rays.dy[i] + r.nz[i] * rays.dz[i];
@@ -183,7 +185,7 @@ void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r) {
   }
 }
 
-void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r) {
+SCANMILL_BEST_INSTRUCTIONS void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r) {
   const RangeLimits limits = limitsOf(beams);
   for (int i = 0; i < kPacket; ++i) {
     const bool inside = (r.traced[i] >= limits.nearest) & (r.traced[i] <= limits.farthest);
@@ -218,8 +220,8 @@ void expectStore(const Tile& tile, Hits& hits) {
   for (std::size_t k = 0; k < 3; ++k) __builtin_prefetch(&hits.normal[last - k * (tile.width / 3)], 1);
 }
 
-void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const Resolved& r,
-           const HitTriangle* triangles, Hits& hits) {
+SCANMILL_BEST_INSTRUCTIONS void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays,
+                                      const Resolved& r, const HitTriangle* triangles, Hits& hits) {
   const Channels asked = hits.channels;
   alignas(64) float range[kPacket];
   for (int i = 0; i < kPacket; ++i) range[i] = static_cast<float>(r.range[i]);

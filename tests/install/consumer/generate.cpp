@@ -1,9 +1,10 @@
 // A program of somebody else: makes a dataset from an installed pipeline through the library.
 
+#include "pipeline/generate.h"
+
 #include <cstdio>
 
 #include "dataset/verify.h"
-#include "pipeline/generate.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
