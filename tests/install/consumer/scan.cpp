@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "effects/effect.h"
 #include "methods/method.h"
 #include "scene/scene.h"
+#include "sense/sense.h"
 #include "sensors/sensor.h"
 #include "sensors/shot.h"
 
@@ -21,24 +21,24 @@ int main(int argc, char** argv) {
   shot.beams = makeBeams(readYaml(share / "pipelines/sensors/vlp_16.yaml"));
   shot.worldFromSensor = {Pose{.rotation = {}, .translation = {0, -1.75, height}}};
 
-  const ScanColumns columns{.rangeTrue = true};
+  const ScanLayout layout{.columns = ColumnSet::byDefault().with(kRangeTrue)};
   const Value defaults;
   Fields options(defaults, "ray_tracing");
   Hits hits;
-  requireMethod("ray_tracing", {}).make(scene, options)->trace(shot, channelsFor({}, columns), hits);
+  requireMethod("ray_tracing", {}).make(scene, options)->trace(shot, channelsFor({}, layout.columns), hits);
   Returns returns;
   Scan scan;
-  sense(hits, shot, {}, scene.materials, columns, returns, scan);
+  sense(hits, shot, {}, scene.materials, layout, returns, scan);
 
   // The street's road lies at z = 0; without noise a point is as far from its beam's origin as the beam's range says.
   const std::uint16_t road = scene.ontology.require("road", {}).id;
   std::size_t onRoad = 0;
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    const std::size_t beam = std::size_t{scan.ring[i]} * shot.beams->columns + scan.column[i];
+    const std::size_t beam = std::size_t{scan[kRing][i]} * shot.beams->columns + scan[kColumn][i];
     const Vec3f origin = shot.beams->origin.empty() ? Vec3f{} : shot.beams->origin[beam];
-    if (std::abs(length(scan.position[i] - origin) - scan.rangeTrue[i]) > 1e-3f) ++wrong;
-    if (scan.label[i] != road) continue;
+    if (std::abs(length(scan.position[i] - origin) - scan[kRangeTrue][i]) > 1e-3f) ++wrong;
+    if (scan[kLabel][i] != road) continue;
     ++onRoad;
     if (std::abs(scan.position[i].z + height) > 1e-3) ++wrong;
   }
