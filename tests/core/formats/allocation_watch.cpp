@@ -1,4 +1,4 @@
-#include "tests/formats/allocation_watch.h"
+#include "tests/core/formats/allocation_watch.h"
 
 #include <atomic>
 #include <cstdlib>

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tests/formats/scans.h"
+#include "tests/core/formats/scans.h"
 
 namespace scanmill {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <ostream>
 
-#include "tests/formats/allocation_watch.h"
-#include "tests/formats/scans.h"
+#include "tests/core/formats/allocation_watch.h"
+#include "tests/core/formats/scans.h"
 
 namespace scanmill {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "formats/grid.h"
-#include "tests/formats/scans.h"
+#include "tests/core/formats/scans.h"
 #include "tests/support/shared_data.h"
 
 namespace scanmill {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "tests/formats/scans.h"
+#include "tests/core/formats/scans.h"
 
 namespace scanmill {
 namespace {

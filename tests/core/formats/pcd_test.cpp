@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "base/file.h"
-#include "tests/formats/scans.h"
+#include "tests/core/formats/scans.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 

@@ -10,7 +10,7 @@
 #include "methods/exact/exact.h"
 #include "pipeline/keeper.h"
 #include "pipeline/render.h"
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
 namespace {

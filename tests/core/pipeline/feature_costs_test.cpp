@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
 namespace {

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "formats/format.h"
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 #include "tests/support/gl.h"
 
 namespace scanmill {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
 namespace {

@@ -1,6 +1,6 @@
 #include "pipeline/plan.h"
 
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
 namespace {

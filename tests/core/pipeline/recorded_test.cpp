@@ -6,7 +6,7 @@
 #include "pipeline/generate.h"
 #include "pipeline/keeper.h"
 #include "pipeline/render.h"
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 #include "tests/support/gl.h"
 
 namespace scanmill {

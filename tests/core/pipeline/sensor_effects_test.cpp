@@ -1,7 +1,7 @@
 // Pipelines whose effects come from their sensors' files.
 
 #include "pipeline/recorded_method.h"
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
 namespace {

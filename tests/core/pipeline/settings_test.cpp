@@ -1,7 +1,7 @@
 #include "pipeline/settings.h"
 
 #include "base/random.h"
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 #include "tests/support/same_hits.h"
 
 namespace scanmill {

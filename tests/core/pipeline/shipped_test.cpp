@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdlib>
 
-#include "tests/pipeline/small_world.h"
+#include "tests/core/pipeline/small_world.h"
 #include "tests/support/blender.h"
 #include "tests/support/gl.h"
 #include "tests/support/shared_data.h"

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "tests/charts/svg_check.h"
+#include "tests/studio/charts/svg_check.h"
 
 namespace scanmill {
 namespace {

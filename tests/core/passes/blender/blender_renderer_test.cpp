@@ -13,7 +13,7 @@
 #include "passes/exr/exr_file.h"
 #include "passes/renderer.h"
 #include "scene/assets/blender.h"
-#include "tests/passes/ray_reference.h"
+#include "tests/core/passes/ray_reference.h"
 #include "tests/support/blender.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "tests/passes/exr/foreign_file.h"
+#include "tests/core/passes/exr/foreign_file.h"
 
 namespace scanmill {
 namespace {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "passes/exr/exr_file.h"
-#include "tests/passes/exr/foreign_file.h"
+#include "tests/core/passes/exr/foreign_file.h"
 
 namespace scanmill {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "base/file.h"
 #include "base/random.h"
-#include "tests/passes/exr/foreign_file.h"
+#include "tests/core/passes/exr/foreign_file.h"
 
 namespace scanmill {
 namespace {

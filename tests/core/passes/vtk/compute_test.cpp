@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "base/random.h"
-#include "tests/passes/vtk/drawing.h"
+#include "tests/core/passes/vtk/drawing.h"
 #include "tests/support/gl.h"
 #include "tests/support/message_of.h"
 #include "tests/support/sanitizers.h"

@@ -13,7 +13,7 @@
 
 #include "base/random.h"
 #include "passes/renderer.h"
-#include "tests/passes/ray_reference.h"
+#include "tests/core/passes/ray_reference.h"
 #include "tests/support/gl.h"
 #include "tests/support/test_scene.h"
 

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "passes/renderer.h"
-#include "tests/passes/vtk/drawing.h"
+#include "tests/core/passes/vtk/drawing.h"
 #include "tests/support/gl.h"
 #include "tests/support/message_of.h"
 #include "tests/support/sanitizers.h"

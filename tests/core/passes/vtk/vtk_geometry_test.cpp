@@ -8,7 +8,7 @@
 #include <set>
 
 #include "passes/renderer.h"
-#include "tests/passes/vtk/drawing.h"
+#include "tests/core/passes/vtk/drawing.h"
 #include "tests/support/gl.h"
 #include "tests/support/message_of.h"
 #include "tests/support/sanitizers.h"

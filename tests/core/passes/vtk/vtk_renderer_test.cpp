@@ -8,7 +8,7 @@
 #include <map>
 
 #include "passes/renderer.h"
-#include "tests/passes/vtk/drawing.h"
+#include "tests/core/passes/vtk/drawing.h"
 #include "tests/support/gl.h"
 #include "tests/support/sanitizers.h"
 #include "tests/support/test_scene.h"

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "scene/assets/asset_alpha.h"
-#include "tests/scene/assets/triangle_files.h"
+#include "tests/core/scene/assets/triangle_files.h"
 
 namespace scanmill {
 namespace {

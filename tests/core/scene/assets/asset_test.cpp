@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/scene/assets/triangle_files.h"
+#include "tests/core/scene/assets/triangle_files.h"
 
 namespace scanmill {
 namespace {

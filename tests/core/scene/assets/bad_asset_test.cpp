@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "scene/assets/gltf.h"
-#include "tests/scene/assets/triangle_files.h"
+#include "tests/core/scene/assets/triangle_files.h"
 
 namespace scanmill {
 namespace {

@@ -8,8 +8,8 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "study/dataset/dataset_charts.h"
-#include "tests/charts/svg_check.h"
-#include "tests/study/dataset/made_dataset.h"
+#include "tests/studio/charts/svg_check.h"
+#include "tests/studio/study/dataset/made_dataset.h"
 
 namespace scanmill {
 namespace {

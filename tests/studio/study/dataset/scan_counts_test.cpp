@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "tests/study/dataset/made_dataset.h"
+#include "tests/studio/study/dataset/made_dataset.h"
 
 namespace scanmill {
 namespace {

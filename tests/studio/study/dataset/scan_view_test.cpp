@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "base/process.h"
 #include "study/dataset/dataset_report.h"
-#include "tests/study/dataset/made_dataset.h"
+#include "tests/studio/study/dataset/made_dataset.h"
 
 namespace scanmill {
 namespace {

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/study/tradeoff/example_study.h"
+#include "tests/studio/study/tradeoff/example_study.h"
 
 namespace scanmill {
 namespace {

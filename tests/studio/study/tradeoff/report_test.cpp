@@ -7,8 +7,8 @@
 #include "study/tradeoff/report_charts.h"
 #include "study/tradeoff/report_figures.h"
 #include "study/tradeoff/report_tables.h"
-#include "tests/charts/svg_check.h"
-#include "tests/study/tradeoff/example_study.h"
+#include "tests/studio/charts/svg_check.h"
+#include "tests/studio/study/tradeoff/example_study.h"
 
 namespace scanmill {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "study/tradeoff/study.h"
-#include "tests/study/tradeoff/example_study.h"
+#include "tests/studio/study/tradeoff/example_study.h"
 
 namespace scanmill {
 namespace {

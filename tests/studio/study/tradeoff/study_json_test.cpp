@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "study/tradeoff/study.h"
-#include "tests/study/tradeoff/example_study.h"
+#include "tests/studio/study/tradeoff/example_study.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/file.h"
-#include "tests/viewer/frames/frame_fixture.h"
+#include "tests/studio/viewer/frames/frame_fixture.h"
 
 namespace scanmill {
 

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "formats/columns.h"
 #include "tests/support/shared_data.h"
-#include "tests/viewer/frames/frame_fixture.h"
+#include "tests/studio/viewer/frames/frame_fixture.h"
 #include "viewer/scan_source.h"
 
 namespace scanmill {

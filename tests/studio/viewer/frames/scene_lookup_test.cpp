@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/viewer/frames/frame_fixture.h"
+#include "tests/studio/viewer/frames/frame_fixture.h"
 
 namespace scanmill {
 

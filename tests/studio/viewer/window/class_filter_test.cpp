@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/message_of.h"
-#include "tests/viewer/window/fake_frames.h"
+#include "tests/studio/viewer/window/fake_frames.h"
 
 namespace scanmill {
 namespace {

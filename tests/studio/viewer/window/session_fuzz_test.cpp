@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/temporary_folder.h"
-#include "tests/viewer/window/session_world.h"
+#include "tests/studio/viewer/window/session_world.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {

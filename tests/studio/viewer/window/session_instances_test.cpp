@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "tests/viewer/window/session_world.h"
+#include "tests/studio/viewer/window/session_world.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {

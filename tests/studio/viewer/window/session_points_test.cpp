@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <set>
 
-#include "tests/viewer/window/session_world.h"
+#include "tests/studio/viewer/window/session_world.h"
 #include "viewer/picture.h"
 #include "viewer/window/session.h"
 

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <thread>
 
-#include "tests/viewer/window/session_world.h"
+#include "tests/studio/viewer/window/session_world.h"
 #include "viewer/color_map.h"
 
 namespace scanmill {

@@ -8,7 +8,7 @@
 
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/viewer/window/session_world.h"
+#include "tests/studio/viewer/window/session_world.h"
 #include "viewer/window/hud.h"
 #include "viewer/window/session_items.h"
 

@@ -6,8 +6,8 @@
 #include <random>
 #include <sstream>
 
-#include "tests/viewer/window/fake_canvas.h"
-#include "tests/viewer/window/fake_frames.h"
+#include "tests/studio/viewer/window/fake_canvas.h"
+#include "tests/studio/viewer/window/fake_frames.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {
