@@ -8,8 +8,8 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "formats/columns.h"
-#include "tests/support/shared_data.h"
 #include "tests/studio/viewer/frames/frame_fixture.h"
+#include "tests/support/shared_data.h"
 #include "viewer/scan_source.h"
 
 namespace scanmill {

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/message_of.h"
 #include "tests/studio/viewer/window/fake_frames.h"
+#include "tests/support/message_of.h"
 
 namespace scanmill {
 namespace {

@@ -7,9 +7,9 @@
 #include <set>
 
 #include "passes/exr/pass_exr.h"
+#include "tests/studio/viewer/window/fake_canvas.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/studio/viewer/window/fake_canvas.h"
 
 namespace scanmill {
 namespace {

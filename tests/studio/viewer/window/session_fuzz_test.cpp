@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/temporary_folder.h"
 #include "tests/studio/viewer/window/session_world.h"
+#include "tests/support/temporary_folder.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {

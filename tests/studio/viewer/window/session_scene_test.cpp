@@ -6,9 +6,9 @@
 #include <set>
 #include <string>
 
+#include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/studio/viewer/window/session_world.h"
 #include "viewer/window/hud.h"
 #include "viewer/window/session_items.h"
 

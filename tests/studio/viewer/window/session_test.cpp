@@ -10,9 +10,9 @@
 #include <map>
 #include <thread>
 
+#include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/studio/viewer/window/session_world.h"
 
 namespace scanmill {
 namespace {
