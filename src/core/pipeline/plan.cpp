@@ -21,13 +21,40 @@ bool setsIntensity(const Pipeline& pipeline) {
   return std::any_of(effects.begin(), effects.end(), [](const auto& effect) { return effect->setsIntensity(); });
 }
 
-void checkAutoChoice(const Pipeline& pipeline) {
-  const AutoChoice choice = readAutoChoice(pipeline.method.options);
-  if (!choice.limits.intensity || setsIntensity(pipeline)) return;
+// Of `method: auto`; else empty.
+AutoChoice checkedAutoChoice(const Pipeline& pipeline) {
+  if (!pipeline.method.automatic) return {};
+  AutoChoice choice = readAutoChoice(pipeline.method.options);
+  if (!choice.limits.intensity || setsIntensity(pipeline)) return choice;
   const Value* limit = pipeline.method.options.find("max_error")->find("intensity");
   throw InputError(limit->where,
                    "method auto: max_error: no effect sets the intensity: add the effect `intensity`, or "
                    "leave this limit out");
+}
+
+// Those that `auto` chooses from, or the one that the pipeline names; none where the hits come from a recording.
+std::vector<const MethodEntry*> methodsOf(const Pipeline& pipeline, const AutoChoice& choice) {
+  std::vector<const MethodEntry*> entries;
+  if (pipeline.recording != nullptr) return entries;
+  for (const MethodSetting& setting : choice.settings) entries.push_back(setting.choice.entry);
+  if (!pipeline.method.automatic) entries.push_back(pipeline.method.entry);
+  return entries;
+}
+
+// The first that cannot do such a thing; null where all can.
+const MethodEntry* firstThatCannot(const std::vector<const MethodEntry*>& entries, bool MethodCapabilities::*can) {
+  const auto found = std::find_if(entries.begin(), entries.end(), [&](const MethodEntry* e) { return !(e->can.*can); });
+  return found == entries.end() ? nullptr : *found;
+}
+
+void checkMotion(const Pipeline& pipeline, const std::vector<const MethodEntry*>& entries) {
+  if (pipeline.motion.kind == MotionKind::None) return;
+  if (const MethodEntry* still = firstThatCannot(entries, &MethodCapabilities::motion)) {
+    throw InputError(pipeline.motion.where,
+                     fmt::format("the method {} gives a whole revolution one pose: leave the motion out, or take "
+                                 "`method: {}`",
+                                 still->name, firstMethodThat(&MethodCapabilities::motion).name));
+  }
 }
 
 constexpr double kGibibyte = 1024.0 * 1024 * 1024;
@@ -117,7 +144,8 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
 
 Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   checkOntologies(pipeline_);
-  if (pipeline_.method.automatic) checkAutoChoice(pipeline_);
+  methods_ = methodsOf(pipeline_, checkedAutoChoice(pipeline_));
+  checkMotion(pipeline_, methods_);
   for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
     channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.columns);
   }
@@ -181,7 +209,27 @@ std::unique_ptr<Method> Plan::makeMethod(const Scene& scene) const {
   return scanmill::makeMethod(pipeline_.method, scene);
 }
 
+void Plan::requirePasses() const {
+  if (pipeline_.recording != nullptr) {
+    throw InputError({pipeline_.file.string()},
+                     fmt::format("the scans are made of the {} in {}: no passes are drawn "
+                                 "that could be kept",
+                                 nameOf(pipeline_.recording->kind), pipeline_.recording->folder.string()));
+  }
+  const MethodEntry* without = firstThatCannot(methods_, &MethodCapabilities::passes);
+  if (without == nullptr) return;
+  const std::string_view instead = firstMethodThat(&MethodCapabilities::passes).name;
+  if (pipeline_.method.automatic) {
+    throw InputError(pipeline_.method.options.where,
+                     fmt::format("method auto may choose one that draws no passes: take `method: {}`", instead));
+  }
+  throw InputError(
+      {pipeline_.file.string()},
+      fmt::format("the method {} draws no passes that could be kept: take `method: {}`", without->name, instead));
+}
+
 void Plan::choose(MethodChoice choice, MethodRecord record) {
+  methods_ = {choice.entry};
   pipeline_.method = std::move(choice);
   chosen_ = std::move(record);
 }

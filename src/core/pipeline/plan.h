@@ -21,7 +21,8 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
 class Plan {
  public:
   // `kept`: channels that are wanted besides those that the scans need, for a recording. Throws InputError where the
-  // scenes' ontologies differ, or a frame does not fit into this machine's memory.
+  // scenes' ontologies differ, the method cannot do what the pipeline asks for, or a frame does not fit into this
+  // machine's memory.
   explicit Plan(Pipeline pipeline, Channels kept = {});
 
   const Pipeline& pipeline() const { return pipeline_; }
@@ -43,6 +44,9 @@ class Plan {
   // One line each: what is computed and what is left out, and why.
   std::vector<std::string> modelled() const;
 
+  // Throws InputError where the method, or one that `method: auto` may choose, draws no passes that could be kept.
+  void requirePasses() const;
+
   // Names of the columns that the scans have, as columnNames() gives them.
   std::vector<std::string> columns() const;
 
@@ -56,6 +60,7 @@ class Plan {
   Shot recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const;
 
   Pipeline pipeline_;
+  std::vector<const MethodEntry*> methods_;  // that may trace; none for a recording
   std::optional<MethodRecord> chosen_;
   Channels channels_;  // what scans need
   Channels traced_;    // and recordings

@@ -30,8 +30,8 @@ struct MethodSetting {
   MethodChoice choice;
 };
 
-// The same for a measurement: fields that an earlier run has kept would hide what building them takes, so particles
-// build theirs anew, unless the options name a cache.
+// The same for a measurement: what an earlier run has kept would hide what building it takes, so a method that keeps
+// something (MethodEntry::cacheOption) builds it anew, unless the options name a cache.
 MethodChoice builtAnew(MethodChoice choice);
 
 // "name" or {name: {options}}: a method, or an item of a list of settings, effects or formats; `what` in messages.

@@ -25,13 +25,14 @@ struct PassStep {
 
 class DepthCamera : public Method {
  public:
+  const DepthCamera* depthCamera() const override { return this; }
   // Which passes sampling such channels takes.
   virtual PassChoice passes(Channels channels) const = 0;
   // Draws whole images in place of the pixels that the beams need, step by step of the turn.
-  virtual void draw(const Shot& shot, PassChoice choice, const std::function<void(PassStep&&)>& take) const = 0;
+  virtual TraceAccount draw(const Shot& shot, PassChoice choice, const std::function<void(PassStep&&)>& take) const = 0;
   // Samples the beams of the step's columns from its images: the same bytes as trace() gives. Hits::reset has been
   // called.
-  virtual void sample(const Shot& shot, const PassStep& step, Hits& hits) const = 0;
+  virtual TraceAccount sample(const Shot& shot, const PassStep& step, Hits& hits) const = 0;
 };
 
 // YAML: depth_camera: {renderer: vtk, layout: auto, resolution: 2048, sampling: plane, depth: float32, antialiasing: 1,

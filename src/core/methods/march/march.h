@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "base/stage_clock.h"
 #include "methods/field/field.h"
 #include "methods/world/world.h"
 
@@ -123,16 +124,11 @@ class GlMarcher {
   virtual ~GlMarcher() = default;
   // Flies all particles. `field` and `triangles` are uploaded where they are not those of the call before. Safe to call
   // from several threads: one waits for the other. Throws Error, also where the field is larger than the device's
-  // buffers may be.
+  // buffers may be. Adds to the stages "upload" (of the field and the triangles), "march" (particles uploaded and
+  // flown) and "read_back" (landings) of `clock`.
   virtual void march(std::shared_ptr<const Field> field, std::shared_ptr<const World> world,
-                     const MarchOptions& options, const Particles& particles, Landings& landings) = 0;
-  // s of wall-clock time so far.
-  struct Seconds {
-    double upload = 0;    // of fields and triangles
-    double march = 0;     // particles uploaded and flown
-    double readBack = 0;  // landings
-  };
-  virtual Seconds seconds() const = 0;
+                     const MarchOptions& options, const Particles& particles, Landings& landings,
+                     StageClock& clock) = 0;
   virtual std::string device() const = 0;  // "llvmpipe (LLVM 15.0.6, 256 bits)"
   virtual bool software() const = 0;       // it runs on the processor
 };

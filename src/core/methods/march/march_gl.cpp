@@ -7,9 +7,7 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
-#include <chrono>
 #include <exception>
 #include <filesystem>
 #include <mutex>
@@ -91,18 +89,6 @@ std::vector<DeviceTriangle> deviceTriangles(const TriangleBlock& block) {
   return made;
 }
 
-class SecondsSince {
- public:
-  explicit SecondsSince(std::atomic<double>& sum) : sum_(sum) {}
-  ~SecondsSince() { sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-  SecondsSince(const SecondsSince&) = delete;
-  SecondsSince& operator=(const SecondsSince&) = delete;
-
- private:
-  std::atomic<double>& sum_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 class ComputeMarcher : public GlMarcher {
  public:
   explicit ComputeMarcher(const GlMarcherLimits& limits)
@@ -114,20 +100,19 @@ class ComputeMarcher : public GlMarcher {
   }
 
   void march(std::shared_ptr<const Field> field, std::shared_ptr<const World> world, const MarchOptions& options,
-             const Particles& particles, Landings& landings) override {
+             const Particles& particles, Landings& landings, StageClock& clock) override {
     const std::scoped_lock lock(mutex_);
     landings.resize(particles.size());
     if (particles.size() == 0) return;
-    upload(field, world);
+    upload(field, world, clock);
     for (std::size_t first = 0; first < particles.size(); first += slice_) {
       const std::size_t count = std::min<std::size_t>(slice_, particles.size() - first);
-      fly(*field, options, particles, first, count);
-      SecondsSince watch(readBack_);
+      fly(*field, options, particles, first, count, clock);
+      const StageTimer timer(clock, "read_back");
       readLandings(*field, landings, first, count);
     }
   }
 
-  Seconds seconds() const override { return {upload_, march_, readBack_}; }
   std::string device() const override { return device_.name(); }
   bool software() const override { return device_.software(); }
 
@@ -140,11 +125,11 @@ class ComputeMarcher : public GlMarcher {
     return *program;
   }
 
-  void upload(const std::shared_ptr<const Field>& field, const std::shared_ptr<const World>& world) {
+  void upload(const std::shared_ptr<const Field>& field, const std::shared_ptr<const World>& world, StageClock& clock) {
+    const StageTimer timer(clock, "upload");
     const bool newField = field_.lock() != field;
     const bool newWorld = field->shape.lists && world_.lock() != world;
     if (!newField && !newWorld) return;
-    SecondsSince watch(upload_);
     if (newField) {
       field_.reset();  // what is there is of no field until all is there
       const std::string mend = "take coarser voxels (voxel_m) or fewer levels";
@@ -180,8 +165,8 @@ class ComputeMarcher : public GlMarcher {
   }
 
   void fly(const Field& field, const MarchOptions& options, const Particles& particles, std::size_t first,
-           std::size_t count) {
-    SecondsSince watch(march_);
+           std::size_t count, StageClock& clock) {
+    const StageTimer timer(clock, "march");
     const Columns columns = columnsOf(particles, field.shape.lists);
     particles_.reserve(columns.size() * count * sizeof(float));
     landings_.reserve(5 * count * sizeof(float));
@@ -242,9 +227,6 @@ class ComputeMarcher : public GlMarcher {
   std::weak_ptr<const World> world_;
   std::vector<float> numerator_;  // of the slice
   std::vector<float> denominator_;
-  std::atomic<double> upload_ = 0;
-  std::atomic<double> march_ = 0;
-  std::atomic<double> readBack_ = 0;
 };
 
 // Whether the kernel knows of a graphics card: loading OpenGL to ask would cost more than most scans.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 
+#include "base/stage_clock.h"
 #include "methods/field/build.h"
 #include "methods/field/cache.h"
 #include "methods/field/field.h"
@@ -27,15 +28,9 @@ class FieldStore {
     bool whole;  // nothing of the scene lies outside of the box
   };
   // Around a sensor (m), reaching `range` (m) far where the options do not say otherwise. Safe to call from several
-  // threads: one waits while another builds.
-  Place around(const Vec3d& sensor, double range) const;
-
-  // s of wall-clock time so far, and how often.
-  struct Seconds {
-    double build = 0, update = 0, load = 0;
-    std::uint64_t builds = 0, updates = 0, loads = 0;
-  };
-  Seconds seconds() const;
+  // threads: one waits while another builds. The seconds of building a field, of moving one along with the sensor or of
+  // loading one are added to the stage "field_build", "field_update" or "field_load" of `clock`.
+  Place around(const Vec3d& sensor, double range, StageClock& clock) const;
 
  private:
   struct Known {
@@ -43,8 +38,10 @@ class FieldStore {
     std::shared_ptr<const Field> field;
   };
 
-  std::shared_ptr<const Field> fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape) const;
-  std::shared_ptr<const Field> make(const World& world, const FieldShape& shape, const Field* before) const;
+  std::shared_ptr<const Field> fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape,
+                                       StageClock& clock) const;
+  std::shared_ptr<const Field> make(const World& world, const FieldShape& shape, const Field* before,
+                                    StageClock& clock) const;
 
   ParticleOptions options_;
   Box bounds_;  // m, world
@@ -52,7 +49,6 @@ class FieldStore {
   FieldCache cache_;
   mutable std::mutex mutex_;
   mutable std::list<Known> fields_;  // the last one first
-  mutable Seconds seconds_;
 };
 
 }  // namespace scanmill

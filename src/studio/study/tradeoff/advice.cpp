@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "evaluate/limits.h"
+#include "methods/method.h"
 #include "pipeline/progress.h"
 #include "study/tradeoff/report_figures.h"
 #include "study/tradeoff/study.h"
@@ -357,7 +358,8 @@ class Adviser {
   std::string graphicsRemark(const std::string& method) const {
     const bool software = study_.machine.renderer.find("llvmpipe") != std::string::npos ||
                           study_.machine.renderer.find("softpipe") != std::string::npos;
-    if (method != "depth_camera" || !software) return "";
+    const MethodEntry* entry = findMethod(method);
+    if (entry == nullptr || !entry->can.passes || !software) return "";
     return " OpenGL ran on the processor here; measure again where there is a graphics card.";
   }
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "methods/method.h"
+
 namespace scanmill {
 
 namespace {
@@ -40,8 +42,15 @@ std::string scaled(double value, const std::array<Scale, n>& scales) {
 
 constexpr double kFrontStep = 1.05;                      // of times
 constexpr std::string_view kAwayFromEdges = "interior";  // as the study's files call it
-constexpr std::array<const char*, 3> kColoredMethods{"ray_tracing", "depth_camera", "particle"};
+constexpr std::size_t kMethodColors = 3;  // the chart's first ones are those of the first rows of methods()
 constexpr std::array<std::size_t, 5> kMoreColors{3, 4, 5, 7, 6};
+
+// Which of kMethodColors a method has; none where it has none of them.
+std::optional<std::size_t> ownColor(const std::string& method) {
+  const MethodEntry* entry = findMethod(method);
+  if (entry == nullptr || entry - methods().data() >= static_cast<std::ptrdiff_t>(kMethodColors)) return std::nullopt;
+  return static_cast<std::size_t>(entry - methods().data());
+}
 
 std::vector<std::size_t> frontOf(const Study& study, double (*error)(const GroupErrors&)) {
   const std::vector<std::size_t> measured = measuredSettings(study);
@@ -164,7 +173,8 @@ std::vector<std::size_t> measuredSettings(const Study& study) {
 
 std::optional<std::size_t> tracingDefault(const Study& study) {
   for (const std::size_t i : measuredSettings(study)) {
-    if (study.settings[i].setting.method == "ray_tracing" && isDefault(study.settings[i].setting)) return i;
+    const MethodEntry* entry = findMethod(study.settings[i].setting.method);
+    if (entry != nullptr && entry->can.reference && isDefault(study.settings[i].setting)) return i;
   }
   return std::nullopt;
 }
@@ -187,12 +197,11 @@ std::vector<std::size_t> wrongFront(const Study& study) {
 }
 
 std::size_t methodColor(const Study& study, const std::string& method) {
-  const auto known = std::find(kColoredMethods.begin(), kColoredMethods.end(), method);
-  if (known != kColoredMethods.end()) return static_cast<std::size_t>(known - kColoredMethods.begin());
+  if (const std::optional<std::size_t> own = ownColor(method)) return *own;
   std::size_t others = 0;
   for (const std::string& other : methodsOf(study)) {
     if (other == method) break;
-    others += std::find(kColoredMethods.begin(), kColoredMethods.end(), other) == kColoredMethods.end() ? 1 : 0;
+    others += ownColor(other) ? 0 : 1;
   }
   return kMoreColors[others % 3];
 }

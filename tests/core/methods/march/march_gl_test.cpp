@@ -166,7 +166,8 @@ Counts compared(const Surroundings& place, const MarchOptions& options, const Pa
 
 Counts flown(GlMarcher& marcher, const Surroundings& place, const MarchOptions& options, const Particles& particles) {
   Landings landings;
-  marcher.march(place.field, place.world, options, particles, landings);
+  StageClock clock;
+  marcher.march(place.field, place.world, options, particles, landings, clock);
   return compared(place, options, particles, landings);
 }
 
@@ -222,15 +223,16 @@ TEST(GlMarcher, AFieldIsUploadedOnce) {
   const auto field = std::make_shared<Field>(*place.field);
   const Particles particles = particlesIn(*field, 100);
   Landings first;
-  marcher->march(field, place.world, kUsual, particles, first);
+  StageClock clock;
+  marcher->march(field, place.world, kUsual, particles, first, clock);
   // Were it looked at again, it would be seen that it is another one now.
   field->distance.assign(field->distance.size(), 0xFFFF);
   Landings second;
-  marcher->march(field, place.world, kUsual, particles, second);
+  marcher->march(field, place.world, kUsual, particles, second, clock);
   EXPECT_EQ(first.outcome, second.outcome);
   EXPECT_EQ(first.way, second.way);
   // Another object is another field.
-  marcher->march(std::make_shared<Field>(*field), place.world, kUsual, particles, second);
+  marcher->march(std::make_shared<Field>(*field), place.world, kUsual, particles, second, clock);
   EXPECT_NE(first.outcome, second.outcome);
 }
 
@@ -255,7 +257,8 @@ TEST(GlMarcher, NoParticlesAndOne) {
   const Surroundings place = surroundingsOf(scene, true);
   Landings landings;
   landings.resize(7);
-  marcher->march(place.field, place.world, kUsual, particlesIn(*place.field, 0), landings);
+  StageClock clock;
+  marcher->march(place.field, place.world, kUsual, particlesIn(*place.field, 0), landings, clock);
   EXPECT_EQ(landings.size(), 0u);
   EXPECT_EQ(flown(*marcher, place, kUsual, particlesIn(*place.field, 2)).wrong, 0u);
   Particles one;
@@ -278,12 +281,13 @@ TEST(GlMarcher, ThreadsTakeTurns) {
     for (std::size_t t = 0; t < kThreads; ++t) {
       threads.emplace_back([&, t] {
         const Surroundings& place = places[t % 2];
+        StageClock clock;
         const auto own = t == 3 ? makeGlMarcher() : nullptr;
         for (std::size_t round = 0; round < static_cast<std::size_t>(rounds); ++round) {
           const auto stream = static_cast<std::uint32_t>(10 * t + round);
           (own != nullptr ? *own : *marcher)
               .march(place.field, place.world, kUsual, particlesIn(*place.field, 300 + t, stream),
-                     got[t * static_cast<std::size_t>(rounds) + round]);
+                     got[t * static_cast<std::size_t>(rounds) + round], clock);
         }
       });
     }
@@ -300,14 +304,12 @@ TEST(GlMarcher, TellsItsDeviceAndTimes) {
   SKIP_WITHOUT_GL();
   const auto marcher = makeGlMarcher();
   EXPECT_FALSE(marcher->device().empty());
-  EXPECT_EQ(marcher->seconds().march, 0);
   const Scene scene = furnished();
   const Surroundings place = surroundingsOf(scene, true);
-  flown(*marcher, place, kUsual, particlesIn(*place.field, 100));
-  const GlMarcher::Seconds seconds = marcher->seconds();
-  EXPECT_GT(seconds.upload, 0);
-  EXPECT_GT(seconds.march, 0);
-  EXPECT_GT(seconds.readBack, 0);
+  Landings landings;
+  StageClock clock;
+  marcher->march(place.field, place.world, kUsual, particlesIn(*place.field, 100), landings, clock);
+  for (const char* stage : {"upload", "march", "read_back"}) EXPECT_GT(clock.seconds().at(stage), 0) << stage;
   EXPECT_EQ(glHasHardware(), !marcher->software());
 }
 
@@ -317,9 +319,10 @@ TEST(GlMarcher, FieldsLargerThanTheDeviceTakesAreRefused) {
   const Surroundings place = surroundingsOf(scene, true);
   const Particles particles = particlesIn(*place.field, 10);
   Landings landings;
+  StageClock clock;
   const auto refusal = [&](std::uint64_t bytes) {
     const auto marcher = makeGlMarcher(GlMarcherLimits{.tableBytes = bytes});
-    return messageOf<Error>([&] { marcher->march(place.field, place.world, kUsual, particles, landings); });
+    return messageOf<Error>([&] { marcher->march(place.field, place.world, kUsual, particles, landings, clock); });
   };
   const std::uint64_t largest = place.field->word.size() * sizeof(std::uint32_t);
   const std::string message = refusal(largest - 1);
@@ -330,7 +333,7 @@ TEST(GlMarcher, FieldsLargerThanTheDeviceTakesAreRefused) {
   EXPECT_EQ(refusal(std::uint64_t{1} << 30), "accepted");
   // After a refusal the marcher takes what it can.
   const auto marcher = makeGlMarcher(GlMarcherLimits{.tableBytes = largest / 2});
-  EXPECT_NE(messageOf<Error>([&] { marcher->march(place.field, place.world, kUsual, particles, landings); }),
+  EXPECT_NE(messageOf<Error>([&] { marcher->march(place.field, place.world, kUsual, particles, landings, clock); }),
             "accepted");
   const Scene empty = nothing();
   const Surroundings little = surroundingsOf(empty, true);
