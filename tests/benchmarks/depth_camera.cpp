@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "methods/depth_camera/turn.h"
+#include "methods/depth_camera/revolution.h"
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
 #include "passes/renderer.h"

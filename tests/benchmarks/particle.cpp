@@ -54,7 +54,7 @@ void field(benchmark::State& state, bool lists) {
   const Place there = placeAt(-19, lists);
   BuildCounts counts;
   BuildCounts moved;
-  std::shared_ptr<const Field> built;
+  std::shared_ptr<const DistanceField> built;
   std::vector<double> build;
   std::vector<double> update;
   std::vector<double> load;
@@ -66,7 +66,7 @@ void field(benchmark::State& state, bool lists) {
     build.push_back(secondsOf([&] { built = buildField(*here.world, here.shape, nullptr, &counts); }));
     state.SetIterationTime(build.back());
     // Moves are of whole bricks of 0.8 m and more; averaged over ten metres.
-    std::shared_ptr<const Field> at = built;
+    std::shared_ptr<const DistanceField> at = built;
     update.push_back(secondsOf([&] {
                        for (int metre = 1; metre <= 10; ++metre) {
                          at = buildField(*here.world, placeAt(-20 + metre, lists).shape, at.get(), &moved);

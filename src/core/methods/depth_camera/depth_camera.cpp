@@ -1,9 +1,9 @@
 // The depth-camera method (LiDAR-GEIL): cameras at the sensor draw depth, normals and ids, and beams look
 // up what they would have met.
 //
-// A sensor that moves during its turn is drawn in steps. Each column keeps its own pose: it is sampled from the images
-// of its step, which were drawn from somewhere else by a little, so that flat surfaces stay exact and only what is
-// hidden from there errs.
+// A sensor that moves during its revolution is drawn in steps. Each column keeps its own pose: it is sampled from the
+// images of its step, which were drawn from a place a little beside its own. So flat surfaces stay exact, and only what
+// is hidden from that place errs.
 
 #include "methods/depth_camera/depth_camera.h"
 
@@ -18,7 +18,7 @@
 #include "base/error.h"
 #include "base/stage_clock.h"
 #include "methods/depth_camera/options.h"
-#include "methods/depth_camera/turn.h"
+#include "methods/depth_camera/revolution.h"
 #include "scene/assets/blender.h"
 
 namespace scanmill {
@@ -88,7 +88,7 @@ class DepthCameraMethod : public DepthCamera {
     hits.reset(shot.beams->rings, shot.beams->columns, channels);
     std::uint64_t unseen = 0;
     StageClock clock(kStages);
-    for (const TurnStep& step : stepsOf(shot, options_.rendersPerTurn)) {
+    for (const RevolutionStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
       const Prepared prepared = prepareStep(shot, step.firstColumn, step.endColumn, step.worldFromRig, true);
       drawn(shot, prepared, step.worldFromRig, passesFor(channels, options_.sample), clock, [&](PixelSource& source) {
         unseen += samplePixels(source, step.worldFromRig, *prepared.beams, sampleOptions(*shot.beams), hits);
@@ -102,7 +102,7 @@ class DepthCameraMethod : public DepthCamera {
   TraceAccount draw(const Shot& shot, PassChoice choice, const std::function<void(PassStep&&)>& take) const override {
     requireRenderer();
     StageClock clock(kStages);
-    for (const TurnStep& step : stepsOf(shot, options_.rendersPerTurn)) {
+    for (const RevolutionStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
       const Prepared prepared = prepareStep(shot, step.firstColumn, step.endColumn, step.worldFromRig, true);
       PassStep made{step.firstColumn, step.endColumn, step.worldFromRig, {}};
       drawn(shot, prepared, step.worldFromRig, choice, clock,
@@ -132,11 +132,11 @@ class DepthCameraMethod : public DepthCamera {
     const std::uint32_t s = options_.sample.antialiasing;
     std::vector<std::string> lines;
     if (makeRenderer_) {
-      lines.push_back(fmt::format("images: layout {}, resolution {}, drawn by {}{}; moving sensors: {} a turn",
-                                  options_.layoutName, options_.layout.resolution, options_.renderer,
-                                  s > 1 ? fmt::format(", {} x {} subpixels", s, s) : "",
-                                  options_.rendersPerTurn > 0 ? fmt::format("{} renders", options_.rendersPerTurn)
-                                                              : std::string("a render for every 5 cm or degree")));
+      lines.push_back(fmt::format(
+          "images: layout {}, resolution {}, drawn by {}{}; moving sensors: {} a turn", options_.layoutName,
+          options_.layout.resolution, options_.renderer, s > 1 ? fmt::format(", {} x {} subpixels", s, s) : "",
+          options_.rendersPerRevolution > 0 ? fmt::format("{} renders", options_.rendersPerRevolution)
+                                            : std::string("a render for every 5 cm or degree")));
       if (options_.renderer == "blender") lines.push_back("Blender: " + whereBlenderIs());
     } else {
       lines.emplace_back("images: passes from files");

@@ -36,14 +36,14 @@ FieldStore::Place FieldStore::around(const Vec3d& sensor, double range, StageClo
   Box scene;
   if (!bounds_.empty()) scene = {bounds_.low - origin, bounds_.high - origin};
   const FieldShape shape = shapeOf(options_, sensor - origin, scene, range);
-  place.box = flightBox(shape);
+  place.box = marchBox(shape);
   place.whole = holds(place.box, scene);
   place.field = fieldOf(place.world, shape, clock);
   return place;
 }
 
-std::shared_ptr<const Field> FieldStore::fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape,
-                                                 StageClock& clock) const {
+std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<const World>& world,
+                                                         const FieldShape& shape, StageClock& clock) const {
   const std::scoped_lock lock(mutex_);
   for (auto it = fields_.begin(); it != fields_.end(); ++it) {
     if (it->world != world || !(it->field->shape == shape)) continue;
@@ -52,7 +52,7 @@ std::shared_ptr<const Field> FieldStore::fieldOf(const std::shared_ptr<const Wor
   }
   const auto before =
       std::find_if(fields_.begin(), fields_.end(), [&](const Known& known) { return known.world == world; });
-  std::shared_ptr<const Field> made =
+  std::shared_ptr<const DistanceField> made =
       make(*world, shape, before == fields_.end() ? nullptr : before->field.get(), clock);
   if (fields_.size() >= kFieldsInMemory) fields_.pop_back();
   fields_.push_front({world, std::move(made)});
@@ -60,19 +60,19 @@ std::shared_ptr<const Field> FieldStore::fieldOf(const std::shared_ptr<const Wor
 }
 
 // The caller holds mutex_.
-std::shared_ptr<const Field> FieldStore::make(const World& world, const FieldShape& shape, const Field* before,
-                                              StageClock& clock) const {
+std::shared_ptr<const DistanceField> FieldStore::make(const World& world, const FieldShape& shape,
+                                                      const DistanceField* before, StageClock& clock) const {
   const WallTimer timer;
   if (before != nullptr) {
-    std::shared_ptr<const Field> moved = buildField(world, shape, before);
+    std::shared_ptr<const DistanceField> moved = buildField(world, shape, before);
     clock.add("field_update", timer.seconds());
     return moved;
   }
-  if (std::shared_ptr<const Field> found = cache_.find(shape, world.origin)) {
+  if (std::shared_ptr<const DistanceField> found = cache_.find(shape, world.origin)) {
     clock.add("field_load", timer.seconds());
     return found;
   }
-  std::shared_ptr<const Field> built = buildField(world, shape, nullptr);
+  std::shared_ptr<const DistanceField> built = buildField(world, shape, nullptr);
   clock.add("field_build", timer.seconds());
   cache_.store(*built, world.origin);
   return built;

@@ -9,7 +9,7 @@
 #include "base/stage_clock.h"
 #include "methods/field/build.h"
 #include "methods/field/cache.h"
-#include "methods/field/field.h"
+#include "methods/field/distance_field.h"
 #include "methods/particle/shape.h"
 #include "methods/world/worlds.h"
 
@@ -17,14 +17,14 @@ namespace scanmill {
 
 class FieldStore {
  public:
-  // The scene must outlive it. Throws InputError where the field would be too large for this machine; see
-  // checkField().
+  // The scene must outlive it. Throws InputError where the field would be too large for this machine: see checkField()
+  // in shape.h.
   FieldStore(const Scene& scene, const ParticleOptions& options);
 
   struct Place {
     std::shared_ptr<const World> world;
-    std::shared_ptr<const Field> field;
-    Box box;     // m, relative to the world's origin: where particles may fly
+    std::shared_ptr<const DistanceField> field;
+    Box box;     // m, relative to the world's origin: where particles may march
     bool whole;  // nothing of the scene lies outside of the box
   };
   // Around a sensor (m), reaching `range` (m) far where the options do not say otherwise. Safe to call from several
@@ -35,13 +35,13 @@ class FieldStore {
  private:
   struct Known {
     std::shared_ptr<const World> world;
-    std::shared_ptr<const Field> field;
+    std::shared_ptr<const DistanceField> field;
   };
 
-  std::shared_ptr<const Field> fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape,
-                                       StageClock& clock) const;
-  std::shared_ptr<const Field> make(const World& world, const FieldShape& shape, const Field* before,
-                                    StageClock& clock) const;
+  std::shared_ptr<const DistanceField> fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape,
+                                               StageClock& clock) const;
+  std::shared_ptr<const DistanceField> make(const World& world, const FieldShape& shape, const DistanceField* before,
+                                            StageClock& clock) const;
 
   ParticleOptions options_;
   Box bounds_;  // m, world

@@ -1,8 +1,9 @@
 // The particle method (LiDAR-GEIL): one particle per beam, sphere-traced through a distance field.
 //
-// The field is built around the sensor and moves with it (field.h). Particles fly in float32, on the processor or by a
-// compute shader, which take the same steps (march.h); what they met is resolved in double on the processor, from the
-// triangles that the field names, so that labels and normals come without a further trace (flight.h).
+// The field is built around the sensor and moves with it (distance_field.h). Particles march in float32, on the
+// processor or by a compute shader, which take the same steps (march.h); what they met is resolved in double on the
+// processor, from the triangles that the field names, so that labels and normals come without a further trace
+// (march_job.h).
 
 #include "methods/particle/particle.h"
 
@@ -21,7 +22,7 @@
 #include "base/stage_clock.h"
 #include "methods/march/march.h"
 #include "methods/particle/field_store.h"
-#include "methods/particle/flight.h"
+#include "methods/particle/march_job.h"
 #include "methods/particle/options.h"
 #include "methods/particle/shape.h"
 
@@ -31,8 +32,8 @@ namespace {
 
 constexpr std::size_t kTilesAtOnce = 128;  // 2048 particles: their columns stay in the second cache
 
-// Stretches of 16 beams of a ring, sector by sector of the turn: particles that fly together stay near each other, and
-// so do the parts of the field that they look at.
+// Stretches of 16 beams of a ring, sector by sector of the revolution: particles that march together stay near each
+// other, and so do the parts of the field that they read.
 std::vector<Tile> tilesOf(const BeamTable& beams) {
   std::vector<Tile> tiles;
   for (std::uint32_t column = 0; column < beams.columns; column += kPacket) {
@@ -69,11 +70,11 @@ class ParticleMethod : public Method {
     StageClock clock({"launch", "march", "resolve"});
     const FieldStore::Place place = placeOf(shot, clock);
     const ShotFrame frame = frameOf(shot, place.world->origin);
-    const Flight flight{shot,      *place.world, *place.field, frame, options_.refine, marchOptions(options_),
-                        place.box, place.whole};
+    const MarchJob job{shot,      *place.world, *place.field, frame, options_.refine, marchOptions(options_),
+                       place.box, place.whole};
     const std::vector<Tile> tiles = tilesOf(beams);
-    const FlightCounts counts =
-        gl_ != nullptr ? flyOnDevice(flight, place, tiles, hits, clock) : fly(flight, tiles, hits, clock);
+    const MarchCounts counts =
+        gl_ != nullptr ? marchOnDevice(job, place, tiles, hits, clock) : marchOnProcessor(job, tiles, hits, clock);
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
     return account(clock, shot, counts);
   }
@@ -118,29 +119,29 @@ class ParticleMethod : public Method {
     return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
   }
 
-  FlightCounts fly(const Flight& flight, std::span<const Tile> tiles, Hits& hits, StageClock& clock) const {
-    FlightCounts counts;
+  MarchCounts marchOnProcessor(const MarchJob& job, std::span<const Tile> tiles, Hits& hits, StageClock& clock) const {
+    MarchCounts counts;
     std::mutex mutex;
     const std::size_t pieces = (tiles.size() + kTilesAtOnce - 1) / kTilesAtOnce;
     parallelFor(pieces, 1, [&](std::size_t first, std::size_t last) {
       Particles particles;
-      Landings landings;
-      FlightCounts mine;
+      HitRecords records;
+      MarchCounts mine;
       std::vector<std::uint32_t> unresolved;
       for (std::size_t p = first; p < last; ++p) {
         const auto some = tiles.subspan(p * kTilesAtOnce, std::min(kTilesAtOnce, tiles.size() - p * kTilesAtOnce));
         {
           const StageTimer timer(clock, "launch");
-          particles.resize(some.size() * kPacket, flight.field.shape.lists);
-          landings.resize(particles.size());
-          launch(flight, some, particles, 0);
+          particles.resize(some.size() * kPacket, job.field.shape.lists);
+          records.resize(particles.size());
+          launch(job, some, particles, 0);
         }
         {
           const StageTimer timer(clock, "march");
-          marchCpu(flight.field, flight.world.baked, flight.march, particles, 0, particles.size(), landings);
+          marchCpu(job.field, job.world.baked, job.march, particles, 0, particles.size(), records);
         }
         const StageTimer timer(clock, "resolve");
-        mine += land(flight, materials_, some, particles, landings, 0, hits, unresolved);
+        mine += resolve(job, materials_, some, particles, records, 0, hits, unresolved);
       }
       const std::scoped_lock lock(mutex);
       counts += mine;
@@ -149,25 +150,25 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  FlightCounts flyOnDevice(const Flight& flight, const FieldStore::Place& place, std::span<const Tile> tiles,
-                           Hits& hits, StageClock& clock) const {
+  MarchCounts marchOnDevice(const MarchJob& job, const FieldStore::Place& place, std::span<const Tile> tiles,
+                            Hits& hits, StageClock& clock) const {
     const std::size_t pieces = (tiles.size() + kTilesAtOnce - 1) / kTilesAtOnce;
     const auto piece = [&](std::size_t p) {
       return tiles.subspan(p * kTilesAtOnce, std::min(kTilesAtOnce, tiles.size() - p * kTilesAtOnce));
     };
     Particles particles;
-    Landings landings;
-    particles.resize(tiles.size() * kPacket, flight.field.shape.lists);
-    landings.resize(particles.size());
+    HitRecords records;
+    particles.resize(tiles.size() * kPacket, job.field.shape.lists);
+    records.resize(particles.size());
     inPieces(pieces, clock, "launch",
-             [&](std::size_t p) { launch(flight, piece(p), particles, p * kTilesAtOnce * kPacket); });
-    gl_->march(place.field, place.world, flight.march, particles, landings, clock);
-    FlightCounts counts;
+             [&](std::size_t p) { launch(job, piece(p), particles, p * kTilesAtOnce * kPacket); });
+    gl_->march(place.field, place.world, job.march, particles, records, clock);
+    MarchCounts counts;
     std::mutex mutex;
     inPieces(pieces, clock, "resolve", [&](std::size_t p) {
       std::vector<std::uint32_t> unresolved;
-      const FlightCounts mine =
-          land(flight, materials_, piece(p), particles, landings, p * kTilesAtOnce * kPacket, hits, unresolved);
+      const MarchCounts mine =
+          resolve(job, materials_, piece(p), particles, records, p * kTilesAtOnce * kPacket, hits, unresolved);
       const std::scoped_lock lock(mutex);
       counts += mine;
       hits.unresolved.insert(hits.unresolved.end(), unresolved.begin(), unresolved.end());
@@ -203,7 +204,7 @@ class ParticleMethod : public Method {
                        at(100));
   }
 
-  TraceAccount account(const StageClock& clock, const Shot& shot, const FlightCounts& counts) const {
+  TraceAccount account(const StageClock& clock, const Shot& shot, const MarchCounts& counts) const {
     TraceAccount account{clock.seconds(), {}};
     const auto warn = [&](unsigned kind, std::uint64_t count, const std::string& what) {
       if (count == 0) return;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What beams meet, from the triangles that they hit: in double, 16 beams at a time.
+// Makes hits of the triangles that beams meet: ranges, normals, labels. In double, 16 beams at a time.
 
 #include <cstdint>
 #include <limits>
@@ -51,7 +51,7 @@ struct HitTriangle {
   std::uint32_t index = 0;
 };
 
-// The planes of the hit triangles, likewise, and what was asked of them.
+// The planes of the hit triangles, relative to the world's origin, and what follows from them.
 struct Resolved {
   alignas(64) Lane nx, ny, nz;  // unit normals
   alignas(64) Lane offset;      // normal . p of the plane
@@ -62,7 +62,7 @@ struct Resolved {
 
 void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays);
 
-// What was hit at about the distance `traced` (m).
+// Loads the plane of a triangle that was hit at about the distance `traced` (m).
 inline void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lane) {
   const BlockTriangle& triangle = hit.block->triangles[hit.index];
   Vec3d normal = triangle.normal;
@@ -85,16 +85,17 @@ inline void loadMiss(Resolved& r, int lane) {
   r.traced[lane] = std::numeric_limits<double>::infinity();
 }
 
-// Distance along each ray to the plane of its triangle, all lanes at once; misses outside of the sensor's range.
+// Sets each range to the distance along the ray to the plane of its triangle. Outside of the sensor's range limits it
+// is a miss.
 void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r);
-// The same with the distances as they were found.
+// The same with the distance `traced` as the range.
 void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r);
 
 // Fills the channels that `hits` has.
 void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const Resolved& r,
            const HitTriangle* triangles, Hits& hits);
 
-// Asks for the memory that store() will write.
+// Prefetches the memory that store() will write.
 void expectStore(const Tile& tile, Hits& hits);
 
 // Barycentric coordinates, of the second and third corner, of a point of a triangle (m, relative to the world's

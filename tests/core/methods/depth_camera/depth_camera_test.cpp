@@ -22,7 +22,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// A turn of a vehicle that drives `metres` along x and turns by `turnDeg`, with so many poses.
+// A revolution on a vehicle that drives `metres` along x and turns by `turnDeg`, with so many poses.
 Shot moving(std::shared_ptr<const BeamTable> beams, std::size_t poses, double metres, double turnDeg = 0,
             const Vec3d& from = {}) {
   Shot shot = shotAt(std::move(beams));
@@ -318,7 +318,7 @@ TEST(DepthCamera, StepsDrawOnlyWhatTheirColumnsSee) {
   traced(*camera, shotAt(beams), Channel::Range);
   const std::size_t whole = renderer->drawnPixels();
   traced(*camera, moving(beams, 36, 0.5), Channel::Range);
-  EXPECT_LT(renderer->drawnPixels(), whole / 12) << "a 36th of the turn and the margins";
+  EXPECT_LT(renderer->drawnPixels(), whole / 12) << "a 36th of the revolution and the margins";
 }
 
 TEST(DepthCamera, FollowsOriginsOffTheAxis) {
