@@ -200,7 +200,6 @@ void Plan::requirePasses() const {
 }
 
 void Plan::choose(MethodChoice choice, MethodRecord record) {
-  methods_ = {choice.entry};
   pipeline_.method = std::move(choice);
   checkMotion(pipeline_);
   chosen_ = std::move(record);
