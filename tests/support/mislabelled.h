@@ -37,11 +37,11 @@ inline std::uint64_t copyMislabelled(const std::filesystem::path& from, const st
           changed = 0;
           scan.pointsPerClass.clear();
           for (std::size_t i = 0; i < decoded.size(); ++i) {
-            if (decoded.instance[i] == instance && isFinite(decoded.position[i])) {
-              decoded.label[i] = wrong;
+            if (decoded[kInstance][i] == instance && isFinite(decoded.position[i])) {
+              decoded[kLabel][i] = wrong;
               ++changed;
             }
-            if (isFinite(decoded.position[i])) ++scan.pointsPerClass[decoded.label[i]];
+            if (isFinite(decoded.position[i])) ++scan.pointsPerClass[decoded[kLabel][i]];
           }
           const Value none = parseYaml("{}", "options");
           Fields options(none, "format");

@@ -65,11 +65,9 @@ TEST_F(PlanTest, WhatTheMethodCannotDoIsRefused) {
   EXPECT_THAT(
       messageOf<InputError>([&] { plan({}).requirePasses(); }),
       AllOf(HasSubstr("yard.yaml: the method ray_tracing draws no passes"), HasSubstr("take `method: depth_camera`")));
-  // Whatever `auto` chooses must draw them.
+  // Nobody knows yet what `auto` will choose.
   EXPECT_THAT(messageOf<InputError>([&] { plan({"method={auto: {min_rate: 1}}"}).requirePasses(); }),
               AllOf(HasSubstr("--set method"), HasSubstr("method auto may choose one that draws no passes")));
-  EXPECT_NO_THROW(plan({"method={auto: {min_rate: 1, settings: [depth_camera, {depth_camera: {resolution: 512}}]}}"})
-                      .requirePasses());
 
   MethodEntry still = requireMethod("ray_tracing", {});
   still.name = "still";

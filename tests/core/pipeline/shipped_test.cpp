@@ -48,6 +48,45 @@ TEST(Shipped, TruckTown) {
   EXPECT_EQ(m.samples.front().scans.size(), 2u);
 }
 
+// SHA-256 of the shards by their names.
+std::map<std::string, std::string> shardsOf(const std::string& pipeline, const std::vector<std::string>& overrides) {
+  const TemporaryFolder folder;
+  const Plan plan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
+  std::map<std::string, std::string> hashes;
+  for (const ShardRecord& shard : generate(plan, {.folder = folder.path() / "out", .quiet = true}).manifest.shards) {
+    hashes[shard.file] = shard.sha256;
+  }
+  return hashes;
+}
+
+// The same pipeline gives the same bytes for ever, whatever becomes of the code. Who changes them on purpose, such as
+// by another street, writes the new digests here and says so in the changelog.
+TEST(Shipped, BytesStayTheSame) {
+  EXPECT_EQ(shardsOf("quickstart.yaml", {}),
+            (std::map<std::string, std::string>{
+                {"test/test-000000.tar", "e9336d746749976a5539febcb1bea5f95ccda9aab95db60fa0b4f77116310e04"},
+                {"train/train-000000.tar", "207b816149eee4b4f4a9b2263c206cef20a81064e9610afc8d2ce18a6bbb6ee1"},
+                {"val/val-000000.tar", "f08fa5d45152e740fe125987bf1b25fe4f33d272e336771fa99501621c194f8a"}}));
+  const std::vector<std::string> everything{
+      "scenes.0.seeds=[1]",
+      "splits=",
+      "trajectories.0.frames=4",
+      "output.layout=organised",
+      "output.formats=[{draco: {time: true}}, pcd, csv]",
+      "output.columns=[intensity, label, instance, ring, column, time, range_true, incidence]"};
+  EXPECT_EQ(shardsOf("quickstart.yaml", everything),
+            (std::map<std::string, std::string>{
+                {"train/train-000000.tar", "34eb7638e6650b15cb148d7592a97d70a08f10882b390ed41ad2a9f8c7ba49bf"}}));
+}
+
+TEST(Shipped, BytesOfATownStayTheSame) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
+  ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
+  EXPECT_EQ(shardsOf("truck_town.yaml", {"trajectories.0.frames=6"}),
+            (std::map<std::string, std::string>{
+                {"train/train-000000.tar", "59a8ee98f237a96b764bc9c57ca5280ece49ca16c9a03e42f3589efa18401982"}}));
+}
+
 // The same class has nearly the same number of points, whatever the method: where it has many.
 void expectAlike(const Manifest& traced, const Manifest& seen) {
   std::map<std::uint16_t, std::array<double, 2>> points;
