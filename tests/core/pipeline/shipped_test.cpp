@@ -52,10 +52,11 @@ TEST(Shipped, TruckTown) {
 std::map<std::string, std::string> shardsOf(const std::string& pipeline, const std::vector<std::string>& overrides) {
   const TemporaryFolder folder;
   const Plan plan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
+  GenerateOptions options;
+  options.folder = folder.path() / "out";
+  options.quiet = true;
   std::map<std::string, std::string> hashes;
-  for (const ShardRecord& shard : generate(plan, {.folder = folder.path() / "out", .quiet = true}).manifest.shards) {
-    hashes[shard.file] = shard.sha256;
-  }
+  for (const ShardRecord& shard : generate(plan, options).manifest.shards) hashes[shard.file] = shard.sha256;
   return hashes;
 }
 
