@@ -173,6 +173,36 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .none = 0,
      .origin = ColumnOrigin::Return,
      .byDefault = false},
+    {.name = "azimuth",
+     .type = ColumnType::Float32,
+     .unit = "rad",
+     .meaning = "where the noise-free point lies as seen from the sensor's origin, from x towards y; the offset of the "
+                "beam's origin is taken in",
+     .none = kNoNumber,
+     .origin = ColumnOrigin::Hit,
+     .channels = Channel::Range,
+     .byDefault = false,
+     .loss = ColumnLoss::Bounded,
+     .lossBound = 1e-5,  // 1 mm at 100 m
+     .validity = ColumnValidity::Interval,
+     .low = -kPi,
+     .high = kPi,
+     .display = {.unit = "deg", .factor = 180 / kPi, .decimals = 3}},
+    {.name = "elevation",
+     .type = ColumnType::Float32,
+     .unit = "rad",
+     .meaning = "where the noise-free point lies as seen from the sensor's origin, above its xy plane; the offset of "
+                "the beam's origin is taken in",
+     .none = kNoNumber,
+     .origin = ColumnOrigin::Hit,
+     .channels = Channel::Range,
+     .byDefault = false,
+     .loss = ColumnLoss::Bounded,
+     .lossBound = 1e-5,  // 1 mm at 100 m
+     .validity = ColumnValidity::Interval,
+     .low = -kPi / 2,
+     .high = kPi / 2,
+     .display = {.unit = "deg", .factor = 180 / kPi, .decimals = 3}},
 });
 
 inline constexpr std::size_t kColumnCount = kColumns.size();

@@ -293,9 +293,26 @@ class Gathering {
       put(values, [&](std::size_t) { return static_cast<T>(plane + 1); });
     } else if constexpr (name == "cause") {
       put(values, [&](std::size_t m) { return static_cast<T>(returns_.cause(moves_.row[m])); });
+    } else if constexpr (name == "azimuth") {
+      putHits(key, values, [&](std::uint32_t hit) {
+        const Vec3d p = placeOf(hit);
+        return static_cast<float>(std::atan2(p.y, p.x));
+      });
+    } else if constexpr (name == "elevation") {
+      putHits(key, values, [&](std::uint32_t hit) {
+        const Vec3d p = placeOf(hit);
+        return static_cast<float>(std::atan2(p.z, std::hypot(p.x, p.y)));
+      });
     } else {
       static_assert(Key::index >= kColumnCount, "say here what fills the column");
     }
+  }
+
+  // Of a hit, noise-free, in the frame of the sensor when it fired (m).
+  Vec3d placeOf(std::uint32_t hit) const {
+    const std::uint32_t beam = hits_.beamOfRay.empty() ? hit : hits_.beamOfRay[hit];
+    const Vec3d along = beams_.direction[beam] * double{hits_.range[hit]};
+    return beams_.origin.empty() ? along : along + Vec3d(beams_.origin[beam]);
   }
 
   template <class T, class Value>

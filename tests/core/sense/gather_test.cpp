@@ -101,6 +101,36 @@ TEST(Gather, IndicesChangeNothing) {
   }
 }
 
+// Azimuth, elevation and distance from the sensor's origin give the noise-free point again, whatever the noise, and
+// wherever beams start.
+TEST(Gather, AnglesAreThoseOfTheNoiseFreePoint) {
+  constexpr auto kAzimuth = ColumnKey<columnIndex("azimuth")>{};
+  constexpr auto kElevation = ColumnKey<columnIndex("elevation")>{};
+  for (World world : {makeRaggedWorld(16, 90), makeSeveralReturns(16, 90, 3)}) {
+    for (const Vec3f& origin : {Vec3f{}, Vec3f{0.3f, -0.2f, 0.1f}}) {
+      world.beams().origin.assign(world.hits.size(), origin);
+      const Scan exact = senseOnce(world, {}, kDense);
+      const Scan noisy = senseOnce(world, {"range_noise: {sigma_m: 0.1}", "angular_jitter: {sigma_deg: 1}"}, kDense);
+      ASSERT_EQ(noisy[kAzimuth].size(), exact.size());
+      EXPECT_EQ(noisy[kAzimuth], exact[kAzimuth]);
+      EXPECT_EQ(noisy[kElevation], exact[kElevation]);
+      for (std::size_t i = 0; i < exact.size(); ++i) {
+        const double azimuth = exact[kAzimuth][i];
+        const double elevation = exact[kElevation][i];
+        const Vec3d direction{std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                              std::sin(elevation)};
+        const Vec3d point(exact.position[i]);
+        EXPECT_NEAR(length(direction * length(point) - point), 0, 1e-6 * length(point));
+      }
+    }
+  }
+  World misses = makeWorld(2, 3);
+  miss(misses, 4);
+  const Scan organised = senseOnce(misses, {}, kOrganised);
+  EXPECT_TRUE(std::isnan(organised[kAzimuth][4]) && std::isnan(organised[kElevation][4]));
+  EXPECT_FALSE(std::isnan(organised[kAzimuth][3]));
+}
+
 TEST(Gather, AddedReturnsAreCountedFromTheNearest) {
   const World world = makeWorld(4, 9, 20);
   Returns returns;
