@@ -4,7 +4,7 @@
 
 namespace scanmill {
 
-// Wall time since it was made.
+// Measures the wall-clock time since it was made.
 class WallTimer {
  public:
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
