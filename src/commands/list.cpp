@@ -52,6 +52,19 @@ void printKeys(const Entries& entries) {
   }
 }
 
+// What a pipeline may ask of each method.
+void printCapabilities() {
+  fmt::print("\nwhat they can do:\n");
+  for (const MethodEntry& method : methods()) {
+    const MethodCapabilities& can = method.can;
+    fmt::print("  {}: {}, {}, {}, {}{}\n", method.name, can.severalHits ? "several hits a ray" : "one hit a ray",
+               can.footprints ? "several rays a beam" : "one ray a beam",
+               can.transmission ? "light goes through glass" : "glass is solid",
+               can.motion ? "the sensor may move during a revolution" : "the sensor stands still during a revolution",
+               can.passes ? ", its images can be kept" : "");
+  }
+}
+
 std::vector<std::filesystem::path> yamlFiles(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   if (std::filesystem::is_directory(folder)) {
@@ -118,6 +131,7 @@ int runList(const std::vector<std::string>& arguments) {
   for (const auto& [name, rows] : kinds) {
     if (wanted.empty() || wanted == name) fmt::print("{}:\n{}", name, formatTable(rows()));
   }
+  if (wanted == "methods") printCapabilities();
   if (wanted == "methods") printKeys(methods());
   if (wanted == "effects") printKeys(effects());
   if (wanted == "formats") printKeys(formats());

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "methods/depth_camera/turn.h"
+#include "methods/depth_camera/revolution.h"
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
 #include "passes/renderer.h"
@@ -39,13 +39,14 @@ void scan(benchmark::State& state, const std::string& options) {
   const auto camera = methodOf("depth_camera", street(), options);
   const auto tracing = rayTracing(street());
   Hits hits;
-  const auto ours = [&] { camera->trace(shot, kChannels, hits); };
+  TraceAccount account;
+  const auto ours = [&] { account += camera->trace(shot, kChannels, hits); };
   const auto traced = [&] { tracing->trace(shot, kChannels, hits); };
   ours();
   traced();
   std::vector<double> oursSeconds;
   std::vector<double> tracedSeconds;
-  const auto before = camera->stageSeconds();
+  account = {};
   std::size_t scans = 0;
   for (auto _ : state) {
     const std::vector<double> each = secondsOfEach(5, ours);
@@ -54,8 +55,8 @@ void scan(benchmark::State& state, const std::string& options) {
     state.SetIterationTime(oursSeconds.back());
     tracedSeconds.push_back(median(secondsOfEach(5, traced)));
   }
-  for (const auto& [stage, seconds] : camera->stageSeconds()) {
-    state.counters[stage + "_ms"] = 1e3 * (seconds - before.at(stage)) / static_cast<double>(scans);
+  for (const auto& [stage, seconds] : account.seconds) {
+    state.counters[stage + "_ms"] = 1e3 * seconds / static_cast<double>(scans);
   }
   state.counters["beams/s"] = static_cast<double>(hits.size()) / median(oursSeconds);
   state.counters["of_ray_tracing"] = median(oursSeconds) / median(tracedSeconds);

@@ -26,13 +26,13 @@ constexpr std::uint32_t kRings = 64;
 constexpr std::uint32_t kColumns = 2048;
 constexpr double kNoise = 0.01;
 
-struct Echo {
+struct Return {
   double range = 120;  // m; nothing is seen beyond
   std::uint16_t label = 0;
   std::uint32_t instance = 0;
 };
 
-void meetBox(const Vec3d& direction, const Vec3d& low, const Vec3d& high, Echo found, Echo& nearest) {
+void meetBox(const Vec3d& direction, const Vec3d& low, const Vec3d& high, Return found, Return& nearest) {
   double enter = 0.5;
   double leave = nearest.range;
   const auto slab = [&](double first, double second, double slope) {
@@ -47,8 +47,8 @@ void meetBox(const Vec3d& direction, const Vec3d& low, const Vec3d& high, Echo f
   nearest.range = enter;
 }
 
-Echo look(const Vec3d& direction) {
-  Echo nearest;
+Return look(const Vec3d& direction) {
+  Return nearest;
   meetBox(direction, {-200, -200, -3}, {200, 200, -1.8}, {0, 1, 0}, nearest);
   meetBox(direction, {-200, 4, -3}, {200, 9, -1.65}, {0, 2, 0}, nearest);
   for (int k = 0; k < 40; ++k) {
@@ -70,16 +70,16 @@ void addBeam(std::uint32_t ring, std::uint32_t column, Scan& scan) {
   const double azimuth = 1e-4 - 2 * kPi * column / kColumns;
   const Vec3d direction{std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                         std::sin(elevation)};
-  const Echo echo = look(direction);
-  if (echo.label == 0) return;
+  const Return met = look(direction);
+  if (met.label == 0) return;
   const RandomBlock random = randomBlock({.seed = 5, .beam = ring * kColumns + column});
   const double gauss =
       std::sqrt(-2 * std::log(uniform(random[0]))) * std::cos(2 * kPi * uniform(random[1]));  // Box and Muller
-  scan.position.push_back(Vec3f(direction * (echo.range + kNoise * gauss)));
+  scan.position.push_back(Vec3f(direction * (met.range + kNoise * gauss)));
   scan[kIntensity].push_back(
-      static_cast<float>(std::floor(255 * std::min(1.0, (0.2 + 0.1 * echo.label) * 20 / (echo.range * echo.range)))));
-  scan[kLabel].push_back(echo.label);
-  scan[kInstance].push_back(echo.instance);
+      static_cast<float>(std::floor(255 * std::min(1.0, (0.2 + 0.1 * met.label) * 20 / (met.range * met.range)))));
+  scan[kLabel].push_back(met.label);
+  scan[kInstance].push_back(met.instance);
   scan[kRing].push_back(static_cast<std::uint16_t>(ring));
   scan[kColumn].push_back(static_cast<std::uint16_t>(column));
   scan[kTime].push_back(0.1f * static_cast<float>(column) / kColumns);

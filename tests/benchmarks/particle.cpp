@@ -54,7 +54,7 @@ void field(benchmark::State& state, bool lists) {
   const Place there = placeAt(-19, lists);
   BuildCounts counts;
   BuildCounts moved;
-  std::shared_ptr<const Field> built;
+  std::shared_ptr<const DistanceField> built;
   std::vector<double> build;
   std::vector<double> update;
   std::vector<double> load;
@@ -66,7 +66,7 @@ void field(benchmark::State& state, bool lists) {
     build.push_back(secondsOf([&] { built = buildField(*here.world, here.shape, nullptr, &counts); }));
     state.SetIterationTime(build.back());
     // Moves are of whole bricks of 0.8 m and more; averaged over ten metres.
-    std::shared_ptr<const Field> at = built;
+    std::shared_ptr<const DistanceField> at = built;
     update.push_back(secondsOf([&] {
                        for (int metre = 1; metre <= 10; ++metre) {
                          at = buildField(*here.world, placeAt(-20 + metre, lists).shape, at.get(), &moved);
@@ -94,13 +94,14 @@ void scan(benchmark::State& state, const std::string& options) {
   const auto particle = methodOf("particle", street(), "{cache: none, " + options + "}");
   const auto tracing = rayTracing(street());
   Hits hits;
-  const auto ours = [&] { particle->trace(shot, kChannels, hits); };
+  TraceAccount account;
+  const auto ours = [&] { account += particle->trace(shot, kChannels, hits); };
   const auto traced = [&] { tracing->trace(shot, kChannels, hits); };
   ours();
   traced();
   std::vector<double> oursSeconds;
   std::vector<double> tracedSeconds;
-  const auto before = particle->stageSeconds();
+  account = {};
   std::size_t scans = 0;
   for (auto _ : state) {
     const std::vector<double> each = secondsOfEach(5, ours);
@@ -109,9 +110,8 @@ void scan(benchmark::State& state, const std::string& options) {
     state.SetIterationTime(oursSeconds.back());
     tracedSeconds.push_back(median(secondsOfEach(5, traced)));
   }
-  for (const auto& [stage, seconds] : particle->stageSeconds()) {
-    if (stage.starts_with("field")) continue;
-    state.counters[stage + "_ms"] = 1e3 * (seconds - before.at(stage)) / static_cast<double>(scans);
+  for (const auto& [stage, seconds] : account.seconds) {
+    state.counters[stage + "_ms"] = 1e3 * seconds / static_cast<double>(scans);
   }
   state.counters["beams/s"] = static_cast<double>(hits.size()) / median(oursSeconds);
   state.counters["of_ray_tracing"] = median(oursSeconds) / median(tracedSeconds);

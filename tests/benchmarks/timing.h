@@ -1,16 +1,11 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <vector>
 
-namespace scanmill {
+#include "base/wall_timer.h"
 
-inline double secondsOf(const auto& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+namespace scanmill {
 
 inline std::vector<double> secondsOfEach(int runs, const auto& work) {
   std::vector<double> seconds;

@@ -42,10 +42,9 @@ Scan repeated(const Scan& scan, int times) {
   many.columns = scan.columns;
   for (int k = 0; k < times; ++k) {
     for (const Vec3f& p : scan.position) many.position.push_back(p * (1 + 0.0007F * static_cast<float>(k)));
-    many.label.insert(many.label.end(), scan[kLabel].begin(), scan[kLabel].end());
-    many.instance.insert(many.instance.end(), scan[kInstance].begin(), scan[kInstance].end());
-    many.ring.insert(many.ring.end(), scan[kRing].begin(), scan[kRing].end());
-    many.column.insert(many.column.end(), scan[kColumn].begin(), scan[kColumn].end());
+    visitTable(scan, [&](auto key, const auto& values) {
+      many[key].insert(many[key].end(), values.begin(), values.end());
+    });
   }
   return many;
 }

@@ -126,12 +126,15 @@ TEST_F(Generate, AutoTakesASettingAndSaysWhich) {
 // Before anything is done, whatever the command does with the method.
 TEST_F(Generate, AWrongAutoIsRefusedByEveryCommand) {
   const std::string wrong = "method={auto: {max_error: {p98: 1cm}}}";
-  for (const char* command : {"generate", "render", "tradeoff", "repeatability"}) {
+  for (const char* command : {"generate", "render", "tradeoff"}) {
     SCOPED_TRACE(command);
     expectRefused(scanmill({command, pipeline_, "-o", at("wrong"), "--set", wrong}), "unknown key 'p98'");
     EXPECT_FALSE(std::filesystem::exists(at("wrong")));
   }
   expectRefused(scanmill({"plan", pipeline_, "--set", wrong}), "unknown key 'p98'");
+  const std::string methods = "repeatability.methods=[ray_tracing]";
+  expectRefused(scanmill({"repeatability", pipeline_, "-o", at("wrong"), "--set", wrong, "--set", methods}),
+                "unknown key 'p98'");
 }
 
 TEST_F(Generate, VerifyFindsAFlippedByte) {

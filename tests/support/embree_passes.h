@@ -93,7 +93,7 @@ class EmbreePasses : public PassRenderer {
     return made;
   }
 
-  std::map<std::string, double> seconds() const override { return {}; }
+  StageSeconds seconds() const override { return {}; }
   std::string device() const override { return "Embree"; }
 
   std::size_t draws() const { return draws_; }              // so far

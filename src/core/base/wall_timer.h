@@ -13,4 +13,11 @@ class WallTimer {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// Seconds of wall time that some work takes.
+double secondsOf(const auto& work) {
+  const WallTimer timer;
+  work();
+  return timer.seconds();
+}
+
 }  // namespace scanmill

@@ -9,6 +9,7 @@
 #include "base/hash.h"
 #include "dataset/json_node.h"
 #include "dataset/json_text.h"
+#include "methods/method.h"
 
 namespace scanmill {
 
@@ -239,7 +240,9 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
     root["kind"].fail(fmt::format("is a recording of {}: read it with --from-{}", found, found));
   }
   if (root.has("program")) r.programVersion = root["program"].text();
-  r.method = root.has("method") ? root["method"].text() : "depth_camera";
+  // Recordings of other programs are of passes, and need not name a method.
+  r.method =
+      root.has("method") ? root["method"].text() : std::string(firstMethodThat(&MethodCapabilities::passes).name);
   if (root.has("ontology")) r.ontology = ontologyOf(root["ontology"]);
   if (root.has("modelled")) r.modelled = root["modelled"].texts();
   if (root.has("materials")) {

@@ -38,6 +38,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/instruction_sets.h"
 #include "formats/draco_reader.h"
 #include "formats/draco_writer.h"
 #include "formats/grid.h"
@@ -94,7 +95,7 @@ std::vector<std::uint16_t> asIntegers(std::span<const float> values) {
 }
 
 // Valid until the thread makes another.
-QuantisedColumn onGrid(std::span<const float> values, const Grid& grid) {
+SCANMILL_BEST_INSTRUCTIONS QuantisedColumn onGrid(std::span<const float> values, const Grid& grid) {
   thread_local Scratch<std::int32_t> scratch;
   std::int32_t* indices = scratch.get(values.size());
   quantise(values, grid, indices);
@@ -197,7 +198,7 @@ class DracoFormat : public Format {
                        [&](float v) { return v >= column.low - slack && v <= column.high + slack; });
   }
 
-  void addPosition(const Scan& scan, DracoWriter& writer) const {
+  SCANMILL_BEST_INSTRUCTIONS void addPosition(const Scan& scan, DracoWriter& writer) const {
     Vec3f low = scan.position[0];
     Vec3f high = low;
     for (const Vec3f& p : scan.position) {
@@ -208,7 +209,7 @@ class DracoFormat : public Format {
     writer.addPosition(onGrid({reinterpret_cast<const float*>(scan.position.data()), 3 * scan.size()}, grid));
   }
 
-  void addIntensity(const std::vector<float>& values, DracoWriter& writer) const {
+  SCANMILL_BEST_INSTRUCTIONS void addIntensity(const std::vector<float>& values, DracoWriter& writer) const {
     const std::string_view name = kIntensity.row.name;
     const std::vector<std::uint16_t> integers = asIntegers(values);
     if (!integers.empty()) return writer.addIntegers(name, std::span<const std::uint16_t>(integers));

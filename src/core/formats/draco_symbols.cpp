@@ -7,6 +7,7 @@
 #include <cstring>
 #include <vector>
 
+#include "base/instruction_sets.h"
 #include "formats/scratch.h"
 
 namespace scanmill {
@@ -234,7 +235,8 @@ void appendVarint(std::uint64_t value, std::string& out) {
   out.push_back(static_cast<char>(value));
 }
 
-void appendSymbols(std::span<const std::uint32_t> symbols, int components, int level, std::string& out) {
+SCANMILL_BEST_INSTRUCTIONS void appendSymbols(std::span<const std::uint32_t> symbols, int components, int level,
+                                              std::string& out) {
   if (symbols.empty()) return;
   const std::uint32_t largest = *std::max_element(symbols.begin(), symbols.end());
   const std::span<const std::uint8_t> lengths = components == 3 ? bitLengths<3>(symbols) : bitLengths<1>(symbols);

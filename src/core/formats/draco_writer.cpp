@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/instruction_sets.h"
 #include "formats/draco_symbols.h"
 #include "formats/scratch.h"
 
@@ -88,27 +89,27 @@ void DracoWriter::addEntry(std::string_view key, std::string_view value) {
   ++entries_;
 }
 
-void DracoWriter::addPosition(const QuantisedColumn& column) {
+SCANMILL_BEST_INSTRUCTIONS void DracoWriter::addPosition(const QuantisedColumn& column) {
   describe("position", draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, column.low.size(),
            draco::SEQUENTIAL_ATTRIBUTE_ENCODER_QUANTIZATION);
   addGrid(column);
 }
 
-void DracoWriter::addQuantised(std::string_view name, const QuantisedColumn& column) {
+SCANMILL_BEST_INSTRUCTIONS void DracoWriter::addQuantised(std::string_view name, const QuantisedColumn& column) {
   describe(name, draco::GeometryAttribute::GENERIC, draco::DT_FLOAT32, column.low.size(),
            draco::SEQUENTIAL_ATTRIBUTE_ENCODER_QUANTIZATION);
   addGrid(column);
 }
 
-void DracoWriter::addIntegers(std::string_view name, std::span<const std::uint8_t> values) {
+SCANMILL_BEST_INSTRUCTIONS void DracoWriter::addIntegers(std::string_view name, std::span<const std::uint8_t> values) {
   addNarrowed(name, values);
 }
 
-void DracoWriter::addIntegers(std::string_view name, std::span<const std::uint16_t> values) {
+SCANMILL_BEST_INSTRUCTIONS void DracoWriter::addIntegers(std::string_view name, std::span<const std::uint16_t> values) {
   addNarrowed(name, values);
 }
 
-void DracoWriter::addIntegers(std::string_view name, std::span<const std::uint32_t> values) {
+SCANMILL_BEST_INSTRUCTIONS void DracoWriter::addIntegers(std::string_view name, std::span<const std::uint32_t> values) {
   addNarrowed(name, values);
 }
 

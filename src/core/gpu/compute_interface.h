@@ -60,7 +60,7 @@ class ComputeBackend {
 class ComputeModule {
  public:
   static constexpr ModuleFile kFile{"libscanmill_gpu.so", "nothing can be computed by OpenGL",
-                                    "install GLEW of VTK and EGL (on Debian the packages libvtk9-dev and libegl-dev)"};
+                                    "install GLEW and EGL (on Debian the packages libglew-dev and libegl-dev)"};
   virtual ~ComputeModule() = default;
   // `device` is as namedDevice() gives it. Throws NoDevice, and std::invalid_argument where there is none of that name.
   virtual std::unique_ptr<ComputeBackend> open(const std::string& device) const = 0;

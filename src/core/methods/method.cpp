@@ -1,5 +1,6 @@
 #include "methods/method.h"
 
+#include <algorithm>
 #include <array>
 
 #include "methods/depth_camera/depth_camera.h"
@@ -10,17 +11,27 @@ namespace scanmill {
 
 namespace {
 
+// Colours: Figure 8 of "LiDAR-GEIL: LiDAR GPU Exploitation in Lightsimulations" shows ray tracing red, the depth camera
+// blue and particles orange; each is a step lighter than the one before, so that they differ for the colour-blind too.
+// Settings of `auto`: cheap to measure, and between them some way from exact to fast on processors and GPUs.
 constexpr std::array kMethods{
-    MethodEntry{"ray_tracing", "Embree on all cores: exact, the reference of the other methods",
-                "packet: 16 or 1, rays a call; "
-                "tile_columns: auto, 1, 2, 4, 8 or 16, columns of a packet; "
-                "robust: true, watertight at the edges of triangles; "
-                "bvh: medium, low or high, quality of the hierarchy; "
-                "instancing: auto, always or never; "
-                "simplify: 1, share of the triangles that is kept, as in collision meshes",
-                makeRayTracing},
-    MethodEntry{"depth_camera", "images of depth, normals and ids, drawn at the sensor and sampled at the beams",
-                "renderer: vtk or blender, what draws; "
+    MethodEntry{.name = "ray_tracing",
+                .summary = "Embree on all cores: exact, the reference of the other methods",
+                .keys = "packet: 16 or 1, rays a call; "
+                        "tile_columns: auto, 1, 2, 4, 8 or 16, columns of a packet; "
+                        "robust: true, watertight at the edges of triangles; "
+                        "bvh: medium, low or high, quality of the hierarchy; "
+                        "instancing: auto, always or never; "
+                        "simplify: 1, share of the triangles that is kept, as in collision meshes",
+                .can = {.motion = true, .reference = true},
+                .color = {235, 40, 40},
+                .autoSettings = "- ray_tracing\n- {ray_tracing: {simplify: [0.5, 0.25]}}\n",
+                .cacheOption = "",
+                .make = makeRayTracing},
+    MethodEntry{
+        .name = "depth_camera",
+        .summary = "images of depth, normals and ids, drawn at the sensor and sampled at the beams",
+        .keys = "renderer: vtk or blender, what draws; "
                 "layout: auto, three_120, four_90 or cube_6, where the cameras look; "
                 "resolution: 2048 pixels across an image, 128 to 4096; "
                 "sampling: plane, nearest, bilinear, row_hyperbola, equirectangular or pixel_row; "
@@ -29,20 +40,32 @@ constexpr std::array kMethods{
                 "near_m: 0.01 m, nearer surfaces are not drawn; "
                 "far_m: the sensor's range, m, farther surfaces are not drawn; "
                 "renders_per_turn: auto or a number, images of a moving sensor",
-                makeDepthCamera},
-    MethodEntry{"particle", "one particle per beam flies through a distance field, on the processor or a GPU",
-                "field: sensor or scene, levels around each sensor or one for the whole scene; "
-                "voxel_m: 0.1 m, voxels of the finest level; "
-                "voxels: 256, across each level around a sensor, 64 to 1024; "
-                "levels: auto or 1 to 16, each twice as coarse as the one before; "
-                "refine: triangle, normal or none, how hits are made exact; "
-                "cone_mrad: 0 mrad, half of the angle in which a beam meets things (normal, none); "
-                "steps: 512, a particle's budget; "
-                "backend: auto, cpu or gl; "
-                "cache: auto, none or a folder, where fields are kept from run to run; "
-                "smallest_m: none, m, the smallest ball that every beam through its middle meets (normal, none); "
-                "smallest_within_m: 30 m, so far from the sensor",
-                makeParticle},
+        .can = {.motion = true, .passes = true, .openGl = true},
+        .color = {80, 165, 255},
+        .autoSettings =
+            "- depth_camera\n- {depth_camera: {resolution: [512, 1024]}}\n- {depth_camera: {sampling: nearest}}\n",
+        .cacheOption = "",
+        .make = makeDepthCamera},
+    MethodEntry{.name = "particle",
+                .summary = "one particle per beam flies through a distance field, on the processor or a GPU",
+                .keys =
+                    "field: sensor or scene, levels around each sensor or one for the whole scene; "
+                    "voxel_m: 0.1 m, voxels of the finest level; "
+                    "voxels: 256, across each level around a sensor, 64 to 1024; "
+                    "levels: auto or 1 to 16, each twice as coarse as the one before; "
+                    "refine: triangle, normal or none, how hits are made exact; "
+                    "cone_mrad: 0 mrad, half of the angle in which a beam meets things (normal, none); "
+                    "steps: 512, a particle's budget; "
+                    "backend: auto, cpu or gl; "
+                    "cache: auto, none or a folder, where fields are kept from run to run; "
+                    "smallest_m: none, m, the smallest ball that every beam through its middle meets (normal, none); "
+                    "smallest_within_m: 30 m, so far from the sensor",
+                .can = {.motion = true, .openGl = true},
+                .color = {255, 190, 40},
+                .autoSettings = "- particle\n- {particle: {refine: [normal, none]}}\n- {particle: {refine: [normal, "
+                                "none], voxel_m: 0.2}}\n",
+                .cacheOption = "cache",
+                .make = makeParticle},
 };
 
 }  // namespace
@@ -51,13 +74,21 @@ std::span<const MethodEntry> methods() {
   return kMethods;
 }
 
+const MethodEntry* findMethod(std::string_view name) {
+  const auto found =
+      std::find_if(kMethods.begin(), kMethods.end(), [&](const MethodEntry& e) { return e.name == name; });
+  return found == kMethods.end() ? nullptr : &*found;
+}
+
 const MethodEntry& requireMethod(std::string_view name, const Location& where) {
+  if (const MethodEntry* entry = findMethod(name)) return *entry;
   std::vector<std::string> names;
-  for (const MethodEntry& entry : kMethods) {
-    if (entry.name == name) return entry;
-    names.emplace_back(entry.name);
-  }
+  for (const MethodEntry& entry : kMethods) names.emplace_back(entry.name);
   throw InputError(where, "unknown method '" + std::string(name) + "'" + suggestion(name, names));
+}
+
+const MethodEntry& firstMethodThat(bool MethodCapabilities::*can) {
+  return *std::find_if(kMethods.begin(), kMethods.end(), [&](const MethodEntry& e) { return e.can.*can; });
 }
 
 }  // namespace scanmill

@@ -2,14 +2,16 @@
 
 // A method turns a shot into Hits. Adding one is a new file and a row in methods().
 
+#include <array>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "config/fields.h"
+#include "methods/trace_account.h"
 #include "scan/channels.h"
 #include "scan/hits.h"
 #include "scene/scene.h"
@@ -17,33 +19,58 @@
 
 namespace scanmill {
 
+class DepthCamera;
+
+// All calls are safe from several threads at once. Nothing that a method keeps from call to call changes a result: it
+// keeps what it would otherwise make again, such as the hierarchy around a sensor.
 class Method {
  public:
   virtual ~Method() = default;
   // Does now what trace() would do first for a shot at such a place, such as building a hierarchy, so that set-up and
   // tracing can be timed apart. Never needed for the result.
-  virtual void prepare(const Shot& shot) const = 0;
-  // Fills `hits` with the channels asked for. Safe to call from several threads at once; the result depends on the
-  // shot alone. A hit nearer than the sensor's minimum range, or farther than its maximum, is a miss.
-  virtual void trace(const Shot& shot, Channels channels, Hits& hits) const = 0;
+  virtual TraceAccount prepare(const Shot& shot) const = 0;
+  // Fills `hits` with the channels asked for; the result depends on the shot alone. A hit nearer than the sensor's
+  // minimum range, or farther than its maximum, is a miss.
+  virtual TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const = 0;
   // What it models of the scene and what it leaves out, one line each, for `plan` and the manifest.
   virtual std::vector<std::string> modelled() const = 0;
   virtual std::uint64_t memoryBytes() const = 0;
-  // Seconds of trace() so far, summed over threads, by the method's own stages; empty: it has but one.
-  virtual std::map<std::string, double> stageSeconds() const { return {}; }
-  // What its user should know of the shots so far, such as beams that it cannot see.
-  virtual std::vector<std::string> warnings() const { return {}; }
+  // Itself, where it draws passes that can be kept (MethodCapabilities::passes); else null.
+  virtual const DepthCamera* depthCamera() const { return nullptr; }
+};
+
+// What a method can do. The plan refuses a pipeline that asks for more.
+struct MethodCapabilities {
+  bool severalHits = false;   // several hits along a ray, one behind the other; else the first alone
+  bool footprints = false;    // several rays a beam, which sample its footprint; else one, along its axis
+  bool transmission = false;  // rays go on behind glass; else whatever is not cut out by alpha stops them
+  bool motion = false;        // the sensor's pose changes during a revolution; else it stands still meanwhile
+  bool passes = false;        // it draws images that can be kept, see Method::depthCamera()
+  bool reference = false;     // with default options it is exact enough to judge other methods by
+  bool openGl = false;        // it draws or computes by OpenGL, or may: a graphics card changes its speed
 };
 
 struct MethodEntry {
   std::string_view name;
   std::string_view summary;
   std::string_view keys;  // of its options, "name: default, what it is; ..."
+  MethodCapabilities can;
+  std::array<std::uint8_t, 3> color;  // sRGB, of its points in pictures that tell methods apart
+  // Those of its settings that `method: auto` chooses from where the pipeline names none: a YAML list as readSettings()
+  // takes it (pipeline/settings.h).
+  std::string_view autoSettings;
+  // The option that names the folder where it keeps what it has built from run to run; "none" there makes it build
+  // anew. Empty: it keeps nothing.
+  std::string_view cacheOption;
   // `options` is the method's own map in the pipeline; finish() is called by the maker. The scene must outlive it.
   std::unique_ptr<Method> (*make)(const Scene& scene, Fields& options);
 };
 
 std::span<const MethodEntry> methods();
 const MethodEntry& requireMethod(std::string_view name, const Location& where);
+// Null where no row has this name.
+const MethodEntry* findMethod(std::string_view name);
+// The first row that can do such a thing. Only for what some row can do.
+const MethodEntry& firstMethodThat(bool MethodCapabilities::*can);
 
 }  // namespace scanmill

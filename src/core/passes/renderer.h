@@ -3,11 +3,11 @@
 // A renderer draws passes of a scene.
 
 #include <limits>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "base/stage_clock.h"
 #include "passes/pass_image.h"
 #include "scene/scene.h"
 
@@ -30,8 +30,8 @@ class PassRenderer {
   // any thread, waits until it is gone. Safe to call from several threads.
   virtual std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits,
                                             PassChoice choice) = 0;
-  // Seconds of wall-clock time since it was made, by stage: "upload" (of the scene), "render", "read_back".
-  virtual std::map<std::string, double> seconds() const = 0;
+  // Of all calls since it was made: "upload" (of the scene), "render", "read_back".
+  virtual StageSeconds seconds() const = 0;
   // What draws, for the manifest: "VTK 9.1 on llvmpipe (LLVM 15.0.6, 256 bits)".
   virtual std::string device() const = 0;
 };

@@ -14,12 +14,6 @@ namespace scanmill {
 
 namespace {
 
-double secondsOfWork(const auto& work) {
-  const WallTimer timer;
-  work();
-  return timer.seconds();
-}
-
 double leastOf(const std::vector<double>& values) {
   return *std::min_element(values.begin(), values.end());
 }
@@ -45,13 +39,13 @@ void runOnce(Variant& v, std::uint32_t frame) {
   v.bytes = 0;
   v.points = 0;
   for (const Shot& shot : v.plan->shots(0, frame)) {
-    trace += secondsOfWork([&] { v.method->trace(shot, v.plan->channels(), hits); });
+    trace += secondsOf([&] { v.method->trace(shot, v.plan->channels(), hits); });
     const ThreadLimit one(1);
-    effects += secondsOfWork([&] {
+    effects += secondsOf([&] {
       sense(hits, shot, pipeline.effectsOf(shot.sensor), v.scene->materials, pipeline.layout, returns, scan);
     });
     for (const Vec3f& p : scan.position) v.points += isFinite(p) ? 1 : 0;
-    encode += secondsOfWork([&] {
+    encode += secondsOf([&] {
       for (const FormatChoice& f : pipeline.formats) v.bytes += static_cast<double>(f.format->encode(scan).size());
     });
   }

@@ -4,8 +4,6 @@
 #include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
-#include <array>
-#include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -14,6 +12,7 @@
 #include "base/handover.h"
 #include "base/hash.h"
 #include "base/parallel.h"
+#include "base/stage_clock.h"
 #include "config/version.h"
 #include "dataset/writer.h"
 #include "pipeline/keeper.h"
@@ -23,37 +22,6 @@
 namespace scanmill {
 
 namespace {
-
-// Seconds of processor time per stage, summed over threads. Threads run each stage's work by themselves, but for
-// tracing, which may be helped by idle ones; so the sum is close to, not exactly, the time on processors.
-struct StageTimes {
-  enum Stage { Setup, Trace, Effects, Encode, Write, Count };
-  std::array<std::atomic<std::int64_t>, Count> nanoseconds{};
-
-  std::map<std::string, double> seconds() const {
-    static constexpr std::array kNames{"setup", "trace", "effects", "encode", "write"};
-    std::map<std::string, double> result;
-    for (std::size_t i = 0; i < Count; ++i) {
-      if (nanoseconds[i] > 0) result[kNames[i]] = static_cast<double>(nanoseconds[i].load()) * 1e-9;
-    }
-    return result;
-  }
-};
-
-class StageTimer {
- public:
-  StageTimer(StageTimes& times, StageTimes::Stage stage)
-      : total_(times.nanoseconds[stage]), start_(std::chrono::steady_clock::now()) {}
-  ~StageTimer() {
-    total_ += std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start_).count();
-  }
-  StageTimer(const StageTimer&) = delete;
-  StageTimer& operator=(const StageTimer&) = delete;
-
- private:
-  std::atomic<std::int64_t>& total_;
-  std::chrono::steady_clock::time_point start_;
-};
 
 // Buffers that go from frame to frame, so that memory stays flat.
 struct Workspace {
@@ -112,31 +80,38 @@ ScanRecord describe(const Shot& shot, const Hits& hits, const Scan& scan, std::s
   return record;
 }
 
-// One frame: all sensors, traced, sensed and encoded.
-Sample makeSample(const Plan& plan, const Scene& scene, const Method& method, const Keeper& keeper,
-                  std::size_t sequence, std::uint32_t frame, Workspace& work, StageTimes& times) {
-  const Pipeline& pipeline = plan.pipeline();
+struct MadeSample {
   Sample sample;
+  TraceAccount account;  // of tracing all its shots
+};
+
+// One frame: all sensors, traced, sensed and encoded. Threads run each stage's work by themselves, but for tracing,
+// which may be helped by idle ones; so what `clock` adds up is close to, not exactly, the time on processors.
+MadeSample makeSample(const Plan& plan, const Scene& scene, const Method& method, Keeper& keeper, std::size_t sequence,
+                      std::uint32_t frame, Workspace& work, StageClock& clock) {
+  const Pipeline& pipeline = plan.pipeline();
+  MadeSample made;
+  Sample& sample = made.sample;
   sample.key = pipeline.sequences[sequence].key(frame);
   sample.split = pipeline.sequences[sequence].split;
   for (const Shot& shot : plan.shots(sequence, frame)) {
     if (!keeper.keepsPasses()) {
-      const StageTimer timer(times, StageTimes::Trace);
-      method.trace(shot, plan.channels(), work.hits);
+      const StageTimer timer(clock, "trace");
+      made.account += method.trace(shot, plan.channels(), work.hits);
     }
-    if (keeper.keeps()) keeper.keep(shot, plan.channels(), work.hits);
+    if (keeper.keeps()) made.account += keeper.keep(shot, plan.channels(), work.hits);
     {
-      const StageTimer timer(times, StageTimes::Effects);
+      const StageTimer timer(clock, "effects");
       sense(work.hits, shot, pipeline.effectsOf(shot.sensor), scene.materials, pipeline.layout, work.returns,
             work.scan);
       sample.scans.push_back(describe(shot, work.hits, work.scan, pipeline.methodName()));
     }
-    const StageTimer encoding(times, StageTimes::Encode);
+    const StageTimer encoding(clock, "encode");
     for (const FormatChoice& f : pipeline.formats) {
       sample.members.push_back({memberSuffix(sample.scans.back(), f.format->suffix()), f.format->encode(work.scan)});
     }
   }
-  return sample;
+  return made;
 }
 
 Manifest startManifest(const Plan& plan) {
@@ -193,10 +168,6 @@ void checkFolders(const Plan& plan, const GenerateOptions& options) {
   if (plan.pipeline().recording != nullptr) add(plan.pipeline().recording->folder);
 }
 
-void addStages(const Method& method, std::map<std::string, double>& seconds) {
-  for (const auto& [stage, spent] : method.stageSeconds()) seconds[stage] += spent;
-}
-
 // source gives numbers one after the other until it stops, make works on several at a time, write gets them in order.
 template <class Source, class Make, class Write>
 void inOrder(std::size_t inFlight, const Source& source, const Make& make, const Write& write) {
@@ -227,15 +198,17 @@ void inOrder(std::size_t inFlight, const Source& source, const Make& make, const
 
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
   checkFolders(plan, options);
+  if (!options.keepPasses.empty()) plan.requirePasses();
   const Pipeline& pipeline = plan.pipeline();
   GenerateSummary summary;
   summary.manifest = startManifest(plan);
-  StageTimes times;
+  StageClock clock;
   WorkspacePool pool;
   std::optional<DatasetWriter> writer;
   std::unique_ptr<Scene> scene;
   std::unique_ptr<Method> method;
-  std::map<std::string, double> methodSeconds;
+  TraceAccount account;        // of the method
+  StageSeconds methodSeconds;  // of the methods before it
   Keeper keeper(plan);
   Progress progress("generate", pipeline.frames(), "frames", "rays", options.quiet);
   const auto raysPerFrame = static_cast<double>(pipeline.raysPerFrame());
@@ -244,15 +217,16 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
   for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
     const Sequence& sequence = pipeline.sequences[s];
     if (s == 0 || !sequence.sameScene(pipeline.sequences[s - 1])) {
-      const StageTimer timer(times, StageTimes::Setup);
+      const StageTimer timer(clock, "setup");
       progress.say(fmt::format("setting up {}", sequence.key()));
-      if (method != nullptr) addStages(*method, methodSeconds);
+      addSeconds(account.seconds, methodSeconds);
+      account = {};
       keeper.leave();
       method.reset();
       scene.reset();
       scene = std::make_unique<Scene>(plan.loadScene(sequence));
       method = plan.makeMethod(*scene);
-      for (const Shot& shot : plan.shots(s, 0)) method->prepare(shot);
+      for (const Shot& shot : plan.shots(s, 0)) account += method->prepare(shot);
       addNew(sizeWarnings(*scene), summary.warnings);
       addNew(seedWarnings(pipeline, sequence, *scene), summary.warnings);
     }
@@ -268,7 +242,7 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
     std::map<std::string, std::uint64_t> pointsOfSensor;
     std::uint32_t next = 0;
     // Both ends run in order: among the frames in flight, no two have the same slot.
-    std::vector<std::unique_ptr<const Sample>> slots(inFlight);
+    std::vector<std::unique_ptr<const MadeSample>> slots(inFlight);
     const auto source = [&](tbb::flow_control& control) -> std::uint32_t {
       if (next == sequence.frames || (options.stop != nullptr && *options.stop)) {
         control.stop();
@@ -279,16 +253,17 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
     const auto make = [&](std::uint32_t frame) {
       auto work = pool.take();
       slots[frame % inFlight] =
-          std::make_unique<const Sample>(makeSample(plan, *scene, *method, keeper, s, frame, *work, times));
+          std::make_unique<const MadeSample>(makeSample(plan, *scene, *method, keeper, s, frame, *work, clock));
       pool.give(std::move(work));
     };
     const auto write = [&](std::uint32_t frame) {
-      const std::unique_ptr<const Sample> sample = std::move(slots[frame % inFlight]);
+      const std::unique_ptr<const MadeSample> made = std::move(slots[frame % inFlight]);
+      account += made->account;
       {
-        const StageTimer timer(times, StageTimes::Write);
-        writer->add(*sample);
+        const StageTimer timer(clock, "write");
+        writer->add(made->sample);
       }
-      for (const ScanRecord& record : sample->scans) {
+      for (const ScanRecord& record : made->sample.scans) {
         summary.rays += record.beams;
         summary.points += record.points;
         pointsOfSensor[record.sensor] += record.points;
@@ -297,7 +272,7 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
       progress.advance(1, raysPerFrame);
     };
     inOrder(inFlight, source, make, write);
-    addNew(method->warnings(), summary.warnings);
+    addNew(account.warningTexts(), summary.warnings);
     for (const auto& [sensor, points] : pointsOfSensor) {
       if (points > 0) continue;
       summary.warnings.push_back(
@@ -309,8 +284,8 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
       throw Error("stopped: the folder holds no manifest, hence no finished dataset");
     }
   }
-  addStages(*method, methodSeconds);
-  summary.manifest.stages = times.seconds();
+  addSeconds(account.seconds, methodSeconds);
+  summary.manifest.stages = clock.seconds();
   if (!methodSeconds.empty()) {
     summary.manifest.stages.erase("trace");  // its parts are known
     for (const auto& [stage, seconds] : methodSeconds) summary.manifest.stages[stage] = seconds;

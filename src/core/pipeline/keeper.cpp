@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 
 #include "base/parallel.h"
 #include "config/version.h"
@@ -11,17 +10,6 @@
 #include "passes/exr/pass_exr.h"
 
 namespace scanmill {
-
-namespace {
-
-template <class Work>
-void timed(std::atomic<std::int64_t>& nanoseconds, const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  nanoseconds += std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace
 
 Channels keptChannels() {
   return Channel::Range | Channel::Instance | Channels(Channel::Semantic) | Channel::Material | Channel::Reflectance |
@@ -35,12 +23,7 @@ void Keeper::open(const std::filesystem::path& hits, const std::filesystem::path
 
 void Keeper::enter(std::size_t sequence, const Scene& scene, const Method& method) {
   if (!keeps()) return;
-  camera_ = dynamic_cast<const DepthCamera*>(&method);
-  if (passes_ && camera_ == nullptr) {
-    throw InputError({plan_.pipeline().file.string()},
-                     fmt::format("the method {} draws no passes that could be kept: take `method: depth_camera`",
-                                 plan_.pipeline().methodName()));
-  }
+  camera_ = method.depthCamera();
   const Sequence& own = plan_.pipeline().sequences[sequence];
   const bool sameScene = sequence > 0 && own.sameScene(plan_.pipeline().sequences[sequence - 1]);
   if (!sameScene || materials_.empty()) materials_.push_back(scene.materials);
@@ -57,38 +40,47 @@ void Keeper::leave() {
   camera_ = nullptr;
 }
 
-void Keeper::keep(const Shot& shot, Channels channels, Hits& hits) const {
+TraceAccount Keeper::keep(const Shot& shot, Channels channels, Hits& hits) {
+  TraceAccount account;
   if (passes_) {
     hits.reset(shot.beams->rings, shot.beams->columns, channels);
     PassChoice choice = camera_->passes(channels);
     choice.look = channels.has(Channel::Material);
-    keepPasses(shot, choice, [&](const PassStep& step) { camera_->sample(shot, step, hits); });
+    TraceAccount sampling;
+    account = keepPasses(shot, choice, [&](const PassStep& step) { sampling += camera_->sample(shot, step, hits); });
+    account += sampling;
   }
   if (hits_) {
     const std::filesystem::path file = hits_->file(shot.sample, shot.sensorName, "hits.exr");
-    timed(writingHits_, [&] { writeHits(file, hits); });
+    {
+      const StageTimer timer(clock_, "write_hits");
+      writeHits(file, hits);
+    }
     hits_->add({shot.sample, shot.sensorName, shot.time, shot.worldFromSensor, file.filename().string(), {}});
   }
+  return account;
 }
 
-void Keeper::keepPasses(const Shot& shot, PassChoice choice, const std::function<void(const PassStep&)>& use) const {
+TraceAccount Keeper::keepPasses(const Shot& shot, PassChoice choice, const std::function<void(const PassStep&)>& use) {
   RecordedShot recorded{shot.sample, shot.sensorName, shot.time, shot.worldFromSensor, "", {}};
-  camera_->draw(shot, choice, [&](PassStep&& step) {
+  const TraceAccount account = camera_->draw(shot, choice, [&](PassStep&& step) {
     RecordedStep kept{step.firstColumn, step.endColumn, step.worldFromRig, {}};
     for (const PassImage& image : step.images) {
       const auto file = passes_->file(shot.sample, shot.sensorName,
                                       fmt::format("{}.{}.exr", recorded.steps.size(), image.camera.name));
       kept.images.push_back(file.filename().string());
     }
-    timed(writingPasses_, [&] {
+    {
+      const StageTimer timer(clock_, "write_passes");
       parallelFor(step.images.size(), 1, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) writePasses(passes_->folder() / kept.images[i], step.images[i]);
       });
-    });
+    }
     recorded.steps.push_back(std::move(kept));
     if (use) use(step);
   });
   passes_->add(recorded);
+  return account;
 }
 
 Recording Keeper::describe(RecordingKind kind) const {
@@ -106,13 +98,6 @@ Recording Keeper::describe(RecordingKind kind) const {
   recording.materials = materials_;
   recording.modelled = modelled_;
   return recording;
-}
-
-std::map<std::string, double> Keeper::stageSeconds() const {
-  std::map<std::string, double> seconds;
-  if (hits_) seconds["write_hits"] = static_cast<double>(writingHits_) * 1e-9;
-  if (passes_) seconds["write_passes"] = static_cast<double>(writingPasses_) * 1e-9;
-  return seconds;
 }
 
 void Keeper::finish() {

@@ -2,14 +2,13 @@
 
 // Keeps what a run traces as recordings: hits, passes, both or none.
 
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
 
+#include "base/stage_clock.h"
 #include "dataset/recording.h"
 #include "methods/depth_camera/depth_camera.h"
 #include "pipeline/plan.h"
@@ -27,37 +26,34 @@ class Keeper {
 
   // Prepares the folders that are not empty paths. Throws InputError.
   void open(const std::filesystem::path& hits, const std::filesystem::path& passes, bool overwrite);
-  // From now on shots are of this sequence; scene and method live until leave(). Throws InputError where passes are to
-  // be kept and the method draws none.
+  // From now on shots are of this sequence; scene and method live until leave(). Where passes are to be kept, the
+  // method draws them: Plan::requirePasses().
   void enter(std::size_t sequence, const Scene& scene, const Method& method);
   void leave();
 
   bool keeps() const { return hits_.has_value() || passes_.has_value(); }
   bool keepsPasses() const { return passes_.has_value(); }
   // Keeps the hits; where passes are kept, draws them first, keeps them and samples the hits from them. From any
-  // thread.
-  void keep(const Shot& shot, Channels channels, Hits& hits) const;
+  // thread. The account is the method's.
+  TraceAccount keep(const Shot& shot, Channels channels, Hits& hits);
   // Draws and keeps the shot's passes alone.
-  void keepPasses(const Shot& shot, PassChoice choice, const std::function<void(const PassStep&)>& use = {}) const;
+  TraceAccount keepPasses(const Shot& shot, PassChoice choice, const std::function<void(const PassStep&)>& use = {});
   void finish();
-  // Seconds of writing so far, summed over threads: "write_hits" and "write_passes", those that are kept.
-  std::map<std::string, double> stageSeconds() const;
+  // Of writing so far: "write_hits" and "write_passes", those that are kept.
+  StageSeconds stageSeconds() const { return clock_.seconds(); }
 
  private:
-  using Nanoseconds = std::atomic<std::int64_t>;
-
   Recording describe(RecordingKind kind) const;
 
   const Plan& plan_;
-  mutable std::optional<RecordingWriter> hits_;
-  mutable std::optional<RecordingWriter> passes_;
+  std::optional<RecordingWriter> hits_;
+  std::optional<RecordingWriter> passes_;
   const DepthCamera* camera_ = nullptr;
   Ontology ontology_;
   std::vector<RecordedSequence> sequences_;
   std::vector<std::vector<Material>> materials_;
   std::vector<std::string> modelled_;
-  mutable Nanoseconds writingHits_{0};
-  mutable Nanoseconds writingPasses_{0};
+  StageClock clock_;
 };
 
 }  // namespace scanmill

@@ -15,6 +15,20 @@ namespace scanmill {
 
 namespace {
 
+// The method of a pipeline that names one; null where `auto` is still to choose, or the hits come from a recording.
+const MethodEntry* methodOf(const Pipeline& pipeline) {
+  return pipeline.recording == nullptr ? pipeline.method.entry : nullptr;
+}
+
+void checkMotion(const Pipeline& pipeline) {
+  const MethodEntry* const method = methodOf(pipeline);
+  if (pipeline.motion.kind == MotionKind::None || method == nullptr || method->can.motion) return;
+  throw InputError(pipeline.motion.where,
+                   fmt::format("the method {} gives a whole revolution one pose: leave the motion out, or take "
+                               "`method: {}`",
+                               method->name, firstMethodThat(&MethodCapabilities::motion).name));
+}
+
 constexpr double kGibibyte = 1024.0 * 1024 * 1024;
 constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // of a beam table
 
@@ -102,6 +116,7 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
 
 Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   checkOntologies(pipeline_);
+  checkMotion(pipeline_);
   for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
     channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.layout.columns);
   }
@@ -165,8 +180,28 @@ std::unique_ptr<Method> Plan::makeMethod(const Scene& scene) const {
   return scanmill::makeMethod(pipeline_.method, scene);
 }
 
+void Plan::requirePasses() const {
+  if (pipeline_.recording != nullptr) {
+    throw InputError({pipeline_.file.string()},
+                     fmt::format("the scans are made of the {} in {}: no passes are drawn "
+                                 "that could be kept",
+                                 nameOf(pipeline_.recording->kind), pipeline_.recording->folder.string()));
+  }
+  const MethodEntry* const method = methodOf(pipeline_);
+  if (method != nullptr && method->can.passes) return;
+  const std::string_view instead = firstMethodThat(&MethodCapabilities::passes).name;
+  if (method == nullptr) {
+    throw InputError(pipeline_.method.options.where,
+                     fmt::format("method auto may choose one that draws no passes: take `method: {}`", instead));
+  }
+  throw InputError(
+      {pipeline_.file.string()},
+      fmt::format("the method {} draws no passes that could be kept: take `method: {}`", method->name, instead));
+}
+
 void Plan::choose(MethodChoice choice, MethodRecord record) {
   pipeline_.method = std::move(choice);
+  checkMotion(pipeline_);
   chosen_ = std::move(record);
 }
 

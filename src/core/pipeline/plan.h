@@ -22,7 +22,8 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
 class Plan {
  public:
   // `kept`: channels that are wanted besides those that the scans need, for a recording. Throws InputError where the
-  // scenes' ontologies differ, or a frame does not fit into this machine's memory.
+  // scenes' ontologies differ, the method cannot do what the pipeline asks for, or a frame does not fit into this
+  // machine's memory.
   explicit Plan(Pipeline pipeline, Channels kept = {});
 
   const Pipeline& pipeline() const { return pipeline_; }
@@ -43,6 +44,9 @@ class Plan {
 
   // One line each: what is computed and what is left out, and why.
   std::vector<std::string> modelled() const;
+
+  // Throws InputError where the method draws no passes that could be kept, or `method: auto` may choose one that does not.
+  void requirePasses() const;
 
   // The columns that the scans have besides their positions: those asked for, without an intensity that no effect sets.
   ColumnSet columns() const;

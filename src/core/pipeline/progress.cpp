@@ -25,24 +25,17 @@ Progress::Progress(std::string what, std::uint64_t total, std::string unit, std:
       workUnit_(std::move(workUnit)),
       total_(total),
       quiet_(quiet),
-      terminal_(::isatty(STDERR_FILENO) == 1),
-      start_(std::chrono::steady_clock::now()),
-      lastShown_(start_) {}
+      terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() {
   if (!quiet_ && terminal_ && shown_) std::fputc('\n', stderr);
 }
 
-double Progress::seconds() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-}
-
 void Progress::advance(std::uint64_t count, double work) {
   done_ += count;
   work_ += work;
-  const auto now = std::chrono::steady_clock::now();
-  const double since = std::chrono::duration<double>(now - lastShown_).count();
-  if (done_ >= total_ || since >= (terminal_ ? kBarInterval : kLineInterval)) {
+  const double now = seconds();
+  if (done_ >= total_ || now - lastShown_ >= (terminal_ ? kBarInterval : kLineInterval)) {
     lastShown_ = now;
     show(done_ >= total_);
   }
@@ -50,14 +43,13 @@ void Progress::advance(std::uint64_t count, double work) {
 
 void Progress::say(const std::string& doing) {
   if (quiet_) return;
-  const auto now = std::chrono::steady_clock::now();
-  const double since = std::chrono::duration<double>(now - lastShown_).count();
+  const double now = seconds();
   const std::string text = fmt::format("{} {}/{} {}  {}", what_, done_, total_, unit_, doing);
   if (terminal_) {
     fmt::print(stderr, "\r{}\033[K", text);
     std::fflush(stderr);
     shown_ = true;
-  } else if (!said_ || since >= kLineInterval) {
+  } else if (!said_ || now - lastShown_ >= kLineInterval) {
     fmt::print(stderr, "{}\n", text);
     lastShown_ = now;
     said_ = true;

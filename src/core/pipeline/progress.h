@@ -2,9 +2,10 @@
 
 // Progress of long work on standard error: a bar on a terminal, a plain line now and then elsewhere.
 
-#include <chrono>
 #include <cstdint>
 #include <string>
+
+#include "base/wall_timer.h"
 
 namespace scanmill {
 
@@ -20,7 +21,7 @@ class Progress {
   void advance(std::uint64_t count, double work);
   // What is being done while nothing advances: on a terminal in place of the bar, elsewhere now and then.
   void say(const std::string& doing);
-  double seconds() const;
+  double seconds() const { return timer_.seconds(); }
 
  private:
   void show(bool last);
@@ -33,7 +34,8 @@ class Progress {
   bool terminal_ = false;
   bool shown_ = false;
   bool said_ = false;
-  std::chrono::steady_clock::time_point start_, lastShown_;
+  WallTimer timer_;
+  double lastShown_ = 0;  // s, by the timer
 };
 
 }  // namespace scanmill

@@ -3,10 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <utility>
 
+#include "base/stage_clock.h"
 #include "methods/depth_camera/depth_camera.h"
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
@@ -30,39 +29,23 @@ void checkMaterials(const Recording& recording, const Shot& shot, const Hits& hi
                   table, known, shot.sample, shot.sensorName, last));
 }
 
-// Seconds of reading, summed over threads.
-class Stopwatch {
- public:
-  template <class Work>
-  void time(const Work& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    nanoseconds_ +=
-        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start).count();
-  }
-  double seconds() const { return static_cast<double>(nanoseconds_.load()) * 1e-9; }
-
- private:
-  std::atomic<std::int64_t> nanoseconds_{0};
-};
-
 class RecordedHits : public Method {
  public:
   explicit RecordedHits(std::shared_ptr<const Recording> recording) : recording_(std::move(recording)) {}
 
-  void prepare(const Shot&) const override {}
+  TraceAccount prepare(const Shot&) const override { return {}; }
 
-  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
-    watch_.time([&] {
-      const auto file = recording_->folder / recording_->shot(shot.sample, shot.sensorName).hits;
-      readHits(file, channels, hits);
-      if (hits.rings != shot.beams->rings || hits.columns != shot.beams->columns) {
-        throw InputError({file.string()},
-                         fmt::format("holds {} x {} beams, but '{}' has {} x {}", hits.rings, hits.columns,
-                                     shot.sensorName, shot.beams->rings, shot.beams->columns));
-      }
-      checkMaterials(*recording_, shot, hits);
-    });
+  TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    const WallTimer timer;
+    const auto file = recording_->folder / recording_->shot(shot.sample, shot.sensorName).hits;
+    readHits(file, channels, hits);
+    if (hits.rings != shot.beams->rings || hits.columns != shot.beams->columns) {
+      throw InputError({file.string()},
+                       fmt::format("holds {} x {} beams, but '{}' has {} x {}", hits.rings, hits.columns,
+                                   shot.sensorName, shot.beams->rings, shot.beams->columns));
+    }
+    checkMaterials(*recording_, shot, hits);
+    return {{{"read_hits", timer.seconds()}}, {}};
   }
 
   std::vector<std::string> modelled() const override {
@@ -71,11 +54,9 @@ class RecordedHits : public Method {
     return lines;
   }
   std::uint64_t memoryBytes() const override { return 0; }
-  std::map<std::string, double> stageSeconds() const override { return {{"read_hits", watch_.seconds()}}; }
 
  private:
   std::shared_ptr<const Recording> recording_;
-  mutable Stopwatch watch_;
 };
 
 class RecordedPasses : public Method {
@@ -83,20 +64,22 @@ class RecordedPasses : public Method {
   RecordedPasses(std::shared_ptr<const Recording> recording, Fields& options)
       : recording_(std::move(recording)), sampler_(makePassSampler(options)) {}
 
-  void prepare(const Shot& shot) const override { sampler_->prepare(shot); }
+  TraceAccount prepare(const Shot& shot) const override { return sampler_->prepare(shot); }
 
-  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+  TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     hits.reset(shot.beams->rings, shot.beams->columns, channels);
+    TraceAccount account;
     for (const RecordedStep& recorded : recording_->shot(shot.sample, shot.sensorName).steps) {
       PassStep step{recorded.firstColumn, recorded.endColumn, recorded.worldFromRig, {}};
-      watch_.time([&] {
-        for (const std::string& image : recorded.images) {
-          step.images.push_back(read(recording_->folder / image, sampler_->passes(channels)));
-        }
-      });
-      sampler_->sample(shot, step, hits);
+      const WallTimer timer;
+      for (const std::string& image : recorded.images) {
+        step.images.push_back(read(recording_->folder / image, sampler_->passes(channels)));
+      }
+      account.seconds["read_passes"] += timer.seconds();
+      account += sampler_->sample(shot, step, hits);
     }
     checkMaterials(*recording_, shot, hits);
+    return account;
   }
 
   std::vector<std::string> modelled() const override {
@@ -105,12 +88,6 @@ class RecordedPasses : public Method {
     return lines;
   }
   std::uint64_t memoryBytes() const override { return 0; }
-  std::map<std::string, double> stageSeconds() const override {
-    std::map<std::string, double> seconds = sampler_->stageSeconds();
-    seconds["read_passes"] = watch_.seconds();
-    return seconds;
-  }
-  std::vector<std::string> warnings() const override { return sampler_->warnings(); }
 
  private:
   // With the look that the file tells, in place of its materials'; then these may be absent.
@@ -126,7 +103,6 @@ class RecordedPasses : public Method {
 
   std::shared_ptr<const Recording> recording_;
   std::unique_ptr<DepthCamera> sampler_;
-  mutable Stopwatch watch_;
 };
 
 }  // namespace
@@ -135,10 +111,8 @@ std::unique_ptr<Method> makeRecordedMethod(const Pipeline& pipeline) {
   if (pipeline.recording->kind == RecordingKind::Hits) return std::make_unique<RecordedHits>(pipeline.recording);
   Value options;
   options.where = {pipeline.file.string()};
-  if (pipeline.method.entry != nullptr && pipeline.method.entry->name == "depth_camera") {
-    options = pipeline.method.options;
-  }
-  Fields fields(options, "method depth_camera");
+  if (pipeline.method.entry != nullptr && pipeline.method.entry->can.passes) options = pipeline.method.options;
+  Fields fields(options, fmt::format("method {}", firstMethodThat(&MethodCapabilities::passes).name));
   return std::make_unique<RecordedPasses>(pipeline.recording, fields);
 }
 

@@ -65,10 +65,10 @@ std::vector<float> byBeam(const Hits& hits, const std::vector<float>& ofPoints) 
   return values;
 }
 
-// Times the method on one shot; adds each scan's seconds.
-void timeScans(const Method& method, const Shot& shot, const MeasureOptions& options, Hits& hits,
-               std::vector<double>& seconds, std::map<std::string, double>& stages) {
-  const std::map<std::string, double> before = method.stageSeconds();
+// Times the method on one shot; adds each scan's seconds. Gives the account of all of them.
+TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOptions& options, Hits& hits,
+                       std::vector<double>& seconds) {
+  TraceAccount account;
   constexpr int kMostRepeats = 30;
   double spent = 0;
   const auto again = [&](int repeat) {
@@ -78,14 +78,12 @@ void timeScans(const Method& method, const Shot& shot, const MeasureOptions& opt
   for (int repeat = 0; again(repeat); ++repeat) {
     checkStop(options);
     const WallTimer timer;
-    method.trace(shot, options.channels | Channel::Range, hits);
+    const TraceAccount own = method.trace(shot, options.channels | Channel::Range, hits);
     seconds.push_back(timer.seconds());
     spent += seconds.back();
+    account += own;
   }
-  for (const auto& [stage, total] : method.stageSeconds()) {
-    const auto earlier = before.find(stage);
-    stages[stage] += total - (earlier != before.end() ? earlier->second : 0);
-  }
+  return account;
 }
 
 }  // namespace
@@ -93,8 +91,9 @@ void timeScans(const Method& method, const Shot& shot, const MeasureOptions& opt
 std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, const MeasureOptions& options) {
   const ExactTracer tracer(scene);
   const Value none;
-  Fields defaults(none, "ray_tracing");
-  const std::unique_ptr<Method> rays = requireMethod("ray_tracing", {}).make(scene, defaults);
+  const MethodEntry& reference = firstMethodThat(&MethodCapabilities::reference);
+  Fields defaults(none, std::string(reference.name));
+  const std::unique_ptr<Method> rays = reference.make(scene, defaults);
   std::vector<TrueShot> all;
   all.reserve(shots.size());
   for (Shot& shot : shots) {
@@ -125,14 +124,15 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
   Hits hits;
   ResidentGrowth growth;
   std::map<std::uint32_t, std::vector<double>> seconds;  // by sensor: the scans of two are of different sizes
-  std::map<std::string, double> stages;
+  TraceAccount timedAccount;
+  TraceAccount otherAccount;  // of what is not timed
 
   checkStop(options);
   hits.reset(shots.front().shot.beams->rings, shots.front().shot.beams->columns, compared);
   growth.begin();
   const WallTimer setup;
   const std::unique_ptr<Method> method = make();
-  method->prepare(shots.front().shot);
+  otherAccount += method->prepare(shots.front().shot);
   result.cost.setupSeconds = setup.seconds();
   growth.end();
 
@@ -140,12 +140,12 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     checkStop(options);
     hits.reset(truth.shot.beams->rings, truth.shot.beams->columns, timed);
     growth.begin();
-    method->trace(truth.shot, timed, hits);
+    otherAccount += method->trace(truth.shot, timed, hits);
     growth.end();
-    timeScans(*method, truth.shot, options, hits, seconds[truth.shot.sensor], stages);
+    timedAccount += timeScans(*method, truth.shot, options, hits, seconds[truth.shot.sensor]);
     checkStop(options);
     // Every scan of a shot is the same: the last one serves where it has all the channels.
-    if (timed != compared) method->trace(truth.shot, compared, hits);
+    if (timed != compared) otherAccount += method->trace(truth.shot, compared, hits);
     const bool lit = options.intensity && !truth.intensity.empty();
     const std::vector<float> intensity = lit ? options.intensity(truth.shot, hits) : std::vector<float>();
     if (!options.clouds) {
@@ -168,14 +168,18 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     result.cost.fastest += share * *std::min_element(own.begin(), own.end());
     result.cost.slowest += share * spread.max;
   }
-  for (const auto& [stage, total] : stages) {
-    if (scans > 0) result.cost.stages[stage] = total / static_cast<double>(scans);
+  if (scans > 0) {
+    for (const auto& [stage, untimed] : otherAccount.seconds) result.cost.stages[stage] = 0;
+    for (const auto& [stage, total] : timedAccount.seconds) {
+      result.cost.stages[stage] = total / static_cast<double>(scans);
+    }
   }
   result.cost.memoryBytes = method->memoryBytes();
   result.cost.residentBytes = growth.bytes();
   result.errors = errors.finish();
   result.cloud = clouds.finish();
-  result.warnings = method->warnings();
+  otherAccount += timedAccount;
+  result.warnings = otherAccount.warningTexts();
   return result;
 }
 

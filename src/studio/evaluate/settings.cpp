@@ -61,11 +61,12 @@ std::string innerText(const Value& value) {
 }  // namespace
 
 MethodChoice builtAnew(MethodChoice choice) {
-  if (choice.entry->name != "particle") return choice;
+  const std::string key(choice.entry->cacheOption);
+  if (key.empty()) return choice;
   choice.options.kind = Value::Kind::Map;
   std::vector<Value::Entry>& entries = choice.options.entries;
-  auto cache = std::find_if(entries.begin(), entries.end(), [](const Value::Entry& e) { return e.key == "cache"; });
-  if (cache == entries.end()) cache = entries.insert(entries.end(), {"cache", {}});
+  auto cache = std::find_if(entries.begin(), entries.end(), [&](const Value::Entry& e) { return e.key == key; });
+  if (cache == entries.end()) cache = entries.insert(entries.end(), {key, {}});
   if (cache->value.kind != Value::Kind::Null) return choice;
   cache->value.kind = Value::Kind::Scalar;
   cache->value.text = "none";

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/grouped.h"
+#include "methods/method.h"
 #include "viewer/color_map.h"
 #include "viewer/legend.h"
 
@@ -61,16 +62,14 @@ std::string titleWithPoints(const std::string& title, std::ptrdiff_t points) {
   return fmt::format("{}, {} point{}", title, grouped(static_cast<std::uint64_t>(points)), points == 1 ? "" : "s");
 }
 
-// The first three are those of Figure 8 of "LiDAR-GEIL: LiDAR GPU Exploitation in Lightsimulations", which shows ray
-// tracing red, the depth camera blue and particles orange; each is a step lighter than the one before, so that they
-// differ for the colour-blind too. The rest is from Okabe and Ito's palette ("Color universal design", 2008).
-constexpr Rgb kOverlay[] = {{235, 40, 40}, {80, 165, 255},  {255, 190, 40},
-                            {0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
+// After the colours of the methods; from Okabe and Ito's palette ("Color universal design", 2008).
+constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
 
 }  // namespace
 
 Rgb overlayColor(std::size_t scan) {
-  return kOverlay[scan % std::size(kOverlay)];
+  const std::size_t place = scan % (methods().size() + std::size(kMoreColors));
+  return place < methods().size() ? methods()[place].color : kMoreColors[place - methods().size()];
 }
 
 Image drawOverlay(const std::vector<NamedScan>& scans, const PictureOptions& options, const std::string& title) {

@@ -60,6 +60,30 @@ TEST_F(PlanTest, MoreStepsThanColumnsAreRefused) {
   EXPECT_EQ(plan({"motion={steps: 64}"}).shots(0, 0).at(0).worldFromSensor.size(), 64u);
 }
 
+TEST_F(PlanTest, WhatTheMethodCannotDoIsRefused) {
+  EXPECT_NO_THROW(plan({"method=depth_camera"}).requirePasses());
+  EXPECT_THAT(
+      messageOf<InputError>([&] { plan({}).requirePasses(); }),
+      AllOf(HasSubstr("yard.yaml: the method ray_tracing draws no passes"), HasSubstr("take `method: depth_camera`")));
+  // Whatever `auto` chooses must draw them.
+  EXPECT_THAT(messageOf<InputError>([&] { plan({"method={auto: {min_rate: 1}}"}).requirePasses(); }),
+              AllOf(HasSubstr("--set method"), HasSubstr("method auto may choose one that draws no passes")));
+  EXPECT_NO_THROW(plan({"method={auto: {min_rate: 1, settings: [depth_camera, {depth_camera: {resolution: 512}}]}}"})
+                      .requirePasses());
+
+  MethodEntry still = requireMethod("ray_tracing", {});
+  still.name = "still";
+  still.can.motion = false;
+  const auto planned = [&](const std::vector<std::string>& overrides) {
+    Pipeline pipeline = readPipeline(pipeline_, overrides);
+    pipeline.method.entry = &still;
+    return Plan(std::move(pipeline));
+  };
+  EXPECT_NO_THROW(planned({}));
+  EXPECT_THAT(messageOf<InputError>([&] { planned({"motion={steps: 9}"}); }),
+              AllOf(HasSubstr("--set motion"), HasSubstr("the method still gives a whole revolution one pose")));
+}
+
 // 4096 x 65536 beams are within a sensor's limits, hundreds of such sensors are not within a machine's memory.
 TEST_F(PlanTest, FramesThatNoMemoryHoldsAreRefusedWithTheArithmetic) {
   std::string sensors = "sensors=[";

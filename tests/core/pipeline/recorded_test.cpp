@@ -127,6 +127,13 @@ TEST_F(RecordedTest, WhatDoesNotFitIsRefused) {
   expectInputError([&] { keep({}, "second", out("hits")); }, {"hits", "--overwrite"});
   EXPECT_FALSE(fs::exists(out("second") / "manifest.json"));
   expectInputError([&] { keep({}, "third", {}, out("passes")); }, {"ray_tracing", "depth_camera"});
+  EXPECT_FALSE(fs::exists(out("passes"))) << "nothing is begun";
+  GenerateOptions redrawn;
+  redrawn.folder = out("fourth");
+  redrawn.keepPasses = out("passes");
+  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
+  expectInputError([&] { generate(Plan(readPipeline(pipeline_, {}, recording)), redrawn); },
+                   {"made of the hits in", "no passes are drawn"});
 }
 
 TEST_F(RecordedTest, WhatWasMetCannotBeTurnedOrMoved) {

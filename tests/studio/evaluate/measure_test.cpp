@@ -44,20 +44,18 @@ class Counting : public Method {
   Counting(const Scene& scene, std::size_t bytes, std::vector<Channels>& scans)
       : rays_(rayTracing(scene)), bytes_(bytes), scans_(scans) {}
 
-  void prepare(const Shot&) const override { held_.assign(bytes_, 'x'); }
-  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+  TraceAccount prepare(const Shot&) const override {
+    held_.assign(bytes_, 'x');
+    return {{{"build", 7}}, {}};
+  }
+  // Whatever is compared takes ten times as long.
+  TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     scans_.push_back(channels);
     rays_->trace(shot, channels, hits);
+    return {{{"fly", channels.has(Channel::Incidence) ? 5 : 0.5}}, {{shot.sensorName, 0, 1, "slow"}}};
   }
   std::vector<std::string> modelled() const override { return {}; }
   std::uint64_t memoryBytes() const override { return bytes_; }
-  // Whatever is compared takes ten times as long.
-  std::map<std::string, double> stageSeconds() const override {
-    double seconds = 0;
-    for (const Channels c : scans_) seconds += c.has(Channel::Incidence) ? 5 : 0.5;
-    return {{"fly", seconds}};
-  }
-  std::vector<std::string> warnings() const override { return {"slow"}; }
 
  private:
   std::unique_ptr<Method> rays_;
@@ -88,7 +86,7 @@ TEST(Measure, TimesOnlyTheScansAndChannelsThatAreAskedFor) {
   options.channels = Channel::Instance;
   const auto make = [&] { return std::make_unique<Counting>(scene, std::size_t{32} << 20, scans); };
   const Measurement m = measure(make, scene, shots, options);
-  EXPECT_EQ(m.cost.stages, (std::map<std::string, double>{{"fly", 0.5}}));
+  EXPECT_EQ(m.cost.stages, (std::map<std::string, double>{{"build", 0}, {"fly", 0.5}}));
   EXPECT_EQ(m.cost.memoryBytes, 32u << 20);
   EXPECT_GE(m.cost.residentBytes, 31u << 20);
   EXPECT_GT(m.cost.setupSeconds, 0);
@@ -129,9 +127,9 @@ TEST(Measure, FastScansAreRepeatedFurther) {
 class Slow : public Counting {
  public:
   using Counting::Counting;
-  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+  TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     std::this_thread::sleep_for(std::chrono::milliseconds(shot.sensor == 0 ? 2 : 20));
-    Counting::trace(shot, channels, hits);
+    return Counting::trace(shot, channels, hits);
   }
 };
 

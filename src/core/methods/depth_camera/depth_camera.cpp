@@ -1,31 +1,29 @@
 // The depth-camera method (LiDAR-GEIL): cameras at the sensor draw depth, normals and ids, and beams look
 // up what they would have met.
 //
-// A sensor that moves during its turn is drawn in steps. Each column keeps its own pose: it is sampled from the images
-// of its step, which were drawn from somewhere else by a little, so that flat surfaces stay exact and only what is
-// hidden from there errs.
+// A sensor that moves during its revolution is drawn in steps. Each column keeps its own pose: it is sampled from the
+// images of its step, which were drawn from a place a little beside its own. So flat surfaces stay exact, and only what
+// is hidden from that place errs.
 
 #include "methods/depth_camera/depth_camera.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <list>
 #include <mutex>
 #include <string>
 #include <utility>
 
 #include "base/error.h"
+#include "base/stage_clock.h"
 #include "methods/depth_camera/options.h"
-#include "methods/depth_camera/turn.h"
+#include "methods/depth_camera/revolution.h"
 #include "scene/assets/blender.h"
 
 namespace scanmill {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kSensorsInMemory = 16;
 constexpr double kSlack = 1e-3;                       // m and share: surfaces at the sensor's very limit are drawn
@@ -35,6 +33,7 @@ constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // the scene's own mesh
 constexpr std::uint64_t kBytesOfLibraries = std::uint64_t{85} << 20;
 constexpr std::uint64_t kBytesPerPlacedTriangle = 60;
 constexpr std::uint64_t kBytesPerPixel = 16;
+constexpr std::initializer_list<const char*> kStages = {"render", "read_back", "sample"};
 
 std::string whereBlenderIs() {
   try {
@@ -44,10 +43,6 @@ std::string whereBlenderIs() {
   }
 }
 
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 // A source that knows how long its caller waited for pixels.
 class TimedSource : public PixelSource {
  public:
@@ -55,9 +50,9 @@ class TimedSource : public PixelSource {
   const std::vector<Camera>& cameras() const override { return source_.cameras(); }
   PassChoice available() const override { return source_.available(); }
   void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override {
-    const auto start = Clock::now();
+    const WallTimer timer;
     source_.fetch(addresses, asked, planes);
-    seconds_ += secondsSince(start);
+    seconds_ += timer.seconds();
   }
   double seconds() const { return seconds_; }
 
@@ -78,64 +73,70 @@ class DepthCameraMethod : public DepthCamera {
   DepthCameraMethod(const Scene* scene, DepthCameraOptions options, RendererMaker makeRenderer)
       : scene_(scene), options_(std::move(options)), makeRenderer_(std::move(makeRenderer)) {}
 
-  void prepare(const Shot& shot) const override {
+  TraceAccount prepare(const Shot& shot) const override {
     if (shot.worldFromSensor.size() == 1) stillSensor(shot);
-    if (!makeRenderer_) return;
+    if (!makeRenderer_) return {};
     Camera smallest = squareCamera(2, 2, radians(60.0));
     smallest.worldFromCamera = shot.worldFromSensor.front();
     const std::scoped_lock lock(rendererMutex_);
     renderer().draw({smallest}, limits(*shot.beams, {}), {});
+    return {};
   }
 
-  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+  TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     requireRenderer();
     hits.reset(shot.beams->rings, shot.beams->columns, channels);
     std::uint64_t unseen = 0;
-    for (const TurnStep& step : stepsOf(shot, options_.rendersPerTurn)) {
+    StageClock clock(kStages);
+    for (const RevolutionStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
       const Prepared prepared = prepareStep(shot, step.firstColumn, step.endColumn, step.worldFromRig, true);
-      drawn(shot, prepared, step.worldFromRig, passesFor(channels, options_.sample), [&](PixelSource& source) {
+      drawn(shot, prepared, step.worldFromRig, passesFor(channels, options_.sample), clock, [&](PixelSource& source) {
         unseen += samplePixels(source, step.worldFromRig, *prepared.beams, sampleOptions(*shot.beams), hits);
       });
     }
-    noteUnseen(shot, unseen);
+    return account(clock, shot, unseen);
   }
 
   PassChoice passes(Channels channels) const override { return passesFor(channels, options_.sample); }
 
-  void draw(const Shot& shot, PassChoice choice, const std::function<void(PassStep&&)>& take) const override {
+  TraceAccount draw(const Shot& shot, PassChoice choice, const std::function<void(PassStep&&)>& take) const override {
     requireRenderer();
-    for (const TurnStep& step : stepsOf(shot, options_.rendersPerTurn)) {
+    StageClock clock(kStages);
+    for (const RevolutionStep& step : stepsOf(shot, options_.rendersPerRevolution)) {
       const Prepared prepared = prepareStep(shot, step.firstColumn, step.endColumn, step.worldFromRig, true);
       PassStep made{step.firstColumn, step.endColumn, step.worldFromRig, {}};
-      drawn(shot, prepared, step.worldFromRig, choice,
+      drawn(shot, prepared, step.worldFromRig, choice, clock,
             [&](PixelSource& source) { made.images = readAll(source, choice); });
       take(std::move(made));
     }
+    return account(clock, shot, 0);
   }
 
-  void sample(const Shot& shot, const PassStep& step, Hits& hits) const override {
+  TraceAccount sample(const Shot& shot, const PassStep& step, Hits& hits) const override {
     if (step.endColumn > shot.beams->columns || step.firstColumn >= step.endColumn) {
       throw InputError(fmt::format("passes of columns {} to {}, but sensor '{}' has {} columns", step.firstColumn,
                                    step.endColumn, shot.sensorName, shot.beams->columns));
     }
     const Prepared prepared = prepareStep(shot, step.firstColumn, step.endColumn, step.worldFromRig, false);
     ImageSource images(step.images);
-    const auto start = Clock::now();
-    const std::uint64_t unseen =
-        samplePixels(images, step.worldFromRig, *prepared.beams, sampleOptions(*shot.beams), hits);
-    addSeconds(0, 0, secondsSince(start));
-    noteUnseen(shot, unseen);
+    StageClock clock(kStages);
+    std::uint64_t unseen = 0;
+    {
+      const StageTimer timer(clock, "sample");
+      unseen = samplePixels(images, step.worldFromRig, *prepared.beams, sampleOptions(*shot.beams), hits);
+    }
+    return account(clock, shot, unseen);
   }
 
   std::vector<std::string> modelled() const override {
     const std::uint32_t s = options_.sample.antialiasing;
     std::vector<std::string> lines;
     if (makeRenderer_) {
-      lines.push_back(fmt::format("images: layout {}, resolution {}, drawn by {}{}; moving sensors: {} a turn",
-                                  options_.layoutName, options_.layout.resolution, options_.renderer,
-                                  s > 1 ? fmt::format(", {} x {} subpixels", s, s) : "",
-                                  options_.rendersPerTurn > 0 ? fmt::format("{} renders", options_.rendersPerTurn)
-                                                              : std::string("a render for every 5 cm or degree")));
+      lines.push_back(fmt::format(
+          "images: layout {}, resolution {}, drawn by {}{}; moving sensors: {} a turn", options_.layoutName,
+          options_.layout.resolution, options_.renderer, s > 1 ? fmt::format(", {} x {} subpixels", s, s) : "",
+          options_.rendersPerRevolution > 0 ? fmt::format("{} renders", options_.rendersPerRevolution)
+                                            : std::string("a render for every 5 cm or degree")));
       if (options_.renderer == "blender") lines.push_back("Blender: " + whereBlenderIs());
     } else {
       lines.emplace_back("images: passes from files");
@@ -156,28 +157,11 @@ class DepthCameraMethod : public DepthCamera {
                              : "reflectance textures: left out, no material has one");
     }
     {
-      const std::scoped_lock lock(notesMutex_);
-      if (!device_.empty()) lines.push_back("images were drawn by " + device_);
+      const std::scoped_lock lock(rendererMutex_);
+      if (renderer_) lines.push_back("images were drawn by " + renderer_->device());
     }
     lines.emplace_back("transmission through glass, mirror images, beam divergence, motion of objects: left out");
     return lines;
-  }
-
-  std::vector<std::string> warnings() const override {
-    const std::scoped_lock lock(notesMutex_);
-    std::vector<std::string> lines;
-    for (const auto& [sensor, unseen] : unseen_) {
-      lines.push_back(fmt::format("{} of {} beams of '{}' lie outside of all images{}: they are misses; {}",
-                                  unseen.first, unseen.second, sensor,
-                                  makeRenderer_ ? " of layout " + options_.layoutName : "",
-                                  makeRenderer_ ? "take layout auto" : "draw images that hold them"));
-    }
-    return lines;
-  }
-
-  std::map<std::string, double> stageSeconds() const override {
-    const std::scoped_lock lock(notesMutex_);
-    return {{"render", renderSeconds_}, {"read_back", readSeconds_}, {"sample", sampleSeconds_}};
   }
 
   std::uint64_t memoryBytes() const override {
@@ -259,17 +243,15 @@ class DepthCameraMethod : public DepthCamera {
 
   // The caller holds rendererMutex_.
   PassRenderer& renderer() const {
-    if (!renderer_) {
-      renderer_ = makeRenderer_();
-      const std::scoped_lock lock(notesMutex_);
-      device_ = renderer_->device();
-    }
+    if (!renderer_) renderer_ = makeRenderer_();
     return *renderer_;
   }
 
-  // Draws a step and hands its pixels to `use`. Renderers draw one shot at a time: whoever waits does not count.
+  // Draws a step and hands its pixels to `use`. Renderers draw one shot at a time: the time that others wait for their
+  // turn is not counted.
   template <class Use>
-  void drawn(const Shot& shot, const Prepared& prepared, const Pose& rig, PassChoice choice, const Use& use) const {
+  void drawn(const Shot& shot, const Prepared& prepared, const Pose& rig, PassChoice choice, StageClock& clock,
+             const Use& use) const {
     if (prepared.cameras.empty()) {  // no camera of the layout sees any of the beams
       ImageSource nothing({});
       use(nothing);
@@ -280,35 +262,34 @@ class DepthCameraMethod : public DepthCamera {
     const DrawLimits bounds = limits(*shot.beams, prepared.beams->origin);
     const std::scoped_lock lock(rendererMutex_);
     const double readBefore = readWhileDrawing();
-    const auto start = Clock::now();
+    const WallTimer drawing;
     const std::unique_ptr<PixelSource> source = renderer().draw(cameras, bounds, choice);
-    const double drawing = secondsSince(start);
     const double read = readWhileDrawing() - readBefore;
+    clock.add("render", drawing.seconds() - read);
+    const WallTimer sampling;
     TimedSource timed(*source);
     use(timed);
-    addSeconds(drawing - read, read + timed.seconds(), secondsSince(start) - drawing - timed.seconds());
+    clock.add("read_back", read + timed.seconds());
+    clock.add("sample", sampling.seconds() - timed.seconds());
   }
 
   // Some renderers read their images before they hand them out.
   double readWhileDrawing() const {
-    const std::map<std::string, double> seconds = renderer().seconds();
+    const StageSeconds seconds = renderer().seconds();
     const auto found = seconds.find("read_back");
     return found == seconds.end() ? 0 : found->second;
   }
 
-  void addSeconds(double render, double read, double sample) const {
-    const std::scoped_lock lock(notesMutex_);
-    renderSeconds_ += render;
-    readSeconds_ += read;
-    sampleSeconds_ += sample;
-  }
-
-  // The most of any shot, so that the order of work does not matter.
-  void noteUnseen(const Shot& shot, std::uint64_t unseen) const {
-    if (unseen == 0) return;
-    const std::scoped_lock lock(notesMutex_);
-    auto& noted = unseen_[shot.sensorName];
-    noted = std::max(noted, {unseen, shot.beams->size()});
+  // `unseen`: beams of the shot that no image shows.
+  TraceAccount account(const StageClock& clock, const Shot& shot, std::uint64_t unseen) const {
+    TraceAccount account{clock.seconds(), {}};
+    if (unseen == 0) return account;
+    account.warn(
+        {shot.sensorName, 0, unseen,
+         fmt::format("{} of {} beams of '{}' lie outside of all images{}: they are misses; {}", unseen,
+                     shot.beams->size(), shot.sensorName, makeRenderer_ ? " of layout " + options_.layoutName : "",
+                     makeRenderer_ ? "take layout auto" : "draw images that hold them")});
+    return account;
   }
 
   const Scene* scene_;  // null: passes from files
@@ -318,12 +299,6 @@ class DepthCameraMethod : public DepthCamera {
   mutable std::unique_ptr<PassRenderer> renderer_;
   mutable std::mutex sensorsMutex_;
   mutable std::list<std::shared_ptr<const StillSensor>> sensors_;
-  mutable std::mutex notesMutex_;
-  mutable std::map<std::string, std::pair<std::uint64_t, std::uint64_t>> unseen_;  // sensor -> beams unseen, beams
-  mutable std::string device_;                                                     // empty until something is drawn
-  mutable double renderSeconds_ = 0;
-  mutable double readSeconds_ = 0;
-  mutable double sampleSeconds_ = 0;
 };
 
 }  // namespace

@@ -17,13 +17,13 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kImageCost = 100'000;           // pixels: what one more image costs whatever its size
-constexpr double kWidestField = radians(168.0);  // a plane's pixels get few at the centre and many at the edge
-constexpr int kMostSides = 6;                    // and one camera up, one down
-constexpr double kSteepest = 1e4;                // slope that stands for all steeper ones
-constexpr double kSmallestDepth = 1e-4;          // of a unit direction; nearer to the camera's plane is outside
-constexpr int kBins = 512;                       // of azimuth, while the cameras are chosen
-constexpr double kFullTurn = radians(300.0);     // azimuths that span more are taken as a whole turn
+constexpr double kImageCost = 100'000;              // pixels: what one more image costs whatever its size
+constexpr double kWidestField = radians(168.0);     // a plane's pixels get few at the centre and many at the edge
+constexpr int kMostSides = 6;                       // and one camera up, one down
+constexpr double kSteepest = 1e4;                   // slope that stands for all steeper ones
+constexpr double kSmallestDepth = 1e-4;             // of a unit direction; nearer to the camera's plane is outside
+constexpr int kBins = 512;                          // of azimuth, while the cameras are chosen
+constexpr double kFullRevolution = radians(300.0);  // azimuths that span more are taken as a whole revolution
 
 // A monotonic stand-in for the azimuth, 0 to 4, without trigonometry: the length along the square |x| + |y| = 1.
 double squareAngle(double x, double y) {
@@ -150,7 +150,7 @@ struct Spread {
     const double begin = edge(end % kBins);
     double wide = edge((end - longest + kBins) % kBins) - begin;
     while (wide <= 0) wide += 2 * kPi;
-    if (wide >= kFullTurn) return;
+    if (wide >= kFullRevolution) return;
     first = begin;
     width = wide;
   }
@@ -162,7 +162,7 @@ class Candidate {
   // Beams whose slope is steeper than `steep` (up or down) belong to the cameras up and down.
   Candidate(const Spread& spread, int sides, double steep, bool aimed) : sides_(sides), steep_(steep) {
     const double part = spread.width / sides;
-    const double first = spread.width < 2 * kPi ? spread.first : -part / 2;  // a whole turn starts forwards
+    const double first = spread.width < 2 * kPi ? spread.first : -part / 2;  // a whole revolution starts forwards
     const double pitch = aimed ? -(std::atan(spread.lowest) + std::atan(spread.highest)) / 2 : 0;
     origin_ = squareAngle(first);
     for (int i = 0; i < sides; ++i) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Inside of the depth camera's sampling: how far beams go to what their pixels see.
+// Inside of the depth camera's sampling: the ranges of beams, from what their pixels hold.
 
 #include <cstddef>
 
@@ -19,7 +19,8 @@ struct Met {
   bool again[kBlock];                                      // the point met lies in another pixel
 };
 
-// What a block's beams look at: their places, their pixels and, where four are blended, these.
+// What the beams of a block look at: where they fall in the image, their pixels and, where four pixels are blended,
+// those four.
 struct BlockPixels {
   const double* u;  // px, of the block's beams
   const double* v;
@@ -33,7 +34,8 @@ struct BlockPixels {
 void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
              std::size_t begin, std::size_t end, const BeamBlock& block, Met& met);
 
-// The pixel (column or row) so that u lies between its centre and its successor's; at the image's edge the nearest one.
+// The column (or row) of pixels such that u lies between its centre and the next one's; at the image's edge the nearest
+// column.
 double firstCorner(double u, double size);
 
 }  // namespace scanmill

@@ -52,7 +52,7 @@ DepthCameraOptions readDepthCameraOptions(Fields& fields) {
   options.farthest = fields.number("far_m", {10, 1e4}, 0);
   const Value* renders = fields.find("renders_per_turn");
   if (renders != nullptr && !(renders->kind == Value::Kind::Scalar && renders->text == "auto")) {
-    options.rendersPerTurn = static_cast<std::uint32_t>(fields.integer("renders_per_turn", 1, 65536));
+    options.rendersPerRevolution = static_cast<std::uint32_t>(fields.integer("renders_per_turn", 1, 65536));
   }
   fields.finish();
   return options;

@@ -15,9 +15,9 @@ struct DepthCameraOptions {
   std::string samplingName;
   std::string depthName;
   LayoutOptions layout;
-  SampleOptions sample;              // its range of depths but for `farthest`
-  double farthest = 0;               // m, of the depths; 0: the sensor's range
-  std::uint32_t rendersPerTurn = 0;  // 0: auto
+  SampleOptions sample;                    // its range of depths but for `farthest`
+  double farthest = 0;                     // m, of the depths; 0: the sensor's range
+  std::uint32_t rendersPerRevolution = 0;  // 0: auto
 };
 
 DepthCameraOptions readDepthCameraOptions(Fields& fields);

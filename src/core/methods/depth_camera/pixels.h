@@ -1,6 +1,6 @@
 #pragma once
 
-// Inside of the depth camera's sampling: pixels as beams see them, from a source whose images may be finer.
+// Inside of the depth camera's sampling: reads the pixels that beams fall into, from images that may be finer.
 
 #include <span>
 #include <vector>
@@ -14,8 +14,8 @@ namespace scanmill {
 std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& worldFromRig,
                                 std::uint32_t antialiasing);
 
-// Fetches pixels and makes of them what the options say a framebuffer would have kept: antialiasing, and depths of few
-// bits (Half500 is of points: see stored()).
+// Fetches pixels and turns them into what a framebuffer with the antialiasing and the depth format of the options would
+// have kept. Half500 is not applied here: it rounds points, not depths.
 class PixelReader {
  public:
   PixelReader(PixelSource& source, const SampleOptions& options, PassChoice choice)

@@ -1,6 +1,6 @@
 #pragma once
 
-// From pixels to beams.
+// Samples images at the beams of a sensor.
 
 #include <cstdint>
 #include <span>
@@ -45,8 +45,8 @@ struct SampleOptions {
 // Depth as the format keeps it. The step of a b-bit buffer at depth z is z^2 (f - n) / (f n (2^b - 1)).
 float storedDepth(float depth, DepthFormat format, double nearest, double farthest);
 
-// Beams of one step of a turn in the axes of the rig: the sensor's frame at the pose from which the step's images were
-// drawn. A structure of arrays of equal length.
+// Beams of one step of a revolution in the axes of the rig: the sensor's frame at the pose from which the step's images
+// were drawn. A structure of arrays of equal length.
 struct RigBeams {
   std::vector<Vec3d> origin;        // m; empty where all are zero
   std::vector<Vec3d> direction;     // unit
@@ -56,14 +56,16 @@ struct RigBeams {
   const BeamTable* table = nullptr;  // of the sensor; only the methods of naive.cpp ask for a beam's ring and column
 };
 
-// Fills hits (already sized by Hits::reset) at the beams given; every channel that hits.channels names, and the look
-// where the source has it. A beam that no image sees, or whose pixel sees nothing between the ranges, is a miss. Where
-// beams do not start in the camera, the pixel is that of the point they meet, found in at most three looks.
-// `worldFromRig` places the rig of the source's cameras. Returns how many beams no image sees.
+// Fills `hits`, which Hits::reset() has sized, at the beams given: every channel that hits.channels names, and the look
+// (roughness, metallic, retroreflectance) where the source has it. A beam that no image sees, or whose pixel sees
+// nothing between the ranges, is a miss. Where beams do not start in the camera, the pixel is that of the point that
+// they meet, found in at most three rounds. `worldFromRig` places the rig of the source's cameras. Returns how many
+// beams no image sees.
 std::uint64_t samplePixels(PixelSource& source, const Pose& worldFromRig, const RigBeams& beams,
                            const SampleOptions& options, Hits& hits);
 
-// Which passes that takes. The look is not among them: materials tell it, unless the images of others have it.
+// The passes that samplePixels() reads for such channels. The look is not among them: it follows from the material,
+// unless the images come from other programs and hold it.
 PassChoice passesFor(Channels channels, const SampleOptions& options);
 
 }  // namespace scanmill

@@ -12,7 +12,8 @@
 
 namespace scanmill {
 
-// One image as beams see it: its camera in the rig's axes, its pixels those that antialiasing leaves.
+// An image and its camera in the axes of the rig. With antialiasing, its pixels are those that the subpixels are
+// averaged to.
 struct CameraView {
   Vec3d right, down, forward;  // the camera's axes, unit
   Vec3d position;              // m
@@ -45,11 +46,12 @@ struct Places {
   std::uint8_t* view;  // kNoView: no image sees it
 };
 
-// Finds for each point or direction (points false) the image that sees it nearest to its axis. At most kBlock.
+// Finds, for each of at most kBlock points (directions where `points` is false), the image that sees it nearest to the
+// image's axis.
 void place(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
            bool points, Places places);
 
-// The pixels that the methods of naive.cpp look at. `beam` are the beams' indices in the table.
+// Finds the pixels that the sampling methods of naive.cpp look at. `beam` holds the beams' indices in the table.
 void placeNaive(Sampling sampling, std::span<const CameraView> views, const BeamTable& table, const BeamBlock& beams,
                 const std::uint32_t* beam, Places places);
 

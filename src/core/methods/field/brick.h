@@ -1,30 +1,31 @@
 #pragma once
 
-// What the corners of one brick know.
+// The distances and the triangles that the corners of one brick keep.
 
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "methods/field/distance_field.h"
 #include "methods/field/facet.h"
-#include "methods/field/field.h"
 #include "methods/field/nearby.h"
 #include "methods/world/world.h"
 
 namespace scanmill {
 
-// Makes bricks, one after the other; keeps its memory from one to the next. Each follows from its place alone.
+// Makes bricks, one after the other, and keeps its buffers from one to the next. What a brick holds follows from its
+// place alone.
 //
-// Several ways lead to the same bytes. Where few triangles are near a brick, or near a block of it, each is held
-// against all corners there. Among leaves, where a block may have thousands, each is held against the few corners that
-// it is listed by, and the remaining corners search for their nearest one.
+// There are several ways to the same bytes. Where few triangles are near a brick, or near a block of it, each triangle
+// is compared with all corners there. Among leaves, where a block may have thousands, each triangle is compared only
+// with the few corners that list it, and the other corners search for their nearest triangle.
 class BrickMaker {
  public:
   BrickMaker(const World& world, bool lists) : world_(world), lists_(lists) {}
 
-  // Fills kBrickStride distances and words (see Field) of the full brick at `place`. With lists, they are appended to
-  // `entries`, and words count from there.
+  // Fills kBrickStride distances and words (see DistanceField) of the full brick at `place`. With lists, they are
+  // appended to `entries`, and words count from there.
   void make(const BrickPlace& place, std::uint16_t* distance, std::uint32_t* word, std::vector<std::uint32_t>& entries);
 
   // The corners are looked at in 27 blocks of 3 x 3 x 3, as lanes; the lanes left over repeat the last corner.
@@ -111,13 +112,13 @@ class BrickMaker {
 // Shared by the parts of BrickMaker; lengths in voxels.
 namespace brick {
 
-// Distances come out of float32 up to 1e-5 off: so much shorter, they are never too large.
+// Distances computed in float32 err by up to 1e-5. They are shortened by this much, so that they are never too large.
 constexpr float kRounding = 2e-5f;
 constexpr float kRadius = 6.93f;          // a little more than 4 sqrt(3), from a brick's centre to its corners
 constexpr float kListedRadius = 0.9536f;  // a little more than sqrt(3) kListedHalf: of a ball that holds the cube
 constexpr float kBlockRadius = 1.7322f;   // a little more than sqrt(3), from a block's centre to its corners
 static_assert(kListedRadius * kListedRadius > 3 * kListedHalf * kListedHalf);
-// So far from a brick's centre all triangles are known that are within kExact of its corners.
+// All triangles within kExact of a corner of the brick lie within this distance of the brick's centre.
 constexpr float kSeen = kRadius + kExact;
 
 // Corners relative to the brick's centre, by block.

@@ -29,9 +29,9 @@ struct FullBrick {
 
 class Builder {
  public:
-  Builder(const World& world, const FieldShape& shape, const Field* before);
+  Builder(const World& world, const FieldShape& shape, const DistanceField* before);
 
-  std::shared_ptr<const Field> build(BuildCounts* counts);
+  std::shared_ptr<const DistanceField> build(BuildCounts* counts);
 
  private:
   BrickPlace placeOf(std::size_t level, const Corner& brick) const;
@@ -45,16 +45,16 @@ class Builder {
   std::vector<std::uint32_t> firstListsBefore() const;
 
   const World& world_;
-  const Field* before_;
-  std::shared_ptr<Field> field_;
+  const DistanceField* before_;
+  std::shared_ptr<DistanceField> field_;
   std::vector<std::uint32_t> keptBefore_;  // per entry, full ones only: see FullBrick
   std::vector<FullBrick> bricks_;
   std::vector<std::vector<std::uint32_t>> entries_;  // per full brick, its lists; of new ones
   std::uint64_t kept_ = 0;
 };
 
-Builder::Builder(const World& world, const FieldShape& shape, const Field* before)
-    : world_(world), before_(before), field_(std::make_shared<Field>()) {
+Builder::Builder(const World& world, const FieldShape& shape, const DistanceField* before)
+    : world_(world), before_(before), field_(std::make_shared<DistanceField>()) {
   if (!world.placed.empty()) throw Error("particle: a field is built of a world without instanced meshes");
   if (before_ != nullptr && (before_->shape.voxel != shape.voxel || before_->shape.lists != shape.lists)) {
     before_ = nullptr;
@@ -222,7 +222,7 @@ void Builder::assemble() {
   });
 }
 
-std::shared_ptr<const Field> Builder::build(BuildCounts* counts) {
+std::shared_ptr<const DistanceField> Builder::build(BuildCounts* counts) {
   std::uint64_t entries = 0;
   for (const LevelBox& box : field_->shape.levels) entries += box.size();
   field_->table.resize(entries);
@@ -249,8 +249,8 @@ std::shared_ptr<const Field> Builder::build(BuildCounts* counts) {
 
 }  // namespace
 
-std::shared_ptr<const Field> buildField(const World& world, const FieldShape& shape, const Field* before,
-                                        BuildCounts* counts) {
+std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
+                                                const DistanceField* before, BuildCounts* counts) {
   return Builder(world, shape, before).build(counts);
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 
-// Builds fields, by Embree's point queries.
+// Builds distance fields, by Embree's point queries.
 
 #include <cstdint>
 #include <memory>
 
-#include "methods/field/field.h"
+#include "methods/field/distance_field.h"
 #include "methods/world/world.h"
 
 namespace scanmill {
@@ -18,10 +18,11 @@ struct BuildCounts {
   std::uint64_t listed = 0;     // entries of lists made
 };
 
-// Bricks that `before` has (null: none), of the same voxel size, lists and world, are taken over: the result is the
-// same, byte by byte. The world must be flat (nothing instanced). An empty world gives a field of empty bricks. Runs on
-// all threads; the bytes do not depend on how many.
-std::shared_ptr<const Field> buildField(const World& world, const FieldShape& shape, const Field* before,
-                                        BuildCounts* counts = nullptr);
+// Builds the field of a world. Where `before` is a field of the same world with the same voxel size and lists, the
+// bricks that both have are copied from it; the result is the same, byte by byte, as without it (null). The world must
+// be flat: nothing in it is instanced. An empty world gives a field of empty bricks. Runs on all threads; the bytes do
+// not depend on how many there are.
+std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
+                                                const DistanceField* before, BuildCounts* counts = nullptr);
 
 }  // namespace scanmill

@@ -116,7 +116,7 @@ std::string fieldKey(const std::string& geometry, const FieldShape& shape, const
   return hash.hex();
 }
 
-FieldFileHeader headerOf(const Field& field, const std::string& key) {
+FieldFileHeader headerOf(const DistanceField& field, const std::string& key) {
   FieldFileHeader header{kMagic, kFieldVersion, {}, {}};
   std::copy_n(key.begin(), header.key.size(), header.key.begin());
   std::size_t next = 0;
@@ -200,7 +200,7 @@ class OpenFile {
 };
 
 // Sizes the arrays as the header says, where that is what the shape wants and what the file of `size` bytes holds.
-bool makeRoom(const FieldFileHeader& header, std::uint64_t size, Field& field) {
+bool makeRoom(const FieldFileHeader& header, std::uint64_t size, DistanceField& field) {
   std::uint64_t expected = sizeof header + kHashSize;
   std::size_t next = 0;
   bool fits = true;
@@ -221,11 +221,11 @@ bool makeRoom(const FieldFileHeader& header, std::uint64_t size, Field& field) {
   return true;
 }
 
-std::shared_ptr<const Field> readField(const fs::path& path, const FieldShape& shape, const std::string& key) {
+std::shared_ptr<const DistanceField> readField(const fs::path& path, const FieldShape& shape, const std::string& key) {
   const OpenFile file(path);
   const std::uint64_t size = file.size();
   FieldFileHeader header;
-  auto field = std::make_shared<Field>();
+  auto field = std::make_shared<DistanceField>();
   field->shape = shape;
   if (size < sizeof header + kHashSize || size > FieldCache::kCacheBytes) return nullptr;
   if (!file.read(reinterpret_cast<char*>(&header), sizeof header, 0)) return nullptr;
@@ -305,7 +305,7 @@ fs::path FieldCache::file(const FieldShape& shape, const Vec3d& worldOrigin) con
   return folder_ / (fieldKey(geometry_, shape, worldOrigin) + std::string(kFieldSuffix));
 }
 
-std::shared_ptr<const Field> FieldCache::find(const FieldShape& shape, const Vec3d& worldOrigin) const {
+std::shared_ptr<const DistanceField> FieldCache::find(const FieldShape& shape, const Vec3d& worldOrigin) const {
   if (folder_.empty()) return nullptr;
   const fs::path path = file(shape, worldOrigin);
   auto field = readField(path, shape, path.stem().string());
@@ -314,7 +314,7 @@ std::shared_ptr<const Field> FieldCache::find(const FieldShape& shape, const Vec
   return field;
 }
 
-void FieldCache::store(const Field& field, const Vec3d& worldOrigin) const {
+void FieldCache::store(const DistanceField& field, const Vec3d& worldOrigin) const {
   if (folder_.empty()) return;
   const fs::path path = file(field.shape, worldOrigin);
   const FieldFileHeader header = headerOf(field, path.stem().string());

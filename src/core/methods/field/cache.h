@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "methods/field/field.h"
+#include "methods/field/distance_field.h"
 #include "scene/scene.h"
 
 namespace scanmill {
@@ -21,10 +21,10 @@ class FieldCache {
 
   // The field of exactly this geometry and shape, or null. A file that is truncated, of another version, of other
   // geometry, or changed in any byte is not trusted: null, and the next store() replaces it.
-  std::shared_ptr<const Field> find(const FieldShape& shape, const Vec3d& worldOrigin) const;
+  std::shared_ptr<const DistanceField> find(const FieldShape& shape, const Vec3d& worldOrigin) const;
   // Atomically; what does not fit on the disk or may not be written is a warning, not an error. Afterwards the files
   // that were longest unused are deleted until the folder's fields are at most kCacheBytes; a larger field is not kept.
-  void store(const Field& field, const Vec3d& worldOrigin) const;
+  void store(const DistanceField& field, const Vec3d& worldOrigin) const;
 
   static constexpr std::uint64_t kCacheBytes = std::uint64_t{2} << 30;
 
@@ -35,8 +35,8 @@ class FieldCache {
   std::string geometry_;
 };
 
-// Of the triangles and where they are placed, and of what orders the triangles that fields name (materials that are
-// alpha-tested, instance ids): what a field follows from.
+// A hash of all that a field follows from: the triangles, where they are placed, and what decides in which order fields
+// name triangles (alpha-tested materials, instance ids).
 std::string geometryHash(const Scene& scene);
 
 // $XDG_CACHE_HOME/scanmill/fields, or ~/.cache/scanmill/fields; empty where there is no home.

@@ -1,6 +1,6 @@
 #pragma once
 
-// A triangle, made ready for its distances to many points near a place.
+// A triangle, prepared so that its distances to many points near a place are quickly computed.
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,10 @@
 
 namespace scanmill {
 
-// Functions of a point p: the height over the triangle's plane, and of each edge how far p lies inside of it and how
-// far it is before its begin or past its end. All are affine with unit directions, and their constants are made in
-// double: those that matter at p are as small as p, however large the triangle or far its corners.
+// Functions of a point p: its height over the triangle's plane and, for each edge, how far p lies inside of the edge
+// and how far before the edge's beginning or past its end. All are affine functions with unit directions, whose
+// constants are computed in double. The constants that matter at p are about as large as p itself, however large the
+// triangle is and however far away its corners are, so that float32 is enough afterwards.
 template <class T>
 struct Facet {
   Vec3<T> normal;
@@ -24,8 +25,9 @@ struct Facet {
   };
   std::array<Edge, 3> edges;  // the longest first
 
-  // Squared. Also of triangles that are lines or points. The square is measured to the plane where p is within all
-  // edges; of slim triangles that cannot be told beyond their tips, but there p is past the longest edge.
+  // The squared distance from the point to the triangle, which may be degenerate: a line or a point. It is measured to
+  // the plane where the point is inside of all edges. Beyond the tips of a slim triangle rounding hides whether it is;
+  // but there the point is past an end of the longest edge.
   T distance2(T x, T y, T z) const {
     const auto along = [=](const Vec3<T>& v) { return v.x * x + v.y * y + v.z * z; };
     const T up = along(normal) + height;
@@ -79,11 +81,11 @@ inline Facet<double> facetOf(Vec3d a, Vec3d b, Vec3d c) {
   return facet;
 }
 
-// Which cubes around points a triangle meets: none of the 13 axes of Akenine-Moeller 2001, "Fast 3D triangle-box
-// overlap testing", parts them. Made in double as facets are; which cubes are met comes out of float32 up to 1e-5
-// larger or smaller.
+// Tells which cubes around points a triangle meets: those that none of the 13 axes of Akenine-Moeller 2001, "Fast 3D
+// triangle-box overlap testing", separates from it. Its constants are computed in double, as a facet's are. Because of
+// float32 a cube counts as up to 1e-5 larger or smaller than it is.
 struct CubeTest {
-  // A linear function of points, and its values where it does not part cube and triangle.
+  // A linear function of points, and the range of its values in which it does not separate cube and triangle.
   struct Axis {
     float u, v, low, high;
   };
@@ -93,7 +95,8 @@ struct CubeTest {
   // For axis k of the world and each edge, u * p[k + 1] + v * p[k + 2].
   std::array<std::array<Axis, 3>, 3> axes;
 
-  // How far a function is out of its range, in whatever unit: at most zero where the cube is met.
+  // How far the function that is farthest out of its range is out of it, in that function's unit. At most zero where
+  // the cube meets the triangle.
   float excess(float x, float y, float z) const {
     const auto beyond = [](float value, float least, float most) { return std::max(least - value, value - most); };
     const float p[3] = {x, y, z};

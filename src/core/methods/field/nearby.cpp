@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "methods/field/field.h"
+#include "methods/field/distance_field.h"
 
 namespace scanmill {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Which triangles of a world are near a place: Embree's point queries.
+// Finds the triangles of a world that are near a place, by Embree's point queries.
 
 #include <array>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// Of a brick. Points around it are told in voxels from its centre.
+// Where a brick is. Points near it are given in voxels, relative to its centre.
 struct BrickPlace {
   Vec3d centre;      // m, relative to the world's origin
   double voxel = 0;  // m
@@ -19,7 +19,7 @@ struct BrickPlace {
 
 using TriangleCorners = std::array<Vec3d, 3>;
 
-// In voxels from the place.
+// The corners of a triangle in voxels, relative to the place.
 TriangleCorners cornersAt(const TriangleBlock& block, std::uint32_t triangle, const BrickPlace& place);
 
 inline Facet<double> facetAt(const TriangleBlock& block, std::uint32_t triangle, const BrickPlace& place) {
@@ -32,7 +32,8 @@ struct NearestTriangle {
   std::uint32_t triangle = 0;
 };
 
-// Of a brick's centre. The world has triangles; `guess` is one of them: the nearer it is, the shorter the search.
+// The triangle nearest to a brick's centre, of a world that has triangles. `guess` is one of them: the nearer it is,
+// the shorter the search.
 NearestTriangle nearestTriangle(const World& world, const BrickPlace& place, std::uint32_t guess);
 
 constexpr std::uint32_t kNoTriangle = 0xFFFFFFFFu;
@@ -66,16 +67,17 @@ class FacetCache {
   std::uint32_t brick_ = 0;
 };
 
-// Of a point by a brick, out of those nearer than `nearest` is, and those as near that come first; else `nearest`.
+// The triangle nearest to a point by a brick; `nearest` where no other is nearer, or as near and earlier in order.
 NearestFacet nearestFacet(const World& world, const BrickPlace& place, const Vec3f& point, const NearestFacet& nearest,
                           FacetCache& facets);
 
-// All triangles that are at most `margin` from the cube that reaches `half` around a point by a brick (voxels), and
-// some that are farther; a triangle may be there twice. False where they are more than `most`.
+// Gathers all triangles that are at most `margin` away from the cube that reaches `half` around a point by a brick, and
+// possibly some that are farther away (all in voxels). A triangle may be gathered twice. False where there are more
+// than `most`.
 bool gatherTriangles(const World& world, const BrickPlace& place, const Vec3f& point, float half, float margin,
                      std::size_t most, std::vector<std::uint32_t>& triangles);
 
-// Which comes first where triangles are equally near.
+// Among triangles that are equally near, the one with the least of these numbers comes first.
 inline std::uint64_t orderOf(const TriangleBlock& block, std::uint32_t triangle) {
   return std::uint64_t{block.surfaceOf(triangle).instance} << 32 | triangle;
 }

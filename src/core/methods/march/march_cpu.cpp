@@ -10,7 +10,7 @@
 
 #include "methods/march/march_lanes.h"
 #if HWY_TARGET != HWY_SCALAR
-#include "methods/march/march_flock.h"
+#include "methods/march/march_stream.h"
 #endif
 
 #include <limits>
@@ -22,22 +22,22 @@ namespace scanmill::HWY_NAMESPACE {
 
 // Lanes find distances by offsets of 31 bits. Where Highway knows no instructions for lanes there is but one: so it is
 // for x86 without SSSE3 if g++ is older than 12.3.
-bool fitsLanes(const Field& field) {
+bool fitsLanes(const DistanceField& field) {
   constexpr auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
   return HWY_TARGET != HWY_SCALAR && field.distance.size() * sizeof field.distance[0] <= most;
 }
 
 // False: nothing was done, since lanes cannot.
-bool marchInLanes(const Field& field, [[maybe_unused]] const TriangleBlock& triangles,
+bool marchInLanes(const DistanceField& field, [[maybe_unused]] const TriangleBlock& triangles,
                   [[maybe_unused]] const MarchOptions& options, [[maybe_unused]] const Particles& particles,
                   [[maybe_unused]] std::size_t first, [[maybe_unused]] std::size_t last,
-                  [[maybe_unused]] Landings& landings) {
+                  [[maybe_unused]] HitRecords& records) {
   if (!fitsLanes(field)) return false;
 #if HWY_TARGET != HWY_SCALAR
   if (field.shape.lists) {
-    Flock<true>(field, triangles, options, particles, first, last, landings).fly();
+    RayStream<true>(field, triangles, options, particles, first, last, records).run();
   } else {
-    Flock<false>(field, triangles, options, particles, first, last, landings).fly();
+    RayStream<false>(field, triangles, options, particles, first, last, records).run();
   }
 #endif
   return true;
@@ -52,21 +52,21 @@ namespace scanmill {
 
 namespace {
 
-void marchAlone(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,
-                const Particles& particles, std::size_t first, std::size_t last, Landings& landings) {
+void marchAlone(const DistanceField& field, const TriangleBlock& triangles, const MarchOptions& options,
+                const Particles& particles, std::size_t first, std::size_t last, HitRecords& records) {
   for (std::size_t i = first; i < last; ++i) {
-    const Landing landing = marchOne(field, triangles, options, particles, i);
-    landings.way[i] = landing.way;
-    landings.triangle[i] = landing.triangle;
-    landings.outcome[i] = static_cast<std::uint32_t>(landing.outcome) + 4 * landing.steps;
+    const HitRecord record = marchOne(field, triangles, options, particles, i);
+    records.way[i] = record.way;
+    records.triangle[i] = record.triangle;
+    records.outcome[i] = static_cast<std::uint32_t>(record.outcome) + 4 * record.steps;
   }
 }
 
 // From corners to their triangles: all at once, since words lie anywhere in memory.
-void nameTriangles(const Field& field, std::size_t first, std::size_t last, Landings& landings) {
+void nameTriangles(const DistanceField& field, std::size_t first, std::size_t last, HitRecords& records) {
   for (std::size_t i = first; i < last; ++i) {
-    const Outcome outcome = landings.outcomeOf(i);
-    if (outcome == Outcome::Hit || outcome == Outcome::Brink) landings.triangle[i] = field.word[landings.triangle[i]];
+    const Outcome outcome = records.outcomeOf(i);
+    if (outcome == Outcome::Hit || outcome == Outcome::Grazing) records.triangle[i] = field.word[records.triangle[i]];
   }
 }
 
@@ -74,12 +74,12 @@ HWY_EXPORT(marchInLanes);
 
 }  // namespace
 
-void marchCpu(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,
-              const Particles& particles, std::size_t first, std::size_t last, Landings& landings) {
-  if (!HWY_DYNAMIC_DISPATCH(marchInLanes)(field, triangles, options, particles, first, last, landings)) {
-    marchAlone(field, triangles, options, particles, first, last, landings);
+void marchCpu(const DistanceField& field, const TriangleBlock& triangles, const MarchOptions& options,
+              const Particles& particles, std::size_t first, std::size_t last, HitRecords& records) {
+  if (!HWY_DYNAMIC_DISPATCH(marchInLanes)(field, triangles, options, particles, first, last, records)) {
+    marchAlone(field, triangles, options, particles, first, last, records);
   } else if (!field.shape.lists) {
-    nameTriangles(field, first, last, landings);
+    nameTriangles(field, first, last, records);
   }
 }
 

@@ -1,5 +1,5 @@
-// Particles by a compute shader: fields and triangles stay on the device between calls, particles go there and landings
-// come back, a slice at a time.
+// Marches particles by a compute shader. Fields and triangles stay on the device between calls; particles go there and
+// hit records come back, a slice at a time.
 
 #include "methods/march/march_gl.h"
 
@@ -7,9 +7,7 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
-#include <chrono>
 #include <exception>
 #include <filesystem>
 #include <mutex>
@@ -32,7 +30,7 @@ using enum ComputeTable::Texel;
 const ComputeErrorWords kWords{"particles cannot fly by OpenGL", "'backend: cpu' does without it"};
 
 // As the shader declares it, by the rules of std140.
-struct FlightBlock {
+struct MarchBlock {
   std::int32_t lastLevel;
   float perReach;
   float metres;
@@ -42,10 +40,10 @@ struct FlightBlock {
   std::uint32_t count;
   std::uint32_t unused;
 };
-static_assert(sizeof(FlightBlock) == 32);
+static_assert(sizeof(MarchBlock) == 32);
 
-FlightBlock flightBlock(const Field& field, const MarchOptions& options) {
-  FlightBlock block{};
+MarchBlock marchBlock(const DistanceField& field, const MarchOptions& options) {
+  MarchBlock block{};
   block.lastLevel = static_cast<std::int32_t>(field.levels.size()) - 1;
   block.perReach = 1.0f / field.shape.reach;
   block.metres = static_cast<float>(field.shape.voxel);
@@ -58,7 +56,7 @@ FlightBlock flightBlock(const Field& field, const MarchOptions& options) {
 // Bits of the offset and the first entry of the table, then the bricks.
 using DeviceLevel = std::array<std::uint32_t, 8>;
 
-std::vector<DeviceLevel> deviceLevels(const Field& field) {
+std::vector<DeviceLevel> deviceLevels(const DistanceField& field) {
   std::vector<DeviceLevel> made;
   for (const FieldLevel& level : field.levels) {
     const auto bits = [&](std::size_t k) { return std::bit_cast<std::uint32_t>(level.offset[k]); };
@@ -91,18 +89,6 @@ std::vector<DeviceTriangle> deviceTriangles(const TriangleBlock& block) {
   return made;
 }
 
-class SecondsSince {
- public:
-  explicit SecondsSince(std::atomic<double>& sum) : sum_(sum) {}
-  ~SecondsSince() { sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-  SecondsSince(const SecondsSince&) = delete;
-  SecondsSince& operator=(const SecondsSince&) = delete;
-
- private:
-  std::atomic<double>& sum_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 class ComputeMarcher : public GlMarcher {
  public:
   explicit ComputeMarcher(const GlMarcherLimits& limits)
@@ -113,21 +99,20 @@ class ComputeMarcher : public GlMarcher {
     for (ComputeBuffer* buffer : {&table_, &distances_, &words_, &lists_, &triangles_}) buffer->reserve(16);
   }
 
-  void march(std::shared_ptr<const Field> field, std::shared_ptr<const World> world, const MarchOptions& options,
-             const Particles& particles, Landings& landings) override {
+  void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world,
+             const MarchOptions& options, const Particles& particles, HitRecords& records, StageClock& clock) override {
     const std::scoped_lock lock(mutex_);
-    landings.resize(particles.size());
+    records.resize(particles.size());
     if (particles.size() == 0) return;
-    upload(field, world);
+    upload(field, world, clock);
     for (std::size_t first = 0; first < particles.size(); first += slice_) {
       const std::size_t count = std::min<std::size_t>(slice_, particles.size() - first);
-      fly(*field, options, particles, first, count);
-      SecondsSince watch(readBack_);
-      readLandings(*field, landings, first, count);
+      marchSlice(*field, options, particles, first, count, clock);
+      const StageTimer timer(clock, "read_back");
+      readRecords(*field, records, first, count);
     }
   }
 
-  Seconds seconds() const override { return {upload_, march_, readBack_}; }
   std::string device() const override { return device_.name(); }
   bool software() const override { return device_.software(); }
 
@@ -140,11 +125,12 @@ class ComputeMarcher : public GlMarcher {
     return *program;
   }
 
-  void upload(const std::shared_ptr<const Field>& field, const std::shared_ptr<const World>& world) {
+  void upload(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world,
+              StageClock& clock) {
+    const StageTimer timer(clock, "upload");
     const bool newField = field_.lock() != field;
     const bool newWorld = field->shape.lists && world_.lock() != world;
     if (!newField && !newWorld) return;
-    SecondsSince watch(upload_);
     if (newField) {
       field_.reset();  // what is there is of no field until all is there
       const std::string mend = "take coarser voxels (voxel_m) or fewer levels";
@@ -179,21 +165,21 @@ class ComputeMarcher : public GlMarcher {
     if (!array.empty()) buffer.hold(array);
   }
 
-  void fly(const Field& field, const MarchOptions& options, const Particles& particles, std::size_t first,
-           std::size_t count) {
-    SecondsSince watch(march_);
+  void marchSlice(const DistanceField& field, const MarchOptions& options, const Particles& particles,
+                  std::size_t first, std::size_t count, StageClock& clock) {
+    const StageTimer timer(clock, "march");
     const Columns columns = columnsOf(particles, field.shape.lists);
     particles_.reserve(columns.size() * count * sizeof(float));
-    landings_.reserve(5 * count * sizeof(float));
+    records_.reserve(5 * count * sizeof(float));
     std::vector<ComputeBuffer::Source> pieces;
     for (std::size_t k = 0; k < columns.size(); ++k) {
       pieces.push_back({k * count * sizeof(float), std::as_bytes(std::span(*columns[k]).subspan(first, count))});
     }
     particles_.write(pieces);
-    FlightBlock block = flightBlock(field, options);
+    MarchBlock block = marchBlock(field, options);
     block.count = static_cast<std::uint32_t>(count);
     programOf(field.shape.lists)
-        .run(count, {&particles_, &landings_}, std::as_bytes(std::span(&block, 1)),
+        .run(count, {&particles_, &records_}, std::as_bytes(std::span(&block, 1)),
              {{&levels_, Uint32x4},
               {&table_, Uint32},
               {&distances_, Uint16},
@@ -203,24 +189,24 @@ class ComputeMarcher : public GlMarcher {
     device_.finish();
   }
 
-  void readLandings(const Field& field, Landings& landings, std::size_t first, std::size_t count) {
+  void readRecords(const DistanceField& field, HitRecords& records, std::size_t first, std::size_t count) {
     const std::size_t bytes = count * sizeof(float);
     const auto part = [&](auto& column) { return std::as_writable_bytes(std::span(column).subspan(first, count)); };
     std::vector<ComputeBuffer::Target> pieces{
-        {0, part(landings.way)}, {bytes, part(landings.triangle)}, {2 * bytes, part(landings.outcome)}};
+        {0, part(records.way)}, {bytes, part(records.triangle)}, {2 * bytes, part(records.outcome)}};
     if (field.shape.lists) {
       numerator_.resize(count);
       denominator_.resize(count);
       pieces.push_back({3 * bytes, std::as_writable_bytes(std::span(numerator_))});
       pieces.push_back({4 * bytes, std::as_writable_bytes(std::span(denominator_))});
     }
-    landings_.read(pieces);
+    records_.read(pieces);
     if (!field.shape.lists) return;
     const auto metres = static_cast<float>(field.shape.voxel);
     parallelFor(count, 65536, [&](std::size_t from, std::size_t to) {
       for (std::size_t i = from; i < to; ++i) {
-        if (landings.outcomeOf(first + i) != Outcome::Hit) continue;
-        landings.way[first + i] += numerator_[i] / (denominator_[i] * metres);
+        if (records.outcomeOf(first + i) != Outcome::Hit) continue;
+        records.way[first + i] += numerator_[i] / (denominator_[i] * metres);
       }
     });
   }
@@ -237,14 +223,11 @@ class ComputeMarcher : public GlMarcher {
   ComputeBuffer words_{device_};
   ComputeBuffer lists_{device_};
   ComputeBuffer triangles_{device_};
-  ComputeBuffer landings_{device_};
-  std::weak_ptr<const Field> field_;  // whose data the buffers hold
+  ComputeBuffer records_{device_};
+  std::weak_ptr<const DistanceField> field_;  // whose data the buffers hold
   std::weak_ptr<const World> world_;
   std::vector<float> numerator_;  // of the slice
   std::vector<float> denominator_;
-  std::atomic<double> upload_ = 0;
-  std::atomic<double> march_ = 0;
-  std::atomic<double> readBack_ = 0;
 };
 
 // Whether the kernel knows of a graphics card: loading OpenGL to ask would cost more than most scans.

@@ -12,7 +12,7 @@
 namespace scanmill {
 
 struct GlMarcherLimits {
-  std::size_t particles = std::size_t{1} << 20;  // that fly at once
+  std::size_t particles = std::size_t{1} << 20;  // that march at once
   // Of a table; the device's own limit holds too.
   std::uint64_t tableBytes = std::numeric_limits<std::uint64_t>::max();
 };

@@ -19,7 +19,7 @@ struct Voxel {
   float bx, by, bz;             // from the brick's centre
 };
 
-Voxel find(const Field& field, float x, float y, float z) {
+Voxel find(const DistanceField& field, float x, float y, float z) {
   Voxel v;
   const std::int32_t index = levelAt(field, x, y, z);
   const FieldLevel& level = field.levels[static_cast<std::size_t>(index)];
@@ -75,7 +75,7 @@ float mix(float a, float b, float t) {
 }
 
 // Trilinear, in voxels.
-float interpolate(const Field& field, const Voxel& v) {
+float interpolate(const DistanceField& field, const Voxel& v) {
   const auto row = [&](std::uint32_t at) {
     const std::uint32_t i = v.cell + at;
     return mix(static_cast<float>(field.distance[i]), static_cast<float>(field.distance[i + 1]), v.fx);
@@ -128,18 +128,18 @@ void Particles::resize(std::size_t count, bool lists) {
   for (auto* column : {&wx, &wy, &wz, &ix, &iy, &iz}) column->resize(lists ? count : 0);
 }
 
-void Landings::resize(std::size_t count) {
+void HitRecords::resize(std::size_t count) {
   way.resize(count);
   triangle.resize(count);
   outcome.resize(count);
 }
 
-double voxelAt(const Field& field, const Vec3f& place) {
+double voxelAt(const DistanceField& field, const Vec3f& place) {
   const auto level = static_cast<std::uint32_t>(levelAt(field, place.x, place.y, place.z));
   return field.shape.voxel * double{std::bit_cast<float>((127 + level) << 23)};
 }
 
-FieldPlace placeIn(const Field& field, const Vec3f& place) {
+FieldPlace placeIn(const DistanceField& field, const Vec3f& place) {
   const Voxel v = find(field, place.x, place.y, place.z);
   const double voxel = field.shape.voxel * double{v.grow};
   if (!v.full)
@@ -147,18 +147,18 @@ FieldPlace placeIn(const Field& field, const Vec3f& place) {
   return {interpolate(field, v), field.shape.lists ? kNoWord : field.word[v.nearest], voxel};
 }
 
-std::uint32_t voxelCorner(const Field& field, const Vec3f& place) {
+std::uint32_t voxelCorner(const DistanceField& field, const Vec3f& place) {
   const Voxel v = find(field, place.x, place.y, place.z);
   return v.full ? v.cell : kNoWord;
 }
 
-std::uint32_t nearestCorner(const Field& field, const Vec3f& place) {
+std::uint32_t nearestCorner(const DistanceField& field, const Vec3f& place) {
   const Voxel v = find(field, place.x, place.y, place.z);
   return v.full ? v.nearest : kNoWord;
 }
 
-Landing marchOne(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,
-                 const Particles& particles, std::size_t i) {
+HitRecord marchOne(const DistanceField& field, const TriangleBlock& triangles, const MarchOptions& options,
+                   const Particles& particles, std::size_t i) {
   const Vec3f o{particles.ox[i], particles.oy[i], particles.oz[i]};
   const Vec3f d{particles.dx[i], particles.dy[i], particles.dz[i]};
   const auto metres = static_cast<float>(field.shape.voxel);
@@ -220,7 +220,7 @@ Landing marchOne(const Field& field, const TriangleBlock& triangles, const March
       continue;
     }
     if (rests) return {way, field.word[v.nearest], Outcome::Hit, step + 1};
-    if (last <= kBrink && !(seen < last)) return {lastWay, field.word[lastNearest], Outcome::Brink, step + 1};
+    if (last <= kGrazing && !(seen < last)) return {lastWay, field.word[lastNearest], Outcome::Grazing, step + 1};
     last = seen;
     lastWay = way;
     lastNearest = v.nearest;

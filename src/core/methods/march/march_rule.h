@@ -1,6 +1,7 @@
 #pragma once
 
-// Constants of the rule of flight, for all backends. Lengths in voxels of the level where nothing else is said.
+// Constants of the steps that particles take, for all backends. Lengths are in voxels of the level unless said
+// otherwise.
 
 namespace scanmill {
 
@@ -18,18 +19,19 @@ constexpr float kListedBend = 0.78805f;  // R >= kListed, M = sqrt(3) / 2
 constexpr float kLeap = 0.3f;
 
 // Without lists: interpolated distances are up to 0.5 on a plane, but up to 0.624 where three walls meet at right
-// angles and as far behind a plane as a particle may overstep. A particle that was so near and then moves away has
-// turned at an edge, or passed it: it rests where it was nearest.
-constexpr float kBrink = 0.63f;
-constexpr float kNever = 1e30f;  // nearer than this has been everything
+// angles, and as far behind a plane as a particle may overstep. A particle that was so near to a surface and then moves
+// away has passed by an edge, or gone through the surface at one: it is a candidate for a grazing hit, where it was
+// nearest.
+constexpr float kGrazing = 0.63f;
+constexpr float kNever = 1e30f;  // voxels: the distance before there was a step, more than any
 
 // Share of a triangle by which it is larger than it is, so that rounding opens no cracks between triangles.
 constexpr float kSeam = 1e-5f;
 constexpr float kBehind = 0.25f;  // how far behind the particle a hit may lie, for it may have overstepped
-constexpr float kTie = 1e-4f;     // surfaces so near each other are one, and the first of the list is met
+constexpr float kTie = 1e-4f;     // of surfaces so near to each other the first in the list is met
 constexpr float kNudge = 1e-3f;   // past a voxel's face
-// From a voxel's middle to where a particle leaves it: past the face, so that it is in the next voxel for certain, and
-// so that one that flies along the face, on it, need not leave.
+// From a voxel's middle to where a particle leaves it. That is a little past the face, so that the particle is in the
+// next voxel for certain, and so that a particle that moves along the face, on it, need not leave.
 constexpr float kFace = 0.5f + kNudge;
 
 }  // namespace scanmill

@@ -14,7 +14,7 @@ namespace {
 // What is `precise` is neither contracted nor reassociated: it has the bits that the processor finds. Divisions, which
 // GPUs round as they like, are left to the processor.
 constexpr const char* kCommon = R"(
-layout(std140, binding = 0) uniform Flight {
+layout(std140, binding = 0) uniform MarchParameters {
   int lastLevel;
   float perReach;
   float metres;
@@ -24,7 +24,7 @@ layout(std140, binding = 0) uniform Flight {
   uint count;
 };
 layout(std430, binding = 0) readonly restrict buffer Particles { float particles[]; };
-layout(std430, binding = 1) writeonly restrict buffer Landings { uint landings[]; };
+layout(std430, binding = 1) writeonly restrict buffer HitRecords { uint records[]; };
 layout(binding = 0) uniform usamplerBuffer levels;
 layout(binding = 1) uniform usamplerBuffer table;
 layout(binding = 2) uniform usamplerBuffer distances;
@@ -39,10 +39,10 @@ vec3 column3(uint column, uint i) {
               particles[(column + 2u) * count + i]);
 }
 
-void land(uint i, float way, uint triangle, uint outcome) {
-  landings[i] = floatBitsToUint(way);
-  landings[count + i] = triangle;
-  landings[2u * count + i] = outcome;
+void record(uint i, float way, uint triangle, uint outcome) {
+  records[i] = floatBitsToUint(way);
+  records[count + i] = triangle;
+  records[2u * count + i] = outcome;
 }
 
 struct Voxel {
@@ -134,7 +134,7 @@ void invoke(uint i) {
   uint lastNearest = 0u;
   for (uint taken = 0u; taken < steps; ++taken) {
     if (!(clear < end)) {
-      land(i, 0.0, 0u, kMiss + 4u * taken);
+      record(i, 0.0, 0u, kMiss + 4u * taken);
       return;
     }
     precise vec3 q = o + d * way;
@@ -160,10 +160,10 @@ void invoke(uint i) {
       continue;
     }
     precise float seen = far ? kNever : ahead;
-    bool turns = last <= kBrink && !(seen < last);
-    if (rests || turns) {
-      land(i, rests ? way : lastWay, fetch(words, rests ? v.nearest : lastNearest),
-           (rests ? kHit : kBrinkOutcome) + 4u * (taken + 1u));
+    bool grazes = last <= kGrazing && !(seen < last);
+    if (rests || grazes) {
+      record(i, rests ? way : lastWay, fetch(words, rests ? v.nearest : lastNearest),
+           (rests ? kHit : kGrazingOutcome) + 4u * (taken + 1u));
       return;
     }
     last = seen;
@@ -173,11 +173,11 @@ void invoke(uint i) {
     clear = way + stride;
     way = min(clear + stride * (far ? kLeap : 0.0), end);
   }
-  land(i, 0.0, 0u, kExhausted + 4u * steps);
+  record(i, 0.0, 0u, kExhausted + 4u * steps);
 }
 )";
 
-// Particles fly freely until all that run together are where triangles are, then look at the triangles together.
+// Particles march freely until all that run together are where triangles are, then look at the triangles together.
 constexpr const char* kLists = R"(
 layout(binding = 4) uniform usamplerBuffer lists;
 layout(binding = 5) uniform samplerBuffer triangles;
@@ -205,7 +205,7 @@ void invoke(uint i) {
     bool listed = false;
     while (!listed) {
       if (taken >= steps || !(clear < end)) {
-        land(i, 0.0, 0u, taken < steps ? kMiss + 4u * taken : kExhausted + 4u * steps);
+        record(i, 0.0, 0u, taken < steps ? kMiss + 4u * taken : kExhausted + 4u * steps);
         return;
       }
       ++taken;
@@ -284,9 +284,9 @@ void invoke(uint i) {
       }
     }
     if (bestDenominator > 0.0) {
-      land(i, way, bestTriangle, kHit + 4u * taken);
-      landings[3u * count + i] = floatBitsToUint(bestNumerator);
-      landings[4u * count + i] = floatBitsToUint(bestDenominator);
+      record(i, way, bestTriangle, kHit + 4u * taken);
+      records[3u * count + i] = floatBitsToUint(bestNumerator);
+      records[4u * count + i] = floatBitsToUint(bestDenominator);
       return;
     }
     clear = way + ahead * grow;
@@ -314,11 +314,11 @@ std::string marchShader(bool lists) {
       constantOf("kHit", static_cast<std::uint32_t>(Outcome::Hit)) +
       constantOf("kMiss", static_cast<std::uint32_t>(Outcome::Miss)) +
       constantOf("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) +
-      constantOf("kBrinkOutcome", static_cast<std::uint32_t>(Outcome::Brink)) + constantOf("kEmptyBend", kEmptyBend) +
-      constantOf("kNamedBend", kNamedBend) + constantOf("kListedBend", kListedBend) + constantOf("kLeap", kLeap) +
-      constantOf("kBrink", kBrink) + constantOf("kNever", kNever) + constantOf("kSeam", kSeam) +
-      constantOf("kBehind", kBehind) + constantOf("kTie", kTie) + constantOf("kNudge", kNudge) +
-      constantOf("kFace", kFace);
+      constantOf("kGrazingOutcome", static_cast<std::uint32_t>(Outcome::Grazing)) +
+      constantOf("kEmptyBend", kEmptyBend) + constantOf("kNamedBend", kNamedBend) +
+      constantOf("kListedBend", kListedBend) + constantOf("kLeap", kLeap) + constantOf("kGrazing", kGrazing) +
+      constantOf("kNever", kNever) + constantOf("kSeam", kSeam) + constantOf("kBehind", kBehind) +
+      constantOf("kTie", kTie) + constantOf("kNudge", kNudge) + constantOf("kFace", kFace);
   return text + kCommon + (lists ? kLists : kNearest);
 }
 

@@ -1,4 +1,4 @@
-// Lines of many particles against the triangles of many lists, for march_cpu.cpp.
+// Intersects the lines of many particles with the triangles of many lists, for march_cpu.cpp.
 // Read once for each instruction set: see march_cpu.cpp.
 #if defined(SCANMILL_MARCH_TRIANGLES_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCANMILL_MARCH_TRIANGLES_H
@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "methods/field/field.h"
+#include "methods/field/distance_field.h"
 #include "methods/march/march_lanes.h"
 #include "methods/march/march_rule.h"
 #include "methods/world/world.h"
@@ -18,7 +18,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace scanmill::HWY_NAMESPACE {
 
-// The part of a particle's way that is looked at; m, relative to the world's origin.
+// The part of a particle's line that is looked at: from `low` to `high` along d, from the place x y z; m, relative to
+// the world's origin.
 struct LineStart {
   float x, y, z, low;
 };
@@ -32,15 +33,15 @@ struct Meeting {
   std::uint32_t triangle;
 };
 
-// Lists differ in length. So pairs of a line and a triangle are collected first and then looked at, kLanes at a time,
-// whatever lines they are of; words and lists are asked for before they are needed, for they lie anywhere in memory.
+// Lists differ in length. So pairs of a line and a triangle are collected first and then intersected, kLanes at a time,
+// whichever lines they belong to. Words and lists lie anywhere in memory: they are prefetched before they are needed.
 class TriangleTester {
  public:
   static constexpr std::size_t kLines = 16 * kLanes;
 
-  TriangleTester(const Field& field, const TriangleBlock& triangles) : field_(field), triangles_(triangles) {}
+  TriangleTester(const DistanceField& field, const TriangleBlock& triangles) : field_(field), triangles_(triangles) {}
 
-  // To be filled for lines that are added.
+  // The caller fills these for the lines that it adds.
   HWY_ALIGN_MAX LineStart start[kLines] = {};
   HWY_ALIGN_MAX LineCourse course[kLines] = {};
   HWY_ALIGN_MAX float tie[kLines] = {};
@@ -51,7 +52,7 @@ class TriangleTester {
     best[line].denominator = 0;
   }
 
-  // Meets the lines that were added with the lists of their corners, and forgets them.
+  // Intersects the lines that were added with the triangles that their corners list, and forgets the lines.
   void meet();
 
   Meeting best[kLines] = {};
@@ -66,7 +67,7 @@ class TriangleTester {
 
   void look(const Pair* pairs);
 
-  const Field& field_;
+  const DistanceField& field_;
   const TriangleBlock& triangles_;
   std::vector<Asked> asked_;
   std::vector<Pair> pairs_;

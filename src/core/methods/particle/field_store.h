@@ -6,9 +6,10 @@
 #include <memory>
 #include <mutex>
 
+#include "base/stage_clock.h"
 #include "methods/field/build.h"
 #include "methods/field/cache.h"
-#include "methods/field/field.h"
+#include "methods/field/distance_field.h"
 #include "methods/particle/shape.h"
 #include "methods/world/worlds.h"
 
@@ -16,35 +17,31 @@ namespace scanmill {
 
 class FieldStore {
  public:
-  // The scene must outlive it. Throws InputError where the field would be too large for this machine; see
-  // checkField().
+  // The scene must outlive it. Throws InputError where the field would be too large for this machine: see checkField()
+  // in shape.h.
   FieldStore(const Scene& scene, const ParticleOptions& options);
 
   struct Place {
     std::shared_ptr<const World> world;
-    std::shared_ptr<const Field> field;
-    Box box;     // m, relative to the world's origin: where particles may fly
+    std::shared_ptr<const DistanceField> field;
+    Box box;     // m, relative to the world's origin: where particles may march
     bool whole;  // nothing of the scene lies outside of the box
   };
   // Around a sensor (m), reaching `range` (m) far where the options do not say otherwise. Safe to call from several
-  // threads: one waits while another builds.
-  Place around(const Vec3d& sensor, double range) const;
-
-  // s of wall-clock time so far, and how often.
-  struct Seconds {
-    double build = 0, update = 0, load = 0;
-    std::uint64_t builds = 0, updates = 0, loads = 0;
-  };
-  Seconds seconds() const;
+  // threads: one waits while another builds. The seconds of building a field, of moving one along with the sensor or of
+  // loading one are added to the stage "field_build", "field_update" or "field_load" of `clock`.
+  Place around(const Vec3d& sensor, double range, StageClock& clock) const;
 
  private:
   struct Known {
     std::shared_ptr<const World> world;
-    std::shared_ptr<const Field> field;
+    std::shared_ptr<const DistanceField> field;
   };
 
-  std::shared_ptr<const Field> fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape) const;
-  std::shared_ptr<const Field> make(const World& world, const FieldShape& shape, const Field* before) const;
+  std::shared_ptr<const DistanceField> fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape,
+                                               StageClock& clock) const;
+  std::shared_ptr<const DistanceField> make(const World& world, const FieldShape& shape, const DistanceField* before,
+                                            StageClock& clock) const;
 
   ParticleOptions options_;
   Box bounds_;  // m, world
@@ -52,7 +49,6 @@ class FieldStore {
   FieldCache cache_;
   mutable std::mutex mutex_;
   mutable std::list<Known> fields_;  // the last one first
-  mutable Seconds seconds_;
 };
 
 }  // namespace scanmill

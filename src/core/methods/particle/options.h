@@ -5,7 +5,7 @@
 #include <string>
 
 #include "config/fields.h"
-#include "methods/field/field.h"
+#include "methods/field/distance_field.h"
 
 namespace scanmill {
 
@@ -21,8 +21,8 @@ struct ParticleOptions {
   std::uint32_t voxels = 256;                                   // across each level
   std::uint32_t levels = 0;                                     // 0: as many as the sensor's range takes
   enum class Refine { None, ByNormal, ByTriangle } refine = Refine::ByTriangle;
-  double cone = 0;              // rad, half of the angle in which a particle meets things
-  std::uint32_t steps = 512;    // a particle's budget
+  double cone = 0;              // rad, half of the angle of the cone in which a particle meets things
+  std::uint32_t steps = 512;    // that a particle may take
   std::filesystem::path cache;  // folder; empty: none
   double smallest = 0;          // m, smallest_m; 0: not asked for
   Location where;               // of what chose the voxels, for messages
@@ -31,29 +31,29 @@ struct ParticleOptions {
 // {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, cone_mrad: 0, steps: 512, backend: auto,
 //  cache: auto, smallest_m: 0.3, smallest_within_m: 30}
 //
-// smallest_m and smallest_within_m choose `voxel`, unless voxel_m is given, and `voxels`: the defaults where they do,
-// else so that smallestSeen(options, smallest_within_m) is at most smallest_m. Throws InputError where nothing does,
-// and says what it would take; and for a key that has no effect beside the others.
+// smallest_m and smallest_within_m choose `voxels` and, unless voxel_m is given, `voxel`: the defaults where these are
+// fine enough, else such that smallestSeen(options, smallest_within_m) is at most smallest_m. Throws InputError where
+// no choice is fine enough, and says what would be needed; also for a key that has no effect beside the others.
 ParticleOptions readParticleOptions(Fields& fields);
 
-// m from the centre of a field around a sensor, along each axis: so far does a level serve (FieldShape::reach * voxel *
-// 2^level). Its bricks reach voxels / 2 from the middle of its box, which is up to half a brick off the field's centre,
-// and a voxel is to spare.
+// How far a level of a field around a sensor serves, in m from the field's centre along each axis: FieldShape::reach *
+// voxel * 2^level. Its bricks reach voxels / 2 from the middle of its box, which is up to half a brick off the field's
+// centre; one voxel is left over.
 double levelReach(const ParticleOptions& options, std::uint32_t level);
 
-// About so many bytes does a level of so many voxels across take. Memory follows the surface, hence the square of the
-// voxels; measured on the street of the quickstart.
+// About how many bytes a level takes that has so many voxels across. Memory follows the surface, hence the square of
+// the voxels; the factor was measured on the street of the quickstart.
 double levelBytes(double voxels, bool lists);
 
-// 1.2 GiB, 34 MiB: of estimates.
+// An estimate as text: 1.2 GiB, 34 MiB.
 std::string memoryText(double bytes);
 
-// m, the diameter of the smallest ball that every beam through its middle meets, `range` m from the sensor; infinite
+// The diameter (m) of the smallest ball that every beam through its middle meets, `range` m from the sensor; infinite
 // beyond the last level.
 //
-// With `refine: none` and `normal`, particles meet what has an interpolated distance of at most kBrink, 0.63 voxels. In
-// the middle of a ball of radius r voxels it is at most sqrt(3) / 2 - r, wherever that lies in its voxel: kBrink where
-// the diameter is 0.48 voxels. So every beam through the middle of a ball of half a voxel or more meets it.
+// With `refine: none` and `normal`, particles meet what has an interpolated distance of at most kGrazing, 0.63 voxels.
+// In the middle of a ball of radius r voxels it is at most sqrt(3) / 2 - r, wherever that lies in its voxel: kGrazing
+// where the diameter is 0.48 voxels. So every beam through the middle of a ball of half a voxel or more meets it.
 //
 // With `refine: triangle` the size does not matter: every triangle lies in full bricks, and is met exactly.
 double smallestSeen(const ParticleOptions& options, double range);

@@ -1,18 +1,16 @@
 // The particle method (LiDAR-GEIL): one particle per beam, sphere-traced through a distance field.
 //
-// The field is built around the sensor and moves with it (field.h). Particles fly in float32, on the processor or by a
-// compute shader, which take the same steps (march.h); what they met is resolved in double on the processor, from the
-// triangles that the field names, so that labels and normals come without a further trace (flight.h).
+// The field is built around the sensor and moves with it (distance_field.h). Particles march in float32, on the
+// processor or by a compute shader, which take the same steps (march.h); what they met is resolved in double on the
+// processor, from the triangles that the field names, so that labels and normals come without a further trace
+// (march_job.h).
 
 #include "methods/particle/particle.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
-#include <map>
 #include <mutex>
 #include <span>
 #include <string>
@@ -21,9 +19,10 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/stage_clock.h"
 #include "methods/march/march.h"
 #include "methods/particle/field_store.h"
-#include "methods/particle/flight.h"
+#include "methods/particle/march_job.h"
 #include "methods/particle/options.h"
 #include "methods/particle/shape.h"
 
@@ -31,24 +30,10 @@ namespace scanmill {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr std::size_t kTilesAtOnce = 128;  // 2048 particles: their columns stay in the second cache
 
-// Seconds of processor time, summed over threads.
-class StageClock {
- public:
-  void add(Clock::time_point start) {
-    nanoseconds_ += std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start).count();
-  }
-  double seconds() const { return static_cast<double>(nanoseconds_.load()) * 1e-9; }
-
- private:
-  std::atomic<std::int64_t> nanoseconds_ = 0;
-};
-
-// Stretches of 16 beams of a ring, sector by sector of the turn: particles that fly together stay near each other, and
-// so do the parts of the field that they look at.
+// Stretches of 16 beams of a ring, sector by sector of the revolution: particles that march together stay near each
+// other, and so do the parts of the field that they read.
 std::vector<Tile> tilesOf(const BeamTable& beams) {
   std::vector<Tile> tiles;
   for (std::uint32_t column = 0; column < beams.columns; column += kPacket) {
@@ -73,19 +58,25 @@ class ParticleMethod : public Method {
     if (wanted) gl_ = makeGlMarcher();
   }
 
-  void prepare(const Shot& shot) const override { placeOf(shot); }
+  TraceAccount prepare(const Shot& shot) const override {
+    StageClock clock;
+    placeOf(shot, clock);
+    return {clock.seconds(), {}};
+  }
 
-  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+  TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     const BeamTable& beams = *shot.beams;
     hits.reset(beams.rings, beams.columns, channels);
-    const FieldStore::Place place = placeOf(shot);
+    StageClock clock({"launch", "march", "resolve"});
+    const FieldStore::Place place = placeOf(shot, clock);
     const ShotFrame frame = frameOf(shot, place.world->origin);
-    const Flight flight{shot,      *place.world, *place.field, frame, options_.refine, marchOptions(options_),
-                        place.box, place.whole};
+    const MarchJob job{shot,      *place.world, *place.field, frame, options_.refine, marchOptions(options_),
+                       place.box, place.whole};
     const std::vector<Tile> tiles = tilesOf(beams);
-    const FlightCounts counts = gl_ != nullptr ? flyOnDevice(flight, place, tiles, hits) : fly(flight, tiles, hits);
+    const MarchCounts counts =
+        gl_ != nullptr ? marchOnDevice(job, place, tiles, hits, clock) : marchOnProcessor(job, tiles, hits, clock);
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
-    note(shot, counts);
+    return account(clock, shot, counts);
   }
 
   std::vector<std::string> modelled() const override {
@@ -119,86 +110,38 @@ class ParticleMethod : public Method {
            scene_.triangles() * kBytesPerSceneTriangle;
   }
 
-  std::map<std::string, double> stageSeconds() const override {
-    const FieldStore::Seconds fields = fields_.seconds();
-    std::map<std::string, double> seconds{{"launch", launchClock_.seconds()}, {"resolve", landClock_.seconds()}};
-    if (fields.builds > 0) seconds["field_build"] = fields.build;
-    if (fields.updates > 0) seconds["field_update"] = fields.update;
-    if (fields.loads > 0) seconds["field_load"] = fields.load;
-    seconds["march"] = marchClock_.seconds();
-    if (gl_ != nullptr) {
-      const GlMarcher::Seconds device = gl_->seconds();
-      seconds["upload"] = device.upload;
-      seconds["march"] = device.march;
-      seconds["read_back"] = device.readBack;
-    }
-    return seconds;
-  }
-
-  std::vector<std::string> warnings() const override {
-    const std::scoped_lock lock(notesMutex_);
-    std::vector<std::string> lines;
-    for (const auto& [sensor, noted] : notes_) {
-      const FlightCounts& c = noted.counts;
-      if (c.exhausted > 0) {
-        lines.push_back(fmt::format(
-            "up to {} of a scan's {} beams of '{}' ran out of their {} steps: they are neither hits nor misses; "
-            "give `steps` more",
-            c.exhausted, noted.beams, sensor, options_.steps));
-      }
-      if (c.left > 0) {
-        lines.push_back(
-            fmt::format("up to {} of a scan's {} beams of '{}' left the distance field, which does not hold all of the "
-                        "scene within the sensor's range: they are neither hits nor misses; take `levels: "
-                        "auto`",
-                        c.left, noted.beams, sensor));
-      }
-      if (c.touching > 0) {
-        lines.push_back(fmt::format(
-            "up to {} of a scan's {} beams of '{}' start within half a voxel of a surface and end there: take "
-            "smaller voxels, or refine triangle",
-            c.touching, noted.beams, sensor));
-      }
-    }
-    return lines;
-  }
-
  private:
   static constexpr std::uint64_t kBytesPerSceneTriangle = 40;    // the scene's own mesh
   static constexpr std::uint64_t kBytesPerPlacedTriangle = 190;  // measured: hierarchy, corners, records, all flattened
   static constexpr std::uint64_t kFieldsAtOnce = 4;              // of frames in flight
 
-  struct Noted {
-    FlightCounts counts;
-    std::uint64_t beams = 0;
-  };
-
-  FieldStore::Place placeOf(const Shot& shot) const {
-    return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange);
+  FieldStore::Place placeOf(const Shot& shot, StageClock& clock) const {
+    return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
   }
 
-  FlightCounts fly(const Flight& flight, std::span<const Tile> tiles, Hits& hits) const {
-    FlightCounts counts;
+  MarchCounts marchOnProcessor(const MarchJob& job, std::span<const Tile> tiles, Hits& hits, StageClock& clock) const {
+    MarchCounts counts;
     std::mutex mutex;
     const std::size_t pieces = (tiles.size() + kTilesAtOnce - 1) / kTilesAtOnce;
     parallelFor(pieces, 1, [&](std::size_t first, std::size_t last) {
       Particles particles;
-      Landings landings;
-      FlightCounts mine;
+      HitRecords records;
+      MarchCounts mine;
       std::vector<std::uint32_t> unresolved;
       for (std::size_t p = first; p < last; ++p) {
         const auto some = tiles.subspan(p * kTilesAtOnce, std::min(kTilesAtOnce, tiles.size() - p * kTilesAtOnce));
-        auto start = Clock::now();
-        particles.resize(some.size() * kPacket, flight.field.shape.lists);
-        landings.resize(particles.size());
-        launch(flight, some, particles, 0);
-        launchClock_.add(start);
-        start = Clock::now();
-        marchCpu(flight.field, flight.world.baked, flight.march, particles, 0, particles.size(), landings);
-        marchClock_.add(start);
-        start = Clock::now();
-        mine += land(flight, materials_, some, particles, landings, 0, hits, unresolved);
-        landClock_.add(start);
+        {
+          const StageTimer timer(clock, "launch");
+          particles.resize(some.size() * kPacket, job.field.shape.lists);
+          records.resize(particles.size());
+          launch(job, some, particles, 0);
+        }
+        {
+          const StageTimer timer(clock, "march");
+          marchCpu(job.field, job.world.baked, job.march, particles, 0, particles.size(), records);
+        }
+        const StageTimer timer(clock, "resolve");
+        mine += resolve(job, materials_, some, particles, records, 0, hits, unresolved);
       }
       const std::scoped_lock lock(mutex);
       counts += mine;
@@ -207,25 +150,25 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  FlightCounts flyOnDevice(const Flight& flight, const FieldStore::Place& place, std::span<const Tile> tiles,
-                           Hits& hits) const {
+  MarchCounts marchOnDevice(const MarchJob& job, const FieldStore::Place& place, std::span<const Tile> tiles,
+                            Hits& hits, StageClock& clock) const {
     const std::size_t pieces = (tiles.size() + kTilesAtOnce - 1) / kTilesAtOnce;
     const auto piece = [&](std::size_t p) {
       return tiles.subspan(p * kTilesAtOnce, std::min(kTilesAtOnce, tiles.size() - p * kTilesAtOnce));
     };
     Particles particles;
-    Landings landings;
-    particles.resize(tiles.size() * kPacket, flight.field.shape.lists);
-    landings.resize(particles.size());
-    inPieces(pieces, launchClock_,
-             [&](std::size_t p) { launch(flight, piece(p), particles, p * kTilesAtOnce * kPacket); });
-    gl_->march(place.field, place.world, flight.march, particles, landings);
-    FlightCounts counts;
+    HitRecords records;
+    particles.resize(tiles.size() * kPacket, job.field.shape.lists);
+    records.resize(particles.size());
+    inPieces(pieces, clock, "launch",
+             [&](std::size_t p) { launch(job, piece(p), particles, p * kTilesAtOnce * kPacket); });
+    gl_->march(place.field, place.world, job.march, particles, records, clock);
+    MarchCounts counts;
     std::mutex mutex;
-    inPieces(pieces, landClock_, [&](std::size_t p) {
+    inPieces(pieces, clock, "resolve", [&](std::size_t p) {
       std::vector<std::uint32_t> unresolved;
-      const FlightCounts mine =
-          land(flight, materials_, piece(p), particles, landings, p * kTilesAtOnce * kPacket, hits, unresolved);
+      const MarchCounts mine =
+          resolve(job, materials_, piece(p), particles, records, p * kTilesAtOnce * kPacket, hits, unresolved);
       const std::scoped_lock lock(mutex);
       counts += mine;
       hits.unresolved.insert(hits.unresolved.end(), unresolved.begin(), unresolved.end());
@@ -234,11 +177,10 @@ class ParticleMethod : public Method {
   }
 
   template <class Work>
-  static void inPieces(std::size_t pieces, StageClock& clock, const Work& work) {
+  static void inPieces(std::size_t pieces, StageClock& clock, const char* stage, const Work& work) {
     parallelFor(pieces, 1, [&](std::size_t first, std::size_t last) {
-      const auto start = Clock::now();
+      const StageTimer timer(clock, stage);
       for (std::size_t p = first; p < last; ++p) work(p);
-      clock.add(start);
     });
   }
 
@@ -262,15 +204,22 @@ class ParticleMethod : public Method {
                        at(100));
   }
 
-  // The most of any shot, so that the order of work does not matter.
-  void note(const Shot& shot, const FlightCounts& counts) const {
-    if (counts.exhausted + counts.left + counts.touching == 0) return;
-    const std::scoped_lock lock(notesMutex_);
-    Noted& noted = notes_[shot.sensorName];
-    noted.beams = std::max<std::uint64_t>(noted.beams, shot.beams->size());
-    noted.counts.exhausted = std::max(noted.counts.exhausted, counts.exhausted);
-    noted.counts.left = std::max(noted.counts.left, counts.left);
-    noted.counts.touching = std::max(noted.counts.touching, counts.touching);
+  TraceAccount account(const StageClock& clock, const Shot& shot, const MarchCounts& counts) const {
+    TraceAccount account{clock.seconds(), {}};
+    const auto warn = [&](unsigned kind, std::uint64_t count, const std::string& what) {
+      if (count == 0) return;
+      account.warn(
+          {shot.sensorName, kind, count,
+           fmt::format("up to {} of a scan's {} beams of '{}' {}", count, shot.beams->size(), shot.sensorName, what)});
+    };
+    warn(0, counts.exhausted,
+         fmt::format("ran out of their {} steps: they are neither hits nor misses; give `steps` more", options_.steps));
+    warn(1, counts.left,
+         "left the distance field, which does not hold all of the scene within the sensor's range: they are neither "
+         "hits nor misses; take `levels: auto`");
+    warn(2, counts.touching,
+         "start within half a voxel of a surface and end there: take smaller voxels, or refine triangle");
+    return account;
   }
 
   const Scene& scene_;
@@ -278,11 +227,6 @@ class ParticleMethod : public Method {
   FieldStore fields_;
   std::vector<CompactMaterial> materials_;
   std::unique_ptr<GlMarcher> gl_;  // null: on the processor
-  mutable StageClock launchClock_;
-  mutable StageClock marchClock_;
-  mutable StageClock landClock_;
-  mutable std::mutex notesMutex_;
-  mutable std::map<std::string, Noted> notes_;
 };
 
 }  // namespace

@@ -214,7 +214,7 @@ void checkField(const ParticleOptions& options, const Box& scene, double memory)
                                memoryText(bytes), memoryText(memory), adviceFor(options, scene, memory)));
 }
 
-Box flightBox(const FieldShape& shape) {
+Box marchBox(const FieldShape& shape) {
   const LevelBox& last = shape.levels.back();
   const double voxel = std::ldexp(shape.voxel, int(shape.levels.size()) - 1);
   const auto corner = [&](double shift, bool high) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "methods/field/field.h"
+#include "methods/field/distance_field.h"
 #include "methods/particle/options.h"
 
 namespace scanmill {
@@ -17,18 +17,18 @@ namespace scanmill {
 // its arguments alone. Throws InputError where a scene-wide field would have too many bricks, and says what would do.
 FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range);
 
-// About so many bytes does a field of the scene (its bounds, m, world) take.
+// About how many bytes a field of the scene takes. `scene`: its bounds, m, world frame.
 double fieldBytes(const ParticleOptions& options, const Box& scene);
 
 // Bytes of this machine's memory.
 double physicalMemory();
 
 // Throws InputError where a scene-wide field would have too many bricks, or where the field would take more than twice
-// the memory (bytes), and says what would do. The estimate may be off by as much.
+// the memory (bytes), and says what would do. Twice, since the estimate may be off by that factor.
 void checkField(const ParticleOptions& options, const Box& scene, double memory);
 
-// The outermost level's box, shrunk by a voxel (m, relative to the world's origin): particles fly inside of it.
-Box flightBox(const FieldShape& shape);
+// The outermost level's box, shrunk by a voxel (m, relative to the world's origin). Particles march inside of it.
+Box marchBox(const FieldShape& shape);
 
 // What particles read of the levels.
 std::vector<FieldLevel> fieldLevels(const FieldShape& shape);

@@ -26,8 +26,8 @@ struct TieContext {
 
 // Surfaces are coplanar where they lie within kCoplanar x distance + floor of each other, measured along their normals.
 // Among them the lowest instance id wins, then the lowest Embree instance, geometry and primitive, whatever order the
-// traversal visits them in. The tolerance is what rounding to float32 does: to distances, and to corners near the
-// sensor.
+// traversal visits them in. The tolerance is as large as the errors of rounding to float32, of distances and of corners
+// near the sensor.
 constexpr float kCoplanar = 4e-7f;
 constexpr float kCoplanarCorners = 64;  // m, from the sensor
 
@@ -35,8 +35,8 @@ inline float coplanarFloor(float sensorToOrigin) {
   return 2.5e-7f * (sensorToOrigin + kCoplanarCorners);
 }
 
-// A hit is accepted with a far end that reaches past it by this share of its distance, so that its rivals are visited
-// too, in any order: enough for coplanar surfaces at up to 89.98 degrees of incidence.
+// When a hit is accepted, the ray is cut off not at the hit but farther by this share of its distance, so that surfaces
+// coplanar with it are visited too, in any order. That is enough for up to 89.98 degrees of incidence.
 constexpr float kReach = 1e-3f;
 
 void tieFilter(const RTCFilterFunctionNArguments* arguments);

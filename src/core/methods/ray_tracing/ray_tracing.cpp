@@ -39,9 +39,12 @@ class RayTracing : public Method {
         worlds_(scene_, options.instancing, hierarchy(options)),
         materials_(compactMaterials(scene_)) {}
 
-  void prepare(const Shot& shot) const override { worlds_.near(shot.worldFromSensor.front().translation); }
+  TraceAccount prepare(const Shot& shot) const override {
+    worlds_.near(shot.worldFromSensor.front().translation);
+    return {};
+  }
 
-  void trace(const Shot& shot, Channels channels, Hits& hits) const override {
+  TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     const BeamTable& beams = *shot.beams;
     hits.reset(beams.rings, beams.columns, channels);
     const std::shared_ptr<const World> world = worlds_.near(shot.worldFromSensor.front().translation);
@@ -62,6 +65,7 @@ class RayTracing : public Method {
       }
       tracePackets(job, tiles, hits);
     });
+    return {};
   }
 
   std::vector<std::string> modelled() const override {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes what beams meet from the triangles that they hit: in double, 16 beams at a time.
+// Makes hits of the triangles that beams meet: ranges, normals, labels. In double, 16 beams at a time.
 
 #include <cstdint>
 #include <limits>
@@ -43,7 +43,7 @@ struct HitTriangle {
   std::uint32_t index = 0;
 };
 
-// The planes of the hit triangles, relative to the world's origin too, and what was asked of them.
+// The planes of the hit triangles, relative to the world's origin, and what follows from them.
 struct Resolved {
   alignas(64) Lane nx, ny, nz;  // unit normals
   alignas(64) Lane offset;      // normal . p of the plane
@@ -77,17 +77,17 @@ inline void loadMiss(Resolved& r, int lane) {
   r.traced[lane] = std::numeric_limits<double>::infinity();
 }
 
-// Computes the distance along each ray to the plane of its triangle, for all lanes at once. Hits outside of the
-// sensor's range become misses.
+// Sets each range to the distance along the ray to the plane of its triangle. Outside of the sensor's range limits it
+// is a miss.
 void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r);
-// Does the same with the distances as they were found.
+// The same with the distance `traced` as the range.
 void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r);
 
 // Fills the channels that `hits` has.
 void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const Resolved& r,
            const HitTriangle* triangles, Hits& hits);
 
-// Asks for the memory that store() will write.
+// Prefetches the memory that store() will write.
 void expectStore(const Tile& tile, Hits& hits);
 
 // Barycentric coordinates of a point (m, relative to the world's origin) of the triangle that was hit: see

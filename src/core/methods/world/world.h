@@ -16,15 +16,15 @@ struct RTCFilterFunctionNArguments;
 
 namespace scanmill {
 
-// What a triangle's hit tells.
+// What hits on a triangle are labelled with.
 struct HitSurface {
   std::uint32_t instance = 0;
   std::uint16_t semantic = 0;
   std::uint16_t material = 0;
 };
 
-// What resolving a hit reads, in one place: a hit touches few cache lines. The plane is exact, normal . p = offset,
-// made in double from the mesh's own corners; the normal is a unit vector.
+// All that is read to resolve a hit, side by side, so that a hit touches few cache lines. The plane normal . p = offset
+// is computed in double from the mesh's own corners; the normal is a unit vector.
 struct BlockTriangle {
   Vec3d normal;
   double offset;
@@ -86,7 +86,7 @@ struct SharedMeshes {
   std::vector<SceneHandle> scenes;
 };
 
-// Which meshes are instanced: those placed more than once in a scene too large to be flattened.
+// Which meshes are instanced. With Instancing::Auto: those placed more than once in a scene too large to be flattened.
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing);
 
 SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,

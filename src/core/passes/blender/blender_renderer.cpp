@@ -4,10 +4,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
-#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,6 +16,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/scratch_folder.h"
+#include "base/stage_clock.h"
 #include "passes/blender/blender_scene.h"
 #include "passes/exr/exr_file.h"
 #include "passes/renderer.h"
@@ -28,8 +27,6 @@ namespace scanmill {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr std::size_t kMaxImages = 8;
 constexpr std::uint32_t kMinSide = 4;    // px, Blender's
 constexpr double kMaxStretch = 200;      // of its pixels, likewise
@@ -38,10 +35,6 @@ constexpr float kExact = 16777216.0f;    // 2^24: the two parts of an object's n
 constexpr double kReach = 512;           // m from the origin: float32 steps of 6e-5 m there
 constexpr double kPlaneShare = 1e-3;     // of the depth: how far a drawn depth may be from its triangle's plane
 constexpr std::size_t kGrain = 1 << 14;  // pixels
-
-double secondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 // What was drawn, in memory.
 class SeenSource : public PixelSource {
@@ -129,10 +122,7 @@ class BlenderRenderer : public PassRenderer {
     }
   }
 
-  std::map<std::string, double> seconds() const override {
-    const std::lock_guard lock(mutex_);
-    return seconds_;
-  }
+  StageSeconds seconds() const override { return clock_.seconds(); }
 
   std::string device() const override {
     const std::lock_guard lock(mutex_);
@@ -155,23 +145,21 @@ class BlenderRenderer : public PassRenderer {
   }
 
   void start() {
-    const auto begin = Clock::now();
+    const StageTimer timer(clock_, "upload");
     job_.emplace("render", folder_.path(), std::vector<std::string>{});
     threads_ = threadCount();
     const BlenderAnswer ready = job_->answer();
     device_ = fmt::format("Blender {} (Cycles on {} threads)", ready.text, threads_);
-    seconds_["upload"] += secondsSince(begin);
   }
 
   // Hands the scene over, relative to an origin near the cameras.
   void load(const Vec3d& near) {
     if (origin_ && length(near - *origin_) <= kReach) return;
-    const auto begin = Clock::now();
+    const StageTimer timer(clock_, "upload");
     origin_ = near;
     objects_ = writeBlenderScene(scene_, near, threads_, folder_.path());
     job_->ask(nlohmann::json{{"scene", folder_.path().string()}}.dump());
     job_->answer();
-    seconds_["upload"] += secondsSince(begin);
   }
 
   // While one image is read, Blender draws the next.
@@ -182,14 +170,14 @@ class BlenderRenderer : public PassRenderer {
     for (std::size_t i = 0; i < cameras.size(); ++i) job_->ask(request(cameras[i], limits, imageFile(i)));
     SeenTriangle* at = seen.data();
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      const auto begin = Clock::now();
-      job_->answer();
-      const auto drawn = Clock::now();
+      {
+        const StageTimer timer(clock_, "render");
+        job_->answer();
+      }
+      const StageTimer timer(clock_, "read_back");
       read(imageFile(i), cameras[i], limits, at);
       std::filesystem::remove(imageFile(i));
       at += cameras[i].pixels();
-      seconds_["render"] += std::chrono::duration<double>(drawn - begin).count();
-      seconds_["read_back"] += secondsSince(drawn);
     }
     return seen;
   }
@@ -256,7 +244,7 @@ class BlenderRenderer : public PassRenderer {
   std::vector<BlenderObject> objects_;
   int threads_ = 1;
   std::string device_;
-  std::map<std::string, double> seconds_{{"upload", 0}, {"render", 0}, {"read_back", 0}};
+  StageClock clock_{"upload", "render", "read_back"};
 };
 
 }  // namespace

@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <new>
@@ -17,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/stage_clock.h"
 #include "gpu/device.h"
 #include "passes/renderer.h"
 #include "passes/resolver.h"
@@ -55,25 +54,6 @@ void check(const Camera& camera, const VtkLimits& limits) {
   }
 }
 
-// Adds the time until its end to a sum.
-class Stopwatch {
- public:
-  explicit Stopwatch(std::atomic<double>& sum) : sum_(sum) {}
-  ~Stopwatch() { sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  std::atomic<double>& sum_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-struct StageSeconds {
-  std::atomic<double> upload = 0;
-  std::atomic<double> render = 0;
-  std::atomic<double> readBack = 0;
-};
-
 // The module's device with the scene in it.
 class Device {
  public:
@@ -89,7 +69,7 @@ class Device {
   VtkLimits limits;
   std::string name;
   ViewGeometry geometry;  // without its vertices, which the device has
-  StageSeconds seconds;
+  StageClock clock{"upload", "render", "read_back"};
 
   void draw(std::uint32_t slot, const DrawnView& view) {
     told([&] { device_->draw(slot, view.image()); });
@@ -109,7 +89,7 @@ class Device {
 
  private:
   void upload(const Scene& scene) {
-    const Stopwatch watch(seconds.upload);
+    const StageTimer timer(clock, "upload");
     geometry = buildViewGeometry(scene, limits.trianglesPerBatch);
     const auto triangles = [](const ViewBatch& batch) {
       return VtkTriangles{batch.positions, batch.uvs, batch.cutouts};
@@ -149,7 +129,7 @@ class VtkSource : public PixelSource {
     if (firsts_.back() >= kNoPixel) {
       throw InputError(fmt::format("{} pixels in a shot's images are too many: take smaller ones", firsts_.back()));
     }
-    const Stopwatch watch(device_.seconds.render);
+    const StageTimer timer(device_.clock, "render");
     views_.reserve(cameras_.size());
     for (std::uint32_t k = 0; k < cameras_.size(); ++k) {
       views_.emplace_back(scene, device_.geometry, cameras_[k], limits);
@@ -166,7 +146,7 @@ class VtkSource : public PixelSource {
     if (std::any_of(addresses.begin(), addresses.end(), beyond)) throw Error("a pixel was asked for that no image has");
     std::vector<SeenTriangle> seen(addresses.size());
     {
-      const Stopwatch watch(device_.seconds.readBack);
+      const StageTimer timer(device_.clock, "read_back");
       readNumbers(addresses);
     }
     parallelFor(addresses.size(), 4096, [&](std::size_t first, std::size_t last) {
@@ -248,11 +228,7 @@ class VtkRenderer : public PassRenderer {
     return std::make_unique<VtkSource>(free_, device_, scene_, cameras, limits);
   }
 
-  std::map<std::string, double> seconds() const override {
-    return {{"upload", device_.seconds.upload.load()},
-            {"render", device_.seconds.render.load()},
-            {"read_back", device_.seconds.readBack.load()}};
-  }
+  StageSeconds seconds() const override { return device_.clock.seconds(); }
 
   std::string device() const override { return device_.name; }
 

@@ -7,6 +7,7 @@
 // Azimuth errors turn the beam about the sensor's z axis (an encoder's error: they move a steep beam less), elevation
 // errors tilt it. Both are Gaussian and independent from beam to beam. Runs last, on the range that is reported.
 
+#include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
 #include "sense/effects/makers.h"
 
@@ -24,6 +25,11 @@ class AngularJitter : public Effect {
   Channels reads() const override { return Channel::Range; }
 
   void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
+    change(shot, returns);
+  }
+
+ private:
+  SCANMILL_BEST_INSTRUCTIONS void change(const Shot& shot, Returns& returns) const {
     if (azimuthSigma_ == 0 && elevationSigma_ == 0) return;
     returns.displacement.resize(returns.range.size());
     RandomWords words;
@@ -57,7 +63,6 @@ class AngularJitter : public Effect {
     });
   }
 
- private:
   double azimuthSigma_;    // rad
   double elevationSigma_;  // rad
 };

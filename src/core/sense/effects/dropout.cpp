@@ -6,6 +6,7 @@
 //
 // Both may be given. A threshold needs the intensity effect.
 
+#include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
 #include "sense/effects/makers.h"
 
@@ -20,6 +21,11 @@ class DropOut : public Effect {
   bool needsIntensity() const override { return threshold_ > 0; }
 
   void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
+    change(shot, returns);
+  }
+
+ private:
+  SCANMILL_BEST_INSTRUCTIONS void change(const Shot& shot, Returns& returns) const {
     if (threshold_ > 0) loseFaint(returns);
     if (probability_ > 0) loseAtRandom(shot, returns);
     if (returns.intensity.empty()) return;
@@ -28,7 +34,6 @@ class DropOut : public Effect {
     }
   }
 
- private:
   void loseFaint(Returns& returns) const {
     if (returns.power.size() != returns.size()) {
       throw InputError("effect dropout: a threshold needs the effect intensity");

@@ -25,6 +25,7 @@
 #include <cfloat>
 #include <cmath>
 
+#include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
 #include "sense/effects/makers.h"
 
@@ -90,6 +91,12 @@ class Intensity : public Effect {
   bool setsIntensity() const override { return true; }
 
   void apply(const Hits& hits, const Shot&, std::span<const Material> materials, Returns& returns) const override {
+    change(hits, materials, returns);
+  }
+
+ private:
+  SCANMILL_BEST_INSTRUCTIONS void change(const Hits& hits, std::span<const Material> materials,
+                                         Returns& returns) const {
     std::vector<Lobes> lobes;
     lobes.reserve(materials.size() + 1);
     for (const Material& m : materials) lobes.push_back(lobesOf(m.roughness, m.metallic, m.retroreflectance));
@@ -117,7 +124,6 @@ class Intensity : public Effect {
     });
   }
 
- private:
   static void reflect(const Hits& hits, const std::vector<Lobes>& lobes, const Returns& returns, std::size_t first,
                       std::size_t count, float* power) {
     Batch<std::uint16_t> materials;

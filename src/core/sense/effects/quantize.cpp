@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "base/instruction_sets.h"
 #include "sense/effects/makers.h"
 
 namespace scanmill {
@@ -17,7 +18,10 @@ class Quantize : public Effect {
 
   Channels reads() const override { return Channel::Range; }
 
-  void apply(const Hits&, const Shot&, std::span<const Material>, Returns& returns) const override {
+  void apply(const Hits&, const Shot&, std::span<const Material>, Returns& returns) const override { change(returns); }
+
+ private:
+  SCANMILL_BEST_INSTRUCTIONS void change(Returns& returns) const {
     const double stepsPerMetre = 1 / step_;
     for (float& range : returns.range) {
       const double steps = std::floor(range * stepsPerMetre + 0.5);
@@ -25,7 +29,6 @@ class Quantize : public Effect {
     }
   }
 
- private:
   double step_;  // m
 };
 

@@ -6,6 +6,7 @@
 // A noisy range is never nearer than 1 mm (or than the true range, where that is nearer): no point passes behind the
 // sensor. It may exceed the sensor's maximum range. A sigma of zero everywhere leaves every bit as it was.
 
+#include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
 #include "sense/effects/makers.h"
 
@@ -62,6 +63,11 @@ class RangeNoise : public Effect {
   Channels reads() const override { return Channel::Range; }
 
   void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
+    change(shot, returns);
+  }
+
+ private:
+  SCANMILL_BEST_INSTRUCTIONS void change(const Shot& shot, Returns& returns) const {
     if (sigma_.zero()) return;
     RandomWords words;
     Batch<double> sigma;
@@ -87,7 +93,6 @@ class RangeNoise : public Effect {
     });
   }
 
- private:
   Sigma sigma_;
 };
 

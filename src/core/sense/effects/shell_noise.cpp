@@ -5,6 +5,7 @@
 //
 // The scale is at most half the range: no point passes behind the sensor.
 
+#include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
 #include "sense/effects/makers.h"
 
@@ -18,6 +19,11 @@ class ShellNoise : public Effect {
   Channels reads() const override { return Channel::Range; }
 
   void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
+    change(shot, returns);
+  }
+
+ private:
+  SCANMILL_BEST_INSTRUCTIONS void change(const Shot& shot, Returns& returns) const {
     if (scale_ == 0 && growth_ == 0) return;
     returns.displacement.resize(returns.range.size());
     RandomWords words;
@@ -40,7 +46,6 @@ class ShellNoise : public Effect {
     });
   }
 
- private:
   double scale_;   // m
   double growth_;  // m per m
 };

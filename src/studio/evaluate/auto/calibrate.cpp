@@ -14,19 +14,13 @@ namespace scanmill {
 
 namespace {
 
-// Cheap to measure, and between them some way from exact to fast on processors and GPUs.
-constexpr const char* kAutoSettings = R"(
-- ray_tracing
-- {ray_tracing: {simplify: [0.5, 0.25]}}
-- depth_camera
-- {depth_camera: {resolution: [512, 1024]}}
-- {depth_camera: {sampling: nearest}}
-- particle
-- {particle: {refine: [normal, none]}}
-- {particle: {refine: [normal, none], voxel_m: 0.2}}
-)";
-
 constexpr std::size_t kMostScenes = 3;
+
+Value defaultSettings() {
+  std::string list;
+  for (const MethodEntry& method : methods()) list += method.autoSettings;
+  return parseYaml(list, "settings of auto");
+}
 
 // A percentile of a union is at most the larger one of its parts', a mean too.
 Spread worstOf(const Spread& a, const Spread& b) {
@@ -210,8 +204,7 @@ AutoChoice readAutoChoice(const Pipeline& pipeline) {
   }
   choice.limits = readErrorLimits(fields.find("max_error"), fields.find("min_rate"));
   const Value* settings = fields.find("settings");
-  choice.settings = readSettings(settings == nullptr ? parseYaml(kAutoSettings, "settings of auto") : *settings,
-                                 "method auto: settings");
+  choice.settings = readSettings(settings == nullptr ? defaultSettings() : *settings, "method auto: settings");
   choice.shots = static_cast<std::uint32_t>(fields.integer("shots", 1, 1000, 3));
   if (choice.limits.intensity && !setsIntensity(pipeline)) {
     throw InputError(fields.find("max_error")->find("intensity")->where,

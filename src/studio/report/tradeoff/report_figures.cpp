@@ -4,15 +4,24 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
+#include "methods/method.h"
 #include "study/tradeoff/study_figures.h"
 
 namespace scanmill {
 
 namespace {
 
-constexpr std::array<const char*, 3> kColoredMethods{"ray_tracing", "depth_camera", "particle"};
+constexpr std::size_t kMethodColors = 3;  // the chart's first ones are those of the first rows of methods()
 constexpr std::array<std::size_t, 5> kMoreColors{3, 4, 5, 7, 6};
+
+// Which of kMethodColors a method has; none where it has none of them.
+std::optional<std::size_t> ownColor(const std::string& method) {
+  const MethodEntry* entry = findMethod(method);
+  if (entry == nullptr || entry - methods().data() >= static_cast<std::ptrdiff_t>(kMethodColors)) return std::nullopt;
+  return static_cast<std::size_t>(entry - methods().data());
+}
 
 }  // namespace
 
@@ -27,12 +36,11 @@ std::string setArgument(const Setting& setting) {
 }
 
 std::size_t methodColor(const Study& study, const std::string& method) {
-  const auto known = std::find(kColoredMethods.begin(), kColoredMethods.end(), method);
-  if (known != kColoredMethods.end()) return static_cast<std::size_t>(known - kColoredMethods.begin());
+  if (const std::optional<std::size_t> own = ownColor(method)) return *own;
   std::size_t others = 0;
   for (const std::string& other : methodsOf(study)) {
     if (other == method) break;
-    others += std::find(kColoredMethods.begin(), kColoredMethods.end(), other) == kColoredMethods.end() ? 1 : 0;
+    others += ownColor(other) ? 0 : 1;
   }
   return kMoreColors[others % 3];
 }

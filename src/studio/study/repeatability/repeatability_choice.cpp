@@ -77,7 +77,6 @@ std::vector<MethodSetting> pipelinesOwnMethod(const Pipeline& pipeline) {
 }  // namespace
 
 RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline) {
-  checkAutoChoice(pipeline);
   RepeatabilityChoice choice;
   Fields fields(pipeline.repeatability, "repeatability");
   fields.also({"scans", "noise", "reference", "methods", "object", "margin_m", "icp"}).finish();
@@ -93,6 +92,7 @@ RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline) {
   choice.object = fields.text("object", "");
   choice.margin = fields.number("margin_m", {0, 1000}, choice.margin);
   if (const Value* icp = fields.find("icp")) choice.icp = readIcp(*icp);
+  checkAutoChoice(pipeline);
   return choice;
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/short_text.h"
 #include "evaluate/limits.h"
+#include "methods/method.h"
 #include "study/figure_text.h"
 #include "study/tradeoff/study.h"
 #include "study/tradeoff/study_figures.h"
@@ -358,7 +359,8 @@ class Adviser {
   std::string graphicsRemark(const std::string& method) const {
     const bool software = study_.machine.renderer.find("llvmpipe") != std::string::npos ||
                           study_.machine.renderer.find("softpipe") != std::string::npos;
-    if (method != "depth_camera" || !software) return "";
+    const MethodEntry* entry = findMethod(method);
+    if (entry == nullptr || !entry->can.passes || !software) return "";
     return " OpenGL ran on the processor here; measure again where there is a graphics card.";
   }
 

@@ -10,16 +10,10 @@ namespace scanmill {
 
 namespace {
 
-double secondsFor(const auto& work) {
-  const WallTimer timer;
-  work();
-  return timer.seconds();
-}
-
 template <class Work>
 double leastSeconds(int repeats, const Work& work) {
-  double least = secondsFor(work);
-  for (int i = 1; i < repeats; ++i) least = std::min(least, secondsFor(work));
+  double least = secondsOf(work);
+  for (int i = 1; i < repeats; ++i) least = std::min(least, secondsOf(work));
   return least;
 }
 

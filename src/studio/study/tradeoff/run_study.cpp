@@ -82,7 +82,7 @@ class StudyRun {
     study_.machine.processor = processorName();
     study_.machine.threads = threadCount();
     const bool graphics = std::any_of(choice_.settings.begin(), choice_.settings.end(),
-                                      [](const MethodSetting& s) { return s.setting.method != "ray_tracing"; });
+                                      [](const MethodSetting& s) { return s.choice.entry->can.openGl; });
     if (graphics) study_.machine.renderer = graphicsName();
     study_.pipelineName = pipeline.name;
     study_.pipelineText = pipeline.text;
@@ -112,14 +112,16 @@ class StudyRun {
         progress_.say(fmt::format("a first look at {}", s.setting.method));
         at = known.emplace(s.setting.method, std::pair{0.0, 0.0}).first;
         try {
-          const WallTimer timer;
-          const auto method = makeMethod(builtAnew(s.choice), scene_);
-          method->prepare(first.front());
-          for (const Shot& shot : first) method->trace(shot, measureOptions_.channels, hits);
-          at->second.first = timer.seconds();
-          const WallTimer again;
-          for (const Shot& shot : first) method->trace(shot, measureOptions_.channels, hits);
-          at->second.second = again.seconds();
+          std::unique_ptr<Method> method;
+          const auto traceAll = [&] {
+            for (const Shot& shot : first) method->trace(shot, measureOptions_.channels, hits);
+          };
+          at->second.first = secondsOf([&] {
+            method = makeMethod(builtAnew(s.choice), scene_);
+            method->prepare(first.front());
+            traceAll();
+          });
+          at->second.second = secondsOf(traceAll);
         } catch (const Error&) {
           // Its rows will say why.
         }
@@ -218,9 +220,7 @@ class StudyRun {
     const auto timed = [&](const auto& work) {
       std::vector<double> seconds;
       for (int i = 0; i < std::max(choice_.repeats, 3); ++i) {
-        const WallTimer timer;
-        work();
-        seconds.push_back(timer.seconds());
+        seconds.push_back(secondsOf(work));
       }
       return spreadOf(std::move(seconds)).median;
     };
@@ -242,7 +242,7 @@ class StudyRun {
   void takeEncodings() {
     const ThreadLimit one(1);
     progress_.say("encodings");
-    const auto tracer = makeMethod({&requireMethod("ray_tracing", {}), {}, false}, scene_);
+    const auto tracer = makeMethod({&firstMethodThat(&MethodCapabilities::reference), {}, false}, scene_);
     std::vector<Scan> scans;
     double effects = 0;
     constexpr std::size_t kMostScans = 4;
@@ -253,9 +253,7 @@ class StudyRun {
       if (scans.size() == kMostScans) break;
       tracer->trace(t.shot, plan_.channels(), hits);
       senseInto(t.shot, hits, returns, scan);  // once untimed: buffers go from scan to scan
-      const WallTimer timer;
-      senseInto(t.shot, hits, returns, scan);
-      effects += timer.seconds();
+      effects += secondsOf([&] { senseInto(t.shot, hits, returns, scan); });
       scans.push_back(scan);
     }
     const auto count = static_cast<double>(scans.size());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "methods/method.h"
+
 namespace scanmill {
 
 namespace {
@@ -80,7 +82,8 @@ std::vector<std::size_t> measuredSettings(const Study& study) {
 
 std::optional<std::size_t> tracingDefault(const Study& study) {
   for (const std::size_t i : measuredSettings(study)) {
-    if (study.settings[i].setting.method == "ray_tracing" && isDefault(study.settings[i].setting)) return i;
+    const MethodEntry* const entry = findMethod(study.settings[i].setting.method);
+    if (entry != nullptr && entry->can.reference && isDefault(study.settings[i].setting)) return i;
   }
   return std::nullopt;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "methods/method.h"
 #include "viewer/picture.h"
 #include "viewer/window/session_items.h"
 #include "viewer/window/session_state.h"
@@ -13,13 +14,12 @@ namespace scanmill {
 
 namespace {
 
-// Methods have the colours of the paper's figure, whatever else the sample holds.
+// Methods have their own colours, whatever else the sample holds. A member's name may go on after the method's.
 Rgb methodColorOf(const std::string& method) {
-  constexpr std::array<std::string_view, 3> kOrder{"ray_tracing", "depth_camera", "particle"};
-  for (std::size_t i = 0; i < kOrder.size(); ++i) {
-    if (method.starts_with(kOrder[i])) return overlayColor(i);
+  for (const MethodEntry& entry : methods()) {
+    if (method.starts_with(entry.name)) return entry.color;
   }
-  return overlayColor(kOrder.size());
+  return overlayColor(methods().size());
 }
 
 // By class, else by range.

@@ -22,7 +22,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// A turn of a vehicle that drives `metres` along x and turns by `turnDeg`, with so many poses.
+// A revolution on a vehicle that drives `metres` along x and turns by `turnDeg`, with so many poses.
 Shot moving(std::shared_ptr<const BeamTable> beams, std::size_t poses, double metres, double turnDeg = 0,
             const Vec3d& from = {}) {
   Shot shot = shotAt(std::move(beams));
@@ -318,7 +318,7 @@ TEST(DepthCamera, StepsDrawOnlyWhatTheirColumnsSee) {
   traced(*camera, shotAt(beams), Channel::Range);
   const std::size_t whole = renderer->drawnPixels();
   traced(*camera, moving(beams, 36, 0.5), Channel::Range);
-  EXPECT_LT(renderer->drawnPixels(), whole / 12) << "a 36th of the turn and the margins";
+  EXPECT_LT(renderer->drawnPixels(), whole / 12) << "a 36th of the revolution and the margins";
 }
 
 TEST(DepthCamera, FollowsOriginsOffTheAxis) {
@@ -328,11 +328,11 @@ TEST(DepthCamera, FollowsOriginsOffTheAxis) {
   const Shot shot = shotAt(beams, {{}, {0, 0.3, 0.4}});
   const Hits truth = traced(scene, shot);
   const auto camera = depthCamera(scene, "{resolution: 1024}");
-  const Hits hits = traced(*camera, shot);
+  Hits hits;
+  EXPECT_TRUE(camera->trace(shot, Channels::all(), hits).warnings.empty());
   const std::vector<double> errors = relativeErrors(truth, hits);
   EXPECT_GT(errors.size(), truth.size() * 98 / 100);
   EXPECT_LT(largest(errors), 1e-5);
-  EXPECT_TRUE(camera->warnings().empty());
 }
 
 TEST(DepthCamera, CountsBeamsThatNoImageSees) {
@@ -341,19 +341,19 @@ TEST(DepthCamera, CountsBeamsThatNoImageSees) {
   const Shot shot = shotAt(beams);
   // At 60 degrees up, a 120 degree image is left at once, off its axis: tan(60) cos(a) < tan(60).
   const auto three = depthCamera(scene, "{resolution: 256, layout: three_120}");
-  const Hits hits = traced(*three, shot);
+  Hits hits;
+  TraceAccount account = three->trace(shot, Channels::all(), hits);
   std::size_t misses = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) misses += hits.hit(i) ? 0 : 1;
   EXPECT_NEAR(static_cast<double>(misses), 2 * 360, 6);
-  traced(*three, shot);
-  EXPECT_THAT(three->warnings(),
+  account += three->trace(shot, Channels::all(), hits);
+  EXPECT_THAT(account.warningTexts(),
               ElementsAre(fmt::format("{} of 1080 beams of 'lidar' lie outside of all images of layout three_120: they "
                                       "are misses; take layout auto",
                                       misses)));
   const auto cameras = depthCamera(scene, "{resolution: 256}");
-  const Hits all = traced(*cameras, shot);
-  for (std::size_t i = 0; i < all.size(); ++i) EXPECT_TRUE(all.hit(i));
-  EXPECT_TRUE(cameras->warnings().empty());
+  EXPECT_TRUE(cameras->trace(shot, Channels::all(), hits).warnings.empty());
+  for (std::size_t i = 0; i < hits.size(); ++i) EXPECT_TRUE(hits.hit(i));
   // A layout none of whose images sees any beam.
   const Hits none = photographed(scene, shotAt(beamsOf({{0, 0, 1}})), "{layout: four_90, resolution: 128}");
   EXPECT_EQ(none.range[0], kMiss);
@@ -421,8 +421,8 @@ TEST(DepthCamera, PlansSayWhetherBlenderIsThere) {
 TEST(DepthCamera, StagesAreTimedApart) {
   const Scene scene = yard();
   const auto camera = depthCamera(scene, "{resolution: 256}");
-  traced(*camera, shotAt(spinning(16, 512, -25, 5)));
-  const auto seconds = camera->stageSeconds();
+  Hits hits;
+  const StageSeconds seconds = camera->trace(shotAt(spinning(16, 512, -25, 5)), Channels::all(), hits).seconds;
   for (const char* stage : {"render", "read_back", "sample"}) EXPECT_GT(seconds.at(stage), 0) << stage;
 }
 

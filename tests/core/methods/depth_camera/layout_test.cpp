@@ -123,9 +123,9 @@ TEST(CameraLayout, AFewColumnsTakeOneSmallImage) {
 }
 
 TEST(CameraLayout, ThreeSquaresReach41DegreesAtTheirSeams) {
-  std::vector<Vec3d> turn;
-  for (int a = 0; a < 360; ++a) turn.push_back(direction(a, 0));
-  const std::vector<Camera> cameras = layOutCameras(turn, {CameraLayout::Three120, 1024});
+  std::vector<Vec3d> revolution;
+  for (int a = 0; a < 360; ++a) revolution.push_back(direction(a, 0));
+  const std::vector<Camera> cameras = layOutCameras(revolution, {CameraLayout::Three120, 1024});
   ASSERT_EQ(cameras.size(), 3u);
   // At azimuth a off the axis, an image whose edge is at tan(60) sees up to atan(tan(60) cos(a)).
   const double seam = degrees(std::atan(std::tan(radians(60.0)) * std::cos(radians(60.0))));
@@ -140,13 +140,13 @@ TEST(CameraLayout, ThreeSquaresReach41DegreesAtTheirSeams) {
 }
 
 TEST(CameraLayout, FixedOnesLeaveOutWhatNobodyLooksThrough) {
-  std::vector<Vec3d> turn;
-  for (int a = 0; a < 360; ++a) turn.push_back(direction(a, 5));
-  EXPECT_EQ(layOutCameras(turn, {CameraLayout::Four90, 256}).size(), 4u);
-  EXPECT_EQ(layOutCameras(turn, {CameraLayout::Cube6, 256}).size(), 4u) << "nobody looks up or down";
-  turn.push_back(direction(0, 80));
-  EXPECT_EQ(layOutCameras(turn, {CameraLayout::Cube6, 256}).size(), 5u);
-  EXPECT_EQ(layOutCameras(turn, {CameraLayout::Four90, 256}).size(), 4u);
+  std::vector<Vec3d> revolution;
+  for (int a = 0; a < 360; ++a) revolution.push_back(direction(a, 5));
+  EXPECT_EQ(layOutCameras(revolution, {CameraLayout::Four90, 256}).size(), 4u);
+  EXPECT_EQ(layOutCameras(revolution, {CameraLayout::Cube6, 256}).size(), 4u) << "nobody looks up or down";
+  revolution.push_back(direction(0, 80));
+  EXPECT_EQ(layOutCameras(revolution, {CameraLayout::Cube6, 256}).size(), 5u);
+  EXPECT_EQ(layOutCameras(revolution, {CameraLayout::Four90, 256}).size(), 4u);
   const std::vector<Vec3d> ahead = {direction(10, 0), direction(-10, 3)};
   EXPECT_EQ(layOutCameras(ahead, {CameraLayout::Three120, 256}).size(), 1u);
   EXPECT_EQ(layOutCameras(ahead, {CameraLayout::Three120, 256}).front().name, "front");

@@ -116,7 +116,8 @@ Vec3d placeOf(double voxel, const Corner& brick, double x, double y, double z) {
 }
 
 // Calls visit(level, brick, entry) for all bricks.
-void eachBrick(const Field& field, const std::function<void(std::size_t, const Corner&, std::uint32_t)>& visit) {
+void eachBrick(const DistanceField& field,
+               const std::function<void(std::size_t, const Corner&, std::uint32_t)>& visit) {
   for (std::size_t l = 0; l < field.levels.size(); ++l) {
     const LevelBox& box = field.shape.levels[l];
     std::uint32_t entry = field.levels[l].firstEntry;
@@ -130,7 +131,7 @@ void eachBrick(const Field& field, const std::function<void(std::size_t, const C
   }
 }
 
-std::vector<std::uint32_t> listAt(const Field& field, std::uint32_t word) {
+std::vector<std::uint32_t> listAt(const DistanceField& field, std::uint32_t word) {
   std::vector<std::uint32_t> list;
   do {
     list.push_back(field.lists[word] & ~kLastOfList);
@@ -139,8 +140,8 @@ std::vector<std::uint32_t> listAt(const Field& field, std::uint32_t word) {
 }
 
 // Holds one corner, at p, against brute force; distances in voxels.
-void checkCorner(const World& world, const Field& field, const std::vector<double>& distances, std::size_t corner,
-                 const Vec3d& p, double voxel) {
+void checkCorner(const World& world, const DistanceField& field, const std::vector<double>& distances,
+                 std::size_t corner, const Vec3d& p, double voxel) {
   constexpr double kNear = 1e-4;  // distances of facets come out of float32, and so do cubes
   const double truth = *std::min_element(distances.begin(), distances.end());
   const double stored = field.distance[corner] * kDistanceStep;
@@ -167,7 +168,7 @@ void checkCorner(const World& world, const Field& field, const std::vector<doubl
 }
 
 // Holds every `stride`-th corner and every brick's centre against brute force. How many corners named triangles.
-std::size_t checkAgainstBruteForce(const World& world, const Field& field, std::size_t stride) {
+std::size_t checkAgainstBruteForce(const World& world, const DistanceField& field, std::size_t stride) {
   std::size_t named = 0;
   std::size_t next = 0;
   std::vector<double> distances(world.baked.triangles.size());
@@ -210,7 +211,7 @@ FieldShape shapeAt(const Vec3d& sensor, double voxel, std::uint32_t voxels, std:
   return shapeOf(options, sensor, Box{}, 100);
 }
 
-bool sameField(const Field& a, const Field& b) {
+bool sameField(const DistanceField& a, const DistanceField& b) {
   return a.shape == b.shape && a.table == b.table && a.distance == b.distance && a.word == b.word && a.lists == b.lists;
 }
 
@@ -384,7 +385,7 @@ TEST(Build, MovedFieldIsAsIfBuiltAnew) {
   const Scene scene = sceneOf(triangles);
   const auto world = worldOf(scene);
   for (const bool lists : {false, true}) {
-    std::shared_ptr<const Field> moved;
+    std::shared_ptr<const DistanceField> moved;
     const std::vector<Vec3d> path{{0, 0, 0},   {1.7, 0, 0}, {1.7, 3.3, -1.6}, {1.7, 3.3, -1.6}, {5, 4, 1},
                                   {-3, -4, 2}, {0, 0, 0},   {40, 0, 0},       {0.9, 0, 0},      {0.9, 0.9, 0}};
     for (const Vec3d& sensor : path) {
@@ -446,7 +447,7 @@ TEST(Build, SameBytesWithAnyNumberOfThreads) {
   const auto world = worldOf(scene);
   for (const bool lists : {false, true}) {
     const FieldShape shape = shapeAt({}, 0.1, 48, 3, lists);
-    std::shared_ptr<const Field> one;
+    std::shared_ptr<const DistanceField> one;
     for (const int threads : {1, 2, 8}) {
       const ThreadLimit limit(threads);
       const auto field = buildField(*world, shape, nullptr);

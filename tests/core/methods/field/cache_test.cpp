@@ -43,8 +43,8 @@ FieldShape someShape(bool lists) {
 }
 
 // Arrays of the sizes that a field of the shape has; what is in them does not matter to the cache.
-Field someField(const FieldShape& shape, std::uint32_t fullBricks, std::uint32_t listed = 1000) {
-  Field field;
+DistanceField someField(const FieldShape& shape, std::uint32_t fullBricks, std::uint32_t listed = 1000) {
+  DistanceField field;
   field.shape = shape;
   std::size_t bricks = 0;
   for (const LevelBox& box : shape.levels) {
@@ -73,7 +73,7 @@ bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-bool same(const Field& a, const Field& b) {
+bool same(const DistanceField& a, const DistanceField& b) {
   return a.shape == b.shape && sameBytes(a.levels, b.levels) && sameBytes(a.table, b.table) &&
          sameBytes(a.distance, b.distance) && sameBytes(a.word, b.word) && sameBytes(a.lists, b.lists);
 }
@@ -92,7 +92,7 @@ std::vector<fs::path> filesIn(const fs::path& folder) {
 class FieldCacheTest : public testing::Test {
  protected:
   // Stores the field and gives its file.
-  fs::path stored(const Field& field) const {
+  fs::path stored(const DistanceField& field) const {
     cache_.store(field, kOrigin);
     const std::vector<fs::path> files = filesIn(folder());
     EXPECT_EQ(files.size(), 1u);
@@ -108,7 +108,7 @@ TEST_F(FieldCacheTest, GivesBackEveryByte) {
   for (const bool lists : {false, true}) {
     // None full; few; more than one slice of an array is hashed alone.
     for (const std::uint32_t fullBricks : {0u, 3u, 700u}) {
-      const Field field = someField(someShape(lists), fullBricks, fullBricks * 100);
+      const DistanceField field = someField(someShape(lists), fullBricks, fullBricks * 100);
       EXPECT_EQ(cache_.find(field.shape, kOrigin) != nullptr, fullBricks > 0);
       cache_.store(field, kOrigin);
       const auto found = cache_.find(field.shape, kOrigin);
@@ -119,7 +119,7 @@ TEST_F(FieldCacheTest, GivesBackEveryByte) {
 }
 
 TEST_F(FieldCacheTest, TheFileDoesNotDependOnThreads) {
-  const Field field = someField(someShape(true), 700);
+  const DistanceField field = someField(someShape(true), 700);
   std::vector<std::string> files;
   for (const int threads : {1, 2, 8}) {
     const ThreadLimit limit(threads);
@@ -157,9 +157,9 @@ TEST_F(FieldCacheTest, FindsOnlyThisGeometryShapeAndOrigin) {
 }
 
 TEST_F(FieldCacheTest, AFileUnderAnothersNameIsNotTrusted) {
-  const Field field = someField(someShape(true), 2);
+  const DistanceField field = someField(someShape(true), 2);
   const fs::path ours = stored(field);
-  Field other = field;
+  DistanceField other = field;
   other.shape.voxel = 0.2;
   cache_.store(other, kOrigin);
   for (const fs::path& file : filesIn(folder())) {
@@ -170,7 +170,7 @@ TEST_F(FieldCacheTest, AFileUnderAnothersNameIsNotTrusted) {
 }
 
 TEST_F(FieldCacheTest, TruncatedFilesAreMisses) {
-  const Field field = someField(someShape(true), 40);
+  const DistanceField field = someField(someShape(true), 40);
   const fs::path file = stored(field);
   const std::string bytes = readFile(file);
   std::vector<std::size_t> sizes{0, 1, 15, 16, 23, 24, 87, 88, 127, 128, 129, 191, 192, 193};
@@ -187,7 +187,7 @@ TEST_F(FieldCacheTest, TruncatedFilesAreMisses) {
 }
 
 TEST_F(FieldCacheTest, NoFlippedByteIsTrusted) {
-  const Field field = someField(someShape(true), 40);
+  const DistanceField field = someField(someShape(true), 40);
   const fs::path file = stored(field);
   const std::string bytes = readFile(file);
   std::vector<std::size_t> places;
@@ -204,7 +204,7 @@ TEST_F(FieldCacheTest, NoFlippedByteIsTrusted) {
 
 // Sizes that do not fit the file are refused before anything is allocated for them.
 TEST_F(FieldCacheTest, LyingSizesAreMisses) {
-  const Field field = someField(someShape(true), 4);
+  const DistanceField field = someField(someShape(true), 4);
   const fs::path file = stored(field);
   const std::string bytes = readFile(file);
   constexpr std::size_t kCounts = 88;  // where the header's five counts begin
@@ -220,7 +220,7 @@ TEST_F(FieldCacheTest, LyingSizesAreMisses) {
 }
 
 TEST_F(FieldCacheTest, GarbageIsAMissAndTheNextStoreReplacesIt) {
-  const Field field = someField(someShape(false), 5);
+  const DistanceField field = someField(someShape(false), 5);
   const fs::path file = stored(field);
   std::string noise(100'000, '\0');
   for (std::uint32_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<char>(randomBlock({.beam = i})[0]);
@@ -241,14 +241,14 @@ TEST_F(FieldCacheTest, GarbageIsAMissAndTheNextStoreReplacesIt) {
 
 TEST_F(FieldCacheTest, WithoutAFolderNothingIsKept) {
   const FieldCache none({}, kGeometry);
-  const Field field = someField(someShape(false), 1);
+  const DistanceField field = someField(someShape(false), 1);
   none.store(field, kOrigin);
   EXPECT_EQ(none.find(field.shape, kOrigin), nullptr);
   EXPECT_FALSE(fs::exists(folder_.path() / "deep"));
 }
 
 TEST_F(FieldCacheTest, AFolderThatCannotBeMadeIsAWarning) {
-  const Field field = someField(someShape(false), 1);
+  const DistanceField field = someField(someShape(false), 1);
   const FieldCache below(folder_.write("file", "text") / "fields", kGeometry);
   const std::size_t warnings = warningCount();
   below.store(field, kOrigin);
@@ -258,12 +258,12 @@ TEST_F(FieldCacheTest, AFolderThatCannotBeMadeIsAWarning) {
 
 TEST_F(FieldCacheTest, AFolderThatMayNotBeWrittenIsAWarning) {
   if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
-  const Field field = someField(someShape(false), 1);
+  const DistanceField field = someField(someShape(false), 1);
   const fs::path file = stored(field);
   fs::permissions(folder(), fs::perms::owner_read | fs::perms::owner_exec);
   EXPECT_NE(cache_.find(field.shape, kOrigin), nullptr);
   const std::size_t warnings = warningCount();
-  Field other = field;
+  DistanceField other = field;
   other.shape.reach = 11;
   cache_.store(other, kOrigin);
   EXPECT_EQ(warningCount(), warnings + 1);
@@ -289,7 +289,7 @@ TEST_F(EvictionTest, TheLongestUnusedGoFirst) {
   const fs::path oldest = large('a', kThird, hours(5));
   const fs::path middle = large('c', kThird, hours(3));
   const fs::path newest = large('b', kThird, hours(1));
-  const Field field = someField(someShape(false), 5);
+  const DistanceField field = someField(someShape(false), 5);
   cache_.store(field, kOrigin);
   EXPECT_FALSE(fs::exists(oldest));
   EXPECT_TRUE(fs::exists(middle) && fs::exists(newest));
@@ -300,8 +300,8 @@ TEST_F(EvictionTest, TheLongestUnusedGoFirst) {
 }
 
 TEST_F(EvictionTest, WhatWasFoundIsUsed) {
-  const Field used = someField(someShape(false), 5);
-  Field unused = used;
+  const DistanceField used = someField(someShape(false), 5);
+  DistanceField unused = used;
   unused.shape.reach = 11;
   cache_.store(used, kOrigin);
   cache_.store(unused, kOrigin);
@@ -310,7 +310,7 @@ TEST_F(EvictionTest, WhatWasFoundIsUsed) {
   }
   EXPECT_NE(cache_.find(used.shape, kOrigin), nullptr);
   large('a', FieldCache::kCacheBytes, hours(5));
-  Field third = used;
+  DistanceField third = used;
   third.shape.reach = 12;
   cache_.store(third, kOrigin);
   EXPECT_EQ(cache_.find(unused.shape, kOrigin), nullptr);
@@ -337,7 +337,7 @@ TEST_F(EvictionTest, OnlyFieldsAndWhatKilledRunsLeftAreDeleted) {
 }
 
 TEST_F(FieldCacheTest, ThreadsMayStoreAndFindTheSame) {
-  const Field field = someField(someShape(true), 100);
+  const DistanceField field = someField(someShape(true), 100);
   std::vector<std::thread> threads;
   std::array<std::uint32_t, 4> found{};
   for (std::size_t t = 0; t < found.size(); ++t) {

@@ -11,8 +11,8 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "methods/field/distance_field.h"
 #include "methods/field/facet.h"
-#include "methods/field/field.h"
 #include "methods/march/march.h"
 #include "methods/particle/shape.h"
 #include "methods/world/world.h"
@@ -64,8 +64,9 @@ inline std::uint32_t cornerWord(const FieldShape& shape, const std::vector<doubl
 }
 
 // The field of surfaces that are so far away; the triangles, which approximate the surfaces, are named.
-inline Field fieldOf(const FieldShape& shape, const DistanceFunction& distance, const LooseTriangles& triangles) {
-  Field field;
+inline DistanceField fieldOf(const FieldShape& shape, const DistanceFunction& distance,
+                             const LooseTriangles& triangles) {
+  DistanceField field;
   field.shape = shape;
   field.levels = fieldLevels(shape);
   std::vector<Facet<double>> facets;
@@ -108,10 +109,10 @@ inline Field fieldOf(const FieldShape& shape, const DistanceFunction& distance, 
 }
 
 // `begin` and `end`: m along the direction; the field may end the way earlier.
-inline void addParticle(const Field& field, const Vec3d& origin, const Vec3d& direction, double begin, double end,
-                        Particles& particles) {
+inline void addParticle(const DistanceField& field, const Vec3d& origin, const Vec3d& direction, double begin,
+                        double end, Particles& particles) {
   const double voxel = field.shape.voxel;
-  const Box box = flightBox(field.shape);
+  const Box box = marchBox(field.shape);
   const auto inverse = [](double d) { return 1 / (std::fabs(d) < 1e-12 ? 1e-12 : d); };
   const auto cut = [&](double low, double high, double from, double along) {
     if (along != 0) end = std::min(end, ((along > 0 ? high : low) - from) / along);
@@ -139,14 +140,14 @@ inline void addParticle(const Field& field, const Vec3d& origin, const Vec3d& di
 }
 
 // By marchCpu(), over all threads.
-inline Landings flown(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,
-                      const Particles& particles) {
-  Landings landings;
-  landings.resize(particles.size());
+inline HitRecords flown(const DistanceField& field, const TriangleBlock& triangles, const MarchOptions& options,
+                        const Particles& particles) {
+  HitRecords records;
+  records.resize(particles.size());
   parallelFor(particles.size(), 1000, [&](std::size_t first, std::size_t last) {
-    marchCpu(field, triangles, options, particles, first, last, landings);
+    marchCpu(field, triangles, options, particles, first, last, records);
   });
-  return landings;
+  return records;
 }
 
 // Evenly over the sphere; case i of a stream.

@@ -28,7 +28,7 @@ using testing::HasSubstr;
 // Levels of 64^3 voxels around the middle of a scene, and what particles need of it.
 struct Surroundings {
   std::shared_ptr<const World> world;
-  std::shared_ptr<const Field> field;
+  std::shared_ptr<const DistanceField> field;
 };
 
 Surroundings surroundingsOf(const Scene& scene, bool lists, double voxel = 0.25) {
@@ -73,9 +73,9 @@ Scene nothing() {
   return scene;
 }
 
-void setParticle(const Field& field, Particles& particles, std::size_t i, const Vec3d& origin, const Vec3d& direction,
-                 double begin) {
-  const Box box = flightBox(field.shape);
+void setParticle(const DistanceField& field, Particles& particles, std::size_t i, const Vec3d& origin,
+                 const Vec3d& direction, double begin) {
+  const Box box = marchBox(field.shape);
   const double voxel = field.shape.voxel;
   const Vec3d start = (origin - field.shape.centre) * (1 / voxel);
   const auto wayOut = [](double low, double high, double from, double along) {
@@ -105,10 +105,10 @@ void setParticle(const Field& field, Particles& particles, std::size_t i, const 
 }
 
 // From all over the field, in all directions; every ninth along an axis, some that have no way to go.
-Particles particlesIn(const Field& field, std::size_t count, std::uint32_t stream = 0) {
+Particles particlesIn(const DistanceField& field, std::size_t count, std::uint32_t stream = 0) {
   Particles particles;
   particles.resize(count, field.shape.lists);
-  const Box box = flightBox(field.shape);
+  const Box box = marchBox(field.shape);
   for (std::size_t i = 0; i < count; ++i) {
     const auto beam = static_cast<std::uint32_t>(i);
     const RandomBlock p = randomBlock({5, stream, 0, 0, beam, 0, Purpose::Test});
@@ -141,21 +141,21 @@ struct Counts {
 
 // Bit by bit what the rule says.
 Counts compared(const Surroundings& place, const MarchOptions& options, const Particles& particles,
-                const Landings& landings) {
+                const HitRecords& records) {
   Counts counts;
-  EXPECT_EQ(landings.size(), particles.size());
-  for (std::size_t i = 0; i < landings.size(); ++i) {
-    const Landing expected = marchOne(*place.field, place.world->baked, options, particles, i);
-    const Outcome outcome = landings.outcomeOf(i);
+  EXPECT_EQ(records.size(), particles.size());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const HitRecord expected = marchOne(*place.field, place.world->baked, options, particles, i);
+    const Outcome outcome = records.outcomeOf(i);
     counts.hits += outcome == Outcome::Hit;
     counts.misses += outcome == Outcome::Miss;
     counts.exhausted += outcome == Outcome::Exhausted;
-    const bool right = outcome == expected.outcome && landings.stepsOf(i) == expected.steps &&
-                       std::bit_cast<std::uint32_t>(landings.way[i]) == std::bit_cast<std::uint32_t>(expected.way) &&
-                       landings.triangle[i] == expected.triangle;
+    const bool right = outcome == expected.outcome && records.stepsOf(i) == expected.steps &&
+                       std::bit_cast<std::uint32_t>(records.way[i]) == std::bit_cast<std::uint32_t>(expected.way) &&
+                       records.triangle[i] == expected.triangle;
     if (!right && counts.wrong++ == 0) {
-      ADD_FAILURE() << "particle " << i << ": outcome " << landings.outcome[i] % 4 << " after " << landings.stepsOf(i)
-                    << " steps, way " << landings.way[i] << ", triangle " << landings.triangle[i] << " and not "
+      ADD_FAILURE() << "particle " << i << ": outcome " << records.outcome[i] % 4 << " after " << records.stepsOf(i)
+                    << " steps, way " << records.way[i] << ", triangle " << records.triangle[i] << " and not "
                     << static_cast<int>(expected.outcome) << " after " << expected.steps << ", way " << expected.way
                     << ", triangle " << expected.triangle;
     }
@@ -165,9 +165,10 @@ Counts compared(const Surroundings& place, const MarchOptions& options, const Pa
 }
 
 Counts flown(GlMarcher& marcher, const Surroundings& place, const MarchOptions& options, const Particles& particles) {
-  Landings landings;
-  marcher.march(place.field, place.world, options, particles, landings);
-  return compared(place, options, particles, landings);
+  HitRecords records;
+  StageClock clock;
+  marcher.march(place.field, place.world, options, particles, records, clock);
+  return compared(place, options, particles, records);
 }
 
 constexpr MarchOptions kUsual{kRest, 0, 512};
@@ -219,18 +220,19 @@ TEST(GlMarcher, AFieldIsUploadedOnce) {
   const auto marcher = makeGlMarcher();
   const Scene scene = furnished();
   const Surroundings place = surroundingsOf(scene, true);
-  const auto field = std::make_shared<Field>(*place.field);
+  const auto field = std::make_shared<DistanceField>(*place.field);
   const Particles particles = particlesIn(*field, 100);
-  Landings first;
-  marcher->march(field, place.world, kUsual, particles, first);
+  HitRecords first;
+  StageClock clock;
+  marcher->march(field, place.world, kUsual, particles, first, clock);
   // Were it looked at again, it would be seen that it is another one now.
   field->distance.assign(field->distance.size(), 0xFFFF);
-  Landings second;
-  marcher->march(field, place.world, kUsual, particles, second);
+  HitRecords second;
+  marcher->march(field, place.world, kUsual, particles, second, clock);
   EXPECT_EQ(first.outcome, second.outcome);
   EXPECT_EQ(first.way, second.way);
   // Another object is another field.
-  marcher->march(std::make_shared<Field>(*field), place.world, kUsual, particles, second);
+  marcher->march(std::make_shared<DistanceField>(*field), place.world, kUsual, particles, second, clock);
   EXPECT_NE(first.outcome, second.outcome);
 }
 
@@ -253,10 +255,11 @@ TEST(GlMarcher, NoParticlesAndOne) {
   const auto marcher = makeGlMarcher();
   const Scene scene = furnished();
   const Surroundings place = surroundingsOf(scene, true);
-  Landings landings;
-  landings.resize(7);
-  marcher->march(place.field, place.world, kUsual, particlesIn(*place.field, 0), landings);
-  EXPECT_EQ(landings.size(), 0u);
+  HitRecords records;
+  records.resize(7);
+  StageClock clock;
+  marcher->march(place.field, place.world, kUsual, particlesIn(*place.field, 0), records, clock);
+  EXPECT_EQ(records.size(), 0u);
   EXPECT_EQ(flown(*marcher, place, kUsual, particlesIn(*place.field, 2)).wrong, 0u);
   Particles one;
   one.resize(1, true);
@@ -272,18 +275,19 @@ TEST(GlMarcher, ThreadsTakeTurns) {
   const std::vector<Surroundings> places{surroundingsOf(room, true), surroundingsOf(ground, false)};
   constexpr int kThreads = 4;
   const int rounds = kSanitized ? 2 : 6;
-  std::vector<Landings> got(std::size_t{kThreads} * static_cast<std::size_t>(rounds));
+  std::vector<HitRecords> got(std::size_t{kThreads} * static_cast<std::size_t>(rounds));
   {
     std::vector<std::jthread> threads;
     for (std::size_t t = 0; t < kThreads; ++t) {
       threads.emplace_back([&, t] {
         const Surroundings& place = places[t % 2];
+        StageClock clock;
         const auto own = t == 3 ? makeGlMarcher() : nullptr;
         for (std::size_t round = 0; round < static_cast<std::size_t>(rounds); ++round) {
           const auto stream = static_cast<std::uint32_t>(10 * t + round);
           (own != nullptr ? *own : *marcher)
               .march(place.field, place.world, kUsual, particlesIn(*place.field, 300 + t, stream),
-                     got[t * static_cast<std::size_t>(rounds) + round]);
+                     got[t * static_cast<std::size_t>(rounds) + round], clock);
         }
       });
     }
@@ -300,14 +304,12 @@ TEST(GlMarcher, TellsItsDeviceAndTimes) {
   SKIP_WITHOUT_GL();
   const auto marcher = makeGlMarcher();
   EXPECT_FALSE(marcher->device().empty());
-  EXPECT_EQ(marcher->seconds().march, 0);
   const Scene scene = furnished();
   const Surroundings place = surroundingsOf(scene, true);
-  flown(*marcher, place, kUsual, particlesIn(*place.field, 100));
-  const GlMarcher::Seconds seconds = marcher->seconds();
-  EXPECT_GT(seconds.upload, 0);
-  EXPECT_GT(seconds.march, 0);
-  EXPECT_GT(seconds.readBack, 0);
+  HitRecords records;
+  StageClock clock;
+  marcher->march(place.field, place.world, kUsual, particlesIn(*place.field, 100), records, clock);
+  for (const char* stage : {"upload", "march", "read_back"}) EXPECT_GT(clock.seconds().at(stage), 0) << stage;
   EXPECT_EQ(glHasHardware(), !marcher->software());
 }
 
@@ -316,10 +318,11 @@ TEST(GlMarcher, FieldsLargerThanTheDeviceTakesAreRefused) {
   const Scene scene = furnished();
   const Surroundings place = surroundingsOf(scene, true);
   const Particles particles = particlesIn(*place.field, 10);
-  Landings landings;
+  HitRecords records;
+  StageClock clock;
   const auto refusal = [&](std::uint64_t bytes) {
     const auto marcher = makeGlMarcher(GlMarcherLimits{.tableBytes = bytes});
-    return messageOf<Error>([&] { marcher->march(place.field, place.world, kUsual, particles, landings); });
+    return messageOf<Error>([&] { marcher->march(place.field, place.world, kUsual, particles, records, clock); });
   };
   const std::uint64_t largest = place.field->word.size() * sizeof(std::uint32_t);
   const std::string message = refusal(largest - 1);
@@ -330,7 +333,7 @@ TEST(GlMarcher, FieldsLargerThanTheDeviceTakesAreRefused) {
   EXPECT_EQ(refusal(std::uint64_t{1} << 30), "accepted");
   // After a refusal the marcher takes what it can.
   const auto marcher = makeGlMarcher(GlMarcherLimits{.tableBytes = largest / 2});
-  EXPECT_NE(messageOf<Error>([&] { marcher->march(place.field, place.world, kUsual, particles, landings); }),
+  EXPECT_NE(messageOf<Error>([&] { marcher->march(place.field, place.world, kUsual, particles, records, clock); }),
             "accepted");
   const Scene empty = nothing();
   const Surroundings little = surroundingsOf(empty, true);

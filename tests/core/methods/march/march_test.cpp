@@ -21,7 +21,7 @@ constexpr MarchOptions kResting{kRest, 0, 4096};
 
 // A field and what it names.
 struct Place {
-  Field field;
+  DistanceField field;
   TriangleBlock triangles;
 };
 
@@ -66,10 +66,10 @@ std::unique_ptr<World> scatteredWorld() {
 
 // From anywhere, and from where borders of voxels, bricks and levels meet; in any direction, and along axes; some with
 // a way that begins later, or has no length.
-Particles assortedParticles(const Field& field, std::uint32_t count) {
+Particles assortedParticles(const DistanceField& field, std::uint32_t count) {
   Particles particles;
   const double voxel = field.shape.voxel;
-  const Box box = flightBox(field.shape);
+  const Box box = marchBox(field.shape);
   for (std::uint32_t i = 0; i < count; ++i) {
     const RandomBlock r = randomBlock({.seed = 33, .beam = i});
     const double reach = std::min(8.0, (box.high.x - box.low.x) / 2);
@@ -97,32 +97,32 @@ Particles assortedParticles(const Field& field, std::uint32_t count) {
 }
 
 struct Outcomes {
-  std::size_t hits = 0, misses = 0, exhausted = 0, brinks = 0;
+  std::size_t hits = 0, misses = 0, exhausted = 0, grazing = 0;
 };
 
 // Bit by bit what marchOne() does.
-Outcomes expectAsMarchOne(const Field& field, const TriangleBlock& triangles, const MarchOptions& options,
+Outcomes expectAsMarchOne(const DistanceField& field, const TriangleBlock& triangles, const MarchOptions& options,
                           const Particles& particles) {
-  Landings landings;
-  landings.resize(particles.size());
-  marchCpu(field, triangles, options, particles, 0, particles.size(), landings);
+  HitRecords records;
+  records.resize(particles.size());
+  marchCpu(field, triangles, options, particles, 0, particles.size(), records);
   Outcomes outcomes;
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < particles.size(); ++i) {
-    const Landing one = marchOne(field, triangles, options, particles, i);
-    const bool same = std::bit_cast<std::uint32_t>(one.way) == std::bit_cast<std::uint32_t>(landings.way[i]) &&
-                      one.triangle == landings.triangle[i] && one.outcome == landings.outcomeOf(i) &&
-                      one.steps == landings.stepsOf(i);
+    const HitRecord one = marchOne(field, triangles, options, particles, i);
+    const bool same = std::bit_cast<std::uint32_t>(one.way) == std::bit_cast<std::uint32_t>(records.way[i]) &&
+                      one.triangle == records.triangle[i] && one.outcome == records.outcomeOf(i) &&
+                      one.steps == records.stepsOf(i);
     if (!same && wrong++ == 0) {
-      ADD_FAILURE() << "particle " << i << ": way " << landings.way[i] << ", triangle " << landings.triangle[i]
-                    << ", outcome " << landings.outcome[i] % 4 << " after " << landings.stepsOf(i) << " steps, not "
+      ADD_FAILURE() << "particle " << i << ": way " << records.way[i] << ", triangle " << records.triangle[i]
+                    << ", outcome " << records.outcome[i] % 4 << " after " << records.stepsOf(i) << " steps, not "
                     << one.way << ", " << one.triangle << ", " << static_cast<int>(one.outcome) << " after "
                     << one.steps;
     }
     outcomes.hits += one.outcome == Outcome::Hit;
     outcomes.misses += one.outcome == Outcome::Miss;
     outcomes.exhausted += one.outcome == Outcome::Exhausted;
-    outcomes.brinks += one.outcome == Outcome::Brink;
+    outcomes.grazing += one.outcome == Outcome::Grazing;
   }
   EXPECT_EQ(wrong, 0u);
   return outcomes;
@@ -138,7 +138,7 @@ TEST(MarchCpu, DoesWhatMarchOneDoes) {
       const Outcomes usual = expectAsMarchOne(*field, world->baked, {kRest, 0, 512}, particles);
       EXPECT_GT(usual.hits, 2000u);
       EXPECT_GT(usual.misses, 2000u);
-      EXPECT_EQ(usual.brinks == 0, lists);
+      EXPECT_EQ(usual.grazing == 0, lists);
       expectAsMarchOne(*field, world->baked, {0.7f, 2e-3f, 512}, particles);
       expectAsMarchOne(*field, world->baked, {0, 0, 512}, particles);
       EXPECT_GT(expectAsMarchOne(*field, world->baked, {kRest, 1, 7}, particles).exhausted, 1000u);
@@ -174,10 +174,10 @@ TEST(MarchCpu, RangesOfParticlesDoNotMatter) {
   for (const bool lists : {false, true}) {
     const auto field = buildField(*world, levelsAround({}, 0.11, 64, 3, lists), nullptr);
     const Particles particles = assortedParticles(*field, 5003);
-    Landings whole;
+    HitRecords whole;
     whole.resize(particles.size());
     marchCpu(*field, world->baked, kResting, particles, 0, particles.size(), whole);
-    Landings split;
+    HitRecords split;
     split.resize(particles.size());
     for (std::size_t first = 0, part = 0; first < particles.size(); ++part) {
       const std::size_t last = std::min(first + part * part % 301, particles.size());
@@ -188,7 +188,7 @@ TEST(MarchCpu, RangesOfParticlesDoNotMatter) {
     EXPECT_EQ(whole.triangle, split.triangle);
     EXPECT_EQ(whole.outcome, split.outcome);
     // And nothing is touched outside of the range.
-    Landings middle;
+    HitRecords middle;
     middle.way.assign(particles.size(), -7);
     middle.triangle.assign(particles.size(), 77);
     middle.outcome.assign(particles.size(), 777);
@@ -203,12 +203,12 @@ TEST(MarchCpu, RangesOfParticlesDoNotMatter) {
 }
 
 // Flown, and what was left to settle.
-Landings settled(const Place& place, Particles& particles) {
-  Landings landings = flown(place.field, place.triangles, kResting, particles);
+HitRecords settled(const Place& place, Particles& particles) {
+  HitRecords records = flown(place.field, place.triangles, kResting, particles);
   std::vector<std::uint32_t> all(particles.size());
   std::iota(all.begin(), all.end(), 0u);
-  settleBrinks(place.field, place.triangles, kResting, particles, all, landings);
-  return landings;
+  settleGrazing(place.field, place.triangles, kResting, particles, all, records);
+  return records;
 }
 
 // Planes through a field of two levels, by particles from both sides that look towards them.
@@ -233,32 +233,32 @@ void forPlanes(bool lists, const std::function<void(const Place&, const Plane&, 
   }
 }
 
-Vec3d pointAt(const Field& field, const Particles& p, std::size_t i, double way) {
+Vec3d pointAt(const DistanceField& field, const Particles& p, std::size_t i, double way) {
   return field.shape.centre +
          (Vec3d{p.ox[i], p.oy[i], p.oz[i]} + Vec3d{p.dx[i], p.dy[i], p.dz[i]} * way) * field.shape.voxel;
 }
 
 TEST(March, PlanesAreMetWithinHalfAVoxel) {
   forPlanes(false, [](const Place& place, const Plane& plane, Particles& particles) {
-    const Landings landings = settled(place, particles);
+    const HitRecords records = settled(place, particles);
     for (std::size_t i = 0; i < particles.size(); ++i) {
-      ASSERT_EQ(landings.outcomeOf(i), Outcome::Hit);
-      const Vec3d point = pointAt(place.field, particles, i, landings.way[i]);
+      ASSERT_EQ(records.outcomeOf(i), Outcome::Hit);
+      const Vec3d point = pointAt(place.field, particles, i, records.way[i]);
       const double voxel = placeIn(place.field, Vec3f((point - place.field.shape.centre) * 10.0)).voxel;
       ASSERT_LE(std::fabs(plane.height(point)), 0.502 * voxel) << plane.normal.x << ' ' << plane.normal.y;
-      ASSERT_LT(landings.triangle[i], 2u);
+      ASSERT_LT(records.triangle[i], 2u);
     }
   });
 }
 
 TEST(March, PlanesAreMetExactlyByTheirTriangles) {
   forPlanes(true, [](const Place& place, const Plane& plane, const Particles& particles) {
-    const Landings landings = flown(place.field, place.triangles, kResting, particles);
+    const HitRecords records = flown(place.field, place.triangles, kResting, particles);
     for (std::size_t i = 0; i < particles.size(); ++i) {
-      ASSERT_EQ(landings.outcomeOf(i), Outcome::Hit);
+      ASSERT_EQ(records.outcomeOf(i), Outcome::Hit);
       const double towards = dot(plane.normal, Vec3d{particles.dx[i], particles.dy[i], particles.dz[i]});
       const double exact = -plane.height(pointAt(place.field, particles, i, 0)) / towards;
-      ASSERT_NEAR(landings.way[i] * place.field.shape.voxel, exact, 1e-4);
+      ASSERT_NEAR(records.way[i] * place.field.shape.voxel, exact, 1e-4);
     }
   });
 }
@@ -310,7 +310,7 @@ const std::array<TurnedRoom, 4> kRooms = {{
 
 constexpr std::uint32_t kInRoom = 130000;
 
-Particles particlesIn(const TurnedRoom& room, const Field& field, std::vector<double>& walls) {
+Particles particlesIn(const TurnedRoom& room, const DistanceField& field, std::vector<double>& walls) {
   Particles particles;
   walls.clear();
   for (std::uint32_t i = 0; i < kInRoom; ++i) {
@@ -336,12 +336,12 @@ TEST(March, NobodyLeavesAClosedRoom) {
         levelsAround({}, 0.1, 64, 1, false), [&](const Vec3d& p) { return room.distance(p); }, room.triangles());
     std::vector<double> walls;
     Particles particles = particlesIn(room, place.field, walls);
-    const Landings landings = settled(place, particles);
+    const HitRecords records = settled(place, particles);
     for (std::size_t i = 0; i < particles.size(); ++i) {
-      ASSERT_EQ(landings.outcomeOf(i), Outcome::Hit) << "particle " << i << ", wall at " << walls[i];
-      const Vec3d point = pointAt(place.field, particles, i, landings.way[i]);
+      ASSERT_EQ(records.outcomeOf(i), Outcome::Hit) << "particle " << i << ", wall at " << walls[i];
+      const Vec3d point = pointAt(place.field, particles, i, records.way[i]);
       ASSERT_LE(room.distance(point), 0.1) << "particle " << i << ", wall at " << walls[i];
-      ASSERT_LE(landings.way[i] * 0.1, walls[i] + 0.09) << "particle " << i;
+      ASSERT_LE(records.way[i] * 0.1, walls[i] + 0.09) << "particle " << i;
     }
   }
 }
@@ -352,10 +352,10 @@ TEST(March, NobodyLeavesAClosedRoomOfTriangles) {
         levelsAround({}, 0.1, 64, 1, true), [&](const Vec3d& p) { return room.distance(p); }, room.triangles());
     std::vector<double> walls;
     const Particles particles = particlesIn(room, place.field, walls);
-    const Landings landings = flown(place.field, place.triangles, kResting, particles);
+    const HitRecords records = flown(place.field, place.triangles, kResting, particles);
     for (std::size_t i = 0; i < particles.size(); ++i) {
-      ASSERT_EQ(landings.outcomeOf(i), Outcome::Hit) << "particle " << i << ", wall at " << walls[i];
-      ASSERT_NEAR(landings.way[i] * 0.1, walls[i], 1e-4) << "particle " << i;
+      ASSERT_EQ(records.outcomeOf(i), Outcome::Hit) << "particle " << i << ", wall at " << walls[i];
+      ASSERT_NEAR(records.way[i] * 0.1, walls[i], 1e-4) << "particle " << i;
     }
   }
 }
@@ -374,12 +374,12 @@ TEST(March, SpheresAreMetWhereTheyAre) {
       addParticle(place.field, origin, direction, 0, 1e9, particles);
       passing.push_back(i % 2 == 0 ? length(cross(middle - origin, direction)) : 0);
     }
-    Landings landings = flown(place.field, place.triangles, kResting, particles);
+    HitRecords records = flown(place.field, place.triangles, kResting, particles);
     std::size_t hits = 0;
     for (std::size_t i = 0; i < particles.size(); ++i) {
       const double depth = radius - passing[i];
-      const Vec3d point = pointAt(place.field, particles, i, landings.way[i]);
-      switch (landings.outcomeOf(i)) {
+      const Vec3d point = pointAt(place.field, particles, i, records.way[i]);
+      switch (records.outcomeOf(i)) {
         case Outcome::Miss:
           ASSERT_LT(depth, 0.0) << "particle " << i;
           break;
@@ -389,7 +389,7 @@ TEST(March, SpheresAreMetWhereTheyAre) {
         case Outcome::Hit:
           ++hits;
           [[fallthrough]];
-        case Outcome::Brink:
+        case Outcome::Grazing:
           ASSERT_LE(std::fabs(length(point - middle) - radius), 0.07);
           break;
       }
@@ -419,14 +419,14 @@ TEST(March, GrazingStepsAreBetweenTheClosedForms) {
           const Vec3d start = Vec3d{0.3, 0, kHeight * 0.1} + anyPoint(50, i) * 0.1;
           Particles particles;
           addParticle(place.field, start, {std::cos(a), 0, -std::sin(a)}, 0, 1e9, particles);
-          const Landing landing = marchOne(place.field, place.triangles, kResting, particles, 0);
-          ASSERT_EQ(landing.outcome, Outcome::Hit) << angle;
+          const HitRecord record = marchOne(place.field, place.triangles, kResting, particles, 0);
+          ASSERT_EQ(record.outcome, Outcome::Hit) << angle;
           const double logarithm = std::log((start.z * 10 - plane) / kRest);
           const auto closedForm = [&](double heights) {
             return logarithm / -std::log(1 - std::min(heights * std::sin(a), 0.99));
           };
-          EXPECT_GE(landing.steps, std::floor(closedForm(3.6))) << angle << " degrees";
-          EXPECT_LE(landing.steps, closedForm(0.5) + 2) << angle << " degrees";
+          EXPECT_GE(record.steps, std::floor(closedForm(3.6))) << angle << " degrees";
+          EXPECT_LE(record.steps, closedForm(0.5) + 2) << angle << " degrees";
         }
       }
     }
@@ -439,15 +439,15 @@ TEST(March, AnExhaustedBudgetIsNoMiss) {
     const auto field = buildField(*world, levelsAround({}, 0.11, 64, 3, lists), nullptr);
     const Particles particles = assortedParticles(*field, 3000);
     for (std::size_t i = 0; i < particles.size(); ++i) {
-      const Landing whole = marchOne(*field, world->baked, kResting, particles, i);
+      const HitRecord whole = marchOne(*field, world->baked, kResting, particles, i);
       ASSERT_NE(whole.outcome, Outcome::Exhausted);
       for (const std::uint32_t steps : {0u, 1u, whole.steps / 2, whole.steps, whole.steps + 1}) {
-        const Landing landing = marchOne(*field, world->baked, {kRest, 0, steps}, particles, i);
+        const HitRecord record = marchOne(*field, world->baked, {kRest, 0, steps}, particles, i);
         // A miss is known only where the next step would begin.
         const bool enough = steps > whole.steps || (steps == whole.steps && whole.outcome != Outcome::Miss);
-        ASSERT_EQ(landing.outcome, enough ? whole.outcome : Outcome::Exhausted);
-        ASSERT_EQ(landing.steps, enough ? whole.steps : steps);
-        ASSERT_EQ(landing.way, enough ? whole.way : 0);
+        ASSERT_EQ(record.outcome, enough ? whole.outcome : Outcome::Exhausted);
+        ASSERT_EQ(record.steps, enough ? whole.steps : steps);
+        ASSERT_EQ(record.way, enough ? whole.way : 0);
       }
     }
   }
@@ -464,10 +464,10 @@ TEST(March, NothingIsMetOutsideOfTheWay) {
       return marchOne(place.field, place.triangles, kResting, particles, 0);
     };
     for (double begin = 0; begin < distance - 0.06; begin += 0.05) {
-      const Landing landing = fly(begin, 3);
-      EXPECT_EQ(landing.outcome, Outcome::Hit);
-      EXPECT_GE(landing.way * 0.1f, static_cast<float>(begin));
-      EXPECT_NEAR(landing.way * 0.1, distance, lists ? 1e-4 : 0.06);
+      const HitRecord record = fly(begin, 3);
+      EXPECT_EQ(record.outcome, Outcome::Hit);
+      EXPECT_GE(record.way * 0.1f, static_cast<float>(begin));
+      EXPECT_NEAR(record.way * 0.1, distance, lists ? 1e-4 : 0.06);
     }
     for (double begin = distance + 0.06; begin < 3; begin += 0.05) EXPECT_EQ(fly(begin, 3).outcome, Outcome::Miss);
     for (double end = 0; end < distance - 0.2; end += 0.05) EXPECT_EQ(fly(0, end).outcome, Outcome::Miss);
@@ -485,9 +485,9 @@ TEST(March, ParticlesMayStartInsideTheHitDistance) {
     for (const double turn : {-1.0, 1.0}) {
       Particles particles;
       addParticle(place.field, {0.31, -0.2, 0.02 - 0.03 * turn}, {0, 0, turn}, 0, 3, particles);
-      const Landing landing = marchOne(place.field, place.triangles, kResting, particles, 0);
-      EXPECT_EQ(landing.outcome, Outcome::Hit);
-      EXPECT_NEAR(landing.way * 0.1, lists ? 0.03 : 0.0, 1e-5);
+      const HitRecord record = marchOne(place.field, place.triangles, kResting, particles, 0);
+      EXPECT_EQ(record.outcome, Outcome::Hit);
+      EXPECT_NEAR(record.way * 0.1, lists ? 0.03 : 0.0, 1e-5);
     }
   }
 }
@@ -499,9 +499,9 @@ TEST(March, NearlyAxisParallelDirectionsTakeNoMoreSteps) {
     for (const double tiny : {-1e-10, -1e-13, -1e-17, 0.0, 1e-17, 1e-13}) {
       Particles particles;
       addParticle(place.field, {0.15, -1.05, 0.13}, {tiny, 1, 0}, 0, 2, particles);
-      const Landing landing = marchOne(place.field, place.triangles, kResting, particles, 0);
-      EXPECT_EQ(landing.outcome, Outcome::Miss);
-      EXPECT_LT(landing.steps, 60u) << tiny;
+      const HitRecord record = marchOne(place.field, place.triangles, kResting, particles, 0);
+      EXPECT_EQ(record.outcome, Outcome::Miss);
+      EXPECT_LT(record.steps, 60u) << tiny;
     }
   }
 }

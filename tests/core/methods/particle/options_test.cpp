@@ -185,8 +185,8 @@ TEST(SmallestSeen, GrowsWithTheVoxelsOutThere) {
 }
 
 // Distances to a ball, in voxels, around the field's centre: 3 x 3 x 3 full bricks.
-Field ballField(const Vec3d& middle, double radius) {
-  Field field;
+DistanceField ballField(const Vec3d& middle, double radius) {
+  DistanceField field;
   field.shape.voxel = 1;
   field.shape.levels = {{{-1, -1, -1}, {3, 3, 3}}};
   field.shape.reach = 12;
@@ -217,7 +217,7 @@ double sharePassed(double diameter) {
   for (std::uint32_t ball = 0; ball < kBalls; ++ball) {
     const RandomBlock place = randomBlock({.seed = 1, .beam = ball});
     const Vec3d middle{uniform(place[0]), uniform(place[1]), uniform(place[2])};
-    const Field field = ballField(middle, diameter / 2);
+    const DistanceField field = ballField(middle, diameter / 2);
     for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
       const RandomBlock random = randomBlock({.seed = 2, .frame = ball, .beam = beam});
       const double z = 2 * uniform(random[0]) - 1;

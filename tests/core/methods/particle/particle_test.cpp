@@ -308,14 +308,14 @@ TEST(Particle, TheOrderOfShotsDoesNotMatter) {
 TEST(Particle, ExhaustedBudgetIsNeitherHitNorMiss) {
   const Scene scene = groundScene(1.73);
   const Shot shot = shotAt(beamsOf(fan({0, 30, 89, 89.9}), 0, 150));
-  const auto method = particle(scene, "refine: none, steps: 16");
-  const Hits hits = traced(*method, shot);
+  Hits hits;
+  const TraceAccount account = particle(scene, "refine: none, steps: 16")->trace(shot, Channels::all(), hits);
   ASSERT_FALSE(hits.unresolved.empty());
   EXPECT_TRUE(std::is_sorted(hits.unresolved.begin(), hits.unresolved.end()));
   for (const std::uint32_t beam : hits.unresolved) EXPECT_FALSE(hits.hit(beam));
   EXPECT_TRUE(hits.hit(0));
-  ASSERT_EQ(method->warnings().size(), 1u);
-  EXPECT_NE(method->warnings()[0].find("steps"), std::string::npos);
+  ASSERT_EQ(account.warnings.size(), 1u);
+  EXPECT_NE(account.warnings[0].text.find("steps"), std::string::npos);
   EXPECT_TRUE(traced(*particle(scene, "refine: none, steps: 4000"), shot).unresolved.empty());
 }
 
@@ -339,11 +339,12 @@ TEST(Particle, NoBlindMetre) {
 
 TEST(Particle, TouchingASurfaceIsSaid) {
   const Scene scene = groundScene(0.03);
-  const auto method = particle(scene, "refine: none");
-  const Hits hits = traced(*method, shotAt(beamsOf({{0, 0, 1}}, 0.5, 10)));
+  Hits hits;
+  const TraceAccount account =
+      particle(scene, "refine: none")->trace(shotAt(beamsOf({{0, 0, 1}}, 0.5, 10)), Channels::all(), hits);
   EXPECT_FALSE(hits.hit(0));
-  ASSERT_EQ(method->warnings().size(), 1u);
-  EXPECT_NE(method->warnings()[0].find("start within half a voxel"), std::string::npos);
+  ASSERT_EQ(account.warnings.size(), 1u);
+  EXPECT_NE(account.warnings[0].text.find("start within half a voxel"), std::string::npos);
 }
 
 TEST(Particle, SensorInsideASolid) {
@@ -376,12 +377,13 @@ TEST(Particle, SensorOutsideOfTheSceneAndOfItsField) {
 
 TEST(Particle, ALevelTooFewIsSaid) {
   const Scene scene = groundScene(1.7);
-  const auto method = particle(scene, "levels: 1");
-  const Hits hits = traced(*method, shotAt(beamsOf(fan({0, 89}), 0, 200)));
+  Hits hits;
+  const TraceAccount account =
+      particle(scene, "levels: 1")->trace(shotAt(beamsOf(fan({0, 89}), 0, 200)), Channels::all(), hits);
   EXPECT_TRUE(hits.hit(0));
   EXPECT_EQ(hits.unresolved.size(), 40u);
-  ASSERT_EQ(method->warnings().size(), 1u);
-  EXPECT_NE(method->warnings()[0].find("levels: auto"), std::string::npos);
+  ASSERT_EQ(account.warnings.size(), 1u);
+  EXPECT_NE(account.warnings[0].text.find("levels: auto"), std::string::npos);
 }
 
 TEST(Particle, EmptySceneAndOneTriangle) {

@@ -98,10 +98,10 @@ TEST(Shape, DoesNotReachBeyondTheScene) {
   const Box room{{-4, -3, 0}, {4, 3, 2.5}};
   const FieldShape shape = shapeOf(optionsOf(0.1, 64), {1, 1, 1}, room, 1e9);
   EXPECT_EQ(shape.levels.size(), 2u);  // 2.7 m do not hold the 5 m to the farthest wall, 5.4 m do
-  const Box flight = flightBox(shape);
+  const Box march = marchBox(shape);
   for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_LT(coordinates(flight.low)[k], coordinates(room.low)[k]);
-    EXPECT_GT(coordinates(flight.high)[k], coordinates(room.high)[k]);
+    EXPECT_LT(coordinates(march.low)[k], coordinates(room.low)[k]);
+    EXPECT_GT(coordinates(march.high)[k], coordinates(room.high)[k]);
   }
   EXPECT_EQ(shapeOf(optionsOf(0.1, 64), {1, 1, 1}, Box{}, 1e9).levels.size(), 1u);
   EXPECT_EQ(shapeOf(optionsOf(0.1, 64), {1, 1, 1}, room, INFINITY), shape);
@@ -153,8 +153,8 @@ TEST(Shape, SceneWideFieldHoldsTheSceneWhereverTheSensorIs) {
     EXPECT_LE(high - coordinates(kStreet.high)[k], 8);
     EXPECT_LE(std::fabs(coordinates(shape.centre)[k] - (low + high) / 2), 4);
     EXPECT_GE(shape.reach * shape.voxel, high - coordinates(shape.centre)[k]);
-    EXPECT_EQ(coordinates(flightBox(shape).low)[k], low + 0.5);
-    EXPECT_EQ(coordinates(flightBox(shape).high)[k], high - 0.5);
+    EXPECT_EQ(coordinates(marchBox(shape).low)[k], low + 0.5);
+    EXPECT_EQ(coordinates(marchBox(shape).high)[k], high - 0.5);
     EXPECT_EQ(fieldLevels(shape)[0].offset[k], (coordinates(shape.centre)[k] - low) / 0.5);
   }
   EXPECT_EQ(shapeOf(options, {1, 2, 3}, Box{}, 100).levels.size(), 1u);

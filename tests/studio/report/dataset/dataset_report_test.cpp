@@ -372,7 +372,7 @@ TEST_F(MadeDataset, ThePageAsksForNothing) {
   }
   for (const char* words : {"@import", "url(", "<link", "<iframe", "<object"}) EXPECT_FALSE(has(own, words)) << words;
   const std::string script =
-      readFile(std::filesystem::path(SCANMILL_SOURCE_DIR) / "src/studio/study/dataset/scan_view.js");
+      readFile(std::filesystem::path(SCANMILL_SOURCE_DIR) / "src/studio/report/dataset/scan_view.js");
   for (const char* words : {"http", "fetch", "XMLHttpRequest", "import", "innerHTML", "eval"}) {
     EXPECT_FALSE(has(script, words)) << words;
   }

@@ -1,4 +1,4 @@
-#include "methods/depth_camera/turn.h"
+#include "methods/depth_camera/revolution.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +15,9 @@ constexpr std::size_t kFewPoses = 64;
 constexpr double kNearestLook = 0.1;  // m, along a beam
 
 double angleBetween(const Quat& a, const Quat& b) {
-  const Quat turn = Quat{a.w, -a.x, -a.y, -a.z} * b;
-  return 2 * std::atan2(std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z), std::abs(turn.w));
+  const Quat between = Quat{a.w, -a.x, -a.y, -a.z} * b;
+  return 2 * std::atan2(std::sqrt(between.x * between.x + between.y * between.y + between.z * between.z),
+                        std::abs(between.w));
 }
 
 std::uint64_t rendersFor(const std::vector<Pose>& poses) {
@@ -33,14 +34,14 @@ std::uint64_t rendersFor(const std::vector<Pose>& poses) {
 
 }  // namespace
 
-std::vector<TurnStep> stepsOf(const Shot& shot, std::uint32_t renders) {
+std::vector<RevolutionStep> stepsOf(const Shot& shot, std::uint32_t renders) {
   const std::uint64_t poses = shot.worldFromSensor.size();
   const std::uint64_t columns = shot.beams->columns;
   const std::uint64_t count = std::min(renders == 0 ? rendersFor(shot.worldFromSensor) : renders, poses);
   const auto firstColumn = [&](std::uint64_t pose) {  // the first that has it, see Shot::stepOf()
     return static_cast<std::uint32_t>((pose * columns + poses - 1) / poses);
   };
-  std::vector<TurnStep> steps;
+  std::vector<RevolutionStep> steps;
   for (std::uint64_t step = 0; step < count; ++step) {
     const std::uint64_t first = step * poses / count;
     const std::uint64_t end = (step + 1) * poses / count;

@@ -1,15 +1,15 @@
 // marchOne() for as many particles at a time as the processor has lanes, for march_cpu.cpp.
 //
-// Lanes are persistent: where a particle has landed, the next one takes its lane, so that long ways leave no lanes
-// idle. A step is cut into stages, and each stage is done for all groups of lanes before the next: the loads of a
-// stage take far longer than its arithmetic, and so the processor has the other groups' to do meanwhile. What a
-// particle does depends on nothing but itself.
+// Particles stream through the lanes: as soon as a particle is done, its lane is refilled with the next one, so that
+// one long way leaves no other lane idle. A step is cut into stages, and each stage is done for all groups of lanes
+// before the next stage begins. The loads of a stage take far longer than its arithmetic; meanwhile the processor works
+// on the other groups. What becomes of a particle does not depend on the others.
 // Read once for each instruction set: see march_cpu.cpp.
-#if defined(SCANMILL_MARCH_FLOCK_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef SCANMILL_MARCH_FLOCK_H
-#undef SCANMILL_MARCH_FLOCK_H
+#if defined(SCANMILL_MARCH_STREAM_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef SCANMILL_MARCH_STREAM_H
+#undef SCANMILL_MARCH_STREAM_H
 #else
-#define SCANMILL_MARCH_FLOCK_H
+#define SCANMILL_MARCH_STREAM_H
 #endif
 
 #include <algorithm>
@@ -37,16 +37,16 @@ struct LaneGroup {
   HWY_ALIGN_MAX LaneWords lastNearest = {};
   HWY_ALIGN_MAX LaneWords outcome = {};  // 4 * steps taken
   std::size_t particle[kLanes] = {};
-  LaneBits flying = 0;
+  LaneBits active = 0;  // lanes that hold a particle
 
-  // Of the step.
+  // Of the current step.
   HWY_ALIGN_MAX LaneFloats f[3] = {}, scale = {};  // place in the voxel
   HWY_ALIGN_MAX LaneWords in[3] = {};              // voxel in the brick
   HWY_ALIGN_MAX LaneWords entry = {}, cell = {};
   HWY_ALIGN_MAX LaneWords rows[4] = {};  // pairs of distances; with lists, the nearest corner's alone
   HWY_ALIGN_MAX LaneFloats looked = {};  // the way before the step, or where the particle rests
   HWY_ALIGN_MAX LaneWords corner = {};   // where it rests
-  LaneBits brinks = 0;                   // of the lanes that rest: those at a brink
+  LaneBits grazing = 0;                  // of the lanes that rest: candidates for a grazing hit
   LaneBits meeting = 0;                  // lanes that rest, or have triangles to look at
 };
 
@@ -59,7 +59,7 @@ struct LevelTables {
   HWY_ALIGN_MAX std::uint32_t layer[kSize] = {};
   HWY_ALIGN_MAX std::uint32_t first[kSize] = {};
 
-  explicit LevelTables(const Field& field) {
+  explicit LevelTables(const DistanceField& field) {
     for (std::size_t l = 0; l < field.levels.size(); ++l) {
       const FieldLevel& level = field.levels[l];
       for (int k = 0; k < 3; ++k) {
@@ -103,63 +103,63 @@ inline Words wordsWhere(Mask mask, Words yes, Words no) {
   return hn::IfThenElse(hn::RebindMask(kWords, mask), yes, no);
 }
 
-// Without lists, what lands is told the corner whose word names its triangle: see nameTriangles() in march_cpu.cpp.
+// Without lists, a hit is recorded with the corner whose word names the triangle: see nameTriangles() in march_cpu.cpp.
 template <bool kLists>
-class Flock {
+class RayStream {
  public:
-  Flock(const Field& field, const TriangleBlock& triangles, const MarchOptions& options, const Particles& particles,
-        std::size_t first, std::size_t last, Landings& landings)
+  RayStream(const DistanceField& field, const TriangleBlock& triangles, const MarchOptions& options,
+            const Particles& particles, std::size_t first, std::size_t last, HitRecords& records)
       : field_(field),
         options_(options),
         particles_(particles),
         next_(first),
         last_(last),
-        landings_(landings),
+        records_(records),
         tables_(field),
         tester_(field, triangles) {}
 
-  void fly() {
-    LaneBits flying = 0;
+  void run() {
+    LaneBits active = 0;
     for (LaneGroup& group : groups_) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) board(group, lane);
-      flying |= group.flying;
+      for (std::size_t lane = 0; lane < kLanes; ++lane) refill(group, lane);
+      active |= group.active;
     }
-    while (flying != 0) {
+    while (active != 0) {
       for (LaneGroup& group : groups_) {
-        if (group.flying != 0) locate(group);
+        if (group.active != 0) locate(group);
       }
       for (LaneGroup& group : groups_) {
-        if (group.flying != 0) aim(group);
+        if (group.active != 0) aim(group);
       }
       for (LaneGroup& group : groups_) {
-        if (group.flying != 0) fetch(group);
+        if (group.active != 0) fetch(group);
       }
       for (std::size_t g = 0; g < kLaneGroups; ++g) {
-        if (groups_[g].flying != 0) move(g);
+        if (groups_[g].active != 0) step(g);
       }
       if constexpr (kLists) tester_.meet();
-      flying = 0;
+      active = 0;
       for (std::size_t g = 0; g < kLaneGroups; ++g) {
-        if (groups_[g].flying != 0) settle(g);
-        flying |= groups_[g].flying;
+        if (groups_[g].active != 0) settle(g);
+        active |= groups_[g].active;
       }
     }
   }
 
  private:
-  void land(std::size_t i, float way, std::uint32_t triangle, std::uint32_t outcome) {
-    landings_.way[i] = way;
-    landings_.triangle[i] = triangle;
-    landings_.outcome[i] = outcome;
+  void record(std::size_t i, float way, std::uint32_t triangle, std::uint32_t outcome) {
+    records_.way[i] = way;
+    records_.triangle[i] = triangle;
+    records_.outcome[i] = outcome;
   }
 
   // The next particle takes the lane; where none is left, the lane idles where it is.
-  void board(LaneGroup& group, std::size_t lane) {
-    group.flying &= ~(LaneBits{1} << lane);
+  void refill(LaneGroup& group, std::size_t lane) {
+    group.active &= ~(LaneBits{1} << lane);
     while (next_ < last_) {
       const std::size_t i = next_++;
       if (options_.steps == 0 || !(particles_.begin[i] < particles_.end[i])) {
-        land(i, 0, 0, static_cast<std::uint32_t>(options_.steps == 0 ? Outcome::Exhausted : Outcome::Miss));
+        record(i, 0, 0, static_cast<std::uint32_t>(options_.steps == 0 ? Outcome::Exhausted : Outcome::Miss));
         continue;
       }
       group.o[0][lane] = particles_.ox[i];
@@ -181,7 +181,7 @@ class Flock {
       }
       group.outcome[lane] = 0;
       group.particle[lane] = i;
-      group.flying |= LaneBits{1} << lane;
+      group.active |= LaneBits{1} << lane;
       return;
     }
   }
@@ -300,7 +300,7 @@ class Flock {
   }
 
   // The step itself, but for triangles.
-  void move(std::size_t g) {
+  void step(std::size_t g) {
     LaneGroup& group = groups_[g];
     const Floats d[3] = {hn::Load(kFloats, group.d[0]), hn::Load(kFloats, group.d[1]), hn::Load(kFloats, group.d[2])};
     const Floats way = hn::Load(kFloats, group.way);
@@ -362,8 +362,8 @@ class Flock {
     }
     const Mask again = hn::Gt(hn::Sub(way, hn::Mul(back, grow)), clear);
     hn::Store(way, kFloats, group.looked);
-    if constexpr (!kLists) meets = turn(group, meets, again, seen, way);
-    group.meeting = bitsOf(hn::AndNot(again, meets)) & group.flying;
+    if constexpr (!kLists) meets = atRest(group, meets, again, seen, way);
+    group.meeting = bitsOf(hn::AndNot(again, meets)) & group.active;
     if constexpr (kLists) {
       if (group.meeting != 0) ask(g, d, way, ahead, grow);
     }
@@ -377,20 +377,20 @@ class Flock {
   }
 
   // Which lanes rest, here or where they were before; keeps what the next step needs to know.
-  static Mask turn(LaneGroup& group, Mask rests, Mask again, Floats seen, Floats way) {
+  static Mask atRest(LaneGroup& group, Mask rests, Mask again, Floats seen, Floats way) {
     const Floats last = hn::Load(kFloats, group.last);
     const Floats lastWay = hn::Load(kFloats, group.lastWay);
     const Words lastNearest = hn::Load(kWords, group.lastNearest);
     const Words nearest = nearestOf(group, hn::Load(kWords, group.cell));
-    const Mask brink = hn::AndNot(hn::Lt(seen, last), hn::Le(last, hn::Set(kFloats, kBrink)));
-    const Mask turns = hn::AndNot(rests, brink);
-    group.brinks = bitsOf(turns);
-    hn::Store(hn::IfThenElse(turns, lastWay, way), kFloats, group.looked);
-    hn::Store(wordsWhere(turns, lastNearest, nearest), kWords, group.corner);
+    const Mask recedes = hn::AndNot(hn::Lt(seen, last), hn::Le(last, hn::Set(kFloats, kGrazing)));
+    const Mask grazes = hn::AndNot(rests, recedes);
+    group.grazing = bitsOf(grazes);
+    hn::Store(hn::IfThenElse(grazes, lastWay, way), kFloats, group.looked);
+    hn::Store(wordsWhere(grazes, lastNearest, nearest), kWords, group.corner);
     hn::Store(hn::IfThenElse(again, last, seen), kFloats, group.last);
     hn::Store(hn::IfThenElse(again, lastWay, way), kFloats, group.lastWay);
     hn::Store(wordsWhere(again, lastNearest, nearest), kWords, group.lastNearest);
-    return hn::Or(rests, turns);
+    return hn::Or(rests, grazes);
   }
 
   // Has the tester look at the triangles of the lanes that meet some.
@@ -414,7 +414,7 @@ class Flock {
     }
   }
 
-  // Lands particles and gives their lanes to others.
+  // Records the particles that are done and refills their lanes.
   void settle(std::size_t g) {
     LaneGroup& group = groups_[g];
     LaneBits hits = group.meeting;
@@ -428,34 +428,34 @@ class Flock {
     const Mask spent =
         hn::RebindMask(kFloats, hn::Eq(hn::Load(kWords, group.outcome), hn::Set(kWords, 4 * options_.steps)));
     const Mask done = hn::Not(hn::Lt(hn::Load(kFloats, group.clear), hn::Load(kFloats, group.end)));
-    LaneBits landed = (bitsOf(hn::Or(spent, done)) & group.flying) | hits;
-    if (landed == 0) return;
-    for (; landed != 0; landed &= landed - 1) {
-      const std::size_t lane = firstOf(landed);
+    LaneBits finished = (bitsOf(hn::Or(spent, done)) & group.active) | hits;
+    if (finished == 0) return;
+    for (; finished != 0; finished &= finished - 1) {
+      const std::size_t lane = firstOf(finished);
       const std::size_t i = group.particle[lane];
       const std::uint32_t steps = group.outcome[lane];
       if ((hits >> lane & 1) == 0) {
         const bool exhausted = steps == 4 * options_.steps;
-        land(i, 0, 0, steps + static_cast<std::uint32_t>(exhausted ? Outcome::Exhausted : Outcome::Miss));
+        record(i, 0, 0, steps + static_cast<std::uint32_t>(exhausted ? Outcome::Exhausted : Outcome::Miss));
       } else if constexpr (kLists) {
         const Meeting& best = tester_.best[g * kLanes + lane];
         const float metres = static_cast<float>(field_.shape.voxel);
-        land(i, group.looked[lane] + best.numerator / (best.denominator * metres), best.triangle, steps);
+        record(i, group.looked[lane] + best.numerator / (best.denominator * metres), best.triangle, steps);
       } else {
-        const bool brink = (group.brinks >> lane & 1) != 0;
+        const bool grazes = (group.grazing >> lane & 1) != 0;
         __builtin_prefetch(&field_.word[group.corner[lane]]);
-        land(i, group.looked[lane], group.corner[lane],
-             steps + static_cast<std::uint32_t>(brink ? Outcome::Brink : Outcome::Hit));
+        record(i, group.looked[lane], group.corner[lane],
+               steps + static_cast<std::uint32_t>(grazes ? Outcome::Grazing : Outcome::Hit));
       }
-      board(group, lane);
+      refill(group, lane);
     }
   }
 
-  const Field& field_;
+  const DistanceField& field_;
   const MarchOptions& options_;
   const Particles& particles_;
   std::size_t next_, last_;
-  Landings& landings_;
+  HitRecords& records_;
   LevelTables tables_;
   TriangleTester tester_;
   LaneGroup groups_[kLaneGroups];

@@ -1,4 +1,4 @@
-#include "methods/particle/flight.h"
+#include "methods/particle/march_job.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@ namespace scanmill {
 
 namespace {
 
-// Particles fly a little past the sensor's maximum range: float32 must not decide what lies at exactly the maximum.
+// Particles march a little past the sensor's maximum range: float32 must not decide what lies at exactly the maximum.
 double farthest(const BeamTable& beams) {
   return beams.maxRange * (1 + 1e-4) + 1e-3;
 }
@@ -39,7 +39,7 @@ bool insideBox(const Box& box, const Vec3d& p) {
          p.z <= box.high.z;
 }
 
-Vec3f fieldFrame(const Field& field, const Vec3d& point) {
+Vec3f fieldFrame(const DistanceField& field, const Vec3d& point) {
   return Vec3f((point - field.shape.centre) * (1 / field.shape.voxel));
 }
 
@@ -71,24 +71,24 @@ bool isLayer(const BlockTriangle& triangle, const Vec3d& normal, const Vec3d& pl
 // The gradient of the distance to a flat surface is its normal, and the nearest triangle's is exact, so the particle
 // goes on along the beam to that triangle's plane. What it meets there may have another triangle nearest to it: then to
 // that one's plane, once more.
-Rest corrected(const Flight& flight, const Vec3d& o, const Vec3d& d, Rest rest) {
-  const Field& field = flight.field;
-  for (int turn = 0; turn < 2; ++turn) {
-    const BlockTriangle& plane = flight.world.baked.triangles[rest.triangle];
+Rest corrected(const MarchJob& job, const Vec3d& o, const Vec3d& d, Rest rest) {
+  const DistanceField& field = job.field;
+  for (int round = 0; round < 2; ++round) {
+    const BlockTriangle& plane = job.world.baked.triangles[rest.triangle];
     const Vec3d here = o + d * rest.range;
     const double away = plane.offset - dot(plane.normal, here);
     const double range = rest.range + away / dot(plane.normal, d);
     const double voxel = voxelAt(field, fieldFrame(field, here));
     if (!(std::abs(away) <= double{kTrusted} * voxel) || !(range >= 0)) return rest;
     const Vec3d there = o + d * range;
-    if (!insideBox(flight.box, there)) return rest;
+    if (!insideBox(job.box, there)) return rest;
     if (!(placeIn(field, fieldFrame(field, there)).distance <= kThere)) return rest;
     const double side = dot(plane.normal, d) > 0 ? -1 : 1;
     const Vec3d aside = there + plane.normal * (side * kAside * voxel);
     const std::uint32_t corner = nearestCorner(field, fieldFrame(field, aside));
     const std::uint32_t named = corner == kNoWord ? kNoWord : field.word[corner];
     const bool same = named == rest.triangle || named == kNoWord ||
-                      !isLayer(flight.world.baked.triangles[named], plane.normal, there, voxel);
+                      !isLayer(job.world.baked.triangles[named], plane.normal, there, voxel);
     rest = {same ? rest.triangle : named, range};
     if (same) break;
   }
@@ -96,13 +96,14 @@ Rest corrected(const Flight& flight, const Vec3d& o, const Vec3d& d, Rest rest) 
 }
 
 // Interpolated distances are too small where walls meet: a particle that rests farther than half a voxel from the plane
-// of its triangle is taken for one at a brink. Which lanes are so, of particles that have gone `way` (m).
-void findFar(const Flight& flight, const Rays& rays, const Resolved& planes, const Lane& way, bool (&far)[kPacket]) {
-  const Field& field = flight.field;
+// of its triangle is taken for a candidate for a grazing hit. Finds the lanes that are so, of particles that have gone
+// `way` (m).
+void findFar(const MarchJob& job, const Rays& rays, const Resolved& planes, const Lane& way, bool (&far)[kPacket]) {
+  const DistanceField& field = job.field;
   const Vec3d centre = field.shape.centre;
   const double voxel = field.shape.voxel;
   const double perVoxel = 1 / voxel;
-  const double cone{flight.march.cone};
+  const double cone{job.march.cone};
   alignas(64) double most[kPacket];
   alignas(64) double away[kPacket];
   for (int i = 0; i < kPacket; ++i) {
@@ -124,8 +125,8 @@ constexpr double kNoWay = 1e9;  // m: more than that is a miss
 
 // Which lanes rest where the nearest corner lies beyond the plane of its triangle, or so near to it that a layer may
 // lie between.
-void findBeyond(const Flight& flight, const Rays& rays, const Resolved& planes, bool (&beyond)[kPacket]) {
-  const Field& field = flight.field;
+void findBeyond(const MarchJob& job, const Rays& rays, const Resolved& planes, bool (&beyond)[kPacket]) {
+  const DistanceField& field = job.field;
   const Vec3d centre = field.shape.centre;
   const double voxel = field.shape.voxel;
   const double perVoxel = 1 / voxel;
@@ -162,30 +163,30 @@ void findBeyond(const Flight& flight, const Rays& rays, const Resolved& planes, 
   for (int i = 0; i < kPacket; ++i) beyond[i] = beyondBy[i] > 0;
 }
 
-// Flies on through transparent triangles.
-void passTransparent(const Flight& flight, const Rays& rays, int lane, Particles& particles, std::size_t i,
-                     Landings& landings) {
-  const TriangleBlock& block = flight.world.baked;
-  while (landings.outcomeOf(i) == Outcome::Hit && landings.triangle[i] >= block.firstAlpha) {
-    const std::uint32_t triangle = landings.triangle[i];
+// Lets a particle march on through transparent triangles.
+void passTransparent(const MarchJob& job, const Rays& rays, int lane, Particles& particles, std::size_t i,
+                     HitRecords& records) {
+  const TriangleBlock& block = job.world.baked;
+  while (records.outcomeOf(i) == Outcome::Hit && records.triangle[i] >= block.firstAlpha) {
+    const std::uint32_t triangle = records.triangle[i];
     const Vec3d point =
         Vec3d{rays.ox[lane], rays.oy[lane], rays.oz[lane]} +
-        Vec3d{rays.dx[lane], rays.dy[lane], rays.dz[lane]} * (double{landings.way[i]} * flight.field.shape.voxel);
+        Vec3d{rays.dx[lane], rays.dy[lane], rays.dz[lane]} * (double{records.way[i]} * job.field.shape.voxel);
     const Vec2d at = barycentric({&block, nullptr, triangle}, point);
-    if (!transparentAt(flight.world, block, triangle, at.x, at.y)) return;
-    const std::uint32_t taken = landings.stepsOf(i);
-    MarchOptions rest = flight.march;
+    if (!transparentAt(job.world, block, triangle, at.x, at.y)) return;
+    const std::uint32_t taken = records.stepsOf(i);
+    MarchOptions rest = job.march;
     rest.steps = rest.steps > taken ? rest.steps - taken : 0;
-    particles.begin[i] = landings.way[i] + std::max(2e-3f, landings.way[i] * 1e-5f);
-    const Landing next = marchOne(flight.field, block, rest, particles, i);
-    landings.way[i] = next.way;
-    landings.triangle[i] = next.triangle;
-    landings.outcome[i] = static_cast<std::uint32_t>(next.outcome) + 4 * (next.steps + taken);
+    particles.begin[i] = records.way[i] + std::max(2e-3f, records.way[i] * 1e-5f);
+    const HitRecord next = marchOne(job.field, block, rest, particles, i);
+    records.way[i] = next.way;
+    records.triangle[i] = next.triangle;
+    records.outcome[i] = static_cast<std::uint32_t>(next.outcome) + 4 * (next.steps + taken);
   }
 }
 
-// A tile on its way to the hits.
-struct Arriving {
+// A tile of which not all hits are known yet.
+struct OpenTile {
   Tile tile;
   std::size_t first;  // its particles
   Rays rays;
@@ -195,78 +196,78 @@ struct Arriving {
 
 constexpr std::size_t kTilesTogether = 16;  // they stay in the first cache
 
-class Arrivals {
+class TileResolver {
  public:
-  Arrivals(const Flight& flight, const std::vector<CompactMaterial>& materials, Particles& particles,
-           Landings& landings, Hits& hits, std::vector<std::uint32_t>& unresolved)
-      : flight_(flight),
+  TileResolver(const MarchJob& job, const std::vector<CompactMaterial>& materials, Particles& particles,
+               HitRecords& records, Hits& hits, std::vector<std::uint32_t>& unresolved)
+      : job_(job),
         materials_(materials),
         particles_(particles),
-        landings_(landings),
+        records_(records),
         hits_(hits),
         unresolved_(unresolved),
-        end_(static_cast<float>(farthest(*flight.shot.beams) / flight.field.shape.voxel)) {}
+        end_(static_cast<float>(farthest(*job.shot.beams) / job.field.shape.voxel)) {}
 
   // What hits name lies anywhere in memory: all of it is asked for before the first is needed.
   void expect(std::span<const Tile> tiles, std::size_t first) const {
     const std::size_t count = std::min(tiles.size(), kTilesTogether) * kPacket;
     for (std::size_t i = first; i < first + count; ++i) {
-      if (landings_.outcomeOf(i) == Outcome::Hit) prefetch(flight_.world.baked.triangles[landings_.triangle[i]]);
+      if (records_.outcomeOf(i) == Outcome::Hit) prefetch(job_.world.baked.triangles[records_.triangle[i]]);
     }
   }
 
-  void begin(const Tile& tile, std::size_t first, Arriving& a) {
-    const TriangleBlock& block = flight_.world.baked;
-    const bool lists = flight_.field.shape.lists;
+  void begin(const Tile& tile, std::size_t first, OpenTile& a) {
+    const TriangleBlock& block = job_.world.baked;
+    const bool lists = job_.field.shape.lists;
     const bool alpha = lists && block.firstAlpha < block.triangles.size();
     a.tile = tile;
     a.first = first;
     expectStore(tile, hits_);
-    setUp(flight_.shot, flight_.frame, tile, a.rays);
+    setUp(job_.shot, job_.frame, tile, a.rays);
     for (int lane = 0; lane < kPacket; ++lane) {
-      if (alpha && lane < a.rays.count) passTransparent(flight_, a.rays, lane, particles_, indexOf(a, lane), landings_);
+      if (alpha && lane < a.rays.count) passTransparent(job_, a.rays, lane, particles_, indexOf(a, lane), records_);
       load(a, lane);
     }
-    if (!lists) findBrinks(a);
+    if (!lists) findGrazing(a);
   }
 
-  // Settles the brinks of tiles that have begun.
-  void settle(std::span<Arriving> tiles) {
-    if (brinks_.empty()) return;
-    settleBrinks(flight_.field, flight_.world.baked, flight_.march, particles_, brinks_, landings_);
-    for (const std::uint32_t i : brinks_) {
-      if (landings_.outcomeOf(i) == Outcome::Hit) prefetch(flight_.world.baked.triangles[landings_.triangle[i]]);
+  // Settles the candidates for grazing hits of tiles that have begun.
+  void settle(std::span<OpenTile> tiles) {
+    if (candidates_.empty()) return;
+    settleGrazing(job_.field, job_.world.baked, job_.march, particles_, candidates_, records_);
+    for (const std::uint32_t i : candidates_) {
+      if (records_.outcomeOf(i) == Outcome::Hit) prefetch(job_.world.baked.triangles[records_.triangle[i]]);
     }
-    for (const std::uint32_t i : brinks_) {
+    for (const std::uint32_t i : candidates_) {
       const std::size_t at = i - tiles.front().first;
       load(tiles[at / kPacket], static_cast<int>(at % kPacket));
     }
-    brinks_.clear();
+    candidates_.clear();
   }
 
-  void finish(Arriving& a) {
+  void finish(OpenTile& a) {
     for (int lane = 0; lane < a.rays.count; ++lane) count(a, lane);
-    if (flight_.refine == ParticleOptions::Refine::ByNormal) correct(a);
-    if (flight_.refine == ParticleOptions::Refine::None) nameFromOutside(a);
-    if (flight_.field.shape.lists) {
-      intersectPlanes(a.rays, *flight_.shot.beams, a.planes);
+    if (job_.refine == ParticleOptions::Refine::ByNormal) correct(a);
+    if (job_.refine == ParticleOptions::Refine::None) nameFromOutside(a);
+    if (job_.field.shape.lists) {
+      intersectPlanes(a.rays, *job_.shot.beams, a.planes);
     } else {
-      keepTraced(a.rays, *flight_.shot.beams, a.planes);
+      keepTraced(a.rays, *job_.shot.beams, a.planes);
     }
     store(materials_, a.tile, a.rays, a.planes, a.triangles, hits_);
   }
 
-  const FlightCounts& counts() const { return counts_; }
+  const MarchCounts& counts() const { return counts_; }
 
  private:
-  static std::size_t indexOf(const Arriving& a, int lane) { return a.first + static_cast<std::size_t>(lane); }
+  static std::size_t indexOf(const OpenTile& a, int lane) { return a.first + static_cast<std::size_t>(lane); }
 
-  double rangeOf(std::size_t i) const { return double{landings_.way[i]} * flight_.field.shape.voxel; }
+  double rangeOf(std::size_t i) const { return double{records_.way[i]} * job_.field.shape.voxel; }
 
-  void load(Arriving& a, int lane) const {
+  void load(OpenTile& a, int lane) const {
     const std::size_t i = indexOf(a, lane);
-    if (lane < a.rays.count && landings_.outcomeOf(i) == Outcome::Hit) {
-      a.triangles[lane] = {&flight_.world.baked, nullptr, landings_.triangle[i]};
+    if (lane < a.rays.count && records_.outcomeOf(i) == Outcome::Hit) {
+      a.triangles[lane] = {&job_.world.baked, nullptr, records_.triangle[i]};
       loadPlane(a.triangles[lane], static_cast<float>(rangeOf(i)), a.planes, lane);
     } else {
       a.triangles[lane] = {};
@@ -274,41 +275,41 @@ class Arrivals {
     }
   }
 
-  void findBrinks(const Arriving& a) {
+  void findGrazing(const OpenTile& a) {
     alignas(64) Lane way;
     for (int lane = 0; lane < kPacket; ++lane) {
       const bool hit = a.triangles[lane].block != nullptr;
       way[lane] = hit ? rangeOf(indexOf(a, lane)) : 0;
     }
     bool far[kPacket];
-    findFar(flight_, a.rays, a.planes, way, far);
+    findFar(job_, a.rays, a.planes, way, far);
     for (int lane = 0; lane < a.rays.count; ++lane) {
       const std::size_t i = indexOf(a, lane);
-      if (far[lane] && a.triangles[lane].block != nullptr && landings_.way[i] > particles_.begin[i]) {
-        landings_.outcome[i] = static_cast<std::uint32_t>(Outcome::Brink) + 4 * landings_.stepsOf(i);
+      if (far[lane] && a.triangles[lane].block != nullptr && records_.way[i] > particles_.begin[i]) {
+        records_.outcome[i] = static_cast<std::uint32_t>(Outcome::Grazing) + 4 * records_.stepsOf(i);
       }
-      if (landings_.outcomeOf(i) != Outcome::Brink) continue;
-      brinks_.push_back(static_cast<std::uint32_t>(i));
+      if (records_.outcomeOf(i) != Outcome::Grazing) continue;
+      candidates_.push_back(static_cast<std::uint32_t>(i));
     }
   }
 
-  void count(const Arriving& a, int lane) {
+  void count(const OpenTile& a, int lane) {
     const std::size_t i = indexOf(a, lane);
-    const Outcome outcome = landings_.outcomeOf(i);
-    const bool left = outcome == Outcome::Miss && !flight_.whole && particles_.end[i] < end_;
+    const Outcome outcome = records_.outcomeOf(i);
+    const bool left = outcome == Outcome::Miss && !job_.whole && particles_.end[i] < end_;
     if (outcome == Outcome::Exhausted || left) {
       ++(left ? counts_.left : counts_.exhausted);
       const auto l = static_cast<std::uint32_t>(lane);
       unresolved_.push_back((a.tile.ring + l / a.tile.width) * hits_.columns + a.tile.column + l % a.tile.width);
     }
-    if (outcome == Outcome::Hit && !flight_.field.shape.lists && landings_.way[i] <= 0) ++counts_.touching;
+    if (outcome == Outcome::Hit && !job_.field.shape.lists && records_.way[i] <= 0) ++counts_.touching;
   }
 
   // Without correction, only the names change: see kAside.
-  void nameFromOutside(Arriving& a) const {
+  void nameFromOutside(OpenTile& a) const {
     bool beyond[kPacket];
-    findBeyond(flight_, a.rays, a.planes, beyond);
-    const Field& field = flight_.field;
+    findBeyond(job_, a.rays, a.planes, beyond);
+    const DistanceField& field = job_.field;
     std::uint32_t corner[kPacket];
     Vec3d onPlane[kPacket];
     double voxel[kPacket];
@@ -331,21 +332,21 @@ class Arrivals {
     for (std::uint32_t& named : corner) {
       if (named == kNoWord) continue;
       named = field.word[named];
-      if (named != kNoWord) prefetch(flight_.world.baked.triangles[named]);
+      if (named != kNoWord) prefetch(job_.world.baked.triangles[named]);
     }
     for (int lane = 0; lane < kPacket; ++lane) {
       if (corner[lane] == kNoWord || corner[lane] == a.triangles[lane].index) continue;
       const Vec3d normal{a.planes.nx[lane], a.planes.ny[lane], a.planes.nz[lane]};
-      if (!isLayer(flight_.world.baked.triangles[corner[lane]], normal, onPlane[lane], voxel[lane])) continue;
+      if (!isLayer(job_.world.baked.triangles[corner[lane]], normal, onPlane[lane], voxel[lane])) continue;
       a.triangles[lane].index = corner[lane];
       loadPlane(a.triangles[lane], static_cast<float>(a.planes.traced[lane]), a.planes, lane);
     }
   }
 
-  void correct(Arriving& a) const {
+  void correct(OpenTile& a) const {
     for (int lane = 0; lane < kPacket; ++lane) {
       if (a.triangles[lane].block == nullptr) continue;
-      const Rest rest = corrected(flight_, {a.rays.ox[lane], a.rays.oy[lane], a.rays.oz[lane]},
+      const Rest rest = corrected(job_, {a.rays.ox[lane], a.rays.oy[lane], a.rays.oz[lane]},
                                   {a.rays.dx[lane], a.rays.dy[lane], a.rays.dz[lane]},
                                   {a.triangles[lane].index, rangeOf(indexOf(a, lane))});
       a.triangles[lane].index = rest.triangle;
@@ -353,40 +354,40 @@ class Arrivals {
     }
   }
 
-  const Flight& flight_;
+  const MarchJob& job_;
   const std::vector<CompactMaterial>& materials_;
   Particles& particles_;
-  Landings& landings_;
+  HitRecords& records_;
   Hits& hits_;
   std::vector<std::uint32_t>& unresolved_;
   float end_;  // of the way of a particle that nothing stops
-  std::vector<std::uint32_t> brinks_;
-  FlightCounts counts_;
+  std::vector<std::uint32_t> candidates_;
+  MarchCounts counts_;
 };
 
 }  // namespace
 
-FlightCounts& FlightCounts::operator+=(const FlightCounts& o) {
+MarchCounts& MarchCounts::operator+=(const MarchCounts& o) {
   exhausted += o.exhausted;
   left += o.left;
   touching += o.touching;
   return *this;
 }
 
-void launch(const Flight& flight, std::span<const Tile> tiles, Particles& particles, std::size_t first) {
-  const bool lists = flight.field.shape.lists;
-  const Vec3d centre = flight.field.shape.centre;
-  const double perVoxel = 1 / flight.field.shape.voxel;
-  const double end = farthest(*flight.shot.beams);
+void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, std::size_t first) {
+  const bool lists = job.field.shape.lists;
+  const Vec3d centre = job.field.shape.centre;
+  const double perVoxel = 1 / job.field.shape.voxel;
+  const double end = farthest(*job.shot.beams);
   Rays rays;
   Stretches inside;
   for (std::size_t t = 0; t < tiles.size(); ++t) {
-    setUp(flight.shot, flight.frame, tiles[t], rays);
+    setUp(job.shot, job.frame, tiles[t], rays);
     std::fill_n(inside.begin, kPacket, 0.0);
     std::fill_n(inside.end, kPacket, end);
-    cut(flight.box.low.x, flight.box.high.x, rays.ox, rays.dx, inside);
-    cut(flight.box.low.y, flight.box.high.y, rays.oy, rays.dy, inside);
-    cut(flight.box.low.z, flight.box.high.z, rays.oz, rays.dz, inside);
+    cut(job.box.low.x, job.box.high.x, rays.ox, rays.dx, inside);
+    cut(job.box.low.y, job.box.high.y, rays.oy, rays.dy, inside);
+    cut(job.box.low.z, job.box.high.z, rays.oz, rays.dz, inside);
     std::fill(inside.end + rays.count, inside.end + kPacket, 0.0);
     const std::size_t at = first + t * kPacket;
     const auto fill = [at](std::vector<float>& column, const auto& valueOf) {
@@ -411,22 +412,22 @@ void launch(const Flight& flight, std::span<const Tile> tiles, Particles& partic
   }
 }
 
-FlightCounts land(const Flight& flight, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
-                  Particles& particles, Landings& landings, std::size_t first, Hits& hits,
-                  std::vector<std::uint32_t>& unresolved) {
-  Arrivals arrivals(flight, materials, particles, landings, hits, unresolved);
-  Arriving some[kTilesTogether];
-  arrivals.expect(tiles, first);
+MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
+                    Particles& particles, HitRecords& records, std::size_t first, Hits& hits,
+                    std::vector<std::uint32_t>& unresolved) {
+  TileResolver resolver(job, materials, particles, records, hits, unresolved);
+  OpenTile some[kTilesTogether];
+  resolver.expect(tiles, first);
   for (std::size_t t = 0; t < tiles.size(); t += kTilesTogether) {
     const auto together = std::span(some).first(std::min(kTilesTogether, tiles.size() - t));
-    arrivals.expect(tiles.subspan(std::min(t + kTilesTogether, tiles.size())), first + (t + kTilesTogether) * kPacket);
+    resolver.expect(tiles.subspan(std::min(t + kTilesTogether, tiles.size())), first + (t + kTilesTogether) * kPacket);
     for (std::size_t k = 0; k < together.size(); ++k) {
-      arrivals.begin(tiles[t + k], first + (t + k) * kPacket, together[k]);
+      resolver.begin(tiles[t + k], first + (t + k) * kPacket, together[k]);
     }
-    if (!flight.field.shape.lists) arrivals.settle(together);
-    for (Arriving& a : together) arrivals.finish(a);
+    if (!job.field.shape.lists) resolver.settle(together);
+    for (OpenTile& a : together) resolver.finish(a);
   }
-  return arrivals.counts();
+  return resolver.counts();
 }
 
 }  // namespace scanmill

@@ -1,7 +1,7 @@
-// What became of particles that were near a surface and moved away again.
+// Decides what became of candidates for grazing hits: particles that came near a surface and moved away again.
 //
-// Brinks are settled many at a time. What they look at lies anywhere in memory, from corners of the field to triangles
-// to vertices: each is asked for on behalf of all brinks before the first is needed.
+// Candidates are settled many at a time. What they look at lies anywhere in memory: corners of the field, then
+// triangles, then vertices. Each of these is prefetched for all candidates before the first candidate needs it.
 
 #include <algorithm>
 #include <array>
@@ -17,9 +17,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kHalf = 0.5;    // voxels: so near to a triangle a particle is at rest
-constexpr double kAround = 1.5;  // voxels: so far from the brink it may have crossed something
-// The field is asked at the brink and a step before and after it; voxels.
+constexpr double kHalf = 0.5;    // voxels: a triangle so near is hit
+constexpr double kAround = 1.5;  // voxels: so far from the candidate's place it may have crossed something
+// The field is looked up at the candidate's place, and so far before and after it; voxels.
 constexpr std::array<double, 3> kLooks{-0.8, 0.0, 0.8};
 
 constexpr double kNowhere = std::numeric_limits<double>::infinity();
@@ -42,7 +42,7 @@ double toEdge(const Vec3d& s, const Vec3d& edge) {
   return dot(away, away);
 }
 
-struct Brink {
+struct GrazingCandidate {
   std::uint32_t particle;
   double way;   // field frame
   double grow;  // voxels of level 0 to one of the level
@@ -50,20 +50,20 @@ struct Brink {
   double low;   // m from the point: it may not cross before
   Vec3d d;
   Vec3d point;       // m, the world's frame
-  std::size_t last;  // of its candidates: one past
+  std::size_t last;  // of its pairs with triangles: one past
 };
 
 // From a voxel's first corner to the others that begin its edges along x.
 constexpr std::array<std::uint32_t, 4> kRows{0, kBrickCorners, kBrickCorners* kBrickCorners,
                                              kBrickCorners* kBrickCorners + kBrickCorners};
 
-constexpr std::size_t kBrinksAtOnce = 16;
+constexpr std::size_t kCandidatesAtOnce = 16;
 constexpr std::size_t kWords = 8 * kLooks.size();
 
-// Pairs of a brink and a triangle that the field names there, brink by brink, in double.
+// Pairs of a candidate and a triangle that the field names there, candidate by candidate, in double.
 struct PairLanes {
-  using Values = double[kBrinksAtOnce * kWords];
-  alignas(64) Values sx, sy, sz;  // m, from the triangle's first corner to the brink's point
+  using Values = double[kCandidatesAtOnce * kWords];
+  alignas(64) Values sx, sy, sz;  // m, from the triangle's first corner to the candidate's point
   alignas(64) Values ux, uy, uz;  // m, to its second corner
   alignas(64) Values vx, vy, vz;  // m, to its third
   alignas(64) Values dx, dy, dz;  // of the particle's line
@@ -103,59 +103,60 @@ void compare(PairLanes& l, std::size_t count) {
 
 class Round {
  public:
-  Round(const Field& field, const TriangleBlock& block) : field_(field), block_(block), voxel_(field.shape.voxel) {}
+  Round(const DistanceField& field, const TriangleBlock& block)
+      : field_(field), block_(block), voxel_(field.shape.voxel) {}
 
-  // Looks at particles that are at brinks, kBrinksAtOnce at most.
-  void look(const Particles& particles, const Landings& landings, std::span<const std::uint32_t> at) {
+  // Looks at candidates, kCandidatesAtOnce at most.
+  void look(const Particles& particles, const HitRecords& records, std::span<const std::uint32_t> at) {
     count_ = at.size();
-    for (std::size_t b = 0; b < count_; ++b) place(particles, landings, at[b], b);
+    for (std::size_t b = 0; b < count_; ++b) place(particles, records, at[b], b);
     for (std::size_t b = 0; b < count_; ++b) read(b);
     std::size_t named = 0;
-    for (std::size_t b = 0; b < count_; ++b) named = brinks_[b].last = name(words_[b], named);
+    for (std::size_t b = 0; b < count_; ++b) named = candidates_[b].last = name(words_[b], named);
     for (std::size_t k = 0; k < named; ++k) {
       for (const std::uint32_t corner : block_.corners[triangle_[k]]) __builtin_prefetch(&block_.vertices[corner]);
     }
     std::size_t first = 0;
-    for (std::size_t b = 0; b < count_; first = brinks_[b++].last) {
-      for (std::size_t k = first; k < brinks_[b].last; ++k) pair(brinks_[b], k);
+    for (std::size_t b = 0; b < count_; first = candidates_[b++].last) {
+      for (std::size_t k = first; k < candidates_[b].last; ++k) pair(candidates_[b], k);
     }
     compare(pairs_, named);
   }
 
-  // What the b-th of them met: kNoWord where nothing.
-  std::uint32_t triangleAt(std::size_t b, Landings& landings) const {
-    const Brink& brink = brinks_[b];
-    const std::size_t first = b == 0 ? 0 : brinks_[b - 1].last;
-    double crossed = kNowhere;  // m, from the brink
+  // The triangle that the b-th of them met; kNoWord where it met none.
+  std::uint32_t triangleAt(std::size_t b, HitRecords& records) const {
+    const GrazingCandidate& candidate = candidates_[b];
+    const std::size_t first = b == 0 ? 0 : candidates_[b - 1].last;
+    double crossed = kNowhere;  // m, from the candidate's point
     std::uint32_t triangle = kNoWord;
-    for (std::size_t k = first; k < brink.last; ++k) {
+    for (std::size_t k = first; k < candidate.last; ++k) {
       triangle = pairs_.crossing[k] < crossed ? triangle_[k] : triangle;
       crossed = std::min(crossed, pairs_.crossing[k]);
     }
     if (triangle != kNoWord) {
-      landings.way[brink.particle] = static_cast<float>(brink.way + crossed / voxel_);
+      records.way[candidate.particle] = static_cast<float>(candidate.way + crossed / voxel_);
       return triangle;
     }
-    double nearest = kHalf * brink.size;
-    for (std::size_t k = brink.last; k-- > first;) {
+    double nearest = kHalf * candidate.size;
+    for (std::size_t k = candidate.last; k-- > first;) {
       triangle = pairs_.distance[k] <= nearest ? triangle_[k] : triangle;
       nearest = std::min(nearest, pairs_.distance[k]);
     }
     return triangle;
   }
 
-  const Brink& brink(std::size_t b) const { return brinks_[b]; }
+  const GrazingCandidate& candidate(std::size_t b) const { return candidates_[b]; }
 
  private:
-  void place(const Particles& particles, const Landings& landings, std::uint32_t i, std::size_t b) {
+  void place(const Particles& particles, const HitRecords& records, std::uint32_t i, std::size_t b) {
     const Vec3d o{particles.ox[i], particles.oy[i], particles.oz[i]};
     const Vec3d d{particles.dx[i], particles.dy[i], particles.dz[i]};
-    const double way = landings.way[i];
+    const double way = records.way[i];
     const Vec3d at = o + d * way;
     const double grow = voxelAt(field_, Vec3f(at)) / voxel_;
     const double size = grow * voxel_;
     const double low = std::max(-kAround * size, (particles.begin[i] - way) * voxel_);
-    brinks_[b] = {i, way, grow, size, low, d, field_.shape.centre + at * voxel_, 0};
+    candidates_[b] = {i, way, grow, size, low, d, field_.shape.centre + at * voxel_, 0};
     for (std::size_t k = 0; k < kLooks.size(); ++k) {
       const std::uint32_t cell = voxelCorner(field_, Vec3f(at + d * (kLooks[k] * grow)));
       cell_[b][k] = cell;
@@ -192,9 +193,9 @@ class Round {
     return first;
   }
 
-  void pair(const Brink& brink, std::size_t k) {
+  void pair(const GrazingCandidate& candidate, std::size_t k) {
     const Corners t = cornersOf(block_, triangle_[k]);
-    const Vec3d s = brink.point - t.a;
+    const Vec3d s = candidate.point - t.a;
     const Vec3d ab = t.b - t.a;
     const Vec3d ac = t.c - t.a;
     pairs_.sx[k] = s.x;
@@ -206,56 +207,56 @@ class Round {
     pairs_.vx[k] = ac.x;
     pairs_.vy[k] = ac.y;
     pairs_.vz[k] = ac.z;
-    pairs_.dx[k] = brink.d.x;
-    pairs_.dy[k] = brink.d.y;
-    pairs_.dz[k] = brink.d.z;
-    pairs_.low[k] = brink.low;
-    pairs_.high[k] = kAround * brink.size;
+    pairs_.dx[k] = candidate.d.x;
+    pairs_.dy[k] = candidate.d.y;
+    pairs_.dz[k] = candidate.d.z;
+    pairs_.low[k] = candidate.low;
+    pairs_.high[k] = kAround * candidate.size;
   }
 
-  const Field& field_;
+  const DistanceField& field_;
   const TriangleBlock& block_;
   double voxel_;
   std::size_t count_ = 0;
-  std::array<Brink, kBrinksAtOnce> brinks_;
-  std::uint32_t cell_[kBrinksAtOnce][kLooks.size()];  // of the looks: voxelCorner()
-  alignas(64) std::uint32_t words_[kBrinksAtOnce][kWords];
-  std::uint32_t triangle_[kBrinksAtOnce * kWords];  // of the pairs
+  std::array<GrazingCandidate, kCandidatesAtOnce> candidates_;
+  std::uint32_t cell_[kCandidatesAtOnce][kLooks.size()];  // of the looks: voxelCorner()
+  alignas(64) std::uint32_t words_[kCandidatesAtOnce][kWords];
+  std::uint32_t triangle_[kCandidatesAtOnce * kWords];  // of the pairs
   PairLanes pairs_;
 };
 
 }  // namespace
 
-void settleBrinks(const Field& field, const TriangleBlock& triangles, const MarchOptions& options, Particles& particles,
-                  std::span<const std::uint32_t> at, Landings& landings) {
+void settleGrazing(const DistanceField& field, const TriangleBlock& triangles, const MarchOptions& options,
+                   Particles& particles, std::span<const std::uint32_t> at, HitRecords& records) {
   Round round(field, triangles);
   std::vector<std::uint32_t> open;
   for (const std::uint32_t i : at) {
-    if (landings.outcomeOf(i) == Outcome::Brink) open.push_back(i);
+    if (records.outcomeOf(i) == Outcome::Grazing) open.push_back(i);
   }
   while (!open.empty()) {
     std::vector<std::uint32_t> next;
-    for (std::size_t first = 0; first < open.size(); first += kBrinksAtOnce) {
+    for (std::size_t first = 0; first < open.size(); first += kCandidatesAtOnce) {
       const auto some =
-          std::span<const std::uint32_t>(open).subspan(first, std::min(kBrinksAtOnce, open.size() - first));
-      round.look(particles, landings, some);
+          std::span<const std::uint32_t>(open).subspan(first, std::min(kCandidatesAtOnce, open.size() - first));
+      round.look(particles, records, some);
       for (std::size_t b = 0; b < some.size(); ++b) {
         const std::uint32_t i = some[b];
-        const std::uint32_t taken = landings.stepsOf(i);
-        const std::uint32_t triangle = round.triangleAt(b, landings);
+        const std::uint32_t taken = records.stepsOf(i);
+        const std::uint32_t triangle = round.triangleAt(b, records);
         if (triangle != kNoWord) {
-          landings.triangle[i] = triangle;
-          landings.outcome[i] = static_cast<std::uint32_t>(Outcome::Hit) + 4 * taken;
+          records.triangle[i] = triangle;
+          records.outcome[i] = static_cast<std::uint32_t>(Outcome::Hit) + 4 * taken;
           continue;
         }
         MarchOptions rest = options;
         rest.steps = options.steps > taken ? options.steps - taken : 0;
-        particles.begin[i] = static_cast<float>(round.brink(b).way + double{kBrink} * round.brink(b).grow);
-        const Landing landing = marchOne(field, triangles, rest, particles, i);
-        landings.way[i] = landing.way;
-        landings.triangle[i] = landing.triangle;
-        landings.outcome[i] = static_cast<std::uint32_t>(landing.outcome) + 4 * (landing.steps + taken);
-        if (landing.outcome == Outcome::Brink) next.push_back(i);
+        particles.begin[i] = static_cast<float>(round.candidate(b).way + double{kGrazing} * round.candidate(b).grow);
+        const HitRecord record = marchOne(field, triangles, rest, particles, i);
+        records.way[i] = record.way;
+        records.triangle[i] = record.triangle;
+        records.outcome[i] = static_cast<std::uint32_t>(record.outcome) + 4 * (record.steps + taken);
+        if (record.outcome == Outcome::Grazing) next.push_back(i);
       }
     }
     open.swap(next);

@@ -7,9 +7,10 @@
 // the 9 x 9 x 9 corners of its voxels; any other brick keeps one distance. Memory follows the surface, not the volume.
 //
 // Frames. "Lattice": corners of voxels have integer coordinates, counted from the world's origin (world.h) in voxels of
-// the level; brick b holds corners 8b to 8b + 8 of each axis. What a corner knows follows from its place alone, not
+// the level; brick b holds corners 8b to 8b + 8 of each axis. The values at a corner follow from its place alone, not
 // from the field that it is part of, so that a field that has moved holds the same bytes as one built anew.
-// "Field": metres / voxel size of level 0, relative to the field's centre, in float32: where particles fly.
+// "Field": metres / voxel size of level 0, relative to the field's centre, in float32: the frame in which particles
+// march.
 
 #include <array>
 #include <cstdint>
@@ -24,11 +25,11 @@ constexpr int kBrickVoxels = 8;                     // per axis
 constexpr int kHalfBrick = kBrickVoxels / 2;        // per axis
 constexpr int kBrickCorners = kBrickVoxels + 1;     // per axis
 constexpr int kCornersPerBrick = 9 * 9 * 9;         // x fastest, then y, then z
-constexpr int kBrickStride = kCornersPerBrick + 1;  // of FieldBricks::distance: even, two to a 32-bit word
+constexpr int kBrickStride = kCornersPerBrick + 1;  // of DistanceField::distance: even, two to a 32-bit word
 constexpr float kDistanceStep = 1.0f / 2048;        // voxels, of the distances that bricks keep
-constexpr std::uint32_t kNoWord = 0xFFFFFFFFu;      // a corner farther from all triangles than it looks
+constexpr std::uint32_t kNoWord = 0xFFFFFFFFu;      // of a corner that names no triangle: see DistanceField::word
 constexpr std::uint32_t kFullBrick = 0x80000000u;   // of a table entry
-constexpr std::uint32_t kLastOfList = 0x80000000u;  // of an entry of FieldBricks::lists
+constexpr std::uint32_t kLastOfList = 0x80000000u;  // of an entry of DistanceField::lists
 constexpr std::uint32_t kMaxLevels = 16;
 
 // All distances in voxels of the corner's level.
@@ -38,15 +39,16 @@ constexpr std::uint32_t kMaxLevels = 16;
 // least kExact where they are not, rounded to kDistanceStep.
 constexpr float kEmptyBrick = 8.0f;
 constexpr float kExact = 4.0f;
-// Up to so far from a surface a corner names triangles: see FieldBricks::word.
+// Up to so far from a surface a corner names triangles: see DistanceField::word.
 constexpr float kNamed = 2.0f;
 // Up to so far from a surface a corner may have a list; beyond, nothing meets the voxel centred there, whose half
 // diagonal is 0.8661.
 constexpr float kListed = 0.93f;
-// A list of a corner names all triangles that meet the cube which reaches so far around the corner: its voxel, and what
-// particles there may take for it. They look kNudge (march_rule.h) past its faces, and as they know their place in
-// metres in float32, they may be off by 3e-5 m a few hundred metres from the world's origin. What lies farther behind
-// them, up to kBehind, has been in the voxels before.
+// A list of a corner names all triangles that meet the cube which reaches so far around the corner. That is more than
+// the voxel around it, since particles may take a place beside the voxel for one inside of it: they look kNudge
+// (march_rule.h) past its faces, and as they know their place in metres in float32, they may be off by 3e-5 m a few
+// hundred metres from the world's origin. Triangles farther behind them, up to kBehind, are in the lists of the voxels
+// through which they came.
 constexpr float kListedHalf = 0.55f;
 
 using Corner = std::array<std::int64_t, 3>;  // or a brick: lattice coordinates
@@ -72,16 +74,17 @@ struct FieldShape {
   bool operator==(const FieldShape&) const = default;
 };
 
-// What particles read of a level, field frame -> voxels from the level's first corner: u = q * scale + offset.
+// What particles read of a level. A place q in the field frame lies at u = q * scale + offset, in voxels of the level
+// from its first corner.
 struct FieldLevel {
   std::array<float, 3> offset{};
   float scale = 1;  // 2^-level
   std::array<std::uint32_t, 3> bricks{};
-  std::uint32_t firstEntry = 0;  // of its bricks in Field::table; x fastest, then y, then z
+  std::uint32_t firstEntry = 0;  // of its bricks in DistanceField::table; x fastest, then y, then z
 };
 
 // Read-only once built.
-struct Field {
+struct DistanceField {
   FieldShape shape;
   std::vector<FieldLevel> levels;
   // Per brick: kFullBrick + its index in the arrays below, or the bits of a float: the distance at the brick's centre,

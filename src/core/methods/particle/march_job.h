@@ -1,0 +1,50 @@
+#pragma once
+
+// Makes particles of beams, and hits of what became of the particles.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/vec.h"
+#include "methods/field/distance_field.h"
+#include "methods/march/march.h"
+#include "methods/particle/options.h"
+#include "methods/world/resolve.h"
+#include "methods/world/world.h"
+#include "scan/hits.h"
+#include "sensors/shot.h"
+
+namespace scanmill {
+
+// A shot, and the field through which its particles march.
+struct MarchJob {
+  const Shot& shot;
+  const World& world;
+  const DistanceField& field;
+  const ShotFrame& frame;  // of the world's origin
+  ParticleOptions::Refine refine;
+  MarchOptions march;
+  Box box;     // m, relative to the world's origin: where particles may march
+  bool whole;  // nothing of the scene lies outside of the box
+};
+
+// How many beams ended as neither hit nor miss, or as a hit that is not to be trusted.
+struct MarchCounts {
+  std::uint64_t exhausted = 0;  // used up their steps
+  std::uint64_t left = 0;       // left the field, which does not hold all of the scene
+  std::uint64_t touching = 0;   // started so near to a surface that they hit it at once
+  MarchCounts& operator+=(const MarchCounts& o);
+};
+
+// Fills kPacket particles for each tile, from number `first` on. A tile of fewer beams fills the rest with particles
+// that miss.
+void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, std::size_t first);
+
+// Makes hits of the same particles once they have marched: lets them go on through what is transparent (in fields with
+// lists), fills the channels that `hits` has, and adds the beams that are neither hits nor misses to `unresolved`.
+MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
+                    Particles& particles, HitRecords& records, std::size_t first, Hits& hits,
+                    std::vector<std::uint32_t>& unresolved);
+
+}  // namespace scanmill
