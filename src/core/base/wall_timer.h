@@ -13,7 +13,7 @@ class WallTimer {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// Seconds of wall time that some work takes.
+// Calls work() and returns how long that takes (s of wall-clock time).
 double secondsOf(const auto& work) {
   const WallTimer timer;
   work();
