@@ -8,12 +8,13 @@
 
 namespace scanmill {
 
-// The whole file. Throws InputError that names it where it is absent, a folder or unreadable.
+// Returns the bytes of a whole file. Throws an InputError that names the file where it is absent, a folder or
+// unreadable.
 std::string readFile(const std::filesystem::path& path);
 
-// Writes to a temporary name in the same folder, then fsync and rename on commit(). Without commit() (an exception, an
-// early return) the temporary is removed and the final name is untouched. Throws Error with the path and the reason,
-// such as "No space left on device".
+// A file that is written under a temporary name in its folder. commit() flushes it to the disk and gives it its final
+// name. Without commit(), be it for an exception or an early return, the temporary file is removed, and what has the
+// final name stays as it is. All calls throw an Error with the path and the reason, such as "No space left on device".
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
@@ -22,7 +23,7 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::string_view bytes);
-  std::size_t size() const { return size_; }
+  std::size_t size() const { return size_; }  // bytes written so far
   void commit();
 
  private:
@@ -32,7 +33,7 @@ class AtomicFile {
   std::size_t size_ = 0;
 };
 
-// One AtomicFile, written and committed.
+// Writes and commits an AtomicFile. Throws Error as that does.
 void writeFile(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace scanmill

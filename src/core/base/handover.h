@@ -1,7 +1,7 @@
 #pragma once
 
-// Handing work from thread to thread, for the eyes of the thread sanitizer: oneTBB orders its tasks by means that the
-// sanitizer does not see, since the library is not built for it. Nothing in other builds.
+// Tells the thread sanitizer how oneTBB orders its tasks. The sanitizer cannot see that by itself, since the library is
+// not built for it, and would report races where there are none. In all other builds this compiles to nothing.
 
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
@@ -12,8 +12,9 @@
 
 namespace scanmill {
 
-// What a thread did before it gives is done for every thread that then takes from the same object. A task's function
-// is UNWATCHED: what it captured is in oneTBB's memory, and read before it can take. What it calls is watched.
+// All that a thread did before it calls give() happened before what any thread does after it calls take() on the same
+// object. The function of a task is marked SCANMILL_UNWATCHED, since it reads what it captured, which lies in oneTBB's
+// memory, before it can call take(). The functions that it calls are watched as always.
 class Handover {
  public:
 #ifdef __SANITIZE_THREAD__
@@ -28,7 +29,7 @@ class Handover {
   void take() {}
 #endif
 
-  // A task: takes, and gives at its end, an exception included.
+  // Lives as long as a task runs: takes from `from` at the start, gives to `to` at the end, an exception included.
   class Turn {
    public:
     Turn(Handover& from, Handover& to) : to_(to) { from.take(); }
@@ -40,7 +41,7 @@ class Handover {
     Handover& to_;
   };
 
-  // The thread that waits for the tasks: gives, and takes at its end.
+  // Lives in the thread that starts tasks and waits for them: gives to `to` at the start, takes from `from` at the end.
   class Wait {
    public:
     Wait(Handover& to, Handover& from) : from_(from) { to.give(); }

@@ -7,7 +7,7 @@
 
 namespace scanmill {
 
-// SHA-256 (FIPS 180-4) of bytes that arrive in pieces.
+// Computes the SHA-256 (FIPS 180-4) of bytes that arrive in pieces.
 class Sha256 {
  public:
   Sha256();
@@ -16,7 +16,7 @@ class Sha256 {
   Sha256& operator=(Sha256&&) noexcept;
 
   void add(std::string_view bytes);
-  // Lower-case hexadecimal, 64 characters; the object is spent afterwards.
+  // Returns the hash of all bytes added, as 64 hexadecimal digits in lower case. The object cannot be used afterwards.
   std::string hex();
 
  private:
@@ -24,6 +24,7 @@ class Sha256 {
   std::unique_ptr<State> state_;
 };
 
+// The same for bytes that are there at once.
 std::string sha256(std::string_view bytes);
 
 }  // namespace scanmill

@@ -1,17 +1,18 @@
 #pragma once
 
-// Parallel loops over all cores that the program may use (--threads).
+// Parallel loops over all cores that the program may use (option --threads).
 
 #include <cstddef>
 #include <functional>
 
 namespace scanmill {
 
-// Calls body(first, last) for disjoint ranges that cover [0, count), each at least `grain` long but for the last.
-// The split is not deterministic: bodies must write only to their own range.
+// Calls body(first, last) for disjoint ranges [first, last) that together cover [0, count). Each is at least `grain`
+// long, but for the last. Returns when all calls have returned. How the work is split differs from run to run: what
+// body() does for an index must not depend on its range, and it may write only to what belongs to its range.
 void parallelFor(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
-// Limits the threads of all parallel work while it lives; 0 means all cores.
+// Limits how many threads all parallel work takes, as long as the object lives; 0 means one for each core.
 class ThreadLimit {
  public:
   explicit ThreadLimit(int threads);

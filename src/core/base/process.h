@@ -1,6 +1,6 @@
 #pragma once
 
-// Other programs, run as children.
+// Runs other programs as child processes.
 
 #include <filesystem>
 #include <map>
@@ -14,36 +14,41 @@
 
 namespace scanmill {
 
-// The program that a shell would start by this name: an executable file, looked for in PATH where the name has no
+// Finds the executable file that a shell would start by this name: it is looked for in PATH where the name has no
 // slash. Empty where there is none.
 std::filesystem::path findProgram(const std::string& name);
 
-// The child did not do in time what was waited for. It still runs.
+// A child has not done in time what was waited for. It still runs.
 class TimeOut : public Error {
  public:
   using Error::Error;
 };
 
-// A child, started without a shell: its words are never parsed again. It has its three standard streams and no other
-// descriptor of ours, and is killed, with what it started itself, when its owner goes away. Should this program end
-// before that, the child sees the end of its standard input. All seconds are of wall-clock time.
+// A child process. It is started without a shell, so that no word of its command is parsed again. It gets its three
+// standard streams and no other file descriptor of this program. The destructor kills it and what it has started. If
+// this program ends without that, the child sees the end of its standard input. All times are seconds of wall-clock
+// time.
 class Process {
  public:
-  // `environment` is added to this program's own. Throws Error where the program cannot be started.
+  // `command` is the program and its arguments; `environment` is added to this program's own. Throws Error where the
+  // program cannot be started.
   explicit Process(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment = {});
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  // To its standard input; what a child that has closed it does not take is lost. Throws TimeOut.
+  // Writes to the child's standard input. If the child has closed it, the text is dropped without an error. Throws
+  // TimeOut.
   void write(std::string_view text, double seconds);
+  // Ends the child's standard input.
   void closeInput();
-  // The next line of its standard output, without its end; nullopt where there is no further one. Throws TimeOut, and
-  // Error for a line of over 16 MiB.
+  // Waits for the next line of the child's standard output and returns it without its line feed; nullopt where the
+  // output has ended. Throws TimeOut, and Error for a line of over 16 MiB.
   std::optional<std::string> readLine(double seconds);
-  // Waits until it has ended and says how: "exit code 3", "signal 11 (Segmentation fault)". Throws TimeOut.
+  // Waits until the child has ended and says how: "exit code 3", "signal 11 (Segmentation fault)". Throws TimeOut.
   std::string wait(double seconds);
-  // What it last wrote to its standard error, a dozen lines at most, as far as the other calls have come across it.
+  // The last lines that the child has written to its standard error, a dozen at most, as far as the calls above have
+  // read them.
   std::string lastLines() const;
 
  private:

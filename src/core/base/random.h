@@ -9,7 +9,8 @@
 
 namespace scanmill {
 
-// What a number is for. The values are part of the data format: append, never renumber.
+// What a number is for, so that each use has numbers of its own. The values are part of what a seed means: append,
+// never renumber.
 enum class Purpose : std::uint16_t {
   RangeNoise = 1,
   AngularJitter = 2,
@@ -20,6 +21,7 @@ enum class Purpose : std::uint16_t {
   Test = 99,
 };
 
+// Where a random number belongs. Two different addresses give independent numbers.
 struct RandomAddress {
   std::uint64_t seed = 0;
   std::uint32_t scene = 0;  // index of the sequence (scene, scene seed, trajectory) in the pipeline
@@ -30,7 +32,10 @@ struct RandomAddress {
   Purpose purpose = Purpose::Test;
 };
 
+// Four words, each uniform over all values of 32 bits.
 using RandomBlock = std::array<std::uint32_t, 4>;
+
+// The generator itself, with ten rounds.
 
 constexpr RandomBlock philox4x32(RandomBlock counter, std::array<std::uint32_t, 2> key) {
   for (int round = 0; round < 10; ++round) {
@@ -44,13 +49,15 @@ constexpr RandomBlock philox4x32(RandomBlock counter, std::array<std::uint32_t, 
   return counter;
 }
 
+// The random words of an address.
 constexpr RandomBlock randomBlock(const RandomAddress& a) {
   const std::uint32_t tail = (a.sensor << 20) | ((a.number & 15) << 16) | static_cast<std::uint32_t>(a.purpose);
   return philox4x32({a.beam, a.frame, a.scene, tail},
                     {static_cast<std::uint32_t>(a.seed), static_cast<std::uint32_t>(a.seed >> 32)});
 }
 
-// Uniform in the open interval (0, 1): never 0, so that its logarithm is finite.
+// Turns a random word into a number that is uniform in the open interval (0, 1). It is never 0, so that its logarithm
+// is finite.
 constexpr double uniform(std::uint32_t bits) {
   return (bits + 0.5) * (1.0 / 4294967296.0);
 }

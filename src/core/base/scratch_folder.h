@@ -4,10 +4,11 @@
 
 namespace scanmill {
 
-// A new folder among the system's temporary ones (TMPDIR, or /tmp), for this user alone; gone with the object.
+// Makes a new temporary folder in TMPDIR, or in /tmp where that is not set. Only this user may enter it. The destructor
+// removes it with all that is in it.
 class ScratchFolder {
  public:
-  ScratchFolder();  // throws Error
+  ScratchFolder();  // throws Error where the folder cannot be made
   ~ScratchFolder();
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;

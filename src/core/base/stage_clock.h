@@ -1,6 +1,6 @@
 #pragma once
 
-// Where the time of some work goes, stage by stage.
+// Measures where the time of some work goes, stage by stage.
 
 #include <initializer_list>
 #include <map>
@@ -14,13 +14,14 @@ namespace scanmill {
 // Seconds by the name of a stage. Where several threads work on a stage, the seconds of each of them count.
 using StageSeconds = std::map<std::string, double>;
 
+// Adds the seconds of `from` to those of the same stages in `to`.
 void addSeconds(const StageSeconds& from, StageSeconds& to);
 
-// Adds up what stages take. Safe to use from several threads at once.
+// Adds up the time that stages take. Several threads may use it at once.
 class StageClock {
  public:
   StageClock() = default;
-  // Stages that are told with zero seconds even where nothing is added to them.
+  // Stages that seconds() lists even where no time is added to them.
   StageClock(std::initializer_list<const char*> stages);
   void add(const std::string& stage, double seconds);
   StageSeconds seconds() const;

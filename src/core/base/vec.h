@@ -54,7 +54,7 @@ T length(const Vec3<T>& v) {
   return std::sqrt(dot(v, v));
 }
 
-// The zero vector stays zero.
+// The unit vector of the same direction. The zero vector stays zero.
 template <class T>
 Vec3<T> normalized(const Vec3<T>& v) {
   const T l = length(v);
@@ -66,7 +66,7 @@ bool isFinite(const Vec3<T>& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// A 3 x 3 matrix by its columns: the images of the axes.
+// A 3 x 3 matrix, held as its three columns, which are the images of the axes x, y and z.
 struct Mat3 {
   Vec3d x{1, 0, 0};
   Vec3d y{0, 1, 0};
@@ -87,13 +87,13 @@ constexpr Mat3 transposed(const Mat3& m) {
   return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
 }
 
-// Undefined for a singular matrix: check determinant() first.
+// The inverse matrix. It is undefined for a singular one: check determinant() first.
 constexpr Mat3 inverse(const Mat3& m) {
   const double s = 1.0 / determinant(m);
   return transposed({cross(m.y, m.z) * s, cross(m.z, m.x) * s, cross(m.x, m.y) * s});
 }
 
-// p -> linear * p + translation.
+// An affine transform: a point p becomes linear * p + translation.
 struct Affine {
   Mat3 linear;
   Vec3d translation;
@@ -124,13 +124,14 @@ constexpr Quat operator*(const Quat& a, const Quat& b) {
           a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
 
+// The rotation matrix of a unit quaternion.
 constexpr Mat3 toMatrix(const Quat& q) {
   return {{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.w * q.z), 2 * (q.x * q.z - q.w * q.y)},
           {2 * (q.x * q.y - q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z + q.w * q.x)},
           {2 * (q.x * q.z + q.w * q.y), 2 * (q.y * q.z - q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}};
 }
 
-// Rz(yaw) * Ry(pitch) * Rx(roll), radians. Positive pitch looks down (x forward, z up).
+// The rotation Rz(yaw) * Ry(pitch) * Rx(roll); angles in radians. A positive pitch looks down (x forward, z up).
 inline Quat fromYawPitchRoll(double yaw, double pitch, double roll) {
   const Quat qz{std::cos(yaw / 2), 0, 0, std::sin(yaw / 2)};
   const Quat qy{std::cos(pitch / 2), 0, std::sin(pitch / 2), 0};
@@ -138,7 +139,7 @@ inline Quat fromYawPitchRoll(double yaw, double pitch, double roll) {
   return qz * qy * qx;
 }
 
-// Shortest-arc spherical interpolation; t in [0, 1].
+// Spherical interpolation along the shorter arc: t = 0 gives a, t = 1 gives b.
 inline Quat slerp(const Quat& a, Quat b, double t) {
   double c = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
   if (c < 0) {
@@ -157,7 +158,8 @@ inline Quat slerp(const Quat& a, Quat b, double t) {
   return {q.w * n, q.x * n, q.y * n, q.z * n};
 }
 
-// A rigid motion: where a frame stands in another.
+// Where a frame stands in another one. `worldFromSensor` turns points of the sensor's frame into points of the world:
+// world point = rotation * sensor point + translation (m).
 struct Pose {
   Quat rotation;
   Vec3d translation;
@@ -172,6 +174,7 @@ constexpr Pose inverse(const Pose& p) {
   return {r, -(toMatrix(r) * p.translation)};
 }
 
+// The pose between a (t = 0) and b (t = 1): rotations by slerp(), translations on a straight line.
 inline Pose interpolate(const Pose& a, const Pose& b, double t) {
   return {slerp(a.rotation, b.rotation, t), a.translation + (b.translation - a.translation) * t};
 }
@@ -180,6 +183,7 @@ constexpr Affine toAffine(const Pose& p) {
   return {toMatrix(p.rotation), p.translation};
 }
 
+// A box along the axes, in metres. A new one is empty and grows by what is added.
 struct Box {
   Vec3d low{INFINITY, INFINITY, INFINITY};
   Vec3d high{-INFINITY, -INFINITY, -INFINITY};

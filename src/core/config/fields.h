@@ -1,6 +1,7 @@
 #pragma once
 
-// Strict reading of maps: every key is asked for by name and type, and finish() refuses the ones nobody asked for.
+// Strict reading of maps: every key is asked for by its name and type, and finish() refuses the keys that nobody has
+// asked for.
 
 #include <cstdint>
 #include <filesystem>
@@ -15,13 +16,14 @@
 
 namespace scanmill {
 
-// Closed interval; both ends must be finite or infinite, never NaN.
+// The closed interval of allowed values. Either end may be infinite, but not NaN.
 struct Range {
   double low = -INFINITY;
   double high = INFINITY;
 };
 
-// Typed reads of one value. All throw InputError with the value's place, what was expected and what was found.
+// Read one value as a certain type. `what` names the value in messages. All throw an InputError with the value's place,
+// what was expected and what was found.
 double readNumber(const Value& value, std::string_view what, Range range = {});  // finite; 1e3, -.5; never hex or octal
 std::int64_t readInteger(const Value& value, std::string_view what, std::int64_t low, std::int64_t high);
 bool readBool(const Value& value, std::string_view what);  // true or false
@@ -29,9 +31,9 @@ std::string readText(const Value& value, std::string_view what);
 Vec3d readVec3(const Value& value, std::string_view what);  // [x, y, z]
 std::vector<double> readNumbers(const Value& value, std::string_view what, Range range = {});
 
-// The name in `names` nearest to `word` by edit distance, or empty when none is near.
+// The name in `names` that is nearest to `word` by edit distance; empty where none is near.
 std::string nearest(std::string_view word, const std::vector<std::string>& names);
-// " (did you mean 'x'?)" or " (known: a, b, c)".
+// The end of a message about an unknown word: " (did you mean 'x'?)" where a name is near, else " (known: a, b, c)".
 std::string suggestion(std::string_view word, const std::vector<std::string>& names);
 
 // Reads one map. Keeps a reference: the Value must outlive it.
@@ -75,13 +77,13 @@ class Fields {
   // map's own keys.
   Pose pose();
 
-  // Names keys that are read later, or by others, so that the messages know them. Followed by finish(), it refuses
-  // every other key at once: before any that is missing.
+  // Makes keys known that are read later, or by others. Called together with finish() before anything is read, it
+  // refuses an unknown key before a missing one is complained of.
   Fields& also(std::initializer_list<std::string_view> keys);
-  // Likewise the keys of a text such as "step_m: 1 m, what it is; gain: 2".
+  // Does the same with the keys of a description such as "step_m: 1 m, what it is; gain: 2".
   Fields& alsoDescribed(std::string_view keys);
 
-  // Throws for the first key that nobody asked for, with its place and the nearest known key.
+  // Throws an InputError for the first key that nobody has asked for, with its place and the nearest known key.
   void finish() const;
 
  private:

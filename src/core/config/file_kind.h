@@ -1,7 +1,7 @@
 #pragma once
 
-// Which of our YAML files a file is, told by keys that only its kind has: so that one in the place of another is called
-// by its name.
+// Recognises the kinds of YAML files by keys that only one kind has. Where a file is given in the place of another
+// kind, the message can then say what it is.
 
 #include "config/value.h"
 
@@ -9,9 +9,10 @@ namespace scanmill {
 
 enum class FileKind { Unknown, Pipeline, Scene, Sensor, Ontology, Materials };
 
+// `root` is a whole file.
 FileKind fileKind(const Value& root);
 
-// Throws InputError that says what the file is and where to name it, if it is surely of another kind.
+// Throws an InputError that says what the file is and where it belongs, if it is surely of another kind than expected.
 void expectKind(const Value& root, FileKind expected);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// How YAML names one of several kinds of things, with its options: a method, an effect, a format.
+// A choice in YAML with its options, such as a method, an effect or a format.
 
 #include <string>
 

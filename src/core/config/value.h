@@ -33,15 +33,18 @@ struct Value::Entry {
   Value value;
 };
 
-// Parses one document. `${NAME}` in scalars is replaced by the environment variable; an unset one is an error that
-// names it (`${NAME:-fallback}` gives a fallback for an unset or empty one; `$$` is a dollar). Refuses duplicate keys,
-// cyclic and exploding aliases, depth over 64 and more than a million nodes. Throws InputError with file:line:column.
+// Parses one document; `file` names it in places. `${NAME}` in scalars is replaced by the environment variable; one
+// that is not set is an error that names it. `${NAME:-fallback}` gives a fallback for a variable that is not set or
+// empty; `$$` is a dollar. Refuses duplicate keys, cyclic and exploding aliases, a depth over 64 and more than a
+// million nodes. Throws InputError with file:line:column.
 Value parseYaml(std::string_view text, const std::string& file);
+// Does the same with a file.
 Value readYaml(const std::filesystem::path& path);
 
-// One override "dotted.path.0.key=value" (list items by index), as given by --set; the value is parsed as YAML. Creates
-// missing map keys: unknown ones are refused later by whoever reads the map, with a suggestion. Relative paths start in
-// the folder of the file that `root` was read from, as those beside them.
+// Applies an override "dotted.path.0.key=value", as given by --set; items of lists are named by their index from 0, and
+// the value is parsed as YAML. Keys of maps that are missing are made: whoever reads the map refuses those that it does
+// not know, with a suggestion. Relative paths in the value start in the folder of the file that `root` was read from,
+// as those beside them do. Throws InputError for a path that does not fit the document.
 void setValue(Value& root, std::string_view assignment);
 
 }  // namespace scanmill

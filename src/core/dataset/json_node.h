@@ -1,7 +1,7 @@
 #pragma once
 
-// Strict reading of our own JSON files: what is missing, of the wrong type, out of range or unknown is refused at its
-// place (a JSON pointer, RFC 6901).
+// Strict reading of this program's own JSON files. What is missing, of the wrong type, out of range or unknown throws
+// an InputError with the file and the place, which is a JSON pointer (RFC 6901).
 
 #include <fmt/core.h>
 
@@ -26,7 +26,7 @@ using Json = nlohmann::json;
 // Throws InputError with file, line and column.
 Json parseJson(const std::string& text, const std::string& file);
 
-// A value with its place.
+// A value with its place. It refers to the parsed document and the file's name, which must outlive it.
 class JsonNode {
  public:
   JsonNode(const Json& value, std::string place, const std::string& file)
@@ -36,7 +36,7 @@ class JsonNode {
     throw InputError({file_}, fmt::format("{}: {}", place_.empty() ? "/" : place_, what));
   }
 
-  // Checks a map's keys: all `required` must be there, and nothing beyond `optional`.
+  // Checks the keys of a map: all of `required` must be there, and no others but those of `optional` may be.
   const JsonNode& keys(std::initializer_list<std::string_view> required,
                        std::initializer_list<std::string_view> optional = {}) const {
     expect(value_.is_object(), "a map");

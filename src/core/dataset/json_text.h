@@ -1,6 +1,7 @@
 #pragma once
 
-// JSON as text: keys in a fixed order, numbers that round-trip, the same bytes always.
+// Writes JSON as text. Keys keep their order and numbers read back to the same bits, so that the same values give the
+// same bytes.
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -14,13 +15,14 @@ namespace scanmill {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// One value on one line.
+// The text of a single value, without line breaks.
 std::string scalarText(const OrderedJson& value);
 
-// What fits a line stays on one, and so do lists of numbers; the rest is indented by one space a level.
+// The text of a whole value. What fits into a line stays on one, and so do lists of numbers; all else is indented by
+// one space a level.
 std::string layOut(const OrderedJson& value, std::size_t indent = 0);
 
-// JSON has no infinities: throws Error.
+// Give the values themselves. JSON has no infinities and no NaN: they throw an Error that names `what`.
 double finite(double value, std::string_view what);
 OrderedJson finiteList(const std::vector<double>& values, std::string_view what);
 

@@ -19,16 +19,16 @@ namespace scanmill {
 
 struct SensorRecord {
   std::string name;  // on the vehicle
-  BeamTable beams;   // written compactly: per-ring tables, not per beam
+  BeamTable beams;   // without its tables per beam: the manifest has the compact description
   Pose vehicleFromSensor;
 };
 
-// One scan: a sensor's turn in a sample.
+// One scan: a revolution of a sensor in a sample.
 struct ScanRecord {
   std::string sensor;
   std::string method;
   double time = 0;                    // s since the start of the sequence
-  std::vector<Pose> worldFromSensor;  // at the start of the turn; and of its last step where the sensor moves
+  std::vector<Pose> worldFromSensor;  // at the start of the revolution, and of its last step where the sensor moves
   std::uint64_t beams = 0;
   std::uint64_t points = 0;
   std::uint64_t unresolved = 0;  // beams that the method gave up: neither hit nor miss
@@ -36,7 +36,8 @@ struct ScanRecord {
   std::uint32_t instances = 0;  // distinct, in view
 };
 
-// "top.ray_tracing.pcd": the name of a scan's member in one format, after the sample's key and a dot; lower-case.
+// What stands behind the sample's key and a dot in the name of a scan's member in one format: "top.ray_tracing.pcd", in
+// lower case.
 std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix);
 
 struct SampleRecord {
@@ -61,7 +62,7 @@ struct FormatRecord {
   double maxErrorMetres = 0;
 };
 
-// Which setting `method: auto` has chosen.
+// Which setting `method: auto` has chosen, and why.
 struct MethodRecord {
   std::string setting;     // "depth_camera resolution=1024"
   std::string assignment;  // for --set, to take the same again: "method={depth_camera: {resolution: 1024}}"
@@ -90,9 +91,9 @@ struct Manifest {
 };
 
 std::string toJson(const Manifest& manifest);
-// Throws InputError that names `file` and what is wrong where.
+// Throws an InputError that names `file`, the place in it, and what is wrong there.
 Manifest parseManifest(const std::string& text, const std::string& file);
-// `folder` holds manifest.json.
+// Reads the file manifest.json of a dataset's folder. Throws InputError.
 Manifest readManifest(const std::filesystem::path& folder);
 
 }  // namespace scanmill

@@ -28,7 +28,7 @@ enum class RecordingKind { Hits, Passes };
 
 std::string_view nameOf(RecordingKind kind);  // "hits", "passes"
 
-// A stretch of a turn and the images drawn for it.
+// A stretch of a revolution and the images that were drawn for it: columns [firstColumn, endColumn).
 struct RecordedStep {
   std::uint32_t firstColumn = 0;
   std::uint32_t endColumn = 0;
@@ -36,9 +36,9 @@ struct RecordedStep {
   std::vector<std::string> images;  // files
 };
 
-// A sensor's turn in a sample.
+// A revolution of a sensor in a sample.
 struct RecordedShot {
-  std::string sample;  // key
+  std::string sample;  // its key
   std::string sensor;
   double time = 0;                    // s since the start of the sequence
   std::vector<Pose> worldFromSensor;  // see Shot
@@ -62,7 +62,7 @@ struct RecordedSensor {
   std::optional<Pose> vehicleFromSensor;  // where it was mounted; unknown in recordings of others
 };
 
-// SHA-256 of where the beams start and point, and of the sensor's range limits: what hits depend on.
+// The SHA-256 of what hits depend on: where the beams start and point, and the sensor's range limits.
 std::string beamsHash(const BeamTable& beams);
 
 struct Recording {
@@ -71,34 +71,35 @@ struct Recording {
   std::string programVersion;
   std::string method;  // that made it
   std::filesystem::path folder;
-  Ontology ontology;  // without classes: whoever reads it must say
+  Ontology ontology;  // without classes where the recording has none: then the pipeline must name one
   std::vector<RecordedSensor> sensors;
   std::vector<RecordedSequence> sequences;
   std::vector<std::vector<Material>> materials;  // tables that Hits::material points into
   std::vector<std::string> modelled;
 
-  // "street-s1-lane-000012" -> that shot, read from its file. Throws InputError.
+  // Reads the file of a shot. `sample` is a key such as "street-s1-lane-000012". Throws InputError.
   RecordedShot shot(const std::string& sample, const std::string& sensor) const;
 };
 
-// Throws InputError that names the file and what is wrong where.
+// Reads recording.json of a folder. Throws an InputError that names the file, the place in it, and what is wrong there;
+// also for a recording of the other kind.
 Recording readRecording(const std::filesystem::path& folder, RecordingKind kind);
 
-// What the folder says that it holds; none where there is no recording.
+// The kind of the recording in a folder; nullopt where there is none.
 std::optional<RecordingKind> recordingIn(const std::filesystem::path& folder);
 
 class RecordingWriter {
  public:
-  // Creates the folder. One that holds files is an InputError, unless `overwrite` and they are all of a finished
-  // recording that this program made.
+  // Creates the folder. Throws an InputError for one that holds files, unless `overwrite` is true and all of them
+  // belong to a finished recording that this program has made; then they are removed.
   RecordingWriter(std::filesystem::path folder, bool overwrite);
 
   const std::filesystem::path& folder() const { return folder_; }
-  // "street-s1-lane-000012.top.hits.exr": a file of a shot. From any thread.
+  // The path of a file of a shot, such as "street-s1-lane-000012.top.hits.exr". Any thread may call it.
   std::filesystem::path file(std::string_view sample, std::string_view sensor, std::string_view rest) const;
-  // A shot whose images are written. From any thread.
+  // Writes the JSON file of a shot whose images have been written. Any thread may call it.
   void add(const RecordedShot& shot);
-  // Writes recording.json, last.
+  // Writes recording.json, after everything else.
   void finish(const Recording& recording);
 
  private:

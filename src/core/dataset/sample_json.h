@@ -1,6 +1,6 @@
 #pragma once
 
-// The JSON member that opens each sample: `<key>.json`.
+// The member `<key>.json`, which is the first of each sample in a shard.
 
 #include <string>
 #include <string_view>
@@ -9,15 +9,16 @@
 
 namespace scanmill {
 
-// Key, sequence, frame, split, time (of the first scan) and the scans' poses and counts; class ids are those of the
-// manifest's ontology. The record's shard and members do not matter.
+// The member's text: key, sequence, frame, split, time (of the first scan) and the poses and counts of the scans. Class
+// ids are those of the manifest's ontology. The record's shard and members are not part of it.
 std::string sampleJson(const SampleRecord& sample);
 
-// Where `text` departs from the record ("/scans/0/points is 11, not 12"), or why it is no JSON; empty where they agree.
+// Says where a member's text differs from the record ("/scans/0/points is 11, not 12"), or why it is no JSON. Empty
+// where they agree.
 std::string differenceOfSampleJson(std::string_view text, const SampleRecord& sample);
 
-// A key is sequence-frame: "street-1-drive-000004" is frame 000004 of "street-1-drive". Both are empty for a key that
-// does not end in a number.
+// The parts of a key: "street-s1-drive-000004" is frame "000004" of the sequence "street-s1-drive". Both are empty for
+// a key that does not end in a number.
 struct KeyParts {
   std::string sequence;
   std::string frame;

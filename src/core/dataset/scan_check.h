@@ -1,6 +1,6 @@
 #pragma once
 
-// A decoded scan against what the manifest says of it.
+// Compares a decoded scan with what the manifest says of it.
 
 #include <string>
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace scanmill {
 
-// One line for each thing that is wrong; empty: the scan is sound. `maxError` (m) is the format's. `record` is a scan
-// of the manifest: its sensor is there.
+// Returns one line for each thing that is wrong, none for a sound scan. `record` is the manifest's of this scan, whose
+// sensor the manifest must have; `maxError` is the largest error of a position in the scan's format (m).
 std::vector<std::string> checkScan(const Scan& scan, const ScanRecord& record, const Manifest& manifest,
                                    double maxError);
 

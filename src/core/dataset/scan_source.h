@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds one scan that a user names.
+// Finds and decodes the scan that a user names.
 
 #include <filesystem>
 #include <optional>
@@ -14,7 +14,7 @@ namespace scanmill {
 struct ScanSource {
   Scan scan;
   std::string title;                 // "street-s1-lane-000010, top"
-  std::optional<Ontology> ontology;  // of the dataset's manifest
+  std::optional<Ontology> ontology;  // of the dataset's manifest, where there is one
 };
 
 // `path` is a dataset's folder, a shard, or one scan of any known format. In a dataset or a shard, `sample` is a key,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where the members of a shard lie, so that one can be read without the others.
+// Knows where each member of a shard lies, so that one can be read without the others.
 
 #include <cstdint>
 #include <filesystem>
@@ -17,15 +17,15 @@ struct ShardMember {
   std::uint64_t bytes = 0;
 };
 
-// What becomes of a shard whose end is missing or damaged.
+// What is done with a shard whose end is missing or damaged.
 enum class DamagedShard {
-  Refused,
-  ReadAsFarAsWhole,  // its members up to there; refused where there is none
+  Refused,           // it is refused
+  ReadAsFarAsWhole,  // its members before the damage are read; it is refused where there is none
 };
 
 class ShardIndex {
  public:
-  // Reads the headers alone. Throws InputError for what readTar() refuses, with the same message.
+  // Reads the members' headers alone. Throws an InputError for what readTar() refuses, with the same message.
   explicit ShardIndex(std::filesystem::path file, DamagedShard damaged = DamagedShard::Refused);
   ShardIndex(const ShardIndex&) = delete;
   ShardIndex& operator=(const ShardIndex&) = delete;
@@ -33,10 +33,11 @@ class ShardIndex {
   const std::filesystem::path& file() const { return file_; }
   const std::vector<ShardMember>& members() const { return members_; }  // in the shard's order
   const ShardMember* find(std::string_view name) const;                 // the first of that name; null where absent
-  // Why the members are not all that there were, with the file's name; empty: the shard is whole.
+  // Says why some members are missing, with the file's name; empty for a shard that is whole.
   const std::string& damage() const { return damage_; }
 
-  // From any thread. Throws InputError where the file has been removed or cut short since.
+  // Reads a member's bytes. Any thread may call it. Throws an InputError where the file has been removed or cut short
+  // since the headers were read.
   std::string read(const ShardMember& member) const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// Names of shards: <split>/<split>-000000.tar.
+// Names of shards in a dataset's folder: <split>/<split>-000000.tar.
 
 #include <cstdint>
 #include <string>
@@ -10,9 +10,10 @@ namespace scanmill {
 
 inline constexpr std::string_view kManifestName = "manifest.json";
 
-// Lower-case letters, digits, '-' and '_'; not empty.
+// Whether a split may have this name: it holds lower-case letters, digits, '-' and '_', at least one.
 bool isSplitName(std::string_view split);
 
+// The name of a split's shard, relative to the dataset's folder; numbers count from 0.
 std::string shardName(const std::string& split, std::uint64_t number);
 // Whether `name`, relative to the dataset's folder, is what shardName() gives for some number.
 bool isShardName(std::string_view name);

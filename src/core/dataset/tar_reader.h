@@ -1,6 +1,6 @@
 #pragma once
 
-// A tar file, member by member.
+// Reads a tar file member by member.
 
 #include <cstdint>
 #include <filesystem>
@@ -11,20 +11,22 @@ struct archive;
 
 namespace scanmill {
 
-// Goes from front to back, and over what is not asked for without reading it. Every failure is an InputError that names
-// the file and the offset: where it is truncated, not a tar, or holds anything but plain files.
+// Goes through the file from front to back, and skips the bytes of members that are not asked for. Throws an InputError
+// that names the file and the offset where it is truncated, is no tar, or holds anything but plain files.
 class TarReader {
  public:
-  // What is read from the disk at a time: large for whole members, small for headers alone.
+  // `blockBytes` is how much is read from the disk at a time. It should be large where members are read, and small
+  // where only headers are.
   TarReader(const std::filesystem::path& file, std::size_t blockBytes);
 
-  // False at the end of the archive.
+  // Goes to the next member; false at the end of the archive.
   bool next();
 
   // Of the current member.
   const std::string& name() const { return name_; }
   std::uint64_t offset() const { return begin_; }  // of its first byte in the file
   std::uint64_t bytes() const { return memberBytes_; }
+  // Replaces `bytes` by those of the member.
   void readInto(std::string& bytes);
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// Re-hashes, decodes and compares a dataset with its manifest.
+// Checks a whole dataset: hashes its shards again, decodes its scans and compares all with the manifest.
 
 #include <cstdint>
 #include <filesystem>
@@ -18,9 +18,10 @@ struct Verification {
   std::vector<std::string> problems;  // one line each, with shard and member; empty: the dataset is sound
 };
 
-// Never throws for what is wrong with the data (a missing shard, a wrong hash, a member that does not decode, counts
-// that disagree, a class id unknown to the ontology, members out of order, files nobody listed): it goes on and lists
-// all. An unreadable manifest is an InputError. progress(done, total) counts shards.
+// Lists all that is wrong with the data and goes on after each fault: a missing shard, a wrong hash, a member that
+// cannot be decoded, counts that differ, a class id that the ontology does not have, members out of order, files that
+// nobody lists. Throws an InputError only where the manifest cannot be read. progress(done, total) counts shards; it is
+// called after each.
 Verification verifyDataset(const std::filesystem::path& folder,
                            const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Writes samples into tar shards that WebDataset reads, then the manifest.
+// Writes a dataset: samples into tar shards that WebDataset reads, and at last the manifest.
 
 #include <cstdint>
 #include <filesystem>
@@ -13,11 +13,13 @@
 
 namespace scanmill {
 
+// A file of a sample.
 struct Member {
-  std::string suffix;  // "top.ray_tracing.pcd": all after the sample's key and a dot; lower-case
+  std::string suffix;  // "top.ray_tracing.pcd": what follows the sample's key and a dot; lower-case
   std::string bytes;
 };
 
+// All scans of a frame.
 struct Sample {
   std::string key;
   std::string split;
@@ -25,21 +27,21 @@ struct Sample {
   std::vector<Member> members;
 };
 
-// Shards are POSIX ustar files, one folder per split: DIR/train/train-000000.tar. The same samples in the same order
-// give the same bytes (no clocks, no user names). A shard has its final name only when it is whole.
+// Shards are POSIX ustar files in one folder per split: DIR/train/train-000000.tar. The same samples in the same order
+// give the same bytes. A shard has its final name only when it is whole.
 class DatasetWriter {
  public:
-  // Creates `folder`. An existing non-empty folder is an InputError, unless `overwrite`: then what an earlier run of
-  // this program wrote there (manifest and shards) is removed first, and nothing else. While the run lasts there is no
-  // manifest, hence nothing that looks finished.
+  // Makes the folder ready by prepareOutputFolder(), which throws an InputError for one that may not be written to.
+  // Until finish() there is no manifest, hence nothing that looks finished. A shard is closed before it would exceed
+  // `shardBytes`.
   DatasetWriter(std::filesystem::path folder, bool overwrite, std::uint64_t shardBytes);
   ~DatasetWriter();
 
-  // Samples of one split are appended to its open shard; a shard that would exceed shardBytes is closed first.
+  // Appends a sample to the open shard of its split. Throws Error where the disk fails.
   void add(const Sample& sample);
-  std::uint64_t bytesWritten() const;
+  std::uint64_t bytesWritten() const;  // to shards, so far
 
-  // Closes the shards and writes the manifest last. Fills manifest.shards and manifest.samples.
+  // Closes the shards, fills in manifest.shards and manifest.samples, and writes the manifest.
   void finish(Manifest& manifest);
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// Numbers of a file as those of a column. For the readers of this layer.
+// Turns numbers of a file into values of a column, for the readers of this room.
 
 #include <fmt/format.h>
 
@@ -12,7 +12,8 @@
 
 namespace scanmill {
 
-// Throws InputError where a column of integers cannot hold the number: negative, too large, broken or NaN.
+// Returns the number as a value of a column of the type T. Throws an InputError at `where` that names column and point
+// where T is an integer that cannot hold the number: a negative one, one that is too large, a fraction, or NaN.
 template <class T, class Stored>
 T columnValue(Stored stored, std::string_view name, std::size_t point, const Location& where) {
   if constexpr (!std::is_same_v<Stored, T> && std::is_integral_v<T>) {

@@ -7,7 +7,8 @@
 
 namespace scanmill {
 
-// Any Draco point cloud with positions. Further columns are recognised by their metadata entry "name".
+// Reads any Draco point cloud that has positions. Its other attributes are recognised by their metadata entry "name".
+// Throws an InputError that begins with `what`, the name of the bytes.
 Scan readDraco(std::string_view bytes, const std::string& what);
 
 }  // namespace scanmill

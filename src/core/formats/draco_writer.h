@@ -13,7 +13,7 @@
 
 namespace scanmill {
 
-// Positions of a regular grid: low + index * step, per component.
+// A column of values on a regular grid. A component of a value is low + index * step.
 struct QuantisedColumn {
   std::span<const std::int32_t> indices;  // components after each other, point by point; 0 or more
   std::span<const float> low;             // one per component
@@ -24,11 +24,12 @@ class DracoWriter {
  public:
   DracoWriter(std::uint32_t points, int level) : points_(points), level_(level) {}
 
-  // Entries of the geometry's metadata.
+  // Add an entry to the geometry's metadata.
   void addEntry(std::string_view key, std::int32_t value);
   void addEntry(std::string_view key, std::string_view value);
 
-  // Columns, in the order of the attributes; `name` becomes the attribute's metadata entry "name".
+  // Add a column as an attribute, in the order of the calls. `name` becomes the attribute's metadata entry "name".
+  // Integers are stored in the narrowest type that holds all values, floats as they are.
   void addPosition(const QuantisedColumn& column);
   void addQuantised(std::string_view name, const QuantisedColumn& column);
   void addIntegers(std::string_view name, std::span<const std::uint8_t> values);
@@ -36,6 +37,7 @@ class DracoWriter {
   void addIntegers(std::string_view name, std::span<const std::uint32_t> values);  // u8, u16 or u32
   void addFloats(std::string_view name, std::span<const float> values);            // as they are
 
+  // Returns the bytes of the whole point cloud.
   std::string finish() const;
 
  private:

@@ -1,6 +1,7 @@
 #pragma once
 
-// Regular grids for quantised floats, whose points a reader in float32 finds again within a bound.
+// Regular grids for quantised floats. What a reader computes from a grid's indices in float32 is within a stated bound
+// of the original value.
 
 #include <cstdint>
 #include <span>
@@ -9,22 +10,24 @@
 
 namespace scanmill {
 
-// Points low[c] + index * step, as a reader computes them: float(float(index) * step) + low[c].
+// The component c of a grid point is low[c] + index * step, which a reader computes as float(float(index) * step) +
+// low[c].
 struct Grid {
   std::vector<float> low;
   float step = 1;
 };
 
-// A grid for values between low and high, per component, that moves none by more than `bound` (Euclidean over the
-// components), rounding in the reader included; at most 2^30 points a side. Where the numbers have enough bits, the
-// grid's points are exact in float32 and all of the bound goes into the step. Throws InputError that names `what` and
-// says which bound is possible.
+// Chooses a grid for values between `low` and `high`, which have one entry per component. No value is moved by more
+// than `bound`, a Euclidean distance over the components, with the rounding in the reader included. A side has at most
+// 2^30 points. Where float32 has enough bits, the grid's points are exact and all of the bound goes into the step.
+// Throws an InputError that names `what` and says which bound is possible.
 Grid chooseGrid(std::span<const float> low, std::span<const float> high, double bound, const std::string& what);
 
-// Bits of the largest index on such a grid for values between -reach and reach, at most.
+// At most how many bits the largest index has on such a grid for values between -reach and reach.
 int mostIndexBits(double reach, std::size_t components, double bound);
 
-// Indices of the nearest grid points, as many as values, whose number is a multiple of the grid's components.
+// Writes the index of the nearest grid point for each value; the components of a point follow each other. `indices` has
+// room for as many as there are values.
 void quantise(std::span<const float> values, const Grid& grid, std::int32_t* indices);
 
 }  // namespace scanmill

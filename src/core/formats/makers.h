@@ -1,6 +1,6 @@
 #pragma once
 
-// What the table of formats holds; each is defined in the format's own file.
+// The makers behind the rows of formats(), each defined in the file of its format.
 
 #include <memory>
 

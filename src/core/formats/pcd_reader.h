@@ -7,11 +7,13 @@
 
 namespace scanmill {
 
-// Line of an own PCD's header, a comment to other readers: the sensor's rings and columns, organised or dense.
+// Begins a line in the header of a PCD that this program has written, a comment to other readers. It states the
+// sensor's rings and columns and whether the scan is organised or dense.
 constexpr std::string_view kPcdSensorComment = "# scanmill sensor:";
 
-// Any valid PCD: fields in any order, of any numeric type that holds their values. Fields that the table of columns
-// does not have are kept as foreign columns. Where there is no `intensity`, `reflectivity` is taken for it too.
+// Reads any valid PCD. Fields may be in any order and of any numeric type that holds their values. Fields that the
+// table of columns does not have are kept as foreign columns. Where there is no `intensity`, `reflectivity` is taken
+// for it too. Throws an InputError that begins with `what`, the name of the bytes.
 Scan readPcd(std::string_view bytes, const std::string& what);
 
 }  // namespace scanmill

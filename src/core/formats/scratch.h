@@ -1,7 +1,7 @@
 #pragma once
 
-// Working memory that a thread keeps from one scan to the next: fresh pages for every scan cost a quarter of the time
-// of encoding it.
+// Working memory that a thread keeps from one scan to the next. To ask the system for new memory for each scan would
+// cost a quarter of the time that it takes to encode one.
 
 #include <cstddef>
 #include <memory>
@@ -11,7 +11,7 @@ namespace scanmill {
 template <class T>
 class Scratch {
  public:
-  // Room for `count` values, contents undefined; what an earlier call gave is lost.
+  // Returns room for `count` values, which are undefined. What an earlier call returned may no longer be used.
   T* get(std::size_t count) {
     if (count > size_) {
       values_.reset();

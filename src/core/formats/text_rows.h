@@ -1,6 +1,6 @@
 #pragma once
 
-// Scans as lines of numbers: what CSV and ASCII PCD share.
+// Writes scans as lines of numbers and reads numbers, for CSV and ASCII PCD.
 
 #include <cstddef>
 #include <string>
@@ -11,14 +11,15 @@
 
 namespace scanmill {
 
-// One line per point, columns in the order of columnNames(), shortest digits that read back to the same bits.
+// Appends one line per point, its columns in the order of columnNames(). Numbers have the fewest digits that read back
+// to the same bits.
 void appendRows(const Scan& scan, char separator, std::string& out);
 
-// Characters of the longest line that a scan with these columns of the table can have.
+// How many characters the longest line of a scan with these columns of the table can have.
 std::size_t longestRow(ColumnSet columns);
 
-// Reads a whole word as a number of any type that a column may have; throws InputError at `where` naming `column` where
-// it is none or out of range.
+// Reads a whole word as a number of any type that a column may have. Throws an InputError at `where` that names
+// `column` where the word is no number or the type does not hold it.
 template <class T>
 void readNumber(std::string_view word, T& value, std::string_view column, const Location& where);
 

@@ -57,7 +57,7 @@ struct MethodEntry {
   MethodCapabilities can;
   std::array<std::uint8_t, 3> color;  // sRGB, of its points in pictures that tell methods apart
   // Those of its settings that `method: auto` chooses from where the pipeline names none: a YAML list as readSettings()
-  // takes it (pipeline/settings.h).
+  // takes it (evaluate/settings.h).
   std::string_view autoSettings;
   // The option that names the folder where it keeps what it has built from run to run; "none" there makes it build
   // anew. Empty: it keeps nothing.

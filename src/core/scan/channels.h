@@ -1,6 +1,7 @@
 #pragma once
 
-// What may be known of each beam's hit. Only what an effect or a format asks for is allocated or computed.
+// What may be known of the hits of a shot's rays. Only the channels that an effect, a column or a recording asks for
+// are allocated and computed.
 
 #include <cstdint>
 #include <string>
@@ -8,6 +9,7 @@
 
 namespace scanmill {
 
+// One array of Hits each (scan/hits.h), where the values are described.
 enum class Channel : std::uint32_t {
   Range = 1u << 0,
   Normal = 1u << 1,
@@ -19,6 +21,7 @@ enum class Channel : std::uint32_t {
   Incidence = 1u << 7,
 };
 
+// A set of channels.
 class Channels {
  public:
   constexpr Channels() = default;
@@ -40,7 +43,7 @@ constexpr Channels operator|(Channel a, Channel b) {
   return Channels(a) | Channels(b);
 }
 
-// "range", "normal", ... in the order of the enumeration.
+// The names of the channels in the set, such as "range" and "normal", in the order of the enumeration.
 std::vector<std::string> channelNames(Channels channels);
 
 }  // namespace scanmill

@@ -51,7 +51,7 @@ enum class ColumnColors : std::uint8_t {
   Scale,      // a colour map from the least to the greatest value
 };
 
-// How values are told to people: `factor` times the value, in `unit`.
+// How values are shown to people: as numbers, `factor` times the value in `unit`, and as colours.
 struct ColumnDisplay {
   std::string_view title{};  // of colours by this column; empty: the column's name
   std::string_view unit{};
@@ -233,7 +233,8 @@ struct ColumnTypeOf<ColumnType::UInt32> {
   using Value = std::uint32_t;
 };
 
-// A row of the table that the compiler knows: scan[kLabel] is a std::vector<std::uint16_t>.
+// Names a row of the table at compile time, and with it the type of its values: scan[kLabel] is a
+// std::vector<std::uint16_t>.
 template <std::size_t Index>
 struct ColumnKey {
   static_assert(Index < kColumnCount, "the table of columns has no row of this name");
@@ -242,7 +243,7 @@ struct ColumnKey {
   using Value = typename ColumnTypeOf<kColumns[Index].type>::Value;
 };
 
-// The columns that code names one by one.
+// Keys of the columns that code names one by one.
 inline constexpr ColumnKey<columnIndex("intensity")> kIntensity;
 inline constexpr ColumnKey<columnIndex("label")> kLabel;
 inline constexpr ColumnKey<columnIndex("instance")> kInstance;
@@ -263,7 +264,7 @@ constexpr void forEachColumn(Visit&& visit) {
   (std::make_index_sequence<kColumnCount>());
 }
 
-// "float32", "uint8", ...
+// The type's name: "float32", "uint8", "uint16" or "uint32".
 std::string_view nameOf(ColumnType type);
 
 constexpr std::size_t bytesOf(ColumnType type) {
@@ -283,7 +284,7 @@ class ColumnSet {
     for (std::size_t i = 0; i < kColumnCount; ++i) set.add(i);
     return set;
   }
-  // What is written where a pipeline does not say.
+  // The columns that are written where a pipeline does not name any.
   static constexpr ColumnSet byDefault() {
     ColumnSet set;
     for (std::size_t i = 0; i < kColumnCount; ++i) {
@@ -323,7 +324,7 @@ class ColumnSet {
     }
     return needed;
   }
-  // In the order of the table.
+  // The columns' names, in the order of the table.
   std::vector<std::string> names() const;
 
  private:
@@ -331,7 +332,7 @@ class ColumnSet {
   std::uint64_t bits_ = 0;
 };
 
-// What of a scan is kept.
+// Which columns a scan keeps, and whether it keeps its misses.
 struct ScanLayout {
   ColumnSet columns = ColumnSet::byDefault();
   bool organised = false;
@@ -340,13 +341,13 @@ struct ScanLayout {
 // The names of all rows, in their order.
 std::vector<std::string> allColumnNames();
 
-// "x", "y", "z" and the names of the columns: those of a scan, as its files list them.
+// The names of all columns of a scan as its files list them: "x", "y", "z" and those of the set.
 std::vector<std::string> scanColumnNames(ColumnSet columns);
 
-// "time (s)"; without a unit the text alone.
+// A text with a unit behind it, such as "time (s)"; the text alone where there is no unit.
 std::string withUnit(std::string_view text, std::string_view unit);
 
-// A stored value as people read it: "3.1416 ms", "12", "45.000 deg".
+// A stored value as people read it, by Column::display: "3.1416 ms", "12", "45.000 deg".
 std::string displayText(const Column& column, double value);
 
 }  // namespace scanmill

@@ -12,12 +12,12 @@
 
 namespace scanmill {
 
-// Range of a ray that met nothing between the sensor's minimum and maximum range.
+// The range of a ray that meets nothing between the sensor's minimum and maximum range.
 constexpr float kMiss = std::numeric_limits<float>::infinity();
 
-// A structure of arrays with one entry per ray. Most often a beam fires one ray: then ray i is that of beam i, and the
-// arrays are images of rings x columns, beam index = ring * columns + column. A column that was not asked for is empty.
-// On a miss: range kMiss, everything else zero.
+// A structure of arrays with one entry per ray. Most often a beam fires one ray: then ray i is that of beam i, and each
+// array is an image of rings x columns, with the beam's index ring * columns + column. An array is empty where its
+// channel was not asked for. A ray that misses has the range kMiss and zero in all other arrays.
 struct Hits {
   std::uint32_t rings = 0;    // of the sensor
   std::uint32_t columns = 0;  // of the sensor
@@ -37,21 +37,22 @@ struct Hits {
   std::vector<float> reflectance;        // near-infrared, 0 to 1, texture applied
   std::vector<float> incidence;          // cosine of the angle between the normal and the beam, 0 to 1
 
-  // How the material looks at the hit: filled by methods that know it per beam (passes drawn by others); empty where
-  // the material's own figures hold. All three or none.
+  // How the material reflects at the hit. Methods fill these three where they know it for each ray, as in passes drawn
+  // by others; they are empty where the figures of Scene::materials hold. Either all three are filled or none.
   std::vector<float> roughness;         // 0 mirror to 1 matt
   std::vector<float> metallic;          // 0 to 1
   std::vector<float> retroreflectance;  // in units of a white Lambertian target
 
-  // Rays that the method gave up, ascending: neither hit nor miss. Their range is kMiss, as nothing is known of it.
+  // The indices of rays that the method gave up, ascending. They are neither hits nor misses; their range is kMiss, as
+  // nothing is known of it.
   std::vector<std::uint32_t> unresolved;
 
   std::size_t size() const { return std::size_t{rings} * columns; }  // beams
   std::size_t rays() const { return range.size(); }
   bool hit(std::size_t ray) const { return range[ray] < kMiss; }
 
-  // One ray a beam: sizes the columns that `asked` names (Range always) and empties the others, the surface parameters
-  // and `unresolved` too; contents are undefined.
+  // Makes room for one ray a beam: sizes the arrays of the channels that `asked` names, and of Range in any case, and
+  // empties all others. The values are undefined afterwards.
   void reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels asked);
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the sensor reports and what is written: a row per point.
+// A scan: what the sensor reports in one revolution and what is written, a row per point.
 
 #include <cstddef>
 #include <cstdint>
@@ -28,11 +28,12 @@ struct ForeignColumn {
   Values values;
 };
 
-// A scan is dense (misses are left out; points are ordered by column, then ring, then return) or organised: width =
-// columns, height = planes * rings, and misses have a NaN position and their columns' values for "none". Plane n of an
-// organised scan holds the (n + 1)th return of each beam. A point is known by its beam, ring * columns + column, and
-// the number of its return: this key joins a noisy scan to its noise-free reference. Columns are empty where nobody
-// asked for them.
+// A scan is dense or organised. A dense one leaves misses out; its points are ordered by column, then ring, then
+// return. An organised one is an image of `columns` x (planes * rings) pixels, row by row: plane n holds the (n + 1)th
+// return of each beam. Its misses have a NaN position and each column's value for "none".
+//
+// A point is known by its beam, ring * columns + column, and the number of its return. This key joins a noisy scan to
+// its noise-free reference. Columns that nobody asked for are empty.
 class Scan {
  public:
   std::uint32_t rings = 0;    // of the sensor
@@ -95,7 +96,7 @@ void requireConsistent(const Scan& scan);
 // The points whose position is finite; the sensor's rings and columns stay.
 Scan withoutMisses(const Scan& scan);
 
-// Which beam a point belongs to, and which of the beam's returns it is, 0 the first.
+// Which beam a point belongs to, and which of the beam's returns it is, counted from 0.
 struct PointKey {
   std::uint32_t ring = 0;
   std::uint32_t column = 0;
@@ -103,12 +104,12 @@ struct PointKey {
   bool operator==(const PointKey&) const = default;
 };
 
-// Whether the scan says which beam its points belong to: by its order where it is organised, else by the columns ring
-// and column. A scan without points does.
+// Whether the scan says which beam each of its points belongs to. An organised scan says it by its order, a dense one
+// by its columns ring and column. True for a scan without points.
 bool knowsBeams(const Scan& scan);
 
-// Of a scan that knows its beams. Where a dense scan has no column of the return's number, every point is the first
-// return.
+// The key of a point of a scan that knows its beams. Where a dense scan has no column `return`, every point is taken
+// for a first return.
 PointKey keyOf(const Scan& scan, std::size_t point);
 
 // How far the keys of a scan reach: one more than the largest ring, column and number.

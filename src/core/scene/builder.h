@@ -1,6 +1,6 @@
 #pragma once
 
-// Puts a scene together: resolves class and material names, cleans meshes, hands out instance ids.
+// Puts a scene together: finds classes and materials by their names, cleans meshes, gives things their instance ids.
 
 #include <cstdint>
 #include <string>
@@ -17,27 +17,32 @@ class SceneBuilder {
   const Ontology& ontology() const { return scene_.ontology; }
   const MaterialLibrary& library() const { return library_; }
 
-  // Index in Scene::materials of a material of the library, added at its first use. InputError with a suggestion.
+  // The index in Scene::materials of a material of the library, which is added at its first use. Throws an InputError
+  // at `where`, with a suggestion, for a name that the library does not have.
   std::uint16_t material(std::string_view name, const Location& where);
-  // Adds a material of an asset; equal ones (all fields) share an index.
+  // Adds a material of an asset and returns its index in Scene::materials. Materials whose fields are all equal share
+  // an index.
   std::uint16_t addMaterial(const Material& material);
 
-  // A surface of a class by name or alias and a material of the library. object is 1 for a thing, 0 for stuff.
+  // Makes a surface of a class, by its name or alias, and a material of the library. Surface::object is 1 for a class
+  // of things, 0 for one of stuff. Throws an InputError at `where` for an unknown name.
   Surface surface(std::string_view className, std::string_view materialName, const Location& where = {});
 
-  // Cleans the mesh, sets Mesh::objects from its surfaces, counts what was dropped, and keeps it. Returns its index.
+  // Keeps a mesh and returns its index in Scene::meshes. Triangles that cannot be traced are dropped and counted;
+  // Mesh::objects is set from the surfaces.
   std::uint32_t addMesh(Mesh mesh);
 
-  // Places a mesh; its things get the next instance ids (from 1), so ids follow the order of placement alone. A
-  // singular or non-finite transform is an InputError at `where`.
+  // Places a mesh in the world (m). Its things get the next instance ids, counted from 1, so that ids follow from the
+  // order of placement alone. Throws an InputError at `where` for a transform that is singular or not finite.
   void place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where = {});
 
-  // What was dropped before addMesh() saw it.
+  // Counts triangles that were dropped before addMesh() was given their mesh.
   void addDropped(const Dropped& dropped) { scene_.dropped += dropped; }
 
+  // Counts triangles that no rule gave a class; `what` tells which, see Scene::unlabeled.
   void addUnlabeled(const std::string& what, std::uint64_t triangles) { scene_.unlabeled[what] += triangles; }
 
-  // Throws where the scene has no triangle.
+  // Returns the scene. Throws InputError where it has no triangle.
   Scene finish();
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// An asset becomes a mesh of a scene: its parts get classes, materials and instance numbers from rules.
+// Makes an asset a mesh of a scene. Rules give its parts their classes, materials and object numbers.
 
 #include <cstdint>
 #include <string>
@@ -14,16 +14,18 @@ namespace scanmill {
 
 struct Labelling {
   std::vector<Rule> rules;  // first match wins
-  std::string file;         // as the scene names it: what `file` patterns see
-  bool perNode = false;     // each node with a thing class is a thing (true), or the whole asset is one (false)
+  std::string file;         // as the scene names it; patterns of `file` are compared with it
+  bool perNode = false;     // true: each node of a thing class is a thing; false: the whole asset is one
 };
 
-// Whether some part shows its base colour: it has a texture, and no rule's material that does without.
+// Whether the base colour of some part is looked at: the part has a texture, and no rule gives it a material that is
+// not textured.
 bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labelling& labelling);
 
-// Merges the parts into one mesh, adds it to the scene and returns its index. Triangles without a class get class 0 and
-// are counted as unlabelled; a part without a rule's material keeps its own look. InputError at `where` for a class or
-// material that nobody knows, and for an asset without a triangle that can be traced.
+// Merges the parts into one mesh, adds it to the scene and returns its index. Triangles that no rule gives a class get
+// class 0 and are counted as unlabelled. A part that no rule gives a material keeps the look that its file gives it.
+// Throws an InputError at `where` for an unknown class or material, and for an asset without a triangle that can be
+// traced.
 std::uint32_t addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling, const Location& where);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// How surfaces reflect near-infrared light: labels/materials.yaml, and what assets say of themselves.
+// How surfaces reflect near-infrared light. The figures come from labels/materials.yaml and from assets.
 
 #include <cstdint>
 #include <filesystem>
@@ -14,7 +14,7 @@
 
 namespace scanmill {
 
-// An image in memory: 8 bit, linear for alpha; `rgb` are sRGB values as stored.
+// An image in memory, 8 bit a channel. Red, green and blue are sRGB values as they are stored; alpha is linear.
 struct Texture {
   std::string file;
   std::uint32_t width = 0;
@@ -22,10 +22,12 @@ struct Texture {
   bool hasAlpha = false;           // some texel is below 255
   std::vector<std::uint8_t> rgba;  // width * height * 4, the first row is v = 0 (the image's bottom)
 
-  // Nearest texel at u, v with repeat; 0 to 1 each.
+  // The nearest texel at the texture coordinates u, v, as a pointer to its four bytes. The texture is repeated outside
+  // of 0 to 1.
   const std::uint8_t* texel(float u, float v) const;
 };
 
+// How a surface reflects.
 struct Material {
   std::string name;
   float reflectance = 0.3f;       // near-infrared, 0 to 1
@@ -40,13 +42,15 @@ struct Material {
   float alphaCutoff = 0.5f;
 };
 
-// Named materials of labels/materials.yaml. find() throws InputError at `where` with a suggestion.
+// The materials of a table such as labels/materials.yaml. require() finds one by its name; it throws an InputError at
+// `where`, with a suggestion, where there is none.
 struct MaterialLibrary {
   std::vector<Material> materials;
   const Material& require(std::string_view name, const Location& where) const;
 };
 
-// Wavelength in nm picks the column of reflectance: 850, 905 or 1064; default 905.
+// Reads a table of materials. `wavelengthNm` says which of their reflectances are taken: those at 850, 905 or 1064 nm.
+// Throws InputError with the place.
 MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthNm = 905);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// The classes of a dataset: labels/*.yaml.
+// An ontology: the classes of a dataset, as files such as labels/scanmill.yaml state them.
 
 #include <array>
 #include <cstdint>
@@ -27,13 +27,15 @@ struct Ontology {
   std::string source;  // where the ids come from
   std::vector<SemanticClass> classes;
 
-  // By id; null where absent.
+  // The class with this id; null where there is none.
   const SemanticClass* find(std::uint16_t id) const;
-  // By name, then by alias. Throws InputError at `where` with a suggestion.
+  // The class with this name or, where there is none, with this alias. Throws an InputError at `where`, with a
+  // suggestion, where there is neither.
   const SemanticClass& require(std::string_view nameOrAlias, const Location& where) const;
 };
 
-// Throws InputError with the place: ids and names must be unique, ids at most 65535, colours [r, g, b] of 0 to 255.
+// Reads an ontology's file. Ids and names must be unique, ids at most 65535, and colours [r, g, b] of 0 to 255. Throws
+// InputError with the place.
 Ontology readOntology(const std::filesystem::path& path);
 
 }  // namespace scanmill

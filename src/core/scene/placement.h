@@ -31,20 +31,22 @@ struct Placement {
     Vec3d scale{1, 1, 1};
   };
   Copy object;
-  bool scaled = false;  // `scale` is there
-  bool copied = false;  // `copies` is there
+  bool scaled = false;  // the YAML has the key `scale`
+  bool copied = false;  // the YAML has the key `copies`
   std::vector<Copy> at{Copy{}};
   std::array<std::int64_t, 3> gridCount{1, 1, 1};
   Vec3d gridSpacing;
 
   static constexpr std::uint64_t kMostCopies = 10'000'000;
 
+  // How many copies there are, the object itself being one where it has no others.
   std::uint64_t count() const;
-  // Calls visit(worldFromMesh) for each copy in order.
+  // Calls visit(worldFromMesh) for each copy, in order.
   void forEach(const std::function<void(const Affine&)>& visit) const;
 };
 
-// Reads these keys from the object's map. InputError with the place; too many copies are refused with the arithmetic.
+// Reads these keys from an object's map. Throws InputError with the place; for more than kMostCopies the message shows
+// how many they are and why.
 Placement readPlacement(Fields& object);
 
 }  // namespace scanmill

@@ -1,7 +1,8 @@
 #pragma once
 
-// Simple solids as triangles, appended to a mesh. Outward normals, counter-clockwise. Sizes in metres. `surface` is an
-// index into mesh.surfaces; `place` goes from the primitive's frame to the mesh's.
+// Appends simple solids to a mesh, as triangles. Seen from outside, a triangle's corners go round counter-clockwise.
+// Sizes are in metres. `surface` is an index into mesh.surfaces; `place` turns points of the primitive's frame into
+// points of the mesh's. `segments` is the number of flat sides around.
 
 #include <cstdint>
 
@@ -9,18 +10,18 @@
 
 namespace scanmill {
 
-// Centred at the origin.
+// A box and a sphere are centred at the origin.
 void appendBox(Mesh& mesh, std::uint16_t surface, const Affine& place, const Vec3d& size);
 void appendSphere(Mesh& mesh, std::uint16_t surface, const Affine& place, double radius, int segments = 32);
-// Along z from -height/2 to height/2. A cone is a cylinder whose top radius is 0.
+// A cylinder lies along z, from -height/2 to height/2. A cone is a cylinder whose top radius is 0.
 void appendCylinder(Mesh& mesh, std::uint16_t surface, const Affine& place, double bottomRadius, double topRadius,
                     double height, int segments = 32);
-// Along z; `height` is the cylinder between the two half spheres.
+// A capsule lies along z, centred at the origin; `height` is that of the cylinder between its two half spheres.
 void appendCapsule(Mesh& mesh, std::uint16_t surface, const Affine& place, double radius, double height,
                    int segments = 32);
-// In z = 0, centred, facing +z, cut into `cells` x `cells` quads.
+// A plane lies in z = 0, centred at the origin, and faces +z. It is cut into `cells` x `cells` quads.
 void appendPlane(Mesh& mesh, std::uint16_t surface, const Affine& place, double sizeX, double sizeY, int cells = 1);
-// Two triangles a b c, a c d.
+// A quad becomes the two triangles a b c and a c d. Corners are in the mesh's frame.
 void appendQuad(Mesh& mesh, std::uint16_t surface, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 
 }  // namespace scanmill

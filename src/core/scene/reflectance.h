@@ -1,6 +1,6 @@
 #pragma once
 
-// Reflectance and transparency at a point of a triangle: the same for whatever finds the triangle, rays or images.
+// Reflectance and transparency at a point of a triangle. They are the same whether rays or images find the triangle.
 
 #include <algorithm>
 #include <cstdint>

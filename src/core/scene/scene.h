@@ -1,6 +1,6 @@
 #pragma once
 
-// A scene in memory: meshes shared by instances, materials, labels. Methods read it and never change it.
+// A scene in memory: meshes that instances share, materials, and labels. Methods read it and never change it.
 
 #include <array>
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace scanmill {
 
-// What a triangle belongs to. Triangles of one mesh share few surfaces.
+// What a triangle belongs to: class, material and thing. The triangles of a mesh share a few surfaces.
 struct Surface {
   std::uint16_t material = 0;  // index into Scene::materials
   std::uint16_t semantic = 0;  // class id
@@ -26,8 +26,8 @@ struct Surface {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-// Triangles in the frame of an asset or a primitive: metres, z up. Every index is in range, every vertex finite, no
-// triangle has zero area: whoever makes a mesh calls clean().
+// Triangles in the frame of an asset or a primitive, in metres, z up. Every index is in range, every vertex is finite,
+// and no triangle has zero area: whoever makes a mesh calls clean().
 struct Mesh {
   std::string name;
   std::vector<Vec3f> positions;
@@ -40,7 +40,7 @@ struct Mesh {
   Box bounds() const;
 };
 
-// What clean() took away.
+// How many triangles clean() has dropped, by the reason.
 struct Dropped {
   std::uint64_t nonFinite = 0;   // a vertex was NaN or infinite
   std::uint64_t degenerate = 0;  // zero area, or a corner named twice
@@ -49,7 +49,8 @@ struct Dropped {
   Dropped& operator+=(const Dropped& o);
 };
 
-// Drops triangles that cannot be traced and zeroes vertices that are not finite. The order of the others is kept.
+// Drops triangles that cannot be traced, and sets vertices that are not finite to zero. The other triangles keep their
+// order.
 Dropped clean(Mesh& mesh);
 
 // A mesh placed in the world.
@@ -64,7 +65,7 @@ struct Scene {
   std::string name;
   std::uint64_t seed = 0;
   std::filesystem::path file;
-  bool procedural = false;  // some of it follows from the seed
+  bool procedural = false;  // some of it depends on the seed
   Ontology ontology;
   std::vector<Material> materials;  // index 0 is the default material
   std::vector<Mesh> meshes;
@@ -72,18 +73,18 @@ struct Scene {
   Dropped dropped;
   std::map<std::string, std::uint64_t> unlabeled;  // "file: node (material)" -> triangles that no rule matched
 
-  std::uint64_t triangles() const;        // in memory
-  std::uint64_t placedTriangles() const;  // instances counted
-  std::uint32_t things() const;           // instance ids given
-  Box bounds() const;                     // world
+  std::uint64_t triangles() const;        // of the meshes, each counted once
+  std::uint64_t placedTriangles() const;  // of the instances
+  std::uint32_t things() const;           // how many instance ids are given
+  Box bounds() const;                     // in the world's frame, m
 };
 
-// The instance id of an object (see Surface::object) of a mesh that is placed with this first id; 0 for stuff.
+// The instance id of an object (see Surface::object) of a mesh that is placed with this first id. Stuff has the id 0.
 inline std::uint32_t instanceId(std::uint32_t firstInstanceId, std::uint32_t object) {
   return object == 0 ? 0 : firstInstanceId + object - 1;
 }
 
-// The instance id of a surface of a placed mesh; 0 for stuff.
+// The instance id of a surface of a placed mesh. Stuff has the id 0.
 inline std::uint32_t instanceId(const Instance& instance, const Surface& surface) {
   return instanceId(instance.firstInstanceId, surface.object);
 }
@@ -95,7 +96,7 @@ struct SceneOptions {
   bool textures = true;            // false: no base colour is loaded unless alpha needs it
 };
 
-// Reads scenes/*.yaml with all it names. Throws InputError with the place.
+// Reads a scene file, such as those in scenes/, with all the files that it names. Throws InputError with the place.
 Scene readScene(const std::filesystem::path& path, const SceneOptions& options);
 
 }  // namespace scanmill

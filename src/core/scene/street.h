@@ -1,6 +1,6 @@
 #pragma once
 
-// The procedural street: the scene that needs no download. Everything follows from the seed.
+// The procedural street, a scene that needs no download. All of it follows from its parameters and the seed.
 
 #include <cstdint>
 
@@ -10,8 +10,9 @@
 
 namespace scanmill {
 
-// Adds a street along x, centred at the origin, its road's surface at z = 0. `fields` is the street's map in the scene
-// YAML: length, widths, and densities per class; finish() is called here. The vehicle drives on the right lane.
+// Adds a street along x, centred at the origin of its frame, with the road's surface at z = 0. Traffic keeps to the
+// right. `fields` is the street's map in a scene file: lengths, widths, and densities of things; finish() is called
+// here. Throws InputError with the place.
 void addStreet(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& worldFromStreet);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// Beams are data: a sensor is a table of directions, origins, firing times and ring numbers.
+// Beams are data: a sensor is a table of directions, origins and firing times.
 
 #include <cstdint>
 #include <string>
@@ -10,8 +10,9 @@
 
 namespace scanmill {
 
-// One turn of a sensor. Beam index = ring * columns + column; column 0 fires first. Sensor frame: x forward, y left,
-// z up; azimuth counts from x towards y (counter-clockwise seen from above), whatever way the sensor turns.
+// The beams of one revolution of a sensor, indexed by ring * columns + column; column 0 fires first. They are in the
+// sensor's frame: x forward, y left, z up. Azimuths count from x towards y, which is counter-clockwise seen from above,
+// whichever way the sensor rotates.
 struct BeamTable {
   std::string model;   // "OS1-128"
   std::string source;  // of the figures
@@ -20,16 +21,16 @@ struct BeamTable {
 
   std::vector<Vec3d> direction;  // unit
   std::vector<Vec3f> origin;     // m; empty where all are zero
-  std::vector<float> time;       // s since the start of the turn
+  std::vector<float> time;       // s since the start of the revolution
 
   double minRange = 0;  // m; nearer surfaces are not reported (the beam is a miss: they still block it)
   double maxRange = 0;  // m; a hit at exactly maxRange counts
-  double period = 0;    // s, one turn
+  double period = 0;    // s, of one revolution
 
-  // How the table was made, for the manifest: fillBeams() makes the three tables above again from what follows.
+  // The compact description of the beams, as the manifest keeps it. fillBeams() makes the three tables above from it.
   bool clockwise = false;             // seen from above
   double firstAzimuth = 0;            // rad, of column 0 before offsets
-  double field = 2 * kPi;             // rad, horizontal; in a full turn no column repeats the first
+  double field = 2 * kPi;             // rad, horizontal; in a full circle no column repeats the first
   std::vector<double> elevation;      // rad, per ring
   std::vector<double> azimuthOffset;  // rad, per ring
   std::vector<double> firingOffset;   // s, per ring
@@ -40,14 +41,15 @@ struct BeamTable {
   std::size_t size() const { return std::size_t{rings} * columns; }
 
   bool fullTurn() const { return field > 2 * kPi - 1e-9; }
-  // Where the head points when a column fires, before the ring's offset (rad).
+  // The azimuth of the head when a column fires, before the ring's offset (rad).
   double azimuth(std::uint32_t column) const;
-  // When a column fires, before the ring's offset (s since the start of the turn).
+  // The time at which a column fires, before the ring's offset (s since the start of the revolution).
   double columnTime(std::uint32_t column) const { return column * columnPeriod(); }
+  // The time from column to column (s).
   double columnPeriod() const { return period * (field / (2 * kPi)) / columns; }
 };
 
-// Computes direction, origin and time from the compact description.
+// Computes direction, origin and time of every beam from the table's compact description.
 void fillBeams(BeamTable& table);
 
 }  // namespace scanmill

@@ -14,13 +14,14 @@ namespace scanmill {
 // "Parameterization and applications of Catmull-Rom curves", Computer-Aided Design 43(7), 2011.
 class Path {
  public:
-  // At least two points; consecutive ones must differ, and the path must not turn straight back.
+  // `points` are in metres, two at least. Consecutive ones must differ, and the path must not turn straight back.
   explicit Path(const std::vector<Vec3d>& points);
 
   double length() const { return travelled_.back(); }  // m
-  // Heading along the path, without roll; a distance before or after the path gives its end.
+  // The pose at a distance along the path (m): x heads along the path, without roll. A distance before or after the
+  // path gives its end.
   Pose pose(double distance) const;
-  // Distance at which the path passes a point (m).
+  // The distance along the path at which it passes one of its points (m).
   double distanceOfPoint(std::size_t point) const { return travelled_[point * kParts]; }
 
  private:

@@ -1,11 +1,11 @@
 #pragma once
 
-// Reads pipelines/sensors/*.yaml.
+// Reads sensor files, such as those in pipelines/sensors.
 //
 //   model: OS1-128                     # names the sensor and the source of its figures, for the manifest
 //   source: ...
-//   columns: 1024                      # per turn (per field, where the field is partial)
-//   rate_hz: 10                        # turns per second
+//   columns: 1024                      # per revolution (per field, where the field is partial)
+//   rate_hz: 10                        # revolutions per second
 //   direction: clockwise               # or counterclockwise (default), seen from above
 //   first_azimuth_deg: 180             # where column 0 points: 0 is forward, 90 is left (default 0)
 //   field_deg: 360                     # horizontal; less is swept from edge to edge (default 360)
@@ -16,7 +16,7 @@
 //   origin_height_m: 0.036             # beam origin above the sensor's own origin (default 0)
 //   firing_time_us: [0, 2.3, ...]      # within a column, one per ring, or {step_us: 2.3} from ring to ring (default 0)
 //   range_m: [0.5, 120]                # nearest and farthest report
-//   effects: [range_noise: {...}]      # of pipelines that say `effects: sensor`; not part of the beam table
+//   effects: [range_noise: {...}]      # for pipelines that say `effects: sensor`; not part of the beam table
 
 #include <cstdint>
 #include <filesystem>
@@ -28,18 +28,20 @@
 
 namespace scanmill {
 
-// How many beams a sensor file asks for, without making the table: plans are refused before memory is taken.
+// How many beams a sensor file asks for. It is known without making the table, so that a plan of too many beams is
+// refused before memory is taken.
 struct SensorSize {
   std::uint64_t rings = 0;
   std::uint64_t columns = 0;
 };
 
-// The sensor map of a pipeline's {name:, preset: sensors/os1_128.yaml, mount: {...}, any sensor key}: the preset's
-// keys, replaced by the pipeline's own; each keeps its place. Without a preset: the own keys alone.
+// `value` is a sensor of a pipeline, {name:, preset: sensors/os1_128.yaml, mount: {...}, any sensor key}. Returns the
+// map of the sensor: the keys of the preset, if there is one, with the pipeline's own keys in place of those of the
+// same name. Each value keeps its place in its file. Throws InputError.
 Value resolveSensor(const Value& value);
 
-// `value` is a sensor map (an own file or inline in a pipeline). Limits: 1 to 4096 rings, 1 to 65536 columns; what is
-// beyond is refused. Throws InputError with the place.
+// Read a sensor map, be it a file of its own or part of a pipeline. There may be 1 to 4096 rings and 1 to 65536
+// columns. Throw InputError with the place.
 SensorSize sensorSize(const Value& value);
 std::shared_ptr<const BeamTable> makeBeams(const Value& value);
 

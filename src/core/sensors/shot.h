@@ -1,6 +1,6 @@
 #pragma once
 
-// One sensor, at one pose or a moving one, at one time, with the address of its randomness.
+// A shot: one revolution of one sensor, at one pose or a moving one, at one time, with the address of its randomness.
 
 #include <cstdint>
 #include <memory>
@@ -15,21 +15,21 @@
 namespace scanmill {
 
 struct Shot {
-  std::uint64_t seed = 0;    // address of its randomness: seed, scene, frame, sensor
+  std::uint64_t seed = 0;    // with scene, frame and sensor the address of its randomness
   std::uint32_t scene = 0;   // index of the sequence in the pipeline
   std::uint32_t frame = 0;   // in the sequence
   std::uint32_t sensor = 0;  // on the vehicle
   std::string sensorName;
-  std::string sample;  // the sample's key: names the files that are kept of the shot
+  std::string sample;  // key of the sample, which names the files that are kept of the shot
   double time = 0;     // s since the start of the sequence, of column 0
   std::shared_ptr<const BeamTable> beams;
 
-  // Pose at the start of each step of the turn. One entry: the sensor stands still during the turn. A column belongs to
-  // step column * steps / columns, so every column has one, whether or not the steps divide the columns.
+  // The pose at the start of each step of the revolution. With one entry the sensor stands still during the revolution.
+  // A column belongs to the step column * steps / columns, rounded down, whether or not the steps divide the columns.
   std::vector<Pose> worldFromSensor;
 
-  // Points are given in the frame of the step that fired them (false: as the sensor reports them) or in the frame of
-  // the turn's start (true).
+  // Which frame points are given in. False: that of the sensor at the step that fired them, as sensors report them.
+  // True: that of the sensor at the start of the revolution.
   bool deskew = false;
 
   std::size_t stepOf(std::uint32_t column) const {
@@ -37,21 +37,22 @@ struct Shot {
   }
 };
 
-// How a turn follows the vehicle.
+// How many poses a revolution has: one, one per column, or a number of steps.
 enum class MotionKind { None, PerColumn, Steps };
 
 struct Motion {
   MotionKind kind = MotionKind::None;
-  std::uint32_t steps = 1;  // Steps only
+  std::uint32_t steps = 1;  // of MotionKind::Steps
   bool deskew = false;
   Location where;
 };
 
-// YAML: none | per_column | {steps: 360, deskew: false} | {steps: per_column, deskew: true}; null gives none.
+// Reads none, per_column, {steps: 360, deskew: false} or {steps: per_column, deskew: true}. A null pointer gives none.
+// Throws InputError.
 Motion readMotion(const Value* value);
 
-// The poses, time, beams, frame and deskew of a shot; its names and address of randomness are left to the caller.
-// Throws InputError where the motion has more steps than the sensor has columns.
+// Makes a shot with its poses, time, beams, frame and deskew; the caller fills in its names and the rest of the address
+// of its randomness. Throws InputError where the motion has more steps than the sensor has columns.
 Shot makeShot(std::shared_ptr<const BeamTable> beams, const Trajectory& trajectory, std::uint32_t frame,
               const Pose& vehicleFromSensor, const Motion& motion);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where the vehicle is at each time: poses one by one, or waypoints driven at a speed.
+// A trajectory: where the vehicle is at each time. It is given by single poses, or by waypoints driven at a speed.
 
 #include <cstdint>
 #include <memory>
@@ -14,9 +14,8 @@ namespace scanmill {
 
 class Path;
 
-// Piecewise path of worldFromVehicle over time.
+// The pose worldFromVehicle over time. In YAML it has either poses or waypoints:
 //
-// YAML, one of
 //   poses: [{position: [x, y, z], yaw_deg: 90}, ...]        # one frame each; the vehicle stands still in each
 //   waypoints: [[x, y, z], ...]                             # driven at `speed` (m/s), heading along the path
 //   speed: 8.0
@@ -27,12 +26,12 @@ class Trajectory {
  public:
   static constexpr std::uint32_t kMaxFrames = 10'000'000;
 
-  // Number of frames, and the time of each (s since the start).
-  std::uint32_t frames() const { return frames_; }
+  std::uint32_t frames() const { return frames_; }  // how many there are
+  // The time of a frame's start (s since the start of the trajectory).
   double frameTime(std::uint32_t frame) const { return frame * interval_; }
 
-  // Pose at a time within the turn of a frame (`dt` seconds after its start). A listed pose stands still; a path is
-  // driven to its end, where the vehicle stops.
+  // The pose `dt` seconds after the start of a frame. A vehicle with listed poses stands still in each frame; one on a
+  // path drives to the end of it and stops there. Throws Error for a frame that there is not.
   Pose pose(std::uint32_t frame, double dt) const;
 
   bool still() const { return path_ == nullptr; }  // the vehicle stands still in each frame
@@ -49,7 +48,8 @@ class Trajectory {
   std::shared_ptr<const Path> path_;  // otherwise
 };
 
-// `fallbackPeriod` (s) is the time between frames where the YAML says none: the sensor's turn.
+// `fallbackPeriod` is the time between frames (s) where the YAML gives none; callers pass the period of the first
+// sensor. Throws InputError.
 Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod);
 
 }  // namespace scanmill

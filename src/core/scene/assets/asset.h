@@ -12,7 +12,8 @@
 
 namespace scanmill {
 
-// Triangles that share a node and a material, in the asset's frame after unit and axis conversion: metres, z up.
+// Triangles that share a node and a material, in the asset's frame after the conversion of units and axes: metres, z
+// up.
 struct AssetPart {
   std::string node;  // name of the node that holds it, or of its nearest ancestor with one; "" where the file has none
   std::uint32_t nodeIndex = 0;  // parts of one node share it; nodes count in file order (depth first)
@@ -29,14 +30,15 @@ enum class AlphaUse {
   // As the file says. glTF: alphaMode MASK (at alphaCutoff) and BLEND (at 0.5). Other kinds: at 0.5, where a material
   // has an opacity map or an opacity between 0 and 1 (MTL map_d, d and Tr; COLLADA transparent; FBX TransparentColor;
   // AC3D trans). Many files declare nothing and mean cut-outs (leaves) or something else altogether (which parts of a
-  // car take the paint); their alpha counts if it looks like cut-outs: see isCutOut() in scene/asset_alpha.h.
+  // car take the paint); their alpha counts if it looks like cut-outs: see isCutOut() in scene/assets/asset_alpha.h.
   Auto,
   Ignore,  // everything is solid
   Test,    // at 0.5, or at the cutoff that the file gives
 };
 
 struct AssetOptions {
-  // For kinds that declare their unit (COLLADA, FBX) it counts on top of the declared one, as the scale of an SDF does.
+  // How many metres a unit of the file is. For the kinds that declare their unit (COLLADA, FBX) it multiplies the
+  // declared one, as the scale of an SDF does.
   double metresPerUnit = 1.0;
   // The up axis of the file's coordinates, 'x', 'y' or 'z': (x, y, z) becomes (x, -z, y) from y-up and (-y, -z, x) from
   // x-up. It replaces what the file declares. Without one, the file decides: COLLADA by up_axis and FBX by UpAxis (y
@@ -54,8 +56,9 @@ struct Asset {
   Dropped dropped;  // triangles with indices out of range are dropped here; the rest is left to clean()
 };
 
-// Throws InputError that names the file and what is wrong (absent, empty, truncated, no triangles, unknown kind).
-// Missing textures are one warning each and leave the material's plain colour. Lines and points are left out silently.
+// Reads the file. Throws an InputError that names it and says what is wrong: it is absent, empty, truncated, of an
+// unknown kind, or has no triangles. A missing texture is a warning, and its material has a plain colour instead. Lines
+// and points are left out without a word.
 Asset readAsset(const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill

@@ -16,13 +16,14 @@ struct AlphaShares {
   double gone = 0;    // triangles on which no alpha reaches 0.5
 };
 
-// By 36 points on each triangle, or on every n-th of many. The meshes are triangulated.
+// Measures the shares for a material's texture by 36 points on each triangle, or on every n-th where there are many.
+// The scene's meshes must be triangulated.
 AlphaShares measureAlpha(const aiScene& scene, unsigned material, unsigned uvChannel, const Texture& texture);
 
-// Whether that is how cut-outs look: some of the surface is cut away, the alpha is mostly on or off, and hardly any
-// triangle would vanish as a whole, for nobody models what is never seen. Where alpha says which parts of a car body
-// take the paint, whole panels have none. Measured on Gazebo's models: 0 and 8 % of the area would vanish from the
-// branches of oak and pine, 24, 35 and 53 % from the bodies of bus, hatchback and SUV.
+// Whether these are the shares of cut-outs: some of the surface is cut away, the alpha is mostly on or off, and hardly
+// any triangle would vanish as a whole, since nobody models what is never seen. It is different where alpha says which
+// parts of a car's body take the paint: there, whole panels have none. Measured on Gazebo's models, 0 and 8 % of the
+// area would vanish from the branches of oak and pine, and 24, 35 and 53 % from the bodies of bus, hatchback and SUV.
 bool isCutOut(const AlphaShares& shares);
 
 }  // namespace scanmill

@@ -18,13 +18,14 @@ struct AssetLook {
   unsigned uvChannel = 0;  // texture coordinates that the base colour uses
 };
 
-// One per material of the imported file. Missing or broken textures are one warning each.
+// Returns one look per material of the imported file. A missing or broken texture is a warning.
 std::vector<AssetLook> readLooks(const aiScene& scene, const std::filesystem::path& file, bool gltf,
                                  const AssetOptions& options);
 
-// The file that an asset at `asset` means by `name`; empty where there is none. Looks at the name relative to the
-// asset, at model:// and file:// addresses, then for the bare file name in the asset's folder and in the folders beside
-// it that hold textures by custom, case-insensitively at last.
+// Finds the file that the asset at `asset` calls `name`; empty where there is none. The name is taken relative to the
+// asset, then as an address that begins with model:// or file://. Then a file of that name without its folders is
+// looked for in the asset's folder and in the folders beside it that usually hold textures, and at last all of that
+// without regard to upper and lower case.
 std::filesystem::path findTexture(const std::filesystem::path& asset, const std::string& name);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// Import of .blend files: Blender itself turns them into GLB.
+// Imports .blend files: Blender itself turns them into GLB.
 
 #include <filesystem>
 
@@ -8,13 +8,14 @@
 
 namespace scanmill {
 
-// A GLB of what a .blend shows in its active scene, in the viewport and in renders: surfaces with modifiers applied,
-// instances, materials with their base colour textures; names kept; z up, metres by the file's unit scale. No script,
-// driver expression or handler of the file runs. It lies in a temporary folder and is gone with the object.
+// A GLB of what the active scene of a .blend shows in the viewport and in renders: surfaces with their modifiers
+// applied, instances, and materials with their base colour textures. Names are kept. Coordinates are in metres by the
+// file's unit scale, z up. No script, driver expression or handler of the file runs. The GLB lies in a temporary
+// folder, which the destructor removes.
 class BlendExport {
  public:
-  // Throws InputError that names the file: no .blend, damaged, saved by a newer Blender, nothing to see; and Error
-  // where there is no Blender.
+  // Throws an InputError that names the file where it is no .blend, is damaged, was saved by a newer Blender, or shows
+  // nothing. Throws Error where there is no Blender.
   explicit BlendExport(const std::filesystem::path& file);
 
   std::filesystem::path glb() const { return folder_.path() / "scene.glb"; }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Blender at work for us: scripts/blender_passes.py, run by the Blender that is installed.
+// Runs scripts/blender_passes.py in the Blender that is installed.
 
 #include <filesystem>
 #include <string>
@@ -10,11 +10,12 @@
 
 namespace scanmill {
 
-// The program: SCANMILL_BLENDER, or `blender` in PATH. Throws Error that says how to install it.
+// The program that the environment variable SCANMILL_BLENDER names; without that, `blender` in PATH. Throws an Error
+// that says how to install it.
 std::filesystem::path blenderProgram();
 
 struct BlenderAnswer {
-  std::string what;  // "ready", "scene", "image", "exported"; see the script
+  std::string what;  // "ready", "scene", "image" or "exported": see the script
   std::string text;
   double seconds = 0;  // since the request
 };
@@ -27,9 +28,11 @@ class BlenderJob {
   // Throws Error where there is no Blender.
   BlenderJob(const std::string& job, const std::filesystem::path& folder, const std::vector<std::string>& arguments);
 
+  // Sends a line to the script.
   void ask(const std::string& line);
-  // The next answer, for at most SCANMILL_BLENDER_SECONDS (600). Throws InputError where the user's file is at fault,
-  // without its name, and Error with Blender's last lines.
+  // Waits for the script's next answer, at most for the seconds that the environment variable SCANMILL_BLENDER_SECONDS
+  // gives (600 without it). Throws an InputError, which does not name the file, where the user's file is at fault;
+  // throws an Error with Blender's last lines where anything else fails.
   BlenderAnswer answer();
 
  private:

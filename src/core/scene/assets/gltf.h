@@ -14,7 +14,7 @@ namespace scanmill {
 // wrong with it. Terms are those of the glTF 2.0 specification, chapters 3 and 4.
 std::string checkedGltf(const std::filesystem::path& file);
 
-// "%2F" -> "/"; what is not an escape stays.
+// Decodes the escapes of a URI: "%2F" becomes "/". What is no escape stays as it is.
 std::string decodeUri(std::string_view uri);
 
 }  // namespace scanmill

@@ -37,8 +37,8 @@ struct PlyHeader {
   bool isMac = false;  // lines end with a carriage return alone
 };
 
-// Throws InputError that names the file, the line and what is wrong: no end_header, an unknown line or type, more
-// elements than the file has bytes.
+// Reads the header of a PLY file. Throws an InputError that names the file, the line and what is wrong: there is no
+// end_header, a line or type is unknown, or there are more elements than the file has bytes.
 PlyHeader readPlyHeader(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -12,18 +12,19 @@
 
 namespace scanmill {
 
-// Reads what images/images.h reads, and throws what it throws. A path is decoded once as long as somebody holds its
-// texture, from any thread.
+// Reads an image as readImage() does (images/images.h), and throws what that throws. As long as somebody holds a path's
+// texture, it is not decoded again. Any thread may call it.
 std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path);
 
-// The same for an image inside another file; `name` stands for it in messages and in Texture::file.
+// Does the same for an image inside another file. `name` stands for it in messages and in Texture::file.
 std::shared_ptr<const Texture> decodeTexture(std::string_view bytes, const std::string& name);
 
-// The colour with the alpha of an opacity map: the map's own alpha where it has one, its brightness elsewhere. Without
-// a colour, white. The larger of the two sizes; the other is sampled at the nearest texel.
+// Returns the colour with the alpha of an opacity map, which is the map's own alpha where it has one and its brightness
+// where it has none; `inverted` turns it round. Where `color` is null, the colour is white. The result has the size of
+// the larger of the two; the other is sampled at the nearest texel.
 std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& opacity, bool inverted = false);
 
-// Linear luminance of an sRGB colour, 0 to 1 (IEC 61966-2-1, Rec. 709 weights).
+// The linear luminance of an sRGB colour, from 0 to 1 (IEC 61966-2-1, weights of Rec. 709).
 float luminance(const std::uint8_t* rgb);
 
 // The mean of luminance() over the texels whose alpha is at least `minimumAlpha`; 1 where there is none.

@@ -20,8 +20,8 @@
 
 namespace scanmill::street {
 
-// Whom a random number is for. Every kind has its own numbers, so that more of one leaves the others as they are.
-// The values are part of what a seed means: append, never renumber.
+// What kind of object a random number is for. Every kind has numbers of its own, so that more objects of one kind leave
+// the others as they are. The values are part of what a seed means: append, never renumber.
 enum class Kind : std::uint32_t {
   Plot = 1,
   Lot,
@@ -47,7 +47,7 @@ enum class Kind : std::uint32_t {
   Markings,
 };
 
-// The numbers of one object, in the order in which they are asked for.
+// The random numbers of one object, drawn one after the other.
 class Draw {
  public:
   Draw(std::uint64_t seed, Kind kind, std::uint32_t object = 0);
@@ -75,20 +75,20 @@ struct Point2 {
 constexpr double lerp(double a, double b, double t) {
   return a + (b - a) * t;
 }
-double smooth(double t);  // smoothstep of t clamped to [0, 1]
+double smooth(double t);  // smoothstep of t, which is clamped to [0, 1]
 
 Affine at(const Vec3d& position);
 Affine at(const Vec3d& position, double yaw);
-// Maps z to the direction, with x and y anyhow.
+// Places the origin at the position and the z axis along the direction; x and y are any axes that fit.
 Affine along(const Vec3d& position, const Vec3d& direction);
 
-// A mesh that a scene holds, and the room it takes.
+// A mesh of a scene, and the box around it (m).
 struct Model {
   std::uint32_t mesh = 0;
   Box bounds;
 };
 
-// A mesh under construction. Everything appended goes through `frame`.
+// A mesh under construction. All that is appended is transformed by `frame`. Lengths are in metres.
 class Shape {
  public:
   Shape(SceneBuilder& builder, std::string name);
@@ -103,15 +103,19 @@ class Shape {
   // A closed pipe along a polyline with a radius at each point.
   void pipe(Skin skin, const std::vector<Vec3d>& points, const std::vector<double>& radii, int segments = 8);
   void tube(Skin skin, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
-  // Turns a profile of (radius, z) about z. Outside is to the right of the profile's direction (bottom to top).
+  // Revolves a profile of (radius, z) about the z axis. Outside is to the right of the profile's direction, which goes
+  // from bottom to top.
   void revolve(Skin skin, const Affine& place, const std::vector<Point2>& profile, int segments, bool closed = false);
   void torus(Skin skin, const Affine& place, double radius, double thickness, int segments, int around = 8);
-  // A convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`: `front` at the top, `rim` elsewhere.
+  // A prism over a convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`. Its top has the skin `front`,
+  // the rest `rim`.
   void prism(Skin front, Skin rim, const Affine& place, const std::vector<Point2>& polygon, double thickness);
-  // Quads between rows of equal length; corners that coincide make triangles. Counter-clockwise is row, next column.
+  // Quads between rows of points, all rows being equally long. `wrap` joins the last point of a row to its first; `of`
+  // gives the skin of a quad. Where corners coincide, a quad becomes a triangle. Seen from outside, a quad's corners go
+  // round counter-clockwise from a point to the next one of its row.
   void grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap, const std::function<Skin(int row, int column)>& of);
 
-  // Hands the mesh to the scene.
+  // Adds the mesh to the scene.
   Model finish();
 
   Affine frame;
@@ -124,7 +128,8 @@ class Shape {
   std::vector<std::pair<std::string, Skin>> skins_;
 };
 
-// What the YAML says. Densities are objects per 100 m of street, both sides together.
+// The keys of `street:` in a scene file. Lengths are in metres; densities are objects per 100 m of street, on both
+// sides together.
 struct Parameters {
   double length = 200, roadWidth = 7, parkingWidth = 2.2, curbHeight = 0.12, sidewalkWidth = 2.5, frontGarden = 4;
   double terrain = 80, beyond = 150;
@@ -146,7 +151,8 @@ struct Span {
 
 enum class Roof { Flat, Gable, CrossGable, Hip };
 
-// Local frame: the front wall lies in y = 0 and looks to -y, x goes along it from 0 to width, the house to y = depth.
+// In the house's frame the front wall lies in y = 0 and faces -y. It reaches along x from 0 to width, and the house
+// along y from 0 to depth.
 struct House {
   Affine streetFromHouse;
   double width = 10, depth = 9;
@@ -160,7 +166,7 @@ struct House {
 
 enum class Fencing { None, Pickets, Bars, Brick, Hedge };
 
-// A plot along the street. side is -1 for y < 0 (right when driving along +x) and 1 for y > 0.
+// A plot along the street. `side` is -1 for y < 0, which is to the right of who drives along +x, and 1 for y > 0.
 struct Lot {
   int side = 1;
   Span x;
@@ -173,7 +179,7 @@ struct Lot {
 
 enum class Ground { Road, Parking, Curb, LoweredCurb, Sidewalk, Ramp, Driveway, Path, Terrain };
 
-// Where everything stands. y is mirrored: distances from the centre line hold for both sides.
+// Where everything stands, in the street's frame. Distances from the centre line hold for both sides.
 struct Layout {
   Layout(const Parameters& parameters, std::uint64_t seed);
 
@@ -185,7 +191,7 @@ struct Layout {
   static constexpr double kCrossSidewalkEnd = 18;  // beyond the back of the gardens, m
 
   Ground kindAt(double x, double y) const;
-  // Height of the surface of this kind at a point on or inside its border.
+  // The height of the ground of this kind (m) at a point inside its border or on it.
   double heightAt(Ground kind, double x, double y) const;
   double heightAt(double x, double y) const { return heightAt(kindAt(x, y), x, y); }
   bool inCorner(double x, double y) const;  // the squares that hold the rounded corners of the crossing
@@ -253,7 +259,7 @@ Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                   
 Model makeColumn(SceneBuilder& builder, std::uint64_t seed);                    // for posters
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what);  // 2 m along x, centred
 
-// Puts everything but ground and houses into the scene.
+// Places everything but ground and houses in the scene.
 void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromStreet);
 
 }  // namespace scanmill::street

@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds places on the street and puts things there.
+// Finds free places on the street and puts things there.
 
 #include <string>
 #include <utility>
@@ -10,7 +10,7 @@
 
 namespace scanmill::street {
 
-// A rectangle on the ground that something stands on.
+// The rectangle on the ground that something stands on (m, rad).
 struct Footprint {
   Point2 center;
   double halfX = 0, halfY = 0;
@@ -54,7 +54,8 @@ struct Placer {
   bool nearCrossing(double x, double margin) const;
   // Distance from the centre line to the road's side of the sidewalk, at x.
   double walkFrom(double x) const;
-  // A place on a sidewalk, `from` its road side or (negative) its far side, away from crossing, driveways and paths.
+  // A place on a sidewalk, away from the crossing, driveways and paths. `from` is its distance from the sidewalk's edge
+  // at the road or, where it is negative, from the other edge (m).
   Spot onSidewalk(Draw& draw, double from, double margin) const;
 
   SceneBuilder& builder;

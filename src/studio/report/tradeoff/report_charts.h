@@ -12,7 +12,7 @@ namespace scanmill {
 inline constexpr int kReportWidth = 1160;       // pixels; the width of a chart that stands alone
 inline constexpr std::size_t kReportRows = 40;  // a chart has rows for at most so many settings
 
-// Speed against range error, as the file pareto.svg, which the README shows.
+// Speed against range error, as the file pareto.svg, which docs/tradeoff.md shows.
 std::string paretoSvg(const Study& study);
 // The same chart in the page's width, and speed against the share of wrong beams.
 std::string rangeFrontChart(const Study& study);

@@ -3,7 +3,7 @@
 // What a trade-off study compares: the key `tradeoff:` of a pipeline, every part of which may be left out.
 //
 //   tradeoff:
-//     settings:                     # see pipeline/settings.h
+//     settings:                     # see evaluate/settings.h
 //       - ray_tracing
 //       - {depth_camera: {resolution: [512, 1024, 2048], sampling: [plane, nearest]}}
 //     encodings: [pcd, {draco: {max_error_mm: [1, 10]}}]

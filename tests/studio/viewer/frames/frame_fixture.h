@@ -1,6 +1,6 @@
 #pragma once
 
-// Datasets that differ from tests/dataset/fixture.h in what a viewer must tell apart.
+// Datasets that differ from tests/core/dataset/fixture.h in what a viewer must tell apart.
 
 #include <functional>
 #include <string>
