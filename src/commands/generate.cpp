@@ -1,4 +1,4 @@
-#include "pipeline/generate.h"
+#include "pipeline/run/generate.h"
 
 #include <fmt/core.h>
 
@@ -12,7 +12,7 @@
 #include "commands/table.h"
 #include "dataset/output_folder.h"
 #include "evaluate/auto/calibrate.h"
-#include "pipeline/keeper.h"
+#include "pipeline/run/recorder.h"
 
 namespace scanmill {
 
@@ -84,7 +84,8 @@ int runGenerate(const std::vector<std::string>& arguments) {
   generateOptions.keepHits = folderOption(parsed, "keep-hits");
   generateOptions.keepPasses = folderOption(parsed, "keep-passes");
   const bool keeps = !generateOptions.keepHits.empty() || !generateOptions.keepPasses.empty();
-  Plan plan(readPipeline(file, pipelineOverrides(parsed), recordingOf(parsed)), keeps ? keptChannels() : Channels{});
+  Plan plan(readPipeline(file, pipelineOverrides(parsed), recordingOf(parsed)),
+            keeps ? recordedChannels() : Channels{});
   generateOptions.folder = parsed.options["out"].as<std::string>();
   generateOptions.overwrite = parsed.options.count("overwrite") > 0;
   generateOptions.quiet = parsed.options.count("quiet") > 0;

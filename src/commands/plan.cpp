@@ -1,4 +1,4 @@
-#include "pipeline/plan.h"
+#include "pipeline/plan/plan.h"
 
 #include <fmt/core.h>
 
@@ -11,9 +11,9 @@
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "evaluate/auto/calibrate.h"
-#include "pipeline/dataset_size.h"
-#include "pipeline/feature_costs.h"
-#include "pipeline/warnings.h"
+#include "pipeline/plan/dataset_size.h"
+#include "pipeline/plan/feature_costs.h"
+#include "pipeline/plan/warnings.h"
 
 namespace scanmill {
 

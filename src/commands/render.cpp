@@ -1,4 +1,4 @@
-#include "pipeline/render.h"
+#include "pipeline/run/render.h"
 
 #include <fmt/format.h>
 

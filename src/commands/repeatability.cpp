@@ -14,7 +14,7 @@
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
-#include "pipeline/plan.h"
+#include "pipeline/plan/plan.h"
 #include "report/page/report_folder.h"
 #include "report/repeatability/repeatability_report.h"
 #include "study/repeatability/repeatability_choice.h"

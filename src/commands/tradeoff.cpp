@@ -12,7 +12,7 @@
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
-#include "pipeline/plan.h"
+#include "pipeline/plan/plan.h"
 #include "report/page/report_folder.h"
 #include "report/tradeoff/error_picture.h"
 #include "report/tradeoff/report.h"

@@ -10,8 +10,8 @@
 #include "commands/table.h"
 #include "dataset/recording.h"
 #include "dataset/shard_name.h"
-#include "pipeline/progress.h"
-#include "pipeline/verify_recording.h"
+#include "pipeline/run/progress.h"
+#include "pipeline/run/verify_recording.h"
 
 namespace scanmill {
 

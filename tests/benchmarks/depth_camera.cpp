@@ -13,8 +13,8 @@
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
 #include "passes/renderer.h"
-#include "pipeline/generate.h"
-#include "pipeline/keeper.h"
+#include "pipeline/run/generate.h"
+#include "pipeline/run/recorder.h"
 #include "tests/benchmarks/street_beams.h"
 #include "tests/benchmarks/timing.h"
 #include "tests/core/methods/trace.h"
@@ -173,7 +173,7 @@ void fromHits(benchmark::State& state, const std::string& method) {
   options.overwrite = true;
   options.quiet = true;
   options.keepHits = hits;
-  const double kept = generate(Plan(readPipeline(pipeline, {}), keptChannels()), options).seconds;
+  const double kept = generate(Plan(readPipeline(pipeline, {}), recordedChannels()), options).seconds;
   options.keepHits.clear();
   const auto recording = std::make_shared<const Recording>(readRecording(hits, RecordingKind::Hits));
   const Plan direct(readPipeline(pipeline, {}));

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "dataset/reader.h"
-#include "pipeline/generate.h"
+#include "pipeline/run/generate.h"
 #include "tests/benchmarks/bare_draco.h"
 #include "tests/benchmarks/bare_embree.h"
 #include "tests/benchmarks/timing.h"

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "base/handover.h"
+#include "base/tsan_order.h"
 
 namespace scanmill {
 
@@ -21,14 +21,14 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
   }
   // TBB halves a range down to half its grain: the loop is over whole grains, so that no body gets less than one.
   const std::size_t grains = (count - 1) / grain + 1;
-  Handover begun;
-  Handover done;
-  const Handover::Wait wait(begun, done);
+  TaskOrder begun;
+  TaskOrder done;
+  const TaskOrder::Wait wait(begun, done);
   // Isolated: a thread that waits here must not start unrelated outer work, which would hold its buffers meanwhile.
   tbb::this_task_arena::isolate([&] {
     const tbb::blocked_range<std::size_t> all(0, grains);
     tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& r) SCANMILL_UNWATCHED {
-      const Handover::Turn turn(begun, done);
+      const TaskOrder::Task turn(begun, done);
       body(r.begin() * grain, r.end() == grains ? count : r.end() * grain);
     });
   });

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "pipeline/pipeline.h"
+#include "pipeline/read/pipeline.h"
 #include "scan/hits.h"
 #include "scene/scene.h"
 #include "sensors/shot.h"

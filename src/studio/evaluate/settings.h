@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/pipeline.h"
+#include "pipeline/read/pipeline.h"
 
 namespace scanmill {
 

@@ -17,7 +17,7 @@
 #include "base/parallel.h"
 #include "dataset/reader.h"
 #include "dataset/verify.h"
-#include "pipeline/generate.h"
+#include "pipeline/run/generate.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,6 +1,6 @@
 // A program of somebody else: makes a dataset from an installed pipeline through the library.
 
-#include "pipeline/generate.h"
+#include "pipeline/run/generate.h"
 
 #include <cstdio>
 

@@ -8,7 +8,7 @@
 #include "base/short_text.h"
 #include "evaluate/intensity.h"
 #include "evaluate/measure.h"
-#include "pipeline/progress.h"
+#include "pipeline/run/progress.h"
 
 namespace scanmill {
 

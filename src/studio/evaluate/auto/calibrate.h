@@ -22,7 +22,7 @@
 #include "dataset/manifest.h"
 #include "evaluate/limits.h"
 #include "evaluate/settings.h"
-#include "pipeline/plan.h"
+#include "pipeline/plan/plan.h"
 
 namespace scanmill {
 

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "dataset/scan_check.h"
-#include "pipeline/progress.h"
+#include "pipeline/run/progress.h"
 #include "report/dataset/scan_choice.h"
 #include "report/dataset/scan_counts.h"
 #include "report/dataset/scan_reading.h"

@@ -8,8 +8,8 @@
 
 #include "base/parallel.h"
 #include "config/version.h"
-#include "pipeline/progress.h"
-#include "sense/sense.h"
+#include "pipeline/run/progress.h"
+#include "pipeline/run/run_shot.h"
 #include "study/repeatability/repeatability_choice.h"
 #include "study/repeatability/repeatability_object.h"
 
@@ -203,8 +203,8 @@ class RepeatabilityRun {
       Scan scan;
       for (std::size_t c = first; c < last; ++c) {
         repeated.seed = shot.seed + c % choice_.scans;
-        sense(hits, repeated, choice_.levels[c / choice_.scans].effects(plan_.pipeline(), shot.sensor), scene.materials,
-              repeatabilityLayout(), scratch, scan);
+        const auto effects = choice_.levels[c / choice_.scans].effects(plan_.pipeline(), shot.sensor);
+        senseShot({method, scene.materials, channels_, effects, repeatabilityLayout()}, repeated, hits, scratch, scan);
         clouds[c] = crop(scan, repeated, thing, choice_.margin);
       }
     });

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "evaluate/registration.h"
-#include "pipeline/plan.h"
+#include "pipeline/plan/plan.h"
 
 namespace scanmill {
 

@@ -21,7 +21,7 @@
 
 #include "evaluate/registration.h"
 #include "evaluate/settings.h"
-#include "pipeline/pipeline.h"
+#include "pipeline/read/pipeline.h"
 #include "sense/sense.h"
 
 namespace scanmill {

@@ -11,7 +11,8 @@
 #include "config/version.h"
 #include "evaluate/intensity.h"
 #include "gpu/compute.h"
-#include "pipeline/progress.h"
+#include "pipeline/run/progress.h"
+#include "pipeline/run/run_shot.h"
 #include "study/tradeoff/encodings.h"
 #include "study/tradeoff/ring_timings.h"
 #include "study/tradeoff/settings.h"
@@ -230,13 +231,8 @@ class StudyRun {
     if (!study_.showing) study_.showing = RingFit{};
     Returns returns;
     Scan scan;
-    senseInto(shot, hits, returns, scan);
+    senseShot(setupOf(plan_, scene_, *method, shot.sensor), shot, hits, returns, scan);
     study_.showing->timings.push_back({rings, timed([&] { options_.showScan(scan, scene_.ontology); })});
-  }
-
-  void senseInto(const Shot& shot, const Hits& hits, Returns& returns, Scan& scan) const {
-    sense(hits, shot, plan_.pipeline().effectsOf(shot.sensor), scene_.materials, plan_.pipeline().layout, returns,
-          scan);
   }
 
   void takeEncodings() {
@@ -252,8 +248,9 @@ class StudyRun {
     for (const TrueShot& t : truth_) {
       if (scans.size() == kMostScans) break;
       tracer->trace(t.shot, plan_.channels(), hits);
-      senseInto(t.shot, hits, returns, scan);  // once untimed: buffers go from scan to scan
-      effects += secondsOf([&] { senseInto(t.shot, hits, returns, scan); });
+      const ShotSetup setup = setupOf(plan_, scene_, *tracer, t.shot.sensor);
+      senseShot(setup, t.shot, hits, returns, scan);  // once untimed: buffers go from scan to scan
+      effects += secondsOf([&] { senseShot(setup, t.shot, hits, returns, scan); });
       scans.push_back(scan);
     }
     const auto count = static_cast<double>(scans.size());

@@ -14,7 +14,7 @@
 #include "evaluate/limits.h"
 #include "evaluate/measure.h"
 #include "evaluate/settings.h"
-#include "pipeline/plan.h"
+#include "pipeline/plan/plan.h"
 #include "scan/hits.h"
 #include "scan/scan.h"
 #include "scene/ontology.h"

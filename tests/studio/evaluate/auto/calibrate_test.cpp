@@ -8,8 +8,8 @@
 #include "base/random.h"
 #include "evaluate/exact/exact.h"
 #include "evaluate/measure.h"
-#include "pipeline/keeper.h"
-#include "pipeline/render.h"
+#include "pipeline/run/recorder.h"
+#include "pipeline/run/render.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
@@ -352,7 +352,7 @@ TEST_F(CalibrateYard, RecordedHitsNeedNoChoice) {
   keeping.folder = out("traced");
   keeping.keepHits = out("hits");
   keeping.quiet = true;
-  generate(Plan(readPipeline(pipeline_, {}), keptChannels()), keeping);
+  generate(Plan(readPipeline(pipeline_, {}), recordedChannels()), keeping);
   const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
   const Plan plan(readPipeline(pipeline_, {"method={auto: {min_rate: 1}}"}, recording));
   EXPECT_FALSE(plan.pipeline().method.automatic);

@@ -13,7 +13,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "formats/format.h"
-#include "pipeline/plan.h"
+#include "pipeline/plan/plan.h"
 #include "study/noise/linear_fit.h"
 #include "study/noise/noise_comparison.h"
 #include "study/noise/sensor_effects.h"

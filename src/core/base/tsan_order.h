@@ -1,0 +1,57 @@
+#pragma once
+
+// Tells the thread sanitizer how oneTBB orders its tasks. The sanitizer cannot see that by itself, since the library is
+// not built for it, and would report races where there are none. In all other builds this compiles to nothing.
+
+#ifdef __SANITIZE_THREAD__
+#include <sanitizer/tsan_interface.h>
+#define SCANMILL_UNWATCHED __attribute__((no_sanitize("thread")))
+#else
+#define SCANMILL_UNWATCHED
+#endif
+
+namespace scanmill {
+
+// All that a thread did before it calls give() happened before what any thread does after it calls take() on the same
+// object. The function of a task is marked SCANMILL_UNWATCHED, since it reads what it captured, which lies in oneTBB's
+// memory, before it can call take(). The functions that it calls are watched as always.
+class TaskOrder {
+ public:
+#ifdef __SANITIZE_THREAD__
+  void give() {
+    __tsan_release(this);
+  }
+  void take() {
+    __tsan_acquire(this);
+  }
+#else
+  void give() {}
+  void take() {}
+#endif
+
+  // Lives as long as a task runs: takes from `from` at the start, gives to `to` at the end, an exception included.
+  class Task {
+   public:
+    Task(TaskOrder& from, TaskOrder& to) : to_(to) { from.take(); }
+    ~Task() { to_.give(); }
+    Task(const Task&) = delete;
+    Task& operator=(const Task&) = delete;
+
+   private:
+    TaskOrder& to_;
+  };
+
+  // Lives in the thread that starts tasks and waits for them: gives to `to` at the start, takes from `from` at the end.
+  class Wait {
+   public:
+    Wait(TaskOrder& to, TaskOrder& from) : from_(from) { to.give(); }
+    ~Wait() { from_.take(); }
+    Wait(const Wait&) = delete;
+    Wait& operator=(const Wait&) = delete;
+
+   private:
+    TaskOrder& from_;
+  };
+};
+
+}  // namespace scanmill

@@ -1,0 +1,124 @@
+#include "pipeline/plan/dataset_size.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dataset/manifest.h"
+#include "dataset/sample_json.h"
+#include "dataset/shard.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kWidest = -1.2345678901234567e-100;  // no number of a pose has more digits
+constexpr double kManifestNotes = 4096;               // what the method has modelled, stages, hashes
+constexpr double kShardRecord = 300;                  // of the manifest
+constexpr double kSeparators = 64;                    // a record within its list
+constexpr double kReserve = 10;                       // m; with twice the range: noise, and the way of a turn
+
+double bytesOf(const std::string& text) {
+  return static_cast<double>(text.size());
+}
+
+std::string longestMethodName() {
+  std::string longest;
+  for (const MethodEntry& m : methods()) longest = m.name.size() > longest.size() ? std::string(m.name) : longest;
+  return longest;
+}
+
+// The sample whose descriptions are the longest: every beam meets every class.
+SampleRecord longestSample(const Plan& plan, const Sequence& sequence, const Ontology& ontology) {
+  const Pipeline& pipeline = plan.pipeline();
+  const Pose pose{{kWidest, kWidest, kWidest, kWidest}, {kWidest, kWidest, kWidest}};
+  const bool moves = pipeline.recording != nullptr || pipeline.motion.kind != MotionKind::None;
+  SampleRecord sample;
+  sample.key = sequence.key(sequence.frames);
+  sample.split = sequence.split;
+  sample.members.push_back(sample.key + ".json");
+  for (std::size_t s = 0; s < plan.beams().size(); ++s) {
+    ScanRecord scan;
+    scan.sensor = pipeline.sensors[s].name;
+    scan.method = pipeline.method.automatic ? longestMethodName() : pipeline.methodName();
+    scan.time = kWidest;
+    scan.worldFromSensor.assign(moves ? 2 : 1, pose);
+    scan.beams = plan.beams()[s]->size();
+    scan.points = scan.beams;
+    scan.instances = static_cast<std::uint32_t>(scan.beams);
+    if (pipeline.layout.columns.has(kLabel)) {
+      for (const SemanticClass& c : ontology.classes) scan.pointsPerClass[c.id] = scan.beams;
+    }
+    for (const FormatChoice& f : pipeline.formats) {
+      sample.members.push_back(sample.key + "." + memberSuffix(scan, f.format->suffix()));
+    }
+    sample.scans.push_back(std::move(scan));
+  }
+  return sample;
+}
+
+// The scans of a frame in all formats, in the order of longestSample()'s members.
+std::vector<double> scanBytes(const Plan& plan) {
+  std::vector<double> bytes;
+  ScanOutline outline;
+  outline.held = plan.columns();
+  for (const auto& beams : plan.beams()) {
+    outline.points = beams->size();
+    outline.rings = beams->rings;
+    outline.columns = beams->columns;
+    outline.reach = 2 * beams->maxRange + kReserve;
+    for (const FormatChoice& f : plan.pipeline().formats) bytes.push_back(std::ceil(f.format->mostBytes(outline)));
+  }
+  return bytes;
+}
+
+// What does not grow with the number of samples.
+double manifestBytes(const Plan& plan, const Ontology& ontology) {
+  const Pipeline& pipeline = plan.pipeline();
+  Manifest manifest;
+  manifest.name = pipeline.name;
+  manifest.pipelineText = pipeline.text;
+  manifest.columns = scanColumnNames(plan.columns());
+  for (const FormatChoice& f : pipeline.formats) {
+    manifest.formats.push_back({std::string(f.entry->name), std::string(f.entry->suffix), f.format->maxError()});
+  }
+  manifest.ontology = ontology;
+  for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
+    manifest.sensors.push_back({pipeline.sensors[s].name, *plan.beams()[s], pipeline.sensors[s].vehicleFromSensor});
+  }
+  manifest.modelled = plan.modelled();
+  if (pipeline.recording != nullptr) {
+    const std::vector<std::string>& lines = pipeline.recording->modelled;
+    manifest.modelled.insert(manifest.modelled.end(), lines.begin(), lines.end());
+  }
+  return bytesOf(toJson(manifest)) + kManifestNotes;
+}
+
+}  // namespace
+
+double mostDatasetBytes(const Plan& plan, const Ontology& ontology) {
+  const Pipeline& pipeline = plan.pipeline();
+  const std::vector<double> scans = scanBytes(plan);
+  Manifest alone;
+  alone.ontology = ontology;
+  const double without = bytesOf(toJson(alone));
+  double shards = 0;
+  double records = 0;
+  for (const Sequence& sequence : pipeline.sequences) {
+    const SampleRecord sample = longestSample(plan, sequence, ontology);
+    double bytes = static_cast<double>(ShardFile::memberBytes(sample.members[0].size(), sampleJson(sample).size()));
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      const auto length = static_cast<std::uint64_t>(scans[i]);
+      bytes += static_cast<double>(ShardFile::memberBytes(sample.members[i + 1].size(), length));
+    }
+    alone.samples = {sample};
+    const double record = bytesOf(toJson(alone)) - without + kSeparators;
+    shards += bytes * sequence.frames;
+    records += record * sequence.frames;
+  }
+  // Of two shards in a row, the second one was begun since its first sample did not fit into the other.
+  const auto splits = static_cast<double>(std::min<std::size_t>(pipeline.sequences.size(), 3));
+  const double count = splits + 2 * shards / static_cast<double>(pipeline.shardBytes);
+  return shards + records + count * (ShardFile::kEndBytes + kShardRecord) + manifestBytes(plan, ontology);
+}
+
+}  // namespace scanmill

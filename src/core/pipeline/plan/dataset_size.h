@@ -1,0 +1,12 @@
+#pragma once
+
+// How large a dataset can become, known before the first ray.
+
+#include "pipeline/plan/plan.h"
+
+namespace scanmill {
+
+// Upper bound of the bytes of shards and manifest, whatever the beams meet. `ontology`: of the scenes.
+double mostDatasetBytes(const Plan& plan, const Ontology& ontology);
+
+}  // namespace scanmill

@@ -1,0 +1,285 @@
+#include "pipeline/plan/plan.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <map>
+
+#include "base/parallel.h"
+#include "config/file_kind.h"
+#include "pipeline/plan/recorded_method.h"
+
+namespace scanmill {
+
+namespace {
+
+// The method of a pipeline that names one; null where `auto` is still to choose, or the hits come from a recording.
+const MethodEntry* methodOf(const Pipeline& pipeline) {
+  return pipeline.recording == nullptr ? pipeline.method.entry : nullptr;
+}
+
+void checkMotion(const Pipeline& pipeline) {
+  const MethodEntry* const method = methodOf(pipeline);
+  if (pipeline.motion.kind == MotionKind::None || method == nullptr || method->can.motion) return;
+  throw InputError(pipeline.motion.where,
+                   fmt::format("the method {} gives a whole revolution one pose: leave the motion out, or take "
+                               "`method: {}`",
+                               method->name, firstMethodThat(&MethodCapabilities::motion).name));
+}
+
+constexpr double kGibibyte = 1024.0 * 1024 * 1024;
+constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // of a beam table
+
+std::uint64_t machineBytes() {
+  return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+bool sameClasses(const Ontology& a, const Ontology& b) {
+  return std::equal(a.classes.begin(), a.classes.end(), b.classes.begin(), b.classes.end(),
+                    [](const SemanticClass& x, const SemanticClass& y) {
+                      return x.id == y.id && x.name == y.name && x.thing == y.thing;
+                    });
+}
+
+// A dataset has one ontology. The scene files are read for their ontology alone, so that one that is absent or differs
+// is known before hours of work.
+void checkOntologies(const Pipeline& pipeline) {
+  if (!pipeline.ontology.empty() || pipeline.recording != nullptr) return;
+  std::map<std::filesystem::path, Ontology> known;  // by scene file
+  for (const Sequence& s : pipeline.sequences) {
+    if (known.contains(s.sceneFile)) continue;
+    const Value scene = readYaml(s.sceneFile);
+    expectKind(scene, FileKind::Scene);
+    Fields fields(scene, "scene");
+    fields.also({"name", "materials", "assets", "rules", "objects"});
+    const Ontology ontology = readOntology(fields.resource("ontology", "labels"));
+    if (!known.empty() && !sameClasses(ontology, known.begin()->second)) {
+      throw InputError({pipeline.file.string()},
+                       fmt::format("the scenes {} and {} have different classes: name one ontology for all with the "
+                                   "key `labels`",
+                                   known.begin()->first.string(), s.sceneFile.string()));
+    }
+    known.emplace(s.sceneFile, ontology);
+  }
+}
+
+void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
+  const bool own = pipeline.sensors.front().ownEffects != nullptr;
+  for (std::size_t s = 0; s < (own ? pipeline.sensors.size() : 1); ++s) {
+    const std::string of = own ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
+    const auto entries = pipeline.effectEntriesOf(s);
+    if (entries.empty()) lines.push_back(fmt::format("effects{}: none, the scans are noise-free", of));
+    for (const EffectEntry* entry : entries) {
+      lines.push_back(fmt::format("effect {}{}: {}", entry->name, of, entry->summary));
+    }
+  }
+  for (const MountedSensor& sensor : pipeline.sensors) {
+    if (own || sensor.description.find("effects") == nullptr) continue;
+    lines.push_back(fmt::format("effects of the file of '{}': left out (`effects: sensor` takes them)", sensor.name));
+  }
+}
+
+std::string motionLine(const Pipeline& pipeline) {
+  if (pipeline.recording != nullptr) return "ego motion: as it was recorded";
+  switch (pipeline.motion.kind) {
+    case MotionKind::None:
+      return "ego motion: left out, each turn has one pose";
+    case MotionKind::PerColumn:
+      return "ego motion: a pose per column";
+    case MotionKind::Steps:
+      break;
+  }
+  return fmt::format("ego motion: {} poses a turn", pipeline.motion.steps);
+}
+
+// What was recorded belongs to certain beams: other directions would bend the cloud.
+void checkBeams(const Recording& recording, const MountedSensor& sensor, const BeamTable& beams) {
+  for (const RecordedSensor& recorded : recording.sensors) {
+    if (recorded.name != sensor.name || recorded.beams.empty() || recorded.beams == beamsHash(beams)) continue;
+    throw InputError(sensor.description.where,
+                     fmt::format("the beams of '{}' differ from those of the recording in {} (their directions, "
+                                 "origins or range limits): take the sensor that it was made with",
+                                 sensor.name, recording.folder.string()));
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
+  if (choice.entry == nullptr) throw Error("`method: auto`: the method is still to be chosen");
+  Fields options(choice.options, "method " + std::string(choice.entry->name));
+  options.alsoDescribed(choice.entry->keys).finish();
+  return choice.entry->make(scene, options);
+}
+
+Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
+  checkOntologies(pipeline_);
+  checkMotion(pipeline_);
+  for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
+    channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.layout.columns);
+  }
+  traced_ = channels_ | kept;
+  const std::uint64_t beams = pipeline_.raysPerFrame();
+  const std::uint64_t bytes = beams * kBeamBytes + bytesPerFrameInMemory();
+  if (bytes > machineBytes()) {
+    throw InputError({pipeline_.file.string()},
+                     fmt::format("{} beams a frame x {} bytes = {:.1f} GiB, but this machine has {:.1f} GiB of memory: "
+                                 "take fewer sensors, rings or columns",
+                                 beams, bytes / beams, static_cast<double>(bytes) / kGibibyte,
+                                 static_cast<double>(machineBytes()) / kGibibyte));
+  }
+  for (const MountedSensor& sensor : pipeline_.sensors) {
+    beams_.push_back(makeBeams(sensor.description));
+    if (pipeline_.recording != nullptr) checkBeams(*pipeline_.recording, sensor, *beams_.back());
+    if (pipeline_.motion.kind == MotionKind::Steps && pipeline_.motion.steps > beams_.back()->columns) {
+      throw InputError(pipeline_.motion.where,
+                       fmt::format("{} steps are more than the {} columns of '{}'", pipeline_.motion.steps,
+                                   beams_.back()->columns, sensor.name));
+    }
+  }
+}
+
+Scene Plan::recordedScene(const Sequence& sequence) const {
+  const Recording& recording = *pipeline_.recording;
+  const auto index = static_cast<std::size_t>(&sequence - pipeline_.sequences.data());
+  Scene scene;
+  scene.name = sequence.scene;
+  scene.seed = sequence.sceneSeed;
+  scene.procedural = true;  // for all that is known
+  scene.ontology = pipeline_.ontology.empty() ? recording.ontology : readOntology(pipeline_.ontology);
+  scene.materials = recording.materials[recording.sequences[index].materials];
+  const bool both = !pipeline_.ontology.empty() && !recording.ontology.classes.empty();
+  if (both && !sameClasses(scene.ontology, recording.ontology)) {
+    throw InputError({pipeline_.ontology.string()},
+                     fmt::format("has other classes than the ontology '{}' to which the ids in the recording in {} "
+                                 "belong, and ids are not translated: leave out `labels`",
+                                 recording.ontology.name, recording.folder.string()));
+  }
+  if (scene.ontology.classes.empty()) {
+    throw InputError(
+        {pipeline_.file.string()},
+        fmt::format("the recording in {} has no ontology: name one with the key `labels`", recording.folder.string()));
+  }
+  return scene;
+}
+
+Scene Plan::loadScene(const Sequence& sequence) const {
+  if (pipeline_.recording != nullptr) return recordedScene(sequence);
+  SceneOptions options;
+  options.seed = sequence.sceneSeed;
+  options.ontology = pipeline_.ontology;
+  options.wavelengthNm = pipeline_.wavelengthNm;
+  options.textures = traced_.has(Channel::Reflectance);
+  return readScene(sequence.sceneFile, options);
+}
+
+std::unique_ptr<Method> Plan::makeMethod(const Scene& scene) const {
+  if (pipeline_.recording != nullptr) return makeRecordedMethod(pipeline_);
+  return scanmill::makeMethod(pipeline_.method, scene);
+}
+
+void Plan::requirePasses() const {
+  if (pipeline_.recording != nullptr) {
+    throw InputError({pipeline_.file.string()},
+                     fmt::format("the scans are made of the {} in {}: no passes are drawn "
+                                 "that could be kept",
+                                 nameOf(pipeline_.recording->kind), pipeline_.recording->folder.string()));
+  }
+  const MethodEntry* const method = methodOf(pipeline_);
+  if (method != nullptr && method->can.passes) return;
+  const std::string_view instead = firstMethodThat(&MethodCapabilities::passes).name;
+  if (method == nullptr) {
+    throw InputError(pipeline_.method.options.where,
+                     fmt::format("method auto may choose one that draws no passes: take `method: {}`", instead));
+  }
+  throw InputError(
+      {pipeline_.file.string()},
+      fmt::format("the method {} draws no passes that could be kept: take `method: {}`", method->name, instead));
+}
+
+void Plan::choose(MethodChoice choice, MethodRecord record) {
+  pipeline_.method = std::move(choice);
+  checkMotion(pipeline_);
+  chosen_ = std::move(record);
+}
+
+Shot Plan::recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const {
+  RecordedShot recorded = pipeline_.recording->shot(sample, pipeline_.sensors[sensor].name);
+  if (recorded.worldFromSensor.size() > beams_[sensor]->columns) {
+    throw InputError({pipeline_.recording->folder.string()},
+                     fmt::format("{} of '{}' has {} poses for {} columns", sample, recorded.sensor,
+                                 recorded.worldFromSensor.size(), beams_[sensor]->columns));
+  }
+  Shot shot;
+  shot.frame = frame;
+  shot.time = recorded.time;
+  shot.beams = beams_[sensor];
+  shot.worldFromSensor = std::move(recorded.worldFromSensor);
+  shot.deskew = pipeline_.motion.deskew;
+  return shot;
+}
+
+std::vector<Shot> Plan::shots(std::size_t sequence, std::uint32_t frame) const {
+  const Sequence& own = pipeline_.sequences[sequence];
+  const std::string sample = own.key(frame);
+  std::vector<Shot> shots;
+  for (std::size_t s = 0; s < beams_.size(); ++s) {
+    Shot shot = pipeline_.recording != nullptr ? recordedShot(sample, frame, s)
+                                               : makeShot(beams_[s], *own.trajectory, frame,
+                                                          pipeline_.sensors[s].vehicleFromSensor, pipeline_.motion);
+    shot.sample = sample;
+    shot.seed = pipeline_.seed;
+    shot.scene = static_cast<std::uint32_t>(sequence);
+    shot.sensor = static_cast<std::uint32_t>(s);
+    shot.sensorName = pipeline_.sensors[s].name;
+    shots.push_back(std::move(shot));
+  }
+  return shots;
+}
+
+std::vector<std::string> Plan::modelled() const {
+  const ColumnSet columns = pipeline_.layout.columns;
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("channels: {}", fmt::join(channelNames(traced_), ", ")));
+  std::string left;
+  for (const std::string& name : channelNames(Channels::all())) {
+    const auto asked = channelNames(traced_);
+    if (std::find(asked.begin(), asked.end(), name) == asked.end()) left += (left.empty() ? "" : ", ") + name;
+  }
+  if (!left.empty()) lines.push_back(fmt::format("channels left out, nothing reads them: {}", left));
+  if (columns.has(kIntensity) && !setsIntensity(pipeline_)) {
+    lines.emplace_back("intensity: left out, no effect sets it (add `effects: [intensity]`)");
+  }
+  if (!traced_.has(Channel::Reflectance)) {
+    lines.emplace_back("reflectance textures: left out, nothing reads the reflectance; only alpha is loaded");
+  }
+  addEffectLines(pipeline_, lines);
+  lines.push_back(motionLine(pipeline_));
+  lines.push_back(pipeline_.layout.organised ? "misses: kept, as NaN"
+                                             : "misses: left out of the files; ring and column tell the beam");
+  if (!columns.has(kRangeTrue)) {
+    lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");
+  }
+  return lines;
+}
+
+std::uint64_t Plan::bytesPerFrameInMemory() const {
+  // Hits, returns, scan and encoded bytes; the beam tables are shared by all frames.
+  std::uint64_t perPoint = sizeof(Vec3f);
+  for (const Column& column : kColumns) perPoint += bytesOf(column.type);
+  const std::uint64_t perBeam = 4 + (traced_.has(Channel::Normal) ? 12 : 0) + 20 + 20 + 2 * perPoint;
+  return perBeam * pipeline_.raysPerFrame();
+}
+
+std::size_t Plan::framesInFlight() const {
+  const std::uint64_t fitting = machineBytes() / 2 / bytesPerFrameInMemory();
+  return std::clamp<std::uint64_t>(fitting, 1, static_cast<std::uint64_t>(threadCount()) + 2);
+}
+
+ColumnSet Plan::columns() const {
+  return setsIntensity(pipeline_) ? pipeline_.layout.columns : pipeline_.layout.columns.without(kIntensity);
+}
+
+}  // namespace scanmill

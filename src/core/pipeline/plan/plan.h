@@ -1,0 +1,71 @@
+#pragma once
+
+// What a pipeline will do, known before the first ray.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dataset/manifest.h"
+#include "pipeline/read/pipeline.h"
+#include "scan/channels.h"
+#include "scene/scene.h"
+
+namespace scanmill {
+
+// Makes the method that a pipeline or a study names; not `auto`, which names none. Throws InputError for what is wrong
+// with the options.
+std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene);
+
+class Plan {
+ public:
+  // `kept`: channels that are wanted besides those that the scans need, for a recording. Throws InputError where the
+  // scenes' ontologies differ, the method cannot do what the pipeline asks for, or a frame does not fit into this
+  // machine's memory.
+  explicit Plan(Pipeline pipeline, Channels kept = {});
+
+  const Pipeline& pipeline() const { return pipeline_; }
+  Channels channels() const { return traced_; }  // what effects, columns, formats and recordings read
+  const std::vector<std::shared_ptr<const BeamTable>>& beams() const { return beams_; }  // per sensor
+
+  // Loads the scene of a sequence; textures only where a channel needs them. Of a recording: what scans need of its
+  // scene, which is its classes and materials.
+  Scene loadScene(const Sequence& sequence) const;
+  std::unique_ptr<Method> makeMethod(const Scene& scene) const;
+
+  // Puts a setting in place of `method: auto`; the record says which it is and why.
+  void choose(MethodChoice choice, MethodRecord record);
+  const std::optional<MethodRecord>& chosen() const { return chosen_; }
+
+  // The shots of a frame, one per sensor.
+  std::vector<Shot> shots(std::size_t sequence, std::uint32_t frame) const;
+
+  // One line each: what is computed and what is left out, and why.
+  std::vector<std::string> modelled() const;
+
+  // Throws InputError where the method draws no passes that could be kept, or `method: auto` may choose one that does
+  // not.
+  void requirePasses() const;
+
+  // The columns that the scans have besides their positions: those asked for, without an intensity that no effect sets.
+  ColumnSet columns() const;
+
+  // Upper bound of what a frame takes while it is made.
+  std::uint64_t bytesPerFrameInMemory() const;
+  // How many frames are made at a time: enough for all threads, but no more than half of the memory holds.
+  std::size_t framesInFlight() const;
+
+ private:
+  Scene recordedScene(const Sequence& sequence) const;
+  Shot recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const;
+
+  Pipeline pipeline_;
+  std::optional<MethodRecord> chosen_;
+  Channels channels_;  // what scans need
+  Channels traced_;    // and recordings
+  std::vector<std::shared_ptr<const BeamTable>> beams_;
+};
+
+}  // namespace scanmill

@@ -1,0 +1,119 @@
+#include "pipeline/plan/recorded_method.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/stage_clock.h"
+#include "methods/depth_camera/depth_camera.h"
+#include "passes/exr/hits_exr.h"
+#include "passes/exr/pass_exr.h"
+
+namespace scanmill {
+
+namespace {
+
+// Effects look materials up by the hits' index.
+void checkMaterials(const Recording& recording, const Shot& shot, const Hits& hits) {
+  if (hits.material.empty() || !hits.roughness.empty()) return;
+  const std::size_t table = recording.sequences[shot.scene].materials;
+  const std::size_t known = recording.materials[table].size();
+  const std::uint16_t last = *std::max_element(hits.material.begin(), hits.material.end());
+  const bool hit = std::any_of(hits.range.begin(), hits.range.end(), [](float r) { return r < kMiss; });
+  if (last < known || !hit) return;
+  throw InputError(
+      {(recording.folder / "recording.json").string()},
+      fmt::format("/materials/{}: has {} materials, but {} of '{}' meets number {}: list them, or give the "
+                  "images roughness, metallic and retroreflectance",
+                  table, known, shot.sample, shot.sensorName, last));
+}
+
+class RecordedHits : public Method {
+ public:
+  explicit RecordedHits(std::shared_ptr<const Recording> recording) : recording_(std::move(recording)) {}
+
+  TraceAccount prepare(const Shot&) const override { return {}; }
+
+  TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    const WallTimer timer;
+    const auto file = recording_->folder / recording_->shot(shot.sample, shot.sensorName).hits;
+    readHits(file, channels, hits);
+    if (hits.rings != shot.beams->rings || hits.columns != shot.beams->columns) {
+      throw InputError({file.string()},
+                       fmt::format("holds {} x {} beams, but '{}' has {} x {}", hits.rings, hits.columns,
+                                   shot.sensorName, shot.beams->rings, shot.beams->columns));
+    }
+    checkMaterials(*recording_, shot, hits);
+    return {{{"read_hits", timer.seconds()}}, {}};
+  }
+
+  std::vector<std::string> modelled() const override {
+    std::vector<std::string> lines = recording_->modelled;
+    lines.push_back(fmt::format("hits: not traced now, but kept of an earlier run of {}", recording_->method));
+    return lines;
+  }
+  std::uint64_t memoryBytes() const override { return 0; }
+
+ private:
+  std::shared_ptr<const Recording> recording_;
+};
+
+class RecordedPasses : public Method {
+ public:
+  RecordedPasses(std::shared_ptr<const Recording> recording, Fields& options)
+      : recording_(std::move(recording)), sampler_(makePassSampler(options)) {}
+
+  TraceAccount prepare(const Shot& shot) const override { return sampler_->prepare(shot); }
+
+  TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
+    hits.reset(shot.beams->rings, shot.beams->columns, channels);
+    TraceAccount account;
+    for (const RecordedStep& recorded : recording_->shot(shot.sample, shot.sensorName).steps) {
+      PassStep step{recorded.firstColumn, recorded.endColumn, recorded.worldFromRig, {}};
+      const WallTimer timer;
+      for (const std::string& image : recorded.images) {
+        step.images.push_back(read(recording_->folder / image, sampler_->passes(channels)));
+      }
+      account.seconds["read_passes"] += timer.seconds();
+      account += sampler_->sample(shot, step, hits);
+    }
+    checkMaterials(*recording_, shot, hits);
+    return account;
+  }
+
+  std::vector<std::string> modelled() const override {
+    std::vector<std::string> lines = recording_->modelled;
+    for (std::string& line : sampler_->modelled()) lines.push_back(std::move(line));
+    return lines;
+  }
+  std::uint64_t memoryBytes() const override { return 0; }
+
+ private:
+  // With the look that the file tells, in place of its materials'; then these may be absent.
+  static PassImage read(const std::filesystem::path& file, PassChoice asked) {
+    const PassChoice there = passesIn(file);
+    asked.look = there.look;
+    const bool unnamed = asked.channels.has(Channel::Material) && there.look && !there.channels.has(Channel::Material);
+    if (unnamed) asked.channels = asked.channels.without(Channel::Material);
+    PassImage image = readPasses(file, asked);
+    if (unnamed) image.planes.material.assign(image.planes.size(), 0);
+    return image;
+  }
+
+  std::shared_ptr<const Recording> recording_;
+  std::unique_ptr<DepthCamera> sampler_;
+};
+
+}  // namespace
+
+std::unique_ptr<Method> makeRecordedMethod(const Pipeline& pipeline) {
+  if (pipeline.recording->kind == RecordingKind::Hits) return std::make_unique<RecordedHits>(pipeline.recording);
+  Value options;
+  options.where = {pipeline.file.string()};
+  if (pipeline.method.entry != nullptr && pipeline.method.entry->can.passes) options = pipeline.method.options;
+  Fields fields(options, fmt::format("method {}", firstMethodThat(&MethodCapabilities::passes).name));
+  return std::make_unique<RecordedPasses>(pipeline.recording, fields);
+}
+
+}  // namespace scanmill

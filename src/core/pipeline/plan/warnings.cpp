@@ -1,0 +1,67 @@
+#include "pipeline/plan/warnings.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kLargest = 5000;   // m
+constexpr double kSmallest = 1e-3;  // m
+constexpr std::size_t kMostLines = 5;
+
+// The longest edge of a placed mesh's own box, whichever way it is turned.
+double largestExtent(const Box& box, const Mat3& linear) {
+  const Vec3d size = box.high - box.low;
+  return std::max({size.x * length(linear * Vec3d{1, 0, 0}), size.y * length(linear * Vec3d{0, 1, 0}),
+                   size.z * length(linear * Vec3d{0, 0, 1})});
+}
+
+}  // namespace
+
+std::vector<std::string> sizeWarnings(const Scene& scene) {
+  std::vector<Box> boxes;
+  boxes.reserve(scene.meshes.size());
+  for (const Mesh& mesh : scene.meshes) boxes.push_back(mesh.bounds());
+  std::vector<std::string> lines;
+  std::set<std::uint32_t> told;
+  for (const Instance& instance : scene.instances) {
+    const Box& box = boxes[instance.mesh];
+    if (box.empty() || told.contains(instance.mesh)) continue;
+    const double extent = largestExtent(box, instance.worldFromMesh.linear);
+    if (extent >= kSmallest && extent <= kLargest) continue;
+    told.insert(instance.mesh);
+    lines.push_back(
+        fmt::format("scene {}: the object '{}' is {:.3g} m large: is its `unit` right? (0.001 for "
+                    "millimetres, 0.01 for centimetres, 1 for metres)",
+                    scene.name, instance.name, extent));
+  }
+  if (lines.size() > kMostLines) {
+    const std::size_t more = lines.size() - kMostLines;
+    lines.resize(kMostLines);
+    lines.push_back(
+        fmt::format("scene {}: {} more objects are larger than 5 km or smaller than 1 mm", scene.name, more));
+  }
+  return lines;
+}
+
+std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& sequence, const Scene& scene) {
+  if (scene.procedural) return {};
+  std::set<std::uint64_t> seeds;
+  std::set<std::string> splits;
+  for (const Sequence& s : pipeline.sequences) {
+    if (s.sceneFile != sequence.sceneFile) continue;
+    seeds.insert(s.sceneSeed);
+    splits.insert(s.split);
+  }
+  if (seeds.size() < 2) return {};
+  const bool leaks = splits.size() > 1 && pipeline.splitsBySeed;
+  return {fmt::format("scene {}: nothing in it is procedural, so its {} seeds give the same geometry{}", scene.name,
+                      seeds.size(), leaks ? ", and `splits: {by: seed}` puts it into several splits: they leak" : "")};
+}
+
+}  // namespace scanmill

@@ -1,0 +1,19 @@
+#pragma once
+
+// What is legal, but seldom meant.
+
+#include <string>
+#include <vector>
+
+#include "pipeline/read/pipeline.h"
+#include "scene/scene.h"
+
+namespace scanmill {
+
+// Objects whose size tells of a wrong unit: more than 5 km or less than 1 mm. A line per mesh, the first few of them.
+std::vector<std::string> sizeWarnings(const Scene& scene);
+
+// The seeds of a scene of which nothing follows from a seed: its sequences differ in nothing.
+std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& sequence, const Scene& scene);
+
+}  // namespace scanmill

@@ -1,0 +1,485 @@
+// A pipeline, all keys:
+//
+//   name: quickstart                 # default: the file's name
+//   seed: 1                          # of the sensor's noise; scenes have their own
+//   labels: ../labels/x.yaml         # an ontology in place of the scenes' own
+//   wavelength_nm: 905               # 850, 905 or 1064: which column of the material table
+//   scenes:
+//     - scene: ../scenes/street.yaml
+//       seeds: [1, 2, 3]             # a sequence each; default [1]
+//       trajectories: [...]          # default: the pipeline's
+//   trajectories:                    # see sensors/trajectory.h
+//     - {name: lane, waypoints: [...], speed: 8, frames: 10}
+//   sensors:                         # see sensors/sensor.h
+//     - {name: top, preset: sensors/paper_64.yaml, mount: {position: [0, 0, 1.9]}}
+//   motion: none                     # none | per_column | {steps: 360, deskew: false}
+//   method: ray_tracing              # or {ray_tracing: {...}}, or auto: see docs/keys.md
+//   effects: [{intensity: {...}}, {range_noise: {...}}]   # the word sensor: those of each sensor's own file
+//   splits: {by: seed, train: 0.8, val: 0.1, test: 0.1}
+//   output:
+//     layout: dense                  # or organised
+//     columns: [intensity, label]    # of the table in scan/columns.h; default: those that it writes by default
+//     formats: [pcd, {draco: {max_error_mm: 1}}]
+//     shard_mb: 256
+//   limits: {max_rays: 1e11}
+//   tradeoff: {...}                  # of `scanmill tradeoff`: see docs/keys.md
+//   repeatability: {...}             # of `scanmill repeatability`: see docs/keys.md
+
+#include "pipeline/read/pipeline.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "base/file.h"
+#include "config/file_kind.h"
+#include "config/named_options.h"
+#include "dataset/split.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kDefaultMaxRays = 1e11;
+
+// Lower-case letters, digits, '-' and '_': sample keys must hold no dot and no slash.
+std::string keyPart(std::string text) {
+  for (char& c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) == 0 && c != '_' && c != '-') c = '_';
+    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return text;
+}
+
+// What stands after "# " in a comment, on lines of its own where it has several.
+std::string commented(const std::string& text) {
+  std::string comment;
+  for (const char c : text) {
+    comment += c == '\r' ? '\n' : c;
+    if (comment.back() == '\n') comment += "# ";
+  }
+  return comment;
+}
+
+const Value& requireList(Fields& fields, std::string_view key) {
+  const Value& value = fields.require(key);
+  if (value.kind != Value::Kind::Sequence || value.items.empty()) {
+    throw InputError(value.where, fmt::format("{} must be a list with at least one item", key));
+  }
+  return value;
+}
+
+using Trajectories = std::vector<std::shared_ptr<const Trajectory>>;
+
+Trajectories readTrajectories(const Value& list, double period) {
+  if (list.kind != Value::Kind::Sequence || list.items.empty()) {
+    throw InputError(list.where, "trajectories must be a list with at least one item");
+  }
+  Trajectories trajectories;
+  std::set<std::string> names;
+  for (const Value& item : list.items) {
+    const std::string fallback = fmt::format("t{}", trajectories.size());
+    auto trajectory = std::make_shared<const Trajectory>(readTrajectory(item, fallback, period));
+    if (trajectory->name().empty()) {
+      throw InputError(item.where, "a trajectory's name becomes part of file names: it is empty");
+    }
+    if (!names.insert(keyPart(trajectory->name())).second) {
+      throw InputError(item.where, fmt::format("two trajectories are named '{}'", trajectory->name()));
+    }
+    trajectories.push_back(std::move(trajectory));
+  }
+  return trajectories;
+}
+
+std::vector<std::uint64_t> readSeeds(const Value* value) {
+  if (value == nullptr) return {1};
+  std::vector<std::uint64_t> seeds;
+  const auto add = [&](const Value& v) {
+    const auto seed = static_cast<std::uint64_t>(readInteger(v, "seeds", 0, 1'000'000'000'000));
+    if (std::find(seeds.begin(), seeds.end(), seed) != seeds.end()) {
+      throw InputError(v.where, fmt::format("seed {} stands twice: both sequences would be the same", seed));
+    }
+    seeds.push_back(seed);
+  };
+  if (value->kind == Value::Kind::Sequence) {
+    for (const Value& item : value->items) add(item);
+  } else {
+    add(*value);
+  }
+  if (seeds.empty()) throw InputError(value->where, "seeds must name at least one seed");
+  return seeds;
+}
+
+std::vector<Sequence> readSequences(Fields& fields, double period) {
+  const Value* shared = fields.find("trajectories");
+  const Trajectories common = shared == nullptr ? Trajectories{} : readTrajectories(*shared, period);
+  std::vector<Sequence> sequences;
+  std::set<std::string> keys;
+  for (const Value& item : requireList(fields, "scenes").items) {
+    Fields scene(item, "scene");
+    scene.also({"scene", "seeds", "trajectories"}).finish();
+    const std::filesystem::path file = scene.resource("scene", "scenes");
+    const std::vector<std::uint64_t> seeds = readSeeds(scene.find("seeds"));
+    const Value* own = scene.find("trajectories");
+    if (own == nullptr && common.empty()) {
+      throw InputError(item.where, "no trajectories, neither here nor for the whole pipeline");
+    }
+    const Trajectories trajectories = own == nullptr ? common : readTrajectories(*own, period);
+    for (const std::uint64_t seed : seeds) {
+      for (const auto& trajectory : trajectories) {
+        sequences.push_back(
+            {keyPart(file.stem().string()), file, seed, trajectory, trajectory->name(), trajectory->frames(), ""});
+        if (!keys.insert(sequences.back().key()).second) {
+          throw InputError(item.where, fmt::format("the sequence '{}' stands twice", sequences.back().key()));
+        }
+      }
+    }
+  }
+  return sequences;
+}
+
+std::vector<Sequence> recordedSequences(const Recording& recording) {
+  std::vector<Sequence> sequences;
+  for (const RecordedSequence& s : recording.sequences) {
+    sequences.push_back({s.scene, {}, s.seed, nullptr, s.trajectory, s.frames, ""});
+  }
+  return sequences;
+}
+
+// Its hits or images belong to certain sensors; the pipeline's must be the same.
+void checkSensors(Pipeline& pipeline, const Recording& recording, const Value& list) {
+  const Location& where = list.where;
+  std::vector<std::string> names;
+  for (const RecordedSensor& s : recording.sensors) names.push_back(s.name);
+  for (std::size_t i = 0; i < pipeline.sensors.size(); ++i) {
+    MountedSensor& sensor = pipeline.sensors[i];
+    const auto recorded = std::find_if(recording.sensors.begin(), recording.sensors.end(),
+                                       [&](const RecordedSensor& s) { return s.name == sensor.name; });
+    if (recorded == recording.sensors.end()) {
+      throw InputError(where, fmt::format("the recording in {} has no sensor '{}'{}", recording.folder.string(),
+                                          sensor.name, suggestion(sensor.name, names)));
+    }
+    if (recorded->rings != sensor.size.rings || recorded->columns != sensor.size.columns) {
+      throw InputError(where, fmt::format("the sensor '{}' has {} x {} beams, but in the recording in {} {} x {}",
+                                          sensor.name, sensor.size.rings, sensor.size.columns,
+                                          recording.folder.string(), recorded->rings, recorded->columns));
+    }
+    if (!recorded->vehicleFromSensor) continue;
+    const Value* mount = list.items[i].find("mount");
+    if (mount != nullptr && sensor.vehicleFromSensor != *recorded->vehicleFromSensor) {
+      const Vec3d& t = recorded->vehicleFromSensor->translation;
+      throw InputError(mount->where,
+                       fmt::format("the sensor '{}' was mounted elsewhere when the recording in {} was made, at "
+                                   "[{:g}, {:g}, {:g}]: what it met cannot be moved; leave out `mount`",
+                                   sensor.name, recording.folder.string(), t.x, t.y, t.z));
+    }
+    sensor.vehicleFromSensor = *recorded->vehicleFromSensor;
+  }
+}
+
+std::vector<MountedSensor> readSensors(Fields& fields) {
+  std::vector<MountedSensor> sensors;
+  for (const Value& item : requireList(fields, "sensors").items) {
+    Fields own(item, "sensor");
+    MountedSensor sensor;
+    sensor.description = resolveSensor(item);
+    sensor.name = own.text("name", fmt::format("lidar{}", sensors.size()));
+    const Value* name = own.find("name");
+    if (sensor.name.empty()) throw InputError(name->where, "a sensor's name becomes part of file names: it is empty");
+    if (sensor.name != keyPart(sensor.name)) {
+      throw InputError(name->where, fmt::format("a sensor's name becomes part of file names: use lower-case letters, "
+                                                "digits, '-' and '_', such as '{}'",
+                                                keyPart(sensor.name)));
+    }
+    for (const MountedSensor& other : sensors) {
+      if (other.name == sensor.name) {
+        throw InputError(item.where, fmt::format("two sensors are named '{}'", sensor.name));
+      }
+    }
+    if (const Value* mount = own.find("mount")) {
+      Fields pose(*mount, "mount");
+      sensor.vehicleFromSensor = pose.pose();
+      pose.finish();
+    }
+    sensor.size = sensorSize(sensor.description);
+    sensors.push_back(std::move(sensor));
+  }
+  if (sensors.size() > 4095) throw InputError(fields.where(), "at most 4095 sensors fit a vehicle");
+  return sensors;
+}
+
+struct MadeEffect {
+  const EffectEntry* entry;
+  Location where;
+  std::unique_ptr<Effect> effect;
+};
+
+bool meansSensor(const Value& item) {
+  return item.kind == Value::Kind::Scalar && item.text == "sensor";
+}
+
+// Adds what the items name; `sensor` stands for the effects of the sensor's own file, which null refuses.
+void addEffects(const std::vector<Value>& items, const MountedSensor* sensor, std::vector<MadeEffect>& made) {
+  for (const Value& item : items) {
+    if (sensor != nullptr && meansSensor(item)) {
+      const Value* own = sensor->description.find("effects");
+      if (own == nullptr) {
+        throw InputError(item.where,
+                         fmt::format("the sensor '{}' has no effects of its own: measure them with `scanmill "
+                                     "fit-noise`, write `effects:` into its file, or name effects here",
+                                     sensor->name));
+      }
+      addEffects(own->items, nullptr, made);
+      continue;
+    }
+    const NamedOptions named = readNamed(item, "an effect");
+    const EffectEntry& entry = requireEffect(named.name, named.where);
+    if (std::any_of(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &entry; })) {
+      throw InputError(named.where, fmt::format("the effect '{}' stands twice: both would draw the same random numbers",
+                                                named.name));
+    }
+    Fields options(named.options, "effect " + named.name);
+    options.alsoDescribed(entry.keys).finish();
+    made.push_back({&entry, named.where, entry.make(options)});
+  }
+}
+
+// They run in the order of their stages, whatever the order of the file.
+SensorEffects inOrder(std::vector<MadeEffect> made) {
+  std::stable_sort(made.begin(), made.end(),
+                   [](const MadeEffect& a, const MadeEffect& b) { return a.entry->stage < b.entry->stage; });
+  SensorEffects ordered;
+  bool intensity = false;
+  for (MadeEffect& m : made) {
+    if (m.effect->needsIntensity() && !intensity) {
+      throw InputError(
+          m.where, fmt::format("the effect '{}' looks at the intensity: add the effect `intensity`", m.entry->name));
+    }
+    if (m.effect->setsIntensity() && intensity) {
+      throw InputError(m.where,
+                       fmt::format("the effect '{}' sets the intensity, as an earlier one does", m.entry->name));
+    }
+    intensity = intensity || m.effect->setsIntensity();
+    ordered.entries.push_back(m.entry);
+    ordered.effects.push_back(std::move(m.effect));
+  }
+  return ordered;
+}
+
+// The lists in the sensors' files are checked whether or not they are used.
+void checkSensorEffects(const Pipeline& pipeline) {
+  for (const MountedSensor& sensor : pipeline.sensors) {
+    const Value* own = sensor.description.find("effects");
+    if (own == nullptr) continue;
+    if (own->kind != Value::Kind::Sequence) {
+      throw InputError(own->where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
+    }
+    std::vector<MadeEffect> made;
+    addEffects(own->items, nullptr, made);
+  }
+}
+
+std::vector<Value> effectItems(const Value& list) {
+  if (list.kind == Value::Kind::Sequence) return list.items;
+  if (meansSensor(list)) return {list};
+  throw InputError(list.where,
+                   "effects must be a list such as [intensity]; for none write [], for each sensor's own `sensor`");
+}
+
+void readEffects(Fields& fields, Pipeline& pipeline) {
+  checkSensorEffects(pipeline);
+  const Value* list = fields.find("effects");
+  if (list == nullptr) return;
+  const std::vector<Value> items = effectItems(*list);
+  if (std::none_of(items.begin(), items.end(), meansSensor)) {
+    std::vector<MadeEffect> made;
+    addEffects(items, nullptr, made);
+    SensorEffects shared = inOrder(std::move(made));
+    pipeline.effects = std::move(shared.effects);
+    pipeline.effectEntries = std::move(shared.entries);
+    return;
+  }
+  std::vector<bool> lit;
+  for (MountedSensor& sensor : pipeline.sensors) {
+    std::vector<MadeEffect> made;
+    addEffects(items, &sensor, made);
+    auto own = std::make_shared<SensorEffects>(inOrder(std::move(made)));
+    lit.push_back(
+        std::any_of(own->effects.begin(), own->effects.end(), [](const auto& e) { return e->setsIntensity(); }));
+    if (lit.back() != lit.front()) {
+      throw InputError(list->where,
+                       fmt::format("of the sensors '{}' and '{}' only one has an intensity, but all scans of a dataset "
+                                   "have the same columns: add `intensity` to the effects of the other",
+                                   pipeline.sensors.front().name, sensor.name));
+    }
+    sensor.ownEffects = std::move(own);
+  }
+}
+
+void readOutput(const Value& value, Pipeline& pipeline) {
+  Fields output(value, "output");
+  output.also({"layout", "columns", "formats", "shard_mb"}).finish();
+  pipeline.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
+  if (const Value* list = output.find("columns")) {
+    if (list->kind != Value::Kind::Sequence) throw InputError(list->where, "columns must be a list of names");
+    pipeline.layout.columns = {};
+    for (const Value& item : list->items) {
+      const std::string name = readText(item, "columns");
+      const std::size_t column = columnIndex(name);
+      if (column == kColumnCount) {
+        throw InputError(item.where, "unknown column '" + name + "'" + suggestion(name, allColumnNames()));
+      }
+      pipeline.layout.columns.add(column);
+    }
+  }
+  std::set<std::string> suffixes;
+  for (const Value& item : requireList(output, "formats").items) {
+    const NamedOptions named = readNamed(item, "a format");
+    const FormatEntry& entry = requireFormat(named.name, named.where);
+    Fields options(named.options, "format " + named.name);
+    options.alsoDescribed(entry.keys).finish();
+    pipeline.formats.push_back({&entry, entry.make(options)});
+    if (!suffixes.insert(std::string(entry.suffix)).second) {
+      throw InputError(named.where, fmt::format("two formats write '.{}' files", entry.suffix));
+    }
+  }
+  pipeline.shardBytes = static_cast<std::uint64_t>(output.number("shard_mb", {1, 1e6}, 256) * 1e6);
+}
+
+}  // namespace
+
+SensorEffects readSensorEffects(const Value& list, const MountedSensor& sensor) {
+  std::vector<MadeEffect> made;
+  addEffects(effectItems(list), &sensor, made);
+  return inOrder(std::move(made));
+}
+
+std::vector<std::uint32_t> Sequence::spreadFrames(std::uint32_t most) const {
+  std::vector<std::uint32_t> spread;
+  const std::uint64_t count = std::min(most, frames);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    spread.push_back(static_cast<std::uint32_t>((i * 2 + 1) * frames / (count * 2)));
+  }
+  return spread;
+}
+
+std::string Sequence::key() const {
+  return fmt::format("{}-s{}-{}", scene, sceneSeed, keyPart(trajectoryName));
+}
+
+std::string Sequence::key(std::uint32_t frame) const {
+  return fmt::format("{}-{:06}", key(), frame);
+}
+
+bool setsIntensity(const Pipeline& pipeline) {
+  const auto effects = pipeline.effectsOf(0);  // all sensors' do, or none's
+  return std::any_of(effects.begin(), effects.end(), [](const auto& effect) { return effect->setsIntensity(); });
+}
+
+std::span<const std::unique_ptr<Effect>> Pipeline::effectsOf(std::size_t sensor) const {
+  const SensorEffects* own = sensors[sensor].ownEffects.get();
+  if (own != nullptr) return own->effects;
+  return effects;
+}
+
+std::span<const EffectEntry* const> Pipeline::effectEntriesOf(std::size_t sensor) const {
+  const SensorEffects* own = sensors[sensor].ownEffects.get();
+  if (own != nullptr) return own->entries;
+  return effectEntries;
+}
+
+std::uint64_t Pipeline::frames() const {
+  std::uint64_t count = 0;
+  for (const Sequence& s : sequences) count += s.frames;
+  return count;
+}
+
+std::uint64_t Pipeline::raysPerFrame() const {
+  std::uint64_t count = 0;
+  for (const MountedSensor& s : sensors) count += s.size.rings * s.size.columns;
+  return count;
+}
+
+std::string Pipeline::methodName() const {
+  if (recording != nullptr) return recording->method;
+  return method.entry == nullptr ? "auto" : std::string(method.entry->name);
+}
+
+Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                      std::shared_ptr<const Recording> recording) {
+  Pipeline pipeline;
+  pipeline.recording = std::move(recording);
+  pipeline.file = file;
+  pipeline.text = readFile(file);
+  Value root = parseYaml(pipeline.text, file.string());
+  if (!overrides.empty() && !pipeline.text.ends_with('\n')) pipeline.text += '\n';
+  for (const std::string& assignment : overrides) {
+    setValue(root, assignment);
+    pipeline.text += "# --set " + commented(assignment) + "\n";
+  }
+  expectKind(root, FileKind::Pipeline);
+  Fields fields(root, "pipeline");
+  fields
+      .also({"name", "seed", "labels", "wavelength_nm", "scenes", "trajectories", "sensors", "motion", "method",
+             "effects", "splits", "output", "limits", "tradeoff", "repeatability"})
+      .finish();
+  pipeline.name = fields.text("name", file.stem().string());
+  pipeline.seed = static_cast<std::uint64_t>(fields.integer("seed", 0, std::int64_t{1} << 62, 1));
+  pipeline.ontology = fields.optionalResource("labels", "labels").value_or("");
+  pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064"}, "905"));
+  pipeline.sensors = readSensors(fields);
+  const double period = 1.0 / Fields(pipeline.sensors.front().description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
+  if (pipeline.recording != nullptr) {
+    checkSensors(pipeline, *pipeline.recording, fields.require("sensors"));
+    pipeline.sequences = recordedSequences(*pipeline.recording);
+  } else {
+    pipeline.sequences = readSequences(fields, period);
+  }
+  pipeline.motion = readMotion(fields.find("motion"));
+  if (pipeline.recording == nullptr || fields.find("method") != nullptr) {
+    const NamedOptions method = readNamed(fields.require("method"), "method");
+    const bool automatic = method.name == "auto";
+    if (!automatic && keyPart(method.name) == "auto") {
+      throw InputError(method.where, fmt::format("unknown method '{}' (did you mean 'auto'?)", method.name));
+    }
+    // A recording leaves nothing to choose.
+    pipeline.method = {automatic ? nullptr : &requireMethod(method.name, method.where), method.options,
+                       automatic && pipeline.recording == nullptr};
+  }
+  readEffects(fields, pipeline);
+  readOutput(fields.require("output"), pipeline);
+  std::vector<SequenceName> names;
+  for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectoryName});
+  const Value* splitting = fields.find("splits");
+  const std::vector<std::string> splits = assignSplits(splitting, names, pipeline.seed);
+  const Value* by = splitting == nullptr ? nullptr : splitting->find("by");
+  pipeline.splitsBySeed = splitting != nullptr && (by == nullptr || by->text == "seed");
+  for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
+  const auto kept = [&](std::string_view key) {
+    const Value* value = fields.find(key);
+    return value == nullptr ? Value{} : *value;
+  };
+  pipeline.tradeoff = kept("tradeoff");
+  pipeline.repeatability = kept("repeatability");
+  pipeline.maxRays = kDefaultMaxRays;
+  if (const Value* value = fields.find("limits")) {
+    Fields limits(*value, "limits");
+    pipeline.maxRays = limits.number("max_rays", {1, 1e18}, kDefaultMaxRays);
+    limits.finish();
+  }
+  const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
+  if (rays > pipeline.maxRays) {
+    throw InputError(
+        {file.string()},
+        fmt::format("{} frames x {} beams = {:.3g} rays, more than limits.max_rays = {:.3g}; at 20 million "
+                    "rays a second that is {:.1f} hours. Take fewer frames, rings or columns, or raise the "
+                    "limit",
+                    pipeline.frames(), pipeline.raysPerFrame(), rays, pipeline.maxRays, rays / 20e6 / 3600));
+  }
+  return pipeline;
+}
+
+}  // namespace scanmill

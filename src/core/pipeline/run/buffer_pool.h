@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace scanmill {
+
+// Buffers that go from frame to frame, so that memory stays flat. Safe to use from several threads at once.
+template <class Buffers>
+class BufferPool {
+ public:
+  std::unique_ptr<Buffers> take() {
+    const std::scoped_lock lock(mutex_);
+    if (idle_.empty()) return std::make_unique<Buffers>();
+    auto buffers = std::move(idle_.back());
+    idle_.pop_back();
+    return buffers;
+  }
+  void give(std::unique_ptr<Buffers> buffers) {
+    const std::scoped_lock lock(mutex_);
+    idle_.push_back(std::move(buffers));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Buffers>> idle_;
+};
+
+}  // namespace scanmill

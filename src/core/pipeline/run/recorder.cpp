@@ -1,0 +1,95 @@
+#include "pipeline/run/recorder.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "base/parallel.h"
+#include "config/version.h"
+#include "passes/exr/hits_exr.h"
+#include "passes/exr/pass_exr.h"
+
+namespace scanmill {
+
+Channels recordedChannels() {
+  return Channel::Range | Channel::Instance | Channels(Channel::Semantic) | Channel::Material | Channel::Reflectance |
+         Channel::Incidence;
+}
+
+void Recorder::open(const std::filesystem::path& hits, const std::filesystem::path& passes, bool overwrite) {
+  if (!hits.empty()) hits_.emplace(hits, overwrite);
+  if (!passes.empty()) passes_.emplace(passes, overwrite);
+}
+
+void Recorder::enter(std::size_t sequence, const Scene& scene, const Method& method) {
+  if (!recordsHits() && !recordsPasses()) return;
+  const Sequence& own = plan_.pipeline().sequences[sequence];
+  const bool sameScene = sequence > 0 && own.sameScene(plan_.pipeline().sequences[sequence - 1]);
+  if (!sameScene || materials_.empty()) materials_.push_back(scene.materials);
+  for (Material& material : materials_.back()) material.texture.reset();
+  ontology_ = scene.ontology;
+  sequences_.push_back(
+      {own.scene, own.sceneSeed, own.trajectoryName, own.frames, static_cast<std::uint32_t>(materials_.size() - 1)});
+  for (std::string& line : method.modelled()) {
+    if (std::find(modelled_.begin(), modelled_.end(), line) == modelled_.end()) modelled_.push_back(std::move(line));
+  }
+}
+
+void Recorder::writeHits(const Shot& shot, const Hits& hits) {
+  const std::filesystem::path file = hits_->file(shot.sample, shot.sensorName, "hits.exr");
+  {
+    const StageTimer timer(clock_, "write_hits");
+    scanmill::writeHits(file, hits);
+  }
+  hits_->add({shot.sample, shot.sensorName, shot.time, shot.worldFromSensor, file.filename().string(), {}});
+}
+
+RecordedShot Recorder::beginPasses(const Shot& shot) {
+  return {shot.sample, shot.sensorName, shot.time, shot.worldFromSensor, "", {}};
+}
+
+void Recorder::writeStep(const PassStep& step, RecordedShot& record) {
+  RecordedStep written{step.firstColumn, step.endColumn, step.worldFromRig, {}};
+  for (const PassImage& image : step.images) {
+    const auto file =
+        passes_->file(record.sample, record.sensor, fmt::format("{}.{}.exr", record.steps.size(), image.camera.name));
+    written.images.push_back(file.filename().string());
+  }
+  {
+    const StageTimer timer(clock_, "write_passes");
+    parallelFor(step.images.size(), 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        scanmill::writePasses(passes_->folder() / written.images[i], step.images[i]);
+      }
+    });
+  }
+  record.steps.push_back(std::move(written));
+}
+
+void Recorder::writePasses(const RecordedShot& record) {
+  passes_->add(record);
+}
+
+Recording Recorder::describe(RecordingKind kind) const {
+  Recording recording;
+  recording.kind = kind;
+  recording.programVersion = kVersion;
+  recording.method = plan_.pipeline().methodName();
+  recording.ontology = ontology_;
+  for (std::size_t s = 0; s < plan_.beams().size(); ++s) {
+    const MountedSensor& sensor = plan_.pipeline().sensors[s];
+    const BeamTable& beams = *plan_.beams()[s];
+    recording.sensors.push_back({sensor.name, beams.rings, beams.columns, beamsHash(beams), sensor.vehicleFromSensor});
+  }
+  recording.sequences = sequences_;
+  recording.materials = materials_;
+  recording.modelled = modelled_;
+  return recording;
+}
+
+void Recorder::finish() {
+  if (hits_) hits_->finish(describe(RecordingKind::Hits));
+  if (passes_) passes_->finish(describe(RecordingKind::Passes));
+}
+
+}  // namespace scanmill

@@ -1,0 +1,66 @@
+#include "pipeline/run/render.h"
+
+#include <memory>
+
+#include "base/error.h"
+#include "base/stage_clock.h"
+#include "methods/depth_camera/depth_camera.h"
+#include "pipeline/run/progress.h"
+#include "pipeline/run/recorder.h"
+
+namespace scanmill {
+
+RenderSummary render(const Plan& plan, const RenderOptions& options) {
+  plan.requirePasses();
+  const Pipeline& pipeline = plan.pipeline();
+  RenderSummary summary;
+  StageClock clock({"setup"});
+  TraceAccount account;  // of the method
+  Recorder recorder(plan);
+  bool open = false;
+  std::unique_ptr<Scene> scene;
+  std::unique_ptr<Method> method;
+  Progress progress("render", pipeline.frames(), "frames", "pixels", options.quiet);
+  for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
+    const Sequence& sequence = pipeline.sequences[s];
+    if (s == 0 || !sequence.sameScene(pipeline.sequences[s - 1])) {
+      const StageTimer timer(clock, "setup");
+      addSeconds(account.seconds, summary.stages);
+      account = {};
+      method.reset();
+      scene = std::make_unique<Scene>(plan.loadScene(sequence));
+      method = plan.makeMethod(*scene);
+      for (const Shot& shot : plan.shots(s, 0)) account += method->prepare(shot);
+    }
+    if (!open) recorder.open({}, options.folder, options.overwrite);
+    open = true;
+    recorder.enter(s, *scene, *method);
+    for (std::uint32_t frame = 0; frame < sequence.frames; ++frame) {
+      if (options.stop != nullptr && *options.stop) {
+        throw Error("stopped: the folder holds no recording.json, hence no finished recording");
+      }
+      double pixels = 0;
+      for (const Shot& shot : plan.shots(s, frame)) {
+        RecordedShot record = Recorder::beginPasses(shot);
+        account += method->depthCamera()->draw(shot, options.passes, [&](PassStep&& step) {
+          for (const PassImage& image : step.images) pixels += static_cast<double>(image.camera.pixels());
+          summary.images += step.images.size();
+          recorder.writeStep(step, record);
+        });
+        recorder.writePasses(record);
+        ++summary.shots;
+      }
+      progress.advance(1, pixels);
+    }
+    for (std::string& line : account.warningTexts()) summary.warnings.push_back(std::move(line));
+  }
+  for (const StageSeconds& seconds : {account.seconds, clock.seconds(), recorder.stageSeconds()}) {
+    addSeconds(seconds, summary.stages);
+  }
+  recorder.finish();
+  for (const auto& entry : std::filesystem::directory_iterator(options.folder)) summary.bytes += entry.file_size();
+  summary.seconds = progress.seconds();
+  return summary;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,44 @@
+#pragma once
+
+// One shot, from its beams to its scan: what datasets, studies and measurements have in common.
+
+#include <memory>
+#include <span>
+
+#include "base/stage_clock.h"
+#include "methods/method.h"
+#include "pipeline/plan/plan.h"
+#include "scan/hits.h"
+#include "scan/scan.h"
+#include "scene/scene.h"
+#include "sense/sense.h"
+#include "sensors/shot.h"
+
+namespace scanmill {
+
+// How the shots of a sensor become scans. What it refers to must outlive it.
+struct ShotSetup {
+  const Method& method;
+  std::span<const Material> materials;  // that Hits::material points into
+  Channels channels;                    // that are traced
+  std::span<const std::unique_ptr<Effect>> effects;
+  ScanLayout layout;
+};
+
+// As the plan says of this sensor.
+ShotSetup setupOf(const Plan& plan, const Scene& scene, const Method& method, std::size_t sensor);
+
+// Memory that goes from shot to shot.
+struct ShotBuffers {
+  Hits hits;
+  Returns returns;
+  Scan scan;
+};
+
+// Fills buffers.hits and then, from them, buffers.scan. The clock adds up the stages "trace" and "effects"; what
+// tracing took by the method's own stages is in the account.
+TraceAccount runShot(const ShotSetup& setup, const Shot& shot, ShotBuffers& buffers, StageClock& clock);
+// The second half alone, of hits that are there already.
+void senseShot(const ShotSetup& setup, const Shot& shot, const Hits& hits, Returns& returns, Scan& scan);
+
+}  // namespace scanmill

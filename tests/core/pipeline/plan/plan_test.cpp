@@ -1,0 +1,134 @@
+#include "pipeline/plan/plan.h"
+
+#include "tests/core/pipeline/small_world.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+
+class PlanTest : public Yard {
+ protected:
+  Plan plan(const std::vector<std::string>& overrides) const { return Plan(readPipeline(pipeline_, overrides)); }
+};
+
+TEST_F(PlanTest, OnlyChannelsThatSomebodyReads) {
+  EXPECT_EQ(plan({"output.columns=[ring]"}).channels(), Channels(Channel::Range));
+  EXPECT_EQ(plan({"output.columns=[label, instance]"}).channels(),
+            Channel::Range | Channel::Semantic | Channel::Instance);
+  EXPECT_EQ(plan({"output.columns=[incidence]"}).channels(), Channel::Range | Channel::Incidence);
+  EXPECT_FALSE(plan({}).channels().has(Channel::Incidence));
+  const Channels lit = plan({"output.columns=[intensity]", "effects=[intensity]"}).channels();
+  EXPECT_TRUE(lit.has(Channel::Reflectance) && lit.has(Channel::Incidence));
+  EXPECT_FALSE(lit.has(Channel::Semantic) || lit.has(Channel::Primitive));
+}
+
+TEST_F(PlanTest, TellsWhatIsLeftOutAndWhy) {
+  EXPECT_THAT(plan({}).modelled(), AllOf(Contains(HasSubstr("channels: range, instance, semantic")),
+                                         Contains(HasSubstr("left out, nothing reads them: normal")),
+                                         Contains(HasSubstr("intensity: left out, no effect sets it")),
+                                         Contains(HasSubstr("effects: none")), Contains(HasSubstr("one pose"))));
+  EXPECT_THAT(plan({"motion={steps: 9}", "output.layout=organised", "effects=[quantize: {step_m: 1}]"}).modelled(),
+              AllOf(Contains(HasSubstr("9 poses a turn")), Contains(HasSubstr("misses: kept")),
+                    Contains(HasSubstr("effect quantize: "))));
+}
+
+TEST_F(PlanTest, ShotsHaveTheirPosesAndAddresses) {
+  const Plan p = plan({"scenes.0.seeds=[1, 2]", "seed=77",
+                       "sensors=[" + kTop +
+                           ", {name: rear, columns: 4, rate_hz: 10, elevation_deg: [0], range_m: [1, 9], "
+                           "mount: {position: [-1, 0, 1], yaw_deg: 180}}]"});
+  const std::vector<Shot> shots = p.shots(1, 3);
+  ASSERT_EQ(shots.size(), 2u);
+  EXPECT_EQ(shots[1].seed, 77u);
+  EXPECT_EQ(shots[1].scene, 1u);
+  EXPECT_EQ(shots[1].frame, 3u);
+  EXPECT_EQ(shots[1].sensor, 1u);
+  EXPECT_EQ(shots[1].sensorName, "rear");
+  EXPECT_NEAR(shots[1].time, 0.3, 1e-12);
+  // Driven along x from -10 at 20 m/s.
+  EXPECT_NEAR(shots[0].worldFromSensor.at(0).translation.x, -4, 1e-9);
+  EXPECT_NEAR(shots[1].worldFromSensor.at(0).translation.x, -5, 1e-9);
+  EXPECT_NEAR((shots[1].worldFromSensor.at(0) * Vec3d{1, 0, 0}).x, -6, 1e-9);
+}
+
+TEST_F(PlanTest, MoreStepsThanColumnsAreRefused) {
+  EXPECT_THAT(messageOf<InputError>([&] { plan({"motion={steps: 65}"}); }),
+              AllOf(HasSubstr("--set motion"), HasSubstr("65 steps"), HasSubstr("64 columns"), HasSubstr("'top'")));
+  EXPECT_EQ(plan({"motion={steps: 64}"}).shots(0, 0).at(0).worldFromSensor.size(), 64u);
+}
+
+TEST_F(PlanTest, WhatTheMethodCannotDoIsRefused) {
+  EXPECT_NO_THROW(plan({"method=depth_camera"}).requirePasses());
+  EXPECT_THAT(
+      messageOf<InputError>([&] { plan({}).requirePasses(); }),
+      AllOf(HasSubstr("yard.yaml: the method ray_tracing draws no passes"), HasSubstr("take `method: depth_camera`")));
+  // Nobody knows yet what `auto` will choose.
+  EXPECT_THAT(messageOf<InputError>([&] { plan({"method={auto: {min_rate: 1}}"}).requirePasses(); }),
+              AllOf(HasSubstr("--set method"), HasSubstr("method auto may choose one that draws no passes")));
+
+  MethodEntry still = requireMethod("ray_tracing", {});
+  still.name = "still";
+  still.can.motion = false;
+  const auto planned = [&](const std::vector<std::string>& overrides) {
+    Pipeline pipeline = readPipeline(pipeline_, overrides);
+    pipeline.method.entry = &still;
+    return Plan(std::move(pipeline));
+  };
+  EXPECT_NO_THROW(planned({}));
+  EXPECT_THAT(messageOf<InputError>([&] { planned({"motion={steps: 9}"}); }),
+              AllOf(HasSubstr("--set motion"), HasSubstr("the method still gives a whole revolution one pose")));
+}
+
+// 4096 x 65536 beams are within a sensor's limits, hundreds of such sensors are not within a machine's memory.
+TEST_F(PlanTest, FramesThatNoMemoryHoldsAreRefusedWithTheArithmetic) {
+  std::string sensors = "sensors=[";
+  for (int i = 0; i < 300; ++i) {
+    sensors += fmt::format(
+        "{{name: s{}, columns: 65536, rate_hz: 10, elevation_deg: {{top: 9, bottom: -9, rings: 4096}}"
+        ", range_m: [1, 9]}}, ",
+        i);
+  }
+  EXPECT_THAT(messageOf<InputError>([&] {
+                plan({sensors + "]", "trajectories.0.frames=1"});
+              }),
+              AllOf(HasSubstr("yard.yaml: 80530636800 beams a frame x "), HasSubstr("GiB of memory")));
+}
+
+TEST_F(PlanTest, FramesInFlightFitTheThreadsAndTheMemory) {
+  const ThreadLimit limit(2);
+  EXPECT_EQ(plan({}).framesInFlight(), 4u);
+  const Plan wide = plan({"sensors.0.columns=65536"});
+  EXPECT_EQ(wide.bytesPerFrameInMemory(), 1024 * plan({}).bytesPerFrameInMemory());
+  EXPECT_GE(wide.framesInFlight(), 1u);
+}
+
+TEST_F(PlanTest, ScenesMustShareTheirClassesBeforeAnythingIsTraced) {
+  std::string other = yardScene();
+  const std::string labels = "labels/scanmill.yaml";
+  other.replace(other.find(labels), labels.size(), "labels/semantic_kitti.yaml");
+  folder_.write("scenes/other.yaml", other);
+  const std::vector<std::string> two{fmt::format("scenes=[{{scene: {0}/yard.yaml}}, {{scene: {0}/other.yaml}}]",
+                                                 (folder_.path() / "scenes").string())};
+  EXPECT_THAT(messageOf<InputError>([&] { plan(two); }),
+              AllOf(HasSubstr("yard.yaml: the scenes"), HasSubstr("other.yaml"), HasSubstr("different classes"),
+                    HasSubstr("`labels`")));
+  std::vector<std::string> agreed = two;
+  agreed.push_back(fmt::format("labels={}/labels/scanmill.yaml", SCANMILL_SOURCE_DIR));
+  EXPECT_NO_THROW(plan(agreed));
+}
+
+TEST_F(PlanTest, AnAbsentSceneIsFoundAtOnce) {
+  EXPECT_THAT(messageOf<InputError>([&] { plan({"scenes.0.scene=nowhere.yaml"}); }), HasSubstr("nowhere.yaml"));
+}
+
+TEST_F(PlanTest, TheOntologyOfThePipelineReplacesTheScenes) {
+  const Plan p = plan({fmt::format("labels={}/labels/semantic_kitti.yaml", SCANMILL_SOURCE_DIR)});
+  const Scene scene = p.loadScene(p.pipeline().sequences[0]);
+  EXPECT_EQ(scene.ontology.require("car", {}).id, 10);  // SemanticKITTI's
+}
+
+}  // namespace
+}  // namespace scanmill
