@@ -49,6 +49,15 @@ class WorkspacePool {
   std::vector<std::unique_ptr<Workspace>> idle_;
 };
 
+// Beams of which a ray was given up. A beam's rays need not follow one another.
+std::uint64_t unresolvedBeams(const Hits& hits) {
+  if (hits.beamOfRay.empty()) return hits.unresolved.size();
+  std::vector<std::uint32_t> beams;
+  for (const std::uint32_t ray : hits.unresolved) beams.push_back(hits.beamOfRay[ray]);
+  std::sort(beams.begin(), beams.end());
+  return static_cast<std::uint64_t>(std::unique(beams.begin(), beams.end()) - beams.begin());
+}
+
 ScanRecord describe(const Shot& shot, const Hits& hits, const Scan& scan, std::string_view method) {
   ScanRecord record;
   record.sensor = shot.sensorName;
@@ -57,7 +66,7 @@ ScanRecord describe(const Shot& shot, const Hits& hits, const Scan& scan, std::s
   record.worldFromSensor.push_back(shot.worldFromSensor.front());
   if (shot.worldFromSensor.size() > 1) record.worldFromSensor.push_back(shot.worldFromSensor.back());
   record.beams = hits.size();
-  record.unresolved = hits.unresolved.size();
+  record.unresolved = unresolvedBeams(hits);
   std::vector<std::uint64_t> perClass;
   std::vector<std::uint32_t> instances;
   for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -199,6 +208,7 @@ void inOrder(std::size_t inFlight, const Source& source, const Make& make, const
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
   checkFolders(plan, options);
   if (!options.keepPasses.empty()) plan.requirePasses();
+  if (!options.keepHits.empty()) plan.requireOneRay();
   const Pipeline& pipeline = plan.pipeline();
   GenerateSummary summary;
   summary.manifest = startManifest(plan);
