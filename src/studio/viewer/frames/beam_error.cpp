@@ -82,7 +82,7 @@ class Join {
   std::uint32_t partnerOf(std::size_t point) const {
     const PointKey key = keyOf(scan_, point);
     const std::uint32_t first = ofReference_.first(key);
-    if (first == kNone || ofReference_.next(first) == kNone) return first;
+    if (!ofReference_.several() || first == kNone || ofReference_.next(first) == kNone) return first;
     const bool numbered = ofScan_ && sameReturns(key);
     std::uint32_t partner = kNone;
     double least = std::numeric_limits<double>::infinity();

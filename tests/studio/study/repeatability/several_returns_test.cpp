@@ -20,7 +20,7 @@ TEST_F(RepeatedScans, EveryReturnOfABeamIsCompared) {
   RepeatabilityOptions options;
   options.quiet = true;
   const Repeatability result = measureRepeatability(plan, options);
-  EXPECT_EQ(result.methods, std::vector<std::string>{"two_returns"});
+  EXPECT_EQ(result.methods, std::vector<std::string>{"two_returns near_m=3 gap_m=2"});
   ASSERT_EQ(result.views.size(), 1u);
   ASSERT_EQ(result.views[0].places.size(), 3u);
   for (const RepeatedPlace& place : result.views[0].places) {
