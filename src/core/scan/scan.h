@@ -31,8 +31,8 @@ struct ForeignColumn {
 // A scan is dense (misses are left out; points are ordered by column, then ring, then return) or organised: width =
 // columns, height = planes * rings, and misses have a NaN position and their columns' values for "none". Plane n of an
 // organised scan holds the (n + 1)th return of each beam. A point is known by its beam, ring * columns + column, and
-// the number of its return: this key joins a noisy scan to its noise-free reference. Columns are empty where nobody
-// asked for them.
+// the number of its return: this key joins a noisy scan to its noise-free reference, but for the beams that have lost
+// or gained returns, whose others are counted anew, the nearest first. Columns are empty where nobody asked for them.
 class Scan {
  public:
   std::uint32_t rings = 0;    // of the sensor

@@ -20,6 +20,7 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kGrain = 16384;
 constexpr std::uint64_t kMostBeams = std::uint64_t{1} << 26;  // of a table to join by; 4 bytes each
 
+constexpr int kMostReturns = 16;  // of a beam that are looked at: damaged scans give thousands of points to one beam
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 bool isFalsePositive(const Scan& scan, std::size_t point) {
@@ -53,11 +54,11 @@ class PointsOfBeams {
     const bool within = key.ring < extent_.ring && key.column < extent_.column;
     return within ? first_[std::size_t{key.ring} * extent_.column + key.column] : kNone;
   }
-  std::uint32_t next(std::uint32_t point) const { return next_[point]; }
-  std::size_t count(const PointKey& key) const {
-    std::size_t count = 0;
-    for (std::uint32_t p = first(key); p != kNone; p = next(p)) ++count;
-    return count;
+  // Calls use(point) for the points of a beam.
+  template <class Use>
+  void each(const PointKey& key, const Use& use) const {
+    std::uint32_t point = first(key);
+    for (int count = 0; point != kNone && count < kMostReturns; ++count, point = next_[point]) use(point);
   }
 
  private:
@@ -82,26 +83,31 @@ class Join {
   std::uint32_t partnerOf(std::size_t point) const {
     const PointKey key = keyOf(scan_, point);
     const std::uint32_t first = ofReference_.first(key);
-    if (!ofReference_.several() || first == kNone || ofReference_.next(first) == kNone) return first;
+    if (!ofReference_.several() || first == kNone) return first;
     const bool numbered = ofScan_ && sameReturns(key);
     std::uint32_t partner = kNone;
     double least = std::numeric_limits<double>::infinity();
-    for (std::uint32_t p = first; p != kNone; p = ofReference_.next(p)) {
-      if (numbered && keyOf(reference_, p).number != key.number) continue;
+    ofReference_.each(key, [&](std::uint32_t p) {
+      if (numbered && keyOf(reference_, p).number != key.number) return;
       const double distance = length(Vec3d(reference_.position[p]) - Vec3d(scan_.position[point]));
-      if (distance >= least) continue;
+      if (distance >= least) return;
       least = distance;
       partner = p;
-    }
+    });
     return partner;
   }
 
  private:
+  // Whether the beam has as many returns in both scans, all of surfaces.
   bool sameReturns(const PointKey& key) const {
-    for (std::uint32_t p = ofScan_->first(key); p != kNone; p = ofScan_->next(p)) {
-      if (isFalsePositive(scan_, p)) return false;
-    }
-    return ofScan_->count(key) == ofReference_.count(key);
+    int more = 0;
+    bool surfaces = true;
+    ofReference_.each(key, [&](std::uint32_t) { --more; });
+    ofScan_->each(key, [&](std::uint32_t p) {
+      ++more;
+      surfaces = surfaces && !isFalsePositive(scan_, p);
+    });
+    return surfaces && more == 0;
   }
 
   const Scan& scan_;

@@ -110,6 +110,16 @@ TEST(ReturnErrorsOfOneBeam, NumbersDecideWhereNoneIsMissing) {
   EXPECT_EQ(joined(noisy, clean), std::vector<float>{0.25f}) << "which one was lost is not known: the nearest";
 }
 
+// Damage: all points are of one beam. It must not take time that grows with their square.
+TEST(ReturnErrorsOfOneBeam, AreSoonThereForMillionsOfPoints) {
+  Scan scan;
+  scan.rings = scan.columns = 1;
+  scan.position.assign(1'000'000, {10, 0, 0});
+  scan[kRing].assign(scan.size(), 0);
+  scan[kColumn].assign(scan.size(), 0);
+  for (const float error : joined(scan, scan)) ASSERT_EQ(error, 0);
+}
+
 // They move the numbers of the surface's returns, and have no partner themselves.
 TEST(ReturnErrorsOfOneBeam, FalsePositivesHaveNone) {
   const World world = makeSeveralReturns(4, 9);
