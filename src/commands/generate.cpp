@@ -91,6 +91,7 @@ int runGenerate(const std::vector<std::string>& arguments) {
   generateOptions.quiet = parsed.options.count("quiet") > 0;
   generateOptions.stop = &stopSignal();
   if (!generateOptions.keepPasses.empty()) plan.requirePasses();
+  if (!generateOptions.keepHits.empty()) plan.requireOneRay();
   if (plan.pipeline().method.automatic) chooseMethod(plan, generateOptions);
   const GenerateSummary summary = generate(plan, generateOptions);
   for (const std::string& warning : summary.warnings) warn(warning);

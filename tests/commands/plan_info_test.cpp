@@ -2,9 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
+
 #include "base/file.h"
 #include "dataset/manifest.h"
 #include "dataset/reader.h"
+#include "formats/format.h"
 #include "tests/commands/program.h"
 
 namespace scanmill {
@@ -154,6 +157,20 @@ TEST_F(Tell, InfoOnEveryKindOfFile) {
   EXPECT_THAT(told({"info", pipeline_}), HasSubstr("4 frames x 512 beams"));
   EXPECT_THAT(told({"info", asset()}),
               AllOf(HasSubstr("3 triangles"), HasSubstr("Shed_Roof"), HasSubstr("planks"), HasSubstr("material")));
+}
+
+TEST_F(Tell, InfoNamesTheReturnsOfAnImage) {
+  Scan scan;
+  scan.rings = 2;
+  scan.columns = 3;
+  scan.organised = true;
+  scan.planes = 2;
+  scan.position.assign(12, {3, 4, 0});
+  scan.position[7] = {NAN, NAN, NAN};
+  const Value none;
+  Fields options(none, "pcd");
+  const std::string file = folder_.write("two.pcd", requireFormat("pcd", {}).make(options)->encode(scan)).string();
+  EXPECT_THAT(told({"info", file}), AllOf(HasSubstr("organised 2 rings x 3 columns x 2 returns"), HasSubstr("5")));
 }
 
 }  // namespace

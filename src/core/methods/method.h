@@ -41,8 +41,10 @@ class Method {
 
 // What a method can do. The plan refuses a pipeline that asks for more.
 struct MethodCapabilities {
-  bool severalHits = false;   // several hits along a ray, one behind the other; else the first alone
-  bool footprints = false;    // several rays a beam, which sample its footprint; else one, along its axis
+  bool severalHits = false;  // several hits along a ray, one behind the other; else the first alone
+  bool footprints = false;   // several rays a beam, which sample its footprint; else one, along its axis
+  // Returns that a beam may have by either of the two: bounds what scans take.
+  std::uint32_t mostReturns = 1;
   bool transmission = false;  // rays go on behind glass; else whatever is not cut out by alpha stops them
   bool motion = false;        // the sensor's pose changes during a revolution; else it stands still meanwhile
   bool passes = false;        // it draws images that can be kept, see Method::depthCamera()

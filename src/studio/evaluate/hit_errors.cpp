@@ -9,10 +9,18 @@
 
 namespace scanmill {
 
+void requireOneRay(const Hits& hits) {
+  if (hits.beamOfRay.empty() && hits.rays() == hits.size()) return;
+  throw Error(fmt::format("{} rays of {} beams: methods are compared beam by beam, where every beam fires one ray",
+                          hits.rays(), hits.size()));
+}
+
 HitErrors compareHits(const Hits& reference, const Hits& tested, std::span<const std::uint8_t> edges) {
   if (reference.size() != tested.size() || (!edges.empty() && edges.size() != reference.size())) {
     throw Error(fmt::format("hits of {} and of {} beams cannot be compared", reference.size(), tested.size()));
   }
+  requireOneRay(reference);
+  requireOneRay(tested);
   HitErrors e;
   e.beams = reference.size();
   std::vector<double> all;
@@ -47,6 +55,7 @@ std::vector<std::uint8_t> edgeBeams(const Method& method, const Shot& shot, doub
   const Channels channels = Channel::Range | Channel::Instance | Channels(Channel::Semantic);
   Hits middle;
   method.trace(shot, channels, middle);
+  requireOneRay(middle);
   std::vector<std::uint8_t> edges(middle.size(), 0);
   Hits beside;
   for (int up = -1; up <= 1; ++up) {

@@ -13,6 +13,9 @@
 
 namespace scanmill {
 
+// Throws Error where beams fire several rays: methods are compared beam by beam.
+void requireOneRay(const Hits& hits);
+
 struct HitErrors {
   std::uint64_t beams = 0;
   std::uint64_t bothHit = 0;
@@ -27,7 +30,8 @@ struct HitErrors {
 };
 
 // Compares hits that have the channels Instance and Semantic. `edges` holds 1 where a beam lies near an edge, as
-// edgeBeams() gives it; where it is empty, all beams are interior. Throws Error where the sizes differ.
+// edgeBeams() gives it; where it is empty, all beams are interior. Throws Error where the sizes differ, or beams fire
+// several rays.
 HitErrors compareHits(const Hits& reference, const Hits& tested, std::span<const std::uint8_t> edges);
 
 // Tells which beams lie near an edge. Beams beside each beam are traced, `angle` (rad) up, down, left, right and

@@ -142,6 +142,7 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     growth.begin();
     otherAccount += method->trace(truth.shot, timed, hits);
     growth.end();
+    requireOneRay(hits);
     timedAccount += timeScans(*method, truth.shot, options, hits, seconds[truth.shot.sensor]);
     checkStop(options);
     // Every scan of a shot is the same: the last one serves where it has all the channels.
@@ -186,6 +187,7 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
 std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits) {
   const BeamTable& beams = *shot.beams;
   if (hits.size() != beams.size()) throw Error("hits and beams are not of one sensor");
+  requireOneRay(hits);
   std::vector<Affine> toStart;  // per step; empty: points stay in the frame of the step that fired them
   for (std::size_t step = 0; shot.deskew && step < shot.worldFromSensor.size(); ++step) {
     toStart.push_back(step == 0 ? Affine{} : startFromStep(shot, step));

@@ -107,6 +107,37 @@ Coloring inOneColor(const Scan& scan, std::string title, std::string name, const
   return out;
 }
 
+constexpr double kFirstReturn = 0.7;  // of the colour map
+
+Rgb returnColor(std::uint32_t number) {
+  return number == 1 ? viridis(kFirstReturn) : instanceColor(number);
+}
+
+std::uint32_t returnOf(const Scan& scan, std::size_t point) {
+  return scan[kReturn].empty() ? keyOf(scan, point).number + 1 : scan[kReturn][point];
+}
+
+// A colour each: the numbers are few, and no scale.
+Coloring byReturn(const Scan& scan) {
+  if (scan[kReturn].empty() && scan.planes == 1) {
+    return inOneColor(scan, "return", "first return (the only one)", viridis(kFirstReturn));
+  }
+  Coloring out;
+  out.legend.title = "return";
+  std::map<std::uint32_t, std::uint64_t> present;
+  out.colors.reserve(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const std::uint32_t number = returnOf(scan, i);
+    out.colors.push_back(returnColor(number));
+    if (isFinite(scan.position[i])) ++present[number];
+  }
+  for (const auto& [number, points] : present) {
+    out.legend.entries.push_back(
+        {number == 0 ? "not known" : fmt::format("return {}", number), returnColor(number), -1, points});
+  }
+  return out;
+}
+
 double percentile(std::vector<double>& values, double share) {
   const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
   std::nth_element(values.begin(), place, values.end());
@@ -124,7 +155,6 @@ struct Scale {
 
 constexpr double kClipped = 0.01;
 constexpr std::size_t kMostSorted = 1'000'000;  // values that percentiles are taken from
-constexpr double kFirstReturn = 0.7;            // of the colour map
 
 // `at(i)` is the value of point i; `given`, the ends of the scale.
 template <class At>
@@ -280,9 +310,7 @@ Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Color
   if (by == kByMethod) {
     return inOneColor(scan, "method", context.method.empty() ? "not known" : context.method, context.methodColor);
   }
-  if (by == kByReturn && scan[kReturn].empty()) {
-    return inOneColor(scan, "return", "first return (the only one)", viridis(kFirstReturn));
-  }
+  if (by == kByReturn) return byReturn(scan);
   if (const Column* const column = by.column()) {
     if (!holds(scan, *column) && scan.size() > 0) failForColumn(scan, by, column->name);
     return byColumn(scan, *column, context);

@@ -1,11 +1,13 @@
 #include "evaluate/hit_errors.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
 
 #include "tests/core/methods/trace.h"
+#include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {
@@ -40,6 +42,18 @@ TEST(HitErrors, CountsEveryOutcomeOnce) {
   EXPECT_EQ(inner.interiorAgree, 3u);
   EXPECT_EQ(inner.rangeInterior.count, 2u);
   EXPECT_THROW(compareHits(reference, hitsOf({1}), {}), Error);
+}
+
+// What is compared is of beams; rays of several a beam would be taken for those of others.
+TEST(HitErrors, RefuseSeveralRaysABeam) {
+  const Hits reference = hitsOf({10, 10});
+  Hits several = hitsOf({10, 10});
+  several.beamOfRay = {0, 1, 1};
+  several.range = {10, 10, 12};
+  for (const std::string& refusal : {messageOf<Error>([&] { compareHits(reference, several, {}); }),
+                                     messageOf<Error>([&] { compareHits(several, reference, {}); })}) {
+    EXPECT_THAT(refusal, testing::HasSubstr("3 rays of 2 beams"));
+  }
 }
 
 // A disc of angular radius a seen head-on: edge beams are those whose angle to its rim is below the pixel's.

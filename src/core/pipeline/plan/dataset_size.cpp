@@ -27,7 +27,7 @@ std::string longestMethodName() {
   return longest;
 }
 
-// The sample whose descriptions are the longest: every beam meets every class.
+// The sample whose descriptions are the longest: every beam meets every class, as often as it can.
 SampleRecord longestSample(const Plan& plan, const Sequence& sequence, const Ontology& ontology) {
   const Pipeline& pipeline = plan.pipeline();
   const Pose pose{{kWidest, kWidest, kWidest, kWidest}, {kWidest, kWidest, kWidest}};
@@ -43,10 +43,10 @@ SampleRecord longestSample(const Plan& plan, const Sequence& sequence, const Ont
     scan.time = kWidest;
     scan.worldFromSensor.assign(moves ? 2 : 1, pose);
     scan.beams = plan.beams()[s]->size();
-    scan.points = scan.beams;
-    scan.instances = static_cast<std::uint32_t>(scan.beams);
+    scan.points = scan.beams * pipeline.mostReturns();
+    scan.instances = static_cast<std::uint32_t>(scan.points);
     if (pipeline.layout.columns.has(kLabel)) {
-      for (const SemanticClass& c : ontology.classes) scan.pointsPerClass[c.id] = scan.beams;
+      for (const SemanticClass& c : ontology.classes) scan.pointsPerClass[c.id] = scan.points;
     }
     for (const FormatChoice& f : pipeline.formats) {
       sample.members.push_back(sample.key + "." + memberSuffix(scan, f.format->suffix()));
@@ -62,7 +62,7 @@ std::vector<double> scanBytes(const Plan& plan) {
   ScanOutline outline;
   outline.held = plan.columns();
   for (const auto& beams : plan.beams()) {
-    outline.points = beams->size();
+    outline.points = beams->size() * plan.pipeline().mostReturns();
     outline.rings = beams->rings;
     outline.columns = beams->columns;
     outline.reach = 2 * beams->maxRange + kReserve;

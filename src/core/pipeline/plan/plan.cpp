@@ -199,6 +199,14 @@ void Plan::requirePasses() const {
       fmt::format("the method {} draws no passes that could be kept: take `method: {}`", method->name, instead));
 }
 
+void Plan::requireOneRay() const {
+  if (pipeline_.mostReturns() == 1) return;
+  throw InputError({pipeline_.file.string()},
+                   fmt::format("the method {} fires several rays a beam, but kept hits hold one: keep none, or take "
+                               "`method: {}`",
+                               pipeline_.methodName(), firstMethodThat(&MethodCapabilities::reference).name));
+}
+
 void Plan::choose(MethodChoice choice, MethodRecord record) {
   pipeline_.method = std::move(choice);
   checkMotion(pipeline_);
@@ -269,8 +277,8 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   // Hits, returns, scan and encoded bytes; the beam tables are shared by all frames.
   std::uint64_t perPoint = sizeof(Vec3f);
   for (const Column& column : kColumns) perPoint += bytesOf(column.type);
-  const std::uint64_t perBeam = 4 + (traced_.has(Channel::Normal) ? 12 : 0) + 20 + 20 + 2 * perPoint;
-  return perBeam * pipeline_.raysPerFrame();
+  const std::uint64_t perReturn = 4 + (traced_.has(Channel::Normal) ? 12 : 0) + 20 + 20 + 2 * perPoint;
+  return perReturn * pipeline_.mostReturns() * pipeline_.raysPerFrame();
 }
 
 std::size_t Plan::framesInFlight() const {

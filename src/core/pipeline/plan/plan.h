@@ -48,6 +48,8 @@ class Plan {
   // Throws InputError where the method draws no passes that could be kept, or `method: auto` may choose one that does
   // not.
   void requirePasses() const;
+  // Throws InputError where the method may fire several rays a beam: kept hits are images with a pixel a beam.
+  void requireOneRay() const;
 
   // The columns that the scans have besides their positions: those asked for, without an intensity that no effect sets.
   ColumnSet columns() const;

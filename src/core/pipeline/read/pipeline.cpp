@@ -403,6 +403,15 @@ std::uint64_t Pipeline::raysPerFrame() const {
   return count;
 }
 
+// Recorded hits are of one ray a beam. What `auto` will choose is not known yet.
+std::uint32_t Pipeline::mostReturns() const {
+  if (recording != nullptr) return 1;
+  if (method.entry != nullptr) return method.entry->can.mostReturns;
+  std::uint32_t most = 1;
+  for (const MethodEntry& entry : methods()) most = std::max(most, entry.can.mostReturns);
+  return most;
+}
+
 std::string Pipeline::methodName() const {
   if (recording != nullptr) return recording->method;
   return method.entry == nullptr ? "auto" : std::string(method.entry->name);

@@ -99,7 +99,8 @@ struct Pipeline {
   std::span<const EffectEntry* const> effectEntriesOf(std::size_t sensor) const;
   std::uint64_t frames() const;
   std::uint64_t raysPerFrame() const;
-  std::string methodName() const;  // that made, or makes, the hits
+  std::uint32_t mostReturns() const;  // of a beam
+  std::string methodName() const;     // that made, or makes, the hits
 };
 
 // Whether an effect sets the intensity; either an effect of every sensor does, or none.

@@ -8,6 +8,19 @@
 
 namespace scanmill {
 
+namespace {
+
+// Beams of which a ray was given up. A beam's rays need not follow one another.
+std::uint64_t unresolvedBeams(const Hits& hits) {
+  if (hits.beamOfRay.empty()) return hits.unresolved.size();
+  std::vector<std::uint32_t> beams;
+  for (const std::uint32_t ray : hits.unresolved) beams.push_back(hits.beamOfRay[ray]);
+  std::sort(beams.begin(), beams.end());
+  return static_cast<std::uint64_t>(std::unique(beams.begin(), beams.end()) - beams.begin());
+}
+
+}  // namespace
+
 Manifest startManifest(const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline();
   Manifest manifest;
@@ -42,7 +55,7 @@ ScanRecord recordOf(const Shot& shot, const Hits& hits, const Scan& scan, std::s
   record.worldFromSensor.push_back(shot.worldFromSensor.front());
   if (shot.worldFromSensor.size() > 1) record.worldFromSensor.push_back(shot.worldFromSensor.back());
   record.beams = hits.size();
-  record.unresolved = hits.unresolved.size();
+  record.unresolved = unresolvedBeams(hits);
   std::vector<std::uint64_t> perClass;
   std::vector<std::uint32_t> instances;
   for (std::size_t i = 0; i < scan.size(); ++i) {

@@ -144,7 +144,7 @@ std::string sensorsOverview(const Manifest& manifest, const DatasetSummary& summ
     table.column(title);
   }
   table.column("method", "", true);
-  for (const char* title : {"scans", "points a scan", "beams that hit"}) table.column(title);
+  for (const char* title : {"scans", "points a scan", "points a beam"}) table.column(title);
   table.column("source of the figures", "", true);
   for (std::size_t i = 0; i < manifest.sensors.size(); ++i) {
     const SensorRecord& s = manifest.sensors[i];

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "base/error.h"
 #include "study/noise/linear_fit.h"
@@ -20,17 +19,17 @@ constexpr std::size_t kFewest = 100;  // returns, from which a frame can be told
 
 struct BeamPoint {
   std::size_t beam;
-  Vec3d point;  // m, the scan's frame
+  Vec3d point;        // m, the scan's frame
+  std::size_t place;  // in the scan
 };
 
 Vec3d originOf(const BeamTable& beams, std::size_t beam) {
   return beams.origin.empty() ? Vec3d{} : static_cast<Vec3d>(beams.origin[beam]);
 }
 
-// The beam of each point that has one. Points of dense scans name theirs.
-std::vector<std::size_t> beamsOf(const Scan& scan, const BeamTable& beams, const Location& where) {
-  const bool named = scan[kRing].size() == scan.size() && scan[kColumn].size() == scan.size() && scan.size() > 0;
-  if (!named && !scan.organised) {
+// The first returns that have a position. Points of dense scans name their beams.
+std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, const Location& where) {
+  if (!knowsBeams(scan)) {
     throw InputError(where,
                      "has neither an organised layout (width columns x height rings) nor the columns ring and "
                      "column: which beam made a point is not known");
@@ -40,16 +39,21 @@ std::vector<std::size_t> beamsOf(const Scan& scan, const BeamTable& beams, const
                                         "sensor, and the mode, that made the recording",
                                         scan.rings, scan.columns, beams.model, beams.rings, beams.columns));
   }
-  std::vector<std::size_t> owners(scan.size());
-  std::iota(owners.begin(), owners.end(), std::size_t{0});
-  for (std::size_t i = 0; i < scan.size() && named && !scan.organised; ++i) {
-    if (scan[kRing][i] >= beams.rings || scan[kColumn][i] >= beams.columns) {
+  std::vector<BeamPoint> points;
+  std::vector<bool> taken(beams.size());  // scans that do not number their returns give the first one first
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const PointKey key = keyOf(scan, i);
+    if (key.ring >= beams.rings || key.column >= beams.columns) {
       throw InputError(where, fmt::format("point {} is of ring {}, column {}, but the sensor {} has {} x {} beams", i,
-                                          scan[kRing][i], scan[kColumn][i], beams.model, beams.rings, beams.columns));
+                                          key.ring, key.column, beams.model, beams.rings, beams.columns));
     }
-    owners[i] = std::size_t{scan[kRing][i]} * beams.columns + scan[kColumn][i];
+    if (!isFinite(scan.position[i]) || scan.position[i] == Vec3f{}) continue;  // some recordings write misses as zeros
+    const std::size_t beam = std::size_t{key.ring} * beams.columns + key.column;
+    if (key.number != 0 || taken[beam]) continue;
+    taken[beam] = true;
+    points.push_back({beam, static_cast<Vec3d>(scan.position[i]), i});
   }
-  return owners;
+  return points;
 }
 
 // By how much the points are turned about the axis: the direction of the mean of all turns, far from the axis.
@@ -133,12 +137,7 @@ double tolerance(const BeamTable& beams) {
 RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::string& name) {
   const Location where{name};
   if (scan.size() == 0) throw InputError(where, "holds no point: there is no noise to measure");
-  const std::vector<std::size_t> owners = beamsOf(scan, beams, where);
-  std::vector<BeamPoint> points;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (!isFinite(scan.position[i]) || scan.position[i] == Vec3f{}) continue;  // some recordings write misses as zeros
-    points.push_back({owners[i], static_cast<Vec3d>(scan.position[i])});
-  }
+  const std::vector<BeamPoint> points = firstReturns(scan, beams, where);
   if (points.size() < kFewest) {
     throw InputError(where, fmt::format("holds {} returns: noise is measured from {} on", points.size(), kFewest));
   }
@@ -153,18 +152,15 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
                                         beams.model, degrees(off)));
   }
   recorded.range.assign(beams.size(), kNoReturn);
+  const bool lit = scan[kIntensity].size() == scan.size();
+  if (lit) recorded.intensity.assign(beams.size(), 0.0f);
   const Pose sensorFromScan = inverse(recorded.scanFromSensor);
   for (const BeamPoint& p : points) {
     const double range = dot(sensorFromScan * p.point - originOf(beams, p.beam), beams.direction[p.beam]);
     if (!(range > 0)) continue;
-    if (std::isnan(recorded.range[p.beam])) ++recorded.returns;
+    ++recorded.returns;
     recorded.range[p.beam] = range;
-  }
-  if (scan[kIntensity].size() == scan.size()) {
-    recorded.intensity.assign(beams.size(), 0.0f);
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (!std::isnan(recorded.range[owners[i]])) recorded.intensity[owners[i]] = scan[kIntensity][i];
-    }
+    if (lit) recorded.intensity[p.beam] = scan[kIntensity][p.place];
   }
   return recorded;
 }

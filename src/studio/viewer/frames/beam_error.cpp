@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/parallel.h"
+#include "sense/returns.h"
 
 namespace scanmill {
 
@@ -17,6 +19,102 @@ namespace {
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kGrain = 16384;
 constexpr std::uint64_t kMostBeams = std::uint64_t{1} << 26;  // of a table to join by; 4 bytes each
+
+constexpr int kMostReturns = 16;  // of a beam that are looked at: damaged scans give thousands of points to one beam
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+bool isFalsePositive(const Scan& scan, std::size_t point) {
+  return !scan[kCause].empty() && scan[kCause][point] == static_cast<std::uint8_t>(Cause::FalsePositive);
+}
+
+bool numbersReturns(const Scan& scan) {
+  return scan.organised || !scan[kReturn].empty();
+}
+
+// The points of each beam of a scan that have a position, in its order. Beams beyond the extent have none.
+class PointsOfBeams {
+ public:
+  PointsOfBeams(const Scan& scan, const PointKey& extent)
+      : extent_(extent), first_(std::size_t{extent.ring} * extent.column, kNone), next_(scan.size(), kNone) {
+    for (std::size_t i = scan.size(); i-- > 0;) {
+      if (!isFinite(scan.position[i])) continue;
+      const PointKey key = keyOf(scan, i);
+      if (key.ring >= extent.ring || key.column >= extent.column) continue;
+      std::uint32_t& first = first_[std::size_t{key.ring} * extent.column + key.column];
+      next_[i] = first;
+      first = static_cast<std::uint32_t>(i);
+      several_ = several_ || next_[i] != kNone;
+    }
+  }
+
+  // Whether some beam has several.
+  bool several() const { return several_; }
+  // kNone: it has none.
+  std::uint32_t first(const PointKey& key) const {
+    const bool within = key.ring < extent_.ring && key.column < extent_.column;
+    return within ? first_[std::size_t{key.ring} * extent_.column + key.column] : kNone;
+  }
+  // Calls use(point) for the points of a beam.
+  template <class Use>
+  void each(const PointKey& key, const Use& use) const {
+    std::uint32_t point = first(key);
+    for (int count = 0; point != kNone && count < kMostReturns; ++count, point = next_[point]) use(point);
+  }
+
+ private:
+  PointKey extent_;
+  std::vector<std::uint32_t> first_;  // by beam
+  std::vector<std::uint32_t> next_;   // by point: the next one of its beam
+  bool several_ = false;
+};
+
+// Says which point of the reference a point belongs to.
+class Join {
+ public:
+  Join(const Scan& scan, const Scan& reference, const PointKey& extent)
+      : scan_(scan), reference_(reference), ofReference_(reference, extent) {
+    // Where each beam of the reference has one point at most, the scan's count changes nothing.
+    if (ofReference_.several() && numbersReturns(scan) && numbersReturns(reference)) {
+      ofScan_.emplace(scan, extent);
+    }
+  }
+
+  // kNone: to none.
+  std::uint32_t partnerOf(std::size_t point) const {
+    const PointKey key = keyOf(scan_, point);
+    const std::uint32_t first = ofReference_.first(key);
+    if (!ofReference_.several() || first == kNone) return first;
+    const bool numbered = ofScan_ && sameReturns(key);
+    std::uint32_t partner = kNone;
+    double least = std::numeric_limits<double>::infinity();
+    ofReference_.each(key, [&](std::uint32_t p) {
+      if (numbered && keyOf(reference_, p).number != key.number) return;
+      const double distance = length(Vec3d(reference_.position[p]) - Vec3d(scan_.position[point]));
+      if (distance >= least) return;
+      least = distance;
+      partner = p;
+    });
+    return partner;
+  }
+
+ private:
+  // Whether the beam has as many returns in both scans, all of surfaces.
+  bool sameReturns(const PointKey& key) const {
+    int more = 0;
+    bool surfaces = true;
+    ofReference_.each(key, [&](std::uint32_t) { --more; });
+    ofScan_->each(key, [&](std::uint32_t p) {
+      ++more;
+      surfaces = surfaces && !isFalsePositive(scan_, p);
+    });
+    return surfaces && more == 0;
+  }
+
+  const Scan& scan_;
+  const Scan& reference_;
+  PointsOfBeams ofReference_;
+  std::optional<PointsOfBeams> ofScan_;
+};
 
 }  // namespace
 
@@ -35,29 +133,20 @@ std::vector<float> referenceErrors(const Scan& scan, const Scan& reference, std:
                       reference.columns, scan.rings, scan.columns);
     return {};
   }
-  const PointKey size = extentOf(reference);
-  const std::uint64_t beams = std::uint64_t{size.ring} * size.column;
-  if (beams * size.number > kMostBeams) {
-    why =
-        fmt::format("the noise-free reference's rings and columns reach {} x {}: no sensor has so many beams", size.ring, size.column);
+  const PointKey extent = extentOf(reference);
+  if (std::uint64_t{extent.ring} * extent.column > kMostBeams) {
+    why = fmt::format("the noise-free reference's rings and columns reach {} x {}: no sensor has so many beams",
+                      extent.ring, extent.column);
     return {};
   }
-  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  const auto placeOf = [&](const PointKey& key) {
-    return (std::uint64_t{key.number} * size.ring + key.ring) * size.column + key.column;
-  };
-  std::vector<std::uint32_t> rowOf(beams * size.number, kNone);
-  for (std::size_t i = reference.size(); i-- > 0;) {  // of two points with the same key the first stays
-    rowOf[placeOf(keyOf(reference, i))] = static_cast<std::uint32_t>(i);
-  }
+  const Join join(scan, reference, extent);
   std::vector<float> errors(scan.size(), kUnknown);
   parallelFor(scan.size(), kGrain, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      const PointKey key = keyOf(scan, i);
-      if (key.ring >= size.ring || key.column >= size.column || key.number >= size.number) continue;
-      const std::uint32_t row = rowOf[placeOf(key)];
-      if (row == kNone || !isFinite(scan.position[i]) || !isFinite(reference.position[row])) continue;
-      errors[i] = static_cast<float>(length(Vec3d(scan.position[i]) - Vec3d(reference.position[row])));
+      if (!isFinite(scan.position[i]) || isFalsePositive(scan, i)) continue;
+      const std::uint32_t partner = join.partnerOf(i);
+      if (partner == kNone) continue;
+      errors[i] = static_cast<float>(length(Vec3d(scan.position[i]) - Vec3d(reference.position[partner])));
     }
   });
   return errors;

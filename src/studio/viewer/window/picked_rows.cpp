@@ -72,6 +72,9 @@ void addBeam(Rows& rows, const ViewScan& scan, std::size_t point) {
   if (scan.scan.organised || !scan.scan[kColumn].empty()) {
     rows.emplace_back("column", fmt::format("{}", scan.scan.organised ? key->column : scan.scan[kColumn][point]));
   }
+  if (scan.scan.organised && scan.scan.planes > 1 && scan.scan[kReturn].empty()) {
+    rows.emplace_back("return", fmt::format("{}", key->number + 1));
+  }
   const std::string of = known ? "beam " : "";  // else those of the point itself
   rows.emplace_back(of + "azimuth", angle(std::atan2(direction.y, direction.x)));
   rows.emplace_back(of + "elevation", angle(elevationOf(direction)));

@@ -20,7 +20,8 @@ void addBrief(PickedThing& thing, const ColorBy& shown);
 // How many points of the scan the instance has, how large it is, and which classes, where there is more than one.
 void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology);
 
-// What another scan has of the point's beam, where both know their beams and the sensors are alike.
+// What another scan has of the point's beam, where both know their beams and the sensors are alike: the return of the
+// same number, as that scan counts its own.
 void addSameBeam(PickedThing& thing, const Scan& own, const ViewScan& other, const Ontology* ontology);
 
 // Dataset, sensor and method, as far as known.
