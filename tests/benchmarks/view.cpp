@@ -42,9 +42,8 @@ Scan repeated(const Scan& scan, int times) {
   many.columns = scan.columns;
   for (int k = 0; k < times; ++k) {
     for (const Vec3f& p : scan.position) many.position.push_back(p * (1 + 0.0007F * static_cast<float>(k)));
-    visitTable(scan, [&](auto key, const auto& values) {
-      many[key].insert(many[key].end(), values.begin(), values.end());
-    });
+    visitTable(scan,
+               [&](auto key, const auto& values) { many[key].insert(many[key].end(), values.begin(), values.end()); });
   }
   return many;
 }

@@ -33,8 +33,8 @@ struct ForeignColumn {
 // return of each beam. Its misses have a NaN position and each column's value for "none".
 //
 // A point is known by its beam, ring * columns + column, and the number of its return. This key joins a noisy scan to
-// its noise-free reference, but for the beams that have lost or gained returns: their others are counted anew, the nearest
-// first. Columns that nobody asked for are empty.
+// its noise-free reference, but for the beams that have lost or gained returns: their others are counted anew, the
+// nearest first. Columns that nobody asked for are empty.
 class Scan {
  public:
   std::uint32_t rings = 0;    // of the sensor
