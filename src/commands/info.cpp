@@ -202,9 +202,9 @@ void printScene(const std::filesystem::path& file) {
 
 void printSensor(const Value& value) {
   const auto beams = makeBeams(value);
-  fmt::print("sensor {}: {} rings x {} columns, {:.3g} turns/s, {}, ring 0 is the {} beam\nsource: {}\n", beams->model,
-             beams->rings, beams->columns, 1 / beams->period, beams->clockwise ? "clockwise" : "counter-clockwise",
-             beams->topDown ? "top" : "bottom", beams->source);
+  fmt::print("sensor {}: {} rings x {} columns, {:.3g} revolutions/s, {}, ring 0 is the {} beam\nsource: {}\n",
+             beams->model, beams->rings, beams->columns, 1 / beams->period,
+             beams->clockwise ? "clockwise" : "counter-clockwise", beams->topDown ? "top" : "bottom", beams->source);
   fmt::print("range {:.3g} to {:.3g} m; column 0 at {:.2f} deg; beams start {:.2f} mm off the axis\n\n",
              beams->minRange, beams->maxRange, degrees(beams->firstAzimuth), beams->originOffset * 1000);
   Rows rows{{"ring", "elevation deg", "azimuth offset deg", "firing us"}};

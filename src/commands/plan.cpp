@@ -20,7 +20,8 @@ namespace scanmill {
 namespace {
 
 void printSensors(const Plan& plan) {
-  std::vector<std::vector<std::string>> rows{{"sensor", "model", "rings", "columns", "beams", "turns/s", "range m"}};
+  std::vector<std::vector<std::string>> rows{
+      {"sensor", "model", "rings", "columns", "beams", "revolutions/s", "range m"}};
   for (std::size_t s = 0; s < plan.beams().size(); ++s) {
     const BeamTable& b = *plan.beams()[s];
     rows.push_back({plan.pipeline().sensors[s].name, b.model, std::to_string(b.rings), std::to_string(b.columns),

@@ -31,7 +31,7 @@ PassChoice readPassList(const std::string& list) {
   PassChoice choice;
   if (list == "all") {
     for (const auto& [name, channel] : kPasses) choice.channels |= channel;
-    choice.look = true;
+    choice.surfaceParameters = true;
     return choice;
   }
   std::vector<std::string> names{"all", "look"};
@@ -41,7 +41,7 @@ PassChoice readPassList(const std::string& list) {
     const std::size_t comma = std::min(list.find(',', first), list.size());
     const std::string asked = list.substr(first, comma - first);
     bool known = asked == "look";
-    choice.look = choice.look || known;
+    choice.surfaceParameters = choice.surfaceParameters || known;
     for (const auto& [name, channel] : kPasses) {
       if (asked != name) continue;
       choice.channels |= channel;

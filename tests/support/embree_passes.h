@@ -66,7 +66,7 @@ class EmbreePasses : public PassRenderer {
     shot.beams = pixelBeams(camera, limits);
     shot.worldFromSensor = {camera.worldFromCamera};
     Hits hits;
-    method_->trace(shot, choice.channels | (choice.look ? Channels(Channel::Material) : Channels()), hits);
+    method_->trace(shot, choice.channels | (choice.surfaceParameters ? Channels(Channel::Material) : Channels()), hits);
     PassImage made{camera, {}};
     PassPlanes& planes = made.planes;
     planes.reset(camera.pixels(), choice);
@@ -84,7 +84,7 @@ class EmbreePasses : public PassRenderer {
       copy(planes.material, hits.material);
       copy(planes.primitive, hits.primitive);
       copy(planes.reflectance, hits.reflectance);
-      if (!choice.look) continue;
+      if (!choice.surfaceParameters) continue;
       const Material& material = scene_.materials[hits.material[i]];
       planes.roughness[i] = seen ? material.roughness : 0;
       planes.metallic[i] = seen ? material.metallic : 0;

@@ -52,22 +52,25 @@ OrderedJson framesJson(const Manifest& manifest) {
       {"quaternion", "w, x, y, z; unit"},
       {"vehicle_from_sensor", "vehicle point = rotation * sensor point + translation"},
       {"world_from_sensor",
-       "world point = rotation * sensor point + translation; the first pose is at the start of the turn, a second one "
+       "world point = rotation * sensor point + translation; the first pose is at the start of the revolution, a "
+       "second one "
        "at its end"},
-      {"points", manifest.deskewed ? "in the sensor's frame at the start of the turn"
+      {"points", manifest.deskewed ? "in the sensor's frame at the start of the revolution"
                                    : "in the sensor's frame at the time of their own column"},
       {"ring", "0 to rings - 1, in the order of the sensor's elevation list; top_down: ring 0 is the highest"},
       {"azimuth", "from x towards y (counter-clockwise seen from above), whatever way the sensor turns"},
       {"column",
        "column 0 fires first; the head's azimuth t = first_azimuth +- field * swept (minus where clockwise), where "
-       "swept is column / columns in a full turn (field 2 pi), column / (columns - 1) in a smaller field, and 0.5 in a "
+       "swept is column / columns in a full revolution (field 2 pi), column / (columns - 1) in a smaller field, and "
+       "0.5 in a "
        "smaller field of one column"},
       {"beam",
        "index ring * columns + column; direction (cos(t + a) cos e, sin(t + a) cos e, sin e) with a = "
        "azimuth_offset[ring] and e = elevation[ring]; origin (origin_offset cos t, origin_offset sin t, "
        "origin_height)"},
       {"time",
-       "scans: since the start of the sequence, of column 0; points: since the start of the turn, period * field / "
+       "scans: since the start of the sequence, of column 0; points: since the start of the revolution, period * field "
+       "/ "
        "(2 pi) * column / columns + firing_offset[ring]"},
   };
 }

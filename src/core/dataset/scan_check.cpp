@@ -37,7 +37,7 @@ class Rule {
   std::size_t first_ = 0;
 };
 
-// How far the sensor moves during the turn (m): deskewed points are given where it started.
+// How far the sensor moves during the revolution (m): deskewed points are given where it started.
 double egoMotion(const ScanRecord& record) {
   return length(record.worldFromSensor.back().translation - record.worldFromSensor.front().translation);
 }

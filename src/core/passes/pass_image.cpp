@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kGrain = 8192;  // pixels of a thread's turn
+constexpr std::size_t kGrain = 8192;  // pixels of a task
 
 constexpr std::pair<Channel, const char*> kPlanes[] = {
     {Channel::Normal, "normal"},     {Channel::Instance, "instance"},   {Channel::Semantic, "semantic"},
@@ -44,7 +44,7 @@ PassChoice PassPlanes::choice() const {
   for (std::size_t i = 0; i < std::size(there); ++i) {
     if (there[i]) made.channels |= kPlanes[i].first;
   }
-  made.look = !roughness.empty() && !metallic.empty() && !retroreflectance.empty();
+  made.surfaceParameters = !roughness.empty() && !metallic.empty() && !retroreflectance.empty();
   return made;
 }
 
@@ -57,9 +57,9 @@ void PassPlanes::reset(std::size_t pixels, PassChoice asked) {
   fit(material, asked.channels.has(Channel::Material));
   fit(primitive, asked.channels.has(Channel::Primitive));
   fit(reflectance, asked.channels.has(Channel::Reflectance));
-  fit(roughness, asked.look);
-  fit(metallic, asked.look);
-  fit(retroreflectance, asked.look);
+  fit(roughness, asked.surfaceParameters);
+  fit(metallic, asked.surfaceParameters);
+  fit(retroreflectance, asked.surfaceParameters);
 }
 
 ImageSource::ImageSource(std::span<const PassImage> images) : images_(images), available_{Channels::all(), true} {
@@ -77,7 +77,7 @@ ImageSource::ImageSource(std::span<const PassImage> images) : images_(images), a
     });
     const PassChoice there = image.planes.choice();
     available_.channels = available_.channels & there.channels;
-    available_.look = available_.look && there.look;
+    available_.surfaceParameters = available_.surfaceParameters && there.surfaceParameters;
   }
   if (first >= kNoPixel)
     throw InputError(fmt::format("{} pixels in a shot's images are too many: take smaller ones", first));
@@ -89,12 +89,12 @@ void ImageSource::require(PassChoice asked) const {
     const PassChoice there = image.planes.choice();
     for (const auto& [channel, name] : kPlanes) {
       if (asked.channels.has(channel) && !there.channels.has(channel)) {
-        const bool looked = channel == Channel::Material && there.look;
+        const bool known = channel == Channel::Material && there.surfaceParameters;
         throw InputError(fmt::format("the image of camera '{}' has no pass '{}', which the pipeline needs{}",
-                                     image.camera.name, name, looked ? "" : insteadOf(name)));
+                                     image.camera.name, name, known ? "" : insteadOf(name)));
       }
     }
-    if (asked.look && !there.look) {
+    if (asked.surfaceParameters && !there.surfaceParameters) {
       throw InputError(
           fmt::format("the image of camera '{}' has no passes roughness, metallic and retroreflectance, "
                       "which the pipeline needs",

@@ -21,7 +21,7 @@ constexpr float kNoDepth = std::numeric_limits<float>::infinity();
 // its own (it wants Normal).
 struct PassChoice {
   Channels channels = Channel::Range;
-  bool look = false;  // roughness, metallic and retroreflectance of the material
+  bool surfaceParameters = false;  // roughness, metallic and retroreflectance of the material
 
   bool operator==(const PassChoice&) const = default;
 };

@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kGrain = 4096;  // pixels of a thread's turn
+constexpr std::size_t kGrain = 4096;  // pixels of a task
 constexpr std::size_t kLanes = 64;    // pixels that are looked up together, so that memory answers all of them at once
 
 // The line of sight through pixel (i, j) has the direction corner + right * i + down * j, world axes.
@@ -102,7 +102,7 @@ Resolver::Resolver(const Scene& scene) : scene_(scene) {
 }
 
 std::uint64_t Resolver::memoryBytes() const {
-  return faces_.size() * sizeof(Face) + surfaces_.size() * sizeof(Look) + instances_.size() * sizeof(Placed);
+  return faces_.size() * sizeof(Face) + surfaces_.size() * sizeof(SurfaceIds) + instances_.size() * sizeof(Placed);
 }
 
 void Resolver::resolve(std::span<const Camera> cameras, std::span<const PixelAddress> addresses,
@@ -143,19 +143,20 @@ void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last)
     planes.depth[first + i] = there ? seen[i].depth : kNoDepth;
   }
 
-  std::array<Look, kLanes> looks;
-  for (std::size_t i = 0; i < count; ++i) looks[i] = faces[i] != &kNothing ? surfaces_[faces[i]->surface] : Look{};
+  std::array<SurfaceIds, kLanes> surfaces;
+  for (std::size_t i = 0; i < count; ++i)
+    surfaces[i] = faces[i] != &kNothing ? surfaces_[faces[i]->surface] : SurfaceIds{};
   const auto store = [&](auto& plane, const auto& value) {
     if (plane.empty()) return;
     for (std::size_t i = 0; i < count; ++i) {
       plane[first + i] = faces[i] != &kNothing ? value(i) : std::remove_cvref_t<decltype(plane[0])>{};
     }
   };
-  store(planes.instance, [&](std::size_t i) { return instanceId(placed[i]->firstInstanceId, looks[i].object); });
-  store(planes.semantic, [&](std::size_t i) { return looks[i].semantic; });
-  store(planes.material, [&](std::size_t i) { return looks[i].material; });
+  store(planes.instance, [&](std::size_t i) { return instanceId(placed[i]->firstInstanceId, surfaces[i].object); });
+  store(planes.semantic, [&](std::size_t i) { return surfaces[i].semantic; });
+  store(planes.material, [&](std::size_t i) { return surfaces[i].material; });
   store(planes.primitive, [&](std::size_t i) { return seen[i].triangle; });
-  const auto finishOf = [&](std::size_t i) -> const Finish& { return materials_[looks[i].material]; };
+  const auto finishOf = [&](std::size_t i) -> const Finish& { return materials_[surfaces[i].material]; };
   store(planes.roughness, [&](std::size_t i) { return finishOf(i).roughness; });
   store(planes.metallic, [&](std::size_t i) { return finishOf(i).metallic; });
   store(planes.retroreflectance, [&](std::size_t i) { return finishOf(i).retroreflectance; });

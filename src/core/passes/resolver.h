@@ -49,7 +49,7 @@ class Resolver {
     std::uint32_t triangles = 0;
     std::uint32_t firstInstanceId = 0;
   };
-  struct Look {
+  struct SurfaceIds {
     std::uint32_t object = 0;
     std::uint16_t semantic = 0;
     std::uint16_t material = 0;
@@ -67,9 +67,9 @@ class Resolver {
                             const Vec3d& sight) const;
 
   const Scene& scene_;
-  std::vector<Face> faces_;        // mesh by mesh
-  std::vector<Look> surfaces_;     // mesh by mesh
-  std::vector<Placed> instances_;  // [0] stands for nothing
+  std::vector<Face> faces_;           // mesh by mesh
+  std::vector<SurfaceIds> surfaces_;  // mesh by mesh
+  std::vector<Placed> instances_;     // [0] stands for nothing
   std::vector<Finish> materials_;
 };
 

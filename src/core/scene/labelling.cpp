@@ -8,22 +8,22 @@
 namespace scanmill {
 namespace {
 
-// What is under a rule's material stays what it looks like where that decides which beams pass: alpha cut-outs.
-Material dressed(const Material& material, const Material& look) {
+// A part that a rule gives a material keeps its own texture where that decides which beams pass: alpha cut-outs.
+Material withMaterial(const Material& material, const Material& own) {
   Material m = material;
-  m.textured = material.textured && look.texture;
-  if (!m.textured && !look.alphaTested) return m;
-  m.texture = look.texture;
-  m.textureMean = look.textureMean;
-  m.alphaTested = look.alphaTested;
-  m.alphaCutoff = look.alphaCutoff;
-  m.name = fmt::format("{} ({})", material.name, look.name);
+  m.textured = material.textured && own.texture;
+  if (!m.textured && !own.alphaTested) return m;
+  m.texture = own.texture;
+  m.textureMean = own.textureMean;
+  m.alphaTested = own.alphaTested;
+  m.alphaCutoff = own.alphaCutoff;
+  m.name = fmt::format("{} ({})", material.name, own.name);
   return m;
 }
 
 struct LabelledPart {
   const SemanticClass* semantic = nullptr;  // null: no rule gave one
-  const Material* material = nullptr;       // null: the asset's own look
+  const Material* material = nullptr;       // null: the asset's own material
 };
 
 LabelledPart labelOf(const SceneBuilder& builder, const AssetPart& part, const Labelling& labelling) {
@@ -96,8 +96,8 @@ std::uint32_t addAsset(SceneBuilder& builder, Asset asset, const Labelling& labe
   std::vector<Material> materials;
   bool withUvs = false;
   for (std::size_t i = 0; i < asset.parts.size(); ++i) {
-    const Material& look = asset.parts[i].look;
-    materials.push_back(labels[i].material ? dressed(*labels[i].material, look) : look);
+    const Material& own = asset.parts[i].fileMaterial;
+    materials.push_back(labels[i].material ? withMaterial(*labels[i].material, own) : own);
     withUvs = withUvs || materials.back().texture;
   }
   std::vector<std::string> descriptions;

@@ -23,8 +23,8 @@ struct Labelling {
 bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labelling& labelling);
 
 // Merges the parts into one mesh, adds it to the scene and returns its index. Triangles that no rule gives a class get
-// class 0 and are counted as unlabelled. A part that no rule gives a material keeps the look that its file gives it.
-// Throws an InputError at `where` for an unknown class or material, and for an asset without a triangle that can be
+// class 0 and are counted as unlabelled. A part that no rule gives a material keeps the material that its file gives
+// it. Throws an InputError at `where` for an unknown class or material, and for an asset without a triangle that can be
 // traced.
 std::uint32_t addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling, const Location& where);
 

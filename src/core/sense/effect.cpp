@@ -10,7 +10,8 @@ namespace scanmill {
 
 std::span<const EffectEntry> effects() {
   static constexpr std::array<EffectEntry, 6> kEffects{{
-      {"intensity", "strength of the echo: diffuse, specular and retroreflective, over range and air, then the sensor",
+      {"intensity",
+       "strength of the return: diffuse, specular and retroreflective, over range and air, then the sensor",
        "reference_range_m: 10 m, where a white diffuse target has power 1; "
        "falloff: inverse_square or none; "
        "near_range_m: 1 m, nearer targets gain nothing; "
@@ -20,7 +21,7 @@ std::span<const EffectEntry> effects() {
        "gamma: 1, exponent of the response; "
        "output: float or u8 (0 to 255)",
        0, makeIntensity},
-      {"dropout", "echoes that are not reported: too faint, or lost at random",
+      {"dropout", "returns that are not reported: too faint, or lost at random",
        "threshold: 0, least power that is reported, 1 is white at the reference range; "
        "probability: 0, share lost at random",
        1, makeDropOut},

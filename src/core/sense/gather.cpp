@@ -176,24 +176,31 @@ class Gathering {
     }
   }
 
-  // One row per beam.
+  // One row per beam. The members are copied to variables: what the loop writes might be one of them for all that the
+  // compiler knows, and it would read them again for every beam.
   void collect(std::uint32_t firstRing) {
     std::size_t count = 0;
     const std::uint32_t endRing = std::min(firstRing + kTileRings, hits_.rings);
+    const std::uint32_t columns = hits_.columns;
+    const std::uint32_t firstColumn = strip_.firstColumn;
+    const std::uint32_t width = strip_.width;
+    const bool organised = layout_.organised;
     const float* const range = returns_.range.data();
+    std::array<std::uint32_t, kTileColumns> next = strip_.next;
     for (std::uint32_t ring = firstRing; ring < endRing; ++ring) {
-      const std::uint32_t line = ring * hits_.columns + strip_.firstColumn;
-      for (std::uint32_t c = 0; c < strip_.width; ++c) {
+      const std::uint32_t line = ring * columns + firstColumn;
+      for (std::uint32_t c = 0; c < width; ++c) {
         // Written always, kept only where there is a return: misses are too irregular for branches.
         moves_.beam[count] = line + c;
-        moves_.to[count] = layout_.organised ? line + c : strip_.next[c];
+        moves_.to[count] = organised ? line + c : next[c];
         moves_.ring[count] = static_cast<std::uint16_t>(ring);
-        moves_.column[count] = static_cast<std::uint16_t>(strip_.firstColumn + c);
+        moves_.column[count] = static_cast<std::uint16_t>(firstColumn + c);
         const std::uint32_t returned = range[line + c] < kMiss ? 1u : 0u;
         count += returned;
-        strip_.next[c] += returned;
+        next[c] += returned;
       }
     }
+    strip_.next = next;
     moves_.count = count;
   }
 
@@ -233,36 +240,42 @@ class Gathering {
 
   // Positions in the sensor's frame; in that of the revolution's start where `toStart` is given, one entry per column
   // of the strip.
-  void place(const Affine* toStart) {
+  [[gnu::noinline]] void place(const Affine* toStart) {
     std::array<double, kPoints> x;
     std::array<double, kPoints> y;
     std::array<double, kPoints> z;
-    for (std::size_t m = 0; m < moves_.count; ++m) {
-      const Vec3d& direction = beams_.direction[moves_.beam[m]];
-      const double range = returns_.range[moves_.row[m]];
+    const std::size_t count = moves_.count;
+    const std::uint32_t* const beam = moves_.beam.data();
+    const std::uint32_t* const row = moves_.row;
+    const Vec3d* const directions = beams_.direction.data();
+    const float* const ranges = returns_.range.data();
+    for (std::size_t m = 0; m < count; ++m) {
+      const Vec3d& direction = directions[beam[m]];
+      const double range = ranges[row[m]];
       x[m] = direction.x * range;
       y[m] = direction.y * range;
       z[m] = direction.z * range;
     }
     const auto add = [&](const std::vector<Vec3f>& offsets, const std::uint32_t* from) {
-      for (std::size_t m = 0; m < moves_.count && !offsets.empty(); ++m) {
+      for (std::size_t m = 0; m < count && !offsets.empty(); ++m) {
         const Vec3f& offset = offsets[from[m]];
         x[m] += offset.x;
         y[m] += offset.y;
         z[m] += offset.z;
       }
     };
-    add(beams_.origin, moves_.beam.data());
-    add(returns_.displacement, moves_.row);
-    for (std::size_t m = 0; m < moves_.count && toStart != nullptr; ++m) {
+    add(beams_.origin, beam);
+    add(returns_.displacement, row);
+    for (std::size_t m = 0; m < count && toStart != nullptr; ++m) {
       const Vec3d point = toStart[moves_.column[m] - strip_.firstColumn] * Vec3d{x[m], y[m], z[m]};
       x[m] = point.x;
       y[m] = point.y;
       z[m] = point.z;
     }
+    const std::uint32_t* const to = moves_.to.data();
     Vec3f* const position = scan_.position.data();
-    for (std::size_t m = 0; m < moves_.count; ++m) {
-      position[moves_.to[m]] = {static_cast<float>(x[m]), static_cast<float>(y[m]), static_cast<float>(z[m])};
+    for (std::size_t m = 0; m < count; ++m) {
+      position[to[m]] = {static_cast<float>(x[m]), static_cast<float>(y[m]), static_cast<float>(z[m])};
     }
   }
 
@@ -277,9 +290,9 @@ class Gathering {
     } else if constexpr (name == "instance") {
       returns_.instance.empty() ? copyHits(key, hits_.instance, values) : copy(returns_.instance, moves_.row, values);
     } else if constexpr (name == "ring") {
-      put(values, [&](std::size_t m) { return moves_.ring[m]; });
+      put(values, [ring = moves_.ring.data()](std::size_t m) { return ring[m]; });
     } else if constexpr (name == "column") {
-      put(values, [&](std::size_t m) { return moves_.column[m]; });
+      put(values, [column = moves_.column.data()](std::size_t m) { return column[m]; });
     } else if constexpr (name == "time") {
       copy(beams_.time, moves_.beam.data(), values);
     } else if constexpr (name == "range_true") {
@@ -318,21 +331,24 @@ class Gathering {
   template <class T, class Value>
   void put(std::vector<T>& values, const Value& value) {
     T* const target = values.data();
-    for (std::size_t m = 0; m < moves_.count; ++m) target[moves_.to[m]] = value(m);
+    const std::uint32_t* const to = moves_.to.data();
+    const std::size_t count = moves_.count;
+    for (std::size_t m = 0; m < count; ++m) target[to[m]] = value(m);
   }
 
   template <class T>
   void copy(const std::vector<T>& from, const std::uint32_t* at, std::vector<T>& values) {
     const T* const source = from.data();
-    put(values, [&](std::size_t m) { return source[at[m]]; });
+    put(values, [source, at](std::size_t m) { return source[at[m]]; });
   }
 
   // Of hits; rows without one have the column's value for none.
   template <class Key, class T, class Value>
   void putHits(Key key, std::vector<T>& values, const Value& value) {
-    if (!order_.several()) return put(values, [&](std::size_t m) { return value(moves_.hit[m]); });
+    const std::uint32_t* const hits = moves_.hit;
+    if (!order_.several()) return put(values, [hits, &value](std::size_t m) { return value(hits[m]); });
     const T none = static_cast<T>(key.row.none);
-    put(values, [&](std::size_t m) { return moves_.hit[m] == kNoHit ? none : value(moves_.hit[m]); });
+    put(values, [=, &value](std::size_t m) { return hits[m] == kNoHit ? none : value(hits[m]); });
   }
 
   template <class Key, class T>

@@ -5,7 +5,7 @@
 namespace scanmill {
 
 double BeamTable::azimuth(std::uint32_t column) const {
-  // A full turn ends one step before it began; a partial one is swept from edge to edge.
+  // A full revolution ends one step before it began; a partial one is swept from edge to edge.
   double swept = 0.5;
   if (fullTurn()) {
     swept = static_cast<double>(column) / columns;

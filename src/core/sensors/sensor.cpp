@@ -115,7 +115,7 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
   if (last >= column) {
     throw InputError(value->where,
                      fmt::format("firing_time_us: the last ring fires {:.6g} us after the first, but a column lasts "
-                                 "{:.6g} us (1 s / {:.6g} turns x {:.6g} of a turn / {} columns)",
+                                 "{:.6g} us (1 s / {:.6g} revolutions x {:.6g} of a revolution / {} columns)",
                                  last, column, 1 / table.period, table.field / (2 * kPi), table.columns));
   }
   return times;
@@ -184,7 +184,7 @@ SensorSize sensorSize(const Value& value) {
   if (!ringsFit || columns < 1 || columns > kMaxColumns) {
     throw InputError(
         ringsFit ? columnValue.where : ringValue->where,
-        fmt::format("rings x columns = {:.15g} x {:.15g} = {:.15g} beams a turn: a sensor has 1 to {} rings "
+        fmt::format("rings x columns = {:.15g} x {:.15g} = {:.15g} beams a revolution: a sensor has 1 to {} rings "
                     "and 1 to {} columns",
                     rings, columns, rings * columns, kMaxRings, kMaxColumns));
   }

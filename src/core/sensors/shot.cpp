@@ -42,9 +42,10 @@ Shot makeShot(std::shared_ptr<const BeamTable> beams, const Trajectory& trajecto
   if (motion.kind == MotionKind::PerColumn) steps = beams->columns;
   if (motion.kind == MotionKind::Steps) steps = motion.steps;
   if (steps > beams->columns) {
-    throw InputError(motion.where, fmt::format("motion has {} steps a turn, but sensor {} has {} columns: use at most "
-                                               "{}, or per_column",
-                                               steps, beams->model, beams->columns, beams->columns));
+    throw InputError(motion.where,
+                     fmt::format("motion has {} steps a revolution, but sensor {} has {} columns: use at most "
+                                 "{}, or per_column",
+                                 steps, beams->model, beams->columns, beams->columns));
   }
   // A vehicle that stands still needs one pose, whatever was asked.
   if (trajectory.still()) steps = 1;

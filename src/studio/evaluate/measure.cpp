@@ -47,7 +47,7 @@ double edgeAngle(const BeamTable& beams) {
   return std::min(beams.field / std::max(beams.columns, 1u), radians(1));
 }
 
-// From the frame of a step of the turn to that of its start; differences of the large world coordinates first.
+// From the frame of a step of the revolution to that of its start; differences of the large world coordinates first.
 Affine startFromStep(const Shot& shot, std::size_t step) {
   const Pose& start = shot.worldFromSensor[0];
   const Pose& now = shot.worldFromSensor[step];

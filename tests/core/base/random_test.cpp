@@ -48,11 +48,11 @@ TEST(RandomBlock, NoTwoAddressesShareACounter) {
   std::set<RandomBlock> blocks;
   std::size_t addresses = 0;
   for (const std::uint32_t sensor : {0u, 1u, 15u, 16u, 4095u}) {
-    for (std::uint32_t echo = 0; echo < 16; ++echo) {
+    for (std::uint32_t number = 0; number < 16; ++number) {
       for (const Purpose purpose : {Purpose::RangeNoise, Purpose::AngularJitter, Purpose::ShellNoise, Purpose::DropOut,
                                     Purpose::Street, Purpose::Test}) {
         for (std::uint32_t beam = 0; beam < 3; ++beam) {
-          blocks.insert(randomBlock({.sensor = sensor, .beam = beam, .number = echo, .purpose = purpose}));
+          blocks.insert(randomBlock({.sensor = sensor, .beam = beam, .number = number, .purpose = purpose}));
           ++addresses;
         }
       }

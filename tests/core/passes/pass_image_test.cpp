@@ -40,12 +40,12 @@ PassImage numbered(std::uint32_t image, std::uint32_t width, std::uint32_t heigh
 TEST(PassPlanes, HoldWhatWasAskedForAndSaySo) {
   for (const Channel channel : {Channel::Normal, Channel::Instance, Channel::Semantic, Channel::Material,
                                 Channel::Primitive, Channel::Reflectance}) {
-    for (const bool look : {false, true}) {
+    for (const bool surfaceParameters : {false, true}) {
       PassPlanes planes;
       planes.reset(7, kEverything);
-      planes.reset(5, {Channel::Range | channel, look});
+      planes.reset(5, {Channel::Range | channel, surfaceParameters});
       EXPECT_EQ(planes.size(), 5u);
-      EXPECT_EQ(planes.choice(), (PassChoice{Channel::Range | channel, look}));
+      EXPECT_EQ(planes.choice(), (PassChoice{Channel::Range | channel, surfaceParameters}));
     }
   }
 }
@@ -54,7 +54,7 @@ TEST(ImageSource, GivesEachPixelFromItsImage) {
   const std::vector<PassImage> images{numbered(0, 8, 4), numbered(1, 3, 3), numbered(2, 16, 2)};
   ImageSource source(images);
   ASSERT_EQ(source.cameras().size(), 3u);
-  EXPECT_EQ(source.available().look, true);
+  EXPECT_EQ(source.available().surfaceParameters, true);
   const std::vector<PixelAddress> addresses{0, 31, 32, 40, 41, 72, kNoPixel, 5, 5};
   const std::vector<std::uint32_t> expected{0, 31, 1000, 1008, 2000, 2031, 0, 5, 5};
   PassPlanes planes;

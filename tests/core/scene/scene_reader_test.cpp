@@ -184,7 +184,7 @@ TEST_F(SceneReader, whatNoRuleMatchesIsUnlabeledAndCounted) {
   const Surface& left = scene.meshes[0].surfaces[scene.meshes[0].surfaceOf.back()];
   EXPECT_EQ(left.semantic, 0);
   EXPECT_EQ(left.object, 0u);
-  EXPECT_EQ(scene.materials[left.material].name, "timber");  // its own look
+  EXPECT_EQ(scene.materials[left.material].name, "timber");  // its own material
 }
 
 TEST_F(SceneReader, instancesAreTheAssetOrItsNodes) {

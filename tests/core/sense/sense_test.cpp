@@ -234,7 +234,7 @@ TEST(Sense, ExtremeRangesGiveFinitePoints) {
 }
 
 // A wall that stands still in the world, seen from a sensor that drives and turns: after deskewing all points lie on
-// it, in the frame of the turn's start, whatever the world's origin.
+// it, in the frame of the revolution's start, whatever the world's origin.
 TEST(Sense, DeskewUndoesTheMotionOfTheSensor) {
   const auto scanAt = [](const Vec3d& corner, std::size_t steps, bool deskew) {
     World world = makeWorld(8, 720);

@@ -133,7 +133,7 @@ class DepthCameraMethod : public DepthCamera {
     std::vector<std::string> lines;
     if (makeRenderer_) {
       lines.push_back(fmt::format(
-          "images: layout {}, resolution {}, drawn by {}{}; moving sensors: {} a turn", options_.layoutName,
+          "images: layout {}, resolution {}, drawn by {}{}; moving sensors: {} a revolution", options_.layoutName,
           options_.layout.resolution, options_.renderer, s > 1 ? fmt::format(", {} x {} subpixels", s, s) : "",
           options_.rendersPerRevolution > 0 ? fmt::format("{} renders", options_.rendersPerRevolution)
                                             : std::string("a render for every 5 cm or degree")));
@@ -248,7 +248,7 @@ class DepthCameraMethod : public DepthCamera {
   }
 
   // Draws a step and hands its pixels to `use`. Renderers draw one shot at a time: the time that others wait for their
-  // turn is not counted.
+  // revolution is not counted.
   template <class Use>
   void drawn(const Shot& shot, const Prepared& prepared, const Pose& rig, PassChoice choice, StageClock& clock,
              const Use& use) const {

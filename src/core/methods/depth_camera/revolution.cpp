@@ -12,7 +12,7 @@ namespace {
 constexpr double kStepLength = 0.05;         // m
 constexpr double kStepAngle = radians(1.0);  // rad
 constexpr std::size_t kFewPoses = 64;
-constexpr double kNearestLook = 0.1;  // m, along a beam
+constexpr double kNearestSample = 0.1;  // m, along a beam
 
 double angleBetween(const Quat& a, const Quat& b) {
   const Quat between = Quat{a.w, -a.x, -a.y, -a.z} * b;
@@ -96,7 +96,7 @@ RigBeams rigBeams(const Shot& shot, std::uint32_t first, std::uint32_t end, cons
 std::vector<Vec3d> viewDirections(const RigBeams& beams) {
   std::vector<Vec3d> directions = beams.direction;
   if (beams.origin.empty()) return directions;
-  const double nearest = std::max(beams.minRange, kNearestLook);
+  const double nearest = std::max(beams.minRange, kNearestSample);
   directions.reserve(2 * directions.size());
   for (std::size_t i = 0; i < beams.direction.size(); ++i) {
     directions.push_back(normalized(beams.origin[i] + beams.direction[i] * nearest));

@@ -20,14 +20,14 @@ namespace {
 
 constexpr std::size_t kBatch = std::size_t{1} << 18;
 constexpr std::size_t kGrain = 16 * kBlock;
-constexpr int kLooks = 3;
+constexpr int kRounds = 3;
 constexpr double kSamePlace = 1e-6;     // m; a beam that starts so near to the camera starts in it
 constexpr double kFirstGuess = 20;      // m: where beams that start elsewhere are looked for first
 constexpr double kFarAway = 1e6;        // m: and then, where there is nothing
 constexpr double kLimitSlack = 1.2e-7;  // of a range: depths are float32, and a hit at exactly the limit counts
 
-// One look of a batch: where its beams fall.
-struct Look {
+// Beams that are sampled together, and the pixels in which they fall in this round.
+struct Batch {
   std::size_t base = 0;  // of the first beam, where `index` is empty
   std::size_t count = 0;
   std::vector<std::uint32_t> index;  // into RigBeams
@@ -56,9 +56,9 @@ class Sampler {
         rigFromWorld_(transposed(toMatrix(worldFromRig.rotation))),
         reader_(source, options, choice_),
         corners_(source, options, {Channel::Range | Channel::Instance | Channel::Material, false}),
-        looks_(!isNaive(options.sampling) && startElsewhere() ? kLooks : 1) {
+        rounds_(!isNaive(options.sampling) && startElsewhere() ? kRounds : 1) {
     if (isNaive(options.sampling) && beams.table == nullptr) throw Error("naive sampling wants a beam table");
-    if (choice_.look) {
+    if (choice_.surfaceParameters) {
       hits.roughness.resize(hits.size());
       hits.metallic.resize(hits.size());
       hits.retroreflectance.resize(hits.size());
@@ -67,15 +67,15 @@ class Sampler {
 
   std::uint64_t run() {
     for (std::size_t base = 0; base < beams_.direction.size(); base += kBatch) {
-      Look look;
-      look.base = base;
-      look.resize(std::min(kBatch, beams_.direction.size() - base));
-      aimFirst(look);
-      for (int round = 1; look.count > 0; ++round) {
-        fetch(look);
-        resolve(look, round);
-        if (round == looks_) break;
-        look = again(look);
+      Batch batch;
+      batch.base = base;
+      batch.resize(std::min(kBatch, beams_.direction.size() - base));
+      aimFirst(batch);
+      for (int round = 1; batch.count > 0; ++round) {
+        fetch(batch);
+        resolve(batch, round);
+        if (round == rounds_) break;
+        batch = nextRound(batch);
       }
     }
     return unseen_;
@@ -84,7 +84,7 @@ class Sampler {
  private:
   static PassChoice choiceFor(const PixelSource& source, Channels channels, const SampleOptions& options) {
     PassChoice choice = passesFor(channels, options);
-    choice.look = !source.cameras().empty() && source.available().look;
+    choice.surfaceParameters = !source.cameras().empty() && source.available().surfaceParameters;
     return choice;
   }
 
@@ -96,7 +96,7 @@ class Sampler {
                                 [](const Vec3d& o) { return dot(o, o) > kSamePlace * kSamePlace; });
   }
 
-  void load(const Look& look, std::size_t first, std::size_t count, BeamBlock& block) const {
+  void load(const Batch& batch, std::size_t first, std::size_t count, BeamBlock& block) const {
     block.count = count;
     const auto loadAll = [&](auto beam) {
       for (std::size_t i = 0; i < count; ++i) {
@@ -112,35 +112,36 @@ class Sampler {
         block.oz[i] = o.z;
       }
     };
-    if (look.index.empty()) {
-      loadAll([at = look.base + first](std::size_t i) { return at + i; });
+    if (batch.index.empty()) {
+      loadAll([at = batch.base + first](std::size_t i) { return at + i; });
     } else {
-      loadAll([at = &look.index[first]](std::size_t i) { return at[i]; });
+      loadAll([at = &batch.index[first]](std::size_t i) { return at[i]; });
     }
   }
 
   // The first look is along the beam or, where it starts elsewhere, at a point of it.
-  void aimFirst(Look& look) {
-    parallelFor(look.count, kGrain, [&](std::size_t begin, std::size_t end) {
+  void aimFirst(Batch& batch) {
+    parallelFor(batch.count, kGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;
       std::uint64_t unseen = 0;
       for (std::size_t first = begin; first < end; first += kBlock) {
         const std::size_t count = std::min(kBlock, end - first);
-        load(look, first, count, block);
+        load(batch, first, count, block);
         if (isNaive(options_.sampling)) {
-          placeNaive(options_.sampling, views_, *beams_.table, block, &beams_.beam[look.base + first], look.at(first));
+          placeNaive(options_.sampling, views_, *beams_.table, block, &beams_.beam[batch.base + first],
+                     batch.at(first));
         } else {
-          place(views_, block.dx, block.dy, block.dz, count, false, look.at(first));
-          if (looks_ > 1) aimAtGuess(look, first, block);
+          place(views_, block.dx, block.dy, block.dz, count, false, batch.at(first));
+          if (rounds_ > 1) aimAtGuess(batch, first, block);
         }
-        for (std::size_t i = first; i < first + count; ++i) unseen += look.view[i] == kNoView ? 1 : 0;
+        for (std::size_t i = first; i < first + count; ++i) unseen += batch.view[i] == kNoView ? 1 : 0;
       }
       unseen_ += unseen;
     });
   }
 
   // Where that is in some image.
-  void aimAtGuess(Look& look, std::size_t first, const BeamBlock& block) const {
+  void aimAtGuess(Batch& batch, std::size_t first, const BeamBlock& block) const {
     alignas(64) double x[kBlock], y[kBlock], z[kBlock], u[kBlock], v[kBlock];
     std::uint8_t view[kBlock];
     for (std::size_t i = 0; i < block.count; ++i) {
@@ -151,32 +152,32 @@ class Sampler {
     place(views_, x, y, z, block.count, true, {u, v, view});
     for (std::size_t i = 0; i < block.count; ++i) {
       if (view[i] == kNoView) continue;
-      look.u[first + i] = u[i];
-      look.v[first + i] = v[i];
-      look.view[first + i] = view[i];
+      batch.u[first + i] = u[i];
+      batch.v[first + i] = v[i];
+      batch.view[first + i] = view[i];
     }
   }
 
-  void fetch(const Look& look) {
-    reader_.reset(look.count);
+  void fetch(const Batch& batch) {
+    reader_.reset(batch.count);
     const bool blend = options_.sampling == Sampling::Bilinear;
-    if (blend) corners_.reset(4 * look.count);
-    parallelFor(look.count, kGrain, [&](std::size_t first, std::size_t last) {
+    if (blend) corners_.reset(4 * batch.count);
+    parallelFor(batch.count, kGrain, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
-        if (look.view[i] == kNoView) {
+        if (batch.view[i] == kNoView) {
           reader_.aimAtNothing(i);
-          for (std::size_t k = 0; blend && k < 4; ++k) corners_.aimAtNothing(k * look.count + i);
+          for (std::size_t k = 0; blend && k < 4; ++k) corners_.aimAtNothing(k * batch.count + i);
           continue;
         }
-        const CameraView& view = views_[look.view[i]];
-        reader_.aim(i, view, look.u[i], look.v[i]);
+        const CameraView& view = views_[batch.view[i]];
+        reader_.aim(i, view, batch.u[i], batch.v[i]);
         if (!blend) continue;
-        const double u = firstCorner(look.u[i], view.width);
-        const double v = firstCorner(look.v[i], view.height);
+        const double u = firstCorner(batch.u[i], view.width);
+        const double v = firstCorner(batch.v[i], view.height);
         const double nextU = std::min(u + 1, view.width - 1);
         const double nextV = std::min(v + 1, view.height - 1);
         for (std::size_t k = 0; k < 4; ++k) {
-          corners_.aim(k * look.count + i, view, k % 2 == 0 ? u : nextU, k < 2 ? v : nextV);
+          corners_.aim(k * batch.count + i, view, k % 2 == 0 ? u : nextU, k < 2 ? v : nextV);
         }
       }
     });
@@ -184,38 +185,38 @@ class Sampler {
     if (blend) corners_.fetch();
   }
 
-  void resolve(Look& look, int round) {
-    again_.assign(look.count, 0);
-    parallelFor(look.count, kGrain, [&](std::size_t begin, std::size_t end) {
+  void resolve(Batch& batch, int round) {
+    again_.assign(batch.count, 0);
+    parallelFor(batch.count, kGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;
       Met met;
       for (std::size_t first = begin; first < end; first += kBlock) {
         const std::size_t count = std::min(kBlock, end - first);
-        load(look, first, count, block);
+        load(batch, first, count, block);
         for (std::size_t i = 0; i < count;) {  // neighbours mostly fall into one image
-          const std::uint8_t view = look.view[first + i];
+          const std::uint8_t view = batch.view[first + i];
           std::size_t next = i + 1;
-          while (next < count && look.view[first + next] == view) ++next;
+          while (next < count && batch.view[first + next] == view) ++next;
           if (view == kNoView) {
             std::fill(met.range + i, met.range + next, INFINITY);
             std::fill(met.along + i, met.along + next, 0.0);
           } else {
-            const BlockPixels pixels{&look.u[first], &look.v[first],     &reader_.planes(),
-                                     first,          &corners_.planes(), look.count};
+            const BlockPixels pixels{&batch.u[first], &batch.v[first],    &reader_.planes(),
+                                     first,           &corners_.planes(), batch.count};
             measure(options_, views_[view], rigFromWorld_, pixels, i, next, block, met);
           }
           i = next;
         }
         std::fill_n(met.again, count, false);
-        if (round < looks_) lookAhead(look, first, round == 1, block, met);
-        store(look, first, count, met);
+        if (round < rounds_) aimAgain(batch, first, round == 1, block, met);
+        store(batch, first, count, met);
       }
     });
   }
 
-  // Where the point met falls, if in another pixel: it is looked at next. So is what lies far away, where a first look
+  // Where the point met falls, if in another pixel: it is sampled next. So is what lies far away, where a first round
   // sees nothing.
-  void lookAhead(Look& look, std::size_t first, bool isFirst, const BeamBlock& block, Met& met) {
+  void aimAgain(Batch& batch, std::size_t first, bool isFirst, const BeamBlock& block, Met& met) {
     alignas(64) double x[kBlock], y[kBlock], z[kBlock], u[kBlock], v[kBlock];
     std::uint8_t view[kBlock];
     for (std::size_t i = 0; i < block.count; ++i) {
@@ -227,35 +228,35 @@ class Sampler {
     place(views_, x, y, z, block.count, true, {u, v, view});
     for (std::size_t i = 0; i < block.count; ++i) {
       const std::size_t at = first + i;
-      const bool elsewhere = view[i] != look.view[at] || std::floor(u[i]) != std::floor(look.u[at]) ||
-                             std::floor(v[i]) != std::floor(look.v[at]);
+      const bool elsewhere = view[i] != batch.view[at] || std::floor(u[i]) != std::floor(batch.u[at]) ||
+                             std::floor(v[i]) != std::floor(batch.v[at]);
       if (!elsewhere || view[i] == kNoView || !(isFirst || met.range[i] < INFINITY)) continue;
       met.again[i] = true;
-      look.u[at] = u[i];
-      look.v[at] = v[i];
-      look.view[at] = view[i];
+      batch.u[at] = u[i];
+      batch.v[at] = v[i];
+      batch.view[at] = view[i];
       again_[at] = 1;
     }
   }
 
-  // The beams that look again.
-  Look again(const Look& look) {
-    Look next;
-    const auto count = static_cast<std::size_t>(std::count(again_.begin(), again_.begin() + look.count, 1));
+  // The beams that have another round.
+  Batch nextRound(const Batch& batch) {
+    Batch next;
+    const auto count = static_cast<std::size_t>(std::count(again_.begin(), again_.begin() + batch.count, 1));
     next.resize(count);
     next.index.resize(count);
-    for (std::size_t i = 0, to = 0; i < look.count; ++i) {
+    for (std::size_t i = 0, to = 0; i < batch.count; ++i) {
       if (again_[i] == 0) continue;
-      next.index[to] = static_cast<std::uint32_t>(look.beam(i));
-      next.u[to] = look.u[i];
-      next.v[to] = look.v[i];
-      next.view[to] = look.view[i];
+      next.index[to] = static_cast<std::uint32_t>(batch.beam(i));
+      next.u[to] = batch.u[i];
+      next.v[to] = batch.v[i];
+      next.view[to] = batch.view[i];
       ++to;
     }
     return next;
   }
 
-  void store(const Look& look, std::size_t first, std::size_t count, const Met& met) const {
+  void store(const Batch& batch, std::size_t first, std::size_t count, const Met& met) const {
     const double nearest = beams_.minRange > 0 ? beams_.minRange * (1 - kLimitSlack) : 1e-30;
     const double farthest = beams_.maxRange * (1 + kLimitSlack);
     bool hit[kBlock];
@@ -265,7 +266,7 @@ class Sampler {
     for (std::size_t i = 0; i < count; ++i) {
       if (met.again[i]) continue;
       from[done] = i;
-      to[done] = beams_.beam[look.beam(first + i)];
+      to[done] = beams_.beam[batch.beam(first + i)];
       hit[done] = met.range[i] >= nearest && met.range[i] <= farthest;
       hits_.range[to[done]] = hit[done] ? static_cast<float>(met.range[i]) : kMiss;
       ++done;
@@ -306,7 +307,7 @@ class Sampler {
   Mat3 rigFromWorld_;
   PixelReader reader_;
   PixelReader corners_;
-  int looks_;
+  int rounds_;
   std::vector<std::uint8_t> again_;
   std::atomic<std::uint64_t> unseen_{0};
 };

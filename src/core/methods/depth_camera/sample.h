@@ -56,16 +56,16 @@ struct RigBeams {
   const BeamTable* table = nullptr;  // of the sensor; only the methods of naive.cpp ask for a beam's ring and column
 };
 
-// Fills `hits`, which Hits::reset() has sized, at the beams given: every channel that hits.channels names, and the look
-// (roughness, metallic, retroreflectance) where the source has it. A beam that no image sees, or whose pixel sees
-// nothing between the ranges, is a miss. Where beams do not start in the camera, the pixel is that of the point that
-// they meet, found in at most three rounds. `worldFromRig` places the rig of the source's cameras. Returns how many
-// beams no image sees.
+// Fills `hits`, which Hits::reset() has sized, at the beams given: every channel that hits.channels names, and the
+// surface parameters (roughness, metallic, retroreflectance) where the source has it. A beam that no image sees, or
+// whose pixel sees nothing between the ranges, is a miss. Where beams do not start in the camera, the pixel is that of
+// the point that they meet, found in at most three rounds. `worldFromRig` places the rig of the source's cameras.
+// Returns how many beams no image sees.
 std::uint64_t samplePixels(PixelSource& source, const Pose& worldFromRig, const RigBeams& beams,
                            const SampleOptions& options, Hits& hits);
 
-// The passes that samplePixels() reads for such channels. The look is not among them: it follows from the material,
-// unless the images come from other programs and hold it.
+// The passes that samplePixels() reads for such channels. The surface parameters are not among them: they follow from
+// the material, unless the images come from other programs and hold them.
 PassChoice passesFor(Channels channels, const SampleOptions& options);
 
 }  // namespace scanmill

@@ -35,7 +35,7 @@ constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;
 constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 24;
 // No lossless method of OpenEXR packs tighter: deflate's longest match gives 258 bytes for 2 bits.
 constexpr std::uint64_t kMostGain = 1100;
-constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // what is worth a thread's turn
+constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // what is worth a task of a thread
 
 // Encoded bytes as OpenEXR reads them; several may look at the same bytes.
 class MemoryStream : public Imf::IStream {

@@ -24,14 +24,14 @@ constexpr float kNothing = 1e9f;          // m; from here on nothing is seen
 constexpr float kFloatIds = 16777216;     // 2^24: from here on float32 rounds integers
 constexpr std::size_t kGrain = 1 << 16;   // pixels
 
-struct LookName {
+struct SurfaceParameter {
   const char* name;
   std::vector<float> PassPlanes::*plane;
   float most;
 };
-constexpr LookName kLook[] = {{"roughness", &PassPlanes::roughness, 1},
-                              {"metallic", &PassPlanes::metallic, 1},
-                              {"retroreflectance", &PassPlanes::retroreflectance, 1e6f}};
+constexpr SurfaceParameter kSurfaceParameters[] = {{"roughness", &PassPlanes::roughness, 1},
+                                                   {"metallic", &PassPlanes::metallic, 1},
+                                                   {"retroreflectance", &PassPlanes::retroreflectance, 1e6f}};
 
 // Calls use(name of the pass, its channel, its plane) for each plane of ids.
 template <class Planes, class Use>
@@ -54,9 +54,9 @@ class PassReader {
     forIds(planes_, [&](const char* name, Channel, auto& plane) {
       if (!plane.empty()) targetIds(name, plane);
     });
-    if (!planes_.reflectance.empty()) targetLook("reflectance", planes_.reflectance);
-    for (const LookName& look : kLook) {
-      if (asked_.look) targetLook(look.name, planes_.*look.plane);
+    if (!planes_.reflectance.empty()) targetParameter("reflectance", planes_.reflectance);
+    for (const SurfaceParameter& parameter : kSurfaceParameters) {
+      if (asked_.surfaceParameters) targetParameter(parameter.name, planes_.*parameter.plane);
     }
     file_.read(targets_);
 
@@ -65,9 +65,9 @@ class PassReader {
     forIds(planes_, [&](const char* name, Channel, auto& plane) {
       if (!plane.empty()) finishIds(name, plane);
     });
-    if (!planes_.reflectance.empty()) finishLook("reflectance", planes_.reflectance, 1);
-    for (const LookName& look : kLook) {
-      if (asked_.look) finishLook(look.name, planes_.*look.plane, look.most);
+    if (!planes_.reflectance.empty()) finishParameter("reflectance", planes_.reflectance, 1);
+    for (const SurfaceParameter& parameter : kSurfaceParameters) {
+      if (asked_.surfaceParameters) finishParameter(parameter.name, planes_.*parameter.plane, parameter.most);
     }
     return std::move(image_);
   }
@@ -131,7 +131,7 @@ class PassReader {
     targets_.push_back({&channel, pixels, sizeof(std::uint32_t)});
   }
 
-  void targetLook(const char* pass, std::vector<float>& plane) {
+  void targetParameter(const char* pass, std::vector<float>& plane) {
     const ExrChannel& channel = requirePass(file_, pass);
     requireReal(channel);
     targets_.push_back({&channel, plane.data(), sizeof(float)});
@@ -258,7 +258,7 @@ class PassReader {
     }
   }
 
-  void finishLook(const char* pass, std::vector<float>& plane, float most) {
+  void finishParameter(const char* pass, std::vector<float>& plane, float most) {
     float* const values = plane.data();
     const std::size_t bad = forPixels([&](std::size_t i) {
       if (!seen(i)) values[i] = 0;
@@ -312,8 +312,8 @@ void writePasses(const std::filesystem::path& path, const PassImage& image) {
     }
   });
   add("reflectance", ExrType::Float32, from.reflectance, from.reflectance.data(), sizeof(float));
-  for (const LookName& look : kLook) {
-    add(look.name, ExrType::Float32, from.*look.plane, (from.*look.plane).data(), sizeof(float));
+  for (const SurfaceParameter& parameter : kSurfaceParameters) {
+    add(parameter.name, ExrType::Float32, from.*parameter.plane, (from.*parameter.plane).data(), sizeof(float));
   }
   ExrAttributes attributes = cameraAttributes(image.camera);
   attributes["writer"] = fmt::format("Scanmill {}", kVersion);
@@ -333,8 +333,9 @@ PassChoice passesIn(const std::filesystem::path& path) {
     if (findPass(file, name) != nullptr) there.channels |= channel;
   });
   if (findPass(file, "reflectance") != nullptr) there.channels |= Channel::Reflectance;
-  there.look = true;
-  for (const LookName& look : kLook) there.look = there.look && findPass(file, look.name) != nullptr;
+  there.surfaceParameters = true;
+  for (const SurfaceParameter& parameter : kSurfaceParameters)
+    there.surfaceParameters = there.surfaceParameters && findPass(file, parameter.name) != nullptr;
   return there;
 }
 

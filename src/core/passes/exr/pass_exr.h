@@ -29,7 +29,7 @@
 //   instance: also IndexOB          material: also IndexMA
 //
 // Many programs write ids as FLOAT: those are taken where all of them are whole and below 2^24, so that none is rounded
-// and none is blended. Normals and looks may be HALF; depth and ids may not.
+// and none is blended. Normals and surface parameters may be HALF; depth and ids may not.
 
 #include <filesystem>
 #include <string>

@@ -109,12 +109,12 @@ class Device {
 };
 
 // Whoever draws holds it until the images are gone. It is not a mutex, which would belong to a thread.
-class Turn {
+class RendererLock {
  public:
-  explicit Turn(std::binary_semaphore& free) : free_(free) { free_.acquire(); }
-  ~Turn() { free_.release(); }
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
+  explicit RendererLock(std::binary_semaphore& free) : free_(free) { free_.acquire(); }
+  ~RendererLock() { free_.release(); }
+  RendererLock(const RendererLock&) = delete;
+  RendererLock& operator=(const RendererLock&) = delete;
 
  private:
   std::binary_semaphore& free_;
@@ -124,7 +124,7 @@ class VtkSource : public PixelSource {
  public:
   VtkSource(std::binary_semaphore& free, Device& device, const Scene& scene, std::vector<Camera> cameras,
             const DrawLimits& limits)
-      : turn_(free), device_(device), cameras_(std::move(cameras)) {
+      : lock_(free), device_(device), cameras_(std::move(cameras)) {
     for (const Camera& camera : cameras_) firsts_.push_back(firsts_.back() + camera.pixels());
     if (firsts_.back() >= kNoPixel) {
       throw InputError(fmt::format("{} pixels in a shot's images are too many: take smaller ones", firsts_.back()));
@@ -202,7 +202,7 @@ class VtkSource : public PixelSource {
     device_.gather(pixels, addresses, numbers_);
   }
 
-  Turn turn_;
+  RendererLock lock_;
   Device& device_;
   std::vector<Camera> cameras_;
   std::vector<DrawnView> views_;

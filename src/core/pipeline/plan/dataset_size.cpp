@@ -15,7 +15,7 @@ constexpr double kWidest = -1.2345678901234567e-100;  // no number of a pose has
 constexpr double kManifestNotes = 4096;               // what the method has modelled, stages, hashes
 constexpr double kShardRecord = 300;                  // of the manifest
 constexpr double kSeparators = 64;                    // a record within its list
-constexpr double kReserve = 10;                       // m; with twice the range: noise, and the way of a turn
+constexpr double kReserve = 10;                       // m; with twice the range: noise, and the way of a revolution
 
 double bytesOf(const std::string& text) {
   return static_cast<double>(text.size());

@@ -52,21 +52,21 @@ void runOnce(Variant& v, std::uint32_t frame) {
   v.encode.push_back(seconds["encode"]);
 }
 
-double turnSeconds(const Variant& v, std::size_t turn) {
-  return v.trace[turn] + v.effects[turn] + v.encode[turn];
+double roundSeconds(const Variant& v, std::size_t round) {
+  return v.trace[round] + v.effects[round] + v.encode[round];
 }
 
-// By how much the least of the odd turns differs from that of the even ones.
+// By how much the least of the odd rounds differs from that of the even ones.
 double scatterOf(const Variant& v) {
   double least[2] = {INFINITY, INFINITY};
-  for (std::size_t turn = 0; turn < v.trace.size(); ++turn) {
-    least[turn % 2] = std::min(least[turn % 2], turnSeconds(v, turn));
+  for (std::size_t round = 0; round < v.trace.size(); ++round) {
+    least[round % 2] = std::min(least[round % 2], roundSeconds(v, round));
   }
   return v.trace.size() < 2 ? least[0] : std::abs(least[0] - least[1]);
 }
 
 FrameCost costOf(const Variant& v) {
-  // What else the machine does only adds to a turn.
+  // What else the machine does only adds to a round.
   return {leastOf(v.trace), leastOf(v.effects), leastOf(v.encode), v.bytes};
 }
 
@@ -130,7 +130,7 @@ class Features {
     for (Variant* v : all) {
       for (const Shot& shot : v->plan->shots(0, frame)) v->method->prepare(shot);
     }
-    // In turn, so that what else the machine does falls on all alike; the first turn warms up.
+    // In round, so that what else the machine does falls on all alike; the first round warms up.
     for (int i = 0; i <= repeats; ++i) {
       for (Variant* v : all) {
         runOnce(*v, frame);

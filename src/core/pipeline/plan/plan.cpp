@@ -91,7 +91,7 @@ std::string motionLine(const Pipeline& pipeline) {
     case MotionKind::Steps:
       break;
   }
-  return fmt::format("ego motion: {} poses a turn", pipeline.motion.steps);
+  return fmt::format("ego motion: {} poses a revolution", pipeline.motion.steps);
 }
 
 // What was recorded belongs to certain beams: other directions would bend the cloud.

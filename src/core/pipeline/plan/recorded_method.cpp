@@ -93,8 +93,9 @@ class RecordedPasses : public Method {
   // With the look that the file tells, in place of its materials'; then these may be absent.
   static PassImage read(const std::filesystem::path& file, PassChoice asked) {
     const PassChoice there = passesIn(file);
-    asked.look = there.look;
-    const bool unnamed = asked.channels.has(Channel::Material) && there.look && !there.channels.has(Channel::Material);
+    asked.surfaceParameters = there.surfaceParameters;
+    const bool unnamed =
+        asked.channels.has(Channel::Material) && there.surfaceParameters && !there.channels.has(Channel::Material);
     if (unnamed) asked.channels = asked.channels.without(Channel::Material);
     PassImage image = readPasses(file, asked);
     if (unnamed) image.planes.material.assign(image.planes.size(), 0);

@@ -91,7 +91,7 @@ class DatasetRun {
     const DepthCamera& camera = *method_->depthCamera();
     hits.reset(shot.beams->rings, shot.beams->columns, plan_.channels());
     PassChoice choice = camera.passes(plan_.channels());
-    choice.look = plan_.channels().has(Channel::Material);
+    choice.surfaceParameters = plan_.channels().has(Channel::Material);
     RecordedShot record = Recorder::beginPasses(shot);
     TraceAccount sampling;
     TraceAccount account = camera.draw(shot, choice, [&](PassStep&& step) {

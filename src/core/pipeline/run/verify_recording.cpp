@@ -219,7 +219,7 @@ class RecordingCheck {
       }
       const PassChoice there = passesIn(path);
       const PassPlanes planes = readPasses(path, there).planes;
-      checkIds(file, image, planes.semantic, planes.material, there.look, problems);
+      checkIds(file, image, planes.semantic, planes.material, there.surfaceParameters, problems);
       return planes.size();
     } catch (const std::exception& error) {
       problems.push_back(relative(error.what()));
@@ -228,7 +228,8 @@ class RecordingCheck {
   }
 
   void checkIds(const std::string& file, const Image& image, const std::vector<std::uint16_t>& semantic,
-                const std::vector<std::uint16_t>& material, bool look, std::vector<std::string>& problems) const {
+                const std::vector<std::uint16_t>& material, bool surfaceParameters,
+                std::vector<std::string>& problems) const {
     std::vector<std::uint16_t> unknown;
     if (!recording_.ontology.classes.empty()) {
       for (const std::uint16_t id : distinct(semantic)) {
@@ -239,7 +240,7 @@ class RecordingCheck {
       problems.push_back(fmt::format("{}: channel 'semantic': the ontology '{}' of the recording has no class {}", file,
                                      recording_.ontology.name, listOf(unknown)));
     }
-    if (look || material.empty()) return;
+    if (surfaceParameters || material.empty()) return;
     const std::uint16_t last = *std::max_element(material.begin(), material.end());
     for (const std::uint32_t table : image.tables) {
       const std::size_t known = recording_.materials[table].size();

@@ -23,7 +23,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "scene/assets/asset_look.h"
+#include "scene/assets/asset_material.h"
 #include "scene/assets/blend.h"
 #include "scene/assets/gltf.h"
 #include "scene/assets/ply_check.h"
@@ -101,7 +101,7 @@ class AssetReader {
     asset.up = options_.up.value_or(declaredUp());
     asset.dropped.outOfRange = dropBadFaces(*scene_);
     triangulate();
-    looks_ = readLooks(*scene_, file_, gltf_, options_);
+    materials_ = readMaterials(*scene_, file_, gltf_, options_);
     walk(asset);
     if (asset.parts.empty()) fail("has no triangle" + (asset.dropped.outOfRange > 0 ? damaged() : std::string()));
     return asset;
@@ -336,10 +336,10 @@ class AssetReader {
     AssetPart part;
     part.node = std::move(node);
     part.nodeIndex = index;
-    if (material < looks_.size()) {
-      part.look = looks_[material].material;
-      part.material = part.look.name;
-      part.texture = looks_[material].texture;
+    if (material < materials_.size()) {
+      part.fileMaterial = materials_[material].material;
+      part.material = part.fileMaterial.name;
+      part.texture = materials_[material].texture;
     }
     return part;
   }
@@ -366,7 +366,7 @@ class AssetReader {
   }
 
   void appendUvs(AssetPart& part, const aiMesh& mesh, std::size_t base) const {
-    unsigned channel = mesh.mMaterialIndex < looks_.size() ? looks_[mesh.mMaterialIndex].uvChannel : 0;
+    unsigned channel = mesh.mMaterialIndex < materials_.size() ? materials_[mesh.mMaterialIndex].uvChannel : 0;
     if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh.HasTextureCoords(channel)) channel = 0;
     const bool has = mesh.HasTextureCoords(channel);
     if (!has && part.uvs.empty()) return;
@@ -424,7 +424,7 @@ class AssetReader {
   bool gltf_;
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;  // owned by the importer
-  std::vector<AssetLook> looks_;
+  std::vector<AssetMaterial> materials_;
   std::uint64_t triangles_ = 0;
 };
 

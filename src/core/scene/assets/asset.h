@@ -19,7 +19,8 @@ struct AssetPart {
   std::uint32_t nodeIndex = 0;  // parts of one node share it; nodes count in file order (depth first)
   std::string material;         // name in the file
   std::string texture;  // base colour file as the asset names it (decoded, such as "textures/leaf.png"), or empty
-  Material look;  // from the file: name, texture, roughness, metallic, alpha; reflectance from base colour luminance
+  Material
+      fileMaterial;  // from the file: name, texture, roughness, metallic, alpha; reflectance from base colour luminance
   std::vector<Vec3f> positions;
   std::vector<Vec2f> uvs;  // empty, or one per position; v = 0 is the image's bottom row
   std::vector<Triangle> triangles;

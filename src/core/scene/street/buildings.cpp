@@ -23,13 +23,13 @@ class HouseMaker {
       : h_(house),
         draw_(seed, Kind::House, house.number),
         s_(builder, "house"),
-        wall_(s_.skin("building", draw_.chance(0.45) ? "brick" : "plaster")),
-        trim_(s_.skin("building", "concrete")),
-        wood_(s_.skin("building", "wood")),
-        metal_(s_.skin("building", "painted_metal")),
-        tile_(s_.skin("building", "roof_tile")),
-        glass_(s_.skin("window", "glass")),
-        casing_(s_.skin("window", draw_.chance(0.5) ? "wood" : "painted_metal")) {
+        wall_(s_.surface("building", draw_.chance(0.45) ? "brick" : "plaster")),
+        trim_(s_.surface("building", "concrete")),
+        wood_(s_.surface("building", "wood")),
+        metal_(s_.surface("building", "painted_metal")),
+        tile_(s_.surface("building", "roof_tile")),
+        glass_(s_.surface("window", "glass")),
+        casing_(s_.surface("window", draw_.chance(0.5) ? "wood" : "painted_metal")) {
     storey_ = draw_.around(kStorey, 0.06);
     base_ = draw_.in(0.15, 0.5);
     wallTop_ = base_ + storey_ * h_.floors + (h_.roof == Roof::Flat ? 0.5 : 0.1);
@@ -300,7 +300,7 @@ class HouseMaker {
 
   void chimney(double x, double y, double ridge) {
     if (!draw_.chance(0.75)) return;
-    const Skin brick = s_.skin("building", "brick");
+    const SurfaceIndex brick = s_.surface("building", "brick");
     const double low = wallTop_ - 0.2;
     const double high = ridge + draw_.in(0.5, 0.9);
     s_.box(brick, {x, y, (low + high) / 2}, {0.7, 0.55, high - low});
@@ -359,7 +359,7 @@ class HouseMaker {
   const House& h_;
   Draw draw_;
   Shape s_;
-  Skin wall_, trim_, wood_, metal_, tile_, glass_, casing_;
+  SurfaceIndex wall_, trim_, wood_, metal_, tile_, glass_, casing_;
   double storey_ = 0, base_ = 0, wallTop_ = 0, windowWidth_ = 0, windowHeight_ = 0, sill_ = 0, pitch_ = 0;
   bool shutters_ = false, balconies_ = false;
 };

@@ -30,10 +30,10 @@ class BodyMaker {
   BodyMaker(Shape& shape, const BodyForm& form)
       : s_(shape),
         f_(form),
-        paint_(s_.skin(f_.className, "car_paint")),
-        glass_(s_.skin(f_.className, "glass")),
-        black_(s_.skin(f_.className, "plastic_black")),
-        reflector_(s_.skin(f_.className, "sign_retroreflective")),
+        paint_(s_.surface(f_.className, "car_paint")),
+        glass_(s_.surface(f_.className, "glass")),
+        black_(s_.surface(f_.className, "plastic_black")),
+        reflector_(s_.surface(f_.className, "sign_retroreflective")),
         top_(rounded(f_.profile, 2)) {
     for (const Point2& p : f_.profile) roof_ = std::max(roof_, p.y);
   }
@@ -141,7 +141,7 @@ class BodyMaker {
     return kept;
   }
 
-  Skin skinAt(double x, int segment) const {
+  SurfaceIndex surfaceAt(double x, int segment) const {
     if (segment < 3) return black_;
     if (segment == 3) return f_.floor > 0.28 ? paint_ : black_;
     const auto within = [&](const Span& s) { return x > s.low && x < s.high; };
@@ -167,8 +167,8 @@ class BodyMaker {
       const auto r = static_cast<std::size_t>(row);
       return (xs[r] + xs[r + 1]) / 2;
     };
-    s_.grid(right, false, [&](int row, int c) { return skinAt(middle(row), kPoints - 2 - c); });
-    s_.grid(left, false, [&](int row, int c) { return skinAt(middle(row), c); });
+    s_.grid(right, false, [&](int row, int c) { return surfaceAt(middle(row), kPoints - 2 - c); });
+    s_.grid(left, false, [&](int row, int c) { return surfaceAt(middle(row), c); });
     cap(left.front(), true);
     cap(left.back(), false);
   }
@@ -225,7 +225,7 @@ class BodyMaker {
 
   Shape& s_;
   const BodyForm& f_;
-  Skin paint_, glass_, black_, reflector_;
+  SurfaceIndex paint_, glass_, black_, reflector_;
   std::vector<Point2> top_;
   double roof_ = 0;
 };
@@ -237,9 +237,9 @@ void appendBody(Shape& shape, const BodyForm& form) {
 }
 
 void appendWheel(Shape& shape, std::string_view className, const Affine& place, double radius, double width) {
-  const Skin rubber = shape.skin(className, "rubber");
-  const Skin rim = shape.skin(className, "metal_bare");
-  const Skin dark = shape.skin(className, "plastic_black");
+  const SurfaceIndex rubber = shape.surface(className, "rubber");
+  const SurfaceIndex rim = shape.surface(className, "metal_bare");
+  const SurfaceIndex dark = shape.surface(className, "plastic_black");
   // The axle is y: z of the profile goes outwards along it.
   const Affine axle = place * Affine{{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {}};
   const double w = width / 2;

@@ -15,7 +15,8 @@ Affine upright(const Vec3d& center) {
 }
 
 // Half of a ring over a wheel, as a thin strip with two sides.
-void appendMudguard(Shape& s, Skin skin, const Vec3d& hub, double radius, double width, double from, double to) {
+void appendMudguard(Shape& s, SurfaceIndex surface, const Vec3d& hub, double radius, double width, double from,
+                    double to) {
   std::vector<std::vector<Vec3d>> rows;
   constexpr int kSteps = 14;
   for (int k = 0; k <= kSteps; ++k) {
@@ -24,12 +25,12 @@ void appendMudguard(Shape& s, Skin skin, const Vec3d& hub, double radius, double
     rows.push_back(
         {rim(radius - 0.01, -width / 2), rim(radius, 0), rim(radius - 0.01, width / 2), rim(radius - 0.006, 0)});
   }
-  s.grid(rows, true, [&](int, int) { return skin; });
+  s.grid(rows, true, [&](int, int) { return surface; });
 }
 
 void appendBicycleWheel(Shape& s, const Vec3d& hub, double radius) {
-  const Skin rubber = s.skin("bicycle", "rubber");
-  const Skin metal = s.skin("bicycle", "metal_bare");
+  const SurfaceIndex rubber = s.surface("bicycle", "rubber");
+  const SurfaceIndex metal = s.surface("bicycle", "metal_bare");
   s.torus(rubber, upright(hub), radius - 0.019, 0.019, 36, 8);
   s.torus(metal, upright(hub), radius - 0.045, 0.011, 36, 6);
   s.tube(metal, hub + Vec3d{0, -0.06, 0}, hub + Vec3d{0, 0.06, 0}, 0.02, 0.02, 8);
@@ -47,10 +48,10 @@ void appendBicycleWheel(Shape& s, const Vec3d& hub, double radius) {
 Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, BicycleFit* fit) {
   Draw draw(seed, Kind::Bicycle, static_cast<std::uint32_t>(form));
   Shape s(builder, "bicycle");
-  const Skin paint = s.skin("bicycle", "painted_metal");
-  const Skin metal = s.skin("bicycle", "metal_bare");
-  const Skin black = s.skin("bicycle", "plastic_black");
-  const Skin reflector = s.skin("bicycle", "sign_retroreflective");
+  const SurfaceIndex paint = s.surface("bicycle", "painted_metal");
+  const SurfaceIndex metal = s.surface("bicycle", "metal_bare");
+  const SurfaceIndex black = s.surface("bicycle", "plastic_black");
+  const SurfaceIndex reflector = s.surface("bicycle", "sign_retroreflective");
 
   const double r = draw.in(0.335, 0.355);
   const double base = draw.in(1.02, 1.12);
@@ -143,11 +144,11 @@ Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form) {
   Draw draw(seed, Kind::Motorcycle, static_cast<std::uint32_t>(form));
   Shape s(builder, "motorcycle");
   const char* kName = "motorcycle";
-  const Skin paint = s.skin(kName, "car_paint");
-  const Skin metal = s.skin(kName, "metal_bare");
-  const Skin black = s.skin(kName, "plastic_black");
-  const Skin glass = s.skin(kName, "glass");
-  const Skin reflector = s.skin(kName, "sign_retroreflective");
+  const SurfaceIndex paint = s.surface(kName, "car_paint");
+  const SurfaceIndex metal = s.surface(kName, "metal_bare");
+  const SurfaceIndex black = s.surface(kName, "plastic_black");
+  const SurfaceIndex glass = s.surface(kName, "glass");
+  const SurfaceIndex reflector = s.surface(kName, "sign_retroreflective");
   const double r = draw.in(0.3, 0.32);
   const double base = draw.in(1.36, 1.5);
   const Vec3d rear{-base / 2, 0, r};

@@ -10,8 +10,8 @@ namespace {
 constexpr double kSunk = 0.06;  // m
 
 void appendBench(Shape& s) {
-  const Skin wood = s.skin("object", "wood");
-  const Skin metal = s.skin("object", "painted_metal");
+  const SurfaceIndex wood = s.surface("object", "wood");
+  const SurfaceIndex metal = s.surface("object", "painted_metal");
   for (int k = 0; k < 4; ++k) s.box(wood, {0, -0.17 + 0.115 * k, 0.45}, {1.7, 0.095, 0.035});
   for (int k = 0; k < 3; ++k) s.box(wood, {0, 0.25 + 0.025 * k, 0.58 + 0.13 * k}, {1.7, 0.03, 0.1});
   for (const double x : {-0.7, 0.7}) {
@@ -23,7 +23,7 @@ void appendBench(Shape& s) {
 }
 
 void appendHydrant(Shape& s) {
-  const Skin paint = s.skin("object", "painted_metal");
+  const SurfaceIndex paint = s.surface("object", "painted_metal");
   s.revolve(paint, {},
             {{0.17, -kSunk},
              {0.17, 0.05},
@@ -46,8 +46,8 @@ void appendHydrant(Shape& s) {
 }
 
 void appendWheelieBin(Shape& s) {
-  const Skin body = s.skin("object", "plastic_black");
-  const Skin rubber = s.skin("object", "rubber");
+  const SurfaceIndex body = s.surface("object", "plastic_black");
+  const SurfaceIndex rubber = s.surface("object", "rubber");
   const auto ring = [](double z, double halfX, double halfY, double shift) {
     return std::vector<Vec3d>{
         {-halfX + shift, -halfY, z}, {halfX + shift, -halfY, z}, {halfX + shift, halfY, z}, {-halfX + shift, halfY, z}};
@@ -61,8 +61,8 @@ void appendWheelieBin(Shape& s) {
 }
 
 void appendBin(Shape& s) {
-  const Skin metal = s.skin("object", "painted_metal");
-  const Skin dark = s.skin("object", "plastic_black");
+  const SurfaceIndex metal = s.surface("object", "painted_metal");
+  const SurfaceIndex dark = s.surface("object", "plastic_black");
   s.tube(metal, {-0.16, 0, -kSunk}, {-0.16, 0, 1.15}, 0.03, 0.03, 8);
   s.revolve(metal, at({0.05, 0, 0.45}), {{0, 0}, {0.15, 0}, {0.18, 0.5}, {0.19, 0.52}, {0.17, 0.53}}, 16);
   s.revolve(dark, at({0.05, 0, 0.45}), {{0.17, 0.53}, {0.16, 0.4}, {0, 0.4}}, 16);
@@ -71,8 +71,8 @@ void appendBin(Shape& s) {
 }
 
 void appendLetterBox(Shape& s) {
-  const Skin paint = s.skin("object", "painted_metal");
-  const Skin dark = s.skin("object", "plastic_black");
+  const SurfaceIndex paint = s.surface("object", "painted_metal");
+  const SurfaceIndex dark = s.surface("object", "plastic_black");
   for (const double y : {-0.15, 0.15}) s.box(paint, {0, y, 0.3}, {0.06, 0.06, 0.6 + kSunk * 2});
   const auto ring = [](double z, double half) {
     return std::vector<Vec3d>{
@@ -85,8 +85,8 @@ void appendLetterBox(Shape& s) {
 }
 
 void appendPowerBox(Shape& s, Draw& draw) {
-  const Skin paint = s.skin("object", "painted_metal");
-  const Skin concrete = s.skin("object", "concrete");
+  const SurfaceIndex paint = s.surface("object", "painted_metal");
+  const SurfaceIndex concrete = s.surface("object", "concrete");
   const double width = draw.in(0.8, 1.4);
   const double height = draw.in(1.0, 1.4);
   s.box(concrete, {0, 0, 0.03}, {width + 0.06, 0.42, 0.2});
@@ -123,7 +123,7 @@ Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what)
       appendPowerBox(s, draw);
       break;
     case Furnishing::BicycleRack: {
-      const Skin metal = s.skin("object", "metal_galvanised");
+      const SurfaceIndex metal = s.surface("object", "metal_galvanised");
       for (int k = 0; k < 3; ++k) {
         const double x = 0.8 * (k - 1);
         s.pipe(
@@ -134,14 +134,14 @@ Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what)
       break;
     }
     case Furnishing::Planter: {
-      const Skin concrete = s.skin("object", "concrete");
-      const Skin soil = s.skin("object", "soil");
+      const SurfaceIndex concrete = s.surface("object", "concrete");
+      const SurfaceIndex soil = s.surface("object", "soil");
       s.revolve(concrete, {}, {{0.32, -kSunk}, {0.35, 0.1}, {0.48, 0.5}, {0.5, 0.55}, {0.44, 0.55}, {0.43, 0.5}}, 20);
       s.revolve(soil, {}, {{0.43, 0.5}, {0.2, 0.53}, {0, 0.54}}, 20);
       break;
     }
     default:
-      s.revolve(s.skin("object", "painted_metal"), {},
+      s.revolve(s.surface("object", "painted_metal"), {},
                 {{0.06, -kSunk}, {0.06, 0.8}, {0.075, 0.82}, {0.075, 0.88}, {0.06, 0.94}, {0, 0.97}}, 14);
       break;
   }
@@ -151,9 +151,9 @@ Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what)
 Model makeShelter(SceneBuilder& builder, std::uint64_t seed) {
   Draw draw(seed, Kind::Shelter);
   Shape s(builder, "bus shelter");
-  const Skin metal = s.skin("structure", "painted_metal");
-  const Skin glass = s.skin("structure", "glass");
-  const Skin wood = s.skin("structure", "wood");
+  const SurfaceIndex metal = s.surface("structure", "painted_metal");
+  const SurfaceIndex glass = s.surface("structure", "glass");
+  const SurfaceIndex wood = s.surface("structure", "wood");
   const double width = draw.in(3.2, 4.2);
   const double height = draw.in(2.35, 2.55);
   constexpr double kDepth = 1.3;
@@ -175,8 +175,8 @@ Model makeColumn(SceneBuilder& builder, std::uint64_t seed) {
   Draw draw(seed, Kind::Shelter, 1);
   Shape s(builder, "poster column");
   const double h = draw.in(2.7, 3.2);
-  s.revolve(s.skin("structure", "concrete"), {}, {{0.7, -kSunk}, {0.7, 0.3}, {0.6, 0.36}, {0.6, h}, {0, h}}, 28);
-  s.revolve(s.skin("structure", "painted_metal"), at({0, 0, h - 0.02}),
+  s.revolve(s.surface("structure", "concrete"), {}, {{0.7, -kSunk}, {0.7, 0.3}, {0.6, 0.36}, {0.6, h}, {0, h}}, 28);
+  s.revolve(s.surface("structure", "painted_metal"), at({0, 0, h - 0.02}),
             {{0, 0}, {0.75, 0}, {0.75, 0.1}, {0.62, 0.2}, {0.4, 0.38}, {0.1, 0.5}, {0.05, 0.75}, {0, 0.78}}, 28);
   return s.finish();
 }
@@ -187,7 +187,7 @@ Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what) {
   constexpr double kHalf = 1.0;
   switch (what) {
     case Fencing::Pickets: {
-      const Skin wood = s.skin("fence", "wood");
+      const SurfaceIndex wood = s.surface("fence", "wood");
       const double h = draw.in(0.85, 1.1);
       for (const double z : {0.25, h - 0.25}) s.box(wood, {0, 0.025, z}, {2 * kHalf, 0.035, 0.07});
       s.box(wood, {-kHalf + 0.04, 0.06, h / 2 - kSunk}, {0.08, 0.08, h + kSunk});
@@ -200,7 +200,7 @@ Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what) {
       break;
     }
     case Fencing::Bars: {
-      const Skin metal = s.skin("fence", "painted_metal");
+      const SurfaceIndex metal = s.surface("fence", "painted_metal");
       const double h = draw.in(1.0, 1.4);
       for (const double z : {0.12, h - 0.12}) s.box(metal, {0, 0, z}, {2 * kHalf, 0.02, 0.04});
       s.box(metal, {-kHalf + 0.03, 0, h / 2 - kSunk / 2}, {0.06, 0.06, h + kSunk});
@@ -213,8 +213,8 @@ Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what) {
     }
     default: {
       const double h = draw.in(0.6, 1.1);
-      s.box(s.skin("wall", "brick"), {0, 0, (h - 0.2) / 2}, {2 * kHalf, 0.24, h + 0.2});
-      s.box(s.skin("wall", "concrete"), {0, 0, h + 0.03}, {2 * kHalf, 0.32, 0.07});
+      s.box(s.surface("wall", "brick"), {0, 0, (h - 0.2) / 2}, {2 * kHalf, 0.24, h + 0.2});
+      s.box(s.surface("wall", "concrete"), {0, 0, h + 0.03}, {2 * kHalf, 0.32, 0.07});
       break;
     }
   }

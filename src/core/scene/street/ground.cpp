@@ -35,15 +35,15 @@ std::vector<double> cut(std::vector<double> wanted, double low, double high) {
 class GroundMaker {
  public:
   GroundMaker(SceneBuilder& builder, const Layout& layout) : layout_(layout), shape_(builder, "ground") {
-    skins_[static_cast<std::size_t>(Ground::Road)] = shape_.skin("road", "asphalt");
-    skins_[static_cast<std::size_t>(Ground::Parking)] = shape_.skin("parking", "paving");
-    skins_[static_cast<std::size_t>(Ground::Curb)] = shape_.skin("curb", "concrete");
-    skins_[static_cast<std::size_t>(Ground::LoweredCurb)] = shape_.skin("curb", "concrete");
-    skins_[static_cast<std::size_t>(Ground::Sidewalk)] = shape_.skin("sidewalk", "paving");
-    skins_[static_cast<std::size_t>(Ground::Ramp)] = shape_.skin("sidewalk", "paving");
-    skins_[static_cast<std::size_t>(Ground::Driveway)] = shape_.skin("parking", "paving");
-    skins_[static_cast<std::size_t>(Ground::Path)] = shape_.skin("ground", "concrete");
-    skins_[static_cast<std::size_t>(Ground::Terrain)] = shape_.skin("terrain", "grass");
+    surfaces_[static_cast<std::size_t>(Ground::Road)] = shape_.surface("road", "asphalt");
+    surfaces_[static_cast<std::size_t>(Ground::Parking)] = shape_.surface("parking", "paving");
+    surfaces_[static_cast<std::size_t>(Ground::Curb)] = shape_.surface("curb", "concrete");
+    surfaces_[static_cast<std::size_t>(Ground::LoweredCurb)] = shape_.surface("curb", "concrete");
+    surfaces_[static_cast<std::size_t>(Ground::Sidewalk)] = shape_.surface("sidewalk", "paving");
+    surfaces_[static_cast<std::size_t>(Ground::Ramp)] = shape_.surface("sidewalk", "paving");
+    surfaces_[static_cast<std::size_t>(Ground::Driveway)] = shape_.surface("parking", "paving");
+    surfaces_[static_cast<std::size_t>(Ground::Path)] = shape_.surface("ground", "concrete");
+    surfaces_[static_cast<std::size_t>(Ground::Terrain)] = shape_.surface("terrain", "grass");
     makeLines();
   }
 
@@ -59,7 +59,7 @@ class GroundMaker {
   }
 
  private:
-  Skin skin(Ground kind) const { return skins_[static_cast<std::size_t>(kind)]; }
+  SurfaceIndex surface(Ground kind) const { return surfaces_[static_cast<std::size_t>(kind)]; }
 
   void makeLines() {
     const Layout& l = layout_;
@@ -115,7 +115,8 @@ class GroundMaker {
         const Cell c = cell(i, j);
         cells_[j * (xs_.size() - 1) + i] = c;
         if (c.patch) continue;
-        shape_.quad(skin(c.kind), corner(c, i, j), corner(c, i + 1, j), corner(c, i + 1, j + 1), corner(c, i, j + 1));
+        shape_.quad(surface(c.kind), corner(c, i, j), corner(c, i + 1, j), corner(c, i + 1, j + 1),
+                    corner(c, i, j + 1));
       }
     }
   }
@@ -128,7 +129,7 @@ class GroundMaker {
     const Vec3d b0 = corner(b, i0, j0);
     const Vec3d b1 = corner(b, i1, j1);
     if (a0 == b0 && a1 == b1) return;
-    const Skin higher = skin(a0.z + a1.z > b0.z + b1.z ? a.kind : b.kind);
+    const SurfaceIndex higher = surface(a0.z + a1.z > b0.z + b1.z ? a.kind : b.kind);
     if (a0 == b0) {
       shape_.triangle(higher, a0, a1, b1);
     } else if (a1 == b1) {
@@ -186,7 +187,7 @@ class GroundMaker {
     };
     const bool flip = sx * sy > 0;
     const auto triangle = [&](Ground kind, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-      flip ? shape_.triangle(skin(kind), a, b, c) : shape_.triangle(skin(kind), a, c, b);
+      flip ? shape_.triangle(surface(kind), a, b, c) : shape_.triangle(surface(kind), a, c, b);
     };
     const std::vector<Vec3d> outerLow = arc(l.cornerRadius, 0);
     const std::vector<Vec3d> outer = arc(l.cornerRadius, height);
@@ -221,7 +222,7 @@ class GroundMaker {
 
   const Layout& layout_;
   Shape shape_;
-  std::array<Skin, 9> skins_{};
+  std::array<SurfaceIndex, 9> surfaces_{};
   std::vector<double> xs_, ys_;
   std::vector<Cell> cells_;
 };

@@ -14,7 +14,7 @@ constexpr double kLine = 0.12;       // width of a line, m
 class Painter {
  public:
   Painter(SceneBuilder& builder, const Layout& layout)
-      : l_(layout), shape_(builder, "road markings"), paint_(shape_.skin("road_marking", "road_paint")) {}
+      : l_(layout), shape_(builder, "road markings"), paint_(shape_.surface("road_marking", "road_paint")) {}
 
   Model paint() {
     mainRoad();
@@ -114,7 +114,7 @@ class Painter {
 
   const Layout& l_;
   Shape shape_;
-  Skin paint_;
+  SurfaceIndex paint_;
 };
 
 }  // namespace

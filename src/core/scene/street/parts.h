@@ -65,7 +65,7 @@ class Draw {
   std::size_t used_ = 4;
 };
 
-using Skin = std::uint16_t;  // index into Mesh::surfaces
+using SurfaceIndex = std::uint16_t;  // index into Mesh::surfaces
 
 struct Point2 {
   double x = 0;
@@ -93,27 +93,30 @@ class Shape {
  public:
   Shape(SceneBuilder& builder, std::string name);
 
-  Skin skin(std::string_view className, std::string_view material);
+  SurfaceIndex surface(std::string_view className, std::string_view material);
 
-  void triangle(Skin skin, const Vec3d& a, const Vec3d& b, const Vec3d& c);
-  void quad(Skin skin, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
-  void box(Skin skin, const Vec3d& center, const Vec3d& size);
-  void boxAt(Skin skin, const Affine& place, const Vec3d& size);
-  void ball(Skin skin, const Vec3d& center, const Vec3d& radii, int segments = 12);
+  void triangle(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, const Vec3d& c);
+  void quad(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
+  void box(SurfaceIndex surface, const Vec3d& center, const Vec3d& size);
+  void boxAt(SurfaceIndex surface, const Affine& place, const Vec3d& size);
+  void ball(SurfaceIndex surface, const Vec3d& center, const Vec3d& radii, int segments = 12);
   // A closed pipe along a polyline with a radius at each point.
-  void pipe(Skin skin, const std::vector<Vec3d>& points, const std::vector<double>& radii, int segments = 8);
-  void tube(Skin skin, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
+  void pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const std::vector<double>& radii, int segments = 8);
+  void tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
   // Revolves a profile of (radius, z) about the z axis. Outside is to the right of the profile's direction, which goes
   // from bottom to top.
-  void revolve(Skin skin, const Affine& place, const std::vector<Point2>& profile, int segments, bool closed = false);
-  void torus(Skin skin, const Affine& place, double radius, double thickness, int segments, int around = 8);
-  // A prism over a convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`. Its top has the skin `front`,
-  // the rest `rim`.
-  void prism(Skin front, Skin rim, const Affine& place, const std::vector<Point2>& polygon, double thickness);
+  void revolve(SurfaceIndex surface, const Affine& place, const std::vector<Point2>& profile, int segments,
+               bool closed = false);
+  void torus(SurfaceIndex surface, const Affine& place, double radius, double thickness, int segments, int around = 8);
+  // A prism over a convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`. Its top has the surface
+  // `front`, the rest `rim`.
+  void prism(SurfaceIndex front, SurfaceIndex rim, const Affine& place, const std::vector<Point2>& polygon,
+             double thickness);
   // Quads between rows of points, all rows being equally long. `wrap` joins the last point of a row to its first; `of`
-  // gives the skin of a quad. Where corners coincide, a quad becomes a triangle. Seen from outside, a quad's corners go
-  // round counter-clockwise from a point to the next one of its row.
-  void grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap, const std::function<Skin(int row, int column)>& of);
+  // gives the surface of a quad. Where corners coincide, a quad becomes a triangle. Seen from outside, a quad's corners
+  // go round counter-clockwise from a point to the next one of its row.
+  void grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
+            const std::function<SurfaceIndex(int row, int column)>& of);
 
   // Adds the mesh to the scene.
   Model finish();
@@ -125,7 +128,7 @@ class Shape {
   std::uint32_t vertex(const Vec3d& p);
 
   SceneBuilder& builder_;
-  std::vector<std::pair<std::string, Skin>> skins_;
+  std::vector<std::pair<std::string, SurfaceIndex>> surfaces_;
 };
 
 // The keys of `street:` in a scene file. Lengths are in metres; densities are objects per 100 m of street, on both

@@ -41,11 +41,11 @@ class PersonMaker {
   PersonMaker(Shape& shape, std::string_view className, const Clothes& clothes)
       : s_(shape),
         c_(clothes),
-        skin_(s_.skin(className, "skin")),
-        upper_(s_.skin(className, clothes.upper)),
-        lower_(s_.skin(className, clothes.lower)),
-        dark_(s_.skin(className, "cloth_dark")),
-        plastic_(s_.skin(className, "plastic_black")) {}
+        skin_(s_.surface(className, "skin")),
+        upper_(s_.surface(className, clothes.upper)),
+        lower_(s_.surface(className, clothes.lower)),
+        dark_(s_.surface(className, "cloth_dark")),
+        plastic_(s_.surface(className, "plastic_black")) {}
 
   void make(const Pose& p) {
     torso(p);
@@ -115,7 +115,7 @@ class PersonMaker {
     s_.ball(skin_, p.head + Vec3d{0.096, 0, -0.015}, {0.022, 0.014, 0.024}, 8);
     for (const double side : {-1.0, 1.0})
       s_.ball(skin_, p.head + Vec3d{-0.005, side * 0.077, -0.01}, {0.022, 0.012, 0.032}, 8);
-    const Skin hair = c_.helmet ? plastic_ : dark_;
+    const SurfaceIndex hair = c_.helmet ? plastic_ : dark_;
     const double thick = c_.helmet ? 0.03 : 0.006;
     s_.ball(hair, p.head + (c_.helmet ? Vec3d{-0.012, 0, 0.05} : Vec3d{-0.03, 0, 0.034}),
             {0.098 + thick, 0.078 + thick, 0.1 + thick}, 18);
@@ -153,7 +153,7 @@ class PersonMaker {
 
   Shape& s_;
   const Clothes& c_;
-  Skin skin_, upper_, lower_, dark_, plastic_;
+  SurfaceIndex skin_, upper_, lower_, dark_, plastic_;
 };
 
 // One moment of a stride; the phase is 1 with the left leg in front and -1 with the right.

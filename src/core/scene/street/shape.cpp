@@ -62,15 +62,15 @@ Shape::Shape(SceneBuilder& builder, std::string name) : builder_(builder) {
   mesh.name = std::move(name);
 }
 
-Skin Shape::skin(std::string_view className, std::string_view material) {
+SurfaceIndex Shape::surface(std::string_view className, std::string_view material) {
   std::string key = std::string(className) + '/' + std::string(material);
-  for (const auto& [name, index] : skins_) {
+  for (const auto& [name, index] : surfaces_) {
     if (name == key) return index;
   }
-  const auto index = static_cast<Skin>(mesh.surfaces.size());
+  const auto index = static_cast<SurfaceIndex>(mesh.surfaces.size());
   mesh.surfaces.push_back(builder_.surface(className, material));
   mesh.surfaces.back().node = mesh.name;
-  skins_.emplace_back(std::move(key), index);
+  surfaces_.emplace_back(std::move(key), index);
   return index;
 }
 
@@ -79,31 +79,32 @@ std::uint32_t Shape::vertex(const Vec3d& p) {
   return static_cast<std::uint32_t>(mesh.positions.size() - 1);
 }
 
-void Shape::triangle(Skin skin, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+void Shape::triangle(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const std::uint32_t i = vertex(a);
   vertex(b);
   vertex(c);
   mesh.triangles.push_back({i, i + 1, i + 2});
-  mesh.surfaceOf.push_back(skin);
+  mesh.surfaceOf.push_back(surface);
 }
 
-void Shape::quad(Skin skin, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  appendQuad(mesh, skin, frame * a, frame * b, frame * c, frame * d);
+void Shape::quad(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  appendQuad(mesh, surface, frame * a, frame * b, frame * c, frame * d);
 }
 
-void Shape::box(Skin skin, const Vec3d& center, const Vec3d& size) {
-  appendBox(mesh, skin, frame * at(center), size);
+void Shape::box(SurfaceIndex surface, const Vec3d& center, const Vec3d& size) {
+  appendBox(mesh, surface, frame * at(center), size);
 }
 
-void Shape::boxAt(Skin skin, const Affine& place, const Vec3d& size) {
-  appendBox(mesh, skin, frame * place, size);
+void Shape::boxAt(SurfaceIndex surface, const Affine& place, const Vec3d& size) {
+  appendBox(mesh, surface, frame * place, size);
 }
 
-void Shape::ball(Skin skin, const Vec3d& center, const Vec3d& radii, int segments) {
-  appendSphere(mesh, skin, frame * Affine{Mat3::scale(radii), center}, 1.0, segments);
+void Shape::ball(SurfaceIndex surface, const Vec3d& center, const Vec3d& radii, int segments) {
+  appendSphere(mesh, surface, frame * Affine{Mat3::scale(radii), center}, 1.0, segments);
 }
 
-void Shape::pipe(Skin skin, const std::vector<Vec3d>& points, const std::vector<double>& radii, int segments) {
+void Shape::pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const std::vector<double>& radii,
+                 int segments) {
   std::vector<std::vector<Vec3d>> rows;
   const std::size_t n = points.size();
   const auto ringOf = [&](const Vec3d& center, const Vec3d& u, const Vec3d& v, double radius) {
@@ -122,14 +123,15 @@ void Shape::pipe(Skin skin, const std::vector<Vec3d>& points, const std::vector<
     rows.push_back(ringOf(points[i], u, cross(d, u), radii[i]));
   }
   rows.emplace_back(segments, points.back());
-  grid(rows, true, [&](int, int) { return skin; });
+  grid(rows, true, [&](int, int) { return surface; });
 }
 
-void Shape::tube(Skin skin, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments) {
-  pipe(skin, {a, b}, {radiusA, radiusB}, segments);
+void Shape::tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments) {
+  pipe(surface, {a, b}, {radiusA, radiusB}, segments);
 }
 
-void Shape::revolve(Skin skin, const Affine& place, const std::vector<Point2>& profile, int segments, bool closed) {
+void Shape::revolve(SurfaceIndex surface, const Affine& place, const std::vector<Point2>& profile, int segments,
+                    bool closed) {
   std::vector<std::vector<Vec3d>> rows;
   for (const Point2& p : profile) {
     std::vector<Vec3d> ring;
@@ -140,19 +142,21 @@ void Shape::revolve(Skin skin, const Affine& place, const std::vector<Point2>& p
     rows.push_back(std::move(ring));
   }
   if (closed) rows.push_back(rows.front());
-  grid(rows, true, [&](int, int) { return skin; });
+  grid(rows, true, [&](int, int) { return surface; });
 }
 
-void Shape::torus(Skin skin, const Affine& place, double radius, double thickness, int segments, int around) {
+void Shape::torus(SurfaceIndex surface, const Affine& place, double radius, double thickness, int segments,
+                  int around) {
   std::vector<Point2> profile;
   for (int k = 0; k < around; ++k) {
     const double angle = 2 * kPi * k / around;
     profile.push_back({radius + thickness * std::cos(angle), thickness * std::sin(angle)});
   }
-  revolve(skin, place, profile, segments, true);
+  revolve(surface, place, profile, segments, true);
 }
 
-void Shape::prism(Skin front, Skin rim, const Affine& place, const std::vector<Point2>& polygon, double thickness) {
+void Shape::prism(SurfaceIndex front, SurfaceIndex rim, const Affine& place, const std::vector<Point2>& polygon,
+                  double thickness) {
   const std::size_t n = polygon.size();
   const auto low = [&](std::size_t i) { return place * Vec3d{polygon[i % n].x, polygon[i % n].y, 0}; };
   const auto high = [&](std::size_t i) { return place * Vec3d{polygon[i % n].x, polygon[i % n].y, thickness}; };
@@ -163,19 +167,20 @@ void Shape::prism(Skin front, Skin rim, const Affine& place, const std::vector<P
   }
 }
 
-void Shape::grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap, const std::function<Skin(int, int)>& of) {
+void Shape::grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
+                 const std::function<SurfaceIndex(int, int)>& of) {
   const int columns = static_cast<int>(rows.front().size());
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   for (const auto& row : rows) {
     for (const Vec3d& p : row) vertex(p);
   }
-  const auto emit = [&](Skin skin, const Triangle& t) {
+  const auto emit = [&](SurfaceIndex surface, const Triangle& t) {
     const Vec3f& a = mesh.positions[t[0]];
     const Vec3f& b = mesh.positions[t[1]];
     const Vec3f& c = mesh.positions[t[2]];
     if (a == b || b == c || c == a) return;
     mesh.triangles.push_back(t);
-    mesh.surfaceOf.push_back(skin);
+    mesh.surfaceOf.push_back(surface);
   };
   for (int r = 0; r + 1 < static_cast<int>(rows.size()); ++r) {
     for (int c = 0; c < (wrap ? columns : columns - 1); ++c) {
@@ -184,9 +189,9 @@ void Shape::grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap, const s
       const std::uint32_t p01 = first + r * columns + next;
       const std::uint32_t p10 = first + (r + 1) * columns + c;
       const std::uint32_t p11 = first + (r + 1) * columns + next;
-      const Skin skin = of(r, c);
-      emit(skin, {p00, p01, p11});
-      emit(skin, {p00, p11, p10});
+      const SurfaceIndex surface = of(r, c);
+      emit(surface, {p00, p01, p11});
+      emit(surface, {p00, p11, p10});
     }
   }
 }

@@ -32,9 +32,9 @@ std::vector<Point2> rectangle(double width, double height) {
 Model makeSign(SceneBuilder& builder, std::uint64_t seed, int form) {
   Draw draw(seed, Kind::Sign, static_cast<std::uint32_t>(form));
   Shape s(builder, "traffic sign");
-  const Skin post = s.skin("pole", "metal_galvanised");
-  const Skin front = s.skin("traffic_sign", "sign_retroreflective");
-  const Skin back = s.skin("traffic_sign", "painted_metal");
+  const SurfaceIndex post = s.surface("pole", "metal_galvanised");
+  const SurfaceIndex front = s.surface("traffic_sign", "sign_retroreflective");
+  const SurfaceIndex back = s.surface("traffic_sign", "painted_metal");
   const double z = draw.in(2.2, 2.5);
   std::vector<Point2> board;
   double halfHeight = 0.3;
@@ -78,9 +78,9 @@ Model makeSign(SceneBuilder& builder, std::uint64_t seed, int form) {
 Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
   Draw draw(seed, Kind::Lamp, static_cast<std::uint32_t>(form));
   Shape s(builder, "street lamp");
-  const Skin metal = s.skin("street_lamp", "metal_galvanised");
-  const Skin paint = s.skin("street_lamp", "painted_metal");
-  const Skin glass = s.skin("street_lamp", "glass");
+  const SurfaceIndex metal = s.surface("street_lamp", "metal_galvanised");
+  const SurfaceIndex paint = s.surface("street_lamp", "painted_metal");
+  const SurfaceIndex glass = s.surface("street_lamp", "glass");
   const double height = form == 0 ? draw.in(6.5, 8.0) : draw.in(4.0, 5.0);
   s.revolve(metal, {}, {{0.1, -kSunk}, {0.1, 0.9}, {0.075, 1.0}, {0.05, height - 0.6}}, 14);
   s.box(paint, {0, -0.095, 0.55}, {0.08, 0.02, 0.3});  // the door of its fuse box
@@ -109,9 +109,9 @@ Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
 Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed) {
   Draw draw(seed, Kind::Light);
   Shape s(builder, "traffic light");
-  const Skin post = s.skin("pole", "metal_galvanised");
-  const Skin box = s.skin("traffic_light", "plastic_black");
-  const Skin glass = s.skin("traffic_light", "glass");
+  const SurfaceIndex post = s.surface("pole", "metal_galvanised");
+  const SurfaceIndex box = s.surface("traffic_light", "plastic_black");
+  const SurfaceIndex glass = s.surface("traffic_light", "glass");
   const double z = draw.in(2.3, 2.6);
   s.tube(post, {0, 0, -kSunk}, {0, 0, z + 1.15}, 0.057, 0.057, 14);
   s.box(box, {0.19, 0, z + 0.5}, {0.2, 0.3, 0.96});

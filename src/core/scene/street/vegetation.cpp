@@ -34,12 +34,13 @@ constexpr std::array<Habit, kTreeForms> kHabits{{
 }};
 
 // A pointed leaf of two triangles, folded along its midrib, in the plane with the given normal.
-void appendLeaf(Shape& s, Skin skin, const Vec3d& stem, const Vec3d& tip, const Vec3d& normal, double width) {
+void appendLeaf(Shape& s, SurfaceIndex surface, const Vec3d& stem, const Vec3d& tip, const Vec3d& normal,
+                double width) {
   const Vec3d axis = tip - stem;
   const Vec3d across = normalized(cross(normal, axis)) * (width / 2);
   const Vec3d fold = normalized(normal) * (width * 0.12);
   const Vec3d middle = stem + axis * 0.45 + fold;
-  s.quad(skin, stem, middle - across, tip, middle + across);
+  s.quad(surface, stem, middle - across, tip, middle + across);
 }
 
 Vec3d crossways(const Vec3d& normal, Draw& draw) {
@@ -47,8 +48,8 @@ Vec3d crossways(const Vec3d& normal, Draw& draw) {
   return normalized(side);
 }
 
-void appendFoliageBall(Shape& s, Skin skin, Draw& draw, const Vec3d& center, double radius, double flatness, int leaves,
-                       double leaf) {
+void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, double flatness,
+                       int leaves, double leaf) {
   for (int k = 0; k < leaves; ++k) {
     const Vec3d out = draw.direction();
     const double r = radius * (0.45 + 0.55 * std::pow(draw.next(), 0.4));
@@ -57,7 +58,8 @@ void appendFoliageBall(Shape& s, Skin skin, Draw& draw, const Vec3d& center, dou
     Vec3d axis = crossways(normal, draw);
     if (axis.z > 0) axis = -axis;  // leaves hang
     const double size = draw.around(leaf, 0.3);
-    appendLeaf(s, skin, position - axis * (size / 2), position + axis * (size / 2), normal, size * draw.in(0.55, 0.75));
+    appendLeaf(s, surface, position - axis * (size / 2), position + axis * (size / 2), normal,
+               size * draw.in(0.55, 0.75));
   }
 }
 
@@ -69,9 +71,9 @@ double crownProfile(const Habit& habit, double t) {
 }
 
 void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius) {
-  const Skin bark = s.skin("trunk", "bark");
-  const Skin branch = s.skin("tree", "bark");
-  const Skin leaf = s.skin("tree", "leaf");
+  const SurfaceIndex bark = s.surface("trunk", "bark");
+  const SurfaceIndex branch = s.surface("tree", "bark");
+  const SurfaceIndex leaf = s.surface("tree", "leaf");
   const double base = habit.crownBase * height / habit.height;
   const double crown = height - base;
 
@@ -127,9 +129,9 @@ void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, do
 
 // Whorls of branches, each with sprays of needles on both sides.
 void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, double radius) {
-  const Skin bark = s.skin("trunk", "bark");
-  const Skin branch = s.skin("tree", "bark");
-  const Skin needles = s.skin("tree", "leaf_conifer");
+  const SurfaceIndex bark = s.surface("trunk", "bark");
+  const SurfaceIndex branch = s.surface("tree", "bark");
+  const SurfaceIndex needles = s.surface("tree", "leaf_conifer");
   const double base = habit.crownBase * height / habit.height;
   s.pipe(bark, {{0, 0, -0.15}, {0, 0, 0.3}, {0.04, 0.02, height * 0.5}, {0, 0, height - 0.1}},
          {habit.trunkRadius * 1.3, habit.trunkRadius, habit.trunkRadius * 0.55, 0.015}, 12);
@@ -188,8 +190,8 @@ TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form) {
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form) {
   Draw draw(seed, Kind::Bush, static_cast<std::uint32_t>(form));
   Shape s(builder, "bush");
-  const Skin leaf = s.skin("vegetation", "leaf");
-  const Skin bark = s.skin("vegetation", "bark");
+  const SurfaceIndex leaf = s.surface("vegetation", "leaf");
+  const SurfaceIndex bark = s.surface("vegetation", "bark");
   const double size = draw.in(0.5, 0.95);
   const int lumps = 4 + draw.below(4);
   for (int i = 0; i < lumps; ++i) {
@@ -206,11 +208,11 @@ Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form) {
 Model makeHedge(SceneBuilder& builder, std::uint64_t seed) {
   Draw draw(seed, Kind::Hedge);
   Shape s(builder, "hedge");
-  const Skin leaf = s.skin("vegetation", "leaf");
+  const SurfaceIndex leaf = s.surface("vegetation", "leaf");
   const double height = draw.in(0.9, 1.4);
   const Vec3d half{1.0, 0.3, height / 2};
   // The twigs inside, dark and dense, are a solid core.
-  s.box(s.skin("vegetation", "bark"), {0, 0, height / 2 - 0.1}, {1.9, 0.34, height - 0.04});
+  s.box(s.surface("vegetation", "bark"), {0, 0, height / 2 - 0.1}, {1.9, 0.34, height - 0.04});
   constexpr int kLeaves = 1200;
   for (int k = 0; k < kLeaves; ++k) {
     const double pick = draw.next() * (2 * height + 0.6 + 1.2 * height * 0.3);

@@ -151,7 +151,7 @@ Model makeCar(SceneBuilder& builder, std::uint64_t seed, CarForm form, int numbe
   const BodyForm body = carForm(form, draw);
   appendBody(shape, body);
   if (form == CarForm::Wagon || form == CarForm::Suv) {  // roof rails
-    const Skin metal = shape.skin("car", "metal_bare");
+    const SurfaceIndex metal = shape.surface("car", "metal_bare");
     const double z = body.profile[4].y + 0.01;
     for (const double y : {-0.5, 0.5}) {
       shape.pipe(metal, {{-1.25, y, z - 0.08}, {-1.1, y, z + 0.02}, {0.0, y, z + 0.03}, {0.15, y, z - 0.08}},
@@ -192,9 +192,9 @@ Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form) {
   appendBody(shape, cab);
   shape.frame = {};
 
-  const Skin metal = shape.skin("truck", "painted_metal");
-  const Skin black = shape.skin("truck", "plastic_black");
-  const Skin reflector = shape.skin("truck", "sign_retroreflective");
+  const SurfaceIndex metal = shape.surface("truck", "painted_metal");
+  const SurfaceIndex black = shape.surface("truck", "plastic_black");
+  const SurfaceIndex reflector = shape.surface("truck", "sign_retroreflective");
   const double front = end - kCab - 0.2;
   const double cargo = front + end;
   const double middle = (front - end) / 2;
@@ -260,9 +260,9 @@ Model makeBus(SceneBuilder& builder, std::uint64_t seed) {
   for (int k = 0; k < kWindows; ++k) f.sideWindows.push_back({low + k * pitch, low + (k + 1) * pitch - 0.1});
   appendBody(shape, f);
 
-  const Skin metal = shape.skin("bus", "painted_metal");
-  const Skin glass = shape.skin("bus", "glass");
-  const Skin black = shape.skin("bus", "plastic_black");
+  const SurfaceIndex metal = shape.surface("bus", "painted_metal");
+  const SurfaceIndex glass = shape.surface("bus", "glass");
+  const SurfaceIndex black = shape.surface("bus", "plastic_black");
   shape.box(glass, {-end - 0.01, 0, roof - 0.75}, {0.08, 1.9, 0.8});  // rear window
   shape.box(black, {end - 0.47, 0, roof - 0.13}, {0.3, 1.6, 0.24});   // destination board
   shape.box(metal, {-end + 2.2, 0, roof + 0.08}, {2.4, 1.6, 0.3});    // air conditioning

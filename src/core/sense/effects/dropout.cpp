@@ -1,6 +1,6 @@
-// dropout: beams whose echo the sensor does not report.
+// dropout: returns that the sensor does not report.
 //
-//   dropout: {threshold: 0.002}      # echoes with less power than this are lost; 1 is a white target at the
+//   dropout: {threshold: 0.002}      # returns with less power than this are lost; 1 is a white target at the
 //                                    # reference range of the intensity effect, before gain and saturation
 //   dropout: {probability: 0.01}     # lost at random, independent from beam to beam
 //

@@ -1,4 +1,4 @@
-// intensity: how strong the echo of each beam is, and what the sensor makes of it.
+// intensity: how strong the return of each beam is, and what the sensor makes of it.
 //
 //   intensity: {reference_range_m: 10, falloff: inverse_square, near_range_m: 1, attenuation_per_m: 0,
 //               gain: 1, saturation: 4, gamma: 1, output: float}

@@ -139,8 +139,9 @@ std::string distancesOverview(const DatasetSummary& summary) {
 
 std::string sensorsOverview(const Manifest& manifest, const DatasetSummary& summary) {
   HtmlTable table;
-  for (const char* title : {"sensor", "model", "rings x columns", "range (m)", "elevation (\xC2\xB0)",
-                            "field (\xC2\xB0)", "turn (s)", "mount: x, y, z (m)", "yaw, pitch, roll (\xC2\xB0)"}) {
+  for (const char* title :
+       {"sensor", "model", "rings x columns", "range (m)", "elevation (\xC2\xB0)", "field (\xC2\xB0)", "revolution (s)",
+        "mount: x, y, z (m)", "yaw, pitch, roll (\xC2\xB0)"}) {
     table.column(title);
   }
   table.column("method", "", true);

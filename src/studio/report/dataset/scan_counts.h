@@ -52,7 +52,7 @@ struct ScanCounts {
 };
 
 // The rotation into a level frame about the sensor, whose x axis is the sensor's, laid flat. It follows from the
-// orientation of the sensor at the start of its turn.
+// orientation of the sensor at the start of its revolution.
 Mat3 levelFromSensor(const Quat& worldFromSensor);
 
 ScanCounts countScan(const Scan& scan, const RangeSteps& steps, const Mat3& levelFromSensor = {});

@@ -221,8 +221,8 @@ std::size_t groupOf(const FlatPatch& patch) {
 
 // Per group, the scatter of flat windows (m): that of the smoothest tenth, since not all windows need be flat. A band
 // of ranges may hold no flat surface at all, so its neighbours bound it: noise does not fall with the range, and grows
-// no faster than the echo fades, with the square of the range. Where that is not so fewer patches are chosen, but those
-// tell the truth: their measured halves know nothing of it.
+// no faster than the return fades, with the square of the range. Where that is not so fewer patches are chosen, but
+// those tell the truth: their measured halves know nothing of it.
 std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   const std::size_t bands = rangeBandEdges().size();
   std::vector<std::vector<double>> variances(groups());

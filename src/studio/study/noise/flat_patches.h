@@ -74,7 +74,7 @@ class BeamImage {
   std::uint32_t columns() const { return columns_; }
   // How many first columns there are for windows of so many columns.
   std::uint32_t starts(std::uint32_t width) const;
-  // The beam of a pixel. Absent where the ring's shift leads out of a field that is no full turn.
+  // The beam of a pixel. Absent where the ring's shift leads out of a field that is no full revolution.
   std::optional<std::uint32_t> beam(std::uint32_t row, std::uint32_t column) const;
 
  private:

@@ -19,7 +19,7 @@ namespace {
 
 using ObjectCloud = std::vector<Vec3f>;  // world axes, about the middle of the thing
 
-// A point of a scan (sensor frame of the step that fired it, or of the turn's start) in the world.
+// A point of a scan (sensor frame of the step that fired it, or of the revolution's start) in the world.
 Vec3d worldPoint(const Shot& shot, const Vec3f& point, std::uint16_t column) {
   return shot.worldFromSensor[shot.deskew ? 0 : shot.stepOf(column)] * static_cast<Vec3d>(point);
 }

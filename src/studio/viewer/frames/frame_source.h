@@ -23,7 +23,7 @@ struct ViewScan {
   std::string sensor;  // empty where unknown
   std::string method;  // empty where unknown
   Scan scan;
-  std::optional<Pose> worldFromSensor;  // at the start of the turn
+  std::optional<Pose> worldFromSensor;  // at the start of the revolution
   double time = 0;                      // s since the start of the sequence
   std::vector<float> error;             // m, one per point, not negative; NaN where unknown; empty where none is known
   std::string errorTitle;               // "distance to the reference (m)", "range error (m)"

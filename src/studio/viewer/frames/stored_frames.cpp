@@ -61,7 +61,7 @@ std::string differenceOf(const Ontology& a, const Ontology& b) {
   return {};
 }
 
-// Points of a turn that were moved to its start cannot be measured from where their beams began.
+// Points of a revolution that were moved to its start cannot be measured from where their beams began.
 bool movedToStart(const Manifest* manifest, const ScanRecord* record) {
   return manifest != nullptr && manifest->deskewed && record != nullptr && record->worldFromSensor.size() > 1 &&
          record->worldFromSensor.front() != record->worldFromSensor.back();

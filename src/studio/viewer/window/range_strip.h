@@ -30,7 +30,7 @@ struct RangeStrip {
   bool ringsRise = false;              // ring 0 is the lowest beam, in the last row
   StripOrder order = StripOrder::Sensor;
   bool fullTurn = false;    // of the order Outward: ahead is in the middle
-  std::size_t columns = 0;  // of the sensor; where the rings of a part of a turn are shifted, the image is wider
+  std::size_t columns = 0;  // of the sensor; where the rings of a part of a revolution are shifted, the image is wider
 
   // Column and row of a point.
   std::pair<int, int> place(std::size_t point) const {

@@ -66,7 +66,7 @@ class AzimuthGrid {
 
 std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings, std::size_t columns) {
   constexpr std::size_t kLeastPairs = 16;
-  constexpr double kTurnSlack = 0.03;  // of a turn: a sensor that itself turns meanwhile
+  constexpr double kTurnSlack = 0.03;  // of a revolution: a sensor that itself turns meanwhile
   StripColumns look;
   std::vector<double> turns = grid.turns(1, 0);
   if (turns.size() < kLeastPairs) return {};

@@ -27,7 +27,7 @@ std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std
                                          const BeamTable* beams);
 
 // Of each ring and of the whole: column c stands in pixel column base[ring] - c, or + c where the sensor turns
-// clockwise; modulo the width in a full turn.
+// clockwise; modulo the width in a full revolution.
 struct StripShifts {
   std::vector<std::ptrdiff_t> base;
   bool clockwise = false;
@@ -37,8 +37,8 @@ struct StripShifts {
   std::size_t place(std::size_t ring, std::size_t column) const;
 };
 
-// Straight ahead (a full turn), or the middle of the field, is in the middle; left is on the left. None where rings
-// look so far past one another that the rows would not meet.
+// Straight ahead (a full revolution), or the middle of the field, is in the middle; left is on the left. None where
+// rings look so far past one another that the rows would not meet.
 std::optional<StripShifts> lookingOutward(const StripColumns& look, std::size_t columns);
 
 }  // namespace scanmill

@@ -354,7 +354,7 @@ TEST(Sample, BeamsThatStartElsewhereLookAtThePointTheyMeet) {
   const std::vector<double> errors = relativeErrors(truth, hits);
   EXPECT_GT(errors.size(), directions.size() * 95 / 100);
   EXPECT_LT(largest(errors), 1e-5);
-  // What the first look gives would be a decimetre off in many places; nearest after three looks is within a pixel.
+  // What the first round gives would be a decimetre off in many places; nearest after three rounds is within a pixel.
   SampleOptions nearest;
   nearest.sampling = Sampling::Nearest;
   EXPECT_LT(meanError(truth, sampled(images, beams, nearest)), 0.05);

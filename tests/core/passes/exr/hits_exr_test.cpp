@@ -16,11 +16,11 @@ namespace scanmill {
 namespace {
 
 // Every third beam misses; ids reach the ends of their types.
-Hits someHits(std::uint32_t rings, std::uint32_t columns, Channels channels, bool look) {
+Hits someHits(std::uint32_t rings, std::uint32_t columns, Channels channels, bool surfaceParameters) {
   Hits hits;
   hits.reset(rings, columns, channels);
   const std::uint32_t ids[] = {0, 1, 2049, (1u << 24) + 1, 0xFFFFFFFFu};
-  if (look) {
+  if (surfaceParameters) {
     for (auto* column : {&hits.roughness, &hits.metallic, &hits.retroreflectance}) column->resize(hits.size());
   }
   for (std::uint32_t i = 0; i < hits.size(); ++i) {
@@ -50,8 +50,8 @@ TEST(HitsExr, EveryBitComesBack) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "hits.exr";
   for (const auto& [rings, columns] : {std::pair{1u, 1u}, {64u, 512u}, {3u, 2001u}, {512u, 1u}}) {
-    for (const bool look : {false, true}) {
-      const Hits hits = someHits(rings, columns, Channels::all(), look);
+    for (const bool surfaceParameters : {false, true}) {
+      const Hits hits = someHits(rings, columns, Channels::all(), surfaceParameters);
       writeHits(path, hits);
       Hits back;
       readHits(path, Channels::all(), back);

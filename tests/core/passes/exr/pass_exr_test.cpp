@@ -108,7 +108,7 @@ TEST(PassExr, OnlyWhatIsAskedForIsReadAndWritten) {
   expectInputError([&] { readPasses(path, {Channel::Instance, false}); }, {path.string(), "'instance'", "semantic"});
   expectInputError([&] { readPasses(path, {Channel::Range, true}); }, {path.string(), "'roughness'"});
   writePasses(path, testImage(20, 10));
-  EXPECT_EQ(passesIn(path).look, true);
+  EXPECT_EQ(passesIn(path).surfaceParameters, true);
 }
 
 TEST(PassExr, OtherReadersSeeTheSame) {

@@ -31,7 +31,7 @@ TEST_F(PlanTest, TellsWhatIsLeftOutAndWhy) {
                                          Contains(HasSubstr("intensity: left out, no effect sets it")),
                                          Contains(HasSubstr("effects: none")), Contains(HasSubstr("one pose"))));
   EXPECT_THAT(plan({"motion={steps: 9}", "output.layout=organised", "effects=[quantize: {step_m: 1}]"}).modelled(),
-              AllOf(Contains(HasSubstr("9 poses a turn")), Contains(HasSubstr("misses: kept")),
+              AllOf(Contains(HasSubstr("9 poses a revolution")), Contains(HasSubstr("misses: kept")),
                     Contains(HasSubstr("effect quantize: "))));
 }
 

@@ -209,9 +209,9 @@ TEST_F(VerifyRecording, OnlyTheRecordingsOwnTablesCount) {
   index("passes", 3, false);
   EXPECT_THAT(problems(), IsEmpty());
   index("passes");
-  PassImage look = image({Channel::Semantic | Channel::Material, true});
-  look.planes.material[9] = 2;
-  put("back.exr", look);
+  PassImage described = image({Channel::Semantic | Channel::Material, true});
+  described.planes.material[9] = 2;
+  put("back.exr", described);
   EXPECT_THAT(problems(), IsEmpty());
 }
 

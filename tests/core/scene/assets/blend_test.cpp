@@ -205,14 +205,14 @@ TEST_F(Blend, ShowsWhatBlenderShowsAndRunsNothing) {
   EXPECT_GT(nodes.at("Sign").at(0).triangles, 10u) << "a text has a surface";
   EXPECT_EQ(nodes.at("Mirrored")[0].materials, std::vector<std::string>{"Red Paint"});
 
-  const auto looked = [&](const char* node) {
+  const auto materialOf = [&](const char* node) {
     return std::find_if(asset.parts.begin(), asset.parts.end(), [&](const AssetPart& p) { return p.node == node; })
-        ->look;
+        ->fileMaterial;
   };
-  EXPECT_NEAR(looked("Wall.a").reflectance, 0.2126 * 0.8 + 0.7874 * 0.1, 1e-4);
-  EXPECT_NEAR(looked("Wall.a").roughness, 0.25, 1e-6);
-  EXPECT_THAT(looked("Wall.a").source, HasSubstr(kFile));
-  const Material card = looked("Card");
+  EXPECT_NEAR(materialOf("Wall.a").reflectance, 0.2126 * 0.8 + 0.7874 * 0.1, 1e-4);
+  EXPECT_NEAR(materialOf("Wall.a").roughness, 0.25, 1e-6);
+  EXPECT_THAT(materialOf("Wall.a").source, HasSubstr(kFile));
+  const Material card = materialOf("Card");
   EXPECT_TRUE(card.alphaTested);
   EXPECT_NEAR(card.alphaCutoff, 0.4, 1e-6);
   ASSERT_TRUE(card.texture);

@@ -77,13 +77,13 @@ TEST(SharedAssets, TheTownHasItsTrianglesNodesAndTextures) {
     if (part.node == "RoadMesh") {
       ++found;
       EXPECT_EQ(part.texture, "textures/cement_lossy.webp");
-      EXPECT_TRUE(part.look.textured);
+      EXPECT_TRUE(part.fileMaterial.textured);
     }
     if (part.node == "GrassMesh") {
       ++found;
       EXPECT_EQ(part.texture, "textures/grass_lossy.webp");
-      EXPECT_TRUE(part.look.texture);
-      EXPECT_FALSE(part.look.alphaTested);
+      EXPECT_TRUE(part.fileMaterial.texture);
+      EXPECT_FALSE(part.fileMaterial.alphaTested);
     }
   }
   EXPECT_EQ(found, 2);
@@ -94,8 +94,8 @@ TEST(SharedAssets, OnlyTheLeavesOfTheTreeAreAlphaTested) {
   const Asset tree = readAsset(sharedData() / "scenes/truck_town/tree/scene.gltf", {.textures = false});
   ASSERT_EQ(tree.parts.size(), 2u);
   for (const AssetPart& part : tree.parts) {
-    EXPECT_EQ(part.look.alphaTested, part.material == "Leav_material");
-    EXPECT_EQ(part.look.texture != nullptr, part.look.alphaTested);
+    EXPECT_EQ(part.fileMaterial.alphaTested, part.material == "Leav_material");
+    EXPECT_EQ(part.fileMaterial.texture != nullptr, part.fileMaterial.alphaTested);
   }
   const Box box = bounds(tree);
   EXPECT_NEAR(box.low.z, 0, 1);  // it stands upright on the ground, in centimetres
@@ -165,15 +165,15 @@ TEST(SharedAssets, BodiesOfGazeboCarsAreSolid) {
     const std::filesystem::path path = sharedData() / "scenes/gazebo" / file;
     int textured = 0;
     for (const AssetPart& part : readAsset(path, {}).parts) {
-      EXPECT_FALSE(part.look.alphaTested) << file << ' ' << part.material;
-      textured += part.look.textured ? 1 : 0;
+      EXPECT_FALSE(part.fileMaterial.alphaTested) << file << ' ' << part.material;
+      textured += part.fileMaterial.textured ? 1 : 0;
     }
     EXPECT_GT(textured, 0) << file;
   }
   bool tested = false;
   for (const AssetPart& part :
        readAsset(sharedData() / "scenes/gazebo/suv/meshes/suv.obj", {.alpha = AlphaUse::Test}).parts) {
-    tested = tested || part.look.alphaTested;
+    tested = tested || part.fileMaterial.alphaTested;
   }
   EXPECT_TRUE(tested);
 }
@@ -200,8 +200,8 @@ TEST(SharedAssets, BranchesOfGazeboTreesAreCutOut) {
     insert("<color sid=\"diffuse\">0.64 0.64 0.64 1</color>", "<texture texture=\"t\" texcoord=\"UVMap\"/>");
     int leafy = 0;
     for (const AssetPart& part : readAsset(folder.write("tree.dae", text), {.textures = false}).parts) {
-      EXPECT_EQ(part.look.alphaTested, part.material.starts_with("Branch")) << tree << ' ' << part.material;
-      leafy += part.look.alphaTested ? 1 : 0;
+      EXPECT_EQ(part.fileMaterial.alphaTested, part.material.starts_with("Branch")) << tree << ' ' << part.material;
+      leafy += part.fileMaterial.alphaTested ? 1 : 0;
     }
     EXPECT_EQ(leafy, 1) << tree;
   }

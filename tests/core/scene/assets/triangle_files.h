@@ -252,10 +252,10 @@ inline const double kColoursMean = (0.2126 + 0.7152 + 0.0722 + 1) / 4;
 
 // Corner 0 lies at (u, v) = (0.25, 0.25), the image's bottom left: blue; 1 is white, 2 is red.
 inline void expectColours(const AssetPart& part, const std::string& what) {
-  ASSERT_TRUE(part.look.texture) << what;
+  ASSERT_TRUE(part.fileMaterial.texture) << what;
   ASSERT_EQ(part.uvs.size(), part.positions.size()) << what;
   for (std::size_t i = 0; i < part.positions.size(); ++i) {
-    const std::uint8_t* rgb = part.look.texture->texel(part.uvs[i].x, part.uvs[i].y);
+    const std::uint8_t* rgb = part.fileMaterial.texture->texel(part.uvs[i].x, part.uvs[i].y);
     const std::vector<int> found{(rgb[0] + 32) / 64, (rgb[1] + 32) / 64, (rgb[2] + 32) / 64};  // WebP loses a little
     const Vec3f p = part.positions[i];
     if (p.x > 0) {

@@ -104,7 +104,7 @@ TEST(Intensity, SmoothMetalIsDarkAwayFromItsPeak) {
 }
 
 // The normals of a microfacet surface cover its area once: the integral of D cos over the hemisphere is 1. Of a white
-// metal the echo is pi D G / (4 cos), so D comes back from it with Smith's G = 2 / (1 + sqrt(1 + alpha^2 tan^2)).
+// metal the return is pi D G / (4 cos), so D comes back from it with Smith's G = 2 / (1 + sqrt(1 + alpha^2 tan^2)).
 // Without G the integral is bounded by 1: no energy is made.
 TEST(Intensity, MicrofacetsCoverTheSurfaceOnce) {
   for (float roughness : {0.2f, 0.5f, 0.8f, 1.0f}) {

@@ -460,7 +460,7 @@ TEST(Exact, BeamOriginsAndPosesMove) {
   }
 }
 
-// A beam far from the turn's first pose is rounded more, and has more slack.
+// A beam far from the revolution's first pose is rounded more, and has more slack.
 TEST(Exact, TurnsOfKilometresToo) {
   SceneBuilder builder = testBuilder();
   Mesh speck = meshOf(builder, "thing");

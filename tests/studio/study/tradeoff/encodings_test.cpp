@@ -14,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// Points of a turn, up to 80 m away, in the order of firing.
+// Points of a revolution, up to 80 m away, in the order of firing.
 Scan turnOf(std::uint32_t seed, std::uint32_t rings, std::uint32_t columns) {
   Scan scan;
   scan.rings = rings;

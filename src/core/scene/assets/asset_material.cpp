@@ -1,4 +1,4 @@
-#include "scene/assets/asset_look.h"
+#include "scene/assets/asset_material.h"
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
@@ -40,31 +40,31 @@ float fraction(float value, float fallback) {
 }
 
 // Reads the materials of one file.
-class LookReader {
+class MaterialReader {
  public:
-  LookReader(const aiScene& scene, const std::filesystem::path& file, bool gltf, const AssetOptions& options)
+  MaterialReader(const aiScene& scene, const std::filesystem::path& file, bool gltf, const AssetOptions& options)
       : scene_(scene), file_(file), gltf_(gltf), options_(options) {}
 
-  AssetLook read(unsigned index) const {
+  AssetMaterial read(unsigned index) const {
     const aiMaterial& material = *scene_.mMaterials[index];
-    AssetLook look;
-    look.material.name = text(material, AI_MATKEY_NAME);
-    const bool made = look.material.name == AI_DEFAULT_MATERIAL_NAME || &material == gltfDefault();
-    if (made) look.material.name.clear();
-    look.material.source = "base colour of " + file_.filename().string();
-    look.material.roughness = fraction(number(material, AI_MATKEY_ROUGHNESS_FACTOR, 1.0f), 1.0f);
-    look.material.metallic = fraction(number(material, AI_MATKEY_METALLIC_FACTOR, 0.0f), 0.0f);
+    AssetMaterial read;
+    read.material.name = text(material, AI_MATKEY_NAME);
+    const bool made = read.material.name == AI_DEFAULT_MATERIAL_NAME || &material == gltfDefault();
+    if (made) read.material.name.clear();
+    read.material.source = "base colour of " + file_.filename().string();
+    read.material.roughness = fraction(number(material, AI_MATKEY_ROUGHNESS_FACTOR, 1.0f), 1.0f);
+    read.material.metallic = fraction(number(material, AI_MATKEY_METALLIC_FACTOR, 0.0f), 0.0f);
 
     const Map color = firstMap(material, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE});
     const Map opacity = gltf_ ? Map{} : firstMap(material, {aiTextureType_OPACITY});
-    look.texture = color.label;
-    look.uvChannel = color.name.empty() ? opacity.uvChannel : color.uvChannel;
+    read.texture = color.label;
+    read.uvChannel = color.name.empty() ? opacity.uvChannel : color.uvChannel;
 
     const aiColor4D factor = baseColor(material);
     Alpha alpha = alphaRule(material, factor, opacity);
     std::shared_ptr<const Texture> image;
     if (!color.name.empty() && (options_.textures || alpha.wanted)) image = load(color, !options_.textures);
-    if (image && alpha.wanted && !alpha.declared && !isCutOut(measureAlpha(scene_, index, look.uvChannel, *image))) {
+    if (image && alpha.wanted && !alpha.declared && !isCutOut(measureAlpha(scene_, index, read.uvChannel, *image))) {
       alpha.wanted = false;
       if (!options_.textures) image.reset();
     }
@@ -73,16 +73,16 @@ class LookReader {
     if (alpha.wanted && !opacity.name.empty() && opacity.name != color.name) {
       if (const auto map = load(opacity, false)) image = withOpacity(image.get(), *map, opacity.inverted);
     }
-    finish(look.material, factor, alpha, std::move(image), colored);
+    finish(read.material, factor, alpha, std::move(image), colored);
     // White beside a texture that is not there is no colour of its own, nor is what the importer makes up.
     const bool untold = !colored && !color.name.empty() && factor.r == 1 && factor.g == 1 && factor.b == 1;
     if (untold || (made && color.name.empty())) {
       const Material fallback;
-      look.material.reflectance = fallback.reflectance;
-      look.material.metallic = fallback.metallic;
-      look.material.source = "default: " + file_.filename().string() + " states no colour";
+      read.material.reflectance = fallback.reflectance;
+      read.material.metallic = fallback.metallic;
+      read.material.source = "default: " + file_.filename().string() + " states no colour";
     }
-    return look;
+    return read;
   }
 
  private:
@@ -268,12 +268,12 @@ std::filesystem::path findTexture(const std::filesystem::path& asset, const std:
   return {};
 }
 
-std::vector<AssetLook> readLooks(const aiScene& scene, const std::filesystem::path& file, bool gltf,
-                                 const AssetOptions& options) {
-  const LookReader reader(scene, file, gltf, options);
-  std::vector<AssetLook> looks;
-  for (unsigned i = 0; i < scene.mNumMaterials; ++i) looks.push_back(reader.read(i));
-  return looks;
+std::vector<AssetMaterial> readMaterials(const aiScene& scene, const std::filesystem::path& file, bool gltf,
+                                         const AssetOptions& options) {
+  const MaterialReader reader(scene, file, gltf, options);
+  std::vector<AssetMaterial> materials;
+  for (unsigned i = 0; i < scene.mNumMaterials; ++i) materials.push_back(reader.read(i));
+  return materials;
 }
 
 }  // namespace scanmill

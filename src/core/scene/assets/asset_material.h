@@ -1,6 +1,6 @@
 #pragma once
 
-// What an asset's materials look like, translated from the importer's terms.
+// The materials of an asset, translated from the importer's terms.
 
 #include <filesystem>
 #include <string>
@@ -12,15 +12,15 @@ struct aiScene;
 
 namespace scanmill {
 
-struct AssetLook {
+struct AssetMaterial {
   Material material;
   std::string texture;     // base colour file as the asset names it, or empty
   unsigned uvChannel = 0;  // texture coordinates that the base colour uses
 };
 
-// Returns one look per material of the imported file. A missing or broken texture is a warning.
-std::vector<AssetLook> readLooks(const aiScene& scene, const std::filesystem::path& file, bool gltf,
-                                 const AssetOptions& options);
+// Returns the materials of the imported file. A missing or broken texture is a warning.
+std::vector<AssetMaterial> readMaterials(const aiScene& scene, const std::filesystem::path& file, bool gltf,
+                                         const AssetOptions& options);
 
 // Finds the file that the asset at `asset` calls `name`; empty where there is none. The name is taken relative to the
 // asset, then as an address that begins with model:// or file://. Then a file of that name without its folders is

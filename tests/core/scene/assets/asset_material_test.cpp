@@ -1,4 +1,4 @@
-#include "scene/assets/asset_look.h"
+#include "scene/assets/asset_material.h"
 
 #include <algorithm>
 #include <string>
@@ -27,18 +27,18 @@ TEST_F(AssetFiles, TexturesAreUprightInEveryKind) {
     const AssetPart& part = asset.parts.at(0);
     expectColours(part, name);
     EXPECT_EQ(part.texture, "colours.png") << name;
-    EXPECT_TRUE(part.look.textured);
-    EXPECT_FALSE(part.look.alphaTested);
-    EXPECT_NEAR(part.look.textureMean, kColoursMean, 1e-5);
-    EXPECT_NEAR(part.look.reflectance, name == "a.gltf" ? 0.5 * kColoursMean : kColoursMean, 1e-5) << name;
+    EXPECT_TRUE(part.fileMaterial.textured);
+    EXPECT_FALSE(part.fileMaterial.alphaTested);
+    EXPECT_NEAR(part.fileMaterial.textureMean, kColoursMean, 1e-5);
+    EXPECT_NEAR(part.fileMaterial.reflectance, name == "a.gltf" ? 0.5 * kColoursMean : kColoursMean, 1e-5) << name;
     const Asset plain = read(name, text, {.textures = false});
-    EXPECT_FALSE(plain.parts.at(0).look.textured);
-    EXPECT_FALSE(plain.parts.at(0).look.texture);
+    EXPECT_FALSE(plain.parts.at(0).fileMaterial.textured);
+    EXPECT_FALSE(plain.parts.at(0).fileMaterial.texture);
     EXPECT_EQ(plain.parts.at(0).texture, "colours.png");
   }
   const Asset asset = read("a.gltf", gltf.text());
-  EXPECT_EQ(asset.parts[0].look.roughness, 0.25f);
-  EXPECT_EQ(asset.parts[0].look.metallic, 1.0f);
+  EXPECT_EQ(asset.parts[0].fileMaterial.roughness, 0.25f);
+  EXPECT_EQ(asset.parts[0].fileMaterial.metallic, 1.0f);
 }
 
 TEST_F(AssetFiles, WebpAndEmbeddedTexturesOfGltfAreFound) {
@@ -54,7 +54,7 @@ TEST_F(AssetFiles, WebpAndEmbeddedTexturesOfGltfAreFound) {
     gltf.extra = texture + source + "]";
     const Asset asset = read("a.gltf", gltf.text(), {.up = 'z'});
     expectColours(asset.parts.at(0), source.substr(0, 30));
-    EXPECT_NEAR(asset.parts[0].look.reflectance, kColoursMean, 0.02);
+    EXPECT_NEAR(asset.parts[0].fileMaterial.reflectance, kColoursMean, 0.02);
   }
   gltf.extra = texture + R"({"uri":"my%20textures%2Fcolours.webp"}])";
   EXPECT_EQ(read("a.gltf", gltf.text()).parts.at(0).texture, "my textures/colours.webp");
@@ -63,24 +63,24 @@ TEST_F(AssetFiles, WebpAndEmbeddedTexturesOfGltfAreFound) {
 TEST_F(AssetFiles, AlphaIsTestedWhereTheFileAndItsTextureSaySo) {
   writeColours(folder_.path() / "opaque.png");
   writeColours(folder_.path() / "holes.png", 0);
-  const auto look = [&](const std::string& mode, const std::string& image, bool textures) {
+  const auto material = [&](const std::string& mode, const std::string& image, bool textures) {
     Gltf gltf;
     gltf.material = R"({"name":"leaf",)" + mode + R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
     gltf.extra = R"(,"textures":[{"source":0}],"images":[{"uri":")" + image + R"("}])";
-    return read("a.gltf", gltf.text(), {.textures = textures}).parts.at(0).look;
+    return read("a.gltf", gltf.text(), {.textures = textures}).parts.at(0).fileMaterial;
   };
   for (const bool textures : {true, false}) {
-    EXPECT_FALSE(look("", "holes.png", textures).alphaTested);
-    EXPECT_FALSE(look(R"("alphaMode":"MASK",)", "opaque.png", textures).alphaTested);
-    EXPECT_EQ(look(R"("alphaMode":"MASK",)", "opaque.png", textures).texture != nullptr, textures);
-    const Material mask = look(R"("alphaMode":"MASK","alphaCutoff":0.25,)", "holes.png", textures);
+    EXPECT_FALSE(material("", "holes.png", textures).alphaTested);
+    EXPECT_FALSE(material(R"("alphaMode":"MASK",)", "opaque.png", textures).alphaTested);
+    EXPECT_EQ(material(R"("alphaMode":"MASK",)", "opaque.png", textures).texture != nullptr, textures);
+    const Material mask = material(R"("alphaMode":"MASK","alphaCutoff":0.25,)", "holes.png", textures);
     EXPECT_TRUE(mask.alphaTested);
     EXPECT_EQ(mask.alphaCutoff, 0.25f);
     EXPECT_TRUE(mask.texture);
     EXPECT_EQ(mask.textured, textures);
     // What a beam meets has no part in the hole, which is blue.
     EXPECT_NEAR(mask.reflectance, (0.2126 + 0.7152 + 1) / 3, 1e-5);
-    EXPECT_TRUE(look(R"("alphaMode":"BLEND",)", "holes.png", textures).alphaTested);
+    EXPECT_TRUE(material(R"("alphaMode":"BLEND",)", "holes.png", textures).alphaTested);
   }
 }
 
@@ -88,12 +88,12 @@ TEST_F(AssetFiles, OpacityMapsOfObjMakeHoles) {
   writeColours(folder_.path() / "colours.png");
   writeColours(folder_.path() / "holes.png", 0);
   write("a.mtl", std::string(kMtl) + "map_d holes.png\n");
-  const Material look = read("a.obj", kObj).parts.at(0).look;
-  EXPECT_TRUE(look.alphaTested);
-  EXPECT_EQ(look.texture->texel(0.25f, 0.25f)[3], 0);
-  EXPECT_EQ(look.texture->texel(0.25f, 0.75f)[3], 255);
+  const Material material = read("a.obj", kObj).parts.at(0).fileMaterial;
+  EXPECT_TRUE(material.alphaTested);
+  EXPECT_EQ(material.texture->texel(0.25f, 0.25f)[3], 0);
+  EXPECT_EQ(material.texture->texel(0.25f, 0.75f)[3], 255);
   write("a.mtl", "newmtl paint\nKd 0.5 0.5 0.5\nmap_d holes.png\n");
-  const Material plain = read("a.obj", kObj).parts.at(0).look;
+  const Material plain = read("a.obj", kObj).parts.at(0).fileMaterial;
   EXPECT_TRUE(plain.alphaTested);
   EXPECT_FALSE(plain.textured);
   EXPECT_NEAR(plain.reflectance, 0.5, 1e-6);
@@ -121,10 +121,10 @@ TEST_F(AssetFiles, AlphaThatNobodyDeclaresCountsWhereItLooksLikeCutOuts) {
   const std::string plain = "newmtl paint\nKd 0.5 0.5 0.5\nmap_Kd holes.png\n";
   const auto tested = [&](const std::string& mtl, const std::string& obj, const AssetOptions& options = {}) {
     write("a.mtl", mtl);
-    const Material look = read("a.obj", obj, options).parts.at(0).look;
-    EXPECT_EQ(look.texture != nullptr, look.alphaTested || options.textures);
-    EXPECT_EQ(look.textured, options.textures);
-    return look.alphaTested;
+    const Material material = read("a.obj", obj, options).parts.at(0).fileMaterial;
+    EXPECT_EQ(material.texture != nullptr, material.alphaTested || options.textures);
+    EXPECT_EQ(material.textured, options.textures);
+    return material.alphaTested;
   };
   writeColours(folder_.path() / "holes.png", 0);
   for (const bool textures : {true, false}) {
@@ -162,9 +162,9 @@ TEST_F(AssetFiles, TransparencyOfColladaAndAc3dIsADeclaration) {
     return text.replace(at, mark.size(), by);
   };
   const auto tested = [&](const std::string& name, const std::string& text) {
-    const Material look = read(name, text).parts.at(0).look;
-    EXPECT_TRUE(look.texture) << name;
-    return look.alphaTested;
+    const Material material = read(name, text).parts.at(0).fileMaterial;
+    EXPECT_TRUE(material.texture) << name;
+    return material.alphaTested;
   };
   std::string ac = replaced(kAc, "colours.png", "holes.png");
   ac = replaced(replaced(ac, "1 0.75 0.25", "1 0.4 0.25"), "2 0.25 0.75", "2 0.25 0.4");
@@ -227,19 +227,19 @@ TEST_F(AssetFiles, ScenesOverrideTheUpAxisAndTheAlpha) {
 
 TEST_F(AssetFiles, AlphaUseOverridesTheModeOfGltf) {
   writeColours(folder_.path() / "holes.png", 0);
-  const auto look = [&](const std::string& mode, AlphaUse alpha) {
+  const auto material = [&](const std::string& mode, AlphaUse alpha) {
     Gltf gltf;
     gltf.material = R"({"name":"leaf",)" + mode + R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
     gltf.extra = R"(,"textures":[{"source":0}],"images":[{"uri":"holes.png"}])";
-    return read("a.gltf", gltf.text(), {.alpha = alpha}).parts.at(0).look;
+    return read("a.gltf", gltf.text(), {.alpha = alpha}).parts.at(0).fileMaterial;
   };
   const std::string mask = R"("alphaMode":"MASK","alphaCutoff":0.25,)";
-  EXPECT_FALSE(look(mask, AlphaUse::Ignore).alphaTested);
-  EXPECT_TRUE(look(mask, AlphaUse::Ignore).textured);
-  EXPECT_TRUE(look(mask, AlphaUse::Test).alphaTested);
-  EXPECT_EQ(look(mask, AlphaUse::Test).alphaCutoff, 0.25f);
-  EXPECT_TRUE(look("", AlphaUse::Test).alphaTested);
-  EXPECT_EQ(look("", AlphaUse::Test).alphaCutoff, 0.5f);
+  EXPECT_FALSE(material(mask, AlphaUse::Ignore).alphaTested);
+  EXPECT_TRUE(material(mask, AlphaUse::Ignore).textured);
+  EXPECT_TRUE(material(mask, AlphaUse::Test).alphaTested);
+  EXPECT_EQ(material(mask, AlphaUse::Test).alphaCutoff, 0.25f);
+  EXPECT_TRUE(material("", AlphaUse::Test).alphaTested);
+  EXPECT_EQ(material("", AlphaUse::Test).alphaCutoff, 0.5f);
 }
 
 TEST(AlphaShares, LimitsAreOnTheSideOfCutOuts) {
@@ -259,8 +259,8 @@ TEST_F(AssetFiles, AMissingTextureIsOneWarningAndThePlainColour) {
   EXPECT_THAT(printed, HasSubstr("a.obj"));
   EXPECT_THAT(printed, HasSubstr("colours.png"));
   EXPECT_EQ(std::count(printed.begin(), printed.end(), '\n'), 1) << printed;
-  EXPECT_NEAR(asset.parts.at(0).look.reflectance, 0.5, 1e-6);
-  EXPECT_FALSE(asset.parts[0].look.textured);
+  EXPECT_NEAR(asset.parts.at(0).fileMaterial.reflectance, 0.5, 1e-6);
+  EXPECT_FALSE(asset.parts[0].fileMaterial.textured);
   EXPECT_EQ(asset.parts[0].texture, "colours.png");
 }
 
