@@ -149,7 +149,10 @@ TEST_F(FirstSteps, InfoOfASceneTellsTheSizesOfItsObjects) {
 template <class Make>
 std::set<std::string> keysRead(std::string_view name, const Make& make) {
   // Some want a key before they look at the others.
-  const std::string needs = name == "quantize" ? "step_m: 1, " : name == "angular_jitter" ? "sigma_deg: 1, " : "";
+  const std::string needs = name == "quantize"         ? "step_m: 1, "
+                            : name == "angular_jitter" ? "sigma_deg: 1, "
+                            : name == "speckle"        ? "looks: 1, "
+                                                       : "";
   const Value value = parseYaml("{" + needs + "qqqqqqqqqqqqqqqqqqqq: 1}", "x.yaml");
   Fields fields(value, "options");
   std::string text = messageOf([&] { make(fields); });

@@ -18,6 +18,8 @@ enum class Purpose : std::uint16_t {
   DropOut = 4,
   Street = 5,
   Bootstrap = 6,
+  RingBias = 7,
+  Speckle = 256,  // and the seven after it: four looks each
   Test = 99,
 };
 

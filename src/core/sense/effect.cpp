@@ -9,7 +9,17 @@
 namespace scanmill {
 
 std::span<const EffectEntry> effects() {
-  static constexpr std::array<EffectEntry, 6> kEffects{{
+  static constexpr std::array<EffectEntry, 8> kEffects{{
+      {"ring_bias", "fixed errors of each laser: range, elevation and gain, drawn once per sensor or as listed",
+       "range_sigma_m: 0 m, spread of the range's offset over the rings; "
+       "elevation_sigma_deg: 0 deg, spread of the elevation's error; "
+       "gain_sigma: 0, spread of the gain's natural logarithm; "
+       "range_m: none, in place of the spread a list of offsets in m, one per ring; "
+       "elevation_deg: none, a list likewise; "
+       "gain: none, a list likewise, 1 is right",
+       0, makeRingBias},
+      {"speckle", "grain of laser light: the power of each return times a random factor of the gamma law",
+       "looks: required, 1 to 30 patterns that average, for a variance of 1 / looks", 0, makeSpeckle},
       {"intensity",
        "strength of the return: diffuse, specular and retroreflective, over range and air, then the sensor",
        "reference_range_m: 10 m, where a white diffuse target has power 1; "
@@ -19,27 +29,30 @@ std::span<const EffectEntry> effects() {
        "gain: 1; "
        "saturation: 1 for u8, none for float, the largest gain * power; "
        "gamma: 1, exponent of the response; "
-       "output: float or u8 (0 to 255)",
-       0, makeIntensity},
+       "output: float or u8 (0 to 255); "
+       "model: power or reflectivity, the power as from the reference range through clear air; "
+       "diffuse: lambertian or oren_nayar, rough surfaces that stay bright where the beam grazes them; "
+       "retro_full_scale: none, for bytes of reflectivity: 0 to 100 diffuse, 255 so many times a white target",
+       1, makeIntensity},
       {"dropout", "returns that are not reported: too faint, or lost at random",
        "threshold: 0, least power that is reported, 1 is white at the reference range; "
        "probability: 0, share lost at random",
-       1, makeDropOut},
+       2, makeDropOut},
       {"range_noise", "Gaussian error of the range along the beam",
        "sigma_m: 0 m, constant part; "
        "sigma_per_m: 0 m/m, growth with the range; "
        "table: none, in their place [[range m, sigma m], ...], linear between and constant beyond",
-       2, makeRangeNoise},
+       3, makeRangeNoise},
       {"shell", "random vector of fixed length added to the point; for comparison with published datasets",
        "scale_m: 0 m, length at range 0; "
        "growth_per_m: 0 m/m, growth with the range",
-       2, makeShellNoise},
-      {"quantize", "ranges in whole steps", "step_m: required, m", 3, makeQuantize},
+       3, makeShellNoise},
+      {"quantize", "ranges in whole steps", "step_m: required, m", 4, makeQuantize},
       {"angular_jitter", "Gaussian error of the beam's azimuth and elevation",
        "sigma_deg: 0 deg, of both; "
        "azimuth_sigma_deg: sigma_deg, about the sensor's axis; "
        "elevation_sigma_deg: sigma_deg",
-       4, makeAngularJitter},
+       5, makeAngularJitter},
   }};
   return kEffects;
 }

@@ -16,7 +16,7 @@ constexpr std::uint8_t kMostReturns = 16;  // of a beam: as many addresses of ra
 }  // namespace
 
 void Returns::start(const Hits& hits) {
-  for (auto* column : {&power, &intensity}) column->clear();
+  for (auto* column : {&gain, &power, &intensity}) column->clear();
   displacement.clear();
   label.clear();
   instance.clear();
@@ -88,6 +88,7 @@ void Returns::add(const AddedReturn& added, const Hits& hits) {
     if (!column.empty()) column.push_back(value);
   };
   if (power.empty() && added.power > 0) power.resize(size() - 1);
+  append(gain, 1.0f);
   append(power, added.power);
   append(intensity, added.intensity);
   append(displacement, Vec3f{});

@@ -38,6 +38,7 @@ struct AddedReturn {
 class Returns {
  public:
   std::vector<float> range;      // m along the beam; kMiss: the row was removed, or never was
+  std::vector<float> gain;       // factor of the power: speckle, the strength of a laser; empty: 1
   std::vector<float> power;      // before the sensor's response; empty until an effect sets it
   std::vector<float> intensity;  // what the sensor makes of the power; empty until an effect sets it
   std::vector<Vec3f>

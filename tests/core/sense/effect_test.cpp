@@ -14,6 +14,8 @@ TEST(Effects, RowsAreUniqueAndRunInTheOrderOfPhysics) {
     EXPECT_NE(entry.make, nullptr);
   }
   const auto stage = [](std::string_view name) { return requireEffect(name, {}).stage; };
+  EXPECT_LT(stage("speckle"), stage("intensity"));
+  EXPECT_LT(stage("ring_bias"), stage("intensity"));
   EXPECT_LT(stage("intensity"), stage("dropout"));
   EXPECT_LT(stage("dropout"), stage("range_noise"));
   EXPECT_EQ(stage("range_noise"), stage("shell"));

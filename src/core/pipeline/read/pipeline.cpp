@@ -253,6 +253,7 @@ SensorEffects inOrder(std::vector<MadeEffect> made) {
                    [](const MadeEffect& a, const MadeEffect& b) { return a.entry->stage < b.entry->stage; });
   SensorEffects ordered;
   bool intensity = false;
+  const MadeEffect* gain = nullptr;
   for (MadeEffect& m : made) {
     if (m.effect->needsIntensity() && !intensity) {
       throw InputError(
@@ -263,8 +264,14 @@ SensorEffects inOrder(std::vector<MadeEffect> made) {
                        fmt::format("the effect '{}' sets the intensity, as an earlier one does", m.entry->name));
     }
     intensity = intensity || m.effect->setsIntensity();
+    gain = m.effect->setsGain() ? &m : gain;
     ordered.entries.push_back(m.entry);
     ordered.effects.push_back(std::move(m.effect));
+  }
+  if (gain != nullptr && !intensity) {
+    throw InputError(gain->where, fmt::format("the effect '{}' changes the power, which nothing looks at: add the "
+                                              "effect `intensity`",
+                                              gain->entry->name));
   }
   return ordered;
 }
@@ -459,6 +466,10 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
                        automatic && pipeline.recording == nullptr};
   }
   readEffects(fields, pipeline);
+  for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
+    for (const auto& effect : pipeline.effectsOf(s))
+      effect->check(static_cast<std::uint32_t>(pipeline.sensors[s].size.rings));
+  }
   readOutput(fields.require("output"), pipeline);
   std::vector<SequenceName> names;
   for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectoryName});

@@ -39,13 +39,11 @@ struct RandomWords {
   Batch<std::uint32_t> b;
 };
 
-// The first two words of each row's block, for rows first, first + 1, ...
-inline void drawWords(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first,
-                      RandomWords& words) {
+// Calls keep(i, block) with the random words of each row's address, for rows first + i.
+template <class Keep>
+void drawBlocks(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first, const Keep& keep) {
   const auto draw = [&](std::size_t i, std::uint32_t beam, std::uint32_t number) {
-    const RandomBlock block = randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, number, purpose});
-    words.a[i] = block[0];
-    words.b[i] = block[1];
+    keep(i, randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, number, purpose}));
   };
   if (returns.onePerBeam()) {
     for (std::size_t i = 0; i < kBatch; ++i) draw(i, static_cast<std::uint32_t>(first + i), 0);
@@ -53,6 +51,15 @@ inline void drawWords(const Shot& shot, Purpose purpose, const Returns& returns,
   }
   const std::size_t count = std::min(kBatch, returns.size() - first);
   for (std::size_t i = 0; i < count; ++i) draw(i, returns.beam(first + i), returns.number(first + i));
+}
+
+// The first two words of each row's block, for rows first, first + 1, ...
+inline void drawWords(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first,
+                      RandomWords& words) {
+  drawBlocks(shot, purpose, returns, first, [&](std::size_t i, const RandomBlock& block) {
+    words.a[i] = block[0];
+    words.b[i] = block[1];
+  });
 }
 
 // The values of the hits of rows first, first + 1, ...: where they lie, or gathered in `buffer`. `none`: of rows

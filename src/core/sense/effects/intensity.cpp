@@ -2,6 +2,7 @@
 //
 //   intensity: {reference_range_m: 10, falloff: inverse_square, near_range_m: 1, attenuation_per_m: 0,
 //               gain: 1, saturation: 4, gamma: 1, output: float}
+//   intensity: {model: reflectivity, diffuse: oren_nayar, output: u8, retro_full_scale: 1000}
 //
 // The power is 1.0 for a white Lambertian target at normal incidence at the reference range in clear air:
 //
@@ -18,8 +19,23 @@
 // coincide, G = 1 / (1 + Lambda) (Heitz, "Understanding the masking-shadowing function in microfacet-based BRDFs",
 // JCGT 3(2), 2014, eq. 72 for Lambda of GGX; section 5 for correlated directions).
 //
+// diffuse: oren_nayar puts A cos t + B sin^2 t in place of the cosine of what is diffuse: rough surfaces show their
+// facets' lit sides to a sensor that stands where the light comes from, so that roads stay bright where the beam grazes
+// them (Oren and Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, eq. 30, with both directions
+// the beam's; A = 1 - 0.5 s^2 / (s^2 + 0.33), B = 0.45 s^2 / (s^2 + 0.09)). s is the angle of the root mean square
+// slope, which is alpha / sqrt(2) for a microfacet surface (Heitz 2014, section 5.3).
+//
+// Effects that run earlier may set Returns::gain, by which the power is multiplied.
+//
 // The response: v = min(gain * power, saturation) ^ gamma for output float; 255 * (min(gain * power, saturation) /
 // saturation) ^ gamma, rounded, for output u8, with a saturation of 1 unless one is given. A miss gets 0.
+//
+// model: reflectivity reports the power that the surface would have sent back from the reference range through clear
+// air, as sensors do that are calibrated against targets of known reflectance: 1 is a white diffuse target at normal
+// incidence, whatever its range. The effects that look at the power still see what arrives. With retro_full_scale the
+// byte is 100 v for v <= 1 and 100 + 155 log(v) / log(retro_full_scale) beyond, the scale that manuals state: 0 to 100
+// for diffuse targets of 0 to 100 %, and up to 255 for retroreflectors (Velodyne, VLP-16 User Manual 63-9243 Rev. D,
+// section 6.1; Ouster, Firmware User Manual, "Calibrated reflectivity"). How bright the brightest is they leave open.
 
 #include <algorithm>
 #include <cfloat>
@@ -45,6 +61,9 @@ struct Options {
   float saturation = FLT_MAX;
   double gamma = 1;
   bool bytes = false;
+  bool reflectivity = false;  // as seen from the reference range
+  bool orenNayar = false;
+  double retroFullScale = 0;  // 0: bytes are linear
 };
 
 // What a material does to light that comes back along its way: diffuse = matt * reflectance, F0 = glossy + metal *
@@ -55,9 +74,22 @@ struct Lobes {
   float glossy = 0;
   float alpha2 = 1;
   float retro = 0;
+  float even = 1;     // the diffuse part's share that follows the cosine
+  float grazing = 0;  // and that which follows the square of the sine
 };
 
-Lobes lobesOf(float givenRoughness, float givenMetallic, float retroreflectance) {
+constexpr double kHalfRoot = 0.70710678118654752440;
+
+// The arc tangent for 0 to kHalfRoot, from additions, multiplications and divisions only, so that all machines give the
+// same: atan(t) = 2 atan(t / (1 + sqrt(1 + t^2))), and the series of what is left, errors under 1e-9.
+double angleOfSlope(double t) {
+  const double half = t / (1 + std::sqrt(1 + t * t));
+  const double z = half * half;
+  const double tail = 1.0 / 9 - z * (1.0 / 11 - z * (1.0 / 13 - z * (1.0 / 15 - z * (1.0 / 17 - z * (1.0 / 19)))));
+  return 2 * half * (1 - z * (1.0 / 3 - z * (1.0 / 5 - z * (1.0 / 7 - z * tail))));
+}
+
+Lobes lobesOf(float givenRoughness, float givenMetallic, float retroreflectance, bool orenNayar) {
   const float roughness = std::clamp(givenRoughness, 0.0f, 1.0f);
   const float metallic = std::clamp(givenMetallic, 0.0f, 1.0f);
   // glTF's roughness is the root of GGX's alpha (Burley, "Physically based shading at Disney", 2012). A dielectric of
@@ -65,8 +97,14 @@ Lobes lobesOf(float givenRoughness, float givenMetallic, float retroreflectance)
   const float alpha = roughness * roughness;
   const float glossy = kDielectricF0 * (1 - alpha);
   const float width = std::max(alpha, kSmallestAlpha);
-  return {(1 - metallic) * (1 - glossy), metallic, (1 - metallic) * glossy, width * width,
-          std::max(retroreflectance, 0.0f)};
+  Lobes lobes{(1 - metallic) * (1 - glossy), metallic, (1 - metallic) * glossy, width * width,
+              std::max(retroreflectance, 0.0f)};
+  if (orenNayar) {
+    const double slope = angleOfSlope(alpha * kHalfRoot);
+    lobes.even = static_cast<float>(1 - 0.5 * slope * slope / (slope * slope + 0.33));
+    lobes.grazing = static_cast<float>(0.45 * slope * slope / (slope * slope + 0.09));
+  }
+  return lobes;
 }
 
 // A matt surface's `reflectance` at the cosine c of the angle of incidence, in units of a white one's at normal
@@ -78,7 +116,8 @@ float reflected(const Lobes& lobe, float c, float reflectance) {
   // pi D F0 G / (4 cos t), with cos t taken into G = 2 cos t / (cos t + sqrt(cos^2 t + alpha^2 sin^2 t)).
   const float masking = c + std::sqrt(c * c + lobe.alpha2 * sin2);
   const float specular = f0 * lobe.alpha2 / (2 * width * width * masking);
-  return c * (lobe.matt * reflectance + lobe.retro) + specular;
+  const float diffuse = lobe.matt * reflectance;
+  return c * (diffuse * lobe.even + lobe.retro) + diffuse * lobe.grazing * sin2 + specular;
 }
 
 class Intensity : public Effect {
@@ -99,33 +138,45 @@ class Intensity : public Effect {
                                          Returns& returns) const {
     std::vector<Lobes> lobes;
     lobes.reserve(materials.size() + 1);
-    for (const Material& m : materials) lobes.push_back(lobesOf(m.roughness, m.metallic, m.retroreflectance));
+    for (const Material& m : materials) {
+      lobes.push_back(lobesOf(m.roughness, m.metallic, m.retroreflectance, o_.orenNayar));
+    }
     lobes.emplace_back();  // for what has no material: matt
 
     returns.power.resize(returns.size());
     returns.intensity.assign(returns.size(), 0);
     Batch<float> ranges;
     Batch<float> given;
+    Batch<float> sent;
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       float* const power = returns.power.data() + first;
       for (std::size_t i = 0; i < count && !returns.onePerBeam(); ++i) given[i] = power[i];
       reflect(hits, lobes, returns, first, count, power);
-      travel(valuesOfHits(returns, hits.range, first, ranges, kMiss), count, power);
-      for (std::size_t i = 0; i < count; ++i) {
-        const float finite = power[i] < FLT_MAX ? power[i] : FLT_MAX;
-        const bool returned = returns.range[first + i] < kMiss;
-        power[i] = returned && power[i] > 0 ? finite : 0;
-      }
       if (!hits.weightOfRay.empty()) share(hits, returns, first, count, power);
-      for (std::size_t i = 0; i < count && !returns.onePerBeam(); ++i) {
-        power[i] = returns.hit(first + i) == kNoHit ? given[i] : power[i];  // as the effect that added the row says
-      }
-      respond(power, count, returns.intensity.data() + first);
+      for (std::size_t i = 0; i < count && !returns.gain.empty(); ++i) power[i] *= returns.gain[first + i];
+      for (std::size_t i = 0; i < count && o_.reflectivity; ++i) sent[i] = power[i];
+      travel(valuesOfHits(returns, hits.range, first, ranges, kMiss), count, power);
+      settle(returns, first, count, given, power);
+      if (o_.reflectivity) settle(returns, first, count, given, sent.data());
+      respond(o_.reflectivity ? sent.data() : power, count, returns.intensity.data() + first);
     });
   }
 
-  static void reflect(const Hits& hits, const std::vector<Lobes>& lobes, const Returns& returns, std::size_t first,
-                      std::size_t count, float* power) {
+  // Finite, nothing where there is no return, and as the effect that added the row says where there is no hit.
+  static void settle(const Returns& returns, std::size_t first, std::size_t count, const Batch<float>& given,
+                     float* power) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const float finite = power[i] < FLT_MAX ? power[i] : FLT_MAX;
+      const bool returned = returns.range[first + i] < kMiss;
+      power[i] = returned && power[i] > 0 ? finite : 0;
+    }
+    for (std::size_t i = 0; i < count && !returns.onePerBeam(); ++i) {
+      power[i] = returns.hit(first + i) == kNoHit ? given[i] : power[i];
+    }
+  }
+
+  void reflect(const Hits& hits, const std::vector<Lobes>& lobes, const Returns& returns, std::size_t first,
+               std::size_t count, float* power) const {
     Batch<std::uint16_t> materials;
     Batch<float> reflectances;
     Batch<float> incidences;
@@ -138,7 +189,7 @@ class Intensity : public Effect {
       const float* const metallic = valuesOfHits(returns, hits.metallic, first, buffers[1]);
       const float* const retro = valuesOfHits(returns, hits.retroreflectance, first, buffers[2]);
       for (std::size_t i = 0; i < count; ++i) {
-        power[i] = reflected(lobesOf(roughness[i], metallic[i], retro[i]), incidence[i], reflectance[i]);
+        power[i] = reflected(lobesOf(roughness[i], metallic[i], retro[i], o_.orenNayar), incidence[i], reflectance[i]);
       }
       return;
     }
@@ -172,6 +223,7 @@ class Intensity : public Effect {
   }
 
   void respond(const float* power, std::size_t count, float* intensity) const {
+    if (o_.retroFullScale > 0) return respondByManual(power, count, intensity);
     const float unit = o_.bytes ? 1 / o_.saturation : 1.0f;
     for (std::size_t i = 0; i < count; ++i) {
       const float amplified = o_.gain * power[i];
@@ -193,6 +245,17 @@ class Intensity : public Effect {
     }
   }
 
+  void respondByManual(const float* power, std::size_t count, float* intensity) const {
+    const double steps = 155 / naturalLog(o_.retroFullScale);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double value = o_.gain * power[i];
+      const double diffuse = value < 1 ? value : 1.0;
+      const double retro = value > 1 ? naturalLog(value) : 0.0;
+      const double byte = std::floor(100 * diffuse + steps * retro + 0.5);
+      intensity[i] = static_cast<float>(byte < 255 ? byte : 255.0);
+    }
+  }
+
   Options o_;
 };
 
@@ -208,7 +271,18 @@ std::unique_ptr<Effect> makeIntensity(Fields& options) {
   o.bytes = options.choice("output", {"float", "u8"}, "float") == "u8";
   o.saturation = static_cast<float>(options.number("saturation", {1e-9, 1e30}, o.bytes ? 1.0 : 1e30));
   o.gamma = options.number("gamma", {0.05, 10}, 1);
+  o.reflectivity = options.choice("model", {"power", "reflectivity"}, "power") == "reflectivity";
+  o.orenNayar = options.choice("diffuse", {"lambertian", "oren_nayar"}, "lambertian") == "oren_nayar";
+  const Value* retro = options.find("retro_full_scale");
+  if (retro != nullptr) o.retroFullScale = options.number("retro_full_scale", {1.01, 1e9});
   options.finish();
+  if (retro != nullptr && (!o.reflectivity || !o.bytes)) {
+    throw InputError(retro->where, "effect intensity: retro_full_scale needs model: reflectivity and output: u8");
+  }
+  if (retro != nullptr && (options.has("saturation") || options.has("gamma"))) {
+    throw InputError(retro->where,
+                     "effect intensity: retro_full_scale states the whole response: leave saturation and gamma out");
+  }
   return std::make_unique<Intensity>(o);
 }
 

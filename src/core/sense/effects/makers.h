@@ -14,5 +14,7 @@ std::unique_ptr<Effect> makeRangeNoise(Fields& options);
 std::unique_ptr<Effect> makeShellNoise(Fields& options);
 std::unique_ptr<Effect> makeQuantize(Fields& options);
 std::unique_ptr<Effect> makeAngularJitter(Fields& options);
+std::unique_ptr<Effect> makeSpeckle(Fields& options);
+std::unique_ptr<Effect> makeRingBias(Fields& options);
 
 }  // namespace scanmill

@@ -271,6 +271,16 @@ const Refusal kRefusals[] = {
      "effects: [dropout: {threshold: 0.1}]\nmethod:",
      "dropout",
      {"add the effect `intensity`"}},
+    {"Speckle",
+     "method:",
+     "effects: [speckle: {looks: 4}]\nmethod:",
+     "speckle",
+     {"'speckle' changes the power", "add the effect `intensity`"}},
+    {"RingBias",
+     "method:",
+     "effects: [ring_bias: {range_m: [0.1, 0.2]}]\nmethod:",
+     "[0.1",
+     {"2 figures", "one figure per ring"}},
     {"Steps", "method:", "motion: {steps: 0}\nmethod:", "0}", {"steps"}},
 };
 

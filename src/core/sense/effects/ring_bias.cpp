@@ -1,0 +1,143 @@
+// ring_bias: what a sensor's calibration leaves over of each laser: an offset of its ranges, an error of its elevation
+// and its gain. They stay the same for all beams of a ring and all frames of a dataset.
+//
+//   ring_bias: {range_sigma_m: 0.02, elevation_sigma_deg: 0.02, gain_sigma: 0.2}
+//   ring_bias: {range_m: [0.01, -0.02, ...], elevation_deg: [...], gain: [...]}   # one figure per ring
+//
+// Offsets are what is reported less what is true; elevation is positive upwards. Spreads are standard deviations:
+// Gaussian numbers, drawn once per sensor and ring from the pipeline's seed; the gain is exp(gain_sigma * number). Each
+// of the three is given either as a spread or as a list. A ring whose range would fall below 1 mm reports 1 mm.
+
+#include <cmath>
+
+#include "base/instruction_sets.h"
+#include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
+
+namespace scanmill {
+namespace {
+
+constexpr double kNearest = 0.001;  // m
+
+// Of one figure: either a list, or a spread from which it is drawn.
+struct PerRing {
+  double sigma = 0;
+  std::vector<double> list;
+  Location where;
+
+  bool zero() const { return sigma == 0 && list.empty(); }
+  double of(std::uint32_t ring, double normal) const { return list.empty() ? sigma * normal : list[ring]; }
+};
+
+class RingBias : public Effect {
+ public:
+  RingBias(PerRing range, PerRing elevation, PerRing gain)
+      : range_(std::move(range)), elevation_(std::move(elevation)), gain_(std::move(gain)) {}
+
+  Channels reads() const override { return Channel::Range; }
+  bool setsGain() const override { return !gain_.zero(); }
+
+  void check(std::uint32_t rings) const override {
+    for (const PerRing* figure : {&range_, &elevation_, &gain_}) {
+      if (figure->list.empty() || figure->list.size() == rings) continue;
+      throw InputError(figure->where, "effect ring_bias: the list has " + std::to_string(figure->list.size()) +
+                                          " figures, the sensor " + std::to_string(rings) +
+                                          " rings: give one figure per ring");
+    }
+  }
+
+  void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
+    check(shot.beams->rings);
+    if (!gain_.zero()) returns.gain.resize(returns.size(), 1.0f);
+    if (!elevation_.zero()) returns.displacement.resize(returns.size());
+    for (std::uint32_t ring = 0; ring < shot.beams->rings && returns.onePerBeam(); ++ring) {
+      change(errorsOf(shot, ring), shot, std::size_t{ring} * shot.beams->columns, shot.beams->columns, returns);
+    }
+    if (returns.onePerBeam()) return;
+    std::vector<Errors> errors;
+    for (std::uint32_t ring = 0; ring < shot.beams->rings; ++ring) errors.push_back(errorsOf(shot, ring));
+    for (std::size_t row = 0; row < returns.size(); ++row) {
+      change(errors[returns.beam(row) / shot.beams->columns], shot, row, 1, returns);
+    }
+  }
+
+ private:
+  struct Errors {
+    double range = 0;  // m
+    SinCos elevation{0, 1};
+    double gain = 1;
+  };
+
+  Errors errorsOf(const Shot& shot, std::uint32_t ring) const {
+    const RandomBlock words =
+        randomBlock({.seed = shot.seed, .sensor = shot.sensor, .beam = ring, .purpose = Purpose::RingBias});
+    const NormalPair first = normalPair(words[0], words[1]);
+    const NormalPair second = normalPair(words[2], words[3]);
+    Errors errors;
+    errors.range = range_.of(ring, first.first);
+    errors.elevation = sinCosSmall(radians(elevation_.of(ring, first.second)));
+    if (!gain_.zero()) errors.gain = gain_.list.empty() ? exponential(gain_.sigma * second.first) : gain_.list[ring];
+    return errors;
+  }
+
+  // Of neighbouring rows of one ring.
+  SCANMILL_BEST_INSTRUCTIONS void change(const Errors& errors, const Shot& shot, std::size_t firstRow,
+                                         std::size_t count, Returns& returns) const {
+    float* const range = returns.range.data() + firstRow;
+    for (std::size_t i = 0; i < count && !elevation_.zero(); ++i) {
+      const Vec3d& d = shot.beams->direction[returns.beam(firstRow + i)];
+      const double level = std::sqrt(d.x * d.x + d.y * d.y);
+      const double tilted = level * errors.elevation.cos - d.z * errors.elevation.sin;
+      const double stretch = level > 0 ? tilted / level - 1 : 0.0;
+      const double scale = range[i] < kMiss ? range[i] : 0.0;
+      Vec3f& displacement = returns.displacement[firstRow + i];
+      displacement.x += static_cast<float>(scale * d.x * stretch);
+      displacement.y += static_cast<float>(scale * d.y * stretch);
+      displacement.z += static_cast<float>(scale * (d.z * errors.elevation.cos + level * errors.elevation.sin - d.z));
+    }
+    for (std::size_t i = 0; i < count && !range_.zero(); ++i) {
+      const double exact = range[i];
+      const double nearest = exact < kNearest ? exact : kNearest;
+      const double reported = exact + errors.range;
+      range[i] = range[i] < kMiss ? static_cast<float>(reported > nearest ? reported : nearest) : kMiss;
+    }
+    for (std::size_t i = 0; i < count && !gain_.zero(); ++i) {
+      returns.gain[firstRow + i] *= static_cast<float>(errors.gain);
+    }
+  }
+
+  PerRing range_;      // m
+  PerRing elevation_;  // deg
+  PerRing gain_;
+};
+
+PerRing readFigure(Fields& options, const char* spread, Range spreads, const char* list, Range values) {
+  PerRing figure;
+  if (const Value* given = options.find(list)) {
+    if (options.has(spread)) {
+      throw InputError(given->where, std::string("effect ring_bias: give either ") + list + " or " + spread);
+    }
+    figure.list = readNumbers(*given, std::string("effect ring_bias: ") + list, values);
+    figure.where = given->where;
+  }
+  figure.sigma = options.number(spread, spreads, 0);
+  return figure;
+}
+
+}  // namespace
+
+std::unique_ptr<Effect> makeRingBias(Fields& options) {
+  PerRing range = readFigure(options, "range_sigma_m", {0, 1}, "range_m", {-10, 10});
+  PerRing elevation = readFigure(options, "elevation_sigma_deg", {0, 2}, "elevation_deg", {-10, 10});
+  PerRing gain = readFigure(options, "gain_sigma", {0, 3}, "gain", {0, 1000});
+  options.finish();  // first: a misspelt key is the likelier reason for the lack of one
+  bool given = false;
+  for (const char* key : {"range_sigma_m", "elevation_sigma_deg", "gain_sigma", "range_m", "elevation_deg", "gain"}) {
+    given |= options.has(key);
+  }
+  if (!given)
+    throw InputError(options.where(), "effect ring_bias: give a spread or a list of range, elevation or gain");
+  return std::make_unique<RingBias>(std::move(range), std::move(elevation), std::move(gain));
+}
+
+}  // namespace scanmill

@@ -1,0 +1,61 @@
+// speckle: the grain of laser light on rough surfaces. The power of each return is multiplied by a random factor.
+//
+//   speckle: {looks: 12}
+//
+// Light that a rough surface scatters interferes with itself; what a detector gets when it averages over `looks`
+// independent patterns follows the gamma law of mean 1 and variance 1 / looks (Goodman, "Some fundamental properties of
+// speckle", JOSA 66(11), 1976, eq. 24; exponential for one look, of its eq. 8). Drawn exactly: the sum of `looks`
+// exponential numbers is minus the logarithm of the product of as many uniform ones. Independent from return to return.
+
+#include "base/instruction_sets.h"
+#include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
+
+namespace scanmill {
+namespace {
+
+constexpr int kMostLooks = 30;  // the product of so many numbers of at least 2^-33 is still a normal number
+
+class Speckle : public Effect {
+ public:
+  explicit Speckle(int looks) : looks_(looks) {}
+
+  Channels reads() const override { return Channel::Range; }
+  bool setsGain() const override { return true; }
+
+  void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
+    returns.gain.resize(returns.size(), 1.0f);
+    change(shot, returns);
+  }
+
+ private:
+  SCANMILL_BEST_INSTRUCTIONS void change(const Shot& shot, Returns& returns) const {
+    Batch<double> product;
+    forBatches(returns.range, [&](std::size_t first, std::size_t count) {
+      product.fill(1.0);
+      for (int drawn = 0; drawn < looks_; drawn += 4) {
+        const auto purpose = static_cast<Purpose>(static_cast<int>(Purpose::Speckle) + drawn / 4);
+        const auto factor = [left = looks_ - drawn](const RandomBlock& block, int word) {
+          return word < left ? (toDouble(block[static_cast<std::size_t>(word)]) + 0.5) * 0x1p-32 : 1.0;
+        };
+        drawBlocks(shot, purpose, returns, first, [&](std::size_t i, const RandomBlock& block) {
+          product[i] *= (factor(block, 0) * factor(block, 1)) * (factor(block, 2) * factor(block, 3));
+        });
+      }
+      float* const gain = returns.gain.data() + first;
+      for (std::size_t i = 0; i < count; ++i) gain[i] *= static_cast<float>(naturalLog(product[i]) * (-1.0 / looks_));
+    });
+  }
+
+  int looks_;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> makeSpeckle(Fields& options) {
+  const int looks = static_cast<int>(options.integer("looks", 1, kMostLooks));
+  options.finish();
+  return std::make_unique<Speckle>(looks);
+}
+
+}  // namespace scanmill
