@@ -35,6 +35,14 @@ TEST_F(Pictures, CloseUps) {
               AllOf(HasSubstr("--at X,Y,Z"), HasSubstr("--within R"), HasSubstr("--at 6.5,-2.7,-1 --within 2.5")));
 }
 
+// Colours by a column go by the column's name too.
+TEST_F(Pictures, ColoursByLabelAreThoseByClass) {
+  ASSERT_EQ(scanmill(of({"--color", "class"})).code, 0);
+  const std::string byClass = readFile(at("p.png"));
+  ASSERT_EQ(scanmill(of({"--color", "label"})).code, 0);
+  EXPECT_EQ(readFile(at("p.png")), byClass);
+}
+
 TEST_F(Pictures, WrongCloseUpsAreRefusedWithAdvice) {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
       {{"--at", "1,2,3"}, "both --at X,Y,Z"},

@@ -1,5 +1,6 @@
 // Help, lists, and wrong usage.
 
+#include "commands/command.h"
 #include "tests/commands/program.h"
 
 namespace scanmill {
@@ -9,19 +10,19 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 TEST(Usage, HelpOfEverythingHasExamples) {
-  const std::vector<std::string> commands{"generate", "repeatability", "plan", "verify",
-                                          "report",   "view",          "info", "list"};
+  std::vector<std::string> names;
+  for (const Command& command : commands()) names.emplace_back(command.name);
   std::vector<std::vector<std::string>> all{{"--help"}};
-  for (const std::string& command : commands) all.push_back({command, "--help"});
+  for (const std::string& name : names) all.push_back({name, "--help"});
   const std::vector<Outcome> outcomes = scanmillEach(all);
   for (const Outcome& o : outcomes) {
     EXPECT_EQ(o.code, 0);
     EXPECT_EQ(o.error, "");
   }
-  for (std::size_t i = 0; i < commands.size(); ++i) {
-    EXPECT_THAT(outcomes[0].out, HasSubstr("scanmill " + commands[i]));
-    EXPECT_THAT(outcomes[i + 1].out, AllOf(HasSubstr("Usage:"), HasSubstr("Examples:\n  scanmill " + commands[i])))
-        << commands[i];
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    EXPECT_THAT(outcomes[0].out, HasSubstr("scanmill " + names[i]));
+    EXPECT_THAT(outcomes[i + 1].out, AllOf(HasSubstr("Usage:"), HasSubstr("Examples:\n  scanmill " + names[i])))
+        << names[i];
   }
 }
 

@@ -34,6 +34,8 @@ class Method {
   virtual TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const = 0;
   // What it models of the scene and what it leaves out, one line each, for `plan` and the manifest.
   virtual std::vector<std::string> modelled() const = 0;
+  // Of the scene's own meshes and of all that the method keeps besides, as far as both are loaded now: what `plan`
+  // says.
   virtual std::uint64_t memoryBytes() const = 0;
   // Itself, where it draws passes that can be kept (MethodCapabilities::passes); else null.
   virtual const DepthCamera* depthCamera() const { return nullptr; }

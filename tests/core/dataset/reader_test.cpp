@@ -108,7 +108,7 @@ TEST(DecodeMember, PicksTheFormatByItsSuffix) {
     EXPECT_EQ(decoded.size(), scan.size()) << name;
     EXPECT_THAT(messageOf<InputError>([&] { decodeMember(name, "garbage"); }), HasSubstr(name));
   }
-  for (const char* name : {"key.top.xyz", "key", "key.", ""}) {
+  for (const char* name : {"key.top.nonsense", "key", "key.", ""}) {
     EXPECT_THAT(messageOf<InputError>([&] { decodeMember(name, "x"); }), HasSubstr("known: .pcd")) << name;
   }
 }

@@ -14,9 +14,9 @@ Scan decoded(const std::string& text) {
   return makeFormat("csv")->decode(text, "test.csv");
 }
 
-TEST(Csv, RoundTripIsExactForAllSetsOfColumns) {
+TEST(Csv, RoundTripIsExactForSetsOfColumns) {
   const auto csv = makeFormat("csv");
-  for (unsigned columns = 0; columns <= kAllColumns; ++columns) {
+  for (const unsigned columns : setsOfColumns()) {
     for (const bool organised : {false, true}) {
       SCOPED_TRACE(fmt::format("columns {:x} organised {}", columns, organised));
       const Scan scan = randomScan(columns, 5, 40, columns, organised);

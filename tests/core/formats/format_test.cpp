@@ -18,7 +18,7 @@ TEST(Formats, TableAndSuffixesAgree) {
     EXPECT_EQ(&requireFormat(entry.name, {}), &entry);
     EXPECT_FALSE(entry.summary.empty());
   }
-  EXPECT_EQ(formatBySuffix("las"), nullptr);
+  EXPECT_EQ(formatBySuffix("nonsense"), nullptr);
 }
 
 TEST(Formats, UnknownNamesGetASuggestion) {

@@ -29,6 +29,18 @@ inline std::unique_ptr<Format> makeFormat(std::string_view name, std::string_vie
 // Bits of `present`: which rows of the table of columns the scan has.
 constexpr unsigned kAllColumns = (1u << kColumnCount) - 1;
 
+// Bits of columns: none, all, each alone, each left out, and some hundred others.
+inline std::vector<unsigned> setsOfColumns() {
+  std::vector<unsigned> sets{0, kAllColumns};
+  for (std::size_t k = 0; k < kColumnCount; ++k) {
+    sets.push_back(1u << k);
+    sets.push_back(kAllColumns & ~(1u << k));
+  }
+  std::mt19937 random(7);
+  for (int k = 0; k < 200; ++k) sets.push_back(static_cast<unsigned>(random()) & kAllColumns);
+  return sets;
+}
+
 // Any bits a float can have but infinities, NaN and, as PCL's text reader knows none, -0.
 inline float anyFloat(std::mt19937& generator) {
   for (;;) {

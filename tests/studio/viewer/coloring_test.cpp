@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -30,6 +31,11 @@ std::vector<std::string> names(const Legend& legend) {
   std::vector<std::string> out;
   for (const LegendEntry& e : legend.entries) out.push_back(e.name);
   return out;
+}
+
+TEST(ColorNames, NoTwoAreTheSame) {
+  const std::set<std::string> names(colorNames().begin(), colorNames().end());
+  EXPECT_EQ(names.size(), colorNames().size()) << "a column is called as one of the viewer's own";
 }
 
 TEST(Viridis, EndsAndEvenBrightness) {

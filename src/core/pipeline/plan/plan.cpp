@@ -105,6 +105,14 @@ void checkBeams(const Recording& recording, const MountedSensor& sensor, const B
   }
 }
 
+std::string missesLine(const ScanLayout& layout) {
+  if (layout.organised) return "misses: kept, as NaN";
+  const bool beamKnown = layout.columns.has(kRing) && layout.columns.has(kColumn);
+  return fmt::format("misses: left out of the files; {}",
+                     beamKnown ? "ring and column tell the beam"
+                               : "name ring and column in output.columns to know the beam of a point");
+}
+
 }  // namespace
 
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
@@ -265,8 +273,7 @@ std::vector<std::string> Plan::modelled() const {
   }
   addEffectLines(pipeline_, lines);
   lines.push_back(motionLine(pipeline_));
-  lines.push_back(pipeline_.layout.organised ? "misses: kept, as NaN"
-                                             : "misses: left out of the files; ring and column tell the beam");
+  lines.push_back(missesLine(pipeline_.layout));
   if (!columns.has(kRangeTrue)) {
     lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");
   }

@@ -12,10 +12,8 @@ namespace scanmill {
 
 namespace {
 
+// After each method as it is by default.
 constexpr const char* kDefaultSettings = R"(
-- ray_tracing
-- depth_camera
-- particle
 - {ray_tracing: {simplify: [0.5, 0.25, 0.1]}}
 - {depth_camera: {resolution: [512, 1024]}}
 - {depth_camera: {sampling: [nearest, bilinear]}}
@@ -79,7 +77,9 @@ std::size_t sequenceNamed(const Pipeline& pipeline, const Value& value) {
 }  // namespace
 
 std::vector<MethodSetting> defaultSettings() {
-  return readSettings(parseYaml(kDefaultSettings, "default settings"), "settings");
+  std::string list;
+  for (const MethodEntry& method : methods()) list += fmt::format("- {}\n", method.name);
+  return readSettings(parseYaml(list + kDefaultSettings, "default settings"), "settings");
 }
 
 StudyChoice readStudyChoice(const Pipeline& pipeline) {
