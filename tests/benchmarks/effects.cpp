@@ -107,6 +107,14 @@ BENCHMARK_CAPTURE(effectAlone, copy, kNone);
 BENCHMARK_CAPTURE(effectAlone, intensity, "[{intensity: {}}]");
 BENCHMARK_CAPTURE(effectAlone, intensity_air_gamma_u8,
                   "[{intensity: {attenuation_per_m: 0.001, gamma: 0.5, output: u8}}]");
+BENCHMARK_CAPTURE(effectAlone, intensity_reflectivity,
+                  "[{intensity: {model: reflectivity, diffuse: oren_nayar, output: u8, gamma: 0.5}}]");
+BENCHMARK_CAPTURE(effectAlone, intensity_by_manual,
+                  "[{intensity: {model: reflectivity, diffuse: oren_nayar, output: u8, retro_full_scale: 1000}}]");
+BENCHMARK_CAPTURE(effectAlone, speckle_4, "[{speckle: {looks: 4}}]");
+BENCHMARK_CAPTURE(effectAlone, speckle_20, "[{speckle: {looks: 20}}]");
+BENCHMARK_CAPTURE(effectAlone, ring_bias,
+                  "[{ring_bias: {range_sigma_m: 0.03, elevation_sigma_deg: 0.18, gain_sigma: 0.35}}]");
 BENCHMARK_CAPTURE(effectAlone, dropout, "[{dropout: {probability: 0.05}}]");
 BENCHMARK_CAPTURE(effectAlone, range_noise, "[{range_noise: {sigma_m: 0.02, sigma_per_m: 0.001}}]");
 BENCHMARK_CAPTURE(effectAlone, range_noise_table, "[{range_noise: {table: [[1, 0.03], [20, 0.01], [100, 0.05]]}}]");

@@ -35,11 +35,13 @@ class Speckle : public Effect {
       product.fill(1.0);
       for (int drawn = 0; drawn < looks_; drawn += 4) {
         const auto purpose = static_cast<Purpose>(static_cast<int>(Purpose::Speckle) + drawn / 4);
-        const auto factor = [left = looks_ - drawn](const RandomBlock& block, int word) {
-          return word < left ? (toDouble(block[static_cast<std::size_t>(word)]) + 0.5) * 0x1p-32 : 1.0;
-        };
+        // Words that are one too many count as 1.
+        const int left = looks_ - drawn;
+        const double keep[] = {1, left > 1 ? 1.0 : 0.0, left > 2 ? 1.0 : 0.0, left > 3 ? 1.0 : 0.0};
         drawBlocks(shot, purpose, returns, first, [&](std::size_t i, const RandomBlock& block) {
-          product[i] *= (factor(block, 0) * factor(block, 1)) * (factor(block, 2) * factor(block, 3));
+          double factor[4];
+          for (std::size_t k = 0; k < 4; ++k) factor[k] = 1 + keep[k] * ((toDouble(block[k]) + 0.5) * 0x1p-32 - 1);
+          product[i] *= (factor[0] * factor[1]) * (factor[2] * factor[3]);
         });
       }
       float* const gain = returns.gain.data() + first;
