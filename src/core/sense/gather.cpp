@@ -53,7 +53,11 @@ class ReturnOrder {
 
 // The points of a tile: of which beam, row and hit they are, and to which row of the scan they go. Where there is one
 // row per beam, beam, row and hit are the same number.
-struct Moves {
+class Moves {
+  std::array<std::uint32_t, kPoints> rows_;
+  std::array<std::uint32_t, kPoints> hits_;
+
+ public:
   explicit Moves(bool several) : row(several ? rows_.data() : beam.data()), hit(several ? hits_.data() : beam.data()) {}
   Moves(const Moves&) = delete;
   Moves& operator=(const Moves&) = delete;
@@ -70,10 +74,6 @@ struct Moves {
     rows_[move] = ownRow;
     hits_[move] = ownHit;
   }
-
- private:
-  std::array<std::uint32_t, kPoints> rows_;
-  std::array<std::uint32_t, kPoints> hits_;
 };
 
 // A stretch of columns, and where the next point of each goes.
