@@ -22,8 +22,8 @@
 // diffuse: oren_nayar puts A cos t + B sin^2 t in place of the cosine of what is diffuse: rough surfaces show their
 // facets' lit sides to a sensor that stands where the light comes from, so that roads stay bright where the beam grazes
 // them (Oren and Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, eq. 30, with both directions
-// the beam's; A = 1 - 0.5 s^2 / (s^2 + 0.33), B = 0.45 s^2 / (s^2 + 0.09)). s is the angle of the root mean square
-// slope, which is alpha / sqrt(2) for a microfacet surface (Heitz 2014, section 5.3).
+// the beam's; A = 1 - 0.5 s^2 / (s^2 + 0.33), B = 0.45 s^2 / (s^2 + 0.09)). s is the angle of the slope
+// alpha / sqrt(2), the root mean square of a Beckmann surface of the same alpha (GGX's slopes have no variance).
 //
 // Effects that run earlier may set Returns::gain, by which the power is multiplied.
 //
