@@ -3,9 +3,10 @@
 //   speckle: {looks: 12}
 //
 // Light that a rough surface scatters interferes with itself; what a detector gets when it averages over `looks`
-// independent patterns follows the gamma law of mean 1 and variance 1 / looks, for one look the exponential law (Goodman,
-// "Statistical properties of laser speckle patterns", in Laser Speckle and Related Phenomena, 1975). Drawn exactly: the sum of `looks`
-// exponential numbers is minus the logarithm of the product of as many uniform ones. Independent from return to return.
+// independent patterns follows the gamma law of mean 1 and variance 1 / looks, for one look the exponential law
+// (Goodman, "Statistical properties of laser speckle patterns", in Laser Speckle and Related Phenomena, 1975). Drawn
+// exactly: the sum of `looks` exponential numbers is minus the logarithm of the product of as many uniform ones.
+// Independent from return to return.
 
 #include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
