@@ -37,7 +37,7 @@ using ReadCell = std::function<void(std::string_view word, const Location& where
 ReadCell cellReader(Scan& scan, const std::string& name, const Location& at) {
   for (const auto& [axis, member] : {std::pair{"x", &Vec3f::x}, {"y", &Vec3f::y}, {"z", &Vec3f::z}}) {
     if (name != axis) continue;
-    return [&scan, axis, member](std::string_view word, const Location& where) {
+    return [&scan, axis = axis, member = member](std::string_view word, const Location& where) {
       readNumber(word, scan.position.back().*member, axis, where);
     };
   }

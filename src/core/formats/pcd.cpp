@@ -76,12 +76,28 @@ std::string header(const Scan& scan, std::string_view data) {
       scan.width(), scan.height(), scan.size(), data);
 }
 
-template <class Stored, class T>
+template <class T>
 void scatter(const T* values, std::size_t count, char* to, std::size_t stride) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto stored = static_cast<Stored>(values[i]);
-    std::memcpy(to + i * stride, &stored, sizeof(Stored));
+  if (stride == sizeof(T)) {
+    std::memcpy(to, values, sizeof(T) * count);
+    return;
   }
+  for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * stride, values + i, sizeof(T));
+}
+
+// Labels are wider in files than in scans.
+template <class T>
+void scatterColumn(std::string_view name, const T* values, std::size_t count, char* to, std::size_t stride) {
+  if constexpr (std::is_same_v<T, decltype(kLabel)::Value>) {
+    if (name == kLabel.row.name) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t stored = values[i];
+        std::memcpy(to + i * stride, &stored, sizeof(stored));
+      }
+      return;
+    }
+  }
+  scatter(values, count, to, stride);
 }
 
 // Rows. A block stays in the first-level cache while one column after the other is spread over it.
@@ -95,14 +111,10 @@ void appendBinary(const Scan& scan, std::string& out) {
   char block[kBlockBytes];
   for (std::size_t first = 0; first < scan.size(); first += rows) {
     const std::size_t count = std::min(rows, scan.size() - first);
-    scatter<Vec3f>(scan.position.data() + first, count, block, stride);
+    scatter(scan.position.data() + first, count, block, stride);
     char* to = block + sizeof(Vec3f);
     visitColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& values) {
-      if (name == kLabel.row.name) {
-        scatter<std::uint32_t>(values.data() + first, count, to, stride);
-      } else {
-        scatter<T>(values.data() + first, count, to, stride);
-      }
+      scatterColumn(name, values.data() + first, count, to, stride);
       to += storedSize<T>(name);
     });
     out.append(block, stride * count);
@@ -128,11 +140,7 @@ void appendCompressed(const Scan& scan, std::string& out) {
     to += sizeof(float) * size;
   }
   visitColumns(scan, [&]<class T>(std::string_view name, const std::vector<T>& values) {
-    if (name == kLabel.row.name) {
-      scatter<std::uint32_t>(values.data(), size, to, sizeof(std::uint32_t));
-    } else {
-      std::memcpy(to, values.data(), sizeof(T) * size);
-    }
+    scatterColumn(name, values.data(), size, to, storedSize<T>(name));
     to += storedSize<T>(name) * size;
   });
   char* const packed = packedScratch.get(room);
