@@ -296,7 +296,7 @@ bool hasColor(const Scan& scan, const ColorBy& by, bool errorKnown, bool methodK
   return column == nullptr ? foreignOf(scan, by) != nullptr : holds(scan, *column);
 }
 
-Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const ColorContext& context) {
+Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const ColorContext& context) {
   const ColorBy by = colorBy.value_or(defaultFor(scan));
   if (by == kByRange) {
     return byNumber(scan, {"range (m)", kClipped, 2}, context.scale,
@@ -320,7 +320,7 @@ Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Color
   return byForeign(scan, *foreign, context);
 }
 
-Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Ontology* ontology) {
+Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const Ontology* ontology) {
   return colorScan(scan, colorBy, ColorContext{.ontology = ontology});
 }
 

@@ -113,7 +113,7 @@ struct ColorContext {
 // the context, a point's is the difference of its distance from the sensor's origin and `range_true`; where beams start
 // off that origin, or points are moved into the frame of the revolution's start, that offset is in it. A scan without a
 // column `return` has first returns only, unless it is organised in several planes, which tell the return.
-Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const ColorContext& context);
-Coloring colorScan(const Scan& scan, std::optional<ColorBy> colorBy, const Ontology* ontology);
+Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const ColorContext& context);
+Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const Ontology* ontology);
 
 }  // namespace scanmill
