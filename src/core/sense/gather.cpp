@@ -240,6 +240,7 @@ class Gathering {
 
   // Positions in the sensor's frame; in that of the revolution's start where `toStart` is given, one entry per column
   // of the strip.
+  // A function of its own, since within the loop over the tiles its pointers would not all stay in registers.
   [[gnu::noinline]] void place(const Affine* toStart) {
     std::array<double, kPoints> x;
     std::array<double, kPoints> y;

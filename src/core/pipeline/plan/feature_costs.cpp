@@ -130,7 +130,7 @@ class Features {
     for (Variant* v : all) {
       for (const Shot& shot : v->plan->shots(0, frame)) v->method->prepare(shot);
     }
-    // In round, so that what else the machine does falls on all alike; the first round warms up.
+    // In turn, so that what else the machine does falls on all alike; the first round warms up.
     for (int i = 0; i <= repeats; ++i) {
       for (Variant* v : all) {
         runOnce(*v, frame);
