@@ -152,6 +152,7 @@ std::set<std::string> keysRead(std::string_view name, const Make& make) {
   const std::string needs = name == "quantize"         ? "step_m: 1, "
                             : name == "angular_jitter" ? "sigma_deg: 1, "
                             : name == "speckle"        ? "looks: 1, "
+                            : name == "footprint"      ? "rays: 7, "
                                                        : "";
   const Value value = parseYaml("{" + needs + "qqqqqqqqqqqqqqqqqqqq: 1}", "x.yaml");
   Fields fields(value, "options");

@@ -19,6 +19,9 @@ enum class Purpose : std::uint16_t {
   Street = 5,
   Bootstrap = 6,
   RingBias = 7,
+  Footprint = 8,
+  Detection = 9,
+  FalsePositives = 10,
   Speckle = 256,  // and the seven after it: four looks each
   Test = 99,
 };

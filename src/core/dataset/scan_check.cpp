@@ -74,6 +74,11 @@ class ScanCheck {
     return manifest_.organised && std::isnan(p.x) && std::isnan(p.y) && std::isnan(p.z);
   }
 
+  // A false positive has no surface. Scans without the column cause do not say which points those are.
+  bool mayComeFromNothing(std::size_t i) const {
+    return scan_[kCause].empty() || scan_[kCause][i] != static_cast<std::uint8_t>(1);
+  }
+
   void checkShape() {
     if (record_.beams != beams_->size()) problem("{} beams, but its sensor has {}", record_.beams, beams_->size());
     if (scan_.organised && scan_.size() != scan_.planes * beams_->size()) {
@@ -147,7 +152,8 @@ class ScanCheck {
         const double slack = maxError_ + kRangeRounding * beams_->maxRange;
         return check(fmt::format("of {} outside {:.6g} to {:.6g} m", column.name, beams_->minRange, beams_->maxRange),
                      [&](std::size_t i, double value) {
-                       return isMiss(i) || (value >= beams_->minRange - slack && value <= beams_->maxRange + slack);
+                       return isMiss(i) || (std::isnan(value) && mayComeFromNothing(i)) ||
+                              (value >= beams_->minRange - slack && value <= beams_->maxRange + slack);
                      });
       }
       case ColumnValidity::Interval: {

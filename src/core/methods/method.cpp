@@ -23,7 +23,7 @@ constexpr std::array kMethods{
                         "bvh: medium, low or high, quality of the hierarchy; "
                         "instancing: auto, always or never; "
                         "simplify: 1, share of the triangles that is kept, as in collision meshes",
-                .can = {.motion = true, .reference = true},
+                .can = {.footprints = true, .transmission = true, .motion = true, .reference = true},
                 .color = {235, 40, 40},
                 .autoSettings = "- ray_tracing\n- {ray_tracing: {simplify: [0.5, 0.25]}}\n",
                 .cacheOption = "",
@@ -40,7 +40,7 @@ constexpr std::array kMethods{
                 "near_m: 0.01 m, nearer surfaces are not drawn; "
                 "far_m: the sensor's range, m, farther surfaces are not drawn; "
                 "renders_per_turn: auto or a number, images of a moving sensor",
-        .can = {.motion = true, .passes = true, .openGl = true},
+        .can = {.footprints = true, .motion = true, .passes = true, .openGl = true},
         .color = {80, 165, 255},
         .autoSettings =
             "- depth_camera\n- {depth_camera: {resolution: [512, 1024]}}\n- {depth_camera: {sampling: nearest}}\n",
@@ -60,7 +60,7 @@ constexpr std::array kMethods{
                     "cache: auto, none or a folder, where fields are kept from run to run; "
                     "smallest_m: none, m, the smallest ball that every beam through its middle meets (normal, none); "
                     "smallest_within_m: 30 m, so far from the sensor",
-                .can = {.motion = true, .openGl = true},
+                .can = {.footprints = true, .motion = true, .openGl = true},
                 .color = {255, 190, 40},
                 .autoSettings = "- particle\n- {particle: {refine: [normal, none]}}\n- {particle: {refine: [normal, "
                                 "none], voxel_m: 0.2}}\n",

@@ -47,11 +47,13 @@ struct MethodCapabilities {
   bool footprints = false;   // several rays a beam, which sample its footprint; else one, along its axis
   // Returns that a beam may have by either of the two: bounds what scans take.
   std::uint32_t mostReturns = 1;
-  bool transmission = false;  // rays go on behind glass; else whatever is not cut out by alpha stops them
-  bool motion = false;        // the sensor's pose changes during a revolution; else it stands still meanwhile
-  bool passes = false;        // it draws images that can be kept, see Method::depthCamera()
-  bool reference = false;     // with default options it is exact enough to judge other methods by
-  bool openGl = false;        // it draws or computes by OpenGL, or may: a graphics card changes its speed
+  // Rays start anywhere, not only at the sensor, and so go on behind glass and off mirrors (methods/light_paths.h);
+  // else whatever is not cut out by alpha stops them.
+  bool transmission = false;
+  bool motion = false;     // the sensor's pose changes during a revolution; else it stands still meanwhile
+  bool passes = false;     // it draws images that can be kept, see Method::depthCamera()
+  bool reference = false;  // with default options it is exact enough to judge other methods by
+  bool openGl = false;     // it draws or computes by OpenGL, or may: a graphics card changes its speed
 };
 
 struct MethodEntry {

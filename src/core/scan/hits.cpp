@@ -8,6 +8,7 @@ void Hits::reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels as
   channels = asked | Channel::Range;
   beamOfRay.clear();
   weightOfRay.clear();
+  pathOfRay.clear();
   const auto fit = [&](auto& column, Channel channel) { column.resize(channels.has(channel) ? size() : 0); };
   fit(range, Channel::Range);
   fit(normal, Channel::Normal);

@@ -15,6 +15,13 @@ namespace scanmill {
 // The range of a ray that meets nothing between the sensor's minimum and maximum range.
 constexpr float kMiss = std::numeric_limits<float>::infinity();
 
+// How a ray came to what it meets.
+enum class RayPath : std::uint8_t {
+  Direct,
+  ThroughGlass,
+  Mirrored,  // off a mirror at least once
+};
+
 // A structure of arrays with one entry per ray. Most often a beam fires one ray: then ray i is that of beam i, and each
 // array is an image of rings x columns, with the beam's index ring * columns + column. An array is empty where its
 // channel was not asked for. A ray that misses has the range kMiss and zero in all other arrays.
@@ -27,6 +34,7 @@ struct Hits {
   // fires one.
   std::vector<std::uint32_t> beamOfRay;
   std::vector<float> weightOfRay;
+  std::vector<RayPath> pathOfRay;  // empty: all are direct, and glass is opaque
 
   std::vector<float> range;              // m, from the ray's own origin along the ray
   std::vector<Vec3f> normal;             // unit, world axes, of the triangle, turned towards the sensor

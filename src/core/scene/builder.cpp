@@ -10,8 +10,8 @@ namespace scanmill {
 namespace {
 
 auto fieldsOf(const Material& m) {
-  return std::tie(m.name, m.reflectance, m.roughness, m.metallic, m.retroreflectance, m.source, m.textured, m.texture,
-                  m.textureMean, m.alphaTested, m.alphaCutoff);
+  return std::tie(m.name, m.reflectance, m.roughness, m.metallic, m.retroreflectance, m.transmission, m.index, m.source,
+                  m.textured, m.texture, m.textureMean, m.alphaTested, m.alphaCutoff);
 }
 
 // An exactly or nearly flat image of space: such a transform has no usable inverse.

@@ -57,6 +57,8 @@ MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthN
     material.roughness = static_cast<float>(m.number("roughness", {0, 1}, 1));
     material.metallic = static_cast<float>(m.number("metallic", {0, 1}, 0));
     material.retroreflectance = static_cast<float>(m.number("retroreflectance", {0, 1e4}, 0));
+    material.transmission = static_cast<float>(m.number("transmission", {0, 1}, 0));
+    material.index = static_cast<float>(m.number("index", {1, 4}, 1.52));
     material.textured = m.boolean("textured", false);
     m.finish();
     for (const Material& other : library.materials) {

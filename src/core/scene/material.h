@@ -34,6 +34,8 @@ struct Material {
   float roughness = 1.0f;         // 0 mirror to 1 matt (glTF's perceptual roughness)
   float metallic = 0.0f;          // 0 or 1, as glTF
   float retroreflectance = 0.0f;  // added reflectance towards the sensor, in units of a white Lambertian target
+  float transmission = 0.0f;      // part of the light that the inside of a pane lets through, 0 to 1; 0: opaque
+  float index = 1.52f;            // of refraction
   std::string source;             // of the reflectance
   bool textured = false;  // reflectance is scaled by the base colour's luminance at the hit over the texture's mean
   std::shared_ptr<const Texture> texture;  // base colour; null where none is needed

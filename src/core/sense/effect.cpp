@@ -9,7 +9,15 @@
 namespace scanmill {
 
 std::span<const EffectEntry> effects() {
-  static constexpr std::array<EffectEntry, 8> kEffects{{
+  static constexpr std::array<EffectEntry, 11> kEffects{{
+      {"footprint", "beams of finite width: rays add up to echoes, mixed pixels at edges",
+       "rays: required, 7, 19, 37, 61, 91 or 127 a beam", 0, makeFootprintEffect},
+      {"light_paths", "rays go on behind glass and off mirrors: cars' windows, mirror images",
+       "panes: 4, of glass that a ray goes through at most; "
+       "bounces: 1, off mirrors, at most; "
+       "least: 0.001, share of a beam's power below which a ray is not followed; "
+       "mirrored: class or unlabeled, the class of mirror images",
+       0, makeLightPaths},
       {"ring_bias", "fixed errors of each laser: range, elevation and gain, drawn once per sensor or as listed",
        "range_sigma_m: 0 m, spread of the range's offset over the rings; "
        "elevation_sigma_deg: 0 deg, spread of the elevation's error; "
@@ -34,6 +42,12 @@ std::span<const EffectEntry> effects() {
        "diffuse: lambertian or oren_nayar, rough surfaces that stay bright where the beam grazes them; "
        "retro_full_scale: none, for bytes of reflectivity: 0 to 100 diffuse, 255 so many times a white target",
        1, makeIntensity},
+      {"detection", "which echoes are found in the receiver's noise, false positives, and which of them are reported",
+       "returns: strongest, first, last, dual (strongest and last), all, or so many of the strongest; "
+       "noise: 0, standard deviation in units of power, 1 is white at the reference range; "
+       "threshold: 4.8, least measure that is found, in units of the noise; "
+       "min_separation_m: 0 m, an echo nearer than this to a stronger one is not reported",
+       2, makeDetection},
       {"dropout", "returns that are not reported: too faint, or lost at random",
        "threshold: 0, least power that is reported, 1 is white at the reference range; "
        "probability: 0, share lost at random",
@@ -41,7 +55,8 @@ std::span<const EffectEntry> effects() {
       {"range_noise", "Gaussian error of the range along the beam",
        "sigma_m: 0 m, constant part; "
        "sigma_per_m: 0 m/m, growth with the range; "
-       "table: none, in their place [[range m, sigma m], ...], linear between and constant beyond",
+       "table: none, in their place [[range m, sigma m], ...], linear between and constant beyond; "
+       "over_snr_m: 0 m, added in squares: this over the signal to noise ratio, times how much the echo is stretched",
        3, makeRangeNoise},
       {"shell", "random vector of fixed length added to the point; for comparison with published datasets",
        "scale_m: 0 m, length at range 0; "

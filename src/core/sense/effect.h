@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "config/fields.h"
 #include "scan/channels.h"
@@ -16,15 +17,31 @@
 
 namespace scanmill {
 
+struct LightPaths;
+
 class Effect {
  public:
   virtual ~Effect() = default;
   virtual Channels reads() const = 0;                    // columns of Hits that apply() looks at
   virtual bool setsIntensity() const { return false; }   // fills Returns::power and Returns::intensity
   virtual bool needsIntensity() const { return false; }  // cannot run unless an earlier effect sets it
+  virtual bool setsSnr() const { return false; }         // fills Returns::snr
+  virtual bool needsSnr() const { return false; }        // cannot run unless an earlier effect sets it
   virtual bool setsGain() const { return false; }        // fills Returns::gain, which means nothing without intensity
+  // How many rays sample the footprint of a beam.
+  virtual std::uint32_t raysPerBeam() const { return 1; }
+  // How rays go on behind glass and off mirrors; null: they do not.
+  virtual const LightPaths* lightPaths() const { return nullptr; }
+  // How many returns a beam may have after the effect, that may have so many before.
+  virtual std::uint32_t mostReturns(std::uint32_t before) const { return before; }
   // Throws InputError where the options do not fit the sensor, such as lists of one figure per ring.
-  virtual void check(std::uint32_t /*rings*/) const {}
+  virtual void check(const BeamTable& /*beams*/) const {}
+  // The power that comes back from each ray, with its share of the beam's: what echoes add up. False: it is not this
+  // effect that knows.
+  virtual bool powerOfRays(const Hits& /*hits*/, std::span<const Material> /*materials*/,
+                           std::vector<float>& /*power*/) const {
+    return false;
+  }
   // Reads hits (exact, never changed), changes returns. A beam without a return stays one, unless the effect adds rows.
   // Deterministic: random numbers come from the shot's address. Called from several threads at once.
   virtual void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials,
@@ -35,8 +52,8 @@ struct EffectEntry {
   std::string_view name;
   std::string_view summary;
   std::string_view keys;  // of its options, "name: default, what it is; ..."
-  int stage;  // effects run in the order of their stages whatever the YAML's order: 0 what lasers and speckle do, 1
-              // intensity, 2 detection, 3 noise, 4 quantisation, 5 pointing
+  int stage;  // effects run in the order of their stages whatever the YAML's order: 0 what beams, lasers and speckle
+              // do, 1 intensity, 2 detection, 3 noise, 4 quantisation, 5 pointing
   std::unique_ptr<Effect> (*make)(Fields& options);
 };
 

@@ -27,10 +27,11 @@ class ReturnOrder {
     for (std::uint32_t row = 0; row < returns.size(); ++row) {
       if (returns.returned(row)) rows.push_back(row);
     }
-    std::sort(rows.begin(), rows.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const auto before = [&](std::uint32_t a, std::uint32_t b) {
       if (returns.beam(a) != returns.beam(b)) return returns.beam(a) < returns.beam(b);
       return returns.range[a] != returns.range[b] ? returns.range[a] < returns.range[b] : a < b;
-    });
+    };
+    if (!std::is_sorted(rows.begin(), rows.end(), before)) std::sort(rows.begin(), rows.end(), before);
     std::uint32_t number = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       number = i > 0 && returns.beam(rows[i]) == returns.beam(rows[i - 1]) ? number + 1 : 0;
@@ -40,6 +41,12 @@ class ReturnOrder {
   }
 
   std::uint32_t planes() const { return std::max<std::uint32_t>(static_cast<std::uint32_t>(planes_.size()), 1); }
+  // How many returns the beam has.
+  std::uint32_t count(std::uint32_t beam) const {
+    std::uint32_t number = 0;
+    while (number < planes_.size() && planes_[number][beam] != kNoRow) ++number;
+    return planes_.empty() ? 1 : number;
+  }
   // kNoRow: the beam has no such return.
   std::uint32_t row(std::uint32_t plane, std::uint32_t beam) const {
     return plane < planes_.size() ? planes_[plane][beam] : kNoRow;
@@ -307,6 +314,12 @@ class Gathering {
       put(values, [&](std::size_t) { return static_cast<T>(plane + 1); });
     } else if constexpr (name == "cause") {
       put(values, [&](std::size_t m) { return static_cast<T>(returns_.cause(moves_.row[m])); });
+    } else if constexpr (name == "returns") {
+      put(values, [&](std::size_t m) { return static_cast<T>(order_.count(moves_.beam[m])); });
+    } else if constexpr (name == "label_2") {
+      put(values, [&](std::size_t m) { return returns_.label2.empty() ? T{0} : returns_.label2[moves_.row[m]]; });
+    } else if constexpr (name == "share") {
+      put(values, [&](std::size_t m) { return returns_.share.empty() ? T{1} : returns_.share[moves_.row[m]]; });
     } else if constexpr (name == "azimuth") {
       putHits(key, values, [&](std::uint32_t hit) {
         const Vec3d p = placeOf(hit);

@@ -2,57 +2,49 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <numeric>
 
 #include "base/error.h"
 
 namespace scanmill {
 
-namespace {
-
-constexpr std::uint8_t kMostReturns = 16;  // of a beam: as many addresses of random numbers has it
-
-}  // namespace
-
-void Returns::start(const Hits& hits) {
-  for (auto* column : {&gain, &power, &intensity}) column->clear();
+void Returns::clear() {
+  for (auto* column : {&range, &gain, &power, &intensity, &spread, &share, &snr}) column->clear();
   displacement.clear();
   label.clear();
+  label2.clear();
   instance.clear();
   beam_.clear();
   hit_.clear();
   number_.clear();
   cause_.clear();
   rowsOfBeam_.clear();
-  onePerBeam_ = hits.beamOfRay.empty();
-  if (onePerBeam_) {
-    range = hits.range;
-  } else {
-    startOfSeveral(hits);
-  }
+  powerOfEchoes = false;
 }
 
-void Returns::startOfSeveral(const Hits& hits) {
-  for (std::uint32_t ray = 0; ray < hits.rays(); ++ray) {
-    if (hits.hit(ray)) hit_.push_back(ray);
-  }
-  std::sort(hit_.begin(), hit_.end(), [&](std::uint32_t a, std::uint32_t b) {
-    if (hits.beamOfRay[a] != hits.beamOfRay[b]) return hits.beamOfRay[a] < hits.beamOfRay[b];
-    return hits.range[a] != hits.range[b] ? hits.range[a] < hits.range[b] : a < b;
-  });
-  range.clear();
-  for (const std::uint32_t ray : hit_) {
-    const std::uint32_t beam = hits.beamOfRay[ray];
-    const bool further = !beam_.empty() && beam_.back() == beam;
-    if (further && number_.back() + 1 == kMostReturns) {
-      throw Error(fmt::format("beam {} has more than {} returns", beam, kMostReturns));
-    }
+void Returns::start(const Hits& hits) {
+  if (!hits.beamOfRay.empty()) return start(findEchoes(hits, {}, 0), false);
+  clear();
+  onePerBeam_ = true;
+  range = hits.range;
+}
+
+void Returns::start(std::span<const Echo> echoes, bool powered) {
+  clear();
+  onePerBeam_ = false;
+  powerOfEchoes = powered;
+  for (const Echo& echo : echoes) {
+    const bool further = !beam_.empty() && beam_.back() == echo.beam;
     number_.push_back(static_cast<std::uint8_t>(further ? number_.back() + 1 : 0));
-    beam_.push_back(beam);
-    range.push_back(hits.range[ray]);
+    beam_.push_back(echo.beam);
+    hit_.push_back(echo.hit);
+    range.push_back(echo.range);
+    spread.push_back(echo.spread);
+    share.push_back(echo.share);
+    label2.push_back(echo.label2);
+    cause_.push_back(echo.cause);
+    if (powered) power.push_back(echo.power);
   }
-  cause_.assign(range.size(), Cause::Surface);
 }
 
 void Returns::makeIndices(const Hits& hits) {
@@ -92,6 +84,10 @@ void Returns::add(const AddedReturn& added, const Hits& hits) {
   append(power, added.power);
   append(intensity, added.intensity);
   append(displacement, Vec3f{});
+  append(spread, 0.0f);
+  append(share, 1.0f);
+  append(label2, std::uint16_t{0});
+  append(snr, added.snr);
   append(label, added.label);
   append(instance, added.instance);
 }

@@ -5,19 +5,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/vec.h"
 #include "scan/hits.h"
+#include "sense/echoes.h"
 
 namespace scanmill {
-
-// What a return comes from.
-enum class Cause : std::uint8_t {
-  None = 0,           // there is no return
-  Surface = 1,        // a surface of the scene
-  FalsePositive = 2,  // nothing: the receiver's own error
-};
 
 // The row comes from no hit: an effect added it.
 constexpr std::uint32_t kNoHit = 0xFFFFFFFF;
@@ -28,6 +23,7 @@ struct AddedReturn {
   float range = 0;  // m along the beam
   float power = 0;  // of the return, as the effect `intensity` has it
   float intensity = 0;
+  float snr = 0;
   Cause cause = Cause::FalsePositive;
   std::uint16_t label = 0;
   std::uint32_t instance = 0;
@@ -46,6 +42,16 @@ class Returns {
   std::vector<std::uint16_t> label;     // class id; empty: the hits'
   std::vector<std::uint32_t> instance;  // empty: the hits'
 
+  // Of beams that fire several rays; empty where each ray is a return of its own.
+  std::vector<float> spread;          // m, standard deviation of the ranges that the echo is made of
+  std::vector<float> share;           // of the echo's power, that comes from the class of its label
+  std::vector<std::uint16_t> label2;  // the class that gives most of the rest; 0: none
+
+  std::vector<float> snr;  // power over the receiver's noise; empty until an effect sets it
+
+  // The power of the rows that come from a hit is known from detection: the echoes of several rays.
+  bool powerOfEchoes = false;
+
   std::size_t size() const { return range.size(); }
   bool returned(std::size_t row) const { return range[row] < kMiss; }
 
@@ -60,15 +66,19 @@ class Returns {
   Cause cause(std::size_t row) const { return onePerBeam() ? Cause::Surface : cause_[row]; }
 
   void remove(std::size_t row) { range[row] = kMiss; }
+  // Whether the beam has as many rows as it may.
+  bool full(std::uint32_t beam) const { return !rowsOfBeam_.empty() && rowsOfBeam_[beam] == kMostReturns; }
   // Rows before it stay where they are. `hits`: those that the table was started from.
   void add(const AddedReturn& added, const Hits& hits);
 
-  // Starts the table. One ray a beam: a row per beam. Several: a row for each ray that meets something, ordered by beam
-  // and, within a beam, by range.
+  // Starts the table: of beams that fire one ray a row per beam, of others one for each ray that meets something.
   void start(const Hits& hits);
+  // Starts it with a row per echo, by beam and then by range. `powered`: their power is what the effect `intensity`
+  // makes of it, and is kept.
+  void start(std::span<const Echo> echoes, bool powered);
 
  private:
-  void startOfSeveral(const Hits& hits);
+  void clear();
   void makeIndices(const Hits& hits);
 
   bool onePerBeam_ = true;

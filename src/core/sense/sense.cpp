@@ -2,8 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "base/error.h"
+#include "sense/echoes.h"
 #include "sense/gather.h"
+#include "sensors/footprint.h"
 
 namespace scanmill {
 
@@ -31,10 +35,19 @@ Channels channelsFor(std::span<const std::unique_ptr<Effect>> effects, ColumnSet
   return channels;
 }
 
+void detect(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<Effect>> effects,
+            std::span<const Material> materials, Returns& returns) {
+  if (hits.beamOfRay.empty()) return returns.start(hits);
+  std::vector<float> power;
+  const bool powered = std::any_of(effects.begin(), effects.end(),
+                                   [&](const auto& effect) { return effect->powerOfRays(hits, materials, power); });
+  returns.start(findEchoes(hits, power, pulseLength(shot.beams->pulse)), powered);
+}
+
 void sense(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<Effect>> effects,
            std::span<const Material> materials, const ScanLayout& layout, Returns& returns, Scan& scan) {
   checkHits(hits, shot, channelsFor(effects, layout.columns));
-  returns.start(hits);
+  detect(hits, shot, effects, materials, returns);
   for (const auto& effect : effects) effect->apply(hits, shot, materials, returns);
   gather(hits, shot, returns, layout, scan);
 }

@@ -4,13 +4,15 @@
 
 namespace scanmill {
 
-double BeamTable::azimuth(std::uint32_t column) const {
+double BeamTable::azimuth(std::uint32_t ownColumn) const {
+  const std::uint32_t column = ownColumn / raysPerBeam;
+  const std::uint32_t beams = columns / raysPerBeam;
   // A full revolution ends one step before it began; a partial one is swept from edge to edge.
   double swept = 0.5;
   if (fullTurn()) {
-    swept = static_cast<double>(column) / columns;
-  } else if (columns > 1) {
-    swept = static_cast<double>(column) / (columns - 1);
+    swept = static_cast<double>(column) / beams;
+  } else if (beams > 1) {
+    swept = static_cast<double>(column) / (beams - 1);
   }
   return firstAzimuth + (clockwise ? -field : field) * swept;
 }

@@ -2,6 +2,7 @@
 
 // Beams are data: a sensor is a table of directions, origins and firing times.
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -37,6 +38,16 @@ struct BeamTable {
   double originOffset = 0;            // m, beam origin to the axis of rotation, along the beam's azimuth
   double originHeight = 0;            // m, beam origin above the sensor frame's origin
   bool topDown = false;               // ring 0 is the highest beam
+
+  // The beam's width, across (in azimuth) and up (in elevation): that at the exit plus the angle times the range. A
+  // Gaussian beam is as wide as where its power has fallen to 1/e^2 of the middle's. Zero where the file does not say.
+  std::array<double, 2> divergence{};  // rad, full angle
+  std::array<double, 2> exitWidth{};   // m
+  bool uniformBeam = false;            // as bright at the edge as in the middle, in place of Gaussian
+  double pulse = 0;                    // s, full width of the emitted pulse at half of its maximum
+
+  // So many neighbouring columns of the three tables are rays of one beam: see sensors/footprint.h.
+  std::uint32_t raysPerBeam = 1;
 
   std::size_t size() const { return std::size_t{rings} * columns; }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "config/fields.h"
@@ -27,7 +28,8 @@ double readCount(const Value& value, std::string_view what) {
 Fields& alsoSensorKeys(Fields& fields) {
   return fields.also({"model", "source", "columns", "rate_hz", "direction", "first_azimuth_deg", "field_deg",
                       "elevation_deg", "ring_order", "azimuth_offset_deg", "origin_offset_m", "origin_height_m",
-                      "firing_time_us", "range_m", "effects"});
+                      "firing_time_us", "range_m", "divergence_mrad", "exit_width_mm", "beam_shape", "pulse_ns",
+                      "effects"});
 }
 
 void refuseUnlessElevations(const Value& value) {
@@ -136,6 +138,28 @@ void readRange(Fields& fields, BeamTable& table) {
   table.maxRange = limits[1];
 }
 
+// One figure, or two: across and up.
+std::array<double, 2> readWidths(Fields& fields, std::string_view key, double most, double unit) {
+  const Value* value = fields.find(key);
+  if (value == nullptr) return {};
+  if (value->kind != Value::Kind::Sequence) {
+    const double both = fields.number(key, {0, most}) * unit;
+    return {both, both};
+  }
+  const std::vector<double> widths = readNumbers(*value, std::string(key), {0, most});
+  if (widths.size() != 2) {
+    throw InputError(value->where, fmt::format("{} must be one width, or two: [across, up]", key));
+  }
+  return {widths[0] * unit, widths[1] * unit};
+}
+
+void readBeamShape(Fields& fields, BeamTable& table) {
+  table.divergence = readWidths(fields, "divergence_mrad", 200, 1e-3);
+  table.exitWidth = readWidths(fields, "exit_width_mm", 1000, 1e-3);
+  table.uniformBeam = fields.choice("beam_shape", {"gaussian", "uniform"}, "gaussian") == "uniform";
+  table.pulse = fields.number("pulse_ns", {0, 1e4}, 0) * 1e-9;
+}
+
 }  // namespace
 
 Value resolveSensor(const Value& value) {
@@ -223,6 +247,7 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& value) {
   table->originOffset = fields.number("origin_offset_m", {0, 10}, 0);
   table->originHeight = fields.number("origin_height_m", {-10, 10}, 0);
   readRange(fields, *table);
+  readBeamShape(fields, *table);
 
   fillBeams(*table);
   return table;

@@ -16,6 +16,12 @@
 //   origin_height_m: 0.036             # beam origin above the sensor's own origin (default 0)
 //   firing_time_us: [0, 2.3, ...]      # within a column, one per ring, or {step_us: 2.3} from ring to ring (default 0)
 //   range_m: [0.5, 120]                # nearest and farthest report
+//   divergence_mrad: [3, 1.5]          # full angle of the beam, across and up, or one figure (default 0); of a
+//   Gaussian
+//                                      # beam to 1/e^2 of the power, which is 1.699 times its width at half the power
+//   exit_width_mm: [12.7, 9.5]         # the beam's width where it leaves the sensor, likewise (default 0)
+//   beam_shape: gaussian               # or uniform (default gaussian)
+//   pulse_ns: 6                        # emitted pulse, full width at half of its maximum
 //   effects: [range_noise: {...}]      # for pipelines that say `effects: sensor`; not part of the beam table
 
 #include <cstdint>

@@ -33,7 +33,8 @@ struct Shot {
   bool deskew = false;
 
   std::size_t stepOf(std::uint32_t column) const {
-    return static_cast<std::size_t>(std::uint64_t{column} * worldFromSensor.size() / beams->columns);
+    const std::uint32_t rays = beams->raysPerBeam;
+    return static_cast<std::size_t>(std::uint64_t{column / rays} * worldFromSensor.size() / (beams->columns / rays));
   }
 };
 

@@ -254,7 +254,14 @@ TEST_F(ScanCheckTest, RingColumnAndRangeMustFitTheSensor) {
                                    "1 point of a ring beyond 3 (the first is point 0)",
                                    "1 point of a column beyond 15 (the first is point 1)",
                                    "1 point of time that is not finite (the first is point 5)",
-                                   "3 points of range_true outside 0.5 to 80 m (the first is point 2)"));
+                                   "2 points of range_true outside 0.5 to 80 m (the first is point 2)"))
+      << "a false positive has none";
+  manifest_.columns.emplace_back("cause");
+  scan_[kCause].assign(scan_.size(), 1);
+  scan_[kCause][4] = 2;
+  EXPECT_THAT(check(), testing::Contains(HasSubstr("2 points of range_true")));
+  scan_[kCause][4] = 1;
+  EXPECT_THAT(check(), testing::Contains(HasSubstr("3 points of range_true")));
   record_.beams = 63;
   EXPECT_THAT(check(), ElementsAre("63 beams, but its sensor has 64"));
 }
@@ -286,7 +293,7 @@ TEST_F(ScanCheckTest, ImagesHaveTheSensorsSize) {
   manifest_.organised = true;
   scan_.columns = 8;
   scan_.position.resize(32);
-  EXPECT_THAT(check(), Contains(HasSubstr("4 x 8 points, but its sensor has 4 rings of 16 columns")));
+  EXPECT_THAT(check(), testing::Contains(HasSubstr("4 x 8 points, but its sensor has 4 rings of 16 columns")));
 }
 
 }  // namespace

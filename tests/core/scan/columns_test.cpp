@@ -20,7 +20,8 @@ TEST(Columns, NamesAreUniqueAndFitFiles) {
   std::set<char> keys;
   for (const Column& column : kColumns) {
     EXPECT_TRUE(names.insert(column.name).second) << column.name;
-    EXPECT_EQ(column.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_"), std::string_view::npos) << column.name;
+    EXPECT_EQ(column.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_0123456789"), std::string_view::npos)
+        << column.name;
     EXPECT_FALSE(column.meaning.empty());
     EXPECT_EQ(kColumns[columnIndex(column.name)].name, column.name);
     EXPECT_TRUE(column.display.key == 0 || keys.insert(column.display.key).second) << column.name;

@@ -23,7 +23,7 @@ TEST(Returns, OneRayABeamIsOneRowABeam) {
 TEST(Returns, SeveralRaysABeamAreRowsOrderedByBeamAndRange) {
   const World world = makeSeveralReturns(3, 11);
   Returns returns;
-  returns.start(world.hits);
+  returns.start(findEchoes(world.hits, {}, 0), false);
   EXPECT_FALSE(returns.onePerBeam());
   std::size_t row = 0;
   for (std::uint32_t beam = 0; beam < 33; ++beam) {
@@ -80,7 +80,7 @@ TEST(Returns, ATableIsStartedAnew) {
   const World several = makeSeveralReturns(3, 11);
   const World one = makeWorld(2, 3);
   Returns returns;
-  returns.start(several.hits);
+  returns.start(findEchoes(several.hits, {}, 0), false);
   returns.add({.beam = 0, .range = 3, .power = 1}, several.hits);
   returns.start(one.hits);
   EXPECT_TRUE(returns.onePerBeam());

@@ -93,8 +93,9 @@ inline std::vector<std::unique_ptr<Effect>> makeEffects(const std::vector<std::s
 
 inline Returns run(const World& world, const std::vector<std::string>& yaml) {
   Returns returns;
-  returns.start(world.hits);
-  for (const auto& effect : makeEffects(yaml)) effect->apply(world.hits, world.shot, world.materials, returns);
+  const auto effects = makeEffects(yaml);
+  detect(world.hits, world.shot, effects, world.materials, returns);
+  for (const auto& effect : effects) effect->apply(world.hits, world.shot, world.materials, returns);
   return returns;
 }
 

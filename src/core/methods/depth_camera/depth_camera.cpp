@@ -160,7 +160,7 @@ class DepthCameraMethod : public DepthCamera {
       const std::scoped_lock lock(rendererMutex_);
       if (renderer_) lines.push_back("images were drawn by " + renderer_->device());
     }
-    lines.emplace_back("transmission through glass, mirror images, beam divergence, motion of objects: left out");
+    lines.emplace_back("transmission through glass, mirror images, motion of objects: left out");
     return lines;
   }
 

@@ -100,7 +100,7 @@ class ParticleMethod : public Method {
                            ? "reflectance textures: modelled"
                            : "reflectance textures: left out, no material has one");
     lines.push_back("particles fly on " + (gl_ != nullptr ? gl_->device() : std::string("the processor")));
-    lines.emplace_back("transmission through glass, mirror images, beam divergence, motion of objects: left out");
+    lines.emplace_back("transmission through glass, mirror images, motion of objects: left out");
     return lines;
   }
 

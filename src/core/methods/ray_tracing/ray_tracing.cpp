@@ -85,7 +85,7 @@ class RayTracing : public Method {
                            : std::string("instancing: left out, the scene is small enough to be flattened"),
         alpha ? "alpha cut-outs: modelled, some materials have them" : "alpha cut-outs: left out, no material has one",
         textured ? "reflectance textures: modelled" : "reflectance textures: left out, no material has one",
-        "transmission through glass, mirror images, beam divergence, motion of objects: left out",
+        "motion of objects: left out",
     };
   }
 
@@ -105,7 +105,7 @@ class RayTracing : public Method {
   // together.
   std::uint32_t tileColumns(const BeamTable& beams) const {
     if (options_.tileColumns != 0) return static_cast<std::uint32_t>(options_.tileColumns);
-    if (beams.rings < 2) return kPacket;
+    if (beams.rings < 2 || beams.raysPerBeam > 1) return kPacket;
     const auto [low, high] = std::minmax_element(beams.elevation.begin(), beams.elevation.end());
     const double down = beams.elevation.empty() ? 0 : (*high - *low) / (beams.rings - 1);
     const double across = 2 * kPi / beams.columns;

@@ -29,6 +29,28 @@ void checkMotion(const Pipeline& pipeline) {
                                method->name, firstMethodThat(&MethodCapabilities::motion).name));
 }
 
+// What effects ask of the method.
+void checkRays(const Pipeline& pipeline) {
+  const MethodEntry* const method = methodOf(pipeline);
+  const auto want = [&](bool wanted, bool MethodCapabilities::*can, std::string_view effect, std::string_view what) {
+    if (!wanted) return;
+    if (pipeline.recording != nullptr) {
+      throw InputError({pipeline.file.string()},
+                       fmt::format("the recording in {} holds one ray a beam: leave the effect {} out",
+                                   pipeline.recording->folder.string(), effect));
+    }
+    if (method != nullptr && method->can.*can) return;
+    throw InputError({pipeline.file.string()},
+                     fmt::format("the method {} {}: leave the effect {} out, or take `method: {}`",
+                                 pipeline.methodName(), what, effect, firstMethodThat(can).name));
+  };
+  for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
+    want(pipeline.raysPerBeam(s) > 1, &MethodCapabilities::footprints, "footprint", "fires one ray a beam");
+    want(pipeline.lightPaths(s) != nullptr, &MethodCapabilities::transmission, "light_paths",
+         "ends rays at what they meet first");
+  }
+}
+
 constexpr double kGibibyte = 1024.0 * 1024 * 1024;
 constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // of a beam table
 
@@ -125,18 +147,20 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
 Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   checkOntologies(pipeline_);
   checkMotion(pipeline_);
+  checkRays(pipeline_);
   for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
     channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.layout.columns);
   }
   traced_ = channels_ | kept;
-  const std::uint64_t beams = pipeline_.raysPerFrame();
-  const std::uint64_t bytes = beams * kBeamBytes + bytesPerFrameInMemory();
+  const std::uint64_t rays = pipeline_.raysPerFrame();
+  const std::uint64_t bytes = rays * kBeamBytes + bytesPerFrameInMemory();
   if (bytes > machineBytes()) {
-    throw InputError({pipeline_.file.string()},
-                     fmt::format("{} beams a frame x {} bytes = {:.1f} GiB, but this machine has {:.1f} GiB of memory: "
-                                 "take fewer sensors, rings or columns",
-                                 beams, bytes / beams, static_cast<double>(bytes) / kGibibyte,
-                                 static_cast<double>(machineBytes()) / kGibibyte));
+    throw InputError(
+        {pipeline_.file.string()},
+        fmt::format("{} {} a frame x {} bytes = {:.1f} GiB, but this machine has {:.1f} GiB of memory: "
+                    "take fewer sensors, rings, columns or rays a beam",
+                    rays, rays == pipeline_.beamsPerFrame() ? "beams" : "rays", bytes / rays,
+                    static_cast<double>(bytes) / kGibibyte, static_cast<double>(machineBytes()) / kGibibyte));
   }
   for (const MountedSensor& sensor : pipeline_.sensors) {
     beams_.push_back(makeBeams(sensor.description));
@@ -146,6 +170,11 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
                        fmt::format("{} steps are more than the {} columns of '{}'", pipeline_.motion.steps,
                                    beams_.back()->columns, sensor.name));
     }
+    const std::size_t s = beams_.size() - 1;
+    for (const auto& effect : pipeline_.effectsOf(s)) effect->check(*beams_.back());
+    const std::uint32_t raysPerBeam = pipeline_.raysPerBeam(s);
+    footprints_.push_back(
+        raysPerBeam == 1 ? nullptr : std::make_shared<const Footprint>(makeFootprint(*beams_.back(), raysPerBeam)));
   }
 }
 
@@ -208,7 +237,19 @@ void Plan::requirePasses() const {
 }
 
 void Plan::requireOneRay() const {
-  if (pipeline_.mostReturns() == 1) return;
+  bool one = true;
+  for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
+    one = one && pipeline_.raysPerBeam(s) == 1 && pipeline_.lightPaths(s) == nullptr;
+  }
+  if (!one) {
+    throw InputError(
+        {pipeline_.file.string()},
+        "the effects footprint and light_paths fire several rays a beam, but kept hits and passes hold one: "
+        "keep none, or leave them out");
+  }
+  if (pipeline_.recording != nullptr || pipeline_.method.entry == nullptr || !pipeline_.method.entry->can.severalHits) {
+    return;
+  }
   throw InputError({pipeline_.file.string()},
                    fmt::format("the method {} fires several rays a beam, but kept hits hold one: keep none, or take "
                                "`method: {}`",
@@ -218,6 +259,7 @@ void Plan::requireOneRay() const {
 void Plan::choose(MethodChoice choice, MethodRecord record) {
   pipeline_.method = std::move(choice);
   checkMotion(pipeline_);
+  checkRays(pipeline_);
   chosen_ = std::move(record);
 }
 
@@ -284,8 +326,10 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   // Hits, returns, scan and encoded bytes; the beam tables are shared by all frames.
   std::uint64_t perPoint = sizeof(Vec3f);
   for (const Column& column : kColumns) perPoint += bytesOf(column.type);
-  const std::uint64_t perReturn = 4 + (traced_.has(Channel::Normal) ? 12 : 0) + 20 + 20 + 2 * perPoint;
-  return perReturn * pipeline_.mostReturns() * pipeline_.raysPerFrame();
+  const std::uint64_t perRay = 4 + (traced_.has(Channel::Normal) ? 12 : 0) + 20 + 8;
+  const std::uint64_t perReturn = 12 + 2 * perPoint;
+  const std::uint64_t reported = perReturn * pipeline_.mostReturns() * pipeline_.beamsPerFrame();
+  return perRay * pipeline_.raysPerFrame() * pipeline_.mostMet() + reported;
 }
 
 std::size_t Plan::framesInFlight() const {

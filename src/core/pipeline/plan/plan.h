@@ -12,6 +12,7 @@
 #include "pipeline/read/pipeline.h"
 #include "scan/channels.h"
 #include "scene/scene.h"
+#include "sensors/footprint.h"
 
 namespace scanmill {
 
@@ -29,6 +30,9 @@ class Plan {
   const Pipeline& pipeline() const { return pipeline_; }
   Channels channels() const { return traced_; }  // what effects, columns, formats and recordings read
   const std::vector<std::shared_ptr<const BeamTable>>& beams() const { return beams_; }  // per sensor
+
+  // The rays of a sensor's beams; null where each fires one.
+  const Footprint* footprint(std::size_t sensor) const { return footprints_[sensor].get(); }
 
   // Loads the scene of a sequence; textures only where a channel needs them. Of a recording: what scans need of its
   // scene, which is its classes and materials.
@@ -68,6 +72,7 @@ class Plan {
   Channels channels_;  // what scans need
   Channels traced_;    // and recordings
   std::vector<std::shared_ptr<const BeamTable>> beams_;
+  std::vector<std::shared_ptr<const Footprint>> footprints_;  // likewise; null: one ray a beam
 };
 
 }  // namespace scanmill

@@ -247,12 +247,27 @@ void addEffects(const std::vector<Value>& items, const MountedSensor* sensor, st
   }
 }
 
+// Several echoes are chosen from: unless the list says how, the strongest is reported.
+void addDetection(std::vector<MadeEffect>& made) {
+  const EffectEntry& detection = requireEffect("detection", {});
+  const auto several = std::find_if(made.begin(), made.end(), [](const MadeEffect& m) {
+    return m.effect->raysPerBeam() > 1 || m.effect->lightPaths() != nullptr;
+  });
+  const bool named = std::any_of(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &detection; });
+  if (several == made.end() || named) return;
+  const Value none;
+  Fields options(none, "effect detection");
+  made.push_back({&detection, several->where, detection.make(options)});
+}
+
 // They run in the order of their stages, whatever the order of the file.
 SensorEffects inOrder(std::vector<MadeEffect> made) {
+  addDetection(made);
   std::stable_sort(made.begin(), made.end(),
                    [](const MadeEffect& a, const MadeEffect& b) { return a.entry->stage < b.entry->stage; });
   SensorEffects ordered;
   bool intensity = false;
+  bool snr = false;
   const MadeEffect* gain = nullptr;
   for (MadeEffect& m : made) {
     if (m.effect->needsIntensity() && !intensity) {
@@ -263,7 +278,13 @@ SensorEffects inOrder(std::vector<MadeEffect> made) {
       throw InputError(m.where,
                        fmt::format("the effect '{}' sets the intensity, as an earlier one does", m.entry->name));
     }
+    if (m.effect->needsSnr() && !snr) {
+      throw InputError(m.where, fmt::format("the effect '{}' looks at the signal to noise ratio: add `detection: "
+                                            "{{noise: ...}}`",
+                                            m.entry->name));
+    }
     intensity = intensity || m.effect->setsIntensity();
+    snr = snr || m.effect->setsSnr();
     gain = m.effect->setsGain() ? &m : gain;
     ordered.entries.push_back(m.entry);
     ordered.effects.push_back(std::move(m.effect));
@@ -404,18 +425,50 @@ std::uint64_t Pipeline::frames() const {
   return count;
 }
 
-std::uint64_t Pipeline::raysPerFrame() const {
+std::uint64_t Pipeline::beamsPerFrame() const {
   std::uint64_t count = 0;
   for (const MountedSensor& s : sensors) count += s.size.rings * s.size.columns;
   return count;
 }
 
+std::uint64_t Pipeline::raysPerFrame() const {
+  std::uint64_t count = 0;
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    count += sensors[s].size.rings * sensors[s].size.columns * raysPerBeam(s);
+  }
+  return count;
+}
+
+std::uint32_t Pipeline::raysPerBeam(std::size_t sensor) const {
+  std::uint32_t most = 1;
+  for (const auto& effect : effectsOf(sensor)) most = std::max(most, effect->raysPerBeam());
+  return most;
+}
+
+const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
+  for (const auto& effect : effectsOf(sensor)) {
+    if (effect->lightPaths() != nullptr) return effect->lightPaths();
+  }
+  return nullptr;
+}
+
 // Recorded hits are of one ray a beam. What `auto` will choose is not known yet.
-std::uint32_t Pipeline::mostReturns() const {
+std::uint32_t Pipeline::mostMet() const {
   if (recording != nullptr) return 1;
   if (method.entry != nullptr) return method.entry->can.mostReturns;
   std::uint32_t most = 1;
   for (const MethodEntry& entry : methods()) most = std::max(most, entry.can.mostReturns);
+  return most;
+}
+
+std::uint32_t Pipeline::mostReturns() const {
+  const std::uint32_t met = mostMet();
+  std::uint32_t most = 1;
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    std::uint32_t ofSensor = met;
+    for (const auto& effect : effectsOf(s)) ofSensor = effect->mostReturns(ofSensor);
+    most = std::max(most, ofSensor);
+  }
   return most;
 }
 
@@ -466,10 +519,6 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
                        automatic && pipeline.recording == nullptr};
   }
   readEffects(fields, pipeline);
-  for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-    for (const auto& effect : pipeline.effectsOf(s))
-      effect->check(static_cast<std::uint32_t>(pipeline.sensors[s].size.rings));
-  }
   readOutput(fields.require("output"), pipeline);
   std::vector<SequenceName> names;
   for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectoryName});
@@ -494,10 +543,12 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
   if (rays > pipeline.maxRays) {
     throw InputError(
         {file.string()},
-        fmt::format("{} frames x {} beams = {:.3g} rays, more than limits.max_rays = {:.3g}; at 20 million "
+        fmt::format("{} frames x {} {} = {:.3g} rays, more than limits.max_rays = {:.3g}; at 20 million "
                     "rays a second that is {:.1f} hours. Take fewer frames, rings or columns, or raise the "
                     "limit",
-                    pipeline.frames(), pipeline.raysPerFrame(), rays, pipeline.maxRays, rays / 20e6 / 3600));
+                    pipeline.frames(), pipeline.raysPerFrame(),
+                    pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays", rays, pipeline.maxRays,
+                    rays / 20e6 / 3600));
   }
   return pipeline;
 }

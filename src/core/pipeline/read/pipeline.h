@@ -98,9 +98,13 @@ struct Pipeline {
   std::span<const std::unique_ptr<Effect>> effectsOf(std::size_t sensor) const;
   std::span<const EffectEntry* const> effectEntriesOf(std::size_t sensor) const;
   std::uint64_t frames() const;
+  std::uint64_t beamsPerFrame() const;
   std::uint64_t raysPerFrame() const;
-  std::uint32_t mostReturns() const;  // of a beam
-  std::string methodName() const;     // that made, or makes, the hits
+  std::uint32_t raysPerBeam(std::size_t sensor) const;     // of the effect footprint
+  const LightPaths* lightPaths(std::size_t sensor) const;  // of the effect light_paths; null: none
+  std::uint32_t mostMet() const;                           // surfaces by a ray
+  std::uint32_t mostReturns() const;                       // of a beam
+  std::string methodName() const;                          // that made, or makes, the hits
 };
 
 // Whether an effect sets the intensity; either an effect of every sensor does, or none.

@@ -194,7 +194,7 @@ class DatasetRun {
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
   checkFolders(plan, options);
   if (!options.keepPasses.empty()) plan.requirePasses();
-  if (!options.keepHits.empty()) plan.requireOneRay();
+  if (!options.keepHits.empty() || !options.keepPasses.empty()) plan.requireOneRay();
   return DatasetRun(plan, options).run();
 }
 

@@ -3,14 +3,33 @@
 namespace scanmill {
 
 ShotSetup setupOf(const Plan& plan, const Scene& scene, const Method& method, std::size_t sensor) {
-  return {method, scene.materials, plan.channels(), plan.pipeline().effectsOf(sensor), plan.pipeline().layout};
+  return {method,
+          scene.materials,
+          plan.channels(),
+          plan.pipeline().effectsOf(sensor),
+          plan.pipeline().layout,
+          plan.footprint(sensor),
+          plan.pipeline().lightPaths(sensor)};
+}
+
+TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits) {
+  Shot wide;
+  if (setup.footprint != nullptr) {
+    wide = shot;
+    wide.beams = setup.footprint->rays;
+  }
+  const Shot& rays = setup.footprint != nullptr ? wide : shot;
+  TraceAccount account = setup.method.trace(rays, setup.channels, hits);
+  if (setup.footprint != nullptr) joinRays(*setup.footprint, hits);
+  if (setup.paths != nullptr) account += followLight(setup.method, rays, setup.materials, *setup.paths, hits);
+  return account;
 }
 
 TraceAccount runShot(const ShotSetup& setup, const Shot& shot, ShotBuffers& buffers, StageClock& clock) {
   TraceAccount account;
   {
     const StageTimer timer(clock, "trace");
-    account = setup.method.trace(shot, setup.channels, buffers.hits);
+    account = traceShot(setup, shot, buffers.hits);
   }
   const StageTimer timer(clock, "effects");
   senseShot(setup, shot, buffers.hits, buffers.returns, buffers.scan);

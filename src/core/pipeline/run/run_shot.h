@@ -6,12 +6,14 @@
 #include <span>
 
 #include "base/stage_clock.h"
+#include "methods/light_paths.h"
 #include "methods/method.h"
 #include "pipeline/plan/plan.h"
 #include "scan/hits.h"
 #include "scan/scan.h"
 #include "scene/scene.h"
 #include "sense/sense.h"
+#include "sensors/footprint.h"
 #include "sensors/shot.h"
 
 namespace scanmill {
@@ -23,6 +25,8 @@ struct ShotSetup {
   Channels channels;                    // that are traced
   std::span<const std::unique_ptr<Effect>> effects;
   ScanLayout layout;
+  const Footprint* footprint = nullptr;  // of beams that fire several rays
+  const LightPaths* paths = nullptr;     // of rays that go on
 };
 
 // As the plan says of this sensor.
@@ -38,6 +42,8 @@ struct ShotBuffers {
 // Fills buffers.hits and then, from them, buffers.scan. The clock adds up the stages "trace" and "effects"; what
 // tracing took by the method's own stages is in the account.
 TraceAccount runShot(const ShotSetup& setup, const Shot& shot, ShotBuffers& buffers, StageClock& clock);
+// The first half alone.
+TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits);
 // The second half alone, of hits that are there already.
 void senseShot(const ShotSetup& setup, const Shot& shot, const Hits& hits, Returns& returns, Scan& scan);
 

@@ -129,33 +129,66 @@ class Intensity : public Effect {
   }
   bool setsIntensity() const override { return true; }
 
+  bool powerOfRays(const Hits& hits, std::span<const Material> materials, std::vector<float>& power) const override {
+    powerOf(hits, materials, power);
+    return true;
+  }
+
   void apply(const Hits& hits, const Shot&, std::span<const Material> materials, Returns& returns) const override {
     change(hits, materials, returns);
   }
 
  private:
-  SCANMILL_BEST_INSTRUCTIONS void change(const Hits& hits, std::span<const Material> materials,
-                                         Returns& returns) const {
+  // The lobes of each material, and at the end those of what has none: matt. `glass`: rays go on behind it, and clean
+  // panes scatter nothing.
+  std::vector<Lobes> lobesOfAll(std::span<const Material> materials, bool glass) const {
     std::vector<Lobes> lobes;
     lobes.reserve(materials.size() + 1);
     for (const Material& m : materials) {
       lobes.push_back(lobesOf(m.roughness, m.metallic, m.retroreflectance, o_.orenNayar));
+      if (glass && m.transmission > 0) lobes.back().matt = 0;
     }
-    lobes.emplace_back();  // for what has no material: matt
+    lobes.emplace_back();
+    return lobes;
+  }
 
+  SCANMILL_BEST_INSTRUCTIONS void powerOf(const Hits& hits, std::span<const Material> materials,
+                                          std::vector<float>& power) const {
+    const std::vector<Lobes> lobes = lobesOfAll(materials, !hits.pathOfRay.empty());
+    power.assign(hits.rays(), 0);
+    forBatches(hits.range, [&](std::size_t first, std::size_t count) {
+      float* const some = power.data() + first;
+      reflect(surfacesOf(hits, first), lobes, count, some);
+      for (std::size_t i = 0; i < count && !hits.weightOfRay.empty(); ++i) some[i] *= hits.weightOfRay[first + i];
+      travel(hits.range.data() + first, count, some);
+      for (std::size_t i = 0; i < count; ++i) {
+        const float finite = some[i] < FLT_MAX ? some[i] : FLT_MAX;
+        some[i] = hits.range[first + i] < kMiss && some[i] > 0 ? finite : 0;
+      }
+    });
+  }
+
+  SCANMILL_BEST_INSTRUCTIONS void change(const Hits& hits, std::span<const Material> materials,
+                                         Returns& returns) const {
+    const std::vector<Lobes> lobes = lobesOfAll(materials, !hits.pathOfRay.empty());
     returns.power.resize(returns.size());
     returns.intensity.assign(returns.size(), 0);
-    Batch<float> ranges;
     Batch<float> given;
     Batch<float> sent;
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       float* const power = returns.power.data() + first;
       for (std::size_t i = 0; i < count && !returns.onePerBeam(); ++i) given[i] = power[i];
-      reflect(hits, lobes, returns, first, count, power);
-      if (!hits.weightOfRay.empty()) share(hits, returns, first, count, power);
-      for (std::size_t i = 0; i < count && !returns.gain.empty(); ++i) power[i] *= returns.gain[first + i];
-      for (std::size_t i = 0; i < count && o_.reflectivity; ++i) sent[i] = power[i];
-      travel(valuesOfHits(returns, hits.range, first, ranges, kMiss), count, power);
+      if (returns.powerOfEchoes) {
+        for (std::size_t i = 0; i < count && !returns.gain.empty(); ++i) power[i] *= returns.gain[first + i];
+        if (o_.reflectivity) sentFor(returns.range.data() + first, count, power, sent.data());
+      } else {
+        SurfaceBuffers buffers;
+        Batch<float> ranges;
+        reflect(surfacesOf(hits, returns, first, buffers), lobes, count, power);
+        for (std::size_t i = 0; i < count && !returns.gain.empty(); ++i) power[i] *= returns.gain[first + i];
+        for (std::size_t i = 0; i < count && o_.reflectivity; ++i) sent[i] = power[i];
+        travel(valuesOfHits(returns, hits.range, first, ranges, kMiss), count, power);
+      }
       settle(returns, first, count, given, power);
       if (o_.reflectivity) settle(returns, first, count, given, sent.data());
       respond(o_.reflectivity ? sent.data() : power, count, returns.intensity.data() + first);
@@ -175,37 +208,63 @@ class Intensity : public Effect {
     }
   }
 
-  void reflect(const Hits& hits, const std::vector<Lobes>& lobes, const Returns& returns, std::size_t first,
-               std::size_t count, float* power) const {
-    Batch<std::uint16_t> materials;
-    Batch<float> reflectances;
-    Batch<float> incidences;
-    const std::uint16_t* const material = valuesOfHits(returns, hits.material, first, materials);
-    const float* const reflectance = valuesOfHits(returns, hits.reflectance, first, reflectances);
-    const float* const incidence = valuesOfHits(returns, hits.incidence, first, incidences);
-    if (!hits.roughness.empty()) {  // as the hits say, not the materials
-      Batch<float> buffers[3];
-      const float* const roughness = valuesOfHits(returns, hits.roughness, first, buffers[0]);
-      const float* const metallic = valuesOfHits(returns, hits.metallic, first, buffers[1]);
-      const float* const retro = valuesOfHits(returns, hits.retroreflectance, first, buffers[2]);
+  // How the surfaces of neighbouring rays or rows reflect. Null: as their materials say.
+  struct Surfaces {
+    const std::uint16_t* material;
+    const float* reflectance;
+    const float* incidence;
+    const float* roughness;
+    const float* metallic;
+    const float* retro;
+  };
+
+  struct SurfaceBuffers {
+    Batch<std::uint16_t> material;
+    Batch<float> of[5];
+  };
+
+  static Surfaces surfacesOf(const Hits& hits, std::size_t first) {
+    const auto from = [&](const std::vector<float>& values) {
+      return values.empty() ? nullptr : values.data() + first;
+    };
+    return {hits.material.data() + first, from(hits.reflectance), from(hits.incidence),
+            from(hits.roughness),         from(hits.metallic),    from(hits.retroreflectance)};
+  }
+
+  static Surfaces surfacesOf(const Hits& hits, const Returns& returns, std::size_t first, SurfaceBuffers& buffers) {
+    const auto from = [&](const std::vector<float>& values, int k) {
+      return values.empty() ? nullptr : valuesOfHits(returns, values, first, buffers.of[k]);
+    };
+    return {valuesOfHits(returns, hits.material, first, buffers.material),
+            from(hits.reflectance, 0),
+            from(hits.incidence, 1),
+            from(hits.roughness, 2),
+            from(hits.metallic, 3),
+            from(hits.retroreflectance, 4)};
+  }
+
+  void reflect(const Surfaces& s, const std::vector<Lobes>& lobes, std::size_t count, float* power) const {
+    if (s.roughness != nullptr) {
       for (std::size_t i = 0; i < count; ++i) {
-        power[i] = reflected(lobesOf(roughness[i], metallic[i], retro[i], o_.orenNayar), incidence[i], reflectance[i]);
+        const Lobes lobe = lobesOf(s.roughness[i], s.metallic[i], s.retro[i], o_.orenNayar);
+        power[i] = reflected(lobe, s.incidence[i], s.reflectance[i]);
       }
       return;
     }
     const Lobes* const table = lobes.data();
     const std::uint32_t last = static_cast<std::uint32_t>(lobes.size() - 1);
     for (std::size_t i = 0; i < count; ++i) {
-      const Lobes lobe = table[std::min<std::uint32_t>(material[i], last)];
-      power[i] = reflected(lobe, incidence[i], reflectance[i]);
+      const Lobes lobe = table[std::min<std::uint32_t>(s.material[i], last)];
+      power[i] = reflected(lobe, s.incidence[i], s.reflectance[i]);
     }
   }
 
-  // A ray has a part of its beam's power.
-  static void share(const Hits& hits, const Returns& returns, std::size_t first, std::size_t count, float* power) {
-    Batch<float> weights;
-    const float* const weight = valuesOfHits(returns, hits.weightOfRay, first, weights, 1.0f);
-    for (std::size_t i = 0; i < count; ++i) power[i] *= weight[i];
+  // The power that echoes would have from the reference range through clear air.
+  void sentFor(const float* range, std::size_t count, const float* power, float* sent) const {
+    Batch<float> lost;
+    lost.fill(1);
+    travel(range, count, lost.data());
+    for (std::size_t i = 0; i < count; ++i) sent[i] = lost[i] > 0 ? power[i] / lost[i] : power[i];
   }
 
   void travel(const float* range, std::size_t count, float* power) const {

@@ -16,5 +16,8 @@ std::unique_ptr<Effect> makeQuantize(Fields& options);
 std::unique_ptr<Effect> makeAngularJitter(Fields& options);
 std::unique_ptr<Effect> makeSpeckle(Fields& options);
 std::unique_ptr<Effect> makeRingBias(Fields& options);
+std::unique_ptr<Effect> makeFootprintEffect(Fields& options);
+std::unique_ptr<Effect> makeDetection(Fields& options);
+std::unique_ptr<Effect> makeLightPaths(Fields& options);
 
 }  // namespace scanmill

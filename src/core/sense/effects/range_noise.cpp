@@ -3,12 +3,21 @@
 //   range_noise: {sigma_m: 0.02, sigma_per_m: 0.0005}        # sigma(r) = 0.02 + 0.0005 r
 //   range_noise: {table: [[1, 0.03], [20, 0.01], [100, 0.05]]}  # linear between, constant beyond
 //
+//   range_noise: {sigma_m: 0.005, over_snr_m: 0.3}              # sigma^2 = 0.005^2 + (0.3 s / snr)^2
+//
+// over_snr_m makes faint echoes noisy: with the snr that the effect detection has found and the noise of a timing
+// discriminator, the noise over the slope of the pulse (Skolnik, "Introduction to Radar Systems", 1981, section 11.3:
+// the rise over the signal to noise ratio). s is how much longer than the pulse the echo is, sqrt(1 + (d / p)^2), with
+// d the spread of the footprint's ranges and p the standard deviation of the pulse, c t / 2 / 2.355: noise grows where
+// the beam grazes.
+//
 // A noisy range is never nearer than 1 mm (or than the true range, where that is nearer): no point passes behind the
 // sensor. It may exceed the sensor's maximum range. A sigma of zero everywhere leaves every bit as it was.
 
 #include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
 #include "sense/effects/makers.h"
+#include "sensors/footprint.h"
 
 namespace scanmill {
 namespace {
@@ -26,8 +35,9 @@ struct Sigma {
   double base = 0;    // m
   double growth = 0;  // m per m
   std::vector<Ramp> ramps;
+  double overSnr = 0;  // m
 
-  bool zero() const { return base == 0 && growth == 0 && ramps.empty(); }
+  bool zero() const { return base == 0 && growth == 0 && ramps.empty() && overSnr == 0; }
 };
 
 Sigma readTable(const Value& table) {
@@ -61,6 +71,8 @@ class RangeNoise : public Effect {
   explicit RangeNoise(Sigma sigma) : sigma_(std::move(sigma)) {}
 
   Channels reads() const override { return Channel::Range; }
+  bool needsIntensity() const override { return sigma_.overSnr > 0; }
+  bool needsSnr() const override { return sigma_.overSnr > 0; }
 
   void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
     change(shot, returns);
@@ -83,6 +95,7 @@ class RangeNoise : public Effect {
           sigma[i] += ramp.slope * along;
         }
       }
+      if (sigma_.overSnr > 0) addFaintness(shot, returns, first, count, sigma);
       for (std::size_t i = 0; i < count; ++i) {
         const double exact = range[i];
         const double nearest = exact < kNearest ? exact : kNearest;
@@ -91,6 +104,20 @@ class RangeNoise : public Effect {
         range[i] = range[i] < kMiss ? static_cast<float>(noisy) : kMiss;
       }
     });
+  }
+
+  void addFaintness(const Shot& shot, const Returns& returns, std::size_t first, std::size_t count,
+                    Batch<double>& sigma) const {
+    if (returns.snr.size() != returns.size()) {
+      throw InputError("effect range_noise: over_snr_m needs the effect detection, with noise");
+    }
+    const double pulse = pulseLength(shot.beams->pulse) / 2.355;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double spread = returns.spread.empty() ? 0 : returns.spread[first + i] / pulse;
+      const double snr = returns.snr[first + i] > 1e-3 ? returns.snr[first + i] : 1e-3;
+      const double faint = sigma_.overSnr / snr;
+      sigma[i] = std::sqrt(sigma[i] * sigma[i] + faint * faint * (1 + spread * spread));
+    }
   }
 
   Sigma sigma_;
@@ -109,9 +136,10 @@ std::unique_ptr<Effect> makeRangeNoise(Fields& options) {
   }
   sigma.base += options.number("sigma_m", {0, 100}, 0);
   sigma.growth = options.number("sigma_per_m", {0, 1}, 0);
+  sigma.overSnr = options.number("over_snr_m", {0, 100}, 0);
   options.finish();  // first: a misspelt key is the likelier reason for the lack of one
-  if (!constant && !options.has("table")) {
-    throw InputError(options.where(), "effect range_noise: give sigma_m, sigma_per_m or a table");
+  if (!constant && !options.has("table") && !options.has("over_snr_m")) {
+    throw InputError(options.where(), "effect range_noise: give sigma_m, sigma_per_m, over_snr_m or a table");
   }
   return std::make_unique<RangeNoise>(std::move(sigma));
 }

@@ -37,17 +37,17 @@ class RingBias : public Effect {
   Channels reads() const override { return Channel::Range; }
   bool setsGain() const override { return !gain_.zero(); }
 
-  void check(std::uint32_t rings) const override {
+  void check(const BeamTable& beams) const override {
     for (const PerRing* figure : {&range_, &elevation_, &gain_}) {
-      if (figure->list.empty() || figure->list.size() == rings) continue;
+      if (figure->list.empty() || figure->list.size() == beams.rings) continue;
       throw InputError(figure->where, "effect ring_bias: the list has " + std::to_string(figure->list.size()) +
-                                          " figures, the sensor " + std::to_string(rings) +
+                                          " figures, the sensor " + std::to_string(beams.rings) +
                                           " rings: give one figure per ring");
     }
   }
 
   void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
-    check(shot.beams->rings);
+    check(*shot.beams);
     if (!gain_.zero()) returns.gain.resize(returns.size(), 1.0f);
     if (!elevation_.zero()) returns.displacement.resize(returns.size());
     for (std::uint32_t ring = 0; ring < shot.beams->rings && returns.onePerBeam(); ++ring) {

@@ -1,5 +1,6 @@
 #include <bit>
 
+#include "sensors/footprint.h"
 #include "tests/core/sense/world.h"
 
 namespace scanmill {
@@ -89,6 +90,50 @@ TEST(RangeNoise, GivesTheSameBitsOnEveryMachine) {
   std::vector<std::uint32_t> bits;
   for (float r : returns.range) bits.push_back(std::bit_cast<std::uint32_t>(r));
   EXPECT_EQ(bits, (std::vector<std::uint32_t>{1106312352, 1106217199, 1106232488, 1106209296}));
+}
+
+// sigma^2 = floor^2 + (over / snr)^2, for faint walls and for those that give all power.
+TEST(RangeNoise, GrowsAsTheSignalFalls) {
+  for (const double snr : {5.0, 20.0, 100.0}) {
+    World world = makeWorld(64, 400, 30);
+    world.beams().pulse = 5e-9;
+    world.beams().maxRange = 100;
+    const Returns returns =
+        run(world, {"intensity: {falloff: none}", "detection: {threshold: 0.1, noise: " + std::to_string(1 / snr) + "}",
+                    "range_noise: {sigma_m: 0.005, over_snr_m: 0.4}"});
+    std::vector<double> errors;
+    for (std::size_t beam = 0; beam < world.hits.size(); ++beam) {
+      if (returns.cause(beam) == Cause::Surface && returns.returned(beam)) errors.push_back(returns.range[beam] - 30);
+    }
+    const double sigma = std::hypot(0.005, 0.4 / snr);
+    EXPECT_NEAR(std::sqrt(momentsOf(errors).variance), sigma,
+                4 * sigma / std::sqrt(2.0 * static_cast<double>(errors.size())))
+        << snr;
+  }
+}
+
+// A footprint's echo that is stretched over as many metres as the pulse is noisier by the root of 2.
+TEST(RangeNoise, GrowsAsTheEchoIsStretched) {
+  World world = makeWorld(1, 4000, 30);
+  world.beams().pulse = 5e-9;
+  world.beams().maxRange = 100;
+  const double deviation = kLightSpeed * 5e-9 / 2 / 2.355;
+  std::vector<Echo> echoes;
+  for (std::uint32_t beam = 0; beam < 4000; ++beam) {
+    echoes.push_back({beam, beam, 30, 1, beam % 2 == 0 ? 0 : static_cast<float>(deviation)});
+  }
+  Returns returns;
+  returns.start(echoes, true);
+  for (const auto& effect :
+       makeEffects({"intensity: {falloff: none}", "detection: {noise: 0.1}", "range_noise: {over_snr_m: 0.4}"})) {
+    effect->apply(world.hits, world.shot, world.materials, returns);
+  }
+  std::vector<double> errors[2];
+  for (std::size_t row = 0; row < 4000; ++row) {
+    if (returns.returned(row)) errors[row % 2].push_back(returns.range[row] - 30);
+  }
+  EXPECT_NEAR(std::sqrt(momentsOf(errors[0]).variance), 0.04, 0.002);
+  EXPECT_NEAR(std::sqrt(momentsOf(errors[1]).variance), 0.04 * std::sqrt(2.0), 0.003);
 }
 
 TEST(RangeNoise, RefusesBadOptions) {

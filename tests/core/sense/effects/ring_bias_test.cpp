@@ -119,8 +119,11 @@ TEST(RingBias, RefusesBadOptions) {
   EXPECT_THAT(refusal("ring_bias: {range_m: [0.1, x]}"), HasSubstr("range_m"));
   EXPECT_THAT(refusal("ring_bias: {range_sigma: 0.1}"), HasSubstr("range_sigma_m"));
   const auto effect = makeEffect("ring_bias: {range_m: [0.1, 0.2]}");
-  effect->check(2);
-  expectInputError([&] { effect->check(3); }, {"test.yaml:1", "2 figures", "3 rings"});
+  BeamTable beams;
+  beams.rings = 2;
+  effect->check(beams);
+  beams.rings = 3;
+  expectInputError([&] { effect->check(beams); }, {"test.yaml:1", "2 figures", "3 rings"});
 }
 
 }  // namespace

@@ -1,0 +1,202 @@
+#include "sense/echoes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace scanmill {
+
+namespace {
+
+// A ray that met something.
+struct Part {
+  float range;
+  std::uint32_t ray;
+  double power;
+};
+
+// Power by class. A beam meets few classes.
+class ClassPowers {
+ public:
+  void clear() { entries_.clear(); }
+
+  void add(std::uint16_t label, double power) {
+    for (Entry& e : entries_) {
+      if (e.label != label) continue;
+      e.power += power;
+      return;
+    }
+    entries_.push_back({label, power});
+  }
+
+  struct Entry {
+    std::uint16_t label = 0;
+    double power = 0;
+  };
+
+  // The strongest but for `other`; of equals that of the lower class id. Power -1 where there is none.
+  Entry strongest(const Entry* other) const {
+    Entry best{0, -1};
+    for (const Entry& e : entries_) {
+      if (other != nullptr && e.label == other->label) continue;
+      if (e.power > best.power || (e.power == best.power && e.label < best.label)) best = e;
+    }
+    return best;
+  }
+
+ private:
+  std::vector<Entry> entries_;
+};
+
+class EchoFinder {
+ public:
+  EchoFinder(const Hits& hits, std::span<const float> power, double pulseLength)
+      : hits_(hits), power_(power), pulse_(pulseLength) {}
+
+  std::vector<Echo> find() {
+    const std::vector<std::uint32_t> order = raysByBeam();
+    const auto rayAt = [&](std::size_t i) { return order.empty() ? static_cast<std::uint32_t>(i) : order[i]; };
+    for (std::size_t first = 0; first < hits_.rays();) {
+      const std::uint32_t beam = hits_.beamOfRay[rayAt(first)];
+      parts_.clear();
+      std::size_t i = first;
+      for (; i < hits_.rays() && hits_.beamOfRay[rayAt(i)] == beam; ++i) {
+        const std::uint32_t ray = rayAt(i);
+        if (hits_.hit(ray)) parts_.push_back({hits_.range[ray], ray, powerOf(ray)});
+      }
+      if (!parts_.empty()) addBeam(beam);
+      first = i;
+    }
+    return std::move(echoes_);
+  }
+
+ private:
+  // Empty where the rays lie by beam as they are.
+  std::vector<std::uint32_t> raysByBeam() const {
+    const std::vector<std::uint32_t>& beam = hits_.beamOfRay;
+    std::vector<std::uint32_t> order;
+    if (std::is_sorted(beam.begin(), beam.end())) return order;
+    order.resize(beam.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return beam[a] < beam[b]; });
+    return order;
+  }
+
+  double powerOf(std::uint32_t ray) const {
+    if (!power_.empty()) return power_[ray];
+    return hits_.weightOfRay.empty() ? 1 : hits_.weightOfRay[ray];
+  }
+
+  void addBeam(std::uint32_t beam) {
+    std::sort(parts_.begin(), parts_.end(),
+              [](const Part& a, const Part& b) { return a.range != b.range ? a.range < b.range : a.ray < b.ray; });
+    const std::size_t before = echoes_.size();
+    std::size_t first = 0;
+    for (std::size_t i = 1; i <= parts_.size(); ++i) {
+      const bool joined = i < parts_.size() && pulse_ > 0 && parts_[i].range - parts_[i - 1].range <= pulse_;
+      if (joined) continue;
+      echoes_.push_back(echoOf(beam, {parts_.data() + first, i - first}));
+      echoes_.back().cause = causeOf(echoes_.back().hit);
+      first = i;
+    }
+    keepStrongest(before);
+  }
+
+  Cause causeOf(std::uint32_t ray) const {
+    if (hits_.pathOfRay.empty() || hits_.pathOfRay[ray] == RayPath::Direct) return Cause::Surface;
+    return hits_.pathOfRay[ray] == RayPath::ThroughGlass ? Cause::ThroughGlass : Cause::Mirrored;
+  }
+
+  void keepStrongest(std::size_t first) {
+    while (echoes_.size() - first > kMostReturns) {
+      echoes_.erase(std::min_element(echoes_.begin() + static_cast<std::ptrdiff_t>(first), echoes_.end(),
+                                     [](const Echo& a, const Echo& b) { return a.power < b.power; }));
+    }
+  }
+
+  Echo echoOf(std::uint32_t beam, std::span<const Part> parts) {
+    Echo echo{beam, parts.front().ray, parts.front().range, static_cast<float>(parts.front().power)};
+    if (parts.size() == 1) return echo;
+    double total = 0;
+    for (const Part& p : parts) total += p.power;
+    echo.power = static_cast<float>(total);
+    const double mean = meanRange(parts);
+    double square = 0;
+    for (const Part& p : parts)
+      square +=
+          (total > 0 ? p.power / total : 1.0 / static_cast<double>(parts.size())) * (p.range - mean) * (p.range - mean);
+    echo.spread = static_cast<float>(std::sqrt(square));
+    echo.range = static_cast<float>(meanRange(strongestStretch(parts)));
+    label(parts, total, echo);
+    return echo;
+  }
+
+  // All are alike where none has power.
+  static double meanRange(std::span<const Part> parts) {
+    const double first = parts.front().range;
+    double total = 0;
+    double sum = 0;
+    double plain = 0;
+    for (const Part& p : parts) {
+      total += p.power;
+      sum += p.power * (p.range - first);
+      plain += p.range - first;
+    }
+    return first + (total > 0 ? sum / total : plain / static_cast<double>(parts.size()));
+  }
+
+  std::span<const Part> strongestStretch(std::span<const Part> parts) const {
+    if (parts.back().range - parts.front().range <= pulse_) return parts;
+    std::size_t bestFirst = 0;
+    std::size_t bestEnd = 1;
+    double best = -1;
+    double power = 0;
+    std::size_t end = 0;
+    for (std::size_t first = 0; first < parts.size(); ++first) {
+      while (end < parts.size() && parts[end].range - parts[first].range <= pulse_) power += parts[end++].power;
+      if (power > best) {
+        best = power;
+        bestFirst = first;
+        bestEnd = end;
+      }
+      power -= parts[first].power;
+    }
+    return parts.subspan(bestFirst, bestEnd - bestFirst);
+  }
+
+  void label(std::span<const Part> parts, double total, Echo& echo) {
+    const bool classes = hits_.channels.has(Channel::Semantic);
+    ClassPowers::Entry most;
+    if (classes) {
+      powers_.clear();
+      for (const Part& p : parts) powers_.add(hits_.semantic[p.ray], p.power);
+      most = powers_.strongest(nullptr);
+      const ClassPowers::Entry next = powers_.strongest(&most);
+      echo.label2 = next.label;
+      echo.share = static_cast<float>(total > 0 ? most.power / total : 1);
+    }
+    double strongest = -1;
+    for (const Part& p : parts) {
+      if (classes && hits_.semantic[p.ray] != most.label) continue;
+      if (p.power > strongest || (p.power == strongest && p.ray < echo.hit)) {
+        strongest = p.power;
+        echo.hit = p.ray;
+      }
+    }
+  }
+
+  const Hits& hits_;
+  std::span<const float> power_;
+  double pulse_;
+  std::vector<Part> parts_;
+  ClassPowers powers_;
+  std::vector<Echo> echoes_;
+};
+
+}  // namespace
+
+std::vector<Echo> findEchoes(const Hits& hits, std::span<const float> power, double pulseLength) {
+  return EchoFinder(hits, power, pulseLength).find();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,209 @@
+// detection: which echoes the receiver finds in its noise, and which of those it reports.
+//
+//   detection: {returns: strongest}                 # or first, last, dual (strongest and last), all, or a number
+//   detection: {returns: dual, noise: 0.0008, threshold: 4.8, min_separation_m: 1}
+//
+// noise is the standard deviation of the receiver's noise, in the unit of the effect intensity's power: 1 is a white
+// target at the reference range. An echo of power P is measured as P + noise * n with n from the standard normal law,
+// and found where that is at least threshold * noise. So the probability of detection is
+//
+//   Pd = Q(threshold - P / noise),    Q(x) = erfc(x / sqrt 2) / 2
+//
+// (Skolnik, "Introduction to Radar Systems", 1981, section 2.5, for a signal in Gaussian noise whose phase is known, as
+// the receiver of pulses without a carrier has it). Noise alone passes the threshold in each of the
+// (farthest - nearest) / (c pulse / 2) stretches of range that the receiver tells apart with the probability
+// Q(threshold): false positives, of a range drawn evenly, of cause 2 and without a class. Without noise every echo is
+// found and no other.
+//
+// Of what is found nearer than min_separation_m to a stronger echo of the same beam nothing is reported; then `returns`
+// chooses. dual: the strongest and the last; where they are the same, the second strongest too (Velodyne, VLP-16 User
+// Manual 63-9243 Rev. D, section 6.3). A number: so many of the strongest.
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sense/effects/batches.h"
+#include "sense/effects/makers.h"
+#include "sensors/footprint.h"
+
+namespace scanmill {
+namespace {
+
+enum class Report { Strongest, First, Last, Dual };
+
+struct Options {
+  Report report = Report::Strongest;
+  std::uint32_t most = 1;  // of Report::Strongest
+  double noise = 0;
+  double threshold = 4.8;
+  float separation = 0;  // m
+};
+
+double tailOfNormal(double x) {
+  return 0.5 * std::erfc(x / std::sqrt(2.0));
+}
+
+class Detection : public Effect {
+ public:
+  Detection(const Options& options, Location where) : o_(options), where_(std::move(where)) {}
+
+  Channels reads() const override { return Channel::Range; }
+  // First and last are known without.
+  bool needsIntensity() const override {
+    return o_.noise > 0 || o_.separation > 0 || o_.report == Report::Dual ||
+           (o_.report == Report::Strongest && o_.most < kMostReturns);
+  }
+  bool setsSnr() const override { return o_.noise > 0; }
+  std::uint32_t mostReturns(std::uint32_t before) const override {
+    const std::uint32_t found = std::min(before + (o_.noise > 0 ? 1 : 0), kMostReturns);
+    return std::min(found, o_.report == Report::Dual ? 2 : o_.report == Report::Strongest ? o_.most : 1);
+  }
+
+  void check(const BeamTable& beams) const override {
+    if (o_.noise == 0 || beams.pulse > 0) return;
+    throw InputError(where_,
+                     "effect detection: how often noise alone is taken for a return follows from the pulse: "
+                     "add `pulse_ns: 5`, with the data sheet's figure, to the sensor");
+  }
+
+  void apply(const Hits& hits, const Shot& shot, std::span<const Material>, Returns& returns) const override {
+    std::vector<float> measured = returns.power;
+    if (o_.noise > 0) {
+      findInNoise(shot, returns, measured);
+      addFalsePositives(hits, shot, returns, measured);
+    }
+    if (!returns.onePerBeam()) choose(returns, measured);
+    for (std::size_t row = 0; row < returns.intensity.size(); ++row) {
+      if (!returns.returned(row)) returns.intensity[row] = 0;
+    }
+  }
+
+ private:
+  void findInNoise(const Shot& shot, Returns& returns, std::vector<float>& measured) const {
+    returns.snr.assign(returns.size(), 0);
+    RandomWords words;
+    forBatches(returns.range, [&](std::size_t first, std::size_t count) {
+      drawWords(shot, Purpose::Detection, returns, first, words);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t row = first + i;
+        returns.snr[row] = static_cast<float>(returns.power[row] / o_.noise);
+        measured[row] = static_cast<float>(returns.power[row] + o_.noise * normalPair(words.a[i], words.b[i]).first);
+        if (measured[row] < o_.threshold * o_.noise) returns.remove(row);
+      }
+    });
+  }
+
+  // At most one a beam. How far its measure exceeds the threshold follows the tail of the normal law, which is close to
+  // an exponential one there.
+  void addFalsePositives(const Hits& hits, const Shot& shot, Returns& returns, std::vector<float>& measured) const {
+    const BeamTable& beams = *shot.beams;
+    const double length = beams.maxRange - beams.minRange;
+    const double expected = length / pulseLength(beams.pulse) * tailOfNormal(o_.threshold);
+    const double probability = -std::expm1(-expected);
+    for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
+      const RandomBlock words =
+          randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, 0, Purpose::FalsePositives});
+      if (uniform(words[0]) >= probability) continue;
+      const double over = o_.threshold > 0 ? -naturalLog(uniform(words[2])) / o_.threshold : 0.0;
+      AddedReturn added;
+      added.beam = beam;
+      added.range = static_cast<float>(beams.minRange + length * uniform(words[1]));
+      added.power = static_cast<float>(o_.noise * (o_.threshold + over));
+      added.intensity = added.power;
+      added.snr = static_cast<float>(o_.threshold + over);
+      if (returns.full(beam)) continue;
+      returns.add(added, hits);
+      measured.push_back(added.power);
+    }
+  }
+
+  void choose(Returns& returns, const std::vector<float>& measured) const {
+    std::vector<std::uint32_t> rows;
+    for (std::uint32_t row = 0; row < returns.size(); ++row) {
+      if (returns.returned(row)) rows.push_back(row);
+    }
+    // By beam; of a beam's the strongest first, of equals the nearest.
+    const auto power = [&](std::uint32_t row) { return measured.empty() ? 0.0f : measured[row]; };
+    const auto before = [&](std::uint32_t a, std::uint32_t b) {
+      if (returns.beam(a) != returns.beam(b)) return returns.beam(a) < returns.beam(b);
+      if (power(a) != power(b)) return power(a) > power(b);
+      return returns.range[a] != returns.range[b] ? returns.range[a] < returns.range[b] : a < b;
+    };
+    if (!std::is_sorted(rows.begin(), rows.end(), before)) std::sort(rows.begin(), rows.end(), before);
+    for (std::size_t first = 0; first < rows.size();) {
+      std::size_t end = first + 1;
+      while (end < rows.size() && returns.beam(rows[end]) == returns.beam(rows[first])) ++end;
+      if (end - first > 1) chooseOf({rows.data() + first, end - first}, returns);
+      first = end;
+    }
+  }
+
+  // `rows`: of one beam, the strongest first.
+  void chooseOf(std::span<std::uint32_t> rows, Returns& returns) const {
+    std::size_t count = 1;
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+      const bool near = std::any_of(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(count), [&](auto row) {
+        return std::abs(returns.range[row] - returns.range[rows[i]]) < o_.separation;
+      });
+      if (near) {
+        returns.remove(rows[i]);
+      } else {
+        rows[count++] = rows[i];
+      }
+    }
+    const std::span<std::uint32_t> found = rows.first(count);
+    const auto nearer = [&](auto a, auto b) { return returns.range[a] < returns.range[b]; };
+    const std::uint32_t first = *std::min_element(found.begin(), found.end(), nearer);
+    const std::uint32_t last = *std::max_element(found.begin(), found.end(), nearer);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!reports(i, found[i], first, last, found.front())) returns.remove(found[i]);
+    }
+  }
+
+  bool reports(std::size_t rank, std::uint32_t row, std::uint32_t first, std::uint32_t last,
+               std::uint32_t strongest) const {
+    switch (o_.report) {
+      case Report::First:
+        return row == first;
+      case Report::Last:
+        return row == last;
+      case Report::Dual:
+        return rank == 0 || row == last || (rank == 1 && last == strongest);
+      case Report::Strongest:
+        break;
+    }
+    return rank < o_.most;
+  }
+
+  Options o_;
+  Location where_;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> makeDetection(Fields& options) {
+  Options o;
+  const Value* returns = options.find("returns");
+  const std::string word = returns == nullptr ? "strongest" : returns->text;
+  if (!word.empty() && word.find_first_not_of("0123456789") == std::string::npos) {
+    o.most = static_cast<std::uint32_t>(options.integer("returns", 1, kMostReturns));
+  } else {
+    const std::string chosen = options.choice("returns", {"strongest", "first", "last", "dual", "all"}, "strongest");
+    o.report = chosen == "first"  ? Report::First
+               : chosen == "last" ? Report::Last
+               : chosen == "dual" ? Report::Dual
+                                  : Report::Strongest;
+    o.most = chosen == "all" ? kMostReturns : 1;
+  }
+  o.noise = options.number("noise", {0, 1e6}, 0);
+  o.threshold = options.number("threshold", {0, 100}, 4.8);
+  o.separation = static_cast<float>(options.number("min_separation_m", {0, 1000}, 0));
+  options.finish();
+  if (options.has("threshold") && o.noise == 0) {
+    throw InputError(options.where(), "effect detection: a threshold, in units of the noise, needs `noise`");
+  }
+  return std::make_unique<Detection>(o, options.where());
+}
+
+}  // namespace scanmill

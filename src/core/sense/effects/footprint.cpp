@@ -1,0 +1,62 @@
+// footprint: a beam of finite width, sampled by several rays.
+//
+//   footprint: {rays: 19}      # 7, 19, 37, 61, 91 or 127
+//
+// The sensor's file says how wide the beam is (divergence_mrad, exit_width_mm, beam_shape) and how long the pulse is
+// (pulse_ns). Rays whose surfaces lie at most c * pulse / 2 apart add up to one echo, whose range lies between theirs:
+// the mixed pixels at edges. Others are echoes of their own, of which the effect `detection` reports the strongest or
+// more. sensors/footprint.h and sense/echoes.h say how; nothing is left to do here.
+
+#include "sensors/footprint.h"
+
+#include <algorithm>
+
+#include "sense/effects/makers.h"
+
+namespace scanmill {
+namespace {
+
+class FootprintEffect : public Effect {
+ public:
+  FootprintEffect(std::uint32_t rays, Location where) : rays_(rays), where_(std::move(where)) {}
+
+  Channels reads() const override { return Channel::Range; }
+  std::uint32_t raysPerBeam() const override { return rays_; }
+  std::uint32_t mostReturns(std::uint32_t before) const override {
+    return std::max(before, std::min(rays_, kMostReturns));
+  }
+
+  void check(const BeamTable& beams) const override {
+    const auto zero = [](const std::array<double, 2>& width) { return width[0] == 0 && width[1] == 0; };
+    if (zero(beams.divergence) && zero(beams.exitWidth)) {
+      throw InputError(where_,
+                       "effect footprint: the sensor does not say how wide its beams are: add "
+                       "`divergence_mrad: 3`, with the data sheet's figure, to the sensor");
+    }
+    if (beams.pulse == 0) {
+      throw InputError(where_,
+                       "effect footprint: the sensor does not say how long its pulses are, which decides what "
+                       "echoes it tells apart: add `pulse_ns: 5`, with the data sheet's figure, to the sensor");
+    }
+  }
+
+  void apply(const Hits&, const Shot&, std::span<const Material>, Returns&) const override {}
+
+ private:
+  std::uint32_t rays_;
+  Location where_;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> makeFootprintEffect(Fields& options) {
+  const auto rays = static_cast<std::uint32_t>(options.integer("rays", 7, 127));
+  options.finish();
+  if (std::find(std::begin(kFootprintRays), std::end(kFootprintRays), rays) == std::end(kFootprintRays)) {
+    throw InputError(options.find("rays")->where,
+                     "effect footprint: rays lie on hexagons: 7, 19, 37, 61, 91 or 127 a beam");
+  }
+  return std::make_unique<FootprintEffect>(rays, options.where());
+}
+
+}  // namespace scanmill

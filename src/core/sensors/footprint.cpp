@@ -1,0 +1,114 @@
+#include "sensors/footprint.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+
+namespace scanmill {
+
+namespace {
+
+struct GridPoint {
+  double x = 0;  // in half widths of the beam
+  double y = 0;
+  double weight = 1;
+};
+
+// The second moment of both shapes about the axis, in half widths: of exp(-2 r^2) over the plane and of 1 over the
+// disc.
+constexpr double kSecondMoment = 0.5;
+
+std::vector<GridPoint> hexagon(std::uint32_t rays, bool uniform) {
+  int rings = 0;
+  while (1 + 3 * rings * (rings + 1) < static_cast<int>(rays)) ++rings;
+  // The outermost corners lie at 2 k / (k + 1) half widths: the more rays there are, the farther out they reach.
+  const double spacing = 2.0 / (rings + 1);
+  std::vector<GridPoint> points;
+  double sum = 0;
+  double moment = 0;
+  for (int q = -rings; q <= rings; ++q) {
+    for (int r = std::max(-rings, -q - rings); r <= std::min(rings, -q + rings); ++r) {
+      GridPoint p{(q + 0.5 * r) * spacing, std::sqrt(0.75) * r * spacing, 1};
+      const double square = p.x * p.x + p.y * p.y;
+      if (!uniform) p.weight = std::exp(-2 * square);
+      sum += p.weight;
+      moment += p.weight * square;
+      points.push_back(p);
+    }
+  }
+  std::iter_swap(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2));  // the axis first
+  const double scale = moment > 0 ? std::sqrt(kSecondMoment * sum / moment) : 1;
+  for (GridPoint& p : points) p = {p.x * scale, p.y * scale, p.weight / sum};
+  return points;
+}
+
+// Horizontal and upright, both at right angles to a beam.
+struct Axes {
+  Vec3d across;
+  Vec3d up;
+};
+
+Axes axesOf(const Vec3d& direction) {
+  const double level = std::hypot(direction.x, direction.y);
+  const Vec3d across = level > 1e-9 ? Vec3d{-direction.y / level, direction.x / level, 0} : Vec3d{0, 1, 0};
+  return {across, cross(direction, across)};
+}
+
+}  // namespace
+
+Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam) {
+  if (std::find(std::begin(kFootprintRays), std::end(kFootprintRays), raysPerBeam) == std::end(kFootprintRays)) {
+    throw Error(fmt::format("a beam of {} rays: only hexagons of rays are known", raysPerBeam));
+  }
+  const std::vector<GridPoint> grid = hexagon(raysPerBeam, beams.uniformBeam);
+  auto table = std::make_shared<BeamTable>(beams);
+  table->raysPerBeam = raysPerBeam;
+  table->columns = beams.columns * raysPerBeam;
+  table->time.clear();
+  table->direction.assign(table->size(), {});
+  const bool wideExit = beams.exitWidth[0] > 0 || beams.exitWidth[1] > 0;
+  table->origin.assign(wideExit || !beams.origin.empty() ? table->size() : 0, {});
+  parallelFor(beams.size(), 1024, [&](std::size_t first, std::size_t last) {
+    for (std::size_t beam = first; beam < last; ++beam) {
+      const Vec3d direction = beams.direction[beam];
+      const Vec3d origin = beams.origin.empty() ? Vec3d{} : Vec3d(beams.origin[beam]);
+      const auto [across, up] = axesOf(direction);
+      const RandomBlock words = randomBlock({.beam = static_cast<std::uint32_t>(beam), .purpose = Purpose::Footprint});
+      const double turn = 2 * kPi * uniform(words[0]);
+      const double c = std::cos(turn);
+      const double s = std::sin(turn);
+      for (std::uint32_t k = 0; k < raysPerBeam; ++k) {
+        const double x = c * grid[k].x - s * grid[k].y;
+        const double y = s * grid[k].x + c * grid[k].y;
+        const std::size_t ray = beam * raysPerBeam + k;
+        table->direction[ray] =
+            normalized(direction + across * (x * beams.divergence[0] / 2) + up * (y * beams.divergence[1] / 2));
+        if (table->origin.empty()) continue;
+        table->origin[ray] = Vec3f(origin + across * (x * beams.exitWidth[0] / 2) + up * (y * beams.exitWidth[1] / 2));
+      }
+    }
+  });
+  Footprint footprint{std::move(table), {}};
+  for (const GridPoint& p : grid) footprint.weight.push_back(static_cast<float>(p.weight));
+  return footprint;
+}
+
+void joinRays(const Footprint& footprint, Hits& hits) {
+  const std::uint32_t rays = footprint.rays->raysPerBeam;
+  hits.columns = footprint.rays->columns / rays;
+  hits.beamOfRay.resize(hits.rays());
+  hits.weightOfRay.resize(hits.rays());
+  for (std::size_t beam = 0; beam < hits.size(); ++beam) {
+    std::fill_n(hits.beamOfRay.begin() + static_cast<std::ptrdiff_t>(beam * rays), rays,
+                static_cast<std::uint32_t>(beam));
+    std::copy(footprint.weight.begin(), footprint.weight.end(),
+              hits.weightOfRay.begin() + static_cast<std::ptrdiff_t>(beam * rays));
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,134 @@
+// Beams of finite width, from a pipeline to a dataset, by every method.
+
+#include "pipeline/run/run_shot.h"
+#include "tests/core/pipeline/small_world.h"
+#include "tests/support/gl.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+const std::string kWide =
+    "sensors=[{name: top, columns: 256, rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 16}, range_m: [0.5, "
+    "100], mount: {position: [0, 0, 1.8]}, divergence_mrad: 12, pulse_ns: 20}]";
+constexpr ColumnKey<columnIndex("returns")> kReturns;
+constexpr ColumnKey<columnIndex("label_2")> kLabel2;
+constexpr ColumnKey<columnIndex("share")> kShare;
+const std::string kWanted =
+    "output.columns=[intensity, label, instance, ring, column, range_true, return, returns, cause, label_2, share]";
+
+class FootprintRun : public Yard {
+ protected:
+  std::vector<std::string> with(const std::string& effects, const std::string& method = "ray_tracing") const {
+    return {kWide, kWanted, "effects=" + effects, "method=" + method};
+  }
+};
+
+TEST_F(FootprintRun, OfEveryMethodAgreesWithRayTracing) {
+  SKIP_WITHOUT_GL();
+  const std::string effects = "[intensity, footprint: {rays: 19}]";
+  sound(with(effects), "ray_tracing");
+  const std::vector<Scan> reference = scans(".pcd", "ray_tracing");
+  for (const std::string method : {"depth_camera", "{particle: {backend: cpu}}"}) {
+    const std::string name = method.substr(0, 5) == "depth" ? "depth_camera" : "particle";
+    sound(with(effects, method), name);
+    const std::vector<Scan> others = scans(".pcd", name);
+    ASSERT_EQ(others.size(), reference.size());
+    std::size_t alike = 0;
+    std::size_t all = 0;
+    for (std::size_t s = 0; s < others.size(); ++s) {
+      const auto rows = rowsByBeam(others[s]);
+      for (std::size_t i = 0; i < reference[s].size(); ++i) {
+        const auto other = rows.find({reference[s][kRing][i], reference[s][kColumn][i]});
+        ++all;
+        if (other == rows.end()) continue;
+        const std::size_t k = other->second;
+        alike += reference[s][kLabel][i] == others[s][kLabel][k] &&
+                         length(reference[s].position[i] - others[s].position[k]) < 0.01f
+                     ? 1
+                     : 0;
+      }
+    }
+    EXPECT_GT(static_cast<double>(alike), 0.99 * static_cast<double>(all)) << method;
+  }
+}
+
+// The longer the pulse, the more beams at the cars' edges report a point between car and wall.
+TEST_F(FootprintRun, MixesPixelsAtEdges) {
+  sound(with("[intensity, footprint: {rays: 19}]"));
+  std::size_t mixed = 0;
+  std::size_t shared = 0;
+  for (const Scan& scan : scans()) {
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const float share = scan[kShare][i];
+      EXPECT_GT(share, 0.25f);
+      EXPECT_LE(share, 1.0f);
+      EXPECT_EQ(scan[kLabel2][i] == 0, share == 1.0f);
+      EXPECT_EQ(scan[kReturns][i], 1);
+      shared += share < 1 ? 1 : 0;
+      mixed += std::abs(length(Vec3d(scan.position[i])) - double{scan[kRangeTrue][i]}) > 0.1 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(mixed, 20u);
+  EXPECT_GT(shared, mixed / 2);
+}
+
+TEST_F(FootprintRun, ReportsTwoReturnsWhereItIsAskedTo) {
+  std::vector<std::string> overrides = with("[intensity, footprint: {rays: 19}, detection: {returns: dual}]");
+  overrides.emplace_back("output.layout=organised");
+  sound(overrides);
+  std::size_t seconds = 0;
+  for (const Scan& scan : scans()) {
+    EXPECT_LE(scan.planes, 2u);
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (!isFinite(scan.position[i])) continue;
+      EXPECT_LE(scan[kReturn][i], scan[kReturns][i]);
+      seconds += scan[kReturn][i] == 2 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(seconds, 20u);
+}
+
+TEST_F(FootprintRun, GivesTheSameBytesOnAnyNumberOfThreads) {
+  const std::vector<std::string> overrides = with(
+      "[intensity, footprint: {rays: 7}, detection: {returns: dual, noise: 0.01}, range_noise: {over_snr_m: 0.3}]");
+  sound(overrides, "many");
+  {
+    const ThreadLimit one(1);
+    sound(overrides, "one");
+  }
+  EXPECT_EQ(members("many"), members("one"));
+}
+
+TEST_F(FootprintRun, FalsePositivesAreSoundPoints) {
+  sound(with("[intensity, detection: {noise: 0.001, threshold: 2.5}]"));
+  std::size_t nothing = 0;
+  for (const Scan& scan : scans()) {
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (scan[kCause][i] != 2) continue;
+      ++nothing;
+      EXPECT_EQ(scan[kLabel][i], 0);
+      EXPECT_TRUE(std::isnan(scan[kRangeTrue][i]));
+    }
+  }
+  EXPECT_GT(nothing, 10u);
+}
+
+TEST_F(FootprintRun, IsRefusedWhereItMeansNothing) {
+  const auto refusal = [&](const std::vector<std::string>& overrides) {
+    return messageOf([&] { Plan(readPipeline(pipeline_, overrides)); });
+  };
+  EXPECT_THAT(refusal({"effects=[intensity, footprint: {rays: 7}]"}), HasSubstr("divergence_mrad"));
+  EXPECT_THAT(refusal(with("[footprint: {rays: 7}]")), AllOf(HasSubstr("intensity"), HasSubstr("detection")));
+  EXPECT_THAT(refusal(with("[intensity, range_noise: {over_snr_m: 1}]")), HasSubstr("detection: {noise"));
+  EXPECT_THAT(
+      messageOf([&] { Plan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}]"))).requireOneRay(); }),
+      HasSubstr("footprint"));
+  EXPECT_EQ(Plan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}]"))).pipeline().raysPerFrame(),
+            7u * 16u * 256u);
+}
+
+}  // namespace
+}  // namespace scanmill
