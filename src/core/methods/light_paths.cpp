@@ -49,7 +49,8 @@ class LightFollower {
       std::iota(hits_.beamOfRay.begin(), hits_.beamOfRay.end(), 0u);
       hits_.weightOfRay.assign(hits_.rays(), 1.0f);
     }
-    hits_.pathOfRay.assign(hits_.rays(), RayPath::Direct);
+    hits_.pathOfRay.resize(hits_.rays(), RayPath::Direct);
+    hits_.glassIsClear = true;
   }
 
   std::vector<Onward> fromSensor() const {
@@ -72,6 +73,7 @@ class LightFollower {
   }
 
   bool goesOn(std::uint16_t material) const {
+    if (material == kNoMaterial) return false;
     const Material& m = materials_[material];
     return m.transmission > 0 || (paths_.bounces > 0 && m.roughness <= kMirrorRoughness);
   }

@@ -220,7 +220,7 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .origin = ColumnOrigin::Return,
      .channels = Channel::Semantic,
      .byDefault = false,
-     .display = {.title = "second class", .colors = ColumnColors::Classes}},
+     .display = {.colors = ColumnColors::Classes}},
     {.name = "share",
      .type = ColumnType::Float32,
      .unit = "",

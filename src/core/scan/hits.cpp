@@ -9,6 +9,7 @@ void Hits::reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels as
   beamOfRay.clear();
   weightOfRay.clear();
   pathOfRay.clear();
+  glassIsClear = false;
   const auto fit = [&](auto& column, Channel channel) { column.resize(channels.has(channel) ? size() : 0); };
   fit(range, Channel::Range);
   fit(normal, Channel::Normal);

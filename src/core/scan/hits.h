@@ -15,11 +15,15 @@ namespace scanmill {
 // The range of a ray that meets nothing between the sensor's minimum and maximum range.
 constexpr float kMiss = std::numeric_limits<float>::infinity();
 
+// Of a hit whose material is none of the scene's: it is matt.
+constexpr std::uint16_t kNoMaterial = 0xFFFF;
+
 // How a ray came to what it meets.
 enum class RayPath : std::uint8_t {
   Direct,
   ThroughGlass,
-  Mirrored,  // off a mirror at least once
+  Mirrored,    // off a mirror at least once
+  OwnVehicle,  // it ends at the vehicle that carries the sensor
 };
 
 // A structure of arrays with one entry per ray. Most often a beam fires one ray: then ray i is that of beam i, and each
@@ -34,7 +38,8 @@ struct Hits {
   // fires one.
   std::vector<std::uint32_t> beamOfRay;
   std::vector<float> weightOfRay;
-  std::vector<RayPath> pathOfRay;  // empty: all are direct, and glass is opaque
+  std::vector<RayPath> pathOfRay;  // empty: all are direct
+  bool glassIsClear = false;       // rays went on behind glass, whose panes scatter nothing
 
   std::vector<float> range;              // m, from the ray's own origin along the ray
   std::vector<Vec3f> normal;             // unit, world axes, of the triangle, turned towards the sensor

@@ -96,15 +96,10 @@ class EchoFinder {
       const bool joined = i < parts_.size() && pulse_ > 0 && parts_[i].range - parts_[i - 1].range <= pulse_;
       if (joined) continue;
       echoes_.push_back(echoOf(beam, {parts_.data() + first, i - first}));
-      echoes_.back().cause = causeOf(echoes_.back().hit);
+      if (!hits_.pathOfRay.empty()) echoes_.back().cause = causeOf(hits_.pathOfRay[echoes_.back().hit]);
       first = i;
     }
     keepStrongest(before);
-  }
-
-  Cause causeOf(std::uint32_t ray) const {
-    if (hits_.pathOfRay.empty() || hits_.pathOfRay[ray] == RayPath::Direct) return Cause::Surface;
-    return hits_.pathOfRay[ray] == RayPath::ThroughGlass ? Cause::ThroughGlass : Cause::Mirrored;
   }
 
   void keepStrongest(std::size_t first) {
@@ -194,6 +189,20 @@ class EchoFinder {
 };
 
 }  // namespace
+
+Cause causeOf(RayPath path) {
+  switch (path) {
+    case RayPath::ThroughGlass:
+      return Cause::ThroughGlass;
+    case RayPath::Mirrored:
+      return Cause::Mirrored;
+    case RayPath::OwnVehicle:
+      return Cause::OwnVehicle;
+    case RayPath::Direct:
+      break;
+  }
+  return Cause::Surface;
+}
 
 std::vector<Echo> findEchoes(const Hits& hits, std::span<const float> power, double pulseLength) {
   return EchoFinder(hits, power, pulseLength).find();

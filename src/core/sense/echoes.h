@@ -18,7 +18,10 @@ enum class Cause : std::uint8_t {
   FalsePositive = 2,  // nothing: the receiver's own error
   ThroughGlass = 3,   // a surface behind glass
   Mirrored = 4,       // the mirror image of a surface
+  OwnVehicle = 5,     // the vehicle that carries the sensor
 };
+
+Cause causeOf(RayPath path);
 
 // What a beam's receiver can tell apart.
 struct Echo {

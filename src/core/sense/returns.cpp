@@ -27,6 +27,7 @@ void Returns::start(const Hits& hits) {
   clear();
   onePerBeam_ = true;
   range = hits.range;
+  for (const RayPath path : hits.pathOfRay) cause_.push_back(causeOf(path));
 }
 
 void Returns::start(std::span<const Echo> echoes, bool powered) {
@@ -54,8 +55,8 @@ void Returns::makeIndices(const Hits& hits) {
     std::iota(beam_.begin(), beam_.end(), 0u);
     hit_ = beam_;
     number_.assign(size(), 0);
-    cause_.assign(size(), Cause::Surface);
   }
+  cause_.resize(size(), Cause::Surface);
   const auto ofHits = [&](const auto& values, auto& to) {
     if (!to.empty() || values.empty()) return;
     to.reserve(size() + 1);

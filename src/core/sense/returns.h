@@ -63,7 +63,7 @@ class Returns {
   std::uint32_t number(std::size_t row) const { return onePerBeam() ? 0 : number_[row]; }
   // Index into Hits, or kNoHit.
   std::uint32_t hit(std::size_t row) const { return onePerBeam() ? static_cast<std::uint32_t>(row) : hit_[row]; }
-  Cause cause(std::size_t row) const { return onePerBeam() ? Cause::Surface : cause_[row]; }
+  Cause cause(std::size_t row) const { return cause_.empty() ? Cause::Surface : cause_[row]; }
 
   void remove(std::size_t row) { range[row] = kMiss; }
   // Whether the beam has as many rows as it may.
@@ -82,10 +82,10 @@ class Returns {
   void makeIndices(const Hits& hits);
 
   bool onePerBeam_ = true;
-  std::vector<std::uint32_t> beam_;  // these four are empty where there is one row per beam
+  std::vector<std::uint32_t> beam_;  // these three are empty where there is one row per beam
   std::vector<std::uint32_t> hit_;
   std::vector<std::uint8_t> number_;
-  std::vector<Cause> cause_;
+  std::vector<Cause> cause_;              // empty: all come from surfaces
   std::vector<std::uint8_t> rowsOfBeam_;  // once rows are added
 };
 

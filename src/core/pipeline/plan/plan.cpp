@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "config/file_kind.h"
+#include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/recorded_method.h"
 
 namespace scanmill {
@@ -34,11 +35,6 @@ void checkRays(const Pipeline& pipeline) {
   const MethodEntry* const method = methodOf(pipeline);
   const auto want = [&](bool wanted, bool MethodCapabilities::*can, std::string_view effect, std::string_view what) {
     if (!wanted) return;
-    if (pipeline.recording != nullptr) {
-      throw InputError({pipeline.file.string()},
-                       fmt::format("the recording in {} holds one ray a beam: leave the effect {} out",
-                                   pipeline.recording->folder.string(), effect));
-    }
     if (method != nullptr && method->can.*can) return;
     throw InputError({pipeline.file.string()},
                      fmt::format("the method {} {}: leave the effect {} out, or take `method: {}`",
@@ -70,9 +66,12 @@ bool sameClasses(const Ontology& a, const Ontology& b) {
 void checkOntologies(const Pipeline& pipeline) {
   if (!pipeline.ontology.empty() || pipeline.recording != nullptr) return;
   std::map<std::filesystem::path, Ontology> known;  // by scene file
-  for (const Sequence& s : pipeline.sequences) {
-    if (known.contains(s.sceneFile)) continue;
-    const Value scene = readYaml(s.sceneFile);
+  std::vector<std::filesystem::path> files;
+  for (const Sequence& s : pipeline.sequences) files.push_back(s.sceneFile);
+  if (!pipeline.vehicle.empty()) files.push_back(pipeline.vehicle);
+  for (const std::filesystem::path& file : files) {
+    if (known.contains(file)) continue;
+    const Value scene = readYaml(file);
     expectKind(scene, FileKind::Scene);
     Fields fields(scene, "scene");
     fields.also({"name", "materials", "assets", "rules", "objects"});
@@ -81,9 +80,9 @@ void checkOntologies(const Pipeline& pipeline) {
       throw InputError({pipeline.file.string()},
                        fmt::format("the scenes {} and {} have different classes: name one ontology for all with the "
                                    "key `labels`",
-                                   known.begin()->first.string(), s.sceneFile.string()));
+                                   known.begin()->first.string(), file.string()));
     }
-    known.emplace(s.sceneFile, ontology);
+    known.emplace(file, ontology);
   }
 }
 
@@ -93,7 +92,13 @@ void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
     const std::string of = own ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
     const auto entries = pipeline.effectEntriesOf(s);
     if (entries.empty()) lines.push_back(fmt::format("effects{}: none, the scans are noise-free", of));
-    for (const EffectEntry* entry : entries) {
+    for (std::size_t e = 0; e < entries.size(); ++e) {
+      const EffectEntry* const entry = entries[e];
+      const Effect& effect = *pipeline.effectsOf(s)[e];
+      if (pipeline.recording != nullptr && (effect.raysPerBeam() > 1 || effect.lightPaths() != nullptr)) {
+        lines.push_back(fmt::format("effect {}{}: left out, a recording holds one ray a beam", entry->name, of));
+        continue;
+      }
       lines.push_back(fmt::format("effect {}{}: {}", entry->name, of, entry->summary));
     }
   }
@@ -176,6 +181,36 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
     footprints_.push_back(
         raysPerBeam == 1 ? nullptr : std::make_shared<const Footprint>(makeFootprint(*beams_.back(), raysPerBeam)));
   }
+  traceOwnVehicle();
+}
+
+void Plan::traceOwnVehicle() {
+  if (pipeline_.vehicle.empty()) return;
+  if (pipeline_.recording != nullptr) {
+    throw InputError({pipeline_.file.string()},
+                     fmt::format("the recording in {} knows nothing of a vehicle: leave out `vehicle`",
+                                 pipeline_.recording->folder.string()));
+  }
+  SceneOptions options;
+  options.ontology = pipeline_.ontology;
+  options.wavelengthNm = pipeline_.wavelengthNm;
+  const Scene scene = readScene(pipeline_.vehicle, options);
+  for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
+    const BeamTable& rays = footprints_[s] == nullptr ? *beams_[s] : *footprints_[s]->rays;
+    vehicles_.push_back(traceVehicle(scene, rays, pipeline_.sensors[s].vehicleFromSensor));
+  }
+}
+
+std::string Plan::vehicleLine() const {
+  if (vehicles_.empty()) return "own vehicle: left out (`vehicle: vehicle` puts a car of boxes under the sensors)";
+  std::uint64_t blocked = 0;
+  std::uint64_t all = 0;
+  for (const Hits& hits : vehicles_) {
+    all += hits.rays();
+    for (std::size_t ray = 0; ray < hits.rays(); ++ray) blocked += hits.hit(ray) ? 1 : 0;
+  }
+  return fmt::format("own vehicle: {}, in the way of {:.1f} % of the rays", pipeline_.vehicle.filename().string(),
+                     100.0 * static_cast<double>(blocked) / static_cast<double>(all));
 }
 
 Scene Plan::recordedScene(const Sequence& sequence) const {
@@ -237,6 +272,10 @@ void Plan::requirePasses() const {
 }
 
 void Plan::requireOneRay() const {
+  if (!pipeline_.vehicle.empty()) {
+    throw InputError({pipeline_.file.string()},
+                     "kept hits and passes are of the scene alone: keep none, or leave out `vehicle`");
+  }
   bool one = true;
   for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
     one = one && pipeline_.raysPerBeam(s) == 1 && pipeline_.lightPaths(s) == nullptr;
@@ -315,6 +354,7 @@ std::vector<std::string> Plan::modelled() const {
   }
   addEffectLines(pipeline_, lines);
   lines.push_back(motionLine(pipeline_));
+  if (pipeline_.recording == nullptr) lines.push_back(vehicleLine());
   lines.push_back(missesLine(pipeline_.layout));
   if (!columns.has(kRangeTrue)) {
     lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");

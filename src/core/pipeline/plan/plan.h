@@ -34,6 +34,9 @@ class Plan {
   // The rays of a sensor's beams; null where each fires one.
   const Footprint* footprint(std::size_t sensor) const { return footprints_[sensor].get(); }
 
+  // What the rays of a sensor meet of the own vehicle; null: there is none.
+  const Hits* vehicle(std::size_t sensor) const { return vehicles_.empty() ? nullptr : &vehicles_[sensor]; }
+
   // Loads the scene of a sequence; textures only where a channel needs them. Of a recording: what scans need of its
   // scene, which is its classes and materials.
   Scene loadScene(const Sequence& sequence) const;
@@ -64,6 +67,8 @@ class Plan {
   std::size_t framesInFlight() const;
 
  private:
+  void traceOwnVehicle();
+  std::string vehicleLine() const;
   Scene recordedScene(const Sequence& sequence) const;
   Shot recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const;
 
@@ -73,6 +78,7 @@ class Plan {
   Channels traced_;    // and recordings
   std::vector<std::shared_ptr<const BeamTable>> beams_;
   std::vector<std::shared_ptr<const Footprint>> footprints_;  // likewise; null: one ray a beam
+  std::vector<Hits> vehicles_;                                // likewise; empty: no own vehicle
 };
 
 }  // namespace scanmill

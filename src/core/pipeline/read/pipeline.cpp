@@ -12,6 +12,7 @@
 //     - {name: lane, waypoints: [...], speed: 8, frames: 10}
 //   sensors:                         # see sensors/sensor.h
 //     - {name: top, preset: sensors/paper_64.yaml, mount: {position: [0, 0, 1.9]}}
+//   vehicle: vehicle.yaml            # a scene in the vehicle's frame: what hides sectors of the lowest rings
 //   motion: none                     # none | per_column | {steps: 360, deskew: false}
 //   method: ray_tracing              # or {ray_tracing: {...}}, or auto: see docs/keys.md
 //   effects: [{intensity: {...}}, {range_noise: {...}}]   # the word sensor: those of each sensor's own file
@@ -442,12 +443,12 @@ std::uint64_t Pipeline::raysPerFrame() const {
 std::uint32_t Pipeline::raysPerBeam(std::size_t sensor) const {
   std::uint32_t most = 1;
   for (const auto& effect : effectsOf(sensor)) most = std::max(most, effect->raysPerBeam());
-  return most;
+  return recording == nullptr ? most : 1;
 }
 
 const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
   for (const auto& effect : effectsOf(sensor)) {
-    if (effect->lightPaths() != nullptr) return effect->lightPaths();
+    if (effect->lightPaths() != nullptr && recording == nullptr) return effect->lightPaths();
   }
   return nullptr;
 }
@@ -492,12 +493,13 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
   expectKind(root, FileKind::Pipeline);
   Fields fields(root, "pipeline");
   fields
-      .also({"name", "seed", "labels", "wavelength_nm", "scenes", "trajectories", "sensors", "motion", "method",
-             "effects", "splits", "output", "limits", "tradeoff", "repeatability"})
+      .also({"name", "seed", "labels", "wavelength_nm", "scenes", "trajectories", "sensors", "vehicle", "motion",
+             "method", "effects", "splits", "output", "limits", "tradeoff", "repeatability"})
       .finish();
   pipeline.name = fields.text("name", file.stem().string());
   pipeline.seed = static_cast<std::uint64_t>(fields.integer("seed", 0, std::int64_t{1} << 62, 1));
   pipeline.ontology = fields.optionalResource("labels", "labels").value_or("");
+  pipeline.vehicle = fields.optionalResource("vehicle", "scenes").value_or("");
   pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064"}, "905"));
   pipeline.sensors = readSensors(fields);
   const double period = 1.0 / Fields(pipeline.sensors.front().description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);

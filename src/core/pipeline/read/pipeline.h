@@ -75,6 +75,7 @@ struct Pipeline {
   std::string text;  // as read, with the overrides as comments
   std::uint64_t seed = 1;
   std::filesystem::path ontology;  // empty: the scenes' own
+  std::filesystem::path vehicle;   // scene file of the own vehicle, in its frame; empty: none
   int wavelengthNm = 905;
   std::vector<Sequence> sequences;
   std::vector<MountedSensor> sensors;
@@ -100,7 +101,7 @@ struct Pipeline {
   std::uint64_t frames() const;
   std::uint64_t beamsPerFrame() const;
   std::uint64_t raysPerFrame() const;
-  std::uint32_t raysPerBeam(std::size_t sensor) const;     // of the effect footprint
+  std::uint32_t raysPerBeam(std::size_t sensor) const;     // of the effect footprint; a recording holds one
   const LightPaths* lightPaths(std::size_t sensor) const;  // of the effect light_paths; null: none
   std::uint32_t mostMet() const;                           // surfaces by a ray
   std::uint32_t mostReturns() const;                       // of a beam

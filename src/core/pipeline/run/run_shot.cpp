@@ -1,5 +1,7 @@
 #include "pipeline/run/run_shot.h"
 
+#include "pipeline/plan/own_vehicle.h"
+
 namespace scanmill {
 
 ShotSetup setupOf(const Plan& plan, const Scene& scene, const Method& method, std::size_t sensor) {
@@ -9,6 +11,7 @@ ShotSetup setupOf(const Plan& plan, const Scene& scene, const Method& method, st
           plan.pipeline().effectsOf(sensor),
           plan.pipeline().layout,
           plan.footprint(sensor),
+          plan.vehicle(sensor),
           plan.pipeline().lightPaths(sensor)};
 }
 
@@ -20,6 +23,7 @@ TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits) {
   }
   const Shot& rays = setup.footprint != nullptr ? wide : shot;
   TraceAccount account = setup.method.trace(rays, setup.channels, hits);
+  if (setup.vehicle != nullptr) blockByVehicle(*setup.vehicle, shot.beams->minRange, hits);
   if (setup.footprint != nullptr) joinRays(*setup.footprint, hits);
   if (setup.paths != nullptr) account += followLight(setup.method, rays, setup.materials, *setup.paths, hits);
   return account;

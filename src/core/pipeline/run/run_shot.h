@@ -26,6 +26,7 @@ struct ShotSetup {
   std::span<const std::unique_ptr<Effect>> effects;
   ScanLayout layout;
   const Footprint* footprint = nullptr;  // of beams that fire several rays
+  const Hits* vehicle = nullptr;         // what the rays meet of the own vehicle
   const LightPaths* paths = nullptr;     // of rays that go on
 };
 

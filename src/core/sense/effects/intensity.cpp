@@ -154,7 +154,7 @@ class Intensity : public Effect {
 
   SCANMILL_BEST_INSTRUCTIONS void powerOf(const Hits& hits, std::span<const Material> materials,
                                           std::vector<float>& power) const {
-    const std::vector<Lobes> lobes = lobesOfAll(materials, !hits.pathOfRay.empty());
+    const std::vector<Lobes> lobes = lobesOfAll(materials, hits.glassIsClear);
     power.assign(hits.rays(), 0);
     forBatches(hits.range, [&](std::size_t first, std::size_t count) {
       float* const some = power.data() + first;
@@ -170,7 +170,7 @@ class Intensity : public Effect {
 
   SCANMILL_BEST_INSTRUCTIONS void change(const Hits& hits, std::span<const Material> materials,
                                          Returns& returns) const {
-    const std::vector<Lobes> lobes = lobesOfAll(materials, !hits.pathOfRay.empty());
+    const std::vector<Lobes> lobes = lobesOfAll(materials, hits.glassIsClear);
     returns.power.resize(returns.size());
     returns.intensity.assign(returns.size(), 0);
     Batch<float> given;

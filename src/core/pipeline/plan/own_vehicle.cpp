@@ -1,0 +1,45 @@
+#include "pipeline/plan/own_vehicle.h"
+
+#include <memory>
+
+#include "pipeline/plan/plan.h"
+
+namespace scanmill {
+
+Hits traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor) {
+  auto near = std::make_shared<BeamTable>(rays);
+  near->minRange = 0;
+  Shot shot;
+  shot.beams = std::move(near);
+  shot.worldFromSensor = {vehicleFromSensor};
+  const auto method = makeMethod({&firstMethodThat(&MethodCapabilities::reference), {}, false}, vehicle);
+  Hits hits;
+  method->trace(shot, Channels::all(), hits);
+  return hits;
+}
+
+void blockByVehicle(const Hits& vehicle, double minRange, Hits& hits) {
+  hits.pathOfRay.assign(hits.rays(), RayPath::Direct);
+  for (std::size_t ray = 0; ray < vehicle.rays(); ++ray) {
+    if (!vehicle.hit(ray) || vehicle.range[ray] > hits.range[ray]) continue;
+    const bool reported = vehicle.range[ray] >= minRange;
+    hits.range[ray] = reported ? vehicle.range[ray] : kMiss;
+    hits.pathOfRay[ray] = RayPath::OwnVehicle;
+    const auto put = [&](auto& column, const auto& from) {
+      using Of = typename std::remove_reference_t<decltype(column)>::value_type;
+      if (!column.empty()) column[ray] = reported ? from[ray] : Of{};
+    };
+    put(hits.normal, vehicle.normal);
+    put(hits.semantic, vehicle.semantic);
+    put(hits.primitive, vehicle.primitive);
+    put(hits.reflectance, vehicle.reflectance);
+    put(hits.incidence, vehicle.incidence);
+    if (!hits.instance.empty()) hits.instance[ray] = 0;
+    if (!hits.material.empty()) hits.material[ray] = reported ? kNoMaterial : 0;
+    if (!hits.roughness.empty()) hits.roughness[ray] = 1;
+    if (!hits.metallic.empty()) hits.metallic[ray] = 0;
+    if (!hits.retroreflectance.empty()) hits.retroreflectance[ray] = 0;
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,105 @@
+#include "pipeline/plan/own_vehicle.h"
+
+#include "tests/core/pipeline/small_world.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr ColumnKey<columnIndex("elevation")> kElevation;
+
+// A roof 0.3 m below the sensor, 2 m long and 1.6 m wide, and far behind it a trailer.
+class OwnVehicle : public Yard {
+ protected:
+  OwnVehicle() {
+    folder_.write("scenes/roof.yaml", fmt::format(R"(ontology: {0}/labels/scanmill.yaml
+materials: {0}/labels/materials.yaml
+objects:
+  - {{name: roof, primitive: box, size: [2, 1.6, 0.5], position: [0, 0, 1.25], class: truck, material: concrete}}
+)",
+                                                  SCANMILL_SOURCE_DIR));
+  }
+
+  std::vector<std::string> with(std::vector<std::string> more = {}) const {
+    more.emplace_back("vehicle=scenes/roof.yaml");
+    more.emplace_back("output.columns=[intensity, label, instance, ring, column, range_true, cause, elevation]");
+    return more;
+  }
+};
+
+// Where a beam is steep enough, it ends on the roof at 0.3 m over the sine of its angle; all other points stay.
+TEST_F(OwnVehicle, BlocksAndReturns) {
+  for (const std::string motion : {"none", "per_column"}) {
+    sound(with({"motion=" + motion, "effects=[intensity]"}), "with" + motion);
+    sound({"motion=" + motion, "effects=[intensity]"}, "without" + motion);
+    const std::vector<Scan> blocked = scans(".pcd", "with" + motion);
+    const std::vector<Scan> open = scans(".pcd", "without" + motion);
+    std::size_t roof = 0;
+    for (std::size_t s = 0; s < blocked.size(); ++s) {
+      const auto rows = rowsByBeam(open[s]);
+      for (std::size_t i = 0; i < blocked[s].size(); ++i) {
+        const Scan& scan = blocked[s];
+        if (scan[kCause][i] == static_cast<std::uint8_t>(Cause::OwnVehicle)) {
+          ++roof;
+          EXPECT_NEAR(scan[kRangeTrue][i], 0.3 / std::sin(-double{scan[kElevation][i]}), 1e-5);
+          EXPECT_EQ(scan[kInstance][i], 0u);
+          EXPECT_GT(scan[kIntensity][i], 0);
+          EXPECT_LE(std::abs(scan.position[i].x), 1.0001f);
+          EXPECT_LE(std::abs(scan.position[i].y), 0.8001f);
+          continue;
+        }
+        const std::size_t k = rows.at({scan[kRing][i], scan[kColumn][i]});
+        EXPECT_EQ(scan.position[i], open[s].position[k]);
+        EXPECT_EQ(scan[kIntensity][i], open[s][kIntensity][k]);
+      }
+    }
+    EXPECT_GT(roof, 200u);
+  }
+}
+
+// What is nearer than the sensor reports is a gap, not a point.
+TEST_F(OwnVehicle, LeavesGapsWhereItIsTooNear) {
+  const std::string blind = std::string(kTop).replace(kTop.find("[0.5, 100]"), 10, "[2.5, 100]");
+  sound(with({"sensors=[" + blind + "]"}), "with");
+  sound({"sensors=[" + blind + "]"}, "without");
+  std::size_t lost = 0;
+  for (std::size_t s = 0; s < 4; ++s) {
+    const Scan scan = scans(".pcd", "with")[s];
+    for (const std::uint8_t cause : scan[kCause]) EXPECT_EQ(cause, 1);
+    lost += scans(".pcd", "without")[s].size() - scan.size();
+  }
+  EXPECT_GT(lost, 200u);
+}
+
+TEST_F(OwnVehicle, BlocksTheRaysOfFootprintsAndBehindGlass) {
+  const std::string wide = std::string(kTop).insert(1, "divergence_mrad: 20, pulse_ns: 5, ");
+  sound(with({"sensors=[" + wide + "]", "effects=[intensity, footprint: {rays: 19}, light_paths: {}]"}));
+  std::size_t roof = 0;
+  for (const Scan& scan : scans()) {
+    for (const std::uint8_t cause : scan[kCause]) roof += cause == 5 ? 1 : 0;
+  }
+  EXPECT_GT(roof, 200u);
+}
+
+TEST_F(OwnVehicle, IsPlannedAndRefusedWhereItMeansNothing) {
+  const auto lines = Plan(readPipeline(pipeline_, with())).modelled();
+  EXPECT_THAT(lines, testing::Contains(HasSubstr("own vehicle: roof.yaml, in the way of")));
+  EXPECT_THAT(messageOf([&] { Plan(readPipeline(pipeline_, with())).requireOneRay(); }), HasSubstr("vehicle"));
+  EXPECT_THAT(messageOf([&] { readPipeline(pipeline_, {"vehicle=scenes/none.yaml"}); }), HasSubstr("none.yaml"));
+}
+
+TEST_F(OwnVehicle, TheShippedOneStandsUnderItsSensor) {
+  const Plan plan(readPipeline(pipeline_, {"vehicle=vehicle",
+                                           "sensors=[{name: top, preset: hdl_64e, mount: {position: "
+                                           "[0, 0, 1.73]}}]"}));
+  const Hits& hits = *plan.vehicle(0);
+  std::size_t lowest = 0;
+  for (std::size_t ray = 0; ray < hits.rays(); ++ray) lowest += hits.hit(ray) && ray >= 56u * hits.columns ? 1 : 0;
+  const double share = static_cast<double>(lowest) / (8.0 * hits.columns);
+  EXPECT_GT(share, 0.25) << "of the lowest eight rings";
+  EXPECT_LT(share, 0.7);
+}
+
+}  // namespace
+}  // namespace scanmill
