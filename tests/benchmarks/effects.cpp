@@ -23,6 +23,8 @@ Room makeRoom(std::uint32_t rings, std::uint32_t columns) {
   auto beams = std::make_shared<BeamTable>();
   beams->rings = rings;
   beams->columns = columns;
+  beams->maxRange = 120;
+  beams->pulse = 5e-9;
   room.materials.resize(40);
   for (std::size_t m = 0; m < room.materials.size(); ++m)
     room.materials[m].roughness = 0.3f + 0.015f * static_cast<float>(m);
@@ -115,6 +117,7 @@ BENCHMARK_CAPTURE(effectAlone, speckle_4, "[{speckle: {looks: 4}}]");
 BENCHMARK_CAPTURE(effectAlone, speckle_20, "[{speckle: {looks: 20}}]");
 BENCHMARK_CAPTURE(effectAlone, ring_bias,
                   "[{ring_bias: {range_sigma_m: 0.03, elevation_sigma_deg: 0.18, gain_sigma: 0.35}}]");
+BENCHMARK_CAPTURE(effectAlone, intensity_detection, "[{intensity: {}}, {detection: {noise: 0.0008}}]");
 BENCHMARK_CAPTURE(effectAlone, dropout, "[{dropout: {probability: 0.05}}]");
 BENCHMARK_CAPTURE(effectAlone, range_noise, "[{range_noise: {sigma_m: 0.02, sigma_per_m: 0.001}}]");
 BENCHMARK_CAPTURE(effectAlone, range_noise_table, "[{range_noise: {table: [[1, 0.03], [20, 0.01], [100, 0.05]]}}]");

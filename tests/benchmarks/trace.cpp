@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "base/random.h"
+#include "sense/sense.h"
+#include "sensors/footprint.h"
 #include "tests/benchmarks/bare_embree.h"
 #include "tests/benchmarks/timing.h"
 #include "tests/support/test_scene.h"
@@ -71,6 +73,54 @@ void traceAgainstBare(benchmark::State& state) {
   state.counters["one_ray_at_a_time_of_bare"] = best / median(oneSeconds);
 }
 BENCHMARK(traceAgainstBare)->Arg(64)->Arg(512)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(20);
+
+// Beams of finite width: the time of a ray of a footprint over that of a beam of one ray, both traced, with what the
+// effects read; and the rate of whole pulses, from rays to the echoes' returns.
+void footprintAgainstBeams(benchmark::State& state) {
+  const auto beams = spinning(64, 2048, -24.8, 2, 120);
+  beams->divergence = {0.003, 0.003};
+  beams->pulse = 5e-9;
+  const Footprint footprint = makeFootprint(*beams, static_cast<std::uint32_t>(state.range(0)));
+  const auto method = rayTracing(scene());
+  const Shot shot = shotAt(beams);
+  Shot wide = shot;
+  wide.beams = footprint.rays;
+  const Channels channels = Channel::Range | Channel::Semantic | Channels(Channel::Instance) | Channel::Material |
+                            Channel::Reflectance | Channel::Incidence;
+  const Value list = parseYaml("[{intensity: {}}, {detection: {}}]", "benchmark");
+  std::vector<std::unique_ptr<Effect>> effects;
+  for (const Value& item : list.items) {
+    Fields options(item.entries.front().value, item.entries.front().key);
+    effects.push_back(requireEffect(item.entries.front().key, item.where).make(options));
+  }
+  Hits hits;
+  Returns returns;
+  Scan scan;
+  const auto narrow = [&] { method->trace(shot, channels, hits); };
+  const auto traced = [&] {
+    method->trace(wide, channels, hits);
+    joinRays(footprint, hits);
+  };
+  const auto whole = [&] {
+    traced();
+    sense(hits, shot, effects, scene().materials, {}, returns, scan);
+  };
+  whole();
+  narrow();
+  std::vector<double> narrowSeconds;
+  std::vector<double> tracedSeconds;
+  std::vector<double> wholeSeconds;
+  for (auto _ : state) {
+    narrowSeconds.push_back(median(secondsOfEach(5, narrow)));
+    tracedSeconds.push_back(median(secondsOfEach(3, traced)));
+    wholeSeconds.push_back(median(secondsOfEach(3, whole)));
+    state.SetIterationTime(wholeSeconds.back());
+  }
+  const auto count = static_cast<double>(beams->size());
+  state.counters["pulses/s"] = count / median(wholeSeconds);
+  state.counters["ray_of_beam"] = median(tracedSeconds) / (static_cast<double>(state.range(0)) * median(narrowSeconds));
+}
+BENCHMARK(footprintAgainstBeams)->Arg(7)->Arg(19)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(10);
 
 void setUp(benchmark::State& state) {
   const Shot shot = shotAt(spinning(1, 1, 0, 0));

@@ -17,13 +17,20 @@ struct Opening {
   enum { Window, Door, Gate } what = Window;
 };
 
+// Of the rendered houses most are tinted, or grey with age; drawn apart from all else, so that forms stay what they
+// are.
+const char* facadeOf(std::uint64_t seed, const House& house) {
+  constexpr std::uint32_t kFacadeDraw = 1000000;
+  return Draw(seed, Kind::House, kFacadeDraw + house.number).chance(0.7) ? "plaster_tinted" : "plaster";
+}
+
 class HouseMaker {
  public:
   HouseMaker(SceneBuilder& builder, std::uint64_t seed, const House& house)
       : h_(house),
         draw_(seed, Kind::House, house.number),
         s_(builder, "house"),
-        wall_(s_.surface("building", draw_.chance(0.45) ? "brick" : "plaster")),
+        wall_(s_.surface("building", draw_.chance(0.45) ? "brick" : facadeOf(seed, house))),
         trim_(s_.surface("building", "concrete")),
         wood_(s_.surface("building", "wood")),
         metal_(s_.surface("building", "painted_metal")),

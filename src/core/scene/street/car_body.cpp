@@ -30,7 +30,7 @@ class BodyMaker {
   BodyMaker(Shape& shape, const BodyForm& form)
       : s_(shape),
         f_(form),
-        paint_(s_.surface(f_.className, "car_paint")),
+        paint_(s_.surface(f_.className, f_.paint)),
         glass_(s_.surface(f_.className, "glass")),
         black_(s_.surface(f_.className, "plastic_black")),
         reflector_(s_.surface(f_.className, "sign_retroreflective")),

@@ -22,8 +22,9 @@ struct BodyForm {
   std::vector<Span> sideWindows;             // along x
   std::vector<double> axles;                 // along x
   double wheelRadius = 0.31, wheelWidth = 0.2;
-  Span bed;             // of a pickup, covered
-  bool mirrors = true;  // and door handles
+  Span bed;                         // of a pickup, covered
+  bool mirrors = true;              // and door handles
+  const char* paint = "car_paint";  // material
 };
 
 // Appends the body, its wheels, lights and plates.

@@ -187,7 +187,7 @@ Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what) {
   constexpr double kHalf = 1.0;
   switch (what) {
     case Fencing::Pickets: {
-      const SurfaceIndex wood = s.surface("fence", "wood");
+      const SurfaceIndex wood = s.surface("fence", "wood_weathered");
       const double h = draw.in(0.85, 1.1);
       for (const double z : {0.25, h - 0.25}) s.box(wood, {0, 0.025, z}, {2 * kHalf, 0.035, 0.07});
       s.box(wood, {-kHalf + 0.04, 0.06, h / 2 - kSunk}, {0.08, 0.08, h + kSunk});

@@ -32,7 +32,7 @@ std::vector<Point2> rectangle(double width, double height) {
 Model makeSign(SceneBuilder& builder, std::uint64_t seed, int form) {
   Draw draw(seed, Kind::Sign, static_cast<std::uint32_t>(form));
   Shape s(builder, "traffic sign");
-  const SurfaceIndex post = s.surface("pole", "metal_galvanised");
+  const SurfaceIndex post = s.surface("pole", "metal_weathered");
   const SurfaceIndex front = s.surface("traffic_sign", "sign_retroreflective");
   const SurfaceIndex back = s.surface("traffic_sign", "painted_metal");
   const double z = draw.in(2.2, 2.5);
@@ -78,7 +78,7 @@ Model makeSign(SceneBuilder& builder, std::uint64_t seed, int form) {
 Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
   Draw draw(seed, Kind::Lamp, static_cast<std::uint32_t>(form));
   Shape s(builder, "street lamp");
-  const SurfaceIndex metal = s.surface("street_lamp", "metal_galvanised");
+  const SurfaceIndex metal = s.surface("street_lamp", "metal_weathered");
   const SurfaceIndex paint = s.surface("street_lamp", "painted_metal");
   const SurfaceIndex glass = s.surface("street_lamp", "glass");
   const double height = form == 0 ? draw.in(6.5, 8.0) : draw.in(4.0, 5.0);
@@ -109,7 +109,7 @@ Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
 Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed) {
   Draw draw(seed, Kind::Light);
   Shape s(builder, "traffic light");
-  const SurfaceIndex post = s.surface("pole", "metal_galvanised");
+  const SurfaceIndex post = s.surface("pole", "metal_weathered");
   const SurfaceIndex box = s.surface("traffic_light", "plastic_black");
   const SurfaceIndex glass = s.surface("traffic_light", "glass");
   const double z = draw.in(2.3, 2.6);

@@ -1,7 +1,9 @@
 // Cars, vans, trucks and buses: proportions of the bodies, and what is attached to them.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "scene/street/car_body.h"
 
@@ -143,12 +145,31 @@ BodyForm carForm(CarForm kind, Draw& draw) {
   return f;
 }
 
+// Colours are as frequent as on new cars in Europe (Axalta, "Global Automotive Color Popularity Report", 2020,
+// rounded).
+const char* paintOf(std::uint64_t seed, int number) {
+  constexpr std::array<std::pair<double, const char*>, 6> kPaints{{{0.27, "car_paint_grey"},
+                                                                   {0.25, "car_paint_white"},
+                                                                   {0.21, "car_paint_black"},
+                                                                   {0.10, "car_paint_blue"},
+                                                                   {0.09, "car_paint_silver"},
+                                                                   {0.08, "car_paint_red"}}};
+  constexpr std::uint32_t kPaintDraw = 1000000;  // numbers of its own, so that forms stay what they are
+  double left = Draw(seed, Kind::Car, kPaintDraw + static_cast<std::uint32_t>(number)).next();
+  for (const auto& [share, paint] : kPaints) {
+    left -= share;
+    if (left < 0) return paint;
+  }
+  return kPaints.back().second;
+}
+
 }  // namespace
 
 Model makeCar(SceneBuilder& builder, std::uint64_t seed, CarForm form, int number) {
   Draw draw(seed, Kind::Car, static_cast<std::uint32_t>(number));
   Shape shape(builder, "car");
-  const BodyForm body = carForm(form, draw);
+  BodyForm body = carForm(form, draw);
+  body.paint = paintOf(seed, number);
   appendBody(shape, body);
   if (form == CarForm::Wagon || form == CarForm::Suv) {  // roof rails
     const SurfaceIndex metal = shape.surface("car", "metal_bare");

@@ -12,8 +12,8 @@
 // (Skolnik, "Introduction to Radar Systems", 1981, section 2.5, for a signal in Gaussian noise whose phase is known, as
 // the receiver of pulses without a carrier has it). Noise alone passes the threshold in each of the
 // (farthest - nearest) / (c pulse / 2) stretches of range that the receiver tells apart with the probability
-// Q(threshold): false positives, of a range drawn evenly, of cause 2 and without a class. Without noise every echo is
-// found and no other.
+// Q(threshold): false positives, of a range drawn evenly, of cause 2, without a class and of intensity 0. Without noise
+// every echo is found and no other.
 //
 // Of what is found nearer than min_separation_m to a stronger echo of the same beam nothing is reported; then `returns`
 // chooses. dual: the strongest and the last; where they are the same, the second strongest too (Velodyne, VLP-16 User
@@ -23,6 +23,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
 #include "sense/effects/makers.h"
 #include "sensors/footprint.h"
@@ -80,16 +81,21 @@ class Detection : public Effect {
   }
 
  private:
-  void findInNoise(const Shot& shot, Returns& returns, std::vector<float>& measured) const {
+  SCANMILL_BEST_INSTRUCTIONS void findInNoise(const Shot& shot, Returns& returns, std::vector<float>& measured) const {
     returns.snr.assign(returns.size(), 0);
     RandomWords words;
+    const auto noise = static_cast<float>(o_.noise);
+    const auto least = static_cast<float>(o_.threshold * o_.noise);
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       drawWords(shot, Purpose::Detection, returns, first, words);
+      float* const range = returns.range.data() + first;
+      float* const snr = returns.snr.data() + first;
+      float* const measure = measured.data() + first;
+      const float* const power = returns.power.data() + first;
       for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t row = first + i;
-        returns.snr[row] = static_cast<float>(returns.power[row] / o_.noise);
-        measured[row] = static_cast<float>(returns.power[row] + o_.noise * normalPair(words.a[i], words.b[i]).first);
-        if (measured[row] < o_.threshold * o_.noise) returns.remove(row);
+        snr[i] = power[i] / noise;
+        measure[i] = power[i] + noise * static_cast<float>(normalPair(words.a[i], words.b[i]).first);
+        range[i] = measure[i] < least ? kMiss : range[i];
       }
     });
   }
@@ -101,21 +107,33 @@ class Detection : public Effect {
     const double length = beams.maxRange - beams.minRange;
     const double expected = length / pulseLength(beams.pulse) * tailOfNormal(o_.threshold);
     const double probability = -std::expm1(-expected);
-    for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
-      const RandomBlock words =
-          randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, 0, Purpose::FalsePositives});
-      if (uniform(words[0]) >= probability) continue;
-      const double over = o_.threshold > 0 ? -naturalLog(uniform(words[2])) / o_.threshold : 0.0;
-      AddedReturn added;
-      added.beam = beam;
-      added.range = static_cast<float>(beams.minRange + length * uniform(words[1]));
-      added.power = static_cast<float>(o_.noise * (o_.threshold + over));
-      added.intensity = added.power;
-      added.snr = static_cast<float>(o_.threshold + over);
-      if (returns.full(beam)) continue;
-      returns.add(added, hits);
-      measured.push_back(added.power);
+    Batch<std::uint32_t> drawn;
+    for (std::size_t first = 0; first < beams.size(); first += kBatch) {
+      draw(shot, first, drawn);
+      const std::size_t count = std::min(kBatch, beams.size() - first);
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto beam = static_cast<std::uint32_t>(first + i);
+        if (uniform(drawn[i]) >= probability || returns.full(beam)) continue;
+        const RandomBlock words = wordsOf(shot, beam);
+        const double over = o_.threshold > 0 ? -naturalLog(uniform(words[2])) / o_.threshold : 0.0;
+        AddedReturn added;
+        added.beam = beam;
+        added.range = static_cast<float>(beams.minRange + length * uniform(words[1]));
+        added.power = static_cast<float>(o_.noise * (o_.threshold + over));
+        added.snr = static_cast<float>(o_.threshold + over);
+        returns.add(added, hits);
+        measured.push_back(added.power);
+      }
     }
+  }
+
+  static RandomBlock wordsOf(const Shot& shot, std::uint32_t beam) {
+    return randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, 0, Purpose::FalsePositives});
+  }
+
+  // The first word of each of a batch of beams.
+  SCANMILL_BEST_INSTRUCTIONS static void draw(const Shot& shot, std::size_t first, Batch<std::uint32_t>& words) {
+    for (std::size_t i = 0; i < kBatch; ++i) words[i] = wordsOf(shot, static_cast<std::uint32_t>(first + i))[0];
   }
 
   void choose(Returns& returns, const std::vector<float>& measured) const {
