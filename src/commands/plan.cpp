@@ -147,8 +147,9 @@ int runPlan(const std::vector<std::string>& arguments) {
   }
   const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
   const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());
-  fmt::print("\n{} frames x {} beams = {} rays ({} allowed)\n", grouped(pipeline.frames()),
-             grouped(pipeline.raysPerFrame()), shortNumber(rays), shortNumber(pipeline.maxRays));
+  fmt::print("\n{} frames x {} {} = {} rays ({} allowed)\n", grouped(pipeline.frames()),
+             grouped(pipeline.raysPerFrame()), pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays",
+             shortNumber(rays), shortNumber(pipeline.maxRays));
   fmt::print("memory: {} for the scene and {} for frames in flight\n",
              pipeline.method.automatic ? "what the chosen method takes"
                                        : "about " + shortBytes(static_cast<double>(sceneBytes)),

@@ -20,6 +20,10 @@ struct LightPaths {
   bool mirroredUnlabelled = false;  // mirror images have class and instance 0, in place of those of what is mirrored
 };
 
+// The channels that followLight() reads.
+inline constexpr Channels kLightChannels =
+    Channel::Range | Channel::Normal | Channel::Material | Channels(Channel::Reflectance) | Channel::Incidence;
+
 // Materials as smooth as this or smoother are mirrors besides whatever they scatter.
 constexpr float kMirrorRoughness = 0.1f;
 
@@ -45,7 +49,7 @@ double mirrored(const Material& material, double cosine, double reflectance);
 // behind a material with a transmission in the same direction, off a mirror in the mirrored one; from there again, as
 // far as `paths` allows. An added ray has its beam, the whole way as its range, pathOfRay, and as its weight that of
 // the ray before times the square of what goes on, since what it meets comes back the same way. Rays that meet nothing
-// within the sensor's limits are not added. Needs the channels Range, Normal, Material, Reflectance and Incidence.
+// within the sensor's limits are not added. Needs kLightChannels.
 TraceAccount followLight(const Method& method, const Shot& shot, std::span<const Material> materials,
                          const LightPaths& paths, Hits& hits);
 

@@ -142,7 +142,7 @@ class DepthCameraMethod : public DepthCamera {
       lines.emplace_back("images: passes from files");
     }
     lines.push_back(
-        fmt::format("geometry: one return per beam, sampling {}, depth {}{}", options_.samplingName, options_.depthName,
+        fmt::format("geometry: one hit per ray, sampling {}, depth {}{}", options_.samplingName, options_.depthName,
                     options_.sample.sampling == Sampling::Plane ? ": exact on flat surfaces, edges to within a pixel"
                                                                 : ": to within a pixel"));
     lines.push_back(fmt::format("surfaces nearer to a camera's plane than {:g} m: left out, they do not block",

@@ -85,12 +85,12 @@ class ParticleMethod : public Method {
     const bool alpha = any([](const Material& m) { return m.alphaTested; });
     std::vector<std::string> lines;
     lines.push_back(fieldLine());
-    lines.push_back(triangles ? std::string("geometry: exact triangles of the voxels that beams pass, one return per "
-                                            "beam")
+    lines.push_back(triangles ? std::string("geometry: exact triangles of the voxels that beams pass, one hit per "
+                                            "ray")
                     : options_.refine == ParticleOptions::Refine::ByNormal
                         ? std::string("geometry: to half a voxel, corrected along the field's gradient: exact on flat "
-                                      "surfaces, one return per beam")
-                        : std::string("geometry: to half a voxel of the distance field, one return per beam"));
+                                      "surfaces, one hit per ray")
+                        : std::string("geometry: to half a voxel of the distance field, one hit per ray"));
     if (!triangles) lines.push_back(smallestLine());
     lines.emplace_back(!alpha      ? "alpha cut-outs: left out, no material has one"
                        : triangles ? "alpha cut-outs: modelled, some materials have them"

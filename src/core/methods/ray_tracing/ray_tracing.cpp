@@ -76,7 +76,7 @@ class RayTracing : public Method {
     const bool textured = std::any_of(materials_.begin(), materials_.end(),
                                       [](const CompactMaterial& m) { return m.texture != nullptr; });
     return {
-        fmt::format("geometry: {}, one return per beam{}",
+        fmt::format("geometry: {}, one hit per ray{}",
                     simplified_ ? fmt::format("simplified meshes, {} of {} placed triangles", scene_.placedTriangles(),
                                               original_.placedTriangles())
                                 : std::string("exact triangles"),

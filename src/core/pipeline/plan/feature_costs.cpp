@@ -75,14 +75,20 @@ FrameCost difference(const FrameCost& with, const FrameCost& without) {
           with.encodeSeconds - without.encodeSeconds, with.bytes - without.bytes};
 }
 
-// Those that go with an effect: itself and, where it sets the intensity, what looks at that.
+// Those that go with an effect: itself and, where it sets the intensity or the signal to noise ratio, what looks at
+// that.
 std::vector<bool> dependents(std::span<const std::unique_ptr<Effect>> effects,
                              std::span<const EffectEntry* const> entries, const EffectEntry* entry) {
   bool lights = false;
-  for (std::size_t e = 0; e < entries.size(); ++e) lights |= entries[e] == entry && effects[e]->setsIntensity();
+  bool measures = false;
+  for (std::size_t e = 0; e < entries.size(); ++e) {
+    lights |= entries[e] == entry && effects[e]->setsIntensity();
+    measures |= entries[e] == entry && effects[e]->setsSnr();
+  }
   std::vector<bool> go;
   for (std::size_t e = 0; e < entries.size(); ++e) {
-    go.push_back(entries[e] == entry || (lights && effects[e]->needsIntensity()));
+    go.push_back(entries[e] == entry || (lights && effects[e]->needsIntensity()) ||
+                 (measures && effects[e]->needsSnr()));
   }
   return go;
 }

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "config/file_kind.h"
+#include "methods/light_paths.h"
 #include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/recorded_method.h"
 
@@ -155,6 +156,7 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   checkRays(pipeline_);
   for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
     channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.layout.columns);
+    if (pipeline_.lightPaths(s) != nullptr) channels_ |= kLightChannels;
   }
   traced_ = channels_ | kept;
   const std::uint64_t rays = pipeline_.raysPerFrame();

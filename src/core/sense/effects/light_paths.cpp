@@ -21,9 +21,7 @@ class LightPathsEffect : public Effect {
  public:
   explicit LightPathsEffect(const LightPaths& paths) : paths_(paths) {}
 
-  Channels reads() const override {
-    return Channel::Range | Channel::Normal | Channel::Material | Channel::Reflectance | Channel::Incidence;
-  }
+  Channels reads() const override { return Channel::Range; }  // those who follow the rays read more
   const LightPaths* lightPaths() const override { return &paths_; }
   // Each pane and each mirror adds one at most to each ray; no more than rows there are.
   std::uint32_t mostReturns(std::uint32_t before) const override {

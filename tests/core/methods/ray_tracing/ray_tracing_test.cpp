@@ -467,7 +467,7 @@ TEST(RayTracing, SimplifiedMeshesAreTraced) {
 
 TEST(RayTracing, ModelledTellsOfSimplifiedMeshes) {
   const Scene scene = clutter();
-  EXPECT_EQ(geometryOf(*rayTracing(scene)), "geometry: exact triangles, one return per beam, watertight");
+  EXPECT_EQ(geometryOf(*rayTracing(scene)), "geometry: exact triangles, one hit per ray, watertight");
   const auto method = rayTracing(scene, "{simplify: 0.5}");
   EXPECT_THAT(geometryOf(*method), testing::StartsWith("geometry: simplified meshes, "));
   EXPECT_THAT(geometryOf(*method), testing::HasSubstr(fmt::format("of {} placed", scene.placedTriangles())));

@@ -51,6 +51,20 @@ const std::vector<std::string> kNoisy{
     "effects=[intensity, {dropout: {probability: 0.01}}, {range_noise: {sigma_m: 0.01}}]",
     "output={columns: [intensity, label, ring, time], formats: [pcd, {draco: {max_error_mm: 1}}]}"};
 
+// What an effect sets goes with it: a scan without it is still made.
+TEST_F(FeaturesOfYard, GoWithWhatTheyLookAt) {
+  const std::string wide = std::string(kTop).insert(1, "divergence_mrad: 3, pulse_ns: 5, ");
+  const FeatureCosts all = costs({"sensors=[" + wide + "]",
+                                  "effects=[{speckle: {looks: 4}}, {footprint: {rays: 7}}, {light_paths: {}}, "
+                                  "intensity, {detection: {noise: 0.001}}, {range_noise: {over_snr_m: 0.1}}]"});
+  for (const char* name :
+       {"effect speckle", "effect footprint", "effect light_paths", "effect intensity and detection and range_noise",
+        "effect detection and range_noise", "effect range_noise"}) {
+    EXPECT_THAT(names(all, true), Contains(name));
+  }
+  EXPECT_GT(feature(all, "effect footprint").cost.traceSeconds, 0);
+}
+
 TEST_F(FeaturesOfYard, NamesEveryEffectColumnAndFormat) {
   const FeatureCosts all = costs(kNoisy);
   EXPECT_EQ(all.frame, "yard-s1-drive-000002");

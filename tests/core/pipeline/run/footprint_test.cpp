@@ -116,6 +116,52 @@ TEST_F(FootprintRun, FalsePositivesAreSoundPoints) {
   EXPECT_GT(nothing, 10u);
 }
 
+// The yard with a glass box around the car at y = 5.
+TEST_F(FootprintRun, LooksThroughGlass) {
+  std::string scene = yardScene();
+  scene += R"(  - {name: case, primitive: box, size: [6, 4, 3], position: [8, 5, 1.5], class: building, material: glass}
+)";
+  folder_.write("scenes/yard.yaml", scene);
+  const std::vector<std::string> clear = with("[intensity, light_paths: {bounces: 0}, detection: {returns: all}]");
+  sound(clear, "clear");
+  sound(with("[intensity]"), "opaque");
+  std::size_t behind = 0;
+  std::size_t carBehind = 0;
+  for (const Scan& scan : scans(".pcd", "clear")) {
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const bool glass = scan[kCause][i] == static_cast<std::uint8_t>(Cause::ThroughGlass);
+      behind += glass ? 1 : 0;
+      carBehind += glass && std::abs(scan.position[i].z + 1.8f) < 1.51f && scan[kInstance][i] != 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(behind, 500u);
+  EXPECT_GT(carBehind, 100u);
+  for (const Scan& scan : scans(".pcd", "opaque")) {
+    for (const std::uint8_t cause : scan[kCause]) EXPECT_EQ(cause, 1);
+  }
+  EXPECT_THAT(messageOf([&] { Plan(readPipeline(pipeline_, with("[intensity, light_paths: {}]", "depth_camera"))); }),
+              AllOf(HasSubstr("depth_camera ends rays"), HasSubstr("`method: ray_tracing`")));
+}
+
+// A recording of hits holds one ray a beam: sensors' own effects stay usable, and the plan says what is left out.
+TEST_F(FootprintRun, IsLeftOutOfRecordings) {
+  GenerateOptions options;
+  options.folder = out("kept");
+  options.keepHits = out("hits");
+  options.quiet = true;
+  generate(Plan(readPipeline(pipeline_, with("[intensity]"))), options);
+  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
+  const Plan plan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}, light_paths: {}]"), recording));
+  EXPECT_THAT(plan.modelled(), testing::Contains("effect footprint: left out, a recording holds one ray a beam"));
+  EXPECT_EQ(plan.pipeline().raysPerFrame(), plan.pipeline().beamsPerFrame());
+  GenerateOptions again;
+  again.folder = out("again");
+  again.quiet = true;
+  generate(plan, again);
+  EXPECT_EQ(scans(".pcd", "again").size(), scans(".pcd", "kept").size());
+  EXPECT_EQ(scans(".pcd", "again")[0].position, scans(".pcd", "kept")[0].position);
+}
+
 TEST_F(FootprintRun, IsRefusedWhereItMeansNothing) {
   const auto refusal = [&](const std::vector<std::string>& overrides) {
     return messageOf([&] { Plan(readPipeline(pipeline_, overrides)); });
