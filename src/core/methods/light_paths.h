@@ -28,7 +28,7 @@ inline constexpr Channels kLightChannels =
 constexpr float kMirrorRoughness = 0.1f;
 
 // The part of unpolarised light that one face between air and a material of this refractive index reflects (Fresnel;
-// Born and Wolf, "Principles of Optics", 7th edition, section 1.5.2, eqs. 21 and 21a). `cosine`: of the angle of
+// Born and Wolf, "Principles of Optics", 7th edition, section 1.5.2). `cosine`: of the angle of
 // incidence.
 double fresnel(double cosine, double index);
 

@@ -1,6 +1,7 @@
 #include "pipeline/plan/own_vehicle.h"
 
 #include <memory>
+#include <vector>
 
 #include "pipeline/plan/plan.h"
 
@@ -40,6 +41,8 @@ void blockByVehicle(const Hits& vehicle, double minRange, Hits& hits) {
     if (!hits.metallic.empty()) hits.metallic[ray] = 0;
     if (!hits.retroreflectance.empty()) hits.retroreflectance[ray] = 0;
   }
+  // What a ray would have met behind the vehicle need not be known.
+  std::erase_if(hits.unresolved, [&](std::uint32_t ray) { return hits.pathOfRay[ray] == RayPath::OwnVehicle; });
 }
 
 }  // namespace scanmill

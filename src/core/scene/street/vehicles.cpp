@@ -145,8 +145,7 @@ BodyForm carForm(CarForm kind, Draw& draw) {
   return f;
 }
 
-// Colours are as frequent as on new cars in Europe (Axalta, "Global Automotive Color Popularity Report", 2020,
-// rounded).
+// Estimate: how frequent colours are on cars in Europe, most of them grey, white or black.
 const char* paintOf(std::uint64_t seed, int number) {
   constexpr std::array<std::pair<double, const char*>, 6> kPaints{{{0.27, "car_paint_grey"},
                                                                    {0.25, "car_paint_white"},

@@ -16,8 +16,8 @@
 // every echo is found and no other.
 //
 // Of what is found nearer than min_separation_m to a stronger echo of the same beam nothing is reported; then `returns`
-// chooses. dual: the strongest and the last; where they are the same, the second strongest too (Velodyne, VLP-16 User
-// Manual 63-9243 Rev. D, section 6.3). A number: so many of the strongest.
+// chooses. dual: the strongest and the last; where they are the same, the second strongest too (as Velodyne's
+// sensors do). A number: so many of the strongest.
 
 #include <algorithm>
 #include <cmath>
