@@ -22,6 +22,10 @@ enum class Purpose : std::uint16_t {
   Footprint = 8,
   Detection = 9,
   FalsePositives = 10,
+  ReflectanceVariation = 11,
+  Weather = 12,
+  Fog = 13,
+  WetGround = 14,
   Speckle = 256,  // and the seven after it: four looks each
   Test = 99,
 };

@@ -23,6 +23,23 @@ float readReflectance(const Value& value, int wavelengthNm) {
   return chosen;
 }
 
+std::vector<Variation> readVariations(const Value* list) {
+  std::vector<Variation> made;
+  if (list == nullptr) return made;
+  if (list->kind != Value::Kind::Sequence || list->items.size() > kMostVariations) {
+    throw InputError(list->where, fmt::format("variations must be a list of at most {} maps such as {{size_m: 2, "
+                                              "contrast: 0.15}}",
+                                              kMostVariations));
+  }
+  for (const Value& item : list->items) {
+    Fields f(item, "variation");
+    made.push_back({static_cast<float>(f.number("size_m", {0.001, 1000})),
+                    static_cast<float>(f.number("contrast", {0, 2}))});
+    f.finish();
+  }
+  return made;
+}
+
 }  // namespace
 
 const Material& MaterialLibrary::require(std::string_view name, const Location& where) const {
@@ -60,6 +77,7 @@ MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthN
     material.transmission = static_cast<float>(m.number("transmission", {0, 1}, 0));
     material.index = static_cast<float>(m.number("index", {1, 4}, 1.52));
     material.textured = m.boolean("textured", false);
+    material.variations = readVariations(m.find("variations"));
     m.finish();
     for (const Material& other : library.materials) {
       if (other.name == material.name) {

@@ -2,6 +2,7 @@
 
 // How surfaces reflect near-infrared light. The figures come from labels/materials.yaml and from assets.
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -27,6 +28,15 @@ struct Texture {
   const std::uint8_t* texel(float u, float v) const;
 };
 
+// How much the reflectance differs from place to place, over distances of about `size`.
+struct Variation {
+  float size = 1;      // m
+  float contrast = 0;  // standard deviation of the reflectance's natural logarithm
+  bool operator==(const Variation&) const = default;
+};
+
+constexpr std::size_t kMostVariations = 4;
+
 // How a surface reflects.
 struct Material {
   std::string name;
@@ -37,6 +47,7 @@ struct Material {
   float transmission = 0.0f;      // part of the light that the inside of a pane lets through, 0 to 1; 0: opaque
   float index = 1.52f;            // of refraction
   std::string source;             // of the reflectance
+  std::vector<Variation> variations = {};  // for the effect reflectance_variation; at most kMostVariations
   bool textured = false;  // reflectance is scaled by the base colour's luminance at the hit over the texture's mean
   std::shared_ptr<const Texture> texture;  // base colour; null where none is needed
   float textureMean = 1.0f;                // mean linear luminance of the texture

@@ -19,6 +19,7 @@ enum class Cause : std::uint8_t {
   ThroughGlass = 3,   // a surface behind glass
   Mirrored = 4,       // the mirror image of a surface
   OwnVehicle = 5,     // the vehicle that carries the sensor
+  Weather = 6,        // rain, snow, fog or dust in the air
 };
 
 Cause causeOf(RayPath path);

@@ -9,7 +9,7 @@
 namespace scanmill {
 
 std::span<const EffectEntry> effects() {
-  static constexpr std::array<EffectEntry, 11> kEffects{{
+  static constexpr std::array<EffectEntry, 13> kEffects{{
       {"footprint", "beams of finite width: rays add up to echoes, mixed pixels at edges",
        "rays: required, 7, 19, 37, 61, 91 or 127 a beam", 0, makeFootprintEffect},
       {"light_paths", "rays go on behind glass and off mirrors: cars' windows, mirror images",
@@ -26,6 +26,17 @@ std::span<const EffectEntry> effects() {
        "elevation_deg: none, a list likewise; "
        "gain: none, a list likewise, 1 is right",
        0, makeRingBias},
+      {"reflectance_variation", "surfaces are brighter here and darker there: patches, grass, bricks, dirt",
+       "strength: 1, times what the table of materials says", 0, makeReflectanceVariation},
+      {"weather", "rain, snow, fog or dust: faint returns are lost, particles return, the ground is wet",
+       "kind: required, rain, snow, fog or dust; "
+       "severity: moderate, or light or heavy; "
+       "rate_mm_h: as the severity says, of rain or snow, in mm of water an hour; "
+       "visibility_m: as the severity says, of fog or dust, the meteorological optical range; "
+       "wet: as the severity says, share of the ground under standing water; "
+       "least: 0.001, power below which particles are not looked at, 1 is white at 10 m; "
+       "label: 0, class id of the particles' returns",
+       0, makeWeather},
       {"speckle", "grain of laser light: the power of each return times a random factor of the gamma law",
        "looks: required, 1 to 30 patterns that average, for a variance of 1 / looks", 0, makeSpeckle},
       {"intensity",

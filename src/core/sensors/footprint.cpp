@@ -61,6 +61,12 @@ Axes axesOf(const Vec3d& direction) {
 
 }  // namespace
 
+double beamArea(const BeamTable& beams, double range) {
+  const double across = beams.exitWidth[0] + beams.divergence[0] * range;
+  const double up = beams.exitWidth[1] + beams.divergence[1] * range;
+  return kPi / 4 * across * up * (beams.uniformBeam ? 1 : 0.5);
+}
+
 Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam) {
   if (std::find(std::begin(kFootprintRays), std::end(kFootprintRays), raysPerBeam) == std::end(kFootprintRays)) {
     throw Error(fmt::format("a beam of {} rays: only hexagons of rays are known", raysPerBeam));

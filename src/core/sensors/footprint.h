@@ -22,6 +22,10 @@ constexpr double pulseLength(double width) {
   return kLightSpeed * width / 2;
 }
 
+// The area that a beam lights at a range (m^2): of a uniform one all of it, of a Gaussian one that of a uniform beam as
+// bright as its middle, which is half of the area within 1/e^2. 0 where the sensor's file does not say how wide it is.
+double beamArea(const BeamTable& beams, double range);
+
 struct Footprint {
   // A row of the sensor's table has the same ring here, each of its columns as many neighbouring ones as a beam has
   // rays: BeamTable::raysPerBeam. Methods trace it as any other table.

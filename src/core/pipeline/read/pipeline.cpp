@@ -251,9 +251,8 @@ void addEffects(const std::vector<Value>& items, const MountedSensor* sensor, st
 // Several echoes are chosen from: unless the list says how, the strongest is reported.
 void addDetection(std::vector<MadeEffect>& made) {
   const EffectEntry& detection = requireEffect("detection", {});
-  const auto several = std::find_if(made.begin(), made.end(), [](const MadeEffect& m) {
-    return m.effect->raysPerBeam() > 1 || m.effect->lightPaths() != nullptr;
-  });
+  const auto several =
+      std::find_if(made.begin(), made.end(), [](const MadeEffect& m) { return m.effect->mostReturns(1) > 1; });
   const bool named = std::any_of(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &detection; });
   if (several == made.end() || named) return;
   const Value none;

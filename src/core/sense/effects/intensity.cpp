@@ -177,34 +177,43 @@ class Intensity : public Effect {
     Batch<float> sent;
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       float* const power = returns.power.data() + first;
-      for (std::size_t i = 0; i < count && !returns.onePerBeam(); ++i) given[i] = power[i];
-      if (returns.powerOfEchoes) {
-        for (std::size_t i = 0; i < count && !returns.gain.empty(); ++i) power[i] *= returns.gain[first + i];
-        if (o_.reflectivity) sentFor(returns.range.data() + first, count, power, sent.data());
-      } else {
+      const float* const range = returns.range.data() + first;
+      if (!returns.onePerBeam()) std::copy_n(power, count, given.begin());
+      if (!returns.powerOfEchoes) {
         SurfaceBuffers buffers;
-        Batch<float> ranges;
         reflect(surfacesOf(hits, returns, first, buffers), lobes, count, power);
-        for (std::size_t i = 0; i < count && !returns.gain.empty(); ++i) power[i] *= returns.gain[first + i];
-        for (std::size_t i = 0; i < count && o_.reflectivity; ++i) sent[i] = power[i];
+      }
+      for (std::size_t i = 0; i < count && !returns.gain.empty(); ++i) power[i] *= returns.gain[first + i];
+      if (returns.powerOfEchoes) {
+        if (o_.reflectivity) sentFor(range, count, power, sent.data());
+      } else {
+        Batch<float> ranges;
+        if (o_.reflectivity) std::copy_n(power, count, sent.begin());
         travel(valuesOfHits(returns, hits.range, first, ranges, kMiss), count, power);
       }
-      settle(returns, first, count, given, power);
-      if (o_.reflectivity) settle(returns, first, count, given, sent.data());
+      if (!returns.onePerBeam()) takeAdded(returns, first, count, given, power, sent.data());
+      settle(range, count, power);
+      if (o_.reflectivity) settle(range, count, sent.data());
       respond(o_.reflectivity ? sent.data() : power, count, returns.intensity.data() + first);
     });
   }
 
-  // Finite, nothing where there is no return, and as the effect that added the row says where there is no hit.
-  static void settle(const Returns& returns, std::size_t first, std::size_t count, const Batch<float>& given,
-                     float* power) {
+  // Rows that come from no hit were added with the power that they would have from the reference range.
+  void takeAdded(const Returns& returns, std::size_t first, std::size_t count, const Batch<float>& given, float* power,
+                 float* sent) const {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (returns.hit(first + i) != kNoHit) continue;
+      const float gain = returns.gain.empty() ? 1 : returns.gain[first + i];
+      sent[i] = power[i] = given[i] * gain;
+      travel(returns.range.data() + first + i, 1, power + i);
+    }
+  }
+
+  // Finite, and nothing where there is no return.
+  static void settle(const float* range, std::size_t count, float* power) {
     for (std::size_t i = 0; i < count; ++i) {
       const float finite = power[i] < FLT_MAX ? power[i] : FLT_MAX;
-      const bool returned = returns.range[first + i] < kMiss;
-      power[i] = returned && power[i] > 0 ? finite : 0;
-    }
-    for (std::size_t i = 0; i < count && !returns.onePerBeam(); ++i) {
-      power[i] = returns.hit(first + i) == kNoHit ? given[i] : power[i];
+      power[i] = range[i] < kMiss && power[i] > 0 ? finite : 0;
     }
   }
 

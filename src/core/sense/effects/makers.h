@@ -19,5 +19,7 @@ std::unique_ptr<Effect> makeRingBias(Fields& options);
 std::unique_ptr<Effect> makeFootprintEffect(Fields& options);
 std::unique_ptr<Effect> makeDetection(Fields& options);
 std::unique_ptr<Effect> makeLightPaths(Fields& options);
+std::unique_ptr<Effect> makeReflectanceVariation(Fields& options);
+std::unique_ptr<Effect> makeWeather(Fields& options);
 
 }  // namespace scanmill

@@ -1,0 +1,84 @@
+#include "sense/effects/spatial_noise.h"
+
+#include <bit>
+#include <cmath>
+
+#include "base/instruction_sets.h"
+
+namespace scanmill {
+
+namespace {
+
+// A coordinate among the lattice's points, of at most 2^51 either way.
+struct Cell {
+  std::uint32_t corner;  // the lower one, modulo 2^32
+  double lower;          // weights of the two corners
+  double upper;
+};
+
+Cell cellOf(double at) {
+  const double shifted = at + 0x1.8p52;  // rounds to the nearest integer, in the last bits
+  const double off = at - (shifted - 0x1.8p52);
+  const bool below = off < 0;
+  const double t = below ? off + 1 : off;
+  const double upper = t * t * t * (t * (t * 6 - 15) + 10);
+  return {static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(shifted)) - (below ? 1u : 0u), 1 - upper, upper};
+}
+
+// The sum of four uniform numbers, of variance 1: close to the normal law within two deviations and never beyond 3.5.
+double standard(const RandomBlock& words) {
+  const double sum = toDouble(words[0]) + toDouble(words[1]) + toDouble(words[2]) + toDouble(words[3]);
+  return (sum * 0x1p-32 - 2) * 1.7320508075688772;
+}
+
+}  // namespace
+
+PlacesOfHits::PlacesOfHits(const Hits& hits, const Shot& shot, const Returns& returns)
+    : hits_(hits), shot_(shot), returns_(returns) {
+  for (const Pose& pose : shot.worldFromSensor) rotation_.push_back(toMatrix(pose.rotation));
+}
+
+void PlacesOfHits::find(std::size_t first, Places& places) const {
+  const BeamTable& beams = *shot_.beams;
+  const std::size_t count = std::min(kBatch, returns_.size() - first);
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    Vec3d place;
+    const std::size_t row = first + i;
+    if (i < count && returns_.returned(row) && returns_.hit(row) != kNoHit) {
+      const std::uint32_t beam = returns_.beam(row);
+      const std::size_t step = rotation_.size() == 1 ? 0 : shot_.stepOf(beam % beams.columns);
+      Vec3d along = beams.direction[beam] * double{hits_.range[returns_.hit(row)]};
+      if (!beams.origin.empty()) along += Vec3d(beams.origin[beam]);
+      place = shot_.worldFromSensor[step].translation + rotation_[step] * along;
+    }
+    places.x[i] = place.x;
+    places.y[i] = place.y;
+    places.z[i] = place.z;
+  }
+}
+
+SCANMILL_BEST_INSTRUCTIONS void addField(const SpatialField& field, const Places& places, const Batch<double>& cubes,
+                                         const Batch<double>& factor, Batch<double>& values) {
+  const std::uint32_t tag = (field.number << 20) | static_cast<std::uint32_t>(field.purpose);
+  const std::array<std::uint32_t, 2> key{static_cast<std::uint32_t>(field.seed),
+                                         static_cast<std::uint32_t>(field.seed >> 32)};
+  Batch<double> sum{};
+  Batch<double> squares{};
+  for (std::uint32_t corner = 0; corner < 8; ++corner) {
+    const std::uint32_t right = corner & 1;
+    const std::uint32_t far = (corner >> 1) & 1;
+    const std::uint32_t above = corner >> 2;
+    for (std::size_t i = 0; i < kBatch; ++i) {
+      const Cell x = cellOf(places.x[i] * cubes[i]);
+      const Cell y = cellOf(places.y[i] * cubes[i]);
+      const Cell z = cellOf(places.z[i] * cubes[i]);
+      const double weight =
+          (right != 0 ? x.upper : x.lower) * (far != 0 ? y.upper : y.lower) * (above != 0 ? z.upper : z.lower);
+      sum[i] += weight * standard(philox4x32({x.corner + right, y.corner + far, z.corner + above, tag}, key));
+      squares[i] += weight * weight;
+    }
+  }
+  for (std::size_t i = 0; i < kBatch; ++i) values[i] += factor[i] * sum[i] / std::sqrt(squares[i]);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,329 @@
+// weather: rain, snow, fog or dust between the sensor and what it sees.
+//
+//   weather: {kind: rain, severity: moderate}      # or light, heavy
+//   weather: {kind: rain, rate_mm_h: 12.5, wet: 0.6}
+//   weather: {kind: fog, visibility_m: 80}
+//
+// All returns lose what the air takes on both ways, exp(-2 extinction r), before the receiver looks for them. What the
+// particles send back are returns of their own, of cause 6, in front of the nearest surface that the beam meets; they are
+// unlabelled, or have the class id that `label` says. sense/weather.h has the laws.
+//
+// Raindrops and snowflakes are few: how many of a beam are bright enough follows Poisson's law, with the mean
+//
+//   integral of A(r) N(D > D_least(r)) dr,    D_least^2 = least A(r) (r / 10 m)^2 exp(2 extinction r) / dropEcho
+//
+// over the way to the surface. A(r) is the area that the beam lights (beamArea() in sensors/footprint.h), N the drops a
+// volume and `least` the power, in units of a white target at 10 m, below which drops are not looked at. Ranges are drawn
+// by the integral, diameters by the law beyond D_least: exactly as if all drops in the beam had been drawn. The area is
+// taken as evenly lit, and a drop as wholly inside or outside of it.
+//
+// Fog and dust are many particles. A beam is cut into stretches of a pulse's length; each sends back pi backscatter length
+// exp(-2 extinction r) of what a white target does there, times a random number of the exponential law, since the light
+// of very many particles interferes (Goodman 1975, one look). Those of at least `least` are returns, at a range drawn
+// within the stretch.
+//
+// Of drops and of stretches a beam has eight at most, the strongest.
+//
+// wet: surfaces that face up (by less than 60 degrees) have drawn in water and are darker; that share of them lies under a film
+// of standing water besides, in patches of about a metre, which sends light that grazes it away like a mirror. Mirror
+// images in it are not modelled, nor are drops on the sensor, spray behind wheels and lying snow.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "sense/effects/makers.h"
+#include "sense/effects/spatial_noise.h"
+#include "sense/weather.h"
+#include "sensors/footprint.h"
+
+namespace scanmill {
+namespace {
+
+constexpr double kReferenceRange = 10;    // m, of the unit of power
+constexpr std::size_t kMostOfBeam = 8;    // drops or stretches that become returns
+constexpr std::size_t kMostStretches = 32;  // a random block has numbers for two, an address for 16 blocks
+constexpr double kLeastUp = 0.5;          // cosine of the angle to the vertical, of what is wet
+constexpr double kPuddle = 1.2;           // m
+
+struct Options {
+  Weather weather;
+  double least = 0.001;
+  double wet = 0;
+  std::uint16_t label = 0;
+};
+
+// The integral of the density of drops that are bright enough, as a table over the range.
+class DropTable {
+ public:
+  DropTable(const Options& options, const BeamTable& beams) : o_(options), beams_(beams) {
+    step_ = (beams.maxRange - beams.minRange) / kSteps;
+    double last = density(beams.minRange);
+    for (std::size_t i = 1; i <= kSteps; ++i) {
+      const double next = density(beams.minRange + static_cast<double>(i) * step_);
+      sum_[i] = sum_[i - 1] + (last + next) / 2 * step_;
+      last = next;
+    }
+  }
+
+  // Drops that are expected up to a range.
+  double upTo(double range) const {
+    const double at = std::clamp((range - beams_.minRange) / step_, 0.0, double{kSteps});
+    const auto i = std::min(static_cast<std::size_t>(at), kSteps - 1);
+    return sum_[i] + (at - static_cast<double>(i)) * (sum_[i + 1] - sum_[i]);
+  }
+
+  // The range up to which so many are expected.
+  double rangeOf(double expected) const {
+    const auto next = std::upper_bound(sum_.begin() + 1, sum_.end() - 1, expected);
+    const double before = *(next - 1);
+    const double part = *next > before ? std::clamp((expected - before) / (*next - before), 0.0, 1.0) : 0.0;
+    return beams_.minRange + (static_cast<double>(next - sum_.begin()) - 1 + part) * step_;
+  }
+
+  // Of the smallest drop that is bright enough (mm).
+  double leastDiameter(double range) const {
+    const double way = range / kReferenceRange;
+    const double area = beamArea(beams_, range);
+    return std::sqrt(o_.least * area * way * way * exponential(2 * o_.weather.extinction * range) /
+                     o_.weather.dropEcho);
+  }
+
+ private:
+  static constexpr std::size_t kSteps = 4096;
+
+  double density(double range) const { return beamArea(beams_, range) * o_.weather.drops.above(leastDiameter(range)); }
+
+  const Options& o_;
+  const BeamTable& beams_;
+  double step_ = 0;
+  std::array<double, kSteps + 1> sum_{};
+};
+
+// Up to which range each beam is open (m): to the nearest surface, or the end of the sensor's range.
+std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Returns& returns) {
+  std::vector<float> open(hits.size(), static_cast<float>(beams.maxRange));
+  for (std::size_t row = 0; row < returns.size(); ++row) {
+    float& range = open[returns.beam(row)];
+    if (returns.returned(row)) range = std::min(range, returns.range[row]);
+  }
+  // The own vehicle may block a beam nearer than the sensor reports.
+  for (std::size_t ray = 0; ray < hits.pathOfRay.size(); ++ray) {
+    if (hits.pathOfRay[ray] != RayPath::OwnVehicle || hits.hit(ray)) continue;
+    open[hits.beamOfRay.empty() ? ray : hits.beamOfRay[ray]] = 0;
+  }
+  return open;
+}
+
+struct Particle {
+  float range;
+  float echo;      // of what a white target there sends back, with what the air takes
+  float strength;  // power in units of a white target at the reference range
+};
+
+class WeatherEffect : public Effect {
+ public:
+  WeatherEffect(const Options& options, Location where) : o_(options), where_(std::move(where)) {}
+
+  Channels reads() const override {
+    const Channels hits = Channel::Range;
+    return o_.wet > 0 ? hits | Channel::Normal | Channel::Reflectance | Channels(Channel::Incidence) : hits;
+  }
+  bool setsGain() const override { return true; }
+  std::uint32_t mostReturns(std::uint32_t before) const override {
+    return std::min(before + static_cast<std::uint32_t>(kMostOfBeam), kMostReturns);
+  }
+
+  void check(const BeamTable& beams) const override {
+    if (beamArea(beams, 1) > 0 && beams.pulse > 0) return;
+    throw InputError(where_,
+                     "effect weather: what drops send back follows from the beam's width and the pulse's length: add "
+                     "`divergence_mrad: 3` and `pulse_ns: 5`, with the data sheet's figures, to the sensor");
+  }
+
+  void apply(const Hits& hits, const Shot& shot, std::span<const Material>, Returns& returns) const override {
+    returns.gain.resize(returns.size(), 1.0f);
+    const std::vector<float> open = openRanges(hits, *shot.beams, returns);
+    extinguish(returns);
+    if (o_.wet > 0) wetGround(hits, shot, returns);
+    if (o_.weather.drops.intercept > 0) addDrops(hits, shot, open, returns);
+    if (o_.weather.backscatter > 0) addMist(hits, shot, open, returns);
+  }
+
+ private:
+  void extinguish(Returns& returns) const {
+    for (std::size_t row = 0; row < returns.size(); ++row) {
+      if (!returns.returned(row)) continue;
+      returns.gain[row] *= static_cast<float>(exponential(-2 * o_.weather.extinction * returns.range[row]));
+    }
+  }
+
+  void wetGround(const Hits& hits, const Shot& shot, Returns& returns) const {
+    const double film = quantileOfNormal(o_.wet);
+    const PlacesOfHits hitPlaces(hits, shot, returns);
+    Places places;
+    Batch<double> cubes;
+    Batch<double> one;
+    cubes.fill(1 / kPuddle);
+    one.fill(1);
+    forBatches(returns.range, [&](std::size_t first, std::size_t count) {
+      Batch<double> field{};
+      hitPlaces.find(first, places);
+      addField({shot.seed, Purpose::WetGround, 0}, places, cubes, one, field);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t hit = returns.hit(first + i);
+        if (!returns.returned(first + i) || hit == kNoHit || double{hits.normal[hit].z} < kLeastUp) continue;
+        double left = dampness(std::clamp(double{hits.reflectance[hit]}, 0.0, 1.0));
+        if (field[i] < film) left *= filmTransmission(hits.incidence[hit]);
+        returns.gain[first + i] *= static_cast<float>(left);
+      }
+    });
+  }
+
+  // Where the normal law has a share below; by bisection.
+  static double quantileOfNormal(double share) {
+    double low = -8;
+    double high = 8;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = (low + high) / 2;
+      (std::erfc(-middle / std::sqrt(2.0)) / 2 < share ? low : high) = middle;
+    }
+    return low;
+  }
+
+  static RandomBlock draw(const Shot& shot, std::uint32_t beam, std::uint32_t number, Purpose purpose) {
+    return randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, number, purpose});
+  }
+
+  void addDrops(const Hits& hits, const Shot& shot, const std::vector<float>& open, Returns& returns) const {
+    const BeamTable& beams = *shot.beams;
+    const DropTable table(o_, beams);
+    std::vector<Particle> drops;
+    for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
+      const double expected = table.upTo(double{open[beam]});
+      if (expected <= 0) continue;
+      // Number 15 is for how many there are, the others are for the drops.
+      double left = uniform(draw(shot, beam, 15, Purpose::Weather)[0]);
+      double probability = exponential(-expected);
+      drops.clear();
+      for (std::uint32_t n = 0; left > probability && n < 15; ++n) {
+        left -= probability;
+        probability *= expected / (n + 1);
+        const RandomBlock words = draw(shot, beam, n, Purpose::Weather);
+        const double range = table.rangeOf(expected * uniform(words[0]));
+        const double diameter = table.leastDiameter(range) - naturalLog(uniform(words[1])) / o_.weather.drops.slope;
+        const double area = beamArea(beams, range);
+        drops.push_back(particleAt(range, std::min(1.0, o_.weather.dropEcho * diameter * diameter / area)));
+      }
+      add(beam, drops, hits, returns);
+    }
+  }
+
+  void addMist(const Hits& hits, const Shot& shot, const std::vector<float>& open, Returns& returns) const {
+    const BeamTable& beams = *shot.beams;
+    const double whole = pulseLength(beams.pulse);
+    std::array<double, kMostStretches> mean;
+    std::vector<Particle> stretches;
+    for (std::size_t k = 0; k < kMostStretches; ++k) {
+      const double middle = beams.minRange + (static_cast<double>(k) + 0.5) * whole;
+      mean[k] = double{particleAt(middle, mistEcho(o_.weather, whole)).strength};
+    }
+    for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
+      stretches.clear();
+      RandomBlock words{};
+      for (std::uint32_t k = 0; k < kMostStretches; ++k) {
+        const double start = beams.minRange + k * whole;
+        const double length = std::min(whole, double{open[beam]} - start);
+        if (length <= 0 || mean[k] * 23 < o_.least) break;  // 2^-33 is the least number drawn: 23 its logarithm
+        if (k % 2 == 0) words = draw(shot, beam, k / 2, Purpose::Fog);
+        const double range = start + length * uniform(words[2 * (k % 2) + 1]);
+        const double factor = -naturalLog(uniform(words[2 * (k % 2)]));
+        const Particle stretch = particleAt(range, mistEcho(o_.weather, length) * factor);
+        if (double{stretch.strength} >= o_.least) stretches.push_back(stretch);
+      }
+      add(beam, stretches, hits, returns);
+    }
+  }
+
+  Particle particleAt(double range, double echo) const {
+    const double kept = echo * exponential(-2 * o_.weather.extinction * range);
+    const double way = kReferenceRange / range;
+    return {static_cast<float>(range), static_cast<float>(kept), static_cast<float>(kept * way * way)};
+  }
+
+  void add(std::uint32_t beam, std::vector<Particle>& particles, const Hits& hits, Returns& returns) const {
+    if (particles.size() > kMostOfBeam) {
+      std::nth_element(particles.begin(), particles.begin() + kMostOfBeam, particles.end(),
+                       [](const Particle& a, const Particle& b) { return a.strength > b.strength; });
+      particles.resize(kMostOfBeam);
+    }
+    for (const Particle& particle : particles) {
+      if (returns.full(beam)) return;
+      AddedReturn added;
+      added.beam = beam;
+      added.range = particle.range;
+      added.power = particle.echo;
+      added.cause = Cause::Weather;
+      added.label = o_.label;
+      returns.add(added, hits);
+    }
+  }
+
+  Options o_;
+  Location where_;
+};
+
+// The ladder: rates in mm/h of water, visibilities in m, and the share of the ground under standing water.
+struct Severity {
+  double amount;
+  double wet;
+};
+
+struct Kind {
+  std::string_view name;
+  Weather (*of)(double);
+  bool byRate;
+  double most;
+  std::array<Severity, 3> ladder;  // light, moderate, heavy
+};
+
+// Rain by the bounds of the American Meteorological Society's glossary (2.5 and 7.6 mm/h); snow and fog by visibility
+// as observers do (1000 and 500 m, 1000 and 200 m); one figure within each step is an estimate, as is how wet it is.
+constexpr std::array<Kind, 4> kKinds{{
+    {"rain", rainOf, true, 200, {{{1.5, 0.1}, {5, 0.3}, {25, 0.6}}}},
+    {"snow", snowOf, true, 50, {{{0.5, 0}, {1.5, 0}, {4, 0}}}},
+    {"fog", fogOf, false, 1e5, {{{500, 0}, {150, 0}, {50, 0}}}},
+    {"dust", dustOf, false, 1e5, {{{500, 0}, {150, 0}, {50, 0}}}},
+}};
+
+}  // namespace
+
+std::unique_ptr<Effect> makeWeather(Fields& options) {
+  std::vector<std::string> names;
+  for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+  options.require("kind");
+  const std::string name = options.choice("kind", names, "");
+  const Kind& kind = *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.name == name; });
+  const char* const exact = kind.byRate ? "rate_mm_h" : "visibility_m";
+  const std::string word = options.choice("severity", {"light", "moderate", "heavy"}, "moderate");
+  Severity severity = kind.ladder[word == "light" ? 0 : word == "moderate" ? 1 : 2];
+  if (const Value* given = options.find(exact)) {
+    if (options.has("severity")) {
+      throw InputError(given->where, fmt::format("effect weather: give `severity` or `{}`, not both", exact));
+    }
+    severity.amount = options.number(exact, {kind.byRate ? 0.01 : 1.0, kind.most});
+  }
+  Options o;
+  o.weather = kind.of(severity.amount);
+  o.wet = options.number("wet", {0, 1}, severity.wet);
+  o.least = options.number("least", {1e-6, 1}, 0.001);
+  o.label = static_cast<std::uint16_t>(options.integer("label", 0, 65535, 0));
+  options.finish();
+  return std::make_unique<WeatherEffect>(o, options.where());
+}
+
+}  // namespace scanmill

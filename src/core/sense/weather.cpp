@@ -1,0 +1,98 @@
+#include "sense/weather.h"
+
+#include <cmath>
+
+#include "base/vec.h"
+#include "sense/effects/elementary.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kWaterIndex = 1.328;
+constexpr double kLargeDrops = 2;         // extinction over the area that a drop covers
+constexpr double kFlakeDensity = 0.1;     // of water's
+constexpr double kFlakeAlbedo = 0.9;
+constexpr double kDustLidarRatio = 50;    // sr
+constexpr double kSquareMillimetre = 1e-6;  // m^2
+
+double power(double base, double exponent) {
+  return exponential(exponent * naturalLog(base));
+}
+
+// Of unpolarised light, from air into water.
+double reflectedByWater(double cosine) {
+  const double sine2 = (1 - cosine * cosine) / (kWaterIndex * kWaterIndex);
+  const double inside = std::sqrt(1 - sine2);
+  const double across = (cosine - kWaterIndex * inside) / (cosine + kWaterIndex * inside);
+  const double along = (kWaterIndex * cosine - inside) / (kWaterIndex * cosine + inside);
+  return (across * across + along * along) / 2;
+}
+
+}  // namespace
+
+double DropSizes::above(double diameter) const {
+  return intercept / slope * exponential(-slope * diameter);
+}
+
+double DropSizes::squares() const {
+  return 2 * intercept / (slope * slope * slope);
+}
+
+DropSizes rainDrops(double rate) {
+  return {8000, 4.1 * power(rate, -0.21)};
+}
+
+DropSizes snowFlakes(double rate) {
+  return {3800 * power(rate, -0.87), 2.55 * power(rate, -0.48)};
+}
+
+Weather rainOf(double rate) {
+  Weather made;
+  made.drops = rainDrops(rate);
+  made.extinction = kLargeDrops * kPi / 4 * made.drops.squares() * kSquareMillimetre;
+  const double face = reflectedByWater(1);
+  const double focus = kWaterIndex / (2 - kWaterIndex);
+  const double gain = face + (1 - face) * (1 - face) * face * focus * focus;
+  made.dropEcho = kPi * gain / 16 * kSquareMillimetre;  // pi times a^2 / 4 of the gain a steradian, a = D / 2
+  return made;
+}
+
+Weather snowOf(double rate) {
+  Weather made;
+  made.drops = snowFlakes(rate);
+  const double width = power(1 / kFlakeDensity, 1.0 / 3);  // of a flake, over that of its drop
+  made.extinction = kLargeDrops * kPi / 4 * width * width * made.drops.squares() * kSquareMillimetre;
+  // A matt sphere sends 2/3 of its albedo times a^2 back a steradian.
+  made.dropEcho = kPi * (2.0 / 3) * kFlakeAlbedo * width * width / 4 * kSquareMillimetre;
+  return made;
+}
+
+Weather fogOf(double visibility) {
+  Weather made;
+  made.extinction = -naturalLog(0.05) / visibility;
+  made.backscatter = 0.046 / visibility;
+  return made;
+}
+
+Weather dustOf(double visibility) {
+  Weather made;
+  made.extinction = -naturalLog(0.05) / visibility;
+  made.backscatter = made.extinction / kDustLidarRatio;
+  return made;
+}
+
+double mistEcho(const Weather& weather, double length) {
+  return kPi * weather.backscatter * length;
+}
+
+double dampness(double reflectance) {
+  return 1 / (kWaterIndex * kWaterIndex * (1 - reflectance) + reflectance);
+}
+
+double filmTransmission(double cosine) {
+  const double in = (1 - reflectedByWater(cosine)) / (1 - reflectedByWater(1));
+  return in * in;
+}
+
+}  // namespace scanmill

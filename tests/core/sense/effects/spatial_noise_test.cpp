@@ -1,0 +1,87 @@
+#include "sense/effects/spatial_noise.h"
+
+#include "tests/core/sense/world.h"
+
+namespace scanmill {
+namespace {
+
+// The field at as many places as wanted, in cubes of 1 m.
+std::vector<double> fieldAt(const std::vector<Vec3d>& points, std::uint64_t seed = 1, std::uint32_t number = 0) {
+  std::vector<double> values;
+  Places places{};
+  Batch<double> ones;
+  ones.fill(1);
+  for (std::size_t first = 0; first < points.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, points.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      places.x[i] = points[first + i].x;
+      places.y[i] = points[first + i].y;
+      places.z[i] = points[first + i].z;
+    }
+    Batch<double> value{};
+    addField({seed, Purpose::Test, number}, places, ones, ones, value);
+    values.insert(values.end(), value.begin(), value.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  return values;
+}
+
+// So many cubes, and the same place in each.
+std::vector<Vec3d> inEachCube(const Vec3d& at) {
+  std::vector<Vec3d> points;
+  for (int i = 0; i < 40000; ++i) points.push_back(at + Vec3d{2.0 * (i % 200), 2.0 * (i / 200), 0});
+  return points;
+}
+
+double correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum / static_cast<double>(a.size());
+}
+
+TEST(SpatialNoise, HasVarianceOneAtEveryPlaceOfACube) {
+  for (const Vec3d& at : {Vec3d{0, 0, 0}, Vec3d{0.5, 0.5, 0.5}, Vec3d{-7.9, 3.2, 0.7}, Vec3d{0.5, 0, 0}}) {
+    const Moments m = momentsOf(fieldAt(inEachCube(at)));
+    EXPECT_NEAR(m.mean, 0, 4 / std::sqrt(40000.0));
+    EXPECT_NEAR(m.variance, 1, 4 * std::sqrt(2 / 40000.0));
+    EXPECT_NEAR(m.skewness, 0, 0.05);
+    EXPECT_NEAR(m.kurtosis, 3, 0.4);
+  }
+}
+
+TEST(SpatialNoise, IsSmoothAndForgetsBeyondTwoCubes) {
+  const std::vector<double> here = fieldAt(inEachCube({0.3, 0.6, 0.2}));
+  EXPECT_GT(correlation(here, fieldAt(inEachCube({0.35, 0.6, 0.2}))), 0.98);
+  const double half = correlation(here, fieldAt(inEachCube({0.8, 0.6, 0.2})));
+  EXPECT_GT(half, 0.1);
+  EXPECT_LT(half, 0.9);
+  EXPECT_NEAR(correlation(here, fieldAt(inEachCube({0.3, 0.6, 2.2}))), 0, 0.02);
+  EXPECT_NEAR(correlation(here, fieldAt(inEachCube({0.3, 0.6, 0.2}), 2)), 0, 0.02);
+  EXPECT_NEAR(correlation(here, fieldAt(inEachCube({0.3, 0.6, 0.2}), 1, 1)), 0, 0.02);
+}
+
+// From cube to cube, through zero, and far from the origin.
+TEST(SpatialNoise, IsContinuous) {
+  for (const double start : {-2.0, 499999.0, -5e6}) {
+    std::vector<Vec3d> line;
+    for (int i = 0; i <= 4000; ++i) line.push_back({start + 1e-3 * i, 0.4, -0.3});
+    const std::vector<double> values = fieldAt(line);
+    for (std::size_t i = 1; i < values.size(); ++i) ASSERT_LT(std::abs(values[i] - values[i - 1]), 0.02) << start;
+  }
+}
+
+TEST(SpatialNoise, LiesWhereTheHitsAre) {
+  World world = makeWorld(1, 4, 8);
+  world.shot.worldFromSensor[0].translation = {100, 200, 3};
+  Returns returns;
+  returns.start(world.hits);
+  returns.remove(2);
+  Places places;
+  PlacesOfHits(world.hits, world.shot, returns).find(0, places);
+  EXPECT_NEAR(places.x[0], 108, 1e-12);
+  EXPECT_NEAR(places.y[1], 208, 1e-12);
+  EXPECT_NEAR(places.z[1], 3, 1e-12);
+  EXPECT_EQ(places.x[2], 0);
+}
+
+}  // namespace
+}  // namespace scanmill
