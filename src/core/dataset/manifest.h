@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "scan/reasons.h"
 #include "scene/ontology.h"
 #include "sensors/beams.h"
 
@@ -34,6 +35,7 @@ struct ScanRecord {
   std::uint64_t unresolved = 0;  // beams that the method gave up: neither hit nor miss
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
   std::uint32_t instances = 0;  // distinct, in view
+  ReasonCounts beamsPerReason;  // of all beams; empty where the pipeline does not ask for reasons
 };
 
 // What stands behind the sample's key and a dot in the name of a scan's member in one format: "top.ray_tracing.pcd", in

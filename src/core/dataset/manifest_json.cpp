@@ -41,6 +41,11 @@ OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontol
   if (scan.unresolved > 0) json["unresolved"] = scan.unresolved;
   json["instances"] = scan.instances;
   json["points_per_class"] = std::move(classes);
+  for (const auto& [reason, beams] : scan.beamsPerReason) {
+    const ReasonEntry* known = findReason(reason);
+    if (known == nullptr) throw Error(fmt::format("{}: no reason has the value {}", key, reason));
+    json["reasons"][std::string(known->name)] = beams;
+  }
   return json;
 }
 

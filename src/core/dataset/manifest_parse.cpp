@@ -45,9 +45,22 @@ SensorRecord sensorOf(const JsonNode& node) {
   return sensor;
 }
 
+ReasonCounts reasonsOf(const JsonNode& node, std::uint64_t beams) {
+  ReasonCounts counts;
+  std::uint64_t sum = 0;
+  node.forEachEntry([&](const std::string& name, const JsonNode& count) {
+    const ReasonEntry* known = findReason(name);
+    if (known == nullptr) count.fail(fmt::format("'{}' is no reason", name));
+    counts[static_cast<std::uint8_t>(known->reason)] = count.integer<std::uint64_t>(1, beams);
+    sum += count.integer<std::uint64_t>();
+  });
+  if (sum != beams) node.fail(fmt::format("add up to {} beams, not {}", sum, beams));
+  return counts;
+}
+
 ScanRecord scanOf(const JsonNode& node, const Manifest& manifest) {
   node.keys({"sensor", "method", "time", "world_from_sensor", "beams", "points", "instances", "points_per_class"},
-            {"unresolved"});
+            {"unresolved", "reasons"});
   ScanRecord scan;
   scan.sensor = node["sensor"].text();
   if (std::none_of(manifest.sensors.begin(), manifest.sensors.end(),
@@ -61,6 +74,7 @@ ScanRecord scanOf(const JsonNode& node, const Manifest& manifest) {
   scan.beams = node["beams"].integer<std::uint64_t>();
   scan.points = node["points"].integer<std::uint64_t>();
   if (node.has("unresolved")) scan.unresolved = node["unresolved"].integer<std::uint64_t>(1, scan.beams);
+  if (node.has("reasons")) scan.beamsPerReason = reasonsOf(node["reasons"], scan.beams);
   scan.instances = node["instances"].integer<std::uint32_t>();
   node["points_per_class"].forEach([&](const JsonNode& item) {
     item.keys({"id", "name", "points"});

@@ -17,6 +17,7 @@
 #include "dataset/sample_json.h"
 #include "dataset/scan_check.h"
 #include "dataset/shard_name.h"
+#include "formats/reasons_png.h"
 
 namespace scanmill {
 
@@ -102,6 +103,7 @@ class ShardCheck {
       if (!difference.empty()) problem(fmt::format("{}: {}", name, difference));
       return;
     }
+    if (name.ends_with(std::string(".") + std::string(kReasonsSuffix))) return checkReasons(name, bytes, sample);
     try {
       checkDecoded(name, decodeMember(name, bytes), sample);
     } catch (const std::exception& error) {
@@ -126,6 +128,22 @@ class ShardCheck {
     }
     for (const std::string& text : checkScan(scan, *record, manifest_, maxError)) {
       problem(fmt::format("{}: {}", name, text));
+    }
+  }
+
+  void checkReasons(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
+    const auto record = std::find_if(sample.scans.begin(), sample.scans.end(), [&](const ScanRecord& r) {
+      return name == sample.key + "." + memberSuffix(r, kReasonsSuffix);
+    });
+    if (record == sample.scans.end()) {
+      problem(fmt::format("{}: the manifest has no scan of this sensor and method", name));
+      return;
+    }
+    try {
+      if (countReasons(decodeReasons(bytes, name).reasonOfBeam) == record->beamsPerReason) return;
+      problem(fmt::format("{}: its pixels do not add up to the manifest's reasons", name));
+    } catch (const InputError& error) {
+      problem(error.what());
     }
   }
 
@@ -176,6 +194,11 @@ void checkManifest(const Manifest& manifest, std::vector<std::string>& problems)
         if (std::find(sample.members.begin(), sample.members.end(), member) == sample.members.end()) {
           problem(fmt::format("sample {} lists no member {}", sample.key, member));
         }
+      }
+      const std::string reasons = sample.key + "." + memberSuffix(scan, kReasonsSuffix);
+      if (scan.beamsPerReason.empty() ==
+          (std::find(sample.members.begin(), sample.members.end(), reasons) != sample.members.end())) {
+        problem(fmt::format("sample {}: a scan with reasons has a member {}, others have none", sample.key, reasons));
       }
     }
   }

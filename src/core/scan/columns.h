@@ -368,6 +368,7 @@ class ColumnSet {
 struct ScanLayout {
   ColumnSet columns = ColumnSet::byDefault();
   bool organised = false;
+  bool reasons = false;  // Scan::reasonOfBeam too
 };
 
 // The names of all rows, in their order.

@@ -45,6 +45,10 @@ class Scan {
   std::vector<Vec3f> position;         // m, sensor frame
   std::vector<ForeignColumn> foreign;  // each as long as the scan
 
+  // What became of each beam of the sensor, ring * columns + column: values of Reason (scan/reasons.h). Empty where
+  // nobody asked. It is no column: beams without a return have one too.
+  std::vector<std::uint8_t> reasonOfBeam;
+
   std::size_t size() const { return position.size(); }
   std::uint32_t width() const { return organised ? columns : static_cast<std::uint32_t>(size()); }
   std::uint32_t height() const { return organised ? planes * rings : 1; }

@@ -33,8 +33,8 @@ std::vector<Variation> readVariations(const Value* list) {
   }
   for (const Value& item : list->items) {
     Fields f(item, "variation");
-    made.push_back({static_cast<float>(f.number("size_m", {0.001, 1000})),
-                    static_cast<float>(f.number("contrast", {0, 2}))});
+    made.push_back(
+        {static_cast<float>(f.number("size_m", {0.001, 1000})), static_cast<float>(f.number("contrast", {0, 2}))});
     f.finish();
   }
   return made;

@@ -20,6 +20,34 @@ void Returns::clear() {
   cause_.clear();
   rowsOfBeam_.clear();
   powerOfEchoes = false;
+  air.clear();
+  tellsReasons_ = false;
+  lost_.clear();
+  present_.clear();
+}
+
+void Returns::tellReasons() {
+  tellsReasons_ = true;
+  noteLost(Reason::None);
+}
+
+void Returns::noteLost(Reason reason) {
+  if (!tellsReasons_) return;
+  lost_.resize(size(), Reason::None);
+  present_.resize(size(), true);
+  for (std::size_t row = 0; row < size(); ++row) {
+    if (returned(row) || !present_[row]) continue;
+    present_[row] = false;
+    lost_[row] = reason;
+  }
+}
+
+void Returns::noteFaint(std::span<const float> measured, float least) {
+  if (!tellsReasons_) return;
+  noteLost(Reason::TooFaint);
+  for (std::size_t row = 0; row < air.size(); ++row) {
+    if (lost_[row] == Reason::TooFaint && measured[row] >= least * air[row]) lost_[row] = Reason::LostInAir;
+  }
 }
 
 void Returns::start(const Hits& hits) {

@@ -10,6 +10,7 @@
 
 #include "base/vec.h"
 #include "scan/hits.h"
+#include "scan/reasons.h"
 #include "sense/echoes.h"
 
 namespace scanmill {
@@ -47,6 +48,8 @@ class Returns {
   std::vector<float> share;           // of the echo's power, that comes from the class of its label
   std::vector<std::uint16_t> label2;  // the class that gives most of the rest; 0: none
 
+  std::vector<float> air;  // part of the power that the weather leaves; empty: all, or nobody wants to know
+
   std::vector<float> snr;  // power over the receiver's noise; empty until an effect sets it
 
   // The power of the rows that come from a hit is known from detection: the echoes of several rays.
@@ -66,6 +69,17 @@ class Returns {
   Cause cause(std::size_t row) const { return cause_.empty() ? Cause::Surface : cause_[row]; }
 
   void remove(std::size_t row) { range[row] = kMiss; }
+
+  // From now on the table keeps why rows are lost. To be called once it is started.
+  void tellReasons();
+  bool tellsReasons() const { return tellsReasons_; }
+  // Says why the rows were lost that have been since this was last called; nothing where nobody wants to know.
+  void noteLost(Reason reason);
+  // The same of rows that the receiver did not find, being measured as less than `least`: the air has them where they
+  // would have been found without what it took.
+  void noteFaint(std::span<const float> measured, float least);
+  // None: the row is not lost, or there has never been one.
+  Reason lostTo(std::size_t row) const { return row < lost_.size() ? lost_[row] : Reason::None; }
   // Whether the beam has as many rows as it may.
   bool full(std::uint32_t beam) const { return !rowsOfBeam_.empty() && rowsOfBeam_[beam] == kMostReturns; }
   // Rows before it stay where they are. `hits`: those that the table was started from.
@@ -87,6 +101,9 @@ class Returns {
   std::vector<std::uint8_t> number_;
   std::vector<Cause> cause_;              // empty: all come from surfaces
   std::vector<std::uint8_t> rowsOfBeam_;  // once rows are added
+  bool tellsReasons_ = false;
+  std::vector<Reason> lost_;   // as long as the table was when it was last looked at
+  std::vector<bool> present_;  // likewise: the row was there
 };
 
 }  // namespace scanmill

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "sense/echoes.h"
 #include "sense/gather.h"
+#include "sense/reasons.h"
 #include "sensors/footprint.h"
 
 namespace scanmill {
@@ -48,8 +49,11 @@ void sense(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<E
            std::span<const Material> materials, const ScanLayout& layout, Returns& returns, Scan& scan) {
   checkHits(hits, shot, channelsFor(effects, layout.columns));
   detect(hits, shot, effects, materials, returns);
+  if (layout.reasons) returns.tellReasons();
   for (const auto& effect : effects) effect->apply(hits, shot, materials, returns);
   gather(hits, shot, returns, layout, scan);
+  scan.reasonOfBeam.clear();
+  if (layout.reasons) scan.reasonOfBeam = reasonsOf(hits, materials, returns);
 }
 
 }  // namespace scanmill

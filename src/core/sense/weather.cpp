@@ -10,10 +10,10 @@ namespace scanmill {
 namespace {
 
 constexpr double kWaterIndex = 1.328;
-constexpr double kLargeDrops = 2;         // extinction over the area that a drop covers
-constexpr double kFlakeDensity = 0.1;     // of water's
+constexpr double kLargeDrops = 2;      // extinction over the area that a drop covers
+constexpr double kFlakeDensity = 0.1;  // of water's
 constexpr double kFlakeAlbedo = 0.9;
-constexpr double kDustLidarRatio = 50;    // sr
+constexpr double kDustLidarRatio = 50;      // sr
 constexpr double kSquareMillimetre = 1e-6;  // m^2
 
 double power(double base, double exponent) {

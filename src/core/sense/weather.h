@@ -15,8 +15,8 @@ struct DropSizes {
   double squares() const;
 };
 
-// Raindrops at a rate in mm/h: Marshall and Palmer, "The distribution of raindrops with size", Journal of Meteorology 5,
-// 1948, eqs. 1 to 3.
+// Raindrops at a rate in mm/h: Marshall and Palmer, "The distribution of raindrops with size", Journal of Meteorology
+// 5, 1948, eqs. 1 to 3.
 DropSizes rainDrops(double rate);
 // Snowflakes by the diameter of the drops that they melt to, at a rate in mm/h of water: Gunn and Marshall, "The
 // distribution with size of aggregate snowflakes", Journal of Meteorology 15, 1958.
@@ -34,8 +34,8 @@ struct Weather {
 };
 
 // All rates in mm/h of water, all visibilities (meteorological optical range) in m; both above 0. Drops that are wide
-// beside the wavelength take twice what they cover. They send back by the laws of ray optics what the front and the back
-// face reflect along the axis: a^2 / 4 (R + (1 - R)^2 R n^2 / (2 - n)^2) a steradian for the radius a, with R =
+// beside the wavelength take twice what they cover. They send back by the laws of ray optics what the front and the
+// back face reflect along the axis: a^2 / 4 (R + (1 - R)^2 R n^2 / (2 - n)^2) a steradian for the radius a, with R =
 // ((n - 1) / (n + 1))^2 and n = 1.328, water at 905 nm. The first term is that of Goodin et al., "Predicting the
 // influence of rain on LIDAR in ADAS", Electronics 8, 2019, and of Kilic et al., "Lidar light scattering augmentation
 // (LISA)", arXiv 2107.07004.

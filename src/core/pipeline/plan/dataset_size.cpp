@@ -6,6 +6,7 @@
 #include "dataset/manifest.h"
 #include "dataset/sample_json.h"
 #include "dataset/shard.h"
+#include "formats/reasons_png.h"
 
 namespace scanmill {
 
@@ -51,6 +52,10 @@ SampleRecord longestSample(const Plan& plan, const Sequence& sequence, const Ont
     for (const FormatChoice& f : pipeline.formats) {
       sample.members.push_back(sample.key + "." + memberSuffix(scan, f.format->suffix()));
     }
+    if (pipeline.layout.reasons) {
+      for (const ReasonEntry& r : reasons()) scan.beamsPerReason[static_cast<std::uint8_t>(r.reason)] = scan.beams;
+      sample.members.push_back(sample.key + "." + memberSuffix(scan, kReasonsSuffix));
+    }
     sample.scans.push_back(std::move(scan));
   }
   return sample;
@@ -67,6 +72,9 @@ std::vector<double> scanBytes(const Plan& plan) {
     outline.columns = beams->columns;
     outline.reach = 2 * beams->maxRange + kReserve;
     for (const FormatChoice& f : plan.pipeline().formats) bytes.push_back(std::ceil(f.format->mostBytes(outline)));
+    if (plan.pipeline().layout.reasons) {
+      bytes.push_back(static_cast<double>(mostReasonsBytes(beams->rings, beams->columns)));
+    }
   }
   return bytes;
 }

@@ -158,6 +158,7 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
     channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.layout.columns);
     if (pipeline_.lightPaths(s) != nullptr) channels_ |= kLightChannels;
   }
+  if (pipeline_.layout.reasons) channels_ |= Channel::Material;  // tells mirrors and glass from what is dark
   traced_ = channels_ | kept;
   const std::uint64_t rays = pipeline_.raysPerFrame();
   const std::uint64_t bytes = rays * kBeamBytes + bytesPerFrameInMemory();

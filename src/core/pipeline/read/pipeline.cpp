@@ -268,8 +268,13 @@ SensorEffects inOrder(std::vector<MadeEffect> made) {
   SensorEffects ordered;
   bool intensity = false;
   bool snr = false;
-  const MadeEffect* gain = nullptr;
+  const bool lit = std::any_of(made.begin(), made.end(), [](const MadeEffect& m) { return m.effect->setsIntensity(); });
   for (MadeEffect& m : made) {
+    if (m.effect->setsGain() && !lit) {
+      throw InputError(m.where, fmt::format("the effect '{}' changes the power, which nothing looks at: add the effect "
+                                            "`intensity`",
+                                            m.entry->name));
+    }
     if (m.effect->needsIntensity() && !intensity) {
       throw InputError(
           m.where, fmt::format("the effect '{}' looks at the intensity: add the effect `intensity`", m.entry->name));
@@ -285,14 +290,8 @@ SensorEffects inOrder(std::vector<MadeEffect> made) {
     }
     intensity = intensity || m.effect->setsIntensity();
     snr = snr || m.effect->setsSnr();
-    gain = m.effect->setsGain() ? &m : gain;
     ordered.entries.push_back(m.entry);
     ordered.effects.push_back(std::move(m.effect));
-  }
-  if (gain != nullptr && !intensity) {
-    throw InputError(gain->where, fmt::format("the effect '{}' changes the power, which nothing looks at: add the "
-                                              "effect `intensity`",
-                                              gain->entry->name));
   }
   return ordered;
 }
@@ -349,8 +348,9 @@ void readEffects(Fields& fields, Pipeline& pipeline) {
 
 void readOutput(const Value& value, Pipeline& pipeline) {
   Fields output(value, "output");
-  output.also({"layout", "columns", "formats", "shard_mb"}).finish();
+  output.also({"layout", "columns", "formats", "shard_mb", "reasons"}).finish();
   pipeline.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
+  pipeline.layout.reasons = output.boolean("reasons", false);
   if (const Value* list = output.find("columns")) {
     if (list->kind != Value::Kind::Sequence) throw InputError(list->where, "columns must be a list of names");
     pipeline.layout.columns = {};

@@ -9,6 +9,7 @@
 
 #include "base/stage_clock.h"
 #include "dataset/writer.h"
+#include "formats/reasons_png.h"
 #include "methods/depth_camera/depth_camera.h"
 #include "pipeline/plan/warnings.h"
 #include "pipeline/run/buffer_pool.h"
@@ -80,6 +81,11 @@ class DatasetRun {
       for (const FormatChoice& f : pipeline_.formats) {
         made.sample.members.push_back(
             {memberSuffix(made.sample.scans.back(), f.format->suffix()), f.format->encode(buffers->scan)});
+      }
+      if (pipeline_.layout.reasons) {
+        made.sample.members.push_back(
+            {memberSuffix(made.sample.scans.back(), kReasonsSuffix),
+             encodeReasons(buffers->scan.reasonOfBeam, buffers->scan.rings, buffers->scan.columns)});
       }
     }
     buffers_.give(std::move(buffers));

@@ -74,6 +74,7 @@ ScanRecord recordOf(const Shot& shot, const Hits& hits, const Scan& scan, std::s
     if (perClass[c] > 0) record.pointsPerClass[static_cast<std::uint16_t>(c)] = perClass[c];
   }
   std::sort(instances.begin(), instances.end());
+  record.beamsPerReason = countReasons(scan.reasonOfBeam);
   record.instances = static_cast<std::uint32_t>(std::unique(instances.begin(), instances.end()) - instances.begin());
   return record;
 }

@@ -72,6 +72,7 @@ class Detection : public Effect {
     std::vector<float> measured = returns.power;
     if (o_.noise > 0) {
       findInNoise(shot, returns, measured);
+      returns.noteFaint(measured, static_cast<float>(o_.threshold * o_.noise));
       addFalsePositives(hits, shot, returns, measured);
     }
     if (!returns.onePerBeam()) choose(returns, measured);

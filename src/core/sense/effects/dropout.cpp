@@ -27,7 +27,9 @@ class DropOut : public Effect {
  private:
   SCANMILL_BEST_INSTRUCTIONS void change(const Shot& shot, Returns& returns) const {
     if (threshold_ > 0) loseFaint(returns);
+    returns.noteFaint(returns.power, threshold_);
     if (probability_ > 0) loseAtRandom(shot, returns);
+    returns.noteLost(Reason::Dropped);
     if (returns.intensity.empty()) return;
     for (std::size_t row = 0; row < returns.size(); ++row) {
       returns.intensity[row] = returns.range[row] < kMiss ? returns.intensity[row] : 0.0f;

@@ -5,28 +5,30 @@
 //   weather: {kind: fog, visibility_m: 80}
 //
 // All returns lose what the air takes on both ways, exp(-2 extinction r), before the receiver looks for them. What the
-// particles send back are returns of their own, of cause 6, in front of the nearest surface that the beam meets; they are
-// unlabelled, or have the class id that `label` says. sense/weather.h has the laws.
+// particles send back are returns of their own, of cause 6, in front of the nearest surface that the beam meets; they
+// are unlabelled, or have the class id that `label` says. sense/weather.h has the laws.
 //
 // Raindrops and snowflakes are few: how many of a beam are bright enough follows Poisson's law, with the mean
 //
 //   integral of A(r) N(D > D_least(r)) dr,    D_least^2 = least A(r) (r / 10 m)^2 exp(2 extinction r) / dropEcho
 //
 // over the way to the surface. A(r) is the area that the beam lights (beamArea() in sensors/footprint.h), N the drops a
-// volume and `least` the power, in units of a white target at 10 m, below which drops are not looked at. Ranges are drawn
-// by the integral, diameters by the law beyond D_least: exactly as if all drops in the beam had been drawn. The area is
-// taken as evenly lit, and a drop as wholly inside or outside of it.
+// volume and `least` the power, in units of a white target at 10 m, below which drops are not looked at. Ranges are
+// drawn by the integral, diameters by the law beyond D_least: exactly as if all drops in the beam had been drawn. The
+// area is taken as evenly lit, and a drop as wholly inside or outside of it.
 //
-// Fog and dust are many particles. A beam is cut into stretches of a pulse's length; each sends back pi backscatter length
-// exp(-2 extinction r) of what a white target does there, times a random number of the exponential law, since the light
-// of very many particles interferes (Goodman 1975, one look). Those of at least `least` are returns, at a range drawn
-// within the stretch.
+// Fog and dust are many particles. A beam is cut into stretches of a pulse's length; each sends back pi backscatter
+// length exp(-2 extinction r) of what a white target does there, times a random number of the exponential law, since
+// the light of very many particles interferes (Goodman 1975, one look). Those of at least `least` are returns, at a
+// range drawn within the stretch.
 //
 // Of drops and of stretches a beam has eight at most, the strongest.
 //
-// wet: surfaces that face up (by less than 60 degrees) have drawn in water and are darker; that share of them lies under a film
-// of standing water besides, in patches of about a metre, which sends light that grazes it away like a mirror. Mirror
-// images in it are not modelled, nor are drops on the sensor, spray behind wheels and lying snow.
+// wet: surfaces that face up (by less than 60 degrees) have drawn in water and are darker; that share of them lies
+// under a film of standing water besides, in patches of about a metre, which sends light that grazes it away like a
+// mirror. Mirror images in it are not modelled, nor are drops on the sensor, spray behind wheels and lying snow.
+
+#include "sense/weather.h"
 
 #include <fmt/format.h>
 
@@ -38,17 +40,17 @@
 
 #include "sense/effects/makers.h"
 #include "sense/effects/spatial_noise.h"
-#include "sense/weather.h"
 #include "sensors/footprint.h"
 
 namespace scanmill {
 namespace {
 
-constexpr double kReferenceRange = 10;    // m, of the unit of power
-constexpr std::size_t kMostOfBeam = 8;    // drops or stretches that become returns
+constexpr double kReferenceRange = 10;      // m, of the unit of power
+constexpr double kNearRange = 1;            // m, nearer particles gain nothing, as surfaces do
+constexpr std::size_t kMostOfBeam = 8;      // drops or stretches that become returns
 constexpr std::size_t kMostStretches = 32;  // a random block has numbers for two, an address for 16 blocks
-constexpr double kLeastUp = 0.5;          // cosine of the angle to the vertical, of what is wet
-constexpr double kPuddle = 1.2;           // m
+constexpr double kLeastUp = 0.5;            // cosine of the angle to the vertical, of what is wet
+constexpr double kPuddle = 1.2;             // m
 
 struct Options {
   Weather weather;
@@ -87,7 +89,7 @@ class DropTable {
 
   // Of the smallest drop that is bright enough (mm).
   double leastDiameter(double range) const {
-    const double way = range / kReferenceRange;
+    const double way = std::max(range, kNearRange) / kReferenceRange;
     const double area = beamArea(beams_, range);
     return std::sqrt(o_.least * area * way * way * exponential(2 * o_.weather.extinction * range) /
                      o_.weather.dropEcho);
@@ -156,9 +158,12 @@ class WeatherEffect : public Effect {
 
  private:
   void extinguish(Returns& returns) const {
+    if (returns.tellsReasons()) returns.air.resize(returns.size(), 1.0f);
     for (std::size_t row = 0; row < returns.size(); ++row) {
       if (!returns.returned(row)) continue;
-      returns.gain[row] *= static_cast<float>(exponential(-2 * o_.weather.extinction * returns.range[row]));
+      const auto left = static_cast<float>(exponential(-2 * o_.weather.extinction * returns.range[row]));
+      returns.gain[row] *= left;
+      if (returns.tellsReasons()) returns.air[row] *= left;
     }
   }
 
@@ -251,7 +256,7 @@ class WeatherEffect : public Effect {
 
   Particle particleAt(double range, double echo) const {
     const double kept = echo * exponential(-2 * o_.weather.extinction * range);
-    const double way = kReferenceRange / range;
+    const double way = kReferenceRange / std::max(range, kNearRange);
     return {static_cast<float>(range), static_cast<float>(kept), static_cast<float>(kept * way * way)};
   }
 
@@ -305,6 +310,7 @@ constexpr std::array<Kind, 4> kKinds{{
 std::unique_ptr<Effect> makeWeather(Fields& options) {
   std::vector<std::string> names;
   for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+  options.also({"kind", "severity", "rate_mm_h", "visibility_m", "wet", "least", "label"}).finish();
   options.require("kind");
   const std::string name = options.choice("kind", names, "");
   const Kind& kind = *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.name == name; });

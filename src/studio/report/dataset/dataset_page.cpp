@@ -125,6 +125,20 @@ std::string facts(const DatasetReport& report) {
   return fmt::format("<dl class=\"facts\">\n{}</dl>\n", out);
 }
 
+// As high as wide pixels make them legible.
+std::string reasonImages(const DatasetReport& report) {
+  std::string out;
+  for (const PicturedScan& scan : report.reasonImages) {
+    const std::string caption =
+        escapeXml(fmt::format("{} ({}), a row per ring and a column per column", scan.title, scan.split));
+    out += fmt::format(
+        "<figure class=\"picture\"><img style=\"width:100%;height:220px;image-rendering:pixelated\" "
+        "src=\"data:image/png;base64,{0}\" alt=\"{1}\"><figcaption>{1}</figcaption></figure>\n",
+        base64(scan.pictures.front().second), caption);
+  }
+  return out;
+}
+
 std::string pictures(const DatasetReport& report) {
   std::string out;
   for (const PicturedScan& scan : report.pictured) {
@@ -172,6 +186,9 @@ std::string datasetPage(const DatasetReport& report) {
   sections.push_back({"distances", "Distances and intensities", read,
                       htmlFigures({ringPointsChart(s), ringSharesChart(s), rangesChart(s), intensitiesChart(s)}) +
                           htmlDetails("The figures of the rings", distancesOverview(s))});
+  sections.push_back({"reasons", "For every beam a reason",
+                      "What the nearest return of each beam comes from, or why it has none; of all scans.",
+                      reasonsOverview(s) + reasonImages(report), true});
   sections.push_back({"sensors", "Sensors", "", sensorsOverview(m, s) + htmlFigures({scanPointsChart(m)}), true});
   sections.push_back({"sequences", "Scenes and sequences",
                       "A sequence is one scene with one seed, driven along one trajectory; whole sequences share a "

@@ -9,6 +9,8 @@
 
 #include "base/error.h"
 #include "dataset/scan_check.h"
+#include "dataset/shard_index.h"
+#include "formats/reasons_png.h"
 #include "pipeline/run/progress.h"
 #include "report/dataset/scan_choice.h"
 #include "report/dataset/scan_counts.h"
@@ -174,7 +176,28 @@ class Examination {
     for (const std::size_t k : order) {
       viewed.push_back({titleOf(report_.manifest, places_[k]), std::move(*reads_[k].scan)});
     }
+    readReasons(order);
     report_.view = scanView(viewed, report_.manifest.ontology);
+  }
+
+  // The images of reasons of the pictured scans. What cannot be read has been reported with the scan itself.
+  void readReasons(const std::vector<std::size_t>& order) {
+    const Manifest& manifest = report_.manifest;
+    for (const std::size_t k : order) {
+      const SampleRecord& sample = manifest.samples[places_[k].sample];
+      const ScanRecord& scan = sample.scans[places_[k].scan];
+      if (scan.beamsPerReason.empty()) continue;
+      try {
+        const ShardIndex shard(folder_ / manifest.shards[sample.shard].file, DamagedShard::ReadAsFarAsWhole);
+        const ShardMember* member = shard.find(sample.key + "." + memberSuffix(scan, kReasonsSuffix));
+        if (member == nullptr) continue;
+        std::string png = shard.read(*member);
+        decodeReasons(png, member->name);
+        report_.reasonImages.push_back({titleOf(manifest, places_[k]), sample.split, {{"reason", std::move(png)}}});
+      } catch (const InputError& error) {
+        faults_.scans.emplace_back(error.what());
+      }
+    }
   }
 
   std::filesystem::path folder_;

@@ -37,7 +37,8 @@ struct DatasetReport {
   bool hashed = false;                   // shards were compared by SHA-256, too
   std::vector<DatasetWarning> warnings;
   std::vector<PicturedScan> pictured;
-  std::string view;  // HTML of the scans in 3D
+  std::vector<PicturedScan> reasonImages;  // of the same scans, as far as they have them
+  std::string view;                        // HTML of the scans in 3D
   std::uint64_t seed = 0;
 };
 

@@ -151,7 +151,7 @@ class Summing {
 
   SensorSummary& sensorEntry(const std::string& name) {
     return entryNamed(sum_.sensors, name, [&] {
-      return SensorSummary{name, {}, 0, 0, 0, 0, 0, 0, std::vector<std::uint64_t>(sum_.steps.count, 0), {}};
+      return SensorSummary{name, {}, 0, 0, 0, 0, 0, 0, std::vector<std::uint64_t>(sum_.steps.count, 0), {}, {}};
     });
   }
 
@@ -175,6 +175,7 @@ class Summing {
       ++c.scans;
       c.pointsOfSplit[sample.split] += points;
     }
+    for (const auto& [reason, beams] : scan.beamsPerReason) sensor.beamsPerReason[reason] += beams;
     if (scan.points == 0) {
       ++sensor.emptyScans;
       sum_.emptyScans.push_back(title);

@@ -137,6 +137,39 @@ std::string distancesOverview(const DatasetSummary& summary) {
   return finished(table);
 }
 
+std::string reasonsOverview(const DatasetSummary& summary) {
+  HtmlTable table;
+  table.column("reason");
+  table.column("colour in the images", "", true);
+  for (const SensorSummary& s : summary.sensors) {
+    if (s.beamsPerReason.empty()) continue;
+    table.column(fmt::format("{}: beams", s.name));
+    table.column("share");
+  }
+  table.column("meaning", "", true);
+  bool any = false;
+  for (const ReasonEntry& r : reasons()) {
+    std::vector<HtmlCell> cells{{std::string(r.name)},
+                                {fmt::format("#{:02x}{:02x}{:02x}", r.color[0], r.color[1], r.color[2])}};
+    std::uint64_t all = 0;
+    for (const SensorSummary& s : summary.sensors) {
+      if (s.beamsPerReason.empty()) continue;
+      std::uint64_t beams = 0;
+      for (const auto& [reason, count] : s.beamsPerReason) beams += count;
+      const auto own = s.beamsPerReason.find(static_cast<std::uint8_t>(r.reason));
+      const std::uint64_t count = own == s.beamsPerReason.end() ? 0 : own->second;
+      cells.push_back(wholeCell(count));
+      cells.push_back(partCell(count, beams));
+      all += count;
+    }
+    if (all == 0) continue;
+    cells.push_back({std::string(r.meaning)});
+    table.row(std::move(cells));
+    any = true;
+  }
+  return any ? finished(table) : "";
+}
+
 std::string sensorsOverview(const Manifest& manifest, const DatasetSummary& summary) {
   HtmlTable table;
   for (const char* title :

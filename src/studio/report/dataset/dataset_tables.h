@@ -12,6 +12,8 @@ namespace scanmill {
 
 std::string classesOverview(const DatasetSummary& summary);
 std::string distancesOverview(const DatasetSummary& summary);
+// Why beams have returns or none, by sensor; empty where the dataset does not say.
+std::string reasonsOverview(const DatasetSummary& summary);
 std::string sensorsOverview(const Manifest& manifest, const DatasetSummary& summary);
 std::string sequencesOverview(const DatasetSummary& summary);
 std::string splitsOverview(const DatasetSummary& summary);

@@ -50,9 +50,9 @@ TEST(WeatherEffect, DropsAreAsManyAsTheLawOfTheirSizesSays) {
   const World world = sky();
   for (const bool snow : {false, true}) {
     const Weather weather = snow ? snowOf(2) : rainOf(40);
-    const Returns returns =
-        run(world, {snow ? "weather: {kind: snow, rate_mm_h: 2, least: 0.01}" : "weather: {kind: rain, rate_mm_h: 40, "
-                                                                               "least: 0.0005}"});
+    const Returns returns = run(world, {snow ? "weather: {kind: snow, rate_mm_h: 2, least: 0.01}"
+                                             : "weather: {kind: rain, rate_mm_h: 40, "
+                                               "least: 0.0005}"});
     const double mean = expectedDrops(weather, *world.shot.beams, snow ? 0.01 : 0.0005, 100);
     const double n = static_cast<double>(world.hits.size());
     ASSERT_GT(mean, 0.05);

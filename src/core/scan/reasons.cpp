@@ -1,0 +1,58 @@
+#include "scan/reasons.h"
+
+#include <algorithm>
+
+namespace scanmill {
+
+std::span<const ReasonEntry> reasons() {
+  static constexpr std::array<ReasonEntry, 14> kReasons{{
+      {Reason::Surface, "surface", "returns from a surface of the scene", {110, 140, 160}},
+      {Reason::ThroughGlass, "through_glass", "returns from a surface behind glass", {90, 200, 210}},
+      {Reason::Mirrored, "mirrored", "returns from the mirror image of a surface", {190, 120, 220}},
+      {Reason::OwnVehicle, "own_vehicle", "returns from the vehicle that carries the sensor", {120, 160, 70}},
+      {Reason::Weather, "weather", "returns from rain, snow, fog or dust", {235, 235, 235}},
+      {Reason::FalsePositive, "false_positive", "returns from nothing: noise of the receiver", {255, 80, 200}},
+      {Reason::NothingInRange, "nothing_in_range", "meets nothing within the sensor's range", {20, 24, 32}},
+      {Reason::BlockedByVehicle,
+       "blocked_by_vehicle",
+       "meets the own vehicle nearer than the sensor reports",
+       {60, 80, 35}},
+      {Reason::TooFaint, "too_faint", "what it meets sends back less than the receiver finds", {200, 50, 40}},
+      {Reason::MirroredAway,
+       "mirrored_away",
+       "the same, and what it meets is a mirror or a metal, which sends light elsewhere",
+       {240, 150, 40}},
+      {Reason::LostInGlass,
+       "lost_in_glass",
+       "passes a pane, and what lies behind sends back too little",
+       {40, 90, 170}},
+      {Reason::LostInAir, "lost_in_air", "would be found but for what the weather takes", {150, 150, 110}},
+      {Reason::Dropped, "dropped", "lost at random, by the effect dropout", {250, 220, 60}},
+      {Reason::GivenUp, "given_up", "the method gave the beam up: neither hit nor miss", {255, 0, 0}},
+  }};
+  return kReasons;
+}
+
+const ReasonEntry* findReason(std::uint8_t value) {
+  const auto row = std::find_if(reasons().begin(), reasons().end(),
+                                [&](const ReasonEntry& r) { return static_cast<std::uint8_t>(r.reason) == value; });
+  return row == reasons().end() ? nullptr : &*row;
+}
+
+const ReasonEntry* findReason(std::string_view name) {
+  const auto row =
+      std::find_if(reasons().begin(), reasons().end(), [&](const ReasonEntry& r) { return r.name == name; });
+  return row == reasons().end() ? nullptr : &*row;
+}
+
+ReasonCounts countReasons(std::span<const std::uint8_t> reasonOfBeam) {
+  std::array<std::uint64_t, 256> counts{};
+  for (const std::uint8_t value : reasonOfBeam) ++counts[value];
+  ReasonCounts made;
+  for (std::size_t value = 0; value < counts.size(); ++value) {
+    if (counts[value] > 0) made[static_cast<std::uint8_t>(value)] = counts[value];
+  }
+  return made;
+}
+
+}  // namespace scanmill

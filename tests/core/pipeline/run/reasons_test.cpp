@@ -1,0 +1,121 @@
+// For every beam a reason, and weather, from a pipeline to a dataset.
+
+#include "formats/reasons_png.h"
+#include "pipeline/run/run_shot.h"
+#include "tests/core/pipeline/small_world.h"
+
+namespace scanmill {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+const std::string kWide =
+    "sensors=[{name: top, columns: 256, rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 16}, range_m: [0.5, "
+    "100], mount: {position: [0, 0, 1.8]}, divergence_mrad: 3, pulse_ns: 5}]";
+constexpr ColumnKey<columnIndex("cause")> kCauseColumn;
+
+class ReasonsRun : public Yard {
+ protected:
+  static std::vector<std::string> with(const std::string& effects) {
+    return {kWide, "effects=" + effects, "output.reasons=true",
+            "output.columns=[intensity, label, ring, column, return, cause]"};
+  }
+};
+
+TEST_F(ReasonsRun, AddUpAndAgreeWithTheScans) {
+  const Manifest m = sound(with("[intensity, detection: {noise: 0.004}, weather: {kind: snow, severity: heavy}]"));
+  const std::vector<Scan> all = scans();
+  std::vector<ReasonsImage> images;
+  for (const auto& [name, bytes] : members()) {
+    if (name.ends_with(".reasons.png")) images.push_back(decodeReasons(bytes, name));
+  }
+  ASSERT_EQ(images.size(), m.samples.size());
+  for (std::size_t s = 0; s < images.size(); ++s) {
+    EXPECT_EQ(images[s].rings, 16u);
+    EXPECT_EQ(images[s].columns, 256u);
+    std::uint64_t sum = 0;
+    for (const auto& [reason, beams] : m.samples[s].scans[0].beamsPerReason) sum += beams;
+    EXPECT_EQ(sum, m.samples[s].scans[0].beams);
+    std::vector<std::uint8_t> causes(images[s].reasonOfBeam.size());
+    for (std::size_t i = 0; i < all[s].size(); ++i) {
+      causes[all[s][kRing][i] * 256u + all[s][kColumn][i]] = all[s][kCauseColumn][i];
+    }
+    for (std::size_t beam = 0; beam < causes.size(); ++beam) {
+      const std::uint8_t reason = images[s].reasonOfBeam[beam];
+      ASSERT_EQ(reason < 16 ? reason : 0, causes[beam]) << beam;
+    }
+    EXPECT_GT(countReasons(images[s].reasonOfBeam)[6], 10u);
+  }
+}
+
+TEST_F(ReasonsRun, CostNothingWhereNobodyAsks) {
+  std::vector<std::string> quiet = with("[intensity]");
+  quiet[2] = "output.reasons=false";
+  const Manifest m = sound(quiet);
+  for (const auto& [name, bytes] : members()) EXPECT_FALSE(name.ends_with(".png"));
+  EXPECT_TRUE(m.samples[0].scans[0].beamsPerReason.empty());
+  EXPECT_EQ(toJson(m).find("\"reasons\""), std::string::npos);
+}
+
+TEST_F(ReasonsRun, ThreadsAndTheOrderOfFramesDoNotChangeWeather) {
+  const std::vector<std::string> wet =
+      with("[intensity, reflectance_variation: {}, speckle: {looks: 4}, weather: {kind: rain, severity: heavy}]");
+  std::vector<Bytes> bytes;
+  for (const int threads : {1, 4}) {
+    const ThreadLimit limit(threads);
+    sound(wet, fmt::format("t{}", threads));
+    bytes.push_back(shards(fmt::format("t{}", threads)));
+  }
+  EXPECT_TRUE(bytes[0] == bytes[1]);
+}
+
+// The same patches and the same drops, whatever finds the surfaces.
+TEST_F(ReasonsRun, ParticlesMeetTheSameWeather) {
+  const std::vector<std::string> wet =
+      with("[intensity, reflectance_variation: {}, weather: {kind: snow, severity: heavy}]");
+  sound(wet, "ray_tracing");
+  std::vector<std::string> other = wet;
+  other.emplace_back("method={particle: {backend: cpu}}");
+  sound(other, "particle");
+  const std::vector<Scan> a = scans(".pcd", "ray_tracing");
+  const std::vector<Scan> b = scans(".pcd", "particle");
+  std::size_t same = 0;
+  std::size_t all = 0;
+  for (std::size_t s = 0; s < a.size(); ++s) {
+    const auto rows = rowsByBeam(b[s]);
+    for (std::size_t i = 0; i < a[s].size(); ++i) {
+      const auto row = rows.find({a[s][kRing][i], a[s][kColumn][i]});
+      ++all;
+      if (row == rows.end()) continue;
+      const std::size_t k = row->second;
+      same += a[s][kCauseColumn][i] == b[s][kCauseColumn][k] &&
+                      std::abs(a[s][kIntensity][i] - b[s][kIntensity][k]) < 0.02f * a[s][kIntensity][i]
+                  ? 1
+                  : 0;
+    }
+  }
+  EXPECT_GT(static_cast<double>(same), 0.98 * static_cast<double>(all));
+}
+
+TEST_F(ReasonsRun, WeatherAloneReportsTheStrongest) {
+  const Plan plan(readPipeline(pipeline_, with("[intensity, weather: {kind: rain}]")));
+  EXPECT_EQ(plan.pipeline().mostReturns(), 1u);
+  expectInputError([&] { Plan(readPipeline(pipeline_, with("[weather: {kind: rain}]"))); }, {"weather", "intensity"});
+  EXPECT_THAT(messageOf([&] { Plan(readPipeline(pipeline_, {"effects=[intensity, weather: {kind: rain}]"})); }),
+              HasSubstr("divergence_mrad"));
+}
+
+TEST_F(ReasonsRun, AForgedImageIsFound) {
+  sound(with("[intensity, dropout: {probability: 0.1}]"));
+  const std::filesystem::path shard = out() / readManifest(out()).shards[0].file;
+  std::string bytes = readFile(shard);
+  const std::size_t at = bytes.find("IDAT");
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 20] = static_cast<char>(bytes[at + 20] ^ 0x55);
+  writeFile(shard, bytes);
+  EXPECT_THAT(verifyDataset(out()).problems, Contains(HasSubstr("reasons.png")));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,40 @@
+// The report of a dataset that says for every beam a reason.
+
+#include "report/dataset/dataset_report.h"
+#include "tests/core/pipeline/small_world.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+using ReasonsReport = Yard;
+
+TEST_F(ReasonsReport, HasATableAndAnImage) {
+  sound({"effects=[intensity, dropout: {probability: 0.25}]", "output.reasons=true"});
+  DatasetReportOptions options;
+  options.quiet = true;
+  options.samples = 2;
+  const DatasetReport report = examineDataset(out(), options);
+  EXPECT_EQ(report.reasonImages.size(), 2u);
+  ASSERT_EQ(report.summary.sensors.size(), 1u);
+  std::uint64_t sum = 0;
+  for (const auto& [reason, beams] : report.summary.sensors[0].beamsPerReason) sum += beams;
+  EXPECT_EQ(sum, report.summary.beams);
+  const std::string page = datasetPage(report);
+  EXPECT_THAT(page, HasSubstr("For every beam a reason"));
+  EXPECT_THAT(page, HasSubstr("lost at random"));
+  EXPECT_THAT(page, Not(HasSubstr("behind glass"))) << "no beam has this reason";
+}
+
+TEST_F(ReasonsReport, LeavesItOutWhereTheDatasetDoesNotSay) {
+  sound({"effects=[intensity]"});
+  DatasetReportOptions options;
+  options.quiet = true;
+  options.samples = 1;
+  EXPECT_THAT(datasetPage(examineDataset(out(), options)), Not(HasSubstr("For every beam a reason")));
+}
+
+}  // namespace
+}  // namespace scanmill
