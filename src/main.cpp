@@ -9,6 +9,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "base/error.h"
@@ -68,6 +69,10 @@ int main(int argc, char** argv) {
     fmt::print(stderr,
                "error: out of memory: take fewer rings, columns or formats, a smaller scene, larger voxels (particle) "
                "or smaller images (depth_camera)\n");
+    return 1;
+  } catch (const std::system_error& e) {
+    if (e.code() == std::errc::broken_pipe) return 0;  // who read the output has seen enough
+    fmt::print(stderr, "error: {}\n", e.what());
     return 1;
   } catch (const std::exception& e) {
     fmt::print(stderr, "error: {}\n", e.what());

@@ -89,7 +89,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   addPipelineOptions(options);
   const Arguments parsed = parseArguments(command, options, arguments,
                                           "  scanmill plan pipelines/truck_town.yaml\n"
-                                          "  scanmill plan pipelines/quickstart.yaml --from-hits out/hits\n");
+                                          "  scanmill plan pipelines/street.yaml --from-hits out/hits\n");
   if (parsed.help) return 0;
   const ThreadLimit limit(threadOption(parsed));
   const Plan plan(readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed), recordingOf(parsed)));

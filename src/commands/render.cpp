@@ -67,9 +67,9 @@ int runRender(const std::vector<std::string>& arguments) {
   addPipelineOptions(options);
   const Arguments parsed = parseArguments(
       command, options, arguments,
-      "  scanmill render pipelines/quickstart.yaml -o out/passes --set method=depth_camera\n"
-      "  scanmill render pipelines/quickstart.yaml -o out/depth --set method=depth_camera --passes depth,semantic\n"
-      "  scanmill generate pipelines/quickstart.yaml -o out/a --from-passes out/passes\n");
+      "  scanmill render pipelines/street.yaml -o out/passes --set method=depth_camera\n"
+      "  scanmill render pipelines/street.yaml -o out/depth --set method=depth_camera --passes depth,semantic\n"
+      "  scanmill generate pipelines/street.yaml -o out/a --from-passes out/passes\n");
   if (parsed.help) return 0;
   const std::string file = parsed.positional("PIPELINE");
   if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty()) {

@@ -72,12 +72,12 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   options.add_options()("o,out", "folder of the report (made where absent)", cxxopts::value<std::string>(), "DIR")(
       "overwrite", "replace a report that is there already")("q,quiet", "one line in place of progress and tables");
   addPipelineOptions(options);
-  const Arguments parsed = parseArguments(
-      command, options, arguments,
-      "  scanmill repeatability pipelines/paper/repeatability.yaml -o out/repeatability\n"
-      "  scanmill repeatability pipelines/paper/repeatability.yaml -o out/methods "
-      "--set 'repeatability.methods=[ray_tracing, {depth_camera: {resolution: 512}}]'\n"
-      "  scanmill repeatability pipelines/quickstart.yaml -o out/nearest --set trajectories.0.frames=3\n");
+  const Arguments parsed =
+      parseArguments(command, options, arguments,
+                     "  scanmill repeatability pipelines/paper/repeatability.yaml -o out/repeatability\n"
+                     "  scanmill repeatability pipelines/paper/repeatability.yaml -o out/methods "
+                     "--set 'repeatability.methods=[ray_tracing, {depth_camera: {resolution: 512}}]'\n"
+                     "  scanmill repeatability pipelines/street.yaml -o out/nearest --set trajectories.0.frames=3\n");
   if (parsed.help) return 0;
   const std::string file = parsed.positional("PIPELINE");
   const std::filesystem::path folder = folderOption(parsed, "out");

@@ -161,9 +161,9 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   addPipelineOptions(options);
   const Arguments parsed = parseArguments(
       command, options, arguments,
-      "  scanmill tradeoff pipelines/quickstart.yaml -o out/tradeoff\n"
-      "  scanmill tradeoff pipelines/quickstart.yaml -o out/longer --budget 30\n"
-      "  scanmill tradeoff pipelines/quickstart.yaml -o out/few "
+      "  scanmill tradeoff pipelines/street.yaml -o out/tradeoff\n"
+      "  scanmill tradeoff pipelines/street.yaml -o out/longer --budget 30\n"
+      "  scanmill tradeoff pipelines/street.yaml -o out/few "
       "--set 'tradeoff={settings: [ray_tracing, {particle: {voxel_m: [0.05, 0.1, 0.2], refine: normal}}]}'\n"
       "  scanmill tradeoff out/tradeoff/tradeoff.json -o out/again        # only the report, from the figures\n");
   if (parsed.help) return 0;

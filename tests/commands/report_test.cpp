@@ -110,12 +110,12 @@ TEST_F(ReportCommand, DamageIsAWarningUntilNothingIsLeft) {
   EXPECT_FALSE(std::filesystem::exists(at("none.html")));
 }
 
-// Somebody takes a car for a building, and another for a bush, in every scan of the quickstart's second street.
+// Somebody takes a car for a building, and another for a bush, in every scan of the second street.
 TEST_F(ReportCommand, FindsAThingWithTheWrongClass) {
   const std::string street = at("street");
-  const Outcome made = scanmill({"generate", SCANMILL_SOURCE_DIR "/pipelines/quickstart.yaml", "-o", street, "-q",
-                                 "--set", "scenes.0.seeds=[2]", "--set", "splits=null", "--set",
-                                 "trajectories.0.frames=5", "--set", "trajectories.0.every_m=24", "--set",
+  const Outcome made = scanmill({"generate", SCANMILL_SOURCE_DIR "/pipelines/street.yaml", "-o", street, "-q", "--set",
+                                 "scenes.0.seeds=[2]", "--set", "splits=null", "--set", "trajectories.0.frames=5",
+                                 "--set", "trajectories.0.every_m=24", "--set",
                                  "output.formats=[{pcd: {encoding: "
                                  "binary}}]"});
   ASSERT_EQ(made.code, 0) << made.error;

@@ -48,7 +48,7 @@ class ViewWindow : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
-    const Outcome made = scanmill({"generate", SCANMILL_SOURCE_DIR "/pipelines/quickstart.yaml", "-o", street(), "-q",
+    const Outcome made = scanmill({"generate", SCANMILL_SOURCE_DIR "/pipelines/street.yaml", "-o", street(), "-q",
                                    "--set", "scenes.0.seeds=[1]", "--set", "splits=null", "--set",
                                    "trajectories.0.frames=2", "--set", "output.formats=[pcd]"});
     ASSERT_EQ(made.code, 0) << made.error;

@@ -22,7 +22,7 @@ TEST(Ontology, idsOfOurClassesNeverChange) {
       {15, "traffic_light"}, {16, "street_lamp"}, {20, "car"},           {21, "truck"},      {22, "bus"},
       {23, "motorcycle"},    {24, "bicycle"},     {25, "other_vehicle"}, {30, "pedestrian"}, {31, "rider"},
       {32, "animal"},        {40, "structure"},   {41, "ground"},        {42, "parking"},    {43, "water"},
-      {50, "object"}};
+      {50, "object"},        {60, "ego_vehicle"}, {61, "noise"}};
   ASSERT_EQ(o.classes.size(), expected.size());
   for (const auto& [id, name] : expected) {
     ASSERT_NE(o.find(id), nullptr) << id;

@@ -315,6 +315,9 @@ std::unique_ptr<Effect> makeWeather(Fields& options) {
   const std::string name = options.choice("kind", names, "");
   const Kind& kind = *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.name == name; });
   const char* const exact = kind.byRate ? "rate_mm_h" : "visibility_m";
+  if (const Value* other = options.find(kind.byRate ? "visibility_m" : "rate_mm_h")) {
+    throw InputError(other->where, fmt::format("effect weather: how much {} there is says `{}`", name, exact));
+  }
   const std::string word = options.choice("severity", {"light", "moderate", "heavy"}, "moderate");
   Severity severity = kind.ladder[word == "light" ? 0 : word == "moderate" ? 1 : 2];
   if (const Value* given = options.find(exact)) {

@@ -99,11 +99,22 @@ class Warnings {
     const auto unknown = classesWhere([](const ClassSummary& c) { return !c.known; });
     if (!unknown.empty()) add(fmt::format("The ontology does not know: {}.", fmt::join(unknown, ", ")));
     for (const ClassSummary& c : sum_.classes) {
-      if (c.id == 0 && c.points > 0) {
-        add(fmt::format("{} of the points are unlabelled, in {}.", shareText(shareOf(c.points, sum_.points)),
-                        pluralOf(c.scans, "scan")));
+      if (c.id != 0 || c.points <= fromNothing()) continue;
+      add(fmt::format("{} of the points are unlabelled, in {}.", shareText(shareOf(c.points, sum_.points)),
+                      pluralOf(c.scans, "scan")));
+    }
+  }
+
+  // Returns that have no class since they come from no surface, as far as the dataset says.
+  std::uint64_t fromNothing() const {
+    std::uint64_t beams = 0;
+    for (const SensorSummary& sensor : sum_.sensors) {
+      for (const auto& [reason, count] : sensor.beamsPerReason) {
+        const auto of = static_cast<Reason>(reason);
+        beams += of == Reason::FalsePositive || of == Reason::Weather ? count : 0;
       }
     }
+    return beams;
   }
 
   // What is learned against what it is tested on.

@@ -28,6 +28,26 @@ TEST_F(ReasonsReport, HasATableAndAnImage) {
   EXPECT_THAT(page, Not(HasSubstr("behind glass"))) << "no beam has this reason";
 }
 
+// What comes from nothing has no class, and is no mistake of the scene's rules.
+TEST_F(ReasonsReport, WhatComesFromNothingIsNoWarning) {
+  const std::string sensor =
+      "sensors=[{name: top, columns: 64, rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 8}, range_m: [0.5, "
+      "100], mount: {position: [0, 0, 1.8]}, divergence_mrad: 3, pulse_ns: 5}]";
+  const std::string snow = "effects=[intensity, weather: {kind: snow, severity: heavy}]";
+  DatasetReportOptions options;
+  options.quiet = true;
+  options.samples = 0;
+  for (const bool told : {true, false}) {
+    const std::string name = told ? "told" : "untold";
+    sound({sensor, snow, fmt::format("output.reasons={}", told)}, name);
+    bool warned = false;
+    for (const DatasetWarning& warning : examineDataset(out(name), options).warnings) {
+      warned = warned || warning.text.find("unlabelled") != std::string::npos;
+    }
+    EXPECT_NE(warned, told);
+  }
+}
+
 TEST_F(ReasonsReport, LeavesItOutWhereTheDatasetDoesNotSay) {
   sound({"effects=[intensity]"});
   DatasetReportOptions options;
