@@ -309,6 +309,7 @@ constexpr std::array<Kind, 4> kKinds{{
 
 std::unique_ptr<Effect> makeWeather(Fields& options) {
   std::vector<std::string> names;
+  names.reserve(kKinds.size());
   for (const Kind& kind : kKinds) names.emplace_back(kind.name);
   options.also({"kind", "severity", "rate_mm_h", "visibility_m", "wet", "least", "label"}).finish();
   options.require("kind");
