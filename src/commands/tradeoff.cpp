@@ -79,6 +79,29 @@ void printEncodings(const Study& study) {
   fmt::print("{}\n", formatTable(rows));
 }
 
+void printSensing(const Study& study) {
+  if (study.sensing.empty()) return;
+  std::vector<std::vector<std::string>> rows{{"footprint, glass, weather", "trace", "effects", "missing", "added",
+                                              "median", "p95", "p99", "other class", "intensity"}};
+  for (const SensingResult& r : study.sensing) {
+    if (!r.failure.empty()) {
+      rows.push_back({r.name, "failed", "", "", "", "", "", "", "", r.failure});
+      continue;
+    }
+    const auto share = [](std::uint64_t part, std::uint64_t whole) {
+      return fmt::format("{:.3f} %", whole > 0 ? 100 * static_cast<double>(part) / static_cast<double>(whole) : 0);
+    };
+    rows.push_back({r.name, secondsText(r.traceSeconds), secondsText(r.effectsSeconds), share(r.missing, r.beams),
+                    share(r.added, r.beams), metresText(r.distance.median), metresText(r.distance.p95),
+                    metresText(r.distance.p99), share(r.both - r.sameClass, r.both),
+                    fmt::format("{:.3g}", r.intensity)});
+  }
+  fmt::print(
+      "{}missing, added: beams that return in truth (the first row) or the setting alone; the rest of those that "
+      "return in both\n\n",
+      formatTable(rows));
+}
+
 void printRings(const Study& study) {
   if (study.rings.empty()) return;
   std::vector<std::vector<std::string>> rows{{"time a scan"}};
@@ -103,6 +126,7 @@ void printStudy(const Study& study) {
   printSettings(study);
   printRings(study);
   printEncodings(study);
+  printSensing(study);
   for (const std::string& line : study.left) fmt::print("left out: {}\n", line);
   for (const Advice& a : advise(study)) {
     fmt::print("{}: {}\n", a.need, a.setting.empty() ? a.text : fmt::format("{}\n  {}", a.setting, a.text));

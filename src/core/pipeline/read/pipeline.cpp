@@ -320,7 +320,8 @@ void readEffects(Fields& fields, Pipeline& pipeline) {
   checkSensorEffects(pipeline);
   const Value* list = fields.find("effects");
   if (list == nullptr) return;
-  const std::vector<Value> items = effectItems(*list);
+  pipeline.effectItems = effectItems(*list);
+  const std::vector<Value>& items = pipeline.effectItems;
   if (std::none_of(items.begin(), items.end(), meansSensor)) {
     std::vector<MadeEffect> made;
     addEffects(items, nullptr, made);

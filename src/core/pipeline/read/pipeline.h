@@ -83,6 +83,7 @@ struct Pipeline {
   MethodChoice method;
   std::vector<std::unique_ptr<Effect>> effects;   // in the order in which they run; none where sensors have their own
   std::vector<const EffectEntry*> effectEntries;  // likewise
+  std::vector<Value> effectItems;                 // the list as the file has it, for studies that vary it
   ScanLayout layout;                              // of the scans that are written
   std::vector<FormatChoice> formats;
   bool splitsBySeed = false;  // the splits part scenes by their seeds

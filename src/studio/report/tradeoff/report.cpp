@@ -221,6 +221,10 @@ std::string studyReport(const Study& study) {
   sections.push_back({"encodings", "Encodings",
                       "Encoding is part of the trade: what a scan takes on disk, and what it loses.",
                       htmlFigures({encodingsChart(study)}) + encodingsTable(study)});
+  sections.push_back({"sensing", "Footprint, glass and weather",
+                      "What leaving parts of the sensor's physics out costs: the nearest return of each beam against "
+                      "the truth in the first row, by ray tracing, without the noise of ranges and angles.",
+                      sensingTable(study)});
   sections.push_back({"rings", "Rings", "What a scan costs whatever its size, and what each ring adds.",
                       htmlFigures({ringsChart(study)}) + ringsTable(study)});
   sections.push_back({"pictures", "Where beams err",

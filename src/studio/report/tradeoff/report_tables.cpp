@@ -309,6 +309,41 @@ std::string encodingsTable(const Study& study) {
   return table.empty() ? "" : table.html();
 }
 
+std::string sensingTable(const Study& study) {
+  HtmlTable table;
+  table.column("setting");
+  table.column("trace", "a scan, on all threads");
+  table.column("effects", "a scan, on one thread");
+  table.column("missing", "beams that return in truth alone");
+  table.column("added", "beams that return in the setting alone");
+  table.column("median", "distance between the two points of a beam that returns in both");
+  table.column("p95", "of the distance");
+  table.column("p99", "of the distance");
+  table.column("other class", "of the beams that return in both");
+  table.column("intensity", "its mean difference, in its own unit");
+  for (const SensingResult& r : study.sensing) {
+    if (!r.failure.empty()) {
+      table.failure(r.name, "not measured: " + r.failure);
+      continue;
+    }
+    const auto share = [](std::uint64_t part, std::uint64_t whole) {
+      const double s = whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+      return HtmlCell{shareText(s), s};
+    };
+    table.row({{r.name},
+               {secondsText(r.traceSeconds), r.traceSeconds},
+               {secondsText(r.effectsSeconds), r.effectsSeconds},
+               share(r.missing, r.beams),
+               share(r.added, r.beams),
+               metresCell(r.distance.median),
+               metresCell(r.distance.p95),
+               metresCell(r.distance.p99),
+               share(r.both - r.sameClass, r.both),
+               {fmt::format("{:.3g}", r.intensity), r.intensity}});
+  }
+  return table.empty() ? "" : table.html();
+}
+
 std::string ringsTable(const Study& study) {
   std::vector<std::uint32_t> rings;
   std::vector<std::pair<std::string, const RingFit*>> fits;

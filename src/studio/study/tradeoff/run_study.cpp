@@ -70,6 +70,7 @@ class StudyRun {
     measureSettings();
     takeRings();
     takeEncodings();
+    takeSensing();
     takePictures();
     study_.seconds = timer_.seconds();
     return std::move(study_);
@@ -264,6 +265,16 @@ class StudyRun {
       checkStopped();
       study_.encodings.push_back(measureEncoding(encoding, scans, choice_.repeats));
     }
+  }
+
+  // On one frame: a truth of 127 rays a beam takes as long as 127 scans.
+  void takeSensing() {
+    std::vector<Shot> shots;
+    for (const TrueShot& t : truth_) {
+      if (t.shot.frame == truth_.front().shot.frame) shots.push_back(t.shot);
+    }
+    study_.sensing = measureSensing(
+        plan_, scene_, shots, [this](const std::string& name) { progress_.say(name); }, measureOptions_.stop);
   }
 
   // Where shortcuts err: of each method that errs, its first setting that does and its worst.

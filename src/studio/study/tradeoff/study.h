@@ -18,6 +18,7 @@
 #include "scan/hits.h"
 #include "scan/scan.h"
 #include "scene/ontology.h"
+#include "study/tradeoff/sensing.h"
 
 namespace scanmill {
 
@@ -75,7 +76,7 @@ struct ErrorPicture {
 };
 
 struct Study {
-  static constexpr int kSchemaVersion = 2;
+  static constexpr int kSchemaVersion = 3;
   std::string programVersion;
   std::string date;  // "2026-11-20", UTC
   StudyMachine machine;
@@ -96,6 +97,9 @@ struct Study {
   // one thread.
   std::map<std::string, double> commonStages;
   std::vector<EncodingResult> encodings;
+  // What leaving out footprint, light paths or weather costs, the truth first; empty where the pipeline has none of
+  // them.
+  std::vector<SensingResult> sensing;
   std::vector<RingFit> rings;
   // How long it takes to show a scan of the first setting with so many rings, see StudyOptions::showScan. Its own
   // setting is empty.

@@ -91,6 +91,13 @@ void describe(Archive& a, EncodingResult& e) {
 }
 
 template <class Archive>
+void describe(Archive& a, SensingResult& r) {
+  a("name", r.name)("failure", r.failure)("trace_s", r.traceSeconds)("effects_s", r.effectsSeconds)("beams", r.beams)(
+      "both", r.both)("missing", r.missing)("added", r.added)("same_class", r.sameClass)("distance_m", r.distance)(
+      "intensity", r.intensity);
+}
+
+template <class Archive>
 void describe(Archive& a, StudyMachine& m) {
   a("processor", m.processor)("threads", m.threads)("renderer", m.renderer);
 }
@@ -112,8 +119,8 @@ void describe(Archive& a, Study& s) {
       "pipeline_file", s.pipelineFile)("budget_given", s.budgetGiven)("pipeline_text", s.pipelineText)(
       "budget_s", s.budgetSeconds)("repeats", s.repeats)("seconds", s.seconds)("scene", s.scene)("sensors", s.sensors)(
       "shots", s.shots)("beams_per_shot", s.beamsPerShot)("ontology", s.ontology)("settings", s.settings)(
-      "common_stages_s", s.commonStages)("encodings", s.encodings)("rings", s.rings)("showing", s.showing)(
-      "left", s.left)("pictures", s.pictures);
+      "common_stages_s", s.commonStages)("encodings", s.encodings)("sensing", s.sensing)("rings", s.rings)(
+      "showing", s.showing)("left", s.left)("pictures", s.pictures);
 }
 
 class JsonWriter {

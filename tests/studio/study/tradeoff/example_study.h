@@ -164,6 +164,10 @@ inline Study exampleStudy() {
   failed.failure = "Blender was not found: scripts/setup --blender installs it";
   study.settings.push_back(failed);
   study.commonStages = {{"effects", 0.0061}, {"encode pcd", 0.013}};
+  study.sensing = {
+      {"truth: 127 rays a beam", "", 0.92, 1.09, 131'072, 120'000, 0, 0, 120'000, {}, 0},
+      {"1 ray a beam", "", 0.016, 0.039, 131'072, 119'300, 700, 300, 118'100, exampleSpread(119'300, 0.9), 1.5},
+      {"clear air", "the sensor does not say how wide its beams are", 0, 0, 0, 0, 0, 0, 0, {}, 0}};
   study.encodings = {{"pcd", "pcd", "{}", "", 10.1e6, 24e6, 14.6, 0, 0},
                      {"pcd encoding=binary", "pcd", "{encoding: binary}", "", 140e6, 210e6, 32, 0, 0},
                      {"draco max_error_mm=0.1", "draco", "{max_error_mm: 0.1}", "", 7.4e6, 9.9e6, 4.1, 9.1e-5, 1e-4},

@@ -1,0 +1,256 @@
+#include "study/tradeoff/sensing.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/wall_timer.h"
+#include "config/named_options.h"
+#include "pipeline/run/run_shot.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr int kFirstNoise = 3;  // the stage of the first effects that only add noise
+
+// Effects to put in place of the pipeline's, by name; empty text: to leave out.
+using Changes = std::map<std::string, std::string>;
+
+struct Variation {
+  std::string name;
+  Changes changes;
+};
+
+// The items of the pipeline's list, those of the sensor's file in place of the word `sensor`.
+std::vector<Value> itemsOf(const Pipeline& pipeline, const MountedSensor& sensor) {
+  std::vector<Value> items;
+  for (const Value& item : pipeline.effectItems) {
+    const bool own = item.kind == Value::Kind::Scalar && item.text == "sensor";
+    const Value* list = own ? sensor.description.find("effects") : nullptr;
+    if (list != nullptr) {
+      items.insert(items.end(), list->items.begin(), list->items.end());
+    } else {
+      items.push_back(item);
+    }
+  }
+  return items;
+}
+
+SensorEffects changed(const Pipeline& pipeline, const MountedSensor& sensor, const Changes& changes) {
+  Value list;
+  list.kind = Value::Kind::Sequence;
+  for (const Value& item : itemsOf(pipeline, sensor)) {
+    const std::string name = readNamed(item, "an effect").name;
+    if (requireEffect(name, item.where).stage >= kFirstNoise) continue;
+    const auto change = changes.find(name);
+    if (change == changes.end()) {
+      list.items.push_back(item);
+    } else if (!change->second.empty()) {
+      list.items.push_back(parseYaml(change->second, "study"));
+    }
+  }
+  return readSensorEffects(list, sensor);
+}
+
+// How a sensor is scanned in one setting.
+struct Sensing {
+  SensorEffects effects;
+  std::optional<Footprint> footprint;
+  ShotSetup setup;
+};
+
+std::uint32_t raysOf(const SensorEffects& effects) {
+  std::uint32_t rays = 1;
+  for (const auto& effect : effects.effects) rays = std::max(rays, effect->raysPerBeam());
+  return rays;
+}
+
+const LightPaths* pathsOf(const SensorEffects& effects) {
+  for (const auto& effect : effects.effects) {
+    if (effect->lightPaths() != nullptr) return effect->lightPaths();
+  }
+  return nullptr;
+}
+
+std::unique_ptr<Sensing> makeSensing(const Plan& plan, const Scene& scene, const Method& method, std::size_t sensor,
+                                     const Changes& changes) {
+  ScanLayout layout;
+  layout.columns = ColumnSet().with(kLabel).with(kRing).with(kColumn).with(kIntensity).with(kReturn);
+  auto made = std::make_unique<Sensing>(Sensing{changed(plan.pipeline(), plan.pipeline().sensors[sensor], changes),
+                                                std::nullopt,
+                                                {method, scene.materials, {}, {}, layout}});
+  const BeamTable& beams = *plan.beams()[sensor];
+  const std::uint32_t rays = raysOf(made->effects);
+  if (rays > 1) made->footprint = makeFootprint(beams, rays);
+  made->setup.effects = made->effects.effects;
+  made->setup.channels = channelsFor(made->effects.effects, layout.columns);
+  made->setup.footprint = made->footprint ? &*made->footprint : nullptr;
+  made->setup.paths = pathsOf(made->effects);
+  if (made->setup.paths != nullptr) made->setup.channels |= kLightChannels;
+  return made;
+}
+
+struct Nearest {
+  bool there = false;
+  Vec3f position;
+  std::uint16_t label = 0;
+  float intensity = 0;
+};
+
+std::vector<Nearest> nearestReturns(const Scan& scan) {
+  std::vector<Nearest> of(std::size_t{scan.rings} * scan.columns);
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (scan[kReturn][i] != 1) continue;
+    of[std::size_t{scan[kRing][i]} * scan.columns + scan[kColumn][i]] = {
+        true, scan.position[i], scan[kLabel][i], scan[kIntensity].empty() ? 0 : scan[kIntensity][i]};
+  }
+  return of;
+}
+
+class SensingStudy {
+ public:
+  SensingStudy(const Plan& plan, const Scene& scene, std::span<const Shot> shots,
+               const std::function<void(const std::string&)>& say, const std::function<bool()>& stop)
+      : plan_(plan), scene_(scene), shots_(shots), say_(say), stop_(stop) {}
+
+  std::vector<SensingResult> run() {
+    const std::vector<Variation> variations = variationsOf();
+    if (variations.empty()) return {};
+    method_ = makeMethod({&firstMethodThat(&MethodCapabilities::reference), {}, false}, scene_);
+    for (const Shot& shot : shots_) method_->prepare(shot);
+    std::vector<SensingResult> results;
+    for (const Variation& variation : variations) results.push_back(measure(variation));
+    return results;
+  }
+
+ private:
+  // The first is the truth.
+  std::vector<Variation> variationsOf() const {
+    const Pipeline& pipeline = plan_.pipeline();
+    bool wide = false;
+    bool paths = false;
+    bool weather = false;
+    for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
+      wide = wide || pipeline.raysPerBeam(s) > 1;
+      paths = paths || pipeline.lightPaths(s) != nullptr;
+      for (const EffectEntry* entry : pipeline.effectEntriesOf(s)) weather = weather || entry->name == "weather";
+    }
+    if (!wide && !paths && !weather) return {};
+    const auto light = [](std::uint32_t bounces, std::uint32_t panes) {
+      return fmt::format("light_paths: {{panes: {}, bounces: {}, least: 0.0001}}", panes, bounces);
+    };
+    const auto footprint = [](std::uint32_t rays) { return fmt::format("footprint: {{rays: {}}}", rays); };
+    Changes truth;
+    std::string name = "truth:";
+    if (wide) {
+      truth["footprint"] = footprint(kTrueRays);
+      name += fmt::format(" {} rays a beam,", kTrueRays);
+    }
+    if (paths) {
+      truth["light_paths"] = light(kTrueBounces, kTruePanes);
+      name += fmt::format(" {} mirrors, {} panes,", kTrueBounces, kTruePanes);
+    }
+    if (weather) name += " weather,";
+    name.pop_back();
+    std::vector<Variation> list{{name, truth}};
+    const auto add = [&](const std::string& what, const std::string& effect, const std::string& with) {
+      Changes changes = truth;
+      changes[effect] = with;
+      list.push_back({what, std::move(changes)});
+    };
+    if (wide) {
+      add("1 ray a beam", "footprint", "");
+      for (const std::uint32_t rays : kFootprintRays) {
+        if (rays > 1 && rays < kTrueRays) add(fmt::format("{} rays a beam", rays), "footprint", footprint(rays));
+      }
+    }
+    if (paths) {
+      add("no glass, no mirrors", "light_paths", "");
+      add("glass, no mirrors", "light_paths", light(0, kTruePanes));
+      add("glass and 1 mirror", "light_paths", light(1, kTruePanes));
+    }
+    if (weather) add("clear air", "weather", "");
+    if (wide && paths) {
+      Changes bare = truth;
+      bare["footprint"] = bare["light_paths"] = "";
+      list.push_back({"1 ray a beam, no glass, no mirrors", std::move(bare)});
+    }
+    return list;
+  }
+
+  SensingResult measure(const Variation& variation) {
+    SensingResult result;
+    result.name = variation.name;
+    try {
+      std::vector<double> distances;
+      double intensity = 0;
+      for (std::size_t i = 0; i < shots_.size(); ++i) compare(variation, i, result, distances, intensity);
+      result.traceSeconds /= static_cast<double>(shots_.size());
+      result.effectsSeconds /= static_cast<double>(shots_.size());
+      if (result.both > 0) result.intensity = intensity / static_cast<double>(result.both);
+      result.distance = spreadOf(std::move(distances));
+    } catch (const InputError& error) {
+      result = {};
+      result.name = variation.name;
+      result.failure = error.what();
+    }
+    return result;
+  }
+
+  void compare(const Variation& variation, std::size_t i, SensingResult& result, std::vector<double>& distances,
+               double& intensity) {
+    if (stop_ && stop_()) throw Error("interrupted: nothing was written");
+    if (say_) say_(variation.name);
+    const Shot& shot = shots_[i];
+    const auto sensing = makeSensing(plan_, scene_, *method_, shot.sensor, variation.changes);
+    ShotBuffers buffers;
+    traceShot(sensing->setup, shot, buffers.hits);  // once untimed: memory is new
+    const WallTimer tracing;
+    traceShot(sensing->setup, shot, buffers.hits);
+    result.traceSeconds += tracing.seconds();
+    {
+      const ThreadLimit one(1);
+      senseShot(sensing->setup, shot, buffers.hits, buffers.returns, buffers.scan);
+      const WallTimer effects;
+      senseShot(sensing->setup, shot, buffers.hits, buffers.returns, buffers.scan);
+      result.effectsSeconds += effects.seconds();
+    }
+    const std::vector<Nearest> found = nearestReturns(buffers.scan);
+    if (truth_.size() <= i) truth_.push_back(found);
+    const std::vector<Nearest>& truth = truth_[i];
+    result.beams += truth.size();
+    for (std::size_t beam = 0; beam < truth.size(); ++beam) {
+      result.missing += truth[beam].there && !found[beam].there ? 1 : 0;
+      result.added += !truth[beam].there && found[beam].there ? 1 : 0;
+      if (!truth[beam].there || !found[beam].there) continue;
+      ++result.both;
+      result.sameClass += truth[beam].label == found[beam].label ? 1 : 0;
+      distances.push_back(length(Vec3d(truth[beam].position) - Vec3d(found[beam].position)));
+      intensity += std::abs(double{truth[beam].intensity} - double{found[beam].intensity});
+    }
+  }
+
+  const Plan& plan_;
+  const Scene& scene_;
+  std::span<const Shot> shots_;
+  const std::function<void(const std::string&)>& say_;
+  const std::function<bool()>& stop_;
+  std::unique_ptr<Method> method_;
+  std::vector<std::vector<Nearest>> truth_;  // of each shot
+};
+
+}  // namespace
+
+std::vector<SensingResult> measureSensing(const Plan& plan, const Scene& scene, std::span<const Shot> shots,
+                                          const std::function<void(const std::string&)>& say,
+                                          const std::function<bool()>& stop) {
+  return SensingStudy(plan, scene, shots, say, stop).run();
+}
+
+}  // namespace scanmill
