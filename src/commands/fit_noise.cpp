@@ -163,6 +163,14 @@ int runFitNoise(const std::vector<std::string>& arguments) {
 
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   const std::string date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
+  const auto printRings = [](const char* what, const RingSpread& spread, const std::string& sigma) {
+    if (spread.rings == 0) return;
+    fmt::print("{} of {} rings differ by {}; odd and even patches agree by a correlation of {:.2f}{}\n", what,
+               spread.rings, sigma, spread.agreement, spread.agreement < kOwnErrors ? ": noise, left out" : "");
+  };
+  printRings("offsets", fit.rings.range, fmt::format("{:.1f} mm", 1000 * fit.rings.range.sigma));
+  printRings("gains", fit.rings.gain, fmt::format("{:.1f} %", 100 * fit.rings.gain.sigma));
+  fmt::print("\n");
   const std::string effects = effectsYaml(fit, date);
   fmt::print("{}", effects);
   const std::string fitted = withEffects(text, preset.string(), effects);

@@ -271,6 +271,9 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   constexpr std::uint32_t kIncidenceStream = 100;
   constexpr std::uint32_t kIntensityStream = 200;
   fit.dropOut = dropOutOf(steep, kDropOutStream);
+  std::vector<FlatPatch> ringPatches;
+  for (const FlatPatch* p : steep) ringPatches.push_back(*p);
+  fit.rings = fitRingErrors(beams, scans, ringPatches);
 
   constexpr double kAngles[] = {0, 15, 30, 45, 60, 75, 90};
   for (std::uint32_t a = 0; a + 1 < std::size(kAngles); ++a) {
@@ -326,6 +329,27 @@ std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
   return lines;
 }
 
+namespace {
+
+// Only what belongs to the sensor; empty where nothing does.
+std::string ringBiasYaml(const RingErrors& rings) {
+  std::string keys;
+  const auto add = [&](const RingSpread& spread, const char* key) {
+    if (spread.agreement < kOwnErrors || spread.sigma <= 0) return;
+    keys += fmt::format("{}{}: {:.2g}", keys.empty() ? "" : ", ", key, spread.sigma);
+  };
+  add(rings.range, "range_sigma_m");
+  add(rings.gain, "gain_sigma");
+  if (keys.empty()) return {};
+  std::string text =
+      fmt::format("  # Rings differ: odd and even patches agree on their offsets by a correlation of {:.2f}",
+                  rings.range.agreement);
+  if (rings.gain.rings > 0) text += fmt::format(", on their\n  # gains by {:.2f}", rings.gain.agreement);
+  return text + fmt::format(" ({} rings).\n  - ring_bias: {{{}}}\n", rings.range.rings, keys);
+}
+
+}  // namespace
+
 std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
   const PatchGroup* first = nullptr;
   const PatchGroup* last = nullptr;
@@ -347,6 +371,7 @@ std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
   } else {
     text += fmt::format("  # No drop-out: none of {} beams was lost among returns of flat patches.\n", fit.dropOut.of);
   }
+  text += ringBiasYaml(fit.rings);
   for (const std::string& line : beyondMeasured(fit)) text += fmt::format("  # {}\n", line);
   if (fit.linear) {
     // As many bands as unknowns: the line goes through them whatever they are.

@@ -12,6 +12,7 @@
 #include "sensors/beams.h"
 #include "study/noise/flat_patches.h"
 #include "study/noise/recorded_scan.h"
+#include "study/noise/ring_errors.h"
 
 namespace scanmill {
 
@@ -70,6 +71,7 @@ struct NoiseFit {
   double largestMisfit = 0;  // the largest relative difference between a band and the model
   bool linear = true;        // where false, the bands themselves are the model
   MeasuredShare dropOut;     // of the bands that the fit uses
+  RingErrors rings;          // of patches at ranges and incidences that the fit uses
 
   double sigmaAt(double range) const;  // m, by the model
   double measuredUpTo() const;         // m, mean range of the last band that the fit uses

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "config/file_kind.h"
+#include "config/named_options.h"
 #include "config/value.h"
 
 namespace scanmill {
@@ -21,9 +22,42 @@ std::vector<std::string> linesOf(const std::string& text) {
   return lines;
 }
 
+bool isComment(const std::string& line) {
+  const std::size_t at = line.find_first_not_of(" \t");
+  return at != std::string::npos && line[at] == '#';
+}
+
 // A blank line, or a comment that is not indented: what stands between two keys and may belong to the next.
 bool standsBetween(const std::string& line) {
   return line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#';
+}
+
+}  // namespace
+
+namespace {
+
+// The lines of the effects that stay: each with the comments above it. `first` is the line of the key, `end` the one
+// behind its value.
+std::string keptEffects(const Value& list, const std::vector<std::string>& lines, std::size_t first, std::size_t end,
+                        const std::string& file, const std::string& effects) {
+  const Value fitted = parseYaml(effects, file);
+  std::vector<std::string> replaced{"dropout", "range_noise", "shell", "quantize"};
+  for (const Value& item : fitted.find("effects")->items) replaced.push_back(readNamed(item, "an effect").name);
+  std::string kept;
+  std::size_t begin = first + 1;
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    // An item ends where the next one begins, or the comments above that.
+    std::size_t stop = i + 1 < list.items.size() ? static_cast<std::size_t>(list.items[i + 1].where.line - 1) : end;
+    const auto own = static_cast<std::size_t>(list.items[i].where.line - 1);
+    while (i + 1 < list.items.size() && stop > own + 1 && isComment(lines[stop - 1])) --stop;
+    if (stop <= own) throw InputError(list.items[i].where, "two effects on one line: give each a line of its own");
+    const std::string name = readNamed(list.items[i], "an effect").name;
+    if (std::find(replaced.begin(), replaced.end(), name) == replaced.end()) {
+      for (std::size_t l = begin; l < stop; ++l) kept += lines[l] + "\n";
+    }
+    begin = stop;
+  }
+  return kept;
 }
 
 }  // namespace
@@ -49,7 +83,12 @@ std::string withEffects(const std::string& text, const std::string& file, const 
   while (end > first && standsBetween(lines[end - 1])) --end;
   std::string result;
   for (std::size_t i = 0; i < first; ++i) result += lines[i] + "\n";
-  result += effects;
+  const Value* own = root.find("effects");
+  const bool list = own != nullptr && own->kind == Value::Kind::Sequence && !own->items.empty() &&
+                    own->items.front().where.line > static_cast<int>(first) + 1;
+  const std::string kept = list ? keptEffects(*own, lines, first, end, file, effects) : "";
+  const std::string key = "effects:\n";
+  result += kept.empty() ? effects : key + kept + effects.substr(key.size());
   for (std::size_t i = end; i < lines.size(); ++i) result += lines[i] + "\n";
   return result;
 }

@@ -125,6 +125,7 @@ class SensingStudy {
     method_ = makeMethod({&firstMethodThat(&MethodCapabilities::reference), {}, false}, scene_);
     for (const Shot& shot : shots_) method_->prepare(shot);
     std::vector<SensingResult> results;
+    results.reserve(variations.size());
     for (const Variation& variation : variations) results.push_back(measure(variation));
     return results;
   }
