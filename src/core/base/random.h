@@ -26,6 +26,7 @@ enum class Purpose : std::uint16_t {
   Weather = 12,
   Fog = 13,
   WetGround = 14,
+  Interference = 15,
   Speckle = 256,  // and the seven after it: four looks each
   Test = 99,
 };

@@ -171,7 +171,7 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .unit = "",
      .meaning =
          "what the return comes from: 1 a surface of the scene, 2 nothing (a false positive), 3 a surface behind "
-         "glass, 4 a mirror image, 5 the own vehicle, 6 rain, snow, fog or dust; 0: none",
+         "glass, 4 a mirror image, 5 the own vehicle, 6 rain, snow, fog or dust, 7 stray light; 0: none",
      .none = 0,
      .origin = ColumnOrigin::Return,
      .byDefault = false},

@@ -5,12 +5,16 @@
 namespace scanmill {
 
 std::span<const ReasonEntry> reasons() {
-  static constexpr std::array<ReasonEntry, 14> kReasons{{
+  static constexpr std::array<ReasonEntry, 15> kReasons{{
       {Reason::Surface, "surface", "returns from a surface of the scene", {110, 140, 160}},
       {Reason::ThroughGlass, "through_glass", "returns from a surface behind glass", {90, 200, 210}},
       {Reason::Mirrored, "mirrored", "returns from the mirror image of a surface", {190, 120, 220}},
       {Reason::OwnVehicle, "own_vehicle", "returns from the vehicle that carries the sensor", {120, 160, 70}},
       {Reason::Weather, "weather", "returns from rain, snow, fog or dust", {235, 235, 235}},
+      {Reason::StrayLight,
+       "stray_light",
+       "returns from light beside the beam: a bright target's, or another sensor's",
+       {255, 170, 200}},
       {Reason::FalsePositive, "false_positive", "returns from nothing: noise of the receiver", {255, 80, 200}},
       {Reason::NothingInRange, "nothing_in_range", "meets nothing within the sensor's range", {20, 24, 32}},
       {Reason::BlockedByVehicle,

@@ -19,6 +19,7 @@ enum class Reason : std::uint8_t {
   Mirrored = 4,
   OwnVehicle = 5,
   Weather = 6,
+  StrayLight = 7,
   NothingInRange = 16,
   BlockedByVehicle = 17,
   TooFaint = 18,

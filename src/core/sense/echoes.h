@@ -20,6 +20,7 @@ enum class Cause : std::uint8_t {
   Mirrored = 4,       // the mirror image of a surface
   OwnVehicle = 5,     // the vehicle that carries the sensor
   Weather = 6,        // rain, snow, fog or dust in the air
+  StrayLight = 7,     // light that bloomed over from a bright target beside the beam, or of another sensor
 };
 
 Cause causeOf(RayPath path);

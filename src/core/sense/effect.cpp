@@ -9,7 +9,7 @@
 namespace scanmill {
 
 std::span<const EffectEntry> effects() {
-  static constexpr std::array<EffectEntry, 13> kEffects{{
+  static constexpr std::array<EffectEntry, 15> kEffects{{
       {"footprint", "beams of finite width: rays add up to echoes, mixed pixels at edges",
        "rays: required, 7, 19, 37, 61, 91 or 127 a beam", 0, makeFootprintEffect},
       {"light_paths", "rays go on behind glass and off mirrors: cars' windows, mirror images",
@@ -37,6 +37,12 @@ std::span<const EffectEntry> effects() {
        "least: 0.001, power below which particles are not looked at, 1 is white at 10 m; "
        "label: 0, class id of the particles' returns",
        0, makeWeather},
+      {"blooming", "retroreflectors shine beside themselves: returns of beams that look by them",
+       "share: 0.001, part of a retroreflector's echo in beams close beside it; "
+       "angle_deg: 0.5 deg, where that has fallen to 1/e^2; "
+       "above: 10, least retroreflectance that blooms, in units of a white target; "
+       "label: 0, class id of these returns",
+       0, makeBlooming},
       {"speckle", "grain of laser light: the power of each return times a random factor of the gamma law",
        "looks: required, 1 to 30 patterns that average, for a variance of 1 / looks", 0, makeSpeckle},
       {"intensity",
@@ -57,7 +63,9 @@ std::span<const EffectEntry> effects() {
        "returns: strongest, first, last, dual (strongest and last), all, or so many of the strongest; "
        "noise: 0, standard deviation in units of power, 1 is white at the reference range; "
        "threshold: 4.8, least measure that is found, in units of the noise; "
-       "min_separation_m: 0 m, an echo nearer than this to a stronger one is not reported",
+       "min_separation_m: 0 m, an echo nearer than this to a stronger one is not reported; "
+       "sun: none, {azimuth_deg:, elevation_deg:, noise:} of the daylight that surfaces send back; "
+       "interference: 0, probability a beam of a return from another sensor's pulse",
        2, makeDetection},
       {"dropout", "returns that are not reported: too faint, or lost at random",
        "threshold: 0, least power that is reported, 1 is white at the reference range; "
@@ -69,6 +77,10 @@ std::span<const EffectEntry> effects() {
        "table: none, in their place [[range m, sigma m], ...], linear between and constant beyond; "
        "over_snr_m: 0 m, added in squares: this over the signal to noise ratio, times how much the echo is stretched",
        3, makeRangeNoise},
+      {"range_walk", "strong returns seem nearer, as their pulses cross the threshold early",
+       "per_decade_m: required, for each factor of ten of the power; "
+       "above: 1, power beyond which it grows, 1 is white at the reference range",
+       3, makeRangeWalk},
       {"shell", "random vector of fixed length added to the point; for comparison with published datasets",
        "scale_m: 0 m, length at range 0; "
        "growth_per_m: 0 m/m, growth with the range",

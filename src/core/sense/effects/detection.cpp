@@ -15,6 +15,18 @@
 // Q(threshold): false positives, of a range drawn evenly, of cause 2, without a class and of intensity 0. Without noise
 // every echo is found and no other.
 //
+// sun: {azimuth_deg, elevation_deg, noise}: daylight that a surface sends back adds to the noise. `noise` is what a
+// white surface that faces the sun adds, in the same unit; the shot noise of light grows with its root, so a surface of
+// the reflectance R whose normal n is at an angle to the sun's direction s has
+//
+//   noise^2 + sun.noise^2 R max(0, n . s)
+//
+// in place of noise^2, and the threshold with it: bright sunlit surfaces are lost earlier. Azimuth and elevation are in
+// the world's frame. Shadows are not traced, and beams into the sun itself are not told from others.
+//
+// interference: the probability a beam of a return from another sensor's pulse, of cause 7, at a range drawn evenly and
+// a power drawn between the threshold and 100 times that, evenly in its logarithm.
+//
 // Of what is found nearer than min_separation_m to a stronger echo of the same beam nothing is reported; then `returns`
 // chooses. dual: the strongest and the last; where they are the same, the second strongest too (as Velodyne's
 // sensors do). A number: so many of the strongest.
@@ -39,6 +51,10 @@ struct Options {
   double noise = 0;
   double threshold = 4.8;
   float separation = 0;  // m
+  bool sun = false;
+  Vec3d towardsSun;  // unit, world axes
+  double sunNoise = 0;
+  double interference = 0;
 };
 
 double tailOfNormal(double x) {
@@ -49,7 +65,9 @@ class Detection : public Effect {
  public:
   Detection(const Options& options, Location where) : o_(options), where_(std::move(where)) {}
 
-  Channels reads() const override { return Channel::Range; }
+  Channels reads() const override {
+    return o_.sun ? Channel::Range | Channel::Normal | Channels(Channel::Reflectance) : Channels(Channel::Range);
+  }
   // First and last are known without.
   bool needsIntensity() const override {
     return o_.noise > 0 || o_.separation > 0 || o_.report == Report::Dual ||
@@ -57,7 +75,7 @@ class Detection : public Effect {
   }
   bool setsSnr() const override { return o_.noise > 0; }
   std::uint32_t mostReturns(std::uint32_t before) const override {
-    const std::uint32_t found = std::min(before + (o_.noise > 0 ? 1 : 0), kMostReturns);
+    const std::uint32_t found = std::min(before + (o_.noise > 0 ? 1 : 0) + (o_.interference > 0 ? 1 : 0), kMostReturns);
     return std::min(found, o_.report == Report::Dual ? 2 : o_.report == Report::Strongest ? o_.most : 1);
   }
 
@@ -71,9 +89,12 @@ class Detection : public Effect {
   void apply(const Hits& hits, const Shot& shot, std::span<const Material>, Returns& returns) const override {
     std::vector<float> measured = returns.power;
     if (o_.noise > 0) {
-      findInNoise(shot, returns, measured);
+      std::vector<float> noise;
+      if (o_.sun) noise = noiseInDaylight(hits, returns);
+      findInNoise(shot, noise, returns, measured);
       returns.noteFaint(measured, static_cast<float>(o_.threshold * o_.noise));
       addFalsePositives(hits, shot, returns, measured);
+      if (o_.interference > 0) addInterference(hits, shot, returns, measured);
     }
     if (!returns.onePerBeam()) choose(returns, measured);
     for (std::size_t row = 0; row < returns.intensity.size(); ++row) {
@@ -82,21 +103,41 @@ class Detection : public Effect {
   }
 
  private:
-  SCANMILL_BEST_INSTRUCTIONS void findInNoise(const Shot& shot, Returns& returns, std::vector<float>& measured) const {
+  // Of each row.
+  std::vector<float> noiseInDaylight(const Hits& hits, const Returns& returns) const {
+    std::vector<float> noise(returns.size(), static_cast<float>(o_.noise));
+    for (std::size_t row = 0; row < returns.size(); ++row) {
+      const std::uint32_t hit = returns.hit(row);
+      if (hit == kNoHit || !returns.returned(row)) continue;
+      const double lit = std::max(0.0, dot(Vec3d(hits.normal[hit]), o_.towardsSun)) * double{hits.reflectance[hit]};
+      noise[row] = static_cast<float>(std::sqrt(o_.noise * o_.noise + o_.sunNoise * o_.sunNoise * lit));
+    }
+    return noise;
+  }
+
+  // `daylight`: the noise of each row; empty: it is the same for all.
+  SCANMILL_BEST_INSTRUCTIONS void findInNoise(const Shot& shot, const std::vector<float>& daylight, Returns& returns,
+                                              std::vector<float>& measured) const {
     returns.snr.assign(returns.size(), 0);
     RandomWords words;
-    const auto noise = static_cast<float>(o_.noise);
-    const auto least = static_cast<float>(o_.threshold * o_.noise);
+    Batch<float> noise;
+    noise.fill(static_cast<float>(o_.noise));
+    Batch<float> least;
+    least.fill(static_cast<float>(o_.threshold * o_.noise));
     forBatches(returns.range, [&](std::size_t first, std::size_t count) {
       drawWords(shot, Purpose::Detection, returns, first, words);
       float* const range = returns.range.data() + first;
       float* const snr = returns.snr.data() + first;
       float* const measure = measured.data() + first;
       const float* const power = returns.power.data() + first;
+      for (std::size_t i = 0; i < count && !daylight.empty(); ++i) {
+        noise[i] = daylight[first + i];
+        least[i] = static_cast<float>(o_.threshold * double{noise[i]});
+      }
       for (std::size_t i = 0; i < count; ++i) {
-        snr[i] = power[i] / noise;
-        measure[i] = power[i] + noise * static_cast<float>(normalPair(words.a[i], words.b[i]).first);
-        range[i] = measure[i] < least ? kMiss : range[i];
+        snr[i] = power[i] / noise[i];
+        measure[i] = power[i] + noise[i] * static_cast<float>(normalPair(words.a[i], words.b[i]).first);
+        range[i] = measure[i] < least[i] ? kMiss : range[i];
       }
     });
   }
@@ -125,6 +166,24 @@ class Detection : public Effect {
         returns.add(added, hits);
         measured.push_back(added.power);
       }
+    }
+  }
+
+  void addInterference(const Hits& hits, const Shot& shot, Returns& returns, std::vector<float>& measured) const {
+    const BeamTable& beams = *shot.beams;
+    for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
+      const RandomBlock words =
+          randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, 0, Purpose::Interference});
+      if (uniform(words[0]) >= o_.interference || returns.full(beam)) continue;
+      constexpr double kLog100 = 4.605170185988092;
+      AddedReturn added;
+      added.beam = beam;
+      added.range = static_cast<float>(beams.minRange + (beams.maxRange - beams.minRange) * uniform(words[1]));
+      added.snr = static_cast<float>(o_.threshold * exponential(kLog100 * uniform(words[2])));
+      added.power = static_cast<float>(o_.noise * double{added.snr});
+      added.cause = Cause::StrayLight;
+      returns.add(added, hits);
+      measured.push_back(added.power);
     }
   }
 
@@ -218,7 +277,21 @@ std::unique_ptr<Effect> makeDetection(Fields& options) {
   o.noise = options.number("noise", {0, 1e6}, 0);
   o.threshold = options.number("threshold", {0, 100}, 4.8);
   o.separation = static_cast<float>(options.number("min_separation_m", {0, 1000}, 0));
+  o.interference = options.number("interference", {0, 1}, 0);
+  if (const Value* sun = options.find("sun")) {
+    Fields keys(*sun, "sun");
+    const double azimuth = radians(keys.number("azimuth_deg", {-360, 360}));
+    const double elevation = radians(keys.number("elevation_deg", {-90, 90}));
+    o.sunNoise = keys.number("noise", {0, 1e6});
+    keys.finish();
+    o.sun = true;
+    o.towardsSun = {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                    std::sin(elevation)};
+  }
   options.finish();
+  if ((o.sun || o.interference > 0) && o.noise == 0) {
+    throw InputError(options.where(), "effect detection: sun and interference need `noise`");
+  }
   if (options.has("threshold") && o.noise == 0) {
     throw InputError(options.where(), "effect detection: a threshold, in units of the noise, needs `noise`");
   }

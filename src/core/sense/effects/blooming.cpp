@@ -1,0 +1,148 @@
+// blooming: retroreflectors shine beside themselves.
+//
+//   blooming: {share: 0.001, angle_deg: 0.5}
+//
+// A part of the light leaves beside the beam's core and is scattered in the optics. A target that sends back hundreds
+// of times what a white one does answers it: beams that look by it have a return at its range. Here a beam of the angle
+// t beside one that meets a retroreflector gets, besides its own echoes, one of the strength
+//
+//   retroreflectance cos(incidence) share exp(-2 t^2 / angle^2)
+//
+// in units of a white target there, of cause 7; of several the strongest. Materials of a retroreflectance of at least
+// `above` bloom. Echoes that would lie within a pulse's length of one of the beam's own join that and are left out.
+//
+// The shape of the halo and its figures differ from unit to unit, and makers state none: all are the user's.
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sense/effects/elementary.h"
+#include "sense/effects/makers.h"
+#include "sensors/footprint.h"
+
+namespace scanmill {
+namespace {
+
+struct Options {
+  double share = 0;
+  double angle = 0;  // rad
+  float above = 0;
+  std::uint16_t label = 0;
+};
+
+struct Stray {
+  float echo = 0;  // in units of a white target there
+  float range = 0;
+};
+
+class Blooming : public Effect {
+ public:
+  explicit Blooming(const Options& options) : o_(options) {}
+
+  Channels reads() const override { return Channel::Range | Channel::Material | Channels(Channel::Incidence); }
+  bool setsGain() const override { return true; }
+  std::uint32_t mostReturns(std::uint32_t before) const override { return std::min(before + 1, kMostReturns); }
+
+  void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials, Returns& returns) const override {
+    std::vector<Source> sources;
+    for (std::uint32_t row = 0; row < returns.size(); ++row) {
+      const std::uint32_t hit = returns.hit(row);
+      if (!returns.returned(row) || hit == kNoHit) continue;
+      const float retro = retroreflectanceOf(hits, materials, hit);
+      if (retro < o_.above) continue;
+      const float gain = returns.gain.empty() ? 1 : returns.gain[row];
+      sources.push_back({returns.beam(row), returns.range[row], retro * hits.incidence[hit] * gain});
+    }
+    if (!sources.empty()) addStrays(hits, *shot.beams, straysOf(*shot.beams, sources), returns);
+  }
+
+ private:
+  struct Source {
+    std::uint32_t beam;
+    float range;
+    float echo;
+  };
+
+  static float retroreflectanceOf(const Hits& hits, std::span<const Material> materials, std::uint32_t hit) {
+    if (!hits.retroreflectance.empty()) return hits.retroreflectance[hit];
+    return hits.material[hit] < materials.size() ? materials[hits.material[hit]].retroreflectance : 0.0f;
+  }
+
+  // Of each beam the strongest; nothing where there is none.
+  std::vector<Stray> straysOf(const BeamTable& beams, const std::vector<Source>& sources) const {
+    std::vector<Stray> strays(beams.size());
+    const double leastCosine = std::cos(2 * o_.angle);  // farther out there are 3 parts in 10,000 of the middle's
+    // How many columns and rings away a neighbour may be: directions decide.
+    const double step = beams.fullTurn() ? 2 * kPi / beams.columns : beams.field / beams.columns;
+    const auto reach = static_cast<std::int64_t>(std::ceil((2 * o_.angle + widestOffset(beams)) / step)) + 1;
+    for (const Source& source : sources) {
+      const std::uint32_t beam = source.beam;
+      const std::int64_t column = beam % beams.columns;
+      const double elevation = beams.elevation.empty() ? 0 : beams.elevation[beam / beams.columns];
+      for (std::uint32_t ring = 0; ring < beams.rings; ++ring) {
+        if (!beams.elevation.empty() && std::abs(beams.elevation[ring] - elevation) > 2 * o_.angle) continue;
+        for (std::int64_t off = -reach; off <= reach; ++off) {
+          std::int64_t other = column + off;
+          if (beams.fullTurn()) other = (other + beams.columns) % beams.columns;
+          if (other < 0 || other >= beams.columns) continue;
+          const auto neighbour = static_cast<std::uint32_t>(ring * beams.columns + static_cast<std::uint32_t>(other));
+          if (neighbour == beam) continue;
+          spill(beams, source, neighbour, leastCosine, strays[neighbour]);
+        }
+      }
+    }
+    return strays;
+  }
+
+  static double widestOffset(const BeamTable& beams) {
+    if (beams.azimuthOffset.empty()) return 0;
+    const auto ends = std::minmax_element(beams.azimuthOffset.begin(), beams.azimuthOffset.end());
+    return *ends.second - *ends.first;
+  }
+
+  void spill(const BeamTable& beams, const Source& source, std::uint32_t to, double leastCosine, Stray& stray) const {
+    const double cosine = dot(beams.direction[source.beam], beams.direction[to]);
+    if (cosine < leastCosine) return;
+    const double square = 2 * (1 - std::min(1.0, cosine));  // of a small angle
+    const double spilled = double{source.echo} * o_.share * exponential(-2 * square / (o_.angle * o_.angle));
+    const auto echo = static_cast<float>(spilled);
+    if (echo > stray.echo || (echo == stray.echo && source.range < stray.range)) stray = {echo, source.range};
+  }
+
+  void addStrays(const Hits& hits, const BeamTable& beams, const std::vector<Stray>& strays, Returns& returns) const {
+    const auto length = static_cast<float>(pulseLength(beams.pulse));
+    std::vector<bool> joined(strays.size());
+    for (std::uint32_t row = 0; row < returns.size(); ++row) {
+      if (!returns.returned(row)) continue;
+      const std::uint32_t beam = returns.beam(row);
+      joined[beam] = joined[beam] || std::abs(returns.range[row] - strays[beam].range) <= length;
+    }
+    for (std::uint32_t beam = 0; beam < strays.size(); ++beam) {
+      if (strays[beam].echo <= 0 || joined[beam] || returns.full(beam)) continue;
+      AddedReturn added;
+      added.beam = beam;
+      added.range = strays[beam].range;
+      added.power = strays[beam].echo;
+      added.cause = Cause::StrayLight;
+      added.label = o_.label;
+      returns.add(added, hits);
+    }
+  }
+
+  Options o_;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> makeBlooming(Fields& options) {
+  Options o;
+  o.share = options.number("share", {1e-9, 1}, 0.001);
+  o.angle = radians(options.number("angle_deg", {0.01, 20}, 0.5));
+  o.above = static_cast<float>(options.number("above", {1e-6, 1e6}, 10));
+  o.label = static_cast<std::uint16_t>(options.integer("label", 0, 65535, 0));
+  options.finish();
+  return std::make_unique<Blooming>(o);
+}
+
+}  // namespace scanmill
