@@ -24,10 +24,14 @@ Room makeRoom(std::uint32_t rings, std::uint32_t columns) {
   beams->rings = rings;
   beams->columns = columns;
   beams->maxRange = 120;
+  beams->minRange = 1;
   beams->pulse = 5e-9;
+  beams->divergence = {0.003, 0.003};
   room.materials.resize(40);
-  for (std::size_t m = 0; m < room.materials.size(); ++m)
+  for (std::size_t m = 0; m < room.materials.size(); ++m) {
     room.materials[m].roughness = 0.3f + 0.015f * static_cast<float>(m);
+    room.materials[m].variations = {{3, 0.1f}, {0.2f, 0.1f}};
+  }
   room.hits.reset(rings, columns, Channels::all());
   for (std::uint32_t ring = 0; ring < rings; ++ring) {
     const double elevation = radians(22.5 - 45.0 * ring / rings);
@@ -75,8 +79,7 @@ void effectAlone(benchmark::State& state, const std::string& yaml) {
   const auto list = make(yaml);
   Returns returns;
   for (auto _ : state) {
-    returns.range = room.hits.range;
-    returns.displacement.clear();
+    returns.start(room.hits);
     for (const auto& effect : list) effect->apply(room.hits, room.shot, room.materials, returns);
     benchmark::ClobberMemory();
   }
@@ -117,6 +120,11 @@ BENCHMARK_CAPTURE(effectAlone, speckle_4, "[{speckle: {looks: 4}}]");
 BENCHMARK_CAPTURE(effectAlone, speckle_20, "[{speckle: {looks: 20}}]");
 BENCHMARK_CAPTURE(effectAlone, ring_bias,
                   "[{ring_bias: {range_sigma_m: 0.03, elevation_sigma_deg: 0.18, gain_sigma: 0.35}}]");
+BENCHMARK_CAPTURE(effectAlone, reflectance_variation, "[{reflectance_variation: {}}]");
+BENCHMARK_CAPTURE(effectAlone, rain, "[{weather: {kind: rain, severity: moderate, wet: 0}}]");
+BENCHMARK_CAPTURE(effectAlone, rain_on_wet_ground, "[{weather: {kind: rain, severity: moderate}}]");
+BENCHMARK_CAPTURE(effectAlone, snow, "[{weather: {kind: snow, severity: moderate}}]");
+BENCHMARK_CAPTURE(effectAlone, fog, "[{weather: {kind: fog, severity: moderate}}]");
 BENCHMARK_CAPTURE(effectAlone, intensity_detection, "[{intensity: {}}, {detection: {noise: 0.0008}}]");
 BENCHMARK_CAPTURE(effectAlone, dropout, "[{dropout: {probability: 0.05}}]");
 BENCHMARK_CAPTURE(effectAlone, range_noise, "[{range_noise: {sigma_m: 0.02, sigma_per_m: 0.001}}]");
