@@ -10,9 +10,9 @@ namespace scanmill {
 namespace {
 
 constexpr double kWaterIndex = 1.328;
-constexpr double kLargeDrops = 2;      // extinction over the area that a drop covers
-constexpr double kFlakeDensity = 0.1;  // of water's
-constexpr double kFlakeAlbedo = 0.9;
+constexpr double kLargeDrops = 2;           // extinction over the area that a drop covers
+constexpr double kFlakeDensity = 0.1;       // of water's
+constexpr double kIceLidarRatio = 25;       // sr
 constexpr double kDustLidarRatio = 50;      // sr
 constexpr double kSquareMillimetre = 1e-6;  // m^2
 
@@ -63,8 +63,8 @@ Weather snowOf(double rate) {
   made.drops = snowFlakes(rate);
   const double width = power(1 / kFlakeDensity, 1.0 / 3);  // of a flake, over that of its drop
   made.extinction = kLargeDrops * kPi / 4 * width * width * made.drops.squares() * kSquareMillimetre;
-  // A matt sphere sends 2/3 of its albedo times a^2 back a steradian.
-  made.dropEcho = kPi * (2.0 / 3) * kFlakeAlbedo * width * width / 4 * kSquareMillimetre;
+  // pi times what a flake takes, twice the area of the radius width D / 2, over the lidar ratio.
+  made.dropEcho = kPi * kLargeDrops * kPi / kIceLidarRatio * width * width / 4 * kSquareMillimetre;
   return made;
 }
 

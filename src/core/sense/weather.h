@@ -40,8 +40,9 @@ struct Weather {
 // influence of rain on LIDAR in ADAS", Electronics 8, 2019, and of Kilic et al., "Lidar light scattering augmentation
 // (LISA)", arXiv 2107.07004.
 Weather rainOf(double rate);
-// Flakes as matt white spheres of a tenth of the density of water. Estimate: the density, and the albedo of 0.9 (fine
-// snow at 905 nm).
+// Flakes as spheres of a tenth of the density of water, which makes the visibility in snow that observers report (700 m
+// at 1.5 mm/h); they send back 1 / 25 sr of what they take from the beam. Estimates: the density, and the lidar ratio,
+// of which 20 to 35 sr are measured in clouds of ice.
 Weather snowOf(double rate);
 // Extinction -log(0.05) / visibility (Koschmieder's law with the contrast threshold of 5 % that defines the
 // meteorological optical range); backscatter 0.046 / visibility (Hahner et al., "Fog simulation on real LiDAR point

@@ -56,12 +56,13 @@ TEST(Weather, FogLeavesATwentiethAtTheVisibility) {
   EXPECT_NEAR(mistEcho(fogOf(50), 0.75), kPi * 0.046 / 50 * 0.75, 1e-15);
 }
 
-// A drop that fills a beam as a white target would sends back 2 to 3 % of what that does; a flake most.
+// A drop that fills a beam sends back 2 to 3 % of what a white target does; a flake 2 pi / 25 sr of its own area times
+// pi, over pi.
 TEST(Weather, DropsReflectAsWaterAndFlakesAsSnow) {
   const double area = kPi / 4 * 1e-6;  // of 1 mm^2 across, in m^2
   EXPECT_NEAR(rainOf(5).dropEcho / area, 0.0235, 0.0005);
   const double width = std::pow(10, 1.0 / 3);
-  EXPECT_NEAR(snowOf(5).dropEcho / (area * width * width), 0.9 * 2 / 3, 1e-6);
+  EXPECT_NEAR(snowOf(5).dropEcho / (area * width * width), 2 * kPi / 25, 1e-9);
 }
 
 TEST(Weather, WetGroundIsDarkerAndItsFilmSendsGrazingLightAway) {
