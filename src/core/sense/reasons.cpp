@@ -44,7 +44,8 @@ std::vector<std::uint8_t> reasonsOf(const Hits& hits, std::span<const Material> 
   for (std::uint32_t row = 0; row < returns.size(); ++row) {
     const bool returned = returns.returned(row);
     const Reason lost = returns.lostTo(row);
-    if (!returned && lost == Reason::None) continue;  // a ray that met nothing
+    if (!returned && lost == Reason::None) continue;        // a ray that met nothing
+    if (!returned && returns.hit(row) == kNoHit) continue;  // a drop that nobody has seen
     const std::uint32_t beam = returns.beam(row);
     const std::uint32_t other = told[beam];
     const auto power = [&](std::uint32_t r) { return returns.power.empty() ? 0.0f : returns.power[r]; };

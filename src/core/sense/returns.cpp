@@ -44,9 +44,13 @@ void Returns::noteLost(Reason reason) {
 
 void Returns::noteFaint(std::span<const float> measured, float least) {
   if (!tellsReasons_) return;
-  noteLost(Reason::TooFaint);
-  for (std::size_t row = 0; row < air.size(); ++row) {
-    if (lost_[row] == Reason::TooFaint && measured[row] >= least * air[row]) lost_[row] = Reason::LostInAir;
+  lost_.resize(size(), Reason::None);
+  present_.resize(size(), true);
+  for (std::size_t row = 0; row < size(); ++row) {
+    if (returned(row) || !present_[row]) continue;
+    present_[row] = false;
+    const bool foundInClearAir = row < air.size() && measured[row] >= least * air[row];
+    lost_[row] = foundInClearAir ? Reason::LostInAir : Reason::TooFaint;
   }
 }
 

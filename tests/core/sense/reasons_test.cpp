@@ -63,6 +63,24 @@ TEST(ReasonsOf, TheAirHasWhatWouldBeFoundWithoutIt) {
   EXPECT_EQ(reasonOfFirst(world, effects), Reason::TooFaint) << "it would be lost in clear air too";
 }
 
+// Neither what would be lost in clear air, nor drops that nobody sees, nor loss at random is the air's.
+TEST(ReasonsOf, ThinAirIsBlamedForNothing) {
+  World world = makeWorld(1, 400, 40);
+  world.beams().minRange = 1;
+  world.beams().maxRange = 100;
+  world.beams().divergence = {3e-3, 3e-3};
+  world.beams().pulse = 5e-9;
+  for (std::size_t beam = 0; beam < 100; ++beam) miss(world, beam);
+  for (std::size_t beam = 100; beam < 200; ++beam) world.hits.reflectance[beam] = 0.01f;
+  const std::vector<std::string> effects{"weather: {kind: fog, visibility_m: 100000, least: 0.000001}", "intensity: {}",
+                                         "detection: {noise: 0.001}", "dropout: {probability: 0.2}"};
+  const ReasonCounts counts = countReasons(reasonsOnce(world, effects));
+  EXPECT_EQ(counts.at(16), 100u);
+  EXPECT_NEAR(static_cast<double>(counts.at(18)), 100, 2);
+  EXPECT_EQ(counts.count(21), 0u);
+  EXPECT_NEAR(static_cast<double>(counts.at(22)), 40, 25);
+}
+
 TEST(ReasonsOf, TheNearestReturnSpeaksForItsBeam) {
   World world = makeWorld(1, 200, 30);
   world.beams().minRange = 1;

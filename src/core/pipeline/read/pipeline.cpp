@@ -238,9 +238,12 @@ void addEffects(const std::vector<Value>& items, const MountedSensor* sensor, st
     }
     const NamedOptions named = readNamed(item, "an effect");
     const EffectEntry& entry = requireEffect(named.name, named.where);
-    if (std::any_of(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &entry; })) {
-      throw InputError(named.where, fmt::format("the effect '{}' stands twice: both would draw the same random numbers",
-                                                named.name));
+    const auto other = std::find_if(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &entry; });
+    if (other != made.end()) {
+      throw InputError(named.where,
+                       fmt::format("the effect '{}' stands twice, here and at {}:{}: both would draw the same random "
+                                   "numbers (to change one of a sensor's own, copy its list in place of `sensor`)",
+                                   named.name, other->where.file, other->where.line));
     }
     Fields options(named.options, "effect " + named.name);
     options.alsoDescribed(entry.keys).finish();

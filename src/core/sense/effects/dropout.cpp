@@ -26,8 +26,10 @@ class DropOut : public Effect {
 
  private:
   SCANMILL_BEST_INSTRUCTIONS void change(const Shot& shot, Returns& returns) const {
-    if (threshold_ > 0) loseFaint(returns);
-    returns.noteFaint(returns.power, threshold_);
+    if (threshold_ > 0) {
+      loseFaint(returns);
+      returns.noteFaint(returns.power, threshold_);
+    }
     if (probability_ > 0) loseAtRandom(shot, returns);
     returns.noteLost(Reason::Dropped);
     if (returns.intensity.empty()) return;
