@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/vec.h"
+#include "methods/light_paths.h"
 #include "sense/effects/elementary.h"
 
 namespace scanmill {
@@ -18,15 +19,6 @@ constexpr double kSquareMillimetre = 1e-6;  // m^2
 
 double power(double base, double exponent) {
   return exponential(exponent * naturalLog(base));
-}
-
-// Of unpolarised light, from air into water.
-double reflectedByWater(double cosine) {
-  const double sine2 = (1 - cosine * cosine) / (kWaterIndex * kWaterIndex);
-  const double inside = std::sqrt(1 - sine2);
-  const double across = (cosine - kWaterIndex * inside) / (cosine + kWaterIndex * inside);
-  const double along = (kWaterIndex * cosine - inside) / (kWaterIndex * cosine + inside);
-  return (across * across + along * along) / 2;
 }
 
 }  // namespace
@@ -51,7 +43,7 @@ Weather rainOf(double rate) {
   Weather made;
   made.drops = rainDrops(rate);
   made.extinction = kLargeDrops * kPi / 4 * made.drops.squares() * kSquareMillimetre;
-  const double face = reflectedByWater(1);
+  const double face = fresnel(1, kWaterIndex);
   const double focus = kWaterIndex / (2 - kWaterIndex);
   const double gain = face + (1 - face) * (1 - face) * face * focus * focus;
   made.dropEcho = kPi * gain / 16 * kSquareMillimetre;  // pi times a^2 / 4 of the gain a steradian, a = D / 2
@@ -91,7 +83,7 @@ double dampness(double reflectance) {
 }
 
 double filmTransmission(double cosine) {
-  const double in = (1 - reflectedByWater(cosine)) / (1 - reflectedByWater(1));
+  const double in = (1 - fresnel(cosine, kWaterIndex)) / (1 - fresnel(1, kWaterIndex));
   return in * in;
 }
 

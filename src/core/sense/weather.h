@@ -36,9 +36,8 @@ struct Weather {
 // All rates in mm/h of water, all visibilities (meteorological optical range) in m; both above 0. Drops that are wide
 // beside the wavelength take twice what they cover. They send back by the laws of ray optics what the front and the
 // back face reflect along the axis: a^2 / 4 (R + (1 - R)^2 R n^2 / (2 - n)^2) a steradian for the radius a, with R =
-// ((n - 1) / (n + 1))^2 and n = 1.328, water at 905 nm. The first term is that of Goodin et al., "Predicting the
-// influence of rain on LIDAR in ADAS", Electronics 8, 2019, and of Kilic et al., "Lidar light scattering augmentation
-// (LISA)", arXiv 2107.07004.
+// ((n - 1) / (n + 1))^2 and n = 1.328, water at 905 nm. Kilic et al., "Lidar light scattering
+// augmentation (LISA)", arXiv 2107.07004, take the first term alone.
 Weather rainOf(double rate);
 // Flakes as spheres of a tenth of the density of water, which makes the visibility in snow that observers report (700 m
 // at 1.5 mm/h); they send back 1 / 25 sr of what they take from the beam. Estimates: the density, and the lidar ratio,
