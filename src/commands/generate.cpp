@@ -34,8 +34,8 @@ void printSummary(const GenerateSummary& s, const std::string& folder) {
   }
   fmt::print("{}\n", formatTable(rows));
   printMade(s, folder);
-  fmt::print("{} rays gave {} points in {}: {} rays/s, {:.2f} bytes a point\n", grouped(s.rays), grouped(s.points),
-             shortTime(s.seconds), shortNumber(static_cast<double>(s.rays) / s.seconds),
+  fmt::print("{} beams gave {} points in {}: {} beams/s, {:.2f} bytes a point\n", grouped(s.beams), grouped(s.points),
+             shortTime(s.seconds), shortNumber(static_cast<double>(s.beams) / s.seconds),
              s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
   fmt::print("stages (s of thread time):");
   for (const auto& [name, seconds] : s.manifest.stages) fmt::print(" {} {:.2f}", name, seconds);

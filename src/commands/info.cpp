@@ -208,11 +208,16 @@ void printSensor(const Value& value) {
   fmt::print("range {:.3g} to {:.3g} m; column 0 at {:.2f} deg; beams start {:.2f} mm off the axis\n\n",
              beams->minRange, beams->maxRange, degrees(beams->firstAzimuth), beams->originOffset * 1000);
   Rows rows{{"ring", "elevation deg", "azimuth offset deg", "firing us"}};
+  const bool ownOrigins = !beams->originLeft.empty() || !beams->originUp.empty();
+  if (ownOrigins) rows.front().insert(rows.front().end(), {"origin left mm", "origin up mm"});
   for (std::uint32_t r = 0; r < beams->rings; ++r) {
     const auto at = [&](const std::vector<double>& column) { return r < column.size() ? column[r] : 0.0; };
     rows.push_back({std::to_string(r), fmt::format("{:.3f}", degrees(at(beams->elevation))),
                     fmt::format("{:.3f}", degrees(at(beams->azimuthOffset))),
                     fmt::format("{:.3f}", at(beams->firingOffset) * 1e6)});
+    if (!ownOrigins) continue;
+    rows.back().push_back(fmt::format("{:.1f}", at(beams->originLeft) * 1000));
+    rows.back().push_back(fmt::format("{:.1f}", at(beams->originUp) * 1000));
   }
   fmt::print("{}", formatTable(rows));
 }

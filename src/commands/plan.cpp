@@ -1,6 +1,7 @@
 #include "pipeline/plan/plan.h"
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <map>
@@ -14,6 +15,7 @@
 #include "pipeline/plan/dataset_size.h"
 #include "pipeline/plan/feature_costs.h"
 #include "pipeline/plan/warnings.h"
+#include "pipeline/run/progress.h"
 
 namespace scanmill {
 
@@ -79,6 +81,20 @@ void printFeatures(const FeatureCosts& costs) {
       formatTable(rows), costs.frame);
 }
 
+// With a bar on a terminal, which ends before anything else is printed.
+FeatureCosts measured(const std::function<Pipeline()>& reread) {
+  FeatureEffort effort;
+  effort.seconds = 20;
+  Progress progress("plan: what features cost", 0, "rounds", "rounds", ::isatty(STDERR_FILENO) == 0);
+  effort.begun = [&](int round, int of) {
+    progress.setTotal(static_cast<std::uint64_t>(of) + 1);
+    if (round > 0) progress.advance(1, 1);
+  };
+  FeatureCosts costs = measureFeatures(reread, effort);
+  progress.advance(1, 1);
+  return costs;
+}
+
 }  // namespace
 
 int runPlan(const std::vector<std::string>& arguments) {
@@ -95,6 +111,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   const Plan plan(readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed), recordingOf(parsed)));
   const Pipeline& pipeline = plan.pipeline();
   checkAutoChoice(pipeline);
+  for (const std::string& line : vehicleWarnings(plan)) warn(line);
   printSensors(plan);
   printSequences(pipeline);
 
@@ -140,9 +157,7 @@ int runPlan(const std::vector<std::string>& arguments) {
     fmt::print("\n");
     printUnlabeled(unlabeled);
     if (parsed.options.count("quick") == 0 && !pipeline.method.automatic) {
-      constexpr int kRepeats = 14;
-      printFeatures(measureFeatures(
-          [&] { return readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed)); }, kRepeats));
+      printFeatures(measured([&] { return readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed)); }));
     }
   }
   const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());

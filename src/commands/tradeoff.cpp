@@ -128,6 +128,9 @@ void printStudy(const Study& study) {
   printEncodings(study);
   printSensing(study);
   for (const std::string& line : study.left) fmt::print("left out: {}\n", line);
+  if (!study.sensing.empty()) {
+    fmt::print("the methods were compared by one ray a beam that ends at the first surface, whatever the effects\n");
+  }
   for (const Advice& a : advise(study)) {
     fmt::print("{}: {}\n", a.need, a.setting.empty() ? a.text : fmt::format("{}\n  {}", a.setting, a.text));
   }

@@ -70,8 +70,8 @@ class Generate : public SmallWorld {
 TEST_F(Generate, TellsWhatWasMadeAndVerifies) {
   const Outcome made = scanmill({"generate", pipeline_, "-o", at("out")});
   EXPECT_EQ(made.code, 0) << made.error;
-  EXPECT_THAT(made.out, AllOf(HasSubstr("ground"), HasSubstr("4 samples in 1 shards"), HasSubstr("2,048 rays gave"),
-                              HasSubstr("rays/s"), HasSubstr("scanmill verify")));
+  EXPECT_THAT(made.out, AllOf(HasSubstr("ground"), HasSubstr("4 samples in 1 shards"), HasSubstr("2,048 beams gave"),
+                              HasSubstr("beams/s"), HasSubstr("scanmill verify")));
   EXPECT_THAT(made.error, HasSubstr("generate 4/4 frames"));
   const Outcome sound = scanmill({"verify", at("out")});
   EXPECT_EQ(sound.code, 0);

@@ -29,7 +29,7 @@ const char* advice(FileKind kind) {
 FileKind fileKind(const Value& root) {
   if (root.find("scenes") != nullptr || root.find("sensors") != nullptr) return FileKind::Pipeline;
   if (root.find("objects") != nullptr) return FileKind::Scene;
-  if (root.find("elevation_deg") != nullptr) return FileKind::Sensor;
+  if (root.find("elevation_deg") != nullptr || root.find("calibration") != nullptr) return FileKind::Sensor;
   if (root.find("classes") != nullptr) return FileKind::Ontology;
   const Value* materials = root.find("materials");
   if (materials != nullptr && materials->kind == Value::Kind::Sequence) return FileKind::Materials;

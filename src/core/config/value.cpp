@@ -103,7 +103,12 @@ void setValue(Value& root, std::string_view assignment) {
                        fmt::format("{} is a single value and holds no {}{}", parent, quotedForMessage(part), advice));
     }
     if (node->kind == Value::Kind::Sequence) {
-      node = &node->items[readIndex(part, *node, parent, where)];
+      const std::size_t index = readIndex(part, *node, parent, where);
+      if (depth + 1 == parts.size() && value.kind == Value::Kind::Null) {
+        node->items.erase(node->items.begin() + static_cast<std::ptrdiff_t>(index));
+        return;
+      }
+      node = &node->items[index];
     } else {
       node->kind = Value::Kind::Map;
       const auto found = std::find_if(node->entries.begin(), node->entries.end(),

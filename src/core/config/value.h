@@ -42,9 +42,10 @@ Value parseYaml(std::string_view text, const std::string& file);
 Value readYaml(const std::filesystem::path& path);
 
 // Applies an override "dotted.path.0.key=value", as given by --set; items of lists are named by their index from 0, and
-// the value is parsed as YAML. Keys of maps that are missing are made: whoever reads the map refuses those that it does
-// not know, with a suggestion. Relative paths in the value start in the folder of the file that `root` was read from,
-// as those beside them do. Throws InputError for a path that does not fit the document.
+// the value is parsed as YAML; null takes an item out of its list. Keys of maps that are missing are made: whoever
+// reads the map refuses those that it does not know, with a suggestion. Relative paths in the value start in the folder
+// of the file that `root` was read from, as those beside them do. Throws InputError for a path that does not fit the
+// document.
 void setValue(Value& root, std::string_view assignment);
 
 }  // namespace scanmill

@@ -72,7 +72,8 @@ OrderedJson framesJson(const Manifest& manifest) {
       {"beam",
        "index ring * columns + column; direction (cos(t + a) cos e, sin(t + a) cos e, sin e) with a = "
        "azimuth_offset[ring] and e = elevation[ring]; origin (origin_offset cos t, origin_offset sin t, "
-       "origin_height)"},
+       "origin_height), and where the sensor has them origin_left[ring] (-sin(t + a), cos(t + a), 0) + "
+       "origin_up[ring] (-cos(t + a) sin e, -sin(t + a) sin e, cos e) besides"},
       {"time",
        "scans: since the start of the sequence, of column 0; points: since the start of the revolution, period * field "
        "/ "
@@ -90,24 +91,27 @@ OrderedJson sensorJson(const SensorRecord& sensor) {
   const auto number = [&](double value, std::string_view what) {
     return finite(value, sensor.name + ": " + what.data());
   };
-  return {{"name", sensor.name},
-          {"model", b.model},
-          {"source", b.source},
-          {"vehicle_from_sensor", poseJson(sensor.vehicleFromSensor, sensor.name + ": vehicle_from_sensor")},
-          {"rings", b.rings},
-          {"columns", b.columns},
-          {"period", number(b.period, "period")},
-          {"clockwise", b.clockwise},
-          {"top_down", b.topDown},
-          {"min_range", number(b.minRange, "min_range")},
-          {"max_range", number(b.maxRange, "max_range")},
-          {"first_azimuth", number(b.firstAzimuth, "first_azimuth")},
-          {"field", number(b.field, "field")},
-          {"origin_offset", number(b.originOffset, "origin_offset")},
-          {"origin_height", number(b.originHeight, "origin_height")},
-          {"elevation", finiteList(b.elevation, sensor.name + ": elevation")},
-          {"azimuth_offset", finiteList(b.azimuthOffset, sensor.name + ": azimuth_offset")},
-          {"firing_offset", finiteList(b.firingOffset, sensor.name + ": firing_offset")}};
+  OrderedJson json{{"name", sensor.name},
+                   {"model", b.model},
+                   {"source", b.source},
+                   {"vehicle_from_sensor", poseJson(sensor.vehicleFromSensor, sensor.name + ": vehicle_from_sensor")},
+                   {"rings", b.rings},
+                   {"columns", b.columns},
+                   {"period", number(b.period, "period")},
+                   {"clockwise", b.clockwise},
+                   {"top_down", b.topDown},
+                   {"min_range", number(b.minRange, "min_range")},
+                   {"max_range", number(b.maxRange, "max_range")},
+                   {"first_azimuth", number(b.firstAzimuth, "first_azimuth")},
+                   {"field", number(b.field, "field")},
+                   {"origin_offset", number(b.originOffset, "origin_offset")},
+                   {"origin_height", number(b.originHeight, "origin_height")},
+                   {"elevation", finiteList(b.elevation, sensor.name + ": elevation")},
+                   {"azimuth_offset", finiteList(b.azimuthOffset, sensor.name + ": azimuth_offset")},
+                   {"firing_offset", finiteList(b.firingOffset, sensor.name + ": firing_offset")}};
+  if (!b.originLeft.empty()) json["origin_left"] = finiteList(b.originLeft, sensor.name + ": origin_left");
+  if (!b.originUp.empty()) json["origin_up"] = finiteList(b.originUp, sensor.name + ": origin_up");
+  return json;
 }
 
 template <class Records, class Make>

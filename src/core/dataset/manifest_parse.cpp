@@ -21,7 +21,8 @@ namespace {
 SensorRecord sensorOf(const JsonNode& node) {
   node.keys({"name", "model", "source", "vehicle_from_sensor", "rings", "columns", "period", "clockwise", "top_down",
              "min_range", "max_range", "first_azimuth", "field", "origin_offset", "origin_height", "elevation",
-             "azimuth_offset", "firing_offset"});
+             "azimuth_offset", "firing_offset"},
+            {"origin_left", "origin_up"});
   SensorRecord sensor;
   sensor.name = node["name"].text();
   sensor.vehicleFromSensor = poseOf(node["vehicle_from_sensor"]);
@@ -42,6 +43,8 @@ SensorRecord sensorOf(const JsonNode& node) {
   b.elevation = node["elevation"].numbers(b.rings);
   b.azimuthOffset = node["azimuth_offset"].numbers(b.rings);
   b.firingOffset = node["firing_offset"].numbers(b.rings);
+  if (node.has("origin_left")) b.originLeft = node["origin_left"].numbers(b.rings);
+  if (node.has("origin_up")) b.originUp = node["origin_up"].numbers(b.rings);
   return sensor;
 }
 

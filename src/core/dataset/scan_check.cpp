@@ -103,8 +103,13 @@ class ScanCheck {
   }
 
   void checkPositions() {
+    const auto most = [](const std::vector<double>& offsets) {
+      double largest = 0;
+      for (const double offset : offsets) largest = std::max(largest, std::abs(offset));
+      return largest;
+    };
     const double reach = kNoiseReach * beams_->maxRange + std::hypot(beams_->originOffset, beams_->originHeight) +
-                         egoMotion(record_) + maxError_;
+                         std::hypot(most(beams_->originLeft), most(beams_->originUp)) + egoMotion(record_) + maxError_;
     Rule finite("not finite");
     Rule near(fmt::format("farther than {:.6g} m, the sensor's reach", reach));
     std::uint64_t points = 0;

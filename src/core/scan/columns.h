@@ -235,6 +235,17 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .low = 0,
      .high = 1,
      .display = {.decimals = 3, .scaleOfValidity = true}},
+    {.name = "power",
+     .type = ColumnType::Float32,
+     .unit = "",
+     .meaning =
+         "power that arrives, whatever the sensor makes of it: 1 is a white target, met head-on, at the reference "
+         "range of the effect `intensity`",
+     .none = 0,
+     .origin = ColumnOrigin::Return,
+     .byDefault = false,
+     .validity = ColumnValidity::Finite,
+     .display = {.decimals = 4, .scalePower = 2, .scaleClipped = 0.01}},
 });
 
 inline constexpr std::size_t kColumnCount = kColumns.size();
@@ -286,6 +297,7 @@ inline constexpr ColumnKey<columnIndex("range_true")> kRangeTrue;
 inline constexpr ColumnKey<columnIndex("incidence")> kIncidence;
 inline constexpr ColumnKey<columnIndex("return")> kReturn;
 inline constexpr ColumnKey<columnIndex("cause")> kCause;
+inline constexpr ColumnKey<columnIndex("power")> kPower;
 
 // Calls visit(key) for every row of the table, in its order.
 template <class Visit>

@@ -99,4 +99,7 @@ struct SceneOptions {
 // Reads a scene file, such as those in scenes/, with all the files that it names. Throws InputError with the place.
 Scene readScene(const std::filesystem::path& path, const SceneOptions& options);
 
+// Reads no more of it than which ontology it names, and that. Throws InputError with the place.
+Ontology readSceneOntology(const std::filesystem::path& path);
+
 }  // namespace scanmill

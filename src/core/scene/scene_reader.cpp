@@ -270,6 +270,14 @@ class SceneReader {
 
 }  // namespace
 
+Ontology readSceneOntology(const std::filesystem::path& path) {
+  const Value root = readYaml(path);
+  expectKind(root, FileKind::Scene);
+  Fields f(root, "scene");
+  f.also({"name", "ontology", "materials", "assets", "rules", "objects"}).finish();
+  return readOntology(f.resource("ontology", "labels"));
+}
+
 Scene readScene(const std::filesystem::path& path, const SceneOptions& options) {
   const Value root = readYaml(path);
   expectKind(root, FileKind::Scene);

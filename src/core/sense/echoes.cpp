@@ -59,12 +59,22 @@ class EchoFinder {
     for (std::size_t first = 0; first < hits_.rays();) {
       const std::uint32_t beam = hits_.beamOfRay[rayAt(first)];
       parts_.clear();
+      float nearest = kMiss;
+      float farthest = 0;
       std::size_t i = first;
       for (; i < hits_.rays() && hits_.beamOfRay[rayAt(i)] == beam; ++i) {
         const std::uint32_t ray = rayAt(i);
-        if (hits_.hit(ray)) parts_.push_back({hits_.range[ray], ray, powerOf(ray)});
+        if (!hits_.hit(ray)) continue;
+        const float range = hits_.range[ray];
+        parts_.push_back({range, ray, powerOf(ray)});
+        nearest = std::min(nearest, range);
+        farthest = std::max(farthest, range);
       }
-      if (!parts_.empty()) addBeam(beam);
+      if (parts_.size() == 1 || (!parts_.empty() && pulse_ > 0 && farthest - nearest <= pulse_)) {
+        addEcho(beam, parts_);  // most beams: nothing has to be told apart
+      } else if (!parts_.empty()) {
+        addBeam(beam);
+      }
       first = i;
     }
     return std::move(echoes_);
@@ -95,11 +105,15 @@ class EchoFinder {
     for (std::size_t i = 1; i <= parts_.size(); ++i) {
       const bool joined = i < parts_.size() && pulse_ > 0 && parts_[i].range - parts_[i - 1].range <= pulse_;
       if (joined) continue;
-      echoes_.push_back(echoOf(beam, {parts_.data() + first, i - first}));
-      if (!hits_.pathOfRay.empty()) echoes_.back().cause = causeOf(hits_.pathOfRay[echoes_.back().hit]);
+      addEcho(beam, {parts_.data() + first, i - first});
       first = i;
     }
     keepStrongest(before);
+  }
+
+  void addEcho(std::uint32_t beam, std::span<const Part> parts) {
+    echoes_.push_back(echoOf(beam, parts));
+    if (!hits_.pathOfRay.empty()) echoes_.back().cause = causeOf(hits_.pathOfRay[echoes_.back().hit]);
   }
 
   void keepStrongest(std::size_t first) {
@@ -109,25 +123,28 @@ class EchoFinder {
     }
   }
 
+  // The parts are in any order where no two of them are farther apart than a pulse, else by range.
   Echo echoOf(std::uint32_t beam, std::span<const Part> parts) {
     Echo echo{beam, parts.front().ray, parts.front().range, static_cast<float>(parts.front().power)};
     if (parts.size() == 1) return echo;
-    double total = 0;
-    for (const Part& p : parts) total += p.power;
+    const auto [total, mean] = powerAndMean(parts);
     echo.power = static_cast<float>(total);
-    const double mean = meanRange(parts);
     double square = 0;
-    for (const Part& p : parts)
-      square +=
-          (total > 0 ? p.power / total : 1.0 / static_cast<double>(parts.size())) * (p.range - mean) * (p.range - mean);
-    echo.spread = static_cast<float>(std::sqrt(square));
-    echo.range = static_cast<float>(meanRange(strongestStretch(parts)));
+    for (const Part& p : parts) square += (total > 0 ? p.power : 1.0) * (p.range - mean) * (p.range - mean);
+    echo.spread = static_cast<float>(std::sqrt(square / (total > 0 ? total : static_cast<double>(parts.size()))));
+    const std::span<const Part> stretch = strongestStretch(parts);
+    echo.range = static_cast<float>(stretch.size() == parts.size() ? mean : powerAndMean(stretch).mean);
     label(parts, total, echo);
     return echo;
   }
 
+  struct PowerAndMean {
+    double power;
+    double mean;  // m, of the ranges by power
+  };
+
   // All are alike where none has power.
-  static double meanRange(std::span<const Part> parts) {
+  static PowerAndMean powerAndMean(std::span<const Part> parts) {
     const double first = parts.front().range;
     double total = 0;
     double sum = 0;
@@ -137,7 +154,7 @@ class EchoFinder {
       sum += p.power * (p.range - first);
       plain += p.range - first;
     }
-    return first + (total > 0 ? sum / total : plain / static_cast<double>(parts.size()));
+    return {total, first + (total > 0 ? sum / total : plain / static_cast<double>(parts.size()))};
   }
 
   std::span<const Part> strongestStretch(std::span<const Part> parts) const {
@@ -161,18 +178,23 @@ class EchoFinder {
 
   void label(std::span<const Part> parts, double total, Echo& echo) {
     const bool classes = hits_.channels.has(Channel::Semantic);
-    ClassPowers::Entry most;
-    if (classes) {
+    const std::uint16_t first = classes ? hits_.semantic[parts.front().ray] : std::uint16_t{0};
+    const bool mixed = classes && std::any_of(parts.begin(), parts.end(),
+                                              [&](const Part& p) { return hits_.semantic[p.ray] != first; });
+    std::uint16_t most = first;
+    if (mixed) {
       powers_.clear();
       for (const Part& p : parts) powers_.add(hits_.semantic[p.ray], p.power);
-      most = powers_.strongest(nullptr);
-      const ClassPowers::Entry next = powers_.strongest(&most);
-      echo.label2 = next.label;
-      echo.share = static_cast<float>(total > 0 ? most.power / total : 1);
+      const ClassPowers::Entry strongest = powers_.strongest(nullptr);
+      most = strongest.label;
+      echo.label2 = powers_.strongest(&strongest).label;
+      echo.share = static_cast<float>(total > 0 ? strongest.power / total : 1);
+    } else if (classes) {
+      echo.share = 1;
     }
     double strongest = -1;
     for (const Part& p : parts) {
-      if (classes && hits_.semantic[p.ray] != most.label) continue;
+      if (mixed && hits_.semantic[p.ray] != most) continue;
       if (p.power > strongest || (p.power == strongest && p.ray < echo.hit)) {
         strongest = p.power;
         echo.hit = p.ray;

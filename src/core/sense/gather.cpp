@@ -159,7 +159,8 @@ class Gathering {
     constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
     fit(scan_.position, true, Vec3f{kNaN, kNaN, kNaN});
     visitTable(scan_, [&]<class T>(auto key, std::vector<T>& values) {
-      const bool known = key.index != kIntensity.index || !returns_.intensity.empty();
+      const bool known = (key.index != kIntensity.index || !returns_.intensity.empty()) &&
+                         (key.index != kPower.index || !returns_.power.empty());
       fit(values, layout_.columns.has(key) && known, static_cast<T>(key.row.none));
     });
   }
@@ -320,6 +321,8 @@ class Gathering {
       put(values, [&](std::size_t m) { return returns_.label2.empty() ? T{0} : returns_.label2[moves_.row[m]]; });
     } else if constexpr (name == "share") {
       put(values, [&](std::size_t m) { return returns_.share.empty() ? T{1} : returns_.share[moves_.row[m]]; });
+    } else if constexpr (name == "power") {
+      copy(returns_.power, moves_.row, values);
     } else if constexpr (name == "azimuth") {
       putHits(key, values, [&](std::uint32_t hit) {
         const Vec3d p = placeOf(hit);

@@ -31,27 +31,27 @@ void Returns::tellReasons() {
   noteLost(Reason::None);
 }
 
-void Returns::noteLost(Reason reason) {
+template <class ReasonOf>
+void Returns::noteRemoved(const ReasonOf& reasonOf) {
   if (!tellsReasons_) return;
   lost_.resize(size(), Reason::None);
   present_.resize(size(), true);
   for (std::size_t row = 0; row < size(); ++row) {
     if (returned(row) || !present_[row]) continue;
     present_[row] = false;
-    lost_[row] = reason;
+    lost_[row] = reasonOf(row);
   }
 }
 
+void Returns::noteLost(Reason reason) {
+  noteRemoved([&](std::size_t) { return reason; });
+}
+
 void Returns::noteFaint(std::span<const float> measured, float least) {
-  if (!tellsReasons_) return;
-  lost_.resize(size(), Reason::None);
-  present_.resize(size(), true);
-  for (std::size_t row = 0; row < size(); ++row) {
-    if (returned(row) || !present_[row]) continue;
-    present_[row] = false;
+  noteRemoved([&](std::size_t row) {
     const bool foundInClearAir = row < air.size() && measured[row] >= least * air[row];
-    lost_[row] = foundInClearAir ? Reason::LostInAir : Reason::TooFaint;
-  }
+    return foundInClearAir ? Reason::LostInAir : Reason::TooFaint;
+  });
 }
 
 void Returns::start(const Hits& hits) {
@@ -66,6 +66,11 @@ void Returns::start(std::span<const Echo> echoes, bool powered) {
   clear();
   onePerBeam_ = false;
   powerOfEchoes = powered;
+  number_.reserve(echoes.size());
+  cause_.reserve(echoes.size());
+  for (auto* column : {&beam_, &hit_}) column->reserve(echoes.size());
+  for (auto* column : {&range, &spread, &share}) column->reserve(echoes.size());
+  label2.reserve(echoes.size());
   for (const Echo& echo : echoes) {
     const bool further = !beam_.empty() && beam_.back() == echo.beam;
     number_.push_back(static_cast<std::uint8_t>(further ? number_.back() + 1 : 0));

@@ -93,6 +93,8 @@ class Returns {
 
  private:
   void clear();
+  template <class ReasonOf>
+  void noteRemoved(const ReasonOf& reasonOf);
   void makeIndices(const Hits& hits);
 
   bool onePerBeam_ = true;

@@ -37,6 +37,8 @@ struct BeamTable {
   std::vector<double> firingOffset;   // s, per ring
   double originOffset = 0;            // m, beam origin to the axis of rotation, along the beam's azimuth
   double originHeight = 0;            // m, beam origin above the sensor frame's origin
+  std::vector<double> originLeft;     // m, per ring, further offsets of the origin: square to the beam, to its left
+  std::vector<double> originUp;       // and square to both, upwards; each empty where all are zero
   bool topDown = false;               // ring 0 is the highest beam
 
   // The beam's width, across (in azimuth) and up (in elevation): that at the exit plus the angle times the range. A

@@ -8,6 +8,7 @@
 
 #include "config/fields.h"
 #include "config/file_kind.h"
+#include "sensors/calibration.h"
 
 namespace scanmill {
 
@@ -26,9 +27,27 @@ double readCount(const Value& value, std::string_view what) {
 }
 
 Fields& alsoSensorKeys(Fields& fields) {
-  return fields.also({"model", "source", "columns", "rate_hz", "direction", "first_azimuth_deg", "field_deg",
-                      "elevation_deg", "ring_order", "azimuth_offset_deg", "origin_offset_m", "origin_height_m",
-                      "firing_time_us", "range_m", "divergence_mrad", "exit_width_mm", "beam_shape", "pulse_ns",
+  return fields.also({"model",
+                      "source",
+                      "columns",
+                      "rate_hz",
+                      "direction",
+                      "first_azimuth_deg",
+                      "field_deg",
+                      "calibration",
+                      "elevation_deg",
+                      "ring_order",
+                      "azimuth_offset_deg",
+                      "origin_offset_m",
+                      "origin_height_m",
+                      "origin_left_m",
+                      "origin_up_m",
+                      "firing_time_us",
+                      "range_m",
+                      "divergence_mrad",
+                      "exit_width_mm",
+                      "beam_shape",
+                      "pulse_ns",
                       "effects"});
 }
 
@@ -123,6 +142,21 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
   return times;
 }
 
+// Per ring, metres; one figure is all rings'. Empty where all are zero.
+std::vector<double> readOrigins(Fields& fields, std::string_view key, std::uint32_t rings) {
+  const Value* value = fields.find(key);
+  if (value == nullptr) return {};
+  std::vector<double> origins = value->kind == Value::Kind::Sequence
+                                    ? readNumbers(*value, std::string(key), {-10, 10})
+                                    : std::vector<double>(rings, fields.number(key, {-10, 10}));
+  if (origins.size() != rings) {
+    throw InputError(value->where,
+                     fmt::format("{} has {} entries for {} rings: it needs one per ring", key, origins.size(), rings));
+  }
+  if (std::all_of(origins.begin(), origins.end(), [](double o) { return o == 0; })) origins.clear();
+  return origins;
+}
+
 std::vector<double> scaled(std::vector<double> values, double factor) {
   for (double& value : values) value *= factor;
   return values;
@@ -175,9 +209,9 @@ Value resolveSensor(const Value& value) {
     expectKind(file, FileKind::Sensor);
     Fields keys(file, "sensor preset");
     alsoSensorKeys(keys).finish();
-    merged.entries = file.entries;
+    merged.entries = withCalibration(file).entries;
   }
-  for (const auto& entry : value.entries) {
+  for (const auto& entry : withCalibration(value).entries) {
     if (entry.key == "name" || entry.key == "preset" || entry.key == "mount") continue;
     const auto old = std::find_if(merged.entries.begin(), merged.entries.end(),
                                   [&](const auto& other) { return other.key == entry.key; });
@@ -190,7 +224,8 @@ Value resolveSensor(const Value& value) {
   return merged;
 }
 
-SensorSize sensorSize(const Value& value) {
+SensorSize sensorSize(const Value& description) {
+  const Value value = withCalibration(description);
   Fields fields(value, "sensor");
   alsoSensorKeys(fields).finish();
   const Value& columnValue = fields.require("columns");
@@ -215,8 +250,9 @@ SensorSize sensorSize(const Value& value) {
   return {static_cast<std::uint64_t>(rings), static_cast<std::uint64_t>(columns)};
 }
 
-std::shared_ptr<const BeamTable> makeBeams(const Value& value) {
-  const SensorSize size = sensorSize(value);
+std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
+  const SensorSize size = sensorSize(description);
+  const Value value = withCalibration(description);
   auto table = std::make_shared<BeamTable>();
   table->rings = static_cast<std::uint32_t>(size.rings);
   table->columns = static_cast<std::uint32_t>(size.columns);
@@ -246,6 +282,8 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& value) {
   table->firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), *table), 1e-6);
   table->originOffset = fields.number("origin_offset_m", {0, 10}, 0);
   table->originHeight = fields.number("origin_height_m", {-10, 10}, 0);
+  table->originLeft = readOrigins(fields, "origin_left_m", table->rings);
+  table->originUp = readOrigins(fields, "origin_up_m", table->rings);
   readRange(fields, *table);
   readBeamShape(fields, *table);
 

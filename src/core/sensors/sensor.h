@@ -14,6 +14,9 @@
 //   azimuth_offset_deg: [4.2, ...]     # counter-clockwise, one per ring or a pattern that repeats (default 0)
 //   origin_offset_m: 0.0158            # beam origin to the axis of rotation, towards the head's azimuth (default 0)
 //   origin_height_m: 0.036             # beam origin above the sensor's own origin (default 0)
+//   origin_left_m: [0.026, ...]        # beam origin beside that, to the left of the beam: one per ring or one for all
+//   origin_up_m: [0.195, ...]          # and square to the beam, upwards, likewise
+//   calibration: 64e_s2.yaml           # in place of elevations, azimuth offsets and these two: see calibration.h
 //   firing_time_us: [0, 2.3, ...]      # within a column, one per ring, or {step_us: 2.3} from ring to ring (default 0)
 //   range_m: [0.5, 120]                # nearest and farthest report
 //   divergence_mrad: [3, 1.5]          # full angle of the beam, across and up, or one figure (default 0); of a
@@ -48,7 +51,7 @@ Value resolveSensor(const Value& value);
 
 // Read a sensor map, be it a file of its own or part of a pipeline. There may be 1 to 4096 rings and 1 to 65536
 // columns. Throw InputError with the place.
-SensorSize sensorSize(const Value& value);
-std::shared_ptr<const BeamTable> makeBeams(const Value& value);
+SensorSize sensorSize(const Value& description);
+std::shared_ptr<const BeamTable> makeBeams(const Value& description);
 
 }  // namespace scanmill

@@ -236,6 +236,17 @@ TEST(SetValue, ReplacesAndCreates) {
   EXPECT_EQ(root.entries.size(), 3u);
 }
 
+TEST(SetValue, NullTakesAnItemOutOfItsList) {
+  Value root = parseYaml("a: [x, {b: 1}, z]\n", "x.yaml");
+  setValue(root, "a.1=null");
+  ASSERT_EQ(root.find("a")->items.size(), 2u);
+  EXPECT_EQ(root.find("a")->items[1].text, "z");
+  setValue(root, "a.0=null");
+  setValue(root, "a.0=null");
+  EXPECT_TRUE(root.find("a")->items.empty());
+  EXPECT_THROW(setValue(root, "a.0=null"), InputError);
+}
+
 TEST(SetValue, WorksOnAnEmptyFileAndOnEmptyValues) {
   Value root = parseYaml("", "x.yaml");
   setValue(root, "a.b=true");

@@ -42,6 +42,8 @@ inline BeamTable testBeams(std::uint32_t rings, std::uint32_t columns) {
     beams.elevation.push_back(radians(10.0 - 1.0 / 3 * ring));
     beams.azimuthOffset.push_back(radians(ring % 2 ? 0.7 : -0.7));
     beams.firingOffset.push_back(1e-6 * ring);
+    beams.originLeft.push_back(ring % 2 ? 0.026 : -0.026);
+    beams.originUp.push_back(0.2 - 0.001 * ring);
   }
   fillBeams(beams);
   return beams;

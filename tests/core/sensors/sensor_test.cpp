@@ -157,8 +157,25 @@ TEST(Beams, OriginsFollowTheHeadNotTheRingsOffset) {
   }
 }
 
+// Square to the beam: its own offsets move it sideways, so that the origin stays where the beam passes nearest to.
+TEST(Beams, OwnOriginsLieSquareToTheBeam) {
+  const auto beams = uniform(2, 8, "azimuth_offset_deg: [10, -10], origin_left_m: [0.02, -0.03], origin_up_m: 0.2");
+  ASSERT_EQ(beams->origin.size(), beams->size());
+  for (std::size_t beam = 0; beam < beams->size(); ++beam) {
+    const Vec3d origin(beams->origin[beam]);
+    const Vec3d direction = beams->direction[beam];
+    const Vec3d left = normalized(Vec3d{-direction.y, direction.x, 0});
+    EXPECT_NEAR(dot(origin, direction), 0, 1e-8);
+    EXPECT_NEAR(dot(origin, left), beam < 8 ? 0.02 : -0.03, 1e-8);
+    EXPECT_NEAR(dot(origin, cross(direction, left)), 0.2, 1e-7);
+  }
+  EXPECT_TRUE(uniform(2, 8, "origin_left_m: [0, 0], origin_up_m: 0")->origin.empty());
+}
+
 TEST(Beams, CompactDescriptionMakesTheSameTables) {
-  const auto beams = uniform(6, 50, "field_deg: 200, origin_offset_m: 0.1, firing_time_us: {step_us: 3}");
+  const auto beams = uniform(6, 50,
+                             "field_deg: 200, origin_offset_m: 0.1, firing_time_us: {step_us: 3}, origin_up_m: 0.1, "
+                             "origin_left_m: [0.1, 0.2, 0, 0, -0.1, 0]");
   BeamTable copy = *beams;
   copy.direction.clear();
   copy.origin.clear();
@@ -262,6 +279,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadSensor{"azimuth_offset_deg: [1, 2, 3, 4, 5, 6, 7, 8]", "has 8 entries"},
         BadSensor{"azimuth_offset_deg: [200]", "azimuth_offset_deg"},
         BadSensor{"origin_offset_m: -1", "origin_offset_m"}, BadSensor{"origin_height_m: 1e3", "origin_height_m"},
+        BadSensor{"origin_left_m: [1, 2, 3, 4, 5, 6, 7]", "origin_left_m has 7 entries"},
+        BadSensor{"origin_up_m: 20", "origin_up_m"},
         BadSensor{"firing_time_us: [0, 1, 2]", "has 3 entries for 4 rings"},
         BadSensor{"firing_time_us: [0, 1, 2, -3]", "firing_time_us"},
         BadSensor{"firing_time_us: {step_us: 400}", "a column lasts 1000 us"},

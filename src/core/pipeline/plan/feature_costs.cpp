@@ -9,11 +9,14 @@
 
 #include "base/parallel.h"
 #include "base/stage_clock.h"
+#include "base/wall_timer.h"
 #include "pipeline/run/run_shot.h"
 
 namespace scanmill {
 
 namespace {
+
+constexpr int kFewestRounds = 4;
 
 double leastOf(const std::vector<double>& values) {
   return *std::min_element(values.begin(), values.end());
@@ -128,7 +131,7 @@ class Features {
     addAlpha();
   }
 
-  FeatureCosts measure(int repeats) {
+  FeatureCosts measure(const FeatureEffort& effort) {
     const Sequence& sequence = whole_.plan->pipeline().sequences.front();
     const std::uint32_t frame = sequence.frames / 2;
     std::vector<Variant*> all{&whole_, &again_};
@@ -137,11 +140,17 @@ class Features {
       for (const Shot& shot : v->plan->shots(0, frame)) v->method->prepare(shot);
     }
     // In turn, so that what else the machine does falls on all alike; the first round warms up.
-    for (int i = 0; i <= repeats; ++i) {
+    int rounds = effort.rounds;
+    for (int i = 0; i <= rounds; ++i) {
+      if (effort.begun) effort.begun(i, rounds);
+      const WallTimer timer;
       for (Variant* v : all) {
         runOnce(*v, frame);
         if (i == 0) v->trace.clear(), v->effects.clear(), v->encode.clear();
       }
+      if (i > 0) continue;
+      const double fitting = std::min(effort.seconds / timer.seconds(), 1e6);
+      rounds = std::min(rounds, std::max(kFewestRounds, static_cast<int>(fitting)));
     }
     FeatureCosts costs;
     costs.frame = sequence.key(frame);
@@ -203,7 +212,7 @@ class Features {
   // The intensity goes with its effect.
   void addColumns() {
     for (std::size_t c = 0; c < kColumnCount; ++c) {
-      if (c == kIntensity.index) continue;
+      if (c == kIntensity.index || (c == kPower.index && !setsIntensity(whole_.plan->pipeline()))) continue;
       const bool present = whole_.plan->pipeline().layout.columns.has(c);
       add(fmt::format("column {}", kColumns[c].name), present,
           [&](Pipeline& p) { present ? p.layout.columns.remove(c) : p.layout.columns.add(c); });
@@ -250,8 +259,8 @@ class Features {
 
 }  // namespace
 
-FeatureCosts measureFeatures(const std::function<Pipeline()>& reread, int repeats) {
-  return Features(reread).measure(repeats);
+FeatureCosts measureFeatures(const std::function<Pipeline()>& reread, const FeatureEffort& effort) {
+  return Features(reread).measure(effort);
 }
 
 }  // namespace scanmill

@@ -35,9 +35,14 @@ struct FeatureCosts {
   std::vector<FeatureCost> features;
 };
 
+struct FeatureEffort {
+  int rounds = 14;         // in which each variant is measured once, at most
+  double seconds = 1e300;  // that they should take: slow frames have fewer rounds, at least four
+  std::function<void(int round, int of)> begun{};  // called before each round; the first warms up
+};
+
 // `reread` gives the pipeline that `plan` is of, again and again. Takes the middle frame of the first sequence, each
-// variant `repeats` times in turn, and the least time of each stage. The pipeline needs scenes and a method, not a
-// recording or `auto`.
-FeatureCosts measureFeatures(const std::function<Pipeline()>& reread, int repeats);
+// variant in turn, and the least time of each stage. The pipeline needs scenes and a method, not a recording or `auto`.
+FeatureCosts measureFeatures(const std::function<Pipeline()>& reread, const FeatureEffort& effort);
 
 }  // namespace scanmill

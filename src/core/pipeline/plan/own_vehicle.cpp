@@ -19,6 +19,12 @@ Hits traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose& vehic
   return hits;
 }
 
+double blockedShare(const Hits& vehicle) {
+  std::uint64_t blocked = 0;
+  for (std::size_t ray = 0; ray < vehicle.rays(); ++ray) blocked += vehicle.hit(ray) ? 1 : 0;
+  return static_cast<double>(blocked) / static_cast<double>(vehicle.rays());
+}
+
 void blockByVehicle(const Hits& vehicle, double minRange, Hits& hits) {
   hits.pathOfRay.assign(hits.rays(), RayPath::Direct);
   for (std::size_t ray = 0; ray < vehicle.rays(); ++ray) {

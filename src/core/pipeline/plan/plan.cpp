@@ -8,7 +8,6 @@
 #include <map>
 
 #include "base/parallel.h"
-#include "config/file_kind.h"
 #include "methods/light_paths.h"
 #include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/recorded_method.h"
@@ -72,11 +71,7 @@ void checkOntologies(const Pipeline& pipeline) {
   if (!pipeline.vehicle.empty()) files.push_back(pipeline.vehicle);
   for (const std::filesystem::path& file : files) {
     if (known.contains(file)) continue;
-    const Value scene = readYaml(file);
-    expectKind(scene, FileKind::Scene);
-    Fields fields(scene, "scene");
-    fields.also({"name", "materials", "assets", "rules", "objects"});
-    const Ontology ontology = readOntology(fields.resource("ontology", "labels"));
+    const Ontology ontology = readSceneOntology(file);
     if (!known.empty() && !sameClasses(ontology, known.begin()->second)) {
       throw InputError({pipeline.file.string()},
                        fmt::format("the scenes {} and {} have different classes: name one ontology for all with the "
@@ -206,14 +201,12 @@ void Plan::traceOwnVehicle() {
 
 std::string Plan::vehicleLine() const {
   if (vehicles_.empty()) return "own vehicle: left out (`vehicle: vehicle` puts a car of boxes under the sensors)";
-  std::uint64_t blocked = 0;
-  std::uint64_t all = 0;
-  for (const Hits& hits : vehicles_) {
-    all += hits.rays();
-    for (std::size_t ray = 0; ray < hits.rays(); ++ray) blocked += hits.hit(ray) ? 1 : 0;
+  std::string shares;
+  for (std::size_t s = 0; s < vehicles_.size(); ++s) {
+    const std::string of = vehicles_.size() > 1 ? fmt::format(" of '{}'", pipeline_.sensors[s].name) : "";
+    shares += fmt::format("{}{:.1f} % of the rays{}", s > 0 ? ", " : "", 100 * blockedShare(vehicles_[s]), of);
   }
-  return fmt::format("own vehicle: {}, in the way of {:.1f} % of the rays", pipeline_.vehicle.filename().string(),
-                     100.0 * static_cast<double>(blocked) / static_cast<double>(all));
+  return fmt::format("own vehicle: {}, in the way of {}", pipeline_.vehicle.filename().string(), shares);
 }
 
 Scene Plan::recordedScene(const Sequence& sequence) const {
@@ -352,6 +345,9 @@ std::vector<std::string> Plan::modelled() const {
   if (columns.has(kIntensity) && !setsIntensity(pipeline_)) {
     lines.emplace_back("intensity: left out, no effect sets it (add `effects: [intensity]`)");
   }
+  if (columns.has(kPower) && !setsIntensity(pipeline_)) {
+    lines.emplace_back("power: left out, no effect sets it (add `effects: [intensity]`)");
+  }
   if (!traced_.has(Channel::Reflectance)) {
     lines.emplace_back("reflectance textures: left out, nothing reads the reflectance; only alpha is loaded");
   }
@@ -381,7 +377,8 @@ std::size_t Plan::framesInFlight() const {
 }
 
 ColumnSet Plan::columns() const {
-  return setsIntensity(pipeline_) ? pipeline_.layout.columns : pipeline_.layout.columns.without(kIntensity);
+  const ColumnSet asked = pipeline_.layout.columns;
+  return setsIntensity(pipeline_) ? asked : asked.without(kIntensity).without(kPower);
 }
 
 }  // namespace scanmill

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "pipeline/plan/own_vehicle.h"
+
 namespace scanmill {
 
 namespace {
@@ -13,6 +15,7 @@ namespace {
 constexpr double kLargest = 5000;   // m
 constexpr double kSmallest = 1e-3;  // m
 constexpr std::size_t kMostLines = 5;
+constexpr double kMostBlocked = 0.5;
 
 // The longest edge of a placed mesh's own box, whichever way it is turned.
 double largestExtent(const Box& box, const Mat3& linear) {
@@ -62,6 +65,22 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
   const bool leaks = splits.size() > 1 && pipeline.splitsBySeed;
   return {fmt::format("scene {}: nothing in it is procedural, so its {} seeds give the same geometry{}", scene.name,
                       seeds.size(), leaks ? ", and `splits: {by: seed}` puts it into several splits: they leak" : "")};
+}
+
+std::vector<std::string> vehicleWarnings(const Plan& plan) {
+  std::vector<std::string> lines;
+  for (std::size_t s = 0; s < plan.beams().size(); ++s) {
+    if (plan.vehicle(s) == nullptr) continue;
+    const double share = blockedShare(*plan.vehicle(s));
+    if (share < kMostBlocked) continue;
+    const MountedSensor& sensor = plan.pipeline().sensors[s];
+    const Vec3d& at = sensor.vehicleFromSensor.translation;
+    lines.push_back(
+        fmt::format("the own vehicle is in the way of {:.0f} % of the rays of '{}', which is mounted at [{:g}, {:g}, "
+                    "{:g}] m: is it inside of it? See `scanmill info` of the vehicle's scene, and `mount`",
+                    100 * share, sensor.name, at.x, at.y, at.z));
+  }
+  return lines;
 }
 
 }  // namespace scanmill

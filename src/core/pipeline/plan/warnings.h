@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/read/pipeline.h"
+#include "pipeline/plan/plan.h"
 #include "scene/scene.h"
 
 namespace scanmill {
@@ -15,5 +15,8 @@ std::vector<std::string> sizeWarnings(const Scene& scene);
 
 // The seeds of a scene of which nothing follows from a seed: its sequences differ in nothing.
 std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& sequence, const Scene& scene);
+
+// Sensors that see little but their own vehicle: a line each.
+std::vector<std::string> vehicleWarnings(const Plan& plan);
 
 }  // namespace scanmill

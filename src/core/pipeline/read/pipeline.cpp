@@ -15,7 +15,7 @@
 //   vehicle: vehicle.yaml            # a scene in the vehicle's frame: what hides sectors of the lowest rings
 //   motion: none                     # none | per_column | {steps: 360, deskew: false}
 //   method: ray_tracing              # or {ray_tracing: {...}}, or auto: see docs/keys.md
-//   effects: [{intensity: {...}}, {range_noise: {...}}]   # the word sensor: those of each sensor's own file
+//   effects: [sensor, {footprint: {rays: 61}}]   # see pipeline/read/effects.h
 //   splits: {by: seed, train: 0.8, val: 0.1, test: 0.1}
 //   output:
 //     layout: dense                  # or organised
@@ -38,6 +38,7 @@
 #include "config/file_kind.h"
 #include "config/named_options.h"
 #include "dataset/split.h"
+#include "pipeline/read/effects.h"
 
 namespace scanmill {
 
@@ -212,144 +213,6 @@ std::vector<MountedSensor> readSensors(Fields& fields) {
   return sensors;
 }
 
-struct MadeEffect {
-  const EffectEntry* entry;
-  Location where;
-  std::unique_ptr<Effect> effect;
-};
-
-bool meansSensor(const Value& item) {
-  return item.kind == Value::Kind::Scalar && item.text == "sensor";
-}
-
-// Adds what the items name; `sensor` stands for the effects of the sensor's own file, which null refuses.
-void addEffects(const std::vector<Value>& items, const MountedSensor* sensor, std::vector<MadeEffect>& made) {
-  for (const Value& item : items) {
-    if (sensor != nullptr && meansSensor(item)) {
-      const Value* own = sensor->description.find("effects");
-      if (own == nullptr) {
-        throw InputError(item.where,
-                         fmt::format("the sensor '{}' has no effects of its own: measure them with `scanmill "
-                                     "fit-noise`, write `effects:` into its file, or name effects here",
-                                     sensor->name));
-      }
-      addEffects(own->items, nullptr, made);
-      continue;
-    }
-    const NamedOptions named = readNamed(item, "an effect");
-    const EffectEntry& entry = requireEffect(named.name, named.where);
-    const auto other = std::find_if(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &entry; });
-    if (other != made.end()) {
-      throw InputError(named.where,
-                       fmt::format("the effect '{}' stands twice, here and at {}:{}: both would draw the same random "
-                                   "numbers (to change one of a sensor's own, copy its list in place of `sensor`)",
-                                   named.name, other->where.file, other->where.line));
-    }
-    Fields options(named.options, "effect " + named.name);
-    options.alsoDescribed(entry.keys).finish();
-    made.push_back({&entry, named.where, entry.make(options)});
-  }
-}
-
-// Several echoes are chosen from: unless the list says how, the strongest is reported.
-void addDetection(std::vector<MadeEffect>& made) {
-  const EffectEntry& detection = requireEffect("detection", {});
-  const auto several =
-      std::find_if(made.begin(), made.end(), [](const MadeEffect& m) { return m.effect->mostReturns(1) > 1; });
-  const bool named = std::any_of(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &detection; });
-  if (several == made.end() || named) return;
-  const Value none;
-  Fields options(none, "effect detection");
-  made.push_back({&detection, several->where, detection.make(options)});
-}
-
-// They run in the order of their stages, whatever the order of the file.
-SensorEffects inOrder(std::vector<MadeEffect> made) {
-  addDetection(made);
-  std::stable_sort(made.begin(), made.end(),
-                   [](const MadeEffect& a, const MadeEffect& b) { return a.entry->stage < b.entry->stage; });
-  SensorEffects ordered;
-  bool intensity = false;
-  bool snr = false;
-  const bool lit = std::any_of(made.begin(), made.end(), [](const MadeEffect& m) { return m.effect->setsIntensity(); });
-  for (MadeEffect& m : made) {
-    if (m.effect->setsGain() && !lit) {
-      throw InputError(m.where, fmt::format("the effect '{}' changes the power, which nothing looks at: add the effect "
-                                            "`intensity`",
-                                            m.entry->name));
-    }
-    if (m.effect->needsIntensity() && !intensity) {
-      throw InputError(
-          m.where, fmt::format("the effect '{}' looks at the intensity: add the effect `intensity`", m.entry->name));
-    }
-    if (m.effect->setsIntensity() && intensity) {
-      throw InputError(m.where,
-                       fmt::format("the effect '{}' sets the intensity, as an earlier one does", m.entry->name));
-    }
-    if (m.effect->needsSnr() && !snr) {
-      throw InputError(m.where, fmt::format("the effect '{}' looks at the signal to noise ratio: add `detection: "
-                                            "{{noise: ...}}`",
-                                            m.entry->name));
-    }
-    intensity = intensity || m.effect->setsIntensity();
-    snr = snr || m.effect->setsSnr();
-    ordered.entries.push_back(m.entry);
-    ordered.effects.push_back(std::move(m.effect));
-  }
-  return ordered;
-}
-
-// The lists in the sensors' files are checked whether or not they are used.
-void checkSensorEffects(const Pipeline& pipeline) {
-  for (const MountedSensor& sensor : pipeline.sensors) {
-    const Value* own = sensor.description.find("effects");
-    if (own == nullptr) continue;
-    if (own->kind != Value::Kind::Sequence) {
-      throw InputError(own->where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
-    }
-    std::vector<MadeEffect> made;
-    addEffects(own->items, nullptr, made);
-  }
-}
-
-std::vector<Value> effectItems(const Value& list) {
-  if (list.kind == Value::Kind::Sequence) return list.items;
-  if (meansSensor(list)) return {list};
-  throw InputError(list.where,
-                   "effects must be a list such as [intensity]; for none write [], for each sensor's own `sensor`");
-}
-
-void readEffects(Fields& fields, Pipeline& pipeline) {
-  checkSensorEffects(pipeline);
-  const Value* list = fields.find("effects");
-  if (list == nullptr) return;
-  pipeline.effectItems = effectItems(*list);
-  const std::vector<Value>& items = pipeline.effectItems;
-  if (std::none_of(items.begin(), items.end(), meansSensor)) {
-    std::vector<MadeEffect> made;
-    addEffects(items, nullptr, made);
-    SensorEffects shared = inOrder(std::move(made));
-    pipeline.effects = std::move(shared.effects);
-    pipeline.effectEntries = std::move(shared.entries);
-    return;
-  }
-  std::vector<bool> lit;
-  for (MountedSensor& sensor : pipeline.sensors) {
-    std::vector<MadeEffect> made;
-    addEffects(items, &sensor, made);
-    auto own = std::make_shared<SensorEffects>(inOrder(std::move(made)));
-    lit.push_back(
-        std::any_of(own->effects.begin(), own->effects.end(), [](const auto& e) { return e->setsIntensity(); }));
-    if (lit.back() != lit.front()) {
-      throw InputError(list->where,
-                       fmt::format("of the sensors '{}' and '{}' only one has an intensity, but all scans of a dataset "
-                                   "have the same columns: add `intensity` to the effects of the other",
-                                   pipeline.sensors.front().name, sensor.name));
-    }
-    sensor.ownEffects = std::move(own);
-  }
-}
-
 void readOutput(const Value& value, Pipeline& pipeline) {
   Fields output(value, "output");
   output.also({"layout", "columns", "formats", "shard_mb", "reasons"}).finish();
@@ -382,12 +245,6 @@ void readOutput(const Value& value, Pipeline& pipeline) {
 }
 
 }  // namespace
-
-SensorEffects readSensorEffects(const Value& list, const MountedSensor& sensor) {
-  std::vector<MadeEffect> made;
-  addEffects(effectItems(list), &sensor, made);
-  return inOrder(std::move(made));
-}
 
 std::vector<std::uint32_t> Sequence::spreadFrames(std::uint32_t most) const {
   std::vector<std::uint32_t> spread;

@@ -36,9 +36,6 @@ struct MountedSensor {
   std::shared_ptr<SensorEffects> ownEffects;  // in place of the pipeline's, where that says `sensor`; else null
 };
 
-// `list` as the key `effects` of a pipeline; its item `sensor` stands for the sensor's own. Throws InputError.
-SensorEffects readSensorEffects(const Value& list, const MountedSensor& sensor);
-
 // One scene with one procedural seed, driven along one trajectory: the unit that splits never part.
 struct Sequence {
   std::string scene;  // name of the scene file without its suffix, made fit for a key

@@ -123,6 +123,7 @@ class DatasetRun {
       for (const Shot& shot : plan_.shots(s, 0)) account_ += method_->prepare(shot);
       addNew(sizeWarnings(*scene_), summary_.warnings);
       addNew(seedWarnings(pipeline_, sequence, *scene_), summary_.warnings);
+      addNew(vehicleWarnings(plan_), summary_.warnings);
     }
     if (!writer_) {
       // Only now: a scene or a method that cannot be used must not cost the dataset that --overwrite replaces.
@@ -142,7 +143,7 @@ class DatasetRun {
       writer_->add(made.sample);
     }
     for (const ScanRecord& record : made.sample.scans) {
-      summary_.rays += record.beams;
+      summary_.beams += record.beams;
       summary_.points += record.points;
       pointsOfSensor_[record.sensor] += record.points;
       for (const auto& [id, count] : record.pointsPerClass) summary_.pointsPerClass[id] += count;

@@ -26,7 +26,7 @@ struct GenerateOptions {
 struct GenerateSummary {
   Manifest manifest;
   double seconds = 0;
-  std::uint64_t rays = 0;
+  std::uint64_t beams = 0;
   std::uint64_t points = 0;
   std::uint64_t bytes = 0;
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;

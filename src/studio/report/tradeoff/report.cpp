@@ -181,11 +181,16 @@ std::string again(const Study& study) {
 
 std::string studyReport(const Study& study) {
   const bool any = !measuredSettings(study).empty();
+  const std::string alone = study.sensing.empty() ? ""
+                                                  : " Every beam is one ray that ends at the first surface, whatever "
+                                                    "the pipeline's effects: what footprint, glass and weather change "
+                                                    "stands further down.";
   std::vector<HtmlSection> sections;
   sections.push_back(
       {"advice", "Which setting to take",
        "Ratios hold on this scene, this sensor and this machine; errors are against ray tracing in double "
-       "precision, beam by beam.",
+       "precision, beam by beam." +
+           alone,
        recommendation(study)});
   sections.push_back(
       {"speed", "Speed against error",

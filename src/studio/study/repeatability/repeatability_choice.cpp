@@ -6,6 +6,7 @@
 
 #include "config/fields.h"
 #include "evaluate/auto/calibrate.h"
+#include "pipeline/read/effects.h"
 
 namespace scanmill {
 
@@ -34,7 +35,8 @@ std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) 
     level.name = fields.text("name");
     if (level.name.empty()) throw InputError(item.where, "a noise level's name is empty");
     const Value& effects = fields.require("effects");
-    for (const MountedSensor& sensor : pipeline.sensors) level.own.push_back(readSensorEffects(effects, sensor));
+    for (const MountedSensor& sensor : pipeline.sensors)
+      level.own.push_back(readSensorEffects(effects, pipeline, sensor));
     const bool twice =
         std::any_of(levels.begin(), levels.end(), [&](const NoiseLevel& l) { return l.name == level.name; });
     if (twice) throw InputError(item.where, fmt::format("two noise levels are named '{}'", level.name));

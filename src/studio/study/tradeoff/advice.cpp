@@ -167,7 +167,16 @@ class Adviser {
     return fmt::format("{} beams a second{}. {}.{} Set-up takes {}, memory {}.{}",
                        amountText(beamsPerSecond(study_, result(i))), speed.empty() ? "" : ", " + speed,
                        capitalised(accuracy(i)), awayText(i), secondsText(cost.setupSeconds),
-                       shortBytes(static_cast<double>(cost.memoryBytes)), judged(i));
+                       shortBytes(static_cast<double>(cost.memoryBytes)), judged(i) + refusedText(i));
+  }
+
+  std::string refusedText(std::size_t i) const {
+    const std::string& method = result(i).setting.method;
+    if (std::find(study_.refused.begin(), study_.refused.end(), method) == study_.refused.end()) return "";
+    return fmt::format(
+        " The pipeline refuses {} as it is: leave its effects footprint and light_paths out (`footprint: none` beside "
+        "`sensor`) to take it.",
+        method);
   }
 
   // In what `i` is worse than `other`: "ranges (p99 46 mm against 0)".

@@ -18,6 +18,8 @@ std::shared_ptr<const BeamTable> withRings(const BeamTable& beams, std::uint32_t
   for (std::uint32_t r = 0; r < rings; ++r) made->elevation.push_back(first + (last - first) * r / (rings - 1));
   made->azimuthOffset.assign(rings, 0.0);
   made->firingOffset.assign(rings, 0.0);
+  made->originLeft.clear();
+  made->originUp.clear();
   fillBeams(*made);
   return made;
 }

@@ -99,6 +99,14 @@ class StudyRun {
           fmt::format("{}: {}, {} x {} beams", pipeline.sensors[s].name, b.model, b.rings, b.columns));
     }
     study_.ontology = scene_.ontology;
+    for (const MethodEntry& entry : methods()) {
+      bool can = true;
+      for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
+        can = can && (pipeline.raysPerBeam(s) == 1 || entry.can.footprints) &&
+              (pipeline.lightPaths(s) == nullptr || entry.can.transmission);
+      }
+      if (!can) study_.refused.emplace_back(entry.name);
+    }
   }
 
   // As many frames as the budget seems to hold: a scan by each method's first setting tells.

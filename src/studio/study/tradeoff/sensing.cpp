@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "base/wall_timer.h"
 #include "config/named_options.h"
+#include "pipeline/read/effects.h"
 #include "pipeline/run/run_shot.h"
 
 namespace scanmill {
@@ -27,25 +28,10 @@ struct Variation {
   Changes changes;
 };
 
-// The items of the pipeline's list, those of the sensor's file in place of the word `sensor`.
-std::vector<Value> itemsOf(const Pipeline& pipeline, const MountedSensor& sensor) {
-  std::vector<Value> items;
-  for (const Value& item : pipeline.effectItems) {
-    const bool own = item.kind == Value::Kind::Scalar && item.text == "sensor";
-    const Value* list = own ? sensor.description.find("effects") : nullptr;
-    if (list != nullptr) {
-      items.insert(items.end(), list->items.begin(), list->items.end());
-    } else {
-      items.push_back(item);
-    }
-  }
-  return items;
-}
-
 SensorEffects changed(const Pipeline& pipeline, const MountedSensor& sensor, const Changes& changes) {
   Value list;
   list.kind = Value::Kind::Sequence;
-  for (const Value& item : itemsOf(pipeline, sensor)) {
+  for (const Value& item : sensorEffectItems(pipeline.effectItems, sensor)) {
     const std::string name = readNamed(item, "an effect").name;
     if (requireEffect(name, item.where).stage >= kFirstNoise) continue;
     const auto change = changes.find(name);
@@ -55,7 +41,7 @@ SensorEffects changed(const Pipeline& pipeline, const MountedSensor& sensor, con
       list.items.push_back(parseYaml(change->second, "study"));
     }
   }
-  return readSensorEffects(list, sensor);
+  return readSensorEffects(list, pipeline, sensor);
 }
 
 // How a sensor is scanned in one setting.
@@ -182,6 +168,7 @@ class SensingStudy {
       bare["footprint"] = bare["light_paths"] = "";
       list.push_back({"1 ray a beam, no glass, no mirrors", std::move(bare)});
     }
+    if (wide || paths) list.push_back({"as the pipeline is", {}});
     return list;
   }
 

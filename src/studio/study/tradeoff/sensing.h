@@ -37,9 +37,10 @@ constexpr std::uint32_t kTruePanes = 8;
 
 // Measures by ray tracing; the truth comes first and is compared with itself. Its beams have 127 rays where the
 // pipeline asks for a footprint, its rays pass 8 panes and 2 mirrors where that asks for light paths, and the weather
-// is the pipeline's. Every setting leaves one of these out, or takes less of it. Noise of ranges and angles is left out
-// of all, as is the own vehicle; what is drawn at random is the same in all. Empty where the pipeline asks for none of
-// the three. `stop` is asked between scans; true ends the study with an Error.
+// is the pipeline's. Every setting leaves one of these out, or takes less of it; the last one is the pipeline's own.
+// Noise of ranges and angles is left out of all, as is the own vehicle; what is drawn at random is the same in all.
+// Empty where the pipeline asks for none of the three. `stop` is asked between scans; true ends the study with an
+// Error.
 std::vector<SensingResult> measureSensing(const Plan& plan, const Scene& scene, std::span<const Shot> shots,
                                           const std::function<void(const std::string&)>& say,
                                           const std::function<bool()>& stop);

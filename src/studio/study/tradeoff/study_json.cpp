@@ -119,8 +119,8 @@ void describe(Archive& a, Study& s) {
       "pipeline_file", s.pipelineFile)("budget_given", s.budgetGiven)("pipeline_text", s.pipelineText)(
       "budget_s", s.budgetSeconds)("repeats", s.repeats)("seconds", s.seconds)("scene", s.scene)("sensors", s.sensors)(
       "shots", s.shots)("beams_per_shot", s.beamsPerShot)("ontology", s.ontology)("settings", s.settings)(
-      "common_stages_s", s.commonStages)("encodings", s.encodings)("sensing", s.sensing)("rings", s.rings)(
-      "showing", s.showing)("left", s.left)("pictures", s.pictures);
+      "common_stages_s", s.commonStages)("encodings", s.encodings)("sensing", s.sensing)("refused_methods", s.refused)(
+      "rings", s.rings)("showing", s.showing)("left", s.left)("pictures", s.pictures);
 }
 
 class JsonWriter {

@@ -16,7 +16,7 @@ using testing::StartsWith;
 class FeaturesOfYard : public Yard {
  protected:
   FeatureCosts costs(const std::vector<std::string>& overrides, int repeats = 1) const {
-    return measureFeatures([&] { return readPipeline(pipeline_, overrides); }, repeats);
+    return measureFeatures([&] { return readPipeline(pipeline_, overrides); }, {.rounds = repeats});
   }
 
   static std::vector<std::string> names(const FeatureCosts& costs, bool present) {

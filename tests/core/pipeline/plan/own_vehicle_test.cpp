@@ -1,5 +1,6 @@
 #include "pipeline/plan/own_vehicle.h"
 
+#include "pipeline/plan/warnings.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
@@ -56,6 +57,17 @@ TEST_F(OwnVehicle, BlocksAndReturns) {
     }
     EXPECT_GT(roof, 200u);
   }
+}
+
+TEST_F(OwnVehicle, IsWarnedOfWhereASensorSeesNothingElse) {
+  const auto warnings = [&](const std::string& sensors) {
+    return vehicleWarnings(Plan(readPipeline(pipeline_, with({"effects=[]", "sensors=[" + sensors + "]"}))));
+  };
+  const std::string inside =
+      std::string(kTop).replace(kTop.find("[0, 0, 1.8]"), 11, "[0, 0, 1.2]").replace(7, 3, "low");
+  EXPECT_THAT(warnings(kTop), testing::IsEmpty());
+  EXPECT_THAT(warnings(kTop + ", " + inside),
+              testing::ElementsAre(testing::AllOf(HasSubstr("100 %"), HasSubstr("'low'"), HasSubstr("[0, 0, 1.2]"))));
 }
 
 // What is nearer than the sensor reports is a gap, not a point.

@@ -55,6 +55,44 @@ TEST_F(SensorEffectsOf, AreTakenWhereThePipelineSaysSo) {
   EXPECT_THAT(names(both, 1), ElementsAre("intensity", "dropout"));
 }
 
+// A later item changes the keys that it names of the sensor's own, and `none` leaves that out.
+TEST_F(SensorEffectsOf, CanBeChangedOneByOne) {
+  const std::string own = "effects: [range_noise: {sigma_m: 0.1, sigma_per_m: 0.01}, quantize: {step_m: 0.5}]\n";
+  const auto scanned = [&](const std::string& effects, const std::string& list) {
+    const TemporaryFolder out;
+    GenerateOptions options;
+    options.folder = out.path() / "out";
+    options.quiet = true;
+    generate(Plan(pipeline(effects, list, list)), options);
+    return readFile(out.path() / "out/train/train-000000.tar");
+  };
+  const auto same = [&](const std::string& effects, const std::string& list) {
+    EXPECT_EQ(scanned(effects, own), scanned("effects: sensor\n", list)) << effects;
+  };
+  same("effects: [sensor, range_noise: {sigma_per_m: 0.02}]\n",
+       "effects: [range_noise: {sigma_m: 0.1, sigma_per_m: 0.02}, quantize: {step_m: 0.5}]\n");
+  same("effects: [range_noise: {sigma_per_m: null}, sensor]\n",
+       "effects: [range_noise: {sigma_m: 0.1}, quantize: {step_m: 0.5}]\n");
+  same("effects: [sensor, range_noise: none]\n", "effects: [quantize: {step_m: 0.5}]\n");
+  same("effects: [sensor, range_noise, intensity: none]\n", own);
+  EXPECT_NE(scanned("effects: sensor\n", own), scanned("effects: [sensor, quantize: {step_m: 0.4}]\n", own));
+  EXPECT_THAT(names(pipeline("effects: [sensor, range_noise: none]\n", own, own), 1), ElementsAre("quantize"));
+}
+
+// The key `label` is a class of the scenes' ontology, by its id or its name.
+TEST_F(SensorEffectsOf, NameTheirClass) {
+  const std::string wide = "divergence_mrad: 3\npulse_ns: 5\neffects: [intensity]\n";
+  const auto weather = [](const std::string& label) {
+    return "effects: [sensor, weather: {kind: fog, label: " + label + "}]\n";
+  };
+  for (const char* good : {"noise", "61", "0", "outlier"}) EXPECT_NO_THROW(pipeline(weather(good), wide, wide)) << good;
+  EXPECT_THAT(refusal(weather("nois"), wide, wide), AllOf(HasSubstr("yard.yaml:"), HasSubstr("'noise'")));
+  EXPECT_THAT(refusal(weather("99"), wide, wide),
+              AllOf(HasSubstr("yard.yaml:"), HasSubstr("label"), HasSubstr("has the id 99")));
+  EXPECT_THAT(refusal(weather("-1"), wide, wide), HasSubstr("yard.yaml:"));
+  EXPECT_THAT(refusal("", wide, "effects: [blooming: {label: 99}, intensity]\n"), HasSubstr("second.yaml:"));
+}
+
 TEST_F(SensorEffectsOf, AreLeftOutOtherwise) {
   const std::string noise = "effects: [range_noise: {sigma_m: 0.1}]\n";
   const Pipeline none = pipeline("", noise, noise);
@@ -96,8 +134,14 @@ TEST_F(SensorEffectsOf, AreRefusedWithAdvice) {
   const std::string noise = "effects: [range_noise: {sigma_m: 0.1}]\n";
   EXPECT_THAT(refusal("effects: sensor\n", noise, ""),
               AllOf(HasSubstr("yard.yaml:"), HasSubstr("'b'"), HasSubstr("fit-noise"), HasSubstr("name effects here")));
-  EXPECT_THAT(refusal("effects: [range_noise: {sigma_m: 1}, sensor]\n", noise, noise),
-              HasSubstr("'range_noise' stands twice"));
+  EXPECT_THAT(refusal("effects: [range_noise: {sigma_m: 1}, sensor, range_noise: {sigma_m: 2}]\n", noise, noise),
+              AllOf(HasSubstr("yard.yaml:"), HasSubstr("'range_noise' stands twice")));
+  EXPECT_THAT(refusal("effects: [sensor, sensor]\n", noise, noise), HasSubstr("`sensor` stands twice"));
+  EXPECT_THAT(refusal("effects: [sensor, range_nois: none]\n", noise, noise), HasSubstr("did you mean 'range_noise'"));
+  EXPECT_THAT(refusal("effects: [sensor, range_noise: 3]\n", noise, noise), HasSubstr("the keys to change"));
+  EXPECT_THAT(refusal("effects: [sensor, range_noise: {sigma: 3}]\n", noise, noise),
+              AllOf(HasSubstr("yard.yaml:"), HasSubstr("did you mean 'sigma_m'")));
+  EXPECT_THAT(refusal("effects: [range_noise: none]\n", noise, noise), HasSubstr("does not name `sensor`"));
   EXPECT_THAT(refusal("effects: sensor\n", "effects: [intensity]\n", noise),
               AllOf(HasSubstr("only one has an intensity"), HasSubstr("'b'")));
   EXPECT_THAT(refusal("effects: sensors\n", noise, noise), HasSubstr("`sensor`"));

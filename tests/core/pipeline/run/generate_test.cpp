@@ -90,7 +90,7 @@ TEST_F(GenerateTest, TheManifestTellsWhatWasMade) {
 
 TEST_F(GenerateTest, TheSummaryAddsUp) {
   const GenerateSummary s = run(everything());
-  EXPECT_EQ(s.rays, 12u * (8 * 64 + 3 * 100));
+  EXPECT_EQ(s.beams, 12u * (8 * 64 + 3 * 100));
   std::uint64_t points = 0;
   std::uint64_t bytes = 0;
   std::map<std::uint16_t, std::uint64_t> perClass;

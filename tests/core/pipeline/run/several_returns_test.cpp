@@ -172,7 +172,7 @@ TEST_F(SeveralReturns, AreCountedInTheManifest) {
       points += record.points;
     }
     EXPECT_EQ(summary.points, points);
-    EXPECT_EQ(summary.rays, 4u * kRings * kColumns);
+    EXPECT_EQ(summary.beams, 4u * kRings * kColumns);
   }
 }
 

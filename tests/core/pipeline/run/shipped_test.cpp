@@ -22,7 +22,7 @@ Manifest generateLabelled(const std::string& pipeline, const std::vector<std::st
   const GenerateSummary summary = generate(plan, options);
   const Verification verification = verifyDataset(options.folder);
   EXPECT_THAT(verification.problems, testing::IsEmpty());
-  EXPECT_GT(static_cast<double>(summary.points), 0.5 * static_cast<double>(summary.rays));
+  EXPECT_GT(static_cast<double>(summary.points), 0.5 * static_cast<double>(summary.beams));
   EXPECT_EQ(summary.pointsPerClass.count(0), 0u) << "unlabelled points";
   std::uint64_t labelled = 0;
   for (const auto& [id, count] : summary.pointsPerClass) {
@@ -55,10 +55,10 @@ TEST(Shipped, Quickstart) {
     for (const auto& [reason, count] : sample.scans.at(0).beamsPerReason) beams[reason] += count;
   }
   const auto share = [&](Reason reason) {
-    return static_cast<double>(beams[static_cast<std::uint8_t>(reason)]) / static_cast<double>(summary.rays);
+    return static_cast<double>(beams[static_cast<std::uint8_t>(reason)]) / static_cast<double>(summary.beams);
   };
   // Real scans of such a sensor: 87 to 89 % of the beams return, and the own vehicle hides a third of the lowest rings.
-  EXPECT_NEAR(static_cast<double>(summary.points) / static_cast<double>(summary.rays), 0.89, 0.06);
+  EXPECT_NEAR(static_cast<double>(summary.points) / static_cast<double>(summary.beams), 0.89, 0.06);
   EXPECT_GT(share(Reason::OwnVehicle) + share(Reason::BlockedByVehicle), 0.03);
   EXPECT_GT(share(Reason::ThroughGlass), 0.005);
   EXPECT_GT(share(Reason::TooFaint), 0.001);

@@ -250,6 +250,18 @@ TEST(Intensity, ReflectivityKnowsNeitherRangeNorAir) {
   }
 }
 
+// The column `power` is what arrives, whatever the model reports; without the effect there is none.
+TEST(Intensity, ThePowerIsWhatArrives) {
+  const World world = makeRaggedWorld(4, 16);
+  const ScanLayout layout{.columns = ColumnSet(kIntensity, kPower)};
+  const Scan power = senseOnce(world, {"intensity: {}"}, layout);
+  const Scan reflectivity = senseOnce(world, {"intensity: {model: reflectivity}"}, layout);
+  EXPECT_EQ(power[kPower], power[kIntensity]);
+  EXPECT_EQ(reflectivity[kPower], power[kPower]);
+  EXPECT_NE(reflectivity[kIntensity], power[kIntensity]);
+  EXPECT_TRUE(senseOnce(world, {}, layout)[kPower].empty());
+}
+
 // Velodyne, VLP-16 User Manual, section 6.1: 0 to 100 for 0 to 100 %, 101 to 255 for retroreflectors.
 TEST(Intensity, BytesOfReflectivityAreThoseOfTheManuals) {
   const auto byteOf = [](double reflectivity) {

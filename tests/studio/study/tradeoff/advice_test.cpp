@@ -40,6 +40,15 @@ TEST(Advice, EachNeedTakesTheFastestThatHolds) {
   EXPECT_THAT(camera, HasSubstr("26.2 M beams a second"));
 }
 
+// A method that cannot fire several rays a beam is no advice for a pipeline that asks for them, without a word.
+TEST(Advice, SaysWhatThePipelineRefuses) {
+  Study study = studyOf({{"ray_tracing", "", 10, 0, 1, 0}, {"depth_camera", "", 5, 0.015, 0.997, 1e-3}});
+  EXPECT_THAT(adviceFor(study, "centimetres").text, Not(HasSubstr("refuses")));
+  study.refused = {"depth_camera"};
+  EXPECT_THAT(adviceFor(study, "centimetres").text, HasSubstr("The pipeline refuses depth_camera as it is"));
+  EXPECT_THAT(adviceFor(study, "exact").text, Not(HasSubstr("refuses")));
+}
+
 TEST(Advice, WithinTheNoiseOfTimeDefaultsAreTaken) {
   EXPECT_EQ(
       adviceFor(studyOf({{"ray_tracing", "", 10, 0, 1, 0}, {"ray_tracing", "bvh=low", 9.8, 0, 1, 0}}), "every").setting,

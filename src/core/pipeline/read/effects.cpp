@@ -1,0 +1,288 @@
+#include "pipeline/read/effects.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "config/named_options.h"
+
+namespace scanmill {
+
+namespace {
+
+struct MadeEffect {
+  const EffectEntry* entry;
+  Location where;
+  std::unique_ptr<Effect> effect;
+};
+
+bool meansSensor(const Value& item) {
+  return item.kind == Value::Kind::Scalar && item.text == "sensor";
+}
+
+bool meansNone(const NamedOptions& item) {
+  return item.options.kind == Value::Kind::Scalar && item.options.text == "none";
+}
+
+// The classes of a pipeline's scenes, read once somebody asks.
+class Classes {
+ public:
+  explicit Classes(const Pipeline& pipeline) : pipeline_(pipeline) {}
+
+  // Null: a recording that has no ontology.
+  const Ontology* find() {
+    if (!read_) {
+      if (!pipeline_.ontology.empty()) {
+        ontology_ = readOntology(pipeline_.ontology);
+      } else if (pipeline_.recording != nullptr) {
+        if (!pipeline_.recording->ontology.classes.empty()) ontology_ = pipeline_.recording->ontology;
+      } else {
+        ontology_ = readSceneOntology(pipeline_.sequences.front().sceneFile);
+      }
+      read_ = true;
+    }
+    return ontology_ ? &*ontology_ : nullptr;
+  }
+
+ private:
+  const Pipeline& pipeline_;
+  bool read_ = false;
+  std::optional<Ontology> ontology_;
+};
+
+// Puts the id of a class in place of its name, and refuses an id that no class has.
+void resolveLabel(Value& label, Classes& classes) {
+  if (label.kind != Value::Kind::Scalar) return;
+  const Ontology* const ontology = classes.find();
+  const bool number =
+      !label.quoted && !label.text.empty() && label.text.find_first_not_of("0123456789") == std::string::npos;
+  if (!number) {
+    if (ontology == nullptr) throw InputError(label.where, "the recording has no classes: give `label` as a number");
+    label.text = std::to_string(ontology->require(label.text, label.where).id);
+    label.quoted = false;
+    return;
+  }
+  const std::int64_t id = readInteger(label, "label", 0, 65535);
+  if (ontology == nullptr || ontology->find(static_cast<std::uint16_t>(id)) != nullptr) return;
+  throw InputError(label.where,
+                   fmt::format("label: no class of the ontology '{}' has the id {}: take one of its ids or "
+                               "names, or 0 for none",
+                               ontology->name, id));
+}
+
+void resolveLabels(NamedOptions& named, const EffectEntry& entry, Classes& classes) {
+  if (entry.keys.find("label: ") == std::string_view::npos) return;
+  for (Value::Entry& option : named.options.entries) {
+    if (option.key == "label") resolveLabel(option.value, classes);
+  }
+}
+
+// Adds what the items name, which hold no word `sensor` any more.
+void addEffects(const std::vector<Value>& items, Classes& classes, std::vector<MadeEffect>& made) {
+  for (const Value& item : items) {
+    NamedOptions named = readNamed(item, "an effect");
+    const EffectEntry& entry = requireEffect(named.name, named.where);
+    const auto other = std::find_if(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &entry; });
+    if (other != made.end()) {
+      throw InputError(named.where,
+                       fmt::format("the effect '{}' stands twice, here and at {}:{}: both would draw the same random "
+                                   "numbers",
+                                   named.name, other->where.file, other->where.line));
+    }
+    if (meansNone(named)) {
+      throw InputError(named.options.where,
+                       fmt::format("`{}: none` leaves an effect of the sensor's own out, but the list does not name "
+                                   "`sensor`: remove the item",
+                                   named.name));
+    }
+    resolveLabels(named, entry, classes);
+    Fields options(named.options, "effect " + named.name);
+    options.alsoDescribed(entry.keys).finish();
+    made.push_back({&entry, named.where, entry.make(options)});
+  }
+}
+
+// The sensor's own item with the keys of another one in place of its own.
+Value merged(const NamedOptions& own, const NamedOptions& change) {
+  Value options = own.options;
+  options.where = change.options.where;
+  if (options.kind == Value::Kind::Null) options.kind = change.options.kind;
+  for (const Value::Entry& entry : change.options.entries) {
+    const auto old = std::find_if(options.entries.begin(), options.entries.end(),
+                                  [&](const Value::Entry& e) { return e.key == entry.key; });
+    if (old != options.entries.end()) {
+      old->value = entry.value;
+    } else {
+      options.entries.push_back(entry);
+    }
+  }
+  Value item;
+  item.kind = Value::Kind::Map;
+  item.where = change.where;
+  item.entries.push_back({own.name, std::move(options)});
+  return item;
+}
+
+// Several echoes are chosen from: unless the list says how, the strongest is reported.
+void addDetection(std::vector<MadeEffect>& made) {
+  const EffectEntry& detection = requireEffect("detection", {});
+  const auto several =
+      std::find_if(made.begin(), made.end(), [](const MadeEffect& m) { return m.effect->mostReturns(1) > 1; });
+  const bool named = std::any_of(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &detection; });
+  if (several == made.end() || named) return;
+  const Value none;
+  Fields options(none, "effect detection");
+  made.push_back({&detection, several->where, detection.make(options)});
+}
+
+// They run in the order of their stages, whatever the order of the file.
+SensorEffects inOrder(std::vector<MadeEffect> made) {
+  addDetection(made);
+  std::stable_sort(made.begin(), made.end(),
+                   [](const MadeEffect& a, const MadeEffect& b) { return a.entry->stage < b.entry->stage; });
+  SensorEffects ordered;
+  bool intensity = false;
+  bool snr = false;
+  const bool lit = std::any_of(made.begin(), made.end(), [](const MadeEffect& m) { return m.effect->setsIntensity(); });
+  for (MadeEffect& m : made) {
+    if (m.effect->setsGain() && !lit) {
+      throw InputError(m.where, fmt::format("the effect '{}' changes the power, which nothing looks at: add the effect "
+                                            "`intensity`",
+                                            m.entry->name));
+    }
+    if (m.effect->needsIntensity() && !intensity) {
+      throw InputError(
+          m.where, fmt::format("the effect '{}' looks at the intensity: add the effect `intensity`", m.entry->name));
+    }
+    if (m.effect->setsIntensity() && intensity) {
+      throw InputError(m.where,
+                       fmt::format("the effect '{}' sets the intensity, as an earlier one does", m.entry->name));
+    }
+    if (m.effect->needsSnr() && !snr) {
+      throw InputError(m.where, fmt::format("the effect '{}' looks at the signal to noise ratio: add `detection: "
+                                            "{{noise: ...}}`",
+                                            m.entry->name));
+    }
+    intensity = intensity || m.effect->setsIntensity();
+    snr = snr || m.effect->setsSnr();
+    ordered.entries.push_back(m.entry);
+    ordered.effects.push_back(std::move(m.effect));
+  }
+  return ordered;
+}
+
+void checkIsList(const Value& own) {
+  if (own.kind == Value::Kind::Sequence) return;
+  throw InputError(own.where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
+}
+
+// The lists in the sensors' files are checked whether or not they are used.
+void checkSensorEffects(const Pipeline& pipeline, Classes& classes) {
+  for (const MountedSensor& sensor : pipeline.sensors) {
+    const Value* own = sensor.description.find("effects");
+    if (own == nullptr) continue;
+    checkIsList(*own);
+    std::vector<MadeEffect> made;
+    addEffects(own->items, classes, made);
+  }
+}
+
+std::vector<Value> effectItems(const Value& list) {
+  if (list.kind == Value::Kind::Sequence) return list.items;
+  if (meansSensor(list)) return {list};
+  throw InputError(list.where,
+                   "effects must be a list such as [intensity]; for none write [], for each sensor's own `sensor`");
+}
+
+SensorEffects makeEffects(const std::vector<Value>& items, Classes& classes) {
+  std::vector<MadeEffect> made;
+  addEffects(items, classes, made);
+  return inOrder(std::move(made));
+}
+
+}  // namespace
+
+std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const MountedSensor& sensor) {
+  const auto word = std::find_if(items.begin(), items.end(), meansSensor);
+  if (word == items.end()) return items;
+  const Value* own = sensor.description.find("effects");
+  if (own == nullptr) {
+    throw InputError(word->where, fmt::format("the sensor '{}' has no effects of its own: measure them with `scanmill "
+                                              "fit-noise`, write `effects:` into its file, or name effects here",
+                                              sensor.name));
+  }
+  checkIsList(*own);
+  std::vector<Value> expanded = own->items;
+  const std::size_t owned = expanded.size();
+  std::vector<bool> changed(owned, false);
+  std::vector<bool> out(owned, false);
+  for (const Value& item : items) {
+    if (&item == &*word) continue;
+    if (meansSensor(item)) throw InputError(item.where, "the word `sensor` stands twice");
+    const NamedOptions change = readNamed(item, "an effect");
+    requireEffect(change.name, change.where);
+    std::size_t index = 0;
+    while (index < owned && readNamed(own->items[index], "an effect").name != change.name) ++index;
+    if (index == owned) {
+      if (!meansNone(change)) expanded.push_back(item);
+      continue;
+    }
+    if (changed[index]) {
+      throw InputError(change.where, fmt::format("the effect '{}' stands twice beside `sensor`", change.name));
+    }
+    changed[index] = true;
+    out[index] = meansNone(change);
+    if (out[index] || change.options.kind == Value::Kind::Null) continue;
+    if (change.options.kind != Value::Kind::Map) {
+      throw InputError(change.options.where,
+                       fmt::format("effect {}: give a map of the keys to change, or `none` to leave the sensor's own "
+                                   "out",
+                                   change.name));
+    }
+    expanded[index] = merged(readNamed(own->items[index], "an effect"), change);
+  }
+  for (std::size_t i = owned; i-- > 0;) {
+    if (out[i]) expanded.erase(expanded.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  return expanded;
+}
+
+SensorEffects readSensorEffects(const Value& list, const Pipeline& pipeline, const MountedSensor& sensor) {
+  Classes classes(pipeline);
+  return makeEffects(sensorEffectItems(effectItems(list), sensor), classes);
+}
+
+void readEffects(Fields& fields, Pipeline& pipeline) {
+  Classes classes(pipeline);
+  checkSensorEffects(pipeline, classes);
+  const Value* list = fields.find("effects");
+  if (list == nullptr) return;
+  pipeline.effectItems = effectItems(*list);
+  const std::vector<Value>& items = pipeline.effectItems;
+  if (std::none_of(items.begin(), items.end(), meansSensor)) {
+    SensorEffects shared = makeEffects(items, classes);
+    pipeline.effects = std::move(shared.effects);
+    pipeline.effectEntries = std::move(shared.entries);
+    return;
+  }
+  std::vector<bool> lit;
+  for (MountedSensor& sensor : pipeline.sensors) {
+    auto own = std::make_shared<SensorEffects>(makeEffects(sensorEffectItems(items, sensor), classes));
+    lit.push_back(
+        std::any_of(own->effects.begin(), own->effects.end(), [](const auto& e) { return e->setsIntensity(); }));
+    if (lit.back() != lit.front()) {
+      throw InputError(list->where,
+                       fmt::format("of the sensors '{}' and '{}' only one has an intensity, but all scans of a dataset "
+                                   "have the same columns: add `intensity` to the effects of the other",
+                                   pipeline.sensors.front().name, sensor.name));
+    }
+    sensor.ownEffects = std::move(own);
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,121 @@
+#include "sensors/calibration.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "config/fields.h"
+#include "sensors/sensor.h"
+#include "tests/support/message_of.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+struct Laser {
+  double vertical, rotation, up, left;
+};
+
+std::vector<Laser> lasersOf(const Value& file) {
+  std::vector<Laser> lasers;
+  for (const Value& item : file.find("lasers")->items) {
+    const auto figure = [&](const char* key) {
+      const Value* value = item.find(key);
+      return value == nullptr ? 0.0 : readNumber(*value, key);
+    };
+    lasers.push_back({figure("vert_correction"), figure("rot_correction"), figure("vert_offset_correction"),
+                      figure("horiz_offset_correction")});
+  }
+  return lasers;
+}
+
+// What velodyne_pointcloud makes of a distance: rawdata.cc, unpack(), with the head turned clockwise by an angle, in
+// the frame of ROS (x forward, y left).
+Vec3d driversPoint(const Laser& laser, double turned, double distance) {
+  const double rotation = turned - laser.rotation;
+  const double flat = distance * std::cos(laser.vertical) - laser.up * std::sin(laser.vertical);
+  const double x = flat * std::sin(rotation) - laser.left * std::cos(rotation);
+  const double y = flat * std::cos(rotation) + laser.left * std::sin(rotation);
+  const double z = distance * std::sin(laser.vertical) + laser.up * std::cos(laser.vertical);
+  return {y, -x, z};
+}
+
+void expectTheDriversBeams(const std::filesystem::path& file) {
+  const Value text = readYaml(file);
+  const auto beams = makeBeams(resolveSensor(parseYaml(
+      "{calibration: " + file.string() + ", columns: 90, rate_hz: 10, direction: clockwise, range_m: [0.9, 120]}",
+      "s.yaml")));
+  std::vector<Laser> lasers = lasersOf(text);
+  std::stable_sort(lasers.begin(), lasers.end(),
+                   [](const Laser& a, const Laser& b) { return a.vertical > b.vertical; });
+  ASSERT_EQ(beams->rings, lasers.size());
+  EXPECT_TRUE(beams->topDown);
+  for (std::uint32_t ring = 0; ring < beams->rings; ++ring) {
+    for (std::uint32_t column = 0; column < 90; column += 13) {
+      const std::size_t beam = std::size_t{ring} * 90 + column;
+      const Vec3d origin = beams->origin.empty() ? Vec3d{} : Vec3d(beams->origin[beam]);
+      const Vec3d ours = origin + beams->direction[beam] * 40.0;
+      EXPECT_LT(length(ours - driversPoint(lasers[ring], radians(4.0 * column), 40.0)), 1e-7) << ring;
+    }
+  }
+}
+
+TEST(Calibration, MakesTheBeamsOfTheDriver) {
+  const TemporaryFolder folder;
+  expectTheDriversBeams(
+      folder.write("unit.yaml",
+                   "distance_resolution: 0.002\nlasers:\n"
+                   "- {laser_id: 0, vert_correction: -0.15, rot_correction: -0.12, dist_correction: 1.5,\n"
+                   "   horiz_offset_correction: 0.026, vert_offset_correction: 0.195}\n"
+                   "- {laser_id: 1, vert_correction: 0.03, rot_correction: 0.07, vert_offset_correction: 0.21}\n"
+                   "- {laser_id: 2, vert_correction: -0.4, rot_correction: 0, horiz_offset_correction: -0.026}\n"));
+}
+
+TEST(Calibration, RealUnitsAreReadAsTheirDriverDoes) {
+  SKIP_WITHOUT_SHARED_DATA("sensors/velodyne");
+  for (const char* name :
+       {"64e_s2.1-sztaki.yaml", "64e_s3-xiesc.yaml", "64e_utexas.yaml", "32db.yaml", "VLP16db.yaml", "VLS128.yaml"}) {
+    SCOPED_TRACE(name);
+    expectTheDriversBeams(sharedData() / "sensors/velodyne" / name);
+  }
+}
+
+TEST(Calibration, StandsInPlaceOfThePresetsAngles) {
+  const TemporaryFolder folder;
+  folder.write("unit.yaml",
+               "lasers: [{vert_correction: 0.1, rot_correction: 0}, {vert_correction: -0.1, "
+               "rot_correction: 0.2}]\n");
+  folder.write("sensor.yaml", "columns: 10\nrate_hz: 5\nelevation_deg: [3, 2, 1]\nrange_m: [1, 50]\n");
+  const std::string file = folder.write("p.yaml", "{preset: sensor.yaml, calibration: unit.yaml}\n");
+  const auto beams = makeBeams(resolveSensor(readYaml(file)));
+  ASSERT_EQ(beams->rings, 2u);
+  EXPECT_NEAR(beams->elevation[1], -0.1, 1e-12);
+  EXPECT_NEAR(beams->azimuthOffset[1], 0.2, 1e-12);
+  EXPECT_TRUE(beams->origin.empty());
+}
+
+TEST(Calibration, RefusesWhatIsNone) {
+  const TemporaryFolder folder;
+  folder.write("none.yaml", "laser: []\n");
+  folder.write("half.yaml", "lasers: [{vert_correction: 0.1}]\n");
+  folder.write("wild.yaml", "lasers: [{vert_correction: 8, rot_correction: 0}]\n");
+  folder.write("good.yaml", "lasers: [{vert_correction: 0, rot_correction: 0}]\n");
+  const auto refusal = [&](const std::string& keys) {
+    const std::string file = folder.write("sensor.yaml", "{columns: 10, rate_hz: 5, range_m: [1, 50], " + keys + "}\n");
+    return messageOf([&] { makeBeams(readYaml(file)); });
+  };
+  EXPECT_THAT(refusal("calibration: none.yaml"), AllOf(HasSubstr("none.yaml:1"), HasSubstr("`lasers`")));
+  EXPECT_THAT(refusal("calibration: half.yaml"), AllOf(HasSubstr("half.yaml:1"), HasSubstr("rot_correction")));
+  EXPECT_THAT(refusal("calibration: wild.yaml"), AllOf(HasSubstr("wild.yaml:1"), HasSubstr("vert_correction")));
+  EXPECT_THAT(refusal("calibration: absent.yaml"), HasSubstr("absent.yaml"));
+  EXPECT_THAT(refusal("calibration: good.yaml, elevation_deg: [1]"),
+              AllOf(HasSubstr("sensor.yaml:1"), HasSubstr("`elevation_deg` follows from the `calibration`")));
+}
+
+}  // namespace
+}  // namespace scanmill
