@@ -302,7 +302,7 @@ void printYaml(const std::filesystem::path& file) {
   const Value value = readYaml(file);
   switch (fileKind(value)) {
     case FileKind::Pipeline: {
-      const std::vector<std::string> plan{file.string()};
+      const std::vector<std::string> plan{file.string(), "--quick"};
       runPlan(plan);
       return;
     }
@@ -320,7 +320,10 @@ void printYaml(const std::filesystem::path& file) {
   throw InputError(
       {file.string()},
       "is neither a scene (objects), a sensor (elevation_deg), a pipeline (sensors), an ontology (classes) "
-      "nor a material table (materials)");
+      "nor a material table (materials)" +
+          std::string(value.find("lasers") == nullptr ? ""
+                                                      : "; it looks like a unit's calibration: name it as "
+                                                        "`calibration` of a sensor"));
 }
 
 AssetOptions assetOptions(const Arguments& parsed) {

@@ -238,9 +238,8 @@ inline constexpr auto kColumns = std::to_array<Column>({
     {.name = "power",
      .type = ColumnType::Float32,
      .unit = "",
-     .meaning =
-         "power that arrives, whatever the sensor makes of it: 1 is a white target, met head-on, at the reference "
-         "range of the effect `intensity`",
+     .meaning = "power that the receiver measures, uncorrected, with the lasers' own gains and speckle: 1 is a white "
+                "target, met head-on, at the reference range of the effect `intensity`",
      .none = 0,
      .origin = ColumnOrigin::Return,
      .byDefault = false,

@@ -99,6 +99,10 @@ struct SceneOptions {
 // Reads a scene file, such as those in scenes/, with all the files that it names. Throws InputError with the place.
 Scene readScene(const std::filesystem::path& path, const SceneOptions& options);
 
+// The lane through the first town of a scene file with this seed, as places on the road's surface in the world's frame,
+// some metres apart. No geometry is made. Throws InputError with the place, also where the scene has no town.
+std::vector<Vec3d> readSceneLane(const std::filesystem::path& path, std::uint64_t seed);
+
 // Reads no more of it than which ontology it names, and that. Throws InputError with the place.
 Ontology readSceneOntology(const std::filesystem::path& path);
 

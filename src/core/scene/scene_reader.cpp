@@ -34,6 +34,7 @@
 //                                        #   the cylinder between the half spheres)
 //
 //   street: {...}                        # see scene/street.h
+//   town: {...}                          # see scene/town.h
 //
 // and has a name, a position and copies (see scene/placement.h).
 
@@ -50,6 +51,7 @@
 #include "scene/primitives.h"
 #include "scene/rules.h"
 #include "scene/street.h"
+#include "scene/town.h"
 
 namespace scanmill {
 namespace {
@@ -66,20 +68,42 @@ class SceneReader {
 
   void readObject(const Value& value) {
     Fields f(value, "object");
-    const bool kinds[] = {f.has("file"), f.has("primitive"), f.has("street")};
+    const bool kinds[] = {f.has("file"), f.has("primitive"), f.has("street"), f.has("town")};
     if (std::count(std::begin(kinds), std::end(kinds), true) != 1) {
-      f.also({"file",     "primitive", "street", "name",  "position", "yaw_deg", "pitch_deg", "roll_deg",
-              "rotation", "scale",     "copies", "up",    "unit",     "alpha",   "instances", "rules",
-              "class",    "material",  "size",   "cells", "radius",   "height",  "segments"})
+      f.also({"file",     "primitive", "street",   "town",   "name",  "position", "yaw_deg", "pitch_deg",
+              "roll_deg", "rotation",  "scale",    "copies", "up",    "unit",     "alpha",   "instances",
+              "rules",    "class",     "material", "size",   "cells", "radius",   "height",  "segments"})
           .finish();
-      throw InputError(value.where, "an object is exactly one of file, primitive and street");
+      throw InputError(value.where, "an object is exactly one of file, primitive, street and town");
     }
     if (kinds[0]) return readFileObject(f);
     if (kinds[1]) return readPrimitive(f);
-    readStreet(f);
+    const bool street = kinds[2];
+    const Affine place = proceduralPlace(f, street ? "street" : "town");
+    Fields fields(f.require(street ? "street" : "town"), street ? "street" : "town");
+    (street ? addStreet : addTown)(builder_, fields, seedOfNext(options_.seed, procedural_++), place);
   }
 
-  bool procedural() const { return streets_ > 0; }
+  bool procedural() const { return procedural_ > 0; }
+
+  // Odd, so that the streets of one scene and those of the scenes with the next seeds all differ.
+  static std::uint64_t seedOfNext(std::uint64_t seed, std::uint64_t before) {
+    return seed + 0x9E3779B97F4A7C15 * before;
+  }
+
+  // Where a street or a town stands; all of the object's own keys but the one that says what it is.
+  static Affine proceduralPlace(Fields& f, const std::string& what) {
+    f.require(what);
+    f.text("name", what);
+    const Placement placement = readPlacement(f);
+    f.finish();
+    if (placement.scaled || placement.copied) {
+      throw InputError(f.where(), fmt::format("a {0} has neither scale nor copies: give its lengths, or write another "
+                                              "{0}",
+                                              what));
+    }
+    return toAffine(placement.object.pose);
+  }
 
  private:
   void placeAll(std::uint32_t mesh, const std::string& name, const Placement& placement, const Location& where) {
@@ -245,30 +269,35 @@ class SceneReader {
     placeAll(shared->second, name, placement, f.where());
   }
 
-  void readStreet(Fields& f) {
-    const Value& street = f.require("street");
-    f.text("name", "street");
-    const Placement placement = readPlacement(f);
-    f.finish();
-    if (placement.scaled || placement.copied) {
-      throw InputError(f.where(), "a street has neither scale nor copies: give its lengths, or write another street");
-    }
-    Fields fields(street, "street");
-    // Odd, so that the streets of one scene and those of the scenes with the next seeds all differ.
-    constexpr std::uint64_t kNextStreet = 0x9E3779B97F4A7C15;
-    addStreet(builder_, fields, options_.seed + kNextStreet * streets_++, toAffine(placement.object.pose));
-  }
-
   SceneBuilder& builder_;
   const SceneOptions& options_;
   std::vector<Rule> rules_;
   std::filesystem::path assetFolder_;
   std::map<std::string, std::uint32_t> meshes_;
   std::uint64_t placed_ = 0;
-  std::uint64_t streets_ = 0;
+  std::uint64_t procedural_ = 0;
 };
 
 }  // namespace
+
+std::vector<Vec3d> readSceneLane(const std::filesystem::path& path, std::uint64_t seed) {
+  const Value root = readYaml(path);
+  expectKind(root, FileKind::Scene);
+  const Value* objects = root.find("objects");
+  std::uint64_t before = 0;
+  for (const Value& object : objects == nullptr ? std::vector<Value>{} : objects->items) {
+    Fields f(object, "object");
+    if (f.has("town")) {
+      const Affine place = SceneReader::proceduralPlace(f, "town");
+      Fields fields(f.require("town"), "town");
+      std::vector<Vec3d> lane = townLane(fields, SceneReader::seedOfNext(seed, before));
+      for (Vec3d& p : lane) p = place * p;
+      return lane;
+    }
+    before += f.has("street") ? 1 : 0;
+  }
+  throw InputError({path.string()}, "has no town whose lane a trajectory could be `along`: give waypoints");
+}
 
 Ontology readSceneOntology(const std::filesystem::path& path) {
   const Value root = readYaml(path);

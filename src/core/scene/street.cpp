@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "scene/street/parts.h"
+#include "scene/street/layout.h"
 
 namespace scanmill {
 
@@ -15,7 +15,7 @@ void addStreet(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const 
   int number = 0;
   for (const street::House& house : layout.houses) {
     const street::Model model = street::makeHouse(builder, seed, house);
-    builder.place(model.mesh, worldFromStreet * house.streetFromHouse, fmt::format("house {}", ++number));
+    builder.place(model.mesh, worldFromStreet * house.place, fmt::format("house {}", ++number));
   }
   street::populate(builder, layout, worldFromStreet);
 }

@@ -8,6 +8,8 @@ namespace scanmill {
 
 namespace {
 
+constexpr float kBelowOne = 0.99999994f;  // the next float: a share beside another class's
+
 // A ray that met something.
 struct Part {
   float range;
@@ -187,8 +189,11 @@ class EchoFinder {
       for (const Part& p : parts) powers_.add(hits_.semantic[p.ray], p.power);
       const ClassPowers::Entry strongest = powers_.strongest(nullptr);
       most = strongest.label;
-      echo.label2 = powers_.strongest(&strongest).label;
-      echo.share = static_cast<float>(total > 0 ? strongest.power / total : 1);
+      const ClassPowers::Entry next = powers_.strongest(&strongest);
+      if (next.power > 0) {
+        echo.label2 = next.label;
+        echo.share = std::min(static_cast<float>(strongest.power / total), kBelowOne);
+      }
     } else if (classes) {
       echo.share = 1;
     }

@@ -35,13 +35,13 @@ std::span<const EffectEntry> effects() {
        "visibility_m: as the severity says, of fog or dust, the meteorological optical range; "
        "wet: as the severity says, share of the ground under standing water; "
        "least: 0.001, power below which particles are not looked at, 1 is white at 10 m; "
-       "label: 0, class id of the particles' returns",
+       "label: 0, class of the particles' returns, by its id or name",
        0, makeWeather},
       {"blooming", "retroreflectors shine beside themselves: returns of beams that look by them",
        "share: 0.001, part of a retroreflector's echo in beams close beside it; "
        "angle_deg: 0.5 deg, where that has fallen to 1/e^2; "
        "above: 10, least retroreflectance that blooms, in units of a white target; "
-       "label: 0, class id of these returns",
+       "label: 0, class of these returns, by its id or name",
        0, makeBlooming},
       {"speckle", "grain of laser light: the power of each return times a random factor of the gamma law",
        "looks: required, 1 to 30 patterns that average, for a variance of 1 / looks", 0, makeSpeckle},

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/file.h"
+#include "base/hash.h"
 #include "config/fields.h"
 
 namespace scanmill {
@@ -59,6 +61,25 @@ Value::Entry listOf(const char* key, const std::vector<Laser>& lasers, double La
   return {key, std::move(list)};
 }
 
+// The manifest names the unit, by its file and what that holds.
+void setSource(Value& sensor, const Location& file) {
+  const std::string own =
+      fmt::format("calibration {} (SHA-256 {})", std::filesystem::path(file.file).filename().string(),
+                  sha256(readFile(file.file)).substr(0, 16));
+  const auto said = std::find_if(sensor.entries.begin(), sensor.entries.end(),
+                                 [](const Value::Entry& e) { return e.key == "source"; });
+  if (said != sensor.entries.end()) {
+    said->value.text += "; " + own;
+    return;
+  }
+  Value source;
+  source.kind = Value::Kind::Scalar;
+  source.where = file;
+  source.quoted = true;
+  source.text = own;
+  sensor.entries.push_back({"source", std::move(source)});
+}
+
 }  // namespace
 
 Value withCalibration(const Value& value) {
@@ -79,6 +100,7 @@ Value withCalibration(const Value& value) {
   order.where = file.where;
   order.text = "top_down";
   sensor.entries.push_back({"ring_order", std::move(order)});
+  setSource(sensor, file.where);
   sensor.entries.push_back(listOf("elevation_deg", lasers, &Laser::elevation, file.where));
   sensor.entries.push_back(listOf("azimuth_offset_deg", lasers, &Laser::azimuth, file.where));
   sensor.entries.push_back(listOf("origin_left_m", lasers, &Laser::left, file.where));

@@ -196,6 +196,24 @@ void readBeamShape(Fields& fields, BeamTable& table) {
 
 }  // namespace
 
+namespace {
+
+// A calibration belongs to the sensor of the preset beside it.
+void checkSameLasers(const Value& preset, const Value& own) {
+  const Value* elevation = preset.find("elevation_deg");
+  const Value* calibration = own.find("calibration");
+  if (elevation == nullptr || calibration == nullptr) return;
+  const std::size_t lasers = withCalibration(own).find("elevation_deg")->items.size();
+  const auto rings = static_cast<std::size_t>(sensorSize(preset).rings);
+  if (lasers == rings) return;
+  throw InputError(calibration->where,
+                   fmt::format("{} is of a sensor with {} lasers, but the preset has {} rings: name the preset of that "
+                               "sensor, or give its other keys here",
+                               calibration->text, lasers, rings));
+}
+
+}  // namespace
+
 Value resolveSensor(const Value& value) {
   Fields fields(value, "sensor");
   fields.also({"name", "preset", "mount"});
@@ -211,12 +229,16 @@ Value resolveSensor(const Value& value) {
     alsoSensorKeys(keys).finish();
     merged.entries = withCalibration(file).entries;
   }
+  checkSameLasers(merged, value);
   for (const auto& entry : withCalibration(value).entries) {
     if (entry.key == "name" || entry.key == "preset" || entry.key == "mount") continue;
     const auto old = std::find_if(merged.entries.begin(), merged.entries.end(),
                                   [&](const auto& other) { return other.key == entry.key; });
     if (old != merged.entries.end()) {
+      const bool unit = entry.key == "source" && value.find("source") == nullptr;  // of a calibration beside the preset
+      const std::string before = unit ? old->value.text + "; " : "";
       old->value = entry.value;
+      old->value.text = before + old->value.text;
     } else {
       merged.entries.push_back(entry);
     }

@@ -98,17 +98,19 @@ double Trajectory::pathLength() const {
   return path_ ? path_->length() : 0;
 }
 
-Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod) {
+Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod,
+                          const std::vector<Vec3d>* lane) {
   Fields fields(value, "trajectory");
-  fields.also({"name", "poses", "waypoints", "speed", "every_s", "every_m", "frames"}).finish();
+  fields.also({"name", "poses", "waypoints", "along", "speed", "every_s", "every_m", "frames"}).finish();
   Trajectory result;
   result.name_ = fields.text("name", name);
   const double limit =
       fields.has("frames") ? static_cast<double>(fields.integer("frames", 1, Trajectory::kMaxFrames)) : INFINITY;
 
   if (fields.has("poses")) {
-    if (fields.has("waypoints")) {
-      throw InputError(fields.require("waypoints").where, "a trajectory has either poses or waypoints, not both");
+    for (const char* key : {"waypoints", "along"}) {
+      if (!fields.has(key)) continue;
+      throw InputError(fields.require(key).where, fmt::format("a trajectory has either poses or {}, not both", key));
     }
     for (const char* key : {"speed", "every_m"}) {
       if (const Value* moving = fields.find(key)) {
@@ -123,11 +125,17 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
     return result;
   }
 
-  if (!fields.has("waypoints")) {
-    throw InputError(value.where, fmt::format("trajectory {} needs poses or waypoints", result.name_));
+  const bool along = fields.has("along");
+  if (along == fields.has("waypoints")) {
+    throw InputError(value.where, fmt::format("trajectory {} needs poses, waypoints or `along: lane`, and one of them",
+                                              result.name_));
   }
-  const Value& waypoints = fields.require("waypoints");
-  result.path_ = std::make_shared<const Path>(readWaypoints(waypoints));
+  if (along) fields.choice("along", {"lane"}, "lane");
+  const Value& way = fields.require(along ? "along" : "waypoints");
+  if (along && lane == nullptr) {
+    throw InputError(way.where, "`along: lane` is the lane of a scene's town; here is no scene: give waypoints");
+  }
+  result.path_ = std::make_shared<const Path>(along ? *lane : readWaypoints(way));
   result.speed_ = fields.number("speed", {0, 100});
   if (result.speed_ <= 0) {
     throw InputError(fields.require("speed").where,
@@ -139,7 +147,7 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
   result.interval_ = fields.has("every_m") ? fields.number("every_m", kStep) / result.speed_
                                            : fields.number("every_s", kStep, fallbackPeriod);
   const double length = result.path_->length();
-  result.frames_ = countFrames(length / result.speed_, result.interval_, length, result.speed_, limit, waypoints.where);
+  result.frames_ = countFrames(length / result.speed_, result.interval_, length, result.speed_, limit, way.where);
   return result;
 }
 

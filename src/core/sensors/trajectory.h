@@ -18,6 +18,7 @@ class Path;
 //
 //   poses: [{position: [x, y, z], yaw_deg: 90}, ...]        # one frame each; the vehicle stands still in each
 //   waypoints: [[x, y, z], ...]                             # driven at `speed` (m/s), heading along the path
+//   along: lane                                             # in place of waypoints: those of the caller
 //   speed: 8.0
 //   every_s: 0.1 | every_m: 1.0                             # a frame each (poses: every_s only, the time between two)
 //   frames: 40                                              # optional limit; waypoints end the path where absent
@@ -39,7 +40,8 @@ class Trajectory {
   const std::string& name() const { return name_; }
 
  private:
-  friend Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod);
+  friend Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod,
+                                   const std::vector<Vec3d>* lane);
   std::string name_;
   std::uint32_t frames_ = 0;
   double interval_ = 0;               // s, from frame to frame
@@ -50,6 +52,8 @@ class Trajectory {
 
 // `fallbackPeriod` is the time between frames (s) where the YAML gives none; callers pass the period of the first
 // sensor. Throws InputError.
-Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod);
+// `lane`: what `along: lane` means; null where the caller knows of none.
+Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod,
+                          const std::vector<Vec3d>* lane = nullptr);
 
 }  // namespace scanmill

@@ -39,8 +39,6 @@ MethodChoice builtAnew(MethodChoice choice);
 std::vector<Value> expandLists(const Value& options, const std::string& what);
 // The name of a setting, "depth_camera resolution=512".
 std::string settingName(const std::string& name, const Value& options);
-// A value as YAML on one line, "{resolution: 512}"; a value of the kind Null gives "{}".
-std::string flowText(const Value& value);
 
 // Reads a list of settings and checks the options of each. `what` names the list in messages. Throws InputError with
 // the place.

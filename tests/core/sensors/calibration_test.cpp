@@ -90,13 +90,17 @@ TEST(Calibration, StandsInPlaceOfThePresetsAngles) {
   folder.write("unit.yaml",
                "lasers: [{vert_correction: 0.1, rot_correction: 0}, {vert_correction: -0.1, "
                "rot_correction: 0.2}]\n");
-  folder.write("sensor.yaml", "columns: 10\nrate_hz: 5\nelevation_deg: [3, 2, 1]\nrange_m: [1, 50]\n");
+  folder.write("sensor.yaml", "columns: 10\nrate_hz: 5\nelevation_deg: [3, 2]\nsource: data sheet\nrange_m: [1, 50]\n");
   const std::string file = folder.write("p.yaml", "{preset: sensor.yaml, calibration: unit.yaml}\n");
   const auto beams = makeBeams(resolveSensor(readYaml(file)));
   ASSERT_EQ(beams->rings, 2u);
   EXPECT_NEAR(beams->elevation[1], -0.1, 1e-12);
   EXPECT_NEAR(beams->azimuthOffset[1], 0.2, 1e-12);
   EXPECT_TRUE(beams->origin.empty());
+  EXPECT_THAT(beams->source, AllOf(HasSubstr("unit.yaml"), HasSubstr("SHA-256"), HasSubstr("data sheet")));
+  folder.write("sensor.yaml", "columns: 10\nrate_hz: 5\nelevation_deg: [3, 2, 1]\nrange_m: [1, 50]\n");
+  EXPECT_THAT(messageOf([&] { resolveSensor(readYaml(file)); }),
+              AllOf(HasSubstr("p.yaml:1"), HasSubstr("2 lasers"), HasSubstr("3 rings")));
 }
 
 TEST(Calibration, RefusesWhatIsNone) {

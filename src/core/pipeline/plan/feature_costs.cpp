@@ -16,7 +16,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kFewestRounds = 4;
+constexpr int kFewestRounds = 2;
 
 double leastOf(const std::vector<double>& values) {
   return *std::min_element(values.begin(), values.end());

@@ -36,8 +36,8 @@ struct FeatureCosts {
 };
 
 struct FeatureEffort {
-  int rounds = 14;         // in which each variant is measured once, at most
-  double seconds = 1e300;  // that they should take: slow frames have fewer rounds, at least four
+  int rounds = 14;                                 // in which each variant is measured once, at most
+  double seconds = 1e300;                          // that they should take: slow frames have fewer rounds, at least two
   std::function<void(int round, int of)> begun{};  // called before each round; the first warms up
 };
 

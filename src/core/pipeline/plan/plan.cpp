@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/parallel.h"
+#include "config/named_options.h"
 #include "methods/light_paths.h"
 #include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/recorded_method.h"
@@ -82,6 +83,16 @@ void checkOntologies(const Pipeline& pipeline) {
   }
 }
 
+// The sensors' own effects that the pipeline leaves out: `speckle: none`.
+std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
+  std::vector<std::string> names;
+  for (const Value& item : pipeline.effectItems) {
+    const NamedOptions named = readNamed(item, "an effect");
+    if (named.options.kind == Value::Kind::Scalar && named.options.text == "none") names.push_back(named.name);
+  }
+  return names;
+}
+
 void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
   const bool own = pipeline.sensors.front().ownEffects != nullptr;
   for (std::size_t s = 0; s < (own ? pipeline.sensors.size() : 1); ++s) {
@@ -95,7 +106,12 @@ void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
         lines.push_back(fmt::format("effect {}{}: left out, a recording holds one ray a beam", entry->name, of));
         continue;
       }
-      lines.push_back(fmt::format("effect {}{}: {}", entry->name, of, entry->summary));
+      const std::string options = pipeline.effectOptionsOf(s, entry->name);
+      lines.push_back(
+          fmt::format("effect {}{}{}{}: {}", entry->name, of, options.empty() ? "" : " ", options, entry->summary));
+    }
+    for (const std::string& name : leftOutOf(pipeline)) {
+      lines.push_back(fmt::format("effect {}{}: left out, as the pipeline says", name, of));
     }
   }
   for (const MountedSensor& sensor : pipeline.sensors) {

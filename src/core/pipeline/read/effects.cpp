@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "config/flow_text.h"
 #include "config/named_options.h"
 
 namespace scanmill {
@@ -19,6 +20,7 @@ struct MadeEffect {
   const EffectEntry* entry;
   Location where;
   std::unique_ptr<Effect> effect;
+  std::string options;  // on one line; empty: none
 };
 
 bool meansSensor(const Value& item) {
@@ -103,7 +105,8 @@ void addEffects(const std::vector<Value>& items, Classes& classes, std::vector<M
     resolveLabels(named, entry, classes);
     Fields options(named.options, "effect " + named.name);
     options.alsoDescribed(entry.keys).finish();
-    made.push_back({&entry, named.where, entry.make(options)});
+    made.push_back({&entry, named.where, entry.make(options),
+                    named.options.kind == Value::Kind::Null ? "" : flowText(named.options)});
   }
 }
 
@@ -137,7 +140,7 @@ void addDetection(std::vector<MadeEffect>& made) {
   if (several == made.end() || named) return;
   const Value none;
   Fields options(none, "effect detection");
-  made.push_back({&detection, several->where, detection.make(options)});
+  made.push_back({&detection, several->where, detection.make(options), ""});
 }
 
 // They run in the order of their stages, whatever the order of the file.
@@ -151,26 +154,30 @@ SensorEffects inOrder(std::vector<MadeEffect> made) {
   const bool lit = std::any_of(made.begin(), made.end(), [](const MadeEffect& m) { return m.effect->setsIntensity(); });
   for (MadeEffect& m : made) {
     if (m.effect->setsGain() && !lit) {
-      throw InputError(m.where, fmt::format("the effect '{}' changes the power, which nothing looks at: add the effect "
-                                            "`intensity`",
-                                            m.entry->name));
+      throw InputError(m.where,
+                       fmt::format("the effect '{0}' changes the power, which nothing looks at: add the effect "
+                                   "`intensity`, or leave this one out too (`{0}: none` beside `sensor`)",
+                                   m.entry->name));
     }
     if (m.effect->needsIntensity() && !intensity) {
-      throw InputError(
-          m.where, fmt::format("the effect '{}' looks at the intensity: add the effect `intensity`", m.entry->name));
+      throw InputError(m.where,
+                       fmt::format("the effect '{0}' looks at the intensity: add the effect `intensity`, or leave this "
+                                   "one out too (`{0}: none` beside `sensor`)",
+                                   m.entry->name));
     }
     if (m.effect->setsIntensity() && intensity) {
       throw InputError(m.where,
                        fmt::format("the effect '{}' sets the intensity, as an earlier one does", m.entry->name));
     }
     if (m.effect->needsSnr() && !snr) {
-      throw InputError(m.where, fmt::format("the effect '{}' looks at the signal to noise ratio: add `detection: "
-                                            "{{noise: ...}}`",
+      throw InputError(m.where, fmt::format("the effect '{0}' looks at the signal to noise ratio: add `detection: "
+                                            "{{noise: ...}}`, or leave this one out too (`{0}: none` beside `sensor`)",
                                             m.entry->name));
     }
     intensity = intensity || m.effect->setsIntensity();
     snr = snr || m.effect->setsSnr();
     ordered.entries.push_back(m.entry);
+    ordered.options[m.entry->name] = std::move(m.options);
     ordered.effects.push_back(std::move(m.effect));
   }
   return ordered;
@@ -268,6 +275,7 @@ void readEffects(Fields& fields, Pipeline& pipeline) {
     SensorEffects shared = makeEffects(items, classes);
     pipeline.effects = std::move(shared.effects);
     pipeline.effectEntries = std::move(shared.entries);
+    pipeline.effectOptions = std::move(shared.options);
     return;
   }
   std::vector<bool> lit;

@@ -76,7 +76,13 @@ const Value& requireList(Fields& fields, std::string_view key) {
 
 using Trajectories = std::vector<std::shared_ptr<const Trajectory>>;
 
-Trajectories readTrajectories(const Value& list, double period) {
+bool followsLane(const Value& list) {
+  return std::any_of(list.items.begin(), list.items.end(),
+                     [](const Value& item) { return item.find("along") != nullptr; });
+}
+
+// `lane`: of the scene's town, where one of them follows it; else null.
+Trajectories readTrajectories(const Value& list, double period, const std::vector<Vec3d>* lane) {
   if (list.kind != Value::Kind::Sequence || list.items.empty()) {
     throw InputError(list.where, "trajectories must be a list with at least one item");
   }
@@ -84,7 +90,7 @@ Trajectories readTrajectories(const Value& list, double period) {
   std::set<std::string> names;
   for (const Value& item : list.items) {
     const std::string fallback = fmt::format("t{}", trajectories.size());
-    auto trajectory = std::make_shared<const Trajectory>(readTrajectory(item, fallback, period));
+    auto trajectory = std::make_shared<const Trajectory>(readTrajectory(item, fallback, period, lane));
     if (trajectory->name().empty()) {
       throw InputError(item.where, "a trajectory's name becomes part of file names: it is empty");
     }
@@ -117,7 +123,7 @@ std::vector<std::uint64_t> readSeeds(const Value* value) {
 
 std::vector<Sequence> readSequences(Fields& fields, double period) {
   const Value* shared = fields.find("trajectories");
-  const Trajectories common = shared == nullptr ? Trajectories{} : readTrajectories(*shared, period);
+  if (shared != nullptr && !followsLane(*shared)) readTrajectories(*shared, period, nullptr);
   std::vector<Sequence> sequences;
   std::set<std::string> keys;
   for (const Value& item : requireList(fields, "scenes").items) {
@@ -126,11 +132,15 @@ std::vector<Sequence> readSequences(Fields& fields, double period) {
     const std::filesystem::path file = scene.resource("scene", "scenes");
     const std::vector<std::uint64_t> seeds = readSeeds(scene.find("seeds"));
     const Value* own = scene.find("trajectories");
-    if (own == nullptr && common.empty()) {
-      throw InputError(item.where, "no trajectories, neither here nor for the whole pipeline");
-    }
-    const Trajectories trajectories = own == nullptr ? common : readTrajectories(*own, period);
+    const Value* list = own == nullptr ? shared : own;
+    if (list == nullptr) throw InputError(item.where, "no trajectories, neither here nor for the whole pipeline");
+    const bool along = followsLane(*list);
+    Trajectories trajectories = along ? Trajectories{} : readTrajectories(*list, period, nullptr);
     for (const std::uint64_t seed : seeds) {
+      if (along) {
+        const std::vector<Vec3d> lane = readSceneLane(file, seed);
+        trajectories = readTrajectories(*list, period, &lane);
+      }
       for (const auto& trajectory : trajectories) {
         sequences.push_back(
             {keyPart(file.stem().string()), file, seed, trajectory, trajectory->name(), trajectory->frames(), ""});
@@ -278,6 +288,13 @@ std::span<const EffectEntry* const> Pipeline::effectEntriesOf(std::size_t sensor
   const SensorEffects* own = sensors[sensor].ownEffects.get();
   if (own != nullptr) return own->entries;
   return effectEntries;
+}
+
+std::string Pipeline::effectOptionsOf(std::size_t sensor, std::string_view effect) const {
+  const SensorEffects* own = sensors[sensor].ownEffects.get();
+  const auto& options = own != nullptr ? own->options : effectOptions;
+  const auto found = options.find(effect);
+  return found == options.end() ? "" : found->second;
 }
 
 std::uint64_t Pipeline::frames() const {

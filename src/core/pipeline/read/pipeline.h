@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/vec.h"
@@ -25,6 +27,8 @@ namespace scanmill {
 struct SensorEffects {
   std::vector<std::unique_ptr<Effect>> effects;
   std::vector<const EffectEntry*> entries;
+  std::map<std::string_view, std::string>
+      options;  // of each by its name, as the files have them on one line: "{rays: 7}"
 };
 
 // A sensor on the vehicle. Its beam table is made by Plan, once the totals are known to be sane.
@@ -80,8 +84,9 @@ struct Pipeline {
   MethodChoice method;
   std::vector<std::unique_ptr<Effect>> effects;   // in the order in which they run; none where sensors have their own
   std::vector<const EffectEntry*> effectEntries;  // likewise
-  std::vector<Value> effectItems;                 // the list as the file has it, for studies that vary it
-  ScanLayout layout;                              // of the scans that are written
+  std::map<std::string_view, std::string> effectOptions;  // likewise, see SensorEffects
+  std::vector<Value> effectItems;                         // the list as the file has it, for studies that vary it
+  ScanLayout layout;                                      // of the scans that are written
   std::vector<FormatChoice> formats;
   bool splitsBySeed = false;  // the splits part scenes by their seeds
   std::uint64_t shardBytes = 0;
@@ -96,6 +101,8 @@ struct Pipeline {
   // What runs on the scans of a sensor.
   std::span<const std::unique_ptr<Effect>> effectsOf(std::size_t sensor) const;
   std::span<const EffectEntry* const> effectEntriesOf(std::size_t sensor) const;
+  // As the files have them, "{rays: 7}"; empty where there are none.
+  std::string effectOptionsOf(std::size_t sensor, std::string_view effect) const;
   std::uint64_t frames() const;
   std::uint64_t beamsPerFrame() const;
   std::uint64_t raysPerFrame() const;

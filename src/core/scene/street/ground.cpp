@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "scene/street/parts.h"
+#include "scene/street/layout.h"
 
 namespace scanmill::street {
 namespace {

@@ -1,9 +1,9 @@
+#include "scene/street/layout.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "scene/street/parts.h"
 
 namespace scanmill::street {
 
@@ -139,7 +139,7 @@ void Layout::addLots(int side, Span x) {
     if (house.floors == 4) house.roof = draw.chance(0.5) ? Roof::Flat : Roof::Gable;
     house.shop = house.floors >= 3 && draw.chance(0.5);
     const double setback = front + draw.in(0, kPathDepth);
-    house.streetFromHouse = side > 0 ? at({low, setback, p.curbHeight}) : at({high, -setback, p.curbHeight}, kPi);
+    house.place = side > 0 ? at({low, setback, p.curbHeight}) : at({high, -setback, p.curbHeight}, kPi);
     const bool built = draw.next() < p.buildings;
     if (draw.next() < p.boundaries) {
       lot.fencing = std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick,
@@ -179,7 +179,7 @@ void Layout::addCrossHouses() {
       if (!built || y + house.width > halfY - 2) continue;
       // To +x of the cross street the front looks to -x: the house's -y becomes -x by a turn of -90 degrees.
       const double along = sideY > 0 ? y : -y - house.width;
-      house.streetFromHouse =
+      house.place =
           sideX > 0 ? at({x, along + house.width, p.curbHeight}, -kPi / 2) : at({x, along, p.curbHeight}, kPi / 2);
       houses.push_back(house);
     }

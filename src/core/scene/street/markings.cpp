@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/street/parts.h"
+#include "scene/street/layout.h"
 
 namespace scanmill::street {
 namespace {

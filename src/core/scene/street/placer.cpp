@@ -6,18 +6,6 @@
 namespace scanmill::street {
 namespace {
 
-// Whether the projections of two rectangles on both axes of `a` overlap.
-bool overlapOnAxes(const Footprint& a, const Footprint& b) {
-  const double c = std::cos(b.yaw - a.yaw);
-  const double s = std::sin(b.yaw - a.yaw);
-  const double dx = b.center.x - a.center.x;
-  const double dy = b.center.y - a.center.y;
-  const double x = dx * std::cos(a.yaw) + dy * std::sin(a.yaw);
-  const double y = -dx * std::sin(a.yaw) + dy * std::cos(a.yaw);
-  return std::abs(x) < a.halfX + b.halfX * std::abs(c) + b.halfY * std::abs(s) &&
-         std::abs(y) < a.halfY + b.halfX * std::abs(s) + b.halfY * std::abs(c);
-}
-
 bool onWalkway(const Layout& layout, double x, int side, double margin) {
   return std::any_of(layout.lots.begin(), layout.lots.end(), [&](const Lot& lot) {
     return lot.side == side && lot.walkway.high > lot.walkway.low && x > lot.walkway.low - margin &&
@@ -26,12 +14,6 @@ bool onWalkway(const Layout& layout, double x, int side, double margin) {
 }
 
 }  // namespace
-
-// The separating axis theorem for rectangles.
-bool Occupancy::isFree(const Footprint& f) const {
-  return std::none_of(taken_.begin(), taken_.end(),
-                      [&](const Footprint& t) { return overlapOnAxes(f, t) && overlapOnAxes(t, f); });
-}
 
 Footprint Placer::footprint(const Model& m, const Spot& s, double grow) {
   const Vec3d c = m.bounds.center() * s.scale;

@@ -6,25 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "scene/street/parts.h"
+#include "scene/parts/occupancy.h"
+#include "scene/street/layout.h"
 
 namespace scanmill::street {
-
-// The rectangle on the ground that something stands on (m, rad).
-struct Footprint {
-  Point2 center;
-  double halfX = 0, halfY = 0;
-  double yaw = 0;
-};
-
-class Occupancy {
- public:
-  bool isFree(const Footprint& f) const;
-  void add(const Footprint& f) { taken_.push_back(f); }
-
- private:
-  std::vector<Footprint> taken_;
-};
 
 struct Spot {
   double x = 0, y = 0, yaw = 0, scale = 1;

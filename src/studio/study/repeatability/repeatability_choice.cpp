@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "config/fields.h"
+#include "config/flow_text.h"
 #include "evaluate/auto/calibrate.h"
 #include "pipeline/read/effects.h"
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "config/fields.h"
+#include "config/flow_text.h"
 #include "config/named_options.h"
 #include "evaluate/auto/calibrate.h"
 

@@ -32,7 +32,7 @@ TEST_F(PlanTest, TellsWhatIsLeftOutAndWhy) {
                                          Contains(HasSubstr("effects: none")), Contains(HasSubstr("one pose"))));
   EXPECT_THAT(plan({"motion={steps: 9}", "output.layout=organised", "effects=[quantize: {step_m: 1}]"}).modelled(),
               AllOf(Contains(HasSubstr("9 poses a revolution")), Contains(HasSubstr("misses: kept")),
-                    Contains(HasSubstr("effect quantize: "))));
+                    Contains(HasSubstr("effect quantize {step_m: 1}: "))));
 }
 
 TEST_F(PlanTest, ShotsHaveTheirPosesAndAddresses) {

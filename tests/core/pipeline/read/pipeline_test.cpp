@@ -72,6 +72,35 @@ TEST_F(ReadPipeline, FillsInDefaults) {
   EXPECT_EQ(p.maxRays, 1e11);
 }
 
+// Every seed of a town has a lane of its own; the trajectory follows it, on the road's surface.
+TEST_F(ReadPipeline, FollowsTheLaneOfATown) {
+  folder_.write("scenes/place.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\n"
+                                                 "materials: {0}/labels/materials.yaml\n"
+                                                 "objects: [{{town: {{length: 120}}, position: [1000, 0, 50]}}]\n",
+                                                 SCANMILL_SOURCE_DIR));
+  const auto read = [&](const std::string& scene, const std::string& trajectory) {
+    return readPipeline(folder_.write("town.yaml", "scenes: [{scene: scenes/" + scene +
+                                                       ", seeds: [1, 2]}]\ntrajectories: [{" + trajectory +
+                                                       "}]\nsensors: [{columns: 4, rate_hz: 5, elevation_deg: [0], "
+                                                       "range_m: [1, 9]}]\nmethod: ray_tracing\n"
+                                                       "output: {formats: [pcd]}\n"),
+                        {});
+  };
+  const Pipeline p = read("place.yaml", "name: drive, along: lane, speed: 10, every_m: 20, frames: 4");
+  ASSERT_EQ(p.sequences.size(), 2u);
+  for (const Sequence& s : p.sequences) {
+    EXPECT_EQ(s.frames, 4u);
+    const std::vector<Vec3d> lane = readSceneLane(s.sceneFile, s.sceneSeed);
+    EXPECT_LT(length(s.trajectory->pose(0, 0).translation - lane.front()), 1e-9);
+    EXPECT_NEAR(s.trajectory->pose(0, 0).translation.x, 1000 - 40, 8);
+    EXPECT_NEAR(s.trajectory->pose(0, 0).translation.z, 50, 8);
+  }
+  EXPECT_NE(p.sequences[0].trajectory->pose(0, 0).translation, p.sequences[1].trajectory->pose(0, 0).translation);
+  EXPECT_THAT(messageOf([&] { read("yard.yaml", "along: lane, speed: 10"); }),
+              AllOf(HasSubstr("yard.yaml"), HasSubstr("has no town")));
+  EXPECT_THAT(messageOf([&] { read("place.yaml", "along: lan, speed: 10"); }), HasSubstr("did you mean 'lane'"));
+}
+
 TEST_F(ReadPipeline, TakesEveryKey) {
   folder_.write("labels.yaml", readFile(SCANMILL_SOURCE_DIR "/labels/scanmill.yaml"));
   folder_.write("scenes/Other Yard.yaml", yardScene());

@@ -65,6 +65,20 @@ TEST(Shipped, Quickstart) {
   EXPECT_LT(share(Reason::FalsePositive), 0.001);
 }
 
+TEST(Shipped, Town) {
+  const TemporaryFolder folder;
+  GenerateOptions options;
+  options.folder = folder.path() / "out";
+  options.quiet = true;
+  const Plan plan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines/town.yaml",
+                               {"scenes.0.seeds=[1, 2]", "splits=", "trajectories.0.frames=2"}));
+  const GenerateSummary summary = generate(plan, options);
+  EXPECT_THAT(verifyDataset(options.folder).problems, testing::IsEmpty());
+  EXPECT_EQ(summary.manifest.samples.size(), 4u);
+  EXPECT_GE(summary.pointsPerClass.size(), 18u);
+  EXPECT_GT(static_cast<double>(summary.points), 0.8 * static_cast<double>(summary.beams));
+}
+
 TEST(Shipped, TruckTown) {
   SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
   ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "config/flow_text.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {

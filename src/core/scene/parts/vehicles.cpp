@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "scene/street/car_body.h"
+#include "scene/parts/car_body.h"
 
-namespace scanmill::street {
+namespace scanmill::parts {
 namespace {
 
 // Side profiles of the car kinds, with the windows that go with them.
@@ -301,4 +301,4 @@ Model makeBus(SceneBuilder& builder, std::uint64_t seed) {
   return shape.finish();
 }
 
-}  // namespace scanmill::street
+}  // namespace scanmill::parts

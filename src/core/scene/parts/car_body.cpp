@@ -1,12 +1,12 @@
 // A body is lofted: cross-sections along x follow a side profile (bonnet, windscreen, roof, rear) and leave out the
 // wheel arches; the same surface is paint or glass by where it lies.
 
-#include "scene/street/car_body.h"
+#include "scene/parts/car_body.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace scanmill::street {
+namespace scanmill::parts {
 namespace {
 
 // Chaikin's corner cutting: rounds a profile but keeps its ends.
@@ -268,4 +268,4 @@ void appendWheel(Shape& shape, std::string_view className, const Affine& place, 
   }
 }
 
-}  // namespace scanmill::street
+}  // namespace scanmill::parts

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/street/parts.h"
+#include "scene/parts/parts.h"
 
-namespace scanmill::street {
+namespace scanmill::parts {
 namespace {
 
 struct Habit {
@@ -237,4 +237,55 @@ Model makeHedge(SceneBuilder& builder, std::uint64_t seed) {
   return s.finish();
 }
 
-}  // namespace scanmill::street
+Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
+  Draw draw(seed, Kind::Hedgerow, 100000 + static_cast<std::uint32_t>(form));
+  Shape s(builder, "hedge");
+  const SurfaceIndex leaf = s.surface("vegetation", "leaf");
+  const SurfaceIndex bark = s.surface("vegetation", "bark");
+  const double height = draw.in(0.9, 2.4);
+  const double depth = draw.in(0.6, 1.3);
+  for (int k = 0; k < 6; ++k) {
+    const Vec3d root{draw.in(-0.95, 0.95), draw.in(-0.1, 0.1), -0.1};
+    s.tube(bark, root, {root.x + draw.in(-0.2, 0.2), draw.in(-0.3, 0.3) * depth, height * draw.in(0.6, 0.9)}, 0.02,
+           0.006, 5);
+  }
+  // As many as make the leaf area index 4 across the hedge; more of them outside, where the light is.
+  const double size = draw.in(0.09, 0.14);
+  const int leaves = static_cast<int>(4 * 2 * height / (0.6 * 0.7 * size * size));
+  for (int k = 0; k < std::min(leaves, 3500); ++k) {
+    const double across = draw.in(-1, 1);
+    const double outwards = std::copysign(std::pow(std::abs(across), 0.6), across);
+    const double z = height * (1 - std::pow(draw.next(), 1.2) * 0.98);
+    // Bulges of a decimetre, and a top that was cut long ago.
+    const double x = draw.in(-1.03, 1.03);
+    const double bulge = 1 + 0.12 * std::sin(5 * x + 3 * z) + 0.1 * std::sin(11 * x - 4 * z);
+    const Vec3d position{x, outwards * depth / 2 * bulge, z * (1 + 0.05 * std::sin(7 * x))};
+    const Vec3d out{0, across, z > 0.85 * height ? 1.0 : 0.2};
+    const Vec3d normal = normalized(out + draw.direction() * 0.8);
+    const Vec3d axis = crossways(normal, draw);
+    const double length = draw.around(size, 0.3);
+    appendLeaf(s, leaf, position - axis * (length / 2), position + axis * (length / 2), normal, length * 0.7);
+  }
+  return s.finish();
+}
+
+Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form) {
+  Draw draw(seed, Kind::Undergrowth, static_cast<std::uint32_t>(form));
+  Shape s(builder, "undergrowth");
+  const SurfaceIndex leaf = s.surface("vegetation", "leaf");
+  const SurfaceIndex bark = s.surface("vegetation", "bark");
+  const double height = draw.in(1.4, 3.2);
+  const double radius = draw.in(1.1, 1.8);
+  const int lumps = 6 + draw.below(5);
+  for (int i = 0; i < lumps; ++i) {
+    const double angle = i * 2.39996 + draw.in(-0.5, 0.5);
+    const double r = draw.in(0.45, 0.75);
+    const double out = radius * std::sqrt(draw.next()) * 0.8;
+    const Vec3d center{out * std::cos(angle), out * std::sin(angle), lerp(0.35, height - r, draw.next())};
+    s.tube(bark, {0.3 * center.x, 0.3 * center.y, -0.1}, center, 0.025, 0.006, 5);
+    appendFoliageBall(s, leaf, draw, center, r, 0.9, 1900 / lumps, 0.13);
+  }
+  return s.finish();
+}
+
+}  // namespace scanmill::parts

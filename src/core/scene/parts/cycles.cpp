@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "scene/street/parts.h"
+#include "scene/parts/parts.h"
 
-namespace scanmill::street {
+namespace scanmill::parts {
 namespace {
 
 // Turns z to y: tori and wheels stand upright in the plane y = const.
@@ -202,4 +202,4 @@ Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form) {
   return s.finish();
 }
 
-}  // namespace scanmill::street
+}  // namespace scanmill::parts

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/parts/parts.h"
 #include "scene/primitives.h"
-#include "scene/street/parts.h"
 
-namespace scanmill::street {
+namespace scanmill::parts {
 
 Draw::Draw(std::uint64_t seed, Kind kind, std::uint32_t object) {
   address_.seed = seed;
@@ -27,6 +27,16 @@ Vec3d Draw::direction() {
   const double angle = in(0, 2 * kPi);
   const double r = std::sqrt(1 - z * z);
   return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+std::vector<double> steps(double from, double to, double step) {
+  std::vector<double> values;
+  double value = from;
+  while (value < to) {
+    values.push_back(value);
+    value += step;
+  }
+  return values;
 }
 
 double smooth(double t) {
@@ -203,4 +213,4 @@ Model Shape::finish() {
   return model;
 }
 
-}  // namespace scanmill::street
+}  // namespace scanmill::parts

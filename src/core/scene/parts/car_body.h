@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "scene/street/parts.h"
+#include "scene/parts/parts.h"
 
-namespace scanmill::street {
+namespace scanmill::parts {
 
 // All lengths in metres, x measured from the middle of the vehicle, forward.
 struct BodyForm {
@@ -30,4 +30,4 @@ struct BodyForm {
 // Appends the body, its wheels, lights and plates.
 void appendBody(Shape& shape, const BodyForm& form);
 
-}  // namespace scanmill::street
+}  // namespace scanmill::parts

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "scene/street/parts.h"
+#include "scene/parts/parts.h"
 
-namespace scanmill::street {
+namespace scanmill::parts {
 namespace {
 
 constexpr double kSunk = 0.1;  // m
@@ -137,4 +137,4 @@ Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed) {
   return s.finish();
 }
 
-}  // namespace scanmill::street
+}  // namespace scanmill::parts

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "scene/street/parts.h"
+#include "scene/parts/parts.h"
 
-namespace scanmill::street {
+namespace scanmill::parts {
 namespace {
 
 constexpr double kSunk = 0.06;  // m
@@ -221,4 +221,4 @@ Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what) {
   return s.finish();
 }
 
-}  // namespace scanmill::street
+}  // namespace scanmill::parts

@@ -1,9 +1,9 @@
 #pragma once
 
-// The workshop of the procedural street: numbers, a mesh under construction, the plan of the plot, and one function per
-// kind of object. Frame of an object: metres, x forward, z up, ground at z = 0. Nothing outside this folder and
-// street.cpp includes this header.
+// The workshop of procedural scenes: numbers, a mesh under construction, and one function per kind of object. Frame of
+// an object: metres, x forward, z up, ground at z = 0. Nothing outside scene/ includes this header.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -18,7 +18,7 @@
 #include "scene/builder.h"
 #include "scene/scene.h"
 
-namespace scanmill::street {
+namespace scanmill::parts {
 
 // What kind of object a random number is for. Every kind has numbers of its own, so that more objects of one kind leave
 // the others as they are. The values are part of what a seed means: append, never renumber.
@@ -45,6 +45,11 @@ enum class Kind : std::uint32_t {
   Traffic,
   Cyclist,
   Markings,
+  Town,
+  SideRoad,
+  Wood,
+  Hedgerow,
+  Undergrowth,
 };
 
 // The random numbers of one object, drawn one after the other.
@@ -64,6 +69,18 @@ class Draw {
   RandomBlock block_{};
   std::size_t used_ = 4;
 };
+
+// `from`, from + step and so on, as long as they are below `to`.
+std::vector<double> steps(double from, double to, double step);
+
+// make(0) to make(count - 1).
+template <class Make>
+auto makeForms(int count, const Make& make) {
+  std::vector<decltype(make(0))> forms;
+  forms.reserve(static_cast<std::size_t>(std::max(0, count)));
+  for (int form = 0; form < count; ++form) forms.push_back(make(form));
+  return forms;
+}
 
 using SurfaceIndex = std::uint16_t;  // index into Mesh::surfaces
 
@@ -131,21 +148,6 @@ class Shape {
   std::vector<std::pair<std::string, SurfaceIndex>> surfaces_;
 };
 
-// The keys of `street:` in a scene file. Lengths are in metres; densities are objects per 100 m of street, on both
-// sides together.
-struct Parameters {
-  double length = 200, roadWidth = 7, parkingWidth = 2.2, curbHeight = 0.12, sidewalkWidth = 2.5, frontGarden = 4;
-  double terrain = 80, beyond = 150;
-  bool crossStreet = true;
-  double buildings = 0.9, boundaries = 0.6;  // shares of the lots
-  double trees = 22, bushes = 20, cars = 14, traffic = 2, trucks = 1, buses = 0.5, motorcycles = 2, bicycles = 6;
-  double cyclists = 1, pedestrians = 10, signs = 6, lamps = 5, furniture = 10, shelters = 1;
-
-  int count(double density) const;
-};
-
-Parameters readParameters(Fields& fields);
-
 struct Span {
   double low = 0;
   double high = 0;
@@ -157,7 +159,7 @@ enum class Roof { Flat, Gable, CrossGable, Hip };
 // In the house's frame the front wall lies in y = 0 and faces -y. It reaches along x from 0 to width, and the house
 // along y from 0 to depth.
 struct House {
-  Affine streetFromHouse;
+  Affine place;  // where it stands
   double width = 10, depth = 9;
   int floors = 2, columns = 4, doorColumn = 1;
   Roof roof = Roof::Gable;
@@ -169,59 +171,6 @@ struct House {
 
 enum class Fencing { None, Pickets, Bars, Brick, Hedge };
 
-// A plot along the street. `side` is -1 for y < 0, which is to the right of who drives along +x, and 1 for y > 0.
-struct Lot {
-  int side = 1;
-  Span x;
-  Fencing fencing = Fencing::None;
-  Span driveway;         // empty (low == high) where there is none
-  bool lowered = false;  // the curb, at the driveway
-  Span walkway;
-  std::uint32_t number = 0;
-};
-
-enum class Ground { Road, Parking, Curb, LoweredCurb, Sidewalk, Ramp, Driveway, Path, Terrain };
-
-// Where everything stands, in the street's frame. Distances from the centre line hold for both sides.
-struct Layout {
-  Layout(const Parameters& parameters, std::uint64_t seed);
-
-  static constexpr double kCurb = 0.15;            // width of a curb stone, m
-  static constexpr double kRamp = 0.45;            // sidewalk that slopes at a driveway, m
-  static constexpr double kLoweredCurb = 0.03;     // height of the curb at a driveway, m
-  static constexpr double kDrivewayDepth = 7;      // beyond the front line, m
-  static constexpr double kPathDepth = 1.5;        // beyond the front line: the houses' greatest setback, m
-  static constexpr double kCrossSidewalkEnd = 18;  // beyond the back of the gardens, m
-
-  Ground kindAt(double x, double y) const;
-  // The height of the ground of this kind (m) at a point inside its border or on it.
-  double heightAt(Ground kind, double x, double y) const;
-  double heightAt(double x, double y) const { return heightAt(kindAt(x, y), x, y); }
-  bool inCorner(double x, double y) const;  // the squares that hold the rounded corners of the crossing
-  bool onDriveway(double x, int side, double margin = 0) const;
-
-  Parameters p;
-  std::uint64_t seed;
-  double roadEdge, parkingEdge, walkInner, walkOuter, front;  // distances from the centre line, m
-  double halfLength, halfX, halfY;
-  bool cross;
-  double crossX = 0, crossEdge = 0, crossWalk = 0, cornerRadius = 0;
-  double crossSidewalkEnd = 0;
-  std::vector<Span> parking;  // along x, the same on both sides
-  std::vector<Lot> lots;
-  std::vector<House> houses;
-
- private:
-  bool besideParking(double x, double margin) const;
-  double terrainHeight(double x, double y) const;
-  void addLots(int side, Span x);
-  void addCrossHouses();
-
-  std::array<double, 12> waves_{};
-};
-
-Model makeGround(SceneBuilder& builder, const Layout& layout);
-Model makeMarkings(SceneBuilder& builder, const Layout& layout);
 Model makeHouse(SceneBuilder& builder, std::uint64_t seed, const House& house);
 
 struct TreeModel {
@@ -233,6 +182,9 @@ constexpr int kBroadleafForms = 6;  // the first of them
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeHedge(SceneBuilder& builder, std::uint64_t seed);  // 2 m along x, 0.6 m wide
+// 2 m along x, leaves all through it, of a height and depth by its form.
+Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form);
+Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form);  // shrubs taller than a man
 
 enum class CarForm { Hatchback, Sedan, Wagon, Suv, Van, Pickup, Delivery };
 constexpr int kCarForms = 7;
@@ -262,7 +214,4 @@ Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                   
 Model makeColumn(SceneBuilder& builder, std::uint64_t seed);                    // for posters
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what);  // 2 m along x, centred
 
-// Places everything but ground and houses in the scene.
-void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromStreet);
-
-}  // namespace scanmill::street
+}  // namespace scanmill::parts

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/street/parts.h"
+#include "scene/parts/parts.h"
 
-namespace scanmill::street {
+namespace scanmill::parts {
 namespace {
 
 // Joints in the frame of the person: x forward, y left, z up, metres, for a height of 1.75 m.
@@ -239,4 +239,4 @@ Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const Bicyc
   return s.finish();
 }
 
-}  // namespace scanmill::street
+}  // namespace scanmill::parts

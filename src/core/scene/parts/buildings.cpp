@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/street/parts.h"
+#include "scene/parts/parts.h"
 
-namespace scanmill::street {
+namespace scanmill::parts {
 namespace {
 
 constexpr double kReveal = 0.14;      // depth of the openings, m
@@ -377,4 +377,4 @@ Model makeHouse(SceneBuilder& builder, std::uint64_t seed, const House& house) {
   return HouseMaker(builder, seed, house).make();
 }
 
-}  // namespace scanmill::street
+}  // namespace scanmill::parts

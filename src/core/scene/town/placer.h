@@ -1,0 +1,62 @@
+#pragma once
+
+// Puts things on the ground of a town, where nothing else stands.
+
+#include <string>
+#include <vector>
+
+#include "scene/town/layout.h"
+
+namespace scanmill::town {
+
+using parts::Footprint;
+using parts::Model;
+
+struct Spot {
+  Point2 at;
+  double yaw = 0;
+  double scale = 1;
+  double lean = 0;  // roll about x, rad
+};
+
+class Placer {
+ public:
+  static constexpr int kTries = 16;
+  static constexpr double kGap = 0.15;  // least distance between things, m
+
+  Placer(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown);
+
+  // Upright, its origin on the ground or `sink` below it.
+  void put(const Model& m, const Spot& s, const std::string& name, double sink = 0);
+  // False where something stands there already.
+  bool tryPut(const Model& m, const Spot& s, const std::string& name, double sink = 0);
+  // The same of what stands on wheels, which tilts as the ground does.
+  bool tryPark(const Model& m, const Spot& s, const std::string& name);
+  // Whatever stands there.
+  void park(const Model& m, const Spot& s, const std::string& name);
+
+  static Footprint footprint(const Model& m, const Spot& s, double grow);
+
+  SceneBuilder& builder;
+  const Layout& layout;
+  const Affine& worldFromTown;
+  parts::Occupancy occupancy;
+
+ private:
+  Vec3d onGround(const Point2& p, double sink) const;
+};
+
+// A place beside a road, by the distance along its line and from it to the left; the yaw is the line's.
+Spot besideRoad(const Road& road, double along, double lateral);
+
+void placeHouses(Placer& placer);
+void placeBoundaries(Placer& placer);
+void placeMarkings(Placer& placer);
+void placeFixtures(Placer& placer);
+void placeVehicles(Placer& placer);
+void placePeople(Placer& placer);
+void placeTrees(Placer& placer);
+void placeWoods(Placer& placer);
+void placeBushes(Placer& placer);
+
+}  // namespace scanmill::town

@@ -1,0 +1,19 @@
+#include "scene/town/placer.h"
+
+namespace scanmill::town {
+
+// In the order of who has the right of way.
+void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown) {
+  Placer placer(builder, layout, worldFromTown);
+  placeHouses(placer);
+  placeMarkings(placer);
+  placeBoundaries(placer);
+  placeFixtures(placer);
+  placeVehicles(placer);
+  placeTrees(placer);
+  placePeople(placer);
+  placeBushes(placer);
+  placeWoods(placer);
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,116 @@
+#include "scene/town/roads.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanmill::town {
+namespace {
+
+constexpr double kCell = 16;      // m
+constexpr double kRounding = 10;  // m, of the corners where roads meet: see smoothLeast()
+
+std::uint64_t cellKey(std::int64_t x, std::int64_t y) {
+  return static_cast<std::uint64_t>(x) << 32 ^ (static_cast<std::uint64_t>(y) & 0xFFFFFFFF);
+}
+std::int64_t cellOf(double v) {
+  return static_cast<std::int64_t>(std::floor(v / kCell));
+}
+
+double mixedWidth(double a, double b, double part) {
+  return a + (b - a) * part;
+}
+
+CrossSection mixed(const CrossSection& a, const CrossSection& b, double part) {
+  return {mixedWidth(a.half, b.half, part),         mixedWidth(a.parking, b.parking, part),
+          mixedWidth(a.curb, b.curb, part),         mixedWidth(a.verge, b.verge, part),
+          mixedWidth(a.sidewalk, b.sidewalk, part), mixedWidth(a.step, b.step, part)};
+}
+
+}  // namespace
+
+Point2 Road::point(double distance) const {
+  const double d = std::clamp(distance, 0.0, length());
+  const auto next = static_cast<std::size_t>(std::upper_bound(at.begin() + 1, at.end() - 1, d) - at.begin());
+  const double part = (d - at[next - 1]) / (at[next] - at[next - 1]);
+  return {line[next - 1].x + (line[next].x - line[next - 1].x) * part,
+          line[next - 1].y + (line[next].y - line[next - 1].y) * part};
+}
+
+Point2 Road::heading(double distance) const {
+  const Point2 a = point(std::max(0.0, distance - kRoadStep));
+  const Point2 b = point(std::min(length(), distance + kRoadStep));
+  const double size = std::hypot(b.x - a.x, b.y - a.y);
+  return {(b.x - a.x) / size, (b.y - a.y) / size};
+}
+
+void RoadNetwork::add(Road road) {
+  road.at.assign(1, 0.0);
+  for (std::size_t i = 1; i < road.line.size(); ++i) {
+    road.at.push_back(road.at.back() +
+                      std::hypot(road.line[i].x - road.line[i - 1].x, road.line[i].y - road.line[i - 1].y));
+  }
+  const auto number = static_cast<std::uint32_t>(roads_.size());
+  for (std::size_t i = 0; i + 1 < road.line.size(); ++i) {
+    const auto [left, right] = std::minmax(road.line[i].x, road.line[i + 1].x);
+    const auto [low, high] = std::minmax(road.line[i].y, road.line[i + 1].y);
+    for (std::int64_t y = cellOf(low - kReach); y <= cellOf(high + kReach); ++y) {
+      for (std::int64_t x = cellOf(left - kReach); x <= cellOf(right + kReach); ++x) {
+        cells_[cellKey(x, y)].push_back({number, static_cast<std::uint32_t>(i)});
+      }
+    }
+  }
+  roads_.push_back(std::move(road));
+}
+
+void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
+  found.clear();
+  const auto cell = cells_.find(cellKey(cellOf(x), cellOf(y)));
+  if (cell == cells_.end()) return;
+  for (const Segment& s : cell->second) {
+    const Road& road = roads_[s.road];
+    const Point2& a = road.line[s.index];
+    const Point2& b = road.line[s.index + 1];
+    const double dx = b.x - a.x;
+    const double dy = b.y - a.y;
+    const double size = road.at[s.index + 1] - road.at[s.index];
+    const double part = std::clamp(((x - a.x) * dx + (y - a.y) * dy) / (size * size), 0.0, 1.0);
+    const double px = x - (a.x + dx * part);
+    const double py = y - (a.y + dy * part);
+    const double square = px * px + py * py;
+    if (square > kReach * kReach) continue;
+    if (found.empty() || found.back().road != s.road) found.push_back({1e9, s.road, 0, false});
+    if (square >= found.back().distance) continue;
+    found.back() = {square, s.road, road.at[s.index] + size * part, dx * py - dy * px >= 0};
+  }
+  for (Near& n : found) n.distance = std::sqrt(n.distance);
+}
+
+// The least of all edges' distances, with corners rounded as a polynomial smooth minimum does: where two differ by less
+// than kRounding, it lies below both, by a quarter of kRounding at most.
+Beside RoadNetwork::at(double x, double y) const {
+  thread_local std::vector<Near> found;
+  nearest(x, y, found);
+  Beside beside;
+  double least = 1e9;
+  for (const Near& n : found) {
+    const CrossSection& own = roads_[n.road].section;
+    const double edge = n.distance - own.half;
+    if (!beside.known) {
+      beside = {true, edge, n.road, n.along, n.left ? n.distance : -n.distance, own};
+      least = edge;
+      continue;
+    }
+    const double part = std::clamp(0.5 + (beside.edge - edge) / (2 * kRounding), 0.0, 1.0);
+    beside.section = mixed(beside.section, own, part);
+    beside.edge = mixedWidth(beside.edge, edge, part) - kRounding * part * (1 - part);
+    if (edge < least) {
+      least = edge;
+      beside.road = n.road;
+      beside.along = n.along;
+      beside.lateral = n.left ? n.distance : -n.distance;
+    }
+  }
+  return beside;
+}
+
+}  // namespace scanmill::town

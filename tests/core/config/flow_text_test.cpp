@@ -1,0 +1,75 @@
+#include "config/flow_text.h"
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include "base/random.h"
+
+namespace scanmill {
+namespace {
+
+// A tree of maps and lists with texts that YAML or a shell might take for something else.
+Value randomTree(std::uint32_t& counter, int depth) {
+  static const std::vector<std::string> kTexts{
+      "a, b",  "x: y", "# no", "$HOME", "${HOME}", "$$",    "'",   "\"",   "it's", "a\nb", " lead", "trail ",
+      "[1]",   "{",    "}",    "null",  "",        "~",     "-",   "- a",  "%a",   "@a",   "a\tb",  "Straße",
+      "a: b:", "a #b", "!x",   "&x",    "*x",      "? y",   "\\n", "a\\b", "|",    ">",    "`",     "\"\n\\",
+      "true",  "1e5",  "a,b",  "a=b",   "\r\n",    "--- x", "...", ":x",   "x:",   "a  b"};
+  static const std::vector<std::string> kPlain{"1", "-1.5", ".5", "+3", "1e-6", "auto", "2 cm", "/a/b-c", "99.5%", "x"};
+  const RandomBlock random = randomBlock({.frame = 7, .beam = counter++});
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  if (depth > 0 && random[0] % 3 > 0) {
+    value.kind = random[0] % 3 == 1 ? Value::Kind::Sequence : Value::Kind::Map;
+    for (std::uint32_t i = 0; i < random[1] % 4; ++i) {
+      if (value.kind == Value::Kind::Sequence) {
+        value.items.push_back(randomTree(counter, depth - 1));
+      } else {
+        value.entries.push_back(
+            {fmt::format("{}{}", kTexts[(random[2] >> (4 * i)) % kTexts.size()], i), randomTree(counter, depth - 1)});
+      }
+    }
+  } else if (random[0] % 7 == 0) {
+    value.kind = Value::Kind::Null;
+  } else if (random[1] % 2 == 0) {
+    value.text = kPlain[random[2] % kPlain.size()];
+  } else {
+    value.quoted = true;
+    value.text = kTexts[random[2] % kTexts.size()];
+  }
+  return value;
+}
+
+void expectSameTree(const Value& a, const Value& b) {
+  ASSERT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.text, b.text);
+  EXPECT_EQ(a.quoted, b.quoted);
+  ASSERT_EQ(a.items.size(), b.items.size());
+  for (std::size_t i = 0; i < a.items.size(); ++i) expectSameTree(a.items[i], b.items[i]);
+  ASSERT_EQ(a.entries.size(), b.entries.size());
+  for (std::size_t i = 0; i < a.entries.size(); ++i) {
+    EXPECT_EQ(a.entries[i].key, b.entries[i].key);
+    expectSameTree(a.entries[i].value, b.entries[i].value);
+  }
+}
+
+TEST(FlowText, ReadsBackAsTheSameTree) {
+  std::uint32_t counter = 0;
+  for (int i = 0; i < 2000; ++i) {
+    Value tree;
+    tree.kind = Value::Kind::Map;
+    tree.entries.push_back({"key", randomTree(counter, 3)});
+    const std::string text = flowText(tree);
+    SCOPED_TRACE(text);
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+    expectSameTree(parseYaml(text, "f"), tree);
+    Value root;
+    setValue(root, "a.b=" + text);
+    expectSameTree(*root.find("a")->find("b"), tree);
+    if (HasFailure()) break;
+  }
+  EXPECT_EQ(flowText(Value{}), "{}");
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,221 @@
+#include "scene/town.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+
+#include "base/hash.h"
+#include "config/fields.h"
+#include "config/value.h"
+#include "scene/scene.h"
+#include "tests/support/message_of.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsSupersetOf;
+using testing::Not;
+
+const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
+
+Scene makeTown(const std::string& yaml, std::uint64_t seed) {
+  SceneBuilder builder("town", seed, readOntology(kLabels / "scanmill.yaml"),
+                       readMaterials(kLabels / "materials.yaml"));
+  const Value value = parseYaml(yaml, "town.yaml");
+  Fields fields(value, "town");
+  addTown(builder, fields, seed, {});
+  return builder.finish();
+}
+
+std::vector<Vec3d> laneOf(const std::string& yaml, std::uint64_t seed) {
+  const Value value = parseYaml(yaml, "town.yaml");
+  Fields fields(value, "town");
+  return townLane(fields, seed);
+}
+
+std::string hash(const Scene& scene) {
+  Sha256 sha;
+  for (const Mesh& m : scene.meshes) {
+    sha.add({reinterpret_cast<const char*>(m.positions.data()), m.positions.size() * sizeof(m.positions[0])});
+    sha.add({reinterpret_cast<const char*>(m.triangles.data()), m.triangles.size() * sizeof(m.triangles[0])});
+  }
+  for (const Instance& i : scene.instances) {
+    sha.add(i.name);
+    sha.add({reinterpret_cast<const char*>(&i.worldFromMesh), sizeof(Affine)});
+  }
+  return sha.hex();
+}
+
+std::set<std::string> classesOf(const Scene& scene) {
+  std::set<std::string> names;
+  for (const Instance& i : scene.instances) {
+    for (const Surface& s : scene.meshes[i.mesh].surfaces) names.insert(scene.ontology.find(s.semantic)->name);
+  }
+  return names;
+}
+
+const Mesh& groundOf(const Scene& scene) {
+  for (const Instance& i : scene.instances) {
+    if (i.name == "ground") return scene.meshes[i.mesh];
+  }
+  throw Error("no ground");
+}
+
+// All that stands on the ground of a town, by the corners of its meshes, in the world's frame.
+template <class Visit>
+void forPoints(const Scene& scene, const Visit& visit) {
+  for (const Instance& i : scene.instances) {
+    if (i.name == "ground" || i.name == "road markings") continue;
+    for (const Vec3f& p : scene.meshes[i.mesh].positions) visit(i, i.worldFromMesh * Vec3d(p));
+  }
+}
+
+constexpr const char* kSmall = "{length: 120}";
+
+TEST(Town, FollowsFromItsSeed) {
+  EXPECT_EQ(hash(makeTown(kSmall, 5)), hash(makeTown(kSmall, 5)));
+  EXPECT_NE(hash(makeTown(kSmall, 5)), hash(makeTown(kSmall, 6)));
+}
+
+// No beam slips through: every edge belongs to two triangles, which go along it in opposite directions, but at the end
+// of the world. Curbs are walls between the two.
+TEST(Town, TheGroundIsClosed) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Scene scene = makeTown(kSmall, seed);
+    const Mesh& ground = groundOf(scene);
+    const Box box = ground.bounds();
+    std::map<std::tuple<float, float, float, float, float, float>, int> edges;
+    const auto key = [&](const Vec3f& a, const Vec3f& b) { return std::tuple(a.x, a.y, a.z, b.x, b.y, b.z); };
+    for (const auto& t : ground.triangles) {
+      for (std::size_t i = 0; i < 3; ++i) ++edges[key(ground.positions[t[i]], ground.positions[t[(i + 1) % 3]])];
+    }
+    std::size_t open = 0;
+    for (const auto& [edge, count] : edges) {
+      const auto& [ax, ay, az, bx, by, bz] = edge;
+      if (edges.contains({bx, by, bz, ax, ay, az})) continue;
+      const bool border = (ax == bx && (ax == float(box.low.x) || ax == float(box.high.x))) ||
+                          (ay == by && (ay == float(box.low.y) || ay == float(box.high.y)));
+      open += border ? 0 : 1;
+    }
+    EXPECT_EQ(open, 0u) << "seed " << seed << " of " << edges.size();
+  }
+}
+
+TEST(Town, TheGroundHasRoadsCurbsAndLawns) {
+  const Scene scene = makeTown("{district: suburban, length: 120}", 2);
+  std::map<std::string, double> area;
+  const Mesh& ground = groundOf(scene);
+  for (std::size_t t = 0; t < ground.triangles.size(); ++t) {
+    const auto& c = ground.triangles[t];
+    const Vec3d a(ground.positions[c[0]]);
+    const Vec3d n = cross(Vec3d(ground.positions[c[1]]) - a, Vec3d(ground.positions[c[2]]) - a);
+    EXPECT_GE(n.z, -1e-9) << "it faces up";
+    area[scene.ontology.find(ground.surfaces[ground.surfaceOf[t]].semantic)->name] += length(n) / 2;
+  }
+  EXPECT_GT(area["road"], 120 * 5.0);
+  EXPECT_GT(area["sidewalk"], 200);
+  EXPECT_GT(area["curb"], 20);
+  EXPECT_GT(area["terrain"], 20000);
+}
+
+// One can drive: on the road, with nothing in the way below the height of a car.
+TEST(Town, TheLaneIsFree) {
+  for (const std::uint64_t seed : {1, 4, 9}) {
+    const Scene scene = makeTown(kSmall, seed);
+    const std::vector<Vec3d> lane = laneOf(kSmall, seed);
+    ASSERT_GT(lane.size(), 8u);
+    std::size_t blocked = 0;
+    std::string what;
+    forPoints(scene, [&](const Instance& i, const Vec3d& p) {
+      for (const Vec3d& l : lane) {
+        if (std::hypot(p.x - l.x, p.y - l.y) > 0.9 || p.z - l.z < 0.05 || p.z - l.z > 1.7) continue;
+        ++blocked;
+        what = i.name;
+      }
+    });
+    EXPECT_EQ(blocked, 0u) << "seed " << seed << ": " << what;
+  }
+}
+
+TEST(Town, StandsOnItsGround) {
+  const Scene scene = makeTown(kSmall, 3);
+  const Mesh& ground = groundOf(scene);
+  for (const Instance& i : scene.instances) {
+    if (!i.name.starts_with("pedestrian") && !i.name.starts_with("car")) continue;
+    const Vec3d foot = i.worldFromMesh.translation;
+    double nearest = 1e9;
+    double height = 0;
+    for (const Vec3f& p : ground.positions) {
+      const double d = std::hypot(p.x - foot.x, p.y - foot.y);
+      if (d < nearest) std::tie(nearest, height) = std::pair(d, double{p.z});
+    }
+    EXPECT_NEAR(foot.z, height, 0.25) << i.name;
+  }
+}
+
+TEST(Town, HasTheClassesOfStreets) {
+  std::set<std::string> all;
+  for (const std::uint64_t seed : {1, 2, 3, 4})
+    all.merge(classesOf(makeTown("{length: 200, people: 3, vehicles: 3}", seed)));
+  EXPECT_THAT(
+      all, IsSupersetOf({"road",        "road_marking", "sidewalk",   "curb",  "terrain",    "building", "window",
+                         "wall",        "fence",        "vegetation", "tree",  "trunk",      "pole",     "traffic_sign",
+                         "street_lamp", "car",          "truck",      "bus",   "motorcycle", "bicycle",  "pedestrian",
+                         "rider",       "object",       "parking",    "ground"}));
+}
+
+TEST(Town, FactorsOfZeroLeaveThingsOut) {
+  const std::set<std::string> bare = classesOf(makeTown("{length: 120, greenery: 0, vehicles: 0, people: 0}", 2));
+  for (const char* name : {"vegetation", "tree", "car", "truck", "bus", "pedestrian", "rider", "bicycle"}) {
+    EXPECT_THAT(bare, Not(Contains(name)));
+  }
+  EXPECT_THAT(bare, Contains("building"));
+  const Scene flat = makeTown("{length: 120, slope: 0}", 2);
+  const Scene hilly = makeTown("{length: 120, slope: 3}", 2);
+  const auto rise = [](const Scene& scene) {
+    const Box box = groundOf(scene).bounds();
+    return box.high.z - box.low.z;
+  };
+  EXPECT_GT(rise(hilly), rise(flat) + 2);
+}
+
+// What the seeds draw differs from place to place: districts, widths, greenery.
+TEST(Town, NoTwoSeedsAreAlike) {
+  std::set<int> widths;
+  std::size_t fewest = SIZE_MAX;
+  std::size_t most = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Scene scene = makeTown("{length: 100}", seed);
+    const auto trees =
+        static_cast<std::size_t>(std::count_if(scene.instances.begin(), scene.instances.end(), [](const Instance& i) {
+          return i.name.starts_with("tree") || i.name.starts_with("wood") || i.name.starts_with("undergrowth");
+        }));
+    fewest = std::min(fewest, trees);
+    most = std::max(most, trees);
+    const std::vector<Vec3d> lane = laneOf("{length: 100}", seed);
+    widths.insert(static_cast<int>(std::lround(100 * std::hypot(lane[3].x - lane[0].x, lane[3].y - lane[0].y))));
+    widths.insert(static_cast<int>(std::lround(100 * lane[5].y)));
+  }
+  EXPECT_GT(most, 3 * fewest);
+  EXPECT_GE(widths.size(), 8u);
+}
+
+TEST(Town, RefusesWhatItDoesNotKnow) {
+  const auto refusal = [](const std::string& yaml) { return messageOf([&] { makeTown(yaml, 1); }); };
+  EXPECT_THAT(refusal("{district: rurall}"), AllOf(HasSubstr("town.yaml:1"), HasSubstr("did you mean 'rural'")));
+  EXPECT_THAT(refusal("{length: 20}"), AllOf(HasSubstr("town.yaml:1"), HasSubstr("length")));
+  EXPECT_THAT(refusal("{greenry: 1}"), HasSubstr("did you mean 'greenery'"));
+  EXPECT_THAT(refusal("{people: -1}"), HasSubstr("people"));
+}
+
+}  // namespace
+}  // namespace scanmill
