@@ -31,6 +31,7 @@ Room makeRoom(std::uint32_t rings, std::uint32_t columns) {
   for (std::size_t m = 0; m < room.materials.size(); ++m) {
     room.materials[m].roughness = 0.3f + 0.015f * static_cast<float>(m);
     room.materials[m].variations = {{3, 0.1f}, {0.2f, 0.1f}};
+    if (m % 2 == 0) room.materials[m].relief = {{0.1f, 0.02f}};
   }
   room.hits.reset(rings, columns, Channels::all());
   for (std::uint32_t ring = 0; ring < rings; ++ring) {
@@ -121,6 +122,7 @@ BENCHMARK_CAPTURE(effectAlone, speckle_20, "[{speckle: {looks: 20}}]");
 BENCHMARK_CAPTURE(effectAlone, ring_bias,
                   "[{ring_bias: {range_sigma_m: 0.03, elevation_sigma_deg: 0.18, gain_sigma: 0.35}}]");
 BENCHMARK_CAPTURE(effectAlone, reflectance_variation, "[{reflectance_variation: {}}]");
+BENCHMARK_CAPTURE(effectAlone, relief, "[{relief: {}}]");
 BENCHMARK_CAPTURE(effectAlone, rain, "[{weather: {kind: rain, severity: moderate, wet: 0}}]");
 BENCHMARK_CAPTURE(effectAlone, rain_on_wet_ground, "[{weather: {kind: rain, severity: moderate}}]");
 BENCHMARK_CAPTURE(effectAlone, snow, "[{weather: {kind: snow, severity: moderate}}]");

@@ -27,6 +27,7 @@ enum class Purpose : std::uint16_t {
   Fog = 13,
   WetGround = 14,
   Interference = 15,
+  Relief = 16,
   Speckle = 256,  // and the seven after it: four looks each
   Test = 99,
 };

@@ -11,7 +11,7 @@ namespace {
 
 auto fieldsOf(const Material& m) {
   return std::tie(m.name, m.reflectance, m.roughness, m.metallic, m.retroreflectance, m.transmission, m.index, m.source,
-                  m.variations, m.textured, m.texture, m.textureMean, m.alphaTested, m.alphaCutoff);
+                  m.variations, m.relief, m.textured, m.texture, m.textureMean, m.alphaTested, m.alphaCutoff);
 }
 
 // An exactly or nearly flat image of space: such a transform has no usable inverse.

@@ -23,18 +23,19 @@ float readReflectance(const Value& value, int wavelengthNm) {
   return chosen;
 }
 
-std::vector<Variation> readVariations(const Value* list) {
-  std::vector<Variation> made;
+// A list of maps of a size and one other number.
+template <class Made>
+std::vector<Made> readSizes(const Value* list, std::string_view key, std::string_view number, const Range& range,
+                            std::size_t most, std::string_view example) {
+  std::vector<Made> made;
   if (list == nullptr) return made;
-  if (list->kind != Value::Kind::Sequence || list->items.size() > kMostVariations) {
-    throw InputError(list->where, fmt::format("variations must be a list of at most {} maps such as {{size_m: 2, "
-                                              "contrast: 0.15}}",
-                                              kMostVariations));
+  if (list->kind != Value::Kind::Sequence || list->items.size() > most) {
+    throw InputError(list->where, fmt::format("{} must be a list of at most {} maps such as {}", key, most, example));
   }
   for (const Value& item : list->items) {
-    Fields f(item, "variation");
-    made.push_back(
-        {static_cast<float>(f.number("size_m", {0.001, 1000})), static_cast<float>(f.number("contrast", {0, 2}))});
+    Fields f(item, std::string(key));
+    const auto size = static_cast<float>(f.number("size_m", {0.001, 1000}));
+    made.push_back({size, static_cast<float>(f.number(number, range))});
     f.finish();
   }
   return made;
@@ -77,7 +78,10 @@ MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthN
     material.transmission = static_cast<float>(m.number("transmission", {0, 1}, 0));
     material.index = static_cast<float>(m.number("index", {1, 4}, 1.52));
     material.textured = m.boolean("textured", false);
-    material.variations = readVariations(m.find("variations"));
+    material.variations = readSizes<Variation>(m.find("variations"), "variations", "contrast", {0, 2}, kMostVariations,
+                                               "{size_m: 2, contrast: 0.15}");
+    material.relief = readSizes<Relief>(m.find("relief"), "relief", "height_m", {0, 1}, kMostReliefs,
+                                        "{size_m: 0.1, height_m: 0.02}");
     m.finish();
     for (const Material& other : library.materials) {
       if (other.name == material.name) {

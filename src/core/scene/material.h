@@ -37,6 +37,15 @@ struct Variation {
 
 constexpr std::size_t kMostVariations = 4;
 
+// How rough a surface is, over distances of about `size`.
+struct Relief {
+  float size = 1;    // m
+  float height = 0;  // m, standard deviation (rms height)
+  bool operator==(const Relief&) const = default;
+};
+
+constexpr std::size_t kMostReliefs = 2;
+
 // How a surface reflects.
 struct Material {
   std::string name;
@@ -48,6 +57,7 @@ struct Material {
   float index = 1.52f;            // of refraction
   std::string source;             // of the reflectance
   std::vector<Variation> variations = {};  // for the effect reflectance_variation; at most kMostVariations
+  std::vector<Relief> relief = {};         // for the effect relief; at most kMostReliefs
   bool textured = false;  // reflectance is scaled by the base colour's luminance at the hit over the texture's mean
   std::shared_ptr<const Texture> texture;  // base colour; null where none is needed
   float textureMean = 1.0f;                // mean linear luminance of the texture

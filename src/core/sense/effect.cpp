@@ -9,7 +9,7 @@
 namespace scanmill {
 
 std::span<const EffectEntry> effects() {
-  static constexpr std::array<EffectEntry, 15> kEffects{{
+  static constexpr std::array<EffectEntry, 16> kEffects{{
       {"footprint", "beams of finite width: rays add up to echoes, mixed pixels at edges",
        "rays: required, 7, 19, 37, 61, 91 or 127 a beam", 0, makeFootprintEffect},
       {"light_paths", "rays go on behind glass and off mirrors: cars' windows, mirror images",
@@ -26,6 +26,8 @@ std::span<const EffectEntry> effects() {
        "elevation_deg: none, a list likewise; "
        "gain: none, a list likewise, 1 is right",
        0, makeRingBias},
+      {"relief", "surfaces are rough: grass, gravel, stone and bark stop beams before and behind the mesh",
+       "strength: 1, times what the table of materials says", 0, makeRelief},
       {"reflectance_variation", "surfaces are brighter here and darker there: patches, grass, bricks, dirt",
        "strength: 1, times what the table of materials says", 0, makeReflectanceVariation},
       {"weather", "rain, snow, fog or dust: faint returns are lost, particles return, the ground is wet",

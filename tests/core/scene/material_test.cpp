@@ -41,6 +41,15 @@ TEST(Materials, theTableHasWhatScenesNeed) {
   EXPECT_GT(library.require("sign_retroreflective", {}).retroreflectance, 100);
 }
 
+TEST(Materials, SurfacesHaveSizesAndHeights) {
+  const MaterialLibrary library = readMaterials(kMaterials);
+  const Material& grass = library.require("grass", {});
+  ASSERT_EQ(grass.relief.size(), 2u);
+  EXPECT_EQ(grass.relief[0], (Relief{0.1f, 0.02f}));
+  ASSERT_EQ(grass.variations.size(), 2u);
+  EXPECT_EQ(grass.variations[1], (Variation{0.15f, 0.25f}));
+}
+
 TEST(Materials, theWavelengthPicksTheColumn) {
   EXPECT_FLOAT_EQ(readMaterials(kMaterials, 850).require("snow", {}).reflectance, 0.938f);
   EXPECT_FLOAT_EQ(readMaterials(kMaterials, 905).require("snow", {}).reflectance, 0.911f);
@@ -104,6 +113,9 @@ TEST(Materials, badFilesAreRefusedWithTheirPlace) {
   refuse("materials:\n  - {name: a, reflectance: {850: 0.1, 905: 0.1}, source: x}\n", {"bad.yaml:2", "1064"});
   refuse("materials:\n  - {name: a, reflectance: 0.5}\n", {"bad.yaml:2", "source"});
   refuse("materials:\n  - {name: a, reflectance: 0.5, source: x, roughnes: 1}\n", {"bad.yaml:2", "roughness"});
+  refuse("materials:\n  - {name: a, reflectance: 0.5, source: x, relief: 0.1}\n", {"bad.yaml:2", "height_m: 0.02"});
+  refuse("materials:\n  - {name: a, reflectance: 0.5, source: x, relief: [{size_m: 0, height_m: 0.1}]}\n",
+         {"bad.yaml:2", "size_m"});
   refuse("materials:\n  - {name: a, reflectance: 0, source: x}\n  - {name: a, reflectance: 0, source: x}\n",
          {"bad.yaml:3", "twice"});
 }

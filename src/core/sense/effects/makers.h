@@ -20,6 +20,7 @@ std::unique_ptr<Effect> makeFootprintEffect(Fields& options);
 std::unique_ptr<Effect> makeDetection(Fields& options);
 std::unique_ptr<Effect> makeLightPaths(Fields& options);
 std::unique_ptr<Effect> makeReflectanceVariation(Fields& options);
+std::unique_ptr<Effect> makeRelief(Fields& options);
 std::unique_ptr<Effect> makeWeather(Fields& options);
 std::unique_ptr<Effect> makeBlooming(Fields& options);
 std::unique_ptr<Effect> makeRangeWalk(Fields& options);

@@ -38,18 +38,24 @@ PlacesOfHits::PlacesOfHits(const Hits& hits, const Shot& shot, const Returns& re
   for (const Pose& pose : shot.worldFromSensor) rotation_.push_back(toMatrix(pose.rotation));
 }
 
-void PlacesOfHits::find(std::size_t first, Places& places) const {
+void PlacesOfHits::find(std::size_t first, Places& places, Places* along) const {
   const BeamTable& beams = *shot_.beams;
   const std::size_t count = std::min(kBatch, returns_.size() - first);
   for (std::size_t i = 0; i < kBatch; ++i) {
-    Vec3d place;
+    Vec3d place, direction;
     const std::size_t row = first + i;
     if (i < count && returns_.returned(row) && returns_.hit(row) != kNoHit) {
       const std::uint32_t beam = returns_.beam(row);
       const std::size_t step = rotation_.size() == 1 ? 0 : shot_.stepOf(beam % beams.columns);
-      Vec3d along = beams.direction[beam] * double{hits_.range[returns_.hit(row)]};
-      if (!beams.origin.empty()) along += Vec3d(beams.origin[beam]);
-      place = shot_.worldFromSensor[step].translation + rotation_[step] * along;
+      Vec3d local = beams.direction[beam] * double{hits_.range[returns_.hit(row)]};
+      if (!beams.origin.empty()) local += Vec3d(beams.origin[beam]);
+      place = shot_.worldFromSensor[step].translation + rotation_[step] * local;
+      if (along != nullptr) direction = rotation_[step] * beams.direction[beam];
+    }
+    if (along != nullptr) {
+      along->x[i] = direction.x;
+      along->y[i] = direction.y;
+      along->z[i] = direction.z;
     }
     places.x[i] = place.x;
     places.y[i] = place.y;

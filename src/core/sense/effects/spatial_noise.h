@@ -24,8 +24,9 @@ struct Places {
 class PlacesOfHits {
  public:
   PlacesOfHits(const Hits& hits, const Shot& shot, const Returns& returns);
-  // Rows first, first + 1, ...; those that come from no hit, or are gone, lie in the origin.
-  void find(std::size_t first, Places& places) const;
+  // Rows first, first + 1, ...; those that come from no hit, or are gone, lie in the origin. `along`, where wanted: the
+  // beams' directions, unit vectors in the world; 0 of those rows.
+  void find(std::size_t first, Places& places, Places* along = nullptr) const;
 
  private:
   const Hits& hits_;
