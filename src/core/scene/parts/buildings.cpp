@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/parts/parts.h"
+#include "scene/parts/house_details.h"
 
 namespace scanmill::parts {
 namespace {
@@ -28,6 +28,7 @@ class HouseMaker {
  public:
   HouseMaker(SceneBuilder& builder, std::uint64_t seed, const House& house)
       : h_(house),
+        seed_(seed),
         draw_(seed, Kind::House, house.number),
         s_(builder, "house"),
         wall_(s_.surface("building", draw_.chance(0.45) ? "brick" : facadeOf(seed, house))),
@@ -66,6 +67,11 @@ class HouseMaker {
         break;
     }
     downpipes();
+    if (h_.forecourt) {
+      addHouseDetails(s_, seed_, h_,
+                      {base_, storey_, wallTop_, sill_, windowWidth_, windowHeight_, kReveal, kFoundation, wall_, trim_,
+                       tile_, metal_, wood_, glass_});
+    }
     return s_.finish();
   }
 
@@ -364,6 +370,7 @@ class HouseMaker {
   }
 
   const House& h_;
+  std::uint64_t seed_;
   Draw draw_;
   Shape s_;
   SurfaceIndex wall_, trim_, wood_, metal_, tile_, glass_, casing_;

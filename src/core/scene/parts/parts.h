@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -154,6 +155,11 @@ struct Span {
   bool holds(double v) const { return v > low && v < high; }
 };
 
+constexpr double kGarageFrom = 6.2;  // m behind the front of its house
+constexpr double kGarageBeside = 0.25;
+constexpr double kGarageWidth = 3.3;
+constexpr double kGarageDepth = 5.8;
+
 enum class Roof { Flat, Gable, CrossGable, Hip };
 
 // In the house's frame the front wall lies in y = 0 and faces -y. It reaches along x from 0 to width, and the house
@@ -165,8 +171,12 @@ struct House {
   Roof roof = Roof::Gable;
   bool shop = false;
   std::uint32_t number = 0;
+  // The ground before the front that details may take (m): house_details.h. None: the walls stay bare, the house empty.
+  std::optional<double> forecourt;
+  bool garage = false, ivy = false;
 
   double doorX() const { return width * (doorColumn + 0.5) / columns; }
+  Vec3d garageMiddle() const { return {width + kGarageBeside + kGarageWidth / 2, kGarageFrom + kGarageDepth / 2, 0}; }
 };
 
 enum class Fencing { None, Pickets, Bars, Brick, Hedge };

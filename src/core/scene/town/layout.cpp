@@ -77,8 +77,8 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
   sideRoads = rural ? draw.below(3) : 2 + draw.below(4);
   bend = dense ? draw.in(0, 0.35) : draw.in(0.15, 0.9);
   hills = p.slope * draw.in(1.5, dense ? 4.5 : 7);
-  banks = p.slope * (dense ? draw.in(0.1, 1.0) : draw.in(0.5, 3.5));
-  undulation = rural ? draw.in(0.25, 0.5) : dense ? draw.in(0.06, 0.15) : draw.in(0.12, 0.3);
+  banks = p.slope * (dense ? draw.in(0.5, 2.5) : draw.in(2, 7));
+  undulation = rural ? draw.in(0.3, 0.7) : dense ? draw.in(0.1, 0.25) : draw.in(0.15, 0.45);
   setback = rural ? draw.in(4, 20) : dense ? draw.in(0, 1.2) : draw.in(1, 9);
   setbackSpread = dense ? draw.in(0, 0.6) : setback * draw.in(0.1, 0.6);
   built = rural ? draw.in(0.15, 0.5) : dense ? draw.in(0.85, 1) : draw.in(0.6, 0.95);
@@ -168,21 +168,34 @@ void Layout::drawPlots() {
       addPlots(r, side, road.main ? mainFrom_ : 12, road.main ? mainTo_ : road.length() - 4);
     }
   }
-  for (std::uint32_t i = 0; i < patches_.size(); ++i) {
-    const Footprint& f = patches_[i].place;
-    const double reach = std::hypot(f.halfX, f.halfY) + kPatchReach;
-    for (const double y : parts::steps(f.center.y - reach, f.center.y + reach + kPatchCell, kPatchCell)) {
-      for (const double x : parts::steps(f.center.x - reach, f.center.x + reach + kPatchCell, kPatchCell)) {
-        std::vector<std::uint32_t>& cell = patchCells_[cellKey(x, y)];
-        if (std::find(cell.begin(), cell.end(), i) == cell.end()) cell.push_back(i);
-      }
-    }
-  }
-  // Houses stand on the ground at their door.
+  for (std::uint32_t i = 0; i < patches_.size(); ++i) enter(patches_[i].place, i, patchCells_);
+  // Houses stand on the ground at their door, which is made level about them.
+  std::vector<Terrace> terraces;
   for (Plot& plot : plots_) {
     if (!plot.built) continue;
-    const Vec3d door = plot.house.place * Vec3d{plot.house.doorX(), -0.6, 0};
+    const parts::House& house = plot.house;
+    const Vec3d door = house.place * Vec3d{house.doorX(), -0.6, 0};
     plot.house.place.translation.z = heightAt({door.x, door.y});
+    const double yaw = std::atan2(house.place.linear.x.y, house.place.linear.x.x);
+    const auto level = [&](const Vec3d& middle, double width, double depth) {
+      const Vec3d at = house.place * middle;
+      terraces.push_back({{{at.x, at.y}, width / 2 + 0.5, depth / 2 + 0.5, yaw}, plot.house.place.translation.z});
+    };
+    level({house.width / 2, house.depth / 2, 0}, house.width, house.depth);
+    if (house.garage) level(house.garageMiddle(), parts::kGarageWidth, parts::kGarageDepth);
+  }
+  terraces_ = std::move(terraces);
+  for (std::uint32_t i = 0; i < terraces_.size(); ++i) enter(terraces_[i].place, i, terraceCells_);
+}
+
+// Into all cells that lie within kPatchReach of the rectangle.
+void Layout::enter(const Footprint& f, std::uint32_t index, Cells& cells) {
+  const double reach = std::hypot(f.halfX, f.halfY) + kPatchReach;
+  for (const double y : parts::steps(f.center.y - reach, f.center.y + reach + kPatchCell, kPatchCell)) {
+    for (const double x : parts::steps(f.center.x - reach, f.center.x + reach + kPatchCell, kPatchCell)) {
+      std::vector<std::uint32_t>& cell = cells[cellKey(x, y)];
+      if (std::find(cell.begin(), cell.end(), index) == cell.end()) cell.push_back(index);
+    }
   }
 }
 
@@ -258,6 +271,8 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
     if (wanted && fits({body.center, body.halfX, body.halfY, yaw}, 0.0) && houses_.isFree(roomy)) {
       houses_.add(body);
       plot.built = true;
+      house.forecourt = plot.setback;
+      house.ivy = draw.chance(0.2 * parameters_.greenery);
       // The house's frame: x along its front to its right as seen from inside, the front wall in y = 0 facing -y.
       const double cy = std::cos(yaw);
       const double sy = std::sin(yaw);
@@ -274,6 +289,10 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       if (hasDriveway) {
         const Vec3d beside = house.place * Vec3d{house.width + kDriveway / 2 + 0.3, 6, 0};
         strip({beside.x, beside.y}, kDriveway / 2, plot.setback + 6, GroundKind::Driveway);
+        const Vec3d inside = house.place * house.garageMiddle();
+        const Footprint garage{{inside.x, inside.y}, parts::kGarageWidth / 2 - 0.05, parts::kGarageDepth / 2, yaw};
+        house.garage = draw.chance(0.55) && fits(garage, 1);
+        if (house.garage) houses_.add(garage);
       }
     }
     plots_.push_back(plot);
@@ -321,7 +340,8 @@ GroundKind Layout::kindAt(const Beside& b, const Point2& p) const {
 }
 
 double Layout::base(const Point2& p) const {
-  return character_.hills * (relief(seed_ * 4 + 1, p.x, p.y, 260) + 0.25 * relief(seed_ * 4 + 2, p.x, p.y, 110));
+  return character_.hills * (relief(seed_ * 4 + 1, p.x, p.y, 260) + 0.25 * relief(seed_ * 4 + 2, p.x, p.y, 110) +
+                             0.11 * relief(seed_ * 4 + 4, p.x, p.y, 45));
 }
 
 // Curbs are lowered where a driveway meets the road.
@@ -357,12 +377,29 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double paved = kind == GroundKind::Driveway || kind == GroundKind::Path ? 0.3 : 1.0;
   const double wild = character_.undulation * smooth(beyond / 9);
   const double rolling = 1.6 * wild * relief(seed_ + 11, p.x, p.y, 16) + 0.6 * wild * relief(seed_ + 12, p.x, p.y, 5);
-  const double bank = character_.banks * smooth(beyond / 14) * relief(seed_ + 15, p.x, p.y, 60);
+  const double bank = character_.banks * smooth((edge - b.section.curb) / 11) * relief(seed_ + 15, p.x, p.y, 45);
   // Of lawns the finest cells' corners, in some places more than in others.
-  const double rough = 0.03 + 0.12 * std::max(0.0, relief(seed_ + 16, p.x, p.y, 9));
+  const double rough = 0.015 + 0.06 * std::max(0.0, relief(seed_ + 16, p.x, p.y, 9));
   const double grain = (0.03 * relief(seed_ + 13, p.x, p.y, 1.6) + rough * relief(seed_ + 14, p.x, p.y, 0.43)) *
                        smooth((edge - b.section.curb) / 0.3) * paved * (kind == GroundKind::Sidewalk ? 0.1 : 1);
-  return ground + step + rise + rolling + bank + grain;
+  const double natural = ground + step + rise + rolling + bank;
+  return natural + smooth(beyond / 1.5) * levelling(p, natural) + grain;
+}
+
+// What brings the ground to the height of the house beside it.
+double Layout::levelling(const Point2& p, double natural) const {
+  const auto cell = terraceCells_.find(cellKey(p.x, p.y));
+  if (cell == terraceCells_.end()) return 0;
+  double sum = 0;
+  double weights = 0;
+  double most = 0;
+  for (const std::uint32_t i : cell->second) {
+    const double weight = 1 - smooth(outside(terraces_[i].place, p) / kPatchReach);
+    sum += weight * (terraces_[i].height - natural);
+    weights += weight;
+    most = std::max(most, weight);
+  }
+  return weights > 0 ? most * sum / weights : 0;
 }
 
 double Layout::heightAt(const Point2& p) const {

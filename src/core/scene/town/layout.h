@@ -41,7 +41,7 @@ struct Character {
   int sideRoads = 3;
   double bend = 0.4;                      // rad, by how much the main road's heading wanders
   double hills = 3;                       // m, amplitude of what varies over 200 m
-  double banks = 1;                       // m, amplitude of what varies over 60 m, away from the roads
+  double banks = 3;                       // m, amplitude of what varies over 45 m, away from the roads
   double undulation = 0.2;                // m, of lawns
   double setback = 4, setbackSpread = 2;  // m, from the plots' edge to the houses
   double built = 0.8;                     // share of the plots with a house
@@ -77,6 +77,12 @@ struct Plot {
   double setback = 0;
 };
 
+// Ground that is made level, for a house or a garage and half a metre about it.
+struct Terrace {
+  parts::Footprint place;
+  double height = 0;
+};
+
 class Layout {
  public:
   Layout(const Parameters& parameters, std::uint64_t seed);
@@ -87,6 +93,7 @@ class Layout {
   const RoadNetwork& roads() const { return roads_; }
   const std::vector<Plot>& plots() const { return plots_; }
   const std::vector<Patch>& patches() const { return patches_; }
+  const std::vector<Terrace>& terraces() const { return terraces_; }
   // The part of the main road that is built on: distances along its line (m).
   double mainFrom() const { return mainFrom_; }
   double mainTo() const { return mainTo_; }
@@ -103,6 +110,7 @@ class Layout {
   double outsidePatches(const Point2& p) const;
 
  private:
+  using Cells = std::unordered_map<std::uint64_t, std::vector<std::uint32_t>>;
   void drawRoads();
   void drawPlots();
   void addPlots(std::uint32_t road, int side, double from, double to);
@@ -110,6 +118,8 @@ class Layout {
   const Patch* patchAt(const Point2& p) const;
   double base(const Point2& p) const;
   double lowering(const Beside& beside, const Point2& p) const;
+  double levelling(const Point2& p, double natural) const;
+  static void enter(const parts::Footprint& f, std::uint32_t index, Cells& cells);
 
   Parameters parameters_;
   std::uint64_t seed_;
@@ -117,7 +127,9 @@ class Layout {
   RoadNetwork roads_;
   std::vector<Plot> plots_;
   std::vector<Patch> patches_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> patchCells_;
+  Cells patchCells_;
+  std::vector<Terrace> terraces_;
+  Cells terraceCells_;
   parts::Occupancy houses_;
   double mainFrom_ = 0, mainTo_ = 0, half_ = 0;
 };

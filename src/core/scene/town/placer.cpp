@@ -6,13 +6,7 @@ namespace scanmill::town {
 
 Placer::Placer(SceneBuilder& sceneBuilder, const Layout& townLayout, const Affine& frame)
     : builder(sceneBuilder), layout(townLayout), worldFromTown(frame) {
-  for (const Plot& plot : layout.plots()) {
-    if (!plot.built) continue;
-    const parts::House& h = plot.house;
-    const Vec3d c = h.place * Vec3d{h.width / 2, h.depth / 2, 0};
-    occupancy.add(
-        {{c.x, c.y}, h.width / 2 + 0.4, h.depth / 2 + 0.4, std::atan2(h.place.linear.x.y, h.place.linear.x.x)});
-  }
+  for (const Terrace& terrace : layout.terraces()) occupancy.add(terrace.place);
   for (const Patch& patch : layout.patches()) occupancy.add(patch.place);
 }
 
