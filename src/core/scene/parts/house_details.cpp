@@ -162,6 +162,7 @@ class Details {
     const double top = m_.base + floors * m_.storey - 0.3;
     const Affine roof{{}, {middle, 0, top}};
     std::vector<Point2> eaves;
+    eaves.reserve(plan.size());
     for (const Point2& p : plan) eaves.push_back({1.06 * (p.x - middle), p.y < 0 ? p.y - 0.08 : p.y});
     s_.prism(m_.tile, m_.trim, roof, eaves, 0.14);
   }

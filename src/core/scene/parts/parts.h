@@ -51,6 +51,10 @@ enum class Kind : std::uint32_t {
   Wood,
   Hedgerow,
   Undergrowth,
+  Animal,
+  WorkVehicle,
+  Clutter,
+  Roadworks,
 };
 
 // The random numbers of one object, drawn one after the other.
@@ -201,6 +205,8 @@ constexpr int kCarForms = 7;
 Model makeCar(SceneBuilder& builder, std::uint64_t seed, CarForm form, int number);
 Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeBus(SceneBuilder& builder, std::uint64_t seed);
+enum class WorkVehicle { Trailer, Caravan, Tractor, Excavator, Count };
+Model makeWorkVehicle(SceneBuilder& builder, std::uint64_t seed, WorkVehicle what, int number);
 // Tyre and rim in the plane y = 0 about the origin, outside to +y.
 void appendWheel(Shape& shape, std::string_view className, const Affine& place, double radius, double width);
 
@@ -214,12 +220,19 @@ Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const BicycleFit& fit);
 
+constexpr int kAnimalForms = 6;
+constexpr int kPetForms = 3;  // dogs and cats, the first of them; the others graze
+Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number);
+
 Model makeSign(SceneBuilder& builder, std::uint64_t seed, int form);  // faces +x
 Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form);  // its arm reaches to +x
 Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed);    // faces +x
 
 enum class Furnishing { Bin, WheelieBin, Hydrant, Bench, LetterBox, PowerBox, BicycleRack, Bollard, Planter, Count };
 Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what);
+// A cone stands as it is, a barrier runs along x, a shed opens to -y.
+enum class Clutter { Cone, Barrier, Skip, Cart, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
+Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number);
 Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                   // open to -y
 Model makeColumn(SceneBuilder& builder, std::uint64_t seed);                    // for posters
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what);  // 2 m along x, centred

@@ -2,6 +2,7 @@
 
 // Puts things on the ground of a town, where nothing else stands.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,8 @@ void placeHouses(Placer& placer);
 void placeBoundaries(Placer& placer);
 void placeMarkings(Placer& placer);
 void placeFixtures(Placer& placer);
+void placeClutter(Placer& placer);
+void placeAnimals(Placer& placer);
 void placeVehicles(Placer& placer);
 void placePeople(Placer& placer);
 void placeTrees(Placer& placer);

@@ -8,10 +8,12 @@ void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFr
   placeHouses(placer);
   placeMarkings(placer);
   placeBoundaries(placer);
+  placeClutter(placer);
   placeFixtures(placer);
   placeVehicles(placer);
   placeTrees(placer);
   placePeople(placer);
+  placeAnimals(placer);
   placeBushes(placer);
   placeWoods(placer);
 }

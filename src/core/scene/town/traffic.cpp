@@ -90,12 +90,57 @@ Spot onLane(const Road& road, double at, int lane, double out) {
   return spot;
 }
 
-void placeMoving(Placer& placer, Fleet& fleet) {
+struct Heavy {
+  std::array<Model, 2> trucks;
+  Model bus;
+};
+
+// A lorry that delivers and a bus that waits, in side roads or on the main road's other side; trailers and tractors
+// beside the road.
+void placeStanding(Placer& placer, const Heavy& heavy) {
+  const Layout& l = placer.layout;
+  if (l.parameters().vehicles <= 0) return;
+  Draw draw(l.seed(), Kind::Traffic, 3000);
+  const std::vector<Road>& roads = l.roads().roads();
+  const auto tryAt = [&](const Model& m, const Road& road, double at, double lateral, const std::string& name) {
+    Spot spot = besideRoad(road, at, lateral);
+    if (lateral > 0) spot.yaw += kPi;
+    const Beside b = l.roads().at(spot.at.x, spot.at.y);
+    // Not at a crossing, nor on a road that is not meant.
+    if (!b.known || std::abs(b.edge - (std::abs(lateral) - road.section.half)) > 0.3) return false;
+    return placer.tryPark(m, spot, name);
+  };
+  const auto onRoad = [&](const Model& m, const std::string& name) {
+    const double inwards = (m.bounds.high.y - m.bounds.low.y) / 2 + 0.2;
+    for (int attempt = 0; attempt < 2 * Placer::kTries; ++attempt) {
+      const Road& road = roads[static_cast<std::size_t>(draw.below(static_cast<int>(roads.size())))];
+      const double lateral = road.section.half - inwards;
+      const bool left = road.main || draw.chance(0.5);
+      const double at = road.main ? draw.in(l.mainFrom() + 10, l.mainTo() - 10) : draw.in(12, 28);
+      if (tryAt(m, road, at, left ? lateral : -lateral, name)) return;
+    }
+  };
+  onRoad(heavy.bus, "waiting bus");
+  onRoad(heavy.trucks[static_cast<std::size_t>(draw.below(2))], "delivering truck");
+  const bool rural = l.character().district == District::Rural;
+  const int others = 1 + draw.below(2);
+  for (int k = 0; k < others; ++k) {
+    const parts::WorkVehicle what = rural && draw.chance(0.6) ? parts::WorkVehicle::Tractor
+                                    : draw.chance(0.7)        ? parts::WorkVehicle::Trailer
+                                                              : parts::WorkVehicle::Caravan;
+    const Model m = parts::makeWorkVehicle(placer.builder, l.seed(), what, k);
+    for (int attempt = 0; attempt < 4 * Placer::kTries; ++attempt) {
+      const Road& road = roads.front();
+      const double beyond = road.section.half + road.section.outer() + draw.in(2, 8);
+      const double at = draw.in(l.mainFrom() + 10, l.mainTo() - 10);
+      if (tryAt(m, road, at, draw.chance(0.5) ? beyond : -beyond, fmt::format("other vehicle {}", k + 1))) break;
+    }
+  }
+}
+
+void placeMoving(Placer& placer, Fleet& fleet, const Heavy& heavy) {
   const Layout& l = placer.layout;
   const Character& c = l.character();
-  const std::array<Model, 2> trucks{parts::makeTruck(placer.builder, l.seed(), 0),
-                                    parts::makeTruck(placer.builder, l.seed(), 1)};
-  const Model bus = parts::makeBus(placer.builder, l.seed());
   int number = 0;
   for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
     const Road& road = l.roads().roads()[r];
@@ -104,8 +149,8 @@ void placeMoving(Placer& placer, Fleet& fleet) {
     const int count = static_cast<int>(c.traffic * (road.main ? 1 : 0.4) * length / 100 + draw.next());
     for (int k = 0; k < count; ++k) {
       const double pick = draw.next();
-      const Model& m = pick < 0.08 && road.main  ? bus
-                       : pick < 0.2 && road.main ? trucks[static_cast<std::size_t>(draw.below(2))]
+      const Model& m = pick < 0.08 && road.main  ? heavy.bus
+                       : pick < 0.2 && road.main ? heavy.trucks[static_cast<std::size_t>(draw.below(2))]
                                                  : fleet.anyCar(draw);
       // The sensor's own lane is that with the main road's line.
       const int lane = road.main ? -1 : draw.chance(0.5) ? 1 : -1;
@@ -143,18 +188,27 @@ bool besidePeople(const Placer& placer, Draw& draw, Spot& spot) {
 
 void placeVehicles(Placer& placer) {
   Fleet fleet(placer);
+  const std::uint64_t seed = placer.layout.seed();
+  const Heavy heavy{{parts::makeTruck(placer.builder, seed, 0), parts::makeTruck(placer.builder, seed, 1)},
+                    parts::makeBus(placer.builder, seed)};
+  placeStanding(placer, heavy);
   placeParked(placer, fleet);
-  placeMoving(placer, fleet);
+  placeMoving(placer, fleet, heavy);
 }
 
 void placePeople(Placer& placer) {
   const Layout& l = placer.layout;
   const double length = l.mainTo() - l.mainFrom();
   Draw counts(l.seed(), Kind::Person, 999);
-  const int walkers = static_cast<int>(l.character().people * length / 100 + counts.next());
-  const int parked = static_cast<int>(0.5 * l.character().people * length / 100 + counts.next());
-  const int cyclists = static_cast<int>(0.25 * l.character().people * length / 100 + counts.next());
-  const int motorcycles = static_cast<int>(0.12 * l.character().people * length / 100 + counts.next());
+  // One of each at least, unless nobody is wanted.
+  const auto count = [&](double share) {
+    const int drawn = static_cast<int>(share * l.character().people * length / 100 + counts.next());
+    return l.parameters().people > 0 ? std::max(1, drawn) : 0;
+  };
+  const int walkers = count(1);
+  const int parked = count(0.5);
+  const int cyclists = count(0.25);
+  const int motorcycles = count(0.25);
   const auto search = [&](const Model& m, Draw& draw, const std::string& name, double lean) {
     Spot spot;
     for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
