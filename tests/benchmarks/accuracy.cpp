@@ -1,4 +1,4 @@
-// What the depth camera's shortcuts cost: each setting against ray tracing, the same beams on the quickstart's street.
+// What the depth camera's shortcuts cost: each setting against ray tracing, the same beams on the procedural street.
 // Prints the table of docs/depth_camera.md.
 
 #include <fmt/core.h>
@@ -45,7 +45,7 @@ const std::vector<Setting> kSettings{
 };
 
 int run() {
-  const Scene scene = quickstartStreet();
+  const Scene scene = proceduralStreet();
   const auto tracing = rayTracing(scene);
   const Shot shot = streetShot(presetBeams("paper_64"), -20);
   const Hits truth = traced(*tracing, shot);
@@ -79,7 +79,7 @@ int run() {
 
 // The same layouts elsewhere in the street: what stands near the sensor decides.
 int runAlongTheStreet() {
-  const Scene scene = quickstartStreet();
+  const Scene scene = proceduralStreet();
   const auto tracing = rayTracing(scene);
   fmt::print("\n| plane, 2048: p99 mm, interior labels |");
   const std::vector<double> places{-50, -20, 0, 3, 25, 50};

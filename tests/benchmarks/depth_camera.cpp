@@ -1,4 +1,4 @@
-// The depth camera, stage by stage, on the street of the quickstart (1.3 million placed triangles): 64 x 2048 beams
+// The depth camera, stage by stage, on the procedural street (1.3 million placed triangles): 64 x 2048 beams
 // from three images of 2048 x 2048 with depth, normals, ids and reflectance, and what the alternatives cost in the same
 // run. `of_*` are ratios of times in one run.
 
@@ -26,7 +26,7 @@ namespace scanmill {
 namespace {
 
 const Scene& street() {
-  static const Scene scene = quickstartStreet();
+  static const Scene scene = proceduralStreet();
   return scene;
 }
 

@@ -1,7 +1,7 @@
 // The whole way to shards, against what the libraries' own calls cost on the same data: bare Embree over the same
 // triangles and beams, and the bare encoder over the same scans, both on all cores, one after the other. `of_bare` is
 // the ratio in one run: above 1, the overlap and our encoder more than pay for effects, columns, hashing and writing.
-// The street of the quickstart, 1.3 million triangles, 64 x 2048 beams, labels, instances and intensity. Shards go to
+// The procedural street, 1.3 million triangles, 64 x 2048 beams, labels, instances and intensity. Shards go to
 // shared memory, so that the disk is not measured.
 
 #include <benchmark/benchmark.h>

@@ -1,4 +1,4 @@
-// The particle method, stage by stage, on the street of the quickstart (1.3 million placed triangles): building the
+// The particle method, stage by stage, on the procedural street (1.3 million placed triangles): building the
 // field, moving it, flying 64 or 512 x 2048 particles. `of_*` are ratios of times in one run.
 
 #include "methods/particle/particle.h"
@@ -24,7 +24,7 @@ namespace scanmill {
 namespace {
 
 const Scene& street() {
-  static const Scene scene = quickstartStreet();
+  static const Scene scene = proceduralStreet();
   return scene;
 }
 

@@ -1,4 +1,4 @@
-// What the particle method's shortcuts cost: each setting against ray tracing, the same beams on the quickstart's
+// What the particle method's shortcuts cost: each setting against ray tracing, the same beams on the procedural
 // street; by level of the field; and how thin things are seen. Prints the tables of docs/particle.md.
 
 #include <fmt/core.h>
@@ -160,7 +160,7 @@ void printThinThings() {
 
 int main() {
   try {
-    const Scene scene = quickstartStreet();
+    const Scene scene = proceduralStreet();
     const auto tracing = rayTracing(scene);
     printSettings(scene, *tracing);
     printLevels(scene, *tracing);

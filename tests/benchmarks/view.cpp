@@ -1,4 +1,4 @@
-// The viewer without a window, 1600 x 900: scans of the quickstart's street of 64 x 2048 beams, and 40 of them as one
+// The viewer without a window, 1600 x 900: scans of the procedural street of 64 x 2048 beams, and 40 of them as one
 // scan of 5 million points. Times are medians in milliseconds; `of_whole` compares with a picture of all points,
 // `of_scan` with the same of 131,072 points, in one run.
 
@@ -24,7 +24,7 @@ constexpr int kWidth = 1600;
 constexpr int kHeight = 900;
 
 Scan streetScan() {
-  const Scene street = quickstartStreet();
+  const Scene street = proceduralStreet();
   const Shot shot = streetShot(streetBeams(64), -20);
   Hits hits;
   rayTracing(street)->trace(

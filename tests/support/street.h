@@ -1,6 +1,6 @@
 #pragma once
 
-// The street of the quickstart, and a sensor in it.
+// The procedural street, and a sensor in it.
 
 #include <memory>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace scanmill {
 
-inline Scene quickstartStreet(std::uint64_t seed = 1) {
+inline Scene proceduralStreet(std::uint64_t seed = 1) {
   SceneOptions options;
   options.seed = seed;
   return readScene(std::string(SCANMILL_SOURCE_DIR) + "/scenes/street.yaml", options);

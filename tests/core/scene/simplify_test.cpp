@@ -114,7 +114,7 @@ double hausdorff(const Mesh& a, const Mesh& b) {
 }
 
 TEST(Simplify, KeepingAllChangesNothing) {
-  const Scene scene = quickstartStreet();
+  const Scene scene = proceduralStreet();
   const Scene same = simplified(scene, 1);
   ASSERT_EQ(same.meshes.size(), scene.meshes.size());
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) expectSameMesh(same.meshes[m], scene.meshes[m]);
@@ -248,7 +248,7 @@ TEST(Simplify, TexturesStayWhereTheyAre) {
 }
 
 TEST(Simplify, ThreadsDoNotMatter) {
-  const Scene scene = quickstartStreet();
+  const Scene scene = proceduralStreet();
   std::vector<Scene> results;
   for (const int threads : {1, 4}) {
     const ThreadLimit limit(threads);
@@ -258,7 +258,7 @@ TEST(Simplify, ThreadsDoNotMatter) {
 }
 
 TEST(Simplify, StreetKeepsItsThings) {
-  const Scene scene = quickstartStreet();
+  const Scene scene = proceduralStreet();
   for (const double keep : {0.5, 0.25, 0.1}) {
     const Scene fewer = simplified(scene, keep);
     const double share = static_cast<double>(fewer.triangles()) / static_cast<double>(scene.triangles());

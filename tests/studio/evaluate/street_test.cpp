@@ -1,4 +1,4 @@
-// The depth camera and particles against ray tracing: the same beams on the quickstart's street. docs/depth_camera.md
+// The depth camera and particles against ray tracing: the same beams on the procedural street. docs/depth_camera.md
 // has the whole table; tests/benchmarks/accuracy.cpp makes it.
 
 #include "tests/support/street.h"
@@ -21,7 +21,7 @@ constexpr double kPixel = 0.0016915;
 class Street : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    scene_ = std::make_unique<Scene>(quickstartStreet());
+    scene_ = std::make_unique<Scene>(proceduralStreet());
     tracing_ = rayTracing(*scene_);
   }
   static void TearDownTestSuite() {

@@ -42,7 +42,7 @@ ParticleOptions readParticleOptions(Fields& fields);
 double levelReach(const ParticleOptions& options, std::uint32_t level);
 
 // About how many bytes a level takes that has so many voxels across. Memory follows the surface, hence the square of
-// the voxels; the factor was measured on the street of the quickstart.
+// the voxels; the factor was measured on the procedural street.
 double levelBytes(double voxels, bool lists);
 
 // An estimate as text: 1.2 GiB, 34 MiB.

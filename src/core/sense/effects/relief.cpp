@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "sense/effects/makers.h"
 #include "sense/effects/spatial_noise.h"
@@ -30,6 +31,108 @@ constexpr double kLeastCosine = 0.05;
 constexpr double kStep = 0.75;  // of the smallest size
 constexpr int kMostSteps = 24;
 
+// A beam that ends on a rough surface.
+struct RoughHit {
+  std::size_t row = 0;
+  Vec3d place, along;                         // of the mesh, and of the beam, in the world
+  std::array<double, kMostReliefs> height{};  // m, as the beam sees it
+  std::array<double, kMostReliefs> cubes{};   // a metre
+  double cosine = 1;                          // of the incidence
+  double reach = 0;                           // m before the mesh and behind it that are searched
+  double step = 0;                            // m
+  int steps = 0;
+};
+
+// Follows many beams at once, each in a slot, whose place the next beam takes as soon as it has met a height.
+class March {
+ public:
+  March(std::uint64_t seed, std::span<const RoughHit> hits, Returns& returns)
+      : seed_(seed), hits_(hits), returns_(returns) {}
+
+  void run() {
+    for (std::size_t slot = 0; slot < kBatch; ++slot) fill(slot);
+    Batch<double> heights;
+    while (running_ > 0) {
+      heights.fill(0);
+      for (std::uint32_t k = 0; k < kMostReliefs; ++k) {
+        if (levels_ > k) addField({seed_, Purpose::Relief, k}, places_, cubes_[k], height_[k], heights);
+      }
+      for (std::size_t slot = 0; slot < kBatch; ++slot) {
+        if (hit_[slot] != nullptr) advance(slot, heights[slot]);
+      }
+    }
+  }
+
+ private:
+  void fill(std::size_t slot) {
+    if (next_ == hits_.size()) {
+      hit_[slot] = nullptr;
+      return;
+    }
+    const RoughHit& hit = hits_[next_++];
+    ++running_;
+    hit_[slot] = &hit;
+    step_[slot] = 0;
+    below_[slot] = 0;
+    for (std::size_t k = 0; k < kMostReliefs; ++k) {
+      height_[k][slot] = hit.height[k];
+      cubes_[k][slot] = hit.cubes[k];
+      if (hit.height[k] > 0) levels_ = std::max(levels_, k + 1);
+    }
+    look(slot, -hit.reach);
+  }
+
+  // `at`: m behind the mesh.
+  void look(std::size_t slot, double at) {
+    const RoughHit& hit = *hit_[slot];
+    at_[slot] = at;
+    places_.x[slot] = hit.place.x + at * hit.along.x;
+    places_.y[slot] = hit.place.y + at * hit.along.y;
+    places_.z[slot] = hit.place.z + at * hit.along.z;
+  }
+
+  void advance(std::size_t slot, double height) {
+    const RoughHit& hit = *hit_[slot];
+    const double at = at_[slot];
+    const double over = -at * hit.cosine - height;
+    if (below_[slot] < 0) {  // between two steps: once more, by the line between here and one of them
+      const double first = step_[slot] * hit.step - hit.reach;
+      end(slot, over > 0 ? at + (first + hit.step - at) * over / (over - below_[slot])
+                         : first + (at - first) * above_[slot] / (above_[slot] - over));
+    } else if (over > 0 && step_[slot] < hit.steps) {
+      above_[slot] = over;
+      look(slot, ++step_[slot] * hit.step - hit.reach);
+    } else if (step_[slot] == 0 || over >= 0) {
+      end(slot, at);
+    } else {
+      below_[slot] = over;
+      const double first = --step_[slot] * hit.step - hit.reach;
+      look(slot, first + hit.step * above_[slot] / (above_[slot] - over));
+    }
+  }
+
+  void end(std::size_t slot, double at) {
+    float& range = returns_.range[hit_[slot]->row];
+    range = std::max(range / 2, range + static_cast<float>(at));
+    --running_;
+    fill(slot);
+  }
+
+  std::uint64_t seed_;
+  std::span<const RoughHit> hits_;
+  Returns& returns_;
+  std::size_t next_ = 0;
+  std::size_t running_ = 0;
+  std::size_t levels_ = 0;
+  Batch<const RoughHit*> hit_{};
+  Batch<int> step_{};      // the one that is looked at; once below_ is known, the last one over the heights
+  Batch<double> at_{};     // m behind the mesh
+  Batch<double> above_{};  // how far the beam is over the heights, at the last step where it is
+  Batch<double> below_{};  // at the first where it is not; 0: not known yet
+  Places places_{};
+  std::array<Batch<double>, kMostReliefs> height_{}, cubes_{};
+};
+
 class ReliefEffect : public Effect {
  public:
   explicit ReliefEffect(double strength) : strength_(strength) {}
@@ -37,125 +140,56 @@ class ReliefEffect : public Effect {
   Channels reads() const override { return Channel::Range | Channel::Incidence | Channel::Material; }
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials, Returns& returns) const override {
+    constexpr std::size_t kTogether = 64 * kBatch;  // rows whose beams share the slots
     const PlacesOfHits hitPlaces(hits, shot, returns);
-    for (std::size_t first = 0; first < returns.size(); first += kBatch) {
-      Work work;
-      if (!prepare(hits, shot, materials, returns, first, work)) continue;
-      hitPlaces.find(first, work.hit, &work.along);
-      march(shot.seed, work);
-      const std::size_t count = std::min(kBatch, returns.size() - first);
-      for (std::size_t i = 0; i < count; ++i) {
-        if (work.reach[i] == 0) continue;
-        float& range = returns.range[first + i];
-        range = std::max(range / 2, range + static_cast<float>(work.met[i]));
+    Places places;
+    Places along;
+    std::vector<RoughHit> rough;
+    for (std::size_t start = 0; start < returns.size(); start += kTogether) {
+      rough.clear();
+      for (std::size_t first = start; first < std::min(start + kTogether, returns.size()); first += kBatch) {
+        const std::size_t before = rough.size();
+        const std::size_t count = std::min(kBatch, returns.size() - first);
+        for (std::size_t row = first; row < first + count; ++row) prepare(hits, shot, materials, returns, row, rough);
+        if (rough.size() == before) continue;
+        hitPlaces.find(first, places, &along);
+        for (std::size_t k = before; k < rough.size(); ++k) {
+          const std::size_t i = rough[k].row - first;
+          rough[k].place = {places.x[i], places.y[i], places.z[i]};
+          rough[k].along = {along.x[i], along.y[i], along.z[i]};
+        }
       }
+      March(shot.seed, rough, returns).run();
     }
   }
 
  private:
-  // Of a batch of rows.
-  struct Work {
-    Places hit;
-    Places along;                                      // unit vectors of the beams
-    std::array<Batch<double>, kMostReliefs> height{};  // m, as the beam sees it
-    std::array<Batch<double>, kMostReliefs> cubes{};   // a metre
-    Batch<double> cosine{};                            // of the incidence
-    Batch<double> reach{};                             // m before the hit and behind it that are searched; 0: none
-    Batch<double> step{};                              // m
-    Batch<int> steps{};
-    Batch<double> met{};  // m behind the hit
-    std::size_t levels = 0;
-    int mostSteps = 0;
-  };
-
-  // False where no row of the batch has a relief.
-  bool prepare(const Hits& hits, const Shot& shot, std::span<const Material> materials, const Returns& returns,
-               std::size_t first, Work& work) const {
-    const std::size_t count = std::min(kBatch, returns.size() - first);
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t row = first + i;
-      if (!returns.returned(row) || returns.hit(row) == kNoHit) continue;
-      const std::uint32_t hit = returns.hit(row);
-      if (hits.material[hit] >= materials.size()) continue;
-      const std::vector<Relief>& reliefs = materials[hits.material[hit]].relief;
-      if (reliefs.empty()) continue;
-      const double cosine = std::max(kLeastCosine, double{hits.incidence[hit]});
-      const double area = beamArea(*shot.beams, double{hits.range[hit]}) / cosine;
-      double variance = 0;
-      double smallest = double{reliefs.front().size};
-      for (std::size_t k = 0; k < reliefs.size(); ++k) {
-        const double size = reliefs[k].size;
-        const double height = strength_ * reliefs[k].height / std::sqrt(1 + area / (size * size));
-        work.height[k][i] = height;
-        work.cubes[k][i] = 1 / size;
-        variance += height * height;
-        smallest = std::min(smallest, size);
-      }
-      if (variance == 0) continue;
-      work.levels = std::max(work.levels, reliefs.size());
-      work.cosine[i] = cosine;
-      work.reach[i] = kDeviations * std::sqrt(variance) / cosine;
-      work.steps[i] = std::min(kMostSteps, static_cast<int>(std::ceil(2 * work.reach[i] / (kStep * smallest))));
-      work.step[i] = 2 * work.reach[i] / work.steps[i];
-      work.mostSteps = std::max(work.mostSteps, work.steps[i]);
+  // Appends the row, without its place, where its material has a relief.
+  void prepare(const Hits& hits, const Shot& shot, std::span<const Material> materials, const Returns& returns,
+               std::size_t row, std::vector<RoughHit>& rough) const {
+    if (!returns.returned(row) || returns.hit(row) == kNoHit) return;
+    const std::uint32_t hit = returns.hit(row);
+    if (hits.material[hit] >= materials.size()) return;
+    const std::vector<Relief>& reliefs = materials[hits.material[hit]].relief;
+    if (reliefs.empty()) return;
+    RoughHit made;
+    made.row = row;
+    made.cosine = std::max(kLeastCosine, double{hits.incidence[hit]});
+    const double area = beamArea(*shot.beams, double{hits.range[hit]}) / made.cosine;
+    double variance = 0;
+    double smallest = double{reliefs.front().size};
+    for (std::size_t k = 0; k < reliefs.size(); ++k) {
+      const double size = reliefs[k].size;
+      made.height[k] = strength_ * reliefs[k].height / std::sqrt(1 + area / (size * size));
+      made.cubes[k] = 1 / size;
+      variance += made.height[k] * made.height[k];
+      smallest = std::min(smallest, size);
     }
-    return work.mostSteps > 0;
-  }
-
-  // Adds the heights at `at`, in m behind the hits.
-  static void heightsAt(std::uint64_t seed, const Work& work, const Batch<double>& at, Batch<double>& heights) {
-    Places places;
-    for (std::size_t i = 0; i < kBatch; ++i) {
-      places.x[i] = work.hit.x[i] + at[i] * work.along.x[i];
-      places.y[i] = work.hit.y[i] + at[i] * work.along.y[i];
-      places.z[i] = work.hit.z[i] + at[i] * work.along.z[i];
-    }
-    heights.fill(0);
-    for (std::uint32_t k = 0; k < work.levels; ++k) {
-      addField({seed, Purpose::Relief, k}, places, work.cubes[k], work.height[k], heights);
-    }
-  }
-
-  static void march(std::uint64_t seed, Work& work) {
-    Batch<double> at;
-    Batch<double> heights;
-    Batch<double> above{};   // how far the beam is over the heights, at the last step where it is
-    Batch<double> below{};   // at the first where it is not; 0: it is not known between which steps it meets them
-    Batch<double> before{};  // the first of the two steps, m behind the hit
-    Batch<bool> searching;
-    for (std::size_t i = 0; i < kBatch; ++i) searching[i] = work.reach[i] > 0;
-    bool any = true;
-    for (int step = 0; any; ++step) {
-      for (std::size_t i = 0; i < kBatch; ++i) at[i] = step * work.step[i] - work.reach[i];
-      heightsAt(seed, work, at, heights);
-      any = false;
-      for (std::size_t i = 0; i < kBatch; ++i) {
-        if (!searching[i]) continue;
-        const double over = -at[i] * work.cosine[i] - heights[i];
-        work.met[i] = at[i];
-        if (over > 0 && step < work.steps[i]) {
-          above[i] = over;
-          any = true;
-          continue;
-        }
-        searching[i] = false;
-        if (step == 0 || over > 0) continue;
-        below[i] = over;
-        before[i] = at[i] - work.step[i];
-        work.met[i] = before[i] + work.step[i] * above[i] / (above[i] - over);
-      }
-    }
-    // Once more, by the line between there and one of the two steps.
-    heightsAt(seed, work, work.met, heights);
-    for (std::size_t i = 0; i < kBatch; ++i) {
-      if (below[i] == 0) continue;
-      const double over = -work.met[i] * work.cosine[i] - heights[i];
-      if (over > 0) {
-        work.met[i] += (before[i] + work.step[i] - work.met[i]) * over / (over - below[i]);
-      } else {
-        work.met[i] = before[i] + (work.met[i] - before[i]) * above[i] / (above[i] - over);
-      }
-    }
+    if (variance == 0) return;
+    made.reach = kDeviations * std::sqrt(variance) / made.cosine;
+    made.steps = std::min(kMostSteps, static_cast<int>(std::ceil(2 * made.reach / (kStep * smallest))));
+    made.step = 2 * made.reach / made.steps;
+    rough.push_back(made);
   }
 
   double strength_;

@@ -540,7 +540,7 @@ TEST(Exact, SeveralThreadsMayTraceAtOnce) {
 
 // Float32 decides otherwise only where a beam passes within its rounding of an edge.
 TEST(Exact, RayTracingAgreesOnTheStreet) {
-  const Scene scene = quickstartStreet();
+  const Scene scene = proceduralStreet();
   const ExactTracer tracer(scene);
   const auto method = rayTracing(scene);
   const auto beams = presetBeams("paper_64");

@@ -32,7 +32,7 @@ class AnomaliesInStreets : public testing::Test {
     manifest_->columns = {"x", "y", "z", "label", "instance"};
     manifest_->sensors = {{"top", *beams, {}}};
     for (const std::uint64_t seed : {1, 2, 3}) {
-      const Scene street = quickstartStreet(seed);
+      const Scene street = proceduralStreet(seed);
       manifest_->ontology = street.ontology;
       const auto method = rayTracing(street);
       for (int i = 0; i < 11; ++i) {

@@ -147,7 +147,7 @@ TEST(MakeViewMesh, TheSameWithAnyNumberOfThreads) {
 }
 
 TEST(MakeViewMesh, TheQuickstartStreet) {
-  const Scene scene = quickstartStreet();
+  const Scene scene = proceduralStreet();
   const ViewMesh view = makeViewMesh(scene);
   expectSame(view, scene);
   EXPECT_GT(view.size(), 1'000'000u);
@@ -188,7 +188,7 @@ TEST(LoadViewMesh, ReadsAScene) {
   const std::string street = std::string(SCANMILL_SOURCE_DIR) + "/scenes/street.yaml";
   const ViewMesh first = loadViewMesh(street, 1);
   EXPECT_EQ(first.problem, "");
-  EXPECT_EQ(first.size(), makeViewMesh(quickstartStreet()).size());
+  EXPECT_EQ(first.size(), makeViewMesh(proceduralStreet()).size());
   EXPECT_NE(loadViewMesh(street, 2).corners, first.corners);
 }
 
