@@ -29,6 +29,12 @@ std::int64_t readInteger(const Value& value, std::string_view what, std::int64_t
 bool readBool(const Value& value, std::string_view what);  // true or false
 std::string readText(const Value& value, std::string_view what);
 Vec3d readVec3(const Value& value, std::string_view what);  // [x, y, z]
+// A list of integers; "..." between two of them stands for all in between: [1, ..., 20]. Each with its place.
+struct PlacedInteger {
+  std::int64_t value = 0;
+  Location where;
+};
+std::vector<PlacedInteger> readIntegers(const Value& list, std::string_view what, std::int64_t low, std::int64_t high);
 std::vector<double> readNumbers(const Value& value, std::string_view what, Range range = {});
 
 // The name in `names` that is nearest to `word` by edit distance; empty where none is near.

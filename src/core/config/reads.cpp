@@ -99,6 +99,27 @@ Vec3d readVec3(const Value& value, std::string_view what) {
   return {numbers[0], numbers[1], numbers[2]};
 }
 
+std::vector<PlacedInteger> readIntegers(const Value& list, std::string_view what, std::int64_t low, std::int64_t high) {
+  constexpr std::int64_t kMost = 1'000'000;  // in between
+  if (list.kind != Value::Kind::Sequence) refuse(list, what, "a list of integers");
+  std::vector<PlacedInteger> numbers;
+  numbers.reserve(list.items.size());
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    const Value& item = list.items[i];
+    if (item.text != "...") {
+      numbers.push_back({readInteger(item, what, low, high), item.where});
+      continue;
+    }
+    if (numbers.empty() || i + 1 == list.items.size()) {
+      throw InputError(item.where, fmt::format("{}: '...' stands between two numbers, such as [1, ..., 20]", what));
+    }
+    const std::int64_t from = numbers.back().value;
+    const std::int64_t to = readInteger(list.items[i + 1], what, from + 1, from > high - kMost ? high : from + kMost);
+    for (std::int64_t n = from + 1; n < to; ++n) numbers.push_back({n, item.where});
+  }
+  return numbers;
+}
+
 std::vector<double> readNumbers(const Value& value, std::string_view what, Range range) {
   if (value.kind != Value::Kind::Sequence) refuse(value, what, "a list of numbers");
   std::vector<double> numbers;

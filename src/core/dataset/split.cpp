@@ -89,6 +89,18 @@ Assignment byShares(Fields& fields, const std::set<std::string>& groups, const s
   return splits;
 }
 
+std::vector<std::pair<std::string, Location>> listedGroups(const Value& list, const std::string& by) {
+  std::vector<std::pair<std::string, Location>> listed;
+  if (by == "seed") {
+    for (const PlacedInteger& seed : readIntegers(list, "seed", 0, std::numeric_limits<std::int64_t>::max())) {
+      listed.emplace_back(std::to_string(seed.value), seed.where);
+    }
+    return listed;
+  }
+  for (const Value& item : list.items) listed.emplace_back(readText(item, "trajectory"), item.where);
+  return listed;
+}
+
 Assignment byLists(Fields& fields, const std::set<std::string>& groups, const std::string& by) {
   std::string known;
   for (const std::string& group : groups) known += (known.empty() ? "" : ", ") + group;
@@ -96,16 +108,12 @@ Assignment byLists(Fields& fields, const std::set<std::string>& groups, const st
   for (const char* split : kSplits) {
     const Value* list = fields.find(split);
     if (list == nullptr) continue;
-    for (const Value& item : list->items) {
-      const std::string group =
-          by == "seed" ? std::to_string(readInteger(item, "seed", 0, std::numeric_limits<std::int64_t>::max()))
-                       : readText(item, "trajectory");
+    for (const auto& [group, where] : listedGroups(*list, by)) {
       if (!groups.contains(group)) {
-        throw InputError(item.where,
-                         fmt::format("no sequence has the {} {} (there are: {}){}", by, group, known, kAdvice));
+        throw InputError(where, fmt::format("no sequence has the {} {} (there are: {}){}", by, group, known, kAdvice));
       }
       const auto [entry, isNew] = splits.emplace(group, split);
-      if (!isNew) throw InputError(item.where, fmt::format("{} {} is in '{}' already", by, group, entry->second));
+      if (!isNew) throw InputError(where, fmt::format("{} {} is in '{}' already", by, group, entry->second));
     }
   }
   for (const std::string& group : groups) {

@@ -117,11 +117,18 @@ class LightFollower {
     for (const Onward& ray : onward) {
       table->direction.push_back(ray.direction);
       table->origin.push_back(Vec3f(ray.origin));
+      table->time.push_back(timeOf(ray.beam));
     }
     Shot shot = shot_;
     shot.worldFromSensor = {Pose{{}, shot_.worldFromSensor.front().translation}};
     shot.beams = std::move(table);
     return shot;
+  }
+
+  // When a beam fires (s since the start of the revolution).
+  float timeOf(std::uint32_t beam) const {
+    const BeamTable& rays = *shot_.beams;
+    return static_cast<float>(rays.columnTime(beam % (rays.columns / rays.raysPerBeam) * rays.raysPerBeam));
   }
 
   // Adds what they met, and gives those that go on from there.

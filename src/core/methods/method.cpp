@@ -23,7 +23,7 @@ constexpr std::array kMethods{
                         "bvh: medium, low or high, quality of the hierarchy; "
                         "instancing: auto, always or never; "
                         "simplify: 1, share of the triangles that is kept, as in collision meshes",
-                .can = {.footprints = true, .transmission = true, .motion = true, .reference = true},
+                .can = {.footprints = true, .transmission = true, .motion = true, .moving = true, .reference = true},
                 .color = {235, 40, 40},
                 .autoSettings = "- ray_tracing\n- {ray_tracing: {simplify: [0.5, 0.25]}}\n",
                 .cacheOption = "",

@@ -51,6 +51,7 @@ struct MethodCapabilities {
   // else whatever is not cut out by alpha stops them.
   bool transmission = false;
   bool motion = false;     // the sensor's pose changes during a revolution; else it stands still meanwhile
+  bool moving = false;     // objects of the scene move, during a revolution too; else it refuses scenes that do
   bool passes = false;     // it draws images that can be kept, see Method::depthCamera()
   bool reference = false;  // with default options it is exact enough to judge other methods by
   bool openGl = false;     // it draws or computes by OpenGL, or may: a graphics card changes its speed

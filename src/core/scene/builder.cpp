@@ -71,7 +71,8 @@ std::uint32_t SceneBuilder::addMesh(Mesh mesh) {
   return static_cast<std::uint32_t>(scene_.meshes.size() - 1);
 }
 
-void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where) {
+void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where,
+                         std::shared_ptr<const Movement> movement) {
   const Mat3& linear = worldFromMesh.linear;
   if (!isFinite(linear.x) || !isFinite(linear.y) || !isFinite(linear.z) || !isFinite(worldFromMesh.translation)) {
     throw InputError(where, fmt::format("the transform of '{}' is not finite", name));
@@ -83,7 +84,8 @@ void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::s
   if (objects > std::numeric_limits<std::uint32_t>::max() - nextInstanceId_) {
     throw InputError(where, "the scene holds more than 4294967294 things, beyond what instance ids can tell apart");
   }
-  scene_.instances.push_back({mesh, worldFromMesh, objects > 0 ? nextInstanceId_ : 0, std::move(name)});
+  const Affine start = movement == nullptr ? worldFromMesh : toAffine(movement->at(0)) * worldFromMesh;
+  scene_.instances.push_back({mesh, start, objects > 0 ? nextInstanceId_ : 0, std::move(name), std::move(movement)});
   nextInstanceId_ += objects;
 }
 

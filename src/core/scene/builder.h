@@ -34,7 +34,9 @@ class SceneBuilder {
 
   // Places a mesh in the world (m). Its things get the next instance ids, counted from 1, so that ids follow from the
   // order of placement alone. Throws an InputError at `where` for a transform that is singular or not finite.
-  void place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where = {});
+  // With a movement `worldFromMesh` is its place relative to that of the movement.
+  void place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where = {},
+             std::shared_ptr<const Movement> movement = nullptr);
 
   // Counts triangles that were dropped before addMesh() was given their mesh.
   void addDropped(const Dropped& dropped) { scene_.dropped += dropped; }

@@ -1,6 +1,17 @@
 #include "scene/scene.h"
 
+#include <algorithm>
+
 namespace scanmill {
+
+Affine Instance::worldFromMeshAt(double time) const {
+  if (movement == nullptr) return worldFromMesh;
+  return toAffine(movement->at(time) * inverse(movement->at(0))) * worldFromMesh;
+}
+
+bool Scene::moves() const {
+  return std::any_of(instances.begin(), instances.end(), [](const Instance& i) { return i.movement != nullptr; });
+}
 
 std::uint64_t Scene::triangles() const {
   std::uint64_t count = 0;

@@ -6,12 +6,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "base/vec.h"
 #include "config/value.h"
 #include "scene/material.h"
+#include "scene/movement.h"
 #include "scene/ontology.h"
 
 namespace scanmill {
@@ -56,9 +58,13 @@ Dropped clean(Mesh& mesh);
 // A mesh placed in the world.
 struct Instance {
   std::uint32_t mesh = 0;
-  Affine worldFromMesh;               // determinant is not zero; negative (mirrored) is allowed
+  Affine worldFromMesh;               // at the time 0; determinant is not zero; negative (mirrored) is allowed
   std::uint32_t firstInstanceId = 0;  // object n of the mesh has the id firstInstanceId + n - 1
   std::string name;
+  std::shared_ptr<const Movement> movement = nullptr;  // null: it stands still
+
+  // Where it is at a time (s since the drive began); worldFromMesh is where it is at 0.
+  Affine worldFromMeshAt(double time) const;
 };
 
 struct Scene {
@@ -73,10 +79,11 @@ struct Scene {
   Dropped dropped;
   std::map<std::string, std::uint64_t> unlabeled;  // "file: node (material)" -> triangles that no rule matched
 
+  bool moves() const;                     // some instance does
   std::uint64_t triangles() const;        // of the meshes, each counted once
   std::uint64_t placedTriangles() const;  // of the instances
   std::uint32_t things() const;           // how many instance ids are given
-  Box bounds() const;                     // in the world's frame, m
+  Box bounds() const;                     // in the world's frame at the time 0, m
 };
 
 // The instance id of an object (see Surface::object) of a mesh that is placed with this first id. Stuff has the id 0.

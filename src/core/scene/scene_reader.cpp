@@ -36,7 +36,10 @@
 //   street: {...}                        # see scene/street.h
 //   town: {...}                          # see scene/town.h
 //
-// and has a name, a position and copies (see scene/placement.h).
+// and has a name, a position and copies (see scene/placement.h), and, but for streets and towns, may move:
+//
+//   moving: {velocity: [8, 0, 0]}        # see scene/movement.h; position and rotation are then relative to the
+//   movement
 
 #include <fmt/format.h>
 
@@ -68,20 +71,36 @@ class SceneReader {
 
   void readObject(const Value& value) {
     Fields f(value, "object");
-    const bool kinds[] = {f.has("file"), f.has("primitive"), f.has("street"), f.has("town")};
-    if (std::count(std::begin(kinds), std::end(kinds), true) != 1) {
-      f.also({"file",     "primitive", "street",   "town",   "name",  "position", "yaw_deg", "pitch_deg",
-              "roll_deg", "rotation",  "scale",    "copies", "up",    "unit",     "alpha",   "instances",
-              "rules",    "class",     "material", "size",   "cells", "radius",   "height",  "segments"})
-          .finish();
-      throw InputError(value.where, "an object is exactly one of file, primitive, street and town");
+    const std::string kind = kindOf(f, value.where);
+    if (kind == "file") return readFileObject(f);
+    if (kind == "primitive") return readPrimitive(f);
+    const bool street = kind == "street";
+    if (towns_ > 0 || (!street && procedural_ > 0)) {
+      throw InputError(value.where, "a town fills the ground about it: one a scene, and no street beside it");
     }
-    if (kinds[0]) return readFileObject(f);
-    if (kinds[1]) return readPrimitive(f);
-    const bool street = kinds[2];
+    towns_ += street ? 0 : 1;
     const Affine place = proceduralPlace(f, street ? "street" : "town");
     Fields fields(f.require(street ? "street" : "town"), street ? "street" : "town");
     (street ? addStreet : addTown)(builder_, fields, seedOfNext(options_.seed, procedural_++), place);
+  }
+
+  // Which of the four it is. Throws InputError where it is none, or several.
+  static std::string kindOf(Fields& f, const Location& where) {
+    std::string found;
+    int count = 0;
+    for (const char* kind : {"file", "primitive", "street", "town"}) {
+      if (!f.has(kind)) continue;
+      found = kind;
+      ++count;
+    }
+    if (count != 1) {
+      f.also({"file",     "primitive", "street", "town",   "name",   "position", "yaw_deg",   "pitch_deg", "roll_deg",
+              "rotation", "scale",     "copies", "up",     "unit",   "alpha",    "instances", "rules",     "class",
+              "material", "size",      "cells",  "radius", "height", "segments", "moving"})
+          .finish();
+      throw InputError(where, "an object is exactly one of file, primitive, street and town");
+    }
+    return found;
   }
 
   bool procedural() const { return procedural_ > 0; }
@@ -106,7 +125,13 @@ class SceneReader {
   }
 
  private:
-  void placeAll(std::uint32_t mesh, const std::string& name, const Placement& placement, const Location& where) {
+  static std::shared_ptr<const Movement> movementOf(Fields& f) {
+    const Value* moving = f.find("moving");
+    return moving == nullptr ? nullptr : readMovement(*moving);
+  }
+
+  void placeAll(std::uint32_t mesh, const std::string& name, const Placement& placement,
+                const std::shared_ptr<const Movement>& movement, const Location& where) {
     placed_ += placement.count();
     if (placed_ > Placement::kMostCopies) {
       throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects; at most {} are made",
@@ -115,7 +140,8 @@ class SceneReader {
     std::uint64_t number = 0;
     placement.forEach([&](const Affine& worldFromMesh) {
       ++number;
-      builder_.place(mesh, worldFromMesh, placement.count() == 1 ? name : fmt::format("{}#{}", name, number), where);
+      builder_.place(mesh, worldFromMesh, placement.count() == 1 ? name : fmt::format("{}#{}", name, number), where,
+                     movement);
     });
   }
 
@@ -134,6 +160,7 @@ class SceneReader {
     labelling.rules = rulesOf(f);
     const std::string name = f.text("name", file.stem().string());
     const Placement placement = readPlacement(f);
+    const std::shared_ptr<const Movement> movement = movementOf(f);
     f.finish();
 
     const std::string key = meshKey(file, asset, labelling);
@@ -144,7 +171,7 @@ class SceneReader {
                           addAsset(builder_, load(file, asset, labelling, fileValue.where), labelling, fileValue.where))
                  .first;
     }
-    placeAll(mesh->second, name, placement, f.where());
+    placeAll(mesh->second, name, placement, movement, f.where());
   }
 
   // The object's own rules, its shorthand, the scene's rules.
@@ -260,13 +287,14 @@ class SceneReader {
     surface.material = builder_.material(f.text("material"), materialName.where);
     const std::string name = f.text("name", kind);
     const Placement placement = readPlacement(f);
+    const std::shared_ptr<const Movement> movement = movementOf(f);
     f.finish();
 
     const std::string key = fmt::format("primitive {} {} {}", shape, surface.semantic, surface.material);
     mesh.surfaces.push_back(std::move(surface));
     auto shared = meshes_.find(key);
     if (shared == meshes_.end()) shared = meshes_.emplace(key, builder_.addMesh(std::move(mesh))).first;
-    placeAll(shared->second, name, placement, f.where());
+    placeAll(shared->second, name, placement, movement, f.where());
   }
 
   SceneBuilder& builder_;
@@ -276,6 +304,7 @@ class SceneReader {
   std::map<std::string, std::uint32_t> meshes_;
   std::uint64_t placed_ = 0;
   std::uint64_t procedural_ = 0;
+  std::uint64_t towns_ = 0;
 };
 
 }  // namespace
@@ -287,14 +316,15 @@ std::vector<Vec3d> readSceneLane(const std::filesystem::path& path, std::uint64_
   std::uint64_t before = 0;
   for (const Value& object : objects == nullptr ? std::vector<Value>{} : objects->items) {
     Fields f(object, "object");
-    if (f.has("town")) {
+    const std::string kind = SceneReader::kindOf(f, object.where);
+    if (kind == "town") {
       const Affine place = SceneReader::proceduralPlace(f, "town");
       Fields fields(f.require("town"), "town");
       std::vector<Vec3d> lane = townLane(fields, SceneReader::seedOfNext(seed, before));
       for (Vec3d& p : lane) p = place * p;
       return lane;
     }
-    before += f.has("street") ? 1 : 0;
+    before += kind == "street" ? 1 : 0;
   }
   throw InputError({path.string()}, "has no town whose lane a trajectory could be `along`: give waypoints");
 }

@@ -47,12 +47,14 @@ Shot makeShot(std::shared_ptr<const BeamTable> beams, const Trajectory& trajecto
                                  "{}, or per_column",
                                  steps, beams->model, beams->columns, beams->columns));
   }
+  const double duration = motion.kind == MotionKind::None ? 0 : beams->columnPeriod() * beams->columns;
   // A vehicle that stands still needs one pose, whatever was asked.
   if (trajectory.still()) steps = 1;
 
   Shot shot;
   shot.frame = frame;
   shot.time = trajectory.frameTime(frame);
+  shot.duration = duration;
   shot.deskew = motion.deskew;
   shot.worldFromSensor.reserve(steps);
   for (std::uint64_t step = 0; step < steps; ++step) {

@@ -20,8 +20,9 @@ struct Shot {
   std::uint32_t frame = 0;   // in the sequence
   std::uint32_t sensor = 0;  // on the vehicle
   std::string sensorName;
-  std::string sample;  // key of the sample, which names the files that are kept of the shot
-  double time = 0;     // s since the start of the sequence, of column 0
+  std::string sample;   // key of the sample, which names the files that are kept of the shot
+  double time = 0;      // s since the start of the sequence, of column 0
+  double duration = 0;  // s, over which objects of the scene move on; 0: they stand as at `time`
   std::shared_ptr<const BeamTable> beams;
 
   // The pose at the start of each step of the revolution. With one entry the sensor stands still during the revolution.

@@ -5,26 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/path.h"
 #include "config/fields.h"
-#include "sensors/path.h"
+#include "config/waypoints.h"
 
 namespace scanmill {
 
 namespace {
 
-constexpr double kFarthest = 1e9;  // m, of a coordinate
-constexpr double kNearest = 1e-6;  // m, between two waypoints
-constexpr double kSteepest = 85;   // deg, of a slope: beyond, "heading along the path" says no yaw
-constexpr double kSharpest = 175;  // deg, of a turn at a waypoint: beyond, the path goes straight back
 constexpr Range kStep{1e-9, 1e9};  // s or m
-
-Vec3d checkedPosition(const Vec3d& position, const Location& where) {
-  if (std::fabs(position.x) > kFarthest || std::fabs(position.y) > kFarthest || std::fabs(position.z) > kFarthest) {
-    throw InputError(where, fmt::format("position [{:g}, {:g}, {:g}] is farther than {:g} m from the origin",
-                                        position.x, position.y, position.z, kFarthest));
-  }
-  return position;
-}
 
 std::vector<Pose> readPoses(const Value& value) {
   if (value.kind != Value::Kind::Sequence || value.items.empty()) {
@@ -39,39 +28,6 @@ std::vector<Pose> readPoses(const Value& value) {
     checkedPosition(poses.back().translation, item.where);
   }
   return poses;
-}
-
-std::vector<Vec3d> readWaypoints(const Value& value) {
-  if (value.kind != Value::Kind::Sequence || value.items.size() < 2) {
-    throw InputError(
-        value.where,
-        "waypoints must be a list of at least two positions such as [[0, 0, 0], [50, 0, 0]]; for a vehicle "
-        "that stands still use poses");
-  }
-  std::vector<Vec3d> points;
-  points.reserve(value.items.size());
-  for (const Value& item : value.items) {
-    points.push_back(checkedPosition(readVec3(item, "waypoint"), item.where));
-    const std::size_t last = points.size() - 1;
-    if (last < 1) continue;
-    const Vec3d chord = points[last] - points[last - 1];
-    if (length(chord) < kNearest) {
-      throw InputError(item.where, fmt::format("waypoint {} repeats the one before it; remove one of them", last + 1));
-    }
-    if (std::fabs(chord.z) > length(chord) * std::sin(radians(kSteepest))) {
-      throw InputError(item.where, fmt::format("the path to waypoint {} is steeper than {} deg: a vehicle that heads "
-                                               "along it would have no yaw; use poses",
-                                               last + 1, kSteepest));
-    }
-    if (last < 2) continue;
-    const Vec3d before = normalized(points[last - 1] - points[last - 2]);
-    if (dot(before, normalized(chord)) < std::cos(radians(kSharpest))) {
-      throw InputError(
-          value.items[last - 1].where,
-          fmt::format("the path goes straight back at waypoint {}; add waypoints that make the turn", last));
-    }
-  }
-  return points;
 }
 
 // Frames from the start of the path to its end, or the limit where that comes first.

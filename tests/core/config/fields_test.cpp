@@ -303,5 +303,22 @@ TEST(FieldsPose, RefusesWhatIsNoRotation) {
   EXPECT_THAT(messageOf([] { poseOf("{yaw: 3}"); }), HasSubstr("unknown key 'yaw' (did you mean 'yaw_deg'?)"));
 }
 
+TEST(ReadIntegers, DotsStandForAllInBetween) {
+  const auto read = [](const std::string& text) {
+    std::vector<std::int64_t> values;
+    for (const PlacedInteger& n : readIntegers(yaml(text), "seeds", 0, 1000)) values.push_back(n.value);
+    return values;
+  };
+  EXPECT_THAT(read("[1, ..., 5]"), ElementsAre(1, 2, 3, 4, 5));
+  EXPECT_THAT(read("[7, 1, ..., 3, 9]"), ElementsAre(7, 1, 2, 3, 9));
+  EXPECT_THAT(read("[1, ..., 2]"), ElementsAre(1, 2));
+  EXPECT_THAT(read("[]"), IsEmpty());
+  EXPECT_THAT(messageOf([&] { read("[..., 5]"); }), HasSubstr("between two numbers"));
+  EXPECT_THAT(messageOf([&] { read("[5, ...]"); }), HasSubstr("between two numbers"));
+  EXPECT_THAT(messageOf([&] { read("[5, ..., 5]"); }), HasSubstr("seeds"));
+  EXPECT_THAT(messageOf([&] { read("[5, ..., 1001]"); }), HasSubstr("1000"));
+  EXPECT_THAT(messageOf([&] { read("5"); }), HasSubstr("a list of integers"));
+}
+
 }  // namespace
 }  // namespace scanmill

@@ -114,6 +114,7 @@ TEST(Splits, ListsAreTakenLiterally) {
   const auto splits = assign("{by: seed, train: [1, 3], val: [2], test: []}", sequencesOf(3));
   EXPECT_EQ(splits, (std::vector<std::string>{"train", "train", "train", "train", "val", "val", "val", "val", "train",
                                               "train", "train", "train"}));
+  EXPECT_EQ(assign("{by: seed, train: [1, ..., 3], val: []}", sequencesOf(3)), std::vector<std::string>(12, "train"));
   const auto byName = assign("{by: trajectory, train: [north], test: [south]}", sequencesOf(1));
   EXPECT_EQ(byName, (std::vector<std::string>{"train", "test", "train", "test"}));
 }

@@ -471,5 +471,22 @@ TEST_F(TruckTown, leavesAreCutOutByTheirTexture) {
   EXPECT_EQ(cutOut, 1);
 }
 
+TEST_F(SceneReader, objectsMoveWithTheirCopies) {
+  const Scene scene = read(
+      std::string(kBox) + ", moving: {velocity: [0, 3, 0]}, copies: {grid: {count: [2, 1, 1], spacing: [4, 0, 0]}}}\n" +
+      kBox + ", position: [0, 9, 0]}\n");
+  ASSERT_EQ(scene.instances.size(), 3u);
+  EXPECT_TRUE(scene.moves());
+  EXPECT_EQ(scene.instances[1].worldFromMeshAt(2).translation, (Vec3d{4, 6, 0}));
+  EXPECT_EQ(scene.instances[2].worldFromMeshAt(2).translation, (Vec3d{0, 9, 0}));
+  EXPECT_EQ(scene.meshes.size(), 1u);
+}
+
+TEST_F(SceneReader, aTownStandsAlone) {
+  const auto refusal = [&](const std::string& objects) { return messageOf([&] { read(objects); }); };
+  EXPECT_THAT(refusal("  - town: {length: 100}\n  - town: {length: 100}\n"), testing::HasSubstr("one a scene"));
+  EXPECT_THAT(refusal("  - street: {}\n  - town: {length: 100}\n"), testing::HasSubstr("no street beside it"));
+}
+
 }  // namespace
 }  // namespace scanmill

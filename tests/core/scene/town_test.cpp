@@ -217,5 +217,29 @@ TEST(Town, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(refusal("{people: -1}"), HasSubstr("people"));
 }
 
+// Full of vehicles or not: the boxes of what stands on the road keep clear of a car's width.
+TEST(Town, NobodyStandsInTheLane) {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 5u, 18u, 22u}) {
+    const Scene scene = makeTown("{length: 160, vehicles: 3}", seed);
+    const std::vector<Vec3d> lane = laneOf("{length: 160, vehicles: 3}", seed);
+    for (const Instance& i : scene.instances) {
+      const std::string& n = i.name;
+      const bool stands = n.starts_with("car") || n.starts_with("traffic") || n.starts_with("waiting") ||
+                          n.starts_with("delivering") || n.starts_with("cone") || n.starts_with("barrier") ||
+                          n.starts_with("excavator");
+      if (!stands) continue;
+      const Affine meshFromWorld{inverse(i.worldFromMesh.linear),
+                                 inverse(i.worldFromMesh.linear) * i.worldFromMesh.translation * -1.0};
+      const Box box = scene.meshes[i.mesh].bounds();
+      for (const Vec3d& p : lane) {
+        const Vec3d local = meshFromWorld * (p + Vec3d{0, 0, 1});
+        const double away = std::max({box.low.x - local.x, local.x - box.high.x, box.low.y - local.y,
+                                      local.y - box.high.y, box.low.z - local.z, local.z - box.high.z});
+        EXPECT_GT(away, 0.85) << n << " of seed " << seed;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace scanmill

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "sensors/path.h"
+#include "base/path.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {

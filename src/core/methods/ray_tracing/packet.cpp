@@ -25,7 +25,23 @@ float component(double direction) {
   return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
 }
 
-void intersectAll(const PacketJob& job, const Rays& rays, TieContext& context) {
+// When the beams of a tile fire, as parts of the revolution; all 0 where nothing moves.
+void findParts(const PacketJob& job, const Tile& tile, float* parts) {
+  std::fill_n(parts, kPacket, 0.0f);
+  if (job.world.duration <= 0) return;
+  const BeamTable& beams = *job.shot.beams;
+  int lane = 0;
+  for (std::uint32_t r = 0; r < tile.rows; ++r) {
+    for (std::uint32_t c = 0; c < tile.width; ++c, ++lane) {
+      const std::uint32_t column = tile.column + c;
+      const double time = beams.time.empty() ? beams.columnTime(column / beams.raysPerBeam * beams.raysPerBeam)
+                                             : double{beams.time[std::size_t{tile.ring + r} * beams.columns + column]};
+      parts[lane] = static_cast<float>(std::clamp(time / job.world.duration, 0.0, 1.0));
+    }
+  }
+}
+
+void intersectAll(const PacketJob& job, const Rays& rays, const float* parts, TieContext& context) {
   RTCRayHit16 packet;
   alignas(64) int valid[kPacket];
   const float far = searchDistance(*job.shot.beams);
@@ -38,7 +54,7 @@ void intersectAll(const PacketJob& job, const Rays& rays, TieContext& context) {
     packet.ray.dir_z[i] = component(rays.dz[i]);
     packet.ray.tnear[i] = 0;
     packet.ray.tfar[i] = far;
-    packet.ray.time[i] = 0;
+    packet.ray.time[i] = parts[i];
     packet.ray.mask[i] = ~0u;
     packet.ray.id[i] = static_cast<unsigned>(i);
     packet.ray.flags[i] = 0;
@@ -50,13 +66,13 @@ void intersectAll(const PacketJob& job, const Rays& rays, TieContext& context) {
   rtcIntersect16(valid, job.world.embree.get(), &context.embree, &packet);
 }
 
-void intersectEach(const PacketJob& job, const Rays& rays, TieContext& context) {
+void intersectEach(const PacketJob& job, const Rays& rays, const float* parts, TieContext& context) {
   for (int i = 0; i < rays.count; ++i) {
     RTCRayHit one;
     one.ray = {static_cast<float>(rays.ox[i]),  static_cast<float>(rays.oy[i]),
                static_cast<float>(rays.oz[i]),  0,
                component(rays.dx[i]),           component(rays.dy[i]),
-               component(rays.dz[i]),           0,
+               component(rays.dz[i]),           parts[i],
                searchDistance(*job.shot.beams), ~0u,
                static_cast<unsigned>(i),        0};
     one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -80,23 +96,26 @@ struct Pending {
   Rays rays;
   HitTriangle triangles[kPacket];
   float traced[kPacket];  // m
+  float parts[kPacket];
 };
 
 SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pending& p) {
   p.tile = tile;
   setUp(job.shot, job.frame, tile, p.rays);
+  findParts(job, tile, p.parts);
   TieContext context;
   rtcInitIntersectContext(&context.embree);
   context.world = &job.world;
   context.floor = job.coplanarFloor;
   context.reset();
   if (job.raysPerCall == 1) {
-    intersectEach(job, p.rays, context);
+    intersectEach(job, p.rays, p.parts, context);
   } else {
-    intersectAll(job, p.rays, context);
+    intersectAll(job, p.rays, p.parts, context);
   }
   for (int i = 0; i < kPacket; ++i) {
     p.triangles[i] = i < p.rays.count ? triangleOf(job.world, context, i) : HitTriangle{};
+    p.triangles[i].part = p.parts[i];
     p.traced[i] = context.distance[i];
     if (p.triangles[i].block != nullptr) prefetch(p.triangles[i].block->triangles[p.triangles[i].index]);
   }

@@ -40,14 +40,14 @@ class RayTracing : public Method {
         materials_(compactMaterials(scene_)) {}
 
   TraceAccount prepare(const Shot& shot) const override {
-    worlds_.near(shot.worldFromSensor.front().translation);
+    worldOf(shot);
     return {};
   }
 
   TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     const BeamTable& beams = *shot.beams;
     hits.reset(beams.rings, beams.columns, channels);
-    const std::shared_ptr<const World> world = worlds_.near(shot.worldFromSensor.front().translation);
+    const std::shared_ptr<const World> world = worldOf(shot);
     const ShotFrame frame = frameOf(shot, world->origin);
     const PacketJob job{*world, materials_,      shot,
                         frame,  options_.packet, coplanarFloor(static_cast<float>(length(frame.position.front())))};
@@ -85,7 +85,8 @@ class RayTracing : public Method {
                            : std::string("instancing: left out, the scene is small enough to be flattened"),
         alpha ? "alpha cut-outs: modelled, some materials have them" : "alpha cut-outs: left out, no material has one",
         textured ? "reflectance textures: modelled" : "reflectance textures: left out, no material has one",
-        "motion of objects: left out",
+        worlds_.moves() ? "motion of objects: every beam meets them where they are when it fires"
+                        : "motion of objects: left out, none moves",
     };
   }
 
@@ -101,6 +102,10 @@ class RayTracing : public Method {
   }
 
  private:
+  std::shared_ptr<const World> worldOf(const Shot& shot) const {
+    return worlds_.near(shot.worldFromSensor.front().translation, shot.time, shot.duration);
+  }
+
   // Columns of a packet's tile: as square as possible in angle, since packets trace best when their beams stay
   // together.
   std::uint32_t tileColumns(const BeamTable& beams) const {

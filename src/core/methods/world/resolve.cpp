@@ -198,7 +198,7 @@ Vec2d barycentric(const HitTriangle& hit, const Vec3d& point) {
   const Triangle& corners = hit.block->corners[hit.index];
   const auto corner = [&](int k) {
     const Vec3d p(hit.block->vertices[corners[k]]);
-    return hit.placed == nullptr ? p : hit.placed->originFromMesh * p;
+    return hit.placed == nullptr ? p : hit.placed->at(double{hit.part}) * p;
   };
   const Vec3d a = corner(0);
   return barycentric(corner(1) - a, corner(2) - a, point - a);

@@ -41,6 +41,7 @@ struct HitTriangle {
   const TriangleBlock* block = nullptr;  // null: a miss
   const PlacedBlock* placed = nullptr;   // null: baked
   std::uint32_t index = 0;
+  float part = 0;  // of the revolution, 0 to 1: where what moves is
 };
 
 // The planes of the hit triangles, relative to the world's origin, and what follows from them.
@@ -60,10 +61,12 @@ inline void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lan
   Vec3d normal = triangle.normal;
   double offset = triangle.offset;
   if (hit.placed != nullptr) {
-    normal = hit.placed->normalFromMesh * normal;
+    const bool moves = hit.placed->moves;
+    const Affine now = moves ? hit.placed->at(double{hit.part}) : hit.placed->originFromMesh;
+    normal = (moves ? transposed(inverse(now.linear)) : hit.placed->normalFromMesh) * normal;
     const double scale = 1 / length(normal);
     normal = normal * scale;
-    offset = offset * scale + dot(normal, hit.placed->originFromMesh.translation);
+    offset = offset * scale + dot(normal, now.translation);
   }
   r.nx[lane] = normal.x;
   r.ny[lane] = normal.y;

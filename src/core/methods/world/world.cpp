@@ -187,20 +187,35 @@ void bake(World& world, const std::vector<bool>& instanced) {
   fill(block, scene, sources);
 }
 
-void attachInstance(RTCDevice device, RTCScene scene, RTCScene shared, const Affine& a, unsigned id) {
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-  rtcSetGeometryInstancedScene(geometry, shared);
+void setTransform(RTCGeometry geometry, unsigned step, const Affine& a) {
   const std::array<float, 12> columns{float(a.linear.x.x),    float(a.linear.x.y),    float(a.linear.x.z),
                                       float(a.linear.y.x),    float(a.linear.y.y),    float(a.linear.y.z),
                                       float(a.linear.z.x),    float(a.linear.z.y),    float(a.linear.z.z),
                                       float(a.translation.x), float(a.translation.y), float(a.translation.z)};
-  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
+  rtcSetGeometryTransform(geometry, step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
+}
+
+void attachInstance(RTCDevice device, RTCScene scene, RTCScene shared, const PlacedBlock& placed, unsigned id) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(geometry, shared);
+  if (placed.moves) rtcSetGeometryTimeStepCount(geometry, 2);
+  setTransform(geometry, 0, placed.originFromMesh);
+  if (placed.moves) setTransform(geometry, 1, placed.atEnd);
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene, geometry, id);
   rtcReleaseGeometry(geometry);
 }
 
 }  // namespace
+
+Affine PlacedBlock::at(double part) const {
+  if (!moves) return originFromMesh;
+  const auto between = [part](const Vec3d& a, const Vec3d& b) { return a + (b - a) * part; };
+  const Mat3& a = originFromMesh.linear;
+  const Mat3& b = atEnd.linear;
+  return {{between(a.x, b.x), between(a.y, b.y), between(a.z, b.z)},
+          between(originFromMesh.translation, atEnd.translation)};
+}
 
 void DeviceDeleter::operator()(RTCDeviceTy* device) const {
   rtcReleaseDevice(device);
@@ -220,9 +235,11 @@ std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing) {
   std::vector<std::uint64_t> copies(scene.meshes.size());
   for (const Instance& instance : scene.instances) ++copies[instance.mesh];
   const bool large = scene.placedTriangles() > kFlattenedTriangles;
+  const bool moves = scene.moves();
   std::vector<bool> instanced(scene.meshes.size());
   for (std::size_t m = 0; m < instanced.size(); ++m) {
-    instanced[m] = instancing == Instancing::Always || (instancing == Instancing::Auto && large && copies[m] > 1);
+    instanced[m] =
+        moves || instancing == Instancing::Always || (instancing == Instancing::Auto && large && copies[m] > 1);
   }
   return instanced;
 }
@@ -245,20 +262,33 @@ SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const st
 
 std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const Vec3d& origin,
                                   const std::vector<bool>& instanced, const SharedMeshes& shared,
-                                  const HierarchyOptions& options) {
+                                  const HierarchyOptions& options, double time, double duration) {
   auto world = std::make_unique<World>();
   world->origin = origin;
   world->scene = &scene;
+  world->time = time;
+  world->duration = duration;
   bake(*world, instanced);
   world->embree = newScene(device, options);
   attachBlock(device, world->embree.get(), world->baked, options);
   for (const Instance& instance : scene.instances) {
     if (!instanced[instance.mesh]) continue;
-    const Affine originFromMesh{instance.worldFromMesh.linear, instance.worldFromMesh.translation - origin};
+    const auto placeAt = [&](double when) {
+      const Affine a = instance.worldFromMeshAt(when);
+      return Affine{a.linear, a.translation - origin};
+    };
     const auto id = World::kFirstPlaced + static_cast<unsigned>(world->placed.size());
-    world->placed.push_back({shared.blocks[instance.mesh].get(), originFromMesh,
-                             transposed(inverse(originFromMesh.linear)), instance.firstInstanceId});
-    attachInstance(device, world->embree.get(), shared.scenes[instance.mesh].get(), originFromMesh, id);
+    PlacedBlock placed;
+    placed.block = shared.blocks[instance.mesh].get();
+    placed.originFromMesh = placeAt(time);
+    placed.firstInstanceId = instance.firstInstanceId;
+    placed.normalFromMesh = transposed(inverse(placed.originFromMesh.linear));
+    if (instance.movement != nullptr && duration > 0) {
+      placed.atEnd = placeAt(time + duration);
+      placed.moves = true;
+    }
+    attachInstance(device, world->embree.get(), shared.scenes[instance.mesh].get(), placed, id);
+    world->placed.push_back(placed);
   }
   rtcCommitScene(world->embree.get());
   check(device, "build the scene");

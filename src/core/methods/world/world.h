@@ -51,9 +51,14 @@ struct TriangleBlock {
 // A mesh placed by an Embree instance.
 struct PlacedBlock {
   const TriangleBlock* block = nullptr;
-  Affine originFromMesh;  // exact, relative to the world's origin
+  Affine originFromMesh;  // exact, relative to the world's origin; of what moves, when the revolution starts
   Mat3 normalFromMesh;    // the inverse transposed of its linear part
   std::uint32_t firstInstanceId = 0;
+  bool moves = false;
+  Affine atEnd = {};  // of what moves: originFromMesh when the revolution ends; in between linear, as Embree has it
+
+  // originFromMesh at a part of the revolution, 0 to 1.
+  Affine at(double part) const;
 };
 
 // Owners of Embree's reference-counted handles.
@@ -87,12 +92,13 @@ struct SharedMeshes {
 };
 
 // Which meshes are instanced. With Instancing::Auto: those placed more than once in a scene too large to be flattened.
+// All of a scene in which something moves, so that no hierarchy of triangles is built anew for a revolution.
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing);
 
 SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
                                const HierarchyOptions& options);
 
-// The whole scene relative to one origin. Read-only once built.
+// The whole scene relative to one origin, from one time to another where it moves. Read-only once built.
 struct World {
   Vec3d origin;
   const Scene* scene = nullptr;
@@ -100,12 +106,14 @@ struct World {
   std::vector<PlacedBlock> placed;  // Embree instance id k + kFirstPlaced
   SceneHandle embree;
   bool alpha = false;
+  double time = 0;                                  // s, when the revolution starts, of a scene that moves
+  double duration = 0;                              // s
   static constexpr std::uint32_t kFirstPlaced = 2;  // 0 and 1 are the baked geometries
 };
 
 std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const Vec3d& origin,
                                   const std::vector<bool>& instanced, const SharedMeshes& shared,
-                                  const HierarchyOptions& options);
+                                  const HierarchyOptions& options, double time = 0, double duration = 0);
 
 // Whether the alpha-tested material of a triangle lets beams through at these barycentric coordinates.
 bool transparentAt(const World& world, const TriangleBlock& block, std::uint32_t triangle, double u, double v);

@@ -7,7 +7,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kOriginGrid = 1024;        // m
-constexpr std::size_t kWorldsInMemory = 2;  // origins that a drive across a grid line needs at once
+constexpr std::size_t kWorldsInMemory = 2;  // origins that a drive across a grid line needs at once, or revolutions
 
 }  // namespace
 
@@ -16,22 +16,24 @@ Worlds::Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions
       options_(options),
       anchor_(scene.bounds().empty() ? Vec3d{} : scene.bounds().center()),
       device_(makeDevice()),
+      moves_(scene.moves()),
       instanced_(instancedMeshes(scene, instancing)),
       shared_(buildSharedMeshes(device_.get(), scene, instanced_, options)) {}
 
-std::shared_ptr<const World> Worlds::near(const Vec3d& sensor) const {
+std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double time, double duration) const {
   const auto cell = [](double d) { return std::round(d / kOriginGrid) * kOriginGrid; };
   const Vec3d offset = sensor - anchor_;
   const Vec3d origin = anchor_ + Vec3d{cell(offset.x), cell(offset.y), cell(offset.z)};
+  if (!moves_) time = duration = 0;
   const std::scoped_lock lock(mutex_);
   for (auto it = worlds_.begin(); it != worlds_.end(); ++it) {
-    if ((*it)->origin == origin) {
+    if ((*it)->origin == origin && (*it)->time == time && (*it)->duration == duration) {
       worlds_.splice(worlds_.begin(), worlds_, it);
       return worlds_.front();
     }
   }
   if (worlds_.size() >= kWorldsInMemory) worlds_.pop_back();
-  worlds_.push_front(buildWorld(device_.get(), scene_, origin, instanced_, shared_, options_));
+  worlds_.push_front(buildWorld(device_.get(), scene_, origin, instanced_, shared_, options_, time, duration));
   return worlds_.front();
 }
 

@@ -19,7 +19,10 @@ class Worlds {
   Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions& options);
 
   // The world whose origin is nearest to the sensor (m). Safe to call from several threads.
-  std::shared_ptr<const World> near(const Vec3d& sensor) const;
+  std::shared_ptr<const World> near(const Vec3d& sensor) const { return near(sensor, 0, 0); }
+  // Where something moves: as it is from a time on, for a duration (s).
+  std::shared_ptr<const World> near(const Vec3d& sensor, double time, double duration) const;
+  bool moves() const { return moves_; }
   bool instanced(std::size_t mesh) const { return instanced_[mesh]; }
 
  private:
@@ -27,6 +30,7 @@ class Worlds {
   HierarchyOptions options_;
   Vec3d anchor_;
   DeviceHandle device_;
+  bool moves_;
   std::vector<bool> instanced_;
   SharedMeshes shared_;
   mutable std::mutex mutex_;

@@ -158,6 +158,12 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
   if (choice.entry == nullptr) throw Error("`method: auto`: the method is still to be chosen");
   Fields options(choice.options, "method " + std::string(choice.entry->name));
   options.alsoDescribed(choice.entry->keys).finish();
+  if (scene.moves() && !choice.entry->can.moving) {
+    throw InputError({scene.file.string()},
+                     fmt::format("objects of this scene move, and the method {} takes them as standing still: leave "
+                                 "`moving` out, or take `method: {}`",
+                                 choice.entry->name, firstMethodThat(&MethodCapabilities::moving).name));
+  }
   return choice.entry->make(scene, options);
 }
 

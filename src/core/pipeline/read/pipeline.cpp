@@ -104,18 +104,18 @@ Trajectories readTrajectories(const Value& list, double period, const std::vecto
 
 std::vector<std::uint64_t> readSeeds(const Value* value) {
   if (value == nullptr) return {1};
+  constexpr std::int64_t kMost = 1'000'000'000'000;
+  const std::vector<PlacedInteger> listed =
+      value->kind == Value::Kind::Sequence
+          ? readIntegers(*value, "seeds", 0, kMost)
+          : std::vector<PlacedInteger>{{readInteger(*value, "seeds", 0, kMost), value->where}};
   std::vector<std::uint64_t> seeds;
-  const auto add = [&](const Value& v) {
-    const auto seed = static_cast<std::uint64_t>(readInteger(v, "seeds", 0, 1'000'000'000'000));
-    if (std::find(seeds.begin(), seeds.end(), seed) != seeds.end()) {
-      throw InputError(v.where, fmt::format("seed {} stands twice: both sequences would be the same", seed));
+  std::set<std::int64_t> known;
+  for (const PlacedInteger& seed : listed) {
+    if (!known.insert(seed.value).second) {
+      throw InputError(seed.where, fmt::format("seed {} stands twice: both sequences would be the same", seed.value));
     }
-    seeds.push_back(seed);
-  };
-  if (value->kind == Value::Kind::Sequence) {
-    for (const Value& item : value->items) add(item);
-  } else {
-    add(*value);
+    seeds.push_back(static_cast<std::uint64_t>(seed.value));
   }
   if (seeds.empty()) throw InputError(value->where, "seeds must name at least one seed");
   return seeds;

@@ -193,7 +193,8 @@ struct TreeModel {
 };
 constexpr int kTreeForms = 8;
 constexpr int kBroadleafForms = 6;  // the first of them
-TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form);
+// `detail`: factor on the number of leaves, whose area in all stays the same.
+TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail = 1);
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeHedge(SceneBuilder& builder, std::uint64_t seed);  // 2 m along x, 0.6 m wide
 // 2 m along x, leaves all through it, of a height and depth by its form.

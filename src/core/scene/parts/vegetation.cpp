@@ -177,8 +177,12 @@ void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, doub
 
 }  // namespace
 
-TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form) {
-  const Habit& habit = kHabits[static_cast<std::size_t>(form)];
+TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail) {
+  Habit habit = kHabits[static_cast<std::size_t>(form)];
+  if (detail != 1) {
+    habit.leaves = static_cast<int>(habit.leaves * detail);
+    habit.leaf /= std::sqrt(detail);
+  }
   Draw draw(seed, Kind::Tree, static_cast<std::uint32_t>(form));
   Shape s(builder, habit.name);
   const double height = draw.around(habit.height, 0.12);

@@ -57,6 +57,20 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
   placer.tryPut(light, besideRoad(road, last, out), name + ", against the line");
 }
 
+// What is wide and flat stands on level ground.
+bool isLevel(const Layout& l, const Point2& p) {
+  double low = 1e9;
+  double high = -1e9;
+  for (const double dx : {-1.2, 1.2}) {
+    for (const double dy : {-1.2, 1.2}) {
+      const double z = l.heightAt({p.x + dx, p.y + dy});
+      low = std::min(low, z);
+      high = std::max(high, z);
+    }
+  }
+  return high - low < 0.35;
+}
+
 // In the lane that is not the sensor's own.
 void placeRoadworks(Placer& placer, Store& store, const Model& light) {
   const Layout& l = placer.layout;
@@ -75,16 +89,17 @@ void placeRoadworks(Placer& placer, Store& store, const Model& light) {
   };
   if (l.parameters().vehicles > 0) {
     const Model excavator = parts::makeWorkVehicle(placer.builder, l.seed(), parts::WorkVehicle::Excavator, 0);
-    put(excavator, 0.4 * length, edge - 1.3, draw.chance(0.5) ? 0 : kPi, "excavator");
+    put(excavator, 0.4 * length, std::max(edge - 1.3, 1.6), draw.chance(0.5) ? 0 : kPi, "excavator");
   }
-  put(store.any(Clutter::Heap, draw), 0.8 * length, edge - 1.1, 0, "heap");
+  put(store.any(Clutter::Heap, draw), 0.8 * length, std::max(edge - 1.1, 2.0), 0, "heap");
   put(store.any(draw.chance(0.5) ? Clutter::Pallets : Clutter::Skip, draw), 1.5, edge - 1.1, 0, "roadworks' goods");
   const Model& barrier = store.any(Clutter::Barrier, draw);
-  put(barrier, -0.6, edge - 1.2, kPi / 2, "barrier 1");
-  put(barrier, length + 0.6, edge - 1.2, kPi / 2, "barrier 2");
+  const double across = std::max(edge - 1.2, 1.4);
+  put(barrier, -0.6, across, kPi / 2, "barrier 1");
+  put(barrier, length + 0.6, across, kPi / 2, "barrier 2");
   int number = 0;
   for (const double along : parts::steps(0, length, draw.in(2, 3))) {
-    put(store.any(Clutter::Cone, draw), along, edge - 2.6 + draw.in(-0.1, 0.1), draw.in(0, 1),
+    put(store.any(Clutter::Cone, draw), along, std::max(edge - 2.6, 0.45) + draw.in(-0.1, 0.1), draw.in(0, 1),
         fmt::format("cone {}", ++number));
   }
   if (rural || draw.chance(0.4)) putLights(placer, light, road, *at - 6, *at + length + 6, "roadworks' light");
@@ -98,6 +113,11 @@ void placeCrossing(Placer& placer, const Model& light) {
   const std::optional<double> at = freeStretch(l, draw, kLength);
   if (!at) return;
   const Road& road = l.roads().roads().front();
+  // Nobody parks on it, or close before it.
+  const Spot middle = besideRoad(road, *at + kLength / 2, 0);
+  const Footprint place{middle.at, kLength / 2 + 4, road.section.half, middle.yaw};
+  if (!placer.occupancy.isFree(place)) return;
+  placer.occupancy.add(place);
   Shape s(placer.builder, "crossing");
   const parts::SurfaceIndex paint = s.surface("road_marking", "road_paint");
   const double half = road.section.half - 0.3;
@@ -147,6 +167,7 @@ void placeGardenThings(Placer& placer, Store& store) {
     spot.yaw += (plot.side > 0 ? 0 : kPi) + draw.in(-0.4, 0.4);
     const Beside b = l.roads().at(spot.at.x, spot.at.y);
     if (b.known && b.edge < b.section.outer() + 1) return false;
+    if (!isLevel(l, spot.at)) return false;
     return placer.tryPut(store.any(what, draw), spot, fmt::format("clutter {}", ++number));
   };
   for (const Plot& plot : l.plots()) {

@@ -50,10 +50,11 @@ Parameters readParameters(Fields& fields) {
   p.district = fields.choice("district", {"any", "rural", "suburban", "dense"}, p.district);
   p.length = fields.number("length", {100, 1000}, p.length);
   const Range factor{0, 5};
-  p.slope = fields.number("slope", factor, p.slope);
+  p.slope = fields.number("slope", {0, 3}, p.slope);
   p.greenery = fields.number("greenery", factor, p.greenery);
   p.vehicles = fields.number("vehicles", factor, p.vehicles);
   p.people = fields.number("people", factor, p.people);
+  p.detail = fields.number("detail", {0.05, 2}, p.detail);
   return p;
 }
 

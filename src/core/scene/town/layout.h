@@ -28,6 +28,7 @@ struct Parameters {
   double greenery = 1;
   double vehicles = 1;
   double people = 1;
+  double detail = 1;  // factor on the number of leaves
 };
 
 Parameters readParameters(Fields& fields);

@@ -15,6 +15,9 @@ using parts::Kind;
 using parts::TreeModel;
 
 constexpr int kTreesOfAForm = 2;
+constexpr double kOverhang = 0.5;   // m, of crowns over a road
+constexpr double kFar = 25;         // m from the nearest road: trees beyond have larger leaves, and fewer
+constexpr double kFarDetail = 0.3;  // of the leaves
 constexpr int kBushForms = 6;
 constexpr std::size_t kMostTrees = 900;  // of woods
 
@@ -22,15 +25,17 @@ constexpr std::size_t kMostTrees = 900;  // of woods
 class Nursery {
  public:
   explicit Nursery(Placer& placer)
-      : placer_(placer), trees_(kTreesOfAForm * parts::kTreeForms), made_(trees_.size(), false) {}
+      : placer_(placer), trees_(2 * kTreesOfAForm * parts::kTreeForms), made_(trees_.size(), false) {}
 
-  const TreeModel& tree(Draw& draw, bool broadleaf) {
+  const TreeModel& tree(Draw& draw, bool broadleaf, bool far) {
     const int form = draw.below(broadleaf ? parts::kBroadleafForms : parts::kTreeForms);
     const int again = draw.below(kTreesOfAForm);
-    const auto index = static_cast<std::size_t>(form) * kTreesOfAForm + static_cast<std::size_t>(again);
+    const std::size_t near = static_cast<std::size_t>(form) * kTreesOfAForm + static_cast<std::size_t>(again);
+    const std::size_t index = 2 * near + (far ? 1 : 0);
     if (!made_[index]) {
-      trees_[index] =
-          parts::makeTree(placer_.builder, placer_.layout.seed() + static_cast<std::uint64_t>(again) * 7919, form);
+      const double detail = placer_.layout.parameters().detail * (far ? kFarDetail : 1);
+      trees_[index] = parts::makeTree(placer_.builder, placer_.layout.seed() + static_cast<std::uint64_t>(again) * 7919,
+                                      form, detail);
       made_[index] = true;
     }
     return trees_[index];
@@ -45,9 +50,13 @@ class Nursery {
 // Only its trunk takes room on the ground; crowns may meet.
 bool plant(Placer& placer, Nursery& nursery, Draw& draw, Spot spot, bool broadleaf, double room,
            const std::string& name) {
-  const TreeModel& tree = nursery.tree(draw, broadleaf);
+  const Beside b = placer.layout.roads().at(spot.at.x, spot.at.y);
+  const bool far = !b.known || b.edge > kFar;
+  const TreeModel& tree = nursery.tree(draw, broadleaf, far);
   spot.yaw = draw.in(0, 2 * kPi);
   spot.scale = draw.in(0.75, 1.35);
+  // The lanes are kept clear.
+  if (!far) room = std::min(room > 0 ? room : 1e9, std::max(1.6, b.edge + kOverhang));
   if (room > 0) spot.scale = std::min(spot.scale, room / tree.crownRadius);
   if (spot.scale < 0.5 || !placer.occupancy.isFree({spot.at, 0.6, 0.6, 0})) return false;
   placer.occupancy.add({spot.at, 0.35, 0.35, 0});
@@ -80,8 +89,9 @@ void placeTrees(Placer& placer) {
         const Spot spot = besideRoad(road, along + draw.in(-1, 1), side * (s.half + out));
         const Beside b = l.roads().at(spot.at.x, spot.at.y);
         if (b.edge < out - 0.5) continue;  // on another road
-        // Crowns clear the carriageway's middle, and the fronts of houses.
-        if (plant(placer, nursery, draw, spot, true, 3.4, fmt::format("tree {}", number + 1))) ++number;
+        if (plant(placer, nursery, draw, spot, true, std::clamp(out + kOverhang, 1.6, 3.4),
+                  fmt::format("tree {}", number + 1)))
+          ++number;
       }
     }
   }

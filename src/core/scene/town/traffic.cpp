@@ -14,7 +14,8 @@ namespace {
 using parts::CarForm;
 using parts::Kind;
 
-constexpr double kBay = 6;  // m along the curb
+constexpr double kBay = 6;       // m along the curb
+constexpr double kMiddle = 0.4;  // m from the middle of a road that vehicles on the other side keep
 
 class Fleet {
  public:
@@ -48,6 +49,7 @@ void placeParked(Placer& placer, Fleet& fleet) {
     const double first = road.main ? l.mainFrom() : 14;
     const double last = road.main ? l.mainTo() : road.length() - 4;
     for (const int side : {-1, 1}) {
+      if (road.main && side < 0 && s.parking < 1.5) continue;  // the sensor's own lane stays free
       std::uint32_t bay = 0;
       for (double at = first; at + kBay < last; at += kBay) {
         Draw draw(l.seed(), Kind::Car, 10000 + 1000 * (2 * r + (side > 0 ? 1u : 0u)) + bay++);
@@ -83,8 +85,9 @@ void placeParked(Placer& placer, Fleet& fleet) {
 }
 
 // Which lane: 1 with the line, on its right; -1 against it, on its left. Drivers keep to the right.
-Spot onLane(const Road& road, double at, int lane, double out) {
-  const double center = (road.section.half - road.section.parking) / 2 + out;
+Spot onLane(const Road& road, double at, int lane, double out, const Model& m) {
+  const double least = (m.bounds.high.y - m.bounds.low.y) / 2 + kMiddle;
+  const double center = std::max((road.section.half - road.section.parking) / 2 + out, least);
   Spot spot = besideRoad(road, at, -lane * center);
   if (lane < 0) spot.yaw += kPi;
   return spot;
@@ -95,8 +98,8 @@ struct Heavy {
   Model bus;
 };
 
-// A lorry that delivers and a bus that waits, in side roads or on the main road's other side; trailers and tractors
-// beside the road.
+// A lorry that delivers and a bus that waits, in side roads, or where there are none on the main road's other side;
+// trailers and tractors beside the road.
 void placeStanding(Placer& placer, const Heavy& heavy) {
   const Layout& l = placer.layout;
   if (l.parameters().vehicles <= 0) return;
@@ -111,10 +114,11 @@ void placeStanding(Placer& placer, const Heavy& heavy) {
     return placer.tryPark(m, spot, name);
   };
   const auto onRoad = [&](const Model& m, const std::string& name) {
-    const double inwards = (m.bounds.high.y - m.bounds.low.y) / 2 + 0.2;
+    const double wide = (m.bounds.high.y - m.bounds.low.y) / 2;
     for (int attempt = 0; attempt < 2 * Placer::kTries; ++attempt) {
-      const Road& road = roads[static_cast<std::size_t>(draw.below(static_cast<int>(roads.size())))];
-      const double lateral = road.section.half - inwards;
+      const int sides = static_cast<int>(roads.size()) - 1;
+      const Road& road = roads[sides > 0 ? static_cast<std::size_t>(1 + draw.below(sides)) : 0];
+      const double lateral = std::max(road.section.half - wide - 0.2, wide + kMiddle);
       const bool left = road.main || draw.chance(0.5);
       const double at = road.main ? draw.in(l.mainFrom() + 10, l.mainTo() - 10) : draw.in(12, 28);
       if (tryAt(m, road, at, left ? lateral : -lateral, name)) return;
@@ -156,7 +160,7 @@ void placeMoving(Placer& placer, Fleet& fleet, const Heavy& heavy) {
       const int lane = road.main ? -1 : draw.chance(0.5) ? 1 : -1;
       for (int attempt = 0; attempt < 8; ++attempt) {
         const double from = road.main ? l.mainFrom() : 14;
-        Spot spot = onLane(road, from + draw.in(0, length), lane, draw.in(-0.2, 0.2));
+        Spot spot = onLane(road, from + draw.in(0, length), lane, draw.in(-0.2, 0.2), m);
         const Beside b = l.roads().at(spot.at.x, spot.at.y);
         if (b.road != r || b.edge < -road.section.half - 1) continue;
         spot.yaw += draw.in(-0.02, 0.02);

@@ -203,6 +203,7 @@ class ExactTracer::Impl {
         device_(makeDevice()),
         shared_(buildSharedMeshes(device_.get(), scene, std::vector<bool>(scene.meshes.size(), true), kUnfiltered)),
         materials_(compactMaterials(scene)) {
+    if (scene.moves()) throw Error("the exact reference takes scenes whose objects stand still");
     shared_.scenes.clear();  // only the triangles are of use here
     if (materials_.empty()) materials_.emplace_back();
   }

@@ -130,5 +130,21 @@ TEST_F(PlanTest, TheOntologyOfThePipelineReplacesTheScenes) {
   EXPECT_EQ(scene.ontology.require("car", {}).id, 10);  // SemanticKITTI's
 }
 
+TEST_F(PlanTest, MethodsThatStopObjectsRefuseScenesInWhichTheyMove) {
+  std::string yard = yardScene();
+  yard += "  - {primitive: box, size: [1, 1, 1], class: car, material: car_paint, moving: {velocity: [1, 0, 0]}}\n";
+  folder_.write("scenes/yard.yaml", yard);
+  const auto methodOf = [&](const std::string& name) {
+    const Plan p = plan({"method=" + name});
+    const Scene scene = p.loadScene(p.pipeline().sequences[0]);
+    p.makeMethod(scene);
+  };
+  EXPECT_NO_THROW(methodOf("ray_tracing"));
+  for (const char* name : {"depth_camera", "particle"}) {
+    EXPECT_THAT(messageOf<InputError>([&] { methodOf(name); }),
+                AllOf(HasSubstr("yard.yaml"), HasSubstr("objects of this scene move"), HasSubstr("ray_tracing")));
+  }
+}
+
 }  // namespace
 }  // namespace scanmill

@@ -1,4 +1,4 @@
-#include "sensors/path.h"
+#include "base/path.h"
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,19 @@
+#pragma once
+
+// Places that a path leads through.
+
+#include <vector>
+
+#include "base/vec.h"
+#include "config/value.h"
+
+namespace scanmill {
+
+// [[x, y, z], ...], two at least, in metres. Throws InputError with the place for a point that repeats the one before
+// it, for a stretch that is too steep to have a heading, and for a path that goes straight back.
+std::vector<Vec3d> readWaypoints(const Value& value);
+
+// Throws InputError where the position is farther away than coordinates are exact.
+Vec3d checkedPosition(const Vec3d& position, const Location& where);
+
+}  // namespace scanmill
