@@ -28,6 +28,7 @@ enum class Purpose : std::uint16_t {
   WetGround = 14,
   Interference = 15,
   Relief = 16,
+  Sway = 17,
   Speckle = 256,  // and the seven after it: four looks each
   Test = 99,
 };

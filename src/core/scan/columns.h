@@ -84,6 +84,19 @@ struct Column {
 
 inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
+constexpr Column velocityColumn(std::string_view name, std::string_view meaning) {
+  return {.name = name,
+          .type = ColumnType::Float32,
+          .unit = "m/s",
+          .meaning = meaning,
+          .none = 0,
+          .origin = ColumnOrigin::Hit,
+          .channels = Channel::Instance,
+          .byDefault = false,
+          .validity = ColumnValidity::Finite,
+          .display = {.unit = "m/s", .decimals = 3}};
+}
+
 // In the order in which files hold them, behind x, y and z.
 inline constexpr auto kColumns = std::to_array<Column>({
     {.name = "intensity",
@@ -245,6 +258,11 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .byDefault = false,
      .validity = ColumnValidity::Finite,
      .display = {.decimals = 4, .scalePower = 2, .scaleClipped = 0.01}},
+    velocityColumn("velocity_x",
+                   "velocity over ground of the thing that the beam meets, along the sensor's x axis; 0: "
+                   "it stands, or is no thing"),
+    velocityColumn("velocity_y", "likewise along the y axis"),
+    velocityColumn("velocity_z", "likewise along the z axis"),
 });
 
 inline constexpr std::size_t kColumnCount = kColumns.size();

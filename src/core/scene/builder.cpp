@@ -72,7 +72,7 @@ std::uint32_t SceneBuilder::addMesh(Mesh mesh) {
 }
 
 void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where,
-                         std::shared_ptr<const Movement> movement) {
+                         std::shared_ptr<const Movement> movement, std::shared_ptr<const Animation> animation) {
   const Mat3& linear = worldFromMesh.linear;
   if (!isFinite(linear.x) || !isFinite(linear.y) || !isFinite(linear.z) || !isFinite(worldFromMesh.translation)) {
     throw InputError(where, fmt::format("the transform of '{}' is not finite", name));
@@ -85,7 +85,8 @@ void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::s
     throw InputError(where, "the scene holds more than 4294967294 things, beyond what instance ids can tell apart");
   }
   const Affine start = movement == nullptr ? worldFromMesh : toAffine(movement->at(0)) * worldFromMesh;
-  scene_.instances.push_back({mesh, start, objects > 0 ? nextInstanceId_ : 0, std::move(name), std::move(movement)});
+  scene_.instances.push_back(
+      {mesh, start, objects > 0 ? nextInstanceId_ : 0, std::move(name), std::move(movement), std::move(animation)});
   nextInstanceId_ += objects;
 }
 

@@ -36,7 +36,7 @@ class SceneBuilder {
   // order of placement alone. Throws an InputError at `where` for a transform that is singular or not finite.
   // With a movement `worldFromMesh` is its place relative to that of the movement.
   void place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where = {},
-             std::shared_ptr<const Movement> movement = nullptr);
+             std::shared_ptr<const Movement> movement = nullptr, std::shared_ptr<const Animation> animation = nullptr);
 
   // Counts triangles that were dropped before addMesh() was given their mesh.
   void addDropped(const Dropped& dropped) { scene_.dropped += dropped; }

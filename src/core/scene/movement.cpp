@@ -36,6 +36,10 @@ Pose Movement::at(double time) const {
   return path_->pose(travelled_[k] + (travelled_[k + 1] - travelled_[k]) * part);
 }
 
+bool Movement::moves() const {
+  return path_ == nullptr ? length(velocity_) > 0 : travelled_.back() != travelled_.front();
+}
+
 std::shared_ptr<const Movement> readMovement(const Value& value) {
   Fields f(value, "moving");
   f.also({"velocity", "waypoints", "speed", "start"}).finish();

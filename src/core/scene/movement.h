@@ -24,6 +24,8 @@ class Movement {
   // What places the object, which stands at the origin and looks along x, in the world at a time (s since the drive
   // began; before that as at 0).
   Pose at(double time) const;
+  // Whether it is ever anywhere else than at first.
+  bool moves() const;
 
  private:
   Vec3d velocity_;

@@ -35,7 +35,7 @@ SemanticClass readClass(const Value& value) {
   c.color = readColor(f.require("color"));
   c.thing = f.boolean("thing", false);
   c.aliases = f.texts("aliases");
-  f.finish();
+  f.also({"moving_of"}).finish();
   if (c.name.empty()) throw InputError(value.where, "a class has an empty name");
   return c;
 }
@@ -93,6 +93,23 @@ Ontology readOntology(const std::filesystem::path& path) {
       }
     }
     ontology.classes.push_back(std::move(c));
+  }
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    const Value* of = list.items[i].find("moving_of");
+    if (of == nullptr) continue;
+    const SemanticClass& still = ontology.require(readText(*of, "moving_of"), of->where);
+    SemanticClass& moving = ontology.classes[i];
+    if (!still.thing || !moving.thing || still.id == moving.id) {
+      throw InputError(of->where,
+                       "moving_of names the class of the same things while they stand still: both need "
+                       "`thing: true`");
+    }
+    for (const SemanticClass& c : ontology.classes) {
+      if (c.movingOf == still.id) {
+        throw InputError(of->where, fmt::format("the class '{}' is moving_of '{}' already", c.name, still.name));
+      }
+    }
+    moving.movingOf = still.id;
   }
   const SemanticClass* zero = ontology.find(0);
   if (!zero || zero->name != "unlabeled") {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,9 +17,10 @@ namespace scanmill {
 struct SemanticClass {
   std::uint16_t id = 0;
   std::string name;
-  std::array<std::uint8_t, 3> color{};  // RGB
-  bool thing = false;                   // countable: its objects get instance ids
-  std::vector<std::string> aliases;     // names that scenes may use for this class
+  std::array<std::uint8_t, 3> color{};      // RGB
+  bool thing = false;                       // countable: its objects get instance ids
+  std::vector<std::string> aliases;         // names that scenes may use for this class
+  std::optional<std::uint16_t> movingOf{};  // the class of things that this is for while they move
 };
 
 // Class 0 is always "unlabeled".

@@ -1,8 +1,16 @@
 #include "scene/scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace scanmill {
+
+std::uint32_t Animation::at(double time) const {
+  const double turns = std::clamp(time, 0.0, until) / period;
+  const auto count = static_cast<double>(meshes.size());
+  const double index = std::floor((turns - std::floor(turns)) * count);
+  return meshes[static_cast<std::size_t>(std::min(index, count - 1))];
+}
 
 Affine Instance::worldFromMeshAt(double time) const {
   if (movement == nullptr) return worldFromMesh;
@@ -10,7 +18,16 @@ Affine Instance::worldFromMeshAt(double time) const {
 }
 
 bool Scene::moves() const {
-  return std::any_of(instances.begin(), instances.end(), [](const Instance& i) { return i.movement != nullptr; });
+  return std::any_of(instances.begin(), instances.end(), [](const Instance& i) { return i.moves(); });
+}
+
+void standStill(Scene& scene, double time) {
+  for (Instance& i : scene.instances) {
+    i.worldFromMesh = i.worldFromMeshAt(time);
+    i.mesh = i.meshAt(time);
+    i.movement = nullptr;
+    i.animation = nullptr;
+  }
 }
 
 std::uint64_t Scene::triangles() const {

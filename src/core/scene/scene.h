@@ -12,6 +12,7 @@
 
 #include "base/vec.h"
 #include "config/value.h"
+#include "scene/lanes.h"
 #include "scene/material.h"
 #include "scene/movement.h"
 #include "scene/ontology.h"
@@ -55,16 +56,28 @@ struct Dropped {
 // order.
 Dropped clean(Mesh& mesh);
 
+// Meshes of one object that take turns, such as the moments of a stride. They have the same things.
+struct Animation {
+  std::vector<std::uint32_t> meshes;
+  double period = 1;  // s, in which each shows once
+  double until = 0;   // s, when it ends
+
+  std::uint32_t at(double time) const;
+};
+
 // A mesh placed in the world.
 struct Instance {
   std::uint32_t mesh = 0;
   Affine worldFromMesh;               // at the time 0; determinant is not zero; negative (mirrored) is allowed
   std::uint32_t firstInstanceId = 0;  // object n of the mesh has the id firstInstanceId + n - 1
   std::string name;
-  std::shared_ptr<const Movement> movement = nullptr;  // null: it stands still
+  std::shared_ptr<const Movement> movement = nullptr;    // null: it stands still
+  std::shared_ptr<const Animation> animation = nullptr;  // null: it keeps its mesh
 
+  bool moves() const { return movement != nullptr || animation != nullptr; }
   // Where it is at a time (s since the drive began); worldFromMesh is where it is at 0.
   Affine worldFromMeshAt(double time) const;
+  std::uint32_t meshAt(double time) const { return animation == nullptr ? mesh : animation->at(time); }
 };
 
 struct Scene {
@@ -103,12 +116,15 @@ struct SceneOptions {
   bool textures = true;            // false: no base colour is loaded unless alpha needs it
 };
 
+// Leaves every object where it is at a time (s since the drive began).
+void standStill(Scene& scene, double time);
+
 // Reads a scene file, such as those in scenes/, with all the files that it names. Throws InputError with the place.
 Scene readScene(const std::filesystem::path& path, const SceneOptions& options);
 
-// The lane through the first town of a scene file with this seed, as places on the road's surface in the world's frame,
-// some metres apart. No geometry is made. Throws InputError with the place, also where the scene has no town.
-std::vector<Vec3d> readSceneLane(const std::filesystem::path& path, std::uint64_t seed);
+// The ways through the first town of a scene file with this seed, in the world's frame. No geometry is made. Throws
+// InputError with the place, also where the scene has no town.
+SceneLanes readSceneLanes(const std::filesystem::path& path, std::uint64_t seed);
 
 // Reads no more of it than which ontology it names, and that. Throws InputError with the place.
 Ontology readSceneOntology(const std::filesystem::path& path);

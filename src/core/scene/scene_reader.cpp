@@ -309,7 +309,7 @@ class SceneReader {
 
 }  // namespace
 
-std::vector<Vec3d> readSceneLane(const std::filesystem::path& path, std::uint64_t seed) {
+SceneLanes readSceneLanes(const std::filesystem::path& path, std::uint64_t seed) {
   const Value root = readYaml(path);
   expectKind(root, FileKind::Scene);
   const Value* objects = root.find("objects");
@@ -320,9 +320,11 @@ std::vector<Vec3d> readSceneLane(const std::filesystem::path& path, std::uint64_
     if (kind == "town") {
       const Affine place = SceneReader::proceduralPlace(f, "town");
       Fields fields(f.require("town"), "town");
-      std::vector<Vec3d> lane = townLane(fields, SceneReader::seedOfNext(seed, before));
-      for (Vec3d& p : lane) p = place * p;
-      return lane;
+      SceneLanes lanes = townLanes(fields, SceneReader::seedOfNext(seed, before));
+      for (std::vector<Vec3d>* way : {&lanes.lane, &lanes.turns}) {
+        for (Vec3d& p : *way) p = place * p;
+      }
+      return lanes;
     }
     before += kind == "street" ? 1 : 0;
   }

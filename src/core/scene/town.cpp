@@ -1,5 +1,6 @@
 #include "scene/town.h"
 
+#include "scene/town/lanes.h"
 #include "scene/town/placer.h"
 
 namespace scanmill {
@@ -12,20 +13,25 @@ void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Af
   town::populate(builder, layout, worldFromTown);
 }
 
-std::vector<Vec3d> townLane(Fields& fields, std::uint64_t seed) {
-  constexpr double kStep = 6;   // m
+SceneLanes townLanes(Fields& fields, std::uint64_t seed) {
   constexpr double kEnds = 20;  // m of the built part before the lane begins and after it ends
   const town::Parameters parameters = town::readParameters(fields);
   fields.finish();
   const town::Layout layout(parameters, seed);
-  const town::Road& main = layout.roads().roads().front();
-  const double lane = (main.section.half - main.section.parking) / 2;
-  std::vector<Vec3d> places;
-  for (const double at : parts::steps(layout.mainFrom() + kEnds, layout.mainTo() - kEnds, kStep)) {
-    const town::Point2 p = town::besideRoad(main, at, -lane).at;
-    places.push_back({p.x, p.y, layout.heightAt(p)});
+  const town::Way through{{{0, layout.mainFrom() + kEnds, layout.mainTo() - kEnds}}, 0, 0};
+  const std::vector<town::Road>& roads = layout.roads().roads();
+  const town::Tour tour = town::tourOf(layout);
+  town::Way turns = through;
+  if (tour.from) {
+    turns.stretches.front().from = roads[*tour.from].joins + town::cornerOf(layout, *tour.from);
+    turns.stretches.insert(turns.stretches.begin(),
+                           {*tour.from, town::endOf(layout, *tour.from), town::mouthOf(layout)});
   }
-  return places;
+  if (tour.into) {
+    turns.stretches.back().to = roads[*tour.into].joins - town::cornerOf(layout, *tour.into);
+    turns.stretches.push_back({*tour.into, town::mouthOf(layout), town::endOf(layout, *tour.into)});
+  }
+  return {town::layOut(layout, through, 0, 0).points, town::layOut(layout, turns, 0, 0).points};
 }
 
 }  // namespace scanmill

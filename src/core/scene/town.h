@@ -9,6 +9,7 @@
 #include "base/vec.h"
 #include "config/fields.h"
 #include "scene/builder.h"
+#include "scene/lanes.h"
 
 namespace scanmill {
 
@@ -16,8 +17,8 @@ namespace scanmill {
 // the right. `fields` is the town's map in a scene file; finish() is called here. Throws InputError with the place.
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& worldFromTown);
 
-// The right-hand lane of the main road through the built part of the town that such a map and the seed describe:
-// places on the road's surface a few metres apart, in the town's frame.
-std::vector<Vec3d> townLane(Fields& fields, std::uint64_t seed);
+// The ways through the town that such a map and the seed describe, in the town's frame: through its built part, or as
+// far as the side roads to the right let one come out of one and turn into another.
+SceneLanes townLanes(Fields& fields, std::uint64_t seed);
 
 }  // namespace scanmill

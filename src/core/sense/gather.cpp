@@ -101,12 +101,14 @@ Affine startFromStep(const Shot& shot, std::size_t step) {
 
 class Gathering {
  public:
-  Gathering(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout, Scan& scan)
+  Gathering(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout,
+            const ThingMotions* motions, Scan& scan)
       : hits_(hits),
         shot_(shot),
         beams_(*shot.beams),
         returns_(returns),
         layout_(layout),
+        motions_(motions),
         scan_(scan),
         order_(returns, hits.size()),
         moves_(order_.several()) {}
@@ -296,6 +298,7 @@ class Gathering {
       copy(returns_.intensity, moves_.row, values);
     } else if constexpr (name == "label") {
       returns_.label.empty() ? copyHits(key, hits_.semantic, values) : copy(returns_.label, moves_.row, values);
+      if (motions_ != nullptr && motions_->tellsClasses()) relabel(values);
     } else if constexpr (name == "instance") {
       returns_.instance.empty() ? copyHits(key, hits_.instance, values) : copy(returns_.instance, moves_.row, values);
     } else if constexpr (name == "ring") {
@@ -323,6 +326,8 @@ class Gathering {
       put(values, [&](std::size_t m) { return returns_.share.empty() ? T{1} : returns_.share[moves_.row[m]]; });
     } else if constexpr (name == "power") {
       copy(returns_.power, moves_.row, values);
+    } else if constexpr (name.starts_with("velocity_")) {
+      putVelocities(name.back(), values);
     } else if constexpr (name == "azimuth") {
       putHits(key, values, [&](std::uint32_t hit) {
         const Vec3d p = placeOf(hit);
@@ -336,6 +341,32 @@ class Gathering {
     } else {
       static_assert(Key::index >= kColumnCount, "say here what fills the column");
     }
+  }
+
+  // Points on moving things get the classes for those.
+  void relabel(std::vector<std::uint16_t>& values) {
+    const bool ownInstances = !returns_.instance.empty();
+    for (std::size_t m = 0; m < moves_.count; ++m) {
+      const std::uint32_t hit = moves_.hit[m];
+      if (hit == kNoHit && !ownInstances) continue;
+      const std::uint32_t thing = ownInstances ? returns_.instance[moves_.row[m]] : hits_.instance[hit];
+      std::uint16_t& label = values[moves_.to[m]];
+      if (thing != 0) label = motions_->classOf(label, thing);
+    }
+  }
+
+  // In the axes in which points are given.
+  void putVelocities(char axis, std::vector<float>& values) {
+    put(values, [&](std::size_t m) {
+      const std::uint32_t hit = moves_.hit[m];
+      if (motions_ == nullptr || hit == kNoHit || hits_.instance[hit] == 0) return 0.0f;
+      const Pose& worldFromSensor =
+          shot_.worldFromSensor[shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(moves_.column[m])];
+      const Vec3d v = motions_->velocity(hits_.instance[hit], worldFromSensor * placeOf(hit));
+      const Pose& given = shot_.deskew ? shot_.worldFromSensor.front() : worldFromSensor;
+      const Vec3d own = transposed(toMatrix(given.rotation)) * v;
+      return static_cast<float>(axis == 'x' ? own.x : axis == 'y' ? own.y : own.z);
+    });
   }
 
   // Of a hit, noise-free, in the frame of the sensor when it fired (m).
@@ -379,6 +410,7 @@ class Gathering {
   const BeamTable& beams_;
   const Returns& returns_;
   const ScanLayout& layout_;
+  const ThingMotions* motions_;
   Scan& scan_;
   ReturnOrder order_;
   Moves moves_;
@@ -387,8 +419,9 @@ class Gathering {
 
 }  // namespace
 
-void gather(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout, Scan& scan) {
-  Gathering(hits, shot, returns, layout, scan).run();
+void gather(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout,
+            const ThingMotions* motions, Scan& scan) {
+  Gathering(hits, shot, returns, layout, motions, scan).run();
 }
 
 }  // namespace scanmill

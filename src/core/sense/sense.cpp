@@ -46,12 +46,13 @@ void detect(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<
 }
 
 void sense(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<Effect>> effects,
-           std::span<const Material> materials, const ScanLayout& layout, Returns& returns, Scan& scan) {
+           std::span<const Material> materials, const ScanLayout& layout, Returns& returns, Scan& scan,
+           const ThingMotions* motions) {
   checkHits(hits, shot, channelsFor(effects, layout.columns));
   detect(hits, shot, effects, materials, returns);
   if (layout.reasons) returns.tellReasons();
   for (const auto& effect : effects) effect->apply(hits, shot, materials, returns);
-  gather(hits, shot, returns, layout, scan);
+  gather(hits, shot, returns, layout, motions, scan);
   scan.reasonOfBeam.clear();
   if (layout.reasons) scan.reasonOfBeam = reasonsOf(hits, materials, returns);
 }

@@ -11,6 +11,7 @@
 #include "scene/material.h"
 #include "sense/effect.h"
 #include "sense/returns.h"
+#include "sense/thing_motions.h"
 #include "sensors/shot.h"
 
 namespace scanmill {
@@ -24,8 +25,10 @@ void detect(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<
             std::span<const Material> materials, Returns& returns);
 
 // Detects, applies the effects in their given order and keeps the columns asked for.
-// `returns` is reused between calls. Throws Error where the hits lack a channel or belong to another sensor.
+// `motions`: of a scene that moves. `returns` is reused between calls. Throws Error where the hits lack a channel or
+// belong to another sensor.
 void sense(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<Effect>> effects,
-           std::span<const Material> materials, const ScanLayout& layout, Returns& returns, Scan& scan);
+           std::span<const Material> materials, const ScanLayout& layout, Returns& returns, Scan& scan,
+           const ThingMotions* motions = nullptr);
 
 }  // namespace scanmill

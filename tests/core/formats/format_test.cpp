@@ -114,7 +114,7 @@ TEST(Formats, OutlinesGrowByWhatAPointTakes) {
   EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "{}"), raw * 33 / 32.0);
   EXPECT_DOUBLE_EQ(bytesPerPoint("csv", "{}"), text);
   EXPECT_DOUBLE_EQ(bytesPerPoint("pcd", "encoding: ascii"), bytesPerPoint("csv", "{}"));
-  EXPECT_DOUBLE_EQ(bytesPerPoint("draco", "time: true") - bytesPerPoint("draco", "{}"), 4);
+  EXPECT_NEAR(bytesPerPoint("draco", "time: true") - bytesPerPoint("draco", "{}"), 4, 1e-9);
   EXPECT_LT(bytesPerPoint("draco", "max_error_mm: 100"), bytesPerPoint("draco", "{}") - 3);
 }
 

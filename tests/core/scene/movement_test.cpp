@@ -73,5 +73,42 @@ TEST(Movement, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(refusal("{waypoint: [[0, 0, 0], [1, 0, 0]], speed: 1}"), HasSubstr("waypoints"));
 }
 
+TEST(Movement, KnowsWhetherItMoves) {
+  EXPECT_TRUE(movement("{velocity: [3, 0, 0]}")->moves());
+  EXPECT_FALSE(movement("{velocity: [0, 0, 0]}")->moves());
+  EXPECT_TRUE(movement("{waypoints: [[0, 0, 0], [10, 0, 0]], speed: 5}")->moves());
+  EXPECT_FALSE(movement("{waypoints: [[0, 0, 0], [10, 0, 0]], speed: 5, start: 10}")->moves());
+}
+
+TEST(Animation, ShowsEachMeshForItsPartOfThePeriodUntilItEnds) {
+  const Animation a{{7, 8, 9, 4}, 2, 5.2};
+  EXPECT_EQ(a.at(0), 7u);
+  EXPECT_EQ(a.at(0.49), 7u);
+  EXPECT_EQ(a.at(0.51), 8u);
+  EXPECT_EQ(a.at(1.99), 4u);
+  EXPECT_EQ(a.at(2.1), 7u);
+  EXPECT_EQ(a.at(4.6), 8u);
+  EXPECT_EQ(a.at(5.2), a.at(1000)) << "it has ended";
+  EXPECT_EQ(a.at(-3), 7u);
+}
+
+TEST(Scene, StandsStillAsItWasAtATime) {
+  SceneBuilder builder = testBuilder();
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, {}, {2, 2, 2});
+  const std::uint32_t first = builder.addMesh(box);
+  appendBox(box, 0, at(0, 0, 3), {1, 1, 1});
+  const std::uint32_t second = builder.addMesh(box);
+  builder.place(first, at(0, 1, 0), "thing", {}, movement("{velocity: [3, 0, 0]}"),
+                std::make_shared<Animation>(Animation{{first, second}, 2, 10}));
+  Scene scene = builder.finish();
+  EXPECT_TRUE(scene.moves());
+  standStill(scene, 3);
+  EXPECT_FALSE(scene.moves());
+  EXPECT_EQ(scene.instances[0].worldFromMesh.translation, (Vec3d{9, 1, 0}));
+  EXPECT_EQ(scene.instances[0].mesh, second);
+  EXPECT_EQ(scene.instances[0].worldFromMeshAt(50).translation, (Vec3d{9, 1, 0}));
+}
+
 }  // namespace
 }  // namespace scanmill

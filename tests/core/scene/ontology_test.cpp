@@ -111,6 +111,26 @@ TEST(Ontology, badFilesAreRefusedWithTheirPlace) {
   refuse(zero + "  - {id: 1, name: a, color: [0, 0, 1.5]}\n", {"bad.yaml:3", "whole"});
   refuse(zero + "  - {id: 1, name: '', color: [0, 0, 1]}\n", {"bad.yaml:3", "empty"});
   refuse(zero + "  - {id: 1, name: a, colour: [0, 0, 1], color: [0, 0, 1]}\n", {"bad.yaml:3", "colour"});
+  const std::string car = zero + "  - {id: 1, name: car, color: [0, 0, 1], thing: true}\n";
+  refuse(car + "  - {id: 2, name: b, color: [0, 0, 1], thing: true, moving_of: cra}\n", {"bad.yaml:4", "'car'"});
+  refuse(car + "  - {id: 2, name: b, color: [0, 0, 1], moving_of: car}\n", {"bad.yaml:4", "thing: true"});
+  refuse(zero + "  - {id: 2, name: b, color: [0, 0, 1], thing: true, moving_of: b}\n", {"bad.yaml:3", "stand still"});
+  refuse(car + "  - {id: 2, name: b, color: [0, 0, 1], thing: true, moving_of: car}\n" +
+             "  - {id: 3, name: c, color: [0, 0, 1], thing: true, moving_of: car}\n",
+         {"bad.yaml:5", "already"});
+}
+
+TEST(Ontology, ClassesOfWhatMoves) {
+  const Ontology o = readOntology(kLabels / "semantic_kitti.yaml");
+  std::size_t moving = 0;
+  for (const SemanticClass& c : o.classes) {
+    if (!c.movingOf) continue;
+    ++moving;
+    EXPECT_GE(c.id, 252);
+    EXPECT_EQ(c.name, "moving-" + o.find(*c.movingOf)->name);
+  }
+  EXPECT_EQ(moving, 8u);
+  EXPECT_FALSE(o.require("car", {}).movingOf);
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ TEST(Gather, AddedReturnsAreCountedFromTheNearest) {
   returns.add({.beam = 13, .range = 3, .cause = Cause::FalsePositive, .label = 9}, world.hits);
   returns.remove(5);
   Scan scan;
-  gather(world.hits, world.shot, returns, kDense, scan);
+  gather(world.hits, world.shot, returns, kDense, nullptr, scan);
   EXPECT_EQ(scan.size(), 36u);
   const auto points = pointsByKey(scan);
   EXPECT_FALSE(points.contains({0, 5, 0})) << "it was removed";

@@ -165,11 +165,80 @@ TEST(Trajectory, MalformedOnesAreRefusedWithTheirPlace) {
   EXPECT_THAT(refusal(line + "speed: 1\nframes: 0"), HasSubstr("trip.yaml:3:9: "));
   EXPECT_THAT(refusal(line + "speed: 1\nframes: 1e9"), HasSubstr("trip.yaml:3:9: "));
   EXPECT_THAT(refusal(line + "speed: 1\nevery: 2"), HasSubstr("trip.yaml:3:"));
+  EXPECT_THAT(refusal("{along: lanes, speed: 3}"), HasSubstr("did you mean 'lane'"));
+  EXPECT_THAT(refusal(line + "speed: 9\nstops: [{at: 9}]"), HasSubstr("need an acceleration"));
+  const std::string driven = line + "speed: 9\nacceleration: 2\n";
+  EXPECT_THAT(refusal(driven + "stops: 3"), HasSubstr("trip.yaml:4:"));
+  EXPECT_THAT(refusal(driven + "stops: [{at: 200}]"), HasSubstr("trip.yaml:4:"));
+  EXPECT_THAT(refusal(driven + "stops: [{at: 20}, {at: 20.5}]"), HasSubstr("at least 1 m apart"));
+  EXPECT_THAT(refusal(driven + "lane_changes: [{at: 3}]"), HasSubstr("left"));
+  EXPECT_THAT(refusal(driven + "sway: {yaw_deg: 3}"), HasSubstr("yaw_deg"));
+  EXPECT_THAT(refusal("{poses: [{}], acceleration: 3}"), HasSubstr("acceleration"));
   EXPECT_THAT(refusal("{waypoints: [[0, 0, 0]], speed: 1}"), HasSubstr("at least two"));
   EXPECT_THAT(refusal("{waypoints: [[0, 0, 0], [0, 0, 0]], speed: 1}"), HasSubstr("trip.yaml:1:25: "));
   EXPECT_THAT(refusal("{waypoints: [[0, 0, 0], [0, 0, 9]], speed: 1}"), HasSubstr("steeper"));
   EXPECT_THAT(refusal("{waypoints: [[0, 0, 0], [9, 0, 0], [1, 0, 0]], speed: 1}"), HasSubstr("straight back"));
   EXPECT_THAT(refusal("{waypoints: [[0, 0, 0], [1e12, 0, 0]], speed: 1}"), HasSubstr("farther than"));
+}
+
+TEST(Trajectory, AcceleratesFromRestAndStops) {
+  const std::string text =
+      "{waypoints: [[0, 0, 0], [100, 0, 0], [200, 0, 0]], speed: 10, acceleration: 2, "
+      "stops: [{at: 60, wait: 4}], ";
+  const Trajectory byTime = trajectoryOf(text + "every_s: 0.5}");
+  EXPECT_NEAR(byTime.pose(2, 0).translation.x, 1, 1e-6);  // 2 t^2 / 2
+  EXPECT_NEAR(byTime.pose(2, 0.5).translation.x, 2.25, 1e-6);
+  EXPECT_NEAR(byTime.frames(), 69, 1) << "20 s of driving, twice 5 s of speeding up and slowing down, 4 s of waiting";
+  const Trajectory byWay = trajectoryOf(text + "every_m: 7}");
+  EXPECT_EQ(byWay.frames(), 29u);
+  for (std::uint32_t f = 0; f < byWay.frames(); ++f) EXPECT_NEAR(byWay.pose(f, 0).translation.x, 7.0 * f, 1e-6);
+  EXPECT_NEAR(byWay.frameTime(8), 60.0 / 10 + 5 - std::sqrt(4.0), 1e-3) << "4 m before the stop";
+}
+
+// By the end of it the vehicle is so far to the left, and heads as before; on the way it heads along its motion.
+TEST(Trajectory, ChangesLanes) {
+  const Trajectory t = trajectoryOf(
+      "{waypoints: [[0, 0, 0], [100, 0, 0], [200, 0, 0]], speed: 10, every_m: 0.5, "
+      "lane_changes: [{at: 40, left: 3, over: 30}, {at: 120, left: -2, over: 20}]}");
+  EXPECT_NEAR(t.pose(79, 0).translation.y, 0, 1e-9);
+  EXPECT_NEAR(t.pose(110, 0).translation.y, 1.5, 1e-9) << "half way";
+  EXPECT_NEAR(t.pose(160, 0).translation.y, 3, 1e-9);
+  EXPECT_NEAR(t.pose(300, 0).translation.y, 1, 1e-9);
+  for (std::uint32_t f = 0; f + 1 < t.frames(); ++f) {
+    const Vec3d moved = t.pose(f + 1, 0).translation - t.pose(f, 0).translation;
+    const Vec3d along = (headingOf(t.pose(f, 0)) + headingOf(t.pose(f + 1, 0))) * 0.5;
+    ASSERT_NEAR(std::atan2(moved.y, moved.x), std::atan2(along.y, along.x), 2e-3) << f;
+  }
+}
+
+// Its deviations are those asked for, it is smooth, and another seed sways otherwise.
+TEST(Trajectory, SwaysAsMuchAsItSays) {
+  const std::string text =
+      "{waypoints: [[0, 0, 0], [2000, 0, 0]], speed: 10, every_s: 0.05, "
+      "sway: {roll_deg: 0.5, pitch_deg: 0.3, heave_m: 0.02}}";
+  const Trajectory t = readTrajectory(parseYaml(text, "trip.yaml"), "trip", 0.1, nullptr, 3);
+  const Trajectory other = readTrajectory(parseYaml(text, "trip.yaml"), "trip", 0.1, nullptr, 4);
+  double roll = 0, pitch = 0, heave = 0;
+  double apart = 0;
+  for (std::uint32_t f = 0; f < t.frames(); ++f) {
+    const Pose p = t.pose(f, 0);
+    const Mat3 m = toMatrix(p.rotation);
+    roll += std::pow(std::atan2(m.y.z, m.z.z), 2) / t.frames();
+    pitch += std::pow(std::asin(m.x.z), 2) / t.frames();
+    heave += p.translation.z * p.translation.z / t.frames();
+    apart = std::max(apart, std::abs(p.translation.z - other.pose(f, 0).translation.z));
+    EXPECT_LT(std::abs(t.pose(f, 0.01).translation.z - p.translation.z), 0.02 * 2 * kPi * 2 * 0.01 * 5);
+  }
+  EXPECT_NEAR(std::sqrt(roll), radians(0.5), radians(0.05));
+  EXPECT_NEAR(std::sqrt(pitch), radians(0.3), radians(0.03));
+  EXPECT_NEAR(std::sqrt(heave), 0.02, 0.002);
+  EXPECT_GT(apart, 0.02);
+}
+
+TEST(Trajectory, DoesNotSwayAtRest) {
+  const Trajectory t = trajectoryOf(
+      "{waypoints: [[0, 0, 0], [100, 0, 0]], speed: 10, acceleration: 2, every_s: 0.1, sway: {heave_m: 0.1}}");
+  EXPECT_EQ(t.pose(0, 0).translation.z, 0);
 }
 
 TEST(Trajectory, HugeFrameCountsAreRefusedWithTheArithmetic) {

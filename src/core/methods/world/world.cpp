@@ -279,7 +279,8 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
     };
     const auto id = World::kFirstPlaced + static_cast<unsigned>(world->placed.size());
     PlacedBlock placed;
-    placed.block = shared.blocks[instance.mesh].get();
+    const std::uint32_t mesh = instance.meshAt(time + duration / 2);
+    placed.block = shared.blocks[mesh].get();
     placed.originFromMesh = placeAt(time);
     placed.firstInstanceId = instance.firstInstanceId;
     placed.normalFromMesh = transposed(inverse(placed.originFromMesh.linear));
@@ -287,7 +288,7 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
       placed.atEnd = placeAt(time + duration);
       placed.moves = true;
     }
-    attachInstance(device, world->embree.get(), shared.scenes[instance.mesh].get(), placed, id);
+    attachInstance(device, world->embree.get(), shared.scenes[mesh].get(), placed, id);
     world->placed.push_back(placed);
   }
   rtcCommitScene(world->embree.get());

@@ -83,6 +83,26 @@ void checkOntologies(const Pipeline& pipeline) {
   }
 }
 
+// Whether points on things that move have classes of their own.
+bool tellsMovingClasses(const Pipeline& pipeline) {
+  if (pipeline.recording != nullptr || !pipeline.layout.columns.has(kLabel)) return false;
+  const Ontology ontology = pipeline.ontology.empty() ? readSceneOntology(pipeline.sequences.front().sceneFile)
+                                                      : readOntology(pipeline.ontology);
+  return std::any_of(ontology.classes.begin(), ontology.classes.end(),
+                     [](const SemanticClass& c) { return c.movingOf.has_value(); });
+}
+
+// A recording does not know how objects moved.
+void checkVelocities(const Pipeline& pipeline) {
+  if (pipeline.recording == nullptr) return;
+  for (std::size_t i = 0; i < kColumnCount; ++i) {
+    if (!pipeline.layout.columns.has(i) || !kColumns[i].name.starts_with("velocity_")) continue;
+    throw InputError({pipeline.file.string()},
+                     fmt::format("a recording does not say how objects moved: leave the column {} out, or trace anew",
+                                 kColumns[i].name));
+  }
+}
+
 // The sensors' own effects that the pipeline leaves out: `speckle: none`.
 std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
   std::vector<std::string> names;
@@ -160,8 +180,8 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
   options.alsoDescribed(choice.entry->keys).finish();
   if (scene.moves() && !choice.entry->can.moving) {
     throw InputError({scene.file.string()},
-                     fmt::format("objects of this scene move, and the method {} takes them as standing still: leave "
-                                 "`moving` out, or take `method: {}`",
+                     fmt::format("objects of this scene move, and the method {} takes them as standing still: say "
+                                 "`moving: false` beside the scene in the pipeline, or take `method: {}`",
                                  choice.entry->name, firstMethodThat(&MethodCapabilities::moving).name));
   }
   return choice.entry->make(scene, options);
@@ -171,10 +191,12 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   checkOntologies(pipeline_);
   checkMotion(pipeline_);
   checkRays(pipeline_);
+  checkVelocities(pipeline_);
   for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
     channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.layout.columns);
     if (pipeline_.lightPaths(s) != nullptr) channels_ |= kLightChannels;
   }
+  if (tellsMovingClasses(pipeline_)) channels_ |= Channel::Instance;
   if (pipeline_.layout.reasons) channels_ |= Channel::Material;  // tells mirrors and glass from what is dark
   traced_ = channels_ | kept;
   const std::uint64_t rays = pipeline_.raysPerFrame();
@@ -262,7 +284,9 @@ Scene Plan::loadScene(const Sequence& sequence) const {
   options.ontology = pipeline_.ontology;
   options.wavelengthNm = pipeline_.wavelengthNm;
   options.textures = traced_.has(Channel::Reflectance);
-  return readScene(sequence.sceneFile, options);
+  Scene scene = readScene(sequence.sceneFile, options);
+  if (!sequence.moving) standStill(scene, 0);
+  return scene;
 }
 
 std::unique_ptr<Method> Plan::makeMethod(const Scene& scene) const {

@@ -7,6 +7,7 @@
 //   scenes:
 //     - scene: ../scenes/street.yaml
 //       seeds: [1, 2, 3]             # a sequence each; default [1]
+//       moving: true                 # false: objects that move stand where they are when a drive begins
 //       trajectories: [...]          # default: the pipeline's
 //   trajectories:                    # see sensors/trajectory.h
 //     - {name: lane, waypoints: [...], speed: 8, frames: 10}
@@ -81,8 +82,9 @@ bool followsLane(const Value& list) {
                      [](const Value& item) { return item.find("along") != nullptr; });
 }
 
-// `lane`: of the scene's town, where one of them follows it; else null.
-Trajectories readTrajectories(const Value& list, double period, const std::vector<Vec3d>* lane) {
+// `lanes`: of the scene's town, where one of them follows it, which sways by its seed; else null.
+Trajectories readTrajectories(const Value& list, double period, const SceneLanes* lanes = nullptr,
+                              std::uint64_t seed = 0) {
   if (list.kind != Value::Kind::Sequence || list.items.empty()) {
     throw InputError(list.where, "trajectories must be a list with at least one item");
   }
@@ -90,7 +92,7 @@ Trajectories readTrajectories(const Value& list, double period, const std::vecto
   std::set<std::string> names;
   for (const Value& item : list.items) {
     const std::string fallback = fmt::format("t{}", trajectories.size());
-    auto trajectory = std::make_shared<const Trajectory>(readTrajectory(item, fallback, period, lane));
+    auto trajectory = std::make_shared<const Trajectory>(readTrajectory(item, fallback, period, lanes, seed));
     if (trajectory->name().empty()) {
       throw InputError(item.where, "a trajectory's name becomes part of file names: it is empty");
     }
@@ -123,27 +125,29 @@ std::vector<std::uint64_t> readSeeds(const Value* value) {
 
 std::vector<Sequence> readSequences(Fields& fields, double period) {
   const Value* shared = fields.find("trajectories");
-  if (shared != nullptr && !followsLane(*shared)) readTrajectories(*shared, period, nullptr);
+  if (shared != nullptr && !followsLane(*shared)) readTrajectories(*shared, period);
   std::vector<Sequence> sequences;
   std::set<std::string> keys;
   for (const Value& item : requireList(fields, "scenes").items) {
     Fields scene(item, "scene");
-    scene.also({"scene", "seeds", "trajectories"}).finish();
+    scene.also({"scene", "seeds", "moving", "trajectories"}).finish();
     const std::filesystem::path file = scene.resource("scene", "scenes");
     const std::vector<std::uint64_t> seeds = readSeeds(scene.find("seeds"));
+    const bool moving = scene.boolean("moving", true);
     const Value* own = scene.find("trajectories");
     const Value* list = own == nullptr ? shared : own;
     if (list == nullptr) throw InputError(item.where, "no trajectories, neither here nor for the whole pipeline");
     const bool along = followsLane(*list);
-    Trajectories trajectories = along ? Trajectories{} : readTrajectories(*list, period, nullptr);
+    Trajectories trajectories = along ? Trajectories{} : readTrajectories(*list, period);
     for (const std::uint64_t seed : seeds) {
       if (along) {
-        const std::vector<Vec3d> lane = readSceneLane(file, seed);
-        trajectories = readTrajectories(*list, period, &lane);
+        const SceneLanes lanes = readSceneLanes(file, seed);
+        trajectories = readTrajectories(*list, period, &lanes, seed);
       }
       for (const auto& trajectory : trajectories) {
         sequences.push_back(
             {keyPart(file.stem().string()), file, seed, trajectory, trajectory->name(), trajectory->frames(), ""});
+        sequences.back().moving = moving;
         if (!keys.insert(sequences.back().key()).second) {
           throw InputError(item.where, fmt::format("the sequence '{}' stands twice", sequences.back().key()));
         }

@@ -49,9 +49,11 @@ struct Sequence {
   std::string trajectoryName;
   std::uint32_t frames = 0;
   std::string split;
+  bool moving = true;  // false: objects stand where they are when the drive begins
 
   bool sameScene(const Sequence& other) const {
-    return scene == other.scene && sceneFile == other.sceneFile && sceneSeed == other.sceneSeed;
+    return scene == other.scene && sceneFile == other.sceneFile && sceneSeed == other.sceneSeed &&
+           moving == other.moving;
   }
   // At most so many frames, each in the middle of an equal part of the sequence.
   std::vector<std::uint32_t> spreadFrames(std::uint32_t most) const;

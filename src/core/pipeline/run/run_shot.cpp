@@ -1,5 +1,7 @@
 #include "pipeline/run/run_shot.h"
 
+#include <optional>
+
 #include "pipeline/plan/own_vehicle.h"
 
 namespace scanmill {
@@ -12,7 +14,8 @@ ShotSetup setupOf(const Plan& plan, const Scene& scene, const Method& method, st
           plan.pipeline().layout,
           plan.footprint(sensor),
           plan.vehicle(sensor),
-          plan.pipeline().lightPaths(sensor)};
+          plan.pipeline().lightPaths(sensor),
+          scene.moves() ? &scene : nullptr};
 }
 
 TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits) {
@@ -41,7 +44,9 @@ TraceAccount runShot(const ShotSetup& setup, const Shot& shot, ShotBuffers& buff
 }
 
 void senseShot(const ShotSetup& setup, const Shot& shot, const Hits& hits, Returns& returns, Scan& scan) {
-  sense(hits, shot, setup.effects, setup.materials, setup.layout, returns, scan);
+  std::optional<ThingMotions> motions;
+  if (setup.moving != nullptr) motions.emplace(*setup.moving, shot);
+  sense(hits, shot, setup.effects, setup.materials, setup.layout, returns, scan, motions ? &*motions : nullptr);
 }
 
 }  // namespace scanmill

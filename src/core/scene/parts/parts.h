@@ -219,6 +219,12 @@ Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, BicycleFi
 Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form);
 
 Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form);
+// The moments of a stride, in their order and evenly apart.
+struct Walker {
+  std::vector<Model> moments;
+  double stride = 1.3;  // m, from a moment to its next time
+};
+Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const BicycleFit& fit);
 
 constexpr int kAnimalForms = 6;

@@ -178,6 +178,38 @@ void mirror(Pose& p) {
   for (Vec3d* v : {&p.leftAnkle, &p.rightAnkle, &p.leftHand, &p.rightHand}) v->y = -v->y;
 }
 
+// A moment of a stride, by its phase (rad): the left foot touches the ground in front at 0 and leaves it behind at pi.
+Pose striding(double phase, double reach, double swing, double lean) {
+  Pose p;
+  p.hips.z = 0.89 + 0.02 * std::pow(std::sin(phase), 2);
+  p.shoulders = {lean, 0, p.hips.z + 0.505};
+  p.head = {lean * 1.2 + 0.02, 0, p.hips.z + 0.715};
+  const auto foot = [&](double at, double y, Vec3d& ankle, double& pitch) {
+    const double back = (1 - std::cos(at)) / 2;
+    const double lifted = std::sin(at) < 0 ? 0.06 * std::pow(std::sin(at), 2) : 0;
+    ankle = {reach * std::cos(at), y, 0.1 + 0.07 * back + lifted};
+    pitch = -0.2 + 0.8 * back;
+  };
+  foot(phase, 0.08, p.leftAnkle, p.leftFoot);
+  foot(phase + kPi, -0.08, p.rightAnkle, p.rightFoot);
+  p.leftHand = {-swing * std::cos(phase), 0.26, p.hips.z - 0.03};
+  p.rightHand = {swing * std::cos(phase), -0.26, p.hips.z - 0.03};
+  return p;
+}
+
+Clothes drawClothes(Draw& draw) {
+  Clothes c;
+  c.upper = draw.chance(0.5) ? "cloth" : "cloth_dark";
+  c.lower = draw.chance(0.7) ? "cloth_dark" : "cloth";
+  c.skirt = draw.chance(0.2);
+  c.coat = !c.skirt && draw.chance(0.25);
+  c.hat = draw.chance(0.2);
+  c.backpack = draw.chance(0.3);
+  c.bag = draw.chance(0.3);
+  c.girth = draw.in(0.92, 1.15);
+  return c;
+}
+
 }  // namespace
 
 Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form) {
@@ -201,19 +233,29 @@ Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form) {
       break;
   }
   if (draw.chance(0.5)) mirror(p);
-  Clothes c;
-  c.upper = draw.chance(0.5) ? "cloth" : "cloth_dark";
-  c.lower = draw.chance(0.7) ? "cloth_dark" : "cloth";
-  c.skirt = draw.chance(0.2);
-  c.coat = !c.skirt && draw.chance(0.25);
-  c.hat = draw.chance(0.2);
-  c.backpack = draw.chance(0.3);
-  c.bag = draw.chance(0.3);
-  c.girth = draw.in(0.92, 1.15);
+  const Clothes c = drawClothes(draw);
   const double height = form == 7 ? draw.in(1.15, 1.35) : draw.in(1.58, 1.9);  // one of them is a child
   s.frame = {Mat3::scale(Vec3d{1, 1, 1} * (height / 1.75)), {}};
   PersonMaker(s, "pedestrian", c).make(p);
   return s.finish();
+}
+
+Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form) {
+  constexpr int kMoments = 8;
+  Walker walker;
+  for (int moment = 0; moment < kMoments; ++moment) {
+    Draw draw(seed, Kind::Person, 100 + static_cast<std::uint32_t>(form));
+    Shape s(builder, "pedestrian");
+    const double reach = draw.in(0.28, 0.34);
+    const Pose p = striding(2 * kPi * moment / kMoments, reach, draw.in(0.18, 0.3), draw.in(0.02, 0.07));
+    const Clothes c = drawClothes(draw);
+    const double size = (draw.chance(0.12) ? draw.in(1.15, 1.35) : draw.in(1.58, 1.9)) / 1.75;
+    s.frame = {Mat3::scale(Vec3d{1, 1, 1} * size), {}};
+    PersonMaker(s, "pedestrian", c).make(p);
+    walker.moments.push_back(s.finish());
+    walker.stride = 4 * reach * size;
+  }
+  return walker;
 }
 
 Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const BicycleFit& fit) {

@@ -55,6 +55,8 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
   with.yaw += kPi;
   placer.tryPut(light, with, name + ", with the line");
   placer.tryPut(light, besideRoad(road, last, out), name + ", against the line");
+  Draw draw(placer.layout.seed(), Kind::Light, 7200 + static_cast<std::uint32_t>(placer.lights.size()));
+  placer.lights.push_back({last + 1, draw.in(0, 44)});
 }
 
 // What is wide and flat stands on level ground.
@@ -116,8 +118,8 @@ void placeCrossing(Placer& placer, const Model& light) {
   // Nobody parks on it, or close before it.
   const Spot middle = besideRoad(road, *at + kLength / 2, 0);
   const Footprint place{middle.at, kLength / 2 + 4, road.section.half, middle.yaw};
-  if (!placer.occupancy.isFree(place)) return;
-  placer.occupancy.add(place);
+  if (!placer.isFree(place)) return;
+  placer.noParking.add(place);
   Shape s(placer.builder, "crossing");
   const parts::SurfaceIndex paint = s.surface("road_marking", "road_paint");
   const double half = road.section.half - 0.3;
@@ -142,14 +144,7 @@ void placeSignals(Placer& placer, const Model& light) {
   for (std::size_t r = 1; r < l.roads().roads().size(); ++r) {
     Draw draw(l.seed(), Kind::Light, 7100 + static_cast<std::uint32_t>(r));
     if (!draw.chance(0.35)) continue;
-    const Point2 joint = l.roads().roads()[r].line.front();
-    double at = 0;
-    double least = 1e9;
-    for (std::size_t i = 0; i < main.line.size(); ++i) {
-      const double distance = std::hypot(main.line[i].x - joint.x, main.line[i].y - joint.y);
-      if (distance < least) at = main.at[i];
-      least = std::min(least, distance);
-    }
+    const double at = l.roads().roads()[r].joins;
     const double away = l.roads().roads()[r].section.half + 5;
     putLights(placer, light, main, at - away, at + away, fmt::format("light {}", r));
   }

@@ -41,7 +41,7 @@ class Boundaries {
       const double t = (k + 0.5) / count;
       const Point2 p{a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t};
       const double width = length / count;
-      if (!placer_.occupancy.isFree({p, width / 2 - 0.1, half, yaw})) continue;
+      if (!placer_.isFree({p, width / 2 - 0.1, half, yaw})) continue;
       const Beside beside = placer_.layout.roads().at(p.x, p.y);
       if (beside.known && beside.edge < beside.section.outer() + 0.05) continue;
       Affine place = parts::at({p.x, p.y, placer_.layout.heightAt(p) - 0.05}, yaw);

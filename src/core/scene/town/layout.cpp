@@ -156,6 +156,8 @@ void Layout::drawRoads() {
       road.line = line(seed_ * 64 + 16 + static_cast<std::uint64_t>(2 * i + (side > 0 ? 1 : 0)), at, turn,
                        0.6 * character_.bend, draw.in(60, 150));
       road.section = character_.side;
+      road.joins = along;
+      road.joinsLeft = side > 0;
       roads_.add(std::move(road));
       taken.emplace_back(along, side);
     }

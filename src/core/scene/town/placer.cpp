@@ -7,7 +7,7 @@ namespace scanmill::town {
 Placer::Placer(SceneBuilder& sceneBuilder, const Layout& townLayout, const Affine& frame)
     : builder(sceneBuilder), layout(townLayout), worldFromTown(frame) {
   for (const Terrace& terrace : layout.terraces()) occupancy.add(terrace.place);
-  for (const Patch& patch : layout.patches()) occupancy.add(patch.place);
+  for (const Patch& patch : layout.patches()) clear.add(patch.place);
 }
 
 Vec3d Placer::onGround(const Point2& p, double sink) const {
@@ -31,14 +31,14 @@ void Placer::put(const Model& m, const Spot& s, const std::string& name, double 
 }
 
 bool Placer::tryPut(const Model& m, const Spot& s, const std::string& name, double sink) {
-  if (!occupancy.isFree(footprint(m, s, kGap))) return false;
+  if (!isFree(footprint(m, s, kGap))) return false;
   occupancy.add(footprint(m, s, 0));
   put(m, s, name, sink);
   return true;
 }
 
 bool Placer::tryPark(const Model& m, const Spot& s, const std::string& name) {
-  if (!occupancy.isFree(footprint(m, s, kGap))) return false;
+  if (!isFree(footprint(m, s, kGap)) || !noParking.isFree(footprint(m, s, 0))) return false;
   park(m, s, name);
   return true;
 }

@@ -41,7 +41,18 @@ class Placer {
   SceneBuilder& builder;
   const Layout& layout;
   const Affine& worldFromTown;
-  parts::Occupancy occupancy;
+  // Neither on driveways and paths, which stay clear, nor where something stands.
+  bool isFree(const Footprint& f) const { return clear.isFree(f) && occupancy.isFree(f); }
+
+  parts::Occupancy occupancy;  // by things that stand
+  parts::Occupancy clear;
+  parts::Occupancy noParking;  // where nothing on wheels may stand
+  // Traffic lights of the main road, for those who drive against its line.
+  struct Light {
+    double along;   // where they stop, m
+    double offset;  // s, in its period
+  };
+  std::vector<Light> lights;
 
  private:
   Vec3d onGround(const Point2& p, double sink) const;
@@ -56,7 +67,7 @@ void placeMarkings(Placer& placer);
 void placeFixtures(Placer& placer);
 void placeClutter(Placer& placer);
 void placeAnimals(Placer& placer);
-void placeVehicles(Placer& placer);
+void placeVehicles(Placer& placer);  // those that stand, then those that drive
 void placePeople(Placer& placer);
 void placeTrees(Placer& placer);
 void placeWoods(Placer& placer);

@@ -58,7 +58,7 @@ bool plant(Placer& placer, Nursery& nursery, Draw& draw, Spot spot, bool broadle
   // The lanes are kept clear.
   if (!far) room = std::min(room > 0 ? room : 1e9, std::max(1.6, b.edge + kOverhang));
   if (room > 0) spot.scale = std::min(spot.scale, room / tree.crownRadius);
-  if (spot.scale < 0.5 || !placer.occupancy.isFree({spot.at, 0.6, 0.6, 0})) return false;
+  if (spot.scale < 0.5 || !placer.isFree({spot.at, 0.6, 0.6, 0})) return false;
   placer.occupancy.add({spot.at, 0.35, 0.35, 0});
   placer.put(tree.model, spot, name, 0.05);
   return true;
@@ -142,7 +142,7 @@ void placeWoods(Placer& placer) {
       if (density < threshold) continue;
       if (draw.chance(0.55)) {
         const Model& bush = bushes[static_cast<std::size_t>(draw.below(static_cast<int>(bushes.size())))];
-        if (placer.occupancy.isFree({spot.at, 1.1, 1.1, 0})) {
+        if (placer.isFree({spot.at, 1.1, 1.1, 0})) {
           placer.occupancy.add({spot.at, 0.8, 0.8, 0});
           placer.put(bush, spot, fmt::format("undergrowth {}", cell), 0.05);
         }
@@ -174,7 +174,7 @@ void placeBushes(Placer& placer) {
       spot.scale = draw.in(0.6, 1.5);
       if (!onLawn(l, spot.at, 0.6 * spot.scale)) continue;
       const Model& bush = forms[static_cast<std::size_t>(draw.below(kBushForms))];
-      if (!placer.occupancy.isFree({spot.at, 0.7 * spot.scale, 0.7 * spot.scale, 0})) continue;
+      if (!placer.isFree({spot.at, 0.7 * spot.scale, 0.7 * spot.scale, 0})) continue;
       placer.occupancy.add({spot.at, 0.5 * spot.scale, 0.5 * spot.scale, 0});
       placer.put(bush, spot, fmt::format("bush {}", ++number), 0.03);
     }

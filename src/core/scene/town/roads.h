@@ -29,6 +29,9 @@ struct Road {
   std::vector<double> at;    // the distance along it of each point
   CrossSection section;
   bool main = false;
+  // Of a side road: where along the main one it begins, and whether to the left of its line.
+  double joins = 0;
+  bool joinsLeft = false;
 
   double length() const { return at.back(); }
   Point2 point(double distance) const;

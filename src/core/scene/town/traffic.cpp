@@ -1,263 +1,297 @@
-// Vehicles, parked and on the lanes, and people.
+// Vehicles and cyclists on the lanes, which drive as flow.h says. The sensor's own lane, the main road's right-hand
+// one, stays free.
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <memory>
 
-#include "scene/town/placer.h"
+#include "scene/town/fleet.h"
+#include "scene/town/flow.h"
+#include "scene/town/lanes.h"
 
 namespace scanmill::town {
 namespace {
 
-using parts::CarForm;
 using parts::Kind;
 
-constexpr double kBay = 6;       // m along the curb
-constexpr double kMiddle = 0.4;  // m from the middle of a road that vehicles on the other side keep
+constexpr double kMiddle = 0.4;     // m from the middle of a road that vehicles on the other side keep
+constexpr double kHeavyLane = 3.2;  // m, that lorries and buses need
+constexpr double kUpstream = 1000;  // m before the town, where those are who arrive later
+constexpr double kBeyond = 250;     // m behind the town, where nobody sees them vanish
+constexpr double kWarmUp = 20;      // s
+constexpr double kDuration = 120;   // s; then all stand
+constexpr double kInterval = 0.25;  // s
+constexpr double kAlways = -1e9;    // s, when those begin who drive already
 
-class Fleet {
- public:
-  explicit Fleet(Placer& placer) : placer_(placer), made_(kCars, false), cars_(kCars) {}
+// A way, once it has been laid out.
+struct Course {
+  std::shared_ptr<const Path> path;
+  struct Mark {
+    std::uint32_t road;
+    double along;     // that road
+    double distance;  // along the path
+  };
+  std::vector<Mark> marks;
 
-  const Model& anyCar(Draw& draw) {
-    const auto index = static_cast<std::size_t>(draw.below(kCars));
-    if (!made_[index]) {
-      // Hatchbacks and saloons are the most common: two of each.
-      const auto form = static_cast<CarForm>(static_cast<int>(index) % parts::kCarForms);
-      cars_[index] = parts::makeCar(placer_.builder, placer_.layout.seed(), form, static_cast<int>(index));
-      made_[index] = true;
+  // The distance along the path at a place of a road.
+  double at(std::uint32_t road, double along) const {
+    const Mark* before = nullptr;
+    for (const Mark& m : marks) {
+      if (m.road != road) continue;
+      if (before != nullptr && (before->along - along) * (m.along - along) <= 0 && before->along != m.along) {
+        return before->distance + (m.distance - before->distance) * (along - before->along) / (m.along - before->along);
+      }
+      before = &m;
     }
-    return cars_[index];
+    return before != nullptr ? before->distance : 0;
+  }
+};
+
+Course courseOf(const Layout& l, const Way& way, double out, double half, const Affine& worldFromTown) {
+  LaidOut laid = layOut(l, way, out, half + kMiddle);
+  for (Vec3d& p : laid.points) p = worldFromTown * p;
+  Course course;
+  course.path = std::make_shared<const Path>(laid.points);
+  for (std::size_t i = 0; i < laid.places.size(); ++i) {
+    course.marks.push_back({laid.places[i].road, laid.places[i].along, course.path->distanceOfPoint(laid.first + i)});
+  }
+  return course;
+}
+
+std::vector<double> curvatureOf(const Path& path) {
+  constexpr double kReach = 4;  // m
+  std::vector<double> curvature;
+  for (double d = 0; d <= path.length(); d += kLimitStep) {
+    const Vec3d a = toMatrix(path.pose(d - kReach).rotation).x;
+    const Vec3d b = toMatrix(path.pose(d + kReach).rotation).x;
+    curvature.push_back(std::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y) / (2 * kReach));
+  }
+  return curvature;
+}
+
+class Traffic {
+ public:
+  Traffic(Placer& placer, Fleet& fleet) : placer_(placer), fleet_(fleet), l_(placer.layout), main_(road(0)) {
+    const District district = l_.character().district;
+    Draw draw(l_.seed(), Kind::Traffic, 1);
+    fastest_ = district == District::Rural   ? draw.in(15, 24)
+               : district == District::Dense ? draw.in(8, 13)
+                                             : draw.in(9, 14);
+  }
+
+  void place() {
+    addThrough();
+    for (std::uint32_t r = 1; r < l_.roads().roads().size(); ++r) addSideRoad(r);
+    drawThrough();
+    const std::vector<std::vector<double>> travelled = drive(routes_, drivers_, kWarmUp, kDuration, kInterval);
+    for (std::size_t i = 0; i < drivers_.size(); ++i) {
+      const Rider& r = riders_[i];
+      const double half = (r.vehicle.bounds.high.y - r.vehicle.bounds.low.y) / 2;
+      const Course own = courseOf(l_, ways_[drivers_[i].route], r.out, half, placer_.worldFromTown);
+      const auto movement = std::make_shared<const Movement>(own.path, travelled[i], kInterval);
+      placer_.builder.place(r.vehicle.mesh, {}, r.name, {}, movement);
+      if (r.person) placer_.builder.place(r.person->mesh, {}, "rider of " + r.name, {}, movement);
+    }
   }
 
  private:
-  static constexpr int kCars = 2 * parts::kCarForms;
-  Placer& placer_;
-  std::vector<bool> made_;
-  std::vector<Model> cars_;
-};
+  struct Rider {
+    Model vehicle;
+    std::optional<Model> person;
+    double out = 0;
+    std::string name;
+  };
 
-void placeParked(Placer& placer, Fleet& fleet) {
-  const Layout& l = placer.layout;
-  const Character& c = l.character();
-  int number = 0;
-  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
-    const Road& road = l.roads().roads()[r];
-    const CrossSection& s = road.section;
-    const double first = road.main ? l.mainFrom() : 14;
-    const double last = road.main ? l.mainTo() : road.length() - 4;
-    for (const int side : {-1, 1}) {
-      if (road.main && side < 0 && s.parking < 1.5) continue;  // the sensor's own lane stays free
-      std::uint32_t bay = 0;
-      for (double at = first; at + kBay < last; at += kBay) {
-        Draw draw(l.seed(), Kind::Car, 10000 + 1000 * (2 * r + (side > 0 ? 1u : 0u)) + bay++);
-        if (!draw.chance(s.parking > 1.5 ? c.parked : 0.15 * c.parked)) continue;
-        const Model& car = fleet.anyCar(draw);
-        const double half = (car.bounds.high.y - car.bounds.low.y) / 2;
-        const double inwards = s.parking > 1.5 ? s.parking / 2 : half + 0.15;
-        Spot spot = besideRoad(road, at + kBay / 2 + draw.in(-0.4, 0.4), side * (s.half - inwards));
-        const Beside b = l.roads().at(spot.at.x, spot.at.y);
-        if (std::abs(b.edge + inwards) > 0.3) continue;  // at a crossing
-        // Driveways stay free.
-        if (l.outsidePatches(besideRoad(road, at + kBay / 2, side * (s.half + s.outer() + 0.4)).at) < 2.2) continue;
-        spot.yaw += (side > 0 ? kPi : 0) + (draw.chance(0.08) ? kPi : 0) + draw.in(-0.02, 0.02);
-        if (placer.tryPark(car, spot, fmt::format("car {}", number + 1))) ++number;
+  const Road& road(std::uint32_t r) const { return l_.roads().roads()[r]; }
+  static std::uint32_t inwards(std::uint32_t r) { return 2 * r; }
+  static std::uint32_t outwards(std::uint32_t r) { return 2 * r + 1; }
+
+  std::uint32_t add(const Way& way) {
+    ways_.push_back(way);
+    courses_.push_back(courseOf(l_, way, 0, 0, placer_.worldFromTown));
+    Route route;
+    route.length = courses_.back().path->length();
+    route.limit = inBends(curvatureOf(*courses_.back().path), fastest_);
+    routes_.push_back(std::move(route));
+    return static_cast<std::uint32_t>(routes_.size() - 1);
+  }
+
+  // Where on a stretch of a road something stands in the lane first: along the road.
+  std::optional<double> blocked(std::uint32_t r, double from, double to) const {
+    const CrossSection& s = road(r).section;
+    const double direction = to >= from ? 1 : -1;
+    const double lateral = std::max((s.half - s.parking) / 2, 0.9 + kMiddle);
+    for (double done = 0; done < std::abs(to - from); done += 1.5) {
+      const double along = from + direction * done;
+      const Spot spot = besideRoad(road(r), along, -direction * lateral);
+      if (!placer_.occupancy.isFree({spot.at, 0.75, 0.9, spot.yaw})) return along;
+    }
+    return std::nullopt;
+  }
+
+  // Against the main road's line, the whole of it.
+  void addThrough() {
+    const double length = main_.length();
+    const std::uint32_t route = add({{{0, length, 0}}, kUpstream, kBeyond});
+    Route& through = routes_[route];
+    through.legs = {{0, 0, through.length, 0}};
+    if (const auto at = blocked(0, length, 0)) through.stops.push_back({courses_[route].at(0, *at) - 2});
+    for (const Placer::Light& light : placer_.lights) {
+      through.stops.push_back({courses_[route].at(0, light.along), 44, 16, light.offset});
+    }
+  }
+
+  void addSideRoad(std::uint32_t r) {
+    const Road& side = road(r);
+    const double end = endOf(l_, r);
+    const double mouth = mouthOf(l_);
+    if (end < mouth + 20 || tourOf(l_).has(r)) return;
+    const bool left = side.joinsLeft;
+    const double corner = cornerOf(l_, r);
+    std::optional<std::uint32_t> out;
+    std::optional<std::uint32_t> in;
+    if (!blocked(r, mouth, end)) {
+      out = add({{{r, mouth, end}}});
+      routes_[*out].legs = {{outwards(r), 0, routes_[*out].length, 0}};
+      routes_[*out].stops = {{routes_[*out].length - 0.1}};
+      if (left) {
+        const std::uint32_t turn = add({{{0, main_.length(), side.joins + corner}, {r, mouth, end}}, kUpstream, 0});
+        Route& turning = routes_[turn];
+        const double from = courses_[turn].at(r, mouth);
+        turning.legs = {{0, 0, from, 0}, {outwards(r), from - 4, turning.length, -from}};
+        turning.stops = {{turning.length - 0.1}};
+        for (const StopLine& s : routes_.front().stops) {
+          if (s.at < courses_[turn].at(0, side.joins + corner)) turning.stops.push_back(s);
+        }
+        turns_.push_back(turn);
       }
     }
-  }
-  std::uint32_t index = 0;
-  for (const Patch& patch : l.patches()) {
-    Draw draw(l.seed(), Kind::Car, 500000 + index++);
-    if (patch.kind != GroundKind::Driveway || !draw.chance(c.parked > 0 ? std::min(0.6, 0.1 + c.parked) : 0)) continue;
-    const Model& car = fleet.anyCar(draw);
-    const double yaw = patch.place.yaw + kPi / 2;  // x towards the house
-    const double in = patch.place.halfY - 3 - draw.in(0, 1);
-    const Spot spot{{patch.place.center.x + std::cos(yaw) * in, patch.place.center.y + std::sin(yaw) * in},
-                    yaw + (draw.chance(0.6) ? 0 : kPi) + draw.in(-0.03, 0.03),
-                    1,
-                    0};
-    const Vec3d size = car.bounds.high - car.bounds.low;
-    if (size.y > 2 * patch.place.halfX + 0.2) continue;
-    placer.park(car, spot, fmt::format("car {}", ++number));
-  }
-}
-
-// Which lane: 1 with the line, on its right; -1 against it, on its left. Drivers keep to the right.
-Spot onLane(const Road& road, double at, int lane, double out, const Model& m) {
-  const double least = (m.bounds.high.y - m.bounds.low.y) / 2 + kMiddle;
-  const double center = std::max((road.section.half - road.section.parking) / 2 + out, least);
-  Spot spot = besideRoad(road, at, -lane * center);
-  if (lane < 0) spot.yaw += kPi;
-  return spot;
-}
-
-struct Heavy {
-  std::array<Model, 2> trucks;
-  Model bus;
-};
-
-// A lorry that delivers and a bus that waits, in side roads, or where there are none on the main road's other side;
-// trailers and tractors beside the road.
-void placeStanding(Placer& placer, const Heavy& heavy) {
-  const Layout& l = placer.layout;
-  if (l.parameters().vehicles <= 0) return;
-  Draw draw(l.seed(), Kind::Traffic, 3000);
-  const std::vector<Road>& roads = l.roads().roads();
-  const auto tryAt = [&](const Model& m, const Road& road, double at, double lateral, const std::string& name) {
-    Spot spot = besideRoad(road, at, lateral);
-    if (lateral > 0) spot.yaw += kPi;
-    const Beside b = l.roads().at(spot.at.x, spot.at.y);
-    // Not at a crossing, nor on a road that is not meant.
-    if (!b.known || std::abs(b.edge - (std::abs(lateral) - road.section.half)) > 0.3) return false;
-    return placer.tryPark(m, spot, name);
-  };
-  const auto onRoad = [&](const Model& m, const std::string& name) {
-    const double wide = (m.bounds.high.y - m.bounds.low.y) / 2;
-    for (int attempt = 0; attempt < 2 * Placer::kTries; ++attempt) {
-      const int sides = static_cast<int>(roads.size()) - 1;
-      const Road& road = roads[sides > 0 ? static_cast<std::size_t>(1 + draw.below(sides)) : 0];
-      const double lateral = std::max(road.section.half - wide - 0.2, wide + kMiddle);
-      const bool left = road.main || draw.chance(0.5);
-      const double at = road.main ? draw.in(l.mainFrom() + 10, l.mainTo() - 10) : draw.in(12, 28);
-      if (tryAt(m, road, at, left ? lateral : -lateral, name)) return;
+    if (!blocked(r, end, mouth)) {
+      Way way{{{r, end, mouth - 4}}};
+      if (left) {
+        way.stretches.push_back({0, side.joins - corner, 0});
+        way.after = kBeyond;
+      }
+      in = add(way);
+      Route& coming = routes_[*in];
+      const double line = courses_[*in].at(r, mouth - 4);
+      if (left) {
+        const double merged = courses_[*in].at(0, side.joins - corner);
+        const double there = courses_.front().at(0, side.joins - corner);
+        coming.legs = {{inwards(r), 0, line + 6, 0}, {0, line + 1, coming.length, there - merged}};
+        coming.stops = {{line, 0, 0, 0, true, 0, there - 50, there + 14}};
+        for (const StopLine& s : routes_.front().stops) {
+          if (s.at > there) coming.stops.push_back({s.at + merged - there, s.period, s.red, s.offset});
+        }
+      } else {
+        coming.legs = {{inwards(r), 0, coming.length, 0}};
+        coming.stops = {{line - 0.1}};
+      }
     }
-  };
-  onRoad(heavy.bus, "waiting bus");
-  onRoad(heavy.trucks[static_cast<std::size_t>(draw.below(2))], "delivering truck");
-  const bool rural = l.character().district == District::Rural;
-  const int others = 1 + draw.below(2);
-  for (int k = 0; k < others; ++k) {
-    const parts::WorkVehicle what = rural && draw.chance(0.6) ? parts::WorkVehicle::Tractor
-                                    : draw.chance(0.7)        ? parts::WorkVehicle::Trailer
-                                                              : parts::WorkVehicle::Caravan;
-    const Model m = parts::makeWorkVehicle(placer.builder, l.seed(), what, k);
-    for (int attempt = 0; attempt < 4 * Placer::kTries; ++attempt) {
-      const Road& road = roads.front();
-      const double beyond = road.section.half + road.section.outer() + draw.in(2, 8);
-      const double at = draw.in(l.mainFrom() + 10, l.mainTo() - 10);
-      if (tryAt(m, road, at, draw.chance(0.5) ? beyond : -beyond, fmt::format("other vehicle {}", k + 1))) break;
-    }
+    drawSide(r, in, out, mouth, end);
   }
-}
 
-void placeMoving(Placer& placer, Fleet& fleet, const Heavy& heavy) {
-  const Layout& l = placer.layout;
-  const Character& c = l.character();
-  int number = 0;
-  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
-    const Road& road = l.roads().roads()[r];
-    Draw draw(l.seed(), Kind::Traffic, 1000 + r);
-    const double length = road.main ? l.mainTo() - l.mainFrom() : road.length() - 20;
-    const int count = static_cast<int>(c.traffic * (road.main ? 1 : 0.4) * length / 100 + draw.next());
+  void drawSide(std::uint32_t r, const std::optional<std::uint32_t>& in, const std::optional<std::uint32_t>& out,
+                double mouth, double end) {
+    Draw draw(l_.seed(), Kind::Traffic, 1000 + r);
+    const int count = static_cast<int>(l_.character().traffic * 0.4 * (end - mouth) / 100 + draw.next());
+    std::vector<std::pair<std::uint32_t, double>> taken;
     for (int k = 0; k < count; ++k) {
-      const double pick = draw.next();
-      const Model& m = pick < 0.08 && road.main  ? heavy.bus
-                       : pick < 0.2 && road.main ? heavy.trucks[static_cast<std::size_t>(draw.below(2))]
-                                                 : fleet.anyCar(draw);
-      // The sensor's own lane is that with the main road's line.
-      const int lane = road.main ? -1 : draw.chance(0.5) ? 1 : -1;
-      for (int attempt = 0; attempt < 8; ++attempt) {
-        const double from = road.main ? l.mainFrom() : 14;
-        Spot spot = onLane(road, from + draw.in(0, length), lane, draw.in(-0.2, 0.2), m);
-        const Beside b = l.roads().at(spot.at.x, spot.at.y);
-        if (b.road != r || b.edge < -road.section.half - 1) continue;
-        spot.yaw += draw.in(-0.02, 0.02);
-        if (!placer.tryPark(m, spot, fmt::format("traffic {}", number + 1))) continue;
-        ++number;
-        break;
-      }
+      const bool inwardsBound = draw.chance(0.5);
+      const std::optional<std::uint32_t>& route = inwardsBound ? in : out;
+      const double at = draw.in(4, std::max(5.0, end - mouth - 12));
+      const double starts = draw.chance(0.5) ? draw.in(0, 40) : kAlways;
+      const Model& car = fleet_.anyCar(draw);
+      const double off = draw.in(-0.15, 0.15);
+      if (!route) continue;
+      const bool near = std::any_of(taken.begin(), taken.end(),
+                                    [&](const auto& t) { return t.first == *route && std::abs(t.second - at) < 14; });
+      if (near) continue;
+      taken.emplace_back(*route, at);
+      addDriver(*route, at, car, std::nullopt, draw.in(6, 10), off, starts);
     }
   }
-}
 
-// A place on a pavement or a verge, or beside the road where there is neither.
-bool besidePeople(const Placer& placer, Draw& draw, Spot& spot) {
-  const Layout& l = placer.layout;
-  const auto r =
-      static_cast<std::size_t>(draw.chance(0.7) ? 0 : draw.below(static_cast<int>(l.roads().roads().size())));
-  const Road& road = l.roads().roads()[r];
-  const CrossSection& s = road.section;
-  const double at = road.main ? draw.in(l.mainFrom(), l.mainTo()) : draw.in(10, road.length());
-  const double out =
-      s.sidewalk > 0 ? s.curb + s.verge + draw.in(0.3, std::max(0.4, s.sidewalk - 0.3)) : draw.in(0.4, 1);
-  spot = besideRoad(road, at, (draw.chance(0.5) ? 1 : -1) * (s.half + out));
-  spot.yaw += (draw.chance(0.5) ? 0 : kPi) + draw.in(-0.3, 0.3);
-  const Beside b = l.roads().at(spot.at.x, spot.at.y);
-  return b.edge > 0.2;
-}
+  // Those who come through the town, at least a length and a second apart when they begin.
+  void drawThrough() {
+    Draw draw(l_.seed(), Kind::Traffic, 2);
+    const double density = l_.character().traffic / 100;
+    const double length = routes_.front().length;
+    int riding = ridersWanted();
+    const double built = courses_.front().at(0, l_.mainTo());
+    const double last = courses_.front().at(0, l_.mainFrom());
+    double at = draw.in(0, 30);
+    while (at < length - kBeyond) {
+      const double speed = fastest_ * draw.in(0.85, 1.1);
+      const double pick = draw.next();
+      const double off = draw.in(-0.2, 0.2);
+      if (riding > 0 && at > built && at < last) {
+        --riding;
+        addCyclist(draw, at);
+      } else if (density > 0) {
+        const bool heavy = pick < 0.2 && main_.section.half - main_.section.parking > kHeavyLane;
+        const Model& m = !heavy ? fleet_.anyCar(draw) : pick < 0.08 ? fleet_.bus() : fleet_.anyTruck(draw);
+        const bool turns = !heavy && !turns_.empty() && draw.chance(0.25);
+        std::uint32_t route = 0;
+        if (turns) route = turns_[static_cast<std::size_t>(draw.below(static_cast<int>(turns_.size())))];
+        const std::vector<Leg>& legs = routes_[route].legs;
+        addDriver(at < legs.front().to - 30 ? route : 0, at, m, std::nullopt, speed, off, kAlways);
+      }
+      const double least = 22 + speed;
+      const double mean = density > 0 ? std::max(1 / density - least, 8.0) : 40;
+      at += least - mean * std::log(draw.next());
+    }
+  }
+
+  int ridersWanted() const {
+    if (l_.parameters().people <= 0) return 0;
+    Draw draw(l_.seed(), Kind::Cyclist, 999);
+    const double length = l_.mainTo() - l_.mainFrom();
+    return std::max(1, static_cast<int>(0.25 * l_.character().people * length / 100 + draw.next()));
+  }
+
+  void addCyclist(Draw& draw, double at) {
+    const int form = draw.below(3);
+    parts::BicycleFit fit;
+    const Model bicycle = parts::makeBicycle(placer_.builder, l_.seed(), 100 + form, &fit);
+    const Model person = parts::makeRider(placer_.builder, l_.seed(), form, fit);
+    const double lanes = main_.section.half - main_.section.parking;
+    addDriver(0, at, bicycle, person, draw.in(3.5, 6), lanes / 2 - 0.6, kAlways);
+  }
+
+  void addDriver(std::uint32_t route, double at, const Model& vehicle, std::optional<Model> person, double speed,
+                 double out, double starts) {
+    const double length = vehicle.bounds.high.x - vehicle.bounds.low.x;
+    // Nobody begins where something stands, or in front of it.
+    for (const StopLine& s : routes_[route].stops) {
+      if (s.period <= 0 && std::abs(at - s.at) < 14) return;
+    }
+    drivers_.push_back({route, at, length, speed, starts});
+    const bool rides = person.has_value();
+    riders_.push_back({vehicle, std::move(person), out,
+                       rides ? fmt::format("cyclist's bicycle {}", ++cyclists_) : fmt::format("traffic {}", ++cars_)});
+  }
+
+  Placer& placer_;
+  Fleet& fleet_;
+  const Layout& l_;
+  const Road& main_;
+  double fastest_ = 12;  // m/s
+  std::vector<Way> ways_;
+  std::vector<Course> courses_;
+  std::vector<Route> routes_;
+  std::vector<std::uint32_t> turns_;  // routes that leave the main road
+  std::vector<Driver> drivers_;
+  std::vector<Rider> riders_;
+  int cars_ = 0, cyclists_ = 0;
+};
 
 }  // namespace
 
-void placeVehicles(Placer& placer) {
-  Fleet fleet(placer);
-  const std::uint64_t seed = placer.layout.seed();
-  const Heavy heavy{{parts::makeTruck(placer.builder, seed, 0), parts::makeTruck(placer.builder, seed, 1)},
-                    parts::makeBus(placer.builder, seed)};
-  placeStanding(placer, heavy);
-  placeParked(placer, fleet);
-  placeMoving(placer, fleet, heavy);
-}
-
-void placePeople(Placer& placer) {
-  const Layout& l = placer.layout;
-  const double length = l.mainTo() - l.mainFrom();
-  Draw counts(l.seed(), Kind::Person, 999);
-  // One of each at least, unless nobody is wanted.
-  const auto count = [&](double share) {
-    const int drawn = static_cast<int>(share * l.character().people * length / 100 + counts.next());
-    return l.parameters().people > 0 ? std::max(1, drawn) : 0;
-  };
-  const int walkers = count(1);
-  const int parked = count(0.5);
-  const int cyclists = count(0.25);
-  const int motorcycles = count(0.25);
-  const auto search = [&](const Model& m, Draw& draw, const std::string& name, double lean) {
-    Spot spot;
-    for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
-      if (!besidePeople(placer, draw, spot)) continue;
-      spot.lean = lean;
-      if (placer.tryPut(m, spot, name)) return;
-    }
-  };
-  const auto forms = parts::makeForms(std::min(walkers, 12), [&](int f) {
-    return parts::makePedestrian(placer.builder, l.seed() + static_cast<std::uint64_t>(f / 8), f % 8);
-  });
-  for (int i = 0; i < walkers; ++i) {
-    Draw draw(l.seed(), Kind::Person, static_cast<std::uint32_t>(1000 + i));
-    search(forms[static_cast<std::size_t>(i) % forms.size()], draw, fmt::format("pedestrian {}", i + 1), 0);
-  }
-  const auto bicycles =
-      parts::makeForms(std::min(parked, 4), [&](int f) { return parts::makeBicycle(placer.builder, l.seed(), f); });
-  for (int i = 0; i < parked; ++i) {
-    Draw draw(l.seed(), Kind::Bicycle, static_cast<std::uint32_t>(1000 + i));
-    search(bicycles[static_cast<std::size_t>(i) % bicycles.size()], draw, fmt::format("bicycle {}", i + 1),
-           radians(draw.in(-9, -5)));
-  }
-  const auto motorcycleForms = parts::makeForms(
-      std::min(motorcycles, 2), [&](int f) { return parts::makeMotorcycle(placer.builder, l.seed(), f); });
-  for (int i = 0; i < motorcycles; ++i) {
-    Draw draw(l.seed(), Kind::Motorcycle, static_cast<std::uint32_t>(1000 + i));
-    search(motorcycleForms[static_cast<std::size_t>(i) % motorcycleForms.size()], draw,
-           fmt::format("motorcycle {}", i + 1), radians(8));
-  }
-  const Road& main = l.roads().roads().front();
-  for (int i = 0; i < cyclists; ++i) {
-    Draw draw(l.seed(), Kind::Cyclist, static_cast<std::uint32_t>(1000 + i));
-    parts::BicycleFit fit;
-    const Model bicycle = parts::makeBicycle(placer.builder, l.seed(), 100 + i % 3, &fit);
-    const Model rider = parts::makeRider(placer.builder, l.seed(), i % 3, fit);
-    for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
-      const double lanes = main.section.half - main.section.parking;
-      Spot spot = besideRoad(main, draw.in(l.mainFrom(), l.mainTo()), lanes - 0.6 + draw.in(-0.2, 0.1));
-      spot.yaw += kPi + draw.in(-0.06, 0.06);
-      if (!placer.occupancy.isFree(Placer::footprint(rider, spot, Placer::kGap))) continue;
-      if (!placer.tryPut(bicycle, spot, fmt::format("cyclist's bicycle {}", i + 1))) continue;
-      placer.put(rider, spot, fmt::format("cyclist {}", i + 1));
-      break;
-    }
-  }
+void placeTraffic(Placer& placer, Fleet& fleet) {
+  Traffic(placer, fleet).place();
 }
 
 }  // namespace scanmill::town

@@ -112,11 +112,22 @@ class Calibrator {
     return !broken(row.candidate, errors).empty();
   }
 
+  // Objects move: methods that take them as standing still are not to be chosen. The others are measured on them as
+  // they stand when the drive begins.
+  static void refuseStill(Calibration& calibration) {
+    for (CalibratedSetting& row : calibration.settings) {
+      const MethodEntry& entry = *row.setting.choice.entry;
+      if (!entry.can.moving && row.failure.empty()) row.failure = "objects of the scene move: see `moving`";
+    }
+  }
+
   void measureScene(std::size_t index, Calibration& calibration) {
     const std::size_t sequence = scenes_[index];
     const Sequence& own = pipeline_.sequences[sequence];
     progress_.say(fmt::format("reading {}", own.key()));
-    const Scene scene = plan_.loadScene(own);
+    Scene scene = plan_.loadScene(own);
+    if (scene.moves()) refuseStill(calibration);
+    standStill(scene, 0);
     // Every scene has a share of the shots; the first ones take what is left over.
     const auto shares = static_cast<std::uint32_t>(scenes_.size());
     const std::uint32_t count = choice_.shots / shares + (index < choice_.shots % shares ? 1 : 0);

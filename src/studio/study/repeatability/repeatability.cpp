@@ -78,6 +78,7 @@ class RepeatabilityRun {
       if (s == 0 || !sequence.sameScene(pipeline.sequences[s - 1])) {
         methods.clear();
         scene = std::make_unique<Scene>(plan_.loadScene(sequence));
+        standStill(*scene, 0);
         for (const MethodSetting& setting : choice_.methods) methods.push_back(makeMethod(setting, *scene));
         things = boxedThings(*scene);
       }

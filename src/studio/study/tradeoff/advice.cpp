@@ -174,8 +174,8 @@ class Adviser {
     const std::string& method = result(i).setting.method;
     if (std::find(study_.refused.begin(), study_.refused.end(), method) == study_.refused.end()) return "";
     return fmt::format(
-        " The pipeline refuses {} as it is: leave its effects footprint and light_paths out (`footprint: none` beside "
-        "`sensor`) to take it.",
+        " The pipeline refuses {} as it is, for it has a footprint, light_paths or objects that move: leave them out "
+        "(`footprint: none` beside `sensor`, `moving: false` beside the scene) to take it.",
         method);
   }
 

@@ -60,6 +60,11 @@ class StudyRun {
   Study run() {
     progress_.say("reading the scene");
     scene_ = plan_.loadScene(sequence_);
+    moves_ = scene_.moves();
+    if (moves_) {
+      standStill(scene_, 0);
+      study_.left.emplace_back("the motion of objects: all stand where they are when the drive begins");
+    }
     describe();
     measureOptions_.repeats = choice_.repeats;
     measureOptions_.leastSeconds = 0.15;
@@ -100,7 +105,7 @@ class StudyRun {
     }
     study_.ontology = scene_.ontology;
     for (const MethodEntry& entry : methods()) {
-      bool can = true;
+      bool can = !moves_ || entry.can.moving;
       for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
         can = can && (pipeline.raysPerBeam(s) == 1 || entry.can.footprints) &&
               (pipeline.lightPaths(s) == nullptr || entry.can.transmission);
@@ -327,6 +332,7 @@ class StudyRun {
   Progress progress_;
   WallTimer timer_;
   Scene scene_;
+  bool moves_ = false;
   MeasureOptions measureOptions_;
   std::vector<TrueShot> truth_;
   Study study_;

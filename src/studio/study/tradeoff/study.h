@@ -100,7 +100,8 @@ struct Study {
   // What leaving out footprint, light paths or weather costs, the truth first; empty where the pipeline has none of
   // them.
   std::vector<SensingResult> sensing;
-  // Methods that the pipeline refuses as it is: its footprint or light paths ask for more than they can.
+  // Methods that the pipeline refuses as it is: its footprint, light paths or moving objects ask for more than they
+  // can.
   std::vector<std::string> refused;
   std::vector<RingFit> rings;
   // How long it takes to show a scan of the first setting with so many rings, see StudyOptions::showScan. Its own

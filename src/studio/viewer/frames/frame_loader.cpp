@@ -42,7 +42,7 @@ ViewFrame loadFrame(const FrameSource& source, std::size_t frame) {
 
 ViewMesh loadMesh(const SceneChoice& scene) {
   try {
-    return loadViewMesh(scene.file, scene.seed);
+    return loadViewMesh(scene.file, scene.seed, scene.time);
   } catch (const std::exception& e) {
     ViewMesh mesh;
     mesh.problem = e.what();
@@ -72,7 +72,12 @@ struct FrameLoader::State {
     return found->second.frame;
   }
 
-  bool meshMissing() const { return wantedMesh && (mesh == nullptr || meshScene != *wantedMesh); }
+  // Whether the mesh that is there shows a scene: at any time where nothing moves.
+  bool meshShows(const SceneChoice& scene) const {
+    if (mesh == nullptr) return false;
+    return meshScene == scene || (!mesh->moves && meshScene.file == scene.file && meshScene.seed == scene.seed);
+  }
+  bool meshMissing() const { return wantedMesh && !meshShows(*wantedMesh); }
 
   // From the wanted frame to where reading ahead has come, and what threads wait for: these stay.
   bool isNeeded(std::size_t number) const {
@@ -241,13 +246,13 @@ void FrameLoader::wantMesh(const SceneChoice& scene) {
 
 std::shared_ptr<const ViewMesh> FrameLoader::mesh(const SceneChoice& scene) {
   const std::lock_guard lock(state_->mutex);
-  return state_->meshScene == scene ? state_->mesh : nullptr;
+  return state_->meshShows(scene) ? state_->mesh : nullptr;
 }
 
 std::shared_ptr<const ViewMesh> FrameLoader::waitMesh(const SceneChoice& scene) {
   State& s = *state_;
   std::unique_lock lock(s.mutex);
-  while (s.mesh == nullptr || s.meshScene != scene) {
+  while (!s.meshShows(scene)) {
     if (!s.meshMissing()) {  // else another thread's comes first
       s.wantedMesh = scene;
       s.work.notify_all();

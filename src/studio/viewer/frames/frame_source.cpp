@@ -33,7 +33,7 @@ class SceneFrames : public FrameSource {
   bool isScene() const override { return true; }
   ViewFrame load(std::size_t frame) const override { return {keys_.at(frame), {}, {}}; }
   std::vector<Pose> trajectory(std::size_t) const override { return {}; }
-  std::optional<SceneChoice> scene(std::size_t, std::string&) const override { return SceneChoice{file_, 1}; }
+  std::optional<SceneChoice> scene(std::size_t, std::string&) const override { return SceneChoice{file_, 1, 0}; }
 
  private:
   fs::path file_;

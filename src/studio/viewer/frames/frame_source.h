@@ -40,6 +40,7 @@ struct ViewFrame {
 struct SceneChoice {
   std::filesystem::path file;
   std::uint64_t seed = 1;
+  double time = 0;  // s since the drive began: where its moving objects are shown
   bool operator==(const SceneChoice&) const = default;
 };
 

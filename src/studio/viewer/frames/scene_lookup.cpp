@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
+#include <limits>
 #include <string_view>
 #include <vector>
 
 #include "base/error.h"
+#include "config/fields.h"
 #include "config/file_kind.h"
 #include "config/resources.h"
 #include "config/value.h"
@@ -62,12 +65,11 @@ Value pipelineOf(const std::string& pipelineText, const fs::path& datasetFolder)
 bool hasSeed(const Value& entry, std::uint64_t seed) {
   const Value* seeds = entry.find("seeds");
   if (seeds == nullptr || seeds->kind == Value::Kind::Null) return seed == 1;
-  const std::string wanted = std::to_string(seed);
-  if (seeds->kind == Value::Kind::Scalar) return seeds->text == wanted;
-  for (const Value& item : seeds->items) {
-    if (item.text == wanted) return true;
-  }
-  return false;
+  if (seeds->kind == Value::Kind::Scalar) return seeds->text == std::to_string(seed);
+  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+  const std::vector<PlacedInteger> all = readIntegers(*seeds, "seeds", 0, kMost);
+  return std::any_of(all.begin(), all.end(),
+                     [&](const PlacedInteger& s) { return s.value == static_cast<std::int64_t>(seed); });
 }
 
 // The seed that follows a scene's name at the start of a key.
@@ -82,6 +84,7 @@ std::optional<std::uint64_t> seedBehind(const std::string& key, const std::strin
 struct Entry {
   std::string file;  // as written
   std::uint64_t seed = 1;
+  bool moving = true;
 };
 
 // Of two names that fit ("town" and "town-s1-old"), the longer one.
@@ -97,7 +100,8 @@ std::optional<Entry> entryOf(const Value& root, const std::string& key) {
     for (const std::string& scene : {inKey(name.stem().string()), inKey(name.string())}) {  // ".yaml" may be left out
       const auto seed = seedBehind(key, scene);
       if (!seed || !hasSeed(entry, *seed) || scene.size() < bestLength) continue;
-      best = {file->text, *seed};
+      const Value* moving = entry.find("moving");
+      best = {file->text, *seed, moving == nullptr || moving->text != "false"};
       bestLength = scene.size();
     }
   }
@@ -119,7 +123,7 @@ std::optional<fs::path> fileNamed(const std::string& name, const fs::path& datas
 }  // namespace
 
 std::optional<SceneChoice> sceneOfSample(const std::string& pipelineText, const fs::path& datasetFolder,
-                                         const std::string& key, std::string& why) {
+                                         const std::string& key, double time, std::string& why) {
   constexpr const char* kAdvice = "give --scene FILE to see it";
   try {
     const auto entry = entryOf(pipelineOf(pipelineText, datasetFolder), key);
@@ -128,7 +132,7 @@ std::optional<SceneChoice> sceneOfSample(const std::string& pipelineText, const 
       return std::nullopt;
     }
     const auto file = fileNamed(entry->file, datasetFolder);
-    if (file) return SceneChoice{*file, entry->seed};
+    if (file) return SceneChoice{*file, entry->seed, entry->moving ? time : 0};
     why = fmt::format("the scene '{}' of the dataset's pipeline is not found here: {}", entry->file, kAdvice);
   } catch (const InputError& e) {
     why = fmt::format("{}: {}", e.what(), kAdvice);

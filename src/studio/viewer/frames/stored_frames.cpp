@@ -292,12 +292,18 @@ std::vector<Pose> StoredFrames::trajectory(std::size_t frame) const {
 
 std::optional<SceneChoice> StoredFrames::scene(std::size_t frame, std::string& why) const {
   const std::string& key = keys().at(frame);
-  if (!input_.scene.empty()) return SceneChoice{input_.scene, seedOfKey(key)};
+  double time = 0;
+  if (const auto found = sequences_.find(partsOfKey(key).sequence); found != sequences_.end()) {
+    for (const SampleRecord* sample : found->second) {
+      if (sample->key == key && !sample->scans.empty()) time = sample->scans.front().time;
+    }
+  }
+  if (!input_.scene.empty()) return SceneChoice{input_.scene, seedOfKey(key), time};
   if (first().manifest() == nullptr) {
     why = "no manifest says which scene this is of: give --scene FILE to see it";
     return std::nullopt;
   }
-  return sceneOfSample(first().manifest()->pipelineText, first().folder(), key, why);
+  return sceneOfSample(first().manifest()->pipelineText, first().folder(), key, time, why);
 }
 
 std::vector<std::uint16_t> StoredFrames::classes() const {

@@ -123,8 +123,10 @@ ViewMesh makeViewMesh(const Scene& scene) {
   view.name = scene.name;
   const std::uint64_t placed = scene.placedTriangles();
   if (placed > kMostViewTriangles) {
-    view.problem = fmt::format("{}: {} triangles are placed, and the viewer draws at most {}", scene.name, placed,
-                               kMostViewTriangles);
+    view.problem = fmt::format(
+        "{}: {} triangles are placed, and the viewer draws at most {}; a coarser scene can be "
+        "shown in its place by --scene FILE (a town has the key `detail`)",
+        scene.name, placed, kMostViewTriangles);
     return view;
   }
   const Box world = scene.bounds();
@@ -140,12 +142,17 @@ ViewMesh makeViewMesh(const Scene& scene) {
   return view;
 }
 
-ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed) {
+ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, double time) {
   try {
     SceneOptions options;
     options.seed = seed;
     options.textures = false;
-    return makeViewMesh(readScene(file, options));
+    Scene scene = readScene(file, options);
+    const bool moves = scene.moves();
+    if (moves) standStill(scene, time);
+    ViewMesh view = makeViewMesh(scene);
+    view.moves = moves;
+    return view;
   } catch (const std::exception& e) {
     ViewMesh none;
     none.name = file.stem().string();

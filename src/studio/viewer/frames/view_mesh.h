@@ -31,20 +31,22 @@ struct ViewMesh {
   Ontology ontology;
   Box bounds;              // m, from `origin`
   Box core;                // m, from `origin`; it holds the middle 90 % of the corners along each axis
+  bool moves = false;      // objects of the scene move: this is how they stand at one time
   std::vector<Box> boxes;  // m, from `origin`; each holds the next kTrianglesPerBox triangles
 
   static constexpr std::size_t kTrianglesPerBox = 256;
   std::size_t size() const { return semantic.size(); }
 };
 
-constexpr std::uint64_t kMostViewTriangles = 20'000'000;
+constexpr std::uint64_t kMostViewTriangles = 30'000'000;
 
 // Makes the mesh of a scene, the same every time, on all threads. A scene with more than kMostViewTriangles gives a
 // mesh without triangles whose `problem` says so.
 ViewMesh makeViewMesh(const Scene& scene);
 
-// Reads a scene without its textures and makes its mesh. Faults of the scene do not throw: `problem` names them.
-ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed);
+// Reads a scene without its textures and makes its mesh, moving objects where they are at a time (s since the drive
+// began). Faults of the scene do not throw: `problem` names them.
+ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, double time = 0);
 
 struct MeshHit {
   std::size_t triangle = 0;

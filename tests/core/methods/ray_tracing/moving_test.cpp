@@ -115,5 +115,28 @@ TEST(MovingObjects, LeaveStillScenesAsTheyAre) {
   expectSameHits(traced(scene, revolution(beams, 3)), traced(scene, shotAt(beams)));
 }
 
+// Of an animated object each revolution meets the mesh of its middle.
+TEST(MovingObjects, TakeTheMeshOfTheMoment) {
+  SceneBuilder builder = testBuilder();
+  std::vector<std::uint32_t> meshes;
+  for (const double half : {1.0, 2.0, 3.0}) {
+    Mesh box = meshOf(builder, "thing");
+    appendBox(box, 0, {}, {2 * half, 2, 2});
+    meshes.push_back(builder.addMesh(box));
+  }
+  builder.place(meshes[0], at(20, 0, 0), "box", {}, nullptr,
+                std::make_shared<Animation>(Animation{meshes, 3 * kPeriod, 100}));
+  const Scene scene = builder.finish();
+  const auto method = rayTracing(scene, "{}");
+  const auto beams = stare(16);
+  for (int k = 0; k < 7; ++k) {
+    const Hits hits = traced(*method, revolution(beams, k * kPeriod));
+    for (std::size_t i = 0; i < beams->size(); ++i) {
+      ASSERT_NEAR(double{hits.range[i]}, 19 - k % 3, 1e-6) << k;
+      ASSERT_EQ(hits.instance[i], 1u);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace scanmill

@@ -90,7 +90,7 @@ TEST_F(ReadPipeline, FollowsTheLaneOfATown) {
   ASSERT_EQ(p.sequences.size(), 2u);
   for (const Sequence& s : p.sequences) {
     EXPECT_EQ(s.frames, 4u);
-    const std::vector<Vec3d> lane = readSceneLane(s.sceneFile, s.sceneSeed);
+    const std::vector<Vec3d> lane = readSceneLanes(s.sceneFile, s.sceneSeed).lane;
     EXPECT_LT(length(s.trajectory->pose(0, 0).translation - lane.front()), 1e-9);
     EXPECT_NEAR(s.trajectory->pose(0, 0).translation.x, 1000 - 40, 8);
     EXPECT_NEAR(s.trajectory->pose(0, 0).translation.z, 50, 8);

@@ -113,7 +113,7 @@ TEST(Shipped, BytesOfTheQuickstartStayTheSame) {
       "effects=[sensor, relief, reflectance_variation, light_paths, weather: {kind: rain}]"};
   EXPECT_EQ(shardsOf("quickstart.yaml", few),
             (std::map<std::string, std::string>{
-                {"train/train-000000.tar", "2eabe3065f243936f14dfbfe8e00993e0c5e91fd65bf370e886f82fc83e1094e"}}));
+                {"train/train-000000.tar", "2ad99ba6e1fc250f0f2a5c3a8eb230f30d106b13d8ae6ab7b9aeaaab1ce2b632"}}));
 }
 
 TEST(Shipped, BytesOfATownStayTheSame) {

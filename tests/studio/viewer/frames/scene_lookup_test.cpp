@@ -22,13 +22,14 @@ class SceneLookup : public testing::Test {
 
   std::optional<SceneChoice> of(const std::string& key, const std::string& text) {
     why.clear();
-    return sceneOfSample(text, folder.path() / "out", key, why);
+    return sceneOfSample(text, folder.path() / "out", key, time, why);
   }
 
   TemporaryFolder folder;
   fs::path town;
   fs::path old;
   std::string why;
+  double time = 0;
 };
 
 TEST_F(SceneLookup, BySceneAndSeed) {
@@ -51,6 +52,20 @@ TEST_F(SceneLookup, OverridesCount) {
   EXPECT_EQ(of("town-s7-drive-000001", text), (SceneChoice{town, 7}));
   EXPECT_EQ(of("town-s8-drive-000001", text), (SceneChoice{town, 8}));
   EXPECT_FALSE(of("town-s1-drive-000001", text));
+}
+
+TEST_F(SceneLookup, SeedsFromOneToAnother) {
+  const std::string text = "scenes:\n  - {scene: ../scenes/town.yaml, seeds: [1, ..., 200]}\n";
+  EXPECT_EQ(of("town-s150-drive-000001", text), (SceneChoice{town, 150}));
+  EXPECT_FALSE(of("town-s201-drive-000001", text));
+}
+
+TEST_F(SceneLookup, AtTheTimeOfTheSampleWhereObjectsMove) {
+  time = 3.5;
+  const std::string moving = "scenes:\n  - {scene: ../scenes/town.yaml}\n";
+  EXPECT_EQ(of("town-s1-drive-000001", moving), (SceneChoice{town, 1, 3.5}));
+  const std::string still = "scenes:\n  - {scene: ../scenes/town.yaml, moving: false}\n";
+  EXPECT_EQ(of("town-s1-drive-000001", still), (SceneChoice{town, 1, 0}));
 }
 
 TEST_F(SceneLookup, AmongTheProgramsOwn) {
@@ -86,10 +101,10 @@ TEST_F(SceneLookup, OfFrames) {
                         m.pipelineText = "scenes: [{scene: ../scenes/town.yaml, seeds: [3]}]\n";
                         m.pipelineSha256 = sha256(m.pipelineText);
                       }});
-  EXPECT_EQ(openFrames({.path = data})->scene(1, why), (SceneChoice{town, 3}));
-  EXPECT_EQ(openFrames({.path = data, .scene = old})->scene(1, why), (SceneChoice{old, 3}));
+  EXPECT_EQ(openFrames({.path = data})->scene(1, why), (SceneChoice{town, 3, 0.1}));
+  EXPECT_EQ(openFrames({.path = data, .scene = old})->scene(1, why), (SceneChoice{old, 3, 0.1}));
   const fs::path shard = data / "train/train-000000.tar";
-  EXPECT_EQ(openFrames({.path = shard})->scene(1, why), (SceneChoice{town, 3}));
+  EXPECT_EQ(openFrames({.path = shard})->scene(1, why), (SceneChoice{town, 3, 0.1}));
   fs::copy(shard, folder.path() / "lonely.tar");
   EXPECT_FALSE(openFrames({.path = folder.path() / "lonely.tar"})->scene(1, why));
   EXPECT_THAT(why, HasSubstr("--scene FILE"));

@@ -133,7 +133,7 @@ TEST(ReturnErrorsOfOneBeam, FalsePositivesHaveNone) {
     if (returns.returned(row) && returns.cause(row) == Cause::Surface && returns.number(row) == 1) returns.remove(row);
   }
   Scan noisy;
-  gather(world.hits, world.shot, returns, kDense, noisy);
+  gather(world.hits, world.shot, returns, kDense, nullptr, noisy);
   const std::vector<float> errors = joined(noisy, clean);
   ASSERT_EQ(errors.size(), noisy.size());
   std::size_t surfaces = 0;

@@ -180,7 +180,7 @@ TEST(MakeViewMesh, ASceneThatIsTooLargeIsAProblem) {
   const std::uint32_t mesh = builder.addMesh(std::move(ball));
   for (std::uint64_t i = 0; i <= kMostViewTriangles / each; ++i) builder.place(mesh, at(double(i), 0, 0), "ball");
   const ViewMesh view = makeViewMesh(builder.finish());
-  EXPECT_THAT(view.problem, testing::AllOf(HasSubstr("test"), HasSubstr("at most 20000000")));
+  EXPECT_THAT(view.problem, testing::AllOf(HasSubstr("test"), HasSubstr("at most 30000000"), HasSubstr("--scene")));
   EXPECT_EQ(view.size(), 0u);
 }
 

@@ -1,0 +1,79 @@
+#include "scene/town/lanes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/town/placer.h"
+
+namespace scanmill::town {
+
+namespace {
+
+constexpr double kPoints = 6;  // m between them
+
+std::vector<Vec3d> straightOn(const Vec3d& end, const Vec3d& next, double reach) {
+  Vec3d ahead = end - next;
+  ahead.z = 0;
+  ahead = normalized(ahead);
+  std::vector<Vec3d> more;
+  for (double d = 10; d < reach; d += 10 + d / 4) more.push_back(end + ahead * d);
+  if (reach > 0) more.push_back(end + ahead * (reach + 10));
+  return more;
+}
+
+}  // namespace
+
+LaidOut layOut(const Layout& l, const Way& way, double out, double least) {
+  LaidOut laid;
+  std::vector<Vec3d> points;
+  for (const Way::Stretch& s : way.stretches) {
+    const Road& road = l.roads().roads()[s.road];
+    const double direction = s.to >= s.from ? 1 : -1;
+    const double lateral = std::max((road.section.half - road.section.parking) / 2 + out, least);
+    const auto count = std::max(1, static_cast<int>(std::abs(s.to - s.from) / kPoints));
+    for (int k = 0; k <= count; ++k) {
+      const double along = s.from + (s.to - s.from) * k / count;
+      const Point2 p = besideRoad(road, along, -direction * lateral).at;
+      points.push_back({p.x, p.y, l.heightAt(p)});
+      laid.places.push_back({s.road, along});
+    }
+  }
+  const std::vector<Vec3d> behind = straightOn(points[points.size() - 1], points[points.size() - 2], way.after);
+  const std::vector<Vec3d> before = straightOn(points[0], points[1], way.before);
+  laid.first = before.size();
+  laid.points.assign(before.rbegin(), before.rend());
+  laid.points.insert(laid.points.end(), points.begin(), points.end());
+  laid.points.insert(laid.points.end(), behind.begin(), behind.end());
+  return laid;
+}
+
+double mouthOf(const Layout& l) {
+  return l.roads().roads().front().section.half + 7;
+}
+
+double endOf(const Layout& l, std::uint32_t sideRoad) {
+  return l.roads().roads()[sideRoad].length() - 6;
+}
+
+double cornerOf(const Layout& l, std::uint32_t sideRoad) {
+  return l.roads().roads()[sideRoad].section.half + 6;
+}
+
+Tour tourOf(const Layout& l) {
+  constexpr double kLeast = 30;  // m of the main road between two bends, or beyond the one
+  const std::vector<Road>& roads = l.roads().roads();
+  Tour tour;
+  for (std::uint32_t r = 1; r < roads.size(); ++r) {
+    if (roads[r].joinsLeft || endOf(l, r) < mouthOf(l) + 20) continue;
+    if (!tour.into || roads[r].joins > roads[*tour.into].joins) tour.into = r;
+    if (!tour.from || roads[r].joins < roads[*tour.from].joins) tour.from = r;
+  }
+  if (!tour.into) return tour;
+  const double way = roads[*tour.into].joins - roads[*tour.from].joins;
+  if (way < cornerOf(l, *tour.from) + cornerOf(l, *tour.into) + kLeast) tour.from.reset();
+  // A way that has hardly begun goes straight on.
+  if (!tour.from && roads[*tour.into].joins - cornerOf(l, *tour.into) < l.mainFrom() + kLeast) tour.into.reset();
+  return tour;
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,38 @@
+#pragma once
+
+// How the things of a scene move during a shot: for the columns and classes that tell.
+
+#include <cstdint>
+#include <map>
+#include <unordered_map>
+
+#include "base/vec.h"
+#include "scene/scene.h"
+#include "sensors/shot.h"
+
+namespace scanmill {
+
+class ThingMotions {
+ public:
+  // The scene must outlive it. Where nothing moves all of it is empty.
+  ThingMotions(const Scene& scene, const Shot& shot);
+
+  // The class of points on a thing: where it moves, the ontology's class for that, if there is one.
+  std::uint16_t classOf(std::uint16_t semantic, std::uint32_t thing) const;
+  bool tellsClasses() const { return !things_.empty() && !movingClasses_.empty(); }
+
+  // m/s over ground, world axes, of a thing's surface at a place (m, world): as its beams meet it, on straight lines
+  // over the revolution. Zero for what stands still, and for what is no thing.
+  Vec3d velocity(std::uint32_t thing, const Vec3d& place) const;
+
+ private:
+  struct Motion {
+    Vec3d pivot;    // m, world: a place of the thing, in the middle of the revolution
+    Vec3d ofPivot;  // m/s
+    Mat3 perMetre;  // m/s for each metre from the pivot
+  };
+  std::unordered_map<std::uint32_t, Motion> things_;
+  std::map<std::uint16_t, std::uint16_t> movingClasses_;  // by the class of what stands still
+};
+
+}  // namespace scanmill

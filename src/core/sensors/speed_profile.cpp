@@ -1,0 +1,99 @@
+#include "sensors/speed_profile.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kStep = 0.25;   // m
+constexpr double kReach = 2;     // m, over which the heading's change tells the curvature
+constexpr double kCrawl = 1e-3;  // m/s: a vehicle between two places at which it rests is not slower
+
+double curvatureAt(const Path& path, double distance) {
+  const double from = std::max(0.0, distance - kReach);
+  const double to = std::min(path.length(), distance + kReach);
+  const Vec3d a = toMatrix(path.pose(from).rotation).x;
+  const Vec3d b = toMatrix(path.pose(to).rotation).x;
+  return std::abs(std::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y)) / (to - from);
+}
+
+}  // namespace
+
+SpeedProfile::SpeedProfile(double length, double speed) : nodes_{{0, 0, speed}, {length / speed, length, speed}} {}
+
+SpeedProfile::SpeedProfile(const Path& path, double speed, double acceleration, const std::vector<DriveStop>& stops) {
+  // Places along the path, the stops and both ends among them, and how fast it may be there.
+  std::vector<double> places;
+  const auto pieces = static_cast<int>(std::ceil(path.length() / kStep));
+  for (int k = 0; k <= pieces; ++k) places.push_back(path.length() * k / pieces);
+  for (const DriveStop& stop : stops) places.push_back(stop.at);
+  std::sort(places.begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  std::vector<double> fastest;
+  for (const double at : places) {
+    fastest.push_back(std::min(speed, std::sqrt(kSideways / std::max(curvatureAt(path, at), 1e-9))));
+  }
+  fastest.front() = fastest.back() = 0;
+  for (const DriveStop& stop : stops) {
+    const auto at = std::lower_bound(places.begin(), places.end(), stop.at) - places.begin();
+    fastest[static_cast<std::size_t>(at)] = 0;
+  }
+  const auto reached = [&](double from, double over) { return std::sqrt(from * from + 2 * acceleration * over); };
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    fastest[i] = std::min(fastest[i], reached(fastest[i - 1], places[i] - places[i - 1]));
+  }
+  for (std::size_t i = places.size() - 1; i-- > 0;) {
+    fastest[i] = std::min(fastest[i], reached(fastest[i + 1], places[i + 1] - places[i]));
+  }
+  nodes_.push_back({0, 0, 0});
+  auto stop = stops.begin();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (i > 0) {
+      const double mean = std::max((fastest[i] + fastest[i - 1]) / 2, kCrawl);
+      nodes_.push_back({nodes_.back().time + (places[i] - places[i - 1]) / mean, places[i], fastest[i]});
+    }
+    for (; stop != stops.end() && stop->at <= places[i]; ++stop) {
+      nodes_.push_back({nodes_.back().time + stop->wait, places[i], 0});
+    }
+  }
+}
+
+double SpeedProfile::distance(double time) const {
+  if (time <= 0) return 0;
+  if (time >= duration()) return nodes_.back().distance;
+  const auto next =
+      std::upper_bound(nodes_.begin(), nodes_.end(), time, [](double t, const Node& n) { return t < n.time; });
+  const Node& a = *(next - 1);
+  const Node& b = *next;
+  const double t = time - a.time;
+  const double push = (b.speed - a.speed) / (b.time - a.time);
+  return std::clamp(a.distance + t * (a.speed + push * t / 2), a.distance, b.distance);
+}
+
+double SpeedProfile::speed(double time) const {
+  if (time <= 0) return nodes_.front().speed;
+  if (time >= duration()) return nodes_.back().speed;
+  const auto next =
+      std::upper_bound(nodes_.begin(), nodes_.end(), time, [](double t, const Node& n) { return t < n.time; });
+  const Node& a = *(next - 1);
+  const Node& b = *next;
+  return a.speed + (b.speed - a.speed) * (time - a.time) / (b.time - a.time);
+}
+
+double SpeedProfile::timeAt(double distance) const {
+  const auto next =
+      std::lower_bound(nodes_.begin(), nodes_.end(), distance, [](const Node& n, double d) { return n.distance < d; });
+  if (next == nodes_.begin()) return 0;
+  if (next == nodes_.end()) return duration();
+  const Node& a = *(next - 1);
+  const Node& b = *next;
+  // Of v t + p t^2 / 2 = s the root that is exact for small p too.
+  const double push = (b.speed - a.speed) / (b.time - a.time);
+  const double way = distance - a.distance;
+  const double now = std::sqrt(std::max(0.0, a.speed * a.speed + 2 * push * way));
+  return std::min(a.time + (a.speed + now > 0 ? 2 * way / (a.speed + now) : b.time - a.time), b.time);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,112 @@
+// Objects of the scene move while the vehicle drives.
+
+#include "tests/core/pipeline/small_world.h"
+
+namespace scanmill {
+namespace {
+
+class MovingRun : public Yard {
+ protected:
+  // The cars drive, one along x and one along y.
+  MovingRun() {
+    std::string scene = yardScene();
+    scene.resize(scene.find("  - name: car"));
+    for (const char* place : {"[8, 5, 0.75]", "[8, -5, 0.75]"}) {
+      const bool first = std::string(place).find("-5") == std::string::npos;
+      scene += fmt::format(
+          "  - {{name: {}, primitive: box, size: [4, 2, 1.5], class: car, material: painted_metal, position: {}, "
+          "moving: {{velocity: {}}}}}\n",
+          first ? "ahead" : "aside", place, first ? "[5, 0, 0]" : "[0, -3, 0]");
+    }
+    scene +=
+        "  - {name: parked, primitive: box, size: [4, 2, 1.5], class: car, material: painted_metal, position: "
+        "[-12, 8, 0.75]}\n";
+    folder_.write("scenes/yard.yaml", scene);
+  }
+
+  static const std::string kColumns;
+};
+
+const std::string MovingRun::kColumns =
+    "output.columns=[intensity, label, instance, ring, column, time, velocity_x, velocity_y, velocity_z]";
+
+constexpr ColumnKey<columnIndex("velocity_x")> kVelocityX;
+constexpr ColumnKey<columnIndex("velocity_y")> kVelocityY;
+constexpr ColumnKey<columnIndex("velocity_z")> kVelocityZ;
+
+TEST_F(MovingRun, PointsSayHowFastTheirThingMoves) {
+  const Manifest m = sound({kColumns, "motion=per_column"});
+  std::map<std::uint32_t, std::size_t> points;
+  for (const Scan& s : scans()) {
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      ++points[s[kInstance][i]];
+      const Vec3d v{s[kVelocityX][i], s[kVelocityY][i], s[kVelocityZ][i]};
+      const Vec3d wanted = s[kInstance][i] == 1 ? Vec3d{5, 0, 0} : s[kInstance][i] == 2 ? Vec3d{0, -3, 0} : Vec3d{};
+      ASSERT_NEAR(length(v - wanted), 0, 1e-5) << s[kInstance][i];
+    }
+  }
+  EXPECT_GT(points[1], 5u);
+  EXPECT_GT(points[2], 10u);
+  EXPECT_GT(points[3], 5u);
+}
+
+// In the sensor's own axes, as the points are.
+TEST_F(MovingRun, VelocitiesTurnWithTheSensor) {
+  sound({kColumns, "trajectories=[{name: drive, poses: [{position: [0, 0, 0], yaw_deg: 90}]}]"});
+  for (const Scan& s : scans()) {
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      if (s[kInstance][i] != 1) continue;
+      ASSERT_NEAR(s[kVelocityX][i], 0, 1e-5);
+      ASSERT_NEAR(s[kVelocityY][i], -5, 1e-5);
+    }
+  }
+}
+
+TEST_F(MovingRun, MovingThingsHaveTheOntologysClassesForThem) {
+  const Manifest m = sound({fmt::format("labels={}/labels/semantic_kitti.yaml", SCANMILL_SOURCE_DIR), kColumns});
+  const std::uint16_t car = m.ontology.require("car", {}).id;
+  const std::uint16_t moving = m.ontology.require("moving-car", {}).id;
+  EXPECT_EQ(moving, 252);
+  std::map<std::uint32_t, std::size_t> points;
+  for (const Scan& s : scans()) {
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      const std::uint32_t thing = s[kInstance][i];
+      if (thing == 0) continue;
+      ++points[thing];
+      ASSERT_EQ(s[kLabel][i], thing <= 2 ? moving : car) << thing;
+    }
+  }
+  EXPECT_EQ(points.size(), 3u);
+}
+
+TEST_F(MovingRun, StandsWhereTheDriveBeginsIfThePipelineSaysSo) {
+  const std::vector<std::string> still{kColumns, "scenes.0.moving=false",
+                                       fmt::format("labels={}/labels/semantic_kitti.yaml", SCANMILL_SOURCE_DIR)};
+  const Manifest m = sound(still);
+  for (const Scan& s : scans()) {
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      ASSERT_EQ(s[kVelocityX][i], 0);
+      ASSERT_NE(s[kLabel][i], 252);
+    }
+  }
+  // Then every method takes it.
+  std::vector<std::string> particles = still;
+  particles.emplace_back("method=particle");
+  sound(particles, "particles");
+  EXPECT_THAT(messageOf([&] { run({"method=particle"}, "no"); }),
+              testing::AllOf(testing::HasSubstr("moving: false"), testing::HasSubstr("ray_tracing")));
+}
+
+TEST_F(MovingRun, ThreadsDoNotChangeAByte) {
+  Bytes first;
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    const std::string name = "out" + std::to_string(threads);
+    sound({kColumns, "motion=per_column"}, name);
+    if (first.empty()) first = shards(name);
+    EXPECT_EQ(shards(name), first);
+  }
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,80 @@
+#include "sense/thing_motions.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/path.h"
+#include "tests/support/test_scene.h"
+
+namespace scanmill {
+namespace {
+
+Scene sceneOf(std::shared_ptr<const Movement> movement) {
+  SceneBuilder builder = testBuilder();
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, {}, {2, 2, 2});
+  const std::uint32_t mesh = builder.addMesh(box);
+  builder.place(mesh, at(10, 0, 0), "still");
+  builder.place(mesh, {}, "moving", {}, std::move(movement));
+  return builder.finish();
+}
+
+Shot shotAtTime(double time, double duration) {
+  Shot shot;
+  shot.time = time;
+  shot.duration = duration;
+  return shot;
+}
+
+TEST(ThingMotions, AreTheVelocityOfWhatGoesStraightOn) {
+  const Scene scene = sceneOf(std::make_shared<Movement>(Vec3d{3, -4, 1}));
+  for (const double duration : {0.0, 0.1, 1.0}) {
+    const ThingMotions motions(scene, shotAtTime(2, duration));
+    EXPECT_NEAR(length(motions.velocity(2, {7, -8, 2}) - Vec3d{3, -4, 1}), 0, 1e-9);
+    EXPECT_EQ(motions.velocity(1, {10, 0, 0}), Vec3d{}) << "it stands";
+    EXPECT_EQ(motions.velocity(0, {1, 2, 3}), Vec3d{}) << "it is no thing";
+  }
+}
+
+// On a circle of radius r at a speed v every place of a rigid body moves at v / r times its distance from the centre,
+// at right angles to it.
+TEST(ThingMotions, TurnWithWhatTurns) {
+  constexpr double kRadius = 40;
+  constexpr double kSpeed = 8;
+  std::vector<Vec3d> circle;
+  for (int k = 0; k <= 90; ++k) {
+    circle.push_back({kRadius * std::cos(radians(2.0 * k)), kRadius * std::sin(radians(2.0 * k)), 0});
+  }
+  const auto path = std::make_shared<const Path>(circle);
+  const Scene scene = sceneOf(std::make_shared<Movement>(path, 0, kSpeed));
+  for (const double time : {1.0, 5.0, 9.0}) {
+    const ThingMotions motions(scene, shotAtTime(time, 0.1));
+    const Vec3d middle = path->pose((time + 0.05) * kSpeed).translation;
+    for (const Vec3d& place : {middle, middle + Vec3d{2, 1, 0.5}, middle + Vec3d{-1, 2, -1}}) {
+      const Vec3d wanted = Vec3d{-place.y, place.x, 0} * (kSpeed / kRadius);
+      EXPECT_NEAR(length(motions.velocity(2, place) - wanted), 0, 0.02 * kSpeed) << time;
+    }
+  }
+}
+
+TEST(ThingMotions, HaveTheClassesOfWhatMoves) {
+  Scene scene = sceneOf(std::make_shared<Movement>(Vec3d{1, 0, 0}));
+  const std::uint16_t still = scene.meshes[0].surfaces[0].semantic;
+  EXPECT_FALSE(ThingMotions(scene, shotAtTime(0, 0.1)).tellsClasses());
+  EXPECT_EQ(ThingMotions(scene, shotAtTime(0, 0.1)).classOf(still, 2), still);
+  scene.ontology.classes.push_back({.id = 900, .name = "moving-thing", .color = {}, .thing = true, .aliases = {}});
+  scene.ontology.classes.back().movingOf = still;
+  const ThingMotions motions(scene, shotAtTime(0, 0.1));
+  EXPECT_TRUE(motions.tellsClasses());
+  EXPECT_EQ(motions.classOf(still, 2), 900);
+  EXPECT_EQ(motions.classOf(still, 1), still);
+  EXPECT_EQ(motions.classOf(7, 2), 7) << "a class of what moves not";
+  standStill(scene, 3);
+  const ThingMotions none(scene, shotAtTime(0, 0.1));
+  EXPECT_FALSE(none.tellsClasses());
+  EXPECT_EQ(none.velocity(2, {}), Vec3d{});
+}
+
+}  // namespace
+}  // namespace scanmill
