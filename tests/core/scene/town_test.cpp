@@ -97,7 +97,7 @@ TEST(Town, FollowsFromItsSeed) {
 // of the world. Curbs are walls between the two.
 TEST(Town, TheGroundIsClosed) {
   for (const std::uint64_t seed : {1, 2, 3}) {
-    const Scene scene = makeTown(kSmall, seed);
+    const Scene scene = makeTown(seed == 3 ? "{length: 120, season: winter}" : kSmall, seed);
     const Mesh& ground = groundOf(scene);
     const Box box = ground.bounds();
     std::map<std::tuple<float, float, float, float, float, float>, int> edges;
@@ -195,6 +195,45 @@ TEST(Town, FactorsOfZeroLeaveThingsOut) {
   EXPECT_GT(rise(hilly), rise(flat) + 2);
 }
 
+// A place is the same in all seasons but for leaves and snow.
+TEST(Town, HasSeasons) {
+  struct Year {
+    std::size_t leaves = 0, things = 0;
+    std::set<std::string> ground;
+    double top = 0;  // m, mean height of the ground
+  };
+  const auto year = [](const std::string& season) {
+    const Scene scene = makeTown("{length: 120, district: suburban, season: " + season + "}", 3);
+    Year y;
+    for (const Instance& i : scene.instances) {
+      const Mesh& mesh = scene.meshes[i.mesh];
+      if (i.name.starts_with("house") || i.name.starts_with("car")) ++y.things;
+      if (!i.name.starts_with("tree")) continue;
+      for (const std::uint16_t s : mesh.surfaceOf) {
+        y.leaves += scene.materials[mesh.surfaces[s].material].name == "leaf" ? 1 : 0;
+      }
+    }
+    const Mesh& ground = groundOf(scene);
+    for (const Surface& s : ground.surfaces) y.ground.insert(scene.materials[s.material].name);
+    for (const Vec3f& p : ground.positions) y.top += double{p.z} / static_cast<double>(ground.positions.size());
+    return y;
+  };
+  const Year summer = year("summer");
+  const Year autumn = year("autumn");
+  const Year winter = year("winter");
+  EXPECT_GT(summer.things, 10u);
+  EXPECT_EQ(summer.things, winter.things);
+  EXPECT_EQ(summer.things, autumn.things);
+  EXPECT_LT(autumn.leaves, 0.75 * static_cast<double>(summer.leaves));
+  EXPECT_LT(winter.leaves, 0.2 * static_cast<double>(autumn.leaves));
+  EXPECT_THAT(winter.ground, Contains("snow"));
+  EXPECT_THAT(winter.ground, Not(Contains("grass")));
+  EXPECT_THAT(autumn.ground, Contains("leaf_litter"));
+  EXPECT_THAT(summer.ground, Not(Contains("snow")));
+  EXPECT_GT(winter.top, summer.top + 0.03);
+  EXPECT_LT(winter.top, summer.top + 0.4);
+}
+
 // What the seeds draw differs from place to place: districts, widths, greenery.
 TEST(Town, NoTwoSeedsAreAlike) {
   std::set<int> widths;
@@ -219,6 +258,7 @@ TEST(Town, NoTwoSeedsAreAlike) {
 TEST(Town, RefusesWhatItDoesNotKnow) {
   const auto refusal = [](const std::string& yaml) { return messageOf([&] { makeTown(yaml, 1); }); };
   EXPECT_THAT(refusal("{district: rurall}"), AllOf(HasSubstr("town.yaml:1"), HasSubstr("did you mean 'rural'")));
+  EXPECT_THAT(refusal("{season: sumer}"), HasSubstr("did you mean 'summer'"));
   EXPECT_THAT(refusal("{length: 20}"), AllOf(HasSubstr("town.yaml:1"), HasSubstr("length")));
   EXPECT_THAT(refusal("{greenry: 1}"), HasSubstr("did you mean 'greenery'"));
   EXPECT_THAT(refusal("{people: -1}"), HasSubstr("people"));

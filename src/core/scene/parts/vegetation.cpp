@@ -70,7 +70,17 @@ double crownProfile(const Habit& habit, double t) {
                 : std::sqrt(std::sin(kPi * (t * 0.86 + 0.1)));
 }
 
-void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius) {
+// What leaves hide in summer.
+void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, int count,
+                 double thick) {
+  for (int k = 0; k < count; ++k) {
+    const Vec3d from = center + draw.direction() * (radius * draw.in(0, 0.5));
+    const Vec3d out = normalized(draw.direction() + normalized(from - center + Vec3d{0, 0, 0.01}) + Vec3d{0, 0, 0.4});
+    s.tube(surface, from, from + out * (radius * draw.in(0.4, 0.8)), thick, 0.003, 3);
+  }
+}
+
+void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius, double foliage) {
   const SurfaceIndex bark = s.surface("trunk", "bark");
   const SurfaceIndex branch = s.surface("tree", "bark");
   const SurfaceIndex leaf = s.surface("tree", "leaf");
@@ -122,8 +132,9 @@ void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, do
       const Vec3d twig = normalized(draw.direction() + Vec3d{0, 0, 0.4});
       s.tube(branch, c.center, c.center + twig * (c.radius * 0.8), thick * 0.25, 0.006, 4);
     }
+    if (foliage < 0.6) appendTwigs(s, branch, draw, c.center, c.radius, 24, 0.008);
     appendFoliageBall(s, leaf, draw, c.center, c.radius, 0.8,
-                      static_cast<int>(habit.leaves * c.radius * c.radius / total), habit.leaf);
+                      static_cast<int>(foliage * habit.leaves * c.radius * c.radius / total), habit.leaf);
   }
 }
 
@@ -177,7 +188,7 @@ void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, doub
 
 }  // namespace
 
-TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail) {
+TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail, double foliage) {
   Habit habit = kHabits[static_cast<std::size_t>(form)];
   if (detail != 1) {
     habit.leaves = static_cast<int>(habit.leaves * detail);
@@ -187,11 +198,12 @@ TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double d
   Shape s(builder, habit.name);
   const double height = draw.around(habit.height, 0.12);
   const double radius = draw.around(habit.crownRadius, 0.12);
-  habit.conifer ? appendConifer(s, draw, habit, height, radius) : appendBroadleaf(s, draw, habit, height, radius);
+  habit.conifer ? appendConifer(s, draw, habit, height, radius)
+                : appendBroadleaf(s, draw, habit, height, radius, foliage);
   return {s.finish(), radius};
 }
 
-Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form) {
+Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage) {
   Draw draw(seed, Kind::Bush, static_cast<std::uint32_t>(form));
   Shape s(builder, "bush");
   const SurfaceIndex leaf = s.surface("vegetation", "leaf");
@@ -204,7 +216,8 @@ Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form) {
     const double out = i == 0 ? 0 : size * draw.in(0.35, 0.55);
     const Vec3d center{out * std::cos(angle), out * std::sin(angle), (i == 0 ? size * 1.1 : size * draw.in(0.5, 0.9))};
     s.tube(bark, {0, 0, -0.05}, center, 0.02, 0.006, 5);
-    appendFoliageBall(s, leaf, draw, center, r, 0.9, 1000 / lumps, 0.1);
+    if (foliage < 0.6) appendTwigs(s, bark, draw, center, r, 20, 0.004);
+    appendFoliageBall(s, leaf, draw, center, r, 0.9, static_cast<int>(foliage * 1000 / lumps), 0.1);
   }
   return s.finish();
 }
@@ -273,7 +286,7 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
   return s.finish();
 }
 
-Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form) {
+Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form, double foliage) {
   Draw draw(seed, Kind::Undergrowth, static_cast<std::uint32_t>(form));
   Shape s(builder, "undergrowth");
   const SurfaceIndex leaf = s.surface("vegetation", "leaf");
@@ -287,7 +300,8 @@ Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form) {
     const double out = radius * std::sqrt(draw.next()) * 0.8;
     const Vec3d center{out * std::cos(angle), out * std::sin(angle), lerp(0.35, height - r, draw.next())};
     s.tube(bark, {0.3 * center.x, 0.3 * center.y, -0.1}, center, 0.025, 0.006, 5);
-    appendFoliageBall(s, leaf, draw, center, r, 0.9, 1900 / lumps, 0.13);
+    if (foliage < 0.6) appendTwigs(s, bark, draw, center, r, 30, 0.005);
+    appendFoliageBall(s, leaf, draw, center, r, 0.9, static_cast<int>(foliage * 1900 / lumps), 0.13);
   }
   return s.finish();
 }

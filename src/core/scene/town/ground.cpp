@@ -27,12 +27,15 @@ class GroundMaker {
     set(GroundKind::Road, "road", "asphalt");
     set(GroundKind::Parking, "parking", paved ? "paving" : "asphalt");
     set(GroundKind::Curb, "curb", "concrete");
-    set(GroundKind::Verge, "terrain", "grass");
-    set(GroundKind::Shoulder, "terrain", dry ? "soil" : "grass");
+    const Season season = layout.character().season;
+    const char* const lawn = season == Season::Winter ? "snow" : dry ? "grass_dry" : "grass";
+    const char* const verge = season == Season::Winter ? "snow" : season == Season::Autumn ? "leaf_litter" : "grass";
+    set(GroundKind::Verge, "terrain", verge);
+    set(GroundKind::Shoulder, "terrain", dry && season != Season::Winter ? "soil" : verge);
     set(GroundKind::Sidewalk, "sidewalk", "paving");
     set(GroundKind::Driveway, "parking", "paving");
     set(GroundKind::Path, "ground", "concrete");
-    set(GroundKind::Lawn, "terrain", dry ? "grass_dry" : "grass");
+    set(GroundKind::Lawn, "terrain", lawn);
   }
 
   parts::Model make() {

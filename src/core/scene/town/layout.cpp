@@ -48,6 +48,7 @@ District districtOf(const Parameters& p, Draw& draw) {
 Parameters readParameters(Fields& fields) {
   Parameters p;
   p.district = fields.choice("district", {"any", "rural", "suburban", "dense"}, p.district);
+  p.season = fields.choice("season", {"any", "summer", "autumn", "winter"}, p.season);
   p.length = fields.number("length", {100, 1000}, p.length);
   const Range factor{0, 5};
   p.slope = fields.number("slope", {0, 3}, p.slope);
@@ -99,6 +100,21 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
   traffic = p.vehicles * draw.in(0.1, rural ? 0.8 : 2.2);
   people = p.people * (rural ? draw.in(0, 1.5) : dense ? draw.in(3, 12) : draw.in(0.5, 4));
   clutter = rural ? draw.in(1, 4) : dense ? draw.in(6, 16) : draw.in(3, 9);
+  // From numbers of its own, so that a place is the same in all seasons.
+  Draw sky(seed, Kind::Town, 1);
+  const double pick = sky.next();
+  season = p.season == "any"      ? (pick < 0.5    ? Season::Summer
+                                     : pick < 0.75 ? Season::Autumn
+                                                   : Season::Winter)
+           : p.season == "autumn" ? Season::Autumn
+           : p.season == "winter" ? Season::Winter
+                                  : Season::Summer;
+  if (season == Season::Autumn) foliage = sky.in(0.15, 0.7);
+  if (season == Season::Winter) {
+    foliage = 0.03;
+    snow = sky.in(0.04, 0.25);
+    snowBanks = sky.in(0.2, 0.7);
+  }
 }
 
 Layout::Layout(const Parameters& parameters, std::uint64_t seed)
@@ -386,7 +402,32 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double grain = (0.03 * relief(seed_ + 13, p.x, p.y, 1.6) + rough * relief(seed_ + 14, p.x, p.y, 0.43)) *
                        smooth((edge - b.section.curb) / 0.3) * paved * (kind == GroundKind::Sidewalk ? 0.1 : 1);
   const double natural = ground + step + rise + rolling + bank;
-  return natural + smooth(beyond / 1.5) * levelling(p, natural) + grain;
+  return natural + smooth(beyond / 1.5) * levelling(p, natural) + grain + snowOn(b, p);
+}
+
+// None on what is cleared, which it slopes down to: pavements, driveways and paths. Ploughs leave a bank on verges, and
+// beside roads that have no pavement.
+double Layout::snowOn(const Beside& b, const Point2& p) const {
+  if (character_.snow <= 0) return 0;
+  constexpr double kSlope = 0.3;  // m
+  constexpr double kBank = 1.3;   // m wide
+  const CrossSection& s = b.section;
+  const double edge = b.known ? b.edge : 1e3;
+  const double outer = b.known ? s.outer() : 0;
+  const double verge = edge - (b.known ? s.curb : 0);  // m beyond the curb
+  const double cleared = smooth(outsidePatches(p) / 0.5);
+  const bool pavement = b.known && s.sidewalk > 0.3;
+  double depth = character_.snow * smooth((edge - outer) / kSlope);
+  if (b.known && verge > 0 && verge < s.verge) {
+    depth = character_.snow * smooth(verge / kSlope) * (pavement ? smooth((s.verge - verge) / kSlope) : 1);
+  }
+  const double width = std::min(kBank, s.verge);
+  if (b.known && width > 0.6 && verge > 0 && verge < width) {
+    const double across = std::sin(kPi * verge / width);
+    const double along = 0.6 + 1.2 * relief(seed_ + 17, p.x, p.y, 3) + 0.6 * relief(seed_ + 18, p.x, p.y, 0.8);
+    depth += character_.snowBanks * across * across * std::max(along, 0.1);
+  }
+  return depth * cleared;
 }
 
 // What brings the ground to the height of the house beside it.

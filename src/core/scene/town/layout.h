@@ -19,12 +19,14 @@ namespace scanmill::town {
 using parts::Draw;
 
 enum class District { Rural, Suburban, Dense };
+enum class Season { Summer, Autumn, Winter };
 
 // The keys of `town:` in a scene file.
 struct Parameters {
-  std::string district = "any";  // or rural, suburban, dense
-  double length = 300;           // m, of the main road between its first and last plot
-  double slope = 1;              // factors of what the seed draws
+  std::string district = "any";   // or rural, suburban, dense
+  std::string season = "summer";  // or any, autumn, winter
+  double length = 300;            // m, of the main road between its first and last plot
+  double slope = 1;               // factors of what the seed draws
   double greenery = 1;
   double vehicles = 1;
   double people = 1;
@@ -38,6 +40,10 @@ struct Character {
   Character(const Parameters& parameters, std::uint64_t seed);
 
   District district = District::Suburban;
+  Season season = Season::Summer;
+  double foliage = 1;    // part of their leaves that trees have kept
+  double snow = 0;       // m, where nobody clears it
+  double snowBanks = 0;  // m, beside the roads, where ploughs leave them
   CrossSection main, side;
   int sideRoads = 3;
   double bend = 0.4;                      // rad, by how much the main road's heading wanders
@@ -120,6 +126,7 @@ class Layout {
   double base(const Point2& p) const;
   double lowering(const Beside& beside, const Point2& p) const;
   double levelling(const Point2& p, double natural) const;
+  double snowOn(const Beside& beside, const Point2& p) const;
   static void enter(const parts::Footprint& f, std::uint32_t index, Cells& cells);
 
   Parameters parameters_;

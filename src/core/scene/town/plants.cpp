@@ -35,7 +35,7 @@ class Nursery {
     if (!made_[index]) {
       const double detail = placer_.layout.parameters().detail * (far ? kFarDetail : 1);
       trees_[index] = parts::makeTree(placer_.builder, placer_.layout.seed() + static_cast<std::uint64_t>(again) * 7919,
-                                      form, detail);
+                                      form, detail, placer_.layout.character().foliage);
       made_[index] = true;
     }
     return trees_[index];
@@ -121,8 +121,8 @@ void placeWoods(Placer& placer) {
   const Character& c = l.character();
   if (c.woods <= 0) return;
   Nursery nursery(placer);
-  const std::vector<Model> bushes =
-      parts::makeForms(4, [&](int f) { return parts::makeUndergrowth(placer.builder, l.seed(), f); });
+  const std::vector<Model> bushes = parts::makeForms(
+      4, [&](int f) { return parts::makeUndergrowth(placer.builder, l.seed(), f, l.character().foliage); });
   // The field's share above a threshold: its values are about normal, with a deviation of a quarter.
   const double threshold = 0.42 * (1 - 2 * c.woods);
   Draw lattice(l.seed(), Kind::Wood);
@@ -159,8 +159,9 @@ void placeBushes(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character();
   if (c.gardenBushes <= 0) return;
+  const double bushFoliage = std::max(c.foliage, 0.3);  // some are evergreen
   const std::vector<Model> forms =
-      parts::makeForms(kBushForms, [&](int f) { return parts::makeBush(placer.builder, l.seed(), f); });
+      parts::makeForms(kBushForms, [&](int f) { return parts::makeBush(placer.builder, l.seed(), f, bushFoliage); });
   int number = 0;
   for (const Plot& plot : l.plots()) {
     const Road& road = l.roads().roads()[plot.road];
