@@ -211,8 +211,8 @@ void writePicture(const std::filesystem::path& file, const Image& image, const s
 // An EXR image, or the folder of a recording.
 void viewImages(const std::filesystem::path& path, const Arguments& parsed, const PictureSize& size,
                 const Outputs& outputs) {
-  for (const char* option : {"sensor", "over", "reference", "scene", "color", "scale", "layout", "camera", "hide",
-                             "only", "instance", "mesh", "rings", "range-image", "turntable"}) {
+  for (const char* option : {"sensor", "over", "reference", "scene", "seed", "color", "scale", "layout", "camera",
+                             "hide", "only", "instance", "mesh", "rings", "range-image", "turntable"}) {
     if (hasOption(parsed, option)) {
       throw InputError({path.string()},
                        fmt::format("is shown as images: --{} is for scans; --plane chooses what is shown", option));
@@ -302,6 +302,7 @@ void addOptions(cxxopts::Options& options) {
       "DATASET|SHARD|SCAN")("reference,twin", "the noise-free reference, for --color error", text(),
                             "DATASET|SHARD|SCAN")(
       "scene", "the scene that was scanned, in place of the one that the dataset names", text(), "FILE")(
+      "seed", "of a procedural scene that is viewed by itself (default: 1)", cxxopts::value<double>(), "N")(
       "ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)", text(), "FILE")(
       "color",
       fmt::format("{}; the first that the scan has where not given; once per view", fmt::join(colorNames(), ", ")),
@@ -371,6 +372,11 @@ int runView(const std::vector<std::string>& arguments) {
   input.sensor = textOption(parsed, "sensor");
   input.ontology = textOption(parsed, "ontology");
   input.scene = textOption(parsed, "scene");
+  if (hasOption(parsed, "seed")) {
+    const double seed = numberWithin(parsed, "seed", 0, 9e15);
+    if (seed != std::floor(seed)) throw InputError(fmt::format("--seed is a whole number, not {}", seed));
+    input.seed = static_cast<std::uint64_t>(seed);
+  }
   viewFrames(input, view, size, outputs, hasOption(parsed, "overwrite"));
   return 0;
 }

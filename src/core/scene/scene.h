@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -123,8 +124,8 @@ void standStill(Scene& scene, double time);
 Scene readScene(const std::filesystem::path& path, const SceneOptions& options);
 
 // The ways through the first town of a scene file with this seed, in the world's frame. No geometry is made. Throws
-// InputError with the place, also where the scene has no town.
-SceneLanes readSceneLanes(const std::filesystem::path& path, std::uint64_t seed);
+// InputError with the place. Absent where the scene has no town.
+std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std::uint64_t seed);
 
 // Reads no more of it than which ontology it names, and that. Throws InputError with the place.
 Ontology readSceneOntology(const std::filesystem::path& path);

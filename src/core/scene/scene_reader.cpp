@@ -98,7 +98,9 @@ class SceneReader {
               "rotation", "scale",     "copies", "up",     "unit",   "alpha",    "instances", "rules",     "class",
               "material", "size",      "cells",  "radius", "height", "segments", "moving"})
           .finish();
-      throw InputError(where, "an object is exactly one of file, primitive, street and town");
+      throw InputError(where,
+                       "an object is exactly one of file, primitive, street and town (`town: {}` where all of its "
+                       "keys keep their defaults)");
     }
     return found;
   }
@@ -309,7 +311,7 @@ class SceneReader {
 
 }  // namespace
 
-SceneLanes readSceneLanes(const std::filesystem::path& path, std::uint64_t seed) {
+std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std::uint64_t seed) {
   const Value root = readYaml(path);
   expectKind(root, FileKind::Scene);
   const Value* objects = root.find("objects");
@@ -328,7 +330,7 @@ SceneLanes readSceneLanes(const std::filesystem::path& path, std::uint64_t seed)
     }
     before += kind == "street" ? 1 : 0;
   }
-  throw InputError({path.string()}, "has no town whose lane a trajectory could be `along`: give waypoints");
+  return std::nullopt;
 }
 
 Ontology readSceneOntology(const std::filesystem::path& path) {

@@ -32,6 +32,7 @@ SpeedProfile::SpeedProfile(const Path& path, double speed, double acceleration, 
   std::sort(places.begin(), places.end());
   places.erase(std::unique(places.begin(), places.end()), places.end());
   std::vector<double> fastest;
+  fastest.reserve(places.size());
   for (const double at : places) {
     fastest.push_back(std::min(speed, std::sqrt(kSideways / std::max(curvatureAt(path, at), 1e-9))));
   }

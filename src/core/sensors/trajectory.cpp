@@ -147,7 +147,7 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
   const bool turns = along && fields.choice("along", {"lane", "turns"}, "lane") == "turns";
   const Value& way = fields.require(along ? "along" : "waypoints");
   if (along && lanes == nullptr) {
-    throw InputError(way.where, "`along` means the lanes of a scene's town; here is no scene: give waypoints");
+    throw InputError(way.where, "`along` means the lanes of the scene's town; here is none: give waypoints");
   }
   result.path_ = std::make_shared<const Path>(!along ? readWaypoints(way) : turns ? lanes->turns : lanes->lane);
   result.speed_ = fields.number("speed", {0, 100});

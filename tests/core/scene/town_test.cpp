@@ -18,6 +18,7 @@
 #include "config/value.h"
 #include "scene/parts/occupancy.h"
 #include "scene/scene.h"
+#include "scene/town/layout.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {
@@ -78,7 +79,7 @@ const Mesh& groundOf(const Scene& scene) {
 template <class Visit>
 void forPoints(const Scene& scene, const Visit& visit) {
   for (const Instance& i : scene.instances) {
-    if (i.name == "ground" || i.name == "road markings") continue;
+    if (i.name == "ground" || i.name.starts_with("road ")) continue;
     for (const Vec3f& p : scene.meshes[i.mesh].positions) visit(i, i.worldFromMesh * Vec3d(p));
   }
 }
@@ -193,6 +194,40 @@ TEST(Town, FactorsOfZeroLeaveThingsOut) {
     return box.high.z - box.low.z;
   };
   EXPECT_GT(rise(hilly), rise(flat) + 2);
+}
+
+// Worn roads have holes, which lie below what is around them, and covers that lie on the road.
+TEST(Town, RoadsAreWorn) {
+  std::size_t holes = 0;
+  std::size_t covers = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Value value = parseYaml("{length: 120}", "town.yaml");
+    Fields fields(value, "town");
+    const town::Layout layout(town::readParameters(fields), seed);
+    for (const town::Pothole& h : layout.potholes()) {
+      const auto kind = layout.kindAt(layout.roads().at(h.center.x, h.center.y), h.center);
+      if (kind != town::GroundKind::Road) continue;  // another road's pavement
+      ++holes;
+      double around = 0;
+      for (int k = 0; k < 8; ++k) {
+        const double angle = kPi * k / 4;
+        around += layout.heightAt(
+                      {h.center.x + 1.3 * h.radius * std::cos(angle), h.center.y + 1.3 * h.radius * std::sin(angle)}) /
+                  8;
+      }
+      EXPECT_LT(layout.heightAt(h.center), around - 0.4 * h.depth + 0.012) << seed;
+    }
+    const Scene scene = makeTown("{length: 120}", seed);
+    for (const Instance& i : scene.instances) {
+      if (i.name != "road covers") continue;
+      for (const Vec3f& p : scene.meshes[i.mesh].positions) {
+        ++covers;
+        EXPECT_NEAR(p.z, layout.heightAt({p.x, p.y}), 0.02);
+      }
+    }
+  }
+  EXPECT_GT(holes, 10u);
+  EXPECT_GT(covers, 500u);
 }
 
 // A place is the same in all seasons but for leaves and snow.

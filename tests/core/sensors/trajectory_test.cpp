@@ -154,7 +154,7 @@ TEST(Trajectory, MalformedOnesAreRefusedWithTheirPlace) {
   EXPECT_THAT(refusal("{poses: [{position: [1e300, 0, 0]}]}"), HasSubstr("farther than"));
   EXPECT_THAT(refusal(line + "speed: 3\nposes: [{}]"), HasSubstr("not both"));
   EXPECT_THAT(refusal(line), HasSubstr("speed"));
-  EXPECT_THAT(refusal("{along: lane, speed: 3}"), HasSubstr("here is no scene"));
+  EXPECT_THAT(refusal("{along: lane, speed: 3}"), HasSubstr("here is none"));
   EXPECT_THAT(refusal(line + "along: lane\nspeed: 3"), HasSubstr("one of them"));
   EXPECT_THAT(refusal("{along: lane, poses: [{}]}"), HasSubstr("either poses or along"));
   EXPECT_THAT(refusal(line + "speed: 0"), HasSubstr("trip.yaml:2:8: "));

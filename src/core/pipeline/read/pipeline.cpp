@@ -77,9 +77,12 @@ const Value& requireList(Fields& fields, std::string_view key) {
 
 using Trajectories = std::vector<std::shared_ptr<const Trajectory>>;
 
-bool followsLane(const Value& list) {
-  return std::any_of(list.items.begin(), list.items.end(),
-                     [](const Value& item) { return item.find("along") != nullptr; });
+// The first `along` of a list of trajectories; null where there is none.
+const Value* followsLane(const Value& list) {
+  for (const Value& item : list.items) {
+    if (const Value* along = item.find("along")) return along;
+  }
+  return nullptr;
 }
 
 // `lanes`: of the scene's town, where one of them follows it, which sways by its seed; else null.
@@ -125,7 +128,7 @@ std::vector<std::uint64_t> readSeeds(const Value* value) {
 
 std::vector<Sequence> readSequences(Fields& fields, double period) {
   const Value* shared = fields.find("trajectories");
-  if (shared != nullptr && !followsLane(*shared)) readTrajectories(*shared, period);
+  if (shared != nullptr && followsLane(*shared) == nullptr) readTrajectories(*shared, period);
   std::vector<Sequence> sequences;
   std::set<std::string> keys;
   for (const Value& item : requireList(fields, "scenes").items) {
@@ -137,12 +140,17 @@ std::vector<Sequence> readSequences(Fields& fields, double period) {
     const Value* own = scene.find("trajectories");
     const Value* list = own == nullptr ? shared : own;
     if (list == nullptr) throw InputError(item.where, "no trajectories, neither here nor for the whole pipeline");
-    const bool along = followsLane(*list);
-    Trajectories trajectories = along ? Trajectories{} : readTrajectories(*list, period);
+    const Value* along = followsLane(*list);
+    Trajectories trajectories = along != nullptr ? Trajectories{} : readTrajectories(*list, period);
     for (const std::uint64_t seed : seeds) {
-      if (along) {
-        const SceneLanes lanes = readSceneLanes(file, seed);
-        trajectories = readTrajectories(*list, period, &lanes, seed);
+      if (along != nullptr) {
+        const std::optional<SceneLanes> lanes = readSceneLanes(file, seed);
+        if (!lanes) {
+          throw InputError(along->where, fmt::format("`along` means the lanes of the scene's town, and {} has no town: "
+                                                     "give waypoints",
+                                                     file.string()));
+        }
+        trajectories = readTrajectories(*list, period, &*lanes, seed);
       }
       for (const auto& trajectory : trajectories) {
         sequences.push_back(

@@ -55,6 +55,8 @@ enum class Kind : std::uint32_t {
   WorkVehicle,
   Clutter,
   Roadworks,
+  Pothole,
+  Cover,
 };
 
 // The random numbers of one object, drawn one after the other.

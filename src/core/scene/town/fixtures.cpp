@@ -151,4 +151,65 @@ void placeMarkings(Placer& placer) {
   if (dashes > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "road markings");
 }
 
+// Manhole covers, and where roads were mended with newer asphalt.
+void placeCovers(Placer& placer) {
+  const Layout& l = placer.layout;
+  Shape s(placer.builder, "manholes and repairs");
+  const parts::SurfaceIndex iron = s.surface("road", "metal_bare");
+  const parts::SurfaceIndex fresh = s.surface("road", "asphalt_new");
+  const auto corner = [&](const Road& road, double along, double lateral, double above) {
+    const Point2 p = besideRoad(road, along, lateral).at;
+    return Vec3d{p.x, p.y, l.heightAt(p) + above};
+  };
+  // A grid of quads that follows the road, in pieces of at most half a metre.
+  const auto cover = [&](const Road& road, double from, double to, double right, double left) {
+    constexpr double kAbove = 0.005;  // m
+    const auto rows = static_cast<int>(std::ceil((to - from) / 0.5));
+    const auto columns = static_cast<int>(std::ceil((left - right) / 0.5));
+    std::vector<std::vector<Vec3d>> grid;
+    for (int r = 0; r <= rows; ++r) {
+      std::vector<Vec3d>& row = grid.emplace_back();
+      for (int c = 0; c <= columns; ++c) {
+        row.push_back(corner(road, from + (to - from) * r / rows, left + (right - left) * c / columns, kAbove));
+      }
+    }
+    s.grid(grid, false, [&](int, int) { return fresh; });
+  };
+  int count = 0;
+  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
+    const Road& road = l.roads().roads()[r];
+    Draw draw(l.seed(), Kind::Cover, r);
+    const double half = road.section.half - road.section.parking - 0.3;
+    const double covers = l.character().district == District::Rural ? 0.3 : 3;
+    for (int k = 0; k < static_cast<int>(covers * road.length() / 100 + draw.next()); ++k) {
+      const double along = draw.in(4, road.length() - 4);
+      const double lateral = draw.in(-half + 0.3, half - 0.3);
+      constexpr int kCorners = 16;
+      constexpr double kRadius = 0.31;  // m
+      const Vec3d middle = corner(road, along, lateral, 0.004);
+      if (l.nearPothole({middle.x, middle.y}, kRadius)) continue;
+      const auto rim = [&](int i) {
+        const double angle = 2 * kPi * i / kCorners;
+        const Point2 p{middle.x + kRadius * std::cos(angle), middle.y + kRadius * std::sin(angle)};
+        return Vec3d{p.x, p.y, l.heightAt(p) + 0.004};
+      };
+      for (int i = 0; i < kCorners; ++i) s.triangle(iron, middle, rim(i), rim(i + 1));
+      ++count;
+    }
+    for (int k = 0; k < static_cast<int>(8 * l.character().wear * road.length() / 100 + draw.next()); ++k) {
+      const double along = draw.in(4, road.length() - 12);
+      const double width = draw.in(0.5, 2);
+      const double right = draw.in(-half, half - width);
+      const double length = draw.in(0.8, 8);
+      const Point2 middle = besideRoad(road, along + length / 2, right + width / 2).at;
+      const Beside b = l.roads().at(middle.x, middle.y);
+      // Not where another road joins, nor into a hole.
+      if (b.edge < -road.section.half - 0.5 || l.nearPothole(middle, std::hypot(length, width) / 2)) continue;
+      cover(road, along, along + length, right, right + width);
+      ++count;
+    }
+  }
+  if (count > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "road covers");
+}
+
 }  // namespace scanmill::town

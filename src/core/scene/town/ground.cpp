@@ -54,7 +54,8 @@ class GroundMaker {
 
  private:
   void tile() {
-    tiling_ = makeTiling(layout_.half(), kSmallest, [&](double x, double y, double size) {
+    tiling_ = makeTiling(layout_.half(), kSmallest / 4, [&](double x, double y, double size) {
+      if (size > kSmallest / 4 && layout_.nearPothole({x, y}, 0.71 * size)) return true;
       const Beside b = layout_.roads().at(x, y);
       // Beyond the roads' reach nothing is known but that they are far.
       const double nearest = (b.known ? b.edge : RoadNetwork::kReach) - 0.71 * size;

@@ -16,7 +16,11 @@ std::vector<Vec3d> straightOn(const Vec3d& end, const Vec3d& next, double reach)
   ahead.z = 0;
   ahead = normalized(ahead);
   std::vector<Vec3d> more;
-  for (double d = 10; d < reach; d += 10 + d / 4) more.push_back(end + ahead * d);
+  double d = 10;
+  while (d < reach) {
+    more.push_back(end + ahead * d);
+    d += 10 + d / 4;
+  }
   if (reach > 0) more.push_back(end + ahead * (reach + 10));
   return more;
 }

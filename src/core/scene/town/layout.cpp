@@ -109,6 +109,7 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
            : p.season == "autumn" ? Season::Autumn
            : p.season == "winter" ? Season::Winter
                                   : Season::Summer;
+  wear = sky.next() * sky.next();
   if (season == Season::Autumn) foliage = sky.in(0.15, 0.7);
   if (season == Season::Winter) {
     foliage = 0.03;
@@ -120,7 +121,36 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
 Layout::Layout(const Parameters& parameters, std::uint64_t seed)
     : parameters_(parameters), seed_(seed), character_(parameters, seed), half_(parameters.length / 2 + kBeyond + 20) {
   drawRoads();
+  drawPotholes();
   drawPlots();
+}
+
+void Layout::drawPotholes() {
+  for (std::uint32_t r = 0; r < roads_.roads().size(); ++r) {
+    const Road& road = roads_.roads()[r];
+    Draw draw(seed_, Kind::Pothole, r);
+    const auto count = static_cast<int>(12 * character_.wear * road.length() / 100 + draw.next());
+    for (int k = 0; k < count; ++k) {
+      const double along = draw.in(0, road.length());
+      const double reach = road.section.half - road.section.parking - 0.7;
+      const double lateral = draw.in(-reach, reach);
+      const Point2 p = road.point(along);
+      const Point2 h = road.heading(along);
+      potholes_.push_back({{p.x - h.y * lateral, p.y + h.x * lateral}, draw.in(0.2, 0.6), draw.in(0.02, 0.07)});
+    }
+  }
+  for (std::uint32_t i = 0; i < potholes_.size(); ++i) {
+    enter({potholes_[i].center, potholes_[i].radius, potholes_[i].radius, 0}, i, potholeCells_);
+  }
+}
+
+bool Layout::nearPothole(const Point2& p, double reach) const {
+  const auto cell = potholeCells_.find(cellKey(p.x, p.y));
+  if (cell == potholeCells_.end()) return false;
+  return std::any_of(cell->second.begin(), cell->second.end(), [&](std::uint32_t i) {
+    const Pothole& hole = potholes_[i];
+    return std::hypot(p.x - hole.center.x, p.y - hole.center.y) < hole.radius + reach;
+  });
 }
 
 void Layout::drawRoads() {
@@ -387,7 +417,15 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
     // A crown, a gutter, and what years of lorries leave.
     const double crown = 0.02 * std::min(-edge, 5.0);
     const double worn = 0.012 * relief(seed_ * 4 + 3, p.x, p.y, 7) + 0.006 * relief(seed_ + 7, p.x, p.y, 1.7);
-    return ground + crown + worn;
+    double hole = 0;
+    if (const auto cell = potholeCells_.find(cellKey(p.x, p.y)); cell != potholeCells_.end()) {
+      for (const std::uint32_t i : cell->second) {
+        const Pothole& h = potholes_[i];
+        const double inwards = 1 - std::hypot(p.x - h.center.x, p.y - h.center.y) / h.radius;
+        hole = std::max(hole, h.depth * smooth(2 * inwards));
+      }
+    }
+    return ground + crown + worn - hole;
   }
   const double outer = b.known ? b.section.outer() : 0;
   const double step = b.known ? b.section.step * lowering(b, p) : 0.1;

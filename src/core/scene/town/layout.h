@@ -44,6 +44,7 @@ struct Character {
   double foliage = 1;    // part of their leaves that trees have kept
   double snow = 0;       // m, where nobody clears it
   double snowBanks = 0;  // m, beside the roads, where ploughs leave them
+  double wear = 0;       // of the roads' surface, 0 to 1: potholes and repairs
   CrossSection main, side;
   int sideRoads = 3;
   double bend = 0.4;                      // rad, by how much the main road's heading wanders
@@ -90,6 +91,12 @@ struct Terrace {
   double height = 0;
 };
 
+// A hole in a road's surface.
+struct Pothole {
+  Point2 center;
+  double radius = 0.3, depth = 0.04;  // m
+};
+
 class Layout {
  public:
   Layout(const Parameters& parameters, std::uint64_t seed);
@@ -101,6 +108,9 @@ class Layout {
   const std::vector<Plot>& plots() const { return plots_; }
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Terrace>& terraces() const { return terraces_; }
+  const std::vector<Pothole>& potholes() const { return potholes_; }
+  // A pothole is nearer than its radius and so many metres.
+  bool nearPothole(const Point2& p, double reach) const;
   // The part of the main road that is built on: distances along its line (m).
   double mainFrom() const { return mainFrom_; }
   double mainTo() const { return mainTo_; }
@@ -120,6 +130,7 @@ class Layout {
   using Cells = std::unordered_map<std::uint64_t, std::vector<std::uint32_t>>;
   void drawRoads();
   void drawPlots();
+  void drawPotholes();
   void addPlots(std::uint32_t road, int side, double from, double to);
   bool fits(const parts::Footprint& f, double gap) const;
   const Patch* patchAt(const Point2& p) const;
@@ -138,6 +149,8 @@ class Layout {
   Cells patchCells_;
   std::vector<Terrace> terraces_;
   Cells terraceCells_;
+  std::vector<Pothole> potholes_;
+  Cells potholeCells_;
   parts::Occupancy houses_;
   double mainFrom_ = 0, mainTo_ = 0, half_ = 0;
 };

@@ -47,7 +47,7 @@ std::optional<Place> besidePeople(const Placer& placer, Draw& draw) {
 // How far one can walk on from there without leaving the pavement or meeting anything, up to `most` (m).
 double freeWay(const Placer& placer, Place place, double most) {
   const double start = place.along;
-  for (double done = 0; done < most; done += 0.5) {
+  for (const double done : parts::steps(0, most, 0.5)) {
     place.along = start + place.sense * done;
     if (place.along < 4 || place.along > place.road->length() - 4) return done;
     const Spot spot = place.spot();

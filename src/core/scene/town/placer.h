@@ -64,6 +64,7 @@ Spot besideRoad(const Road& road, double along, double lateral);
 void placeHouses(Placer& placer);
 void placeBoundaries(Placer& placer);
 void placeMarkings(Placer& placer);
+void placeCovers(Placer& placer);
 void placeFixtures(Placer& placer);
 void placeClutter(Placer& placer);
 void placeAnimals(Placer& placer);

@@ -7,6 +7,7 @@ void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFr
   Placer placer(builder, layout, worldFromTown);
   placeHouses(placer);
   placeMarkings(placer);
+  placeCovers(placer);
   placeBoundaries(placer);
   placeClutter(placer);
   placeFixtures(placer);

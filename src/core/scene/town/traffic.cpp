@@ -63,7 +63,7 @@ Course courseOf(const Layout& l, const Way& way, double out, double half, const 
 std::vector<double> curvatureOf(const Path& path) {
   constexpr double kReach = 4;  // m
   std::vector<double> curvature;
-  for (double d = 0; d <= path.length(); d += kLimitStep) {
+  for (const double d : parts::steps(0, path.length(), kLimitStep)) {
     const Vec3d a = toMatrix(path.pose(d - kReach).rotation).x;
     const Vec3d b = toMatrix(path.pose(d + kReach).rotation).x;
     curvature.push_back(std::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y) / (2 * kReach));
@@ -123,7 +123,7 @@ class Traffic {
     const CrossSection& s = road(r).section;
     const double direction = to >= from ? 1 : -1;
     const double lateral = std::max((s.half - s.parking) / 2, 0.9 + kMiddle);
-    for (double done = 0; done < std::abs(to - from); done += 1.5) {
+    for (const double done : parts::steps(0, std::abs(to - from), 1.5)) {
       const double along = from + direction * done;
       const Spot spot = besideRoad(road(r), along, -direction * lateral);
       if (!placer_.occupancy.isFree({spot.at, 0.75, 0.9, spot.yaw})) return along;
@@ -261,7 +261,7 @@ class Traffic {
     addDriver(0, at, bicycle, person, draw.in(3.5, 6), lanes / 2 - 0.6, kAlways);
   }
 
-  void addDriver(std::uint32_t route, double at, const Model& vehicle, std::optional<Model> person, double speed,
+  void addDriver(std::uint32_t route, double at, const Model& vehicle, const std::optional<Model>& person, double speed,
                  double out, double starts) {
     const double length = vehicle.bounds.high.x - vehicle.bounds.low.x;
     // Nobody begins where something stands, or in front of it.
@@ -270,7 +270,7 @@ class Traffic {
     }
     drivers_.push_back({route, at, length, speed, starts});
     const bool rides = person.has_value();
-    riders_.push_back({vehicle, std::move(person), out,
+    riders_.push_back({vehicle, person, out,
                        rides ? fmt::format("cyclist's bicycle {}", ++cyclists_) : fmt::format("traffic {}", ++cars_)});
   }
 

@@ -18,7 +18,8 @@ namespace {
 // A scene alone: one frame without scans.
 class SceneFrames : public FrameSource {
  public:
-  explicit SceneFrames(const ViewInput& input) : file_(input.path), keys_{input.path.filename().string()} {
+  explicit SceneFrames(const ViewInput& input)
+      : file_(input.path), seed_(input.seed.value_or(1)), keys_{input.path.filename().string()} {
     if (!input.over.empty() || !input.reference.empty() || !input.sensor.empty() || !input.scene.empty()) {
       throw InputError({file_.string()},
                        "is a scene: --over, --reference, --sensor and --scene belong to a dataset, a shard or a scan");
@@ -33,10 +34,11 @@ class SceneFrames : public FrameSource {
   bool isScene() const override { return true; }
   ViewFrame load(std::size_t frame) const override { return {keys_.at(frame), {}, {}}; }
   std::vector<Pose> trajectory(std::size_t) const override { return {}; }
-  std::optional<SceneChoice> scene(std::size_t, std::string&) const override { return SceneChoice{file_, 1, 0}; }
+  std::optional<SceneChoice> scene(std::size_t, std::string&) const override { return SceneChoice{file_, seed_, 0}; }
 
  private:
   fs::path file_;
+  std::uint64_t seed_;
   std::vector<std::string> keys_;
   std::optional<Ontology> ontology_;
 };
@@ -46,8 +48,12 @@ class SceneFrames : public FrameSource {
 std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
   const std::string suffix = input.path.extension().string();
   std::error_code ignored;
-  if (fs::is_regular_file(input.path, ignored)) {
-    if (suffix == ".yaml" || suffix == ".yml") return std::make_unique<SceneFrames>(input);
+  const bool regular = fs::is_regular_file(input.path, ignored);
+  if (regular && (suffix == ".yaml" || suffix == ".yml")) return std::make_unique<SceneFrames>(input);
+  if (input.seed) {
+    throw InputError({input.path.string()}, "is no scene: --seed is for a scene that is viewed by itself");
+  }
+  if (regular) {
     if (suffix == ".exr") {
       throw InputError({input.path.string()}, "is an image of passes or hits, not a scan: it is viewed by itself");
     }

@@ -49,10 +49,11 @@ struct ViewInput {
   std::filesystem::path path;  // a dataset's folder, a shard, a scan of any known format, or a scene (.yaml)
   // Further datasets, shards or scans. Their samples are joined by their keys, a single scan with every sample.
   std::vector<std::filesystem::path> over{};
-  std::filesystem::path reference{};  // the noise-free reference: a dataset, a shard or a scan
-  std::string sensor{};               // only the scans of this sensor are shown
-  std::filesystem::path ontology{};   // a file as labels/*.yaml, in place of the dataset's own ontology
-  std::filesystem::path scene{};      // the scene that was scanned, in place of the one that the manifest names
+  std::filesystem::path reference{};    // the noise-free reference: a dataset, a shard or a scan
+  std::string sensor{};                 // only the scans of this sensor are shown
+  std::filesystem::path ontology{};     // a file as labels/*.yaml, in place of the dataset's own ontology
+  std::filesystem::path scene{};        // the scene that was scanned, in place of the one that the manifest names
+  std::optional<std::uint64_t> seed{};  // of a scene that is viewed by itself
 };
 
 // A list of frames that are loaded when they are wanted.

@@ -90,14 +90,14 @@ TEST_F(ReadPipeline, FollowsTheLaneOfATown) {
   ASSERT_EQ(p.sequences.size(), 2u);
   for (const Sequence& s : p.sequences) {
     EXPECT_EQ(s.frames, 4u);
-    const std::vector<Vec3d> lane = readSceneLanes(s.sceneFile, s.sceneSeed).lane;
+    const std::vector<Vec3d> lane = readSceneLanes(s.sceneFile, s.sceneSeed)->lane;
     EXPECT_LT(length(s.trajectory->pose(0, 0).translation - lane.front()), 1e-9);
     EXPECT_NEAR(s.trajectory->pose(0, 0).translation.x, 1000 - 40, 8);
     EXPECT_NEAR(s.trajectory->pose(0, 0).translation.z, 50, 8);
   }
   EXPECT_NE(p.sequences[0].trajectory->pose(0, 0).translation, p.sequences[1].trajectory->pose(0, 0).translation);
   EXPECT_THAT(messageOf([&] { read("yard.yaml", "along: lane, speed: 10"); }),
-              AllOf(HasSubstr("yard.yaml"), HasSubstr("has no town")));
+              AllOf(HasSubstr("town.yaml:2:"), HasSubstr("yard.yaml"), HasSubstr("has no town")));
   EXPECT_THAT(messageOf([&] { read("place.yaml", "along: lan, speed: 10"); }), HasSubstr("did you mean 'lane'"));
 }
 

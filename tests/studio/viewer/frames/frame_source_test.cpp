@@ -284,7 +284,9 @@ TEST(SceneFrames, HoldNoScans) {
   EXPECT_THAT(source->load(0).scans, IsEmpty());
   std::string why;
   EXPECT_EQ(source->scene(0, why), (SceneChoice{street, 1}));
+  EXPECT_EQ(openFrames({.path = street, .seed = 7})->scene(0, why), (SceneChoice{street, 7}));
   EXPECT_THAT(messageOf([&] { openFrames({.path = street, .sensor = "top"}); }), HasSubstr("is a scene"));
+  EXPECT_THAT(messageOf([&] { openFrames({.path = street.parent_path(), .seed = 7}); }), HasSubstr("is no scene"));
 }
 
 TEST(RealFrames, OfRecordedSensors) {
