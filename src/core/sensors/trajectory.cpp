@@ -141,8 +141,8 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
 
   const bool along = fields.has("along");
   if (along == fields.has("waypoints")) {
-    throw InputError(value.where, fmt::format("trajectory {} needs poses, waypoints or `along: lane`, and one of them",
-                                              result.name_));
+    throw InputError(value.where,
+                     fmt::format("trajectory {} needs one of poses, waypoints and `along`, not several", result.name_));
   }
   const bool turns = along && fields.choice("along", {"lane", "turns"}, "lane") == "turns";
   const Value& way = fields.require(along ? "along" : "waypoints");

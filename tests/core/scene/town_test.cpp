@@ -376,8 +376,9 @@ TEST(Town, NobodyIsInTheLane) {
 TEST(Town, NobodyRunsIntoAnother) {
   for (const std::uint64_t seed : {1u, 2u, 4u, 7u, 9u, 18u}) {
     const Scene scene = makeTown("{length: 250, vehicles: 2, people: 2}", seed);
+    const double lowest = groundOf(scene).bounds().low.z;
     std::size_t moving = 0;
-    for (double time = 0; time < 110; time += 1.5) {
+    for (const double time : parts::steps(0, 110, 1.5)) {
       parts::Occupancy taken;
       for (const Instance& i : scene.instances) {
         if (i.name.starts_with("rider of")) continue;
@@ -387,7 +388,7 @@ TEST(Town, NobodyRunsIntoAnother) {
         const Affine place = i.worldFromMeshAt(time);
         const Box box = scene.meshes[i.mesh].bounds();
         const Vec3d middle = place * box.center();
-        if (std::hypot(middle.x, middle.y) > 300) continue;  // out of sight
+        if (middle.z < lowest) continue;  // who is still to come, or has gone
         const double half = i.name.starts_with("pedestrian") ? 0.25 : (box.high.x - box.low.x) / 2;
         const parts::Footprint f{{middle.x, middle.y},
                                  half - 0.05,

@@ -146,7 +146,7 @@ TEST(Trajectory, ListedPosesStandStill) {
 
 TEST(Trajectory, MalformedOnesAreRefusedWithTheirPlace) {
   const std::string line = "waypoints: [[0, 0, 0], [100, 0, 0]]\n";
-  EXPECT_THAT(refusal(""), HasSubstr("needs poses, waypoints or `along: lane`"));
+  EXPECT_THAT(refusal(""), HasSubstr("needs one of poses, waypoints and `along`"));
   EXPECT_THAT(refusal("{poses: []}"), HasSubstr("trip.yaml:1:9: "));
   EXPECT_THAT(refusal("{poses: [{position: [0, 0]}]}"), HasSubstr("trip.yaml:1:"));
   EXPECT_THAT(refusal("{poses: [{yaw: 3}]}"), HasSubstr("yaw_deg"));
@@ -155,7 +155,7 @@ TEST(Trajectory, MalformedOnesAreRefusedWithTheirPlace) {
   EXPECT_THAT(refusal(line + "speed: 3\nposes: [{}]"), HasSubstr("not both"));
   EXPECT_THAT(refusal(line), HasSubstr("speed"));
   EXPECT_THAT(refusal("{along: lane, speed: 3}"), HasSubstr("here is none"));
-  EXPECT_THAT(refusal(line + "along: lane\nspeed: 3"), HasSubstr("one of them"));
+  EXPECT_THAT(refusal(line + "along: lane\nspeed: 3"), HasSubstr("not several"));
   EXPECT_THAT(refusal("{along: lane, poses: [{}]}"), HasSubstr("either poses or along"));
   EXPECT_THAT(refusal(line + "speed: 0"), HasSubstr("trip.yaml:2:8: "));
   EXPECT_THAT(refusal(line + "speed: -1"), HasSubstr("trip.yaml:2:8: "));

@@ -11,17 +11,27 @@ namespace {
 
 constexpr double kPoints = 6;  // m between them
 
-std::vector<Vec3d> straightOn(const Vec3d& end, const Vec3d& next, double reach) {
+// The way on beyond the end of a road: down, round, and back far below the ground, where nobody sees those who are
+// still to come or have gone.
+std::vector<Vec3d> wayBelow(const Vec3d& end, const Vec3d& next, double reach) {
+  std::vector<Vec3d> more;
+  if (reach <= 0) return more;
   Vec3d ahead = end - next;
   ahead.z = 0;
   ahead = normalized(ahead);
-  std::vector<Vec3d> more;
-  double d = 10;
-  while (d < reach) {
-    more.push_back(end + ahead * d);
-    d += 10 + d / 4;
+  const Vec3d aside{-ahead.y, ahead.x, 0};
+  constexpr double kRamp = 130;  // m
+  constexpr double kDepth = 70;
+  constexpr double kTurn = 20;  // radius
+  for (const double d : parts::steps(10, kRamp, 10)) {
+    more.push_back(end + ahead * d + Vec3d{0, 0, -kDepth * parts::smooth(d / kRamp)});
   }
-  if (reach > 0) more.push_back(end + ahead * (reach + 10));
+  const Vec3d bottom = end + ahead * kRamp + Vec3d{0, 0, -kDepth};
+  for (int k = 0; k <= 6; ++k) {
+    const double angle = kPi * k / 6;
+    more.push_back(bottom + ahead * (kTurn * std::sin(angle)) + aside * (kTurn * (1 - std::cos(angle))));
+  }
+  for (const double d : parts::steps(15, reach - kRamp, 40)) more.push_back(bottom + aside * (2 * kTurn) - ahead * d);
   return more;
 }
 
@@ -42,8 +52,8 @@ LaidOut layOut(const Layout& l, const Way& way, double out, double least) {
       laid.places.push_back({s.road, along});
     }
   }
-  const std::vector<Vec3d> behind = straightOn(points[points.size() - 1], points[points.size() - 2], way.after);
-  const std::vector<Vec3d> before = straightOn(points[0], points[1], way.before);
+  const std::vector<Vec3d> behind = wayBelow(points[points.size() - 1], points[points.size() - 2], way.after);
+  const std::vector<Vec3d> before = wayBelow(points[0], points[1], way.before);
   laid.first = before.size();
   laid.points.assign(before.rbegin(), before.rend());
   laid.points.insert(laid.points.end(), points.begin(), points.end());

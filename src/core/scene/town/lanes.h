@@ -16,7 +16,7 @@ struct Way {
     double from, to;  // m along the road; it is driven from `from` to `to`
   };
   std::vector<Stretch> stretches;
-  double before = 0, after = 0;  // m straight on before it and behind it
+  double before = 0, after = 0;  // m of way before it and behind it, out of sight below the ground
 };
 
 struct LaidOut {

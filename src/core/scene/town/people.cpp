@@ -62,23 +62,39 @@ bool placeWalker(Placer& placer, Draw& draw, const parts::Walker& walker, const 
   constexpr double kLeast = 12;  // m
   constexpr double kMost = 110;
   constexpr double kPiece = 3;
+  constexpr double kDuration = 120;  // s
   const std::optional<Place> place = besidePeople(placer, draw);
   const double speed = draw.in(1.0, 1.6);
   if (!place) return false;
   const double way = freeWay(placer, *place, kMost);
   if (way < kLeast) return false;
-  std::vector<Vec3d> points;
+  // To its end, round in half a step, and back, as often as it takes.
+  constexpr double kAside = 0.15;  // m from the middle of the way
   const auto pieces = static_cast<int>(way / kPiece);
-  for (int k = 0; k <= pieces; ++k) {
+  const auto at = [&](double done, double left) {
     Place here = *place;
-    here.along += here.sense * way * k / pieces;
-    const Spot spot = here.spot();
-    points.push_back(placer.worldFromTown * Vec3d{spot.at.x, spot.at.y, placer.layout.heightAt(spot.at)});
-    if (k < pieces) {
-      here.along += here.sense * way / pieces / 2;
-      const Spot middle = here.spot();
-      placer.occupancy.add({middle.at, way / pieces / 2, 0.4, middle.yaw});
-    }
+    here.along += here.sense * way * done / pieces;
+    here.lateral += here.sense * left;
+    return here.spot();
+  };
+  std::vector<Vec3d> points;
+  const auto walk = [&](double done, double left) {
+    const Point2 p = at(done, left).at;
+    points.push_back(placer.worldFromTown * Vec3d{p.x, p.y, placer.layout.heightAt(p)});
+  };
+  for (int k = 0; k < pieces; ++k) {
+    const Spot middle = at(k + 0.5, 0);
+    placer.occupancy.add({middle.at, way / pieces / 2, 0.4, middle.yaw});
+  }
+  const double round = 0.25 * pieces / way;  // m, beyond the last and the first place
+  const auto laps = static_cast<int>(std::ceil(speed * kDuration / (2 * way)));
+  for (int lap = 0; lap < laps; ++lap) {
+    for (int k = 0; k < pieces; ++k) walk(k + round, -kAside);
+    walk(pieces - round, -kAside);
+    walk(pieces, 0);
+    for (int k = pieces; k > 0; --k) walk(k - round, kAside);
+    walk(round, kAside);
+    walk(0, 0);
   }
   const auto path = std::make_shared<const Path>(points);
   const auto animation = std::make_shared<Animation>();

@@ -19,7 +19,7 @@ using parts::Kind;
 constexpr double kMiddle = 0.4;     // m from the middle of a road that vehicles on the other side keep
 constexpr double kHeavyLane = 3.2;  // m, that lorries and buses need
 constexpr double kUpstream = 1000;  // m before the town, where those are who arrive later
-constexpr double kBeyond = 250;     // m behind the town, where nobody sees them vanish
+constexpr double kBeyond = 300;     // m behind the town, where nobody sees them vanish
 constexpr double kWarmUp = 20;      // s
 constexpr double kDuration = 120;   // s; then all stand
 constexpr double kInterval = 0.25;  // s

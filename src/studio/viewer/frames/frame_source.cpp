@@ -50,7 +50,7 @@ std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
   std::error_code ignored;
   const bool regular = fs::is_regular_file(input.path, ignored);
   if (regular && (suffix == ".yaml" || suffix == ".yml")) return std::make_unique<SceneFrames>(input);
-  if (input.seed) {
+  if (input.seed && fs::exists(input.path, ignored)) {
     throw InputError({input.path.string()}, "is no scene: --seed is for a scene that is viewed by itself");
   }
   if (regular) {
