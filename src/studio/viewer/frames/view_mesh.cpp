@@ -116,6 +116,29 @@ Box coreOf(const std::vector<Vec3f>& corners) {
   return core;
 }
 
+// Objects that move far away from all that stands, such as a town's traffic that is still to come: they would only draw
+// the eye away from it.
+void leaveOutWhoIsAway(Scene& scene, double time) {
+  Box standing;
+  for (const Instance& i : scene.instances) {
+    if (i.moves()) continue;
+    const Box box = scene.meshes[i.mesh].bounds();
+    for (int corner = 0; corner < 8; ++corner) {
+      standing.add(i.worldFromMesh * Vec3d{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                           corner & 4 ? box.high.z : box.low.z});
+    }
+  }
+  if (standing.empty()) return;
+  constexpr double kNear = 40;  // m
+  std::erase_if(scene.instances, [&](const Instance& i) {
+    if (!i.moves()) return false;
+    const Vec3d p = i.worldFromMeshAt(time) * scene.meshes[i.meshAt(time)].bounds().center();
+    const double away = std::max({standing.low.x - p.x, p.x - standing.high.x, standing.low.y - p.y,
+                                  p.y - standing.high.y, standing.low.z - p.z, p.z - standing.high.z});
+    return away > kNear;
+  });
+}
+
 }  // namespace
 
 ViewMesh makeViewMesh(const Scene& scene) {
@@ -149,7 +172,10 @@ ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, dou
     options.textures = false;
     Scene scene = readScene(file, options);
     const bool moves = scene.moves();
-    if (moves) standStill(scene, time);
+    if (moves) {
+      leaveOutWhoIsAway(scene, time);
+      standStill(scene, time);
+    }
     ViewMesh view = makeViewMesh(scene);
     view.moves = moves;
     return view;

@@ -184,6 +184,24 @@ TEST(MakeViewMesh, ASceneThatIsTooLargeIsAProblem) {
   EXPECT_EQ(view.size(), 0u);
 }
 
+TEST(LoadViewMesh, ShowsWhatMovesWhereItIsUnlessThatIsFarAway) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("moving.yaml", std::string("ontology: ") + SCANMILL_SOURCE_DIR +
+                                                    "/labels/scanmill.yaml\nmaterials: " + SCANMILL_SOURCE_DIR +
+                                                    "/labels/materials.yaml\nobjects:\n"
+                                                    "  - {primitive: plane, size: [20, 20], class: road, material: "
+                                                    "asphalt}\n"
+                                                    "  - {primitive: box, size: [1, 1, 1], class: car, material: "
+                                                    "car_paint, moving: {velocity: [10, 0, 0]}}\n");
+  const ViewMesh start = loadViewMesh(file, 1);
+  EXPECT_TRUE(start.moves);
+  EXPECT_EQ(start.size(), 14u) << "two of the plane, twelve of the box";
+  const ViewMesh later = loadViewMesh(file, 1, 2);
+  EXPECT_EQ(later.size(), 14u);
+  EXPECT_NEAR(later.origin.x + later.bounds.high.x, 20.5, 1e-5);
+  EXPECT_EQ(loadViewMesh(file, 1, 20).size(), 2u);
+}
+
 TEST(LoadViewMesh, ReadsAScene) {
   const std::string street = std::string(SCANMILL_SOURCE_DIR) + "/scenes/street.yaml";
   const ViewMesh first = loadViewMesh(street, 1);
