@@ -302,7 +302,7 @@ void addOptions(cxxopts::Options& options) {
       "DATASET|SHARD|SCAN")("reference,twin", "the noise-free reference, for --color error", text(),
                             "DATASET|SHARD|SCAN")(
       "scene", "the scene that was scanned, in place of the one that the dataset names", text(), "FILE")(
-      "seed", "of a procedural scene that is viewed by itself (default: 1)", cxxopts::value<double>(), "N")(
+      "seed", "of a procedural scene that is viewed by itself (default: 1)", cxxopts::value<std::uint64_t>(), "N")(
       "ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)", text(), "FILE")(
       "color",
       fmt::format("{}; the first that the scan has where not given; once per view", fmt::join(colorNames(), ", ")),
@@ -373,9 +373,7 @@ int runView(const std::vector<std::string>& arguments) {
   input.ontology = textOption(parsed, "ontology");
   input.scene = textOption(parsed, "scene");
   if (hasOption(parsed, "seed")) {
-    const double seed = numberWithin(parsed, "seed", 0, 9e15);
-    if (seed != std::floor(seed)) throw InputError(fmt::format("--seed is a whole number, not {}", seed));
-    input.seed = static_cast<std::uint64_t>(seed);
+    input.seed = parsed.options["seed"].as<std::uint64_t>();
   }
   viewFrames(input, view, size, outputs, hasOption(parsed, "overwrite"));
   return 0;

@@ -70,4 +70,12 @@ Pose Path::pose(double distance) const {
   return {fromYawPitchRoll(yaw, pitch, 0), segment.position(u)};
 }
 
+double Path::curvature(double distance, double reach) const {
+  const double from = std::clamp(distance - reach, 0.0, length());
+  const double to = std::clamp(distance + reach, 0.0, length());
+  const Vec3d a = toMatrix(pose(from).rotation).x;
+  const Vec3d b = toMatrix(pose(to).rotation).x;
+  return std::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y) / (to - from);
+}
+
 }  // namespace scanmill

@@ -21,6 +21,9 @@ class Path {
   // The pose at a distance along the path (m): x heads along the path, without roll. A distance before or after the
   // path gives its end.
   Pose pose(double distance) const;
+  // How much the heading over ground turns to the left for each metre along the path, by the headings `reach` metres
+  // before and behind a place (1/m).
+  double curvature(double distance, double reach) const;
   // The distance along the path at which it passes one of its points (m).
   double distanceOfPoint(std::size_t point) const { return travelled_[point * kParts]; }
 

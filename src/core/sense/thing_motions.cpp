@@ -1,5 +1,7 @@
 #include "sense/thing_motions.h"
 
+#include <algorithm>
+
 namespace scanmill {
 
 namespace {
@@ -7,6 +9,16 @@ namespace {
 constexpr double kMoment = 0.01;  // s, of a revolution in which all stands still
 
 }  // namespace
+
+bool ThingMotions::areToldOf(const Scene& scene, const ScanLayout& layout) {
+  if (!scene.moves()) return false;
+  for (std::size_t c = 0; c < kColumnCount; ++c) {
+    if (layout.columns.has(c) && kColumns[c].name.starts_with("velocity_")) return true;
+  }
+  const std::vector<SemanticClass>& classes = scene.ontology.classes;
+  return layout.columns.has(kLabel) &&
+         std::any_of(classes.begin(), classes.end(), [](const SemanticClass& c) { return c.movingOf.has_value(); });
+}
 
 ThingMotions::ThingMotions(const Scene& scene, const Shot& shot) {
   for (const SemanticClass& c : scene.ontology.classes) {

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "base/vec.h"
+#include "scan/scan.h"
 #include "scene/scene.h"
 #include "sensors/shot.h"
 
@@ -14,6 +15,9 @@ namespace scanmill {
 
 class ThingMotions {
  public:
+  // Whether such columns or classes are asked for, in a scene in which anything moves.
+  static bool areToldOf(const Scene& scene, const ScanLayout& layout);
+
   // The scene must outlive it. Where nothing moves all of it is empty.
   ThingMotions(const Scene& scene, const Shot& shot);
 

@@ -11,14 +11,6 @@ constexpr double kStep = 0.25;   // m
 constexpr double kReach = 2;     // m, over which the heading's change tells the curvature
 constexpr double kCrawl = 1e-3;  // m/s: a vehicle between two places at which it rests is not slower
 
-double curvatureAt(const Path& path, double distance) {
-  const double from = std::max(0.0, distance - kReach);
-  const double to = std::min(path.length(), distance + kReach);
-  const Vec3d a = toMatrix(path.pose(from).rotation).x;
-  const Vec3d b = toMatrix(path.pose(to).rotation).x;
-  return std::abs(std::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y)) / (to - from);
-}
-
 }  // namespace
 
 SpeedProfile::SpeedProfile(double length, double speed) : nodes_{{0, 0, speed}, {length / speed, length, speed}} {}
@@ -34,7 +26,7 @@ SpeedProfile::SpeedProfile(const Path& path, double speed, double acceleration, 
   std::vector<double> fastest;
   fastest.reserve(places.size());
   for (const double at : places) {
-    fastest.push_back(std::min(speed, std::sqrt(kSideways / std::max(curvatureAt(path, at), 1e-9))));
+    fastest.push_back(std::min(speed, std::sqrt(kSideways / std::max(std::abs(path.curvature(at, kReach)), 1e-9))));
   }
   fastest.front() = fastest.back() = 0;
   for (const DriveStop& stop : stops) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/path.h"
@@ -38,6 +39,25 @@ TEST(Path, PassesEveryWaypoint) {
     before = distance;
   }
   EXPECT_DOUBLE_EQ(before, path.length());
+}
+
+// On a helix, since it tells of the heading over ground. To the left is positive; at the ends it tells of what there
+// is.
+TEST(Path, CurvatureOfAHelixFollowsItsRadiusAndRise) {
+  constexpr double kRadius = 25;
+  const double expected = 1 / kRadius / std::hypot(1, 0.2);
+  std::vector<Vec3d> points;
+  for (int i = 0; i <= 200; ++i)
+    points.push_back({kRadius * std::cos(0.02 * i), kRadius * std::sin(0.02 * i), 0.1 * i});
+  const Path left(points);
+  std::reverse(points.begin(), points.end());
+  const Path right(points);
+  for (const double at : {5.0, 50.3, 90.0}) {
+    EXPECT_NEAR(left.curvature(at, 3), expected, 1e-4) << at;
+    EXPECT_NEAR(right.curvature(at, 3), -expected, 1e-4) << at;
+  }
+  for (const double end : {0.0, left.length()}) EXPECT_NEAR(left.curvature(end, 3), expected, 4e-3) << end;
+  EXPECT_NEAR(Path({{0, 0, 0}, {9, 3, 1}, {18, 6, 1}}).curvature(9, 2), 0, 1e-9);
 }
 
 TEST(Path, StraightLineIsItsOwnLength) {

@@ -15,7 +15,7 @@ ShotSetup setupOf(const Plan& plan, const Scene& scene, const Method& method, st
           plan.footprint(sensor),
           plan.vehicle(sensor),
           plan.pipeline().lightPaths(sensor),
-          scene.moves() ? &scene : nullptr};
+          ThingMotions::areToldOf(scene, plan.pipeline().layout) ? &scene : nullptr};
 }
 
 TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits) {

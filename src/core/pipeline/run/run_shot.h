@@ -28,7 +28,7 @@ struct ShotSetup {
   const Footprint* footprint = nullptr;  // of beams that fire several rays
   const Hits* vehicle = nullptr;         // what the rays meet of the own vehicle
   const LightPaths* paths = nullptr;     // of rays that go on
-  const Scene* moving = nullptr;         // the scene, if objects of it move
+  const Scene* moving = nullptr;         // the scene, if points tell how objects of it move
 };
 
 // As the plan says of this sensor.

@@ -56,7 +56,7 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
   placer.tryPut(light, with, name + ", with the line");
   placer.tryPut(light, besideRoad(road, last, out), name + ", against the line");
   Draw draw(placer.layout.seed(), Kind::Light, 7200 + static_cast<std::uint32_t>(placer.lights.size()));
-  placer.lights.push_back({last + 1, draw.in(0, 44)});
+  placer.lights.push_back({last + 1, draw.in(0, Placer::Light::kPeriod)});
 }
 
 // What is wide and flat stands on level ground.

@@ -181,7 +181,8 @@ void placeCovers(Placer& placer) {
     Draw draw(l.seed(), Kind::Cover, r);
     const double half = road.section.half - road.section.parking - 0.3;
     const double covers = l.character().district == District::Rural ? 0.3 : 3;
-    for (int k = 0; k < static_cast<int>(covers * road.length() / 100 + draw.next()); ++k) {
+    const auto manholes = static_cast<int>(covers * road.length() / 100 + draw.next());
+    for (int k = 0; k < manholes; ++k) {
       const double along = draw.in(4, road.length() - 4);
       const double lateral = draw.in(-half + 0.3, half - 0.3);
       constexpr int kCorners = 16;
@@ -196,7 +197,8 @@ void placeCovers(Placer& placer) {
       for (int i = 0; i < kCorners; ++i) s.triangle(iron, middle, rim(i), rim(i + 1));
       ++count;
     }
-    for (int k = 0; k < static_cast<int>(8 * l.character().wear * road.length() / 100 + draw.next()); ++k) {
+    const auto repairs = static_cast<int>(8 * l.character().wear * road.length() / 100 + draw.next());
+    for (int k = 0; k < repairs; ++k) {
       const double along = draw.in(4, road.length() - 12);
       const double width = draw.in(0.5, 2);
       const double right = draw.in(-half, half - width);

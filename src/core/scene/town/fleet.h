@@ -9,6 +9,8 @@
 
 namespace scanmill::town {
 
+constexpr double kMiddle = 0.4;  // m from the middle of a road that vehicles on the other side keep
+
 class Fleet {
  public:
   explicit Fleet(Placer& placer) : placer_(placer), cars_(kCars), trucks_(2) {}

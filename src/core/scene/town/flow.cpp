@@ -14,6 +14,8 @@ constexpr double kRunsAmber = 3.5;  // m/s^2: who would have to brake harder dri
 constexpr double kSight = 120;      // m
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
+constexpr DriverModel kModel;
+
 struct State {
   double at = 0;
   double speed = 0;
@@ -21,8 +23,8 @@ struct State {
 
 class Flow {
  public:
-  Flow(const std::vector<Route>& routes, const std::vector<Driver>& drivers, const DriverModel& model, double begin)
-      : routes_(routes), drivers_(drivers), model_(model) {
+  Flow(const std::vector<Route>& routes, const std::vector<Driver>& drivers, double begin)
+      : routes_(routes), drivers_(drivers) {
     for (const Driver& d : drivers) states_.push_back({d.at, d.starts <= begin ? firstSpeed(d) : 0});
   }
 
@@ -54,7 +56,7 @@ class Flow {
     double speed = limitAt(d, d.at);
     for (const StopLine& stop : routes_[d.route].stops) {
       const double gap = stop.at - d.at - d.length / 2;
-      if (stop.period <= 0 && gap >= 0) speed = std::min(speed, std::sqrt(2 * model_.braking * gap));
+      if (stop.period <= 0 && gap >= 0) speed = std::min(speed, std::sqrt(2 * kModel.braking * gap));
     }
     return speed;
   }
@@ -62,12 +64,12 @@ class Flow {
   // Equation (3), with the gap of equation (4).
   double following(double speed, double wanted, double gap, double slower) const {
     const double free = std::pow(speed / wanted, 4);
-    if (gap == kNone) return std::max(-model_.braking, model_.acceleration * (1 - free));
+    if (gap == kNone) return std::max(-kModel.braking, kModel.acceleration * (1 - free));
     const double dynamic =
-        speed * model_.headway + speed * slower / (2 * std::sqrt(model_.acceleration * model_.braking));
-    const double desired = model_.gap + std::max(0.0, dynamic);
+        speed * kModel.headway + speed * slower / (2 * std::sqrt(kModel.acceleration * kModel.braking));
+    const double desired = kModel.gap + std::max(0.0, dynamic);
     const double near = desired / std::max(gap, 0.01);
-    return std::max(-kHardest, model_.acceleration * (1 - free - near * near));
+    return std::max(-kHardest, kModel.acceleration * (1 - free - near * near));
   }
 
   double acceleration(std::size_t i, double time) const {
@@ -95,7 +97,7 @@ class Flow {
       if (gap < 0 || gap > kSight || !closed(stop, time)) continue;
       if (stop.period > 0 && s.speed * s.speed > 2 * kRunsAmber * gap) continue;
       // Its front comes to stand at the line, or a little before it.
-      least = std::min(least, following(s.speed, wanted, gap + model_.gap - 0.5, s.speed));
+      least = std::min(least, following(s.speed, wanted, gap + kModel.gap - 0.5, s.speed));
     }
     return least;
   }
@@ -119,7 +121,6 @@ class Flow {
 
   const std::vector<Route>& routes_;
   const std::vector<Driver>& drivers_;
-  DriverModel model_;
   std::vector<State> states_;
 };
 
@@ -138,8 +139,8 @@ std::vector<double> inBends(const std::vector<double>& curvature, double fastest
 }
 
 std::vector<std::vector<double>> drive(const std::vector<Route>& routes, const std::vector<Driver>& drivers,
-                                       double warmUp, double duration, double interval, const DriverModel& model) {
-  Flow flow(routes, drivers, model, -warmUp);
+                                       double warmUp, double duration, double interval) {
+  Flow flow(routes, drivers, -warmUp);
   const auto before = static_cast<int>(std::ceil(warmUp / interval));
   const auto steps = static_cast<int>(std::ceil(duration / interval));
   std::vector<std::vector<double>> travelled(drivers.size());

@@ -60,6 +60,6 @@ std::vector<double> inBends(const std::vector<double>& curvature, double fastest
 // How far each driver has come along its route (m) at the times 0, interval, ... up to `duration` (s), having driven
 // for `warmUp` seconds before that. Nobody drives backwards or into another on its lane.
 std::vector<std::vector<double>> drive(const std::vector<Route>& routes, const std::vector<Driver>& drivers,
-                                       double warmUp, double duration, double interval, const DriverModel& model = {});
+                                       double warmUp, double duration, double interval);
 
 }  // namespace scanmill::town

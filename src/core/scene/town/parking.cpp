@@ -13,8 +13,7 @@ namespace {
 
 using parts::Kind;
 
-constexpr double kBay = 6;       // m along the curb
-constexpr double kMiddle = 0.4;  // m from the middle of a road that vehicles on the other side keep
+constexpr double kBay = 6;  // m along the curb
 
 void placeCars(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;

@@ -7,7 +7,7 @@ namespace scanmill::town {
 Placer::Placer(SceneBuilder& sceneBuilder, const Layout& townLayout, const Affine& frame)
     : builder(sceneBuilder), layout(townLayout), worldFromTown(frame) {
   for (const Terrace& terrace : layout.terraces()) occupancy.add(terrace.place);
-  for (const Patch& patch : layout.patches()) clear.add(patch.place);
+  for (const Patch& patch : layout.patches()) driveways.add(patch.place);
 }
 
 Vec3d Placer::onGround(const Point2& p, double sink) const {

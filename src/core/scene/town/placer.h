@@ -41,16 +41,18 @@ class Placer {
   SceneBuilder& builder;
   const Layout& layout;
   const Affine& worldFromTown;
-  // Neither on driveways and paths, which stay clear, nor where something stands.
-  bool isFree(const Footprint& f) const { return clear.isFree(f) && occupancy.isFree(f); }
+  // Whether it is neither on a driveway or path nor where something stands.
+  bool isFree(const Footprint& f) const { return driveways.isFree(f) && occupancy.isFree(f); }
 
   parts::Occupancy occupancy;  // by things that stand
-  parts::Occupancy clear;
+  parts::Occupancy driveways;  // and paths: they stay clear
   parts::Occupancy noParking;  // where nothing on wheels may stand
   // Traffic lights of the main road, for those who drive against its line.
   struct Light {
-    double along;   // where they stop, m
-    double offset;  // s, in its period
+    static constexpr double kPeriod = 44;  // s
+    static constexpr double kRed = 16;     // s of the period
+    double along;                          // where they stop, m
+    double offset;                         // s, in its period
   };
   std::vector<Light> lights;
 

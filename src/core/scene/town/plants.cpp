@@ -99,7 +99,8 @@ void placeTrees(Placer& placer) {
     const Road& road = l.roads().roads()[plot.road];
     Draw draw(l.seed(), Kind::Tree, 10000 + plot.number);
     const double expected = c.gardenTrees * draw.in(0.3, 1.7);
-    for (int k = 0; k < static_cast<int>(expected + draw.next()); ++k) {
+    const auto count = static_cast<int>(expected + draw.next());
+    for (int k = 0; k < count; ++k) {
       for (int attempt = 0; attempt < 4; ++attempt) {
         const bool front = draw.chance(0.4) && plot.setback > 3;
         const double depth = front ? draw.in(0.8, plot.setback) : plot.setback + draw.in(0, 26);

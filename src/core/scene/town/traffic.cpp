@@ -16,7 +16,6 @@ namespace {
 
 using parts::Kind;
 
-constexpr double kMiddle = 0.4;     // m from the middle of a road that vehicles on the other side keep
 constexpr double kHeavyLane = 3.2;  // m, that lorries and buses need
 constexpr double kUpstream = 1000;  // m before the town, where those are who arrive later
 constexpr double kBeyond = 300;     // m behind the town, where nobody sees them vanish
@@ -61,13 +60,8 @@ Course courseOf(const Layout& l, const Way& way, double out, double half, const 
 }
 
 std::vector<double> curvatureOf(const Path& path) {
-  constexpr double kReach = 4;  // m
   std::vector<double> curvature;
-  for (const double d : parts::steps(0, path.length(), kLimitStep)) {
-    const Vec3d a = toMatrix(path.pose(d - kReach).rotation).x;
-    const Vec3d b = toMatrix(path.pose(d + kReach).rotation).x;
-    curvature.push_back(std::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y) / (2 * kReach));
-  }
+  for (const double d : parts::steps(0, path.length(), kLimitStep)) curvature.push_back(path.curvature(d, 4));
   return curvature;
 }
 
@@ -87,19 +81,19 @@ class Traffic {
     drawThrough();
     const std::vector<std::vector<double>> travelled = drive(routes_, drivers_, kWarmUp, kDuration, kInterval);
     for (std::size_t i = 0; i < drivers_.size(); ++i) {
-      const Rider& r = riders_[i];
-      const double half = (r.vehicle.bounds.high.y - r.vehicle.bounds.low.y) / 2;
-      const Course own = courseOf(l_, ways_[drivers_[i].route], r.out, half, placer_.worldFromTown);
+      const Participant& p = participants_[i];
+      const double half = (p.vehicle.bounds.high.y - p.vehicle.bounds.low.y) / 2;
+      const Course own = courseOf(l_, ways_[drivers_[i].route], p.out, half, placer_.worldFromTown);
       const auto movement = std::make_shared<const Movement>(own.path, travelled[i], kInterval);
-      placer_.builder.place(r.vehicle.mesh, {}, r.name, {}, movement);
-      if (r.person) placer_.builder.place(r.person->mesh, {}, "rider of " + r.name, {}, movement);
+      placer_.builder.place(p.vehicle.mesh, {}, p.name, {}, movement);
+      if (p.rider) placer_.builder.place(p.rider->mesh, {}, "rider of " + p.name, {}, movement);
     }
   }
 
  private:
-  struct Rider {
+  struct Participant {
     Model vehicle;
-    std::optional<Model> person;
+    std::optional<Model> rider;
     double out = 0;
     std::string name;
   };
@@ -139,7 +133,7 @@ class Traffic {
     through.legs = {{0, 0, through.length, 0}};
     if (const auto at = blocked(0, length, 0)) through.stops.push_back({courses_[route].at(0, *at) - 2});
     for (const Placer::Light& light : placer_.lights) {
-      through.stops.push_back({courses_[route].at(0, light.along), 44, 16, light.offset});
+      through.stops.push_back({courses_[route].at(0, light.along), light.kPeriod, light.kRed, light.offset});
     }
   }
 
@@ -261,7 +255,7 @@ class Traffic {
     addDriver(0, at, bicycle, person, draw.in(3.5, 6), lanes / 2 - 0.6, kAlways);
   }
 
-  void addDriver(std::uint32_t route, double at, const Model& vehicle, const std::optional<Model>& person, double speed,
+  void addDriver(std::uint32_t route, double at, const Model& vehicle, const std::optional<Model>& rider, double speed,
                  double out, double starts) {
     const double length = vehicle.bounds.high.x - vehicle.bounds.low.x;
     // Nobody begins where something stands, or in front of it.
@@ -269,9 +263,10 @@ class Traffic {
       if (s.period <= 0 && std::abs(at - s.at) < 14) return;
     }
     drivers_.push_back({route, at, length, speed, starts});
-    const bool rides = person.has_value();
-    riders_.push_back({vehicle, person, out,
-                       rides ? fmt::format("cyclist's bicycle {}", ++cyclists_) : fmt::format("traffic {}", ++cars_)});
+    const bool rides = rider.has_value();
+    participants_.push_back(
+        {vehicle, rider, out,
+         rides ? fmt::format("cyclist's bicycle {}", ++cyclists_) : fmt::format("traffic {}", ++cars_)});
   }
 
   Placer& placer_;
@@ -284,7 +279,7 @@ class Traffic {
   std::vector<Route> routes_;
   std::vector<std::uint32_t> turns_;  // routes that leave the main road
   std::vector<Driver> drivers_;
-  std::vector<Rider> riders_;
+  std::vector<Participant> participants_;
   int cars_ = 0, cyclists_ = 0;
 };
 

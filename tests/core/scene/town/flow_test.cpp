@@ -31,7 +31,7 @@ TEST(Flow, FollowsAtTheGapOfTheModel) {
   const DriverModel model;
   for (const double v : {4.0, 8.0, 12.0}) {
     constexpr double kWanted = 15;
-    const auto t = drive({straight(1e6)}, {{0, 100, 4, v}, {0, 20, 6, kWanted}}, 300, 10, kInterval, model);
+    const auto t = drive({straight(1e6)}, {{0, 100, 4, v}, {0, 20, 6, kWanted}}, 300, 10, kInterval);
     const double gap = t[0].back() - t[1].back() - 5;
     EXPECT_NEAR(gap, (model.gap + v * model.headway) / std::sqrt(1 - std::pow(v / kWanted, 4)), 0.05) << v;
   }
