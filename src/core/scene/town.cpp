@@ -5,30 +5,40 @@
 
 namespace scanmill {
 
-void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& worldFromTown) {
+namespace {
+
+town::Layout readLayout(Fields& fields, std::uint64_t seed) {
   const town::Parameters parameters = town::readParameters(fields);
   fields.finish();
-  const town::Layout layout(parameters, seed);
+  if (parameters.map.empty()) return {parameters, seed};
+  const Location& where = fields.find("map")->where;
+  const town::Map map = town::readMap(parameters.map, where);
+  return {parameters, seed,
+          town::cutOut(map, parameters, seed, town::Layout::reachOf(parameters) - town::Layout::kEdge, where)};
+}
+
+}  // namespace
+
+void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& worldFromTown) {
+  const town::Layout layout = readLayout(fields, seed);
   builder.place(town::makeGround(builder, layout).mesh, worldFromTown, "ground");
   town::populate(builder, layout, worldFromTown);
 }
 
 SceneLanes townLanes(Fields& fields, std::uint64_t seed) {
   constexpr double kEnds = 20;  // m of the built part before the lane begins and after it ends
-  const town::Parameters parameters = town::readParameters(fields);
-  fields.finish();
-  const town::Layout layout(parameters, seed);
+  const town::Layout layout = readLayout(fields, seed);
   const town::Way through{{{0, layout.mainFrom() + kEnds, layout.mainTo() - kEnds}}, 0, 0};
   const std::vector<town::Road>& roads = layout.roads().roads();
   const town::Tour tour = town::tourOf(layout);
   town::Way turns = through;
   if (tour.from) {
-    turns.stretches.front().from = roads[*tour.from].joins + town::cornerOf(layout, *tour.from);
+    turns.stretches.front().from = *roads[*tour.from].joins + town::cornerOf(layout, *tour.from);
     turns.stretches.insert(turns.stretches.begin(),
                            {*tour.from, town::endOf(layout, *tour.from), town::mouthOf(layout)});
   }
   if (tour.into) {
-    turns.stretches.back().to = roads[*tour.into].joins - town::cornerOf(layout, *tour.into);
+    turns.stretches.back().to = *roads[*tour.into].joins - town::cornerOf(layout, *tour.into);
     turns.stretches.push_back({*tour.into, town::mouthOf(layout), town::endOf(layout, *tour.into)});
   }
   return {town::layOut(layout, through, 0, 0).points, town::layOut(layout, turns, 0, 0).points};

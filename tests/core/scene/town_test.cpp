@@ -20,6 +20,7 @@
 #include "scene/scene.h"
 #include "scene/town/layout.h"
 #include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace scanmill {
 namespace {
@@ -89,6 +90,20 @@ constexpr auto kOnRoads = std::to_array<std::string_view>(
 
 constexpr const char* kSmall = "{length: 120}";
 
+// A town on the map that comes with the program; `more` are further keys.
+std::string onMap(const std::string& more) {
+  return "{map: " SCANMILL_SOURCE_DIR "/scenes/village.osm, " + more + "}";
+}
+
+// What all towns must be, drawn and on a map.
+struct Place {
+  std::string yaml;
+  std::uint64_t seed;
+};
+std::ostream& operator<<(std::ostream& out, const Place& place) {
+  return out << place.yaml << ", seed " << place.seed;
+}
+
 TEST(Town, FollowsFromItsSeed) {
   EXPECT_EQ(hash(makeTown(kSmall, 5)), hash(makeTown(kSmall, 5)));
   EXPECT_NE(hash(makeTown(kSmall, 5)), hash(makeTown(kSmall, 6)));
@@ -97,8 +112,12 @@ TEST(Town, FollowsFromItsSeed) {
 // No beam slips through: every edge belongs to two triangles, which go along it in opposite directions, but at the end
 // of the world. Curbs are walls between the two.
 TEST(Town, TheGroundIsClosed) {
-  for (const std::uint64_t seed : {1, 2, 3}) {
-    const Scene scene = makeTown(seed == 3 ? "{length: 120, season: winter}" : kSmall, seed);
+  for (const Place& place : {Place{kSmall, 1},
+                             {kSmall, 2},
+                             {"{length: 120, season: winter}", 3},
+                             {onMap("length: 120, road: Mill Road"), 1},
+                             {onMap("length: 200, season: winter"), 2}}) {
+    const Scene scene = makeTown(place.yaml, place.seed);
     const Mesh& ground = groundOf(scene);
     const Box box = ground.bounds();
     std::map<std::tuple<float, float, float, float, float, float>, int> edges;
@@ -114,7 +133,7 @@ TEST(Town, TheGroundIsClosed) {
                           (ay == by && (ay == float(box.low.y) || ay == float(box.high.y)));
       open += border ? 0 : 1;
     }
-    EXPECT_EQ(open, 0u) << "seed " << seed << " of " << edges.size();
+    EXPECT_EQ(open, 0u) << place << " of " << edges.size();
   }
 }
 
@@ -137,9 +156,15 @@ TEST(Town, TheGroundHasRoadsCurbsAndLawns) {
 
 // One can drive: on the road, with nothing in the way below the height of a car.
 TEST(Town, TheLaneIsFree) {
-  for (const std::uint64_t seed : {1, 4, 9}) {
-    const Scene scene = makeTown(kSmall, seed);
-    const std::vector<Vec3d> lane = laneOf(kSmall, seed);
+  for (const Place& place : {Place{kSmall, 1},
+                             {kSmall, 4},
+                             {kSmall, 9},
+                             {onMap("length: 120, road: Mill Road"), 1},
+                             {onMap("length: 120, road: Church Lane"), 2},
+                             {onMap("length: 100, road: School Street"), 3},
+                             {onMap("length: 100"), 4}}) {
+    const Scene scene = makeTown(place.yaml, place.seed);
+    const std::vector<Vec3d> lane = laneOf(place.yaml, place.seed);
     ASSERT_GT(lane.size(), 8u);
     std::size_t blocked = 0;
     std::string what;
@@ -150,7 +175,7 @@ TEST(Town, TheLaneIsFree) {
         what = i.name;
       }
     });
-    EXPECT_EQ(blocked, 0u) << "seed " << seed << ": " << what;
+    EXPECT_EQ(blocked, 0u) << place << ": " << what;
   }
 }
 
@@ -299,17 +324,62 @@ TEST(Town, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(refusal("{people: -1}"), HasSubstr("people"));
 }
 
+// Buildings and roads are the map's whatever the seed; what dresses them is the seed's.
+TEST(Town, StandsWhereTheMapSays) {
+  const std::string yaml = onMap("road: Mill Road, length: 300");
+  const auto buildings = [](const Scene& scene) {
+    std::vector<std::pair<double, double>> sizes;
+    for (const Instance& i : scene.instances) {
+      if (!i.name.starts_with("house") && !i.name.starts_with("block")) continue;
+      if (i.name.ends_with("plinth")) continue;
+      const Vec3d c = i.worldFromMesh * scene.meshes[i.mesh].bounds().center();
+      sizes.emplace_back(std::round(c.x / 4), std::round(c.y / 4));
+    }
+    return sizes;
+  };
+  const Scene one = makeTown(yaml, 1);
+  EXPECT_EQ(hash(one), hash(makeTown(yaml, 1)));
+  EXPECT_NE(hash(one), hash(makeTown(yaml, 2)));
+  EXPECT_GE(buildings(one).size(), 25u);
+  EXPECT_THAT(classesOf(one),
+              IsSupersetOf({"building", "window", "road", "sidewalk", "parking", "water", "tree", "car"}));
+  // Cars are on the lot, in two rows at an aisle.
+  std::size_t parked = 0;
+  for (const Instance& i : one.instances) parked += i.name.starts_with("car on a lot") ? 1 : 0;
+  EXPECT_GT(parked, 3u);
+}
+
+TEST(Town, RefusesMapsThatItCannotUse) {
+  const auto refusal = [](const std::string& yaml) { return messageOf([&] { makeTown(yaml, 1); }); };
+  const TemporaryFolder folder;
+  const auto of = [&](std::string_view text) { return "{map: " + folder.write("place.osm", text).string() + "}"; };
+  EXPECT_THAT(refusal("{map: nowhere.osm}"), AllOf(HasSubstr("town.yaml:1"), HasSubstr("nowhere.osm")));
+  EXPECT_THAT(refusal(of("a text")),
+              AllOf(HasSubstr("town.yaml:1"), HasSubstr("place.osm"), HasSubstr("OpenStreetMap")));
+  EXPECT_THAT(refusal(of("<osm version='0.6'><node id='1' lat='1' lon='1'/></osm>")), HasSubstr("no road"));
+  EXPECT_THAT(
+      refusal(of("<osm version='0.6'><node id='1' lat='1' lon='1'/><node id='2' lat='1.0001' lon='1'/><way id='1'>"
+                 "<nd ref='1'/><nd ref='2'/><tag k='highway' v='residential'/></way></osm>")),
+      HasSubstr("60 m"));
+  EXPECT_THAT(refusal(onMap("road: Mil Road")), AllOf(HasSubstr("town.yaml:1"), HasSubstr("did you mean 'Mill Road'")));
+  EXPECT_THAT(refusal("{road: Mill Road}"), HasSubstr("map"));
+}
+
 // Who turns stays on the road, meets nobody, and comes to side roads where there are some to the right.
 TEST(Town, TurnsAreFreeToo) {
   std::size_t turning = 0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    constexpr const char* kFull = "{length: 200, vehicles: 3, greenery: 0.5}";
-    const Value value = parseYaml(kFull, "town.yaml");
+  std::vector<Place> places;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed)
+    places.push_back({"{length: 200, vehicles: 3, greenery: 0.5}", seed});
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) places.push_back({onMap("vehicles: 3, greenery: 0.5"), seed});
+  for (const Place& place : places) {
+    const auto& [yaml, seed] = place;
+    const Value value = parseYaml(yaml, "town.yaml");
     Fields fields(value, "town");
     const SceneLanes lanes = townLanes(fields, seed);
     const Path path(lanes.turns);
     turning += lanes.turns.size() != lanes.lane.size() ? 1 : 0;
-    const Scene scene = makeTown(kFull, seed);
+    const Scene scene = makeTown(yaml, seed);
     const Mesh& ground = groundOf(scene);
     std::vector<Affine> driven;
     for (double d = 0; d < path.length(); d += 2) driven.push_back(toAffine(path.pose(d)));
@@ -323,23 +393,23 @@ TEST(Town, TurnsAreFreeToo) {
         };
         if (side(a, b) < 0 || side(b, c) < 0 || side(c, a) < 0) continue;
         const std::string& name = scene.ontology.find(ground.surfaces[ground.surfaceOf[k]].semantic)->name;
-        EXPECT_EQ(name, "road") << "seed " << seed << ": " << p.x << ", " << p.y;
+        EXPECT_EQ(name, "road") << place << ": " << p.x << ", " << p.y;
       }
     }
     for (const Instance& i : scene.instances) {
-      const bool there = std::any_of(kOnRoads.begin(), kOnRoads.end(),
-                                     [&](std::string_view name) { return i.name.starts_with(name); });
-      if (!there) continue;
+      const bool onRoad = std::any_of(kOnRoads.begin(), kOnRoads.end(),
+                                      [&](std::string_view name) { return i.name.starts_with(name); });
+      if (!onRoad) continue;
       for (const double time : {0.0, 11.0, 47.0}) {
-        const Affine place = i.worldFromMeshAt(time);
+        const Affine there = i.worldFromMeshAt(time);
         const Box box = scene.meshes[i.mesh].bounds();
-        const Affine meshFromWorld{inverse(place.linear), inverse(place.linear) * place.translation * -1.0};
+        const Affine meshFromWorld{inverse(there.linear), inverse(there.linear) * there.translation * -1.0};
         for (const Affine& pose : driven) {
           for (const double x : {-1.5, 0.0, 1.5}) {
             const Vec3d local = meshFromWorld * (pose * Vec3d{x, 0, 1});
             const double away = std::max({box.low.x - local.x, local.x - box.high.x, box.low.y - local.y,
                                           local.y - box.high.y, box.low.z - local.z, local.z - box.high.z});
-            EXPECT_GT(away, 0.8) << i.name << " of seed " << seed << " at " << time << " s";
+            EXPECT_GT(away, 0.8) << i.name << " of " << place << " at " << time << " s";
           }
         }
       }
@@ -374,8 +444,16 @@ TEST(Town, NobodyIsInTheLane) {
 
 // Whoever drives or walks keeps clear of all others, and of what stands.
 TEST(Town, NobodyRunsIntoAnother) {
-  for (const std::uint64_t seed : {1u, 2u, 4u, 7u, 9u, 18u}) {
-    const Scene scene = makeTown("{length: 250, vehicles: 2, people: 2}", seed);
+  constexpr const char* kFull = "{length: 250, vehicles: 2, people: 2}";
+  for (const Place& town : {Place{kFull, 1},
+                            {kFull, 2},
+                            {kFull, 4},
+                            {kFull, 7},
+                            {kFull, 9},
+                            {kFull, 18},
+                            {onMap("road: Mill Road, vehicles: 2, people: 2"), 1},
+                            {onMap("vehicles: 2"), 2}}) {
+    const Scene scene = makeTown(town.yaml, town.seed);
     const double lowest = groundOf(scene).bounds().low.z;
     std::size_t moving = 0;
     for (const double time : parts::steps(0, 110, 1.5)) {
@@ -394,13 +472,13 @@ TEST(Town, NobodyRunsIntoAnother) {
                                  half - 0.05,
                                  std::min(half, (box.high.y - box.low.y) / 2) - 0.05,
                                  std::atan2(place.linear.x.y, place.linear.x.x)};
-        EXPECT_TRUE(taken.isFree(f)) << i.name << " of seed " << seed << " at " << time << " s, " << middle.x << ", "
+        EXPECT_TRUE(taken.isFree(f)) << i.name << " of " << town << " at " << time << " s, " << middle.x << ", "
                                      << middle.y;
         taken.add(f);
         moving += i.moves() ? 1 : 0;
       }
     }
-    EXPECT_GT(moving, 100u);
+    EXPECT_GT(moving, 100u) << town;
   }
 }
 

@@ -57,6 +57,7 @@ enum class Kind : std::uint32_t {
   Roadworks,
   Pothole,
   Cover,
+  Map,
 };
 
 // The random numbers of one object, drawn one after the other.
@@ -185,9 +186,21 @@ struct House {
   Vec3d garageMiddle() const { return {width + kGarageBeside + kGarageWidth / 2, kGarageFrom + kGarageDepth / 2, 0}; }
 };
 
+// A building over any outline, with a flat roof and rooms behind its windows, its ground at z = 0.
+struct Block {
+  std::vector<Point2> outline;              // counter-clockwise, without its first point at the end
+  std::vector<std::vector<Point2>> courts;  // clockwise
+  int floors = 2;                           // none: a shed without windows
+  double height = 0;                        // of the walls, m; 0: as the floors need
+  Point2 entrance;                          // the wall that is nearest to it has the door
+  bool shop = false;
+  std::uint32_t number = 0;
+};
+
 enum class Fencing { None, Pickets, Bars, Brick, Hedge };
 
 Model makeHouse(SceneBuilder& builder, std::uint64_t seed, const House& house);
+Model makeBlock(SceneBuilder& builder, std::uint64_t seed, const Block& block);
 
 struct TreeModel {
   Model model;

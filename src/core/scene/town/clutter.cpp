@@ -143,8 +143,8 @@ void placeSignals(Placer& placer, const Model& light) {
   const Road& main = l.roads().roads().front();
   for (std::size_t r = 1; r < l.roads().roads().size(); ++r) {
     Draw draw(l.seed(), Kind::Light, 7100 + static_cast<std::uint32_t>(r));
-    if (!draw.chance(0.35)) continue;
-    const double at = l.roads().roads()[r].joins;
+    if (!draw.chance(0.35) || !l.roads().roads()[r].joins) continue;
+    const double at = *l.roads().roads()[r].joins;
     const double away = l.roads().roads()[r].section.half + 5;
     putLights(placer, light, main, at - away, at + away, fmt::format("light {}", r));
   }
@@ -168,7 +168,7 @@ void placeGardenThings(Placer& placer, Store& store) {
   for (const Plot& plot : l.plots()) {
     Draw draw(l.seed(), Kind::Clutter, plot.number);
     if (plot.built) {
-      const double behind = plot.setback + plot.house.depth;
+      const double behind = plot.setback + plot.depth;
       if (draw.chance(0.35)) tryAt(plot, draw, Clutter::Shed, behind + draw.in(3, 9));
       if (draw.chance(0.25)) tryAt(plot, draw, draw.chance(0.5) ? Clutter::Swing : Clutter::WoodPile, behind + 4);
       if (plot.setback < 4) continue;

@@ -36,6 +36,10 @@ class GroundMaker {
     set(GroundKind::Driveway, "parking", "paving");
     set(GroundKind::Path, "ground", "concrete");
     set(GroundKind::Lawn, "terrain", lawn);
+    if (layout.areas().all().empty()) return;
+    set(GroundKind::Water, "water", "water");
+    set(GroundKind::Lot, "parking", paved ? "paving" : "asphalt");
+    set(GroundKind::Paved, "sidewalk", "paving");
   }
 
   parts::Model make() {
@@ -48,6 +52,9 @@ class GroundMaker {
     }
     cutAlong(tiling_,
              [&](std::uint32_t p) { return beside(p).known ? layout_.outsidePatches(tiling_.points[p]) : 1.0; });
+    if (!layout_.areas().all().empty()) {
+      cutAlong(tiling_, [&](std::uint32_t p) { return layout_.areas().outsideHard(tiling_.points[p]); });
+    }
     addTriangles();
     return shape_.finish();
   }
@@ -56,6 +63,8 @@ class GroundMaker {
   void tile() {
     tiling_ = makeTiling(layout_.half(), kSmallest / 4, [&](double x, double y, double size) {
       if (size > kSmallest / 4 && layout_.nearPothole({x, y}, 0.71 * size)) return true;
+      // Lots and ponds have sharp edges.
+      if (size > 1 && std::abs(layout_.areas().outsideHard({x, y})) < std::min(0.71 * size, Areas::kReach)) return true;
       const Beside b = layout_.roads().at(x, y);
       // Beyond the roads' reach nothing is known but that they are far.
       const double nearest = (b.known ? b.edge : RoadNetwork::kReach) - 0.71 * size;
@@ -144,7 +153,7 @@ class GroundMaker {
 
   const Layout& layout_;
   Shape shape_;
-  std::array<SurfaceIndex, 9> surfaces_{};
+  std::array<SurfaceIndex, 12> surfaces_{};
   Tiling tiling_;
   std::vector<Beside> besides_;
   std::vector<std::uint32_t> low_, high_;  // index + 1 of each point's vertex; 0: none yet

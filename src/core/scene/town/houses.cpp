@@ -41,7 +41,7 @@ class Boundaries {
       const double t = (k + 0.5) / count;
       const Point2 p{a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t};
       const double width = length / count;
-      if (!placer_.isFree({p, width / 2 - 0.1, half, yaw})) continue;
+      if (!placer_.isFree({p, width / 2 - 0.1, half, yaw}) || placer_.layout.areas().outsideHard(p) < half) continue;
       const Beside beside = placer_.layout.roads().at(p.x, p.y);
       if (beside.known && beside.edge < beside.section.outer() + 0.05) continue;
       Affine place = parts::at({p.x, p.y, placer_.layout.heightAt(p) - 0.05}, yaw);
@@ -78,12 +78,16 @@ class Boundaries {
 
 void placeHouses(Placer& placer) {
   int number = 0;
-  for (const Plot& plot : placer.layout.plots()) {
-    if (!plot.built) continue;
-    const Affine place = placer.worldFromTown * plot.house.place;
+  for (const parts::House& house : placer.layout.houses()) {
+    const Affine place = placer.worldFromTown * house.place;
     const std::string name = fmt::format("house {}", ++number);
-    placer.builder.place(parts::makeHouse(placer.builder, placer.layout.seed(), plot.house).mesh, place, name);
-    placer.builder.place(makePlinth(placer.builder, plot.house).mesh, place, name + " plinth");
+    placer.builder.place(parts::makeHouse(placer.builder, placer.layout.seed(), house).mesh, place, name);
+    placer.builder.place(makePlinth(placer.builder, house).mesh, place, name + " plinth");
+  }
+  for (const PlacedBlock& b : placer.layout.blocks()) {
+    const Affine place = placer.worldFromTown * parts::at({b.about.center.x, b.about.center.y, b.height});
+    placer.builder.place(parts::makeBlock(placer.builder, placer.layout.seed(), b.block).mesh, place,
+                         fmt::format("block {}", b.block.number + 1));
   }
 }
 
@@ -106,6 +110,11 @@ void placeBoundaries(Placer& placer) {
     if (draw.chance(0.6)) {
       const double back = draw.in(22, 30);
       boundaries.row(between, form, at(plot.from, back), at(plot.to, back));
+    }
+  }
+  for (const MapBarrier& barrier : l.barriers()) {
+    for (std::size_t i = 1; i < barrier.line.size(); ++i) {
+      boundaries.row(barrier.kind, 0, barrier.line[i - 1], barrier.line[i]);
     }
   }
 }

@@ -43,7 +43,8 @@ LaidOut layOut(const Layout& l, const Way& way, double out, double least) {
   for (const Way::Stretch& s : way.stretches) {
     const Road& road = l.roads().roads()[s.road];
     const double direction = s.to >= s.from ? 1 : -1;
-    const double lateral = std::max((road.section.half - road.section.parking) / 2 + out, least);
+    const bool oneWay = !road.along || !road.against;
+    const double lateral = oneWay ? out : std::max((road.section.half - road.section.parking) / 2 + out, least);
     const auto count = std::max(1, static_cast<int>(std::abs(s.to - s.from) / kPoints));
     for (int k = 0; k <= count; ++k) {
       const double along = s.from + (s.to - s.from) * k / count;
@@ -76,17 +77,21 @@ double cornerOf(const Layout& l, std::uint32_t sideRoad) {
 Tour tourOf(const Layout& l) {
   constexpr double kLeast = 30;  // m of the main road between two bends, or beyond the one
   const std::vector<Road>& roads = l.roads().roads();
+  const auto joins = [&](std::uint32_t r) { return *roads[r].joins; };
   Tour tour;
   for (std::uint32_t r = 1; r < roads.size(); ++r) {
-    if (roads[r].joinsLeft || endOf(l, r) < mouthOf(l) + 20) continue;
-    if (!tour.into || roads[r].joins > roads[*tour.into].joins) tour.into = r;
-    if (!tour.from || roads[r].joins < roads[*tour.from].joins) tour.from = r;
+    if (!roads[r].joins || roads[r].joinsLeft || endOf(l, r) < mouthOf(l) + 20) continue;
+    if (roads[r].along && (!tour.into || *roads[r].joins > joins(*tour.into))) tour.into = r;
+    if (roads[r].against && (!tour.from || *roads[r].joins < joins(*tour.from))) tour.from = r;
   }
-  if (!tour.into) return tour;
-  const double way = roads[*tour.into].joins - roads[*tour.from].joins;
-  if (way < cornerOf(l, *tour.from) + cornerOf(l, *tour.into) + kLeast) tour.from.reset();
+  if (tour.into && tour.from &&
+      joins(*tour.into) - joins(*tour.from) < cornerOf(l, *tour.from) + cornerOf(l, *tour.into) + kLeast) {
+    tour.from.reset();
+  }
   // A way that has hardly begun goes straight on.
-  if (!tour.from && roads[*tour.into].joins - cornerOf(l, *tour.into) < l.mainFrom() + kLeast) tour.into.reset();
+  if (tour.into && !tour.from && joins(*tour.into) - cornerOf(l, *tour.into) < l.mainFrom() + kLeast) {
+    tour.into.reset();
+  }
   return tour;
 }
 

@@ -30,7 +30,7 @@ struct LaidOut {
 };
 
 // Drivers keep to the right: `out` m further from the road's middle than the middle of their lane, and at least `least`
-// m from it.
+// m from it. On one-way roads their lane is the whole road.
 LaidOut layOut(const Layout& l, const Way& way, double out, double least);
 
 // Where the lanes of side roads begin, as distances along them, and end; and how far before and behind a side road's

@@ -9,64 +9,16 @@
 #include <string>
 #include <vector>
 
-#include "config/fields.h"
 #include "scene/parts/occupancy.h"
 #include "scene/parts/parts.h"
+#include "scene/town/areas.h"
+#include "scene/town/character.h"
+#include "scene/town/map_place.h"
 #include "scene/town/roads.h"
 
 namespace scanmill::town {
 
-using parts::Draw;
-
-enum class District { Rural, Suburban, Dense };
-enum class Season { Summer, Autumn, Winter };
-
-// The keys of `town:` in a scene file.
-struct Parameters {
-  std::string district = "any";   // or rural, suburban, dense
-  std::string season = "summer";  // or any, autumn, winter
-  double length = 300;            // m, of the main road between its first and last plot
-  double slope = 1;               // factors of what the seed draws
-  double greenery = 1;
-  double vehicles = 1;
-  double people = 1;
-  double detail = 1;  // factor on the number of leaves
-};
-
-Parameters readParameters(Fields& fields);
-
-// What kind of place it is: drawn once for each seed, so that no two are alike.
-struct Character {
-  Character(const Parameters& parameters, std::uint64_t seed);
-
-  District district = District::Suburban;
-  Season season = Season::Summer;
-  double foliage = 1;    // part of their leaves that trees have kept
-  double snow = 0;       // m, where nobody clears it
-  double snowBanks = 0;  // m, beside the roads, where ploughs leave them
-  double wear = 0;       // of the roads' surface, 0 to 1: potholes and repairs
-  CrossSection main, side;
-  int sideRoads = 3;
-  double bend = 0.4;                      // rad, by how much the main road's heading wanders
-  double hills = 3;                       // m, amplitude of what varies over 200 m
-  double banks = 3;                       // m, amplitude of what varies over 45 m, away from the roads
-  double undulation = 0.2;                // m, of lawns
-  double setback = 4, setbackSpread = 2;  // m, from the plots' edge to the houses
-  double built = 0.8;                     // share of the plots with a house
-  double plotWidth = 18;                  // m, mean
-  int floorsLow = 1, floorsHigh = 2;
-  double hedges = 0.4, fences = 0.3;  // shares of the plots with one towards the road
-  double avenue = 0.4;                // share of the places along the verge or the gardens' front with a tree
-  double gardenTrees = 1;             // per plot
-  double gardenBushes = 3;            // per plot
-  double woods = 0.3;                 // share of the free land that is wooded
-  double parked = 0.3;                // share of the parking bays, or of the places along the curb, that is taken
-  double traffic = 1;                 // vehicles on the lanes, per 100 m
-  double people = 4;                  // per 100 m of road
-  double clutter = 6;                 // benches, bins, boxes, bollards, ... per 100 m of road
-};
-
-enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway, Path, Lawn };
+enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway, Path, Lawn, Water, Lot, Paved };
 
 // A rectangle of other ground within a plot, from the road's edge inwards.
 struct Patch {
@@ -80,9 +32,17 @@ struct Plot {
   int side = 1;             // 1: to the left of the road's line
   double from = 0, to = 0;  // m along the road
   bool built = false;
-  parts::House house;  // its place has the ground's height at the door
+  double depth = 9;  // m, of what is built
   parts::Fencing fencing = parts::Fencing::None;
   double setback = 0;
+};
+
+// A building over any outline.
+struct PlacedBlock {
+  parts::Block block;      // about the middle
+  parts::Footprint about;  // the rectangle about it
+  Point2 entrance;         // before its wall towards the road
+  double height = 0;       // of the ground there, m
 };
 
 // Ground that is made level, for a house or a garage and half a metre about it.
@@ -99,15 +59,30 @@ struct Pothole {
 
 class Layout {
  public:
+  static constexpr double kBeyond = 130;  // m, that the main road goes on beyond its plots
+  static constexpr double kEdge = 20;     // m, that the ground goes on beyond the roads
+
   Layout(const Parameters& parameters, std::uint64_t seed);
+  Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace& map);
+
+  // Half of the side of the square of ground (m).
+  static double reachOf(const Parameters& parameters);
 
   const Parameters& parameters() const { return parameters_; }
   const Character& character() const { return character_; }
   std::uint64_t seed() const { return seed_; }
   const RoadNetwork& roads() const { return roads_; }
   const std::vector<Plot>& plots() const { return plots_; }
+  // Their places have the ground's height at the door.
+  const std::vector<parts::House>& houses() const { return houses_; }
+  const std::vector<PlacedBlock>& blocks() const { return blocks_; }
+  // Rectangles that houses and blocks stand on.
+  const std::vector<parts::Footprint>& covers() const { return covers_; }
+  const Areas& areas() const { return areas_; }
+  // Of a map.
+  const std::vector<MapBarrier>& barriers() const { return barriers_; }
+  const std::vector<Point2>& trees() const { return trees_; }
   const std::vector<Patch>& patches() const { return patches_; }
-  const std::vector<Terrace>& terraces() const { return terraces_; }
   const std::vector<Pothole>& potholes() const { return potholes_; }
   // A pothole is nearer than its radius and so many metres.
   bool nearPothole(const Point2& p, double reach) const;
@@ -132,8 +107,19 @@ class Layout {
   void drawPlots();
   void drawPotholes();
   void addPlots(std::uint32_t road, int side, double from, double to);
+  parts::House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) const;
+  parts::Fencing drawFencing(Draw& draw, double setback) const;
+  // From a house with that yaw towards its road.
+  void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
+  // Once all is in place: the ground is made level about houses, which get its height.
+  void settle();
+  void takeRoads(const MapPlace& map);
+  void takeBuildings(const MapPlace& map);
+  void cover(const std::vector<const Polygon*>& rings, const parts::Footprint& about);
+  void arrangePlots();
   bool fits(const parts::Footprint& f, double gap) const;
   const Patch* patchAt(const Point2& p) const;
+  GroundKind landAt(const Point2& p) const;
   double base(const Point2& p) const;
   double lowering(const Beside& beside, const Point2& p) const;
   double levelling(const Point2& p, double natural) const;
@@ -151,8 +137,14 @@ class Layout {
   Cells terraceCells_;
   std::vector<Pothole> potholes_;
   Cells potholeCells_;
-  parts::Occupancy houses_;
+  std::vector<parts::House> houses_;
+  std::vector<PlacedBlock> blocks_;
+  std::vector<parts::Footprint> covers_;
+  parts::Occupancy taken_;  // by houses
   double mainFrom_ = 0, mainTo_ = 0, half_ = 0;
+  Areas areas_;
+  std::vector<MapBarrier> barriers_;
+  std::vector<Point2> trees_;
 };
 
 parts::Model makeGround(SceneBuilder& builder, const Layout& layout);

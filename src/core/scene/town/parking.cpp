@@ -61,6 +61,66 @@ void placeCars(Placer& placer, Fleet& fleet) {
   }
 }
 
+// On parking lots: two rows of bays to an aisle, with lines between them.
+void placeLots(Placer& placer, Fleet& fleet) {
+  constexpr double kWide = 2.6;  // m, of a bay
+  constexpr double kLong = 5;
+  constexpr double kAisle = 6.2;
+  constexpr double kLine = 0.06;  // half of its width
+  const Layout& l = placer.layout;
+  parts::Shape s(placer.builder, "lots' markings");
+  const parts::SurfaceIndex paint = s.surface("road_marking", "road_paint");
+  std::uint32_t lot = 0;
+  int lines = 0;
+  int number = 0;
+  for (const MapArea& area : l.areas().all()) {
+    if (area.land != Land::Lot) continue;
+    Draw draw(l.seed(), Kind::Lot, ++lot);
+    const double taken = l.parameters().vehicles > 0 ? std::min(0.95, l.parameters().vehicles * draw.in(0.1, 0.9)) : 0;
+    Footprint about = rectangleAbout(area.outline);
+    if (about.halfX < about.halfY) {
+      std::swap(about.halfX, about.halfY);
+      about.yaw += kPi / 2;
+    }
+    const double c = std::cos(about.yaw);
+    const double sn = std::sin(about.yaw);
+    const auto at = [&](double u, double v) {
+      return Point2{about.center.x + u * c - v * sn, about.center.y + u * sn + v * c};
+    };
+    const auto onLot = [&](const Point2& p) {
+      const Beside b = l.roads().at(p.x, p.y);
+      return l.areas().outsideHard(p) < -1.2 && l.areas().at(p) == Land::Lot &&
+             (!b.known || b.edge > b.section.outer() + 1.2);
+    };
+    const auto addLine = [&](double u, double low, double high) {
+      const auto corner = [&](double side, double v) {
+        const Point2 p = at(u + side * kLine, v);
+        return Vec3d{p.x, p.y, l.heightAt(p) + 0.01};
+      };
+      s.quad(paint, corner(-1, low), corner(1, low), corner(1, high), corner(-1, high));
+      ++lines;
+    };
+    bool far = false;  // which of the two rows at an aisle
+    for (double low = -about.halfY + 0.4; low + kLong < about.halfY - 0.2; far = !far) {
+      for (const double u : parts::steps(-about.halfX + 0.8, about.halfX - kWide - 0.4, kWide)) {
+        const Spot spot{at(u + kWide / 2, low + kLong / 2), about.yaw + (far ? -1 : 1) * kPi / 2, 1, 0};
+        const bool wanted = draw.chance(taken);
+        const Model& car = fleet.anyCar(draw);
+        if (!onLot(spot.at) || !onLot(at(u + kWide / 2, low + 0.8)) || !onLot(at(u + kWide / 2, low + kLong - 0.8))) {
+          continue;
+        }
+        addLine(u, low, low + kLong);
+        addLine(u + kWide, low, low + kLong);
+        Spot parked = spot;
+        parked.yaw += (draw.chance(0.7) ? 0 : kPi) + draw.in(-0.04, 0.04);
+        if (wanted && placer.tryPark(car, parked, fmt::format("car on a lot {}", number + 1))) ++number;
+      }
+      low += kLong + (far ? 0 : kAisle);
+    }
+  }
+  if (lines > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "lots' markings");
+}
+
 // A lorry that delivers and a bus that waits, in side roads, or where there are none on the main road's other side;
 // trailers and tractors beside the road.
 void placeStanding(Placer& placer, Fleet& fleet) {
@@ -113,6 +173,7 @@ void placeVehicles(Placer& placer) {
   Fleet fleet(placer);
   placeStanding(placer, fleet);
   placeCars(placer, fleet);
+  placeLots(placer, fleet);
   placeTraffic(placer, fleet);
 }
 

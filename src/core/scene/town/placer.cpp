@@ -6,7 +6,7 @@ namespace scanmill::town {
 
 Placer::Placer(SceneBuilder& sceneBuilder, const Layout& townLayout, const Affine& frame)
     : builder(sceneBuilder), layout(townLayout), worldFromTown(frame) {
-  for (const Terrace& terrace : layout.terraces()) occupancy.add(terrace.place);
+  for (const Footprint& cover : layout.covers()) occupancy.add(cover);
   for (const Patch& patch : layout.patches()) driveways.add(patch.place);
 }
 

@@ -65,6 +65,7 @@ bool plant(Placer& placer, Nursery& nursery, Draw& draw, Spot spot, bool broadle
 }
 
 bool onLawn(const Layout& layout, const Point2& p, double beyond) {
+  if (layout.areas().outsideHard(p) < 1) return false;
   const Beside b = layout.roads().at(p.x, p.y);
   return !b.known || b.edge > b.section.outer() + beyond;
 }
@@ -76,6 +77,14 @@ void placeTrees(Placer& placer) {
   const Character& c = l.character();
   Nursery nursery(placer);
   int number = 0;
+  // A map's own; where it has any, chance adds none along the roads.
+  for (const Point2& tree : l.trees()) {
+    Draw draw(l.seed(), Kind::Tree, 500000 + static_cast<std::uint32_t>(number));
+    if (plant(placer, nursery, draw, {tree, draw.in(0, 2 * kPi), 1, 0}, true, 0, fmt::format("tree {}", number + 1))) {
+      ++number;
+    }
+  }
+  const double avenue = number > 0 ? 0 : c.avenue;
   // Along the roads: in the verge where it is wide enough, else in the gardens behind the pavement.
   for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
     const Road& road = l.roads().roads()[r];
@@ -84,7 +93,7 @@ void placeTrees(Placer& placer) {
     const double spacing = draw.in(7, 13);
     for (const double along : parts::steps(6, road.length() - 4, spacing)) {
       for (const int side : {-1, 1}) {
-        if (!draw.chance(c.avenue)) continue;
+        if (!draw.chance(avenue)) continue;
         const double out = s.verge > 1.2 ? s.curb + s.verge / 2 : s.outer() + draw.in(0.8, 2.5);
         const Spot spot = besideRoad(road, along + draw.in(-1, 1), side * (s.half + out));
         const Beside b = l.roads().at(spot.at.x, spot.at.y);
@@ -140,7 +149,8 @@ void placeWoods(Placer& placer) {
       if (!b.known || b.edge < b.section.outer() + 1.2) continue;  // nothing beyond is seen through it
       const double density =
           relief(l.seed() + 21, spot.at.x, spot.at.y, 45) + 0.4 * relief(l.seed() + 22, spot.at.x, spot.at.y, 12);
-      if (density < threshold) continue;
+      const std::optional<Land> land = l.areas().at(spot.at);
+      if (land ? *land != Land::Wood : density < threshold) continue;
       if (draw.chance(0.55)) {
         const Model& bush = bushes[static_cast<std::size_t>(draw.below(static_cast<int>(bushes.size())))];
         if (placer.isFree({spot.at, 1.1, 1.1, 0})) {

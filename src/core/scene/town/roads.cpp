@@ -7,7 +7,9 @@ namespace scanmill::town {
 namespace {
 
 constexpr double kCell = 16;      // m
-constexpr double kRounding = 10;  // m, of the corners where roads meet: see smoothLeast()
+constexpr double kRounding = 10;  // m, of the corners where roads meet: see at()
+constexpr double kFull = 28;      // m from where roads meet, as far as corners are fully rounded
+constexpr double kFade = 12;      // m, over which they become sharp
 
 std::uint64_t cellKey(std::int64_t x, std::int64_t y) {
   return static_cast<std::uint64_t>(x) << 32 ^ (static_cast<std::uint64_t>(y) & 0xFFFFFFFF);
@@ -62,6 +64,23 @@ void RoadNetwork::add(Road road) {
   roads_.push_back(std::move(road));
 }
 
+void RoadNetwork::addJoint(const Point2& joint) {
+  constexpr double kAround = kFull + kFade;
+  for (std::int64_t y = cellOf(joint.y - kAround); y <= cellOf(joint.y + kAround); ++y) {
+    for (std::int64_t x = cellOf(joint.x - kAround); x <= cellOf(joint.x + kAround); ++x) {
+      joints_[cellKey(x, y)].push_back(joint);
+    }
+  }
+}
+
+double RoadNetwork::roundingAt(double x, double y) const {
+  const auto cell = joints_.find(cellKey(cellOf(x), cellOf(y)));
+  if (cell == joints_.end()) return 0;
+  double nearest = 1e9;
+  for (const Point2& joint : cell->second) nearest = std::min(nearest, std::hypot(x - joint.x, y - joint.y));
+  return kRounding * (1 - parts::smooth((nearest - kFull) / kFade));
+}
+
 void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
   found.clear();
   const auto cell = cells_.find(cellKey(cellOf(x), cellOf(y)));
@@ -86,12 +105,13 @@ void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
 }
 
 // The least of all edges' distances, with corners rounded as a polynomial smooth minimum does: where two differ by less
-// than kRounding, it lies below both, by a quarter of kRounding at most.
+// than the rounding, it lies below both, by a quarter of the rounding at most.
 Beside RoadNetwork::at(double x, double y) const {
   thread_local std::vector<Near> found;
   nearest(x, y, found);
   Beside beside;
   double least = 1e9;
+  const double rounding = found.size() > 1 ? std::max(roundingAt(x, y), 1e-3) : 1;
   for (const Near& n : found) {
     const CrossSection& own = roads_[n.road].section;
     const double edge = n.distance - own.half;
@@ -100,9 +120,9 @@ Beside RoadNetwork::at(double x, double y) const {
       least = edge;
       continue;
     }
-    const double part = std::clamp(0.5 + (beside.edge - edge) / (2 * kRounding), 0.0, 1.0);
+    const double part = std::clamp(0.5 + (beside.edge - edge) / (2 * rounding), 0.0, 1.0);
     beside.section = mixed(beside.section, own, part);
-    beside.edge = mixedWidth(beside.edge, edge, part) - kRounding * part * (1 - part);
+    beside.edge = mixedWidth(beside.edge, edge, part) - rounding * part * (1 - part);
     if (edge < least) {
       least = edge;
       beside.road = n.road;

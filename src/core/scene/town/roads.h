@@ -3,6 +3,7 @@
 // The roads of a town: centre lines with their widths, and where a point lies beside them. In the town's frame, metres.
 
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -29,9 +30,11 @@ struct Road {
   std::vector<double> at;    // the distance along it of each point
   CrossSection section;
   bool main = false;
-  // Of a side road: where along the main one it begins, and whether to the left of its line.
-  double joins = 0;
+  // Of a side road of the main one: where along that it begins, and whether to the left of its line.
+  std::optional<double> joins;
   bool joinsLeft = false;
+  // Which ways vehicles may drive: along the line, against it.
+  bool along = true, against = true;
 
   double length() const { return at.back(); }
   Point2 point(double distance) const;
@@ -56,11 +59,15 @@ class RoadNetwork {
   static constexpr double kReach = 48;  // m, from the centre line
 
   void add(Road road);
+  // Where roads meet: corners are rounded about joints alone. Elsewhere roads lie side by side.
+  void addJoint(const Point2& joint);
   const std::vector<Road>& roads() const { return roads_; }
 
   Beside at(double x, double y) const;
 
  private:
+  double roundingAt(double x, double y) const;
+
   struct Segment {
     std::uint32_t road;
     std::uint32_t index;
@@ -76,6 +83,7 @@ class RoadNetwork {
 
   std::vector<Road> roads_;
   std::unordered_map<std::uint64_t, std::vector<Segment>> cells_;
+  std::unordered_map<std::uint64_t, std::vector<Point2>> joints_;  // by the cells that they reach
 };
 
 }  // namespace scanmill::town

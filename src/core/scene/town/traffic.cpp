@@ -141,39 +141,40 @@ class Traffic {
     const Road& side = road(r);
     const double end = endOf(l_, r);
     const double mouth = mouthOf(l_);
-    if (end < mouth + 20 || tourOf(l_).has(r)) return;
-    const bool left = side.joinsLeft;
+    if (!side.joins || end < mouth + 20 || tourOf(l_).has(r)) return;
+    const double joins = *side.joins;
+    const bool left = side.joinsLeft && main_.against;
     const double corner = cornerOf(l_, r);
     std::optional<std::uint32_t> out;
     std::optional<std::uint32_t> in;
-    if (!blocked(r, mouth, end)) {
+    if (side.along && !blocked(r, mouth, end)) {
       out = add({{{r, mouth, end}}});
       routes_[*out].legs = {{outwards(r), 0, routes_[*out].length, 0}};
       routes_[*out].stops = {{routes_[*out].length - 0.1}};
       if (left) {
-        const std::uint32_t turn = add({{{0, main_.length(), side.joins + corner}, {r, mouth, end}}, kUpstream, 0});
+        const std::uint32_t turn = add({{{0, main_.length(), joins + corner}, {r, mouth, end}}, kUpstream, 0});
         Route& turning = routes_[turn];
         const double from = courses_[turn].at(r, mouth);
         turning.legs = {{0, 0, from, 0}, {outwards(r), from - 4, turning.length, -from}};
         turning.stops = {{turning.length - 0.1}};
         for (const StopLine& s : routes_.front().stops) {
-          if (s.at < courses_[turn].at(0, side.joins + corner)) turning.stops.push_back(s);
+          if (s.at < courses_[turn].at(0, joins + corner)) turning.stops.push_back(s);
         }
         turns_.push_back(turn);
       }
     }
-    if (!blocked(r, end, mouth)) {
+    if (side.against && !blocked(r, end, mouth)) {
       Way way{{{r, end, mouth - 4}}};
       if (left) {
-        way.stretches.push_back({0, side.joins - corner, 0});
+        way.stretches.push_back({0, joins - corner, 0});
         way.after = kBeyond;
       }
       in = add(way);
       Route& coming = routes_[*in];
       const double line = courses_[*in].at(r, mouth - 4);
       if (left) {
-        const double merged = courses_[*in].at(0, side.joins - corner);
-        const double there = courses_.front().at(0, side.joins - corner);
+        const double merged = courses_[*in].at(0, joins - corner);
+        const double there = courses_.front().at(0, joins - corner);
         coming.legs = {{inwards(r), 0, line + 6, 0}, {0, line + 1, coming.length, there - merged}};
         coming.stops = {{line, 0, 0, 0, true, 0, there - 50, there + 14}};
         for (const StopLine& s : routes_.front().stops) {
@@ -210,6 +211,7 @@ class Traffic {
 
   // Those who come through the town, at least a length and a second apart when they begin.
   void drawThrough() {
+    if (!main_.against) return;
     Draw draw(l_.seed(), Kind::Traffic, 2);
     const double density = l_.character().traffic / 100;
     const double length = routes_.front().length;

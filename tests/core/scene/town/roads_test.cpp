@@ -43,6 +43,7 @@ TEST(RoadNetwork, RoundsTheCornersOfCrossings) {
   RoadNetwork both;
   both.add(a);
   both.add(b);
+  both.addJoint({20, 0});
   RoadNetwork onlyA;
   onlyA.add(a);
   RoadNetwork onlyB;
@@ -69,6 +70,19 @@ TEST(RoadNetwork, RoundsTheCornersOfCrossings) {
     }
   }
   EXPECT_GT(rounded, 300);
+}
+
+// Roads that lie side by side stay two.
+TEST(RoadNetwork, RoundsNothingWhereRoadsDoNotMeet) {
+  RoadNetwork roads;
+  roads.add(straight({-100, 0}, {100, 0}, 3));
+  roads.add(straight({-100, 9}, {100, 9}, 3));
+  roads.addJoint({-100, 4});
+  EXPECT_NEAR(roads.at(0, 4.5).edge, 1.5, 1e-3);
+  EXPECT_NEAR(roads.at(-95, 4.5).edge, -1, 1e-3);
+  for (double x = -90; x < 90; x += 0.5) {
+    EXPECT_LT(std::abs(roads.at(x + 0.5, 4.5).edge - roads.at(x, 4.5).edge), 0.2) << "continuous";
+  }
 }
 
 TEST(Road, IsMeasuredAlongItsLine) {

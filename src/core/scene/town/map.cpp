@@ -1,0 +1,297 @@
+#include "scene/town/map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string_view>
+
+#include "scene/town/osm_interface.h"
+
+namespace scanmill::town {
+namespace {
+
+// The plane that touches the ellipsoid at a point, x east, y north: the usual way by earth-centred coordinates.
+class TangentPlane {
+ public:
+  TangentPlane(double latitude, double longitude)
+      : latitude_(radians(latitude)), longitude_(radians(longitude)), origin_(earthCentred(latitude_, longitude_)) {}
+
+  Point2 operator()(const OsmNode& n) const {
+    const Vec3d d = earthCentred(radians(n.latitude), radians(n.longitude)) - origin_;
+    const double towards = d.x * std::cos(longitude_) + d.y * std::sin(longitude_);
+    return {d.y * std::cos(longitude_) - d.x * std::sin(longitude_),
+            d.z * std::cos(latitude_) - towards * std::sin(latitude_)};
+  }
+
+ private:
+  static Vec3d earthCentred(double latitude, double longitude) {
+    constexpr double kRadius = 6378137;  // m, WGS 84
+    constexpr double kFlattening = 1 / 298.257223563;
+    constexpr double kSquare = kFlattening * (2 - kFlattening);
+    const double across = kRadius / std::sqrt(1 - kSquare * std::sin(latitude) * std::sin(latitude));
+    return {across * std::cos(latitude) * std::cos(longitude), across * std::cos(latitude) * std::sin(longitude),
+            across * (1 - kSquare) * std::sin(latitude)};
+  }
+
+  double latitude_, longitude_;
+  Vec3d origin_;
+};
+
+bool isOneOf(std::string_view value, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), value) != words.end();
+}
+
+std::optional<RoadClass> classOf(const OsmTags& tags) {
+  std::string_view value = tags["highway"];
+  if (value.ends_with("_link")) value.remove_suffix(5);
+  if (isOneOf(value, {"motorway", "trunk", "primary"})) return RoadClass::Primary;
+  if (value == "secondary") return RoadClass::Secondary;
+  if (value == "tertiary") return RoadClass::Tertiary;
+  if (isOneOf(value, {"residential", "unclassified", "living_street", "road"})) return RoadClass::Residential;
+  if (value == "service") return RoadClass::Service;
+  if (value == "track") return RoadClass::Track;
+  return std::nullopt;
+}
+
+bool isPath(const OsmTags& tags) {
+  // Pavements are part of their roads.
+  return isOneOf(tags["highway"], {"footway", "path", "cycleway", "steps", "bridleway"}) &&
+         !isOneOf(tags["footway"], {"sidewalk", "crossing", "traffic_island"}) && tags["path"] != "sidewalk" &&
+         tags["is_sidepath"] != "yes";
+}
+
+// What lies above or below the ground is left out.
+bool onGround(const OsmTags& tags) {
+  return !isOneOf(tags["tunnel"], {"yes", "building_passage", "culvert"}) && tags["area"] != "yes" &&
+         tags["indoor"].empty() && !isOneOf(tags["location"], {"underground", "overground", "indoor", "roof"}) &&
+         tags["bridge"].empty() && !tags["layer"].starts_with("-");
+}
+
+// By the keys `sidewalk`, `parking:lane:both`, `parking:left` and the like.
+std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<const char*> keys,
+                           std::initializer_list<std::string_view> yes, std::initializer_list<std::string_view> no) {
+  std::optional<bool> said;
+  for (const char* key : keys) {
+    if (isOneOf(tags[key], yes)) return true;
+    if (isOneOf(tags[key], no)) said = false;
+  }
+  return said;
+}
+
+MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
+  constexpr double kLane = 3.1;  // m, where the map counts lanes
+  MapRoad road;
+  road.kind = kind;
+  road.name = way.tags["name"];
+  for (const OsmNode& n : way.nodes) {
+    const Point2 p = plane(n);
+    if (!road.line.empty() && std::hypot(p.x - road.line.back().x, p.y - road.line.back().y) < 0.1) continue;
+    road.line.push_back(p);
+    road.nodes.push_back(n.id);
+  }
+  road.ring = isOneOf(way.tags["junction"], {"roundabout", "circular"});
+  const std::string& oneWay = way.tags["oneway"];
+  road.oneWay = road.ring || isOneOf(oneWay, {"yes", "true", "1", "-1"}) || way.tags["highway"] == "motorway";
+  if (oneWay == "-1") {
+    std::reverse(road.line.begin(), road.line.end());
+    std::reverse(road.nodes.begin(), road.nodes.end());
+  }
+  road.sidewalk = saidOf(way.tags, {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"},
+                         {"both", "left", "right", "yes", "separate"}, {"no", "none"});
+  road.parking = saidOf(
+      way.tags,
+      {"parking:both", "parking:left", "parking:right", "parking:lane:both", "parking:lane:left", "parking:lane:right"},
+      {"lane", "street_side", "parallel", "yes"}, {"no", "no_parking", "no_stopping"});
+  road.width = metresOf(way.tags["width"]);
+  if (const auto lanes = metresOf(way.tags["lanes"]); !road.width && lanes) road.width = kLane * *lanes;
+  if (road.width) road.width = std::clamp(*road.width, 2.2, 24.0);
+  return road;
+}
+
+Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
+  constexpr double kShortest = 0.25;  // m, of a wall
+  Polygon ring;
+  for (const OsmNode& n : nodes) {
+    const Point2 p = plane(n);
+    if (!ring.empty() && std::hypot(p.x - ring.back().x, p.y - ring.back().y) < kShortest) continue;
+    ring.push_back(p);
+  }
+  while (ring.size() > 1 && std::hypot(ring.front().x - ring.back().x, ring.front().y - ring.back().y) < kShortest) {
+    ring.pop_back();
+  }
+  // Points on a straight wall.
+  for (std::size_t i = 0; i < ring.size() && ring.size() > 3;) {
+    const Point2& a = ring[(i + ring.size() - 1) % ring.size()];
+    const Point2& b = ring[i];
+    const Point2& c = ring[(i + 1) % ring.size()];
+    const double turn = (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x);
+    const double reach = std::hypot(c.x - a.x, c.y - a.y);
+    if (std::abs(turn) < 0.05 * reach) {
+      ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(i));
+    } else {
+      ++i;
+    }
+  }
+  return ring;
+}
+
+std::optional<Land> landOf(const OsmTags& tags) {
+  if (isOneOf(tags["landuse"], {"forest", "orchard"}) || isOneOf(tags["natural"], {"wood", "scrub"})) return Land::Wood;
+  if (isOneOf(tags["natural"], {"water"}) || isOneOf(tags["landuse"], {"basin", "reservoir"})) return Land::Water;
+  if (tags["amenity"] == "parking" && isOneOf(tags["parking"], {"", "surface"})) return Land::Lot;
+  if (isOneOf(tags["leisure"], {"park", "pitch", "garden", "playground", "golf_course"}) ||
+      isOneOf(tags["landuse"], {"grass", "meadow", "farmland", "village_green", "recreation_ground", "cemetery"}) ||
+      isOneOf(tags["natural"], {"grassland", "heath"})) {
+    return Land::Grass;
+  }
+  // Squares come as areas of roads for walkers.
+  const bool square = tags["area"] == "yes";
+  if ((square && isOneOf(tags["highway"], {"pedestrian", "footway", "service"})) || tags["amenity"] == "marketplace") {
+    return Land::Paved;
+  }
+  return std::nullopt;
+}
+
+std::optional<parts::Fencing> fencingOf(const std::string& barrier) {
+  if (barrier == "hedge") return parts::Fencing::Hedge;
+  if (isOneOf(barrier, {"wall", "retaining_wall"})) return parts::Fencing::Brick;
+  if (barrier == "fence") return parts::Fencing::Pickets;
+  return std::nullopt;
+}
+
+std::optional<parts::Roof> roofOf(const std::string& shape) {
+  static const std::map<std::string_view, parts::Roof> kShapes = {
+      {"flat", parts::Roof::Flat},         {"gabled", parts::Roof::Gable},
+      {"half-hipped", parts::Roof::Gable}, {"cross_gabled", parts::Roof::CrossGable},
+      {"hipped", parts::Roof::Hip},        {"pyramidal", parts::Roof::Hip},
+  };
+  const auto found = kShapes.find(shape);
+  return found == kShapes.end() ? std::nullopt : std::optional(found->second);
+}
+
+MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
+  MapBuilding building;
+  building.outline = ringOf(area.outer, plane);
+  for (const std::vector<OsmNode>& inner : area.inner) {
+    Polygon court = ringOf(inner, plane);
+    if (court.size() > 2) building.courts.push_back(std::move(court));
+  }
+  const OsmTags& tags = area.tags;
+  if (const auto floors = metresOf(tags["building:levels"]); floors && *floors >= 1) {
+    building.floors = static_cast<int>(std::min(std::lround(*floors), 60L));
+  }
+  building.height = metresOf(tags["height"]);
+  if (building.height) *building.height -= metresOf(tags["roof:height"]).value_or(0);
+  if (building.height && *building.height < 2) building.height.reset();
+  building.roof = roofOf(tags["roof:shape"]);
+  building.shop = !tags["shop"].empty() || isOneOf(tags["building"], {"retail", "supermarket", "commercial"});
+  building.shed = isOneOf(tags["building"], {"garage", "garages", "shed", "roof", "carport", "hut", "greenhouse",
+                                             "service", "barn", "farm_auxiliary"});
+  return building;
+}
+
+}  // namespace
+
+double MapRoad::length() const {
+  double sum = 0;
+  for (std::size_t i = 1; i < line.size(); ++i) sum += std::hypot(line[i].x - line[i - 1].x, line[i].y - line[i - 1].y);
+  return sum;
+}
+
+std::optional<double> metresOf(const std::string& value) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  if (error != std::errc() || !std::isfinite(number) || number < 0) return std::nullopt;
+  std::string_view unit(end, static_cast<std::size_t>(value.data() + value.size() - end));
+  while (unit.starts_with(' ')) unit.remove_prefix(1);
+  if (unit.empty() || unit == "m") return number;
+  if (unit == "ft" || unit == "'") return 0.3048 * number;
+  return std::nullopt;
+}
+
+Map makeMap(const OsmExtract& extract) {
+  // In the middle of what the roads reach.
+  double south = 90, north = -90, west = 180, east = -180;
+  for (const OsmWay& way : extract.ways) {
+    if (!classOf(way.tags)) continue;
+    for (const OsmNode& n : way.nodes) {
+      south = std::min(south, n.latitude);
+      north = std::max(north, n.latitude);
+      west = std::min(west, n.longitude);
+      east = std::max(east, n.longitude);
+    }
+  }
+  Map map;
+  map.latitude = (south + north) / 2;
+  map.longitude = (west + east) / 2;
+  const TangentPlane plane(map.latitude, map.longitude);
+  std::vector<MapRoad> ways;
+  for (const OsmWay& way : extract.ways) {
+    if (!onGround(way.tags)) continue;
+    const std::optional<RoadClass> kind = classOf(way.tags);
+    if (kind) {
+      MapRoad road = roadOf(way, *kind, plane);
+      if (road.line.size() > 1) ways.push_back(std::move(road));
+      continue;
+    }
+    std::vector<Point2> line;
+    for (const OsmNode& n : way.nodes) line.push_back(plane(n));
+    if (line.size() < 2) continue;
+    const std::optional<parts::Fencing> fencing = fencingOf(way.tags["barrier"]);
+    if (fencing) {
+      map.barriers.push_back({*fencing, std::move(line)});
+    } else if (isPath(way.tags)) {
+      map.paths.push_back(std::move(line));
+    }
+  }
+  map.roads = joinRoads(ways);
+  for (const OsmArea& area : extract.areas) {
+    const bool built = !isOneOf(area.tags["building"], {"", "no"});
+    const bool ground = onGround(area.tags) || area.tags["area"] == "yes";
+    if (!ground) continue;
+    if (built) {
+      MapBuilding building = buildingOf(area, plane);
+      if (building.outline.size() > 2) map.buildings.push_back(std::move(building));
+      continue;
+    }
+    const std::optional<Land> land = landOf(area.tags);
+    if (!land) continue;
+    MapArea made{*land, ringOf(area.outer, plane), {}};
+    if (made.outline.size() < 3) continue;
+    for (const std::vector<OsmNode>& inner : area.inner) made.holes.push_back(ringOf(inner, plane));
+    map.areas.push_back(std::move(made));
+  }
+  for (const OsmPoint& point : extract.points) {
+    if (point.tags["natural"] == "tree") map.trees.push_back(plane(point.node));
+  }
+  return map;
+}
+
+Map readMap(const std::filesystem::path& file, const Location& where) {
+  OsmExtract extract;
+  try {
+    extract = moduleOf<OsmModule>().read(file.string());
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw InputError(where, fmt::format("{} cannot be read as an OpenStreetMap extract (.osm, .osm.bz2, .osm.gz, "
+                                        ".osm.pbf): {}",
+                                        file.string(), e.what()));
+  }
+  Map map = makeMap(extract);
+  map.file = file;
+  if (map.roads.empty()) {
+    throw InputError(where,
+                     fmt::format("{} has no road that cars may drive on: no way with the tag highway=residential "
+                                 "or the like",
+                                 file.string()));
+  }
+  return map;
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,56 @@
+#pragma once
+
+// What an OpenStreetMap extract holds, as far as a town needs it.
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace scanmill::town {
+
+struct OsmTags {
+  std::vector<std::pair<std::string, std::string>> pairs;
+
+  // Empty where the tag is not there.
+  const std::string& operator[](const char* key) const {
+    static const std::string none;
+    for (const auto& [k, v] : pairs) {
+      if (k == key) return v;
+    }
+    return none;
+  }
+};
+
+struct OsmNode {
+  std::int64_t id = 0;
+  double latitude = 0, longitude = 0;  // degrees, WGS 84
+};
+
+struct OsmPoint {
+  OsmNode node;
+  OsmTags tags;
+};
+
+struct OsmWay {
+  std::int64_t id = 0;
+  OsmTags tags;
+  std::vector<OsmNode> nodes;  // those that the extract has
+};
+
+// A closed way, or a multipolygon relation, cut into parts with one outer ring each. Rings do not repeat their first
+// node at the end; outer ones go round counter-clockwise, inner ones clockwise.
+struct OsmArea {
+  std::int64_t id = 0;  // of the way or relation
+  OsmTags tags;
+  std::vector<OsmNode> outer;
+  std::vector<std::vector<OsmNode>> inner;
+};
+
+struct OsmExtract {
+  std::vector<OsmPoint> points;  // nodes with tags
+  std::vector<OsmWay> ways;      // with the key highway or barrier
+  std::vector<OsmArea> areas;    // with the key building, landuse, leisure, natural or amenity
+};
+
+}  // namespace scanmill::town

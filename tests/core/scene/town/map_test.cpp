@@ -1,0 +1,197 @@
+#include "scene/town/map.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/town/map_place.h"
+#include "scene/town/osm_interface.h"
+#include "tests/support/message_of.h"
+
+namespace scanmill::town {
+namespace {
+
+using testing::Each;
+using testing::ElementsAre;
+using testing::Optional;
+
+const std::filesystem::path kVillage = std::filesystem::path(SCANMILL_SOURCE_DIR) / "scenes/village.osm";
+
+MapRoad road(const std::string& name, const std::vector<std::pair<std::int64_t, Point2>>& points) {
+  MapRoad made;
+  made.name = name;
+  for (const auto& [node, at] : points) {
+    made.nodes.push_back(node);
+    made.line.push_back(at);
+  }
+  return made;
+}
+
+const MapRoad* longest(const std::vector<MapRoad>& roads, const std::string& name) {
+  const MapRoad* found = nullptr;
+  for (const MapRoad& r : roads) {
+    if (r.name == name && (found == nullptr || r.length() > found->length())) found = &r;
+  }
+  return found;
+}
+
+TEST(Osm, LengthsAreReadInMetres) {
+  EXPECT_THAT(metresOf("12"), Optional(12));
+  EXPECT_THAT(metresOf("7.5 m"), Optional(7.5));
+  EXPECT_THAT(metresOf("10'"), Optional(testing::DoubleNear(3.048, 1e-12)));
+  EXPECT_THAT(metresOf("10 ft"), Optional(testing::DoubleNear(3.048, 1e-12)));
+  for (const char* none : {"", "wide", "-3", "3;4", "nan", "inf", "7 km"})
+    EXPECT_EQ(metresOf(none), std::nullopt) << none;
+}
+
+// A thousandth of a degree along the meridian and along the parallel, by the ellipsoid's radii of curvature.
+TEST(Osm, PlacesAreInMetresOnTheEllipsoid) {
+  constexpr double kLatitude = 48.5;
+  constexpr double kStep = 1e-3;  // degrees
+  OsmExtract extract;
+  OsmWay way;
+  way.tags.pairs = {{"highway", "residential"}};
+  way.nodes = {{1, kLatitude - kStep, 9},
+               {2, kLatitude, 9},
+               {3, kLatitude + kStep, 9},
+               {4, kLatitude, 9 - kStep},
+               {5, kLatitude, 9 + kStep}};
+  extract.ways = {way};
+  const Map map = makeMap(extract);
+  ASSERT_EQ(map.roads.size(), 1u);
+  const std::vector<Point2>& p = map.roads[0].line;
+  const double s = std::sin(kLatitude * kPi / 180);
+  const double square = 0.00669437999014;  // of the eccentricity, WGS 84
+  const double across = 6378137 / std::sqrt(1 - square * s * s);
+  const double along = across * (1 - square) / (1 - square * s * s);
+  const double step = kStep * kPi / 180;
+  EXPECT_NEAR(p[2].y - p[0].y, 2 * step * along, 1e-3);
+  EXPECT_NEAR(p[4].x - p[3].x, 2 * step * across * std::cos(kLatitude * kPi / 180), 1e-3);
+  EXPECT_NEAR(p[1].x, 0, 1e-6);
+  EXPECT_NEAR(p[1].y, 0, 1e-6);
+  EXPECT_NEAR(map.latitude, kLatitude, 1e-9);
+}
+
+TEST(JoinRoads, PiecesBecomeOneRoad) {
+  const auto joined = joinRoads({road("A", {{1, {0, 0}}, {2, {50, 0}}}), road("A", {{3, {90, 30}}, {2, {50, 0}}})});
+  ASSERT_EQ(joined.size(), 1u);
+  EXPECT_NEAR(joined[0].length(), 100, 1e-9);
+  EXPECT_EQ(joined[0].nodes.size(), 3u);
+}
+
+// At a crossing roads go straight on, and the name decides where two do.
+TEST(JoinRoads, CrossingsGoStraightOn) {
+  const auto joined = joinRoads({road("", {{1, {-80, 0}}, {2, {0, 0}}, {3, {80, 0}}}),
+                                 road("", {{4, {5, -60}}, {2, {0, 0}}}), road("", {{2, {0, 0}}, {5, {-5, 60}}})});
+  ASSERT_EQ(joined.size(), 2u);
+  EXPECT_THAT((std::vector{joined[0].length(), joined[1].length()}), Each(testing::Gt(119)));
+  const auto fork = joinRoads({road("A", {{1, {-80, 0}}, {2, {0, 0}}}), road("B", {{2, {0, 0}}, {3, {80, 0}}}),
+                               road("A", {{2, {0, 0}}, {4, {78, 20}}})});
+  ASSERT_EQ(fork.size(), 2u);
+  EXPECT_EQ(longest(fork, "A")->nodes.size(), 3u);
+}
+
+TEST(JoinRoads, OneWayRoadsKeepTheirDirection) {
+  MapRoad first = road("A", {{1, {0, 0}}, {2, {50, 0}}});
+  MapRoad second = road("A", {{2, {50, 0}}, {3, {90, 0}}});
+  MapRoad against = road("A", {{4, {140, 0}}, {3, {90, 0}}});
+  first.oneWay = second.oneWay = against.oneWay = true;
+  const auto joined = joinRoads({second, first, against, road("A", {{4, {140, 0}}, {5, {190, 0}}})});
+  ASSERT_EQ(joined.size(), 3u);
+  EXPECT_THAT(longest(joined, "A")->nodes, ElementsAre(1, 2, 3));
+}
+
+// Whatever is joined, no metre of a road is lost or doubled.
+TEST(JoinRoads, KeepsEveryMetre) {
+  const Map map = makeMap(moduleOf<OsmModule>().read(kVillage.string()));
+  std::vector<MapRoad> again = joinRoads(map.roads);
+  const auto sum = [](const std::vector<MapRoad>& roads) {
+    double metres = 0;
+    for (const MapRoad& r : roads) metres += r.length();
+    return metres;
+  };
+  EXPECT_NEAR(sum(map.roads), sum(again), 1e-6);
+  EXPECT_EQ(map.roads.size(), again.size());
+}
+
+TEST(SmoothLine, RoundsCornersAndKeepsEnds) {
+  const std::vector<Point2> corner = smoothLine({{0, 0}, {40, 0}, {40, 60}});
+  EXPECT_EQ(corner.front().x, 0);
+  EXPECT_EQ(corner.back().y, 60);
+  double cut = 1e9;
+  for (std::size_t i = 0; i < corner.size(); ++i) {
+    cut = std::min(cut, std::hypot(corner[i].x - 40, corner[i].y));
+    if (i == 0) continue;
+    EXPECT_LT(std::hypot(corner[i].x - corner[i - 1].x, corner[i].y - corner[i - 1].y), 1.05 * kRoadStep);
+  }
+  EXPECT_GT(cut, 0.7);
+  EXPECT_LT(cut, 2.5);
+  for (const Point2& p : smoothLine({{0, 0}, {10, 5}, {100, 50}})) EXPECT_NEAR(p.y, p.x / 2, 1e-9);
+}
+
+TEST(ReadMap, TakesTheVillage) {
+  const Map map = readMap(kVillage, {});
+  const MapRoad* main = longest(map.roads, "Mill Road");
+  ASSERT_NE(main, nullptr);
+  EXPECT_GT(main->length(), 500) << "of three ways";
+  EXPECT_THAT(main->sidewalk, Optional(true));
+  EXPECT_EQ(longest(map.roads, "Motorway"), nullptr) << "on a bridge";
+  EXPECT_EQ(std::count_if(map.roads.begin(), map.roads.end(), [](const MapRoad& r) { return r.ring; }), 1);
+  EXPECT_TRUE(longest(map.roads, "School Street")->oneWay);
+  EXPECT_THAT(longest(map.roads, "Back Lane")->sidewalk, Optional(false));
+  EXPECT_EQ(map.paths.size(), 1u) << "pavements are their roads'";
+  EXPECT_EQ(map.trees.size(), 20u);
+  EXPECT_EQ(map.barriers.size(), 3u);
+  EXPECT_EQ(map.areas.size(), 7u);
+  const auto school =
+      std::find_if(map.buildings.begin(), map.buildings.end(), [](const MapBuilding& b) { return !b.courts.empty(); });
+  ASSERT_NE(school, map.buildings.end());
+  EXPECT_THAT(school->floors, Optional(2));
+  EXPECT_GE(map.buildings.size(), 28u);
+  EXPECT_EQ(std::count_if(map.buildings.begin(), map.buildings.end(), [](const MapBuilding& b) { return b.shop; }), 3);
+}
+
+// The origin lies on the main road; side roads begin where they say that they join it, on that side.
+TEST(CutOut, RoadsMeetTheMainOne) {
+  const Map map = readMap(kVillage, {});
+  Parameters parameters;
+  std::size_t joined = 0;
+  std::vector<std::string> names;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const MapPlace place = cutOut(map, parameters, seed, 280, {});
+    const std::vector<Point2>& main = place.roads.front().road.line;
+    names.push_back(place.roads.front().road.name);
+    const auto nearest = [&](const Point2& p) {
+      std::size_t best = 0;
+      for (std::size_t i = 0; i < main.size(); ++i) {
+        if (std::hypot(main[i].x - p.x, main[i].y - p.y) < std::hypot(main[best].x - p.x, main[best].y - p.y)) best = i;
+      }
+      return best;
+    };
+    const Point2& origin = main[nearest({0, 0})];
+    EXPECT_LT(std::hypot(origin.x, origin.y), 2);
+    EXPECT_LT(place.mainFrom, place.mainTo);
+    for (const MapPlace::PlacedRoad& side : place.roads) {
+      if (!side.joins) continue;
+      ++joined;
+      const Point2& start = side.road.line.front();
+      const std::size_t at = nearest(start);
+      EXPECT_NEAR(kRoadStep * static_cast<double>(at), *side.joins, 4);
+      EXPECT_LT(std::hypot(main[at].x - start.x, main[at].y - start.y), 2.5);
+      const Point2& on = side.road.line[5];
+      const Point2& ahead = main[std::min(at + 1, main.size() - 1)];
+      const Point2& behind = main[at > 0 ? at - 1 : 0];
+      const double left = (ahead.x - behind.x) * (on.y - start.y) - (ahead.y - behind.y) * (on.x - start.x);
+      EXPECT_EQ(left > 0, side.joinsLeft);
+    }
+  }
+  EXPECT_GT(joined, 15u);
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  EXPECT_GE(names.size(), 3u) << "the seed draws the road";
+}
+
+}  // namespace
+}  // namespace scanmill::town
