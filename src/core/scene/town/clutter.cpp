@@ -191,6 +191,39 @@ void placeGardenThings(Placer& placer, Store& store) {
   }
 }
 
+// In the middle of squares a fountain, about it benches and planters.
+void placeSquares(Placer& placer, Store& store) {
+  const Layout& l = placer.layout;
+  std::uint32_t square = 0;
+  int number = 0;
+  const bool any = std::any_of(l.areas().all().begin(), l.areas().all().end(),
+                               [](const MapArea& area) { return area.land == Land::Paved; });
+  if (!any) return;
+  const Model bench = parts::makeFurnishing(placer.builder, l.seed(), parts::Furnishing::Bench);
+  const Model planter = parts::makeFurnishing(placer.builder, l.seed(), parts::Furnishing::Planter);
+  for (const MapArea& area : l.areas().all()) {
+    Draw draw(l.seed(), Kind::Furniture, 9000 + ++square);
+    if (area.land != Land::Paved) continue;
+    const Footprint about = rectangleAbout(area.outline);
+    const auto put = [&](const Model& m, const Point2& p, double yaw) {
+      if (l.areas().outsideHard(p) > -1.5 || l.areas().at(p) != Land::Paved) return;
+      if (placer.tryPut(m, {p, yaw, 1, 0}, fmt::format("square's {}", number + 1))) ++number;
+    };
+    if (draw.chance(0.5)) put(store.any(Clutter::Fountain, draw), about.center, 0);
+    const int count = 3 + draw.below(8);
+    for (int k = 0; k < count; ++k) {
+      const Model& what = draw.chance(0.6) ? bench : planter;
+      const double angle = 2 * kPi * k / count;
+      const double away = draw.in(0.4, 0.8);
+      const double u = away * about.halfX * std::cos(angle);
+      const double v = away * about.halfY * std::sin(angle);
+      const Point2 p{about.center.x + u * std::cos(about.yaw) - v * std::sin(about.yaw),
+                     about.center.y + u * std::sin(about.yaw) + v * std::cos(about.yaw)};
+      put(what, p, about.yaw + angle + kPi / 2);
+    }
+  }
+}
+
 }  // namespace
 
 void placeClutter(Placer& placer) {
@@ -202,6 +235,7 @@ void placeClutter(Placer& placer) {
     placeSignals(placer, light);
   }
   placeGardenThings(placer, store);
+  placeSquares(placer, store);
 }
 
 // Dogs and cats on pavements and in front gardens; in the country also cattle beyond them.

@@ -33,7 +33,9 @@ double outside(const Footprint& f, const Point2& p) {
 Layout::Layout(const Parameters& parameters, std::uint64_t seed)
     : parameters_(parameters), seed_(seed), character_(parameters, seed), half_(reachOf(parameters)) {
   drawRoads();
+  drawRoundabout();
   drawPotholes();
+  drawLand();
   drawPlots();
   settle();
 }

@@ -24,6 +24,7 @@ enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway
 struct Patch {
   parts::Footprint place;
   GroundKind kind = GroundKind::Driveway;
+  bool parks = false;  // a car may stand on it
 };
 
 struct Plot {
@@ -106,6 +107,9 @@ class Layout {
   void drawRoads();
   void drawPlots();
   void drawPotholes();
+  void drawRoundabout();
+  void drawLand();
+  bool addLand(Land land, std::uint32_t road, int side, double along, double width, double depth);
   void addPlots(std::uint32_t road, int side, double from, double to);
   parts::House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) const;
   parts::Fencing drawFencing(Draw& draw, double setback) const;

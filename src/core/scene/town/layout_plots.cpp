@@ -155,6 +155,7 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       if (hasDriveway) {
         const Vec3d beside = house.place * Vec3d{house.width + kDriveway / 2 + 0.3, 6, 0};
         addStrip({beside.x, beside.y}, yaw, kDriveway / 2, plot.setback + 6 + out, GroundKind::Driveway);
+        patches_.back().parks = true;
         const Vec3d inside = house.place * house.garageMiddle();
         const Footprint garage{{inside.x, inside.y}, parts::kGarageWidth / 2 - 0.05, parts::kGarageDepth / 2, yaw};
         house.garage = draw.chance(0.55) && fits(garage, 1);
@@ -162,8 +163,10 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       }
       houses_.push_back(house);
     }
-    plots_.push_back(plot);
     start = plot.to;
+    // Parks, lots and squares have no gardens.
+    if (!plot.built && areas_.at(spot(middle, outer + 6))) continue;
+    plots_.push_back(plot);
   }
 }
 

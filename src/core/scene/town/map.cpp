@@ -144,9 +144,12 @@ std::optional<Land> landOf(const OsmTags& tags) {
   if (isOneOf(tags["landuse"], {"forest", "orchard"}) || isOneOf(tags["natural"], {"wood", "scrub"})) return Land::Wood;
   if (isOneOf(tags["natural"], {"water"}) || isOneOf(tags["landuse"], {"basin", "reservoir"})) return Land::Water;
   if (tags["amenity"] == "parking" && isOneOf(tags["parking"], {"", "surface"})) return Land::Lot;
-  if (isOneOf(tags["leisure"], {"park", "pitch", "garden", "playground", "golf_course"}) ||
-      isOneOf(tags["landuse"], {"grass", "meadow", "farmland", "village_green", "recreation_ground", "cemetery"}) ||
-      isOneOf(tags["natural"], {"grassland", "heath"})) {
+  if (isOneOf(tags["leisure"], {"park", "garden"}) ||
+      isOneOf(tags["landuse"], {"village_green", "recreation_ground", "cemetery"})) {
+    return Land::Park;
+  }
+  if (isOneOf(tags["leisure"], {"pitch", "playground", "golf_course"}) ||
+      isOneOf(tags["landuse"], {"grass", "meadow", "farmland"}) || isOneOf(tags["natural"], {"grassland", "heath"})) {
     return Land::Grass;
   }
   // Squares come as areas of roads for walkers.

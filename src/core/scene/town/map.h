@@ -48,7 +48,7 @@ struct MapBuilding {
   bool shed = false;  // a garage, shed, roof or the like: without windows
 };
 
-enum class Land { Wood, Grass, Water, Lot, Paved };
+enum class Land { Wood, Park, Grass, Water, Lot, Paved };
 
 struct MapArea {
   Land land = Land::Grass;

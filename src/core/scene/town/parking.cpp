@@ -47,7 +47,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
   std::uint32_t index = 0;
   for (const Patch& patch : l.patches()) {
     Draw draw(l.seed(), Kind::Car, 500000 + index++);
-    if (patch.kind != GroundKind::Driveway || !draw.chance(c.parked > 0 ? std::min(0.6, 0.1 + c.parked) : 0)) continue;
+    if (!patch.parks || !draw.chance(c.parked > 0 ? std::min(0.6, 0.1 + c.parked) : 0)) continue;
     const Model& car = fleet.anyCar(draw);
     const double yaw = patch.place.yaw + kPi / 2;  // x towards the house
     const double in = patch.place.halfY - 3 - draw.in(0, 1);

@@ -104,6 +104,24 @@ void placeTrees(Placer& placer) {
       }
     }
   }
+  // In parks, where a map names none.
+  std::uint32_t park = 0;
+  for (const MapArea& area : l.areas().all()) {
+    Draw draw(l.seed(), Kind::Tree, 700000 + ++park);
+    if (area.land != Land::Park || !l.trees().empty()) continue;
+    const Footprint about = rectangleAbout(area.outline);
+    const double reach = std::min(2000.0, 4 * about.halfX * about.halfY / draw.in(70, 200));  // trees
+    const int count = static_cast<int>(reach * l.parameters().greenery);
+    for (int k = 0; k < count; ++k) {
+      const double u = draw.in(-about.halfX, about.halfX);
+      const double v = draw.in(-about.halfY, about.halfY);
+      const Point2 p{about.center.x + u * std::cos(about.yaw) - v * std::sin(about.yaw),
+                     about.center.y + u * std::sin(about.yaw) + v * std::cos(about.yaw)};
+      const bool far = !l.roads().at(p.x, p.y).known;
+      if (far || l.areas().at(p) != Land::Park || !onLawn(l, p, 0.5)) continue;
+      if (plant(placer, nursery, draw, {p, 0, 1, 0}, draw.chance(0.5), 0, fmt::format("tree {}", number + 1))) ++number;
+    }
+  }
   for (const Plot& plot : l.plots()) {
     const Road& road = l.roads().roads()[plot.road];
     Draw draw(l.seed(), Kind::Tree, 10000 + plot.number);

@@ -39,8 +39,9 @@ Point2 Road::point(double distance) const {
 }
 
 Point2 Road::heading(double distance) const {
-  const Point2 a = point(std::max(0.0, distance - kRoadStep));
-  const Point2 b = point(std::min(length(), distance + kRoadStep));
+  const double d = std::clamp(distance, 0.0, length());
+  const Point2 a = point(d - kRoadStep);
+  const Point2 b = point(d + kRoadStep);
   const double size = std::hypot(b.x - a.x, b.y - a.y);
   return {(b.x - a.x) / size, (b.y - a.y) / size};
 }

@@ -93,7 +93,7 @@ TEST(Road, IsMeasuredAlongItsLine) {
   EXPECT_NEAR(road.point(2.5).x, 2.5, 1e-12);
   EXPECT_NEAR(road.point(99).y, 6, 1e-12);
   EXPECT_NEAR(road.heading(1).x, 0.6, 1e-12);
-  EXPECT_NEAR(road.heading(5).y, 0.8, 1e-12);
+  for (const double at : {-7.0, 5.0, 99.0}) EXPECT_NEAR(road.heading(at).y, 0.8, 1e-12) << at;
 }
 
 }  // namespace
