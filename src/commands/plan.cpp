@@ -116,7 +116,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   printSequences(pipeline);
 
   std::vector<std::vector<std::string>> scenes{
-      {"scene", "triangles", "placed", "instances", "things", "materials", "dropped"}};
+      {"scene", "triangles", "placed", "instances", "things", "materials", "dropped", "place"}};
   std::map<std::string, std::uint64_t> unlabeled;
   std::vector<std::string> modelled = plan.modelled();
   std::uint64_t sceneBytes = 0;
@@ -129,7 +129,7 @@ int runPlan(const std::vector<std::string>& arguments) {
     const auto method = pipeline.method.automatic ? nullptr : plan.makeMethod(scene);
     scenes.push_back({name, grouped(scene.triangles()), grouped(scene.placedTriangles()),
                       grouped(scene.instances.size()), grouped(scene.things()), grouped(scene.materials.size()),
-                      grouped(scene.dropped.total())});
+                      grouped(scene.dropped.total()), scene.about});
     for (const std::string& line : sizeWarnings(scene)) warn(line);
     for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
@@ -140,6 +140,10 @@ int runPlan(const std::vector<std::string>& arguments) {
     }
     sceneBytes = std::max(sceneBytes, method->memoryBytes());
   }
+  // Procedural towns alone are some kind of place.
+  const bool places =
+      std::any_of(scenes.begin() + 1, scenes.end(), [](const auto& row) { return !row.back().empty(); });
+  for (std::vector<std::string>& row : scenes) row.resize(places ? row.size() : row.size() - 1);
   if (pipeline.recording == nullptr) {
     fmt::print("{}\n", formatTable(scenes));
   } else {

@@ -44,6 +44,9 @@ class SceneBuilder {
   // Counts triangles that no rule gave a class; `what` tells which, see Scene::unlabeled.
   void addUnlabeled(const std::string& what, std::uint64_t triangles) { scene_.unlabeled[what] += triangles; }
 
+  // What kind of place it is: Scene::about.
+  void describe(const std::string& about) { scene_.about = about; }
+
   // Returns the scene. Throws InputError where it has no triangle.
   Scene finish();
 

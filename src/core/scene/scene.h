@@ -86,6 +86,7 @@ struct Scene {
   std::uint64_t seed = 0;
   std::filesystem::path file;
   bool procedural = false;  // some of it depends on the seed
+  std::string about;        // what kind of place the seed has drawn, in words; empty where none has
   Ontology ontology;
   std::vector<Material> materials;  // index 0 is the default material
   std::vector<Mesh> meshes;

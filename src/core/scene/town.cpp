@@ -21,6 +21,7 @@ town::Layout readLayout(Fields& fields, std::uint64_t seed) {
 
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& worldFromTown) {
   const town::Layout layout = readLayout(fields, seed);
+  builder.describe(layout.about());
   builder.place(town::makeGround(builder, layout).mesh, worldFromTown, "ground");
   town::populate(builder, layout, worldFromTown);
 }

@@ -1,5 +1,7 @@
 #include "scene/town/character.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace scanmill::town {
@@ -73,7 +75,7 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
   woods = std::min(0.95, green * (rural ? draw.in(0.3, 0.8) : dense ? draw.in(0.05, 0.3) : draw.in(0.15, 0.6)));
   // Many places have next to no vehicle in sight, some are full of them.
   const double full = draw.next();
-  parked = std::min(0.95, p.vehicles * full * full * (rural ? 0.15 : dense ? 0.9 : 0.6));
+  parked = std::min(0.95, p.vehicles * full * full * full * (rural ? 0.1 : dense ? 0.8 : 0.5));
   traffic = p.vehicles * draw.in(0.1, rural ? 0.8 : 2.2);
   people = p.people * (rural ? draw.in(0, 1.5) : dense ? draw.in(3, 12) : draw.in(0.5, 4));
   clutter = rural ? draw.in(1, 4) : dense ? draw.in(6, 16) : draw.in(3, 9);
@@ -93,6 +95,12 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
     snow = sky.in(0.04, 0.25);
     snowBanks = sky.in(0.2, 0.7);
   }
+}
+
+std::string Character::inWords() const {
+  const char* const place = district == District::Rural ? "rural" : district == District::Dense ? "dense" : "suburban";
+  const char* const time = season == Season::Summer ? "summer" : season == Season::Autumn ? "autumn" : "winter";
+  return fmt::format("{}, {}", place, time);
 }
 
 }  // namespace scanmill::town

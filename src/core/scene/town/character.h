@@ -37,6 +37,8 @@ Parameters readParameters(Fields& fields);
 struct Character {
   Character(const Parameters& parameters, std::uint64_t seed);
 
+  std::string inWords() const;  // "dense, winter"
+
   District district = District::Suburban;
   Season season = Season::Summer;
   double foliage = 1;    // part of their leaves that trees have kept

@@ -63,8 +63,10 @@ class GroundMaker {
   void tile() {
     tiling_ = makeTiling(layout_.half(), kSmallest / 4, [&](double x, double y, double size) {
       if (size > kSmallest / 4 && layout_.nearPothole({x, y}, 0.71 * size)) return true;
-      // Lots and ponds have sharp edges.
-      if (size > 1 && std::abs(layout_.areas().outsideHard({x, y})) < std::min(0.71 * size, Areas::kReach)) return true;
+      // Lots, ponds and paths have sharp edges.
+      const double reach = std::min(0.71 * size, 3.9);
+      if (size > 1 && std::abs(layout_.areas().outsideHard({x, y})) < reach) return true;
+      if (size > 1 && std::abs(layout_.outsidePatches({x, y})) < reach) return true;
       const Beside b = layout_.roads().at(x, y);
       // Beyond the roads' reach nothing is known but that they are far.
       const double nearest = (b.known ? b.edge : RoadNetwork::kReach) - 0.71 * size;

@@ -32,6 +32,7 @@ double outside(const Footprint& f, const Point2& p) {
 
 Layout::Layout(const Parameters& parameters, std::uint64_t seed)
     : parameters_(parameters), seed_(seed), character_(parameters, seed), half_(reachOf(parameters)) {
+  about_ = character_.inWords();
   drawRoads();
   drawRoundabout();
   drawPotholes();

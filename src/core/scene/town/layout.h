@@ -66,6 +66,8 @@ class Layout {
   Layout(const Parameters& parameters, std::uint64_t seed);
   Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace& map);
 
+  // In words: the district, the season, and on a map the main road and where on the earth the frame's origin lies.
+  const std::string& about() const { return about_; }
   // Half of the side of the square of ground (m).
   static double reachOf(const Parameters& parameters);
 
@@ -119,7 +121,7 @@ class Layout {
   void settle();
   void takeRoads(const MapPlace& map);
   void takeBuildings(const MapPlace& map);
-  void cover(const std::vector<const Polygon*>& rings, const parts::Footprint& about);
+  void cover(const MapBuilding& building, const parts::Footprint& about);
   void arrangePlots();
   bool fits(const parts::Footprint& f, double gap) const;
   const Patch* patchAt(const Point2& p) const;
@@ -133,6 +135,7 @@ class Layout {
   Parameters parameters_;
   std::uint64_t seed_;
   Character character_;
+  std::string about_;
   RoadNetwork roads_;
   std::vector<Plot> plots_;
   std::vector<Patch> patches_;

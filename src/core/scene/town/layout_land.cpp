@@ -93,7 +93,7 @@ void Layout::drawLand() {
 void Layout::drawRoundabout() {
   Draw draw(seed_, Kind::SideRoad, 9000);
   if (character_.district == District::Rural || roads_.roads().size() < 2 || !draw.chance(0.35)) return;
-  const auto pick = static_cast<std::size_t>(1 + draw.below(static_cast<int>(roads_.roads().size()) - 1));
+  const auto pick = static_cast<std::uint32_t>(1 + draw.below(static_cast<int>(roads_.roads().size()) - 1));
   const Road from = roads_.roads()[pick];
   const Point2 end = from.line.back();
   const Point2 heading = from.heading(from.length());

@@ -217,6 +217,19 @@ std::optional<double> metresOf(const std::string& value) {
   return std::nullopt;
 }
 
+// By Newton's method: a metre to the north or east is nearly as many degrees everywhere.
+OsmNode degreesAt(const Map& map, const Point2& p) {
+  constexpr double kDegree = 111300;  // m
+  const TangentPlane plane(map.latitude, map.longitude);
+  OsmNode node{0, map.latitude, map.longitude};
+  for (int i = 0; i < 12; ++i) {
+    const Point2 now = plane(node);
+    node.latitude += (p.y - now.y) / kDegree;
+    node.longitude += (p.x - now.x) / (kDegree * std::max(0.01, std::cos(radians(map.latitude))));
+  }
+  return node;
+}
+
 Map makeMap(const OsmExtract& extract) {
   // In the middle of what the roads reach.
   double south = 90, north = -90, west = 180, east = -180;

@@ -72,6 +72,9 @@ struct Map {
   std::vector<Point2> trees;
 };
 
+// Of a point of the map's frame (degrees).
+OsmNode degreesAt(const Map& map, const Point2& p);
+
 // Throws an InputError at `where` with the file where it cannot be read or has no road that cars may drive on.
 Map readMap(const std::filesystem::path& file, const Location& where);
 // Of what has been read.

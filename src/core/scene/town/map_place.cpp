@@ -128,8 +128,7 @@ class Cutter {
     const double half = std::min(parameters_.length, main.length()) / 2;
     const double middle = draw_.in(half, std::max(half, main.length() - half));
     origin_ = pointAt(main.line, middle);
-    place_.latitude = map_.latitude;
-    place_.longitude = map_.longitude;
+    place_.origin = degreesAt(map_, origin_);
     addMain(main, half);
     for (std::size_t i = 0; i < map_.roads.size(); ++i) {
       if (i != main_) addOther(map_.roads[i]);
@@ -144,6 +143,7 @@ class Cutter {
   Point2 moved(const Point2& p) const { return {p.x - origin_.x, p.y - origin_.y}; }
   std::vector<Point2> moved(const std::vector<Point2>& line) const {
     std::vector<Point2> made;
+    made.reserve(line.size());
     for (const Point2& p : line) made.push_back(moved(p));
     return made;
   }
@@ -195,7 +195,7 @@ class Cutter {
     }
   }
 
-  void addPiece(MapRoad piece, const std::vector<Point2>& line, bool joined) {
+  void addPiece(const MapRoad& piece, const std::vector<Point2>& line, bool joined) {
     const std::vector<Point2> smooth = smoothLine(line);
     bool first = true;
     for (std::vector<Point2>& run : runsWithin(smooth, reach_)) {

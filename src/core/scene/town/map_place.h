@@ -17,10 +17,10 @@ struct MapPlace {
     bool joinsLeft = false;
   };
 
-  double latitude = 0, longitude = 0;  // degrees, of the frame's origin, which lies on the main road
-  std::vector<PlacedRoad> roads;       // the main road first
-  std::vector<Point2> joints;          // where roads meet
-  double mainFrom = 0, mainTo = 0;     // m along the main road
+  OsmNode origin;                   // of the frame, on the main road
+  std::vector<PlacedRoad> roads;    // the main road first
+  std::vector<Point2> joints;       // where roads meet
+  double mainFrom = 0, mainTo = 0;  // m along the main road
   District district = District::Suburban;
   // Moved to the place's frame, x east and y north, as far as they reach into it.
   std::vector<std::vector<Point2>> paths;

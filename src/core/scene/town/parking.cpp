@@ -76,7 +76,9 @@ void placeLots(Placer& placer, Fleet& fleet) {
   for (const MapArea& area : l.areas().all()) {
     if (area.land != Land::Lot) continue;
     Draw draw(l.seed(), Kind::Lot, ++lot);
-    const double taken = l.parameters().vehicles > 0 ? std::min(0.95, l.parameters().vehicles * draw.in(0.1, 0.9)) : 0;
+    // Few are full.
+    const double full = draw.next();
+    const double taken = std::min(0.95, l.parameters().vehicles * (0.03 + 0.7 * full * full));
     Footprint about = rectangleAbout(area.outline);
     if (about.halfX < about.halfY) {
       std::swap(about.halfX, about.halfY);

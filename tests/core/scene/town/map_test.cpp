@@ -72,6 +72,9 @@ TEST(Osm, PlacesAreInMetresOnTheEllipsoid) {
   EXPECT_NEAR(p[1].x, 0, 1e-6);
   EXPECT_NEAR(p[1].y, 0, 1e-6);
   EXPECT_NEAR(map.latitude, kLatitude, 1e-9);
+  const OsmNode there = degreesAt(map, p[4]);
+  EXPECT_NEAR(there.latitude, kLatitude, 1e-9);
+  EXPECT_NEAR(there.longitude, 9 + kStep, 1e-9);
 }
 
 TEST(JoinRoads, PiecesBecomeOneRoad) {
