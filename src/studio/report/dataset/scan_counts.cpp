@@ -6,6 +6,8 @@
 #include <limits>
 #include <unordered_map>
 
+#include "sense/echoes.h"
+
 namespace scanmill {
 
 namespace {
@@ -35,15 +37,24 @@ SeenSize sizeOf(const std::vector<Vec3d>& points, const Box& box) {
   return best;
 }
 
+// Mirror images and what stray light brought back are elsewhere than the thing; they count where there is nothing else.
 void measure(const Scan& scan, const Mat3& levelFromSensor, std::map<std::uint32_t, InstanceCounts>& instances) {
   if (instances.empty()) return;
-  std::unordered_map<std::uint32_t, std::vector<Vec3d>> places;
+  struct Places {
+    std::vector<Vec3d> all, ofSurfaces;
+  };
+  std::unordered_map<std::uint32_t, Places> places;
+  const bool told = !scan[kCause].empty();
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (scan[kInstance][i] == 0 || !isFinite(scan.position[i])) continue;
-    places[scan[kInstance][i]].push_back(levelFromSensor * Vec3d(scan.position[i]));
+    const Vec3d p = levelFromSensor * Vec3d(scan.position[i]);
+    Places& own = places[scan[kInstance][i]];
+    own.all.push_back(p);
+    if (!told || scan[kCause][i] == static_cast<std::uint8_t>(Cause::Surface)) own.ofSurfaces.push_back(p);
   }
   for (auto& [id, own] : instances) {
-    const std::vector<Vec3d>& points = places.at(id);
+    const Places& found = places.at(id);
+    const std::vector<Vec3d>& points = found.ofSurfaces.empty() ? found.all : found.ofSurfaces;
     for (const Vec3d& p : points) own.box.add(p);
     own.size = sizeOf(points, own.box);
   }

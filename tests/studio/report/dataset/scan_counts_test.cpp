@@ -71,6 +71,24 @@ TEST(ScanCounts, AScanWithoutColumnsIsCountedToo) {
 }
 
 // Whichever way a thing stands and the sensor leans.
+// What a window mirrors, and what light strayed from, lies elsewhere than the thing.
+TEST(ScanCounts, MirrorImagesAreNoPartOfAThingsSize) {
+  const Manifest manifest = madeManifest();
+  std::vector<MadePoint> points;
+  for (int k = 0; k <= 20; ++k) points.push_back({{5 + 0.1f * float(k), 3, 0.05f * float(k)}, 7, 9, 10});
+  points.push_back({{11, 9, 0}, 7, 9, 10});
+  points.push_back({{14, 3, 0}, 7, 4, 10});
+  Scan scan = madeScan(manifest.sensors[0].beams, points);
+  const auto sizeOfFirst = [&] { return countScan(scan, {1, 30}).instances.back().size; };
+  EXPECT_GT(sizeOfFirst().width, 1) << "nothing tells where points come from";
+  scan[kCause].assign(points.size(), 1);
+  scan[kCause][21] = 4;
+  scan[kCause][22] = 4;
+  EXPECT_NEAR(sizeOfFirst().length, 2, 1e-5);
+  EXPECT_NEAR(sizeOfFirst().height, 1, 1e-5);
+  EXPECT_NEAR(countScan(scan, {1, 30}).instances.front().box.high.x, 14, 1e-5) << "all that there is";
+}
+
 TEST(ScanCounts, SizesAreThoseOfTheThings) {
   for (const double yaw : {0.0, 0.3, 1.1, 2.0, 3.0}) {
     const Quat sensor = fromYawPitchRoll(0.8, 0.2, -0.15);
