@@ -161,7 +161,10 @@ TEST(Town, TheLaneIsFree) {
                              {kSmall, 9},
                              {onMap("length: 120, road: Mill Road"), 1},
                              {onMap("length: 120, road: Church Lane"), 2},
+                             {onMap("length: 100, road: School Street"), 1},
+                             {onMap("length: 100, road: School Street"), 2},
                              {onMap("length: 100, road: School Street"), 3},
+                             {onMap("length: 100, road: School Street"), 4},
                              {onMap("length: 100"), 4}}) {
     const Scene scene = makeTown(place.yaml, place.seed);
     const std::vector<Vec3d> lane = laneOf(place.yaml, place.seed);
@@ -340,6 +343,10 @@ TEST(Town, StandsWhereTheMapSays) {
   const Scene one = makeTown(yaml, 1);
   EXPECT_EQ(hash(one), hash(makeTown(yaml, 1)));
   EXPECT_NE(hash(one), hash(makeTown(yaml, 2)));
+  // Wherever the seed puts the origin along the road: what stands about it stays as far from each other.
+  const Scene here = makeTown(onMap("road: School Street, length: 100"), 3);
+  const Scene again = makeTown(onMap("road: School Street, length: 100, season: winter, vehicles: 0"), 3);
+  EXPECT_EQ(buildings(here), buildings(again));
   EXPECT_GE(buildings(one).size(), 25u);
   EXPECT_THAT(classesOf(one),
               IsSupersetOf({"building", "window", "road", "sidewalk", "parking", "water", "tree", "car"}));
@@ -353,6 +360,7 @@ TEST(Town, RefusesMapsThatItCannotUse) {
   const auto refusal = [](const std::string& yaml) { return messageOf([&] { makeTown(yaml, 1); }); };
   const TemporaryFolder folder;
   const auto of = [&](std::string_view text) { return "{map: " + folder.write("place.osm", text).string() + "}"; };
+  EXPECT_THAT(refusal("{map: 'http://localhost/place.osm'}"), HasSubstr("is no file"));
   EXPECT_THAT(refusal("{map: nowhere.osm}"), AllOf(HasSubstr("town.yaml:1"), HasSubstr("nowhere.osm")));
   EXPECT_THAT(refusal(of("a text")),
               AllOf(HasSubstr("town.yaml:1"), HasSubstr("place.osm"), HasSubstr("OpenStreetMap")));
@@ -360,7 +368,7 @@ TEST(Town, RefusesMapsThatItCannotUse) {
   EXPECT_THAT(
       refusal(of("<osm version='0.6'><node id='1' lat='1' lon='1'/><node id='2' lat='1.0001' lon='1'/><way id='1'>"
                  "<nd ref='1'/><nd ref='2'/><tag k='highway' v='residential'/></way></osm>")),
-      HasSubstr("60 m"));
+      HasSubstr("100 m"));
   EXPECT_THAT(refusal(onMap("road: Mil Road")), AllOf(HasSubstr("town.yaml:1"), HasSubstr("did you mean 'Mill Road'")));
   EXPECT_THAT(refusal("{road: Mill Road}"), HasSubstr("map"));
 }

@@ -55,7 +55,7 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
   with.yaw += kPi;
   placer.tryPut(light, with, name + ", with the line");
   placer.tryPut(light, besideRoad(road, last, out), name + ", against the line");
-  Draw draw(placer.layout.seed(), Kind::Light, 7200 + static_cast<std::uint32_t>(placer.lights.size()));
+  Draw draw(placer.layout.seed(), Kind::Light, 700000 + static_cast<std::uint32_t>(placer.lights.size()));
   placer.lights.push_back({last + 1, draw.in(0, Placer::Light::kPeriod)});
 }
 
@@ -78,7 +78,8 @@ void placeRoadworks(Placer& placer, Store& store, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed(), Kind::Roadworks);
   const bool rural = l.character().district == District::Rural;
-  if (!rural && !draw.chance(0.6)) return;
+  // On a one-way road there is no other lane.
+  if (l.roads().roads().front().oneWay() || (!rural && !draw.chance(0.6))) return;
   const double length = draw.in(9, 18);
   const std::optional<double> at = freeStretch(l, draw, length);
   if (!at) return;
@@ -180,7 +181,7 @@ void placeGardenThings(Placer& placer, Store& store) {
       continue;
     }
     if (!draw.chance(0.4)) continue;
-    const bool square = l.character().district != District::Rural && draw.chance(0.5);
+    const bool square = l.character().district != District::Rural && !plot.bare && draw.chance(0.5);
     water += tryAt(plot, draw, square ? Clutter::Fountain : Clutter::Pond, draw.in(3.5, 8)) ? 1 : 0;
   }
   // A place without water is rare.

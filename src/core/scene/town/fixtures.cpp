@@ -24,6 +24,7 @@ std::vector<Stretch> stretches(const Layout& l) {
   std::vector<Stretch> found;
   for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
     const Road& road = l.roads().roads()[r];
+    if (road.minor) continue;
     found.push_back(road.main ? Stretch{r, l.mainFrom(), l.mainTo()} : Stretch{r, 10, road.length() - 3});
   }
   return found;
@@ -52,7 +53,7 @@ void along(const Layout& l, Kind kind, double per100m, const Place& place) {
 bool beyondEdge(const Layout& l, const Road& road, double distance, int side, double out, Spot& spot) {
   spot = besideRoad(road, distance, side * (road.section.half + out));
   const Beside b = l.roads().at(spot.at.x, spot.at.y);
-  return b.edge > out - 0.25;
+  return b.edge > out - 0.25 && l.areas().outsideHard(spot.at) > 0.3;
 }
 
 }  // namespace

@@ -50,8 +50,7 @@ class GroundMaker {
         return b.known ? layout_.borders(b)[border] : 1e3;
       });
     }
-    cutAlong(tiling_,
-             [&](std::uint32_t p) { return beside(p).known ? layout_.outsidePatches(tiling_.points[p]) : 1.0; });
+    cutAlong(tiling_, [&](std::uint32_t p) { return layout_.outsidePatches(tiling_.points[p]); });
     if (!layout_.areas().all().empty()) {
       cutAlong(tiling_, [&](std::uint32_t p) { return layout_.areas().outsideHard(tiling_.points[p]); });
     }

@@ -103,6 +103,7 @@ void placeBoundaries(Placer& placer) {
     };
     const double front = draw.in(0.5, 0.9);
     if (plot.fencing != Fencing::None) boundaries.row(plot.fencing, form, at(plot.from, front), at(plot.to, front));
+    if (plot.bare) continue;
     const bool hedged = draw.chance(0.8 * l.character().hedges);
     if (!hedged && !draw.chance(l.character().fences)) continue;
     const Fencing between = hedged ? Fencing::Hedge : Fencing::Pickets;

@@ -43,8 +43,7 @@ LaidOut layOut(const Layout& l, const Way& way, double out, double least) {
   for (const Way::Stretch& s : way.stretches) {
     const Road& road = l.roads().roads()[s.road];
     const double direction = s.to >= s.from ? 1 : -1;
-    const bool oneWay = !road.along || !road.against;
-    const double lateral = oneWay ? out : std::max((road.section.half - road.section.parking) / 2 + out, least);
+    const double lateral = road.oneWay() ? out : std::max(road.laneMiddle() + out, least);
     const auto count = std::max(1, static_cast<int>(std::abs(s.to - s.from) / kPoints));
     for (int k = 0; k <= count; ++k) {
       const double along = s.from + (s.to - s.from) * k / count;

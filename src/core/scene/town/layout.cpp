@@ -88,7 +88,10 @@ std::array<double, 5> Layout::borders(const Beside& b) const {
 }
 
 GroundKind Layout::kindAt(const Beside& b, const Point2& p) const {
-  if (!b.known) return landAt(p);
+  if (!b.known) {
+    const Patch* patch = patchAt(p);
+    return patch != nullptr ? patch->kind : landAt(p);
+  }
   const CrossSection& s = b.section;
   if (b.edge < 0) {
     const bool bays = s.parking > 1.5 && b.edge > -s.parking;
@@ -152,15 +155,19 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
     return ground + crown + worn - hole;
   }
   const double outer = b.known ? b.section.outer() : 0;
-  const double step = b.known ? b.section.step * lowering(b, p) : 0.1;
-  const double rise = 0.015 * std::clamp(edge, 0.0, outer);
+  // Far from roads nothing is left of their height, so that the ground has no step where their reach ends.
+  const double near = b.known ? 1 - smooth((edge - 18) / 15) : 0;
+  const double step = near * b.section.step * lowering(b, p);
+  const double rise = near * 0.015 * std::clamp(edge, 0.0, outer);
   const double beyond = std::max(0.0, edge - outer);
   const double paved = kind == GroundKind::Driveway || kind == GroundKind::Path ? 0.3 : 1.0;
   const double hard = areas_.all().empty() ? Areas::kReach : areas_.outsideHard(p);
   const double soft = smooth(hard / 1.5);
   const double wild = character_.undulation * smooth(beyond / 9) * soft;
   const double rolling = 1.6 * wild * relief(seed_ + 11, p.x, p.y, 16) + 0.6 * wild * relief(seed_ + 12, p.x, p.y, 5);
-  const double bank = character_.banks * smooth((edge - b.section.curb) / 11) * relief(seed_ + 15, p.x, p.y, 45);
+  // Lots and squares are flatter than what is about them.
+  const double flat = 0.25 + 0.75 * smooth(hard / Areas::kReach);
+  const double bank = flat * character_.banks * smooth((edge - b.section.curb) / 11) * relief(seed_ + 15, p.x, p.y, 45);
   // Of lawns the finest cells' corners, in some places more than in others.
   const double rough = 0.015 + 0.06 * std::max(0.0, relief(seed_ + 16, p.x, p.y, 9));
   const double grain = (0.03 * relief(seed_ + 13, p.x, p.y, 1.6) + rough * relief(seed_ + 14, p.x, p.y, 0.43)) *

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "scene/parts/occupancy.h"
@@ -33,7 +34,8 @@ struct Plot {
   int side = 1;             // 1: to the left of the road's line
   double from = 0, to = 0;  // m along the road
   bool built = false;
-  double depth = 9;  // m, of what is built
+  bool bare = false;  // open land: only a hedge or fence along the road
+  double depth = 9;   // m, of what is built
   parts::Fencing fencing = parts::Fencing::None;
   double setback = 0;
 };
@@ -57,6 +59,8 @@ struct Pothole {
   Point2 center;
   double radius = 0.3, depth = 0.04;  // m
 };
+
+constexpr double kPathHalf = 0.9;  // m, half of a path's width
 
 class Layout {
  public:

@@ -52,9 +52,9 @@ bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double 
   if (land == Land::Lot) addStrip(inner, yaw, 3, way, GroundKind::Driveway);
   if (land != Land::Park) return true;
   // Two paths that cross.
-  addStrip(inner, yaw, 0.9, way, GroundKind::Path);
-  patches_.push_back({{place.center, 0.9, place.halfY - 1, yaw}, GroundKind::Path});
-  patches_.push_back({{place.center, place.halfX - 1, 0.9, yaw}, GroundKind::Path});
+  addStrip(inner, yaw, kPathHalf, way, GroundKind::Path);
+  patches_.push_back({{place.center, kPathHalf, place.halfY - 1, yaw}, GroundKind::Path});
+  patches_.push_back({{place.center, place.halfX - 1, kPathHalf, yaw}, GroundKind::Path});
   return true;
 }
 
@@ -123,6 +123,7 @@ void Layout::drawRoundabout() {
   ring.section.curb = 0.15;
   ring.section.step = std::max(ring.section.step, 0.08);
   ring.against = false;
+  ring.ring = true;
   roads_.add(std::move(ring));
   roads_.addJoint(end);
   for (const double turn : {draw.in(-2, -0.8), draw.in(-0.4, 0.4), draw.in(0.8, 2)}) {

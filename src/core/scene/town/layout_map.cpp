@@ -12,7 +12,7 @@ namespace {
 
 using parts::Kind;
 
-constexpr double kPath = 0.9;  // m, half of a path's width
+constexpr double kOnRoad = 1.6;  // m from the middle of a road: what stands nearer stands on it
 
 Parameters inDistrict(Parameters parameters, District district) {
   if (parameters.district != "any") return parameters;
@@ -50,17 +50,22 @@ void makeRoom(CrossSection& s, std::vector<double>& walls) {
   constexpr double kGap = 0.4;      // m
   constexpr double kLeast = 1.6;    // m, half of the narrowest road
   constexpr double kBehind = 0.15;  // share of the walls that may stand on the pavement
+  constexpr double kIgnored = 0.02;
   if (walls.empty()) return;
   std::sort(walls.begin(), walls.end());
-  const double most = walls[static_cast<std::size_t>(kBehind * static_cast<double>(walls.size() - 1))];
+  const auto at = [&](double share) {
+    return walls[static_cast<std::size_t>(share * static_cast<double>(walls.size() - 1))];
+  };
+  const double most = at(kBehind);
+  const double nearest = at(kIgnored);
   const auto lack = [&] { return s.half + s.outer() - most; };
   s.verge -= std::clamp(lack(), 0.0, s.verge);
   if (s.sidewalk > 0.6) s.sidewalk -= std::clamp(lack(), 0.0, s.sidewalk - 0.6);
-  if (s.half + kGap > walls.front() && s.parking > 0) {
+  if (s.half + kGap > nearest && s.parking > 0) {
     s.half -= s.parking;
     s.parking = 0;
   }
-  s.half = std::max(kLeast, std::min(s.half, walls.front() - kGap));
+  s.half = std::max(kLeast, std::min(s.half, nearest - kGap));
 }
 
 template <class Visit>
@@ -97,8 +102,9 @@ Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace&
       const Point2& a = path[i - 1];
       const Point2& b = path[i];
       const Point2 middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
-      patches_.push_back({{middle, std::hypot(b.x - a.x, b.y - a.y) / 2 + 0.2, kPath, std::atan2(b.y - a.y, b.x - a.x)},
-                          GroundKind::Path});
+      patches_.push_back(
+          {{middle, std::hypot(b.x - a.x, b.y - a.y) / 2 + 0.2, kPathHalf, std::atan2(b.y - a.y, b.x - a.x)},
+           GroundKind::Path});
     }
   }
   settle();
@@ -115,6 +121,8 @@ void Layout::takeRoads(const MapPlace& map) {
     road.section = sectionOf(placed.road, character_,
                              Draw(seed_, Kind::SideRoad, 1000 + static_cast<std::uint32_t>(roads.size())));
     road.main = roads.empty();
+    road.minor = placed.road.kind >= RoadClass::Service;
+    road.ring = placed.road.ring;
     road.joins = placed.joins;
     road.joinsLeft = placed.joinsLeft;
     road.against = !placed.road.oneWay || placed.road.against;
@@ -124,11 +132,17 @@ void Layout::takeRoads(const MapPlace& map) {
   }
   std::vector<std::vector<double>> walls(roads.size());
   for (const MapBuilding& b : map.buildings) {
+    std::vector<std::pair<std::uint32_t, double>> near;
+    double least = 1e9;
     alongRing(b.outline, 1.5, [&](const Point2& p) {
       const Beside beside = wide.at(p.x, p.y);
       const double lateral = std::abs(beside.lateral);
-      if (beside.known && lateral < 20) walls[beside.road].push_back(lateral);
+      if (beside.known && lateral < 20) near.emplace_back(beside.road, lateral);
+      if (beside.known) least = std::min(least, lateral);
     });
+    // What stands across a road is left out later.
+    if (least < kOnRoad) continue;
+    for (const auto& [road, lateral] : near) walls[road].push_back(lateral);
   }
   for (std::size_t r = 0; r < roads.size(); ++r) {
     makeRoom(roads[r].section, walls[r]);

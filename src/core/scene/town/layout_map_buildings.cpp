@@ -13,8 +13,6 @@ using parts::Footprint;
 using parts::House;
 using parts::Kind;
 
-constexpr double kPath = 0.9;  // m, half of a path's width
-
 // How a building stands to the road that it is nearest to.
 struct Frontage {
   Footprint about;   // the rectangle about it, its x axis towards the road
@@ -50,6 +48,22 @@ int floorsOf(const MapBuilding& b, const Character& c, Draw& draw) {
   return drawn;
 }
 
+// Maps draw houses over roads where one drives through them, or amiss.
+bool isOnRoad(const MapBuilding& b, const RoadNetwork& roads) {
+  constexpr double kSlip = 0.3;  // m
+  for (std::size_t i = 0; i < b.outline.size(); ++i) {
+    const Point2& p = b.outline[i];
+    const Point2& q = b.outline[(i + 1) % b.outline.size()];
+    const int count = 1 + static_cast<int>(std::hypot(q.x - p.x, q.y - p.y));
+    for (int k = 0; k < count; ++k) {
+      const double t = static_cast<double>(k) / count;
+      const Beside beside = roads.at(p.x + (q.x - p.x) * t, p.y + (q.y - p.y) * t);
+      if (beside.known && beside.edge < -kSlip) return true;
+    }
+  }
+  return false;
+}
+
 bool isHouse(const MapBuilding& b, const Footprint& about) {
   const bool rectangular = sizeOf(b.outline) > 0.9 * 4 * about.halfX * about.halfY && b.courts.empty();
   return rectangular && !b.shed && about.halfY > 2.4 && about.halfY < 20 && about.halfX > 2.2 && about.halfX < 9;
@@ -83,6 +97,7 @@ PlacedBlock blockOf(const MapBuilding& b, const Frontage& frontage, int floors, 
 void Layout::takeBuildings(const MapPlace& map) {
   for (std::uint32_t number = 0; number < map.buildings.size(); ++number) {
     const MapBuilding& b = map.buildings[number];
+    if (isOnRoad(b, roads_)) continue;
     Draw draw(seed_, Kind::Plot, 500000 + number);
     const int floors = floorsOf(b, character_, draw);
     const Frontage frontage = frontageOf(b.outline, roads_);
@@ -118,7 +133,7 @@ void Layout::takeBuildings(const MapPlace& map) {
     plots_.push_back(plot);
     if (house && plot.setback > 0.6) {
       const Vec3d door = houses_.back().place * Vec3d{houses_.back().doorX(), -0.6, 0};
-      addStrip({door.x, door.y}, yaw, kPath, plot.setback - 0.6 + before.section.outer(), GroundKind::Path);
+      addStrip({door.x, door.y}, yaw, kPathHalf, plot.setback - 0.6 + before.section.outer(), GroundKind::Path);
     }
   }
   arrangePlots();
@@ -158,6 +173,7 @@ void Layout::arrangePlots() {
           Plot plot;
           plot.road = r;
           plot.side = side;
+          plot.bare = true;
           plot.from = done;
           Draw draw(seed_, Kind::Plot, 800000 + static_cast<std::uint32_t>(plots_.size()));
           plot.to = std::min(to, done + draw.around(character_.plotWidth, 0.3));

@@ -67,9 +67,9 @@ bool isPath(const OsmTags& tags) {
 
 // What lies above or below the ground is left out.
 bool onGround(const OsmTags& tags) {
-  return !isOneOf(tags["tunnel"], {"yes", "building_passage", "culvert"}) && tags["area"] != "yes" &&
-         tags["indoor"].empty() && !isOneOf(tags["location"], {"underground", "overground", "indoor", "roof"}) &&
-         tags["bridge"].empty() && !tags["layer"].starts_with("-");
+  return isOneOf(tags["tunnel"], {"", "no"}) && isOneOf(tags["indoor"], {"", "no"}) &&
+         isOneOf(tags["bridge"], {"", "no"}) && !tags["layer"].starts_with("-") &&
+         !isOneOf(tags["location"], {"underground", "overground", "indoor", "roof"});
 }
 
 // By the keys `sidewalk`, `parking:lane:both`, `parking:left` and the like.
@@ -109,7 +109,8 @@ MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
       {"lane", "street_side", "parallel", "yes"}, {"no", "no_parking", "no_stopping"});
   road.width = metresOf(way.tags["width"]);
   if (const auto lanes = metresOf(way.tags["lanes"]); !road.width && lanes) road.width = kLane * *lanes;
-  if (road.width) road.width = std::clamp(*road.width, 2.2, 24.0);
+  constexpr double kNarrowest = 2, kWidest = 24;  // m
+  if (road.width && (*road.width < kNarrowest || *road.width > kWidest)) road.width.reset();
   return road;
 }
 
@@ -124,20 +125,16 @@ Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   while (ring.size() > 1 && std::hypot(ring.front().x - ring.back().x, ring.front().y - ring.back().y) < kShortest) {
     ring.pop_back();
   }
-  // Points on a straight wall.
-  for (std::size_t i = 0; i < ring.size() && ring.size() > 3;) {
-    const Point2& a = ring[(i + ring.size() - 1) % ring.size()];
+  // Without points on straight walls.
+  Polygon corners;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point2& a = corners.empty() ? ring.back() : corners.back();
     const Point2& b = ring[i];
     const Point2& c = ring[(i + 1) % ring.size()];
     const double turn = (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x);
-    const double reach = std::hypot(c.x - a.x, c.y - a.y);
-    if (std::abs(turn) < 0.05 * reach) {
-      ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(i));
-    } else {
-      ++i;
-    }
+    if (std::abs(turn) >= 0.05 * std::hypot(c.x - a.x, c.y - a.y)) corners.push_back(b);
   }
-  return ring;
+  return corners;
 }
 
 std::optional<Land> landOf(const OsmTags& tags) {
@@ -185,16 +182,18 @@ MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
     if (court.size() > 2) building.courts.push_back(std::move(court));
   }
   const OsmTags& tags = area.tags;
-  if (const auto floors = metresOf(tags["building:levels"]); floors && *floors >= 1) {
-    building.floors = static_cast<int>(std::min(std::lround(*floors), 60L));
+  constexpr double kMostFloors = 120;
+  if (const auto floors = metresOf(tags["building:levels"]); floors && *floors >= 0.5 && *floors <= kMostFloors) {
+    building.floors = static_cast<int>(std::lround(*floors));
   }
   building.height = metresOf(tags["height"]);
   if (building.height) *building.height -= metresOf(tags["roof:height"]).value_or(0);
-  if (building.height && *building.height < 2) building.height.reset();
+  constexpr double kLowest = 2, kHighest = 400;  // m; what is said beyond them is a slip
+  if (building.height && (*building.height < kLowest || *building.height > kHighest)) building.height.reset();
   building.roof = roofOf(tags["roof:shape"]);
   building.shop = !tags["shop"].empty() || isOneOf(tags["building"], {"retail", "supermarket", "commercial"});
-  building.shed = isOneOf(tags["building"], {"garage", "garages", "shed", "roof", "carport", "hut", "greenhouse",
-                                             "service", "barn", "farm_auxiliary"});
+  building.shed = isOneOf(tags["building"],
+                          {"garage", "garages", "shed", "hut", "greenhouse", "service", "barn", "farm_auxiliary"});
   return building;
 }
 
@@ -248,7 +247,7 @@ Map makeMap(const OsmExtract& extract) {
   const TangentPlane plane(map.latitude, map.longitude);
   std::vector<MapRoad> ways;
   for (const OsmWay& way : extract.ways) {
-    if (!onGround(way.tags)) continue;
+    if (!onGround(way.tags) || way.tags["area"] == "yes") continue;
     const std::optional<RoadClass> kind = classOf(way.tags);
     if (kind) {
       MapRoad road = roadOf(way, *kind, plane);
@@ -267,9 +266,10 @@ Map makeMap(const OsmExtract& extract) {
   }
   map.roads = joinRoads(ways);
   for (const OsmArea& area : extract.areas) {
+    if (!onGround(area.tags)) continue;
+    // Roofs that stand open would be walled.
+    if (isOneOf(area.tags["building"], {"roof", "carport"})) continue;
     const bool built = !isOneOf(area.tags["building"], {"", "no"});
-    const bool ground = onGround(area.tags) || area.tags["area"] == "yes";
-    if (!ground) continue;
     if (built) {
       MapBuilding building = buildingOf(area, plane);
       if (building.outline.size() > 2) map.buildings.push_back(std::move(building));
@@ -289,9 +289,14 @@ Map makeMap(const OsmExtract& extract) {
 }
 
 Map readMap(const std::filesystem::path& file, const Location& where) {
+  // libosmium takes names that begin like an address for one, and would fetch it.
+  const std::filesystem::path absolute = std::filesystem::absolute(file);
+  if (!std::filesystem::is_regular_file(absolute)) {
+    throw InputError(where, fmt::format("{} is no file: a map is an OpenStreetMap extract", file.string()));
+  }
   OsmExtract extract;
   try {
-    extract = moduleOf<OsmModule>().read(file.string());
+    extract = moduleOf<OsmModule>().read(absolute.string());
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {
@@ -302,10 +307,11 @@ Map readMap(const std::filesystem::path& file, const Location& where) {
   Map map = makeMap(extract);
   map.file = file;
   if (map.roads.empty()) {
-    throw InputError(where,
-                     fmt::format("{} has no road that cars may drive on: no way with the tag highway=residential "
-                                 "or the like",
-                                 file.string()));
+    throw InputError(
+        where,
+        fmt::format("{} has no road that cars may drive on: no way of some length with the tag highway=residential "
+                    "or the like",
+                    file.string()));
   }
   return map;
 }

@@ -14,7 +14,8 @@ namespace {
 
 using parts::Kind;
 
-constexpr double kLeast = 60;  // m, of a main road
+constexpr double kLeast = 100;      // m, of a main road
+constexpr double kAroundLand = 30;  // m, that land goes on beyond the roads
 
 double distance(const Point2& a, const Point2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
@@ -24,11 +25,14 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
   std::vector<std::size_t> fit;
   std::vector<std::string> names;
   double sum = 0;
+  double longest = 0;
   for (std::size_t i = 0; i < map.roads.size(); ++i) {
     const MapRoad& road = map.roads[i];
     if (!road.name.empty()) names.push_back(road.name);
     const bool wanted = parameters.road.empty() ? road.kind <= RoadClass::Residential : road.name == parameters.road;
-    if (!wanted || road.ring || road.length() < kLeast) continue;
+    if (!wanted || road.ring) continue;
+    longest = std::max(longest, road.length());
+    if (road.length() < kLeast) continue;
     fit.push_back(i);
     sum += road.length();
   }
@@ -36,13 +40,14 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
     std::sort(names.begin(), names.end());
     names.erase(std::unique(names.begin(), names.end()), names.end());
     const bool known = std::find(names.begin(), names.end(), parameters.road) != names.end();
-    throw InputError(
-        where,
-        parameters.road.empty() || known
-            ? fmt::format("{} has no {} of {} m or more", map.file.string(),
-                          parameters.road.empty() ? "road for cars" : "stretch of '" + parameters.road + "'", kLeast)
-            : fmt::format("{} has no road with the name '{}'{}", map.file.string(), parameters.road,
-                          suggestion(parameters.road, names)));
+    const std::string file = map.file.string();
+    if (!parameters.road.empty() && !known) {
+      throw InputError(where, fmt::format("{} has no road with the name '{}'{}", file, parameters.road,
+                                          suggestion(parameters.road, names)));
+    }
+    const std::string which = parameters.road.empty() ? "the longest road for cars" : "'" + parameters.road + "'";
+    throw InputError(where,
+                     fmt::format("{} in {} is {:.0f} m long: a main road needs {} m", which, file, longest, kLeast));
   }
   // The longer the more likely.
   double pick = draw.next() * sum;
@@ -116,10 +121,34 @@ District districtAbout(const MapPlace& place) {
   return share > 0.3 || (share > 0.2 && floors > 2.6 * built) ? District::Dense : District::Suburban;
 }
 
+// The part of a polygon in a square about the origin: Sutherland and Hodgman, "Reentrant polygon clipping",
+// Communications of the ACM 17 (1974). Parts that come apart stay joined along the square's sides.
+Polygon clipped(Polygon ring, double half) {
+  for (int side = 0; side < 4; ++side) {
+    const auto inside = [&](const Point2& p) {
+      return (side == 0 ? p.x : side == 1 ? -p.x : side == 2 ? p.y : -p.y) + half;
+    };
+    Polygon cut;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Point2& a = ring[i];
+      const Point2& b = ring[(i + 1) % ring.size()];
+      const double of = inside(a);
+      const double next = inside(b);
+      if (of >= 0) cut.push_back(a);
+      if ((of >= 0) != (next >= 0)) {
+        const double t = of / (of - next);
+        cut.push_back({parts::lerp(a.x, b.x, t), parts::lerp(a.y, b.y, t)});
+      }
+    }
+    ring = std::move(cut);
+  }
+  return ring;
+}
+
 class Cutter {
  public:
   Cutter(const Map& map, const Parameters& parameters, std::uint64_t seed, double reach, const Location& where)
-      : map_(map), parameters_(parameters), reach_(reach), draw_(seed, Kind::Map) {
+      : map_(map), parameters_(parameters), reach_(reach), where_(where), draw_(seed, Kind::Map) {
     main_ = drawRoad(map, parameters, draw_, where);
   }
 
@@ -147,27 +176,35 @@ class Cutter {
     for (const Point2& p : line) made.push_back(moved(p));
     return made;
   }
-  bool within(const std::vector<Point2>& line) const {
-    return std::any_of(line.begin(), line.end(),
-                       [&](const Point2& p) { return std::max(std::abs(p.x), std::abs(p.y)) < reach_; });
+  // Whether the box about a moved line reaches into the square: most of a large map does not.
+  bool mayReach(const std::vector<Point2>& line) const {
+    const auto [left, right] =
+        std::minmax_element(line.begin(), line.end(), [](auto& a, auto& b) { return a.x < b.x; });
+    const auto [low, high] = std::minmax_element(line.begin(), line.end(), [](auto& a, auto& b) { return a.y < b.y; });
+    return left->x < reach_ && right->x > -reach_ && low->y < reach_ && high->y > -reach_;
   }
 
   void addMain(const MapRoad& main, double half) {
     // The run through the origin.
-    MapPlace::PlacedRoad placed{main, {}, false};
-    double best = 1e9;
-    for (std::vector<Point2>& run : runsWithin(smoothLine(moved(main.line)), reach_)) {
-      if (run.size() < 3) continue;
-      const double d = nearestOn(run, {0, 0}).distance;
-      if (d >= best) continue;
-      best = d;
+    std::vector<std::vector<Point2>> runs = runsWithin(smoothLine(moved(main.line)), reach_);
+    std::erase_if(runs, [](const std::vector<Point2>& run) { return run.size() < 3; });
+    std::stable_sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) {
+      return nearestOn(a, {0, 0}).distance < nearestOn(b, {0, 0}).distance;
+    });
+    // What leaves the square and comes back is another road there.
+    for (std::vector<Point2>& run : runs) {
+      MapPlace::PlacedRoad placed{main, {}, false};
+      placed.road.nodes.clear();
       placed.road.line = std::move(run);
+      place_.roads.push_back(std::move(placed));
+    }
+    const double length = runs.empty() ? 0 : place_.roads.front().road.length();
+    if (length < 0.8 * kLeast) {
+      throw InputError(where_, fmt::format("{} in {} is too winding for a main road: rounded it is {:.0f} m long",
+                                           main.name.empty() ? "a road" : main.name, map_.file.string(), length));
     }
     for (const std::int64_t node : main.nodes) mainNodes_.insert(node);
-    placed.road.nodes.clear();
-    const double at = nearestOn(placed.road.line, {0, 0}).along;
-    const double length = placed.road.length();
-    place_.roads.push_back(std::move(placed));
+    const double at = nearestOn(place_.roads.front().road.line, {0, 0}).along;
     constexpr double kEnd = 8;  // m
     place_.mainFrom = std::max(kEnd, at - half);
     place_.mainTo = std::min(length - kEnd, at + half);
@@ -182,6 +219,10 @@ class Cutter {
       std::vector<Point2> line(road.line.begin() + static_cast<std::ptrdiff_t>(from),
                                road.line.begin() + static_cast<std::ptrdiff_t>(i) + 1);
       line = moved(line);
+      if (!mayReach(line)) {
+        from = i;
+        continue;
+      }
       MapRoad piece = road;
       piece.nodes.clear();
       const bool begins = meets(from);
@@ -196,7 +237,7 @@ class Cutter {
   }
 
   void addPiece(const MapRoad& piece, const std::vector<Point2>& line, bool joined) {
-    const std::vector<Point2> smooth = smoothLine(line);
+    const std::vector<Point2> smooth = piece.ring ? evenLine(line) : smoothLine(line);
     bool first = true;
     for (std::vector<Point2>& run : runsWithin(smooth, reach_)) {
       const bool atMain = joined && first && distance(run.front(), smooth.front()) < 0.01;
@@ -231,41 +272,58 @@ class Cutter {
       }
     }
     for (const auto& [node, use] : uses) {
-      if (use.second > 1) place_.joints.push_back(moved(use.first));
+      constexpr double kAround = 40;  // m, as far as corners are rounded
+      const Point2 at = moved(use.first);
+      if (use.second > 1 && std::max(std::abs(at.x), std::abs(at.y)) < reach_ + kAround) place_.joints.push_back(at);
     }
   }
 
   void addRest() {
     for (const std::vector<Point2>& path : map_.paths) {
-      for (std::vector<Point2>& run : runsWithin(smoothLine(moved(path)), reach_)) {
+      const std::vector<Point2> line = moved(path);
+      if (!mayReach(line)) continue;
+      for (std::vector<Point2>& run : runsWithin(smoothLine(line), reach_)) {
         if (run.size() > 1) place_.paths.push_back(std::move(run));
       }
     }
     for (const MapBuilding& b : map_.buildings) {
       MapBuilding kept = b;
       kept.outline = moved(b.outline);
-      if (!within(kept.outline)) continue;
+      // Whole, or not at all.
+      const bool whole = std::all_of(kept.outline.begin(), kept.outline.end(),
+                                     [&](const Point2& p) { return std::max(std::abs(p.x), std::abs(p.y)) < reach_; });
+      if (!whole) continue;
       for (Polygon& court : kept.courts) court = moved(court);
       place_.buildings.push_back(std::move(kept));
     }
     for (const MapArea& a : map_.areas) {
       MapArea kept{a.land, moved(a.outline), {}};
-      for (const Polygon& hole : a.holes) kept.holes.push_back(moved(hole));
+      if (!mayReach(kept.outline)) continue;
+      kept.outline = clipped(kept.outline, reach_ + kAroundLand);
+      if (kept.outline.size() < 3) continue;
+      for (const Polygon& hole : a.holes) {
+        Polygon cut = clipped(moved(hole), reach_ + kAroundLand);
+        if (cut.size() > 2) kept.holes.push_back(std::move(cut));
+      }
       place_.areas.push_back(std::move(kept));
     }
     for (const MapBarrier& b : map_.barriers) {
-      MapBarrier kept{b.kind, moved(b.line)};
-      if (within(kept.line)) place_.barriers.push_back(std::move(kept));
+      const std::vector<Point2> line = moved(b.line);
+      if (!mayReach(line)) continue;
+      for (std::vector<Point2>& run : runsWithin(evenLine(line), reach_)) {
+        if (run.size() > 1) place_.barriers.push_back({b.kind, std::move(run)});
+      }
     }
     for (const Point2& tree : map_.trees) {
       const Point2 at = moved(tree);
-      if (within({at})) place_.trees.push_back(at);
+      if (std::max(std::abs(at.x), std::abs(at.y)) < reach_) place_.trees.push_back(at);
     }
   }
 
   const Map& map_;
   const Parameters& parameters_;
   double reach_;
+  const Location& where_;
   Draw draw_;
   std::size_t main_ = 0;
   Point2 origin_;
@@ -275,7 +333,7 @@ class Cutter {
 
 }  // namespace
 
-std::vector<Point2> smoothLine(const std::vector<Point2>& line) {
+std::vector<Point2> evenLine(const std::vector<Point2>& line) {
   double length = 0;
   for (std::size_t i = 1; i < line.size(); ++i) length += distance(line[i - 1], line[i]);
   const auto count = std::max(1, static_cast<int>(std::lround(length / kRoadStep)));
@@ -293,6 +351,11 @@ std::vector<Point2> smoothLine(const std::vector<Point2>& line) {
     points.push_back({parts::lerp(line[segment - 1].x, line[segment].x, part),
                       parts::lerp(line[segment - 1].y, line[segment].y, part)});
   }
+  return points;
+}
+
+std::vector<Point2> smoothLine(const std::vector<Point2>& line) {
+  std::vector<Point2> points = evenLine(line);
   constexpr int kPasses = 8;  // spread over about two points to both sides
   for (int pass = 0; pass < kPasses; ++pass) {
     std::vector<Point2> next = points;
@@ -302,7 +365,13 @@ std::vector<Point2> smoothLine(const std::vector<Point2>& line) {
     }
     points = std::move(next);
   }
-  return points;
+  // Where a line turns back its points meet.
+  std::vector<Point2> apart;
+  for (const Point2& p : points) {
+    if (apart.empty() || distance(apart.back(), p) > 0.1) apart.push_back(p);
+  }
+  if (apart.size() > 1) apart.back() = points.back();
+  return apart;
 }
 
 MapPlace cutOut(const Map& map, const Parameters& parameters, std::uint64_t seed, double reach, const Location& where) {

@@ -10,6 +10,8 @@
 namespace scanmill::town {
 namespace {
 
+constexpr double kSharpest = 2.4;  // rad, of a corner that a road goes round
+
 struct Piece {
   MapRoad road;
   // What goes on at its start and at its end: piece and end of it; -1: nothing.
@@ -20,7 +22,14 @@ struct Piece {
   Joint joints[2];
 };
 
-// From one crossing to the next.
+double turnAt(const MapRoad& road, std::size_t i) {
+  const Point2& a = road.line[i - 1];
+  const Point2& b = road.line[i];
+  const Point2& c = road.line[i + 1];
+  return std::abs(std::remainder(std::atan2(c.y - b.y, c.x - b.x) - std::atan2(b.y - a.y, b.x - a.x), 2 * kPi));
+}
+
+// From one crossing to the next, and from one end to the next of what turns back on itself.
 std::vector<Piece> cut(const std::vector<MapRoad>& roads) {
   std::map<std::int64_t, int> uses;
   for (const MapRoad& road : roads) {
@@ -30,7 +39,7 @@ std::vector<Piece> cut(const std::vector<MapRoad>& roads) {
   for (const MapRoad& road : roads) {
     std::size_t from = 0;
     for (std::size_t i = 1; i < road.line.size(); ++i) {
-      if (i + 1 < road.line.size() && uses[road.nodes[i]] < 2) continue;
+      if (i + 1 < road.line.size() && uses[road.nodes[i]] < 2 && turnAt(road, i) < kSharpest) continue;
       Piece piece{road, {}};
       piece.road.line.assign(road.line.begin() + static_cast<std::ptrdiff_t>(from),
                              road.line.begin() + static_cast<std::ptrdiff_t>(i) + 1);
@@ -66,8 +75,12 @@ std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, con
   if (p.oneWay && a.end == b.end) return std::nullopt;
   const double difference = headingFrom(p, a.end) - headingFrom(q, b.end);
   const double turn = std::abs(kPi - std::abs(std::remainder(difference, 2 * kPi)));
-  if (turn > (alone || p.ring ? 2.4 : 0.8)) return std::nullopt;
   const bool sameName = !p.name.empty() && p.name == q.name;
+  const bool minor = p.kind >= RoadClass::Service;
+  if (minor != (q.kind >= RoadClass::Service) && !sameName) return std::nullopt;
+  // At a corner only what has the same name and class, and nothing else meets there.
+  const bool corner = p.ring || (alone && p.kind == q.kind && p.name == q.name);
+  if (turn > (corner ? kSharpest : 0.8)) return std::nullopt;
   return turn + (sameName ? 0 : 0.5) + 0.3 * std::abs(static_cast<int>(p.kind) - static_cast<int>(q.kind));
 }
 

@@ -23,6 +23,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
   for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
     const Road& road = l.roads().roads()[r];
     const CrossSection& s = road.section;
+    if (road.minor || (road.oneWay() && s.parking < 1.5)) continue;
     const double first = road.main ? l.mainFrom() : 14;
     const double last = road.main ? l.mainTo() : road.length() - 4;
     for (const int side : {-1, 1}) {
@@ -46,7 +47,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
   }
   std::uint32_t index = 0;
   for (const Patch& patch : l.patches()) {
-    Draw draw(l.seed(), Kind::Car, 500000 + index++);
+    Draw draw(l.seed(), Kind::Car, 50000000 + index++);
     if (!patch.parks || !draw.chance(c.parked > 0 ? std::min(0.6, 0.1 + c.parked) : 0)) continue;
     const Model& car = fleet.anyCar(draw);
     const double yaw = patch.place.yaw + kPi / 2;  // x towards the house
@@ -91,8 +92,8 @@ void placeLots(Placer& placer, Fleet& fleet) {
     };
     const auto onLot = [&](const Point2& p) {
       const Beside b = l.roads().at(p.x, p.y);
-      return l.areas().outsideHard(p) < -1.2 && l.areas().at(p) == Land::Lot &&
-             (!b.known || b.edge > b.section.outer() + 1.2);
+      return std::max(std::abs(p.x), std::abs(p.y)) < l.half() - 3 && l.areas().outsideHard(p) < -1.2 &&
+             l.areas().at(p) == Land::Lot && (!b.known || b.edge > b.section.outer() + 1.2);
     };
     const auto addLine = [&](double u, double low, double high) {
       const auto corner = [&](double side, double v) {
@@ -145,6 +146,7 @@ void placeStanding(Placer& placer, Fleet& fleet) {
       const std::uint32_t r = sides > 0 ? static_cast<std::uint32_t>(1 + draw.below(sides)) : 0;
       if (tourOf(l).has(r)) continue;
       const Road& road = roads[r];
+      if (road.minor || road.oneWay()) continue;
       const double lateral = std::max(road.section.half - wide - 0.2, wide + kMiddle);
       const bool left = road.main || draw.chance(0.5);
       const double at = road.main ? draw.in(l.mainFrom() + 10, l.mainTo() - 10) : draw.in(12, 28);

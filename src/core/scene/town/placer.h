@@ -2,6 +2,7 @@
 
 // Puts things on the ground of a town, where nothing else stands.
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,8 +42,12 @@ class Placer {
   SceneBuilder& builder;
   const Layout& layout;
   const Affine& worldFromTown;
-  // Whether it is neither on a driveway or path nor where something stands.
-  bool isFree(const Footprint& f) const { return driveways.isFree(f) && occupancy.isFree(f); }
+  // Whether it is on the ground, and neither on a driveway or path nor where something stands.
+  bool isFree(const Footprint& f) const {
+    constexpr double kEdge = 3;  // m
+    const double reach = layout.half() - kEdge;
+    return std::abs(f.center.x) < reach && std::abs(f.center.y) < reach && driveways.isFree(f) && occupancy.isFree(f);
+  }
 
   parts::Occupancy occupancy;  // by things that stand
   parts::Occupancy driveways;  // and paths: they stay clear

@@ -8,8 +8,9 @@ namespace {
 
 constexpr double kCell = 16;      // m
 constexpr double kRounding = 10;  // m, of the corners where roads meet: see at()
-constexpr double kFull = 28;      // m from where roads meet, as far as corners are fully rounded
-constexpr double kFade = 12;      // m, over which they become sharp
+constexpr double kRingRounding = 4;
+constexpr double kFull = 28;  // m from where roads meet, as far as corners are fully rounded
+constexpr double kFade = 12;  // m, over which they become sharp
 
 std::uint64_t cellKey(std::int64_t x, std::int64_t y) {
   return static_cast<std::uint64_t>(x) << 32 ^ (static_cast<std::uint64_t>(y) & 0xFFFFFFFF);
@@ -112,7 +113,9 @@ Beside RoadNetwork::at(double x, double y) const {
   nearest(x, y, found);
   Beside beside;
   double least = 1e9;
-  const double rounding = found.size() > 1 ? std::max(roundingAt(x, y), 1e-3) : 1;
+  const double corner = found.size() > 1 ? std::max(roundingAt(x, y), 1e-3) : 1;
+  const bool ring = std::any_of(found.begin(), found.end(), [&](const Near& n) { return roads_[n.road].ring; });
+  const double rounding = ring ? std::min(corner, kRingRounding) : corner;
   for (const Near& n : found) {
     const CrossSection& own = roads_[n.road].section;
     const double edge = n.distance - own.half;

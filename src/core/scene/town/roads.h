@@ -30,6 +30,8 @@ struct Road {
   std::vector<double> at;    // the distance along it of each point
   CrossSection section;
   bool main = false;
+  bool minor = false;  // a service road or track: without lamps, and nobody parks or waits there
+  bool ring = false;   // a roundabout
   // Of a side road of the main one: where along that it begins, and whether to the left of its line.
   std::optional<double> joins;
   bool joinsLeft = false;
@@ -37,6 +39,9 @@ struct Road {
   bool along = true, against = true;
 
   double length() const { return at.back(); }
+  bool oneWay() const { return !along || !against; }
+  // How far the middle of a lane lies from the road's (m); one-way roads are one lane.
+  double laneMiddle() const { return oneWay() ? 0 : (section.half - section.parking) / 2; }
   Point2 point(double distance) const;
   // The direction of the line there (unit length).
   Point2 heading(double distance) const;

@@ -114,9 +114,8 @@ class Traffic {
 
   // Where on a stretch of a road something stands in the lane first: along the road.
   std::optional<double> blocked(std::uint32_t r, double from, double to) const {
-    const CrossSection& s = road(r).section;
     const double direction = to >= from ? 1 : -1;
-    const double lateral = std::max((s.half - s.parking) / 2, 0.9 + kMiddle);
+    const double lateral = road(r).oneWay() ? 0 : std::max(road(r).laneMiddle(), 0.9 + kMiddle);
     for (const double done : parts::steps(0, std::abs(to - from), 1.5)) {
       const double along = from + direction * done;
       const Spot spot = besideRoad(road(r), along, -direction * lateral);

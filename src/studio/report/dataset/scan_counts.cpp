@@ -37,7 +37,12 @@ SeenSize sizeOf(const std::vector<Vec3d>& points, const Box& box) {
   return best;
 }
 
-// Mirror images and what stray light brought back are elsewhere than the thing; they count where there is nothing else.
+bool isElsewhere(std::uint8_t cause) {
+  return cause == static_cast<std::uint8_t>(Cause::Mirrored) || cause == static_cast<std::uint8_t>(Cause::StrayLight) ||
+         cause == static_cast<std::uint8_t>(Cause::FalsePositive) || cause == static_cast<std::uint8_t>(Cause::Weather);
+}
+
+// Mirror images, stray light and the like are elsewhere than the thing; they count where there is nothing else.
 void measure(const Scan& scan, const Mat3& levelFromSensor, std::map<std::uint32_t, InstanceCounts>& instances) {
   if (instances.empty()) return;
   struct Places {
@@ -50,7 +55,7 @@ void measure(const Scan& scan, const Mat3& levelFromSensor, std::map<std::uint32
     const Vec3d p = levelFromSensor * Vec3d(scan.position[i]);
     Places& own = places[scan[kInstance][i]];
     own.all.push_back(p);
-    if (!told || scan[kCause][i] == static_cast<std::uint8_t>(Cause::Surface)) own.ofSurfaces.push_back(p);
+    if (!told || !isElsewhere(scan[kCause][i])) own.ofSurfaces.push_back(p);
   }
   for (auto& [id, own] : instances) {
     const Places& found = places.at(id);

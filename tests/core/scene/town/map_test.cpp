@@ -51,28 +51,31 @@ TEST(Osm, PlacesAreInMetresOnTheEllipsoid) {
   constexpr double kLatitude = 48.5;
   constexpr double kStep = 1e-3;  // degrees
   OsmExtract extract;
-  OsmWay way;
-  way.tags.pairs = {{"highway", "residential"}};
-  way.nodes = {{1, kLatitude - kStep, 9},
-               {2, kLatitude, 9},
-               {3, kLatitude + kStep, 9},
-               {4, kLatitude, 9 - kStep},
-               {5, kLatitude, 9 + kStep}};
-  extract.ways = {way};
+  for (const bool meridian : {true, false}) {
+    OsmWay way;
+    way.tags.pairs = {{"highway", "residential"}};
+    const double north = meridian ? kStep : 0;
+    const double east = meridian ? 0 : kStep;
+    way.nodes = {{meridian ? 1 : 4, kLatitude - north, 9 - east},
+                 {2, kLatitude, 9},
+                 {meridian ? 3 : 5, kLatitude + north, 9 + east}};
+    extract.ways.push_back(way);
+  }
   const Map map = makeMap(extract);
-  ASSERT_EQ(map.roads.size(), 1u);
-  const std::vector<Point2>& p = map.roads[0].line;
+  ASSERT_EQ(map.roads.size(), 2u);
+  const std::vector<Point2>& up = map.roads[0].line;
+  const std::vector<Point2>& right = map.roads[1].line;
   const double s = std::sin(kLatitude * kPi / 180);
   const double square = 0.00669437999014;  // of the eccentricity, WGS 84
   const double across = 6378137 / std::sqrt(1 - square * s * s);
   const double along = across * (1 - square) / (1 - square * s * s);
   const double step = kStep * kPi / 180;
-  EXPECT_NEAR(p[2].y - p[0].y, 2 * step * along, 1e-3);
-  EXPECT_NEAR(p[4].x - p[3].x, 2 * step * across * std::cos(kLatitude * kPi / 180), 1e-3);
-  EXPECT_NEAR(p[1].x, 0, 1e-6);
-  EXPECT_NEAR(p[1].y, 0, 1e-6);
+  EXPECT_NEAR(up[2].y - up[0].y, 2 * step * along, 1e-3);
+  EXPECT_NEAR(right[2].x - right[0].x, 2 * step * across * std::cos(kLatitude * kPi / 180), 1e-3);
+  EXPECT_NEAR(up[1].x, 0, 1e-6);
+  EXPECT_NEAR(up[1].y, 0, 1e-6);
   EXPECT_NEAR(map.latitude, kLatitude, 1e-9);
-  const OsmNode there = degreesAt(map, p[4]);
+  const OsmNode there = degreesAt(map, right[2]);
   EXPECT_NEAR(there.latitude, kLatitude, 1e-9);
   EXPECT_NEAR(there.longitude, 9 + kStep, 1e-9);
 }
@@ -108,15 +111,23 @@ TEST(JoinRoads, OneWayRoadsKeepTheirDirection) {
 
 // Whatever is joined, no metre of a road is lost or doubled.
 TEST(JoinRoads, KeepsEveryMetre) {
-  const Map map = makeMap(moduleOf<OsmModule>().read(kVillage.string()));
-  std::vector<MapRoad> again = joinRoads(map.roads);
+  std::vector<MapRoad> raw;
+  for (std::int64_t k = 0; k < 12; ++k) {
+    const double x = 60.0 * static_cast<double>(k % 4);
+    const double y = 45.0 * static_cast<double>(k / 4);
+    if (k % 4 < 3) raw.push_back(road(k / 4 == 1 ? "Cross" : "", {{k, {x, y}}, {k + 1, {x + 60, y}}}));
+    if (k < 8) raw.push_back(road("", {{k, {x, y}}, {100 + k, {x + 9, y + 20}}, {k + 4, {x, y + 45}}}));
+  }
+  raw.push_back(road("There and back", {{0, {0, 0}}, {50, {-80, 0}}, {0, {0, 0}}}));
   const auto sum = [](const std::vector<MapRoad>& roads) {
     double metres = 0;
     for (const MapRoad& r : roads) metres += r.length();
     return metres;
   };
-  EXPECT_NEAR(sum(map.roads), sum(again), 1e-6);
-  EXPECT_EQ(map.roads.size(), again.size());
+  const std::vector<MapRoad> joined = joinRoads(raw);
+  EXPECT_NEAR(sum(joined), sum(raw), 1e-9);
+  EXPECT_LT(joined.size(), raw.size());
+  EXPECT_NEAR(sum(joinRoads(joined)), sum(raw), 1e-9);
 }
 
 TEST(SmoothLine, RoundsCornersAndKeepsEnds) {
