@@ -15,6 +15,10 @@ std::uint64_t cellKey(std::int64_t x, std::int64_t y) {
   return static_cast<std::uint64_t>(x) << 32 ^ (static_cast<std::uint64_t>(y) & 0xFFFFFFFF);
 }
 
+bool isHard(Land land) {
+  return land == Land::Water || land == Land::Lot || land == Land::Paved;
+}
+
 std::vector<const Polygon*> ringsOf(const MapArea& area) {
   std::vector<const Polygon*> rings{&area.outline};
   for (const Polygon& hole : area.holes) rings.push_back(&hole);
@@ -113,16 +117,21 @@ const std::vector<std::uint32_t>* Areas::near(const Point2& p) const {
 }
 
 std::optional<Land> Areas::at(const Point2& p) const {
-  std::optional<Land> land;
+  const std::optional<std::uint32_t> index = indexAt(p);
+  return index ? std::optional(areas_[*index].land) : std::nullopt;
+}
+
+std::optional<std::uint32_t> Areas::indexAt(const Point2& p) const {
+  std::optional<std::uint32_t> index;
   double smallest = 1e18;
   if (const auto* found = near(p)) {
     for (const std::uint32_t i : *found) {
       if (extents_[i].size >= smallest || !isInside(ringsOf(areas_[i]), p)) continue;
       smallest = extents_[i].size;
-      land = areas_[i].land;
+      index = i;
     }
   }
-  return land;
+  return index;
 }
 
 double Areas::outsideHard(const Point2& p) const {

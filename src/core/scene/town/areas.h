@@ -26,13 +26,12 @@ class Areas {
   void add(MapArea area);
   const std::vector<MapArea>& all() const { return areas_; }
 
-  // The kind of the smallest area there; none where no area is.
+  // The kind of the smallest area there, and its index among all; none where no area is.
   std::optional<Land> at(const Point2& p) const;
+  std::optional<std::uint32_t> indexAt(const Point2& p) const;
   // How far outside of the nearest area whose ground is no lawn (water, lots, squares), negative inside (m; more than
   // kReach counts as kReach).
   double outsideHard(const Point2& p) const;
-
-  static bool isHard(Land land) { return land == Land::Water || land == Land::Lot || land == Land::Paved; }
 
  private:
   struct Extent {

@@ -172,9 +172,13 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double rough = 0.015 + 0.06 * std::max(0.0, relief(seed_ + 16, p.x, p.y, 9));
   const double grain = (0.03 * relief(seed_ + 13, p.x, p.y, 1.6) + rough * relief(seed_ + 14, p.x, p.y, 0.43)) *
                        smooth((edge - b.section.curb) / 0.3) * paved * (kind == GroundKind::Sidewalk ? 0.1 : 1);
-  constexpr double kShore = 0.5;  // m, from the land down to water
-  const double shore = kind == GroundKind::Water ? kShore * smooth(-hard / 1.5) : 0;
-  const double natural = ground + step + rise + rolling + bank - shore;
+  double natural = ground + step + rise + rolling + bank;
+  if (kind == GroundKind::Water) {
+    // Level but for its banks.
+    constexpr double kBanks = 2;  // m
+    const std::optional<std::uint32_t> area = areas_.indexAt(p);
+    if (area) natural += smooth(-hard / kBanks) * (waterLevels_[*area] - natural);
+  }
   return natural + smooth(beyond / 1.5) * levelling(p, natural) + soft * (grain + snowOn(b, p));
 }
 

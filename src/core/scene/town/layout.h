@@ -121,6 +121,8 @@ class Layout {
   parts::Fencing drawFencing(Draw& draw, double setback) const;
   // From a house with that yaw towards its road.
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
+  // Below the lowest point of the land about each water.
+  void findWaterLevels();
   // Once all is in place: the ground is made level about houses, which get its height.
   void settle();
   void takeRoads(const MapPlace& map);
@@ -154,6 +156,7 @@ class Layout {
   parts::Occupancy taken_;  // by houses
   double mainFrom_ = 0, mainTo_ = 0, half_ = 0;
   Areas areas_;
+  std::vector<double> waterLevels_;  // m, of each area that is water
   std::vector<MapBarrier> barriers_;
   std::vector<Point2> trees_;
 };

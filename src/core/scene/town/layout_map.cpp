@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "config/text.h"
 #include "scene/town/layout.h"
 
 namespace scanmill::town {
@@ -91,11 +92,13 @@ Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace&
       barriers_(map.barriers),
       trees_(map.trees) {
   const std::string& road = map.roads.front().road.name;
-  about_ = fmt::format("{}; {} at {:.6f}, {:.6f}", character_.inWords(), road.empty() ? "a road without a name" : road,
-                       map.origin.latitude, map.origin.longitude);
+  about_ = fmt::format("{}; {} at {:.6f}, {:.6f}", character_.inWords(),
+                       road.empty() ? "a road without a name" : quotedForMessage(road), map.origin.latitude,
+                       map.origin.longitude);
   takeRoads(map);
   drawPotholes();
   for (const MapArea& area : map.areas) areas_.add(area);
+  findWaterLevels();
   takeBuildings(map);
   for (const std::vector<Point2>& path : map.paths) {
     for (std::size_t i = 1; i < path.size(); ++i) {
@@ -108,6 +111,20 @@ Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace&
     }
   }
   settle();
+}
+
+void Layout::findWaterLevels() {
+  constexpr double kBelow = 0.3;  // m
+  for (const MapArea& area : areas_.all()) {
+    double level = 0;
+    if (area.land == Land::Water) {
+      level = 1e9;
+      alongRing(area.outline, 4, [&](const Point2& p) {
+        level = std::min(level, heightAt(GroundKind::Lawn, roads_.at(p.x, p.y), p) - kBelow);
+      });
+    }
+    waterLevels_.push_back(level);
+  }
 }
 
 void Layout::takeRoads(const MapPlace& map) {

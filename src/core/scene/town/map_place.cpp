@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "config/text.h"
 #include "scene/town/areas.h"
 
 namespace scanmill::town {
@@ -42,10 +43,10 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
     const bool known = std::find(names.begin(), names.end(), parameters.road) != names.end();
     const std::string file = map.file.string();
     if (!parameters.road.empty() && !known) {
-      throw InputError(where, fmt::format("{} has no road with the name '{}'{}", file, parameters.road,
+      throw InputError(where, fmt::format("{} has no road with the name {}{}", file, quotedForMessage(parameters.road),
                                           suggestion(parameters.road, names)));
     }
-    const std::string which = parameters.road.empty() ? "the longest road for cars" : "'" + parameters.road + "'";
+    const std::string which = parameters.road.empty() ? "the longest road for cars" : quotedForMessage(parameters.road);
     throw InputError(where,
                      fmt::format("{} in {} is {:.0f} m long: a main road needs {} m", which, file, longest, kLeast));
   }
@@ -200,8 +201,9 @@ class Cutter {
     }
     const double length = runs.empty() ? 0 : place_.roads.front().road.length();
     if (length < 0.8 * kLeast) {
-      throw InputError(where_, fmt::format("{} in {} is too winding for a main road: rounded it is {:.0f} m long",
-                                           main.name.empty() ? "a road" : main.name, map_.file.string(), length));
+      throw InputError(
+          where_, fmt::format("{} in {} is too winding for a main road: rounded it is {:.0f} m long",
+                              main.name.empty() ? "a road" : quotedForMessage(main.name), map_.file.string(), length));
     }
     for (const std::int64_t node : main.nodes) mainNodes_.insert(node);
     const double at = nearestOn(place_.roads.front().road.line, {0, 0}).along;

@@ -134,6 +134,8 @@ Beside RoadNetwork::at(double x, double y) const {
       beside.lateral = n.left ? n.distance : -n.distance;
     }
   }
+  // An island has no pavements of the roads that meet its ring, which goes round counter-clockwise.
+  if (beside.known && roads_[beside.road].ring && beside.lateral > 0) beside.section = roads_[beside.road].section;
   return beside;
 }
 
