@@ -43,7 +43,7 @@ class Collector : public osmium::handler::Handler {
 
   void way(const osmium::Way& way) {
     if (!hasAny(way, {"highway", "barrier"})) return;
-    OsmWay kept{way.id(), tagsOf(way), {}};
+    OsmWay kept{tagsOf(way), {}};
     for (const osmium::NodeRef& n : way.nodes()) {
       if (n.location().valid()) kept.nodes.push_back(nodeOf(n.ref(), n.location()));
     }
@@ -60,7 +60,7 @@ class Collector : public osmium::handler::Handler {
       return made;
     };
     for (const osmium::OuterRing& outer : area.outer_rings()) {
-      OsmArea kept{area.orig_id(), tagsOf(area), ring(outer), {}};
+      OsmArea kept{tagsOf(area), ring(outer), {}};
       for (const osmium::InnerRing& inner : area.inner_rings(outer)) kept.inner.push_back(ring(inner));
       extract_.areas.push_back(std::move(kept));
     }

@@ -27,7 +27,7 @@ void forCells(const Footprint& f, const Visit& visit) {
   const auto cell = [](double v) { return static_cast<std::int64_t>(std::floor(v / kCell)); };
   for (std::int64_t y = cell(f.center.y - reach); y <= cell(f.center.y + reach); ++y) {
     for (std::int64_t x = cell(f.center.x - reach); x <= cell(f.center.x + reach); ++x) {
-      visit(static_cast<std::uint64_t>(x) << 32 ^ (static_cast<std::uint64_t>(y) & 0xFFFFFFFF));
+      visit(cellKey(x, y));
     }
   }
 }

@@ -191,7 +191,7 @@ struct Block {
   std::vector<Point2> outline;              // counter-clockwise, without its first point at the end
   std::vector<std::vector<Point2>> courts;  // clockwise
   int floors = 2;                           // none: a shed without windows
-  double height = 0;                        // of the walls, m; 0: as the floors need
+  double height = 0;                        // to the roof, m, 0.4 m over which the walls end; 0: as the floors need
   Point2 entrance;                          // the wall that is nearest to it has the door
   bool shop = false;
   std::uint32_t number = 0;

@@ -7,17 +7,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "scene/parts/occupancy.h"
 #include "scene/town/map.h"
 
 namespace scanmill::town {
-
-// Even-odd over all rings.
-bool isInside(const std::vector<const Polygon*>& rings, const Point2& p);
-double distanceToRings(const std::vector<const Polygon*>& rings, const Point2& p);
-double sizeOf(const Polygon& ring);  // m^2
-// The smallest rectangle about a polygon, one of whose sides lies along one of the polygon's.
-parts::Footprint rectangleAbout(const Polygon& ring);
 
 class Areas {
  public:

@@ -216,10 +216,7 @@ void placeSquares(Placer& placer, Store& store) {
       const Model& what = draw.chance(0.6) ? bench : planter;
       const double angle = 2 * kPi * k / count;
       const double away = draw.in(0.4, 0.8);
-      const double u = away * about.halfX * std::cos(angle);
-      const double v = away * about.halfY * std::sin(angle);
-      const Point2 p{about.center.x + u * std::cos(about.yaw) - v * std::sin(about.yaw),
-                     about.center.y + u * std::sin(about.yaw) + v * std::cos(about.yaw)};
+      const Point2 p = about.at(away * about.halfX * std::cos(angle), away * about.halfY * std::sin(angle));
       put(what, p, about.yaw + angle + kPi / 2);
     }
   }

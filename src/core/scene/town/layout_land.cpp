@@ -12,13 +12,7 @@ using parts::Footprint;
 using parts::Kind;
 
 Polygon cornersOf(const Footprint& f) {
-  const double c = std::cos(f.yaw);
-  const double s = std::sin(f.yaw);
-  Polygon corners;
-  for (const auto& [u, v] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}}) {
-    corners.push_back({f.center.x + u * f.halfX * c - v * f.halfY * s, f.center.y + u * f.halfX * s + v * f.halfY * c});
-  }
-  return corners;
+  return {f.at(-f.halfX, -f.halfY), f.at(f.halfX, -f.halfY), f.at(f.halfX, f.halfY), f.at(-f.halfX, f.halfY)};
 }
 
 }  // namespace
@@ -34,11 +28,8 @@ bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double 
   const Footprint place{{p.x - h.y * out, p.y + h.x * out}, width / 2, depth / 2, yaw};
   for (const double u : parts::steps(-1, 1.1, 0.25)) {
     for (const double v : parts::steps(-1, 1.1, 0.25)) {
-      const double c = std::cos(yaw);
-      const double s = std::sin(yaw);
-      const double x = place.center.x + u * place.halfX * c - v * place.halfY * s;
-      const double y = place.center.y + u * place.halfX * s + v * place.halfY * c;
-      const Beside beside = roads_.at(x, y);
+      const Point2 at = place.at(u * place.halfX, v * place.halfY);
+      const Beside beside = roads_.at(at.x, at.y);
       if (beside.known && beside.edge < beside.section.outer()) return false;
     }
   }

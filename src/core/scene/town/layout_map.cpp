@@ -69,19 +69,6 @@ void makeRoom(CrossSection& s, std::vector<double>& walls) {
   s.half = std::max(kLeast, std::min(s.half, nearest - kGap));
 }
 
-template <class Visit>
-void alongRing(const Polygon& ring, double step, const Visit& visit) {
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Point2& a = ring[i];
-    const Point2& b = ring[(i + 1) % ring.size()];
-    const auto count = std::max(1, static_cast<int>(std::hypot(b.x - a.x, b.y - a.y) / step));
-    for (int k = 0; k < count; ++k) {
-      const double t = static_cast<double>(k) / count;
-      visit(Point2{a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t});
-    }
-  }
-}
-
 }  // namespace
 
 Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace& map)
@@ -119,9 +106,9 @@ void Layout::findWaterLevels() {
     double level = 0;
     if (area.land == Land::Water) {
       level = 1e9;
-      alongRing(area.outline, 4, [&](const Point2& p) {
+      for (const Point2& p : pointsAlong(area.outline, 4)) {
         level = std::min(level, heightAt(GroundKind::Lawn, roads_.at(p.x, p.y), p) - kBelow);
-      });
+      }
     }
     waterLevels_.push_back(level);
   }
@@ -151,12 +138,12 @@ void Layout::takeRoads(const MapPlace& map) {
   for (const MapBuilding& b : map.buildings) {
     std::vector<std::pair<std::uint32_t, double>> near;
     double least = 1e9;
-    alongRing(b.outline, 1.5, [&](const Point2& p) {
+    for (const Point2& p : pointsAlong(b.outline, 1.5)) {
       const Beside beside = wide.at(p.x, p.y);
       const double lateral = std::abs(beside.lateral);
       if (beside.known && lateral < 20) near.emplace_back(beside.road, lateral);
       if (beside.known) least = std::min(least, lateral);
-    });
+    }
     // What stands across a road is left out later.
     if (least < kOnRoad) continue;
     for (const auto& [road, lateral] : near) walls[road].push_back(lateral);

@@ -19,10 +19,7 @@ struct Frontage {
   double gap = 1e9;  // m, between the road's outer edge and the building; none is near: large
   Beside before;     // the middle of its front
 
-  Point2 inFront(double distance) const {
-    const double out = about.halfX + distance;
-    return {about.center.x + out * std::cos(about.yaw), about.center.y + out * std::sin(about.yaw)};
-  }
+  Point2 inFront(double distance) const { return about.at(about.halfX + distance, 0); }
 };
 
 Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
@@ -40,26 +37,12 @@ Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
   return best;
 }
 
-int floorsOf(const MapBuilding& b, const Character& c, Draw& draw) {
-  constexpr double kStorey = 2.9;  // m
-  const int drawn = c.floorsLow + draw.below(c.floorsHigh - c.floorsLow + 1);
-  if (b.floors) return *b.floors;
-  if (b.height) return std::max(1, static_cast<int>(std::lround(*b.height / kStorey)));
-  return drawn;
-}
-
 // Maps draw houses over roads where one drives through them, or amiss.
 bool isOnRoad(const MapBuilding& b, const RoadNetwork& roads) {
   constexpr double kSlip = 0.3;  // m
-  for (std::size_t i = 0; i < b.outline.size(); ++i) {
-    const Point2& p = b.outline[i];
-    const Point2& q = b.outline[(i + 1) % b.outline.size()];
-    const int count = 1 + static_cast<int>(std::hypot(q.x - p.x, q.y - p.y));
-    for (int k = 0; k < count; ++k) {
-      const double t = static_cast<double>(k) / count;
-      const Beside beside = roads.at(p.x + (q.x - p.x) * t, p.y + (q.y - p.y) * t);
-      if (beside.known && beside.edge < -kSlip) return true;
-    }
+  for (const Point2& p : pointsAlong(b.outline, 1)) {
+    const Beside beside = roads.at(p.x, p.y);
+    if (beside.known && beside.edge < -kSlip) return true;
   }
   return false;
 }
@@ -99,7 +82,8 @@ void Layout::takeBuildings(const MapPlace& map) {
     const MapBuilding& b = map.buildings[number];
     if (isOnRoad(b, roads_)) continue;
     Draw draw(seed_, Kind::Plot, 500000 + number);
-    const int floors = floorsOf(b, character_, draw);
+    const int drawn = character_.floorsLow + draw.below(character_.floorsHigh - character_.floorsLow + 1);
+    const int floors = b.floorsSaid().value_or(drawn);
     const Frontage frontage = frontageOf(b.outline, roads_);
     const Footprint& about = frontage.about;
     const double yaw = about.yaw + kPi / 2;  // of a house
@@ -144,11 +128,9 @@ void Layout::cover(const MapBuilding& b, const Footprint& about) {
   constexpr double kCell = 1.6;  // m
   std::vector<const Polygon*> rings{&b.outline};
   for (const Polygon& court : b.courts) rings.push_back(&court);
-  const double c = std::cos(about.yaw);
-  const double s = std::sin(about.yaw);
   for (const double v : parts::steps(-about.halfY + kCell / 2, about.halfY + kCell / 2, kCell)) {
     for (const double u : parts::steps(-about.halfX + kCell / 2, about.halfX + kCell / 2, kCell)) {
-      const Point2 p{about.center.x + u * c - v * s, about.center.y + u * s + v * c};
+      const Point2 p = about.at(u, v);
       if (isInside(rings, p) || distanceToRings(rings, p) < kCell) {
         covers_.push_back({p, kCell / 2, kCell / 2, about.yaw});
       }

@@ -54,13 +54,10 @@ void Layout::settle() {
 
 // Whether the rectangle stays clear of roads and sidewalks, and of other houses.
 bool Layout::fits(const Footprint& f, double gap) const {
-  const double c = std::cos(f.yaw);
-  const double s = std::sin(f.yaw);
   for (const double u : {-1.0, 0.0, 1.0}) {
     for (const double v : {-1.0, 0.0, 1.0}) {
-      const double x = f.center.x + u * f.halfX * c - v * f.halfY * s;
-      const double y = f.center.y + u * f.halfX * s + v * f.halfY * c;
-      const Beside beside = roads_.at(x, y);
+      const Point2 at = f.at(u * f.halfX, v * f.halfY);
+      const Beside beside = roads_.at(at.x, at.y);
       if (beside.known && beside.edge < beside.section.outer() + gap) return false;
     }
   }

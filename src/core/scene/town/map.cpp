@@ -3,44 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
-#include <set>
 #include <string_view>
 
 #include "scene/town/osm_interface.h"
+#include "scene/town/tangent_plane.h"
 
 namespace scanmill::town {
 namespace {
-
-// The plane that touches the ellipsoid at a point, x east, y north: the usual way by earth-centred coordinates.
-class TangentPlane {
- public:
-  TangentPlane(double latitude, double longitude)
-      : latitude_(radians(latitude)), longitude_(radians(longitude)), origin_(earthCentred(latitude_, longitude_)) {}
-
-  Point2 operator()(const OsmNode& n) const {
-    const Vec3d d = earthCentred(radians(n.latitude), radians(n.longitude)) - origin_;
-    const double towards = d.x * std::cos(longitude_) + d.y * std::sin(longitude_);
-    return {d.y * std::cos(longitude_) - d.x * std::sin(longitude_),
-            d.z * std::cos(latitude_) - towards * std::sin(latitude_)};
-  }
-
- private:
-  static Vec3d earthCentred(double latitude, double longitude) {
-    constexpr double kRadius = 6378137;  // m, WGS 84
-    constexpr double kFlattening = 1 / 298.257223563;
-    constexpr double kSquare = kFlattening * (2 - kFlattening);
-    const double across = kRadius / std::sqrt(1 - kSquare * std::sin(latitude) * std::sin(latitude));
-    return {across * std::cos(latitude) * std::cos(longitude), across * std::cos(latitude) * std::sin(longitude),
-            across * (1 - kSquare) * std::sin(latitude)};
-  }
-
-  double latitude_, longitude_;
-  Vec3d origin_;
-};
 
 bool isOneOf(std::string_view value, std::initializer_list<std::string_view> words) {
   return std::find(words.begin(), words.end(), value) != words.end();
@@ -199,10 +171,10 @@ MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
 
 }  // namespace
 
-double MapRoad::length() const {
-  double sum = 0;
-  for (std::size_t i = 1; i < line.size(); ++i) sum += std::hypot(line[i].x - line[i - 1].x, line[i].y - line[i - 1].y);
-  return sum;
+std::optional<int> MapBuilding::floorsSaid() const {
+  constexpr double kStorey = 2.9;  // m
+  if (floors) return floors;
+  return height ? std::optional(std::max(1, static_cast<int>(std::lround(*height / kStorey)))) : std::nullopt;
 }
 
 std::optional<double> metresOf(const std::string& value) {
@@ -216,17 +188,8 @@ std::optional<double> metresOf(const std::string& value) {
   return std::nullopt;
 }
 
-// By Newton's method: a metre to the north or east is nearly as many degrees everywhere.
 OsmNode degreesAt(const Map& map, const Point2& p) {
-  constexpr double kDegree = 111300;  // m
-  const TangentPlane plane(map.latitude, map.longitude);
-  OsmNode node{0, map.latitude, map.longitude};
-  for (int i = 0; i < 12; ++i) {
-    const Point2 now = plane(node);
-    node.latitude += (p.y - now.y) / kDegree;
-    node.longitude += (p.x - now.x) / (kDegree * std::max(0.01, std::cos(radians(map.latitude))));
-  }
-  return node;
+  return TangentPlane(map.latitude, map.longitude).degreesAt(p);
 }
 
 Map makeMap(const OsmExtract& extract) {

@@ -11,12 +11,10 @@
 
 #include "base/error.h"
 #include "scene/parts/parts.h"
+#include "scene/town/geometry.h"
 #include "scene/town/osm.h"
 
 namespace scanmill::town {
-
-using parts::Point2;
-using Polygon = std::vector<Point2>;  // counter-clockwise, without its first point at the end
 
 // From the widest to the narrowest.
 enum class RoadClass { Primary, Secondary, Tertiary, Residential, Service, Track };
@@ -35,7 +33,7 @@ struct MapRoad {
   std::optional<bool> sidewalk;
   std::optional<bool> parking;
 
-  double length() const;
+  double length() const { return lengthOf(line); }
 };
 
 struct MapBuilding {
@@ -45,7 +43,10 @@ struct MapBuilding {
   std::optional<int> floors;        // above the ground
   std::optional<parts::Roof> roof;  // as far as the map says so, of those that there are
   bool shop = false;
-  bool shed = false;  // a garage, shed, roof or the like: without windows
+  bool shed = false;  // a garage, shed or the like: without windows
+
+  // By the floors that the map counts, else by the height.
+  std::optional<int> floorsSaid() const;
 };
 
 enum class Land { Wood, Park, Grass, Water, Lot, Paved };

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "config/text.h"
-#include "scene/town/areas.h"
+#include "scene/town/geometry.h"
 
 namespace scanmill::town {
 namespace {
@@ -17,10 +17,6 @@ using parts::Kind;
 
 constexpr double kLeast = 100;      // m, of a main road
 constexpr double kAroundLand = 30;  // m, that land goes on beyond the roads
-
-double distance(const Point2& a, const Point2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
 
 std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, const Location& where) {
   std::vector<std::size_t> fit;
@@ -59,51 +55,6 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
   return fit.back();
 }
 
-Point2 pointAt(const std::vector<Point2>& line, double along) {
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const double size = distance(line[i - 1], line[i]);
-    if (along <= size && size > 0) {
-      return {parts::lerp(line[i - 1].x, line[i].x, along / size), parts::lerp(line[i - 1].y, line[i].y, along / size)};
-    }
-    along -= size;
-  }
-  return line.back();
-}
-
-// The runs of a line that lie in the square.
-std::vector<std::vector<Point2>> runsWithin(const std::vector<Point2>& line, double reach) {
-  std::vector<std::vector<Point2>> runs(1);
-  for (const Point2& p : line) {
-    if (std::max(std::abs(p.x), std::abs(p.y)) < reach) {
-      runs.back().push_back(p);
-    } else if (!runs.back().empty()) {
-      runs.emplace_back();
-    }
-  }
-  if (runs.back().empty()) runs.pop_back();
-  return runs;
-}
-
-struct Nearest {
-  double distance = 1e9;
-  double along = 0;
-  Point2 heading;
-};
-
-Nearest nearestOn(const std::vector<Point2>& line, const Point2& p) {
-  Nearest nearest;
-  double before = 0;
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const double size = distance(line[i - 1], line[i]);
-    const Point2 h{(line[i].x - line[i - 1].x) / size, (line[i].y - line[i - 1].y) / size};
-    const double t = std::clamp((p.x - line[i - 1].x) * h.x + (p.y - line[i - 1].y) * h.y, 0.0, size);
-    const double d = distance(p, {line[i - 1].x + h.x * t, line[i - 1].y + h.y * t});
-    if (d < nearest.distance) nearest = {d, before + t, h};
-    before += size;
-  }
-  return nearest;
-}
-
 // By how much of the land beside the main road is built on, and how high.
 District districtAbout(const MapPlace& place) {
   constexpr double kBeside = 40;  // m
@@ -115,35 +66,11 @@ District districtAbout(const MapPlace& place) {
     if (n.distance > kBeside || n.along < place.mainFrom || n.along > place.mainTo) continue;
     const double size = sizeOf(b.outline);
     built += size;
-    floors += size * b.floors.value_or(b.height ? static_cast<int>(*b.height / 2.9) : 2);
+    floors += size * b.floorsSaid().value_or(2);
   }
   const double share = built / (2 * kBeside * (place.mainTo - place.mainFrom));
   if (share < 0.03) return District::Rural;
   return share > 0.3 || (share > 0.2 && floors > 2.6 * built) ? District::Dense : District::Suburban;
-}
-
-// The part of a polygon in a square about the origin: Sutherland and Hodgman, "Reentrant polygon clipping",
-// Communications of the ACM 17 (1974). Parts that come apart stay joined along the square's sides.
-Polygon clipped(Polygon ring, double half) {
-  for (int side = 0; side < 4; ++side) {
-    const auto inside = [&](const Point2& p) {
-      return (side == 0 ? p.x : side == 1 ? -p.x : side == 2 ? p.y : -p.y) + half;
-    };
-    Polygon cut;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Point2& a = ring[i];
-      const Point2& b = ring[(i + 1) % ring.size()];
-      const double of = inside(a);
-      const double next = inside(b);
-      if (of >= 0) cut.push_back(a);
-      if ((of >= 0) != (next >= 0)) {
-        const double t = of / (of - next);
-        cut.push_back({parts::lerp(a.x, b.x, t), parts::lerp(a.y, b.y, t)});
-      }
-    }
-    ring = std::move(cut);
-  }
-  return ring;
 }
 
 class Cutter {
@@ -187,7 +114,7 @@ class Cutter {
 
   void addMain(const MapRoad& main, double half) {
     // The run through the origin.
-    std::vector<std::vector<Point2>> runs = runsWithin(smoothLine(moved(main.line)), reach_);
+    std::vector<std::vector<Point2>> runs = runsWithin(smoothLine(moved(main.line), kRoadStep), reach_);
     std::erase_if(runs, [](const std::vector<Point2>& run) { return run.size() < 3; });
     std::stable_sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) {
       return nearestOn(a, {0, 0}).distance < nearestOn(b, {0, 0}).distance;
@@ -239,7 +166,7 @@ class Cutter {
   }
 
   void addPiece(const MapRoad& piece, const std::vector<Point2>& line, bool joined) {
-    const std::vector<Point2> smooth = piece.ring ? evenLine(line) : smoothLine(line);
+    const std::vector<Point2> smooth = piece.ring ? evenLine(line, kRoadStep) : smoothLine(line, kRoadStep);
     bool first = true;
     for (std::vector<Point2>& run : runsWithin(smooth, reach_)) {
       const bool atMain = joined && first && distance(run.front(), smooth.front()) < 0.01;
@@ -284,7 +211,7 @@ class Cutter {
     for (const std::vector<Point2>& path : map_.paths) {
       const std::vector<Point2> line = moved(path);
       if (!mayReach(line)) continue;
-      for (std::vector<Point2>& run : runsWithin(smoothLine(line), reach_)) {
+      for (std::vector<Point2>& run : runsWithin(smoothLine(line, kRoadStep), reach_)) {
         if (run.size() > 1) place_.paths.push_back(std::move(run));
       }
     }
@@ -312,7 +239,7 @@ class Cutter {
     for (const MapBarrier& b : map_.barriers) {
       const std::vector<Point2> line = moved(b.line);
       if (!mayReach(line)) continue;
-      for (std::vector<Point2>& run : runsWithin(evenLine(line), reach_)) {
+      for (std::vector<Point2>& run : runsWithin(evenLine(line, kRoadStep), reach_)) {
         if (run.size() > 1) place_.barriers.push_back({b.kind, std::move(run)});
       }
     }
@@ -334,47 +261,6 @@ class Cutter {
 };
 
 }  // namespace
-
-std::vector<Point2> evenLine(const std::vector<Point2>& line) {
-  double length = 0;
-  for (std::size_t i = 1; i < line.size(); ++i) length += distance(line[i - 1], line[i]);
-  const auto count = std::max(1, static_cast<int>(std::lround(length / kRoadStep)));
-  std::vector<Point2> points;
-  std::size_t segment = 1;
-  double before = 0;
-  for (int k = 0; k <= count; ++k) {
-    const double at = length * k / count;
-    while (segment + 1 < line.size() && before + distance(line[segment - 1], line[segment]) < at) {
-      before += distance(line[segment - 1], line[segment]);
-      ++segment;
-    }
-    const double size = distance(line[segment - 1], line[segment]);
-    const double part = size > 0 ? std::clamp((at - before) / size, 0.0, 1.0) : 0;
-    points.push_back({parts::lerp(line[segment - 1].x, line[segment].x, part),
-                      parts::lerp(line[segment - 1].y, line[segment].y, part)});
-  }
-  return points;
-}
-
-std::vector<Point2> smoothLine(const std::vector<Point2>& line) {
-  std::vector<Point2> points = evenLine(line);
-  constexpr int kPasses = 8;  // spread over about two points to both sides
-  for (int pass = 0; pass < kPasses; ++pass) {
-    std::vector<Point2> next = points;
-    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
-      next[i] = {(points[i - 1].x + 2 * points[i].x + points[i + 1].x) / 4,
-                 (points[i - 1].y + 2 * points[i].y + points[i + 1].y) / 4};
-    }
-    points = std::move(next);
-  }
-  // Where a line turns back its points meet.
-  std::vector<Point2> apart;
-  for (const Point2& p : points) {
-    if (apart.empty() || distance(apart.back(), p) > 0.1) apart.push_back(p);
-  }
-  if (apart.size() > 1) apart.back() = points.back();
-  return apart;
-}
 
 MapPlace cutOut(const Map& map, const Parameters& parameters, std::uint64_t seed, double reach, const Location& where) {
   return Cutter(map, parameters, seed, reach, where).cut();

@@ -35,9 +35,4 @@ struct MapPlace {
 // road is long enough.
 MapPlace cutOut(const Map& map, const Parameters& parameters, std::uint64_t seed, double reach, const Location& where);
 
-// Points on the line about `kRoadStep` apart, both ends among them.
-std::vector<Point2> evenLine(const std::vector<Point2>& line);
-// The same with its corners rounded, as vehicles drive: each point the mean of its neighbours. The ends stay.
-std::vector<Point2> smoothLine(const std::vector<Point2>& line);
-
 }  // namespace scanmill::town

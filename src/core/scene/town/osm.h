@@ -33,7 +33,6 @@ struct OsmPoint {
 };
 
 struct OsmWay {
-  std::int64_t id = 0;
   OsmTags tags;
   std::vector<OsmNode> nodes;  // those that the extract has
 };
@@ -41,7 +40,6 @@ struct OsmWay {
 // A closed way, or a multipolygon relation, cut into parts with one outer ring each. Rings do not repeat their first
 // node at the end; outer ones go round counter-clockwise, inner ones clockwise.
 struct OsmArea {
-  std::int64_t id = 0;  // of the way or relation
   OsmTags tags;
   std::vector<OsmNode> outer;
   std::vector<std::vector<OsmNode>> inner;

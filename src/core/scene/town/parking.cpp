@@ -85,11 +85,6 @@ void placeLots(Placer& placer, Fleet& fleet) {
       std::swap(about.halfX, about.halfY);
       about.yaw += kPi / 2;
     }
-    const double c = std::cos(about.yaw);
-    const double sn = std::sin(about.yaw);
-    const auto at = [&](double u, double v) {
-      return Point2{about.center.x + u * c - v * sn, about.center.y + u * sn + v * c};
-    };
     const auto onLot = [&](const Point2& p) {
       const Beside b = l.roads().at(p.x, p.y);
       return std::max(std::abs(p.x), std::abs(p.y)) < l.half() - 3 && l.areas().outsideHard(p) < -1.2 &&
@@ -97,7 +92,7 @@ void placeLots(Placer& placer, Fleet& fleet) {
     };
     const auto addLine = [&](double u, double low, double high) {
       const auto corner = [&](double side, double v) {
-        const Point2 p = at(u + side * kLine, v);
+        const Point2 p = about.at(u + side * kLine, v);
         return Vec3d{p.x, p.y, l.heightAt(p) + 0.01};
       };
       s.quad(paint, corner(-1, low), corner(1, low), corner(1, high), corner(-1, high));
@@ -106,17 +101,17 @@ void placeLots(Placer& placer, Fleet& fleet) {
     bool far = false;  // which of the two rows at an aisle
     for (double low = -about.halfY + 0.4; low + kLong < about.halfY - 0.2; far = !far) {
       for (const double u : parts::steps(-about.halfX + 0.8, about.halfX - kWide - 0.4, kWide)) {
-        const Spot spot{at(u + kWide / 2, low + kLong / 2), about.yaw + (far ? -1 : 1) * kPi / 2, 1, 0};
+        const double middle = u + kWide / 2;
+        Spot spot{about.at(middle, low + kLong / 2), about.yaw + (far ? -1 : 1) * kPi / 2, 1, 0};
         const bool wanted = draw.chance(taken);
-        const Model& car = fleet.anyCar(draw);
-        if (!onLot(spot.at) || !onLot(at(u + kWide / 2, low + 0.8)) || !onLot(at(u + kWide / 2, low + kLong - 0.8))) {
+        if (!onLot(spot.at) || !onLot(about.at(middle, low + 0.8)) || !onLot(about.at(middle, low + kLong - 0.8))) {
           continue;
         }
         addLine(u, low, low + kLong);
         addLine(u + kWide, low, low + kLong);
-        Spot parked = spot;
-        parked.yaw += (draw.chance(0.7) ? 0 : kPi) + draw.in(-0.04, 0.04);
-        if (wanted && placer.tryPark(car, parked, fmt::format("car on a lot {}", number + 1))) ++number;
+        if (!wanted) continue;
+        spot.yaw += (draw.chance(0.7) ? 0 : kPi) + draw.in(-0.04, 0.04);
+        if (placer.tryPark(fleet.anyCar(draw), spot, fmt::format("car on a lot {}", number + 1))) ++number;
       }
       low += kLong + (far ? 0 : kAisle);
     }

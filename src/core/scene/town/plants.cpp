@@ -114,13 +114,12 @@ void placeTrees(Placer& placer) {
     Draw draw(l.seed(), Kind::Tree, 700000 + ++park);
     if (area.land != Land::Park || !l.trees().empty()) continue;
     const Footprint about = rectangleAbout(area.outline);
-    const double reach = std::min(2000.0, 4 * about.halfX * about.halfY / draw.in(70, 200));  // trees
-    const int count = static_cast<int>(reach * l.parameters().greenery);
+    const double wanted = l.parameters().greenery * 4 * about.halfX * about.halfY / draw.in(70, 200);
+    const int count = static_cast<int>(std::min(2000.0, wanted));
     for (int k = 0; k < count; ++k) {
       const double u = draw.in(-about.halfX, about.halfX);
       const double v = draw.in(-about.halfY, about.halfY);
-      const Point2 p{about.center.x + u * std::cos(about.yaw) - v * std::sin(about.yaw),
-                     about.center.y + u * std::sin(about.yaw) + v * std::cos(about.yaw)};
+      const Point2 p = about.at(u, v);
       const bool far = !l.roads().at(p.x, p.y).known;
       if (far || l.areas().at(p) != Land::Park || !onLawn(l, p, 0.5)) continue;
       if (plant(placer, nursery, draw, {p, 0, 1, 0}, draw.chance(0.5), 0, fmt::format("tree {}", number + 1))) ++number;

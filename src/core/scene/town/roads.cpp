@@ -12,9 +12,6 @@ constexpr double kRingRounding = 4;
 constexpr double kFull = 28;  // m from where roads meet, as far as corners are fully rounded
 constexpr double kFade = 12;  // m, over which they become sharp
 
-std::uint64_t cellKey(std::int64_t x, std::int64_t y) {
-  return static_cast<std::uint64_t>(x) << 32 ^ (static_cast<std::uint64_t>(y) & 0xFFFFFFFF);
-}
 std::int64_t cellOf(double v) {
   return static_cast<std::int64_t>(std::floor(v / kCell));
 }
@@ -59,7 +56,7 @@ void RoadNetwork::add(Road road) {
     const auto [low, high] = std::minmax(road.line[i].y, road.line[i + 1].y);
     for (std::int64_t y = cellOf(low - kReach); y <= cellOf(high + kReach); ++y) {
       for (std::int64_t x = cellOf(left - kReach); x <= cellOf(right + kReach); ++x) {
-        cells_[cellKey(x, y)].push_back({number, static_cast<std::uint32_t>(i)});
+        cells_[parts::cellKey(x, y)].push_back({number, static_cast<std::uint32_t>(i)});
       }
     }
   }
@@ -70,13 +67,13 @@ void RoadNetwork::addJoint(const Point2& joint) {
   constexpr double kAround = kFull + kFade;
   for (std::int64_t y = cellOf(joint.y - kAround); y <= cellOf(joint.y + kAround); ++y) {
     for (std::int64_t x = cellOf(joint.x - kAround); x <= cellOf(joint.x + kAround); ++x) {
-      joints_[cellKey(x, y)].push_back(joint);
+      joints_[parts::cellKey(x, y)].push_back(joint);
     }
   }
 }
 
 double RoadNetwork::roundingAt(double x, double y) const {
-  const auto cell = joints_.find(cellKey(cellOf(x), cellOf(y)));
+  const auto cell = joints_.find(parts::cellKey(cellOf(x), cellOf(y)));
   if (cell == joints_.end()) return 0;
   double nearest = 1e9;
   for (const Point2& joint : cell->second) nearest = std::min(nearest, std::hypot(x - joint.x, y - joint.y));
@@ -85,7 +82,7 @@ double RoadNetwork::roundingAt(double x, double y) const {
 
 void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
   found.clear();
-  const auto cell = cells_.find(cellKey(cellOf(x), cellOf(y)));
+  const auto cell = cells_.find(parts::cellKey(cellOf(x), cellOf(y)));
   if (cell == cells_.end()) return;
   for (const Segment& s : cell->second) {
     const Road& road = roads_[s.road];

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "scene/parts/parts.h"
+#include "scene/parts/occupancy.h"
 
 namespace scanmill::town {
 

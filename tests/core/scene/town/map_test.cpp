@@ -130,21 +130,6 @@ TEST(JoinRoads, KeepsEveryMetre) {
   EXPECT_NEAR(sum(joinRoads(joined)), sum(raw), 1e-9);
 }
 
-TEST(SmoothLine, RoundsCornersAndKeepsEnds) {
-  const std::vector<Point2> corner = smoothLine({{0, 0}, {40, 0}, {40, 60}});
-  EXPECT_EQ(corner.front().x, 0);
-  EXPECT_EQ(corner.back().y, 60);
-  double cut = 1e9;
-  for (std::size_t i = 0; i < corner.size(); ++i) {
-    cut = std::min(cut, std::hypot(corner[i].x - 40, corner[i].y));
-    if (i == 0) continue;
-    EXPECT_LT(std::hypot(corner[i].x - corner[i - 1].x, corner[i].y - corner[i - 1].y), 1.05 * kRoadStep);
-  }
-  EXPECT_GT(cut, 0.7);
-  EXPECT_LT(cut, 2.5);
-  for (const Point2& p : smoothLine({{0, 0}, {10, 5}, {100, 50}})) EXPECT_NEAR(p.y, p.x / 2, 1e-9);
-}
-
 TEST(ReadMap, TakesTheVillage) {
   const Map map = readMap(kVillage, {});
   const MapRoad* main = longest(map.roads, "Mill Road");

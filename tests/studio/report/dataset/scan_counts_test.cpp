@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "sense/echoes.h"
 #include "tests/studio/report/dataset/made_dataset.h"
 
 namespace scanmill {
@@ -70,7 +71,6 @@ TEST(ScanCounts, AScanWithoutColumnsIsCountedToo) {
   EXPECT_TRUE(counts.intensities.empty() && counts.instances.empty() && counts.withoutId.empty());
 }
 
-// Whichever way a thing stands and the sensor leans.
 // What a window mirrors, and what light strayed from, lies elsewhere than the thing.
 TEST(ScanCounts, MirrorImagesAreNoPartOfAThingsSize) {
   const Manifest manifest = madeManifest();
@@ -81,14 +81,16 @@ TEST(ScanCounts, MirrorImagesAreNoPartOfAThingsSize) {
   Scan scan = madeScan(manifest.sensors[0].beams, points);
   const auto sizeOfFirst = [&] { return countScan(scan, {1, 30}).instances.back().size; };
   EXPECT_GT(sizeOfFirst().width, 1) << "nothing tells where points come from";
-  scan[kCause].assign(points.size(), 1);
-  scan[kCause][21] = 4;
-  scan[kCause][22] = 4;
+  scan[kCause].assign(points.size(), static_cast<std::uint8_t>(Cause::Surface));
+  scan[kCause][3] = static_cast<std::uint8_t>(Cause::ThroughGlass);
+  scan[kCause][21] = static_cast<std::uint8_t>(Cause::Mirrored);
+  scan[kCause][22] = static_cast<std::uint8_t>(Cause::Mirrored);
   EXPECT_NEAR(sizeOfFirst().length, 2, 1e-5);
   EXPECT_NEAR(sizeOfFirst().height, 1, 1e-5);
   EXPECT_NEAR(countScan(scan, {1, 30}).instances.front().box.high.x, 14, 1e-5) << "all that there is";
 }
 
+// Whichever way a thing stands and the sensor leans.
 TEST(ScanCounts, SizesAreThoseOfTheThings) {
   for (const double yaw : {0.0, 0.3, 1.1, 2.0, 3.0}) {
     const Quat sensor = fromYawPitchRoll(0.8, 0.2, -0.15);

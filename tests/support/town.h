@@ -1,0 +1,60 @@
+#pragma once
+
+// Towns, drawn and on a map, for tests.
+
+#include <array>
+#include <filesystem>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/fields.h"
+#include "config/value.h"
+#include "scene/town.h"
+
+namespace scanmill {
+
+inline const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
+
+inline Scene makeTown(const std::string& yaml, std::uint64_t seed) {
+  SceneBuilder builder("town", seed, readOntology(kLabels / "scanmill.yaml"),
+                       readMaterials(kLabels / "materials.yaml"));
+  const Value value = parseYaml(yaml, "town.yaml");
+  Fields fields(value, "town");
+  addTown(builder, fields, seed, {});
+  return builder.finish();
+}
+
+inline std::vector<Vec3d> laneOf(const std::string& yaml, std::uint64_t seed) {
+  const Value value = parseYaml(yaml, "town.yaml");
+  Fields fields(value, "town");
+  return townLanes(fields, seed).lane;
+}
+
+inline const Mesh& groundOf(const Scene& scene) {
+  for (const Instance& i : scene.instances) {
+    if (i.name == "ground") return scene.meshes[i.mesh];
+  }
+  throw Error("no ground");
+}
+
+// What the names of things on roads begin with.
+inline constexpr auto kOnRoads = std::to_array<std::string_view>(
+    {"car", "traffic", "waiting", "delivering", "cone", "barrier", "excavator", "cyclist"});
+
+// A town on the map that comes with the program; `more` are further keys.
+inline std::string onMap(const std::string& more) {
+  return "{map: " SCANMILL_SOURCE_DIR "/scenes/village.osm, " + more + "}";
+}
+
+// What all towns must be, drawn and on a map.
+struct Place {
+  std::string yaml;
+  std::uint64_t seed;
+};
+inline std::ostream& operator<<(std::ostream& out, const Place& place) {
+  return out << place.yaml << ", seed " << place.seed;
+}
+
+}  // namespace scanmill
