@@ -17,6 +17,7 @@
 #include "dataset/manifest.h"
 #include "dataset/reader.h"
 #include "dataset/recording.h"
+#include "pipeline/plan/scene_shares.h"
 #include "pipeline/plan/warnings.h"
 #include "pipeline/read/pipeline.h"
 #include "scene/assets/asset.h"
@@ -156,7 +157,7 @@ void printObjects(const Scene& scene) {
 }
 
 void printScene(const std::filesystem::path& file) {
-  const Scene scene = readScene(file, {});
+  const Scene scene = readSceneToShares(file, {});
   const Box box = scene.bounds();
   fmt::print("scene {}: {} triangles in memory, {} placed; {} instances, {} things\n", scene.name,
              grouped(scene.triangles()), grouped(scene.placedTriangles()), grouped(scene.instances.size()),
@@ -198,6 +199,7 @@ void printScene(const std::filesystem::path& file) {
   }
   fmt::print("\n{}", formatTable(materials));
   for (const std::string& line : sizeWarnings(scene)) warn(line);
+  for (const std::string& line : shareWarnings(scene)) warn(line);
 }
 
 void printSensor(const Value& value) {

@@ -14,6 +14,7 @@
 #include "evaluate/auto/calibrate.h"
 #include "pipeline/plan/dataset_size.h"
 #include "pipeline/plan/feature_costs.h"
+#include "pipeline/plan/scene_shares.h"
 #include "pipeline/plan/warnings.h"
 #include "pipeline/run/progress.h"
 
@@ -132,6 +133,7 @@ int runPlan(const std::vector<std::string>& arguments) {
                       grouped(scene.dropped.total()), scene.about});
     for (const std::string& line : sizeWarnings(scene)) warn(line);
     for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
+    for (const std::string& line : shareWarnings(scene)) warn(line);
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
     ontology = scene.ontology;
     if (method == nullptr) continue;

@@ -22,7 +22,7 @@ inline Scene makeTown(const std::string& yaml, std::uint64_t seed) {
                        readMaterials(kLabels / "materials.yaml"));
   const Value value = parseYaml(yaml, "town.yaml");
   Fields fields(value, "town");
-  addTown(builder, fields, seed, {});
+  addTown(builder, fields, seed, {1, 1, 1}, {});
   return builder.finish();
 }
 

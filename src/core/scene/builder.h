@@ -47,6 +47,9 @@ class SceneBuilder {
   // What kind of place it is: Scene::about.
   void describe(const std::string& about) { scene_.about = about; }
 
+  // What its town asks for: Scene::shares.
+  void ask(std::vector<ShareBound> shares) { scene_.shares = std::move(shares); }
+
   // Returns the scene. Throws InputError where it has no triangle.
   Scene finish();
 

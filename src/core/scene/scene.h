@@ -17,6 +17,7 @@
 #include "scene/material.h"
 #include "scene/movement.h"
 #include "scene/ontology.h"
+#include "scene/shares.h"
 
 namespace scanmill {
 
@@ -85,8 +86,9 @@ struct Scene {
   std::string name;
   std::uint64_t seed = 0;
   std::filesystem::path file;
-  bool procedural = false;  // some of it depends on the seed
-  std::string about;        // what kind of place the seed has drawn, in words; empty where none has
+  bool procedural = false;         // some of it depends on the seed
+  std::string about;               // what kind of place the seed has drawn, in words; empty where none has
+  std::vector<ShareBound> shares;  // that its town asks for
   Ontology ontology;
   std::vector<Material> materials;  // index 0 is the default material
   std::vector<Mesh> meshes;
@@ -116,6 +118,7 @@ struct SceneOptions {
   std::filesystem::path ontology;  // overrides the scene's own where not empty
   int wavelengthNm = 905;          // of the material table
   bool textures = true;            // false: no base colour is loaded unless alpha needs it
+  SupplyFactors supply{1, 1, 1};   // of towns, beside those in their files
 };
 
 // Leaves every object where it is at a time (s since the drive began).

@@ -81,7 +81,12 @@ class SceneReader {
     towns_ += street ? 0 : 1;
     const Affine place = proceduralPlace(f, street ? "street" : "town");
     Fields fields(f.require(street ? "street" : "town"), street ? "street" : "town");
-    (street ? addStreet : addTown)(builder_, fields, seedOfNext(options_.seed, procedural_++), place);
+    const std::uint64_t seed = seedOfNext(options_.seed, procedural_++);
+    if (street) {
+      addStreet(builder_, fields, seed, place);
+    } else {
+      addTown(builder_, fields, seed, options_.supply, place);
+    }
   }
 
   // Which of the four it is. Throws InputError where it is none, or several.

@@ -7,9 +7,12 @@ namespace scanmill {
 
 namespace {
 
-town::Layout readLayout(Fields& fields, std::uint64_t seed) {
-  const town::Parameters parameters = town::readParameters(fields);
+town::Layout readLayout(Fields& fields, std::uint64_t seed, const SupplyFactors& supply) {
+  town::Parameters parameters = town::readParameters(fields);
   fields.finish();
+  parameters.greenery *= supply[static_cast<std::size_t>(Supply::Greenery)];
+  parameters.vehicles *= supply[static_cast<std::size_t>(Supply::Vehicles)];
+  parameters.people *= supply[static_cast<std::size_t>(Supply::People)];
   if (parameters.map.empty()) return {parameters, seed};
   const Location& where = fields.find("map")->where;
   const town::Map map = town::readMap(parameters.map, where);
@@ -19,8 +22,10 @@ town::Layout readLayout(Fields& fields, std::uint64_t seed) {
 
 }  // namespace
 
-void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& worldFromTown) {
-  const town::Layout layout = readLayout(fields, seed);
+void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const SupplyFactors& supply,
+             const Affine& worldFromTown) {
+  if (const Value* shares = fields.find("shares")) builder.ask(readShares(*shares, builder.ontology()));
+  const town::Layout layout = readLayout(fields, seed, supply);
   builder.describe(layout.about());
   builder.place(town::makeGround(builder, layout).mesh, worldFromTown, "ground");
   town::populate(builder, layout, worldFromTown);
@@ -28,7 +33,8 @@ void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Af
 
 SceneLanes townLanes(Fields& fields, std::uint64_t seed) {
   constexpr double kEnds = 20;  // m of the built part before the lane begins and after it ends
-  const town::Layout layout = readLayout(fields, seed);
+  fields.also({"shares"});
+  const town::Layout layout = readLayout(fields, seed, {1, 1, 1});
   const town::Way through{{{0, layout.mainFrom() + kEnds, layout.mainTo() - kEnds}}, 0, 0};
   const std::vector<town::Road>& roads = layout.roads().roads();
   const town::Tour tour = town::tourOf(layout);

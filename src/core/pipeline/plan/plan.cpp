@@ -12,6 +12,7 @@
 #include "methods/light_paths.h"
 #include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/recorded_method.h"
+#include "pipeline/plan/scene_shares.h"
 
 namespace scanmill {
 
@@ -284,7 +285,7 @@ Scene Plan::loadScene(const Sequence& sequence) const {
   options.ontology = pipeline_.ontology;
   options.wavelengthNm = pipeline_.wavelengthNm;
   options.textures = traced_.has(Channel::Reflectance);
-  Scene scene = readScene(sequence.sceneFile, options);
+  Scene scene = readSceneToShares(sequence.sceneFile, options);
   if (!sequence.moving) standStill(scene, 0);
   return scene;
 }

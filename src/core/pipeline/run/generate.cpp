@@ -11,6 +11,7 @@
 #include "dataset/writer.h"
 #include "formats/reasons_png.h"
 #include "methods/depth_camera/depth_camera.h"
+#include "pipeline/plan/scene_shares.h"
 #include "pipeline/plan/warnings.h"
 #include "pipeline/run/buffer_pool.h"
 #include "pipeline/run/frames_in_order.h"
@@ -123,6 +124,7 @@ class DatasetRun {
       for (const Shot& shot : plan_.shots(s, 0)) account_ += method_->prepare(shot);
       addNew(sizeWarnings(*scene_), summary_.warnings);
       addNew(seedWarnings(pipeline_, sequence, *scene_), summary_.warnings);
+      addNew(shareWarnings(*scene_), summary_.warnings);
       addNew(vehicleWarnings(plan_), summary_.warnings);
     }
     if (!writer_) {

@@ -123,8 +123,9 @@ void placeLots(Placer& placer, Fleet& fleet) {
 // trailers and tractors beside the road.
 void placeStanding(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;
-  if (l.parameters().vehicles <= 0) return;
   Draw draw(l.seed(), Kind::Traffic, 3000);
+  const double share = l.parameters().vehicles;
+  const auto wanted = [&] { return share >= 1 || draw.chance(share); };
   const std::vector<Road>& roads = l.roads().roads();
   const auto tryAt = [&](const Model& m, const Road& road, double at, double lateral, const std::string& name) {
     Spot spot = besideRoad(road, at, lateral);
@@ -148,11 +149,12 @@ void placeStanding(Placer& placer, Fleet& fleet) {
       if (tryAt(m, road, at, left ? lateral : -lateral, name)) return;
     }
   };
-  onRoad(fleet.bus(), "waiting bus");
-  onRoad(fleet.anyTruck(draw), "delivering truck");
+  if (wanted()) onRoad(fleet.bus(), "waiting bus");
+  if (wanted()) onRoad(fleet.anyTruck(draw), "delivering truck");
   const bool rural = l.character().district == District::Rural;
   const int others = 1 + draw.below(2);
   for (int k = 0; k < others; ++k) {
+    if (!wanted()) continue;
     const parts::WorkVehicle what = rural && draw.chance(0.6) ? parts::WorkVehicle::Tractor
                                     : draw.chance(0.7)        ? parts::WorkVehicle::Trailer
                                                               : parts::WorkVehicle::Caravan;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "pipeline/plan/scene_shares.h"
 
 namespace scanmill {
 
@@ -170,7 +171,7 @@ ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, dou
     SceneOptions options;
     options.seed = seed;
     options.textures = false;
-    Scene scene = readScene(file, options);
+    Scene scene = readSceneToShares(file, options);
     const bool moves = scene.moves();
     if (moves) {
       leaveOutWhoIsAway(scene, time);

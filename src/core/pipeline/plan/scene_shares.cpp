@@ -1,0 +1,174 @@
+#include "pipeline/plan/scene_shares.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "pipeline/plan/plan.h"
+
+namespace scanmill {
+namespace {
+
+constexpr double kHeight = 1.73;  // m, of the sensor above the lane
+constexpr double kBetween = 25;   // m, from place to place
+constexpr int kTries = 8;         // scenes that are made, at most, before the nearest is taken
+constexpr double kMostFactor = 40;
+constexpr double kLeastFactor = 1.0 / 256;  // below it: none at all
+
+std::shared_ptr<const BeamTable> coarseBeams() {
+  auto beams = std::make_shared<BeamTable>();
+  beams->model = "64 rings";
+  beams->rings = 64;
+  beams->columns = 360;
+  beams->minRange = 1;
+  beams->maxRange = 100;
+  beams->period = 0.1;
+  beams->azimuthOffset.assign(beams->rings, 0);
+  beams->firingOffset.assign(beams->rings, 0);
+  for (std::uint32_t r = 0; r < beams->rings; ++r) {
+    beams->elevation.push_back(radians(-24.8 + 26.8 * r / (beams->rings - 1)));
+  }
+  fillBeams(*beams);
+  return beams;
+}
+
+// Poses above a polyline, evenly along it.
+std::vector<Pose> posesAbove(const std::vector<Vec3d>& lane) {
+  std::vector<Pose> poses;
+  double next = kBetween / 2;  // m, to the next pose
+  for (std::size_t i = 1; i < lane.size(); ++i) {
+    const Vec3d step = lane[i] - lane[i - 1];
+    const double way = length(step);
+    for (; next < way; next += kBetween) {
+      poses.push_back({fromYawPitchRoll(std::atan2(step.y, step.x), 0, 0),
+                       lane[i - 1] + step * (next / way) + Vec3d{0, 0, kHeight}});
+    }
+    next -= way;
+  }
+  return poses;
+}
+
+// How far the bounds are from being met: 0 where all are.
+double distanceOf(const std::vector<ShareBound>& bounds) {
+  double sum = 0;
+  for (const ShareBound& b : bounds) sum += std::max({0.0, b.least - b.found, b.found - b.most}) / b.most;
+  return sum;
+}
+
+// A supply's factor: between one that gave too little and one that gave too much, once both are known.
+struct Dial {
+  double factor = 1;
+  std::optional<double> low, high;
+
+  // To more of it, or less: by the ratio of what is wanted and what was found.
+  void turn(bool more, double ratio) {
+    (more ? low : high) = factor;
+    if (low && high) {
+      factor = *low > 0 ? std::sqrt(*low * *high) : *high / 4;
+    } else {
+      factor *= more ? std::clamp(ratio, 1.3, 5.0) : std::clamp(ratio, 0.05, 0.8);
+    }
+    factor = factor < kLeastFactor ? 0 : std::min(factor, kMostFactor);
+  }
+};
+
+// Turns the dials of the bounds that are not met. A supply of which one bound asks for more and another for less stays.
+void turn(std::array<Dial, kSupplies>& dials, const std::vector<ShareBound>& bounds) {
+  constexpr double kInside = 0.15;  // of a bound, as far as one aims within it
+  for (std::size_t s = 0; s < kSupplies; ++s) {
+    double more = 0;
+    double less = 0;
+    for (const ShareBound& b : bounds) {
+      if (static_cast<std::size_t>(b.supply) != s || b.met()) continue;
+      const double middle = (b.least + b.most) / 2;
+      if (b.found < b.least) more = std::max(more, std::min(b.least * (1 + kInside), middle) / std::max(b.found, 1e-9));
+      if (b.found > b.most) less = std::max(less, b.found / std::max(b.most * (1 - kInside), middle));
+    }
+    if (more > 0 && less == 0) dials[s].turn(true, more);
+    if (less > 0 && more == 0) dials[s].turn(false, 1 / less);
+  }
+}
+
+std::string inWords(const std::vector<ShareBound>& bounds) {
+  std::string words;
+  for (const ShareBound& b : bounds)
+    words += fmt::format("{} {} {:.2g} %", words.empty() ? ";" : ",", b.name, 100 * b.found);
+  return words;
+}
+
+}  // namespace
+
+void measureShares(Scene& scene, const std::vector<Vec3d>& lane) {
+  const auto method = makeMethod({&firstMethodThat(&MethodCapabilities::reference), {}, false}, scene);
+  std::map<std::uint16_t, std::uint64_t> met;
+  std::uint64_t all = 0;
+  Shot shot;
+  shot.beams = coarseBeams();
+  for (const Pose& pose : posesAbove(lane)) {
+    shot.worldFromSensor = {pose};
+    Hits hits;
+    method->trace(shot, Channel::Semantic, hits);
+    for (std::size_t ray = 0; ray < hits.rays(); ++ray) {
+      if (!hits.hit(ray)) continue;
+      ++met[hits.semantic[ray]];
+      ++all;
+    }
+  }
+  for (ShareBound& bound : scene.shares) {
+    std::uint64_t of = 0;
+    for (const std::uint16_t id : bound.classes) of += met[id];
+    bound.found = all > 0 ? static_cast<double>(of) / static_cast<double>(all) : 0;
+  }
+}
+
+Scene readSceneToShares(const std::filesystem::path& file, SceneOptions options) {
+  Scene scene = readScene(file, options);
+  if (scene.shares.empty()) return scene;
+  const std::vector<Vec3d> lane = readSceneLanes(file, options.seed)->lane;
+  std::array<Dial, kSupplies> dials;
+  SupplyFactors best = options.supply;
+  double least = std::numeric_limits<double>::infinity();
+  for (int tried = 1;; ++tried) {
+    measureShares(scene, lane);
+    const double distance = distanceOf(scene.shares);
+    if (distance < least) {
+      least = distance;
+      best = options.supply;
+    }
+    if (distance == 0) break;
+    turn(dials, scene.shares);
+    SupplyFactors next{};
+    for (std::size_t s = 0; s < kSupplies; ++s) next[s] = dials[s].factor;
+    if (tried == kTries || next == options.supply) {
+      if (best == options.supply) break;
+      options.supply = best;
+      scene = readScene(file, options);
+      measureShares(scene, lane);
+      break;
+    }
+    options.supply = next;
+    scene = readScene(file, options);
+  }
+  scene.about += inWords(scene.shares);
+  return scene;
+}
+
+std::vector<std::string> shareWarnings(const Scene& scene) {
+  std::vector<std::string> lines;
+  for (const ShareBound& b : scene.shares) {
+    if (b.met()) continue;
+    lines.push_back(fmt::format(
+        "scene {} seed {}: {} is {:.2g} % of what a sensor above the lane meets, {} the {:.3g} % asked for, "
+        "whatever the factor `{}`: widen the bounds, or leave this seed out",
+        scene.name, scene.seed, b.name, 100 * b.found, b.found < b.least ? "less than" : "more than",
+        100 * (b.found < b.least ? b.least : b.most), nameOf(b.supply)));
+  }
+  return lines;
+}
+
+}  // namespace scanmill
