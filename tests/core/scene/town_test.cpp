@@ -318,6 +318,33 @@ TEST(Town, StandsWhereTheMapSays) {
   }
 }
 
+// Lorries pass below the wires, and a span hangs between two poles or on a house.
+TEST(Town, WiresHangClearOfTheRoads) {
+  constexpr double kLorry = 4;  // m
+  int wired = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+    const std::string yaml = "{district: suburban, length: 200, detail: 0.05}";
+    const Scene scene = makeTown(yaml, seed);
+    const auto wires = std::find_if(scene.instances.begin(), scene.instances.end(),
+                                    [](const Instance& i) { return i.name == "wires"; });
+    const auto poles = std::count_if(scene.instances.begin(), scene.instances.end(),
+                                     [](const Instance& i) { return i.name.starts_with("utility pole"); });
+    if (wires == scene.instances.end()) continue;
+    EXPECT_GE(poles, 3);
+    ++wired;
+    const Value value = parseYaml(yaml, "town.yaml");
+    Fields fields(value, "town");
+    const town::Layout layout(town::readParameters(fields), seed);
+    double lowest = 100;
+    for (const Vec3f& p : scene.meshes[wires->mesh].positions) {
+      const town::Beside beside = layout.roads().at(p.x, p.y);
+      if (beside.known && beside.edge < 0) lowest = std::min(lowest, p.z - layout.heightAt({p.x, p.y}));
+    }
+    EXPECT_GT(lowest, kLorry) << "seed " << seed;
+  }
+  EXPECT_GE(wired, 2);
+}
+
 TEST(Town, OnAMapHasWhatTheMapHas) {
   const std::string yaml = onMap("road: Mill Road, length: 300, detail: 0.1");
   const Scene one = makeTown(yaml, 1);

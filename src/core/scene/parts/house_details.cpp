@@ -213,11 +213,17 @@ class Details {
     return height > m_.sill && height < m_.sill + m_.windowHeight;
   }
 
-  // Of a shop: a slanted cloth on a frame, and the board with the name over it.
+  // Of a shop: a slanted cloth on a frame, the board with the name over it, and a sign that stands out from the wall.
   void awning() {
     const SurfaceIndex cloth = s_.surface("building", "cloth");
     const double z = m_.base + 2.55;
     s_.box(m_.metal, {h_.width / 2, -0.09, z + 0.2}, {h_.width - 0.8, 0.14, 0.4});
+    if (draw_.chance(0.5)) {
+      const double side = draw_.chance(0.5) ? 0.35 : h_.width - 0.35;
+      const double tall = draw_.in(0.4, 1.1);
+      s_.tube(m_.metal, {side, 0.02, z + 0.75}, {side, -0.85, z + 0.75}, 0.015, 0.015, 6);
+      s_.box(m_.metal, {side, -0.5, z + 0.7 - tall / 2 + 0.35}, {0.08, 0.6, tall});
+    }
     const double out = std::min(draw_.in(0.8, 1.4), 1.3);
     if (!draw_.chance(0.6)) return;
     const double low = z - 0.45;

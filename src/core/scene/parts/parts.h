@@ -58,6 +58,7 @@ enum class Kind : std::uint32_t {
   Pothole,
   Cover,
   Map,
+  Wire,
 };
 
 // The random numbers of one object, drawn one after the other.
@@ -251,6 +252,13 @@ Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number
 Model makeSign(SceneBuilder& builder, std::uint64_t seed, int form);  // faces +x
 Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form);  // its arm reaches to +x
 Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed);    // faces +x
+// Of wood, its crossarm along y. Where its wires hang (m).
+struct UtilityPole {
+  Model model;
+  std::vector<Vec3d> insulators;
+  Vec3d telephone;
+};
+UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed);
 
 enum class Furnishing { Bin, WheelieBin, Hydrant, Bench, LetterBox, PowerBox, BicycleRack, Bollard, Planter, Count };
 Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what);

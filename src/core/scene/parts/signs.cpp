@@ -106,6 +106,36 @@ Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
   return s.finish();
 }
 
+UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed) {
+  Draw draw(seed, Kind::Wire, 1);
+  Shape s(builder, "utility pole");
+  const SurfaceIndex wood = s.surface("pole", "wood_weathered");
+  const SurfaceIndex metal = s.surface("pole", "metal_weathered");
+  UtilityPole pole;
+  const double height = draw.in(8, 9.5);
+  s.tube(wood, {0, 0, -kSunk}, {0, 0, height}, 0.16, 0.1, 14);
+  const int wires = 2 + draw.below(3);
+  const double half = 0.35 + 0.22 * wires;
+  const double arm = height - 0.35;
+  s.box(wood, {0.14, 0, arm}, {0.09, 2 * half + 0.2, 0.11});
+  for (const double side : {-1.0, 1.0}) {
+    s.tube(metal, {0.14, side * 0.6 * half, arm - 0.05}, {0.1, side * 0.05, arm - 0.6}, 0.015, 0.015, 6);
+  }
+  for (int k = 0; k < wires; ++k) {
+    const double y = lerp(-half, half, static_cast<double>(k) / (wires - 1));
+    s.revolve(metal, at({0.14, y, arm + 0.05}), {{0.012, 0}, {0.05, 0.04}, {0.03, 0.08}, {0.045, 0.12}, {0, 0.15}}, 10);
+    pole.insulators.push_back({0.14, y, arm + 0.2});
+  }
+  pole.telephone = {0.13, 0, height - draw.in(1.5, 2)};
+  s.box(metal, {0.12, 0, pole.telephone.z - 0.1}, {0.06, 0.1, 0.14});
+  if (draw.chance(0.3)) {  // what feeds the houses
+    s.tube(metal, {-0.38, 0, arm - 1.5}, {-0.38, 0, arm - 0.6}, 0.24, 0.24, 14);
+    s.box(metal, {-0.14, 0, arm - 1}, {0.2, 0.12, 0.1});
+  }
+  pole.model = s.finish();
+  return pole;
+}
+
 Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed) {
   Draw draw(seed, Kind::Light);
   Shape s(builder, "traffic light");

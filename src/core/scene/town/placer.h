@@ -73,6 +73,7 @@ void placeBoundaries(Placer& placer);
 void placeMarkings(Placer& placer);
 void placeCovers(Placer& placer);
 void placeFixtures(Placer& placer);
+void placeWires(Placer& placer);
 void placeClutter(Placer& placer);
 void placeAnimals(Placer& placer);
 void placeVehicles(Placer& placer);  // those that stand, then those that drive

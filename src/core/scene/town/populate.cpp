@@ -11,6 +11,7 @@ void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFr
   placeBoundaries(placer);
   placeClutter(placer);
   placeFixtures(placer);
+  placeWires(placer);
   placeVehicles(placer);
   placeTrees(placer);
   placePeople(placer);
