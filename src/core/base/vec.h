@@ -2,6 +2,7 @@
 
 // Vectors, rotations and transforms. Right-handed, metres and radians; x forward, y left, z up (REP 103).
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -190,8 +191,8 @@ struct Box {
 
   bool empty() const { return !(low.x <= high.x); }
   void add(const Vec3d& p) {
-    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
-    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
   void add(const Box& b) {
     if (!b.empty()) {

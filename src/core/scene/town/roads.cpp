@@ -7,6 +7,7 @@ namespace scanmill::town {
 namespace {
 
 constexpr double kCell = 16;      // m
+constexpr std::size_t kRun = 8;   // segments that are looked at, or passed over, together
 constexpr double kRounding = 10;  // m, of the corners where roads meet: see at()
 constexpr double kRingRounding = 4;
 constexpr double kFull = 28;  // m from where roads meet, as far as corners are fully rounded
@@ -51,12 +52,18 @@ void RoadNetwork::add(Road road) {
                       std::hypot(road.line[i].x - road.line[i - 1].x, road.line[i].y - road.line[i - 1].y));
   }
   const auto number = static_cast<std::uint32_t>(roads_.size());
-  for (std::size_t i = 0; i + 1 < road.line.size(); ++i) {
-    const auto [left, right] = std::minmax(road.line[i].x, road.line[i + 1].x);
-    const auto [low, high] = std::minmax(road.line[i].y, road.line[i + 1].y);
-    for (std::int64_t y = cellOf(low - kReach); y <= cellOf(high + kReach); ++y) {
-      for (std::int64_t x = cellOf(left - kReach); x <= cellOf(right + kReach); ++x) {
-        cells_[parts::cellKey(x, y)].push_back({number, static_cast<std::uint32_t>(i)});
+  for (std::size_t first = 0; first + 1 < road.line.size(); first += kRun) {
+    const std::size_t last = std::min(first + kRun, road.line.size() - 1);
+    Run run{number, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last), road.line[first],
+            road.line[first]};
+    for (std::size_t i = first + 1; i <= last; ++i) {
+      const Point2& p = road.line[i];
+      run.low = {std::min(run.low.x, p.x), std::min(run.low.y, p.y)};
+      run.high = {std::max(run.high.x, p.x), std::max(run.high.y, p.y)};
+    }
+    for (std::int64_t y = cellOf(run.low.y - kReach); y <= cellOf(run.high.y + kReach); ++y) {
+      for (std::int64_t x = cellOf(run.low.x - kReach); x <= cellOf(run.high.x + kReach); ++x) {
+        cells_[parts::cellKey(x, y)].push_back(run);
       }
     }
   }
@@ -84,21 +91,29 @@ void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
   found.clear();
   const auto cell = cells_.find(parts::cellKey(cellOf(x), cellOf(y)));
   if (cell == cells_.end()) return;
-  for (const Segment& s : cell->second) {
-    const Road& road = roads_[s.road];
-    const Point2& a = road.line[s.index];
-    const Point2& b = road.line[s.index + 1];
-    const double dx = b.x - a.x;
-    const double dy = b.y - a.y;
-    const double size = road.at[s.index + 1] - road.at[s.index];
-    const double part = std::clamp(((x - a.x) * dx + (y - a.y) * dy) / (size * size), 0.0, 1.0);
-    const double px = x - (a.x + dx * part);
-    const double py = y - (a.y + dy * part);
-    const double square = px * px + py * py;
-    if (square > kReach * kReach) continue;
-    if (found.empty() || found.back().road != s.road) found.push_back({1e9, s.road, 0, false});
-    if (square >= found.back().distance) continue;
-    found.back() = {square, s.road, road.at[s.index] + size * part, dx * py - dy * px >= 0};
+  for (const Run& run : cell->second) {
+    const bool known = !found.empty() && found.back().road == run.road;
+    const double outX = std::max({0.0, run.low.x - x, x - run.high.x});
+    const double outY = std::max({0.0, run.low.y - y, y - run.high.y});
+    constexpr double kRounded = 1e-6;  // m2, more than what is rounded off
+    const double least = outX * outX + outY * outY - kRounded;
+    if (least > (known ? found.back().distance : kReach * kReach)) continue;
+    const Road& road = roads_[run.road];
+    for (std::uint32_t i = run.first; i < run.last; ++i) {
+      const Point2& a = road.line[i];
+      const Point2& b = road.line[i + 1];
+      const double dx = b.x - a.x;
+      const double dy = b.y - a.y;
+      const double size = road.at[i + 1] - road.at[i];
+      const double part = std::clamp(((x - a.x) * dx + (y - a.y) * dy) / (size * size), 0.0, 1.0);
+      const double px = x - (a.x + dx * part);
+      const double py = y - (a.y + dy * part);
+      const double square = px * px + py * py;
+      if (square > kReach * kReach) continue;
+      if (found.empty() || found.back().road != run.road) found.push_back({1e9, run.road, 0, false});
+      if (square >= found.back().distance) continue;
+      found.back() = {square, run.road, road.at[i] + size * part, dx * py - dy * px >= 0};
+    }
   }
   for (Near& n : found) n.distance = std::sqrt(n.distance);
 }

@@ -73,9 +73,11 @@ class RoadNetwork {
  private:
   double roundingAt(double x, double y) const;
 
-  struct Segment {
+  // Some segments of a road's line, one after the other, and the box around them.
+  struct Run {
     std::uint32_t road;
-    std::uint32_t index;
+    std::uint32_t first, last;  // points of the line
+    Point2 low, high;
   };
   struct Near {
     double distance;
@@ -87,7 +89,7 @@ class RoadNetwork {
   void nearest(double x, double y, std::vector<Near>& found) const;
 
   std::vector<Road> roads_;
-  std::unordered_map<std::uint64_t, std::vector<Segment>> cells_;
+  std::unordered_map<std::uint64_t, std::vector<Run>> cells_;      // that they are in reach of
   std::unordered_map<std::uint64_t, std::vector<Point2>> joints_;  // by the cells that they reach
 };
 
