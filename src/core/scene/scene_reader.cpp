@@ -21,6 +21,7 @@
 //                                        scene/assets/asset.h)
 //   instances: node                      # node: each node with a thing class is a thing of its own;
 //                                        # object (default): the placed asset is one thing
+//   animation: {clip: walk}              # of glTF: it plays over and over; with time_s it stands as it is then
 //   rules: [...]                         # see scene/rules.h; what match: {file: ...} sees is `file` as written here
 //   class: car, material: car_paint      # one more rule, which fits everything
 //
@@ -44,10 +45,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 
 #include "config/file_kind.h"
 #include "scene/assets/asset.h"
+#include "scene/assets/gltf.h"
 #include "scene/builder.h"
 #include "scene/labelling.h"
 #include "scene/placement.h"
@@ -60,6 +64,10 @@ namespace scanmill {
 namespace {
 
 constexpr Range kLength{1e-6, 1e6};  // m
+
+// A clip that plays is a mesh for every so much of it.
+constexpr double kMoment = 0.05;  // s
+constexpr int kMostMoments = 48;
 
 class SceneReader {
  public:
@@ -101,7 +109,7 @@ class SceneReader {
     if (count != 1) {
       f.also({"file",     "primitive", "street", "town",   "name",   "position", "yaw_deg",   "pitch_deg", "roll_deg",
               "rotation", "scale",     "copies", "up",     "unit",   "alpha",    "instances", "rules",     "class",
-              "material", "size",      "cells",  "radius", "height", "segments", "moving"})
+              "material", "size",      "cells",  "radius", "height", "segments", "moving",    "animation"})
           .finish();
       throw InputError(where,
                        "an object is exactly one of file, primitive, street and town (`town: {}` where all of its "
@@ -138,7 +146,8 @@ class SceneReader {
   }
 
   void placeAll(std::uint32_t mesh, const std::string& name, const Placement& placement,
-                const std::shared_ptr<const Movement>& movement, const Location& where) {
+                const std::shared_ptr<const Movement>& movement, const Location& where,
+                const std::shared_ptr<const Animation>& animation = nullptr) {
     placed_ += placement.count();
     if (placed_ > Placement::kMostCopies) {
       throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects; at most {} are made",
@@ -148,7 +157,7 @@ class SceneReader {
     placement.forEach([&](const Affine& worldFromMesh) {
       ++number;
       builder_.place(mesh, worldFromMesh, placement.count() == 1 ? name : fmt::format("{}#{}", name, number), where,
-                     movement);
+                     movement, animation);
     });
   }
 
@@ -168,17 +177,54 @@ class SceneReader {
     const std::string name = f.text("name", file.stem().string());
     const Placement placement = readPlacement(f);
     const std::shared_ptr<const Movement> movement = movementOf(f);
+    const std::optional<Clip> clip = clipOf(f);
     f.finish();
 
-    const std::string key = meshKey(file, asset, labelling);
-    auto mesh = meshes_.find(key);
-    if (mesh == meshes_.end()) {
-      mesh = meshes_
-                 .emplace(key,
-                          addAsset(builder_, load(file, asset, labelling, fileValue.where), labelling, fileValue.where))
-                 .first;
+    const auto meshNow = [&] {
+      const std::string key = meshKey(file, asset, labelling);
+      auto mesh = meshes_.find(key);
+      if (mesh == meshes_.end()) {
+        const std::uint32_t made =
+            addAsset(builder_, load(file, asset, labelling, fileValue.where), labelling, fileValue.where);
+        mesh = meshes_.emplace(key, made).first;
+      }
+      return mesh->second;
+    };
+    if (clip && !clip->second) {
+      const auto animation = std::make_shared<Animation>();
+      const auto [first, last] = spanOf(file, *clip, fileValue.where);
+      const int moments = std::clamp(static_cast<int>(std::ceil((last - first) / kMoment)), 1, kMostMoments);
+      for (int k = 0; k < moments; ++k) {
+        asset.clip = {clip->first, first + (last - first) * (k + 0.5) / moments};
+        animation->meshes.push_back(meshNow());
+      }
+      animation->period = std::max(last - first, 1e-3);
+      animation->until = std::numeric_limits<double>::infinity();
+      const bool plays = moments > 1;
+      return placeAll(animation->meshes.front(), name, placement, movement, f.where(), plays ? animation : nullptr);
     }
-    placeAll(mesh->second, name, placement, movement, f.where());
+    if (clip) asset.clip = {clip->first, *clip->second};
+    placeAll(meshNow(), name, placement, movement, f.where());
+  }
+
+  // Of {clip: NAME, time_s: t}: the clip, and when it is held; without a time it plays over and over.
+  using Clip = std::pair<std::string, std::optional<double>>;
+  static std::optional<Clip> clipOf(Fields& f) {
+    const Value* const value = f.find("animation");
+    if (value == nullptr) return std::nullopt;
+    Fields fields(*value, "animation");
+    Clip clip{fields.text("clip"), std::nullopt};
+    if (fields.has("time_s")) clip.second = fields.number("time_s", {0, 1e6});
+    fields.finish();
+    return clip;
+  }
+
+  static std::pair<double, double> spanOf(const std::filesystem::path& file, const Clip& clip, const Location& where) {
+    try {
+      return clipSpan(file, clip.first);
+    } catch (const InputError& e) {
+      throw InputError(where, e.what());
+    }
   }
 
   // The object's own rules, its shorthand, the scene's rules.
@@ -221,6 +267,7 @@ class SceneReader {
     std::string key =
         fmt::format("{}\n{}\n{}\n{}\n{}\n{}", (ignored ? file : canonical).string(), labelling.file,
                     asset.metresPerUnit, asset.up.value_or('-'), static_cast<int>(asset.alpha), labelling.perNode);
+    if (asset.clip) key += fmt::format("\n{}\n{}", asset.clip->clip, asset.clip->time);
     for (const Rule& r : labelling.rules) {
       for (const std::string* text : {&r.node, &r.material, &r.texture, &r.file, &r.className, &r.materialName}) {
         key += fmt::format("\n{}:{}", text->size(), *text);

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <set>
 
 #include "scene/placement.h"
 #include "scene/scene.h"
+#include "tests/core/scene/assets/triangle_files.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
@@ -18,18 +20,18 @@ namespace {
 const std::filesystem::path kSource = SCANMILL_SOURCE_DIR;
 
 // Two objects with a material each; the second has two triangles.
-constexpr const char* kObj =
+constexpr const char* kPair =
     "mtllib pair.mtl\n"
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nv 1 0 2\nv 0 1 2\nv 1 1 2\n"
     "o House1\nusemtl stone\nf 1 2 3\n"
     "o House2\nusemtl timber\nf 4 5 6\nf 5 7 6\n";
-constexpr const char* kMtl = "newmtl stone\nKd 0.5 0.5 0.5\nnewmtl timber\nKd 0.4 0.2 0.1\n";
+constexpr const char* kPairMaterials = "newmtl stone\nKd 0.5 0.5 0.5\nnewmtl timber\nKd 0.4 0.2 0.1\n";
 
 class SceneReader : public testing::Test {
  protected:
   SceneReader() {
-    folder_.write("pair.obj", kObj);
-    folder_.write("pair.mtl", kMtl);
+    folder_.write("pair.obj", kPair);
+    folder_.write("pair.mtl", kPairMaterials);
     // A triangle with a picture of 2 x 1 texels: white and black.
     folder_.write("bw.ppm", std::string("P6 2 1 255\n\xff\xff\xff\0\0\0", 17));
     folder_.write("textured.mtl", "newmtl own\nKd 1 1 1\nmap_Kd bw.ppm\n");
@@ -270,6 +272,51 @@ TEST_F(SceneReader, assetsKeyIsWhereFilesStart) {
   const Scene scene = read("  - {file: deep/tri.obj, class: car}\n", "assets: models\n");
   EXPECT_EQ(scene.triangles(), 1u);
   EXPECT_EQ(scene.instances[0].name, "tri");
+}
+
+// The triangle of the test rises by 2 m within half a second.
+std::string risingGltf() {
+  Gltf gltf;
+  const std::string motion = bytesOf<float>({0.0f, 0.5f}) + bytesOf<float>({0, 0, 0, 0, 2, 0});
+  gltf.extra = R"(,"animations":[{"name":"rise","channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}],)"
+               R"("samplers":[{"input":3,"output":4}]}])";
+  std::string text = gltf.text();
+  const auto replace = [&](const std::string& what, const std::string& by) {
+    text.replace(text.find(what), what.size(), by);
+  };
+  replace(R"("buffers":[{)",
+          R"("buffers":[{"byteLength":32,"uri":"data:application/octet-stream;base64,)" + base64(motion) + R"("},{)");
+  for (int view = 0; view < 3; ++view) replace(R"({"buffer":0)", R"({"buffer":1)");
+  replace(
+      R"("byteOffset":60,"byteLength":12})",
+      R"("byteOffset":60,"byteLength":12},{"buffer":0,"byteLength":8},{"buffer":0,"byteOffset":8,"byteLength":24})");
+  replace(R"("count":3,"type":"SCALAR"})",
+          R"("count":3,"type":"SCALAR"},{"bufferView":3,"componentType":5126,"count":2,"type":"SCALAR"},)"
+          R"({"bufferView":4,"componentType":5126,"count":2,"type":"VEC3"})");
+  return text;
+}
+
+TEST_F(SceneReader, AnAnimationPlaysOverAndOverOrStands) {
+  folder_.write("rise.gltf", risingGltf());
+  const auto heightOf = [](const Scene& scene, std::uint32_t mesh) { return scene.meshes[mesh].bounds().low.z; };
+  const Scene plays = read(
+      "  - {file: rise.gltf, class: car, animation: {clip: rise}, copies: {grid: {count: [2, 1, 1], spacing: [3, 0, "
+      "0]}}}\n");
+  ASSERT_EQ(plays.instances.size(), 2u);
+  EXPECT_TRUE(plays.moves());
+  for (const Instance& i : plays.instances) {
+    for (const double time : {0.0, 0.13, 0.26, 0.49, 1.13, 60.26}) {
+      const double phase = std::fmod(time, 0.5);
+      EXPECT_NEAR(heightOf(plays, i.meshAt(time)), 4 * phase, 0.101) << time;  // within half of a moment
+    }
+  }
+  EXPECT_EQ(plays.meshes.size(), 10u) << "both copies share the moments";
+  const Scene stands = read("  - {file: rise.gltf, class: car, animation: {clip: rise, time_s: 0.25}}\n");
+  EXPECT_FALSE(stands.moves());
+  EXPECT_NEAR(heightOf(stands, stands.instances[0].mesh), 1, 1e-6);
+  refuse("  - {file: rise.gltf, class: car, animation: {clip: rice}}\n", {"scene.yaml", "rise.gltf", "mean 'rise'"});
+  refuse("  - {file: rise.gltf, class: car, animation: {time_s: 1}}\n", {"scene.yaml:4", "clip"});
+  refuse("  - {file: pair.obj, class: car, animation: {clip: rise}}\n", {"scene.yaml:4", "pair.obj", "glTF"});
 }
 
 TEST_F(SceneReader, brokenTrianglesOfAnAssetAreCounted) {

@@ -119,6 +119,9 @@ class AssetReader {
     if (options_.up && *options_.up != 'x' && *options_.up != 'y' && *options_.up != 'z') {
       fail(fmt::format("the up axis is '{}', but must be x, y or z", *options_.up));
     }
+    if (options_.clip && (!gltf_ || blend_)) {
+      fail("is no glTF: animations are read from .gltf and .glb alone, so convert it");
+    }
     std::error_code error;
     if (!std::filesystem::exists(file_, error)) fail("there is no such file");
     if (!std::filesystem::is_regular_file(file_, error)) fail("is not a file");
@@ -133,7 +136,7 @@ class AssetReader {
                        kind_));
     }
     if (gltf_) {
-      files = new CheckedFiles(importedName(), checkedGltf(blend_ ? BlendExport(file_).glb() : file_));
+      files = new CheckedFiles(importedName(), checkedGltf(blend_ ? BlendExport(file_).glb() : file_, options_.clip));
       importer_.SetIOHandler(files);  // which deletes it
     } else if (kind_ == ".ply") {
       checkPly(file_);

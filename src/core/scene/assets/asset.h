@@ -37,6 +37,12 @@ enum class AlphaUse {
   Test,    // at 0.5, or at the cutoff that the file gives
 };
 
+// A moment of an animation of a glTF file.
+struct ClipTime {
+  std::string clip;  // its name, or its number from 0
+  double time = 0;   // s, of its key frames; before the first and after the last as at those
+};
+
 struct AssetOptions {
   // How many metres a unit of the file is. For the kinds that declare their unit (COLLADA, FBX) it multiplies the
   // declared one, as the scale of an SDF does.
@@ -47,7 +53,8 @@ struct AssetOptions {
   // which cannot say, are taken as z-up.
   std::optional<char> up = std::nullopt;
   AlphaUse alpha = AlphaUse::Auto;
-  bool textures = true;  // false: only textures with alpha are loaded
+  bool textures = true;                         // false: only textures with alpha are loaded
+  std::optional<ClipTime> clip = std::nullopt;  // of glTF and GLB alone: as all stands then
 };
 
 struct Asset {

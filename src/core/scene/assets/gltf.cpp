@@ -5,14 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "scene/assets/gltf_container.h"
+#include "scene/assets/gltf_data.h"
+#include "scene/assets/gltf_pose.h"
 
 namespace scanmill {
 
@@ -20,83 +21,29 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
-constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN"
 constexpr std::uint64_t kMaxCount = std::uint64_t{1} << 31;
 constexpr int kMaxDepth = 512;  // the importer recurses
 
-std::uint32_t readWord(std::string_view bytes, std::size_t at) {
-  std::uint32_t word = 0;
-  std::memcpy(&word, bytes.data() + at, sizeof word);
-  return word;
-}
-
-void appendWord(std::string& bytes, std::size_t word) {
-  const auto value = static_cast<std::uint32_t>(word);
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
 class Checker {
  public:
-  explicit Checker(std::filesystem::path file) : file_(std::move(file)) {}
+  explicit Checker(std::filesystem::path file) : file_(std::move(file)), container_(readGltfContainer(file_)) {}
 
-  std::string run() {
-    const std::string bytes = readFile(file_);
-    std::string_view text = bytes;
-    const bool binary = bytes.size() >= 4 && readWord(bytes, 0) == kMagic;
-    if (binary) text = readChunks(bytes);
+  GltfContainer run(bool posed) {
     try {
-      json_ = Json::parse(text);
-      check();
+      json_ = Json::parse(container_.json);
+      check(posed);
     } catch (const Json::exception& e) {
       fail(fmt::format("is not valid glTF: {}", e.what()));
     }
-    std::string out = json_.dump(-1, ' ', false, Json::error_handler_t::replace);
-    return binary ? packed(std::move(out)) : out;
+    container_.json = json_.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return std::move(container_);
   }
+
+  // Whether anything in it can be posed: skins, or morph targets that are not at rest.
+  bool poses() const { return poses_; }
 
  private:
   [[noreturn]] void fail(const std::string& what) const { throw InputError({file_.string()}, what); }
-
-  // GLB: header of 12 bytes, then chunks of (length, kind, bytes).
-  std::string_view readChunks(std::string_view bytes) {
-    if (bytes.size() < 20) fail("is truncated: the GLB header is not whole");
-    if (readWord(bytes, 4) != 2) fail("is glTF 1.0, which is obsolete: export it as glTF 2.0");
-    const std::size_t total = readWord(bytes, 8);
-    if (total > bytes.size()) fail(fmt::format("is truncated: {} of {} bytes are here", bytes.size(), total));
-    std::string_view text;
-    for (std::size_t at = 12; at + 8 <= total;) {
-      const std::size_t size = readWord(bytes, at);
-      const std::uint32_t kind = readWord(bytes, at + 4);
-      if (size > total - at - 8) fail("is damaged: a GLB chunk is longer than the file");
-      if (kind == kJsonChunk && text.empty()) text = bytes.substr(at + 8, size);
-      if (kind == kBinChunk && binChunk_.empty()) binChunk_ = bytes.substr(at + 8, size);
-      at += 8 + size;
-    }
-    if (text.empty()) fail("is damaged: the GLB has no JSON chunk");
-    return text;
-  }
-
-  std::string packed(std::string text) const {
-    text.resize((text.size() + 3) / 4 * 4, ' ');
-    const std::size_t binSize = (binChunk_.size() + 3) / 4 * 4;
-    const std::size_t total = 12 + 8 + text.size() + (binSize > 0 ? 8 + binSize : 0);
-    if (total > UINT32_MAX) fail("is larger than a GLB can be");
-    std::string out;
-    out.reserve(total);
-    for (const std::size_t word : {std::size_t{kMagic}, std::size_t{2}, total, text.size(), std::size_t{kJsonChunk}}) {
-      appendWord(out, word);
-    }
-    out += text;
-    if (binSize > 0) {
-      appendWord(out, binSize);
-      appendWord(out, kBinChunk);
-      out += binChunk_;
-      out.resize(total, '\0');
-    }
-    return out;
-  }
 
   // The array under a key of the root, made where it is absent.
   Json& list(const char* key) {
@@ -123,7 +70,7 @@ class Checker {
     return found->get<std::uint64_t>();
   }
 
-  void check() {
+  void check(bool posed) {
     if (!json_.is_object()) fail("is not valid glTF: the file is not a JSON object");
     const auto asset = json_.find("asset");
     if (asset == json_.end() || !asset->is_object()) fail("is not glTF: 'asset' is missing");
@@ -132,7 +79,11 @@ class Checker {
       fail(fmt::format("is glTF {}: only 2.0 is read, export it again", version.empty() ? "of no version" : version));
     }
     refuseExtensions();
-    for (const char* key : {"animations", "skins", "cameras", "samplers", "extensions"}) json_.erase(key);
+    for (const char* key : {"cameras", "samplers", "extensions"}) json_.erase(key);
+    poses_ = posed || isPosed();
+    if (!poses_) {
+      for (const char* key : {"animations", "skins"}) json_.erase(key);
+    }
     checkBuffers();
     checkViews();
     checkAccessors();
@@ -140,6 +91,19 @@ class Checker {
     checkMaterials();
     checkMeshes();
     checkNodes();
+  }
+
+  bool isPosed() const {
+    for (const char* key : {"nodes", "meshes"}) {
+      const auto found = json_.find(key);
+      if (found == json_.end() || !found->is_array()) continue;
+      if (std::any_of(found->begin(), found->end(), [](const Json& one) {
+            return one.is_object() && (one.contains("skin") || one.contains("weights"));
+          })) {
+        return true;
+      }
+    }
+    return false;
   }
 
   void refuseExtensions() {
@@ -181,7 +145,7 @@ class Checker {
           buffer["uri"] = name;
         }
       } else {
-        present = binChunk_.size();
+        present = container_.bin.size();
       }
       if (length > present) {
         fail(fmt::format("{} has {} bytes, but {} holds {}: is it truncated?", what, length, place, present));
@@ -296,7 +260,7 @@ class Checker {
   void checkMeshes() {
     Json& meshes = list("meshes");
     for (std::size_t i = 0; i < meshes.size(); ++i) {
-      meshes[i].erase("weights");
+      if (!poses_) meshes[i].erase("weights");
       Json& primitives = meshes[i].at("primitives");
       if (!primitives.is_array()) fail(fmt::format("meshes[{}].primitives is not a list", i));
       Json kept = Json::array();
@@ -314,7 +278,7 @@ class Checker {
     const std::uint64_t mode = count(primitive, "mode", 4, what);
     if (mode > 6) fail(what + " has an unknown mode");
     if (mode < 4) return false;
-    primitive.erase("targets");
+    if (!poses_) primitive.erase("targets");
     if (primitive.contains("material")) {
       index(primitive["material"], list("materials").size(), what + ".material");
     }
@@ -351,6 +315,11 @@ class Checker {
       if (!plain || !accessor.contains("bufferView") || accessor.value("count", std::uint64_t{0}) != vertices) break;
       kept[name] = attributes[name];
     }
+    if (poses_) {
+      for (const auto& [name, accessor] : attributes.items()) {
+        if (name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_")) kept[name] = accessor;
+      }
+    }
     primitive["attributes"] = std::move(kept);
     return vertices > 0;
   }
@@ -360,7 +329,10 @@ class Checker {
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       Json& node = nodes[i];
       const std::string what = fmt::format("nodes[{}]", i);
-      for (const char* key : {"camera", "skin", "weights", "extensions", "extras"}) node.erase(key);
+      for (const char* key : {"camera", "extensions", "extras"}) node.erase(key);
+      if (!poses_) {
+        for (const char* key : {"skin", "weights"}) node.erase(key);
+      }
       if (node.contains("mesh")) {
         const Json& mesh = list("meshes")[index(node["mesh"], list("meshes").size(), what + ".mesh")];
         if (mesh["primitives"].empty()) node.erase("mesh");
@@ -407,14 +379,28 @@ class Checker {
   }
 
   std::filesystem::path file_;
+  GltfContainer container_;
   Json json_;
-  std::string_view binChunk_;  // into the file's bytes, which live in run()
+  bool poses_ = false;
 };
 
 }  // namespace
 
-std::string checkedGltf(const std::filesystem::path& file) {
-  return Checker(file).run();
+std::string checkedGltf(const std::filesystem::path& file, const std::optional<ClipTime>& clip) {
+  Checker checker(file);
+  GltfContainer checked = checker.run(clip.has_value());
+  if (checker.poses()) checked = posedGltf(std::move(checked), file, clip);
+  return packGltf(std::move(checked), file);
+}
+
+std::pair<double, double> clipSpan(const std::filesystem::path& file, const std::string& clip) {
+  const GltfContainer checked = Checker(file).run(true);
+  try {
+    GltfData data(checked, file);
+    return data.spanOf(data.clip(clip));
+  } catch (const Json::exception& e) {
+    throw InputError({file.string()}, fmt::format("is not valid glTF: {}", e.what()));
+  }
 }
 
 std::string decodeUri(std::string_view uri) {

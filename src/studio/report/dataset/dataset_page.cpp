@@ -7,6 +7,7 @@
 #include <set>
 #include <string_view>
 
+#include "base/base64.h"
 #include "base/short_text.h"
 #include "charts/svg_text.h"
 #include "report/dataset/dataset_charts.h"

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/base64.h"
 #include "report/dataset/scan_thinning.h"
 #include "viewer/color_map.h"
 

@@ -4,12 +4,9 @@
 
 #include <limits>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace scanmill {
-
-std::string base64(std::string_view bytes);
 
 struct HtmlCell {
   std::string text;  // plain text

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/base64.h"
 #include "base/short_text.h"
 #include "charts/svg_text.h"
 #include "report/page/report_html.h"

@@ -58,14 +58,15 @@ TEST_F(SceneShares, OfTwoWallsAreTheHalfEach) {
 
 TEST_F(SceneShares, AreMetByMoreAndByLess) {
   for (const std::uint64_t seed : {1, 2}) {
-    const Scene drawn = readSceneToShares(town("vehicles: 0.3, shares: {vehicles: [0, 1], greenery: [0, 1]}"), seeded(seed));
+    const Scene drawn =
+        readSceneToShares(town("vehicles: 0.3, shares: {vehicles: [0, 1], greenery: [0, 1]}"), seeded(seed));
     const double vehicles = drawn.shares[0].found;
     const double greenery = drawn.shares[1].found;
     ASSERT_GT(vehicles, 0.0005);
     for (const auto& [least, most] : {std::pair{0.0, 0.6}, std::pair{1.4, 3.0}}) {
       const Scene scene =
-          readSceneToShares(town(fmt::format("vehicles: 0.3, shares: {{vehicles: [{}, {}], greenery: [0, {}]}}", least * vehicles,
-                                             std::min(1.0, most * vehicles), 0.9 * greenery)),
+          readSceneToShares(town(fmt::format("vehicles: 0.3, shares: {{vehicles: [{}, {}], greenery: [0, {}]}}",
+                                             least * vehicles, std::min(1.0, most * vehicles), 0.9 * greenery)),
                             seeded(seed));
       EXPECT_TRUE(scene.shares[0].met()) << scene.about;
       EXPECT_TRUE(scene.shares[1].met()) << scene.about;

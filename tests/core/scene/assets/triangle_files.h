@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/base64.h"
 #include "base/error.h"
 #include "scene/assets/asset.h"
 #include "tests/support/temporary_folder.h"
@@ -132,19 +133,6 @@ Connections:  {
 	C: "OO",1,2
 }
 )";
-}
-
-inline std::string base64(std::string_view bytes) {
-  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      word = word << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0u);
-    }
-    for (std::size_t k = 0; k < 4; ++k) out += i + k > bytes.size() ? '=' : kDigits[word >> (18 - 6 * k) & 63];
-  }
-  return out;
 }
 
 template <class T>

@@ -318,15 +318,6 @@ TEST(Report, TheParetoChartHoldsEverySettingOnceAndItsFront) {
   EXPECT_THAT(labels, testing::Contains("simplify=0.1"));
 }
 
-TEST(ReportHtml, Base64IsOfRfc4648) {
-  EXPECT_EQ(base64(""), "");
-  EXPECT_EQ(base64("f"), "Zg==");
-  EXPECT_EQ(base64("fo"), "Zm8=");
-  EXPECT_EQ(base64("foo"), "Zm9v");
-  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(base64("\xFF\xFE\xFD"), "//79");
-}
-
 TEST(ReportFigures, TheShownSettingsAreDefaultsThenTheFastest) {
   const Study study = exampleStudy();
   std::vector<std::string> names;
