@@ -15,18 +15,25 @@ town::Layout readLayout(Fields& fields, std::uint64_t seed, const SupplyFactors&
   parameters.people *= supply[static_cast<std::size_t>(Supply::People)];
   if (parameters.map.empty()) return {parameters, seed};
   const Location& where = fields.find("map")->where;
-  const town::Map map = town::readMap(parameters.map, where);
+  const town::Map map = town::readMap(parameters.map, parameters.keepsLeft, where);
   return {parameters, seed,
           town::cutOut(map, parameters, seed, town::Layout::reachOf(parameters) - town::Layout::kEdge, where)};
+}
+
+// Where traffic keeps to the left, a town is the mirror image of one where it keeps to the right.
+Vec3d inWorld(const town::Layout& layout, const Vec3d& p) {
+  return layout.parameters().keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
 }
 
 }  // namespace
 
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const SupplyFactors& supply,
-             const Affine& worldFromTown) {
+             const Affine& place) {
   if (const Value* shares = fields.find("shares")) builder.ask(readShares(*shares, builder.ontology()));
   const town::Layout layout = readLayout(fields, seed, supply);
   builder.describe(layout.about());
+  Affine worldFromTown = place;
+  worldFromTown.linear.y = place.linear * inWorld(layout, {0, 1, 0});
   builder.place(town::makeGround(builder, layout).mesh, worldFromTown, "ground");
   town::populate(builder, layout, worldFromTown);
 }
@@ -48,7 +55,11 @@ SceneLanes townLanes(Fields& fields, std::uint64_t seed) {
     turns.stretches.back().to = *roads[*tour.into].joins - town::cornerOf(layout, *tour.into);
     turns.stretches.push_back({*tour.into, town::mouthOf(layout), town::endOf(layout, *tour.into)});
   }
-  return {town::layOut(layout, through, 0, 0).points, town::layOut(layout, turns, 0, 0).points};
+  SceneLanes lanes{town::layOut(layout, through, 0, 0).points, town::layOut(layout, turns, 0, 0).points};
+  for (std::vector<Vec3d>* lane : {&lanes.lane, &lanes.turns}) {
+    for (Vec3d& p : *lane) p = inWorld(layout, p);
+  }
+  return lanes;
 }
 
 }  // namespace scanmill

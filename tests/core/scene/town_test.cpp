@@ -292,7 +292,7 @@ TEST(Town, StandsWhereTheMapSays) {
   const Value value = parseYaml(onMap("road: Mill Road"), "town.yaml");
   Fields fields(value, "town");
   const town::Parameters parameters = town::readParameters(fields);
-  const town::MapPlace place = town::cutOut(town::readMap(parameters.map, {}), parameters, 1, 280, {});
+  const town::MapPlace place = town::cutOut(town::readMap(parameters.map, false, {}), parameters, 1, 280, {});
   const town::Layout one(parameters, 1, place);
   const town::Layout two(parameters, 2, place);
   EXPECT_GE(one.houses().size(), 20u);
@@ -316,6 +316,45 @@ TEST(Town, StandsWhereTheMapSays) {
   for (std::size_t r = 0; r < one.roads().roads().size(); ++r) {
     EXPECT_EQ(one.roads().roads()[r].length(), two.roads().roads()[r].length());
   }
+}
+
+// What keeps to the left is the mirror image of what keeps to the right; on a map, whose places stay, of its lanes
+// alone.
+TEST(Town, TrafficThatKeepsLeftIsAMirrorImage) {
+  const std::string keys = "length: 120, detail: 0.1";
+  const Scene right = makeTown("{" + keys + "}", 4);
+  const Scene left = makeTown("{" + keys + ", driving_side: left}", 4);
+  ASSERT_EQ(left.instances.size(), right.instances.size());
+  const auto mirrored = [](const Vec3d& p) { return Vec3d{p.x, -p.y, p.z}; };
+  for (std::size_t k = 0; k < left.instances.size(); ++k) {
+    for (const double time : {0.0, 3.0}) {
+      const Vec3d origin = left.instances[k].worldFromMeshAt(time) * Vec3d{};
+      EXPECT_LT(length(origin - mirrored(right.instances[k].worldFromMeshAt(time) * Vec3d{})), 1e-6)
+          << left.instances[k].name;
+    }
+  }
+  const std::vector<Vec3d> lane = laneOf("{" + keys + "}", 4);
+  const std::vector<Vec3d> leftLane = laneOf("{" + keys + ", driving_side: left}", 4);
+  ASSERT_EQ(leftLane.size(), lane.size());
+  for (std::size_t k = 0; k < lane.size(); ++k) EXPECT_LT(length(leftLane[k] - mirrored(lane[k])), 1e-9);
+
+  const auto middleOf = [](const Scene& scene, std::string_view name) {
+    Box box;
+    for (const Instance& i : scene.instances) {
+      if (!i.name.starts_with(name)) continue;
+      for (const Vec3f& p : scene.meshes[i.mesh].positions) box.add(i.worldFromMesh * Vec3d(p));
+    }
+    return Vec3d{box.center().x, box.center().y, 0};
+  };
+  const Scene village = makeTown(onMap("road: Mill Road, length: 300, detail: 0.05"), 1);
+  const Scene english = makeTown(onMap("road: Mill Road, length: 300, detail: 0.05, driving_side: left"), 1);
+  EXPECT_EQ(english.about, village.about);
+  EXPECT_LT(length(middleOf(english, "block") - middleOf(village, "block")), 1) << "buildings stay";
+  const std::vector<Vec3d> one = laneOf(onMap("road: Mill Road, length: 300"), 1);
+  const std::vector<Vec3d> other = laneOf(onMap("road: Mill Road, length: 300, driving_side: left"), 1);
+  const Vec3d across = other[other.size() / 2] - one[one.size() / 2];
+  EXPECT_GT(across.y, 1.5) << "the other lane, to the left of the way to +x";
+  EXPECT_LT(across.y, 6);
 }
 
 // Lorries pass below the wires, and a span hangs between two poles or on a house.

@@ -59,6 +59,7 @@ enum class Kind : std::uint32_t {
   Cover,
   Map,
   Wire,
+  Grass,
 };
 
 // The random numbers of one object, drawn one after the other.

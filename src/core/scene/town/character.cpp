@@ -25,6 +25,7 @@ Parameters readParameters(Fields& fields) {
   p.season = fields.choice("season", {"any", "summer", "autumn", "winter"}, p.season);
   if (const auto map = fields.optionalPath("map")) p.map = *map;
   p.road = fields.text("road", "");
+  p.keepsLeft = fields.choice("driving_side", {"right", "left"}, "right") == "left";
   if (!p.road.empty() && p.map.empty()) {
     throw InputError(fields.find("road")->where, "road names the main road of a map: give the `map` too");
   }

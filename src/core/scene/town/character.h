@@ -23,6 +23,7 @@ struct Parameters {
   std::string season = "summer";  // or any, autumn, winter
   std::filesystem::path map;      // an OpenStreetMap extract; empty: all is drawn
   std::string road;               // of the map, that the main road is; empty: drawn
+  bool keepsLeft = false;         // traffic: then the town is laid out as its own mirror image
   double length = 300;            // m, of the main road between its first and last plot
   double slope = 1;               // factors of what the seed draws
   double greenery = 1;

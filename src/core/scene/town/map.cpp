@@ -86,6 +86,7 @@ MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
   return road;
 }
 
+// Outer rings go round counter-clockwise, inner ones clockwise, in the mirror image too.
 Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   constexpr double kShortest = 0.25;  // m, of a wall
   Polygon ring;
@@ -106,6 +107,7 @@ Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
     const double turn = (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x);
     if (std::abs(turn) >= 0.05 * std::hypot(c.x - a.x, c.y - a.y)) corners.push_back(b);
   }
+  if (plane.mirrored()) std::reverse(corners.begin(), corners.end());
   return corners;
 }
 
@@ -189,10 +191,10 @@ std::optional<double> metresOf(const std::string& value) {
 }
 
 OsmNode degreesAt(const Map& map, const Point2& p) {
-  return TangentPlane(map.latitude, map.longitude).degreesAt(p);
+  return TangentPlane(map.latitude, map.longitude, map.mirrored).degreesAt(p);
 }
 
-Map makeMap(const OsmExtract& extract) {
+Map makeMap(const OsmExtract& extract, bool mirrored) {
   // In the middle of what the roads reach.
   double south = 90, north = -90, west = 180, east = -180;
   for (const OsmWay& way : extract.ways) {
@@ -207,7 +209,8 @@ Map makeMap(const OsmExtract& extract) {
   Map map;
   map.latitude = (south + north) / 2;
   map.longitude = (west + east) / 2;
-  const TangentPlane plane(map.latitude, map.longitude);
+  map.mirrored = mirrored;
+  const TangentPlane plane(map.latitude, map.longitude, mirrored);
   std::vector<MapRoad> ways;
   for (const OsmWay& way : extract.ways) {
     if (!onGround(way.tags) || way.tags["area"] == "yes") continue;
@@ -251,7 +254,7 @@ Map makeMap(const OsmExtract& extract) {
   return map;
 }
 
-Map readMap(const std::filesystem::path& file, const Location& where) {
+Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where) {
   // libosmium takes names that begin like an address for one, and would fetch it.
   const std::filesystem::path absolute = std::filesystem::absolute(file);
   if (!std::filesystem::is_regular_file(absolute)) {
@@ -267,7 +270,7 @@ Map readMap(const std::filesystem::path& file, const Location& where) {
                                         ".osm.pbf): {}",
                                         file.string(), e.what()));
   }
-  Map map = makeMap(extract);
+  Map map = makeMap(extract, mirrored);
   map.file = file;
   if (map.roads.empty()) {
     throw InputError(

@@ -65,6 +65,7 @@ struct MapBarrier {
 struct Map {
   std::filesystem::path file;
   double latitude = 0, longitude = 0;  // degrees, of the frame's origin
+  bool mirrored = false;               // y is south
   std::vector<MapRoad> roads;          // each as long as it goes straight on
   std::vector<std::vector<Point2>> paths;
   std::vector<MapBuilding> buildings;
@@ -77,9 +78,9 @@ struct Map {
 OsmNode degreesAt(const Map& map, const Point2& p);
 
 // Throws an InputError at `where` with the file where it cannot be read or has no road that cars may drive on.
-Map readMap(const std::filesystem::path& file, const Location& where);
+Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where);
 // Of what has been read.
-Map makeMap(const OsmExtract& extract);
+Map makeMap(const OsmExtract& extract, bool mirrored = false);
 
 // Joins roads that meet end to end, and at crossings those that go on straight ahead.
 std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);

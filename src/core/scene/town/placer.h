@@ -81,5 +81,6 @@ void placePeople(Placer& placer);
 void placeTrees(Placer& placer);
 void placeWoods(Placer& placer);
 void placeBushes(Placer& placer);
+void placeGrass(Placer& placer);
 
 }  // namespace scanmill::town

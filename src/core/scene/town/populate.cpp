@@ -18,6 +18,7 @@ void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFr
   placeAnimals(placer);
   placeBushes(placer);
   placeWoods(placer);
+  placeGrass(placer);
 }
 
 }  // namespace scanmill::town

@@ -20,14 +20,17 @@ Vec3d earthCentred(double latitude, double longitude) {
 
 }  // namespace
 
-TangentPlane::TangentPlane(double latitude, double longitude)
-    : latitude_(radians(latitude)), longitude_(radians(longitude)), origin_(earthCentred(latitude_, longitude_)) {}
+TangentPlane::TangentPlane(double latitude, double longitude, bool mirrored)
+    : latitude_(radians(latitude)),
+      longitude_(radians(longitude)),
+      north_(mirrored ? -1 : 1),
+      origin_(earthCentred(latitude_, longitude_)) {}
 
 Point2 TangentPlane::operator()(const OsmNode& n) const {
   const Vec3d d = earthCentred(radians(n.latitude), radians(n.longitude)) - origin_;
   const double towards = d.x * std::cos(longitude_) + d.y * std::sin(longitude_);
   return {d.y * std::cos(longitude_) - d.x * std::sin(longitude_),
-          d.z * std::cos(latitude_) - towards * std::sin(latitude_)};
+          north_ * (d.z * std::cos(latitude_) - towards * std::sin(latitude_))};
 }
 
 // By Newton's method: a metre to the north or east is nearly as many degrees everywhere.
@@ -36,7 +39,7 @@ OsmNode TangentPlane::degreesAt(const Point2& p) const {
   OsmNode node{0, degrees(latitude_), degrees(longitude_)};
   for (int i = 0; i < 12; ++i) {
     const Point2 now = (*this)(node);
-    node.latitude += (p.y - now.y) / kDegree;
+    node.latitude += north_ * (p.y - now.y) / kDegree;
     node.longitude += (p.x - now.x) / (kDegree * std::max(0.01, std::cos(latitude_)));
   }
   return node;

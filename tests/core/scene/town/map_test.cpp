@@ -131,7 +131,7 @@ TEST(JoinRoads, KeepsEveryMetre) {
 }
 
 TEST(ReadMap, TakesTheVillage) {
-  const Map map = readMap(kVillage, {});
+  const Map map = readMap(kVillage, false, {});
   const MapRoad* main = longest(map.roads, "Mill Road");
   ASSERT_NE(main, nullptr);
   EXPECT_GT(main->length(), 500) << "of three ways";
@@ -154,7 +154,7 @@ TEST(ReadMap, TakesTheVillage) {
 
 // The origin lies on the main road; side roads begin where they say that they join it, on that side.
 TEST(CutOut, RoadsMeetTheMainOne) {
-  const Map map = readMap(kVillage, {});
+  const Map map = readMap(kVillage, false, {});
   Parameters parameters;
   std::size_t joined = 0;
   std::vector<std::string> names;
