@@ -211,8 +211,10 @@ struct TreeModel {
 constexpr int kTreeForms = 8;
 constexpr int kBroadleafForms = 6;  // the first of them
 // `detail`: factor on the number of leaves, whose area in all stays the same. `foliage`: part of its leaves that a
-// broadleaf has kept, 0 to 1; what has lost them shows its twigs.
-TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail = 1, double foliage = 1);
+// broadleaf has kept, 0 to 1; what has lost them shows its twigs. `ragged`: how far a broadleaf's crown is from being
+// round, 0 to 1: heavier on one side, with limbs that reach out and gaps between them.
+TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail = 1, double foliage = 1,
+                   double ragged = 0);
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage = 1);
 Model makeHedge(SceneBuilder& builder, std::uint64_t seed);  // 2 m along x, 0.6 m wide
 // 2 m along x, leaves all through it, of a height and depth by its form.

@@ -80,7 +80,31 @@ void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center
   }
 }
 
-void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius, double foliage) {
+// What makes a crown its own: from draws of its own, so that round ones stay what they are.
+class Raggedness {
+ public:
+  Raggedness(std::uint64_t seed, int form, double share)
+      : share_(share), draw_(seed, Kind::Tree, 900000 + static_cast<std::uint32_t>(form)) {
+    heavy_ = draw_.in(0, 2 * kPi);
+    long_ = draw_.in(0, 2 * kPi);
+  }
+
+  // Factor on how far out a cluster of leaves lies.
+  double reach(double angle) const {
+    return 1 + share_ * (0.3 * std::cos(angle - heavy_) + 0.22 * std::cos(2 * (angle - long_)));
+  }
+  double size() { return share_ > 0 ? lerp(1, draw_.in(0.45, 1.4), share_) : 1; }
+  double raised() { return share_ > 0 ? share_ * draw_.in(-0.13, 0.13) : 0; }  // by a share of the crown's height
+  bool missing() { return share_ > 0 && draw_.chance(0.22 * share_); }
+
+ private:
+  double share_;
+  Draw draw_;
+  double heavy_ = 0, long_ = 0;  // azimuths, rad
+};
+
+void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius, double foliage,
+                     Raggedness ragged) {
   const SurfaceIndex bark = s.surface("trunk", "bark");
   const SurfaceIndex branch = s.surface("tree", "bark");
   const SurfaceIndex leaf = s.surface("tree", "leaf");
@@ -114,10 +138,11 @@ void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, do
   for (int i = 0; i < habit.clusters; ++i) {
     const double t = (i + draw.next()) / habit.clusters;
     const double r = radius * crownProfile(habit, t);
-    const double size = radius * habit.clusterSize * draw.in(0.8, 1.25);
+    const double size = radius * habit.clusterSize * draw.in(0.8, 1.25) * ragged.size();
     const double angle = i * 2.39996 + draw.in(-0.5, 0.5);  // the golden angle spreads them
-    const double out = std::max(0.0, r - size) * draw.in(0.75, 1.05);
-    const double z = base + size * 0.5 + t * std::max(0.1, crown - size * 1.3);
+    const double out = std::max(0.0, r - size) * draw.in(0.75, 1.05) * ragged.reach(angle);
+    const double z = base + size * 0.5 + t * std::max(0.1, crown - size * 1.3) + ragged.raised() * crown;
+    if (ragged.missing()) continue;
     clusters.push_back({trunkAt(z) + Vec3d{out * std::cos(angle), out * std::sin(angle), 0}, size});
     clusters.back().center.z = z;
     total += size * size;
@@ -188,7 +213,7 @@ void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, doub
 
 }  // namespace
 
-TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail, double foliage) {
+TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail, double foliage, double ragged) {
   Habit habit = kHabits[static_cast<std::size_t>(form)];
   if (detail != 1) {
     habit.leaves = static_cast<int>(habit.leaves * detail);
@@ -199,8 +224,11 @@ TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double d
   const double height = draw.around(habit.height, 0.12);
   const double radius = draw.around(habit.crownRadius, 0.12);
   habit.conifer ? appendConifer(s, draw, habit, height, radius)
-                : appendBroadleaf(s, draw, habit, height, radius, foliage);
-  return {s.finish(), radius};
+                : appendBroadleaf(s, draw, habit, height, radius, foliage, {seed, form, ragged});
+  const Model model = s.finish();
+  if (ragged <= 0) return {model, radius};
+  const auto& [low, high] = model.bounds;
+  return {model, std::max({-low.x, -low.y, high.x, high.y})};
 }
 
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage) {

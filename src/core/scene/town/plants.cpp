@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "scene/town/placer.h"
@@ -15,7 +16,8 @@ using parts::Kind;
 using parts::TreeModel;
 
 constexpr int kTreesOfAForm = 2;
-constexpr double kOverhang = 0.5;   // m, of crowns over a road
+constexpr std::array<double, kTreesOfAForm> kRagged{0.6, 1};  // their crowns
+constexpr double kOverhang = 0.5;                             // m, of crowns over a road
 constexpr double kFar = 25;         // m from the nearest road: trees beyond have larger leaves, and fewer
 constexpr double kFarDetail = 0.3;  // of the leaves
 constexpr int kBushForms = 6;
@@ -34,8 +36,9 @@ class Nursery {
     const std::size_t index = 2 * near + (far ? 1 : 0);
     if (!made_[index]) {
       const double detail = placer_.layout.parameters().detail * (far ? kFarDetail : 1);
-      trees_[index] = parts::makeTree(placer_.builder, placer_.layout.seed() + static_cast<std::uint64_t>(again) * 7919,
-                                      form, detail, placer_.layout.character().foliage);
+      trees_[index] =
+          parts::makeTree(placer_.builder, placer_.layout.seed() + static_cast<std::uint64_t>(again) * 7919, form,
+                          detail, placer_.layout.character().foliage, kRagged[static_cast<std::size_t>(again)]);
       made_[index] = true;
     }
     return trees_[index];
