@@ -115,7 +115,7 @@ std::uint32_t addAsset(SceneBuilder& builder, Asset asset, const Labelling& labe
 
   Dropped dropped = asset.dropped;
   dropped += clean(mesh);
-  builder.addDropped(dropped);
+  if (!labelling.counted) builder.addDropped(dropped);
   if (mesh.triangles.empty()) {
     throw InputError(where,
                      fmt::format("'{}' has no triangle that can be traced: {} have vertices that are not finite, "
@@ -125,7 +125,8 @@ std::uint32_t addAsset(SceneBuilder& builder, Asset asset, const Labelling& labe
   std::vector<std::uint64_t> triangles(mesh.surfaces.size());
   for (const std::uint16_t surface : mesh.surfaceOf) ++triangles[surface];
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (!labels[i].semantic && triangles[i] > 0) builder.addUnlabeled(descriptions[i], triangles[i]);
+    if (!labels[i].semantic && triangles[i] > 0 && !labelling.counted)
+      builder.addUnlabeled(descriptions[i], triangles[i]);
   }
   return builder.addMesh(std::move(mesh));
 }

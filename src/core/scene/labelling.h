@@ -16,6 +16,7 @@ struct Labelling {
   std::vector<Rule> rules;  // first match wins
   std::string file;         // as the scene names it; patterns of `file` are compared with it
   bool perNode = false;     // true: each node of a thing class is a thing; false: the whole asset is one
+  bool counted = false;     // what it drops or leaves unlabelled has been counted, of another moment of it
 };
 
 // Whether the base colour of some part is looked at: the part has a texture, and no rule gives it a material that is

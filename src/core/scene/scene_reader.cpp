@@ -67,7 +67,7 @@ constexpr Range kLength{1e-6, 1e6};  // m
 
 // A clip that plays is a mesh for every so much of it.
 constexpr double kMoment = 0.05;  // s
-constexpr int kMostMoments = 48;
+constexpr double kMostMoments = 48;
 
 class SceneReader {
  public:
@@ -180,31 +180,48 @@ class SceneReader {
     const std::optional<Clip> clip = clipOf(f);
     f.finish();
 
-    const auto meshNow = [&] {
-      const std::string key = meshKey(file, asset, labelling);
-      auto mesh = meshes_.find(key);
-      if (mesh == meshes_.end()) {
-        const std::uint32_t made =
-            addAsset(builder_, load(file, asset, labelling, fileValue.where), labelling, fileValue.where);
-        mesh = meshes_.emplace(key, made).first;
-      }
-      return mesh->second;
-    };
     if (clip && !clip->second) {
-      const auto animation = std::make_shared<Animation>();
-      const auto [first, last] = spanOf(file, *clip, fileValue.where);
-      const int moments = std::clamp(static_cast<int>(std::ceil((last - first) / kMoment)), 1, kMostMoments);
-      for (int k = 0; k < moments; ++k) {
-        asset.clip = {clip->first, first + (last - first) * (k + 0.5) / moments};
-        animation->meshes.push_back(meshNow());
-      }
-      animation->period = std::max(last - first, 1e-3);
-      animation->until = std::numeric_limits<double>::infinity();
-      const bool plays = moments > 1;
+      const std::shared_ptr<const Animation> animation =
+          momentsOf(file, asset, labelling, clip->first, fileValue.where);
+      const bool plays = animation->meshes.size() > 1;
       return placeAll(animation->meshes.front(), name, placement, movement, f.where(), plays ? animation : nullptr);
     }
     if (clip) asset.clip = {clip->first, *clip->second};
-    placeAll(meshNow(), name, placement, movement, f.where());
+    const std::string key = meshKey(file, asset, labelling);
+    auto mesh = meshes_.find(key);
+    if (mesh == meshes_.end()) {
+      const std::uint32_t made =
+          addAsset(builder_, load(file, asset, labelling, fileValue.where), labelling, fileValue.where);
+      mesh = meshes_.emplace(key, made).first;
+    }
+    placeAll(mesh->second, name, placement, movement, f.where());
+  }
+
+  // The meshes of a clip that plays. All have the materials of the first, so that pictures are kept once.
+  std::shared_ptr<const Animation> momentsOf(const std::filesystem::path& file, AssetOptions options,
+                                             Labelling labelling, const std::string& clip, const Location& where) {
+    std::shared_ptr<const Animation>& known = animations_[clip + '\n' + meshKey(file, options, labelling)];
+    if (known != nullptr) return known;
+    options.clip = {clip, 0};
+    Asset moment = load(file, options, labelling, where);
+    const auto [first, last] = clipSpan(file, clip);
+    const double moments = std::clamp(std::ceil((last - first) / kMoment), 1.0, kMostMoments);
+    std::vector<Material> materials;
+    for (const AssetPart& part : moment.parts) materials.push_back(part.fileMaterial);
+    options.textures = false;
+    const auto animation = std::make_shared<Animation>();
+    for (int k = 0; k < moments; ++k) {
+      options.clip->time = first + (last - first) * (k + 0.5) / moments;
+      moment = load(file, options, labelling, where);
+      if (moment.parts.size() == materials.size()) {
+        for (std::size_t i = 0; i < materials.size(); ++i) moment.parts[i].fileMaterial = materials[i];
+      }
+      animation->meshes.push_back(addAsset(builder_, std::move(moment), labelling, where));
+      labelling.counted = true;
+    }
+    animation->period = std::max(last - first, 1e-3);
+    animation->until = std::numeric_limits<double>::infinity();
+    return known = animation;
   }
 
   // Of {clip: NAME, time_s: t}: the clip, and when it is held; without a time it plays over and over.
@@ -217,14 +234,6 @@ class SceneReader {
     if (fields.has("time_s")) clip.second = fields.number("time_s", {0, 1e6});
     fields.finish();
     return clip;
-  }
-
-  static std::pair<double, double> spanOf(const std::filesystem::path& file, const Clip& clip, const Location& where) {
-    try {
-      return clipSpan(file, clip.first);
-    } catch (const InputError& e) {
-      throw InputError(where, e.what());
-    }
   }
 
   // The object's own rules, its shorthand, the scene's rules.
@@ -356,6 +365,7 @@ class SceneReader {
   std::vector<Rule> rules_;
   std::filesystem::path assetFolder_;
   std::map<std::string, std::uint32_t> meshes_;
+  std::map<std::string, std::shared_ptr<const Animation>> animations_;
   std::uint64_t placed_ = 0;
   std::uint64_t procedural_ = 0;
   std::uint64_t towns_ = 0;

@@ -33,11 +33,23 @@ std::vector<std::uint16_t> idsOf(const SupplyRow& row, const Ontology& ontology,
 
 // Of a supply, or of a class that one has.
 ShareBound ofClasses(const std::string& name, const Ontology& ontology, const Location& where) {
-  std::string known;
+  std::string all;
   for (std::size_t s = 0; s < kSupplies; ++s) {
     const SupplyRow& row = supplies()[s];
     if (name == row.name) return {name, idsOf(row, ontology, where), static_cast<Supply>(s)};
-    known += fmt::format("{}{} ({})", s > 0 ? ", " : "", row.name, fmt::join(row.classes, ", "));
+    all += fmt::format("{}{} ({})", s > 0 ? ", " : "", row.name, fmt::join(row.classes, ", "));
+  }
+  const bool known = std::any_of(ontology.classes.begin(), ontology.classes.end(), [&](const SemanticClass& c) {
+    return c.name == name || std::find(c.aliases.begin(), c.aliases.end(), name) != c.aliases.end();
+  });
+  if (!known) {
+    std::vector<std::string> names;
+    for (const SupplyRow& row : supplies()) {
+      names.emplace_back(row.name);
+      names.insert(names.end(), row.classes.begin(), row.classes.end());
+    }
+    throw InputError(where,
+                     fmt::format("ontology '{}' has no class '{}'{}", ontology.name, name, suggestion(name, names)));
   }
   const std::uint16_t id = ontology.require(name, where).id;
   for (std::size_t s = 0; s < kSupplies; ++s) {
@@ -45,7 +57,7 @@ ShareBound ofClasses(const std::string& name, const Ontology& ontology, const Lo
     if (std::find(ids.begin(), ids.end(), id) != ids.end()) return {name, {id}, static_cast<Supply>(s)};
   }
   throw InputError(
-      where, fmt::format("the share of {} follows from the place that the seed draws; bounds are for {}", name, known));
+      where, fmt::format("the share of {} follows from the place that the seed draws; bounds are for {}", name, all));
 }
 
 }  // namespace

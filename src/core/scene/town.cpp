@@ -1,5 +1,7 @@
 #include "scene/town.h"
 
+#include <fmt/format.h>
+
 #include "scene/town/lanes.h"
 #include "scene/town/placer.h"
 
@@ -25,12 +27,28 @@ Vec3d inWorld(const town::Layout& layout, const Vec3d& p) {
   return layout.parameters().keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
 }
 
+// What is asked for. Throws InputError where a key of the town leaves none of what shall be there.
+std::vector<ShareBound> askedFor(const Value& shares, const town::Layout& layout, const SupplyFactors& supply,
+                                 const Ontology& ontology) {
+  const town::Parameters& p = layout.parameters();
+  const SupplyFactors factors{p.greenery, p.vehicles, p.people};
+  std::vector<ShareBound> bounds = readShares(shares, ontology);
+  for (const ShareBound& bound : bounds) {
+    const auto s = static_cast<std::size_t>(bound.supply);
+    if (bound.least <= 0 || factors[s] > 0 || supply[s] <= 0) continue;
+    throw InputError(shares.where, fmt::format("shares ask for {}, but `{}: 0` leaves none: take it out", bound.name,
+                                               nameOf(bound.supply)));
+  }
+  return bounds;
+}
+
 }  // namespace
 
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const SupplyFactors& supply,
              const Affine& place) {
-  if (const Value* shares = fields.find("shares")) builder.ask(readShares(*shares, builder.ontology()));
+  const Value* const shares = fields.find("shares");
   const town::Layout layout = readLayout(fields, seed, supply);
+  if (shares != nullptr) builder.ask(askedFor(*shares, layout, supply, builder.ontology()));
   builder.describe(layout.about());
   Affine worldFromTown = place;
   worldFromTown.linear.y = place.linear * inWorld(layout, {0, 1, 0});

@@ -13,8 +13,9 @@
 
 namespace scanmill {
 
-// Adds a town whose main road passes the origin of its frame along +x, the ground there near z = 0. `fields` is the town's map in a scene file; finish() is called here. Throws InputError with the place. The
-// factors come on top of the map's own.
+// Adds a town whose main road passes the origin of its frame along +x, the ground there near z = 0. `fields` is the
+// town's map in a scene file; finish() is called here. Throws InputError with the place. The factors come on top of the
+// map's own.
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const SupplyFactors& supply,
              const Affine& place);
 

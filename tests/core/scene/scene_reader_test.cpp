@@ -316,7 +316,8 @@ TEST_F(SceneReader, AnAnimationPlaysOverAndOverOrStands) {
   EXPECT_NEAR(heightOf(stands, stands.instances[0].mesh), 1, 1e-6);
   refuse("  - {file: rise.gltf, class: car, animation: {clip: rice}}\n", {"scene.yaml", "rise.gltf", "mean 'rise'"});
   refuse("  - {file: rise.gltf, class: car, animation: {time_s: 1}}\n", {"scene.yaml:4", "clip"});
-  refuse("  - {file: pair.obj, class: car, animation: {clip: rise}}\n", {"scene.yaml:4", "pair.obj", "glTF"});
+  refuse("  - {file: pair.obj, class: car, animation: {clip: rise}}\n", {"scene.yaml:4", "pair.obj", "convert"});
+  refuse("  - {file: none.gltf, class: car, animation: {clip: rise}}\n", {"scene.yaml:4", "none.gltf", "no such file"});
 }
 
 TEST_F(SceneReader, brokenTrianglesOfAnAssetAreCounted) {

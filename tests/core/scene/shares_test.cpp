@@ -39,6 +39,9 @@ TEST(Shares, RefuseWhatNoTownCanMeet) {
   EXPECT_THAT(refusal("{road: [0, 0.5]}"),
               AllOf(HasSubstr("scene.yaml:1"), HasSubstr("road"), HasSubstr("vehicles (car, truck")));
   EXPECT_THAT(refusal("{caar: [0, 0.5]}"), HasSubstr("did you mean 'car'"));
+  EXPECT_THAT(refusal("{greenary: [0, 0.5]}"), HasSubstr("did you mean 'greenery'"));
+  EXPECT_THAT(messageOf([] { makeTown("{vehicles: 0, shares: {car: [0.1, 0.5]}}", 1); }),
+              AllOf(HasSubstr("town.yaml:1"), HasSubstr("`vehicles: 0`")));
   EXPECT_THAT(refusal("{car: 0.5}"), AllOf(HasSubstr("scene.yaml:1"), HasSubstr("list")));
   EXPECT_THAT(refusal("{car: [0.5]}"), HasSubstr("[least, most]"));
   EXPECT_THAT(refusal("{car: [0.5, 0.2]}"), HasSubstr("[least, most]"));

@@ -357,6 +357,29 @@ TEST(Town, TrafficThatKeepsLeftIsAMirrorImage) {
   EXPECT_LT(across.y, 6);
 }
 
+TEST(Town, GrassGrowsOnSoilAlone) {
+  std::size_t tufts = 0;
+  for (const std::uint64_t seed : {9, 11}) {
+    const std::string yaml = "{district: rural, length: 120, detail: 0.05}";
+    const Value value = parseYaml(yaml, "town.yaml");
+    Fields fields(value, "town");
+    const town::Layout layout(town::readParameters(fields), seed);
+    for (const Instance& i : makeTown(yaml, seed).instances) {
+      if (!i.name.starts_with("tuft")) continue;
+      const Vec3d& at = i.worldFromMesh.translation;
+      const town::GroundKind kind = layout.kindAt(layout.roads().at(at.x, at.y), {at.x, at.y});
+      EXPECT_TRUE(kind == town::GroundKind::Verge || kind == town::GroundKind::Shoulder ||
+                  kind == town::GroundKind::Lawn);
+      EXPECT_NEAR(at.z, layout.heightAt({at.x, at.y}), 1e-6);
+      ++tufts;
+    }
+  }
+  EXPECT_GT(tufts, 20u);
+  for (const Instance& i : makeTown("{district: rural, length: 120, detail: 0.05, season: winter}", 9).instances) {
+    EXPECT_FALSE(i.name.starts_with("tuft"));
+  }
+}
+
 // Lorries pass below the wires, and a span hangs between two poles or on a house.
 TEST(Town, WiresHangClearOfTheRoads) {
   constexpr double kLorry = 4;  // m

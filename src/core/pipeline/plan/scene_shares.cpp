@@ -8,7 +8,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
+#include "base/path.h"
 #include "pipeline/plan/plan.h"
 
 namespace scanmill {
@@ -18,7 +20,7 @@ constexpr double kHeight = 1.73;  // m, of the sensor above the lane
 constexpr double kBetween = 25;   // m, from place to place
 constexpr int kTries = 8;         // scenes that are made, at most, before the nearest is taken
 constexpr double kMostFactor = 40;
-constexpr double kLeastFactor = 1.0 / 256;  // below it: none at all
+constexpr double kLeastFactor = 1.0 / 100;  // below it: none at all
 
 std::shared_ptr<const BeamTable> coarseBeams() {
   auto beams = std::make_shared<BeamTable>();
@@ -37,18 +39,14 @@ std::shared_ptr<const BeamTable> coarseBeams() {
   return beams;
 }
 
-// Poses above a polyline, evenly along it.
+// Evenly along a polyline, and above it.
 std::vector<Pose> posesAbove(const std::vector<Vec3d>& lane) {
+  const Path path(lane);
+  const int count = std::max(1, static_cast<int>(path.length() / kBetween));
   std::vector<Pose> poses;
-  double next = kBetween / 2;  // m, to the next pose
-  for (std::size_t i = 1; i < lane.size(); ++i) {
-    const Vec3d step = lane[i] - lane[i - 1];
-    const double way = length(step);
-    for (; next < way; next += kBetween) {
-      poses.push_back({fromYawPitchRoll(std::atan2(step.y, step.x), 0, 0),
-                       lane[i - 1] + step * (next / way) + Vec3d{0, 0, kHeight}});
-    }
-    next -= way;
+  poses.reserve(static_cast<std::size_t>(count));
+  for (int k = 0; k < count; ++k) {
+    poses.push_back(path.pose(path.length() * (k + 0.5) / count) * Pose{{}, {0, 0, kHeight}});
   }
   return poses;
 }
@@ -71,7 +69,7 @@ struct Dial {
     if (low && high) {
       factor = *low > 0 ? std::sqrt(*low * *high) : *high / 4;
     } else {
-      factor *= more ? std::clamp(ratio, 1.3, 5.0) : std::clamp(ratio, 0.05, 0.8);
+      factor *= more ? std::clamp(ratio, 1.5, 5.0) : std::clamp(ratio, 0.05, 0.5);
     }
     factor = factor < kLeastFactor ? 0 : std::min(factor, kMostFactor);
   }
@@ -127,33 +125,39 @@ void measureShares(Scene& scene, const std::vector<Vec3d>& lane) {
 }
 
 Scene readSceneToShares(const std::filesystem::path& file, SceneOptions options) {
+  // The shares are those of the scene's own classes, so that it is the same whatever its points are labelled with.
+  const std::filesystem::path ontology = std::exchange(options.ontology, {});
   Scene scene = readScene(file, options);
-  if (scene.shares.empty()) return scene;
-  const std::vector<Vec3d> lane = readSceneLanes(file, options.seed)->lane;
-  std::array<Dial, kSupplies> dials;
-  SupplyFactors best = options.supply;
-  double least = std::numeric_limits<double>::infinity();
-  for (int tried = 1;; ++tried) {
-    measureShares(scene, lane);
-    const double distance = distanceOf(scene.shares);
-    if (distance < least) {
-      least = distance;
-      best = options.supply;
-    }
-    if (distance == 0) break;
-    turn(dials, scene.shares);
-    SupplyFactors next{};
-    for (std::size_t s = 0; s < kSupplies; ++s) next[s] = dials[s].factor;
-    if (tried == kTries || next == options.supply) {
-      if (best == options.supply) break;
-      options.supply = best;
-      scene = readScene(file, options);
+  const std::vector<ShareBound> asked = scene.shares;
+  std::vector<ShareBound> nearest;
+  SupplyFactors made = options.supply;
+  if (!asked.empty()) {
+    const std::vector<Vec3d> lane = readSceneLanes(file, options.seed)->lane;
+    std::array<Dial, kSupplies> dials;
+    SupplyFactors best = made;
+    double least = std::numeric_limits<double>::infinity();
+    for (int tried = 1;; ++tried) {
       measureShares(scene, lane);
-      break;
+      const double distance = distanceOf(scene.shares);
+      if (distance < least) {
+        least = distance;
+        best = made;
+        nearest = scene.shares;
+      }
+      turn(dials, scene.shares);
+      SupplyFactors next{};
+      for (std::size_t s = 0; s < kSupplies; ++s) next[s] = dials[s].factor;
+      if (distance == 0 || tried == kTries || next == made) break;
+      made = options.supply = next;
+      scene = readScene(file, options);
     }
-    options.supply = next;
+    options.supply = best;
+  }
+  if (options.supply != made || !ontology.empty()) {
+    options.ontology = ontology;
     scene = readScene(file, options);
   }
+  scene.shares = nearest;
   scene.about += inWords(scene.shares);
   return scene;
 }

@@ -64,64 +64,79 @@ struct GltfData::State {
     }
     return *bytes;
   }
+
+  std::vector<float> numbers(std::size_t index, const std::string& what, bool whole) {
+    if (index >= json["accessors"].size()) {
+      fail(fmt::format("is not valid glTF: {} names an accessor that is not there", what));
+    }
+    const Json& accessor = json["accessors"][index];
+    const std::size_t width = componentsOf(accessor["type"].get<std::string>());
+    const auto count = accessor.value("count", std::size_t{0});
+    constexpr std::size_t kMostZeroes = std::size_t{1} << 24;  // that a file may have without a byte for them
+    const bool zeroes = !accessor.contains("bufferView");
+    if (zeroes && count > kMostZeroes / width) {
+      fail(fmt::format("is damaged: {} has {} elements without data", what, count));
+    }
+    std::vector<float> out(count * width, 0);
+    if (zeroes) return out;
+    const int kind = accessor["componentType"].get<int>();
+    const bool normalised = !whole && accessor.value("normalized", false);
+    if (whole && kind != 5121 && kind != 5123) {
+      fail(fmt::format("is not valid glTF: {} has joints that are no whole numbers of 8 or 16 bits", what));
+    }
+    if (!whole && kind != 5126 && !normalised) {
+      fail(fmt::format("is not valid glTF: {} has whole numbers where there should be others", what));
+    }
+    const std::size_t size = kind == 5120 || kind == 5121 ? 1 : kind == 5122 || kind == 5123 ? 2 : 4;
+    const Json& view = json["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    const std::string_view bytes = bytesOf(view["buffer"].get<std::size_t>());
+    const std::size_t start = view.value("byteOffset", std::size_t{0}) + accessor.value("byteOffset", std::size_t{0});
+    const std::size_t stride = view.value("byteStride", size * width);
+    if (count > 0 && start + (count - 1) * stride + size * width > bytes.size()) {
+      fail(fmt::format("is truncated: {} reaches beyond its buffer", what));
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t k = 0; k < width; ++k) {
+        const char* const at = bytes.data() + start + i * stride + k * size;
+        float& number = out[i * width + k];
+        switch (kind) {
+          case 5120:
+            number = numberAt<std::int8_t>(at, normalised);
+            break;
+          case 5121:
+            number = numberAt<std::uint8_t>(at, normalised);
+            break;
+          case 5122:
+            number = numberAt<std::int16_t>(at, normalised);
+            break;
+          case 5123:
+            number = numberAt<std::uint16_t>(at, normalised);
+            break;
+          case 5125:
+            number = numberAt<std::uint32_t>(at, normalised);
+            break;
+          default:
+            number = numberAt<float>(at, false);
+        }
+      }
+    }
+    if (!std::all_of(out.begin(), out.end(), [](float v) { return std::isfinite(v); })) {
+      fail(fmt::format("is damaged: {} has numbers that are not finite", what));
+    }
+    return out;
+  }
 };
 
 GltfData::GltfData(const GltfContainer& container, const std::filesystem::path& file)
     : state_(std::make_unique<State>(State{container, file, Json::parse(container.json), {}})) {}
 GltfData::~GltfData() = default;
 
-std::vector<float> GltfData::floats(std::size_t index, const std::string& what, bool normalise) {
-  State& s = *state_;
-  if (index >= s.json["accessors"].size()) {
-    s.fail(fmt::format("is not valid glTF: {} names an accessor that is not there", what));
-  }
-  const Json& accessor = s.json["accessors"][index];
-  const std::size_t width = componentsOf(accessor["type"].get<std::string>());
-  const auto count = accessor.value("count", std::size_t{0});
-  std::vector<float> out(count * width, 0);
-  if (!accessor.contains("bufferView")) return out;
-  const int kind = accessor["componentType"].get<int>();
-  const bool normalised = normalise && accessor.value("normalized", false);
-  if (kind != 5126 && normalise && !normalised) {
-    s.fail(fmt::format("is not valid glTF: {} has whole numbers where there should be others", what));
-  }
-  const std::size_t size = kind == 5120 || kind == 5121 ? 1 : kind == 5122 || kind == 5123 ? 2 : 4;
-  const Json& view = s.json["bufferViews"][accessor["bufferView"].get<std::size_t>()];
-  const std::string_view bytes = s.bytesOf(view["buffer"].get<std::size_t>());
-  const std::size_t start = view.value("byteOffset", std::size_t{0}) + accessor.value("byteOffset", std::size_t{0});
-  const std::size_t stride = view.value("byteStride", size * width);
-  if (count > 0 && start + (count - 1) * stride + size * width > bytes.size()) {
-    s.fail(fmt::format("is truncated: {} reaches beyond its buffer", what));
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t k = 0; k < width; ++k) {
-      const char* const at = bytes.data() + start + i * stride + k * size;
-      float& number = out[i * width + k];
-      switch (kind) {
-        case 5120:
-          number = numberAt<std::int8_t>(at, normalised);
-          break;
-        case 5121:
-          number = numberAt<std::uint8_t>(at, normalised);
-          break;
-        case 5122:
-          number = numberAt<std::int16_t>(at, normalised);
-          break;
-        case 5123:
-          number = numberAt<std::uint16_t>(at, normalised);
-          break;
-        case 5125:
-          number = numberAt<std::uint32_t>(at, normalised);
-          break;
-        default:
-          number = numberAt<float>(at, false);
-      }
-    }
-  }
-  if (!std::all_of(out.begin(), out.end(), [](float v) { return std::isfinite(v); })) {
-    s.fail(fmt::format("is damaged: {} has numbers that are not finite", what));
-  }
-  return out;
+std::vector<float> GltfData::floats(std::size_t accessor, const std::string& what) {
+  return state_->numbers(accessor, what, false);
+}
+
+std::vector<float> GltfData::indices(std::size_t accessor, const std::string& what) {
+  return state_->numbers(accessor, what, true);
 }
 
 std::size_t GltfData::clip(const std::string& name) const {
@@ -144,7 +159,9 @@ std::pair<double, double> GltfData::spanOf(std::size_t clip) {
   double first = std::numeric_limits<double>::infinity();
   double last = 0;
   for (const Json& sampler : animation.at("samplers")) {
-    for (const float time : floats(sampler.at("input").get<std::size_t>(), fmt::format("animations[{}]", clip))) {
+    const Json& input = sampler.at("input");
+    const std::size_t accessor = input.is_number_unsigned() ? input.get<std::size_t>() : SIZE_MAX;
+    for (const float time : floats(accessor, fmt::format("animations[{}]", clip))) {
       first = std::min(first, static_cast<double>(time));
       last = std::max(last, static_cast<double>(time));
     }

@@ -23,9 +23,10 @@ class GltfData {
   GltfData& operator=(const GltfData&) = delete;
 
   // All numbers of an accessor, one element after the other; those without data are zeroes. Integers that it says are
-  // normalised become 0 to 1, or -1 to 1; with `normalise` all others but floats are refused. `what` tells in messages
-  // whose they are.
-  std::vector<float> floats(std::size_t accessor, const std::string& what, bool normalise = true);
+  // normalised become 0 to 1, or -1 to 1; others are refused. `what` tells in messages whose they are.
+  std::vector<float> floats(std::size_t accessor, const std::string& what);
+  // The same of whole numbers of 8 or 16 bits.
+  std::vector<float> indices(std::size_t accessor, const std::string& what);
 
   // The index of the animation with this name, or of its number where none has that name.
   std::size_t clip(const std::string& name) const;

@@ -22,12 +22,18 @@ using Json = nlohmann::json;
 
 constexpr std::uint64_t kMostPosed = std::uint64_t{1} << 27;  // vertices
 
+// Of 16 numbers, by columns.
+template <class Number>
+Affine toAffine(const Number* m) {
+  const auto column = [&](std::size_t c) {
+    return Vec3d{static_cast<double>(m[4 * c]), static_cast<double>(m[4 * c + 1]), static_cast<double>(m[4 * c + 2])};
+  };
+  return {{column(0), column(1), column(2)}, column(3)};
+}
+
 Affine localOf(const Json& node) {
-  if (const auto m = node.find("matrix"); m != node.end()) {  // by columns
-    const auto at = [&](std::size_t i) { return (*m)[i].get<double>(); };
-    return {{{at(0), at(1), at(2)}, {at(4), at(5), at(6)}, {at(8), at(9), at(10)}}, {at(12), at(13), at(14)}};
-  }
-  const auto numbers = [&](const char* key, std::vector<double> fallback) {
+  if (const auto m = node.find("matrix"); m != node.end()) return toAffine(m->get<std::vector<double>>().data());
+  const auto numbers = [&](const char* key, const std::vector<double>& fallback) {
     const auto found = node.find(key);
     return found == node.end() ? fallback : found->get<std::vector<double>>();
   };
@@ -66,13 +72,17 @@ std::vector<double> sampled(const std::vector<float>& times, const std::vector<f
       out[i] = value(a, 1, i) + (value(b, 1, i) - value(a, 1, i)) * t;
     }
   }
-  if (rotation && interpolation != "STEP" && !cubic && a != b) {
+  if (!rotation) return out;
+  if (interpolation != "STEP" && !cubic && a != b) {
     const auto quat = [&](std::size_t k) {
       return Quat{value(k, 1, 3), value(k, 1, 0), value(k, 1, 1), value(k, 1, 2)};
     };
     const Quat q = slerp(quat(a), quat(b), t);
     out = {q.x, q.y, q.z, q.w};
   }
+  const double size = std::sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + out[3] * out[3]);
+  if (!(size > 0)) return {0, 0, 0, 1};
+  for (double& number : out) number /= size;
   return out;
 }
 
@@ -119,6 +129,8 @@ class Poser {
       const Json& target = channel.at("target");
       if (!target.contains("node")) continue;  // what extensions move
       const std::string path = target.at("path").get<std::string>();
+      const bool places = path == "translation" || path == "rotation" || path == "scale";
+      if (!places && path != "weights") continue;  // likewise
       Json& node = element("nodes", target["node"], what + "'s target");
       const Json& samplers = animation.at("samplers");
       const std::size_t index = indexOf(channel.at("sampler"));
@@ -135,7 +147,7 @@ class Poser {
         fail(fmt::format("is not valid glTF: a sampler of {} has times and values that do not fit", what));
       }
       node[path] = sampled(times, values, width, interpolation, path == "rotation", clip.time);
-      node.erase("matrix");
+      if (places) node.erase("matrix");
     }
   }
 
@@ -152,12 +164,13 @@ class Poser {
         open.push_back({child->get<std::size_t>(), parent, name});
       }
     };
+    const Json& nodes = json_["nodes"];
     const Json& scene = json_["scenes"][json_["scene"].get<std::size_t>()];
     if (scene.contains("nodes")) add(scene["nodes"], {}, {});
     while (!open.empty()) {
       const Item item = open.back();
       open.pop_back();
-      const Json& node = json_["nodes"][item.node];
+      const Json& node = nodes[item.node];
       Placed& placed = placed_[item.node];
       placed.sceneFromNode = item.parent * localOf(node);
       placed.name = node.value("name", std::string());
@@ -177,20 +190,21 @@ class Poser {
     const bool morphs = std::any_of(weights.begin(), weights.end(), [](double w) { return w != 0; });
     const bool skinned = node.contains("skin");
     if (!morphs && !skinned) return;
+    const std::string what = fmt::format("the mesh of '{}'", placed_[number].name);
     std::vector<Affine> joints;
-    if (skinned) joints = jointsOf(element("skins", node["skin"], "a node's skin"));
+    if (skinned) joints = jointsOf(element("skins", node["skin"], "a node's skin"), what);
 
     Json posed = mesh;
     for (Json& primitive : posed["primitives"]) {
       if (primitive.contains("extensions") && primitive["extensions"].contains("KHR_draco_mesh_compression")) {
         warn(
-            fmt::format("{}: the mesh of '{}' is compressed and stays as it is modelled: export it without "
-                        "compression to have it posed",
-                        file_.string(), placed_[number].name));
+            fmt::format("{}: {} is compressed and stays as it is modelled: export it without compression to have it "
+                        "posed",
+                        file_.string(), what));
         return;
       }
-      std::vector<Vec3d> points = morphed(primitive, weights);
-      if (skinned) skin(primitive, joints, points);
+      std::vector<Vec3d> points = morphed(primitive, weights, what);
+      if (skinned) skin(primitive, joints, placed_[number].sceneFromNode, what, points);
       primitive["attributes"]["POSITION"] = addPositions(points);
     }
     const std::size_t meshNumber = json_["meshes"].size();
@@ -207,34 +221,31 @@ class Poser {
   }
 
   // What takes a vertex of the mesh to where each joint would have it.
-  std::vector<Affine> jointsOf(const Json& skin) {
+  std::vector<Affine> jointsOf(const Json& skin, const std::string& what) {
     const Json& list = skin.at("joints");
     std::vector<float> inverses;
-    if (skin.contains("inverseBindMatrices")) inverses = data_.floats(indexOf(skin["inverseBindMatrices"]), "a skin");
+    if (skin.contains("inverseBindMatrices")) inverses = data_.floats(indexOf(skin["inverseBindMatrices"]), what);
     if (!inverses.empty() && inverses.size() < 16 * list.size()) {
-      fail("is not valid glTF: a skin has fewer matrices than joints");
+      fail(fmt::format("is not valid glTF: the skin of {} has fewer matrices than joints", what));
     }
     std::vector<Affine> joints;
     for (std::size_t j = 0; j < list.size(); ++j) {
       const auto placed = placed_.find(indexOf(list[j]));
-      if (placed == placed_.end()) fail("is not valid glTF: a joint of a skin is no node of the scene");
-      Affine jointFromMesh;
-      if (!inverses.empty()) {
-        const auto at = [&](std::size_t i) { return static_cast<double>(inverses[16 * j + i]); };
-        jointFromMesh = {{{at(0), at(1), at(2)}, {at(4), at(5), at(6)}, {at(8), at(9), at(10)}},
-                         {at(12), at(13), at(14)}};
+      if (placed == placed_.end()) {
+        fail(fmt::format("is not valid glTF: a joint of the skin of {} is no node of the scene", what));
       }
+      const Affine jointFromMesh = inverses.empty() ? Affine{} : toAffine(&inverses[16 * j]);
       joints.push_back(placed->second.sceneFromNode * jointFromMesh);
     }
     return joints;
   }
 
-  std::vector<Vec3d> morphed(const Json& primitive, const std::vector<double>& weights) {
+  std::vector<Vec3d> morphed(const Json& primitive, const std::vector<double>& weights, const std::string& what) {
     const auto positions = [&](const Json& accessor) {
-      const std::vector<float> values = data_.floats(indexOf(accessor), "a mesh");
+      const std::vector<float> values = data_.floats(indexOf(accessor), what);
       std::vector<Vec3d> points;
       for (std::size_t i = 0; i + 2 < values.size(); i += 3)
-        points.emplace_back(values[i], values[i + 1], values[i + 2]);
+        points.emplace_back(Vec3f{values[i], values[i + 1], values[i + 2]});
       return points;
     };
     std::vector<Vec3d> points = positions(primitive.at("attributes").at("POSITION"));
@@ -245,39 +256,42 @@ class Poser {
     for (std::size_t t = 0; t < std::min(targets.size(), weights.size()); ++t) {
       if (weights[t] == 0 || !targets[t].contains("POSITION")) continue;
       const std::vector<Vec3d> offsets = positions(targets[t]["POSITION"]);
-      if (offsets.size() != points.size())
-        fail("is not valid glTF: a morph target has not as many vertices as its mesh");
+      if (offsets.size() != points.size()) {
+        fail(fmt::format("is not valid glTF: a morph target of {} has not as many vertices as it", what));
+      }
       for (std::size_t i = 0; i < points.size(); ++i) points[i] = points[i] + offsets[i] * weights[t];
     }
     return points;
   }
 
-  void skin(const Json& primitive, const std::vector<Affine>& joints, std::vector<Vec3d>& points) {
+  // What hangs on no joint by any weight follows its first, and a part without joints its node.
+  void skin(const Json& primitive, const std::vector<Affine>& joints, const Affine& sceneFromNode,
+            const std::string& what, std::vector<Vec3d>& points) {
     const Json& attributes = primitive.at("attributes");
     std::vector<Vec3d> out(points.size());
     std::vector<double> sums(points.size(), 0);
+    std::vector<std::size_t> firsts(points.size(), SIZE_MAX);
     for (int set = 0; attributes.contains(fmt::format("JOINTS_{}", set)); ++set) {
-      const std::vector<float> which =
-          data_.floats(indexOf(attributes[fmt::format("JOINTS_{}", set)]), "a skinned mesh", false);
-      const std::vector<float> weights =
-          data_.floats(indexOf(attributes.at(fmt::format("WEIGHTS_{}", set))), "a skinned mesh");
+      const std::vector<float> which = data_.indices(indexOf(attributes[fmt::format("JOINTS_{}", set)]), what);
+      const std::vector<float> weights = data_.floats(indexOf(attributes.at(fmt::format("WEIGHTS_{}", set))), what);
       if (which.size() != 4 * points.size() || weights.size() != which.size()) {
-        fail("is not valid glTF: a skinned mesh has not four joints and weights a vertex");
+        fail(fmt::format("is not valid glTF: {} has not four joints and weights a vertex", what));
       }
       for (std::size_t i = 0; i < which.size(); ++i) {
-        if (weights[i] == 0) continue;
         const auto joint = static_cast<std::size_t>(which[i]);
+        if (firsts[i / 4] == SIZE_MAX && joint < joints.size()) firsts[i / 4] = joint;
+        if (weights[i] == 0) continue;
         if (joint >= joints.size()) {
-          fail(
-              fmt::format("is not valid glTF: a vertex hangs on the joint {} of a skin with {}", joint, joints.size()));
+          fail(fmt::format("is not valid glTF: a vertex of {} hangs on the joint {} of a skin with {}", what, joint,
+                           joints.size()));
         }
         out[i / 4] = out[i / 4] + (joints[joint] * points[i / 4]) * static_cast<double>(weights[i]);
         sums[i / 4] += static_cast<double>(weights[i]);
       }
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!(sums[i] > 0)) fail("is not valid glTF: a vertex of a skinned mesh hangs on no joint");
-      points[i] = out[i] * (1 / sums[i]);
+      const Affine& follows = firsts[i] == SIZE_MAX ? sceneFromNode : joints[firsts[i]];
+      points[i] = sums[i] > 0 ? out[i] * (1 / sums[i]) : follows * points[i];
     }
   }
 

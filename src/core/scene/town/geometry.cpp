@@ -126,7 +126,7 @@ std::vector<Point2> pointsAlong(const Polygon& ring, double step) {
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point2& a = ring[i];
     const Point2& b = ring[(i + 1) % ring.size()];
-    const auto count = std::max(1, static_cast<int>(distance(a, b) / step));
+    const auto count = std::max(1, static_cast<int>(std::ceil(distance(a, b) / step)));
     for (int k = 0; k < count; ++k) {
       const double t = static_cast<double>(k) / count;
       points.push_back({a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t});

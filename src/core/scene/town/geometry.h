@@ -35,7 +35,7 @@ std::vector<Line> runsWithin(const Line& line, double half);
 // Even-odd over all rings.
 bool isInside(const std::vector<const Polygon*>& rings, const Point2& p);
 double distanceToRings(const std::vector<const Polygon*>& rings, const Point2& p);
-// Its corners, and points between them that are at most about `step` apart.
+// Its corners, and points between them that are at most `step` apart.
 std::vector<Point2> pointsAlong(const Polygon& ring, double step);
 double sizeOf(const Polygon& ring);  // m^2, negative where it goes round clockwise
 // The smallest rectangle about a polygon, one of whose sides lies along one of the polygon's.

@@ -32,16 +32,23 @@ void hang(parts::Shape& s, SurfaceIndex surface, const Vec3d& a, const Vec3d& b,
   s.pipe(surface, points, std::vector<double>(points.size(), radius), 5);
 }
 
-// A pole that stands: its frame, the crossarm along y, and where it stands by the road.
+// A pole that stands: its frame, the crossarm along y.
 struct Standing {
   Affine place;
   double along = 0;  // the road, m
-  double side = 1;   // 1: to the left of it
-
-  bool beyondTheRoad(const Vec3d& p) const {
-    return side * dot(place.linear * Vec3d{0, 1, 0}, p - place.translation) < 0;
-  }
 };
+
+// Whether lorries pass below, wherever a road does.
+bool passesAbove(const Layout& l, const Vec3d& a, const Vec3d& b) {
+  constexpr double kClear = 5;  // m
+  constexpr int kPlaces = 24;
+  for (int k = 0; k <= kPlaces; ++k) {
+    const Vec3d p = a + (b - a) * (static_cast<double>(k) / kPlaces);
+    const Beside beside = l.roads().at(p.x, p.y);
+    if (beside.known && beside.edge < 0.5 && p.z < l.heightAt({p.x, p.y}) + kClear) return false;
+  }
+  return true;
+}
 
 // Beyond the pavement, as evenly as what else stands there allows.
 std::vector<Standing> placePoles(Placer& placer, Draw& draw, const UtilityPole& pole) {
@@ -61,7 +68,7 @@ std::vector<Standing> placePoles(Placer& placer, Draw& draw, const UtilityPole& 
       if (!placer.isFree({spot.at, 0.35, 0.35, spot.yaw})) continue;
       placer.occupancy.add({spot.at, 0.25, 0.25, spot.yaw});
       placer.put(pole.model, spot, fmt::format("utility pole {}", poles.size() + 1));
-      poles.push_back({parts::at({spot.at.x, spot.at.y, l.heightAt(spot.at)}, spot.yaw), at, side});
+      poles.push_back({parts::at({spot.at.x, spot.at.y, l.heightAt(spot.at)}, spot.yaw), at});
       break;
     }
   }
@@ -98,8 +105,7 @@ void placeWires(Placer& placer) {
     const auto distance = [&](const Standing& p) { return length(p.place.translation - gable); };
     const auto nearest = std::min_element(
         poles.begin(), poles.end(), [&](const Standing& a, const Standing& b) { return distance(a) < distance(b); });
-    // Lorries pass below.
-    if (distance(*nearest) > kToHouse || (house.floors < 2 && nearest->beyondTheRoad(gable))) continue;
+    if (distance(*nearest) > kToHouse || !passesAbove(l, nearest->place * pole.telephone, gable)) continue;
     hang(s, wire, nearest->place * pole.telephone, gable, 0.015 * distance(*nearest), 0.008);
     ++hung;
   }

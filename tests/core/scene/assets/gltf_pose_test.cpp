@@ -182,7 +182,11 @@ TEST_F(GltfPose, WhatDoesNotFitIsRefused) {
   };
   refuses([](Builder& b) { b.json.erase("animations"); }, "has no animation");
   refuses([](Builder& b) { b.json["nodes"][2]["skin"] = 1; }, "skin is none of the skins");
-  refuses([](Builder& b) { b.json["skins"][0]["joints"] = {0, 7}; }, "joint of a skin is no node");
+  refuses(
+      [](Builder& b) {
+        b.json["skins"][0]["joints"] = {0, 7};
+      },
+      "joint of the skin of the mesh of 'sleeve' is no node");
   refuses([](Builder& b) { b.json["skins"][0]["joints"] = {0}; }, "hangs on the joint 1 of a skin with 1");
   refuses([](Builder& b) { b.json["skins"][0]["inverseBindMatrices"] = 99; }, "accessor that is not there");
   refuses([](Builder& b) { b.json["skins"][0]["joints"] = {0, 1, 0}; }, "fewer matrices than joints");
@@ -192,10 +196,59 @@ TEST_F(GltfPose, WhatDoesNotFitIsRefused) {
   refuses([](Builder& b) { b.json["animations"][0]["channels"] = 3; }, "not valid glTF");
   refuses([](Builder& b) { b.json["animations"][0]["samplers"][0]["input"] = 1; }, "whole numbers");
   refuses([](Builder& b) { b.json["accessors"][2]["normalized"] = false; }, "whole numbers");
+  refuses(
+      [](Builder& b) {
+        b.json["skins"][0]["inverseBindMatrices"] = b.json["accessors"].size();
+        b.json["accessors"].push_back({{"componentType", 5126}, {"type", "MAT4"}, {"count", std::uint64_t{1} << 31}});
+      },
+      "without data");
+  refuses(
+      [](Builder& b) {
+        b.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] =
+            b.numbers<float>({0, 0, 0, 0, 1e30f, 0, 0, 0, 0, 1, 0, 0}, "VEC4", 4);
+      },
+      "no whole numbers");
   refuses([](Builder& b) { b.json["meshes"][0]["primitives"][0]["attributes"].erase("WEIGHTS_0"); }, "not valid glTF");
   AssetOptions options;
   options.clip = ClipTime{"bend", 0};
   EXPECT_THAT(messageOf([&] { readAsset(folder_.write("wing.obj", kObj), options); }), HasSubstr("glTF"));
+}
+
+// Whatever else a channel names is an extension's, and no key of a node is written that does not move.
+TEST_F(GltfPose, ChannelsOfOtherKindsAreLeftOut) {
+  for (const char* const path : {"children", "mesh", "pointer"}) {
+    Builder b = arm();
+    const std::size_t zeroes = b.numbers<float>({0, 0, 0, 0, 0, 0}, "VEC3", 3);
+    b.json["animations"][0]["channels"][0]["target"]["path"] = path;
+    b.json["animations"][0]["samplers"][0]["output"] = zeroes;
+    expectCorners(cornersAt(b, ClipTime{"bend", 0.5}), {{0, 0, 0}, {0, 2, 0}, {1, 1, 0}});
+  }
+}
+
+// As tools that load such files have it: without weights a vertex follows its first joint.
+TEST_F(GltfPose, AVertexWithoutWeightsFollowsItsFirstJoint) {
+  Builder b = arm();
+  b.json["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] =
+      b.numbers<float>({1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+  expectCorners(cornersAt(b, ClipTime{"bend", 1}), {{0, 0, 0}, {-1, 1, 0}, {1, 1, 0}});
+}
+
+TEST_F(GltfPose, ARotationOfNoLengthIsNone) {
+  Builder b = arm();
+  b.json["animations"][0]["samplers"][0]["output"] = b.numbers<float>({0, 0, 0, 0, 0, 0, 0, 0}, "VEC4", 4);
+  expectCorners(cornersAt(b, ClipTime{"bend", 0.5}), {{0, 0, 0}, {0, 2, 0}, {1, 1, 0}});
+}
+
+TEST_F(GltfPose, AGlbIsPosedAsAGltfIs) {
+  Builder b = arm();
+  b.text();
+  b.json["buffers"][0].erase("uri");
+  AssetOptions options;
+  options.up = 'z';
+  options.clip = ClipTime{"bend", 1};
+  b.bytes.resize((b.bytes.size() + 3) / 4 * 4, '\0');
+  expectCorners(corners(readAsset(folder_.write("arm.glb", glb(b.json.dump(), b.bytes)), options)),
+                {{0, 0, 0}, {-1, 1, 0}, {0.5, 1.5, 0}});
 }
 
 // A tube on three bones that swing and twist, exported by Blender, and where Blender itself has its vertices.
@@ -297,7 +350,7 @@ TEST_F(GltfPose, ASkinIsWhereBlenderHasIt) {
   EXPECT_EQ(frames, 4);
 }
 
-// Whatever byte of it is lost or changed: an error or some triangle, no crash.
+// Whatever byte of it is another: an error or some triangle, no crash.
 TEST_F(GltfPose, DamagedFilesDoNotCrash) {
   Builder b = arm();
   const std::string text = b.text();
