@@ -306,13 +306,15 @@ void addOptions(cxxopts::Options& options) {
       "ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)", text(), "FILE")(
       "color",
       fmt::format("{}; the first that the scan has where not given; once per view", fmt::join(colorNames(), ", ")),
-      list(),
-      "WHAT")("scale", "first and last value of the colours that show numbers; follows from the values where not given",
-              text(), "LOW,HIGH")(
-      "layout", fmt::format("{}: how the scans of a sample are shown", fmt::join(kLayoutNames, ", ")), text(), "NAME")(
-      "camera",
-      fmt::format("{}, or YAW,PITCH,DISTANCE[,X,Y,Z] in deg and m, such as 30,20,25", fmt::join(kViewNames, ", ")),
-      text(), "WHERE")("plane", "of an EXR image: the first where not given", text(), "NAME")(
+      list(), "WHAT")(
+      "scale", "first and last value of the colours that show numbers; follows from the values where not given", text(),
+      "LOW,HIGH")("layout", fmt::format("{}: how the scans of a sample are shown", fmt::join(kLayoutNames, ", ")),
+                  text(), "NAME")("camera",
+                                  fmt::format("{}, or YAW,PITCH,DISTANCE[,X,Y,Z] in deg and m, such as 30,20,25; of a "
+                                              "scene by itself X,Y,Z count from its middle",
+                                              fmt::join(kViewNames, ", ")),
+                                  text(),
+                                  "WHERE")("plane", "of an EXR image: the first where not given", text(), "NAME")(
       "size", "width and height in pixels: of the window 1280x800, of pictures 1600x900", text(), "WxH")(
       "point-size", "of the points, in pixels", cxxopts::value<double>(), "PX")(
       "background", "dark, grey, white, or R,G,B", text()->default_value("dark"), "COLOR")(

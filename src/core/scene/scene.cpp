@@ -8,8 +8,8 @@ namespace scanmill {
 std::uint32_t Animation::at(double time) const {
   const double turns = std::clamp(time, 0.0, until) / period;
   const auto count = static_cast<double>(meshes.size());
-  const double index = std::floor((turns - std::floor(turns)) * count);
-  return meshes[static_cast<std::size_t>(std::min(index, count - 1))];
+  const double index = std::round((turns - std::floor(turns)) * count);
+  return meshes[index < count ? static_cast<std::size_t>(index) : 0];
 }
 
 Affine Instance::worldFromMeshAt(double time) const {

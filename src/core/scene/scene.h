@@ -58,7 +58,8 @@ struct Dropped {
 // order.
 Dropped clean(Mesh& mesh);
 
-// Meshes of one object that take turns, such as the moments of a stride. They have the same things.
+// Meshes of one object that take turns, such as the moments of a stride: each is what it looks like at the start of its
+// share of the period, and stands for the time about that. They have the same things.
 struct Animation {
   std::vector<std::uint32_t> meshes;
   double period = 1;  // s, in which each shows once

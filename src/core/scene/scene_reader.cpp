@@ -211,7 +211,7 @@ class SceneReader {
     options.textures = false;
     const auto animation = std::make_shared<Animation>();
     for (int k = 0; k < moments; ++k) {
-      options.clip->time = first + (last - first) * (k + 0.5) / moments;
+      options.clip->time = first + (last - first) * k / moments;
       moment = load(file, options, labelling, where);
       if (moment.parts.size() == materials.size()) {
         for (std::size_t i = 0; i < materials.size(); ++i) moment.parts[i].fileMaterial = materials[i];
@@ -230,6 +230,7 @@ class SceneReader {
     const Value* const value = f.find("animation");
     if (value == nullptr) return std::nullopt;
     Fields fields(*value, "animation");
+    fields.also({"clip", "time_s"});
     Clip clip{fields.text("clip"), std::nullopt};
     if (fields.has("time_s")) clip.second = fields.number("time_s", {0, 1e6});
     fields.finish();

@@ -73,7 +73,7 @@ std::vector<ShareBound> readShares(const Value& value, const Ontology& ontology)
   std::vector<ShareBound> bounds;
   for (const auto& [name, range] : value.entries) {
     const std::vector<double> ends = readNumbers(range, "share", {0, 1});
-    if (ends.size() != 2 || ends[0] >= ends[1]) {
+    if (ends.size() != 2 || ends[0] > ends[1]) {
       throw InputError(range.where, fmt::format("the share of {} must be [least, most], both from 0 to 1", name));
     }
     ShareBound bound = ofClasses(name, ontology, range.where);

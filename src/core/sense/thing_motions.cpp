@@ -26,7 +26,8 @@ ThingMotions::ThingMotions(const Scene& scene, const Shot& shot) {
   }
   const double duration = shot.duration > 0 ? shot.duration : kMoment;
   for (const Instance& i : scene.instances) {
-    if (i.movement == nullptr || !i.movement->moves()) continue;
+    // What an animation alone moves has a class that moves, and the velocity of its place.
+    if (i.animation == nullptr && (i.movement == nullptr || !i.movement->moves())) continue;
     const Affine from = i.worldFromMeshAt(shot.time);
     const Affine to = i.worldFromMeshAt(shot.time + duration);
     const auto middle = [](const Vec3d& a, const Vec3d& b) { return (a + b) * 0.5; };

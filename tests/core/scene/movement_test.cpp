@@ -83,9 +83,11 @@ TEST(Movement, KnowsWhetherItMoves) {
 TEST(Animation, ShowsEachMeshForItsPartOfThePeriodUntilItEnds) {
   const Animation a{{7, 8, 9, 4}, 2, 5.2};
   EXPECT_EQ(a.at(0), 7u);
-  EXPECT_EQ(a.at(0.49), 7u);
-  EXPECT_EQ(a.at(0.51), 8u);
-  EXPECT_EQ(a.at(1.99), 4u);
+  EXPECT_EQ(a.at(0.24), 7u);
+  EXPECT_EQ(a.at(0.26), 8u);
+  EXPECT_EQ(a.at(0.74), 8u);
+  EXPECT_EQ(a.at(1.5), 4u);
+  EXPECT_EQ(a.at(1.76), 7u);
   EXPECT_EQ(a.at(2.1), 7u);
   EXPECT_EQ(a.at(4.6), 8u);
   EXPECT_EQ(a.at(5.2), a.at(1000)) << "it has ended";

@@ -46,6 +46,7 @@ TEST(Shares, RefuseWhatNoTownCanMeet) {
   EXPECT_THAT(refusal("{car: [0.5]}"), HasSubstr("[least, most]"));
   EXPECT_THAT(refusal("{car: [0.5, 0.2]}"), HasSubstr("[least, most]"));
   EXPECT_THAT(refusal("{car: [0, 20]}"), HasSubstr("1"));
+  EXPECT_EQ(sharesOf("{car: [0, 0]}")[0].most, 0) << "none at all";
   EXPECT_THAT(refusal("{}"), HasSubstr("bounds"));
   EXPECT_THAT(refusal("[car]"), HasSubstr("bounds"));
 }

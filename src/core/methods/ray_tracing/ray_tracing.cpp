@@ -85,8 +85,9 @@ class RayTracing : public Method {
                            : std::string("instancing: left out, the scene is small enough to be flattened"),
         alpha ? "alpha cut-outs: modelled, some materials have them" : "alpha cut-outs: left out, no material has one",
         textured ? "reflectance textures: modelled" : "reflectance textures: left out, no material has one",
-        worlds_.moves() ? "motion of objects: every beam meets them where they are when it fires"
-                        : "motion of objects: left out, none moves",
+        worlds_.moves()
+            ? "motion of objects: every beam meets them where they are when it fires; shapes change from turn to turn"
+            : "motion of objects: left out, none moves",
     };
   }
 

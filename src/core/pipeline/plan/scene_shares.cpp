@@ -54,7 +54,8 @@ std::vector<Pose> posesAbove(const std::vector<Vec3d>& lane) {
 // How far the bounds are from being met: 0 where all are.
 double distanceOf(const std::vector<ShareBound>& bounds) {
   double sum = 0;
-  for (const ShareBound& b : bounds) sum += std::max({0.0, b.least - b.found, b.found - b.most}) / b.most;
+  for (const ShareBound& b : bounds)
+    sum += std::max({0.0, b.least - b.found, b.found - b.most}) / std::max(b.most, 1e-6);
   return sum;
 }
 
@@ -169,7 +170,7 @@ std::vector<std::string> shareWarnings(const Scene& scene) {
     lines.push_back(fmt::format(
         "scene {} seed {}: {} is {:.2g} % of what a sensor above the lane meets, {} the {:.3g} % asked for, "
         "whatever the factor `{}`: widen the bounds, or leave this seed out",
-        scene.name, scene.seed, b.name, 100 * b.found, b.found < b.least ? "less than" : "more than",
+        scene.file.stem().string(), scene.seed, b.name, 100 * b.found, b.found < b.least ? "less than" : "more than",
         100 * (b.found < b.least ? b.least : b.most), nameOf(b.supply)));
   }
   return lines;

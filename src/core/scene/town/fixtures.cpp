@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "scene/town/lanes.h"
 #include "scene/town/placer.h"
 
 namespace scanmill::town {
@@ -82,13 +84,29 @@ void placeFixtures(Placer& placer) {
       if (placer.tryPut(lamp, spot, fmt::format("lamp {}.{}", s.road + 1, ++number))) continue;
     }
   }
+  constexpr std::array<std::size_t, 4> kOnTheWay{0, 1, 2, 4};  // forms of signs: see makeSign()
+  constexpr std::size_t kStop = 3;
+  constexpr std::size_t kGiveWay = 5;
   along(l, Kind::Sign, rural ? 1.5 : 5, [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
     Spot spot;
     if (!beyondEdge(l, road, at, side, road.section.curb + draw.in(0.35, 0.7), spot)) return false;
     // It faces those who drive on its side: on the right of the line they come from behind.
     spot.yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
-    return placer.tryPut(signs[static_cast<std::size_t>(draw.below(6))], spot, fmt::format("sign {}", number));
+    return placer.tryPut(signs[kOnTheWay[static_cast<std::size_t>(draw.below(4))]], spot,
+                         fmt::format("sign {}", number));
   });
+  // Who comes out of a side road stops there, or gives way.
+  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
+    const Road& road = l.roads().roads()[r];
+    Draw draw(seed, Kind::Sign, 9000 + r);
+    const std::size_t form = draw.chance(0.3) ? kStop : kGiveWay;
+    if (!road.joins || road.minor || draw.chance(0.3)) continue;
+    for (const double back : {1.0, 2.5, 4.0, 6.0}) {
+      Spot spot;
+      if (!beyondEdge(l, road, mouthOf(l) + back, 1, road.section.curb + 0.5, spot)) continue;
+      if (placer.tryPut(signs[form], spot, fmt::format("sign at a mouth {}", r))) break;
+    }
+  }
   if (!rural) {
     const Model shelter = parts::makeShelter(placer.builder, seed);
     along(l, Kind::Shelter, 0.5, [&](Draw&, const Road& road, double at, int side, std::uint32_t number) {

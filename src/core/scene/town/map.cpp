@@ -148,6 +148,16 @@ std::optional<parts::Roof> roofOf(const std::string& shape) {
   return found == kShapes.end() ? std::nullopt : std::optional(found->second);
 }
 
+// How high a pitched roof usually is over a rectangle; none over other outlines, which have flat ones.
+double usualRise(const Polygon& outline, const std::optional<parts::Roof>& roof) {
+  constexpr double kSlope = 0.75;
+  constexpr double kWidest = 18;  // m, of what has pitched roofs
+  const parts::Footprint about = rectangleAbout(outline);
+  const double narrow = std::min(about.halfX, about.halfY);
+  const bool pitched = roof != parts::Roof::Flat && sizeOf(outline) > 0.9 * 4 * about.halfX * about.halfY;
+  return pitched && 2 * narrow < kWidest ? kSlope * narrow : 0;
+}
+
 MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
   MapBuilding building;
   building.outline = ringOf(area.outer, plane);
@@ -161,10 +171,13 @@ MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
     building.floors = static_cast<int>(std::lround(*floors));
   }
   building.height = metresOf(tags["height"]);
-  if (building.height) *building.height -= metresOf(tags["roof:height"]).value_or(0);
+  building.roof = roofOf(tags["roof:shape"]);
+  // The tag is of the roof's top.
+  if (building.height) {
+    *building.height -= metresOf(tags["roof:height"]).value_or(usualRise(building.outline, building.roof));
+  }
   constexpr double kLowest = 2, kHighest = 400;  // m; what is said beyond them is a slip
   if (building.height && (*building.height < kLowest || *building.height > kHighest)) building.height.reset();
-  building.roof = roofOf(tags["roof:shape"]);
   building.shop = !tags["shop"].empty() || isOneOf(tags["building"], {"retail", "supermarket", "commercial"});
   building.shed = isOneOf(tags["building"],
                           {"garage", "garages", "shed", "hut", "greenhouse", "service", "barn", "farm_auxiliary"});

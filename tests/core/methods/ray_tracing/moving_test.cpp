@@ -129,8 +129,8 @@ TEST(MovingObjects, TakeTheMeshOfTheMoment) {
   const Scene scene = builder.finish();
   const auto method = rayTracing(scene, "{}");
   const auto beams = stare(16);
-  for (int k = 0; k < 7; ++k) {
-    const Hits hits = traced(*method, revolution(beams, k * kPeriod));
+  for (int k = 1; k < 8; ++k) {
+    const Hits hits = traced(*method, revolution(beams, (k - 0.5) * kPeriod));
     for (std::size_t i = 0; i < beams->size(); ++i) {
       ASSERT_NEAR(double{hits.range[i]}, 19 - k % 3, 1e-6) << k;
       ASSERT_EQ(hits.instance[i], 1u);
