@@ -202,7 +202,7 @@ class SceneReader {
                                              Labelling labelling, const std::string& clip, const Location& where) {
     std::shared_ptr<const Animation>& known = animations_[clip + '\n' + meshKey(file, options, labelling)];
     if (known != nullptr) return known;
-    options.clip = {clip, 0};
+    options.clip = {clip, 0};  // which is as at its first key frame
     Asset moment = load(file, options, labelling, where);
     const auto [first, last] = clipSpan(file, clip);
     const double moments = std::clamp(std::ceil((last - first) / kMoment), 1.0, kMostMoments);
@@ -212,7 +212,7 @@ class SceneReader {
     const auto animation = std::make_shared<Animation>();
     for (int k = 0; k < moments; ++k) {
       options.clip->time = first + (last - first) * k / moments;
-      moment = load(file, options, labelling, where);
+      if (k > 0) moment = load(file, options, labelling, where);
       if (moment.parts.size() == materials.size()) {
         for (std::size_t i = 0; i < materials.size(); ++i) moment.parts[i].fileMaterial = materials[i];
       }

@@ -21,7 +21,10 @@ TEST(Base64, ComesBack) {
     EXPECT_EQ(fromBase64(base64(bytes)), bytes);
   }
   EXPECT_EQ(fromBase64("Zm8"), "fo") << "without padding";
-  for (const char* const text : {"Zm9v!", "Z", "Zm9v Zm9v", "Zm=v"}) EXPECT_FALSE(fromBase64(text)) << text;
+  const std::string large(10'000'001, 'x');
+  EXPECT_EQ(fromBase64(base64(large)), large);
+  for (const char* const text : {"Zm9v!", "Z", "Zm9v Zm9v", "Zm=v", " Zm9v", "Zm9v\n", "Zm9-"})
+    EXPECT_FALSE(fromBase64(text)) << text;
 }
 
 }  // namespace

@@ -126,36 +126,35 @@ void measureShares(Scene& scene, const std::vector<Vec3d>& lane) {
 }
 
 Scene readSceneToShares(const std::filesystem::path& file, SceneOptions options) {
-  // The shares are those of the scene's own classes, so that it is the same whatever its points are labelled with.
-  const std::filesystem::path ontology = std::exchange(options.ontology, {});
   Scene scene = readScene(file, options);
-  const std::vector<ShareBound> asked = scene.shares;
+  if (scene.shares.empty()) return scene;
+  // The shares are of the scene's own classes, so that it is the same whatever its points are labelled with.
+  const std::filesystem::path labels = std::exchange(options.ontology, {});
+  if (!labels.empty()) scene = readScene(file, options);
+  const std::vector<Vec3d> lane = readSceneLanes(file, options.seed)->lane;
+  std::array<Dial, kSupplies> dials;
+  SupplyFactors best = options.supply;
   std::vector<ShareBound> nearest;
-  SupplyFactors made = options.supply;
-  if (!asked.empty()) {
-    const std::vector<Vec3d> lane = readSceneLanes(file, options.seed)->lane;
-    std::array<Dial, kSupplies> dials;
-    SupplyFactors best = made;
-    double least = std::numeric_limits<double>::infinity();
-    for (int tried = 1;; ++tried) {
-      measureShares(scene, lane);
-      const double distance = distanceOf(scene.shares);
-      if (distance < least) {
-        least = distance;
-        best = made;
-        nearest = scene.shares;
-      }
-      turn(dials, scene.shares);
-      SupplyFactors next{};
-      for (std::size_t s = 0; s < kSupplies; ++s) next[s] = dials[s].factor;
-      if (distance == 0 || tried == kTries || next == made) break;
-      made = options.supply = next;
-      scene = readScene(file, options);
+  double least = std::numeric_limits<double>::infinity();
+  for (int tried = 1;; ++tried) {
+    measureShares(scene, lane);
+    const double distance = distanceOf(scene.shares);
+    if (distance < least) {
+      least = distance;
+      best = options.supply;
+      nearest = scene.shares;
     }
-    options.supply = best;
+    if (distance == 0 || tried == kTries) break;
+    turn(dials, scene.shares);
+    SupplyFactors next{};
+    for (std::size_t s = 0; s < kSupplies; ++s) next[s] = dials[s].factor;
+    if (next == options.supply) break;
+    options.supply = next;
+    scene = readScene(file, options);
   }
-  if (options.supply != made || !ontology.empty()) {
-    options.ontology = ontology;
+  if (options.supply != best || !labels.empty()) {
+    options.supply = best;
+    options.ontology = labels;
     scene = readScene(file, options);
   }
   scene.shares = nearest;

@@ -12,7 +12,6 @@
 
 #include "base/base64.h"
 #include "base/error.h"
-#include "config/fields.h"
 #include "scene/assets/gltf_data.h"
 
 namespace scanmill {

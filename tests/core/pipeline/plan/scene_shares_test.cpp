@@ -102,6 +102,24 @@ TEST_F(SceneShares, ThatCannotBeMetAreTold) {
   EXPECT_GT(scene.shares[0].found, 0) << "as near as can be";
 }
 
+// Whatever the points are labelled with: it is the same town, and other classes' scenes are read as ever.
+TEST_F(SceneShares, DoNotDependOnThePipelinesLabels) {
+  const std::filesystem::path file = town("shares: {tree: [0, 0.02]}");
+  SceneOptions kitti = seeded(2);
+  kitti.ontology = SCANMILL_SOURCE_DIR "/labels/semantic_kitti.yaml";
+  const Scene one = readSceneToShares(file, seeded(2));
+  const Scene other = readSceneToShares(file, kitti);
+  EXPECT_EQ(one.about, other.about);
+  EXPECT_EQ(one.instances.size(), other.instances.size());
+  EXPECT_EQ(other.ontology.name, "semantic_kitti");
+  // A box of a class that the scene's own ontology, here none at all, does not have.
+  const std::filesystem::path box = folder_.write(
+      "box.yaml",
+      "{ontology: nowhere.yaml, materials: materials, objects: [{primitive: box, size: [1, 1, 1], class: moving-car, "
+      "material: wood}]}");
+  EXPECT_EQ(readSceneToShares(box, kitti).instances.size(), 1u);
+}
+
 TEST_F(SceneShares, AreTheSameForASeed) {
   const std::filesystem::path file = town("shares: {car: [0.02, 0.04]}");
   const Scene one = readSceneToShares(file, seeded(5));
