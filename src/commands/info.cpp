@@ -21,6 +21,7 @@
 #include "pipeline/plan/warnings.h"
 #include "pipeline/read/pipeline.h"
 #include "scene/assets/asset.h"
+#include "scene/assets/gltf.h"
 #include "scene/scene.h"
 #include "sensors/sensor.h"
 
@@ -156,9 +157,21 @@ void printObjects(const Scene& scene) {
   if (firsts.size() > kMostObjects) fmt::print("and {} more meshes\n", grouped(firsts.size() - kMostObjects));
 }
 
-void printScene(const std::filesystem::path& file) {
-  const Scene scene = readSceneToShares(file, {});
-  const Box box = scene.bounds();
+// Of what stands still, where anything does: those who are still to come may be anywhere.
+Box boundsAtRest(const Scene& scene) {
+  Box box;
+  for (const Instance& instance : scene.instances) {
+    if (instance.moves()) continue;
+    for (const Vec3f& p : scene.meshes[instance.mesh].positions) box.add(instance.worldFromMesh * Vec3d(p));
+  }
+  return box.empty() ? scene.bounds() : box;
+}
+
+void printScene(const std::filesystem::path& file, std::uint64_t seed) {
+  SceneOptions options;
+  options.seed = seed;
+  const Scene scene = readSceneToShares(file, options);
+  const Box box = boundsAtRest(scene);
   fmt::print("scene {}: {} triangles in memory, {} placed; {} instances, {} things\n", scene.name,
              grouped(scene.triangles()), grouped(scene.placedTriangles()), grouped(scene.instances.size()),
              grouped(scene.things()));
@@ -235,6 +248,16 @@ std::string upUsed(const std::filesystem::path& file, const AssetOptions& option
   return kind == ".gltf" || kind == ".glb" || kind == ".ac" ? "y, as its kind has it" : "z, as its kind does not say";
 }
 
+void printClips(const std::filesystem::path& file) {
+  const std::vector<GltfClip> clips = gltfClips(file);
+  if (clips.empty()) return;
+  Rows rows{{"animation", "from s", "to s"}};
+  for (const GltfClip& c : clips)
+    rows.push_back({c.name, fmt::format("{:.4g}", c.first), fmt::format("{:.4g}", c.last)});
+  fmt::print("\n{}", formatTable(rows));
+  fmt::print("`animation: {{clip: NAME}}` of the object in a scene plays one, with `time_s` it stands\n");
+}
+
 void printAsset(const std::filesystem::path& file, const AssetOptions& options) {
   constexpr std::size_t kMostNodes = 20;
   const Asset asset = readAsset(file, options);
@@ -300,7 +323,7 @@ void printMaterials(const std::filesystem::path& file) {
   fmt::print("{}", formatTable(rows));
 }
 
-void printYaml(const std::filesystem::path& file) {
+void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
   const Value value = readYaml(file);
   switch (fileKind(value)) {
     case FileKind::Pipeline: {
@@ -309,7 +332,7 @@ void printYaml(const std::filesystem::path& file) {
       return;
     }
     case FileKind::Scene:
-      return printScene(file);
+      return printScene(file, seed);
     case FileKind::Sensor:
       return printSensor(value);
     case FileKind::Ontology:
@@ -347,7 +370,8 @@ int runInfo(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("info");
   cxxopts::Options options = describe(command);
   options.add_options()("unit", "metres per unit of a 3D file", cxxopts::value<std::string>()->default_value("1"))(
-      "up", "up axis of a 3D file: x, y or z (default: as the file or its kind says)", cxxopts::value<std::string>());
+      "up", "up axis of a 3D file: x, y or z (default: as the file or its kind says)", cxxopts::value<std::string>())(
+      "seed", "of a procedural scene", cxxopts::value<std::uint64_t>()->default_value("1"), "N");
   const Arguments parsed =
       parseArguments(command, options, arguments,
                      "  scanmill info out/quickstart\n"
@@ -355,7 +379,7 @@ int runInfo(const std::vector<std::string>& arguments) {
                      "  scanmill info scenes/street.yaml\n"
                      "  scanmill info pipelines/sensors/os1_128.yaml\n"
                      "  scanmill info out/passes      # a recording, or one of its EXR images\n"
-                     "  scanmill info model.glb       # names that labelling rules can match, and sizes\n"
+                     "  scanmill info model.glb       # names that labelling rules can match, sizes, animations\n"
                      "  scanmill info model.obj --unit 0.01 --up y\n");
   if (parsed.help) return 0;
   const std::filesystem::path file = parsed.positional("FILE|DIR");
@@ -379,11 +403,12 @@ int runInfo(const std::vector<std::string>& arguments) {
   } else if (suffix == "tar") {
     printShard(file);
   } else if (suffix == "yaml" || suffix == "yml") {
-    printYaml(file);
+    printYaml(file, parsed.options["seed"].as<std::uint64_t>());
   } else if (formatBySuffix(suffix) != nullptr) {
     printScan(decodeMember(file.string(), readFile(file)), file.string());
   } else {
     printAsset(file, assetOptions(parsed));
+    if (suffix == "glb" || suffix == "gltf") printClips(file);
   }
   return 0;
 }

@@ -150,6 +150,15 @@ TEST_F(Tell, InfoOnEveryKindOfFile) {
 
   EXPECT_THAT(told({"info", at("scene.yaml")}),
               AllOf(HasSubstr("scene scene: "), HasSubstr("3 instances, 1 things"), HasSubstr("brick")));
+  const std::string town =
+      folder_
+          .write("town.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\n"
+                                          "materials: {0}/labels/materials.yaml\n"
+                                          "objects:\n  - {{town: {{length: 100, detail: 0.05}}}}\n",
+                                          SCANMILL_SOURCE_DIR))
+          .string();
+  EXPECT_EQ(told({"info", town}), told({"info", town, "--seed", "1"}));
+  EXPECT_NE(told({"info", town}), told({"info", town, "--seed", "2"}));
   EXPECT_THAT(told({"info", SCANMILL_SOURCE_DIR "/pipelines/sensors/os1_128.yaml"}),
               AllOf(HasSubstr("sensor OS1-128: 128 rings x 1024 columns"), HasSubstr("20.950"), HasSubstr("source: ")));
   EXPECT_THAT(told({"info", SCANMILL_SOURCE_DIR "/labels/semantic_kitti.yaml"}),

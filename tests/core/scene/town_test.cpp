@@ -1,5 +1,6 @@
 #include "scene/town.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +19,9 @@
 #include "config/value.h"
 #include "scene/parts/occupancy.h"
 #include "scene/scene.h"
+#include "scene/town/lanes.h"
 #include "scene/town/layout.h"
+#include "scene/town/placer.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/town.h"
@@ -380,12 +383,71 @@ TEST(Town, GrassGrowsOnSoilAlone) {
   }
 }
 
+// They stand near the main road, and face those who come to it out of a side road.
+TEST(Town, SignsToGiveWayFaceThoseWhoComeOutOfSideRoads) {
+  int signs = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const std::string yaml = "{district: suburban, length: 200, detail: 0.05}";
+    const Value value = parseYaml(yaml, "town.yaml");
+    Fields fields(value, "town");
+    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Road& main = layout.roads().roads().front();
+    for (const Instance& i : makeTown(yaml, seed).instances) {
+      if (!i.name.starts_with("sign at a mouth")) continue;
+      const auto fromMain = [&](const Vec3d& p) {
+        double least = 1e9;
+        for (const town::Point2& q : main.line) least = std::min(least, std::hypot(p.x - q.x, p.y - q.y));
+        return least;
+      };
+      const Vec3d at = i.worldFromMesh.translation;
+      EXPECT_LT(fromMain(at), main.section.half + main.section.outer() + 20);
+      EXPECT_GT(fromMain(i.worldFromMesh * Vec3d{5, 0, 0}), fromMain(at) + 2) << "seed " << seed;
+      ++signs;
+    }
+  }
+  EXPECT_GE(signs, 5);
+}
+
+// Where a side road with a sign ends, the lane that comes to it has a line, and the other has none.
+TEST(Town, SideRoadsEndAtALineOfTheirLane) {
+  int lines = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const std::string yaml = "{district: suburban, length: 200, detail: 0.05}";
+    const Value value = parseYaml(yaml, "town.yaml");
+    Fields fields(value, "town");
+    const town::Layout layout(town::readParameters(fields), seed);
+    const Scene scene = makeTown(yaml, seed);
+    const auto markings = std::find_if(scene.instances.begin(), scene.instances.end(),
+                                       [](const Instance& i) { return i.name == "road markings"; });
+    const std::vector<town::Road>& roads = layout.roads().roads();
+    for (std::uint32_t r = 1; r < roads.size(); ++r) {
+      const double at = town::stopAtMouth(layout) - 0.3;
+      const double lane = roads[r].section.half - roads[r].section.parking;
+      const auto painted = [&](double from, double to) {
+        if (markings == scene.instances.end()) return false;
+        const std::vector<Vec3f>& corners = scene.meshes[markings->mesh].positions;
+        return std::any_of(corners.begin(), corners.end(), [&](const Vec3f& corner) {
+          const Vec3d p = markings->worldFromMesh * Vec3d(corner);
+          const town::Beside b = layout.roads().at(p.x, p.y);
+          return b.road == r && std::abs(b.along - at) < 0.5 && b.lateral > from && b.lateral < to;
+        });
+      };
+      const bool sign = town::signAtMouth(layout, r).has_value();
+      EXPECT_EQ(painted(0.5, lane), sign) << "seed " << seed << " road " << r;
+      EXPECT_FALSE(painted(-lane, -0.5)) << "seed " << seed << " road " << r;
+      lines += sign;
+    }
+  }
+  EXPECT_GE(lines, 5);
+}
+
 // Lorries pass below the wires, and a span hangs between two poles or on a house.
 TEST(Town, WiresHangClearOfTheRoads) {
   constexpr double kLorry = 4;  // m
   int wired = 0;
-  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
-    const std::string yaml = "{district: suburban, length: 200, detail: 0.05}";
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const std::string yaml =
+        fmt::format("{{district: {}, length: 200, detail: 0.05}}", seed % 2 == 0 ? "rural" : "suburban");
     const Scene scene = makeTown(yaml, seed);
     const auto wires = std::find_if(scene.instances.begin(), scene.instances.end(),
                                     [](const Instance& i) { return i.name == "wires"; });

@@ -384,6 +384,17 @@ class Checker {
   bool poses_ = false;
 };
 
+template <class Ask>
+auto ofAnimations(const std::filesystem::path& file, const Ask& ask) {
+  const GltfContainer checked = Checker(file).run(true);
+  try {
+    GltfData data(checked, file);
+    return ask(data);
+  } catch (const Json::exception& e) {
+    throw InputError({file.string()}, fmt::format("is not valid glTF: {}", e.what()));
+  }
+}
+
 }  // namespace
 
 std::string checkedGltf(const std::filesystem::path& file, const std::optional<ClipTime>& clip) {
@@ -394,13 +405,18 @@ std::string checkedGltf(const std::filesystem::path& file, const std::optional<C
 }
 
 std::pair<double, double> clipSpan(const std::filesystem::path& file, const std::string& clip) {
-  const GltfContainer checked = Checker(file).run(true);
-  try {
-    GltfData data(checked, file);
-    return data.spanOf(data.clip(clip));
-  } catch (const Json::exception& e) {
-    throw InputError({file.string()}, fmt::format("is not valid glTF: {}", e.what()));
-  }
+  return ofAnimations(file, [&](GltfData& data) { return data.spanOf(data.clip(clip)); });
+}
+
+std::vector<GltfClip> gltfClips(const std::filesystem::path& file) {
+  return ofAnimations(file, [](GltfData& data) {
+    std::vector<GltfClip> clips;
+    for (const std::string& name : data.clips()) {
+      const auto [first, last] = data.spanOf(clips.size());
+      clips.push_back({name, first, last});
+    }
+    return clips;
+  });
 }
 
 std::string decodeUri(std::string_view uri) {

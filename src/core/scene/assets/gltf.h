@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "scene/assets/asset.h"
 
@@ -23,6 +24,13 @@ std::string checkedGltf(const std::filesystem::path& file, const std::optional<C
 // When the key frames of an animation begin and end (s). Throws InputError that names the file, with a suggestion where
 // it has no animation of that name.
 std::pair<double, double> clipSpan(const std::filesystem::path& file, const std::string& clip);
+
+// The animations of a glTF file, in its order. Throws InputError that names the file.
+struct GltfClip {
+  std::string name;            // its number where it has none
+  double first = 0, last = 0;  // when its key frames begin and end, s
+};
+std::vector<GltfClip> gltfClips(const std::filesystem::path& file);
 
 // Decodes the escapes of a URI: "%2F" becomes "/". What is no escape stays as it is.
 std::string decodeUri(std::string_view uri);

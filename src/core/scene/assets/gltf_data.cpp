@@ -139,15 +139,20 @@ std::vector<float> GltfData::indices(std::size_t accessor, const std::string& wh
   return state_->numbers(accessor, what, true);
 }
 
-std::size_t GltfData::clip(const std::string& name) const {
+std::vector<std::string> GltfData::clips() const {
   std::vector<std::string> names;
   const auto animations = state_->json.find("animations");
   const std::size_t count = animations != state_->json.end() && animations->is_array() ? animations->size() : 0;
   for (std::size_t i = 0; i < count; ++i) names.push_back((*animations)[i].value("name", std::to_string(i)));
-  for (std::size_t i = 0; i < count; ++i) {
+  return names;
+}
+
+std::size_t GltfData::clip(const std::string& name) const {
+  const std::vector<std::string> names = clips();
+  for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i] == name) return i;
   }
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
     if (std::to_string(i) == name) return i;
   }
   state_->fail(names.empty() ? "has no animation"

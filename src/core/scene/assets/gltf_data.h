@@ -28,6 +28,8 @@ class GltfData {
   // The same of whole numbers of 8 or 16 bits.
   std::vector<float> indices(std::size_t accessor, const std::string& what);
 
+  // The names of the animations, numbers where they have none.
+  std::vector<std::string> clips() const;
   // The index of the animation with this name, or of its number where none has that name.
   std::size_t clip(const std::string& name) const;
   // When the first of an animation's key frames is, and when the last (s).

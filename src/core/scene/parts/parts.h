@@ -252,9 +252,11 @@ constexpr int kAnimalForms = 6;
 constexpr int kPetForms = 3;  // dogs and cats, the first of them; the others graze
 Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number);
 
-Model makeSign(SceneBuilder& builder, std::uint64_t seed, int form);  // faces +x
-Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form);  // its arm reaches to +x
-Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed);    // faces +x
+enum class TrafficSign { SpeedLimit, Warning, Priority, Stop, Parking, GiveWay };
+constexpr int kSigns = 6;
+Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number);  // faces +x
+Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form);                      // its arm reaches to +x
+Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed);                        // faces +x
 // Of wood, its crossarm along y. Where its wires hang (m).
 struct UtilityPole {
   Model model;

@@ -29,8 +29,8 @@ std::vector<Point2> rectangle(double width, double height) {
 
 }  // namespace
 
-Model makeSign(SceneBuilder& builder, std::uint64_t seed, int form) {
-  Draw draw(seed, Kind::Sign, static_cast<std::uint32_t>(form));
+Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number) {
+  Draw draw(seed, Kind::Sign, static_cast<std::uint32_t>(number));
   Shape s(builder, "traffic sign");
   const SurfaceIndex post = s.surface("pole", "metal_weathered");
   const SurfaceIndex front = s.surface("traffic_sign", "sign_retroreflective");
@@ -38,26 +38,26 @@ Model makeSign(SceneBuilder& builder, std::uint64_t seed, int form) {
   const double z = draw.in(2.2, 2.5);
   std::vector<Point2> board;
   double halfHeight = 0.3;
-  switch (form % 6) {
-    case 0:  // speed limit
+  switch (sign) {
+    case TrafficSign::SpeedLimit:
       board = regular(24, 0.3, 0);
       break;
-    case 1:  // warning
+    case TrafficSign::Warning:
       board = regular(3, 0.42, kPi / 2);
       halfHeight = 0.42;
       break;
-    case 2:  // priority
+    case TrafficSign::Priority:
       board = regular(4, 0.36, 0);
       halfHeight = 0.36;
       break;
-    case 3:  // stop
+    case TrafficSign::Stop:
       board = regular(8, 0.38, kPi / 8);
       halfHeight = 0.36;
       break;
-    case 4:  // parking
+    case TrafficSign::Parking:
       board = rectangle(0.6, 0.6);
       break;
-    default:  // give way
+    case TrafficSign::GiveWay:
       board = regular(3, 0.45, -kPi / 2);
       halfHeight = 0.45;
       break;

@@ -100,7 +100,9 @@ void placeSigns(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.signs);
   std::vector<Model> forms;
-  for (int f = 0; f < std::min(count, 8); ++f) forms.push_back(makeSign(placer.builder, l.seed, f));
+  for (int f = 0; f < std::min(count, 8); ++f) {
+    forms.push_back(makeSign(placer.builder, l.seed, static_cast<TrafficSign>(f % kSigns), f));
+  }
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Sign, static_cast<std::uint32_t>(1000 + i));
     placer.search(forms[static_cast<std::size_t>(i) % forms.size()], fmt::format("sign {}", i + 1), [&] {

@@ -48,7 +48,7 @@ std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
 }
 
 // Lights for those who drive with the road's line and against it.
-void putLights(Placer& placer, const Model& light, const Road& road, double first, double last,
+void putLights(Placer& placer, const Model& light, const Road& road, double first, double last, bool marked,
                const std::string& name) {
   const double out = road.section.half + road.section.curb + 0.45;
   Spot with = besideRoad(road, first, -out);
@@ -56,7 +56,7 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
   placer.tryPut(light, with, name + ", with the line");
   placer.tryPut(light, besideRoad(road, last, out), name + ", against the line");
   Draw draw(placer.layout.seed(), Kind::Light, 700000 + static_cast<std::uint32_t>(placer.lights.size()));
-  placer.lights.push_back({last + 1, draw.in(0, Placer::Light::kPeriod)});
+  placer.lights.push_back({last + 1, draw.in(0, Placer::Light::kPeriod), marked});
 }
 
 // What is wide and flat stands on level ground.
@@ -105,7 +105,7 @@ void placeRoadworks(Placer& placer, Store& store, const Model& light) {
     put(store.any(Clutter::Cone, draw), along, std::max(edge - 2.6, 0.45) + draw.in(-0.1, 0.1), draw.in(0, 1),
         fmt::format("cone {}", ++number));
   }
-  if (rural || draw.chance(0.4)) putLights(placer, light, road, *at - 6, *at + length + 6, "roadworks' light");
+  if (rural || draw.chance(0.4)) putLights(placer, light, road, *at - 6, *at + length + 6, false, "roadworks' light");
 }
 
 // Stripes across the main road, and lights.
@@ -135,7 +135,7 @@ void placeCrossing(Placer& placer, const Model& light) {
     }
   }
   placer.builder.place(s.finish().mesh, placer.worldFromTown, "crossing");
-  putLights(placer, light, road, *at - 1, *at + kLength + 1, "crossing's light");
+  putLights(placer, light, road, *at - 1, *at + kLength + 1, true, "crossing's light");
 }
 
 // Where a side road comes in, one in three has lights.
@@ -147,7 +147,7 @@ void placeSignals(Placer& placer, const Model& light) {
     if (!draw.chance(0.35) || !l.roads().roads()[r].joins) continue;
     const double at = *l.roads().roads()[r].joins;
     const double away = l.roads().roads()[r].section.half + 5;
-    putLights(placer, light, main, at - away, at + away, fmt::format("light {}", r));
+    putLights(placer, light, main, at - away, at + away, true, fmt::format("light {}", r));
   }
 }
 

@@ -65,6 +65,10 @@ double mouthOf(const Layout& l) {
   return l.roads().roads().front().section.half + 7;
 }
 
+double stopAtMouth(const Layout& l) {
+  return mouthOf(l) - 4;
+}
+
 double endOf(const Layout& l, std::uint32_t sideRoad) {
   return l.roads().roads()[sideRoad].length() - 6;
 }

@@ -36,6 +36,7 @@ LaidOut layOut(const Layout& l, const Way& way, double out, double least);
 // Where the lanes of side roads begin, as distances along them, and end; and how far before and behind a side road's
 // joint the bends into it begin on the main road.
 double mouthOf(const Layout& l);
+double stopAtMouth(const Layout& l);  // where those who come out of one stop
 double endOf(const Layout& l, std::uint32_t sideRoad);
 double cornerOf(const Layout& l, std::uint32_t sideRoad);
 

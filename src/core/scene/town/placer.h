@@ -58,6 +58,7 @@ class Placer {
     static constexpr double kRed = 16;     // s of the period
     double along;                          // where they stop, m
     double offset;                         // s, in its period
+    bool marked;                           // by a line on the road
   };
   std::vector<Light> lights;
 
@@ -67,6 +68,9 @@ class Placer {
 
 // A place beside a road, by the distance along its line and from it to the left; the yaw is the line's.
 Spot besideRoad(const Road& road, double along, double lateral);
+
+// What those obey who come out of a side road.
+std::optional<parts::TrafficSign> signAtMouth(const Layout& l, std::uint32_t sideRoad);
 
 void placeHouses(Placer& placer);
 void placeBoundaries(Placer& placer);

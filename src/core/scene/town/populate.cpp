@@ -6,10 +6,10 @@ namespace scanmill::town {
 void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown) {
   Placer placer(builder, layout, worldFromTown);
   placeHouses(placer);
-  placeMarkings(placer);
-  placeCovers(placer);
   placeBoundaries(placer);
   placeClutter(placer);
+  placeMarkings(placer);
+  placeCovers(placer);
   placeFixtures(placer);
   placeWires(placer);
   placeVehicles(placer);

@@ -163,14 +163,14 @@ class Traffic {
       }
     }
     if (side.against && !blocked(r, end, mouth)) {
-      Way way{{{r, end, mouth - 4}}};
+      Way way{{{r, end, stopAtMouth(l_)}}};
       if (left) {
         way.stretches.push_back({0, joins - corner, 0});
         way.after = kBeyond;
       }
       in = add(way);
       Route& coming = routes_[*in];
-      const double line = courses_[*in].at(r, mouth - 4);
+      const double line = courses_[*in].at(r, stopAtMouth(l_));
       if (left) {
         const double merged = courses_[*in].at(0, joins - corner);
         const double there = courses_.front().at(0, joins - corner);

@@ -121,7 +121,13 @@ TEST_F(GltfPose, AClipBendsASkin) {
     expectCorners(cornersAt(b, ClipTime{"0", t}), {{0, 0, 0}, end, both});
   }
   expectCorners(cornersAt(b, ClipTime{"bend", 7}), {{0, 0, 0}, {-1, 1, 0}, {0.5, 1.5, 0}});
-  EXPECT_EQ(clipSpan(folder_.write("arm.gltf", b.text()), "bend"), (std::pair<double, double>{0, 1}));
+  const std::filesystem::path file = folder_.write("arm.gltf", b.text());
+  EXPECT_EQ(clipSpan(file, "bend"), (std::pair<double, double>{0, 1}));
+  const std::vector<GltfClip> clips = gltfClips(file);
+  ASSERT_EQ(clips.size(), 1u);
+  EXPECT_EQ(clips[0].name, "bend");
+  EXPECT_EQ(clips[0].first, 0);
+  EXPECT_EQ(clips[0].last, 1);
 }
 
 TEST_F(GltfPose, AMeshWithoutASkinMovesAsItsNodeDoes) {
