@@ -21,7 +21,7 @@
 #include "pipeline/plan/warnings.h"
 #include "pipeline/read/pipeline.h"
 #include "scene/assets/asset.h"
-#include "scene/assets/gltf.h"
+#include "scene/gltf/reader.h"
 #include "scene/scene.h"
 #include "sensors/sensor.h"
 
@@ -249,10 +249,10 @@ std::string upUsed(const std::filesystem::path& file, const AssetOptions& option
 }
 
 void printClips(const std::filesystem::path& file) {
-  const std::vector<GltfClip> clips = gltfClips(file);
+  const std::vector<gltf::Clip> clips = gltf::readClips(file);
   if (clips.empty()) return;
   Rows rows{{"animation", "from s", "to s"}};
-  for (const GltfClip& c : clips)
+  for (const gltf::Clip& c : clips)
     rows.push_back({c.name, fmt::format("{:.4g}", c.first), fmt::format("{:.4g}", c.last)});
   fmt::print("\n{}", formatTable(rows));
   fmt::print("`animation: {{clip: NAME}}` of the object in a scene plays one, with `time_s` it stands\n");
@@ -265,20 +265,29 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
     std::string name;
     Box box;
   };
-  Rows rows{{"node", "material", "texture", "triangles"}};
+  Rows rows{{"node", "material", "texture", "triangles", "placed"}};
   std::uint64_t triangles = 0;
   Box whole;
   std::map<std::uint32_t, Node> byIndex;
-  for (const AssetPart& part : asset.parts) {
-    rows.push_back({part.node, part.material, part.texture, grouped(part.triangles.size())});
-    triangles += part.triangles.size();
+  const auto add = [&](const AssetPart& part, const std::vector<Affine>& places) {
+    rows.push_back({part.node, part.material, part.texture, grouped(part.triangles.size()), grouped(places.size())});
+    triangles += part.triangles.size() * places.size();
     Node& node = byIndex[part.nodeIndex];
     node.name = part.node;
     for (const Vec3f& p : part.positions) {
       if (!isFinite(p)) continue;
-      node.box.add(Vec3d(p));
-      whole.add(Vec3d(p));
+      for (const Affine& place : places) {
+        node.box.add(place * Vec3d(p));
+        whole.add(place * Vec3d(p));
+      }
     }
+  };
+  for (const AssetPart& part : asset.parts) add(part, {Affine{}});
+  for (const InstancedParts& instanced : asset.instanced) {
+    for (const AssetPart& part : instanced.parts) add(part, instanced.assetFromParts);
+  }
+  if (asset.instanced.empty()) {
+    for (std::vector<std::string>& row : rows) row.pop_back();
   }
   fmt::print("asset {}: {} triangles; rules of a scene match these names\n\n{}\n", file.string(), grouped(triangles),
              formatTable(rows));

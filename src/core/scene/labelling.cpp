@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <map>
+#include <optional>
+#include <utility>
 
 namespace scanmill {
 namespace {
@@ -55,34 +58,26 @@ void append(Mesh& mesh, const AssetPart& part, std::uint16_t surface, bool withU
   }
 }
 
-void checkSize(const Asset& asset, const Labelling& labelling, const Location& where) {
+void checkSize(const std::vector<AssetPart>& parts, const Labelling& labelling, const Location& where) {
   std::uint64_t vertices = 0;
-  for (const AssetPart& part : asset.parts) vertices += part.positions.size();
+  for (const AssetPart& part : parts) vertices += part.positions.size();
   constexpr std::uint64_t kMostVertices = std::numeric_limits<std::uint32_t>::max();
   constexpr std::size_t kMostParts = std::numeric_limits<std::uint16_t>::max();
-  if (vertices > kMostVertices || asset.parts.size() > kMostParts) {
+  if (vertices > kMostVertices || parts.size() > kMostParts) {
     throw InputError(where, fmt::format("'{}' has {} parts (node and material) and {} vertices; at most {} and {} fit "
                                         "one file: split it",
-                                        labelling.file, asset.parts.size(), vertices, kMostParts, kMostVertices));
+                                        labelling.file, parts.size(), vertices, kMostParts, kMostVertices));
   }
 }
 
-}  // namespace
-
-bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labelling& labelling) {
-  for (const AssetPart& part : asset.parts) {
-    if (part.texture.empty()) continue;
-    const LabelledPart label = labelOf(builder, part, labelling);
-    if (!label.material || label.material->textured) return true;
-  }
-  return false;
-}
-
-std::uint32_t addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling, const Location& where) {
-  checkSize(asset, labelling, where);
+// The mesh of some parts of the file; none where no triangle of them can be traced. `dropped` are triangles that they
+// have lost already, and in the end all.
+std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> parts, const Labelling& labelling,
+                                      const Location& where, Dropped& dropped) {
+  checkSize(parts, labelling, where);
   std::vector<LabelledPart> labels;
   std::map<std::uint32_t, std::uint32_t> objectOfNode;  // things only, numbered in the order of the nodes
-  for (const AssetPart& part : asset.parts) {
+  for (const AssetPart& part : parts) {
     labels.push_back(labelOf(builder, part, labelling));
     if (labels.back().semantic && labels.back().semantic->thing) objectOfNode.emplace(part.nodeIndex, 1);
   }
@@ -95,14 +90,14 @@ std::uint32_t addAsset(SceneBuilder& builder, Asset asset, const Labelling& labe
   mesh.name = labelling.file;
   std::vector<Material> materials;
   bool withUvs = false;
-  for (std::size_t i = 0; i < asset.parts.size(); ++i) {
-    const Material& own = asset.parts[i].fileMaterial;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const Material& own = parts[i].fileMaterial;
     materials.push_back(labels[i].material ? withMaterial(*labels[i].material, own) : own);
     withUvs = withUvs || materials.back().texture;
   }
   std::vector<std::string> descriptions;
-  for (std::size_t i = 0; i < asset.parts.size(); ++i) {
-    AssetPart part = std::move(asset.parts[i]);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    AssetPart part = std::move(parts[i]);
     Surface surface;
     surface.material = builder.addMaterial(materials[i]);
     surface.semantic = labels[i].semantic ? labels[i].semantic->id : std::uint16_t{0};
@@ -113,15 +108,8 @@ std::uint32_t addAsset(SceneBuilder& builder, Asset asset, const Labelling& labe
     descriptions.push_back(describe(part, labelling.file));
   }
 
-  Dropped dropped = asset.dropped;
   dropped += clean(mesh);
-  if (!labelling.counted) builder.addDropped(dropped);
-  if (mesh.triangles.empty()) {
-    throw InputError(where,
-                     fmt::format("'{}' has no triangle that can be traced: {} have vertices that are not finite, "
-                                 "{} no area, {} indices out of range",
-                                 labelling.file, dropped.nonFinite, dropped.degenerate, dropped.outOfRange));
-  }
+  if (mesh.triangles.empty()) return std::nullopt;
   std::vector<std::uint64_t> triangles(mesh.surfaces.size());
   for (const std::uint16_t surface : mesh.surfaceOf) ++triangles[surface];
   for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -129,6 +117,42 @@ std::uint32_t addAsset(SceneBuilder& builder, Asset asset, const Labelling& labe
       builder.addUnlabeled(descriptions[i], triangles[i]);
   }
   return builder.addMesh(std::move(mesh));
+}
+}  // namespace
+
+bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labelling& labelling) {
+  const auto shows = [&](const AssetPart& part) {
+    if (part.texture.empty()) return false;
+    const LabelledPart label = labelOf(builder, part, labelling);
+    return !label.material || label.material->textured;
+  };
+  return std::any_of(asset.parts.begin(), asset.parts.end(), shows) ||
+         std::any_of(asset.instanced.begin(), asset.instanced.end(), [&](const InstancedParts& instanced) {
+           return std::any_of(instanced.parts.begin(), instanced.parts.end(), shows);
+         });
+}
+
+std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling,
+                                 const Location& where) {
+  Dropped dropped = asset.dropped;
+  std::vector<PlacedMesh> meshes;
+  const auto add = [&](std::vector<AssetPart> parts, std::vector<Affine> places) {
+    if (parts.empty()) return;
+    std::string node = parts.front().node;
+    const std::optional<std::uint32_t> mesh = addParts(builder, std::move(parts), labelling, where, dropped);
+    if (mesh) meshes.push_back({*mesh, std::move(node), std::move(places)});
+  };
+  add(std::move(asset.parts), {});
+  for (InstancedParts& instanced : asset.instanced)
+    add(std::move(instanced.parts), std::move(instanced.assetFromParts));
+  if (!labelling.counted) builder.addDropped(dropped);
+  if (meshes.empty()) {
+    throw InputError(where,
+                     fmt::format("'{}' has no triangle that can be traced: {} have vertices that are not finite, "
+                                 "{} no area, {} indices out of range",
+                                 labelling.file, dropped.nonFinite, dropped.degenerate, dropped.outOfRange));
+  }
+  return meshes;
 }
 
 }  // namespace scanmill

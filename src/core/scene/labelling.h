@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes an asset a mesh of a scene. Rules give its parts their classes, materials and object numbers.
+// Makes an asset meshes of a scene. Rules give its parts their classes, materials and object numbers.
 
 #include <cstdint>
 #include <string>
@@ -23,10 +23,17 @@ struct Labelling {
 // not textured.
 bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labelling& labelling);
 
-// Merges the parts into one mesh, adds it to the scene and returns its index. Triangles that no rule gives a class get
-// class 0 and are counted as unlabelled. A part that no rule gives a material keeps the material that its file gives
-// it. Throws an InputError at `where` for an unknown class or material, and for an asset without a triangle that can be
-// traced.
-std::uint32_t addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling, const Location& where);
+// A mesh of an asset, and where it stands in the asset's frame; once and as it is where no places are given.
+struct PlacedMesh {
+  std::uint32_t mesh = 0;
+  std::string node;  // of its first part
+  std::vector<Affine> assetFromMesh;
+};
+
+// Merges the parts into one mesh, and those of each of Asset::instanced into another, and adds them to the scene.
+// Triangles that no rule gives a class get class 0 and are counted as unlabelled. A part that no rule gives a material
+// keeps the material that its file gives it. Throws an InputError at `where` for an unknown class or material, and for
+// an asset without a triangle that can be traced.
+std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling, const Location& where);
 
 }  // namespace scanmill

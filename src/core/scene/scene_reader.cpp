@@ -51,8 +51,8 @@
 
 #include "config/file_kind.h"
 #include "scene/assets/asset.h"
-#include "scene/assets/gltf.h"
 #include "scene/builder.h"
+#include "scene/file_meshes.h"
 #include "scene/labelling.h"
 #include "scene/placement.h"
 #include "scene/primitives.h"
@@ -65,15 +65,15 @@ namespace {
 
 constexpr Range kLength{1e-6, 1e6};  // m
 
-// A clip that plays is a mesh for every so much of it.
-constexpr double kMoment = 0.05;  // s
-constexpr double kMostMoments = 48;
-
 class SceneReader {
  public:
   SceneReader(SceneBuilder& builder, const SceneOptions& options, std::vector<Rule> rules,
               std::filesystem::path assetFolder)
-      : builder_(builder), options_(options), rules_(std::move(rules)), assetFolder_(std::move(assetFolder)) {
+      : builder_(builder),
+        options_(options),
+        rules_(std::move(rules)),
+        assetFolder_(std::move(assetFolder)),
+        files_(builder) {
     checkNames(rules_);
   }
 
@@ -145,19 +145,28 @@ class SceneReader {
     return moving == nullptr ? nullptr : readMovement(*moving);
   }
 
-  void placeAll(std::uint32_t mesh, const std::string& name, const Placement& placement,
+  void placeAll(const std::vector<PlacedMesh>& meshes, const std::string& name, const Placement& placement,
                 const std::shared_ptr<const Movement>& movement, const Location& where,
                 const std::shared_ptr<const Animation>& animation = nullptr) {
-    placed_ += placement.count();
+    std::uint64_t each = 0;
+    for (const PlacedMesh& m : meshes) each += std::max<std::size_t>(m.assetFromMesh.size(), 1);
+    const std::uint64_t count = placement.count() * each;
+    placed_ += count;
     if (placed_ > Placement::kMostCopies) {
       throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects; at most {} are made",
-                                          placement.count(), placed_, Placement::kMostCopies));
+                                          count, placed_, Placement::kMostCopies));
     }
     std::uint64_t number = 0;
-    placement.forEach([&](const Affine& worldFromMesh) {
+    placement.forEach([&](const Affine& worldFromAsset) {
       ++number;
-      builder_.place(mesh, worldFromMesh, placement.count() == 1 ? name : fmt::format("{}#{}", name, number), where,
-                     movement, animation);
+      const std::string own = placement.count() == 1 ? name : fmt::format("{}#{}", name, number);
+      for (const PlacedMesh& m : meshes) {
+        if (m.assetFromMesh.empty()) builder_.place(m.mesh, worldFromAsset, own, where, movement, animation);
+        for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
+          builder_.place(m.mesh, worldFromAsset * m.assetFromMesh[i], fmt::format("{}/{} {}", own, m.node, i + 1),
+                         where, movement);
+        }
+      }
     });
   }
 
@@ -182,46 +191,13 @@ class SceneReader {
 
     if (clip && !clip->second) {
       const std::shared_ptr<const Animation> animation =
-          momentsOf(file, asset, labelling, clip->first, fileValue.where);
+          files_.playing(file, asset, labelling, clip->first, fileValue.where);
       const bool plays = animation->meshes.size() > 1;
-      return placeAll(animation->meshes.front(), name, placement, movement, f.where(), plays ? animation : nullptr);
+      return placeAll({{animation->meshes.front(), {}, {}}}, name, placement, movement, f.where(),
+                      plays ? animation : nullptr);
     }
     if (clip) asset.clip = {clip->first, *clip->second};
-    const std::string key = meshKey(file, asset, labelling);
-    auto mesh = meshes_.find(key);
-    if (mesh == meshes_.end()) {
-      const std::uint32_t made =
-          addAsset(builder_, load(file, asset, labelling, fileValue.where), labelling, fileValue.where);
-      mesh = meshes_.emplace(key, made).first;
-    }
-    placeAll(mesh->second, name, placement, movement, f.where());
-  }
-
-  // The meshes of a clip that plays. All have the materials of the first, so that pictures are kept once.
-  std::shared_ptr<const Animation> momentsOf(const std::filesystem::path& file, AssetOptions options,
-                                             Labelling labelling, const std::string& clip, const Location& where) {
-    std::shared_ptr<const Animation>& known = animations_[clip + '\n' + meshKey(file, options, labelling)];
-    if (known != nullptr) return known;
-    options.clip = {clip, 0};  // which is as at its first key frame
-    Asset moment = load(file, options, labelling, where);
-    const auto [first, last] = clipSpan(file, clip);
-    const double moments = std::clamp(std::ceil((last - first) / kMoment), 1.0, kMostMoments);
-    std::vector<Material> materials;
-    for (const AssetPart& part : moment.parts) materials.push_back(part.fileMaterial);
-    options.textures = false;
-    const auto animation = std::make_shared<Animation>();
-    for (int k = 0; k < moments; ++k) {
-      options.clip->time = first + (last - first) * k / moments;
-      if (k > 0) moment = load(file, options, labelling, where);
-      if (moment.parts.size() == materials.size()) {
-        for (std::size_t i = 0; i < materials.size(); ++i) moment.parts[i].fileMaterial = materials[i];
-      }
-      animation->meshes.push_back(addAsset(builder_, std::move(moment), labelling, where));
-      labelling.counted = true;
-    }
-    animation->period = std::max(last - first, 1e-3);
-    animation->until = std::numeric_limits<double>::infinity();
-    return known = animation;
+    placeAll(files_.read(file, asset, labelling, fileValue.where), name, placement, movement, f.where());
   }
 
   // Of {clip: NAME, time_s: t}: the clip, and when it is held; without a time it plays over and over.
@@ -268,40 +244,6 @@ class SceneReader {
     if (name.empty()) throw InputError(value.where, "file is empty");
     if (assetFolder_.empty() || std::filesystem::path(name).is_absolute()) return resolvePath(value, name);
     return assetFolder_ / name;
-  }
-
-  // Objects with equal keys share a mesh.
-  static std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset, const Labelling& labelling) {
-    std::error_code ignored;
-    const std::filesystem::path canonical = std::filesystem::weakly_canonical(file, ignored);
-    std::string key =
-        fmt::format("{}\n{}\n{}\n{}\n{}\n{}", (ignored ? file : canonical).string(), labelling.file,
-                    asset.metresPerUnit, asset.up.value_or('-'), static_cast<int>(asset.alpha), labelling.perNode);
-    if (asset.clip) key += fmt::format("\n{}\n{}", asset.clip->clip, asset.clip->time);
-    for (const Rule& r : labelling.rules) {
-      for (const std::string* text : {&r.node, &r.material, &r.texture, &r.file, &r.className, &r.materialName}) {
-        key += fmt::format("\n{}:{}", text->size(), *text);
-      }
-    }
-    return key;
-  }
-
-  // Decoding base colours can cost more than all the rest, and materials of the library seldom need them: where rules
-  // name materials, the asset is read without textures first, and again only if some part shows its own.
-  Asset load(const std::filesystem::path& file, const AssetOptions& options, const Labelling& labelling,
-             const Location& where) const {
-    try {
-      const bool mayDoWithout = std::any_of(labelling.rules.begin(), labelling.rules.end(),
-                                            [](const Rule& rule) { return !rule.materialName.empty(); });
-      if (!options.textures || !mayDoWithout) return readAsset(file, options);
-      AssetOptions plain = options;
-      plain.textures = false;
-      Asset asset = readAsset(file, plain);
-      if (showsTextures(builder_, asset, labelling)) asset = readAsset(file, options);
-      return asset;
-    } catch (const InputError& e) {
-      throw InputError(where, e.what());
-    }
   }
 
   // The shape of a primitive: reads its keys, and appends it to a mesh with the key that equal shapes share.
@@ -358,7 +300,7 @@ class SceneReader {
     mesh.surfaces.push_back(std::move(surface));
     auto shared = meshes_.find(key);
     if (shared == meshes_.end()) shared = meshes_.emplace(key, builder_.addMesh(std::move(mesh))).first;
-    placeAll(shared->second, name, placement, movement, f.where());
+    placeAll({{shared->second, {}, {}}}, name, placement, movement, f.where());
   }
 
   SceneBuilder& builder_;
@@ -366,7 +308,7 @@ class SceneReader {
   std::vector<Rule> rules_;
   std::filesystem::path assetFolder_;
   std::map<std::string, std::uint32_t> meshes_;
-  std::map<std::string, std::shared_ptr<const Animation>> animations_;
+  FileMeshes files_;
   std::uint64_t placed_ = 0;
   std::uint64_t procedural_ = 0;
   std::uint64_t towns_ = 0;

@@ -288,9 +288,10 @@ TEST(Simplify, RealTreesAndTownsShrinkToo) {
     SKIP_WITHOUT_SHARED_DATA(file);
     SCOPED_TRACE(file);
     SceneBuilder builder = testBuilder();
-    const std::uint32_t mesh =
+    const std::vector<PlacedMesh> meshes =
         addAsset(builder, readAsset(sharedData() / file, {.textures = false}), {.rules = {}, .file = file}, {});
-    builder.place(mesh, {}, file);
+    ASSERT_EQ(meshes.size(), 1u);
+    builder.place(meshes[0].mesh, {}, file);
     const Scene scene = builder.finish();
     const Scene fewer = simplified(scene, 0.3);
     const double share = static_cast<double>(fewer.triangles()) / static_cast<double>(scene.triangles());

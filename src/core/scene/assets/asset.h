@@ -57,10 +57,17 @@ struct AssetOptions {
   std::optional<ClipTime> clip = std::nullopt;  // of glTF and GLB alone: as all stands then
 };
 
+// Parts that the file itself places several times, by EXT_mesh_gpu_instancing.
+struct InstancedParts {
+  std::vector<AssetPart> parts;  // in a frame of their own
+  std::vector<Affine> assetFromParts;
+};
+
 struct Asset {
   std::filesystem::path file;
   char up = 'z';  // the up axis of the file's coordinates: AssetOptions::up, or else what the file says
   std::vector<AssetPart> parts;
+  std::vector<InstancedParts> instanced;
   Dropped dropped;  // triangles with indices out of range are dropped here; the rest is left to clean()
 };
 

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "scene/assets/asset_alpha.h"
+#include "scene/assets/texture_search.h"
 #include "tests/core/scene/assets/triangle_files.h"
 
 namespace scanmill {

@@ -1,4 +1,4 @@
-#include "scene/assets/gltf_pose.h"
+#include "scene/gltf/pose.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/process.h"
-#include "scene/assets/gltf.h"
-#include "tests/core/scene/assets/triangle_files.h"
+#include "scene/gltf/reader.h"
+#include "tests/core/scene/gltf/gltf_builder.h"
 #include "tests/support/blender.h"
 #include "tests/support/message_of.h"
 
@@ -22,33 +22,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using Json = nlohmann::json;
 
-// A file under construction, its numbers in one buffer.
-struct Builder {
-  Json json{
-      {"asset", {{"version", "2.0"}}}, {"scene", 0}, {"bufferViews", Json::array()}, {"accessors", Json::array()}};
-  std::string bytes;
-
-  template <class T>
-  std::size_t numbers(const std::vector<T>& values, const char* type, std::size_t width, int kind = 5126,
-                      bool normalized = false) {
-    bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
-    json["bufferViews"].push_back(
-        {{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", values.size() * sizeof(T)}});
-    bytes += bytesOf(values);
-    json["accessors"].push_back({{"bufferView", json["bufferViews"].size() - 1},
-                                 {"componentType", kind},
-                                 {"type", type},
-                                 {"count", values.size() / width}});
-    if (normalized) json["accessors"].back()["normalized"] = true;
-    return json["accessors"].size() - 1;
-  }
-
-  std::string text() {
-    json["buffers"] = {
-        {{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}}};
-    return json.dump();
-  }
-};
+using Builder = GltfBuilder;
 
 constexpr std::array<float, 16> kOneDown{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1};  // by columns: y - 1
 
@@ -122,8 +96,8 @@ TEST_F(GltfPose, AClipBendsASkin) {
   }
   expectCorners(cornersAt(b, ClipTime{"bend", 7}), {{0, 0, 0}, {-1, 1, 0}, {0.5, 1.5, 0}});
   const std::filesystem::path file = folder_.write("arm.gltf", b.text());
-  EXPECT_EQ(clipSpan(file, "bend"), (std::pair<double, double>{0, 1}));
-  const std::vector<GltfClip> clips = gltfClips(file);
+  EXPECT_EQ(gltf::clipSpan(file, "bend"), (std::pair<double, double>{0, 1}));
+  const std::vector<gltf::Clip> clips = gltf::readClips(file);
   ASSERT_EQ(clips.size(), 1u);
   EXPECT_EQ(clips[0].name, "bend");
   EXPECT_EQ(clips[0].first, 0);
@@ -187,18 +161,17 @@ TEST_F(GltfPose, WhatDoesNotFitIsRefused) {
     EXPECT_THAT(refusal(b, ClipTime{"bend", 0.5}), AllOf(HasSubstr("arm.gltf"), HasSubstr(words)));
   };
   refuses([](Builder& b) { b.json.erase("animations"); }, "has no animation");
-  refuses([](Builder& b) { b.json["nodes"][2]["skin"] = 1; }, "skin is none of the skins");
-  refuses(
-      [](Builder& b) {
-        b.json["skins"][0]["joints"] = {0, 7};
-      },
-      "joint of the skin of the mesh of 'sleeve' is no node");
+  refuses([](Builder& b) { b.json["nodes"][2]["skin"] = 1; }, "nodes[2].skin is 1, but there are 1");
+  refuses([](Builder& b) { b.json["skins"][0]["joints"] = {0, 7}; }, "skins[0].joints is 7, but there are 3");
+  refuses([](Builder& b) { b.json["scenes"][0]["nodes"] = {2}; },
+          "joint of the skin of the mesh of 'sleeve' is no node of the scene");
   refuses([](Builder& b) { b.json["skins"][0]["joints"] = {0}; }, "hangs on the joint 1 of a skin with 1");
-  refuses([](Builder& b) { b.json["skins"][0]["inverseBindMatrices"] = 99; }, "accessor that is not there");
+  refuses([](Builder& b) { b.json["skins"][0]["inverseBindMatrices"] = 99; }, "inverseBindMatrices is 99");
   refuses([](Builder& b) { b.json["skins"][0]["joints"] = {0, 1, 0}; }, "fewer matrices than joints");
-  refuses([](Builder& b) { b.json["animations"][0]["channels"][0]["sampler"] = 4; }, "has no sampler");
+  refuses([](Builder& b) { b.json["animations"][0]["channels"][0]["sampler"] = 4; }, "channel's sampler is 4");
   refuses([](Builder& b) { b.json["animations"][0]["channels"][0]["target"]["path"] = "scale"; }, "do not fit");
-  refuses([](Builder& b) { b.json["animations"][0]["channels"][0]["target"]["node"] = 9; }, "none of the nodes");
+  refuses([](Builder& b) { b.json["animations"][0]["channels"][0]["target"]["node"] = 9; },
+          "target is 9, but there are 3");
   refuses([](Builder& b) { b.json["animations"][0]["channels"] = 3; }, "not valid glTF");
   refuses([](Builder& b) { b.json["animations"][0]["samplers"][0]["input"] = 1; }, "whole numbers");
   refuses([](Builder& b) { b.json["accessors"][2]["normalized"] = false; }, "whole numbers");
@@ -213,7 +186,7 @@ TEST_F(GltfPose, WhatDoesNotFitIsRefused) {
         b.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] =
             b.numbers<float>({0, 0, 0, 0, 1e30f, 0, 0, 0, 0, 1, 0, 0}, "VEC4", 4);
       },
-      "no whole numbers");
+      "should be whole numbers");
   refuses([](Builder& b) { b.json["meshes"][0]["primitives"][0]["attributes"].erase("WEIGHTS_0"); }, "not valid glTF");
   AssetOptions options;
   options.clip = ClipTime{"bend", 0};

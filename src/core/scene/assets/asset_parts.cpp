@@ -1,0 +1,55 @@
+#include "scene/assets/asset_parts.h"
+
+#include <array>
+#include <bit>
+#include <vector>
+
+namespace scanmill {
+
+Mat3 zUpFrom(char up) {
+  if (up == 'x') return {{0, 0, 1}, {-1, 0, 0}, {0, -1, 0}};
+  if (up == 'y') return {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
+  return {};
+}
+
+void weld(AssetPart& part) {
+  const std::size_t count = part.positions.size();
+  if (count <= 2 * part.triangles.size()) return;
+  constexpr std::uint32_t kFree = UINT32_MAX;
+  std::vector<std::uint32_t> table(std::bit_ceil(count * 2), kFree);
+  std::vector<std::uint32_t> moved(count);
+  std::uint32_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3f p = part.positions[i];
+    const Vec2f uv = part.uvs.empty() ? Vec2f{} : part.uvs[i];
+    std::uint64_t hash = 0;
+    for (const float value : {p.x, p.y, p.z, uv.x, uv.y}) {
+      hash = (hash ^ std::bit_cast<std::uint32_t>(value)) * 0x9E3779B97F4A7C15;
+      hash ^= hash >> 29;
+    }
+    std::size_t slot = hash & (table.size() - 1);
+    const auto same = [&](std::uint32_t other) {
+      const auto bits = [](const auto& v) { return std::bit_cast<std::array<std::uint32_t, sizeof v / 4>>(v); };
+      return bits(part.positions[other]) == bits(p) && (part.uvs.empty() || bits(part.uvs[other]) == bits(uv));
+    };
+    while (table[slot] != kFree && !same(table[slot])) slot = (slot + 1) & (table.size() - 1);
+    if (table[slot] == kFree) {
+      table[slot] = kept;
+      part.positions[kept] = p;
+      if (!part.uvs.empty()) part.uvs[kept] = uv;
+      ++kept;
+    }
+    moved[i] = table[slot];
+  }
+  part.positions.resize(kept);
+  part.positions.shrink_to_fit();
+  if (!part.uvs.empty()) {
+    part.uvs.resize(kept);
+    part.uvs.shrink_to_fit();
+  }
+  for (Triangle& triangle : part.triangles) {
+    for (std::uint32_t& corner : triangle) corner = moved[corner];
+  }
+}
+
+}  // namespace scanmill

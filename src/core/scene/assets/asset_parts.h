@@ -1,0 +1,20 @@
+#pragma once
+
+// What readers of assets share.
+
+#include <cstdint>
+
+#include "scene/assets/asset.h"
+
+namespace scanmill {
+
+// A file may place its meshes any number of times, so a small file can ask for any amount of memory.
+constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28;
+
+// The rotation that takes an up axis to z. x-up follows COLLADA: y points left to -x, z to the viewer.
+Mat3 zUpFrom(char up);
+
+// Some kinds come in with three vertices of their own for every triangle: joins those that are bit-identical.
+void weld(AssetPart& part);
+
+}  // namespace scanmill

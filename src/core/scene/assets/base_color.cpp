@@ -1,0 +1,56 @@
+#include "scene/assets/base_color.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "base/error.h"
+#include "images/images.h"
+#include "scene/assets/texture.h"
+#include "scene/assets/texture_search.h"
+
+namespace scanmill {
+
+void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options) {
+  const auto& [r, g, b] = color.factor;
+  const float plain = 0.2126f * r + 0.7152f * g + 0.0722f * b;  // Rec. 709, linear
+  const bool tested = color.alpha.wanted && color.image && color.image->hasAlpha;
+  if (color.colored) {
+    material.textureMean = meanLuminance(*color.image, tested ? color.alpha.cutoff : 0.0f);
+    material.reflectance = material.textureMean * (color.tints ? plain : 1.0f);
+  } else {
+    material.reflectance = plain;
+  }
+  material.textured = color.colored && options.textures;
+  material.alphaTested = tested;
+  material.alphaCutoff = tested ? color.alpha.cutoff : 0.5f;
+  if (tested || material.textured) material.texture = std::move(color.image);
+  const bool untold = !color.colored && color.textured && r == 1 && g == 1 && b == 1;
+  if (!untold && (color.stated || color.textured)) return;
+  const Material fallback;
+  material.reflectance = fallback.reflectance;
+  material.metallic = fallback.metallic;
+  material.source = "default: " + file.filename().string() + " states no colour";
+}
+
+std::shared_ptr<const Texture> loadColor(const std::filesystem::path& asset, const std::string& name, bool onlyAlpha,
+                                         const std::function<std::shared_ptr<const Texture>()>& embedded) {
+  try {
+    std::shared_ptr<const Texture> texture = embedded();
+    if (texture == nullptr) {
+      const std::filesystem::path path = findTexture(asset, name);
+      if (path.empty()) {
+        warn(fmt::format("{}: the texture '{}' is missing; its material keeps its plain colour", asset.string(), name));
+        return nullptr;
+      }
+      if (onlyAlpha && !mayHaveAlpha(path)) return nullptr;
+      texture = loadTexture(path);
+    }
+    return onlyAlpha && !texture->hasAlpha ? nullptr : texture;
+  } catch (const InputError& e) {
+    warn(fmt::format("{}: the texture '{}' is not used: {}", asset.string(), name, e.what()));
+    return nullptr;
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,68 @@
+#include "scene/assets/texture_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <vector>
+
+#include "scene/assets/uri.h"
+
+namespace scanmill {
+
+namespace {
+
+bool isFile(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+// A name in a folder, whatever its case.
+std::filesystem::path findIgnoringCase(const std::filesystem::path& folder, const std::string& name) {
+  std::error_code error;
+  std::filesystem::path best;  // the least, since the order of a folder is not stable
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (lower(entry.path().filename().string()) != lower(name) || !isFile(entry.path())) continue;
+    if (best.empty() || entry.path() < best) best = entry.path();
+  }
+  return best;
+}
+
+}  // namespace
+
+std::filesystem::path findTexture(const std::filesystem::path& asset, const std::string& name) {
+  std::string plain = name;
+  std::replace(plain.begin(), plain.end(), '\\', '/');
+  const std::filesystem::path folder = asset.parent_path();
+  std::vector<std::filesystem::path> candidates;
+  if (plain.starts_with("file://")) plain = plain.substr(7);
+  if (plain.starts_with("model://")) {  // Gazebo: model://MODEL/..., the models lie beside one another
+    plain = plain.substr(8);
+    std::filesystem::path up = folder;
+    for (int level = 0; level < 4; ++level, up /= "..") candidates.push_back(up / plain);
+  }
+  // An absolute name replaces the folder.
+  for (const std::string& spelling : {plain, decodeUri(plain)}) candidates.push_back(folder / spelling);
+  const std::array<std::filesystem::path, 6> folders{folder,
+                                                     folder / "textures",
+                                                     folder / "Textures",
+                                                     folder / ".." / "materials" / "textures",
+                                                     folder / ".." / "textures",
+                                                     folder / "materials" / "textures"};
+  const std::string bare = decodeUri(std::filesystem::path(plain).filename().string());
+  if (bare.empty()) return {};
+  for (const auto& place : folders) candidates.push_back(place / bare);
+  for (const auto& candidate : candidates) {
+    if (isFile(candidate)) return candidate;
+  }
+  for (const auto& place : folders) {
+    if (auto found = findIgnoringCase(place.empty() ? "." : place, bare); !found.empty()) return found;
+  }
+  return {};
+}
+
+}  // namespace scanmill

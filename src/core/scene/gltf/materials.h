@@ -1,0 +1,25 @@
+#pragma once
+
+// The materials of a glTF file (glTF 2.0, 3.9).
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/assets/asset.h"
+#include "scene/gltf/data.h"
+#include "scene/gltf/model.h"
+
+namespace scanmill::gltf {
+
+struct ReadMaterial {
+  scanmill::Material material;
+  std::string texture;               // AssetPart::texture
+  std::optional<TextureUse> placed;  // of the base colour
+};
+
+// The materials of the file in its order, and behind them that of primitives without one. A missing or broken texture
+// is a warning.
+std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options);
+
+}  // namespace scanmill::gltf

@@ -1,0 +1,558 @@
+#include "scene/gltf/model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "base/error.h"
+#include "scene/assets/uri.h"
+#include "scene/gltf/container.h"
+
+namespace scanmill::gltf {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::uint64_t kMaxCount = std::uint64_t{1} << 31;
+constexpr int kMaxDepth = 512;
+
+// What is read here, and what changes no more than how things look.
+bool isKnown(std::string_view extension) {
+  static constexpr std::array<std::string_view, 14> kKnown{
+      "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression",
+      "KHR_texture_transform", "EXT_mesh_gpu_instancing", "KHR_node_visibility",     "EXT_texture_webp",
+      "EXT_texture_avif",      "KHR_texture_basisu",      "MSFT_texture_dds",        "KHR_lights_punctual",
+      "KHR_xmp_json_ld",       "KHR_animation_pointer"};
+  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end() ||
+         extension.starts_with("KHR_materials_") || extension.starts_with("KHR_technique") ||
+         extension.starts_with("EXT_lights_");
+}
+
+class Reader {
+ public:
+  Reader(Model& model, const Json& json, std::uint64_t binBytes) : m_(model), json_(json), binBytes_(binBytes) {}
+
+  void read() {
+    if (!json_.is_object()) fail("is not valid glTF: the file is not a JSON object");
+    const auto asset = json_.find("asset");
+    if (asset == json_.end() || !asset->is_object()) fail("is not glTF: 'asset' is missing");
+    const std::string version = asset->value("version", std::string());
+    if (!version.starts_with("2.")) {
+      fail(fmt::format("is glTF {}: only 2.0 is read, export it again", version.empty() ? "of no version" : version));
+    }
+    for (const Json& name : list("extensionsRequired")) {
+      if (isKnown(name.get<std::string>())) continue;
+      fail(fmt::format("requires the extension {}, which is unknown here: export it without", name.get<std::string>()));
+    }
+    each("buffers", m_.buffers, [&](const Json& j, const std::string& what) { return buffer(j, what); });
+    each("bufferViews", m_.views, [&](const Json& j, const std::string& what) { return view(j, what); });
+    each("accessors", m_.accessors, [&](const Json& j, const std::string& what) { return accessor(j, what); });
+    each("images", m_.images, [&](const Json& j, const std::string& what) { return image(j, what); });
+    each("materials", m_.materials, [&](const Json& j, const std::string& what) { return material(j, what); });
+    each("meshes", m_.meshes, [&](const Json& j, const std::string& what) { return mesh(j, what); });
+    each("skins", m_.skins, [&](const Json& j, const std::string& what) { return skin(j, what); });
+    each("nodes", m_.nodes, [&](const Json& j, const std::string& what) { return node(j, what); });
+    each("animations", m_.animations, [&](const Json& j, const std::string& what) { return animation(j, what); });
+    scene();
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { m_.fail(what); }
+
+  const Json& list(const char* key) const { return listIn(json_, key, key); }
+
+  // Empty where it is absent.
+  const Json& listIn(const Json& object, const char* key, const std::string& what) const {
+    static const Json kNone = Json::array();
+    const auto found = object.find(key);
+    if (found == object.end()) return kNone;
+    if (!found->is_array()) fail(fmt::format("is not valid glTF: '{}' is not a list", what));
+    return *found;
+  }
+
+  template <class T, class Make>
+  void each(const char* key, std::vector<T>& into, const Make& make) {
+    const Json& all = list(key);
+    into.reserve(all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const std::string what = fmt::format("{}[{}]", key, i);
+      if (!all[i].is_object()) fail(fmt::format("is not valid glTF: {} is not an object", what));
+      into.push_back(make(all[i], what));
+    }
+  }
+
+  Index index(const Json& value, std::size_t count, const std::string& what) const {
+    if (!value.is_number_unsigned()) fail(fmt::format("is not valid glTF: {} is not an index", what));
+    const std::uint64_t i = value.get<std::uint64_t>();
+    if (i >= count) fail(fmt::format("is not valid glTF: {} is {}, but there are {}", what, i, count));
+    return i;
+  }
+
+  MaybeIndex maybe(const Json& object, const char* key, std::size_t count, const std::string& what) const {
+    const auto found = object.find(key);
+    if (found == object.end()) return std::nullopt;
+    return index(*found, count, what + "." + key);
+  }
+
+  std::uint64_t length(const Json& object, const char* key, std::uint64_t fallback, const std::string& what) const {
+    const auto found = object.find(key);
+    if (found == object.end()) return fallback;
+    if (!found->is_number_unsigned() || found->get<std::uint64_t>() > UINT64_MAX / 4) {
+      fail(fmt::format("is not valid glTF: {}.{} is not a length", what, key));
+    }
+    return found->get<std::uint64_t>();
+  }
+
+  template <std::size_t size>
+  bool numbers(const Json& object, const char* key, const std::string& what, std::array<double, size>& into) const {
+    const auto found = object.find(key);
+    if (found == object.end()) return false;
+    const bool fits = found->is_array() && found->size() == size &&
+                      std::all_of(found->begin(), found->end(), [](const Json& n) { return n.is_number(); });
+    if (!fits) fail(fmt::format("{}.{} is not {} numbers", what, key, size));
+    for (std::size_t i = 0; i < size; ++i) into[i] = (*found)[i].get<double>();
+    return true;
+  }
+
+  // Null where it is absent.
+  const Json* extensionOf(const Json& object, const char* name) const {
+    const auto all = object.find("extensions");
+    return all == object.end() ? nullptr : objectIn(*all, name);
+  }
+
+  const Json* objectIn(const Json& object, const char* name) const {
+    const auto found = object.find(name);
+    if (found == object.end()) return nullptr;
+    if (!found->is_object()) fail(fmt::format("is not valid glTF: a '{}' is not an object", name));
+    return &*found;
+  }
+
+  Attributes attributes(const Json& object, const std::string& what) const {
+    Attributes found;
+    for (const auto& [name, value] : object.items()) found[name] = index(value, m_.accessors.size(), what + "." + name);
+    return found;
+  }
+
+  Buffer buffer(const Json& j, const std::string& what) const {
+    Buffer b;
+    b.length = length(j, "byteLength", 0, what);
+    std::uint64_t present = binBytes_;
+    std::string place = "the GLB's binary chunk";
+    // What of a compressed file holds its views for those who cannot decode them may be left out.
+    const auto meshopt = [&] {
+      const Json* extension = extensionOf(j, "EXT_meshopt_compression");
+      if (extension == nullptr) extension = extensionOf(j, "KHR_meshopt_compression");
+      return extension != nullptr && extension->value("fallback", false);
+    };
+    if (j.contains("uri")) {
+      b.uri = j["uri"].get<std::string>();
+      if (b.uri.starts_with("data:")) {
+        const std::size_t comma = b.uri.find(',');
+        if (comma == std::string::npos || b.uri.find(";base64") > comma) fail(what + " is not base64 data");
+        std::size_t end = b.uri.size();
+        while (end > comma + 1 && b.uri[end - 1] == '=') --end;
+        present = (end - comma - 1) * 3 / 4;
+        place = "its data";
+      } else {
+        b.uri = decodeUri(b.uri);
+        const std::filesystem::path path = m_.file.parent_path() / b.uri;
+        std::error_code error;
+        if (!std::filesystem::is_regular_file(path, error)) {
+          fail(fmt::format("names the buffer '{}', which is missing: put it beside the file", b.uri));
+        }
+        present = std::filesystem::file_size(path, error);
+        place = "'" + b.uri + "'";
+      }
+    } else if (meshopt()) {
+      return b;
+    }
+    if (b.length > present) {
+      fail(fmt::format("{} has {} bytes, but {} holds {}: is it truncated?", what, b.length, place, present));
+    }
+    return b;
+  }
+
+  View view(const Json& j, const std::string& what) const {
+    View v;
+    v.buffer = index(j.at("buffer"), m_.buffers.size(), what + ".buffer");
+    v.offset = length(j, "byteOffset", 0, what);
+    v.length = length(j, "byteLength", 0, what);
+    v.stride = length(j, "byteStride", 0, what);
+    if (v.offset + v.length > m_.buffers[v.buffer].length) fail(what + " reaches beyond its buffer");
+    if (v.stride > 252) fail(what + " has a byteStride over 252");
+    for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+      if (const Json* extension = extensionOf(j, name)) {
+        v.compressed = meshopt(*extension, fmt::format("{}.{}", what, name));
+        if (v.compressed->count * v.compressed->stride != v.length) {
+          fail(fmt::format("is not valid glTF: {} has another length than its {} elements of {} bytes", what,
+                           v.compressed->count, v.compressed->stride));
+        }
+      }
+    }
+    return v;
+  }
+
+  Meshopt meshopt(const Json& j, const std::string& what) const {
+    Meshopt m;
+    m.buffer = index(j.at("buffer"), m_.buffers.size(), what + ".buffer");
+    m.offset = length(j, "byteOffset", 0, what);
+    m.length = length(j, "byteLength", 0, what);
+    m.stride = length(j, "byteStride", 0, what);
+    m.count = length(j, "count", 0, what);
+    if (m.offset + m.length > m_.buffers[m.buffer].length) fail(what + " reaches beyond its buffer");
+    const std::string mode = j.value("mode", std::string());
+    const std::string filter = j.value("filter", std::string("NONE"));
+    static const std::map<std::string, Meshopt::Mode> kModes{{"ATTRIBUTES", Meshopt::Mode::Attributes},
+                                                             {"TRIANGLES", Meshopt::Mode::Triangles},
+                                                             {"INDICES", Meshopt::Mode::Indices}};
+    static const std::map<std::string, Meshopt::Filter> kFilters{{"NONE", Meshopt::Filter::None},
+                                                                 {"OCTAHEDRAL", Meshopt::Filter::Octahedral},
+                                                                 {"QUATERNION", Meshopt::Filter::Quaternion},
+                                                                 {"EXPONENTIAL", Meshopt::Filter::Exponential}};
+    if (!kModes.contains(mode) || !kFilters.contains(filter)) {
+      fail(
+          fmt::format("has {} of the mode '{}' and the filter '{}', which are unknown here: export it without "
+                      "compression",
+                      what, mode, filter));
+    }
+    m.mode = kModes.at(mode);
+    m.filter = kFilters.at(filter);
+    const bool attributes = m.mode == Meshopt::Mode::Attributes;
+    const bool whole =
+        attributes ? m.stride % 4 == 0 && m.stride >= 4 && m.stride <= 256 : m.stride == 2 || m.stride == 4;
+    const bool filters = m.filter == Meshopt::Filter::None ||
+                         (attributes && (m.filter == Meshopt::Filter::Octahedral   ? m.stride == 4 || m.stride == 8
+                                         : m.filter == Meshopt::Filter::Quaternion ? m.stride == 8
+                                                                                   : true));
+    if (!whole || !filters || m.count > kMaxCount || (m.mode == Meshopt::Mode::Triangles && m.count % 3 != 0)) {
+      fail(fmt::format("is not valid glTF: {} has {} elements of {} bytes in the mode {}", what, m.count, m.stride,
+                       mode));
+    }
+    return m;
+  }
+
+  Component component(const Json& value, const std::string& what) const {
+    const int kind = value.is_number_integer() ? value.get<int>() : 0;
+    for (const Component c : {Component::Int8, Component::UInt8, Component::Int16, Component::UInt16, Component::UInt32,
+                              Component::Float}) {
+      if (kind == static_cast<int>(c)) return c;
+    }
+    fail(what + " has an unknown type");
+  }
+
+  Accessor accessor(const Json& j, const std::string& what) const {
+    static const std::map<std::string, std::size_t> kWidths{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
+                                                            {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
+    Accessor a;
+    a.component = component(j.value("componentType", Json()), what);
+    const auto width = kWidths.find(j.value("type", std::string()));
+    if (width == kWidths.end()) fail(what + " has an unknown type");
+    a.width = width->second;
+    a.count = length(j, "count", 0, what);
+    a.offset = length(j, "byteOffset", 0, what);
+    a.normalized = j.value("normalized", false);
+    if (a.count > kMaxCount) fail(what + " has an absurd count");
+    a.view = maybe(j, "bufferView", m_.views.size(), what);
+    if (a.view) expectInside(*a.view, a.offset, a.count, sizeOf(a.component) * a.width, true, what);
+    if (const auto sparse = j.find("sparse"); sparse != j.end()) a.sparse = sparseOf(*sparse, a, what + ".sparse");
+    return a;
+  }
+
+  void expectInside(Index view, std::uint64_t offset, std::uint64_t count, std::uint64_t size, bool strides,
+                    const std::string& what) const {
+    const View& v = m_.views[view];
+    const std::uint64_t stride = strides && v.stride > 0 ? v.stride : size;
+    if (stride < size) fail(what + " has elements that overlap");
+    if (count > 0 && offset + (count - 1) * stride + size > v.length) {
+      fail(what + " reaches beyond its bufferView: is the file truncated?");
+    }
+  }
+
+  Accessor::Sparse sparseOf(const Json& j, const Accessor& a, const std::string& what) const {
+    Accessor::Sparse s;
+    s.count = length(j, "count", 0, what);
+    if (s.count > a.count) fail(fmt::format("is not valid glTF: {} has more elements than its accessor", what));
+    const Json& indices = j.at("indices");
+    const Json& values = j.at("values");
+    s.indices = component(indices.at("componentType"), what + ".indices");
+    if (s.indices != Component::UInt8 && s.indices != Component::UInt16 && s.indices != Component::UInt32) {
+      fail(fmt::format("is not valid glTF: {}.indices are no whole numbers", what));
+    }
+    s.indicesView = index(indices.at("bufferView"), m_.views.size(), what + ".indices.bufferView");
+    s.indicesOffset = length(indices, "byteOffset", 0, what + ".indices");
+    s.valuesView = index(values.at("bufferView"), m_.views.size(), what + ".values.bufferView");
+    s.valuesOffset = length(values, "byteOffset", 0, what + ".values");
+    expectInside(s.indicesView, s.indicesOffset, s.count, sizeOf(s.indices), false, what + ".indices");
+    expectInside(s.valuesView, s.valuesOffset, s.count, sizeOf(a.component) * a.width, false, what + ".values");
+    return s;
+  }
+
+  Image image(const Json& j, const std::string& what) const {
+    Image i;
+    i.name = j.value("name", std::string());
+    i.view = maybe(j, "bufferView", m_.views.size(), what);
+    if (j.contains("uri")) {
+      i.uri = j["uri"].get<std::string>();
+      if (!i.uri.starts_with("data:")) i.uri = decodeUri(i.uri);
+    }
+    return i;
+  }
+
+  // The image of a texture, which extensions may name; none where nothing does.
+  MaybeIndex imageOf(Index texture) const {
+    const Json& j = list("textures")[texture];
+    const std::string what = fmt::format("textures[{}]", texture);
+    if (const MaybeIndex source = maybe(j, "source", m_.images.size(), what)) return source;
+    for (const char* name : {"EXT_texture_webp", "EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"}) {
+      if (const Json* extension = extensionOf(j, name)) {
+        if (const MaybeIndex source = maybe(*extension, "source", m_.images.size(), what)) return source;
+      }
+    }
+    return std::nullopt;
+  }
+
+  std::optional<TextureUse> textureUse(const Json& object, const char* key, const std::string& what) const {
+    const auto found = object.find(key);
+    if (found == object.end()) return std::nullopt;
+    const std::string place = what + "." + key;
+    const MaybeIndex image = imageOf(index(found->at("index"), list("textures").size(), place));
+    if (!image) return std::nullopt;
+    TextureUse use;
+    use.image = *image;
+    use.coordinates = static_cast<unsigned>(std::min<std::uint64_t>(length(*found, "texCoord", 0, place), 1000));
+    if (const Json* transform = extensionOf(*found, "KHR_texture_transform")) {
+      numbers(*transform, "offset", place, use.offset);
+      numbers(*transform, "scale", place, use.scale);
+      use.rotation = transform->value("rotation", 0.0);
+      use.coordinates =
+          static_cast<unsigned>(std::min<std::uint64_t>(length(*transform, "texCoord", use.coordinates, place), 1000));
+    }
+    return use;
+  }
+
+  Material material(const Json& j, const std::string& what) const {
+    Material m;
+    m.name = j.value("name", std::string());
+    if (const Json* old = extensionOf(j, "KHR_materials_pbrSpecularGlossiness")) {
+      numbers(*old, "diffuseFactor", what, m.color);
+      m.texture = textureUse(*old, "diffuseTexture", what);
+      m.metallic = 0;
+      m.roughness = 1 - old->value("glossinessFactor", 1.0);
+    } else if (const Json* pbr = objectIn(j, "pbrMetallicRoughness")) {
+      numbers(*pbr, "baseColorFactor", what, m.color);
+      m.texture = textureUse(*pbr, "baseColorTexture", what);
+      m.metallic = pbr->value("metallicFactor", 1.0);
+      m.roughness = pbr->value("roughnessFactor", 1.0);
+    }
+    const std::string mode = j.value("alphaMode", std::string("OPAQUE"));
+    m.alpha = mode == "MASK"    ? Material::Alpha::Mask
+              : mode == "BLEND" ? Material::Alpha::Blend
+                                : Material::Alpha::Opaque;
+    m.cutoff = j.value("alphaCutoff", 0.5);
+    return m;
+  }
+
+  Mesh mesh(const Json& j, const std::string& what) const {
+    Mesh m;
+    if (j.contains("weights")) m.weights = j["weights"].get<std::vector<double>>();
+    const Json& primitives = j.at("primitives");
+    if (!primitives.is_array()) fail(what + ".primitives is not a list");
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+      const std::string place = fmt::format("{}.primitives[{}]", what, i);
+      const std::uint64_t mode = length(primitives[i], "mode", 4, place);
+      if (mode > 6) fail(place + " has an unknown mode");
+      if (mode < 4) continue;  // points and lines
+      Primitive p = primitive(primitives[i], place);
+      p.mode = static_cast<Primitive::Mode>(mode);
+      if (p.attributes.contains("POSITION")) m.primitives.push_back(std::move(p));
+    }
+    return m;
+  }
+
+  Primitive primitive(const Json& j, const std::string& what) const {
+    Primitive p;
+    p.material = maybe(j, "material", m_.materials.size(), what);
+    if (!j.contains("attributes") || !j["attributes"].is_object()) return p;
+    p.attributes = attributes(j["attributes"], what);
+    p.indices = maybe(j, "indices", m_.accessors.size(), what);
+    const auto position = p.attributes.find("POSITION");
+    if (position == p.attributes.end()) return p;
+    const Accessor& positions = m_.accessors[position->second];
+    if (positions.width != 3) fail(what + " has positions that are not 3 numbers");
+    if (const Json* draco = extensionOf(j, "KHR_draco_mesh_compression")) {
+      p.draco = Primitive::Draco{};
+      p.draco->view = index(draco->at("bufferView"), m_.views.size(), what + ".bufferView");
+      for (const auto& [name, id] : draco->at("attributes").items()) {
+        p.draco->attributes[name] = static_cast<std::uint32_t>(index(id, UINT32_MAX, what + "." + name));
+      }
+      if (!p.draco->attributes.contains("POSITION")) {
+        fail(fmt::format("is not valid glTF: {} has no compressed positions", what));
+      }
+    } else if (p.indices) {
+      const Accessor& indices = m_.accessors[*p.indices];
+      if (indices.width != 1) fail(what + " has indices that are not scalars");
+      if (!indices.view && !indices.sparse && indices.count > 0) fail(what + " has indices without data");
+    }
+    for (const Json& target : listIn(j, "targets", what + ".targets")) p.targets.push_back(attributes(target, what));
+    return p;
+  }
+
+  Skin skin(const Json& j, const std::string& what) const {
+    Skin s;
+    const std::size_t nodes = list("nodes").size();
+    for (const Json& joint : j.at("joints")) s.joints.push_back(index(joint, nodes, what + ".joints"));
+    s.inverseBindMatrices = maybe(j, "inverseBindMatrices", m_.accessors.size(), what);
+    if (s.inverseBindMatrices) {
+      const Accessor& a = m_.accessors[*s.inverseBindMatrices];
+      if (a.width != 16 || a.count < s.joints.size()) {
+        fail(fmt::format("is not valid glTF: {} has fewer matrices than joints", what));
+      }
+    }
+    return s;
+  }
+
+  Node node(const Json& j, const std::string& what) const {
+    Node n;
+    n.name = j.value("name", std::string());
+    const std::size_t nodes = list("nodes").size();
+    for (const Json& child : listIn(j, "children", what + ".children")) {
+      n.children.push_back(index(child, nodes, "a child of a node"));
+    }
+    n.mesh = maybe(j, "mesh", m_.meshes.size(), what);
+    n.skin = maybe(j, "skin", m_.skins.size(), what);
+    if (j.contains("weights")) n.weights = j["weights"].get<std::vector<double>>();
+    std::array<double, 16> matrix{};
+    if (numbers(j, "matrix", what, matrix)) n.matrix = matrix;
+    numbers(j, "translation", what, n.translation);
+    numbers(j, "rotation", what, n.rotation);
+    numbers(j, "scale", what, n.scale);
+    if (const Json* visibility = extensionOf(j, "KHR_node_visibility")) n.visible = visibility->value("visible", true);
+    if (const Json* instancing = extensionOf(j, "EXT_mesh_gpu_instancing")) {
+      const std::string place = what + ".EXT_mesh_gpu_instancing";
+      n.instances = attributes(instancing->at("attributes"), place);
+      const auto first = n.instances->begin();
+      for (const auto& [name, accessor] : *n.instances) {
+        if (m_.accessors[accessor].count != m_.accessors[first->second].count) {
+          fail(fmt::format("is not valid glTF: {} has {} of {}, but {} of {}", place, m_.accessors[first->second].count,
+                           first->first, m_.accessors[accessor].count, name));
+        }
+      }
+    }
+    return n;
+  }
+
+  Animation animation(const Json& j, const std::string& what) const {
+    Animation a;
+    a.name = j.value("name", std::string());
+    for (const Json& s : j.at("samplers")) {
+      Animation::Sampler sampler;
+      sampler.input = index(s.at("input"), m_.accessors.size(), what + ".input");
+      sampler.output = index(s.at("output"), m_.accessors.size(), what + ".output");
+      const std::string how = s.value("interpolation", std::string("LINEAR"));
+      sampler.interpolation = how == "STEP"          ? Animation::Interpolation::Step
+                              : how == "CUBICSPLINE" ? Animation::Interpolation::CubicSpline
+                                                     : Animation::Interpolation::Linear;
+      a.samplers.push_back(sampler);
+    }
+    for (const Json& c : j.at("channels")) {
+      using Path = Animation::Path;
+      static const std::map<std::string, Path> kPaths{{"translation", Path::Translation},
+                                                      {"rotation", Path::Rotation},
+                                                      {"scale", Path::Scale},
+                                                      {"weights", Path::Weights}};
+      Animation::Channel channel;
+      channel.sampler = index(c.at("sampler"), a.samplers.size(), what + ": a channel's sampler");
+      const Json& target = c.at("target");
+      const std::string path = target.at("path").get<std::string>();
+      if (path == "pointer") {
+        if (!visibilityPointer(target, channel, what)) continue;
+      } else {
+        const auto known = kPaths.find(path);
+        if (known == kPaths.end() || !target.contains("node")) continue;  // what other extensions move
+        channel.path = known->second;
+        channel.node = index(target["node"], m_.nodes.size(), what + "'s target");
+      }
+      a.channels.push_back(channel);
+    }
+    return a;
+  }
+
+  // KHR_animation_pointer may switch nodes on and off; what else it points at is not seen by a beam.
+  bool visibilityPointer(const Json& target, Animation::Channel& channel, const std::string& what) const {
+    const Json* extension = extensionOf(target, "KHR_animation_pointer");
+    if (extension == nullptr) return false;
+    const std::string pointer = extension->value("pointer", std::string());
+    constexpr std::string_view kNodes = "/nodes/";
+    constexpr std::string_view kVisible = "/extensions/KHR_node_visibility/visible";
+    if (!pointer.starts_with(kNodes) || !pointer.ends_with(kVisible)) return false;
+    const Json number = Json::parse(pointer.substr(kNodes.size(), pointer.size() - kNodes.size() - kVisible.size()));
+    channel.path = Animation::Path::Visible;
+    channel.node = index(number, m_.nodes.size(), what + "'s target");
+    return true;
+  }
+
+  // Every node is reached at most once from the scene: no cycles, no shared children.
+  void scene() {
+    const Json& scenes = list("scenes");
+    if (scenes.empty()) fail("has no scene: export it with its nodes in a scene");
+    const MaybeIndex chosen = maybe(json_, "scene", scenes.size(), "the file");
+    for (const Json& root : listIn(scenes[chosen.value_or(0)], "nodes", "nodes of a scene")) {
+      m_.roots.push_back(index(root, m_.nodes.size(), "a node of the scene"));
+    }
+    std::vector<std::pair<Index, int>> open;
+    for (const Index root : m_.roots) open.emplace_back(root, 1);
+    std::vector<bool> seen(m_.nodes.size(), false);
+    while (!open.empty()) {
+      const auto [at, depth] = open.back();
+      open.pop_back();
+      if (seen[at]) fail(fmt::format("nodes[{}] has two parents, or is its own ancestor", at));
+      if (depth > kMaxDepth) fail(fmt::format("has nodes nested over {} deep", kMaxDepth));
+      seen[at] = true;
+      for (const Index child : m_.nodes[at].children) open.emplace_back(child, depth + 1);
+    }
+  }
+
+  Model& m_;
+  const Json& json_;
+  std::uint64_t binBytes_;
+};
+
+}  // namespace
+
+std::size_t sizeOf(Component component) {
+  switch (component) {
+    case Component::Int8:
+    case Component::UInt8:
+      return 1;
+    case Component::Int16:
+    case Component::UInt16:
+      return 2;
+    case Component::UInt32:
+    case Component::Float:
+      break;
+  }
+  return 4;
+}
+
+void Model::fail(const std::string& what) const {
+  throw InputError({file.string()}, what);
+}
+
+Model readModel(const std::filesystem::path& file, const std::filesystem::path& name) {
+  Container container = readContainer(file, name);
+  Model model;
+  model.file = name;
+  model.bin = std::move(container.bin);
+  try {
+    const Json json = Json::parse(container.json);
+    Reader(model, json, model.bin.size()).read();
+  } catch (const Json::exception& e) {
+    model.fail(fmt::format("is not valid glTF: {}", e.what()));
+  }
+  return model;
+}
+
+}  // namespace scanmill::gltf

@@ -1,0 +1,162 @@
+#pragma once
+
+// A glTF 2.0 file, read and checked. Terms are those of its specification, chapters 3 to 5.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/vec.h"
+
+namespace scanmill::gltf {
+
+using Index = std::size_t;
+using MaybeIndex = std::optional<Index>;
+
+struct Buffer {
+  std::string uri;  // a file's name, decoded, or data:; empty for the GLB's binary chunk
+  std::uint64_t length = 0;
+};
+
+// How EXT_meshopt_compression or KHR_meshopt_compression holds a view's bytes.
+struct Meshopt {
+  enum class Mode { Attributes, Triangles, Indices };
+  enum class Filter { None, Octahedral, Quaternion, Exponential };
+  Index buffer = 0;
+  std::uint64_t offset = 0, length = 0, stride = 0, count = 0;
+  Mode mode = Mode::Attributes;
+  Filter filter = Filter::None;
+};
+
+struct View {
+  Index buffer = 0;
+  std::uint64_t offset = 0, length = 0;
+  std::uint64_t stride = 0;  // 0: elements are side by side
+  std::optional<Meshopt> compressed;
+};
+
+enum class Component { Int8 = 5120, UInt8 = 5121, Int16 = 5122, UInt16 = 5123, UInt32 = 5125, Float = 5126 };
+std::size_t sizeOf(Component component);
+
+struct Accessor {
+  struct Sparse {
+    std::uint64_t count = 0;
+    Index indicesView = 0, valuesView = 0;
+    std::uint64_t indicesOffset = 0, valuesOffset = 0;
+    Component indices = Component::UInt32;
+  };
+  MaybeIndex view;  // none: zeroes, or the data are compressed
+  std::uint64_t offset = 0, count = 0;
+  Component component = Component::Float;
+  std::size_t width = 1;  // components of an element
+  bool normalized = false;
+  std::optional<Sparse> sparse;
+};
+
+using Attributes = std::map<std::string, Index>;  // accessors by their names, such as POSITION
+
+struct Primitive {
+  enum class Mode { Triangles = 4, Strip = 5, Fan = 6 };
+  struct Draco {
+    Index view = 0;
+    std::map<std::string, std::uint32_t> attributes;  // the ids in it, by names
+  };
+  Mode mode = Mode::Triangles;
+  Attributes attributes;
+  MaybeIndex indices, material;
+  std::vector<Attributes> targets;
+  std::optional<Draco> draco;
+};
+
+struct Mesh {
+  std::vector<Primitive> primitives;
+  std::vector<double> weights;
+};
+
+struct Node {
+  std::string name;
+  std::vector<Index> children;
+  MaybeIndex mesh, skin;
+  std::vector<double> weights;
+  std::array<double, 3> translation{0, 0, 0}, scale{1, 1, 1};
+  std::array<double, 4> rotation{0, 0, 0, 1};    // x, y, z, w
+  std::optional<std::array<double, 16>> matrix;  // by columns; in place of the three
+  std::optional<Attributes> instances;           // EXT_mesh_gpu_instancing
+  bool visible = true;                           // KHR_node_visibility; false hides what is below it, too
+};
+
+struct Skin {
+  std::vector<Index> joints;
+  MaybeIndex inverseBindMatrices;
+};
+
+struct Animation {
+  enum class Interpolation { Linear, Step, CubicSpline };
+  enum class Path { Translation, Rotation, Scale, Weights, Visible };
+  struct Sampler {
+    Index input = 0, output = 0;
+    Interpolation interpolation = Interpolation::Linear;
+  };
+  struct Channel {
+    Index sampler = 0, node = 0;
+    Path path = Path::Translation;
+  };
+  std::string name;
+  std::vector<Sampler> samplers;
+  std::vector<Channel> channels;
+};
+
+struct Image {
+  std::string name;
+  std::string uri;  // as Buffer::uri
+  MaybeIndex view;
+};
+
+// What of a texture's place in a material counts here.
+struct TextureUse {
+  Index image = 0;
+  unsigned coordinates = 0;                         // of TEXCOORD_n
+  std::array<double, 2> offset{0, 0}, scale{1, 1};  // KHR_texture_transform
+  double rotation = 0;                              // rad, counter-clockwise with v down
+};
+
+struct Material {
+  enum class Alpha { Opaque, Mask, Blend };
+  std::string name;
+  std::array<double, 4> color{1, 1, 1, 1};  // linear
+  std::optional<TextureUse> texture;        // of the base colour
+  double metallic = 1, roughness = 1;
+  Alpha alpha = Alpha::Opaque;
+  double cutoff = 0.5;
+};
+
+struct Model {
+  std::filesystem::path file;  // its name
+  std::string bin;             // the GLB's binary chunk
+  std::vector<Buffer> buffers;
+  std::vector<View> views;
+  std::vector<Accessor> accessors;
+  std::vector<Mesh> meshes;
+  std::vector<Node> nodes;
+  std::vector<Index> roots;  // of the scene
+  std::vector<Skin> skins;
+  std::vector<Animation> animations;
+  std::vector<Image> images;
+  std::vector<Material> materials;
+
+  // Throws InputError that names the file.
+  [[noreturn]] void fail(const std::string& what) const;
+};
+
+// Reads a .gltf or .glb. Points and lines are left out. Every index, range and length has been checked against the
+// files, and the nodes of the scene form a tree. Throws InputError that names the file and what is wrong with it, such
+// as an extension that it requires and that is unknown here. It is called `name`, beside which the files lie that it
+// names.
+Model readModel(const std::filesystem::path& file, const std::filesystem::path& name);
+
+}  // namespace scanmill::gltf
