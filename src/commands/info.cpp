@@ -22,6 +22,7 @@
 #include "pipeline/read/pipeline.h"
 #include "scene/assets/asset.h"
 #include "scene/gltf/reader.h"
+#include "scene/part_traits.h"
 #include "scene/scene.h"
 #include "sensors/sensor.h"
 
@@ -211,7 +212,13 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
                          m.source});
   }
   fmt::print("\n{}", formatTable(materials));
+  if (!scene.rules.empty()) {
+    Rows rules{{"rule", "matches", "gives", "triangles"}};
+    for (const RuleUse& r : scene.rules) rules.push_back({r.where.text(), r.match, r.gives, grouped(r.decided)});
+    fmt::print("\n{}", formatTable(rules));
+  }
   for (const std::string& line : sizeWarnings(scene)) warn(line);
+  for (const std::string& line : ruleWarnings(scene)) warn(line);
   for (const std::string& line : shareWarnings(scene)) warn(line);
 }
 
@@ -245,7 +252,8 @@ std::string upUsed(const std::filesystem::path& file, const AssetOptions& option
                  [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c + 32) : c; });
   if (kind == ".dae" || kind == ".fbx") return "as the file declares";
   if (kind == ".blend") return "z, as its kind has it";
-  return kind == ".gltf" || kind == ".glb" || kind == ".ac" ? "y, as its kind has it" : "z, as its kind does not say";
+  return kind == ".gltf" || kind == ".glb" || kind.starts_with(".ac") ? "y, as its kind has it"
+                                                                      : "z, as its kind does not say";
 }
 
 void printClips(const std::filesystem::path& file) {
@@ -256,6 +264,48 @@ void printClips(const std::filesystem::path& file) {
     rows.push_back({c.name, fmt::format("{:.4g}", c.first), fmt::format("{:.4g}", c.last)});
   fmt::print("\n{}", formatTable(rows));
   fmt::print("`animation: {{clip: NAME}}` of the object in a scene plays one, with `time_s` it stands\n");
+}
+
+// The colours of triangles that rules of a scene can match, material by material; those near a commoner one are counted
+// with it.
+void printColors(const Asset& asset) {
+  constexpr std::size_t kMostColors = 12;  // of a material
+  using Counts = std::map<Rgb, std::uint64_t>;
+  std::map<std::pair<std::string, std::string>, Counts> byMaterial;
+  const auto count = [&](const AssetPart& part) {
+    const PartTraits traits(part, 0, false);
+    Counts& counts = byMaterial[{part.material, part.texture}];
+    for (std::size_t t = 0; t < part.triangles.size(); ++t) ++counts[traits.at(t).color];
+  };
+  for (const AssetPart& part : asset.parts) count(part);
+  for (const InstancedParts& instanced : asset.instanced) {
+    for (const AssetPart& part : instanced.parts) count(part);
+  }
+  Rows rows{{"material", "texture", "color", "triangles"}};
+  for (const auto& [names, counts] : byMaterial) {
+    std::vector<std::pair<Rgb, std::uint64_t>> sorted(counts.begin(), counts.end());
+    std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    std::vector<std::pair<Rule, std::uint64_t>> groups;
+    for (const auto& [color, triangles] : sorted) {
+      TriangleTraits traits;
+      traits.color = color;
+      auto group =
+          std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return matchesTriangle(g.first, traits); });
+      if (group == groups.end()) {
+        if (groups.size() == kMostColors) continue;
+        groups.emplace_back(Rule{}, 0);
+        group = groups.end() - 1;
+        group->first.colors = {color};
+      }
+      group->second += triangles;
+    }
+    for (const auto& [rule, triangles] : groups) {
+      const Rgb& c = rule.colors.front();
+      rows.push_back(
+          {names.first, names.second, fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]), grouped(triangles)});
+    }
+  }
+  fmt::print("\n{}", formatTable(rows));
 }
 
 void printAsset(const std::filesystem::path& file, const AssetOptions& options) {
@@ -302,6 +352,7 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
       "read with unit: {:g} (m per unit) and up: {}; others by --unit and --up here, by the keys `unit` and `up` of "
       "the object in a scene\n",
       options.metresPerUnit, upUsed(file, options));
+  if (options.textures) printColors(asset);
   if (nodes.size() < 2) return;
   const auto diagonal = [](const Node& n) { return length(n.box.high - n.box.low); };
   std::stable_sort(nodes.begin(), nodes.end(), [&](const Node& a, const Node& b) { return diagonal(a) > diagonal(b); });
@@ -362,7 +413,7 @@ void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
 
 AssetOptions assetOptions(const Arguments& parsed) {
   AssetOptions options;
-  options.textures = false;
+  options.textures = parsed.options.count("colors") > 0;
   options.metresPerUnit =
       readNumber(parseYaml(parsed.options["unit"].as<std::string>(), "--unit"), "--unit", {1e-9, 1e9});
   if (parsed.options.count("up") > 0) {
@@ -380,7 +431,8 @@ int runInfo(const std::vector<std::string>& arguments) {
   cxxopts::Options options = describe(command);
   options.add_options()("unit", "metres per unit of a 3D file", cxxopts::value<std::string>()->default_value("1"))(
       "up", "up axis of a 3D file: x, y or z (default: as the file or its kind says)", cxxopts::value<std::string>())(
-      "seed", "of a procedural scene", cxxopts::value<std::uint64_t>()->default_value("1"), "N");
+      "seed", "of a procedural scene", cxxopts::value<std::uint64_t>()->default_value("1"), "N")(
+      "colors", "the colours of a 3D file's triangles, which labelling rules can match");
   const Arguments parsed =
       parseArguments(command, options, arguments,
                      "  scanmill info out/quickstart\n"

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "base/grouped.h"
 #include "base/parallel.h"
@@ -42,17 +43,37 @@ void printSequences(const Pipeline& pipeline) {
   fmt::print("{}\n", formatTable(rows));
 }
 
-void printUnlabeled(const std::map<std::string, std::uint64_t>& unlabeled) {
+// By file, material and texture, the largest first.
+void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
+  constexpr std::size_t kMostRows = 20;
   if (unlabeled.empty()) {
     fmt::print("unlabelled geometry: none\n");
     return;
   }
-  std::vector<std::pair<std::string, std::uint64_t>> sorted(unlabeled.begin(), unlabeled.end());
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  struct Group {
+    std::uint64_t triangles = 0;
+    std::set<std::string> nodes;
+  };
+  std::map<UnlabeledPart, Group> groups;
+  for (const auto& [part, triangles] : unlabeled) {
+    Group& group = groups[{part.file, part.material, part.texture, {}}];
+    group.triangles += triangles;
+    group.nodes.insert(part.node);
+  }
+  std::vector<std::pair<UnlabeledPart, Group>> sorted(groups.begin(), groups.end());
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.second.triangles > b.second.triangles; });
   fmt::print("unlabelled geometry (no rule gives it a class):\n");
-  std::vector<std::vector<std::string>> rows{{"asset: node (material)", "triangles"}};
-  for (const auto& [what, triangles] : sorted) rows.push_back({what, grouped(triangles)});
+  std::vector<std::vector<std::string>> rows{{"file", "material", "texture", "nodes", "triangles"}};
+  for (std::size_t i = 0; i < std::min(sorted.size(), kMostRows); ++i) {
+    const auto& [part, group] = sorted[i];
+    const std::string& first = *group.nodes.begin();
+    rows.push_back({part.file, part.material, part.texture,
+                    group.nodes.size() == 1 ? first : fmt::format("{} and {} more", first, group.nodes.size() - 1),
+                    grouped(group.triangles)});
+  }
   fmt::print("{}", formatTable(rows));
+  if (sorted.size() > kMostRows) fmt::print("and {} more of file, material and texture\n", sorted.size() - kMostRows);
 }
 
 // What a feature adds to a frame, in ms and in per cent of the frame; where that drowns in the scatter, how large that
@@ -118,7 +139,8 @@ int runPlan(const std::vector<std::string>& arguments) {
 
   std::vector<std::vector<std::string>> scenes{
       {"scene", "triangles", "placed", "instances", "things", "materials", "dropped", "place"}};
-  std::map<std::string, std::uint64_t> unlabeled;
+  std::map<UnlabeledPart, std::uint64_t> unlabeled;
+  std::set<std::string> rules;  // what is said of them, once for all seeds
   std::vector<std::string> modelled = plan.modelled();
   std::uint64_t sceneBytes = 0;
   Ontology ontology;
@@ -134,6 +156,7 @@ int runPlan(const std::vector<std::string>& arguments) {
     for (const std::string& line : sizeWarnings(scene)) warn(line);
     for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
     for (const std::string& line : shareWarnings(scene)) warn(line);
+    for (const std::string& line : ruleWarnings(scene)) rules.insert(line);
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
     ontology = scene.ontology;
     if (method == nullptr) continue;
@@ -142,6 +165,7 @@ int runPlan(const std::vector<std::string>& arguments) {
     }
     sceneBytes = std::max(sceneBytes, method->memoryBytes());
   }
+  for (const std::string& line : rules) warn(line);
   // Procedural towns alone are some kind of place.
   const bool places =
       std::any_of(scenes.begin() + 1, scenes.end(), [](const auto& row) { return !row.back().empty(); });

@@ -90,6 +90,20 @@ void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::s
   nextInstanceId_ += objects;
 }
 
+void SceneBuilder::countRule(const Rule& rule, std::uint64_t matched, std::uint64_t decided) {
+  const auto place = [](const Location& l) { return std::tie(l.file, l.line, l.column); };
+  std::vector<RuleUse>& all = scene_.rules;
+  auto use = std::lower_bound(all.begin(), all.end(), rule.where,
+                              [&](const RuleUse& u, const Location& where) { return place(u.where) < place(where); });
+  if (use == all.end() || place(use->where) != place(rule.where)) {
+    std::string gives = rule.drop ? "nothing: it drops them" : rule.className;
+    if (!rule.materialName.empty()) gives += (gives.empty() ? "material " : ", material ") + rule.materialName;
+    use = all.insert(use, {rule.where, scanmill::describe(rule), std::move(gives), 0, 0});
+  }
+  use->matched += matched;
+  use->decided += decided;
+}
+
 Scene SceneBuilder::finish() {
   if (scene_.placedTriangles() == 0) {
     throw InputError(

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "scene/rules.h"
 #include "scene/scene.h"
 
 namespace scanmill {
@@ -41,8 +42,11 @@ class SceneBuilder {
   // Counts triangles that were dropped before addMesh() was given their mesh.
   void addDropped(const Dropped& dropped) { scene_.dropped += dropped; }
 
-  // Counts triangles that no rule gave a class; `what` tells which, see Scene::unlabeled.
-  void addUnlabeled(const std::string& what, std::uint64_t triangles) { scene_.unlabeled[what] += triangles; }
+  // Counts triangles to which no rule gives a class.
+  void addUnlabeled(const UnlabeledPart& what, std::uint64_t triangles) { scene_.unlabeled[what] += triangles; }
+
+  // Counts the triangles that a rule matches, and of which it decides, in Scene::rules.
+  void countRule(const Rule& rule, std::uint64_t matched, std::uint64_t decided);
 
   // What kind of place it is: Scene::about.
   void describe(const std::string& about) { scene_.about = about; }

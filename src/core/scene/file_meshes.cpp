@@ -26,9 +26,10 @@ std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset
                   asset.up.value_or('-'), static_cast<int>(asset.alpha), labelling.perNode);
   if (asset.clip) key += fmt::format("\n{}\n{}", asset.clip->clip, asset.clip->time);
   for (const Rule& r : labelling.rules) {
-    for (const std::string* text : {&r.node, &r.material, &r.texture, &r.file, &r.className, &r.materialName}) {
-      key += fmt::format("\n{}:{}", text->size(), *text);
+    for (const std::string& text : {describe(r), r.className, r.materialName}) {
+      key += fmt::format("\n{}:{}", text.size(), text);
     }
+    key += fmt::format("\n{} {}", r.within, r.drop);
   }
   return key;
 }
@@ -79,8 +80,13 @@ std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path
 Asset FileMeshes::load(const std::filesystem::path& file, const AssetOptions& options, const Labelling& labelling,
                        const Location& where) const {
   try {
-    const bool mayDoWithout = std::any_of(labelling.rules.begin(), labelling.rules.end(),
-                                          [](const Rule& rule) { return !rule.materialName.empty(); });
+    const auto any = [&](const auto& is) { return std::any_of(labelling.rules.begin(), labelling.rules.end(), is); };
+    if (any([](const Rule& rule) { return !rule.colors.empty(); })) {
+      AssetOptions colored = options;
+      colored.textures = true;
+      return readAsset(file, colored);
+    }
+    const bool mayDoWithout = any([](const Rule& rule) { return !rule.materialName.empty(); });
     if (!options.textures || !mayDoWithout) return readAsset(file, options);
     AssetOptions plain = options;
     plain.textures = false;

@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "scene/part_traits.h"
+
 namespace scanmill {
 namespace {
 
@@ -24,25 +26,97 @@ Material withMaterial(const Material& material, const Material& own) {
   return m;
 }
 
+// Triangles of a part that the same rules decide on.
 struct LabelledPart {
-  const SemanticClass* semantic = nullptr;  // null: no rule gave one
-  const Material* material = nullptr;       // null: the asset's own material
+  AssetPart part;
+  const Rule* classRule = nullptr;  // null: no rule gives a class, or drops them
+  const Rule* materialRule = nullptr;
 };
 
-LabelledPart labelOf(const SceneBuilder& builder, const AssetPart& part, const Labelling& labelling) {
-  const Verdict verdict = matchRules(labelling.rules, {part.node, part.material, part.texture, labelling.file});
-  LabelledPart label;
-  if (const Rule* rule = verdict.className) {
-    label.semantic = &builder.ontology().require(rule->className, rule->where);
+// Which of the rules a part's names do not rule out.
+std::vector<std::size_t> rulesFor(const AssetPart& part, const Labelling& labelling) {
+  std::vector<std::size_t> found;
+  for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
+    if (matchesNames(labelling.rules[r], {part.node, part.material, part.texture, labelling.file})) found.push_back(r);
   }
-  if (const Rule* rule = verdict.material) {
-    label.material = &builder.library().require(rule->materialName, rule->where);
-  }
-  return label;
+  return found;
 }
 
-std::string describe(const AssetPart& part, const std::string& file) {
-  return fmt::format("{}: {} ({})", file, part.node, part.material);
+// Takes the decisions that are still open, and says whether it has taken one.
+bool decide(const Rule& rule, const Rule*& classRule, const Rule*& materialRule) {
+  const bool decides = rule.decides() && classRule == nullptr;
+  const bool covers = !rule.materialName.empty() && materialRule == nullptr;
+  if (decides) classRule = &rule;
+  if (covers) materialRule = &rule;
+  return decides || covers;
+}
+
+// How many triangles each rule matches, and of how many it decides.
+struct RuleCounts {
+  std::vector<std::uint64_t> matched, decided;
+  explicit RuleCounts(std::size_t rules) : matched(rules, 0), decided(rules, 0) {}
+};
+
+AssetPart some(const AssetPart& part, const std::vector<std::size_t>& triangles) {
+  AssetPart out = part;
+  out.positions.clear();
+  out.uvs.clear();
+  out.triangles.clear();
+  std::map<std::uint32_t, std::uint32_t> moved;
+  for (const std::size_t number : triangles) {
+    Triangle t = part.triangles[number];
+    for (std::uint32_t& corner : t) {
+      const auto [at, isNew] = moved.emplace(corner, static_cast<std::uint32_t>(out.positions.size()));
+      if (isNew) {
+        out.positions.push_back(part.positions[corner]);
+        if (!part.uvs.empty()) out.uvs.push_back(part.uvs[corner]);
+      }
+      corner = at->second;
+    }
+    out.triangles.push_back(t);
+  }
+  return out;
+}
+
+void applyRules(AssetPart part, const Labelling& labelling, double lowest, RuleCounts& counts,
+                std::vector<LabelledPart>& out) {
+  const std::vector<std::size_t> named = rulesFor(part, labelling);
+  const auto rule = [&](std::size_t r) -> const Rule& { return labelling.rules[r]; };
+  if (std::none_of(named.begin(), named.end(), [&](std::size_t r) { return rule(r).byTriangle(); })) {
+    LabelledPart whole;
+    for (const std::size_t r : named) {
+      counts.matched[r] += part.triangles.size();
+      if (decide(rule(r), whole.classRule, whole.materialRule)) counts.decided[r] += part.triangles.size();
+    }
+    whole.part = std::move(part);
+    out.push_back(std::move(whole));
+    return;
+  }
+  const PartTraits traits(part, lowest,
+                          std::any_of(named.begin(), named.end(), [&](std::size_t r) { return rule(r).size; }));
+  std::map<std::pair<const Rule*, const Rule*>, std::vector<std::size_t>> groups;
+  for (std::size_t t = 0; t < part.triangles.size(); ++t) {
+    const TriangleTraits own = traits.at(t);
+    const Rule* classRule = nullptr;
+    const Rule* materialRule = nullptr;
+    for (const std::size_t r : named) {
+      if (!matchesTriangle(rule(r), own)) continue;
+      ++counts.matched[r];
+      if (decide(rule(r), classRule, materialRule)) ++counts.decided[r];
+    }
+    groups[{classRule, materialRule}].push_back(t);
+  }
+  for (const auto& [rules, triangles] : groups) out.push_back({some(part, triangles), rules.first, rules.second});
+}
+
+double lowestOf(const std::vector<AssetPart>& parts) {
+  Box box;
+  for (const AssetPart& part : parts) {
+    for (const Vec3f& p : part.positions) {
+      if (isFinite(p)) box.add(Vec3d(p));
+    }
+  }
+  return box.low.z;
 }
 
 void append(Mesh& mesh, const AssetPart& part, std::uint16_t surface, bool withUvs) {
@@ -58,9 +132,9 @@ void append(Mesh& mesh, const AssetPart& part, std::uint16_t surface, bool withU
   }
 }
 
-void checkSize(const std::vector<AssetPart>& parts, const Labelling& labelling, const Location& where) {
+void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labelling, const Location& where) {
   std::uint64_t vertices = 0;
-  for (const AssetPart& part : parts) vertices += part.positions.size();
+  for (const LabelledPart& p : parts) vertices += p.part.positions.size();
   constexpr std::uint64_t kMostVertices = std::numeric_limits<std::uint32_t>::max();
   constexpr std::size_t kMostParts = std::numeric_limits<std::uint16_t>::max();
   if (vertices > kMostVertices || parts.size() > kMostParts) {
@@ -72,14 +146,21 @@ void checkSize(const std::vector<AssetPart>& parts, const Labelling& labelling, 
 
 // The mesh of some parts of the file; none where no triangle of them can be traced. `dropped` are triangles that they
 // have lost already, and in the end all.
-std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> parts, const Labelling& labelling,
-                                      const Location& where, Dropped& dropped) {
+std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> assetParts,
+                                      const Labelling& labelling, const Location& where, RuleCounts& counts,
+                                      Dropped& dropped) {
+  const double lowest = lowestOf(assetParts);
+  std::vector<LabelledPart> parts;
+  for (AssetPart& part : assetParts) applyRules(std::move(part), labelling, lowest, counts, parts);
+  std::erase_if(parts, [](const LabelledPart& p) { return p.classRule != nullptr && p.classRule->drop; });
   checkSize(parts, labelling, where);
-  std::vector<LabelledPart> labels;
+
+  std::vector<const SemanticClass*> classes;
   std::map<std::uint32_t, std::uint32_t> objectOfNode;  // things only, numbered in the order of the nodes
-  for (const AssetPart& part : parts) {
-    labels.push_back(labelOf(builder, part, labelling));
-    if (labels.back().semantic && labels.back().semantic->thing) objectOfNode.emplace(part.nodeIndex, 1);
+  for (const LabelledPart& p : parts) {
+    const Rule* const rule = p.classRule;
+    classes.push_back(rule == nullptr ? nullptr : &builder.ontology().require(rule->className, rule->where));
+    if (classes.back() && classes.back()->thing) objectOfNode.emplace(p.part.nodeIndex, 1);
   }
   if (labelling.perNode) {
     std::uint32_t number = 0;
@@ -90,22 +171,23 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
   mesh.name = labelling.file;
   std::vector<Material> materials;
   bool withUvs = false;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const Material& own = parts[i].fileMaterial;
-    materials.push_back(labels[i].material ? withMaterial(*labels[i].material, own) : own);
+  for (const LabelledPart& p : parts) {
+    const Material& own = p.part.fileMaterial;
+    const Rule* const rule = p.materialRule;
+    materials.push_back(rule ? withMaterial(builder.library().require(rule->materialName, rule->where), own) : own);
     withUvs = withUvs || materials.back().texture;
   }
-  std::vector<std::string> descriptions;
+  std::vector<UnlabeledPart> names;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    AssetPart part = std::move(parts[i]);
+    const AssetPart part = std::move(parts[i].part);
     Surface surface;
     surface.material = builder.addMaterial(materials[i]);
-    surface.semantic = labels[i].semantic ? labels[i].semantic->id : std::uint16_t{0};
-    surface.object = labels[i].semantic && labels[i].semantic->thing ? objectOfNode.at(part.nodeIndex) : 0;
+    surface.semantic = classes[i] ? classes[i]->id : std::uint16_t{0};
+    surface.object = classes[i] && classes[i]->thing ? objectOfNode.at(part.nodeIndex) : 0;
     surface.node = part.node;
     mesh.surfaces.push_back(std::move(surface));
     append(mesh, part, static_cast<std::uint16_t>(i), withUvs);
-    descriptions.push_back(describe(part, labelling.file));
+    names.push_back({labelling.file, part.material, part.texture, part.node});
   }
 
   dropped += clean(mesh);
@@ -113,18 +195,23 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
   std::vector<std::uint64_t> triangles(mesh.surfaces.size());
   for (const std::uint16_t surface : mesh.surfaceOf) ++triangles[surface];
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (!labels[i].semantic && triangles[i] > 0 && !labelling.counted)
-      builder.addUnlabeled(descriptions[i], triangles[i]);
+    if (!classes[i] && triangles[i] > 0 && !labelling.counted) builder.addUnlabeled(names[i], triangles[i]);
   }
   return builder.addMesh(std::move(mesh));
 }
+
 }  // namespace
 
 bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labelling& labelling) {
   const auto shows = [&](const AssetPart& part) {
     if (part.texture.empty()) return false;
-    const LabelledPart label = labelOf(builder, part, labelling);
-    return !label.material || label.material->textured;
+    for (const std::size_t r : rulesFor(part, labelling)) {
+      const Rule& rule = labelling.rules[r];
+      if (!rule.colors.empty()) return true;
+      if (rule.byTriangle() || rule.materialName.empty()) continue;
+      return builder.library().require(rule.materialName, rule.where).textured;
+    }
+    return true;
   };
   return std::any_of(asset.parts.begin(), asset.parts.end(), shows) ||
          std::any_of(asset.instanced.begin(), asset.instanced.end(), [&](const InstancedParts& instanced) {
@@ -135,21 +222,27 @@ bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labell
 std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling,
                                  const Location& where) {
   Dropped dropped = asset.dropped;
+  RuleCounts counts(labelling.rules.size());
   std::vector<PlacedMesh> meshes;
   const auto add = [&](std::vector<AssetPart> parts, std::vector<Affine> places) {
     if (parts.empty()) return;
     std::string node = parts.front().node;
-    const std::optional<std::uint32_t> mesh = addParts(builder, std::move(parts), labelling, where, dropped);
+    const std::optional<std::uint32_t> mesh = addParts(builder, std::move(parts), labelling, where, counts, dropped);
     if (mesh) meshes.push_back({*mesh, std::move(node), std::move(places)});
   };
   add(std::move(asset.parts), {});
   for (InstancedParts& instanced : asset.instanced)
     add(std::move(instanced.parts), std::move(instanced.assetFromParts));
-  if (!labelling.counted) builder.addDropped(dropped);
+  if (!labelling.counted) {
+    builder.addDropped(dropped);
+    for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
+      builder.countRule(labelling.rules[r], counts.matched[r], counts.decided[r]);
+    }
+  }
   if (meshes.empty()) {
     throw InputError(where,
-                     fmt::format("'{}' has no triangle that can be traced: {} have vertices that are not finite, "
-                                 "{} no area, {} indices out of range",
+                     fmt::format("'{}' has no triangle that can be traced and that no rule drops: {} have vertices "
+                                 "that are not finite, {} no area, {} indices out of range",
                                  labelling.file, dropped.nonFinite, dropped.degenerate, dropped.outOfRange));
   }
   return meshes;

@@ -1,7 +1,11 @@
 #include "scene/rules.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
 #include <map>
 #include <regex>
 
@@ -91,6 +95,43 @@ bool matchesGlob(std::string_view pattern, std::string_view text) {
   return p == pattern.size();
 }
 
+constexpr std::size_t kMostAlternatives = 1000;
+
+// "a{b,c{d,e}}" means ab, acd and ace. Braces that are never closed, or hold no comma, stand for themselves.
+void expandBraces(const std::string& pattern, std::vector<std::string>& out, const Location& where) {
+  for (std::size_t open = pattern.find('{'); open != std::string::npos; open = pattern.find('{', open + 1)) {
+    std::vector<std::size_t> commas{open};
+    int depth = 1;
+    std::size_t close = open + 1;
+    for (; close < pattern.size(); ++close) {
+      if (pattern[close] == '{') ++depth;
+      if (pattern[close] == '}' && --depth == 0) break;
+      if (pattern[close] == ',' && depth == 1) commas.push_back(close);
+    }
+    if (close == pattern.size() || commas.size() < 2) continue;
+    commas.push_back(close);
+    for (std::size_t k = 0; k + 1 < commas.size(); ++k) {
+      expandBraces(pattern.substr(0, open) + pattern.substr(commas[k] + 1, commas[k + 1] - commas[k] - 1) +
+                       pattern.substr(close + 1),
+                   out, where);
+    }
+    return;
+  }
+  out.push_back(pattern);
+  if (out.size() > kMostAlternatives) {
+    throw InputError(where, fmt::format("the braces of a pattern mean over {} alternatives", kMostAlternatives));
+  }
+}
+
+const std::vector<std::string>& alternatives(const std::string& pattern, const Location& where) {
+  thread_local std::map<std::string, std::vector<std::string>> cache;
+  const auto known = cache.find(pattern);
+  if (known != cache.end()) return known->second;
+  std::vector<std::string> expanded;
+  expandBraces(pattern, expanded, where);
+  return cache.emplace(pattern, std::move(expanded)).first->second;
+}
+
 std::string readPattern(Fields& match, std::string_view key) {
   const Value* value = match.find(key);
   if (!value) return {};
@@ -98,8 +139,79 @@ std::string readPattern(Fields& match, std::string_view key) {
   if (pattern.empty()) {
     throw InputError(value->where, fmt::format("the pattern of '{}' is empty; leave it out, or write \"*\"", key));
   }
-  if (isRegex(pattern)) compiled(pattern, value->where);
+  if (isRegex(pattern)) {
+    compiled(pattern, value->where);
+  } else {
+    alternatives(pattern, value->where);
+  }
   return pattern;
+}
+
+Rgb readColor(const Value& value) {
+  const std::string text = value.kind == Value::Kind::Scalar ? value.text : std::string();
+  std::uint32_t number = 0;
+  const bool hexadecimal =
+      text.size() == 7 && text[0] == '#' &&
+      std::from_chars(text.data() + 1, text.data() + 7, number, 16).ptr == text.data() + text.size();
+  if (!hexadecimal) {
+    throw InputError(
+        value.where,
+        "a color is a text in quotes such as \"#8fb34d\", red, green and blue: `scanmill info` of the file "
+        "lists them");
+  }
+  return {static_cast<std::uint8_t>(number >> 16), static_cast<std::uint8_t>(number >> 8),
+          static_cast<std::uint8_t>(number)};
+}
+
+std::vector<Rgb> readColors(const Value* value) {
+  std::vector<Rgb> colors;
+  if (value == nullptr) return colors;
+  if (value->kind != Value::Kind::Sequence) return {readColor(*value)};
+  for (const Value& item : value->items) colors.push_back(readColor(item));
+  if (colors.empty()) throw InputError(value->where, "color is an empty list; leave it out");
+  return colors;
+}
+
+constexpr Range kLengths{-1e7, 1e7};  // m
+
+std::optional<Between> readBetween(Fields& match, std::string_view key) {
+  const Value* const value = match.find(key);
+  if (value == nullptr) return std::nullopt;
+  const std::vector<double> bounds = match.numbers(key, kLengths);
+  if (bounds.size() != 2 || bounds[0] > bounds[1]) {
+    throw InputError(value->where,
+                     fmt::format("{0} must be two lengths, the lesser first, such as {0}: [0, 2.5]", key));
+  }
+  return Between{bounds[0], bounds[1]};
+}
+
+std::optional<Box> readBox(const Value* value) {
+  if (value == nullptr) return std::nullopt;
+  std::vector<std::vector<double>> corners;
+  if (value->kind == Value::Kind::Sequence) {
+    for (const Value& corner : value->items) corners.push_back(readNumbers(corner, "box", kLengths));
+  }
+  const auto isCorner = [](const std::vector<double>& c) { return c.size() == 3; };
+  if (corners.size() != 2 || !std::all_of(corners.begin(), corners.end(), isCorner)) {
+    throw InputError(value->where, "box must be two corners, such as [[0, 0, 0], [9, 9, 3]]");
+  }
+  const auto point = [&](std::size_t i) { return Vec3d{corners[i][0], corners[i][1], corners[i][2]}; };
+  const Box box{point(0), point(1)};
+  if (box.low.x > box.high.x || box.low.y > box.high.y || box.low.z > box.high.z) {
+    throw InputError(value->where, "the first corner of a box has the least x, y and z, the second the greatest");
+  }
+  return box;
+}
+
+bool isInside(const Box& box, const Vec3d& p) {
+  return box.low.x <= p.x && p.x <= box.high.x && box.low.y <= p.y && p.y <= box.high.y && box.low.z <= p.z &&
+         p.z <= box.high.z;
+}
+
+// Without the folders, whichever way the strokes lean.
+std::string_view baseName(std::string_view path) {
+  const std::size_t last = path.find_last_of("/\\");
+  return last == std::string_view::npos ? path : path.substr(last + 1);
 }
 
 Rule readRule(const Value& value) {
@@ -119,26 +231,35 @@ Rule readRule(const Value& value) {
     rule.material = readPattern(m, "material");
     rule.texture = readPattern(m, "texture");
     rule.file = readPattern(m, "file");
+    rule.colors = readColors(m.find("color"));
+    if (m.has("within")) {
+      if (rule.colors.empty())
+        throw InputError(m.require("within").where, "within needs a color, from which it counts");
+      rule.within = static_cast<int>(m.integer("within", 0, 255));
+    }
+    rule.box = readBox(m.find("box"));
+    rule.height = readBetween(m, "height");
+    rule.size = readBetween(m, "size");
     m.finish();
-    if (rule.node.empty() && rule.material.empty() && rule.texture.empty() && rule.file.empty()) {
-      throw InputError(match.where, "match names no pattern: give node, material, texture or file, or write 'any'");
+    if (rule.node.empty() && rule.material.empty() && rule.texture.empty() && rule.file.empty() && !rule.byTriangle()) {
+      throw InputError(match.where,
+                       "match says nothing: give node, material, texture, file, color, box, height or size, or write "
+                       "'any'");
     }
   }
   rule.className = f.text("class", "");
   rule.materialName = f.text("material", "");
+  rule.drop = f.boolean("drop", false);
   f.finish();
-  if (rule.className.empty() && rule.materialName.empty()) {
-    throw InputError(value.where, "the rule sets neither class nor material");
+  if (rule.drop && !(rule.className.empty() && rule.materialName.empty())) {
+    throw InputError(value.where, "what a rule drops has neither class nor material");
+  }
+  if (!rule.drop && rule.className.empty() && rule.materialName.empty()) {
+    throw InputError(value.where,
+                     "the rule sets neither class nor material; `drop: true` would leave out what it "
+                     "matches");
   }
   return rule;
-}
-
-bool fits(const Rule& rule, const Names& names) {
-  const auto holds = [&](const std::string& pattern, std::string_view text) {
-    return pattern.empty() || matches(pattern, text, rule.where);
-  };
-  return holds(rule.node, names.node) && holds(rule.material, names.material) && holds(rule.texture, names.texture) &&
-         holds(rule.file, names.file);
 }
 
 }  // namespace
@@ -153,7 +274,10 @@ std::vector<Rule> readRules(const Value& value) {
 }
 
 bool matches(const std::string& pattern, std::string_view text, const Location& where) {
-  if (!isRegex(pattern)) return matchesGlob(pattern, text);
+  if (!isRegex(pattern)) {
+    const std::vector<std::string>& globs = alternatives(pattern, where);
+    return std::any_of(globs.begin(), globs.end(), [&](const std::string& glob) { return matchesGlob(glob, text); });
+  }
   if (text.size() > kLongestName) {
     throw InputError(where, fmt::format("a name of {} characters is too long for a regular expression (at most {}); "
                                         "use a glob",
@@ -166,17 +290,55 @@ bool matches(const std::string& pattern, std::string_view text, const Location& 
   }
 }
 
-Verdict matchRules(const std::vector<Rule>& rules, const Names& names) {
-  Verdict verdict;
-  for (const Rule& rule : rules) {
-    const bool wanted =
-        (!verdict.className && !rule.className.empty()) || (!verdict.material && !rule.materialName.empty());
-    if (!wanted || !fits(rule, names)) continue;
-    if (!verdict.className && !rule.className.empty()) verdict.className = &rule;
-    if (!verdict.material && !rule.materialName.empty()) verdict.material = &rule;
-    if (verdict.className && verdict.material) break;
+bool matchesNames(const Rule& rule, const Names& names) {
+  const auto holds = [&](const std::string& pattern, std::string_view text) {
+    return pattern.empty() || matches(pattern, text, rule.where);
+  };
+  const auto holdsTexture = [&] {
+    if (rule.texture.empty()) return true;
+    if (isRegex(rule.texture) || rule.texture.find('/') != std::string::npos) {
+      std::string path(names.texture);
+      std::replace(path.begin(), path.end(), '\\', '/');
+      return matches(rule.texture, path, rule.where);
+    }
+    return matches(rule.texture, baseName(names.texture), rule.where);
+  };
+  return holds(rule.node, names.node) && holds(rule.material, names.material) && holdsTexture() &&
+         holds(rule.file, names.file);
+}
+
+bool matchesTriangle(const Rule& rule, const TriangleTraits& traits) {
+  const auto isNear = [&](const Rgb& color) {
+    for (std::size_t c = 0; c < color.size(); ++c) {
+      if (std::abs(int{color[c]} - int{traits.color[c]}) > rule.within) return false;
+    }
+    return true;
+  };
+  return (rule.colors.empty() || std::any_of(rule.colors.begin(), rule.colors.end(), isNear)) &&
+         (!rule.box || isInside(*rule.box, traits.middle)) && (!rule.height || rule.height->holds(traits.height)) &&
+         (!rule.size || rule.size->holds(traits.size));
+}
+
+std::string describe(const Rule& rule) {
+  std::vector<std::string> parts;
+  for (const auto& [key, pattern] : {std::pair{"node", &rule.node},
+                                     {"material", &rule.material},
+                                     {"texture", &rule.texture},
+                                     {"file", &rule.file}}) {
+    if (!pattern->empty()) parts.push_back(fmt::format("{}: {}", key, *pattern));
   }
-  return verdict;
+  if (!rule.colors.empty()) {
+    std::vector<std::string> colors;
+    for (const Rgb& c : rule.colors) colors.push_back(fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]));
+    parts.push_back(fmt::format("color: {}", fmt::join(colors, " ")));
+  }
+  if (rule.box) {
+    const auto& [low, high] = *rule.box;
+    parts.push_back(fmt::format("box: {:g} {:g} {:g} to {:g} {:g} {:g}", low.x, low.y, low.z, high.x, high.y, high.z));
+  }
+  if (rule.height) parts.push_back(fmt::format("height: {:g} to {:g}", rule.height->low, rule.height->high));
+  if (rule.size) parts.push_back(fmt::format("size: {:g} to {:g}", rule.size->low, rule.size->high));
+  return parts.empty() ? "any" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
 }  // namespace scanmill

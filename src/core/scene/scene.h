@@ -83,6 +83,20 @@ struct Instance {
   std::uint32_t meshAt(double time) const { return animation == nullptr ? mesh : animation->at(time); }
 };
 
+// Names in an asset of what no rule gives a class.
+struct UnlabeledPart {
+  std::string file, material, texture, node;
+  auto operator<=>(const UnlabeledPart&) const = default;
+};
+
+// What came of a rule of the scene's file, in triangles of meshes.
+struct RuleUse {
+  Location where;
+  std::string match, gives;   // in words
+  std::uint64_t matched = 0;  // whatever other rules do
+  std::uint64_t decided = 0;  // to which it gave a class or a material, or which it dropped
+};
+
 struct Scene {
   std::string name;
   std::uint64_t seed = 0;
@@ -95,7 +109,8 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   Dropped dropped;
-  std::map<std::string, std::uint64_t> unlabeled;  // "file: node (material)" -> triangles that no rule matched
+  std::map<UnlabeledPart, std::uint64_t> unlabeled;  // triangles to which no rule gives a class
+  std::vector<RuleUse> rules;                        // in the order of their places
 
   bool moves() const;                     // some instance does
   std::uint64_t triangles() const;        // of the meshes, each counted once

@@ -64,42 +64,67 @@ TEST(Regexes, badOnesAreRefusedWithTheirPlace) {
   expectInputError([] { matches("/(x+)*y/", std::string(100000, 'x'), kWhere); }, {"rules.yaml:1:1", "100000"});
 }
 
-TEST(Rules, firstMatchWins) {
-  const auto list = rules(
-      "- {match: {node: 'Road*'}, class: road}\n"
-      "- {match: {node: '*Mesh'}, class: terrain}\n"
-      "- {match: any, class: object}\n");
-  const auto classOf = [&](std::string_view node) {
-    return matchRules(list, {node, "m", "", "f"}).className->className;
-  };
-  EXPECT_EQ(classOf("RoadMesh"), "road");
-  EXPECT_EQ(classOf("GrassMesh"), "terrain");
-  EXPECT_EQ(classOf("x"), "object");
+TEST(Globs, BracesHoldAlternatives) {
+  for (const char* const name : {"tree_1", "bush_1", "hedge_low_1", "hedge_high_1"}) {
+    EXPECT_TRUE(matches("{tree,bush,hedge_{low,high}}_?", name, kWhere)) << name;
+  }
+  EXPECT_FALSE(matches("{tree,bush}_?", "hedge_1", kWhere));
+  EXPECT_TRUE(matches("{,big_}car", "car", kWhere));
+  EXPECT_TRUE(matches("{a}", "{a}", kWhere)) << "no comma: braces";
+  EXPECT_TRUE(matches("{a,b", "{a,b", kWhere)) << "never closed: a brace";
+  std::string many;
+  for (int i = 0; i < 11; ++i) many += "{a,b}";
+  expectInputError([&] { matches(many, "x", kWhere); }, {"rules.yaml:1:1", "alternatives"});
 }
 
-TEST(Rules, classAndMaterialAreLookedForApart) {
-  const auto list = rules(
-      "- {match: {material: dark}, material: glass}\n"
-      "- {match: {node: House}, class: building}\n"
-      "- {match: any, class: object, material: wood}\n");
-  const Verdict dark = matchRules(list, {"House", "dark", "", ""});
-  EXPECT_EQ(dark.className->className, "building");
-  EXPECT_EQ(dark.material->materialName, "glass");
-  const Verdict wall = matchRules(list, {"House", "wall", "", ""});
-  EXPECT_EQ(wall.className->className, "building");
-  EXPECT_EQ(wall.material->materialName, "wood");
-  EXPECT_EQ(matchRules(list, {"Tree", "dark", "", ""}).className->className, "object");
-  EXPECT_EQ(wall.className->where.line, 2);
-}
-
-TEST(Rules, allPatternsMustHold) {
+TEST(Rules, AllPatternsMustHold) {
   const auto list = rules("- {match: {node: a, material: b, texture: '*c*', file: '/d$/'}, class: car}\n");
-  EXPECT_NE(matchRules(list, {"a", "b", "xcx", "d"}).className, nullptr);
-  EXPECT_EQ(matchRules(list, {"A", "b", "xcx", "d"}).className, nullptr);
-  EXPECT_EQ(matchRules(list, {"a", "B", "xcx", "d"}).className, nullptr);
-  EXPECT_EQ(matchRules(list, {"a", "b", "", "d"}).className, nullptr);
-  EXPECT_EQ(matchRules(list, {"a", "b", "xcx", "de"}).className, nullptr);
-  EXPECT_EQ(matchRules(list, {"a", "b", "xcx", "d"}).material, nullptr);
+  EXPECT_TRUE(matchesNames(list[0], {"a", "b", "xcx", "d"}));
+  EXPECT_FALSE(matchesNames(list[0], {"A", "b", "xcx", "d"}));
+  EXPECT_FALSE(matchesNames(list[0], {"a", "B", "xcx", "d"}));
+  EXPECT_FALSE(matchesNames(list[0], {"a", "b", "", "d"}));
+  EXPECT_FALSE(matchesNames(list[0], {"a", "b", "xcx", "de"}));
+}
+
+// The same rule serves files that write textures' folders and those that do not, with whichever strokes.
+TEST(Rules, TexturesAreMatchedByTheirNameOrTheirPath) {
+  const auto list = rules(
+      "- {match: {texture: 'leaf*.png'}, class: tree}\n"
+      "- {match: {texture: 'trees/*'}, class: tree}\n"
+      "- {match: {texture: '/trees/'}, class: tree}\n");
+  for (const char* const path : {"leaf_1.png", "trees/leaf_1.png", "C:\\art\\trees\\leaf_1.png"}) {
+    EXPECT_TRUE(matchesNames(list[0], {"", "", path, ""})) << path;
+  }
+  EXPECT_TRUE(matchesNames(list[1], {"", "", "trees\\leaf_1.png", ""}));
+  EXPECT_FALSE(matchesNames(list[1], {"", "", "leaf_1.png", ""}));
+  EXPECT_TRUE(matchesNames(list[2], {"", "", "art\\trees\\leaf_1.png", ""}));
+}
+
+TEST(Rules, TrianglesAreMatchedByWhatIsTheirs) {
+  const auto list = rules(
+      "- {match: {color: '#804020', within: 8}, class: tree}\n"
+      "- {match: {color: ['#000000', '#ffffff']}, class: tree}\n"
+      "- {match: {box: [[0, 0, 0], [1, 2, 3]]}, class: tree}\n"
+      "- {match: {height: [0, 2.5], size: [1, 6]}, class: tree}\n");
+  TriangleTraits t;
+  t.color = {0x88, 0x38, 0x20};
+  EXPECT_TRUE(matchesTriangle(list[0], t));
+  t.color = {0x89, 0x40, 0x20};
+  EXPECT_FALSE(matchesTriangle(list[0], t));
+  EXPECT_FALSE(matchesTriangle(list[1], t));
+  t.color = {250, 255, 240};
+  EXPECT_TRUE(matchesTriangle(list[1], t)) << "within 16 where nothing is said";
+  t.middle = {1, 2, 3};
+  EXPECT_TRUE(matchesTriangle(list[2], t));
+  t.middle = {1, 2.1, 3};
+  EXPECT_FALSE(matchesTriangle(list[2], t));
+  t.height = 2.5;
+  t.size = 1;
+  EXPECT_TRUE(matchesTriangle(list[3], t));
+  t.size = 0.9;
+  EXPECT_FALSE(matchesTriangle(list[3], t));
+  EXPECT_TRUE(list[3].byTriangle());
+  EXPECT_EQ(describe(list[3]), "height: 0 to 2.5, size: 1 to 6");
 }
 
 TEST(Rules, badOnesAreRefusedWithTheirPlace) {
@@ -115,6 +140,15 @@ TEST(Rules, badOnesAreRefusedWithTheirPlace) {
   refuse("- {match: {node: ''}, class: car}", {"rules.yaml:1", "empty"});
   refuse("- {match: any}", {"rules.yaml:1", "class"});
   refuse("- {match: any, class: car, clas: x}", {"rules.yaml:1", "clas"});
+  refuse("- {match: any, class: car, drop: true}", {"rules.yaml:1", "drops"});
+  refuse("- {match: {color: red}, class: car}", {"rules.yaml:1", "#8fb34d"});
+  refuse("- {match: {color: '#12345g'}, class: car}", {"rules.yaml:1", "#8fb34d"});
+  refuse("- {match: {color: []}, class: car}", {"rules.yaml:1", "empty"});
+  refuse("- {match: {within: 3}, class: car}", {"rules.yaml:1", "color"});
+  refuse("- {match: {height: [3, 1]}, class: car}", {"rules.yaml:1", "height"});
+  refuse("- {match: {size: 3}, class: car}", {"rules.yaml:1", "size"});
+  refuse("- {match: {box: [[0, 0, 0]]}, class: car}", {"rules.yaml:1", "box"});
+  refuse("- {match: {box: [[0, 0, 5], [1, 1, 1]]}, class: car}", {"rules.yaml:1", "least"});
 }
 
 }  // namespace

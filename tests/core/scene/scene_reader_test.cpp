@@ -182,7 +182,7 @@ TEST_F(SceneReader, objectRulesGoBeforeShorthandBeforeSceneRules) {
 
 TEST_F(SceneReader, whatNoRuleMatchesIsUnlabeledAndCounted) {
   const Scene scene = read("  - {file: pair.obj, rules: [{match: {node: House1}, class: building}]}\n");
-  EXPECT_EQ(scene.unlabeled, (std::map<std::string, std::uint64_t>{{"pair.obj: House2 (timber)", 2}}));
+  EXPECT_EQ(scene.unlabeled, (std::map<UnlabeledPart, std::uint64_t>{{{"pair.obj", "timber", "", "House2"}, 2}}));
   const Surface& left = scene.meshes[0].surfaces[scene.meshes[0].surfaceOf.back()];
   EXPECT_EQ(left.semantic, 0);
   EXPECT_EQ(left.object, 0u);
@@ -434,7 +434,7 @@ Scene* TruckTown::scene_ = nullptr;
 
 TEST_F(TruckTown, everyTriangleHasAClass) {
   SKIP_WITHOUT_SHARED_DATA(kFolder);
-  EXPECT_TRUE(scene_->unlabeled.empty()) << scene_->unlabeled.begin()->first;
+  EXPECT_TRUE(scene_->unlabeled.empty()) << scene_->unlabeled.begin()->first.node;
   std::map<std::string, std::uint64_t> triangles;
   for (const Instance& i : scene_->instances) {
     const Mesh& mesh = scene_->meshes[i.mesh];

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "pipeline/plan/own_vehicle.h"
@@ -15,6 +16,8 @@ namespace {
 constexpr double kLargest = 5000;   // m
 constexpr double kSmallest = 1e-3;  // m
 constexpr std::size_t kMostLines = 5;
+constexpr double kTown = 30;         // m, larger than any thing
+constexpr std::size_t kSeveral = 3;  // nodes
 constexpr double kMostBlocked = 0.5;
 
 // The longest edge of a placed mesh's own box, whichever way it is turned.
@@ -48,6 +51,35 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
     lines.resize(kMostLines);
     lines.push_back(
         fmt::format("scene {}: {} more objects are larger than 5 km or smaller than 1 mm", scene.name, more));
+  }
+  return lines;
+}
+
+std::vector<std::string> ruleWarnings(const Scene& scene) {
+  std::vector<std::string> lines;
+  for (const RuleUse& rule : scene.rules) {
+    if (rule.decided > 0) continue;
+    lines.push_back(
+        rule.matched == 0
+            ? fmt::format("{}: the rule for {} matches nothing: `scanmill info FILE` lists the names of a file",
+                          rule.where.text(), rule.match)
+            : fmt::format("{}: the rule for {} gives nothing: rules before it have decided on all {} "
+                          "triangles that it matches",
+                          rule.where.text(), rule.match, rule.matched));
+  }
+  for (const Mesh& mesh : scene.meshes) {
+    if (mesh.objects != 1 || largestExtent(mesh.bounds(), {}) < kTown) continue;
+    std::map<std::uint16_t, std::set<std::string>> nodes;
+    for (const Surface& s : mesh.surfaces) {
+      if (s.object != 0) nodes[s.semantic].insert(s.node);
+    }
+    for (const auto& [id, names] : nodes) {
+      if (names.size() < kSeveral) continue;
+      lines.push_back(
+          fmt::format("scene {}: {} nodes of the class {} in '{}' are one instance: `instances: node` makes "
+                      "each its own",
+                      scene.name, names.size(), scene.ontology.find(id)->name, mesh.name));
+    }
   }
   return lines;
 }

@@ -13,6 +13,10 @@ namespace scanmill {
 // Objects whose size tells of a wrong unit: more than 5 km or less than 1 mm. A line per mesh, the first few of them.
 std::vector<std::string> sizeWarnings(const Scene& scene);
 
+// Rules that match nothing, or nothing that rules before them have not decided; and files in which all things of a
+// class are one, though their nodes are many.
+std::vector<std::string> ruleWarnings(const Scene& scene);
+
 // The seeds of a scene of which nothing follows from a seed: its sequences differ in nothing.
 std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& sequence, const Scene& scene);
 

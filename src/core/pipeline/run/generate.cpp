@@ -123,6 +123,7 @@ class DatasetRun {
       method_ = plan_.makeMethod(*scene_);
       for (const Shot& shot : plan_.shots(s, 0)) account_ += method_->prepare(shot);
       addNew(sizeWarnings(*scene_), summary_.warnings);
+      addNew(ruleWarnings(*scene_), summary_.warnings);
       addNew(seedWarnings(pipeline_, sequence, *scene_), summary_.warnings);
       addNew(shareWarnings(*scene_), summary_.warnings);
       addNew(vehicleWarnings(plan_), summary_.warnings);

@@ -3,6 +3,7 @@
 // Reads a 3D file: glTF/GLB, OBJ, PLY, STL, COLLADA, FBX, AC3D, what else assimp knows, and .blend where Blender is
 // installed.
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@ struct AssetPart {
   std::string texture;  // base colour file as the asset names it (decoded, such as "textures/leaf.png"), or empty
   Material
       fileMaterial;  // from the file: name, texture, roughness, metallic, alpha; reflectance from base colour luminance
+  std::array<float, 3> color{1, 1, 1};  // linear; the base colour where there is no texture, else what multiplies it
   std::vector<Vec3f> positions;
   std::vector<Vec2f> uvs;  // empty, or one per position; v = 0 is the image's bottom row
   std::vector<Triangle> triangles;

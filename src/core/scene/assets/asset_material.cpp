@@ -20,9 +20,9 @@ namespace {
 class MaterialReader {
  public:
   MaterialReader(const aiScene& scene, const std::filesystem::path& file, const AssetOptions& options)
-      : scene_(scene), file_(file), options_(options) {}
+      : scene_(scene), file_(file), options_(options), images_(file) {}
 
-  AssetMaterial read(unsigned index) const {
+  AssetMaterial read(unsigned index) {
     const aiMaterial& material = *scene_.mMaterials[index];
     AssetMaterial read;
     read.material.name = text(material, AI_MATKEY_NAME);
@@ -51,11 +51,13 @@ class MaterialReader {
       if (!options_.textures) color.image.reset();
     }
     color.colored = color.image != nullptr;
+    // What stands beside a texture is what the exporter happened to leave there, often black.
+    if (!color.colored) read.color = color.factor;
     // A map that names the colour's own file means that file's alpha, which the image has already.
     if (color.alpha.wanted && !opacity.name.empty() && opacity.name != map.name) {
       if (const auto mask = load(opacity, false)) color.image = withOpacity(color.image.get(), *mask, opacity.inverted);
     }
-    setColor(read.material, std::move(color), file_, options_);
+    setColor(read.material, std::move(color), file_, options_, images_);
     return read;
   }
 
@@ -113,8 +115,8 @@ class MaterialReader {
     return {true, 0.5f};
   }
 
-  std::shared_ptr<const Texture> load(const Map& map, bool onlyAlpha) const {
-    return loadColor(file_, map.label, onlyAlpha, [&]() -> std::shared_ptr<const Texture> {
+  std::shared_ptr<const Texture> load(const Map& map, bool onlyAlpha) {
+    return images_.load(map.name, map.label, onlyAlpha, [&]() -> std::shared_ptr<const Texture> {
       const aiTexture* const embedded = scene_.GetEmbeddedTexture(map.name.c_str());
       return embedded == nullptr ? nullptr : decodeEmbedded(*embedded, file_.string() + ": " + map.label);
     });
@@ -145,13 +147,14 @@ class MaterialReader {
   const aiScene& scene_;
   const std::filesystem::path& file_;
   const AssetOptions& options_;
+  ColorImages images_;
 };
 
 }  // namespace
 
 std::vector<AssetMaterial> readMaterials(const aiScene& scene, const std::filesystem::path& file,
                                          const AssetOptions& options) {
-  const MaterialReader reader(scene, file, options);
+  MaterialReader reader(scene, file, options);
   std::vector<AssetMaterial> materials;
   for (unsigned i = 0; i < scene.mNumMaterials; ++i) materials.push_back(reader.read(i));
   return materials;

@@ -2,6 +2,7 @@
 
 // The materials of an asset, translated from the importer's terms.
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,8 +15,9 @@ namespace scanmill {
 
 struct AssetMaterial {
   Material material;
-  std::string texture;     // base colour file as the asset names it, or empty
-  unsigned uvChannel = 0;  // texture coordinates that the base colour uses
+  std::array<float, 3> color{1, 1, 1};  // AssetPart::color
+  std::string texture;                  // base colour file as the asset names it, or empty
+  unsigned uvChannel = 0;               // texture coordinates that the base colour uses
 };
 
 // Returns the materials of the imported file. A missing or broken texture is a warning.

@@ -11,12 +11,13 @@
 
 namespace scanmill {
 
-void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options) {
+void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options,
+              ColorImages& images) {
   const auto& [r, g, b] = color.factor;
   const float plain = 0.2126f * r + 0.7152f * g + 0.0722f * b;  // Rec. 709, linear
   const bool tested = color.alpha.wanted && color.image && color.image->hasAlpha;
   if (color.colored) {
-    material.textureMean = meanLuminance(*color.image, tested ? color.alpha.cutoff : 0.0f);
+    material.textureMean = images.mean(color.image, tested ? color.alpha.cutoff : 0.0f);
     material.reflectance = material.textureMean * (color.tints ? plain : 1.0f);
   } else {
     material.reflectance = plain;
@@ -33,14 +34,28 @@ void setColor(Material& material, BaseColor color, const std::filesystem::path& 
   material.source = "default: " + file.filename().string() + " states no colour";
 }
 
-std::shared_ptr<const Texture> loadColor(const std::filesystem::path& asset, const std::string& name, bool onlyAlpha,
-                                         const std::function<std::shared_ptr<const Texture>()>& embedded) {
+std::shared_ptr<const Texture> ColorImages::load(const std::string& key, const std::string& name, bool onlyAlpha,
+                                                 const std::function<std::shared_ptr<const Texture>()>& embedded) {
+  const auto known = images_.find({key, onlyAlpha});
+  if (known != images_.end()) return known->second;
+  return images_[{key, onlyAlpha}] = find(name, onlyAlpha, embedded);
+}
+
+float ColorImages::mean(const std::shared_ptr<const Texture>& image, float leastAlpha) {
+  const auto [at, isNew] = means_.emplace(std::pair{image, leastAlpha}, 0.0f);
+  if (isNew) at->second = meanLuminance(*image, leastAlpha);
+  return at->second;
+}
+
+std::shared_ptr<const Texture> ColorImages::find(
+    const std::string& name, bool onlyAlpha, const std::function<std::shared_ptr<const Texture>()>& embedded) const {
   try {
     std::shared_ptr<const Texture> texture = embedded();
     if (texture == nullptr) {
-      const std::filesystem::path path = findTexture(asset, name);
+      const std::filesystem::path path = findTexture(asset_, name);
       if (path.empty()) {
-        warn(fmt::format("{}: the texture '{}' is missing; its material keeps its plain colour", asset.string(), name));
+        warn(
+            fmt::format("{}: the texture '{}' is missing; its material keeps its plain colour", asset_.string(), name));
         return nullptr;
       }
       if (onlyAlpha && !mayHaveAlpha(path)) return nullptr;
@@ -48,7 +63,7 @@ std::shared_ptr<const Texture> loadColor(const std::filesystem::path& asset, con
     }
     return onlyAlpha && !texture->hasAlpha ? nullptr : texture;
   } catch (const InputError& e) {
-    warn(fmt::format("{}: the texture '{}' is not used: {}", asset.string(), name, e.what()));
+    warn(fmt::format("{}: the texture '{}' is not used: {}", asset_.string(), name, e.what()));
     return nullptr;
   }
 }

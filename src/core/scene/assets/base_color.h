@@ -7,8 +7,10 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "scene/assets/asset.h"
 
@@ -29,13 +31,33 @@ struct BaseColor {
   AlphaTest alpha;
 };
 
-// Sets reflectance and texture of the material. White beside a texture that is not there is no colour of its own.
-void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options);
+// The images that the materials of one asset name. Each is looked for, decoded and measured once, however many
+// materials show it.
+class ColorImages {
+ public:
+  explicit ColorImages(std::filesystem::path asset) : asset_(std::move(asset)) {}
 
-// The texture that the asset at `asset` calls `name`: what `embedded` returns, or else the file that it names. Null,
-// with a warning, where it is missing or broken; null where only alpha is wanted and there is none.
-std::shared_ptr<const Texture> loadColor(const std::filesystem::path& asset, const std::string& name, bool onlyAlpha,
-                                         const std::function<std::shared_ptr<const Texture>()>& embedded);
+  // What the asset calls `name`: what `embedded` returns, or else the file of that name. Null, with a warning, where it
+  // is missing or broken; null where only alpha is wanted and there is none. No other image has its `key`.
+  std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, bool onlyAlpha,
+                                      const std::function<std::shared_ptr<const Texture>()>& embedded);
+
+  // meanLuminance() of the image.
+  float mean(const std::shared_ptr<const Texture>& image, float leastAlpha);
+
+ private:
+  std::shared_ptr<const Texture> find(const std::string& name, bool onlyAlpha,
+                                      const std::function<std::shared_ptr<const Texture>()>& embedded) const;
+
+  std::filesystem::path asset_;
+  std::map<std::pair<std::string, bool>, std::shared_ptr<const Texture>> images_;
+  std::map<std::pair<std::shared_ptr<const Texture>, float>, float> means_;
+};
+
+// Sets reflectance and texture of a material of the asset `file`. White beside a texture that is not there is no colour
+// of its own.
+void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options,
+              ColorImages& images);
 
 // From 0 to 1; the fallback where it is not finite.
 template <class Number>

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "scene/assets/ac3d.h"
 #include "scene/assets/asset_material.h"
 #include "scene/assets/asset_parts.h"
 #include "scene/assets/ply_check.h"
@@ -75,12 +76,20 @@ class Importer {
       if (!failure.empty()) fail(fmt::format("cannot be read: {}; {}", trimmed(failure), remedy()));
     }
     try {
-      scene_ = importer_.ReadFile(file_.string(), 0);
+      scene_ = read(importer_);
     } catch (const std::exception& e) {
       fail(fmt::format("cannot be read: {}; {}", e.what(), remedy()));
     }
     if (scene_ == nullptr) fail(fmt::format("cannot be read: {}; {}", reason(importer_), remedy()));
     if (scene_->mRootNode == nullptr) fail("cannot be read: it has no nodes; " + remedy());
+  }
+
+  bool isAc3d() const { return kind_ == ".ac" || kind_ == ".acc" || kind_ == ".ac3d"; }
+
+  const aiScene* read(Assimp::Importer& importer) const {
+    if (!isAc3d()) return importer.ReadFile(file_.string(), 0);
+    const std::string text = readAc3d(file_);
+    return importer.ReadFileFromMemory(text.data(), text.size(), 0, "ac");
   }
 
   void configure(Assimp::Importer& importer) const {
@@ -101,7 +110,7 @@ class Importer {
   std::string importTrial() const {
     Assimp::Importer importer;
     configure(importer);
-    const aiScene* scene = importer.ReadFile(file_.string(), 0);
+    const aiScene* scene = read(importer);
     if (scene == nullptr) return reason(importer);
     dropBadFaces(*scene);
     return importer.ApplyPostProcessing(postProcessing(*scene)) == nullptr ? reason(importer) : std::string();
@@ -115,7 +124,7 @@ class Importer {
   static std::string reason(const Assimp::Importer& importer) { return trimmed(importer.GetErrorString()); }
 
   std::string remedy() const {
-    if (kind_ == ".ac" || kind_ == ".acc" || kind_ == ".ac3d") {
+    if (isAc3d()) {
       return "remove objects without surfaces, or convert it to glTF or OBJ";
     }
     return "check that the file is whole, or convert it to glTF or OBJ";
@@ -265,6 +274,7 @@ class Importer {
       part.fileMaterial = materials_[material].material;
       part.material = part.fileMaterial.name;
       part.texture = materials_[material].texture;
+      part.color = materials_[material].color;
     }
     return part;
   }

@@ -19,10 +19,11 @@ std::string labelOf(const Model& model, Index image) {
   return i.name.empty() ? fmt::format("*{}", image) : i.name;
 }
 
-std::shared_ptr<const Texture> load(const Model& model, const Data& data, Index image, bool onlyAlpha) {
+std::shared_ptr<const Texture> load(const Model& model, const Data& data, Index image, bool onlyAlpha,
+                                    ColorImages& images) {
   const Image& i = model.images[image];
   const std::string label = labelOf(model, image);
-  return loadColor(model.file, label, onlyAlpha, [&]() -> std::shared_ptr<const Texture> {
+  return images.load(std::to_string(image), label, onlyAlpha, [&]() -> std::shared_ptr<const Texture> {
     const std::string place = model.file.string() + ": " + label;
     if (i.view) return decodeTexture(data.view(*i.view), place);
     if (i.uri.starts_with("data:")) return decodeTexture(data.embedded(i.uri, label), place);
@@ -39,7 +40,8 @@ AlphaTest alphaOf(const Material& m, const AssetOptions& options) {
   return {true, factor > 0 && std::isfinite(m.cutoff) ? static_cast<float>(m.cutoff / factor) : 1.0f};
 }
 
-ReadMaterial read(const Model& model, const Data& data, const Material* m, const AssetOptions& options) {
+ReadMaterial read(const Model& model, const Data& data, const Material* m, const AssetOptions& options,
+                  ColorImages& images) {
   static const Material kDefault;
   const Material& from = m == nullptr ? kDefault : *m;
   ReadMaterial to;
@@ -49,6 +51,7 @@ ReadMaterial read(const Model& model, const Data& data, const Material* m, const
   to.material.metallic = static_cast<float>(fraction(from.metallic, 0.0));
   BaseColor color;
   for (std::size_t c = 0; c < 3; ++c) color.factor[c] = static_cast<float>(fraction(from.color[c], 1.0));
+  to.color = color.factor;
   color.alpha = alphaOf(from, options);
   color.tints = true;
   color.stated = m != nullptr;
@@ -57,21 +60,22 @@ ReadMaterial read(const Model& model, const Data& data, const Material* m, const
     to.texture = labelOf(model, from.texture->image);
     color.textured = true;
     if (options.textures || color.alpha.wanted) {
-      color.image = load(model, data, from.texture->image, !options.textures);
+      color.image = load(model, data, from.texture->image, !options.textures, images);
       color.colored = color.image != nullptr;
     }
   }
-  setColor(to.material, std::move(color), model.file, options);
+  setColor(to.material, std::move(color), model.file, options, images);
   return to;
 }
 
 }  // namespace
 
 std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options) {
+  ColorImages images(model.file);
   std::vector<ReadMaterial> materials;
   materials.reserve(model.materials.size() + 1);
-  for (const Material& m : model.materials) materials.push_back(read(model, data, &m, options));
-  materials.push_back(read(model, data, nullptr, options));
+  for (const Material& m : model.materials) materials.push_back(read(model, data, &m, options, images));
+  materials.push_back(read(model, data, nullptr, options, images));
   return materials;
 }
 

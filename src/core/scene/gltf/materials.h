@@ -2,6 +2,7 @@
 
 // The materials of a glTF file (glTF 2.0, 3.9).
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,8 +15,9 @@ namespace scanmill::gltf {
 
 struct ReadMaterial {
   scanmill::Material material;
-  std::string texture;               // AssetPart::texture
-  std::optional<TextureUse> placed;  // of the base colour
+  std::array<float, 3> color{1, 1, 1};  // AssetPart::color
+  std::string texture;                  // AssetPart::texture
+  std::optional<TextureUse> placed;     // of the base colour
 };
 
 // The materials of the file in its order, and behind them that of primitives without one. A missing or broken texture

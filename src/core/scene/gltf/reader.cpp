@@ -144,6 +144,7 @@ class Reader {
     part.fileMaterial = materials_[material].material;
     part.material = part.fileMaterial.name;
     part.texture = materials_[material].texture;
+    part.color = materials_[material].color;
     return part;
   }
 

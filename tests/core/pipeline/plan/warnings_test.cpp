@@ -1,0 +1,64 @@
+#include "pipeline/plan/warnings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scene/scene.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST(RuleWarnings, NameRulesThatDecideNothing) {
+  Scene scene;
+  const auto add = [&](int line, const char* match, std::uint64_t matched, std::uint64_t decided) {
+    RuleUse use;
+    use.where = Location{"s.yaml", line, 5};
+    use.match = match;
+    use.matched = matched;
+    use.decided = decided;
+    scene.rules.push_back(use);
+  };
+  add(3, "node: Wall*", 10, 4);
+  add(4, "node: Wal", 0, 0);
+  add(5, "material: brick", 7, 0);
+  EXPECT_THAT(ruleWarnings(scene),
+              ElementsAre(AllOf(HasSubstr("s.yaml:4"), HasSubstr("node: Wal"), HasSubstr("matches nothing")),
+                          AllOf(HasSubstr("s.yaml:5"), HasSubstr("material: brick"), HasSubstr("7"))));
+}
+
+// Three cars in a file of 100 m, of which `instances: node` makes three things.
+TEST(RuleWarnings, TellOfTownsWhoseCarsAreOne) {
+  Scene scene;
+  scene.name = "depot";
+  scene.ontology.classes = {{0, "unlabeled", {0, 0, 0}, false, {}}, {1, "car", {0, 0, 255}, true, {}}};
+  Mesh mesh;
+  mesh.name = "town.glb";
+  mesh.positions = {{0, 0, 0}, {100, 0, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  mesh.surfaceOf = {0};
+  for (const char* const node : {"car_1", "car_2", "car_3"}) {
+    Surface s;
+    s.semantic = 1;
+    s.object = 1;
+    s.node = node;
+    mesh.surfaces.push_back(s);
+  }
+  mesh.objects = 1;
+  scene.meshes = {mesh};
+  EXPECT_THAT(ruleWarnings(scene), ElementsAre(AllOf(HasSubstr("depot"), HasSubstr("3 nodes of the class car"),
+                                                     HasSubstr("town.glb"), HasSubstr("instances: node"))));
+  for (std::uint32_t i = 0; i < 3; ++i) scene.meshes[0].surfaces[i].object = i + 1;
+  scene.meshes[0].objects = 3;
+  EXPECT_THAT(ruleWarnings(scene), IsEmpty());
+  scene.meshes[0] = mesh;
+  scene.meshes[0].positions[1] = {5, 0, 0};
+  EXPECT_THAT(ruleWarnings(scene), IsEmpty()) << "one car of several nodes";
+}
+
+}  // namespace
+}  // namespace scanmill
