@@ -36,10 +36,14 @@ void printSensors(const Plan& plan) {
 }
 
 void printSequences(const Pipeline& pipeline) {
-  std::vector<std::vector<std::string>> rows{{"sequence", "frames", "split"}};
+  const auto turns = [](const Sequence& s) { return s.trajectory ? s.trajectory->turns() : std::nullopt; };
+  const bool any = std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(),
+                               [&](const Sequence& s) { return turns(s).has_value(); });
+  std::vector<std::vector<std::string>> rows{{"sequence", "frames", "split", "turns"}};
   for (const Sequence& s : pipeline.sequences) {
-    rows.push_back({s.key(), std::to_string(s.frames), s.split});
+    rows.push_back({s.key(), std::to_string(s.frames), s.split, turns(s) ? std::to_string(*turns(s)) : ""});
   }
+  for (std::vector<std::string>& row : rows) row.resize(any ? 4 : 3);
   fmt::print("{}\n", formatTable(rows));
 }
 
@@ -91,8 +95,10 @@ void printFeatures(const FeatureCosts& costs) {
                   ms(whole.seconds()), "", fmt::format("{:.0f}", whole.bytes * 1e-3)});
   for (const FeatureCost& f : costs.features) {
     const bool told = f.cost.seconds() > f.scatter;
-    rows.push_back({fmt::format("{}{}", f.feature, f.present ? "" : ", if added"), ms(f.cost.traceSeconds),
-                    ms(f.cost.effectsSeconds), ms(f.cost.encodeSeconds), ms(f.cost.seconds()),
+    // Parts of what drowns in the scatter mean nothing.
+    const auto part = [&](double seconds) { return told ? ms(seconds) : std::string(); };
+    rows.push_back({fmt::format("{}{}", f.feature, f.present ? "" : ", if added"), part(f.cost.traceSeconds),
+                    part(f.cost.effectsSeconds), part(f.cost.encodeSeconds), part(f.cost.seconds()),
                     told ? fmt::format("{:+.1f} %", 100 * f.cost.seconds() / whole.seconds())
                          : fmt::format("< {:.1f} %", 100 * std::max(f.scatter, -f.cost.seconds()) / whole.seconds()),
                     fmt::format("{:+.0f}", f.cost.bytes * 1e-3)});
@@ -134,6 +140,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   const Pipeline& pipeline = plan.pipeline();
   checkAutoChoice(pipeline);
   for (const std::string& line : vehicleWarnings(plan)) warn(line);
+  for (const std::string& line : driveWarnings(pipeline)) warn(line);
   printSensors(plan);
   printSequences(pipeline);
 
@@ -160,8 +167,14 @@ int runPlan(const std::vector<std::string>& arguments) {
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
     ontology = scene.ontology;
     if (method == nullptr) continue;
+    // Counts differ from scene to scene: what is said of one feature is said once, of the first that has it.
     for (const std::string& line : method->modelled()) {
-      if (std::find(modelled.begin(), modelled.end(), line) == modelled.end()) modelled.push_back(line);
+      const auto feature = [](const std::string& text) { return text.substr(0, text.find(':')); };
+      const auto isSame = [&](const std::string& known) {
+        return feature(known) == feature(line) &&
+               (known.find("left out") == known.npos) == (line.find("left out") == line.npos);
+      };
+      if (std::none_of(modelled.begin(), modelled.end(), isSame)) modelled.push_back(line);
     }
     sceneBytes = std::max(sceneBytes, method->memoryBytes());
   }

@@ -12,6 +12,7 @@ namespace scanmill {
 struct SceneLanes {
   std::vector<Vec3d> lane;   // the main road's right-hand lane
   std::vector<Vec3d> turns;  // out of a side road into that lane, and from it into another, as far as there are any
+  int turnCount = 0;         // of `turns`
 };
 
 }  // namespace scanmill

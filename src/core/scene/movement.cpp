@@ -43,7 +43,11 @@ bool Movement::moves() const {
 std::shared_ptr<const Movement> readMovement(const Value& value) {
   Fields f(value, "moving");
   f.also({"velocity", "waypoints", "speed", "start"}).finish();
-  if (f.has("velocity") == f.has("waypoints")) {
+  if (f.has("velocity") && f.has("waypoints")) {
+    throw InputError(f.require("velocity").where,
+                     "moving has either a velocity or waypoints with a speed, not both: take one out");
+  }
+  if (!f.has("velocity") && !f.has("waypoints")) {
     throw InputError(value.where, "moving needs velocity, such as [8, 0, 0] in m/s, or waypoints with a speed");
   }
   if (const Value* velocity = f.find("velocity")) {

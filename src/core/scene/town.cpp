@@ -73,7 +73,8 @@ SceneLanes townLanes(Fields& fields, std::uint64_t seed) {
     turns.stretches.back().to = *roads[*tour.into].joins - town::cornerOf(layout, *tour.into);
     turns.stretches.push_back({*tour.into, town::mouthOf(layout), town::endOf(layout, *tour.into)});
   }
-  SceneLanes lanes{town::layOut(layout, through, 0, 0).points, town::layOut(layout, turns, 0, 0).points};
+  SceneLanes lanes{town::layOut(layout, through, 0, 0).points, town::layOut(layout, turns, 0, 0).points,
+                   static_cast<int>(turns.stretches.size()) - 1};
   for (std::vector<Vec3d>* lane : {&lanes.lane, &lanes.turns}) {
     for (Vec3d& p : *lane) p = inWorld(layout, p);
   }

@@ -150,6 +150,7 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
     throw InputError(way.where, "`along` means the lanes of the scene's town; here is none: give waypoints");
   }
   result.path_ = std::make_shared<const Path>(!along ? readWaypoints(way) : turns ? lanes->turns : lanes->lane);
+  if (turns) result.turns_ = lanes->turnCount;
   result.speed_ = fields.number("speed", {0, 100});
   if (result.speed_ <= 0) {
     throw InputError(fields.require("speed").where,

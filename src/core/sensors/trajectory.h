@@ -46,6 +46,8 @@ class Trajectory {
   bool still() const { return path_ == nullptr; }  // the vehicle stands still in each frame
   double pathLength() const;                       // m; 0 for listed poses
   const std::string& name() const { return name_; }
+  // Of a drive along the turns of a town: how many there are.
+  std::optional<int> turns() const { return turns_; }
 
  private:
   friend Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod,
@@ -57,9 +59,10 @@ class Trajectory {
 
   std::string name_;
   std::uint32_t frames_ = 0;
-  double interval_ = 0;               // s, from frame to frame
-  double everyMetres_ = 0;            // of a vehicle that accelerates, in place of that; 0: none
-  double speed_ = 0;                  // m/s
+  double interval_ = 0;     // s, from frame to frame
+  double everyMetres_ = 0;  // of a vehicle that accelerates, in place of that; 0: none
+  double speed_ = 0;        // m/s
+  std::optional<int> turns_;
   std::vector<Pose> poses_;           // one per frame where the vehicle stands still
   std::shared_ptr<const Path> path_;  // otherwise
   std::optional<SpeedProfile> profile_;

@@ -441,6 +441,34 @@ TEST(Town, SideRoadsEndAtALineOfTheirLane) {
   EXPECT_GE(lines, 5);
 }
 
+// What meets the main road from one side leaves the other side as it is, but for what an acute angle rounds off.
+TEST(Town, AcrossFromASideRoadTheEdgeIsStraight) {
+  int sides = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const Value value = parseYaml("{district: suburban, length: 200, detail: 0.05}", "town.yaml");
+    Fields fields(value, "town");
+    const town::Layout layout(town::readParameters(fields), seed);
+    const std::vector<town::Road>& roads = layout.roads().roads();
+    for (std::uint32_t r = 1; r < roads.size(); ++r) {
+      if (!roads[r].joins) continue;
+      const double at = *roads[r].joins;
+      const auto isAcross = [&](std::uint32_t other) {
+        return other != r && roads[other].joins && std::abs(*roads[other].joins - at) < 60;
+      };
+      bool alone = true;
+      for (std::uint32_t other = 1; other < roads.size(); ++other) alone = alone && !isAcross(other);
+      if (!alone) continue;
+      const double out = roads[0].section.half * (roads[r].joinsLeft ? -1 : 1);
+      for (const double along : {-8.0, -4.0, 0.0, 4.0, 8.0}) {
+        const town::Point2 p = town::besideRoad(roads[0], at + along, out).at;
+        EXPECT_NEAR(layout.roads().at(p.x, p.y).edge, 0, 0.7) << "seed " << seed << " road " << r << " at " << along;
+      }
+      ++sides;
+    }
+  }
+  EXPECT_GE(sides, 4);
+}
+
 // Lorries pass below the wires, and a span hangs between two poles or on a house.
 TEST(Town, WiresHangClearOfTheRoads) {
   constexpr double kLorry = 4;  // m

@@ -99,6 +99,17 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
                       seeds.size(), leaks ? ", and `splits: {by: seed}` puts it into several splits: they leak" : "")};
 }
 
+std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
+  std::vector<std::string> straight;
+  for (const Sequence& s : pipeline.sequences) {
+    if (s.trajectory != nullptr && s.trajectory->turns() == 0) straight.push_back(s.key());
+  }
+  if (straight.empty()) return {};
+  const std::size_t more = straight.size() - 1;
+  return {fmt::format("{}{}: `along: turns` goes straight on: their towns have no side road to turn out of or into",
+                      straight.front(), more == 0 ? "" : fmt::format(" and {} more sequences", more))};
+}
+
 std::vector<std::string> vehicleWarnings(const Plan& plan) {
   std::vector<std::string> lines;
   for (std::size_t s = 0; s < plan.beams().size(); ++s) {

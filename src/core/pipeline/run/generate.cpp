@@ -127,6 +127,7 @@ class DatasetRun {
       addNew(seedWarnings(pipeline_, sequence, *scene_), summary_.warnings);
       addNew(shareWarnings(*scene_), summary_.warnings);
       addNew(vehicleWarnings(plan_), summary_.warnings);
+      addNew(driveWarnings(pipeline_), summary_.warnings);
     }
     if (!writer_) {
       // Only now: a scene or a method that cannot be used must not cost the dataset that --overwrite replaces.

@@ -58,7 +58,7 @@ class BlockMaker {
     look_.foundation = kFoundation;
     base_ = block.floors > 0 ? draw_.in(0.1, 0.4) : 0;
     storey_ = draw_.in(2.8, 3.3);
-    if (block.height > 0 && block.floors > 0) storey_ = std::max(2.4, (block.height - base_) / block.floors);
+    if (block.height > 0 && block.floors > 0) storey_ = std::max(2.3, (block.height - base_ - 0.4) / block.floors);
     look_.top = block.floors > 0 ? base_ + storey_ * block.floors + 0.4 : std::max(block.height, 2.2);
     windowWidth_ = draw_.in(1, 1.6);
     windowHeight_ = std::min(draw_.in(1.3, 1.7), storey_ - 1.1);

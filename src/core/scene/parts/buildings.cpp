@@ -19,6 +19,10 @@ const char* facadeOf(std::uint64_t seed, const House& house) {
   return Draw(seed, Kind::House, kFacadeDraw + house.number).chance(0.7) ? "plaster_tinted" : "plaster";
 }
 
+constexpr double kThickness = 0.16;  // m, of pitched roofs
+constexpr double kHipEaves = 0.45;   // m, beyond the walls
+constexpr double kInRoof = 0.05;     // m by which the walls of hip roofs end inside them
+
 class HouseMaker {
  public:
   HouseMaker(SceneBuilder& builder, std::uint64_t seed, const House& house)
@@ -42,6 +46,7 @@ class HouseMaker {
     pitch_ = std::tan(radians(draw_.in(30, 46)));
     shutters_ = !h_.shop && draw_.chance(0.3) && h_.width / h_.columns > windowWidth_ * 2 + 0.2;
     balconies_ = h_.floors >= 3 && draw_.chance(0.7);
+    if (h_.top) reach(*h_.top);
   }
 
   Model make() {
@@ -71,6 +76,24 @@ class HouseMaker {
   }
 
  private:
+  // The slope first gives way, then the storeys.
+  void reach(double top) {
+    constexpr double kLeastStorey = 2.3;  // m
+    const double shorter = std::min(h_.width, h_.depth);
+    const bool flat = h_.roof == Roof::Flat;
+    const double span = flat                          ? 0
+                        : h_.roof == Roof::Gable      ? h_.depth / 2
+                        : h_.roof == Roof::CrossGable ? h_.width / 2
+                                                      : shorter / 2 + kHipEaves;
+    const double slab = flat ? 0 : h_.roof == Roof::Hip ? kThickness - kInRoof : kThickness;
+    const double above = flat ? 0.5 : 0.1;  // of the last storey's top, where the walls end
+    const double room = top - slab - above - base_ - kLeastStorey * h_.floors;
+    if (!flat) pitch_ = std::clamp(room / span, std::tan(radians(6.0)), pitch_);
+    storey_ = std::max(kLeastStorey, (top - slab - span * pitch_ - above - base_) / h_.floors);
+    wallTop_ = base_ + storey_ * h_.floors + above;
+    windowHeight_ = std::min(windowHeight_, storey_ - sill_ - 0.3);
+  }
+
   void walls() {
     const std::vector<Opening> front = windows(h_.columns, h_.width, true);
     facade({{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 0, 0}}, h_.width, front, true);
@@ -182,7 +205,6 @@ class HouseMaker {
     s_.frame = outer * Affine{turn, origin};
     constexpr double kEaves = 0.4;
     constexpr double kRake = 0.3;
-    constexpr double kThickness = 0.16;
     const double ridge = wallTop_ + depth / 2 * pitch_;
     s_.triangle(wall_, {0, depth, wallTop_}, {0, 0, wallTop_}, {0, depth / 2, ridge});
     s_.triangle(wall_, {width, 0, wallTop_}, {width, depth, wallTop_}, {width, depth / 2, ridge});
@@ -227,11 +249,10 @@ class HouseMaker {
   }
 
   void hipRoof() {
-    constexpr double kEaves = 0.45;
-    constexpr double kThickness = 0.16;
+    constexpr double kEaves = kHipEaves;
     const double w = h_.width;
     const double d = h_.depth;
-    const double low = wallTop_ - 0.05;  // the walls end inside the roof
+    const double low = wallTop_ - kInRoof;
     const double eaves = low + kThickness;
     const double short_ = std::min(w, d) / 2 + kEaves;
     const double top = eaves + short_ * pitch_;

@@ -180,6 +180,7 @@ struct House {
   Roof roof = Roof::Gable;
   bool shop = false;
   std::uint32_t number = 0;
+  std::optional<double> top;  // of the roof, m; where there is none, as floors and slope need
   // The ground before the front that details may take (m): house_details.h. None: the walls stay bare, the house empty.
   std::optional<double> forecourt;
   bool garage = false, ivy = false;
@@ -193,7 +194,7 @@ struct Block {
   std::vector<Point2> outline;              // counter-clockwise, without its first point at the end
   std::vector<std::vector<Point2>> courts;  // clockwise
   int floors = 2;                           // none: a shed without windows
-  double height = 0;                        // to the roof, m, 0.4 m over which the walls end; 0: as the floors need
+  double height = 0;                        // of the walls, m, which end 0.4 m above the roof; 0: as the floors need
   Point2 entrance;                          // the wall that is nearest to it has the door
   bool shop = false;
   std::uint32_t number = 0;

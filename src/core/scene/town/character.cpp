@@ -34,6 +34,7 @@ Parameters readParameters(Fields& fields) {
   p.slope = fields.number("slope", {0, 3}, p.slope);
   p.greenery = fields.number("greenery", factor, p.greenery);
   p.vehicles = fields.number("vehicles", factor, p.vehicles);
+  p.traffic = fields.number("traffic", factor, p.traffic);
   p.people = fields.number("people", factor, p.people);
   p.detail = fields.number("detail", {0.05, 2}, p.detail);
   return p;
@@ -77,7 +78,7 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
   // Many places have next to no vehicle in sight, some are full of them.
   const double full = draw.next();
   parked = std::min(0.95, p.vehicles * full * full * full * (rural ? 0.1 : dense ? 0.8 : 0.5));
-  traffic = p.vehicles * draw.in(0.1, rural ? 0.8 : 2.2);
+  traffic = p.vehicles * p.traffic * draw.in(0.1, rural ? 0.8 : 2.2);
   people = p.people * (rural ? draw.in(0, 1.5) : dense ? draw.in(3, 12) : draw.in(0.5, 4));
   clutter = rural ? draw.in(1, 4) : dense ? draw.in(6, 16) : draw.in(3, 9);
   // From numbers of its own, so that a place is the same in all seasons.

@@ -28,6 +28,7 @@ struct Parameters {
   double slope = 1;               // factors of what the seed draws
   double greenery = 1;
   double vehicles = 1;
+  double traffic = 1;  // those of the vehicles that drive, over and above
   double people = 1;
   double detail = 1;  // factor on the number of leaves
 };

@@ -66,7 +66,7 @@ PlacedBlock blockOf(const MapBuilding& b, const Frontage& frontage, int floors, 
   parts::Block& block = placed.block;
   block.number = number;
   block.floors = b.shed ? 0 : floors;
-  block.height = b.shed ? std::min(b.height.value_or(2.6), 8.0) : b.height.value_or(0);
+  block.height = b.shed ? std::min(b.top.value_or(2.6), 8.0) : b.top.value_or(0);
   block.shop = b.shop;
   block.entrance = {placed.entrance.x - middle.x, placed.entrance.y - middle.y};
   block.outline = relative(b.outline);
@@ -91,6 +91,7 @@ void Layout::takeBuildings(const MapPlace& map) {
     if (house) {
       House made = drawHouse(draw, number, 2 * about.halfY, 2 * about.halfX, floors);
       made.shop = b.shop;
+      made.top = b.top;
       if (b.roof) made.roof = *b.roof;
       made.forecourt = std::clamp(frontage.gap, 0.0, 30.0);
       const double c = std::cos(yaw);

@@ -170,14 +170,14 @@ MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
   if (const auto floors = metresOf(tags["building:levels"]); floors && *floors >= 0.5 && *floors <= kMostFloors) {
     building.floors = static_cast<int>(std::lround(*floors));
   }
-  building.height = metresOf(tags["height"]);
-  building.roof = roofOf(tags["roof:shape"]);
-  // The tag is of the roof's top.
-  if (building.height) {
-    *building.height -= metresOf(tags["roof:height"]).value_or(usualRise(building.outline, building.roof));
-  }
   constexpr double kLowest = 2, kHighest = 400;  // m; what is said beyond them is a slip
-  if (building.height && (*building.height < kLowest || *building.height > kHighest)) building.height.reset();
+  building.top = metresOf(tags["height"]);
+  if (building.top && (*building.top < kLowest || *building.top > kHighest)) building.top.reset();
+  building.roof = roofOf(tags["roof:shape"]);
+  if (building.top) {
+    const double rise = metresOf(tags["roof:height"]).value_or(usualRise(building.outline, building.roof));
+    building.height = std::max(*building.top - rise, std::min(*building.top, kLowest));
+  }
   building.shop = !tags["shop"].empty() || isOneOf(tags["building"], {"retail", "supermarket", "commercial"});
   building.shed = isOneOf(tags["building"],
                           {"garage", "garages", "shed", "hut", "greenhouse", "service", "barn", "farm_auxiliary"});
@@ -188,6 +188,8 @@ MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
 
 std::optional<int> MapBuilding::floorsSaid() const {
   constexpr double kStorey = 2.9;  // m
+  constexpr double kLeast = 2.4;
+  if (floors && top) return std::min(*floors, std::max(1, static_cast<int>(*top / kLeast)));
   if (floors) return floors;
   return height ? std::optional(std::max(1, static_cast<int>(std::lround(*height / kStorey)))) : std::nullopt;
 }

@@ -39,13 +39,14 @@ struct MapRoad {
 struct MapBuilding {
   Polygon outline;
   std::vector<Polygon> courts;      // clockwise
+  std::optional<double> top;        // m, of the roof
   std::optional<double> height;     // m, to the eaves
   std::optional<int> floors;        // above the ground
   std::optional<parts::Roof> roof;  // as far as the map says so, of those that there are
   bool shop = false;
   bool shed = false;  // a garage, shed or the like: without windows
 
-  // By the floors that the map counts, else by the height.
+  // By the floors that the map counts, as far as the height has room for them, else by the height.
   std::optional<int> floorsSaid() const;
 };
 

@@ -105,14 +105,17 @@ void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
       const double dx = b.x - a.x;
       const double dy = b.y - a.y;
       const double size = road.at[i + 1] - road.at[i];
-      const double part = std::clamp(((x - a.x) * dx + (y - a.y) * dy) / (size * size), 0.0, 1.0);
+      const double projected = ((x - a.x) * dx + (y - a.y) * dy) / (size * size);
+      const double part = std::clamp(projected, 0.0, 1.0);
       const double px = x - (a.x + dx * part);
       const double py = y - (a.y + dy * part);
       const double square = px * px + py * py;
       if (square > kReach * kReach) continue;
-      if (found.empty() || found.back().road != run.road) found.push_back({1e9, run.road, 0, false});
+      if (found.empty() || found.back().road != run.road) found.push_back({1e9, run.road, 0, false, 0});
       if (square >= found.back().distance) continue;
-      found.back() = {square, run.road, road.at[i] + size * part, dx * py - dy * px >= 0};
+      const bool isEnd = projected < 0 ? i == 0 : i + 2 == road.line.size();
+      const double behind = isEnd ? std::abs(projected - part) * size : 0;
+      found.back() = {square, run.road, road.at[i] + size * part, dx * py - dy * px >= 0, behind};
     }
   }
   for (Near& n : found) n.distance = std::sqrt(n.distance);
@@ -130,7 +133,9 @@ Beside RoadNetwork::at(double x, double y) const {
   const double rounding = ring ? std::min(corner, kRingRounding) : corner;
   for (const Near& n : found) {
     const CrossSection& own = roads_[n.road].section;
-    const double edge = n.distance - own.half;
+    // Where roads meet, one that ends there widens the others on its own side alone.
+    constexpr double kSteep = 3;
+    const double edge = n.distance - own.half + kSteep * n.behind * corner / kRounding * (found.size() > 1 ? 1 : 0);
     if (!beside.known) {
       beside = {true, edge, n.road, n.along, n.left ? n.distance : -n.distance, own};
       least = edge;

@@ -84,6 +84,7 @@ class RoadNetwork {
     std::uint32_t road;
     double along;
     bool left;
+    double behind;  // m beyond the road's first or last point, along its line
   };
   // The nearest segment of each road in reach, in the order of the roads.
   void nearest(double x, double y, std::vector<Near>& found) const;

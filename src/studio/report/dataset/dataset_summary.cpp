@@ -278,7 +278,8 @@ class Summing {
         if (a->second < points.at(rarest)) rarest = a->first;
         for (auto b = std::next(a); b != points.end(); ++b) {
           const std::uint64_t both = together[{a->first, b->first}];
-          usual = usual && both >= kFewest && 2 * both > std::min(holders[a->first], holders[b->first]);
+          const std::uint64_t either = std::min(holders[a->first], holders[b->first]);
+          usual = usual && ((both >= kFewest && 2 * both > either) || (both > 1 && both == either));
         }
       }
       const std::string& sample = manifest_.samples[shownIn_[key].at(rarest)].key;

@@ -57,7 +57,7 @@ TEST(Block, IsAsHighAsItSays) {
     block.floors = 3;
     block.height = height;
     const Box box = build(block).mesh.bounds();
-    EXPECT_NEAR(box.high.z, height + 0.4, 0.05);
+    EXPECT_NEAR(box.high.z, height, 0.05);
     EXPECT_NEAR(box.low.x, -8, 0.3);
     EXPECT_NEAR(box.high.x, 9, 0.3);
   }
