@@ -14,13 +14,13 @@ auto fieldsOf(const Material& m) {
                   m.variations, m.relief, m.textured, m.texture, m.textureMean, m.alphaTested, m.alphaCutoff);
 }
 
+}  // namespace
+
 // An exactly or nearly flat image of space: such a transform has no usable inverse.
 bool isSingular(const Mat3& m) {
   const double volume = std::abs(determinant(m));
   return !(volume > 1e-12 * length(m.x) * length(m.y) * length(m.z)) || !std::isfinite(1.0 / volume);
 }
-
-}  // namespace
 
 SceneBuilder::SceneBuilder(std::string name, std::uint64_t seed, Ontology ontology, MaterialLibrary library)
     : library_(std::move(library)) {
@@ -80,7 +80,10 @@ void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::s
   if (isSingular(linear)) {
     throw InputError(where, fmt::format("the transform of '{}' flattens it: no scale may be zero", name));
   }
-  const std::uint32_t objects = scene_.meshes.at(mesh).objects;
+  std::uint32_t objects = scene_.meshes.at(mesh).objects;
+  if (animation != nullptr) {
+    for (const std::uint32_t moment : animation->meshes) objects = std::max(objects, scene_.meshes.at(moment).objects);
+  }
   if (objects > std::numeric_limits<std::uint32_t>::max() - nextInstanceId_) {
     throw InputError(where, "the scene holds more than 4294967294 things, beyond what instance ids can tell apart");
   }

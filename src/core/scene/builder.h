@@ -11,6 +11,9 @@
 
 namespace scanmill {
 
+// Whether it flattens what it is applied to, so that nothing with it can be placed.
+bool isSingular(const Mat3& m);
+
 class SceneBuilder {
  public:
   SceneBuilder(std::string name, std::uint64_t seed, Ontology ontology, MaterialLibrary library);

@@ -30,6 +30,12 @@ std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset
       key += fmt::format("\n{}:{}", text.size(), text);
     }
     key += fmt::format("\n{} {}", r.within, r.drop);
+    for (const std::optional<Between>& b : {r.height, r.size}) {
+      if (b) key += fmt::format(" {} {}", b->low, b->high);
+    }
+    if (r.box) {
+      for (const Vec3d& c : {r.box->low, r.box->high}) key += fmt::format(" {} {} {}", c.x, c.y, c.z);
+    }
   }
   return key;
 }
@@ -53,14 +59,13 @@ std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path
   std::shared_ptr<const Animation>& known = animations_[clip + '\n' + meshKey(file, options, labelling)];
   if (known != nullptr) return known;
   const auto animation = std::make_shared<Animation>();
-  std::vector<Material> materials;
+  std::map<std::pair<std::uint32_t, std::string>, Material> materials;  // by node and name
   const auto addMoment = [&](double time) {
     options.clip = {clip, time};
     Asset moment = load(file, options, labelling, where);
-    if (animation->meshes.empty()) {
-      for (const AssetPart& part : moment.parts) materials.push_back(part.fileMaterial);
-    } else if (moment.parts.size() == materials.size()) {
-      for (std::size_t i = 0; i < materials.size(); ++i) moment.parts[i].fileMaterial = materials[i];
+    for (AssetPart& part : moment.parts) {
+      const auto [first, isNew] = materials.emplace(std::pair{part.nodeIndex, part.material}, part.fileMaterial);
+      if (!isNew) part.fileMaterial = first->second;
     }
     animation->meshes.push_back(addAsset(builder_, std::move(moment), labelling, where).front().mesh);
     options.textures = false;

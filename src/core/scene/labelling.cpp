@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "scene/assets/asset_parts.h"
 #include "scene/part_traits.h"
 
 namespace scanmill {
@@ -58,20 +59,25 @@ struct RuleCounts {
 };
 
 AssetPart some(const AssetPart& part, const std::vector<std::size_t>& triangles) {
-  AssetPart out = part;
-  out.positions.clear();
-  out.uvs.clear();
-  out.triangles.clear();
-  std::map<std::uint32_t, std::uint32_t> moved;
+  AssetPart out;
+  out.node = part.node;
+  out.nodeIndex = part.nodeIndex;
+  out.material = part.material;
+  out.texture = part.texture;
+  out.fileMaterial = part.fileMaterial;
+  out.color = part.color;
+  constexpr std::uint32_t kNew = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> moved(part.positions.size(), kNew);
   for (const std::size_t number : triangles) {
     Triangle t = part.triangles[number];
     for (std::uint32_t& corner : t) {
-      const auto [at, isNew] = moved.emplace(corner, static_cast<std::uint32_t>(out.positions.size()));
-      if (isNew) {
+      std::uint32_t& to = moved[corner];
+      if (to == kNew) {
+        to = static_cast<std::uint32_t>(out.positions.size());
         out.positions.push_back(part.positions[corner]);
         if (!part.uvs.empty()) out.uvs.push_back(part.uvs[corner]);
       }
-      corner = at->second;
+      corner = to;
     }
     out.triangles.push_back(t);
   }
@@ -110,13 +116,15 @@ void applyRules(AssetPart part, const Labelling& labelling, double lowest, RuleC
 }
 
 double lowestOf(const std::vector<AssetPart>& parts) {
-  Box box;
+  double lowest = std::numeric_limits<double>::infinity();
   for (const AssetPart& part : parts) {
-    for (const Vec3f& p : part.positions) {
-      if (isFinite(p)) box.add(Vec3d(p));
+    for (const Triangle& t : part.triangles) {
+      for (const std::uint32_t corner : t) {
+        if (isFinite(part.positions[corner])) lowest = std::min(lowest, static_cast<double>(part.positions[corner].z));
+      }
     }
   }
-  return box.low.z;
+  return lowest;
 }
 
 void append(Mesh& mesh, const AssetPart& part, std::uint16_t surface, bool withUvs) {
@@ -208,8 +216,9 @@ bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labell
     for (const std::size_t r : rulesFor(part, labelling)) {
       const Rule& rule = labelling.rules[r];
       if (!rule.colors.empty()) return true;
-      if (rule.byTriangle() || rule.materialName.empty()) continue;
-      return builder.library().require(rule.materialName, rule.where).textured;
+      if (rule.materialName.empty()) continue;
+      const bool textured = builder.library().require(rule.materialName, rule.where).textured;
+      if (textured || !rule.byTriangle()) return textured;
     }
     return true;
   };
@@ -221,6 +230,11 @@ bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labell
 
 std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling,
                                  const Location& where) {
+  // Where a triangle is, is where it is in the file.
+  if (std::any_of(labelling.rules.begin(), labelling.rules.end(),
+                  [](const Rule& r) { return r.box || r.height || r.size; })) {
+    flatten(asset);
+  }
   Dropped dropped = asset.dropped;
   RuleCounts counts(labelling.rules.size());
   std::vector<PlacedMesh> meshes;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 
 #include "scene/scene.h"
@@ -57,6 +58,34 @@ TEST(FileMeshes, RulesReachThem) {
   EXPECT_EQ(scene.meshes.size(), 2u);
   ASSERT_EQ(scene.unlabeled.size(), 1u);
   EXPECT_EQ(scene.unlabeled.begin()->second, 1u) << "the post, once for its mesh";
+}
+
+// A box is where things are in the file, copies too: the pane at x = 2 to 3 alone is in it.
+TEST(FileMeshes, WhereCopiesAreCounts) {
+  TemporaryFolder folder;
+  const Scene scene =
+      sceneOf(folder, "up: z, rules: [{match: {box: [[2, 0, 0], [3, 1, 0]]}, class: car}, {match: any, class: fence}]");
+  std::map<std::string, int> classes;
+  for (const Instance& i : scene.instances) {
+    const Mesh& mesh = scene.meshes[i.mesh];
+    for (const std::uint16_t s : mesh.surfaceOf) ++classes[scene.ontology.find(mesh.surfaces[s].semantic)->name];
+  }
+  EXPECT_EQ(classes, (std::map<std::string, int>{{"car", 1}, {"fence", 3}}));
+}
+
+// Boxes that differ beyond the sixth digit are other boxes.
+TEST(FileMeshes, RulesThatDifferALittleAreNotShared) {
+  TemporaryFolder folder;
+  folder.write("far.obj", "o a\nv 400000 0 0\nv 400001 0 0\nv 400000 1 0\nf 1 2 3\n");
+  const std::string labels = SCANMILL_SOURCE_DIR "/labels/";
+  const auto object = [](const std::string& x) {
+    return "  - {file: far.obj, rules: [{match: {box: [[400000, -1, -1], [" + x + ", 9, 9]]}, class: car}]}\n";
+  };
+  const Scene scene =
+      readScene(folder.write("scene.yaml", "ontology: " + labels + "scanmill.yaml\nmaterials: " + labels +
+                                               "materials.yaml\nobjects:\n" + object("400000.2") + object("400000.4")),
+                {});
+  EXPECT_EQ(scene.things(), 1u);
 }
 
 }  // namespace

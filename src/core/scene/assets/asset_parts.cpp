@@ -1,7 +1,9 @@
 #include "scene/assets/asset_parts.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 #include <vector>
 
 namespace scanmill {
@@ -50,6 +52,26 @@ void weld(AssetPart& part) {
   for (Triangle& triangle : part.triangles) {
     for (std::uint32_t& corner : triangle) corner = moved[corner];
   }
+}
+
+void flatten(Asset& asset) {
+  std::uint32_t nodes = 0;
+  for (const AssetPart& part : asset.parts) nodes = std::max(nodes, part.nodeIndex + 1);
+  for (const InstancedParts& instanced : asset.instanced) {
+    for (const Affine& place : instanced.assetFromParts) {
+      const bool mirrored = determinant(place.linear) < 0;
+      for (AssetPart part : instanced.parts) {
+        for (Vec3f& p : part.positions) p = static_cast<Vec3f>(place * Vec3d(p));
+        for (Triangle& t : part.triangles) {
+          if (mirrored) std::swap(t[1], t[2]);
+        }
+        part.nodeIndex = nodes;
+        asset.parts.push_back(std::move(part));
+      }
+      ++nodes;
+    }
+  }
+  asset.instanced.clear();
 }
 
 }  // namespace scanmill

@@ -17,4 +17,7 @@ Mat3 zUpFrom(char up);
 // Some kinds come in with three vertices of their own for every triangle: joins those that are bit-identical.
 void weld(AssetPart& part);
 
+// Makes copies of Asset::instanced parts like any others, each a node of its own.
+void flatten(Asset& asset);
+
 }  // namespace scanmill

@@ -20,6 +20,7 @@ namespace {
 constexpr std::uint64_t kMostZeroes = std::uint64_t{1} << 24;
 // Bytes that a view's compressed byte may become.
 constexpr std::uint64_t kMostExpansion = 4096;
+constexpr std::uint64_t kMostDecoded = std::uint64_t{1} << 33;  // bytes, of all views
 
 template <class Stored, class Number>
 Number numberAt(const char* at, bool normalized) {
@@ -60,9 +61,11 @@ struct Data::State {
   const Model& model;
   std::vector<std::optional<std::string>> buffers;
   std::vector<std::optional<std::string>> decoded;  // of compressed views
+  std::uint64_t decodedBytes = 0;
 
   std::string_view buffer(Index index) {
     const Buffer& described = model.buffers[index];
+    if (!described.problem.empty()) model.fail(described.problem);
     if (described.uri.empty()) return model.bin;
     std::optional<std::string>& bytes = buffers[index];
     if (!bytes) {
@@ -98,9 +101,11 @@ struct Data::State {
   }
 
   std::string decode(const Meshopt& m, const std::string& what) {
+    if (!m.problem.empty()) model.fail(m.problem);
     const std::string_view from = part(m.buffer, m.offset, m.length);
     const auto* const source = reinterpret_cast<const unsigned char*>(from.data());
-    if (m.count * m.stride > kMostExpansion * (m.length + 1)) {
+    decodedBytes += m.count * m.stride;
+    if (m.count * m.stride > kMostExpansion * (m.length + 1) || decodedBytes > kMostDecoded) {
       model.fail(fmt::format("is damaged: {} has {} elements in {} bytes", what, m.count, m.length));
     }
     std::string out(m.count * m.stride, '\0');
@@ -145,6 +150,8 @@ struct Data::State {
     if (!a.view && a.count > kMostZeroes / a.width) {
       model.fail(fmt::format("is damaged: {} has {} elements without data", what, a.count));
     }
+    // Before anything is allocated for them.
+    const std::string_view bytes = a.view ? view(*a.view).substr(a.offset) : std::string_view();
     std::vector<Number> out(a.count * a.width, 0);
     const auto take = [&](const char* at, std::size_t element) {
       for (std::size_t k = 0; k < a.width; ++k) {
@@ -152,7 +159,6 @@ struct Data::State {
       }
     };
     if (a.view) {
-      const std::string_view bytes = view(*a.view).substr(a.offset);
       const std::uint64_t own = model.views[*a.view].stride;
       const std::size_t stride = own > 0 ? own : size * a.width;
       for (std::size_t i = 0; i < a.count; ++i) take(bytes.data() + i * stride, i);
@@ -175,7 +181,7 @@ struct Data::State {
 
 Data::Data(const Model& model)
     : state_(std::make_unique<State>(State{model, std::vector<std::optional<std::string>>(model.buffers.size()),
-                                           std::vector<std::optional<std::string>>(model.views.size())})) {}
+                                           std::vector<std::optional<std::string>>(model.views.size()), 0})) {}
 Data::~Data() = default;
 
 std::vector<float> Data::floats(Index accessor, const std::string& what) const {

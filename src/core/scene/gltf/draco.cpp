@@ -12,6 +12,7 @@ DracoMesh::Values valuesOf(const draco::Mesh& mesh, const draco::PointAttribute&
   DracoMesh::Values values;
   const std::uint8_t width = attribute.num_components();
   values.width = width;
+  values.normalized = attribute.normalized();
   values.numbers.resize(mesh.num_points() * values.width);
   for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
     const draco::AttributeValueIndex value = attribute.mapped_index(draco::PointIndex(i));

@@ -13,6 +13,7 @@ namespace scanmill::gltf {
 struct DracoMesh {
   struct Values {
     std::size_t width = 0;
+    bool normalized = false;     // 0 to 1, or -1 to 1, of whole numbers
     std::vector<float> numbers;  // vertex after vertex
   };
   std::map<std::string, Values> attributes;  // by the names of the ids

@@ -141,12 +141,6 @@ class Reader {
     b.length = length(j, "byteLength", 0, what);
     std::uint64_t present = binBytes_;
     std::string place = "the GLB's binary chunk";
-    // What of a compressed file holds its views for those who cannot decode them may be left out.
-    const auto meshopt = [&] {
-      const Json* extension = extensionOf(j, "EXT_meshopt_compression");
-      if (extension == nullptr) extension = extensionOf(j, "KHR_meshopt_compression");
-      return extension != nullptr && extension->value("fallback", false);
-    };
     if (j.contains("uri")) {
       b.uri = j["uri"].get<std::string>();
       if (b.uri.starts_with("data:")) {
@@ -161,16 +155,15 @@ class Reader {
         const std::filesystem::path path = m_.file.parent_path() / b.uri;
         std::error_code error;
         if (!std::filesystem::is_regular_file(path, error)) {
-          fail(fmt::format("names the buffer '{}', which is missing: put it beside the file", b.uri));
+          b.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", b.uri);
+          return b;
         }
         present = std::filesystem::file_size(path, error);
         place = "'" + b.uri + "'";
       }
-    } else if (meshopt()) {
-      return b;
     }
     if (b.length > present) {
-      fail(fmt::format("{} has {} bytes, but {} holds {}: is it truncated?", what, b.length, place, present));
+      b.problem = fmt::format("{} has {} bytes, but {} holds {}: is it truncated?", what, b.length, place, present);
     }
     return b;
   }
@@ -186,7 +179,7 @@ class Reader {
     for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
       if (const Json* extension = extensionOf(j, name)) {
         v.compressed = meshopt(*extension, fmt::format("{}.{}", what, name));
-        if (v.compressed->count * v.compressed->stride != v.length) {
+        if (v.compressed->problem.empty() && v.compressed->count * v.compressed->stride != v.length) {
           fail(fmt::format("is not valid glTF: {} has another length than its {} elements of {} bytes", what,
                            v.compressed->count, v.compressed->stride));
         }
@@ -212,11 +205,13 @@ class Reader {
                                                                  {"OCTAHEDRAL", Meshopt::Filter::Octahedral},
                                                                  {"QUATERNION", Meshopt::Filter::Quaternion},
                                                                  {"EXPONENTIAL", Meshopt::Filter::Exponential}};
+    // What is unknown here matters where it is read.
     if (!kModes.contains(mode) || !kFilters.contains(filter)) {
-      fail(
-          fmt::format("has {} of the mode '{}' and the filter '{}', which are unknown here: export it without "
-                      "compression",
-                      what, mode, filter));
+      m.problem = fmt::format(
+          "has {} of the mode '{}' and the filter '{}', which are unknown here: export it without "
+          "compression",
+          what, mode, filter);
+      return m;
     }
     m.mode = kModes.at(mode);
     m.filter = kFilters.at(filter);
@@ -234,8 +229,9 @@ class Reader {
     return m;
   }
 
-  Component component(const Json& value, const std::string& what) const {
-    const int kind = value.is_number_integer() ? value.get<int>() : 0;
+  Component component(const Json& object, const std::string& what) const {
+    const auto value = object.find("componentType");
+    const int kind = value != object.end() && value->is_number_integer() ? value->get<int>() : 0;
     for (const Component c : {Component::Int8, Component::UInt8, Component::Int16, Component::UInt16, Component::UInt32,
                               Component::Float}) {
       if (kind == static_cast<int>(c)) return c;
@@ -247,7 +243,7 @@ class Reader {
     static const std::map<std::string, std::size_t> kWidths{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
                                                             {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
     Accessor a;
-    a.component = component(j.value("componentType", Json()), what);
+    a.component = component(j, what);
     const auto width = kWidths.find(j.value("type", std::string()));
     if (width == kWidths.end()) fail(what + " has an unknown type");
     a.width = width->second;
@@ -266,6 +262,7 @@ class Reader {
     const View& v = m_.views[view];
     const std::uint64_t stride = strides && v.stride > 0 ? v.stride : size;
     if (stride < size) fail(what + " has elements that overlap");
+    if (offset > v.length) fail(what + " begins beyond its bufferView");
     if (count > 0 && offset + (count - 1) * stride + size > v.length) {
       fail(what + " reaches beyond its bufferView: is the file truncated?");
     }
@@ -277,7 +274,7 @@ class Reader {
     if (s.count > a.count) fail(fmt::format("is not valid glTF: {} has more elements than its accessor", what));
     const Json& indices = j.at("indices");
     const Json& values = j.at("values");
-    s.indices = component(indices.at("componentType"), what + ".indices");
+    s.indices = component(indices, what + ".indices");
     if (s.indices != Component::UInt8 && s.indices != Component::UInt16 && s.indices != Component::UInt32) {
       fail(fmt::format("is not valid glTF: {}.indices are no whole numbers", what));
     }
@@ -468,7 +465,7 @@ class Reader {
       const Json& target = c.at("target");
       const std::string path = target.at("path").get<std::string>();
       if (path == "pointer") {
-        if (!visibilityPointer(target, channel, what)) continue;
+        if (!pointerOf(target, channel, kPaths, what)) continue;
       } else {
         const auto known = kPaths.find(path);
         if (known == kPaths.end() || !target.contains("node")) continue;  // what other extensions move
@@ -480,16 +477,25 @@ class Reader {
     return a;
   }
 
-  // KHR_animation_pointer may switch nodes on and off; what else it points at is not seen by a beam.
-  bool visibilityPointer(const Json& target, Animation::Channel& channel, const std::string& what) const {
+  // What KHR_animation_pointer may move of a node; what else it points at is not seen by a beam.
+  bool pointerOf(const Json& target, Animation::Channel& channel, const std::map<std::string, Animation::Path>& paths,
+                 const std::string& what) const {
     const Json* extension = extensionOf(target, "KHR_animation_pointer");
     if (extension == nullptr) return false;
     const std::string pointer = extension->value("pointer", std::string());
     constexpr std::string_view kNodes = "/nodes/";
-    constexpr std::string_view kVisible = "/extensions/KHR_node_visibility/visible";
-    if (!pointer.starts_with(kNodes) || !pointer.ends_with(kVisible)) return false;
-    const Json number = Json::parse(pointer.substr(kNodes.size(), pointer.size() - kNodes.size() - kVisible.size()));
-    channel.path = Animation::Path::Visible;
+    if (!pointer.starts_with(kNodes)) return false;
+    const std::size_t slash = std::min(pointer.find('/', kNodes.size()), pointer.size());
+    const std::string key = pointer.substr(std::min(slash + 1, pointer.size()));
+    const auto path = paths.find(key);
+    if (path != paths.end()) {
+      channel.path = path->second;
+    } else if (key == "extensions/KHR_node_visibility/visible") {
+      channel.path = Animation::Path::Visible;
+    } else {
+      return false;
+    }
+    const Json number = Json::parse(pointer.substr(kNodes.size(), slash - kNodes.size()));
     channel.node = index(number, m_.nodes.size(), what + "'s target");
     return true;
   }

@@ -21,6 +21,7 @@ using MaybeIndex = std::optional<Index>;
 struct Buffer {
   std::string uri;  // a file's name, decoded, or data:; empty for the GLB's binary chunk
   std::uint64_t length = 0;
+  std::string problem;  // why it cannot be read, if it is: what nobody needs may be missing
 };
 
 // How EXT_meshopt_compression or KHR_meshopt_compression holds a view's bytes.
@@ -31,6 +32,7 @@ struct Meshopt {
   std::uint64_t offset = 0, length = 0, stride = 0, count = 0;
   Mode mode = Mode::Attributes;
   Filter filter = Filter::None;
+  std::string problem;  // as Buffer::problem
 };
 
 struct View {

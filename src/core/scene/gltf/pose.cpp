@@ -93,18 +93,18 @@ Index animationNamed(const Model& model, const std::string& name) {
                            : fmt::format("has no animation '{}'{}", name, suggestion(name, names)));
 }
 
-std::pair<double, double> spanOf(const Model& model, const Data& data, Index animation) {
+std::optional<std::pair<double, double>> spanOf(const Model& model, const Data& data, Index animation) {
   double first = std::numeric_limits<double>::infinity();
   double last = 0;
   const std::string what = fmt::format("animations[{}]", animation);
   for (const Animation::Sampler& sampler : model.animations[animation].samplers) {
-    for (const float time : data.fractions(sampler.input, what)) {
+    for (const float time : data.finiteFloats(sampler.input, what)) {
       first = std::min(first, static_cast<double>(time));
       last = std::max(last, static_cast<double>(time));
     }
   }
-  if (!(first <= last)) model.fail(fmt::format("is not valid glTF: {} has no key frames", what));
-  return {first, last};
+  if (!(first <= last)) return std::nullopt;
+  return std::pair{first, last};
 }
 
 void apply(const ClipTime& clip, const Data& data, Model& model) {
@@ -160,11 +160,11 @@ std::vector<PlacedNode> placeNodes(const Model& model) {
   struct Item {
     Index node;
     Affine sceneFromParent;
-    std::string name;
+    std::string_view name;
     bool visible;
   };
   std::vector<Item> open;
-  const auto add = [&](const std::vector<Index>& nodes, const Affine& parent, const std::string& name, bool visible) {
+  const auto add = [&](const std::vector<Index>& nodes, const Affine& parent, std::string_view name, bool visible) {
     for (std::size_t i = nodes.size(); i-- > 0;) open.push_back({nodes[i], parent, name, visible});
   };
   add(model.roots, {}, {}, true);
@@ -172,9 +172,9 @@ std::vector<PlacedNode> placeNodes(const Model& model) {
     const Item item = std::move(open.back());
     open.pop_back();
     const Node& node = model.nodes[item.node];
-    placed.push_back({item.node, item.sceneFromParent * localOf(node), node.name.empty() ? item.name : node.name,
-                      item.visible && node.visible});
-    const PlacedNode& own = placed.back();
+    placed.push_back({item.node, item.sceneFromParent * localOf(node),
+                      node.name.empty() ? item.name : std::string_view(node.name), item.visible && node.visible});
+    const PlacedNode own = placed.back();
     add(node.children, own.sceneFromNode, own.name, own.visible);
   }
   return placed;

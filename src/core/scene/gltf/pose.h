@@ -4,7 +4,9 @@
 // 3.11).
 
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -22,8 +24,8 @@ std::string nameOf(const Model& model, Index animation);
 // suggestion, where there is none.
 Index animationNamed(const Model& model, const std::string& name);
 
-// When the first of an animation's key frames is, and when the last (s).
-std::pair<double, double> spanOf(const Model& model, const Data& data, Index animation);
+// When the first of an animation's key frames is, and when the last (s); nothing where it has none.
+std::optional<std::pair<double, double>> spanOf(const Model& model, const Data& data, Index animation);
 
 // Writes what the clip says at its time into the nodes. Throws InputError where its samplers do not fit.
 void apply(const ClipTime& clip, const Data& data, Model& model);
@@ -34,7 +36,7 @@ Affine localOf(const Node& node);
 struct PlacedNode {
   Index node = 0;
   Affine sceneFromNode;
-  std::string name;  // its own, or that of its nearest ancestor with one
+  std::string_view name;  // its own, or that of its nearest ancestor with one; of the model
   bool visible = true;
 };
 

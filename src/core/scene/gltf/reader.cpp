@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "scene/assets/asset_parts.h"
 #include "scene/assets/trial.h"
+#include "scene/builder.h"
 #include "scene/gltf/data.h"
 #include "scene/gltf/draco.h"
 #include "scene/gltf/materials.h"
@@ -23,6 +24,7 @@ namespace {
 // What a few bytes may ask for when they are decoded.
 constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;  // bytes, and 256 for every byte compressed
 constexpr unsigned kTrialSeconds = 300;
+constexpr std::size_t kMostInstances = std::size_t{1} << 22;  // of one node
 
 // The vertices and triangles of a primitive, in the mesh's frame.
 struct Geometry {
@@ -56,6 +58,10 @@ class Reader {
       : model_(std::move(model)), data_(model_), assetFromFile_(assetFromFile), options_(options) {
     if (options.clip) apply(*options.clip, data_, model_);
     placed_ = placeNodes(model_);
+    uses_.resize(model_.meshes.size(), 0);
+    for (const PlacedNode& p : placed_) {
+      if (model_.nodes[p.node].mesh) ++uses_[*model_.nodes[p.node].mesh];
+    }
     poser_.emplace(model_, data_, placed_);
   }
 
@@ -118,7 +124,8 @@ class Reader {
     std::vector<std::size_t> materials;  // of the parts of this node
     for (const Primitive& primitive : model_.meshes[*model_.nodes[placed.node].mesh].primitives) {
       const std::size_t material = primitive.material.value_or(materials_.size() - 1);
-      const Geometry geometry = geometryOf(primitive, placed, materials_[material].placed);
+      const std::shared_ptr<const Geometry> shared = knownGeometry(primitive, placed, materials_[material].placed);
+      const Geometry& geometry = *shared;
       asset_.dropped.outOfRange += geometry.dropped;
       if (geometry.points.empty()) continue;
       triangles_ += geometry.triangles.size();
@@ -165,14 +172,28 @@ class Reader {
     }
   }
 
+  // Of a mesh that stands in several places without a pose of its own, once.
+  std::shared_ptr<const Geometry> knownGeometry(const Primitive& primitive, const PlacedNode& placed,
+                                                const std::optional<TextureUse>& texture) {
+    const bool shares = poser_->isRigid(placed) && (uses_[*model_.nodes[placed.node].mesh] > 1 || copies_);
+    if (!shares) return std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
+    std::shared_ptr<const Geometry>& known = known_[&primitive];
+    if (known == nullptr) known = std::make_shared<const Geometry>(geometryOf(primitive, placed, texture));
+    return known;
+  }
+
   Geometry geometryOf(const Primitive& primitive, const PlacedNode& placed, const std::optional<TextureUse>& texture) {
     const std::string what = fmt::format("the mesh of '{}'", placed.name);
     std::optional<DracoMesh> draco;
     if (primitive.draco) draco = decodeDraco(data_.view(primitive.draco->view), primitive.draco->attributes);
     const AttributeNumbers numbers = [&](const std::string& name) {
-      if (draco && draco->attributes.contains(name)) return draco->attributes.at(name).numbers;
       const auto found = primitive.attributes.find(name);
-      if (found == primitive.attributes.end() || draco) return std::vector<float>();
+      if (draco && draco->attributes.contains(name)) {
+        return found == primitive.attributes.end()
+                   ? draco->attributes.at(name).numbers
+                   : normalizedAs(model_.accessors[found->second], std::move(draco->attributes.at(name)));
+      }
+      if (found == primitive.attributes.end()) return std::vector<float>();
       if (name.starts_with("WEIGHTS_")) return data_.fractions(found->second, what);
       if (!name.starts_with("JOINTS_")) return data_.floats(found->second, what);
       const std::vector<std::uint32_t> whole = data_.integers(found->second, what);
@@ -198,7 +219,41 @@ class Reader {
     g.triangles = trianglesOf(draco ? Primitive::Mode::Triangles : primitive.mode, at);
     const auto reaches = [&](const Triangle& t) { return std::max({t[0], t[1], t[2]}) >= g.points.size(); };
     g.dropped = static_cast<std::uint64_t>(std::erase_if(g.triangles, reaches));
+    dropUnused(g);
     return g;
+  }
+
+  // Primitives often share one long list of vertices.
+  static void dropUnused(Geometry& g) {
+    constexpr std::uint32_t kUnused = UINT32_MAX;
+    std::vector<std::uint32_t> moved(g.points.size(), kUnused);
+    for (const Triangle& t : g.triangles) {
+      for (const std::uint32_t corner : t) moved[corner] = 0;
+    }
+    std::uint32_t kept = 0;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      if (moved[i] == kUnused) continue;
+      g.points[kept] = g.points[i];
+      if (!g.uvs.empty()) g.uvs[kept] = g.uvs[i];
+      moved[i] = kept++;
+    }
+    if (kept == g.points.size()) return;
+    g.points.resize(kept);
+    if (!g.uvs.empty()) g.uvs.resize(kept);
+    for (Triangle& t : g.triangles) {
+      for (std::uint32_t& corner : t) corner = moved[corner];
+    }
+  }
+
+  // The compressed numbers are those of the accessor that stands for them.
+  static std::vector<float> normalizedAs(const Accessor& accessor, DracoMesh::Values values) {
+    if (!accessor.normalized || values.normalized || accessor.component == Component::Float) {
+      return std::move(values.numbers);
+    }
+    const bool isSigned = accessor.component == Component::Int8 || accessor.component == Component::Int16;
+    const double most = std::pow(2.0, 8.0 * static_cast<double>(sizeOf(accessor.component)) - (isSigned ? 1 : 0)) - 1;
+    for (float& v : values.numbers) v = std::max(static_cast<float>(static_cast<double>(v) / most), -1.0f);
+    return std::move(values.numbers);
   }
 
   static void readUvs(const AttributeNumbers& numbers, const std::optional<TextureUse>& texture, Geometry& g) {
@@ -232,11 +287,13 @@ class Reader {
     const std::vector<float> translations = numbers("TRANSLATION", 3, {});
     const std::vector<float> rotations = numbers("ROTATION", 4, {});
     const std::vector<float> scales = numbers("SCALE", 3, {});
-    const std::size_t count =
-        attributes.empty() ? 0 : static_cast<std::size_t>(model_.accessors[attributes.begin()->second].count);
+    const std::size_t count = std::max({translations.size() / 3, rotations.size() / 4, scales.size() / 3});
+    if (count > kMostInstances)
+      model_.fail(fmt::format("has {} copies of '{}': at most {}", count, placed.name, kMostInstances));
     const auto at = [](const std::vector<float>& values, std::size_t i, double fallback) {
       return i < values.size() ? static_cast<double>(values[i]) : fallback;
     };
+    const Affine frame = assetFromFile_ * frameOf(placed);
     std::vector<Affine> nodeFromMesh;
     for (std::size_t i = 0; i < count; ++i) {
       Node node;
@@ -246,11 +303,17 @@ class Reader {
       }
       for (std::size_t k = 0; k < 4; ++k) node.rotation[k] = at(rotations, 4 * i + k, k == 3 ? 1 : 0);
       const Affine local = localOf(node);
-      if (determinant(local.linear) != 0) nodeFromMesh.push_back(local);  // others are no larger than a point
+      // Others are flat, or no larger than a point.
+      if (!isSingular((frame * local).linear)) nodeFromMesh.push_back(local);
     }
-    const Affine frame = assetFromFile_ * frameOf(placed);
     if (options_.clip || nodeFromMesh.size() < 2) {
-      for (const Affine& local : nodeFromMesh) append(asset_.parts, placed, number, frame * local);
+      copies_ = true;
+      // Each is a node of its own.
+      const auto nodes = static_cast<std::uint32_t>(placed_.size());
+      for (std::uint32_t i = 0; i < nodeFromMesh.size(); ++i) {
+        append(asset_.parts, placed, number + i * nodes, frame * nodeFromMesh[i]);
+      }
+      copies_ = false;
       return;
     }
     InstancedParts instanced;
@@ -268,6 +331,9 @@ class Reader {
   std::vector<PlacedNode> placed_;
   std::optional<Poser> poser_;
   std::vector<ReadMaterial> materials_;
+  std::vector<std::size_t> uses_;  // of each mesh, by nodes
+  bool copies_ = false;            // copies of one node are made
+  std::map<const Primitive*, std::shared_ptr<const Geometry>> known_;
   Asset asset_;
   std::uint64_t triangles_ = 0;
 };
@@ -284,15 +350,17 @@ std::vector<Clip> readClips(const std::filesystem::path& file) {
   const Data data(model);
   std::vector<Clip> clips;
   for (Index i = 0; i < model.animations.size(); ++i) {
-    const auto [first, last] = spanOf(model, data, i);
-    clips.push_back({nameOf(model, i), first, last});
+    if (const auto span = spanOf(model, data, i)) clips.push_back({nameOf(model, i), span->first, span->second});
   }
   return clips;
 }
 
 std::pair<double, double> clipSpan(const std::filesystem::path& file, const std::string& clip) {
   const Model model = readModel(file, file);
-  return spanOf(model, Data(model), animationNamed(model, clip));
+  const Index animation = animationNamed(model, clip);
+  const auto span = spanOf(model, Data(model), animation);
+  if (!span) model.fail(fmt::format("is not valid glTF: animations[{}] has no key frames", animation));
+  return *span;
 }
 
 }  // namespace scanmill::gltf

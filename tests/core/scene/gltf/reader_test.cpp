@@ -397,5 +397,62 @@ TEST_F(GltfReader, InstancesShareTheirMesh) {
   EXPECT_THAT(refusal(b), HasSubstr("EXT_mesh_gpu_instancing"));
 }
 
+// Each of these few bytes once took a process down, or gigabytes.
+TEST_F(GltfReader, SmallFilesAskForLittle) {
+  std::string deep = wing().text();
+  const std::string kind = "\"componentType\":5126";
+  deep.replace(deep.find(kind), kind.size(),
+               "\"componentType\":" + std::string(200000, '[') + std::string(200000, ']'));
+  EXPECT_THAT(messageOf([&] { readAsset(folder_.write("a.gltf", deep), {}); }), HasSubstr("unknown type"));
+
+  GltfBuilder many = wing();
+  many.json["accessors"].push_back({{"componentType", 5126}, {"type", "VEC3"}, {"count", std::uint64_t{1} << 31}});
+  many.json["nodes"][0]["extensions"] = {{"EXT_mesh_gpu_instancing", {{"attributes", {{"_X", 1}}}}}};
+  EXPECT_THAT(refusal(many), HasSubstr("no triangle"));
+  many.json["nodes"][0]["extensions"] = {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", 1}}}}}};
+  EXPECT_THAT(refusal(many), HasSubstr("without data"));
+
+  GltfBuilder absent = wing();
+  absent.json["buffers"][0] = Json::object();
+  absent.json["buffers"][1] = {{"byteLength", std::uint64_t{1} << 40}};
+  absent.json["bufferViews"].push_back({{"buffer", 1}, {"byteLength", std::uint64_t{12} << 30}});
+  absent.json["accessors"].push_back(
+      {{"bufferView", 1}, {"componentType", 5126}, {"type", "VEC3"}, {"count", std::uint64_t{1} << 30}});
+  absent.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 1;
+  EXPECT_THAT(refusal(absent), HasSubstr("truncated"));
+  absent.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 0;
+  expectWing(read(absent));  // what nobody reads may be missing
+
+  GltfBuilder beyond = wing();
+  beyond.json["accessors"][0]["count"] = 0;
+  beyond.json["accessors"][0]["byteOffset"] = 1000;
+  EXPECT_THAT(refusal(beyond), HasSubstr("beyond its bufferView"));
+}
+
+// Primitives often share one list of vertices, of which each needs some.
+TEST_F(GltfReader, VerticesOfOtherPrimitivesAreLeftOut) {
+  GltfBuilder b;
+  std::vector<float> points(3000, -99.0f);
+  std::copy(kCorners.begin(), kCorners.end(), points.begin() + 300);
+  const std::size_t positions = b.numbers<float>(points, "VEC3", 3);
+  const std::size_t indices = b.numbers<std::uint16_t>({100, 101, 102}, "SCALAR", 1, 5123);
+  const Asset asset = read(wing(b, {{"POSITION", positions}}, {{"indices", indices}}));
+  expectWing(asset);
+  EXPECT_EQ(asset.parts[0].positions.size(), 3u);
+}
+
+TEST_F(GltfReader, MaterialsOfTheOldExtensionAreNoMetals) {
+  GltfBuilder b = wing();
+  b.json["meshes"][0]["primitives"][0]["material"] = 0;
+  b.json["materials"] = {{{"name", "old"},
+                          {"extensions",
+                           {{"KHR_materials_pbrSpecularGlossiness",
+                             {{"diffuseFactor", {0.5, 0.5, 0.5, 1}}, {"glossinessFactor", 0.25}}}}}}};
+  const Material m = read(b).parts.at(0).fileMaterial;
+  EXPECT_FLOAT_EQ(m.reflectance, 0.5f);
+  EXPECT_FLOAT_EQ(m.metallic, 0);
+  EXPECT_FLOAT_EQ(m.roughness, 0.75f);
+}
+
 }  // namespace
 }  // namespace scanmill
