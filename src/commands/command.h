@@ -24,6 +24,7 @@ int runRender(const std::vector<std::string>& arguments);
 int runTradeoff(const std::vector<std::string>& arguments);
 int runRepeatability(const std::vector<std::string>& arguments);
 int runFitNoise(const std::vector<std::string>& arguments);
+int runDraft(const std::vector<std::string>& arguments);
 int runPlan(const std::vector<std::string>& arguments);
 int runVerify(const std::vector<std::string>& arguments);
 int runReport(const std::vector<std::string>& arguments);

@@ -1,0 +1,34 @@
+#pragma once
+
+// Drafts a scene file from 3D files: their units, axes, classes and materials are guessed, to be checked by a person.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scene/draft/guess.h"
+#include "scene/ontology.h"
+
+namespace scanmill::draft {
+
+struct DraftedFile {
+  std::filesystem::path file;
+  FrameGuess frame;
+  std::uint64_t triangles = 0;
+  std::uint64_t guessed = 0;  // of them, those that a class was found for, or that are left out
+};
+
+struct Draft {
+  std::string yaml;
+  std::vector<DraftedFile> files;
+};
+
+// One object for each file; several stand beside one another on the ground. `folder` is where the scene file will be,
+// from which the assets are named, and `ontologyName` what it calls the ontology. Throws InputError for a file that
+// cannot be read.
+Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
+                 const Ontology& ontology, const std::string& ontologyName, const std::string& name,
+                 const std::filesystem::path& folder);
+
+}  // namespace scanmill::draft

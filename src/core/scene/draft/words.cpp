@@ -1,0 +1,135 @@
+#include "scene/draft/words.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <utility>
+
+#include "config/fields.h"
+
+namespace scanmill::draft {
+namespace {
+
+constexpr std::size_t kInside = 5;  // letters of words that are found inside of others
+
+// Two-byte letters of UTF-8 and what stands for them.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 26> kFolded{
+    {{"ß", "ss"}, {"ä", "a"}, {"ö", "o"}, {"ü", "u"}, {"Ä", "a"}, {"Ö", "o"}, {"Ü", "u"}, {"é", "e"}, {"è", "e"},
+     {"ê", "e"},  {"à", "a"}, {"â", "a"}, {"á", "a"}, {"ç", "c"}, {"í", "i"}, {"î", "i"}, {"ï", "i"}, {"ñ", "n"},
+     {"ó", "o"},  {"ô", "o"}, {"ò", "o"}, {"ú", "u"}, {"û", "u"}, {"ù", "u"}, {"É", "e"}, {"Ñ", "n"}}};
+
+bool isPlural(std::string_view ending) {
+  static constexpr std::array<std::string_view, 6> kEndings{"", "s", "es", "e", "n", "en"};
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
+
+struct Match {
+  std::size_t end = 0, length = 0;
+  bool better(const Match& other) const { return end != other.end ? end > other.end : length > other.length; }
+};
+
+// Where a word ends in a folded name at last; nothing where it is not in it.
+std::optional<Match> lastMatch(std::string_view name, std::string_view word) {
+  std::optional<Match> found;
+  for (std::size_t at = name.find(word); at != std::string_view::npos; at = name.find(word, at + 1)) {
+    const std::size_t blank = std::min(name.find(' ', at + word.size()), name.size());
+    const bool begins = at == 0 || name[at - 1] == ' ';
+    const bool whole = begins && isPlural(name.substr(at + word.size(), blank - at - word.size()));
+    if (whole || word.size() >= kInside) found = Match{blank, word.size()};
+  }
+  return found;
+}
+
+ConceptKind kindOf(const std::string& name) {
+  return name == "ground"   ? ConceptKind::Ground
+         : name == "detail" ? ConceptKind::Detail
+         : name == "drop"   ? ConceptKind::Drop
+                            : ConceptKind::Whole;
+}
+
+std::vector<std::string> textsOf(Fields& f, std::string_view key) {
+  std::vector<std::string> texts;
+  const Value* const list = f.find(key);
+  if (list == nullptr) return texts;
+  if (list->kind != Value::Kind::Sequence) {
+    throw InputError(list->where, std::string(key) + " must be a list of texts");
+  }
+  for (const Value& item : list->items) texts.push_back(readText(item, key));
+  return texts;
+}
+
+}  // namespace
+
+std::vector<Concept> readConcepts(const std::filesystem::path& path) {
+  const Value root = readYaml(path);
+  Fields file(root, "words");
+  const Value& list = file.require("concepts");
+  file.finish();
+  if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "concepts must be a list");
+  std::vector<Concept> concepts;
+  for (const Value& item : list.items) {
+    Fields f(item, "concept");
+    Concept c;
+    c.name = f.text("name");
+    c.classes = textsOf(f, "classes");
+    c.material = f.text("material", "");
+    c.kind = kindOf(f.choice("kind", {"ground", "whole", "detail", "drop"}, "whole"));
+    c.of = textsOf(f, "of");
+    if (f.has("size")) {
+      const std::vector<double> size = f.numbers("size", {0, 1e6});
+      if (size.size() != 2) throw InputError(f.require("size").where, "size must be two lengths");
+      c.size = Between{size[0], size[1]};
+    }
+    for (const std::string& word : textsOf(f, "words")) c.words.push_back(foldedName(word));
+    f.finish();
+    concepts.push_back(std::move(c));
+  }
+  return concepts;
+}
+
+std::string foldedName(std::string_view name) {
+  std::string out;
+  bool lower = false;  // the letter before was a lower one
+  const auto blank = [&] {
+    if (!out.empty() && out.back() != ' ') out += ' ';
+    lower = false;
+  };
+  for (std::size_t i = 0; i < name.size();) {
+    const auto folded = std::find_if(kFolded.begin(), kFolded.end(),
+                                     [&](const auto& pair) { return name.substr(i).starts_with(pair.first); });
+    if (folded != kFolded.end()) {
+      out += folded->second;
+      i += folded->first.size();
+      lower = true;
+      continue;
+    }
+    const auto c = static_cast<unsigned char>(name[i++]);
+    if (std::isalpha(c) == 0) {
+      blank();
+    } else {
+      // BusStop, but not CAR
+      if (std::isupper(c) != 0 && lower) blank();
+      out += static_cast<char>(std::tolower(c));
+      lower = std::islower(c) != 0;
+    }
+  }
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  return out;
+}
+
+const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view name) {
+  const std::string folded = foldedName(name);
+  const Concept* best = nullptr;
+  Match match;
+  for (const Concept& c : concepts) {
+    for (const std::string& word : c.words) {
+      const std::optional<Match> found = lastMatch(folded, word);
+      if (!found || (best != nullptr && !found->better(match))) continue;
+      best = &c;
+      match = *found;
+    }
+  }
+  return best;
+}
+
+}  // namespace scanmill::draft

@@ -1,0 +1,37 @@
+#pragma once
+
+// What words in names usually mean: labels/words.yaml.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/rules.h"
+
+namespace scanmill::draft {
+
+enum class ConceptKind { Ground, Whole, Detail, Drop };
+
+struct Concept {
+  std::string name;
+  std::vector<std::string> classes;  // the first that an ontology has is meant
+  std::string material;              // of the program's table; empty: none
+  ConceptKind kind = ConceptKind::Whole;
+  std::vector<std::string> of;     // of a detail: the names of the concepts that have it
+  std::optional<Between> size;     // m, along the longest edge
+  std::vector<std::string> words;  // folded: see foldedName()
+};
+
+// Throws InputError with the place.
+std::vector<Concept> readConcepts(const std::filesystem::path& path);
+
+// Lower case without accents, its parts with a blank between them: "Haupt-Straße_01", "BusStop2" and "grass.001" become
+// "haupt strasse", "bus stop" and "grass".
+std::string foldedName(std::string_view name);
+
+// What a name means by the word that stands last in it, the longest of those that end there; null where it has none.
+const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view name);
+
+}  // namespace scanmill::draft

@@ -1,0 +1,53 @@
+// `scanmill draft`: a scene file of 3D files, and a picture of it.
+
+#include "base/file.h"
+#include "tests/commands/program.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class DraftCommand : public SmallWorld {
+ protected:
+  void SetUp() override {
+    SmallWorld::SetUp();
+    folder_.write("models/oak.obj", "o crown\nv -1 0 2\nv 1 0 2\nv 0 1 9\nf 1 2 3\n");
+    folder_.write("models/road.obj", "o a\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nf 1 2 3\n");
+  }
+};
+
+TEST_F(DraftCommand, WritesASceneThatReadsAndAPicture) {
+  const Outcome o = scanmill({"draft", at("models"), "-o", at("place.yaml")});
+  ASSERT_EQ(o.code, 0) << o.error;
+  EXPECT_THAT(o.out, AllOf(HasSubstr("oak.obj"), HasSubstr("2 of 2 triangles"), HasSubstr("place.png")));
+  EXPECT_GT(std::filesystem::file_size(at("place.png")), 1000u);
+  const Outcome info = scanmill({"info", at("place.yaml")});
+  EXPECT_EQ(info.code, 0) << info.error;
+  EXPECT_THAT(info.out, AllOf(HasSubstr("tree"), HasSubstr("road"), HasSubstr("2 instances")));
+}
+
+TEST_F(DraftCommand, ReplacesNothingUnasked) {
+  folder_.write("place.png", "mine");
+  const std::vector<std::string> arguments{"draft", at("models/oak.obj"), "-o", at("place.yaml")};
+  expectRefused(scanmill(arguments), "place.png: is there already");
+  EXPECT_FALSE(std::filesystem::exists(at("place.yaml")));
+  std::vector<std::string> insisting = arguments;
+  insisting.emplace_back("--overwrite");
+  EXPECT_EQ(scanmill(insisting).code, 0);
+  EXPECT_NE(readFile(at("place.png")), "mine");
+}
+
+TEST_F(DraftCommand, BadRequestsAreNamed) {
+  expectRefused(scanmill({"draft", "-o", at("a.yaml")}), "name 3D files");
+  expectRefused(scanmill({"draft", at("models")}), "-o FILE.yaml");
+  expectRefused(scanmill({"draft", at("none.obj"), "-o", at("a.yaml")}), "none.obj: there is no such file");
+  std::filesystem::create_directory(at("empty"));
+  expectRefused(scanmill({"draft", at("empty"), "-o", at("a.yaml")}), "holds no 3D file");
+  expectRefused(scanmill({"draft", at("models"), "-o", at("a.yaml"), "--ontology", "nowhere"}), "nowhere");
+  EXPECT_FALSE(std::filesystem::exists(at("a.yaml")));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,87 @@
+#include "scene/draft/guess.h"
+
+#include <gtest/gtest.h>
+
+namespace scanmill::draft {
+namespace {
+
+const std::vector<Concept>& concepts() {
+  static const std::vector<Concept> all =
+      readConcepts(std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels/words.yaml");
+  return all;
+}
+
+AssetPart part(const std::string& node, const std::string& material = {}, const std::string& texture = {}) {
+  AssetPart p;
+  p.node = node;
+  p.material = material;
+  p.texture = texture;
+  return p;
+}
+
+std::string guessed(const std::string& file, const AssetPart& p) {
+  Asset asset;
+  asset.file = file;
+  asset.parts = {p};
+  const Concept* const c = guessParts(concepts(), asset).at(0);
+  return c == nullptr ? std::string() : c->name;
+}
+
+TEST(Guess, DetailsBelongToTheirWhole) {
+  EXPECT_EQ(guessed("/x/city.glb", part("House_3", "glass")), "window");
+  EXPECT_EQ(guessed("/x/city.glb", part("House_3", "plaster")), "building");
+  EXPECT_EQ(guessed("/x/city.glb", part("car_3", "glass")), "car");
+  EXPECT_EQ(guessed("/x/oak.obj", part("Mesh.001", "bark")), "trunk");
+  EXPECT_EQ(guessed("/x/oak.obj", part("Mesh.001", "Material")), "tree");
+  EXPECT_EQ(guessed("/x/leaves.obj", part("", "")), "leaf");
+}
+
+TEST(Guess, TheMoreTellingNameWins) {
+  EXPECT_EQ(guessed("/x/suv.obj", part("Box001", "grass")), "car") << "all of a car is the car";
+  EXPECT_EQ(guessed("/x/map.obj", part("Terrain", "asphalt")), "road") << "a ground of several materials";
+  EXPECT_EQ(guessed("/x/map.ac", part("tkMn0", "", "textures\\tr-grass.rgb")), "terrain");
+  EXPECT_EQ(guessed("/models/hatchback/meshes/a.dae", part("Box001", "")), "car") << "by the folder";
+  EXPECT_EQ(guessed("/x/city.glb", part("SkyBox", "plaster")), "nothing");
+  EXPECT_EQ(guessed("/x/truck_town/a.glb", part("node_7")), "world") << "a town is no truck";
+  EXPECT_EQ(guessed("/x/y/z.glb", part("node_7")), "");
+}
+
+// A box of this size in the file's units, its corner there.
+Asset box(const Vec3d& low, const Vec3d& size, const std::string& name) {
+  Asset asset;
+  asset.file = "/x/" + name + ".obj";
+  AssetPart p = part(name);
+  for (int i = 0; i < 8; ++i) {
+    p.positions.push_back(Vec3f(low + Vec3d{i & 1 ? size.x : 0, i & 2 ? size.y : 0, i & 4 ? size.z : 0}));
+  }
+  p.triangles = {{0, 1, 2}, {5, 6, 7}};
+  asset.parts = {p};
+  return asset;
+}
+
+FrameGuess frameOf(const Asset& asset, bool declares = false) {
+  return guessFrame(asset, guessParts(concepts(), asset), declares);
+}
+
+TEST(Guess, UnitsByTheUsualSizeOfThings) {
+  EXPECT_EQ(frameOf(box({-90, -35, 0}, {180, 70, 60}, "sedan")).unit, 0.0254);
+  EXPECT_EQ(frameOf(box({-225, -90, 0}, {450, 180, 150}, "sedan")).unit, 0.01);
+  EXPECT_EQ(frameOf(box({-2250, -900, 0}, {4500, 1800, 1500}, "sedan")).unit, 0.001);
+  const FrameGuess metres = frameOf(box({-2.2, -0.9, 0}, {4.5, 1.8, 1.5}, "sedan"));
+  EXPECT_EQ(metres.unit, 1);
+  EXPECT_TRUE(metres.whyUnit.empty());
+  EXPECT_NE(frameOf(box({-90, -35, 0}, {180, 70, 60}, "sedan")).whyUnit.find("4.57 m"), std::string::npos);
+  EXPECT_EQ(frameOf(box({-90, -35, 0}, {180, 70, 60}, "thing")).unit, 1) << "no word says what it is";
+}
+
+TEST(Guess, TheAxisByWhatIsTallOrLow) {
+  EXPECT_EQ(frameOf(box({-1, 0, -1}, {2, 9, 2}, "oak")).up, 'y');
+  EXPECT_EQ(frameOf(box({-1, -1, 0}, {2, 2, 9}, "oak")).up, 'z');
+  EXPECT_EQ(frameOf(box({-2, 0, -1}, {4.5, 1.5, 1.8}, "sedan")).up, 'y');
+  EXPECT_EQ(frameOf(box({-2, -1, 0}, {4.5, 1.8, 1.5}, "sedan")).up, 'z');
+  EXPECT_EQ(frameOf(box({-100, -3, -100}, {200, 6, 200}, "terrain")).up, 'y');
+  EXPECT_TRUE(frameOf(box({-1, 0, -1}, {2, 9, 2}, "oak"), true).whyUp.empty()) << "the file says it";
+}
+
+}  // namespace
+}  // namespace scanmill::draft
