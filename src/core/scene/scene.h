@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "base/vec.h"
@@ -86,7 +87,10 @@ struct Instance {
 // Names in an asset of what no rule gives a class.
 struct UnlabeledPart {
   std::string file, material, texture, node;
-  auto operator<=>(const UnlabeledPart&) const = default;
+  bool operator==(const UnlabeledPart&) const = default;
+  bool operator<(const UnlabeledPart& o) const {
+    return std::tie(file, material, texture, node) < std::tie(o.file, o.material, o.texture, o.node);
+  }
 };
 
 // What came of a rule of the scene's file, in triangles of meshes.

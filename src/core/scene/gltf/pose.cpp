@@ -169,7 +169,7 @@ std::vector<PlacedNode> placeNodes(const Model& model) {
   };
   add(model.roots, {}, {}, true);
   while (!open.empty()) {
-    const Item item = std::move(open.back());
+    const Item item = open.back();
     open.pop_back();
     const Node& node = model.nodes[item.node];
     placed.push_back({item.node, item.sceneFromParent * localOf(node),
