@@ -244,18 +244,6 @@ void printSensor(const Value& value) {
   fmt::print("{}", formatTable(rows));
 }
 
-// The axis that readAsset() takes for up: see AssetOptions::up.
-std::string upUsed(const std::filesystem::path& file, const AssetOptions& options) {
-  if (options.up) return std::string(1, *options.up);
-  std::string kind = file.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  if (kind == ".dae" || kind == ".fbx") return "as the file declares";
-  if (kind == ".blend") return "z, as its kind has it";
-  return kind == ".gltf" || kind == ".glb" || kind.starts_with(".ac") ? "y, as its kind has it"
-                                                                      : "z, as its kind does not say";
-}
-
 void printClips(const std::filesystem::path& file) {
   const std::vector<gltf::Clip> clips = gltf::readClips(file);
   if (clips.empty()) return;
@@ -351,7 +339,10 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
   fmt::print(
       "read with unit: {:g} (m per unit) and up: {}; others by --unit and --up here, by the keys `unit` and `up` of "
       "the object in a scene\n",
-      options.metresPerUnit, upUsed(file, options));
+      options.metresPerUnit,
+      options.up ? std::string(1, asset.up)
+                 : fmt::format("{}, as {}", asset.up,
+                               asset.upDeclared ? "the file or its kind has it" : "its kind does not say"));
   if (options.textures) printColors(asset);
   if (nodes.size() < 2) return;
   const auto diagonal = [](const Node& n) { return length(n.box.high - n.box.low); };

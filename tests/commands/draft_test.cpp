@@ -28,6 +28,13 @@ TEST_F(DraftCommand, WritesASceneThatReadsAndAPicture) {
   EXPECT_THAT(info.out, AllOf(HasSubstr("tree"), HasSubstr("road"), HasSubstr("2 instances")));
 }
 
+TEST_F(DraftCommand, TakesWordsOfItsUsers) {
+  folder_.write("words.yaml", "concepts:\n  - {name: crown, classes: [building], words: [crown]}\n");
+  const std::string words = at("words.yaml");
+  ASSERT_EQ(scanmill({"draft", at("models/oak.obj"), "-o", at("place.yaml"), "--words", words}).code, 0);
+  EXPECT_THAT(readFile(at("place.yaml")), HasSubstr("class: building"));
+}
+
 TEST_F(DraftCommand, ReplacesNothingUnasked) {
   folder_.write("place.png", "mine");
   const std::vector<std::string> arguments{"draft", at("models/oak.obj"), "-o", at("place.yaml")};

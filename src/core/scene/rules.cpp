@@ -208,12 +208,6 @@ bool isInside(const Box& box, const Vec3d& p) {
          p.z <= box.high.z;
 }
 
-// Without the folders, whichever way the strokes lean.
-std::string_view baseName(std::string_view path) {
-  const std::size_t last = path.find_last_of("/\\");
-  return last == std::string_view::npos ? path : path.substr(last + 1);
-}
-
 Rule readRule(const Value& value) {
   Fields f(value, "rule");
   Rule rule;
@@ -290,6 +284,11 @@ bool matches(const std::string& pattern, std::string_view text, const Location& 
   }
 }
 
+std::string_view textureName(std::string_view path) {
+  const std::size_t last = path.find_last_of("/\\");
+  return last == std::string_view::npos ? path : path.substr(last + 1);
+}
+
 bool matchesNames(const Rule& rule, const Names& names) {
   const auto holds = [&](const std::string& pattern, std::string_view text) {
     return pattern.empty() || matches(pattern, text, rule.where);
@@ -301,7 +300,7 @@ bool matchesNames(const Rule& rule, const Names& names) {
       std::replace(path.begin(), path.end(), '\\', '/');
       return matches(rule.texture, path, rule.where);
     }
-    return matches(rule.texture, baseName(names.texture), rule.where);
+    return matches(rule.texture, textureName(names.texture), rule.where);
   };
   return holds(rule.node, names.node) && holds(rule.material, names.material) && holdsTexture() &&
          holds(rule.file, names.file);

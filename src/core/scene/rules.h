@@ -51,6 +51,9 @@ std::vector<Rule> readRules(const Value& value);
 // In words, such as {node: Wall*, height: 0 to 2.5}.
 std::string describe(const Rule& rule);
 
+// The name of a texture's file without its folders, whether slashes or backslashes divide them.
+std::string_view textureName(std::string_view path);
+
 // What the patterns are compared with; empty where a part has no such name.
 struct Names {
   std::string_view node, material, texture, file;

@@ -49,6 +49,7 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, const
   Asset asset = blend ? gltf::readAsset(BlendExport(file).glb(), file, assetFromFile, options)
                       : gltf::readAsset(file, file, assetFromFile, options);
   asset.up = up;
+  asset.upDeclared = true;
   return asset;
 }
 

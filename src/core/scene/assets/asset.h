@@ -67,7 +67,8 @@ struct InstancedParts {
 
 struct Asset {
   std::filesystem::path file;
-  char up = 'z';  // the up axis of the file's coordinates: AssetOptions::up, or else what the file says
+  char up = 'z';            // the up axis of the file's coordinates: AssetOptions::up, or else what the file says
+  bool upDeclared = false;  // the file or its kind says which axis is up
   std::vector<AssetPart> parts;
   std::vector<InstancedParts> instanced;
   Dropped dropped;  // triangles with indices out of range are dropped here; the rest is left to clean()

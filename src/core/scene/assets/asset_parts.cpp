@@ -54,6 +54,22 @@ void weld(AssetPart& part) {
   }
 }
 
+Box boundsOf(const Asset& asset) {
+  Box box;
+  const auto add = [&](const AssetPart& part, const Affine& place) {
+    for (const Vec3f& p : part.positions) {
+      if (isFinite(p)) box.add(place * Vec3d(p));
+    }
+  };
+  for (const AssetPart& part : asset.parts) add(part, {});
+  for (const InstancedParts& instanced : asset.instanced) {
+    for (const Affine& place : instanced.assetFromParts) {
+      for (const AssetPart& part : instanced.parts) add(part, place);
+    }
+  }
+  return box;
+}
+
 void flatten(Asset& asset) {
   std::uint32_t nodes = 0;
   for (const AssetPart& part : asset.parts) nodes = std::max(nodes, part.nodeIndex + 1);

@@ -17,6 +17,9 @@ Mat3 zUpFrom(char up);
 // Some kinds come in with three vertices of their own for every triangle: joins those that are bit-identical.
 void weld(AssetPart& part);
 
+// Of all that is finite, copies too.
+Box boundsOf(const Asset& asset);
+
 // Makes copies of Asset::instanced parts like any others, each a node of its own.
 void flatten(Asset& asset);
 

@@ -14,6 +14,7 @@
 #include <exception>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -51,7 +52,9 @@ class Importer {
   Asset read() {
     import();
     Asset asset;
-    asset.up = options_.up.value_or(declaredUp());
+    const std::optional<char> declared = declaredUp();
+    asset.up = options_.up.value_or(declared.value_or('z'));
+    asset.upDeclared = declared.has_value();
     asset.dropped.outOfRange = dropBadFaces(*scene_);
     triangulate();
     materials_ = readMaterials(*scene_, file_, options_);
@@ -187,15 +190,16 @@ class Importer {
     return {zUpFrom(up) * fileFromImported * Mat3::scale({scale, scale, scale}), {}};
   }
 
-  // The up axis that the file states or its kind prescribes.
-  char declaredUp() const {
+  // The up axis that the file states or its kind prescribes; nothing where neither does.
+  std::optional<char> declaredUp() const {
     const std::string format = importedAs();
     if (format == "Autodesk FBX Importer") {
       const std::int32_t axis = metadata(*scene_, "UpAxis", std::int32_t{1});
       return axis >= 0 && axis <= 2 ? "xyz"[axis] : 'y';
     }
     if (format == kCollada) return colladaUp();
-    return format == "AC3D Importer" ? 'y' : 'z';
+    if (format == "AC3D Importer") return 'y';
+    return std::nullopt;
   }
 
   // The importer keeps up_axis to itself. It is in the head of the file, since the schema puts `asset` first.

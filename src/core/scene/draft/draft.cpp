@@ -11,6 +11,7 @@
 #include <set>
 
 #include "base/grouped.h"
+#include "scene/assets/asset_parts.h"
 
 namespace scanmill::draft {
 namespace {
@@ -50,11 +51,6 @@ std::string numberless(const std::string& name) {
   return out;
 }
 
-std::string baseName(const std::string& path) {
-  const std::size_t last = path.find_last_of("/\\");
-  return last == std::string::npos ? path : path.substr(last + 1);
-}
-
 // A part, and what is guessed of it.
 struct Known {
   const AssetPart* part;
@@ -65,7 +61,7 @@ struct Known {
 constexpr std::array<const char*, 3> kKeys{"node", "material", "texture"};
 
 std::string nameOf(const AssetPart& part, std::size_t key) {
-  return key == 0 ? part.node : key == 1 ? part.material : baseName(part.texture);
+  return key == 0 ? part.node : key == 1 ? part.material : std::string(textureName(part.texture));
 }
 
 // Patterns by the keys node, material, texture; empty: any.
@@ -151,7 +147,7 @@ class Writer {
     for (const InstancedParts& instanced : asset.instanced) {
       for (const AssetPart& part : instanced.parts) add(part);
     }
-    drafted.frame = guessFrame(asset, guesses, declaresUp(file));
+    drafted.frame = guessFrame(asset, guesses);
     box = placed(asset, drafted.frame);
 
     std::error_code error;
@@ -169,32 +165,13 @@ class Writer {
   }
 
  private:
-  static bool declaresUp(const std::filesystem::path& file) {
-    const std::string kind = foldedName(file.extension().string());
-    static const std::set<std::string> kDeclaring{"gltf", "glb", "dae", "fbx", "ac", "acc", "blend"};
-    return kDeclaring.contains(kind);
-  }
-
   // The asset's box when it is read with the unit and axis that are guessed.
   static Box placed(const Asset& asset, const FrameGuess& frame) {
-    const bool turns = frame.up == 'y' && asset.up == 'z';
-    Box box;
-    const auto add = [&](const Vec3d& p) { box.add((turns ? Vec3d{p.x, -p.z, p.y} : p) * frame.unit); };
-    for (const AssetPart& part : asset.parts) {
-      for (const Vec3f& p : part.positions) {
-        if (isFinite(p)) add(Vec3d(p));
-      }
-    }
-    for (const InstancedParts& instanced : asset.instanced) {
-      for (const AssetPart& part : instanced.parts) {
-        for (const Vec3f& p : part.positions) {
-          for (const Affine& place : instanced.assetFromParts) {
-            if (isFinite(p)) add(place * Vec3d(p));
-          }
-        }
-      }
-    }
-    return box;
+    const Box own = boundsOf(asset);
+    if (own.empty() || frame.up == asset.up) return {own.low * frame.unit, own.high * frame.unit};
+    // From z-up, as it was read, to y-up: (x, y, z) becomes (x, -z, y).
+    return {Vec3d{own.low.x, -own.high.z, own.low.y} * frame.unit,
+            Vec3d{own.high.x, -own.low.z, own.high.y} * frame.unit};
   }
 
   void writeClasses(const std::vector<Known>& parts, const Concept* file, const Box& box, std::string& yaml) const {

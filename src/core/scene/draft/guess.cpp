@@ -7,6 +7,8 @@
 #include <cmath>
 #include <map>
 
+#include "scene/assets/asset_parts.h"
+
 namespace scanmill::draft {
 namespace {
 
@@ -20,31 +22,6 @@ const Concept* first(std::initializer_list<const Concept*> candidates) {
     if (c != nullptr) return c;
   }
   return nullptr;
-}
-
-std::string stem(const std::string& path) {
-  std::string plain = path;
-  std::replace(plain.begin(), plain.end(), '\\', '/');
-  return std::filesystem::path(plain).stem().string();
-}
-
-Box boxOf(const Asset& asset) {
-  Box box;
-  for (const AssetPart& part : asset.parts) {
-    for (const Vec3f& p : part.positions) {
-      if (isFinite(p)) box.add(Vec3d(p));
-    }
-  }
-  for (const InstancedParts& instanced : asset.instanced) {
-    for (const AssetPart& part : instanced.parts) {
-      for (const Vec3f& p : part.positions) {
-        for (const Affine& place : instanced.assetFromParts) {
-          if (isFinite(p)) box.add(place * Vec3d(p));
-        }
-      }
-    }
-  }
-  return box;
 }
 
 // The concept that most of the triangles have.
@@ -102,7 +79,8 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
   const auto guess = [&](const AssetPart& part) -> const Concept* {
     const Concept* const node = conceptOf(concepts, part.node);
     const Concept* const material = conceptOf(concepts, part.material);
-    const Concept* const texture = conceptOf(concepts, stem(part.texture));
+    const Concept* const texture =
+        conceptOf(concepts, std::filesystem::path(textureName(part.texture)).stem().string());
     if (node != nullptr && node->kind == ConceptKind::Drop) return node;
     const Concept* whole = node != nullptr && node->kind != ConceptKind::Detail ? node : nullptr;
     if (file != nullptr && file->kind == ConceptKind::Whole &&
@@ -128,16 +106,16 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
   return guesses;
 }
 
-FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& parts, bool declares) {
+FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& parts) {
   FrameGuess guess;
   guess.up = asset.up;
-  const Box box = boxOf(asset);
+  const Box box = boundsOf(asset);
   if (box.empty()) return guess;
   const std::array<double, 3> low{box.low.x, box.low.y, box.low.z};
   const std::array<double, 3> extent{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
   const Concept* const what = mainConcept(asset, parts);
   const std::string name = what == nullptr ? "it" : "a " + what->name;
-  if (!declares) {
+  if (!asset.upDeclared) {
     const double y = scoreOf(low, extent, 1, what);
     const double z = scoreOf(low, extent, 2, what);
     guess.up = y > z ? 'y' : 'z';

@@ -26,8 +26,7 @@ struct FrameGuess {
   std::string whyUnit;
 };
 
-// `asset` was read with the unit 1 and, where its kind does not say which axis is up, with z up; `declares` tells
-// whether it does.
-FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& parts, bool declares);
+// `asset` was read with the unit 1 and no axis asked for.
+FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& parts);
 
 }  // namespace scanmill::draft

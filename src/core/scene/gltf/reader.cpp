@@ -191,7 +191,7 @@ class Reader {
       if (draco && draco->attributes.contains(name)) {
         return found == primitive.attributes.end()
                    ? draco->attributes.at(name).numbers
-                   : normalizedAs(model_.accessors[found->second], std::move(draco->attributes.at(name)));
+                   : normalizedAs(model_.accessors[found->second], draco->attributes.at(name));
       }
       if (found == primitive.attributes.end()) return std::vector<float>();
       if (name.starts_with("WEIGHTS_")) return data_.fractions(found->second, what);

@@ -59,8 +59,8 @@ Asset box(const Vec3d& low, const Vec3d& size, const std::string& name) {
   return asset;
 }
 
-FrameGuess frameOf(const Asset& asset, bool declares = false) {
-  return guessFrame(asset, guessParts(concepts(), asset), declares);
+FrameGuess frameOf(const Asset& asset) {
+  return guessFrame(asset, guessParts(concepts(), asset));
 }
 
 TEST(Guess, UnitsByTheUsualSizeOfThings) {
@@ -80,7 +80,10 @@ TEST(Guess, TheAxisByWhatIsTallOrLow) {
   EXPECT_EQ(frameOf(box({-2, 0, -1}, {4.5, 1.5, 1.8}, "sedan")).up, 'y');
   EXPECT_EQ(frameOf(box({-2, -1, 0}, {4.5, 1.8, 1.5}, "sedan")).up, 'z');
   EXPECT_EQ(frameOf(box({-100, -3, -100}, {200, 6, 200}, "terrain")).up, 'y');
-  EXPECT_TRUE(frameOf(box({-1, 0, -1}, {2, 9, 2}, "oak"), true).whyUp.empty()) << "the file says it";
+  Asset declared = box({-1, 0, -1}, {2, 9, 2}, "oak");
+  declared.upDeclared = true;
+  EXPECT_EQ(frameOf(declared).up, 'z');
+  EXPECT_TRUE(frameOf(declared).whyUp.empty()) << "the file says it";
 }
 
 }  // namespace
