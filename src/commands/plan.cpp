@@ -17,6 +17,7 @@
 #include "pipeline/plan/feature_costs.h"
 #include "pipeline/plan/scene_shares.h"
 #include "pipeline/plan/warnings.h"
+#include "pipeline/plan/way_warnings.h"
 #include "pipeline/run/progress.h"
 
 namespace scanmill {
@@ -153,7 +154,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   Ontology ontology;
   for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
     const Sequence& s = pipeline.sequences[i];
-    if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;
+    if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;  // its ways were looked at with those of the first
     const std::string name = fmt::format("{} seed {}", s.scene, s.sceneSeed);
     const Scene scene = plan.loadScene(s);
     const auto method = pipeline.method.automatic ? nullptr : plan.makeMethod(scene);
@@ -164,6 +165,12 @@ int runPlan(const std::vector<std::string>& arguments) {
     for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
     for (const std::string& line : shareWarnings(scene)) warn(line);
     for (const std::string& line : ruleWarnings(scene)) rules.insert(line);
+    if (pipeline.recording == nullptr) {
+      const SceneProbe probe(scene, method.get(), pipeline.method.entry);
+      for (std::size_t k = i; k < pipeline.sequences.size() && pipeline.sequences[k].sameScene(s); ++k) {
+        for (const std::string& line : wayWarnings(plan, k, probe)) warn(line);
+      }
+    }
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
     ontology = scene.ontology;
     if (method == nullptr) continue;

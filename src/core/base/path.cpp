@@ -37,16 +37,50 @@ Path::Path(const std::vector<Vec3d>& points) {
     tangent[i] = slope[i - 1] - across + slope[i];
   }
 
-  travelled_.push_back(0);
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3d chord = points[i + 1] - points[i];
     const Vec3d start = tangent[i] * knot[i];
     const Vec3d end = tangent[i + 1] * knot[i];
-    segments_.push_back({points[i], start, chord * 3 - start * 2 - end, start + end - chord * 2});
-    for (std::size_t part = 0; part < kParts; ++part) {
-      const double from = static_cast<double>(part) / kParts;
-      travelled_.push_back(travelled_.back() + segments_.back().travelled(from, from + 1.0 / kParts));
-    }
+    partOfPoint_.push_back(segments_.size() * kParts);
+    add({points[i], start, chord * 3 - start * 2 - end, start + end - chord * 2});
+  }
+  partOfPoint_.push_back(segments_.size() * kParts);
+}
+
+namespace {
+constexpr double kShortest = 1e-9;  // m, of what is left of a line between two corners
+}
+
+Path Path::lines(const std::vector<Vec3d>& points, double rounding) {
+  Path path;
+  const auto line = [&](const Vec3d& from, const Vec3d& to) {
+    if (scanmill::length(to - from) > kShortest) path.add({from, to - from, {}, {}});
+  };
+  Vec3d at = points.front();
+  path.partOfPoint_.push_back(0);
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+    const Vec3d& corner = points[i];
+    const Vec3d back = points[i - 1] - corner;
+    const Vec3d on = points[i + 1] - corner;
+    const double reach = std::min({rounding, scanmill::length(back) / 2, scanmill::length(on) / 2});
+    const Vec3d start = corner + normalized(back) * reach;
+    const Vec3d end = corner + normalized(on) * reach;
+    line(at, start);
+    path.partOfPoint_.push_back(path.segments_.size() * kParts + kParts / 2);
+    // The quadratic Bezier curve of start, corner and end.
+    path.add({start, (corner - start) * 2, start - corner * 2 + end, {}});
+    at = end;
+  }
+  line(at, points.back());
+  path.partOfPoint_.push_back(path.segments_.size() * kParts);
+  return path;
+}
+
+void Path::add(const Segment& segment) {
+  segments_.push_back(segment);
+  for (std::size_t part = 0; part < kParts; ++part) {
+    const double from = static_cast<double>(part) / kParts;
+    travelled_.push_back(travelled_.back() + segment.travelled(from, from + 1.0 / kParts));
   }
 }
 

@@ -29,6 +29,7 @@ enum class Purpose : std::uint16_t {
   Interference = 15,
   Relief = 16,
   Sway = 17,
+  RandomWay = 18,
   Speckle = 256,  // and the seven after it: four looks each
   Test = 99,
 };

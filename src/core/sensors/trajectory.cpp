@@ -1,8 +1,10 @@
 #include "sensors/trajectory.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/path.h"
@@ -13,9 +15,28 @@ namespace scanmill {
 
 namespace {
 
-constexpr Range kStep{1e-9, 1e9};  // s or m
+constexpr Range kStep{1e-9, 1e9};      // s or m
+constexpr double kLastTurn = 1;        // s after the start of the last frame, in which its revolution ends
+constexpr double kWorthTelling = 0.2;  // m
 
-std::vector<Pose> readPoses(const Value& value) {
+// How far a path through these points leaves the straight lines between them (m).
+double farthestOffLines(const Path& path, const std::vector<Vec3d>& points) {
+  constexpr int kPlaces = 32;  // between two points
+  double farthest = 0;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const Vec3d chord = points[i + 1] - points[i];
+    for (int k = 1; k < kPlaces; ++k) {
+      const double from = path.distanceOfPoint(i);
+      const double part = static_cast<double>(k) / kPlaces;
+      const Vec3d off = path.pose(from + (path.distanceOfPoint(i + 1) - from) * part).translation - points[i];
+      const double on = std::clamp(dot(off, chord) / dot(chord, chord), 0.0, 1.0);
+      farthest = std::max(farthest, length(off - chord * on));
+    }
+  }
+  return farthest;
+}
+
+std::vector<Pose> posesOf(const Value& value) {
   if (value.kind != Value::Kind::Sequence || value.items.empty()) {
     throw InputError(value.where, "poses must be a list such as [{position: [0, 0, 2], yaw_deg: 90}]");
   }
@@ -68,28 +89,88 @@ std::uint32_t countFrames(double duration, double interval, double pathLength, d
 }  // namespace
 
 double Trajectory::frameTime(std::uint32_t frame) const {
-  return everyMetres_ > 0 ? profile_->timeAt(std::min(frame * everyMetres_, path_->length())) : frame * interval_;
+  if (everyMetres_ <= 0) return frame * interval_;
+  if (!profile_) throw Error(fmt::format("the way of {} is not known yet", name_));
+  return profile_->timeAt(std::min(frame * everyMetres_, path_->length()));
 }
 
 Pose Trajectory::pose(std::uint32_t frame, double dt) const {
   if (frame >= frames_) throw Error(fmt::format("frame {} of a trajectory of {} frames", frame, frames_));
-  if (path_ == nullptr) return poses_[frame];
+  if (still()) return poses_[frame];
   const double time = frameTime(frame) + dt;
-  const double distance = profile_->distance(time);
-  Pose pose = path_->pose(distance);
-  if (!laneChanges_.empty()) {
-    // Quintic, so that the wheel is turned smoothly: 10 u^3 - 15 u^4 + 6 u^5.
-    double left = 0;
-    double slope = 0;
-    for (const LaneChange& c : laneChanges_) {
-      const double u = std::clamp((distance - c.at) / c.over, 0.0, 1.0);
-      left += c.left * u * u * u * (10 + u * (6 * u - 15));
-      slope += c.left / c.over * 30 * u * u * (1 - u) * (1 - u);
-    }
-    pose.translation = pose * Vec3d{0, left, 0};
-    pose.rotation = pose.rotation * fromYawPitchRoll(std::atan(slope), 0, 0);
+  const double place = placeAt(time);
+  Pose pose = poseOnWay(place);
+  if (profileOfGround_) pose = profileOfGround_->place(pose, place);
+  return profile_ ? pose * sway_.at(time, profile_->speed(time) / speed_) : pose;
+}
+
+double Trajectory::placeAt(double time) const {
+  if (recorded_) return time;
+  if (!profile_) throw Error(fmt::format("the way of {} is not known yet", name_));
+  return profile_->distance(time);
+}
+
+Pose Trajectory::poseOnWay(double place) const {
+  if (recorded_) return recorded_->at(place);
+  Pose pose = path_->pose(place);
+  if (laneChanges_.empty()) return pose;
+  // Quintic, so that the wheel is turned smoothly: 10 u^3 - 15 u^4 + 6 u^5.
+  double left = 0;
+  double slope = 0;
+  for (const LaneChange& c : laneChanges_) {
+    const double u = std::clamp((place - c.at) / c.over, 0.0, 1.0);
+    left += c.left * u * u * u * (10 + u * (6 * u - 15));
+    slope += c.left / c.over * 30 * u * u * (1 - u) * (1 - u);
   }
-  return pose * sway_.at(time, profile_->speed(time) / speed_);
+  pose.translation = pose * Vec3d{0, left, 0};
+  pose.rotation = pose.rotation * fromYawPitchRoll(std::atan(slope), 0, 0);
+  return pose;
+}
+
+std::string Trajectory::about() const {
+  if (recorded_) return "recorded: " + recorded_->about();
+  if (random_)
+    return fmt::format("a random drive of {:.4g} m on {}", random_->length, fmt::join(random_->classes, ", "));
+  if (offLines_ < kWorthTelling) return {};
+  return fmt::format(
+      "a spline through {} waypoints, up to {:.2g} m off the straight lines between them (`path: line` "
+      "keeps to these)",
+      waypoints_, offLines_);
+}
+
+Trajectory Trajectory::along(const std::vector<Vec3d>& way) const {
+  Trajectory driven = *this;
+  driven.setPath(Path(way));
+  return driven;
+}
+
+void Trajectory::setPath(Path path) {
+  path_ = std::make_shared<const Path>(std::move(path));
+  setProfile();
+}
+
+void Trajectory::setProfile() {
+  if (acceleration_ > 0) {
+    profile_.emplace(*path_, speed_, acceleration_, stops_);
+  } else {
+    profile_.emplace(path_->length(), speed_);
+  }
+}
+
+Trajectory Trajectory::onGround(const Ground& ground) const {
+  constexpr double kSpacing = 0.1;  // m
+  Trajectory standing = *this;
+  if (still()) {
+    for (Pose& pose : standing.poses_) pose = scanmill::onGround(*ground_, pose, ground);
+    return standing;
+  }
+  const double last = frameTime(frames_ - 1) + kLastTurn;
+  const double end = std::min(placeAt(last), recorded_ ? recorded_->duration() : path_->length());
+  const double metres = recorded_ ? recorded_->length() * end / recorded_->duration() : end;
+  const double steps = std::max(std::ceil(metres / kSpacing), 1.0);
+  standing.profileOfGround_ = std::make_shared<const GroundProfile>(
+      *ground_, [this](double place) { return poseOnWay(place); }, end, end / steps, ground);
+  return standing;
 }
 
 double Trajectory::pathLength() const {
@@ -109,74 +190,152 @@ std::vector<Trajectory::LaneChange> Trajectory::readLaneChanges(const Value& val
   return changes;
 }
 
-Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod, const SceneLanes* lanes,
-                          std::uint64_t seed) {
-  Fields fields(value, "trajectory");
-  fields
-      .also({"name", "poses", "waypoints", "along", "speed", "acceleration", "stops", "lane_changes", "sway", "every_s",
-             "every_m", "frames"})
-      .finish();
-  Trajectory result;
-  result.name_ = fields.text("name", name);
-  const double limit =
-      fields.has("frames") ? static_cast<double>(fields.integer("frames", 1, Trajectory::kMaxFrames)) : INFINITY;
-
-  if (fields.has("poses")) {
-    for (const char* key : {"waypoints", "along"}) {
-      if (!fields.has(key)) continue;
-      throw InputError(fields.require(key).where, fmt::format("a trajectory has either poses or {}, not both", key));
+void Trajectory::readPoses(Fields& fields, double fallbackPeriod, double limit) {
+  for (const char* key :
+       {"speed", "every_m", "acceleration", "stops", "lane_changes", "sway", "path", "rounding", "keep"}) {
+    if (const Value* moving = fields.find(key)) {
+      throw InputError(moving->where, fmt::format("{} is for waypoints: the vehicle stands still in each of `poses`, "
+                                                  "which are every_s apart",
+                                                  key));
     }
-    for (const char* key : {"speed", "every_m", "acceleration", "stops", "lane_changes", "sway"}) {
-      if (const Value* moving = fields.find(key)) {
-        throw InputError(moving->where, fmt::format("{} is for waypoints: the vehicle stands still in each of `poses`, "
-                                                    "which are every_s apart",
-                                                    key));
-      }
-    }
-    result.poses_ = readPoses(fields.require("poses"));
-    result.interval_ = fields.number("every_s", kStep, fallbackPeriod);
-    result.frames_ = static_cast<std::uint32_t>(std::min(static_cast<double>(result.poses_.size()), limit));
-    return result;
   }
+  poses_ = posesOf(fields.require("poses"));
+  interval_ = fields.number("every_s", kStep, fallbackPeriod);
+  frames_ = static_cast<std::uint32_t>(std::min(static_cast<double>(poses_.size()), limit));
+}
 
-  const bool along = fields.has("along");
-  if (along == fields.has("waypoints")) {
-    throw InputError(value.where,
-                     fmt::format("trajectory {} needs one of poses, waypoints and `along`, not several", result.name_));
+void Trajectory::readRecorded(Fields& fields, double fallbackPeriod, double limit) {
+  for (const char* key :
+       {"speed", "every_m", "acceleration", "stops", "lane_changes", "sway", "path", "rounding", "keep"}) {
+    if (const Value* driven = fields.find(key)) {
+      throw InputError(driven->where, fmt::format("{} is for ways that are driven anew: a recording says where the "
+                                                  "vehicle was at each time",
+                                                  key));
+    }
   }
-  const bool turns = along && fields.choice("along", {"lane", "turns"}, "lane") == "turns";
-  const Value& way = fields.require(along ? "along" : "waypoints");
-  if (along && lanes == nullptr) {
-    throw InputError(way.where, "`along` means the lanes of the scene's town; here is none: give waypoints");
+  const Value& value = fields.require("recorded");
+  recorded_ = std::make_shared<const RecordedPoses>(readRecordedPoses(value));
+  interval_ = fields.number("every_s", kStep, fallbackPeriod);
+  const double length = recorded_->length();
+  frames_ = countFrames(recorded_->duration(), interval_, length, length / recorded_->duration(), limit, value.where);
+}
+
+void Trajectory::readWay(Fields& fields, const SceneLanes* lanes) {
+  const bool waypoints = fields.has("waypoints");
+  const bool lines = fields.choice("path", {"spline", "line"}, "spline") == "line";
+  for (const char* key : {"path", "rounding"}) {
+    if (const Value* value = fields.find(key); value != nullptr && (!waypoints || (!lines && key[0] == 'r'))) {
+      throw InputError(value->where, fmt::format("{} is for {}", key,
+                                                 waypoints ? "`path: line`, whose corners are rounded" : "waypoints"));
+    }
   }
-  result.path_ = std::make_shared<const Path>(!along ? readWaypoints(way) : turns ? lanes->turns : lanes->lane);
-  if (turns) result.turns_ = lanes->turnCount;
-  result.speed_ = fields.number("speed", {0, 100});
-  if (result.speed_ <= 0) {
+  if (waypoints) {
+    std::vector<Vec3d> points = readWaypoints(fields.require("waypoints"));
+    if (fields.has("ground")) {
+      for (Vec3d& p : points) p.z = points.front().z;  // the speed is that over ground
+    }
+    setPath(lines ? Path::lines(points, fields.number("rounding", {0.01, 1000}, 0.5)) : Path(points));
+    waypoints_ = points.size();
+    offLines_ = lines ? 0 : farthestOffLines(*path_, points);
+    return;
+  }
+  const bool turns = fields.choice("along", {"lane", "turns"}, "lane") == "turns";
+  if (lanes == nullptr) {
+    throw InputError(fields.require("along").where,
+                     "`along` means the lanes of the scene's town; here is none: give waypoints");
+  }
+  setPath(Path(turns ? lanes->turns : lanes->lane));
+  if (turns) turns_ = lanes->turnCount;
+}
+
+void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, std::uint64_t seed,
+                           const SceneLanes* lanes) {
+  speed_ = fields.number("speed", {0, 100});
+  if (speed_ <= 0) {
     throw InputError(fields.require("speed").where,
                      "speed must be above 0 m/s; for a vehicle that stands still use poses");
   }
   if (fields.has("every_s") && fields.has("every_m")) {
     throw InputError(fields.require("every_m").where, "a frame comes either every_s or every_m, not both");
   }
-  const double length = result.path_->length();
-  if (const Value* sway = fields.find("sway")) result.sway_ = Sway(*sway, seed);
-  if (const Value* changes = fields.find("lane_changes")) {
-    result.laneChanges_ = Trajectory::readLaneChanges(*changes, length);
-  }
-  const std::vector<DriveStop> stops = readStops(fields, length);
-  double duration = length / result.speed_;
+  interval_ = fields.has("every_m") ? fields.number("every_m", kStep) / speed_
+                                    : fields.number("every_s", kStep, fallbackPeriod);
   if (fields.has("acceleration")) {
-    result.profile_.emplace(*result.path_, result.speed_, fields.number("acceleration", {0.01, 20}), stops);
-    duration = result.profile_->duration();
-    if (fields.has("every_m")) result.everyMetres_ = fields.number("every_m", kStep);
-  } else {
-    result.profile_.emplace(length, result.speed_);
+    acceleration_ = fields.number("acceleration", {0.01, 20});
+    if (fields.has("every_m")) everyMetres_ = fields.number("every_m", kStep);
   }
-  result.interval_ = fields.has("every_m") ? fields.number("every_m", kStep) / result.speed_
-                                           : fields.number("every_s", kStep, fallbackPeriod);
-  if (result.everyMetres_ > 0) duration = length / result.speed_;  // as many frames as at one speed
-  result.frames_ = countFrames(duration, result.interval_, length, result.speed_, limit, way.where);
+  if (const Value* sway = fields.find("sway")) sway_ = Sway(*sway, seed);
+
+  if (const Value* on = fields.find("on")) {
+    if (!std::isfinite(limit)) {
+      throw InputError(on->where, "a random drive has no end: say how many `frames` it has");
+    }
+    RandomWay way{fields.texts("on"), RandomWay::Side::Right, ((limit - 1) * interval_ + kLastTurn) * speed_,
+                  on->where};
+    const std::string side = fields.choice("keep", {"right", "left", "middle"}, "right");
+    if (side != "right") way.keep = side == "left" ? RandomWay::Side::Left : RandomWay::Side::Middle;
+    if (const Value* changes = fields.find("lane_changes")) {
+      throw InputError(changes->where, "lane_changes are for ways that are known: a random drive has none");
+    }
+    stops_ = readStops(fields, way.length);
+    random_ = std::move(way);
+    frames_ = static_cast<std::uint32_t>(limit);
+    return;
+  }
+  if (const Value* keep = fields.find("keep")) {
+    throw InputError(keep->where, "keep is for random drives, which have `on`");
+  }
+  readWay(fields, lanes);
+  const double length = path_->length();
+  if (const Value* changes = fields.find("lane_changes")) laneChanges_ = readLaneChanges(*changes, length);
+  stops_ = readStops(fields, length);
+  if (!stops_.empty()) setProfile();
+  // As many frames by metres as at one speed.
+  const double duration = acceleration_ > 0 && everyMetres_ <= 0 ? profile_->duration() : length / speed_;
+  frames_ = countFrames(duration, interval_, length, speed_, limit,
+                        fields.require(fields.has("along") ? "along" : "waypoints").where);
+}
+
+std::uint32_t countDrives(const Value& value) {
+  const Value* const drives = value.find("drives");
+  if (drives == nullptr || drives->kind == Value::Kind::Null) return 1;
+  if (value.find("on") == nullptr) {
+    throw InputError(drives->where, "drives is for random drives, which have `on`: others would be the same");
+  }
+  return static_cast<std::uint32_t>(readInteger(*drives, "drives", 1, 10'000));
+}
+
+Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod, const SceneLanes* lanes,
+                          std::uint64_t seed, std::uint32_t drive) {
+  constexpr std::array<const char*, 5> kKinds{"poses", "waypoints", "along", "on", "recorded"};
+  Fields fields(value, "trajectory");
+  fields
+      .also({"name", "poses", "waypoints", "along", "on", "recorded", "path", "rounding", "keep", "drives", "speed",
+             "acceleration", "stops", "lane_changes", "sway", "ground", "every_s", "every_m", "frames"})
+      .finish();
+  Trajectory result;
+  result.name_ = fields.text("name", name);
+  if (countDrives(value) > 1) result.name_ += fmt::format("-{}", drive);
+  const double limit =
+      fields.has("frames") ? static_cast<double>(fields.integer("frames", 1, Trajectory::kMaxFrames)) : INFINITY;
+  std::vector<std::string> kinds;
+  for (const char* kind : kKinds) {
+    if (fields.has(kind)) kinds.emplace_back(kind);
+  }
+  if (kinds.size() != 1) {
+    throw InputError(
+        kinds.empty() ? value.where : fields.require(kinds[1]).where,
+        fmt::format("trajectory {} has {}: it needs one of poses, waypoints, along, on and recorded", result.name_,
+                    kinds.empty() ? "no way" : fmt::format("{}", fmt::join(kinds, " and "))));
+  }
+  if (kinds.front() == "poses") {
+    result.readPoses(fields, fallbackPeriod, limit);
+  } else if (kinds.front() == "recorded") {
+    result.readRecorded(fields, fallbackPeriod, limit);
+  } else {
+    result.readDrive(fields, fallbackPeriod, limit, seed, lanes);
+  }
+  if (const Value* ground = fields.find("ground")) result.ground_ = readGround(*ground);
   return result;
 }
 

@@ -41,6 +41,49 @@ TEST(Path, PassesEveryWaypoint) {
   EXPECT_DOUBLE_EQ(before, path.length());
 }
 
+TEST(PathOfLines, KeepsToTheLinesButForItsCorners) {
+  constexpr double kRounding = 2;
+  const Path path = Path::lines(kCorners, kRounding);
+  const auto offLines = [&](const Vec3d& p) {
+    double nearest = INFINITY;
+    for (std::size_t i = 0; i + 1 < kCorners.size(); ++i) {
+      const Vec3d chord = kCorners[i + 1] - kCorners[i];
+      const double on = std::clamp(dot(p - kCorners[i], chord) / dot(chord, chord), 0.0, 1.0);
+      nearest = std::min(nearest, length(p - kCorners[i] - chord * on));
+    }
+    return nearest;
+  };
+  Vec3d heading = headingOf(path.pose(0));
+  for (double at = 0; at <= path.length(); at += 0.01) {
+    const Pose pose = path.pose(at);
+    double corner = INFINITY;
+    for (const Vec3d& c : kCorners) corner = std::min(corner, length(c - pose.translation));
+    EXPECT_LT(offLines(pose.translation), corner > kRounding ? 1e-9 : 0.36 * kRounding) << at;
+    EXPECT_GT(dot(heading, headingOf(pose)), std::cos(0.03)) << at;  // it never jumps
+    heading = headingOf(pose);
+  }
+  EXPECT_EQ(path.pose(0).translation, kCorners.front());
+  EXPECT_LT(length(path.pose(path.length()).translation - kCorners.back()), 1e-9);
+}
+
+// The parabola of a right angle is r * sqrt(2) / 4 away from the corner, where it is passed.
+TEST(PathOfLines, RoundsARightAngleByAParabola) {
+  const Path path = Path::lines({{0, 0, 0}, {10, 0, 0}, {10, 10, 0}}, 2);
+  const Vec3d nearest = path.pose(path.distanceOfPoint(1)).translation;
+  EXPECT_NEAR(length(nearest - Vec3d{10, 0, 0}), 2 * std::sqrt(2) / 4, 1e-9);
+  EXPECT_NEAR(path.distanceOfPoint(2), path.length(), 1e-12);
+  // Half the way to the next point at most.
+  const Path narrow = Path::lines({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, 100);
+  EXPECT_NEAR(length(narrow.pose(narrow.distanceOfPoint(1)).translation - Vec3d{1, 0, 0}), 0.5 * std::sqrt(2) / 4,
+              1e-9);
+}
+
+TEST(PathOfLines, StraightOnIsTheLineItself) {
+  const Path path = Path::lines({{0, 0, 0}, {4, 0, 0}, {9, 0, 0}}, 0.5);
+  EXPECT_NEAR(path.length(), 9, 1e-12);
+  EXPECT_NEAR(path.pose(4).translation.x, 4, 1e-12);
+}
+
 // On a helix, since it tells of the heading over ground. To the left is positive; at the ends it tells of what there
 // is.
 TEST(Path, CurvatureOfAHelixFollowsItsRadiusAndRise) {
@@ -166,17 +209,17 @@ TEST(Trajectory, ListedPosesStandStill) {
 
 TEST(Trajectory, MalformedOnesAreRefusedWithTheirPlace) {
   const std::string line = "waypoints: [[0, 0, 0], [100, 0, 0]]\n";
-  EXPECT_THAT(refusal(""), HasSubstr("needs one of poses, waypoints and `along`"));
+  EXPECT_THAT(refusal(""), HasSubstr("needs one of poses, waypoints, along, on and recorded"));
   EXPECT_THAT(refusal("{poses: []}"), HasSubstr("trip.yaml:1:9: "));
   EXPECT_THAT(refusal("{poses: [{position: [0, 0]}]}"), HasSubstr("trip.yaml:1:"));
   EXPECT_THAT(refusal("{poses: [{yaw: 3}]}"), HasSubstr("yaw_deg"));
   EXPECT_THAT(refusal("{poses: [{}], speed: 3}"), HasSubstr("speed"));
   EXPECT_THAT(refusal("{poses: [{position: [1e300, 0, 0]}]}"), HasSubstr("farther than"));
-  EXPECT_THAT(refusal(line + "speed: 3\nposes: [{}]"), HasSubstr("not both"));
+  EXPECT_THAT(refusal(line + "speed: 3\nposes: [{}]"), HasSubstr("has poses and waypoints: it needs one of"));
   EXPECT_THAT(refusal(line), HasSubstr("speed"));
   EXPECT_THAT(refusal("{along: lane, speed: 3}"), HasSubstr("here is none"));
-  EXPECT_THAT(refusal(line + "along: lane\nspeed: 3"), HasSubstr("not several"));
-  EXPECT_THAT(refusal("{along: lane, poses: [{}]}"), HasSubstr("either poses or along"));
+  EXPECT_THAT(refusal(line + "along: lane\nspeed: 3"), HasSubstr("has waypoints and along"));
+  EXPECT_THAT(refusal("{along: lane, poses: [{}]}"), HasSubstr("has poses and along: it needs one of"));
   EXPECT_THAT(refusal(line + "speed: 0"), HasSubstr("trip.yaml:2:8: "));
   EXPECT_THAT(refusal(line + "speed: -1"), HasSubstr("trip.yaml:2:8: "));
   EXPECT_THAT(refusal(line + "speed: 101"), HasSubstr("trip.yaml:2:8: "));
@@ -266,6 +309,45 @@ TEST(Trajectory, HugeFrameCountsAreRefusedWithTheArithmetic) {
   EXPECT_THAT(message, HasSubstr("1000 m of path / 10 m/s / 1e-07 s a frame = 1e+09 frames"));
   EXPECT_THAT(message, HasSubstr("10000000"));
   EXPECT_EQ(trajectoryOf("{waypoints: [[0, 0, 0], [1000, 0, 0]], speed: 10, every_m: 1e-6, frames: 9}").frames(), 9u);
+}
+
+TEST(TrajectoryWay, LinesAreDrivenThroughTheirCorners) {
+  const std::string corner = "waypoints: [[0, 0, 0], [10, 0, 0], [10, 10, 0]], speed: 1, every_m: 1";
+  const Trajectory line = trajectoryOf("{path: line, rounding: 1, " + corner + "}");
+  EXPECT_EQ(line.pose(8, 0).translation, (Vec3d{8, 0, 0}));
+  EXPECT_TRUE(line.about().empty());
+  // A spline leaves the lines, and says by how much.
+  EXPECT_THAT(trajectoryOf("{" + corner + "}").about(), testing::ContainsRegex("3 waypoints, up to [0-9.]+ m off"));
+  EXPECT_TRUE(trajectoryOf("{waypoints: [[0, 0, 0], [50, 0, 0]], speed: 1}").about().empty());
+}
+
+TEST(TrajectoryWay, RefusesKeysOfOtherWays) {
+  const std::string line = "waypoints: [[0, 0, 0], [50, 0, 0]], speed: 3";
+  EXPECT_THAT(refusal("{path: curve, " + line + "}"), HasSubstr("may not be"));
+  EXPECT_THAT(refusal("{rounding: 1, " + line + "}"), HasSubstr("rounding is for `path: line`"));
+  EXPECT_THAT(refusal("{path: line, along: lane, speed: 3}"), HasSubstr("path is for waypoints"));
+  EXPECT_THAT(refusal("{keep: left, " + line + "}"), HasSubstr("keep is for random drives"));
+  EXPECT_THAT(refusal("{drives: 2, " + line + "}"), HasSubstr("drives is for random drives"));
+  EXPECT_THAT(refusal("{path: line, poses: [{}]}"), HasSubstr("path is for waypoints"));
+  EXPECT_THAT(refusal("{ground: fall, " + line + "}"), HasSubstr("ground must be `drop`"));
+  EXPECT_THAT(refusal("{ground: {wheels: [1, 2, 3]}, " + line + "}"), HasSubstr("[wheelbase, track]"));
+}
+
+TEST(RandomDrive, IsAsLongAsItsFramesAtItsSpeedAndKnownByItsNumber) {
+  const std::string drive = "{name: roam, \"on\": [road], speed: 8, every_s: 0.5, frames: 11, drives: 3}";
+  const Value value = parseYaml(drive, "trip.yaml");
+  EXPECT_EQ(countDrives(value), 3u);
+  const Trajectory second = readTrajectory(value, "t0", 0.1, nullptr, 0, 1);
+  EXPECT_EQ(second.name(), "roam-1");
+  EXPECT_EQ(second.frames(), 11u);
+  ASSERT_NE(second.randomWay(), nullptr);
+  EXPECT_GE(second.randomWay()->length, 10 * 0.5 * 8);
+  EXPECT_THROW(second.pose(0, 0), Error) << "its way is not known yet";
+  const Trajectory known = second.along({{0, 0, 0}, {30, 0, 0}, {60, 0, 0}});
+  EXPECT_NEAR(known.pose(10, 0).translation.x, 40, 1e-9);
+  EXPECT_THAT(refusal("{\"on\": [road], speed: 8}"), HasSubstr("how many `frames`"));
+  EXPECT_THAT(refusal("{\"on\": [road], speed: 8, frames: 3, lane_changes: [{at: 1, left: 3}]}"),
+              HasSubstr("a random drive has none"));
 }
 
 }  // namespace

@@ -36,23 +36,6 @@ ExrMatrix4f standardWorldToCamera(const Pose& worldFromCamera) {
   return matrix;
 }
 
-// Shepperd's method: the largest of the four components is found first, so that none is divided by little.
-Quat fromMatrix(const Mat3& m) {
-  const double trace = m.x.x + m.y.y + m.z.z;
-  Quat q;
-  if (trace >= m.x.x && trace >= m.y.y && trace >= m.z.z) {
-    q = {1 + trace, m.y.z - m.z.y, m.z.x - m.x.z, m.x.y - m.y.x};
-  } else if (m.x.x >= m.y.y && m.x.x >= m.z.z) {
-    q = {m.y.z - m.z.y, 1 + m.x.x - m.y.y - m.z.z, m.x.y + m.y.x, m.z.x + m.x.z};
-  } else if (m.y.y >= m.z.z) {
-    q = {m.z.x - m.x.z, m.x.y + m.y.x, 1 + m.y.y - m.x.x - m.z.z, m.y.z + m.z.y};
-  } else {
-    q = {m.x.y - m.y.x, m.z.x + m.x.z, m.y.z + m.z.y, 1 + m.z.z - m.x.x - m.y.y};
-  }
-  const double n = 1 / std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-  return {q.w * n, q.x * n, q.y * n, q.z * n};
-}
-
 // Sum of the differences of all entries: NaN where one of them is.
 double difference(const Mat3& a, const Mat3& b) {
   double sum = 0;

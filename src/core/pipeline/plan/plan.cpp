@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "base/parallel.h"
 #include "config/named_options.h"
 #include "methods/light_paths.h"
+#include "pipeline/drive/drive.h"
 #include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/recorded_method.h"
 #include "pipeline/plan/scene_shares.h"
@@ -287,7 +289,33 @@ Scene Plan::loadScene(const Sequence& sequence) const {
   options.textures = traced_.has(Channel::Reflectance);
   Scene scene = readSceneToShares(sequence.sceneFile, options);
   if (!sequence.moving) standStill(scene, 0);
+  findDrives(sequence, scene);
   return scene;
+}
+
+void Plan::findDrives(const Sequence& sequence, const Scene& scene) const {
+  std::optional<SceneProbe> probe;
+  for (std::size_t s = 0; s < pipeline_.sequences.size(); ++s) {
+    const Sequence& other = pipeline_.sequences[s];
+    if (!other.sameScene(sequence) || !needsScene(*other.trajectory)) continue;
+    const std::scoped_lock lock(drives_->mutex);
+    if (drives_->known.contains(s)) continue;
+    if (!probe) probe.emplace(scene);
+    drives_->known[s] = std::make_shared<const Trajectory>(inScene(*other.trajectory, *probe, other.sceneSeed));
+  }
+}
+
+std::shared_ptr<const Trajectory> Plan::drive(std::size_t sequence) const {
+  const Sequence& own = pipeline_.sequences[sequence];
+  if (!needsScene(*own.trajectory)) return own.trajectory;
+  const auto find = [&] {
+    const std::scoped_lock lock(drives_->mutex);
+    const auto known = drives_->known.find(sequence);
+    return known == drives_->known.end() ? nullptr : known->second;
+  };
+  if (const auto known = find()) return known;
+  loadScene(own);
+  return find();
 }
 
 std::unique_ptr<Method> Plan::makeMethod(const Scene& scene) const {
@@ -364,11 +392,12 @@ Shot Plan::recordedShot(const std::string& sample, std::uint32_t frame, std::siz
 std::vector<Shot> Plan::shots(std::size_t sequence, std::uint32_t frame) const {
   const Sequence& own = pipeline_.sequences[sequence];
   const std::string sample = own.key(frame);
+  const std::shared_ptr<const Trajectory> driven = pipeline_.recording != nullptr ? nullptr : drive(sequence);
   std::vector<Shot> shots;
   for (std::size_t s = 0; s < beams_.size(); ++s) {
-    Shot shot = pipeline_.recording != nullptr ? recordedShot(sample, frame, s)
-                                               : makeShot(beams_[s], *own.trajectory, frame,
-                                                          pipeline_.sensors[s].vehicleFromSensor, pipeline_.motion);
+    Shot shot = pipeline_.recording != nullptr
+                    ? recordedShot(sample, frame, s)
+                    : makeShot(beams_[s], *driven, frame, pipeline_.sensors[s].vehicleFromSensor, pipeline_.motion);
     shot.sample = sample;
     shot.seed = pipeline_.seed;
     shot.scene = static_cast<std::uint32_t>(sequence);
@@ -400,6 +429,12 @@ std::vector<std::string> Plan::modelled() const {
   }
   addEffectLines(pipeline_, lines);
   lines.push_back(motionLine(pipeline_));
+  std::map<std::string, std::set<std::string>> ways;  // and whose they are
+  for (const Sequence& s : pipeline_.sequences) {
+    const std::string about = s.trajectory == nullptr ? "" : s.trajectory->about();
+    if (!about.empty()) ways[about].insert(s.trajectoryName);
+  }
+  for (const auto& [about, names] : ways) lines.push_back(fmt::format("way of {}: {}", fmt::join(names, ", "), about));
   if (pipeline_.recording == nullptr) lines.push_back(vehicleLine());
   lines.push_back(missesLine(pipeline_.layout));
   if (!columns.has(kRangeTrue)) {

@@ -3,7 +3,9 @@
 // What a pipeline will do, known before the first ray.
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,6 +48,10 @@ class Plan {
   void choose(MethodChoice choice, MethodRecord record);
   const std::optional<MethodRecord>& chosen() const { return chosen_; }
 
+  // The drive of a sequence, with the way and on the ground that it has in its scene, which is loaded unless
+  // loadScene() has done so; not of a recording.
+  std::shared_ptr<const Trajectory> drive(std::size_t sequence) const;
+
   // The shots of a frame, one per sensor.
   std::vector<Shot> shots(std::size_t sequence, std::uint32_t frame) const;
 
@@ -67,6 +73,13 @@ class Plan {
   std::size_t framesInFlight() const;
 
  private:
+  // Drives that follow from their scenes, by their sequences; found when the scenes are loaded.
+  struct Drives {
+    std::mutex mutex;
+    std::map<std::size_t, std::shared_ptr<const Trajectory>> known;
+  };
+  void findDrives(const Sequence& sequence, const Scene& scene) const;
+
   void traceOwnVehicle();
   std::string vehicleLine() const;
   Scene recordedScene(const Sequence& sequence) const;
@@ -79,6 +92,7 @@ class Plan {
   std::vector<std::shared_ptr<const BeamTable>> beams_;
   std::vector<std::shared_ptr<const Footprint>> footprints_;  // likewise; null: one ray a beam
   std::vector<Hits> vehicles_;                                // likewise; empty: no own vehicle
+  std::unique_ptr<Drives> drives_ = std::make_unique<Drives>();
 };
 
 }  // namespace scanmill

@@ -93,9 +93,8 @@ Trajectories readTrajectories(const Value& list, double period, const SceneLanes
   }
   Trajectories trajectories;
   std::set<std::string> names;
-  for (const Value& item : list.items) {
-    const std::string fallback = fmt::format("t{}", trajectories.size());
-    auto trajectory = std::make_shared<const Trajectory>(readTrajectory(item, fallback, period, lanes, seed));
+  const auto add = [&](const Value& item, const std::string& fallback, std::uint32_t drive) {
+    auto trajectory = std::make_shared<const Trajectory>(readTrajectory(item, fallback, period, lanes, seed, drive));
     if (trajectory->name().empty()) {
       throw InputError(item.where, "a trajectory's name becomes part of file names: it is empty");
     }
@@ -103,6 +102,10 @@ Trajectories readTrajectories(const Value& list, double period, const SceneLanes
       throw InputError(item.where, fmt::format("two trajectories are named '{}'", trajectory->name()));
     }
     trajectories.push_back(std::move(trajectory));
+  };
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    const std::uint32_t drives = countDrives(list.items[i]);
+    for (std::uint32_t drive = 0; drive < drives; ++drive) add(list.items[i], fmt::format("t{}", i), drive);
   }
   return trajectories;
 }

@@ -13,6 +13,7 @@
 #include "methods/depth_camera/depth_camera.h"
 #include "pipeline/plan/scene_shares.h"
 #include "pipeline/plan/warnings.h"
+#include "pipeline/plan/way_warnings.h"
 #include "pipeline/run/buffer_pool.h"
 #include "pipeline/run/frames_in_order.h"
 #include "pipeline/run/progress.h"
@@ -117,6 +118,7 @@ class DatasetRun {
       progress_.say(fmt::format("setting up {}", sequence.key()));
       addSeconds(account_.seconds, methodSeconds_);
       account_ = {};
+      probe_.reset();
       method_.reset();
       scene_.reset();
       scene_ = std::make_unique<Scene>(plan_.loadScene(sequence));
@@ -128,7 +130,9 @@ class DatasetRun {
       addNew(shareWarnings(*scene_), summary_.warnings);
       addNew(vehicleWarnings(plan_), summary_.warnings);
       addNew(driveWarnings(pipeline_), summary_.warnings);
+      if (pipeline_.recording == nullptr) probe_.emplace(*scene_, method_.get(), pipeline_.method.entry);
     }
+    if (probe_) addNew(wayWarnings(plan_, s, *probe_), summary_.warnings);
     if (!writer_) {
       // Only now: a scene or a method that cannot be used must not cost the dataset that --overwrite replaces.
       recorder_.open(options_.keepHits, options_.keepPasses, options_.overwrite);
@@ -193,6 +197,7 @@ class DatasetRun {
   std::optional<DatasetWriter> writer_;
   std::unique_ptr<Scene> scene_;
   std::unique_ptr<Method> method_;
+  std::optional<SceneProbe> probe_;
   TraceAccount account_;        // of the method
   StageSeconds methodSeconds_;  // of the methods before it
   Recorder recorder_;

@@ -1,0 +1,361 @@
+#include "pipeline/drive/random_way.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <tuple>
+
+#include "base/random.h"
+#include "pipeline/drive/scene_ground.h"
+
+namespace scanmill {
+namespace {
+
+constexpr double kCell = 0.25;        // m, of what is known of the surface
+constexpr double kReach = 1;          // m, by which the surface may rise or fall from one look to the next
+constexpr double kClear = 2.5;        // m, above the surface
+constexpr double kHalfWidth = 1;      // m, of a vehicle
+constexpr double kHalfLength = 2;     // m
+constexpr double kStep = 4;           // m, of an arc
+constexpr double kTightest = 6;       // m, of radius
+constexpr double kFromEdge = 2;       // m, on its side
+constexpr double kOpen = 6;           // m to the edge, from where on a road is taken for a place
+constexpr double kWishLasts = 24;     // m of way, for which a vehicle means to turn or not
+constexpr double kLook = 12;          // m, behind an arc
+constexpr int kStarts = 24;           // places that are tried
+constexpr int kMostTurnsBack = 2000;  // of a search
+
+struct State {
+  Vec3d place;
+  double yaw = 0;
+
+  // So far on, in an arc that turns to the left by so much a metre.
+  State on(double metres, double curvature) const {
+    const double middle = yaw + curvature * metres / 2;
+    const double bend = curvature * metres / 2;
+    const double chord = std::fabs(bend) < 1e-9 ? metres : metres * std::sin(bend) / bend;
+    return {place + Vec3d{std::cos(middle), std::sin(middle), 0} * chord, yaw + curvature * metres};
+  }
+  Vec3d left(double metres) const { return place + Vec3d{-std::sin(yaw), std::cos(yaw), 0} * metres; }
+};
+
+// Where the surface is free.
+class FreeSurface {
+ public:
+  FreeSurface(const SceneProbe& probe, std::vector<std::uint16_t> classes)
+      : probe_(probe), classes_(std::move(classes)) {}
+
+  // The height of the surface at a place, where it is about as high as that and nothing hangs over it.
+  std::optional<double> height(const Vec3d& place) const {
+    const auto cell = [](double d) { return static_cast<std::int64_t>(std::floor(d / kCell)); };
+    const auto layer = static_cast<std::int64_t>(std::floor(place.z));
+    const std::tuple key{cell(place.x), cell(place.y), layer};
+    if (const auto known = known_.find(key); known != known_.end()) return known->second;
+    const Vec3d middle{(static_cast<double>(std::get<0>(key)) + 0.5) * kCell,
+                       (static_cast<double>(std::get<1>(key)) + 0.5) * kCell, static_cast<double>(layer) + 0.5};
+    return known_[key] = look(middle);
+  }
+
+  // Room for a vehicle: the height of its middle.
+  std::optional<double> room(const State& s) const {
+    const std::optional<double> middle = height(s.place);
+    if (!middle || !height(s.left(kHalfWidth)) || !height(s.left(-kHalfWidth))) return std::nullopt;
+    return middle;
+  }
+
+  // Whether nothing stands between two states in which there is room, less than a few metres apart.
+  bool passes(const State& from, const State& to) const {
+    std::vector<SceneProbe::Ray> rays;
+    double reach = 0;
+    for (const double side : {-kHalfWidth, 0.0, kHalfWidth}) {
+      for (const double up : {0.5, 1.5}) {
+        const Vec3d start = from.left(side) + Vec3d{0, 0, up};
+        const Vec3d way = to.left(side) + Vec3d{0, 0, up} - start;
+        const double far = length(way);
+        if (far < kCell) continue;
+        rays.push_back({start, way * (1 / far)});
+        reach = std::max(reach, far);
+      }
+    }
+    const auto met = probe_.first(rays, reach);
+    return std::none_of(met.begin(), met.end(), [](const auto& m) { return m.has_value(); });
+  }
+
+  // One metre on in an arc; nothing where there is no room, or something stands in the way.
+  std::optional<State> metreOn(const State& from, double curvature) const {
+    State s = from.on(1, curvature);
+    const std::optional<double> height = room(s);
+    if (!height) return std::nullopt;
+    s.place.z = *height;
+    return passes(from, s) ? std::optional(s) : std::nullopt;
+  }
+
+  // How far it is to the edge, to the left or to the right (m), at most kOpen.
+  double toEdge(const State& s, double side) const {
+    double far = 0;
+    while (far < kOpen && height(s.left(side * (far + kCell)))) far += kCell;
+    return far;
+  }
+
+ private:
+  std::optional<double> look(const Vec3d& middle) const {
+    const double high = 0.5 + kReach;
+    const auto below = probe_.first({middle + Vec3d{0, 0, high}, {0, 0, -1}}, 2 * high);
+    if (!below || std::find(classes_.begin(), classes_.end(), below->semantic) == classes_.end()) return std::nullopt;
+    if (probe_.first({middle + Vec3d{0, 0, high}, {0, 0, 1}}, kClear - high)) return std::nullopt;
+    return below->place.z;
+  }
+
+  const SceneProbe& probe_;
+  std::vector<std::uint16_t> classes_;
+  mutable std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t>, std::optional<double>> known_;
+};
+
+// Draws numbers one after the other, which follow from the seed and the name.
+class Draws {
+ public:
+  Draws(std::uint64_t seed, const std::string& name) {
+    address_.seed = seed;
+    address_.purpose = Purpose::RandomWay;
+    for (const char c : name) address_.scene = (address_.scene ^ static_cast<unsigned char>(c)) * 16777619u;
+  }
+  double next() {
+    ++address_.frame;
+    return uniform(randomBlock(address_)[0]);
+  }
+  // The same for the same number.
+  double at(std::uint32_t number) const {
+    RandomAddress a = address_;
+    a.frame = number;
+    a.sensor = 1;
+    return uniform(randomBlock(a)[0]);
+  }
+
+ private:
+  RandomAddress address_;
+};
+
+// The upward triangles of these classes, with the sums of their areas (m^2) as seen from above.
+struct Floor {
+  std::vector<std::array<Vec3d, 3>> triangles;
+  std::vector<double> sums;
+};
+
+Floor floorOf(const Scene& scene, const std::vector<std::uint16_t>& classes) {
+  Floor floor;
+  double sum = 0;
+  for (const Instance& instance : scene.instances) {
+    if (instance.moves()) continue;
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[t]].semantic;
+      if (std::find(classes.begin(), classes.end(), semantic) == classes.end()) continue;
+      std::array<Vec3d, 3> corner;
+      for (int k = 0; k < 3; ++k) corner[k] = instance.worldFromMesh * Vec3d(mesh.positions[mesh.triangles[t][k]]);
+      const Vec3d square = cross(corner[1] - corner[0], corner[2] - corner[0]);
+      if (!(std::fabs(square.z) > length(square) / 2)) continue;
+      sum += std::fabs(square.z) / 2;
+      floor.triangles.push_back(corner);
+      floor.sums.push_back(sum);
+    }
+  }
+  return floor;
+}
+
+Vec3d placeOn(const Floor& floor, Draws& draws) {
+  const double wanted = draws.next() * floor.sums.back();
+  const auto found = std::upper_bound(floor.sums.begin(), floor.sums.end() - 1, wanted);
+  const std::array<Vec3d, 3>& t = floor.triangles[static_cast<std::size_t>(found - floor.sums.begin())];
+  const double root = std::sqrt(draws.next());
+  const double v = draws.next();
+  return t[0] * (1 - root) + t[1] * (root * (1 - v)) + t[2] * (root * v);
+}
+
+// A depth-first search of arcs, the best first.
+class Search {
+ public:
+  Search(const FreeSurface& surface, const RandomWay& random, const Draws& draws)
+      : surface_(surface), random_(random), draws_(draws) {}
+
+  // The longest way from there that was found, as long as is asked for if there is one.
+  std::vector<Vec3d> from(const State& start) {
+    std::vector<Node> nodes{open({start, 0}, 0)};
+    std::vector<Vec3d> longest;
+    int turnsBack = 0;
+    while (!nodes.empty() && turnsBack < kMostTurnsBack) {
+      if (nodes.size() > longest.size()) {
+        longest.clear();
+        for (const Node& node : nodes) longest.push_back(node.at.state.place);
+      }
+      if (static_cast<double>(nodes.size() - 1) * kStep >= random_.length) break;
+      Node& last = nodes.back();
+      if (last.next == last.arcs.size()) {
+        ++turnsBack;
+        leave(nodes.back());
+        nodes.pop_back();
+        continue;
+      }
+      nodes.push_back(open(last.arcs[last.next++].end, static_cast<double>(nodes.size()) * kStep));
+    }
+    return longest;
+  }
+
+ private:
+  struct End {
+    State state;
+    double curvature;
+  };
+  struct Arc {
+    End end;
+    double cost;
+  };
+  struct Node {
+    End at;
+    std::vector<Arc> arcs;  // from here, the best first
+    std::size_t next = 0;
+  };
+  using Spot = std::tuple<std::int64_t, std::int64_t, std::int64_t, int>;
+
+  // States that are much the same.
+  static Spot spotOf(const State& s, double size, int headings) {
+    const auto heading = static_cast<int>(std::lround(s.yaw / (2 * kPi) * headings));
+    return {std::llround(s.place.x / size), std::llround(s.place.y / size), std::llround(s.place.z / kClear),
+            ((heading % headings) + headings) % headings};
+  }
+  static Spot widely(const State& s) { return spotOf(s, kLook, 8); }
+  static Spot closely(const State& s) { return spotOf(s, 1, 24); }
+
+  void leave(const Node& node) {
+    --been_[widely(node.at.state)];
+    dead_.insert(closely(node.at.state));
+  }
+
+  Node open(const End& at, double driven) {
+    ++been_[widely(at.state)];
+    Node node{at, {}};
+    const auto wish = static_cast<std::uint32_t>(driven / kWishLasts);
+    const double turn = draws_.at(wish) * 3;
+    const double wished = turn < 1 ? 1.5 / (2 * kTightest) : turn < 2 ? 0 : -1.5 / (2 * kTightest);
+    for (int k = -4; k <= 4; ++k) {
+      const double curvature = k / (4 * kTightest);
+      if (const std::optional<Arc> arc = arcOf(at, curvature, wished)) node.arcs.push_back(*arc);
+    }
+    std::stable_sort(node.arcs.begin(), node.arcs.end(), [](const Arc& a, const Arc& b) { return a.cost < b.cost; });
+    return node;
+  }
+
+  // Null where a vehicle has no room on it.
+  std::optional<Arc> arcOf(const End& at, double curvature, double wished) const {
+    State s = at.state;
+    for (int i = 0; i < static_cast<int>(kStep); ++i) {
+      const std::optional<State> next = surface_.metreOn(s, curvature);
+      if (!next) return std::nullopt;
+      s = *next;
+    }
+    if (dead_.contains(closely(s))) return std::nullopt;
+    const double bend = kTightest * curvature;
+    const double change = kTightest * (curvature - at.curvature);
+    double cost = 0.3 * bend * bend + 1.5 * change * change;
+    // Where it gets, and where it heads to: without that it would swing about its side of the road.
+    for (const double ahead : {0.0, 4.0, 8.0}) cost += offSide(s.on(ahead, 0), curvature, wished);
+    const auto [far, end] = lookAhead(s);
+    if (const auto been = been_.find(widely(end)); been != been_.end()) cost += 3 * been->second;
+    cost += kLook - far;
+    return Arc{{s, curvature}, cost};
+  }
+
+  // By how much it is not where it wants to be, across the road; in the open, not turning as it means to.
+  double offSide(State s, double curvature, double wished) const {
+    constexpr double kMost = 2;  // m
+    const std::optional<double> height = surface_.height(s.place);
+    if (!height) return kMost * kMost;
+    s.place.z = *height;
+    const double left = surface_.toEdge(s, 1);
+    const double right = surface_.toEdge(s, -1);
+    const bool lefty = random_.keep == RandomWay::Side::Left;
+    const double own = lefty ? left : right;
+    if (left >= kOpen && right >= kOpen) return 8 * kTightest * std::fabs(curvature - wished);
+    const double middle = (left + right) / 2;
+    const double wanted = random_.keep == RandomWay::Side::Middle ? middle : std::min(kFromEdge, middle);
+    const double off = std::min(std::fabs(own - wanted), kMost);
+    const double turns = own >= kOpen ? 4 * kTightest * std::fabs(curvature - wished) : 0;
+    return off * off + turns;
+  }
+
+  // How far a vehicle gets from there by the best of a few plain arcs (m), at most kLook, and to where.
+  std::pair<double, State> lookAhead(const State& from) const {
+    std::pair<double, State> farthest{0, from};
+    for (const double bend : {0.0, 0.5, -0.5, 1.0, -1.0}) {
+      State s = from;
+      double far = 0;
+      for (; far < kLook; far += 1) {
+        const std::optional<State> next = surface_.metreOn(s, bend / kTightest);
+        if (!next) break;
+        s = *next;
+      }
+      if (far > farthest.first) farthest = {far, s};
+      if (far >= kLook) break;
+    }
+    return farthest;
+  }
+
+  const FreeSurface& surface_;
+  const RandomWay& random_;
+  const Draws& draws_;
+  std::map<Spot, int> been_;  // how often the way so far has been there
+  std::set<Spot> dead_;       // from where no way is long enough
+};
+
+// Facing the way that is free for longest.
+std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& draws) {
+  std::optional<State> best;
+  double farthest = 2 * kStep;
+  const double first = draws.next() * 2 * kPi;
+  for (int i = 0; i < 32; ++i) {
+    const State heading{place, first + i * kPi / 16};
+    std::optional<State> s =
+        surface.room(heading) && surface.room(heading.on(-kHalfLength, 0)) ? std::optional(heading) : std::nullopt;
+    double far = 0;
+    for (; s && far < 40; far += 1) s = surface.metreOn(*s, 0);
+    if (far <= farthest) continue;
+    farthest = far;
+    best = heading;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& random, std::uint64_t seed,
+                                 const std::string& name) {
+  const Scene& scene = probe.scene();
+  const std::vector<std::uint16_t> classes = classIds(scene.ontology, random.classes, random.where);
+  const std::string what = fmt::format("{}", fmt::join(random.classes, ", "));
+  const Floor floor = floorOf(scene, classes);
+  if (floor.triangles.empty()) {
+    throw InputError(random.where, fmt::format("scene {}: no surface of {} is there to drive on", scene.name, what));
+  }
+  const FreeSurface surface(probe, classes);
+  Draws draws(seed, name);
+  std::vector<Vec3d> longest;
+  for (int i = 0; i < kStarts; ++i) {
+    const std::optional<State> start = startAt(surface, placeOn(floor, draws), draws);
+    if (!start) continue;
+    const std::vector<Vec3d> way = Search(surface, random, draws).from(*start);
+    if (way.size() > longest.size()) longest = way;
+    if (static_cast<double>(longest.size()) - 1 >= random.length / kStep) return longest;
+  }
+  const double found = longest.empty() ? 0 : static_cast<double>(longest.size() - 1) * kStep;
+  throw InputError(random.where,
+                   fmt::format("scene {}: the longest drive that was found on {} is {:g} m, and {:.4g} m are wanted: "
+                               "take fewer frames, a lower speed, or more classes",
+                               scene.name, what, found, random.length));
+}
+
+}  // namespace scanmill

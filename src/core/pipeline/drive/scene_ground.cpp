@@ -1,0 +1,55 @@
+#include "pipeline/drive/scene_ground.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanmill {
+namespace {
+
+constexpr double kSteepest = 0.5;  // cosine of 60 degrees
+constexpr double kAbove = 0.5;     // m, of ground above a place that is still taken for under it
+constexpr double kNear = 1.5;      // m
+constexpr Vec3d kDown{0, 0, -1};
+
+}  // namespace
+
+std::vector<std::uint16_t> classIds(const Ontology& ontology, const std::vector<std::string>& names,
+                                    const Location& where) {
+  std::vector<std::uint16_t> ids;
+  for (const std::string& name : names) ids.push_back(ontology.require(name, where).id);
+  return ids;
+}
+
+SceneGround::SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> classes)
+    : probe_(probe), classes_(std::move(classes)), bounds_(probe.scene().bounds()) {}
+
+bool SceneGround::holds(const SceneProbe::Met& met) const {
+  if (std::fabs(met.normal.z) < kSteepest) return false;
+  if (!classes_.empty()) return std::find(classes_.begin(), classes_.end(), met.semantic) != classes_.end();
+  const SemanticClass* const own = probe_.scene().ontology.find(met.semantic);
+  return own == nullptr || !own->thing;
+}
+
+std::optional<double> SceneGround::under(const Vec3d& place) const {
+  if (bounds_.empty()) return std::nullopt;
+  std::optional<double> lowest;
+  const double top = bounds_.high.z + 1;
+  for (const SceneProbe::Met& met : probe_.all({{place.x, place.y, top}, kDown}, top - bounds_.low.z + 1)) {
+    if (!holds(met)) continue;
+    if (met.place.z <= place.z + kAbove) return met.place.z;
+    lowest = met.place.z;
+  }
+  return lowest;
+}
+
+std::optional<double> SceneGround::near(const Vec3d& place) const {
+  std::optional<double> nearest;
+  for (const SceneProbe::Met& met : probe_.all({place - kDown * kNear, kDown}, 2 * kNear)) {
+    if (holds(met) && (!nearest || std::fabs(met.place.z - place.z) < std::fabs(*nearest - place.z))) {
+      nearest = met.place.z;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,33 @@
+#pragma once
+
+// The surfaces of a scene that vehicles stand on.
+
+#include <vector>
+
+#include "pipeline/drive/scene_probe.h"
+#include "sensors/ground_profile.h"
+
+namespace scanmill {
+
+// Ids of classes by their names. Throws InputError at `where` for one that the ontology does not have.
+std::vector<std::uint16_t> classIds(const Ontology& ontology, const std::vector<std::string>& names,
+                                    const Location& where);
+
+// Surfaces that are no steeper than 60 degrees, of certain classes; where none is named, of all that are no things.
+class SceneGround : public Ground {
+ public:
+  // The probe must outlive it.
+  SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> classes);
+
+  std::optional<double> under(const Vec3d& place) const override;
+  std::optional<double> near(const Vec3d& place) const override;
+
+ private:
+  bool holds(const SceneProbe::Met& met) const;
+
+  const SceneProbe& probe_;
+  std::vector<std::uint16_t> classes_;
+  Box bounds_;
+};
+
+}  // namespace scanmill

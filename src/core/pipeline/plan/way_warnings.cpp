@@ -1,0 +1,204 @@
+#include "pipeline/plan/way_warnings.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+namespace scanmill {
+namespace {
+
+constexpr std::uint32_t kFrames = 100;       // that are looked at, of sensors
+constexpr std::uint32_t kFramesInside = 12;  // likewise
+constexpr double kFarAbove = 50;             // m
+constexpr double kReach = 1e5;               // m
+constexpr double kStep = 0.5;                // m of way
+constexpr std::size_t kMostPlaces = 20'000;  // of a way
+constexpr double kBody = 0.6;                // m, above the vehicle's origin
+constexpr double kLowest = -0.3;             // z of directions in which is looked for what is around a sensor
+constexpr double kTouches = 1e-3;            // m
+constexpr double kFlat = 0.7;                // cosine of the slope of what is no wall
+constexpr double kMostBare = 0.02;           // of a way on the ground
+
+std::string placeText(const Vec3d& p) {
+  return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", p.x, p.y, p.z);
+}
+
+// To the middles of the faces, edges and corners of a cube, turned so that none runs along an axis; none far down,
+// where what things stand on is as near as their own undersides.
+std::vector<Vec3d> directionsAround() {
+  const Mat3 turned = toMatrix(fromYawPitchRoll(0.37, 0.21, 0.13));
+  std::vector<Vec3d> directions;
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        const Vec3d direction = turned * normalized(Vec3d{double(x), double(y), double(z)});
+        if (direction.z > kLowest) directions.push_back(direction);
+      }
+    }
+  }
+  return directions;
+}
+
+class WayCheck {
+ public:
+  WayCheck(const Plan& plan, std::size_t sequence, const SceneProbe& probe)
+      : plan_(plan), own_(plan.pipeline().sequences[sequence]), probe_(probe), drive_(plan.drive(sequence)) {
+    for (const Instance& i : probe.scene().instances) {
+      if (!i.moves()) continue;
+      for (std::uint32_t object = 1; object <= probe.scene().meshes[i.mesh].objects; ++object) {
+        moving_.insert(instanceId(i.firstInstanceId, object));
+      }
+    }
+  }
+
+  std::vector<std::string> lines() {
+    for (std::size_t s = 0; s < plan_.beams().size(); ++s) {
+      checkHeights(s);
+      checkInside(s);
+    }
+    if (!drive_->still()) checkWalls();
+    if (drive_->bareShare() > kMostBare) {
+      say(fmt::format("{:.0f} % of its way has no ground below or above: it is kept as high as before there",
+                      100 * drive_->bareShare()));
+    }
+    return std::move(lines_);
+  }
+
+ private:
+  void say(const std::string& text) { lines_.push_back(fmt::format("sequence {}: {}", own_.key(), text)); }
+
+  Vec3d sensorAt(std::size_t sensor, std::uint32_t frame) const {
+    return (drive_->pose(frame, 0) * plan_.pipeline().sensors[sensor].vehicleFromSensor).translation;
+  }
+
+  // 'hatchback', or of what is no thing its class.
+  std::string nameOf(const SceneProbe::Met& met) const {
+    const Scene& scene = probe_.scene();
+    const SemanticClass* const semantic = scene.ontology.find(met.semantic);
+    const std::string name = semantic == nullptr ? "unlabeled" : semantic->name;
+    for (const Instance& i : scene.instances) {
+      const std::uint32_t objects = scene.meshes[i.mesh].objects;
+      if (met.instance < i.firstInstanceId || met.instance >= i.firstInstanceId + objects) continue;
+      return fmt::format("'{}' ({})", i.name, name);
+    }
+    return fmt::format("something of the class {}", name);
+  }
+
+  void checkHeights(std::size_t sensor) {
+    std::vector<SceneProbe::Ray> down;
+    std::vector<SceneProbe::Ray> up;
+    for (const std::uint32_t frame : own_.spreadFrames(kFrames)) {
+      down.push_back({sensorAt(sensor, frame), {0, 0, -1}});
+      up.push_back({down.back().from, {0, 0, 1}});
+    }
+    const auto below = probe_.first(down, kReach);
+    const auto above = probe_.first(up, kReach);
+    std::vector<std::size_t> under;
+    std::vector<std::size_t> beside;
+    std::vector<std::size_t> high;
+    for (std::size_t i = 0; i < below.size(); ++i) {
+      if (!below[i]) (above[i] ? under : beside).push_back(i);
+      if (below[i] && below[i]->distance > kFarAbove) high.push_back(i);
+    }
+    const std::string& name = plan_.pipeline().sensors[sensor].name;
+    const auto where = [&](const std::vector<std::size_t>& found) {
+      return fmt::format("in {} of {} frames, first at {}", found.size(), below.size(),
+                         placeText(down[found.front()].from));
+    };
+    if (!under.empty()) {
+      say(fmt::format(
+          "'{}' is below the ground {}: nothing is under it and {} is {:.3g} m above (`ground: drop` in the "
+          "trajectory puts the vehicle on the ground)",
+          name, where(under), nameOf(*above[under.front()]), above[under.front()]->distance));
+    }
+    if (!beside.empty()) {
+      say(fmt::format("'{}' has nothing of the scene under or above it {}", name, where(beside)));
+    }
+    if (2 * high.size() > below.size()) {
+      say(fmt::format("'{}' is more than {:g} m above what is under it {} ({:.4g} m): is the unit of the scene right?",
+                      name, kFarAbove, where(high), below[high.front()]->distance));
+    }
+  }
+
+  // A ray from the inside of what is closed leaves it once more than it enters it.
+  void checkInside(std::size_t sensor) {
+    static const std::vector<Vec3d> kDirections = directionsAround();
+    for (const std::uint32_t frame : own_.spreadFrames(kFramesInside)) {
+      const Vec3d at = sensorAt(sensor, frame);
+      std::map<std::pair<std::uint32_t, std::uint16_t>, std::pair<std::size_t, SceneProbe::Met>> odd;
+      for (const Vec3d& direction : kDirections) {
+        std::map<std::pair<std::uint32_t, std::uint16_t>, std::vector<SceneProbe::Met>> met;
+        for (const SceneProbe::Met& m : probe_.all({at, direction}, kReach)) {
+          if (!moving_.contains(m.instance)) met[{m.instance, m.semantic}].push_back(m);
+        }
+        for (const auto& [key, hits] : met) {
+          if (hits.size() % 2 == 1) odd.try_emplace(key, 0, hits.front()).first->second.first += 1;
+        }
+      }
+      for (const auto& [key, count] : odd) {
+        if (count.first + 2 < kDirections.size()) continue;
+        return say(fmt::format("'{}' is inside of {} at {} (frame {})", plan_.pipeline().sensors[sensor].name,
+                               nameOf(count.second), placeText(at), frame));
+      }
+    }
+  }
+
+  // The vehicle's poses, half a metre apart or less.
+  std::vector<Pose> posesOnWay() const {
+    std::vector<Pose> poses{drive_->pose(0, 0)};
+    for (std::uint32_t frame = 0; frame + 1 < own_.frames && poses.size() < kMostPlaces; ++frame) {
+      const double span = drive_->frameTime(frame + 1) - drive_->frameTime(frame);
+      const double far = length(drive_->pose(frame, span).translation - drive_->pose(frame, 0).translation);
+      const int steps = static_cast<int>(std::clamp(std::ceil(far / kStep), 1.0, 1000.0));
+      for (int k = 1; k <= steps; ++k) poses.push_back(drive_->pose(frame, span * k / steps));
+    }
+    return poses;
+  }
+
+  void checkWalls() {
+    const std::vector<Pose> poses = posesOnWay();
+    std::vector<Vec3d> places{{0, 0, kBody}};  // of the vehicle
+    for (const MountedSensor& s : plan_.pipeline().sensors) places.push_back(s.vehicleFromSensor.translation);
+    std::vector<SceneProbe::Ray> rays;
+    std::vector<double> far;
+    for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
+      for (const Vec3d& place : places) {
+        const Vec3d from = poses[i] * place;
+        const Vec3d way = poses[i + 1] * place - from;
+        if (!(length(way) > 1e-6)) continue;
+        rays.push_back({from, normalized(way)});
+        far.push_back(length(way));
+      }
+    }
+    if (rays.empty()) return;
+    const auto met = probe_.first(rays, *std::max_element(far.begin(), far.end()) + kTouches);
+    std::vector<SceneProbe::Met> walls;
+    for (std::size_t i = 0; i < met.size(); ++i) {
+      if (!met[i] || met[i]->distance > far[i] + kTouches || std::fabs(met[i]->normal.z) > kFlat) continue;
+      if (!moving_.contains(met[i]->instance)) walls.push_back(*met[i]);
+    }
+    if (walls.empty()) return;
+    say(fmt::format("its way goes through {} at {}{}", nameOf(walls.front()), placeText(walls.front().place),
+                    walls.size() > 1 ? fmt::format(", and through {} more surfaces", walls.size() - 1) : ""));
+  }
+
+  const Plan& plan_;
+  const Sequence& own_;
+  const SceneProbe& probe_;
+  std::shared_ptr<const Trajectory> drive_;
+  std::set<std::uint32_t> moving_;  // instances
+  std::vector<std::string> lines_;
+};
+
+}  // namespace
+
+std::vector<std::string> wayWarnings(const Plan& plan, std::size_t sequence, const SceneProbe& probe) {
+  return WayCheck(plan, sequence, probe).lines();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,18 @@
+#pragma once
+
+// Sensors and drives that are not where they were meant to be.
+
+#include <string>
+#include <vector>
+
+#include "pipeline/drive/scene_probe.h"
+#include "pipeline/plan/plan.h"
+
+namespace scanmill {
+
+// Of a sequence in its scene, as it stands when the drive begins: sensors under its surfaces, beside them or far above
+// them, sensors inside of things, ways that go through walls, and ways that leave the ground. A line each, at most one
+// of a kind and sensor. What moves is not looked at.
+std::vector<std::string> wayWarnings(const Plan& plan, std::size_t sequence, const SceneProbe& probe);
+
+}  // namespace scanmill

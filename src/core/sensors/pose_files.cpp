@@ -1,0 +1,230 @@
+#include "sensors/pose_files.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string_view>
+
+#include "base/file.h"
+#include "config/fields.h"
+#include "config/text.h"
+
+namespace scanmill {
+namespace {
+
+struct Line {
+  Location where;
+  std::string_view text;
+};
+
+// Without those that are empty or begin with #.
+std::vector<Line> linesOf(const std::string& bytes, const std::filesystem::path& file) {
+  std::vector<Line> lines;
+  int number = 0;
+  for (std::size_t at = 0; at < bytes.size();) {
+    const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
+    std::string_view text(bytes.data() + at, end - at);
+    at = end + 1;
+    ++number;
+    while (!text.empty() && (text.back() == '\r' || text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+    if (!text.empty() && text.front() != '#') lines.push_back({{file.string(), number}, text});
+  }
+  if (lines.empty()) throw InputError({file.string()}, "is empty: it should have poses");
+  return lines;
+}
+
+// Separated by any number of spaces and tabs, or by single commas or semicolons.
+std::vector<std::string_view> cellsOf(std::string_view text) {
+  const bool table = text.find_first_of(",;") != std::string_view::npos;
+  const std::string_view separators = table ? ",;" : " \t";
+  std::vector<std::string_view> cells;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find_first_of(separators, at), text.size());
+    std::string_view cell = text.substr(at, end - at);
+    at = end + 1;
+    while (!cell.empty() && cell.front() == ' ') cell.remove_prefix(1);
+    while (!cell.empty() && cell.back() == ' ') cell.remove_suffix(1);
+    if (table || !cell.empty()) cells.push_back(cell);
+  }
+  return cells;
+}
+
+double numberOf(std::string_view text, const Location& where) {
+  double number = 0;
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) {
+    throw InputError(where, fmt::format("{} is no number", quotedForMessage(text)));
+  }
+  return number;
+}
+
+template <std::size_t N>
+std::array<double, N> numbersOf(std::string_view text, const Location& where, const char* what) {
+  const std::vector<std::string_view> cells = cellsOf(text);
+  if (cells.size() != N) {
+    throw InputError(where, fmt::format("has {} numbers where {} are wanted: {}", cells.size(), N, what));
+  }
+  std::array<double, N> numbers;
+  for (std::size_t i = 0; i < N; ++i) numbers[i] = numberOf(cells[i], where);
+  return numbers;
+}
+
+// The first three rows of a rigid transform.
+Affine rigid(const std::array<double, 12>& m, const Location& where) {
+  const Affine affine{{{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}}, {m[3], m[7], m[11]}};
+  const Mat3 product = transposed(affine.linear) * affine.linear;
+  double off = std::fabs(determinant(affine.linear) - 1);
+  for (const Vec3d& d : {product.x - Vec3d{1, 0, 0}, product.y - Vec3d{0, 1, 0}, product.z - Vec3d{0, 0, 1}}) {
+    off += std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
+  }
+  if (!(off < 1e-2)) throw InputError(where, "is no rigid transform: its three columns are not square to each other");
+  return affine;
+}
+
+Quat unitQuat(const Quat& q, const Location& where) {
+  const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  if (!(std::fabs(norm - 1) < 1e-2)) {
+    throw InputError(where, fmt::format("the quaternion has the length {:.3g}, not 1: is the order of its numbers "
+                                        "right?",
+                                        norm));
+  }
+  return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
+}
+
+// Heads each pose along the way, from the one before it to the one behind; where it hardly moves, as it did before.
+void headAlong(std::vector<StampedPose>& poses) {
+  constexpr double kMoves = 0.05;  // m
+  std::optional<Quat> last;
+  std::size_t next = 0;  // the first pose without a heading
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Vec3d way =
+        poses[std::min(i + 1, poses.size() - 1)].pose.translation - poses[i > 0 ? i - 1 : 0].pose.translation;
+    const double over = std::hypot(way.x, way.y);
+    if (over > kMoves) last = fromYawPitchRoll(std::atan2(way.y, way.x), -std::atan2(way.z, over), 0);
+    for (; last && next <= i; ++next) poses[next].pose.rotation = *last;
+  }
+}
+
+// The columns of a table of poses.
+class PoseColumns {
+ public:
+  explicit PoseColumns(const Line& head) : where_(head.where) {
+    const std::vector<std::string_view> names = cellsOf(head.text);
+    count_ = names.size();
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      std::string name(names[i]);
+      std::transform(name.begin(), name.end(), name.begin(),
+                     [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+      if (!columns_.emplace(name, i).second) throw InputError(where_, fmt::format("the column {} stands twice", name));
+    }
+    static const std::map<std::string, double> kTimes{
+        {"time", 1}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_ns", 1e-9}};
+    for (const auto& [name, unit] : kTimes) {
+      if (!columns_.contains(name)) continue;
+      time_ = columns_.at(name);
+      second_ = unit;
+    }
+    if (!time_) {
+      throw InputError(where_, fmt::format("the first line should name the columns time (s; or time_ms, time_us, "
+                                           "time_ns), x, y, z and, if it has them, qw, qx, qy, qz or yaw, pitch, "
+                                           "roll: no time in {}",
+                                           quotedForMessage(head.text)));
+    }
+    for (const char* name : {"x", "y", "z"}) require(name);
+    if (has("qw") || has("qx")) {
+      for (const char* name : {"qw", "qx", "qy", "qz"}) require(name);
+    }
+  }
+
+  bool has(const std::string& name) const { return columns_.contains(name); }
+  bool headed() const { return has("qw") || has("yaw") || has("yaw_deg"); }
+
+  StampedPose poseOf(const Line& line) const {
+    const std::vector<std::string_view> cells = cellsOf(line.text);
+    if (cells.size() != count_) {
+      throw InputError(line.where, fmt::format("has {} cells, the first line has {}", cells.size(), count_));
+    }
+    const auto number = [&](const std::string& name) { return numberOf(cells[columns_.at(name)], line.where); };
+    const auto angle = [&](const std::string& name) {
+      if (has(name + "_deg")) return radians(number(name + "_deg"));
+      return has(name) ? number(name) : 0;
+    };
+    StampedPose p{timeOf(cells[*time_], line.where), {{}, {number("x"), number("y"), number("z")}}};
+    if (has("qw")) {
+      p.pose.rotation = unitQuat({number("qw"), number("qx"), number("qy"), number("qz")}, line.where);
+    } else {
+      p.pose.rotation = fromYawPitchRoll(angle("yaw"), angle("pitch"), angle("roll"));
+    }
+    return p;
+  }
+
+ private:
+  void require(const std::string& name) const {
+    if (!has(name)) throw InputError(where_, fmt::format("the table has no column {}", name));
+  }
+  double timeOf(std::string_view cell, const Location& where) const { return numberOf(cell, where) * second_; }
+
+  Location where_;
+  std::size_t count_ = 0;
+  std::map<std::string, std::size_t> columns_;
+  std::optional<std::size_t> time_;
+  double second_ = 1;
+};
+
+}  // namespace
+
+std::vector<Affine> readKittiPoses(const std::filesystem::path& file) {
+  const std::string bytes = readFile(file);
+  std::vector<Affine> poses;
+  for (const Line& line : linesOf(bytes, file)) {
+    poses.push_back(rigid(numbersOf<12>(line.text, line.where, "a matrix of 3 rows and 4 columns"), line.where));
+  }
+  return poses;
+}
+
+std::vector<double> readTimes(const std::filesystem::path& file) {
+  const std::string bytes = readFile(file);
+  std::vector<double> times;
+  for (const Line& line : linesOf(bytes, file)) times.push_back(numbersOf<1>(line.text, line.where, "a time")[0]);
+  return times;
+}
+
+Affine readKittiCalibration(const std::filesystem::path& file) {
+  const std::string bytes = readFile(file);
+  for (const Line& line : linesOf(bytes, file)) {
+    const std::size_t colon = line.text.find(':');
+    if (line.text.substr(0, colon) != "Tr" && line.text.substr(0, colon) != "Tr_velo_to_cam") continue;
+    return rigid(numbersOf<12>(line.text.substr(colon + 1), line.where, "a matrix of 3 rows and 4 columns"),
+                 line.where);
+  }
+  throw InputError({file.string()}, "has no line `Tr: 12 numbers`, which takes points of the scanner to the camera");
+}
+
+std::vector<StampedPose> readTumPoses(const std::filesystem::path& file) {
+  const std::string bytes = readFile(file);
+  std::vector<StampedPose> poses;
+  for (const Line& line : linesOf(bytes, file)) {
+    const auto n = numbersOf<8>(line.text, line.where, "time x y z qx qy qz qw");
+    poses.push_back({n[0], {unitQuat({n[7], n[4], n[5], n[6]}, line.where), {n[1], n[2], n[3]}}});
+  }
+  return poses;
+}
+
+std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
+  const std::string bytes = readFile(file);
+  const std::vector<Line> lines = linesOf(bytes, file);
+  const PoseColumns columns(lines.front());
+  std::vector<StampedPose> poses;
+  for (std::size_t i = 1; i < lines.size(); ++i) poses.push_back(columns.poseOf(lines[i]));
+  if (!columns.headed()) headAlong(poses);
+  return poses;
+}
+
+}  // namespace scanmill

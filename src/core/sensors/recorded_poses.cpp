@@ -1,0 +1,168 @@
+#include "sensors/recorded_poses.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/file.h"
+#include "config/fields.h"
+#include "config/waypoints.h"
+#include "sensors/pose_files.h"
+
+namespace scanmill {
+namespace {
+
+// From x forward, y left, z up to a camera's x right, y down, z forward.
+constexpr Mat3 kCameraFromVehicle{{0, 0, 1}, {-1, 0, 0}, {0, -1, 0}};
+
+std::string formatOf(Fields& f, const std::filesystem::path& file) {
+  const std::string name = file.filename().string();
+  const std::string guess = name.ends_with(".csv") ? "csv" : name.ends_with(".json") ? "nuscenes" : "";
+  const std::string format = f.choice("format", {"kitti", "tum", "nuscenes", "csv"}, guess);
+  if (format.empty()) {
+    throw InputError(f.where(), fmt::format("what poses {} has cannot be told by its name: say `format: kitti` (12 "
+                                            "numbers a line) or `format: tum` (time x y z qx qy qz qw)",
+                                            file.string()));
+  }
+  return format;
+}
+
+void onlyFor(Fields& f, const std::string& format, std::initializer_list<std::string_view> formats,
+             std::initializer_list<const char*> keys) {
+  if (std::find(formats.begin(), formats.end(), format) != formats.end()) return;
+  for (const char* key : keys) {
+    if (const Value* value = f.find(key)) {
+      throw InputError(value->where, fmt::format("{} is not for poses of the format {}", key, format));
+    }
+  }
+}
+
+std::vector<StampedPose> readKitti(Fields& f, const std::filesystem::path& file) {
+  std::vector<Affine> cameras = readKittiPoses(file);
+  std::vector<double> times;
+  if (f.has("times") == f.has("interval")) {
+    throw InputError(f.where(),
+                     "KITTI's poses have no times: give either `times` (a file, s, one a line) or `interval` (s from "
+                     "pose to pose, 0.1 in KITTI)");
+  }
+  if (f.has("times")) {
+    const std::filesystem::path timesFile = f.path("times");
+    times = readTimes(timesFile);
+    if (times.size() != cameras.size()) {
+      throw InputError({timesFile.string()},
+                       fmt::format("has {} times for the {} poses of {}", times.size(), cameras.size(), file.string()));
+    }
+  } else {
+    const double interval = f.number("interval", {1e-6, 1e6});
+    for (std::size_t i = 0; i < cameras.size(); ++i) times.push_back(static_cast<double>(i) * interval);
+  }
+  const auto calib = f.optionalPath("calib");
+  const Affine cameraFromOwn = calib ? readKittiCalibration(*calib) : Affine{kCameraFromVehicle, {}};
+  const Affine ownFromCamera = inverse(cameraFromOwn);
+  std::vector<StampedPose> poses;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const Affine own = ownFromCamera * cameras[i] * cameraFromOwn;
+    poses.push_back({times[i], {fromMatrix(own.linear), own.translation}});
+  }
+  return poses;
+}
+
+// Turns the poses, keeping what is up, and moves them, so that the first is where it is wanted.
+void startAt(const Pose& start, std::vector<StampedPose>& poses) {
+  const auto yawOf = [](const Quat& q) {
+    const Vec3d x = toMatrix(q).x;
+    return std::atan2(x.y, x.x);
+  };
+  const Pose first = poses.front().pose;
+  const Quat turn = fromYawPitchRoll(yawOf(start.rotation) - yawOf(first.rotation), 0, 0);
+  const Pose move{turn, start.translation - toMatrix(turn) * first.translation};
+  for (StampedPose& p : poses) p.pose = move * p.pose;
+}
+
+}  // namespace
+
+RecordedPoses::RecordedPoses(std::vector<StampedPose> poses) : poses_(std::move(poses)) {
+  const double first = poses_.front().time;
+  for (StampedPose& p : poses_) p.time -= first;
+}
+
+Pose RecordedPoses::at(double time) const {
+  if (time <= 0) return poses_.front().pose;
+  if (time >= duration()) return poses_.back().pose;
+  const auto later =
+      std::upper_bound(poses_.begin(), poses_.end(), time, [](double t, const StampedPose& p) { return t < p.time; });
+  const auto i = static_cast<std::size_t>(later - poses_.begin()) - 1;
+  const StampedPose& a = poses_[i];
+  const StampedPose& b = poses_[i + 1];
+  const double span = b.time - a.time;
+  const double u = (time - a.time) / span;
+  const auto velocity = [&](std::size_t k) {
+    const StampedPose& before = poses_[k > 0 ? k - 1 : 0];
+    const StampedPose& behind = poses_[std::min(k + 1, poses_.size() - 1)];
+    return (behind.pose.translation - before.pose.translation) * (1 / (behind.time - before.time));
+  };
+  // Hermite's cubic.
+  const Vec3d start = velocity(i) * span;
+  const Vec3d end = velocity(i + 1) * span;
+  const Vec3d chord = b.pose.translation - a.pose.translation;
+  const Vec3d position =
+      a.pose.translation + (start + (chord * 3 - start * 2 - end + (start + end - chord * 2) * u) * u) * u;
+  return {slerp(a.pose.rotation, b.pose.rotation, u), position};
+}
+
+double RecordedPoses::length() const {
+  double sum = 0;
+  for (std::size_t i = 1; i < poses_.size(); ++i) {
+    sum += scanmill::length(poses_[i].pose.translation - poses_[i - 1].pose.translation);
+  }
+  return sum;
+}
+
+std::string RecordedPoses::about() const {
+  double gap = 0;
+  for (std::size_t i = 1; i < poses_.size(); ++i) gap = std::max(gap, poses_[i].time - poses_[i - 1].time);
+  return fmt::format("{} poses in {:.4g} s, {:.4g} m, at most {:.3g} s apart", poses_.size(), duration(), length(),
+                     gap);
+}
+
+RecordedPoses readRecordedPoses(const Value& value) {
+  Fields f(value, "recorded");
+  f.also({"file", "format", "times", "interval", "calib", "scene", "frame", "start"}).finish();
+  const std::filesystem::path file = f.path("file");
+  const std::string format = formatOf(f, file);
+  onlyFor(f, format, {"kitti"}, {"times", "interval", "calib"});
+  onlyFor(f, format, {"nuscenes"}, {"scene"});
+  onlyFor(f, format, {"tum", "csv"}, {"frame"});
+  std::vector<StampedPose> poses;
+  if (format == "kitti") {
+    poses = readKitti(f, file);
+  } else if (format == "nuscenes") {
+    poses = readNuScenesPoses(file, f.text("scene"));
+  } else {
+    poses = format == "tum" ? readTumPoses(file) : readPoseTable(file);
+    if (f.choice("frame", {"vehicle", "camera"}, "vehicle") == "camera") {
+      for (StampedPose& p : poses) p.pose.rotation = p.pose.rotation * fromMatrix(kCameraFromVehicle);
+    }
+  }
+  if (poses.size() < 2) {
+    throw InputError({file.string()},
+                     fmt::format("has {} poses; a vehicle that moves needs two at least", poses.size()));
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    checkedPosition(poses[i].pose.translation, {file.string()});
+    if (i == 0 || poses[i].time > poses[i - 1].time) continue;
+    throw InputError({file.string()}, fmt::format("pose {} is at {:.9g} s, not after the one before it ({:.9g} s)",
+                                                  i + 1, poses[i].time, poses[i - 1].time));
+  }
+  if (const Value* start = f.find("start")) {
+    Fields pose(*start, "start");
+    const Pose wanted = pose.pose();
+    pose.finish();
+    checkedPosition(wanted.translation, start->where);
+    startAt(wanted, poses);
+  }
+  return RecordedPoses(std::move(poses));
+}
+
+}  // namespace scanmill

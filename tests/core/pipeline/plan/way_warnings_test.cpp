@@ -1,0 +1,94 @@
+#include "pipeline/plan/way_warnings.h"
+
+#include "tests/core/pipeline/small_world.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class WayWarnings : public Yard {
+ protected:
+  std::vector<std::string> warnings(const std::vector<std::string>& overrides) const {
+    const Plan plan(readPipeline(pipeline_, overrides));
+    const Scene scene = plan.loadScene(plan.pipeline().sequences.front());
+    return wayWarnings(plan, 0, SceneProbe(scene));
+  }
+  static std::string drive(const std::string& waypoints, const std::string& more = "") {
+    return "trajectories=[{name: drive, waypoints: " + waypoints + ", speed: 20, every_s: 0.1" + more + "}]";
+  }
+};
+
+TEST_F(WayWarnings, AreSilentWhereAllIsWell) {
+  EXPECT_THAT(warnings({}), IsEmpty());
+  EXPECT_THAT(warnings({"trajectories=[{poses: [{position: [3, 4, 0]}]}]"}), IsEmpty());
+  EXPECT_THAT(warnings({drive("[[-10, 0, 9], [10, 0, -7]]", ", ground: drop")}), IsEmpty());
+}
+
+TEST_F(WayWarnings, TellOfSensorsUnderTheGround) {
+  EXPECT_THAT(warnings({drive("[[-10, 0, -4], [10, 0, -4]]")}),
+              ElementsAre(AllOf(HasSubstr("sequence yard-s1-drive"), HasSubstr("'top' is below the ground"),
+                                HasSubstr("11 of 11 frames"), HasSubstr("class ground is 2.2 m above"),
+                                HasSubstr("`ground: drop`"))));
+}
+
+TEST_F(WayWarnings, TellOfSensorsFarAboveAndBeside) {
+  EXPECT_THAT(warnings({drive("[[-10, 0, 900], [10, 0, 900]]")}),
+              ElementsAre(AllOf(HasSubstr("more than 50 m above"), HasSubstr("(901.8 m)"), HasSubstr("unit"))));
+  EXPECT_THAT(warnings({drive("[[500, 0, 0], [510, 0, 0]]")}),
+              ElementsAre(AllOf(HasSubstr("nothing of the scene under or above"), HasSubstr("[500.00, 0.00, 1.80]"))));
+}
+
+TEST_F(WayWarnings, TellOfSensorsInsideOfThings) {
+  EXPECT_THAT(warnings({"trajectories=[{poses: [{position: [8, 5, -1]}]}]"}),
+              ElementsAre(AllOf(HasSubstr("'top' is inside of 'car#1' (car)"), HasSubstr("[8.00, 5.00, 0.80]"))));
+}
+
+TEST_F(WayWarnings, TellOfWaysThroughWallsAndLowThings) {
+  EXPECT_THAT(warnings({drive("[[0, 0, 0], [45, 0, 0]]")}),
+              testing::Contains(AllOf(HasSubstr("its way goes through something of the class wall at [30.00, 0.00"),
+                                      HasSubstr("3 more surfaces"))));
+  // The cars are lower than the sensor.
+  EXPECT_THAT(warnings({drive("[[-10, 5, 0], [20, 5, 0]]")}),
+              ElementsAre(AllOf(HasSubstr("'car#1' (car) at [6.00, 5.00, 0.60]"))));
+  // What moves may have gone by then.
+  folder_.write("scenes/yard.yaml", yardScene() + "    moving: {velocity: [1, 0, 0]}\n");
+  EXPECT_THAT(warnings({drive("[[-10, 5, 0], [20, 5, 0]]")}), IsEmpty());
+}
+
+TEST_F(WayWarnings, TellOfWaysThatLeaveTheGround) {
+  EXPECT_THAT(warnings({drive("[[0, 0, 0], [0, 30, 0], [0, 70, 0]]", ", ground: drop")}),
+              testing::Contains(HasSubstr("% of its way has no ground below or above")));
+}
+
+// The same scans whatever heights the way is given with.
+TEST_F(WayWarnings, DrivesOnTheGroundGiveTheScansOfItsHeight) {
+  sound({drive("[[-10, 0, 0], [10, 0, 0]]")}, "flat");
+  sound({drive("[[-10, 0, 7], [10, 0, -9]]", ", ground: drop")}, "dropped");
+  const std::vector<Scan> flat = scans(".pcd", "flat");
+  const std::vector<Scan> dropped = scans(".pcd", "dropped");
+  ASSERT_EQ(flat.size(), 11u);
+  for (std::size_t i = 0; i < std::min(flat.size(), dropped.size()); ++i) {
+    ASSERT_EQ(flat[i].position.size(), dropped[i].position.size()) << i;
+    for (std::size_t k = 0; k < flat[i].position.size(); ++k) {
+      ASSERT_LT(length(flat[i].position[k] - dropped[i].position[k]), 1e-3f) << i << " " << k;
+    }
+  }
+}
+
+TEST_F(WayWarnings, RandomDrivesMakeSoundDatasetsThatFollowFromTheSeed) {
+  const std::string roam =
+      "trajectories=[{name: roam, on: [ground], speed: 10, every_s: 0.2, frames: 12, drives: 2}]";
+  sound({roam}, "one");
+  sound({roam}, "two");
+  EXPECT_EQ(members("one"), members("two"));
+  const Manifest manifest = readManifest(out("one"));
+  EXPECT_EQ(manifest.samples.size(), 24u);
+  EXPECT_EQ(manifest.samples.back().key, "yard-s1-roam-1-000011");
+}
+
+}  // namespace
+}  // namespace scanmill

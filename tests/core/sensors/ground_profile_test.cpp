@@ -1,0 +1,132 @@
+#include "sensors/ground_profile.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sensors/trajectory.h"
+#include "tests/support/message_of.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+// One surface, whose height is a function of the place; nothing where that is NaN.
+class Hills : public Ground {
+ public:
+  using Height = double (*)(double x, double y);
+  explicit Hills(Height height) : height_(height) {}
+  std::optional<double> under(const Vec3d& p) const override {
+    const double z = height_(p.x, p.y);
+    return std::isfinite(z) ? std::optional(z) : std::nullopt;
+  }
+  std::optional<double> near(const Vec3d& p) const override {
+    const std::optional<double> z = under(p);
+    return z && std::fabs(*z - p.z) <= 1.5 ? z : std::nullopt;
+  }
+
+ private:
+  Height height_;
+};
+
+Trajectory on(const std::string& yaml, const Ground& ground) {
+  return readTrajectory(parseYaml("{" + yaml + "}", "trip.yaml"), "trip", 0.1).onGround(ground);
+}
+
+double slope(double x, double y) {
+  return 0.1 * x - 0.05 * y + 3;
+}
+
+// Whichever way it heads, the vehicle's z axis is the plane's normal, its heading over ground is that of the way, and
+// its origin lies on the plane.
+TEST(GroundProfile, StandsSquareOnAPlane) {
+  const Hills plane(slope);
+  const Vec3d normal = normalized(Vec3d{-0.1, 0.05, 1});
+  for (const char* to : {"[40, 0, 0]", "[0, 40, 9]", "[-30, 30, -5]", "[-40, -1, 0]"}) {
+    const Trajectory drive = on(std::string("waypoints: [[0, 0, 0], ") + to + "], speed: 5, ground: drop", plane);
+    const Pose pose = drive.pose(20, 0.03);
+    const Mat3 axes = toMatrix(pose.rotation);
+    EXPECT_LT(length(axes.z - normal), 1e-9) << to;
+    const Pose flat =
+        readTrajectory(parseYaml(std::string("{waypoints: [[0, 0, 0], ") + to + "], speed: 5}", "t"), "t", 0.1)
+            .pose(20, 0.03);
+    const Vec3d ahead = toMatrix(flat.rotation).x;
+    EXPECT_NEAR(axes.x.x * ahead.y - axes.x.y * ahead.x, 0, 1e-9) << to;
+    EXPECT_GT(axes.x.x * ahead.x + axes.x.y * ahead.y, 0) << to;
+    EXPECT_NEAR(pose.translation.z, slope(pose.translation.x, pose.translation.y), 1e-9) << to;
+  }
+}
+
+TEST(GroundProfile, KeepsItsHeightAndUprightWithoutWheels) {
+  const Hills plane(slope);
+  const Pose pose =
+      on("waypoints: [[0, 0, 0], [40, 0, 0]], speed: 5, ground: {height: 1.8, wheels: none}", plane).pose(10, 0);
+  EXPECT_NEAR(pose.translation.z, slope(5, 0) + 1.8, 1e-9);
+  EXPECT_EQ(toMatrix(pose.rotation).z, (Vec3d{0, 0, 1}));
+}
+
+double step(double x, double) {
+  return x < 20 ? 0 : 0.12;
+}
+
+// Up a kerb: on both sides of it level, and in between as steep as the wheels make it.
+TEST(GroundProfile, ClimbsAKerb) {
+  const Trajectory drive = on("waypoints: [[0, 0, 0], [40, 0, 0]], speed: 1, every_s: 1, ground: drop", Hills(step));
+  const auto pitchAt = [&](double x) {
+    const Vec3d ahead = toMatrix(drive.pose(0, x).rotation).x;
+    return std::atan2(ahead.z, ahead.x);
+  };
+  EXPECT_NEAR(pitchAt(17), 0, 1e-9);
+  EXPECT_NEAR(pitchAt(20), std::atan(0.12 / 2.7), 1e-6);
+  EXPECT_NEAR(pitchAt(23), 0, 1e-9);
+  EXPECT_NEAR(drive.pose(0, 17).translation.z, 0, 1e-9);
+  EXPECT_NEAR(drive.pose(0, 20).translation.z, 0.06, 1e-6);
+  EXPECT_NEAR(drive.pose(0, 23).translation.z, 0.12, 1e-9);
+  // Smooth: no more than a sixth of the kerb in 5 cm of way.
+  for (double x = 15; x < 25; x += 0.05) {
+    EXPECT_LT(std::fabs(drive.pose(0, x + 0.05).translation.z - drive.pose(0, x).translation.z), 0.02) << x;
+  }
+}
+
+double gap(double x, double) {
+  return x > 10 && x < 15 ? NAN : 2;
+}
+
+TEST(GroundProfile, KeepsItsHeightOverGapsAndSaysHowMuchOfTheWayTheyAre) {
+  const Trajectory drive = on("waypoints: [[0, 0, 0], [50, 0, 0]], speed: 10, ground: {wheels: none}", Hills(gap));
+  for (double t = 0; t < 5; t += 0.1) EXPECT_NEAR(drive.pose(0, t).translation.z, 2, 1e-9) << t;
+  EXPECT_NEAR(drive.bareShare(), 0.1, 0.005);
+  const auto nothing = [](double, double) { return double{NAN}; };
+  EXPECT_THAT(messageOf([&] { on("waypoints: [[7, 0, 0], [50, 0, 0]], speed: 10, ground: drop", Hills(nothing)); }),
+              testing::AllOf(HasSubstr("trip.yaml:1"), HasSubstr("no ground"), HasSubstr("[7, 0, 0]")));
+  EXPECT_THAT(messageOf([&] { on("poses: [{position: [7, 0, 0]}], ground: drop", Hills(nothing)); }),
+              HasSubstr("no ground above or below the pose"));
+}
+
+// A tripod that leans keeps its lean, on top of the ground's.
+TEST(GroundProfile, PosesKeepTheirOwnPitchAndRoll) {
+  const Hills plane(slope);
+  const Trajectory upright = on("poses: [{position: [4, 2, 50], yaw_deg: 30}], ground: {height: 1.5}", plane);
+  const Trajectory leans =
+      on("poses: [{position: [4, 2, 50], yaw_deg: 30, pitch_deg: 7}], ground: {height: 1.5}", plane);
+  EXPECT_NEAR(upright.pose(0, 0).translation.z, slope(4, 2) + 1.5, 1e-9);
+  const Quat between = (inverse(upright.pose(0, 0)) * leans.pose(0, 0)).rotation;
+  const Quat expected = fromYawPitchRoll(0, radians(7), 0);
+  EXPECT_NEAR(between.w, expected.w, 1e-9);
+  EXPECT_NEAR(between.y, expected.y, 1e-9);
+}
+
+// Lane changes are driven on the ground that is there.
+TEST(GroundProfile, IsThatBesideTheWayWhereTheLaneChanges) {
+  const Trajectory drive =
+      on("waypoints: [[0, 0, 0], [60, 0, 0]], speed: 10, lane_changes: [{at: 10, left: 4, over: 20}], ground: drop",
+         Hills(slope));
+  const Vec3d at = drive.pose(0, 5).translation;
+  EXPECT_NEAR(at.y, 4, 1e-9);
+  EXPECT_NEAR(at.z, slope(at.x, at.y), 1e-6);
+}
+
+}  // namespace
+}  // namespace scanmill
