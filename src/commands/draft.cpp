@@ -28,7 +28,14 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named
       continue;
     }
     std::vector<std::filesystem::path> found;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(name, error)) {
+    for (auto at = std::filesystem::recursive_directory_iterator(name, error); at != end(at); at.increment(error)) {
+      const std::filesystem::directory_entry& entry = *at;
+      // A model of Gazebo's says by itself which meshes it has, and how large they are.
+      if (const auto model = entry.path() / "model.sdf"; std::filesystem::is_regular_file(model, error)) {
+        found.push_back(model);
+        at.disable_recursion_pending();
+        continue;
+      }
       std::string kind = entry.path().extension().string();
       std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
       if (kKinds.contains(kind) && entry.is_regular_file(error)) found.push_back(entry.path());

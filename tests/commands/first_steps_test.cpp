@@ -56,9 +56,10 @@ TEST_F(FirstSteps, TyposComeBeforeWhatTheyHide) {
   expectRefused(scanmill({"plan", changed("mount:", "mout:")}), "unknown key 'mout' (did you mean 'mount'?)");
   expectRefused(scanmill({"plan", changed("waypoints:", "waypoint:")}), "did you mean 'waypoints'?");
   expectRefused(scanmill({"plan", changed("speed: 10", "sped: 10")}), "did you mean 'speed'?");
-  expectRefused(scanmill({"plan", changed("name: drive", "nothing: 1")}),
-                "(known: name, poses, waypoints, along, speed, acceleration, stops, lane_changes, sway, every_s, "
-                "every_m, frames)");
+  expectRefused(
+      scanmill({"plan", changed("name: drive", "nothing: 1")}),
+      "(known: name, poses, waypoints, along, on, recorded, path, rounding, keep, drives, speed, acceleration, "
+      "stops, lane_changes, sway, ground, every_s, every_m, frames)");
   expectRefused(scanmill({"plan", changed("[intensity]", "[quantize: {zzz: 1}]")}),
                 "effect quantize: unknown key 'zzz' (known: step_m)");
   expectRefused(scanmill({"plan", changed("[intensity]", "none")}), "for none write []");
@@ -87,8 +88,9 @@ TEST_F(FirstSteps, GenerateWarnsOfWhatIsSeldomMeant) {
                                 "trajectories=[{name: far, poses: [{position: [9000, 0, 0]}]}]"});
   EXPECT_EQ(far.code, 0);
   EXPECT_THAT(far.error, AllOf(HasSubstr("warning: sequence scene-s1-far: the sensor 'top' sees nothing"),
-                               HasSubstr("is the trajectory inside the scene?")));
-  EXPECT_THAT(far.out, HasSubstr("; 1 warning\n"));
+                               HasSubstr("is the trajectory inside the scene?"),
+                               HasSubstr("m away from the scene in 1 of 1 frames")));
+  EXPECT_THAT(far.out, HasSubstr("; 2 warnings\n"));
 
   const Outcome same = scanmill({"generate", pipeline_, "-q", "-o", at("same"), "--set", "scenes.0.seeds=[1, 2]",
                                  "--set", "splits={by: seed, train: [1], val: [2]}"});
@@ -136,7 +138,7 @@ TEST_F(FirstSteps, InfoOfAnAssetTellsItsSizeAndHowItWasRead) {
   expectRefused(scanmill({"info", at("shed.obj"), "--up", "w"}), "--up must be x, y or z");
   expectRefused(scanmill({"info", at("shed.obj"), "--unit", "cm"}), "--unit");
   folder_.write("shed.xyz", "no 3D file");
-  expectRefused(scanmill({"info", at("shed.xyz")}), "FBX, AC or BLEND");
+  expectRefused(scanmill({"info", at("shed.xyz")}), "BLEND, SDF or URDF");
 }
 
 TEST_F(FirstSteps, InfoOfASceneTellsTheSizesOfItsObjects) {

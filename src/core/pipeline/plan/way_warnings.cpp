@@ -47,7 +47,11 @@ std::vector<Vec3d> directionsAround() {
 class WayCheck {
  public:
   WayCheck(const Plan& plan, std::size_t sequence, const SceneProbe& probe)
-      : plan_(plan), own_(plan.pipeline().sequences[sequence]), probe_(probe), drive_(plan.drive(sequence)) {
+      : plan_(plan),
+        own_(plan.pipeline().sequences[sequence]),
+        probe_(probe),
+        drive_(plan.drive(sequence)),
+        bounds_(probe.scene().bounds()) {
     for (const Instance& i : probe.scene().instances) {
       if (!i.moves()) continue;
       for (std::uint32_t object = 1; object <= probe.scene().meshes[i.mesh].objects; ++object) {
@@ -76,6 +80,13 @@ class WayCheck {
     return (drive_->pose(frame, 0) * plan_.pipeline().sensors[sensor].vehicleFromSensor).translation;
   }
 
+  // To the scene's box (m).
+  double farFromScene(const Vec3d& p) const {
+    const auto off = [](double at, double low, double high) { return std::max({low - at, at - high, 0.0}); };
+    return length(Vec3d{off(p.x, bounds_.low.x, bounds_.high.x), off(p.y, bounds_.low.y, bounds_.high.y),
+                        off(p.z, bounds_.low.z, bounds_.high.z)});
+  }
+
   // 'hatchback', or of what is no thing its class.
   std::string nameOf(const SceneProbe::Met& met) const {
     const Scene& scene = probe_.scene();
@@ -102,7 +113,8 @@ class WayCheck {
     std::vector<std::size_t> beside;
     std::vector<std::size_t> high;
     for (std::size_t i = 0; i < below.size(); ++i) {
-      if (!below[i]) (above[i] ? under : beside).push_back(i);
+      if (!below[i] && above[i]) under.push_back(i);
+      if (farFromScene(down[i].from) > plan_.beams()[sensor]->maxRange) beside.push_back(i);
       if (below[i] && below[i]->distance > kFarAbove) high.push_back(i);
     }
     const std::string& name = plan_.pipeline().sensors[sensor].name;
@@ -117,9 +129,10 @@ class WayCheck {
           name, where(under), nameOf(*above[under.front()]), above[under.front()]->distance));
     }
     if (!beside.empty()) {
-      say(fmt::format("'{}' has nothing of the scene under or above it {}", name, where(beside)));
+      say(fmt::format("'{}' is {:.4g} m away from the scene {}, farther than it ranges", name,
+                      farFromScene(down[beside.front()].from), where(beside)));
     }
-    if (2 * high.size() > below.size()) {
+    if (beside.empty() && 2 * high.size() > below.size()) {
       say(fmt::format("'{}' is more than {:g} m above what is under it {} ({:.4g} m): is the unit of the scene right?",
                       name, kFarAbove, where(high), below[high.front()]->distance));
     }
@@ -191,6 +204,7 @@ class WayCheck {
   const Sequence& own_;
   const SceneProbe& probe_;
   std::shared_ptr<const Trajectory> drive_;
+  Box bounds_;
   std::set<std::uint32_t> moving_;  // instances
   std::vector<std::string> lines_;
 };

@@ -10,9 +10,9 @@
 
 namespace scanmill {
 
-// Of a sequence in its scene, as it stands when the drive begins: sensors under its surfaces, beside them or far above
-// them, sensors inside of things, ways that go through walls, and ways that leave the ground. A line each, at most one
-// of a kind and sensor. What moves is not looked at.
+// Of a sequence in its scene, as it stands when the drive begins: sensors under its surfaces, far above them or
+// too far away from them, sensors inside of things, ways that go through walls, and ways that leave the ground. A line
+// each, at most one of a kind and sensor. What moves is not looked at.
 std::vector<std::string> wayWarnings(const Plan& plan, std::size_t sequence, const SceneProbe& probe);
 
 }  // namespace scanmill

@@ -12,6 +12,7 @@
 #include "scene/assets/blend.h"
 #include "scene/assets/imported_asset.h"
 #include "scene/gltf/reader.h"
+#include "scene/worlds/world_asset.h"
 
 namespace scanmill {
 
@@ -59,7 +60,9 @@ Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) 
   const std::string kind = kindOf(file);
   checkRequest(file, kind, options);
   const bool gltf = kind == ".gltf" || kind == ".glb" || kind == ".blend";
-  Asset asset = gltf ? readGltf(file, kind, options) : readImported(file, kind, options);
+  Asset asset = gltf            ? readGltf(file, kind, options)
+                : isWorld(kind) ? readWorld(file, kind, options)
+                                : readImported(file, kind, options);
   asset.file = file;
   if (asset.parts.empty() && asset.instanced.empty()) {
     throw InputError(

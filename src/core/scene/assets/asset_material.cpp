@@ -44,7 +44,9 @@ class MaterialReader {
     color.textured = !map.name.empty();
     bool declared = false;
     color.alpha = alphaTest(material, opacity, declared);
-    if (color.textured && (options_.textures || color.alpha.wanted)) color.image = load(map, !options_.textures);
+    if (color.textured && (options_.textures || color.alpha.wanted)) {
+      color.image = load(map, !options_.textures, color.alpha.wanted);
+    }
     if (color.image && color.alpha.wanted && !declared &&
         !isCutOut(measureAlpha(scene_, index, read.uvChannel, *color.image))) {
       color.alpha.wanted = false;
@@ -55,7 +57,8 @@ class MaterialReader {
     if (!color.colored) read.color = color.factor;
     // A map that names the colour's own file means that file's alpha, which the image has already.
     if (color.alpha.wanted && !opacity.name.empty() && opacity.name != map.name) {
-      if (const auto mask = load(opacity, false)) color.image = withOpacity(color.image.get(), *mask, opacity.inverted);
+      if (const auto mask = load(opacity, false, true))
+        color.image = withOpacity(color.image.get(), *mask, opacity.inverted);
     }
     setColor(read.material, std::move(color), file_, options_, images_);
     return read;
@@ -115,8 +118,8 @@ class MaterialReader {
     return {true, 0.5f};
   }
 
-  std::shared_ptr<const Texture> load(const Map& map, bool onlyAlpha) {
-    return images_.load(map.name, map.label, onlyAlpha, [&]() -> std::shared_ptr<const Texture> {
+  std::shared_ptr<const Texture> load(const Map& map, bool onlyAlpha, bool cutsOut) {
+    return images_.load(map.name, map.label, onlyAlpha, cutsOut, [&]() -> std::shared_ptr<const Texture> {
       const aiTexture* const embedded = scene_.GetEmbeddedTexture(map.name.c_str());
       return embedded == nullptr ? nullptr : decodeEmbedded(*embedded, file_.string() + ": " + map.label);
     });

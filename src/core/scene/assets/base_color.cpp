@@ -11,6 +11,18 @@
 
 namespace scanmill {
 
+namespace {
+
+// Images of these kinds have no alpha.
+bool isOpaqueKind(const std::string& name) {
+  std::string kind = std::filesystem::path(name).extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(),
+                 [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return kind == ".jpg" || kind == ".jpeg" || kind == ".bmp";
+}
+
+}  // namespace
+
 void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options,
               ColorImages& images) {
   const auto& [r, g, b] = color.factor;
@@ -35,10 +47,11 @@ void setColor(Material& material, BaseColor color, const std::filesystem::path& 
 }
 
 std::shared_ptr<const Texture> ColorImages::load(const std::string& key, const std::string& name, bool onlyAlpha,
+                                                 bool cutsOut,
                                                  const std::function<std::shared_ptr<const Texture>()>& embedded) {
   const auto known = images_.find({key, onlyAlpha});
   if (known != images_.end()) return known->second;
-  return images_[{key, onlyAlpha}] = find(name, onlyAlpha, embedded);
+  return images_[{key, onlyAlpha}] = find(name, onlyAlpha, cutsOut, embedded);
 }
 
 float ColorImages::mean(const std::shared_ptr<const Texture>& image, float leastAlpha) {
@@ -48,14 +61,15 @@ float ColorImages::mean(const std::shared_ptr<const Texture>& image, float least
 }
 
 std::shared_ptr<const Texture> ColorImages::find(
-    const std::string& name, bool onlyAlpha, const std::function<std::shared_ptr<const Texture>()>& embedded) const {
+    const std::string& name, bool onlyAlpha, bool cutsOut,
+    const std::function<std::shared_ptr<const Texture>()>& embedded) const {
   try {
     std::shared_ptr<const Texture> texture = embedded();
     if (texture == nullptr) {
       const std::filesystem::path path = findTexture(asset_, name);
       if (path.empty()) {
-        warn(
-            fmt::format("{}: the texture '{}' is missing; its material keeps its plain colour", asset_.string(), name));
+        warn(fmt::format("{}: the texture '{}' is missing; its material keeps its plain colour{}", asset_.string(),
+                         name, cutsOut && !isOpaqueKind(name) ? ", and what its alpha may cut out is solid" : ""));
         return nullptr;
       }
       if (onlyAlpha && !mayHaveAlpha(path)) return nullptr;

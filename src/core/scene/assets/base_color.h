@@ -38,15 +38,16 @@ class ColorImages {
   explicit ColorImages(std::filesystem::path asset) : asset_(std::move(asset)) {}
 
   // What the asset calls `name`: what `embedded` returns, or else the file of that name. Null, with a warning, where it
-  // is missing or broken; null where only alpha is wanted and there is none. No other image has its `key`.
-  std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, bool onlyAlpha,
+  // is missing or broken; null where only alpha is wanted and there is none. `cutsOut`: its alpha would let beams pass,
+  // which the warning tells. No other image has its `key`.
+  std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, bool onlyAlpha, bool cutsOut,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded);
 
   // meanLuminance() of the image.
   float mean(const std::shared_ptr<const Texture>& image, float leastAlpha);
 
  private:
-  std::shared_ptr<const Texture> find(const std::string& name, bool onlyAlpha,
+  std::shared_ptr<const Texture> find(const std::string& name, bool onlyAlpha, bool cutsOut,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded) const;
 
   std::filesystem::path asset_;

@@ -36,10 +36,13 @@ TEST_F(WayWarnings, TellOfSensorsUnderTheGround) {
 }
 
 TEST_F(WayWarnings, TellOfSensorsFarAboveAndBeside) {
+  EXPECT_THAT(warnings({drive("[[-10, 0, 90], [10, 0, 90]]")}),
+              ElementsAre(AllOf(HasSubstr("more than 50 m above"), HasSubstr("(91.8 m)"), HasSubstr("unit"))));
   EXPECT_THAT(warnings({drive("[[-10, 0, 900], [10, 0, 900]]")}),
-              ElementsAre(AllOf(HasSubstr("more than 50 m above"), HasSubstr("(901.8 m)"), HasSubstr("unit"))));
+              ElementsAre(HasSubstr("'top' is 881.8 m away from the scene")));
   EXPECT_THAT(warnings({drive("[[500, 0, 0], [510, 0, 0]]")}),
-              ElementsAre(AllOf(HasSubstr("nothing of the scene under or above"), HasSubstr("[500.00, 0.00, 1.80]"))));
+              ElementsAre(AllOf(HasSubstr("'top' is 460 m away from the scene"), HasSubstr("[500.00, 0.00, 1.80]"))));
+  EXPECT_THAT(warnings({drive("[[100, 0, 0], [110, 0, 0]]")}), IsEmpty()) << "it may see the yard from there";
 }
 
 TEST_F(WayWarnings, TellOfSensorsInsideOfThings) {
@@ -80,8 +83,7 @@ TEST_F(WayWarnings, DrivesOnTheGroundGiveTheScansOfItsHeight) {
 }
 
 TEST_F(WayWarnings, RandomDrivesMakeSoundDatasetsThatFollowFromTheSeed) {
-  const std::string roam =
-      "trajectories=[{name: roam, on: [ground], speed: 10, every_s: 0.2, frames: 12, drives: 2}]";
+  const std::string roam = "trajectories=[{name: roam, on: [ground], speed: 10, every_s: 0.2, frames: 12, drives: 2}]";
   sound({roam}, "one");
   sound({roam}, "two");
   EXPECT_EQ(members("one"), members("two"));

@@ -1,0 +1,123 @@
+#include <fmt/format.h>
+
+#include <map>
+#include <set>
+
+#include "scene/worlds/model_search.h"
+#include "scene/worlds/solids.h"
+#include "scene/worlds/world.h"
+#include "scene/worlds/xml.h"
+
+namespace scanmill {
+namespace {
+
+Affine readOrigin(const XmlNode& of) {
+  const XmlNode* const origin = of.child("origin");
+  if (origin == nullptr) return {};
+  const Vec3d at = vectorIn(*origin, origin->attributeOr("xyz", "0 0 0"));
+  const Vec3d turned = vectorIn(*origin, origin->attributeOr("rpy", "0 0 0"));
+  return toAffine({fromYawPitchRoll(turned.z, turned.y, turned.x), at});
+}
+
+class UrdfReader {
+ public:
+  explicit UrdfReader(const std::filesystem::path& file) : file_(file), root_(readXml(file)) {}
+
+  World read() {
+    if (root_.name != "robot") root_.fail("is no URDF: its first element should be <robot>");
+    for (const XmlNode& child : root_.children) {
+      if (child.name.starts_with("xacro:")) {
+        child.fail("is a macro: expand the file first, by `xacro robot.urdf.xacro > robot.urdf`");
+      }
+      if (child.name == "material") noteMaterial(child);
+      if (child.name == "joint") noteJoint(child);
+    }
+    WorldThing robot{root_.attributeOr("name", "robot"), {}, {}, {}};
+    for (const XmlNode& link : root_.children) {
+      if (link.name != "link") continue;
+      const std::string name = link.attributeOr("name", "link");
+      const Affine robotFromLink = placeOf(name, link);
+      std::size_t number = 0;
+      for (const XmlNode& visual : link.children) {
+        if (visual.name == "visual") addVisual(visual, name, ++number, robotFromLink, robot.parts);
+      }
+    }
+    world_.things.push_back(std::move(robot));
+    return std::move(world_);
+  }
+
+ private:
+  struct Joint {
+    std::string parent;
+    Affine parentFromChild;
+  };
+
+  void noteJoint(const XmlNode& joint) {
+    const auto linkOf = [&](const char* end) {
+      const XmlNode* const element = joint.child(end);
+      const std::string* const link = element == nullptr ? nullptr : element->attribute("link");
+      if (link == nullptr) joint.fail(fmt::format("has no <{} link=\"...\">", end));
+      return *link;
+    };
+    if (!joints_.try_emplace(linkOf("child"), Joint{linkOf("parent"), readOrigin(joint)}).second) {
+      joint.fail(fmt::format("gives the link '{}' a second parent", linkOf("child")));
+    }
+  }
+
+  void noteMaterial(const XmlNode& material) {
+    const XmlNode* const color = material.child("color");
+    if (color != nullptr) colors_[material.attributeOr("name", "")] = colorOf(*color, color->attributeOr("rgba", ""));
+  }
+
+  // Of a link in the robot, which stands where the link that has no parent is.
+  Affine placeOf(std::string name, const XmlNode& link) const {
+    Affine place;
+    std::set<std::string> been;
+    for (auto joint = joints_.find(name); joint != joints_.end(); joint = joints_.find(name)) {
+      if (!been.insert(name).second)
+        link.fail(fmt::format("'{}' hangs on itself: the joints go round in a circle", name));
+      place = joint->second.parentFromChild * place;
+      name = joint->second.parent;
+    }
+    return place;
+  }
+
+  void addVisual(const XmlNode& visual, const std::string& link, std::size_t number, const Affine& robotFromLink,
+                 std::vector<WorldPart>& parts) {
+    const XmlNode* const geometry = visual.child("geometry");
+    if (geometry == nullptr || geometry->children.empty()) return;
+    const XmlNode& shape = geometry->children.front();
+    WorldPart part;
+    part.where = visual.where;
+    part.node = link + "/" + visual.attributeOr("name", fmt::format("visual_{}", number));
+    part.thingFromPart = robotFromLink * readOrigin(visual);
+    if (shape.name == "mesh") {
+      part.mesh = findModel(shape, file_, shape.attributeOr("filename", ""));
+      part.thingFromPart.linear =
+          part.thingFromPart.linear * Mat3::scale(vectorIn(shape, shape.attributeOr("scale", "1 1 1")));
+    } else {
+      part.solid = solidOf(shape);
+      if (!part.solid) shape.fail("is no shape of URDF: mesh, box, cylinder or sphere");
+    }
+    if (const XmlNode* material = visual.child("material")) {
+      noteMaterial(*material);
+      part.material = material->attributeOr("name", "");
+      if (const auto color = colors_.find(part.material); color != colors_.end()) part.color = color->second;
+    }
+    parts.push_back(std::move(part));
+  }
+
+  std::filesystem::path file_;
+  XmlNode root_;
+  std::map<std::string, Joint> joints_;  // by child
+  std::map<std::string, std::array<float, 3>> colors_;
+  World world_;
+};
+
+}  // namespace
+
+World readUrdf(const std::filesystem::path& file) {
+  return UrdfReader(file).read();
+}
+
+}  // namespace scanmill

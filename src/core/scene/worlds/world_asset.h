@@ -1,0 +1,20 @@
+#pragma once
+
+// Worlds as assets: an object of a scene names one like any other 3D file.
+
+#include <filesystem>
+#include <string_view>
+
+#include "scene/assets/asset.h"
+
+namespace scanmill {
+
+// Whether files of this suffix (".sdf", lower case) describe worlds.
+bool isWorld(std::string_view suffix);
+
+// Reads a description with all that it names. Each model is a node, called "model/link/visual" or, where its mesh has
+// nodes, "model/link/visual/node"; models that are included several times share their meshes (Asset::instanced). Throws
+// InputError with the place, and warns of what is left out.
+Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options);
+
+}  // namespace scanmill

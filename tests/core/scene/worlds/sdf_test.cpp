@@ -1,0 +1,279 @@
+#include <cmath>
+
+#include "tests/support/shared_data.h"
+#include "world_files.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class Sdf : public WorldFiles {};
+
+Pose poseOf(double x, double y, double z, double roll, double pitch, double yaw) {
+  return {fromYawPitchRoll(yaw, pitch, roll), {x, y, z}};
+}
+
+TEST_F(Sdf, PosesOfModelLinkAndVisualFollowEachOther) {
+  folder_.write("wing.obj", kWing);
+  const Asset asset = sdf(R"(<world name="w"><model name="m"><pose>1 2 3 0.1 0.2 0.3</pose>
+    <link name="l"><pose>4 5 6 0.4 0.5 0.6</pose>
+      <visual name="v"><pose>-1 0.5 2 -0.3 0.2 1</pose><geometry><mesh><uri>wing.obj</uri></mesh></geometry></visual>
+    </link></model></world>)");
+  expectWing(corners(asset, "m/l/v/wing"),
+             poseOf(1, 2, 3, 0.1, 0.2, 0.3) * poseOf(4, 5, 6, 0.4, 0.5, 0.6) * poseOf(-1, 0.5, 2, -0.3, 0.2, 1));
+}
+
+TEST_F(Sdf, DegreesAndQuaternionsSayTheSame) {
+  const Pose expected = poseOf(1, 2, 3, radians(10), radians(20), radians(30));
+  expectWing(corners(sdf(wing("m", "<pose degrees=\"true\">1 2 3 10 20 30</pose>")), "m/l/v/wing"), expected);
+  const Quat& q = expected.rotation;
+  const std::string quat =
+      std::to_string(q.x) + " " + std::to_string(q.y) + " " + std::to_string(q.z) + " " + std::to_string(q.w);
+  expectWing(corners(sdf(wing("m", "<pose rotation_format=\"quat_xyzw\">1 2 3 " + quat + "</pose>")), "m/l/v/wing"),
+             expected);
+}
+
+// Frames, joints and links by names, one relative to the other, whatever their order.
+TEST_F(Sdf, PosesMayBeRelativeToLinksJointsAndFrames) {
+  folder_.write("wing.obj", kWing);
+  const Asset asset = sdf(R"(<model name="m">
+    <link name="b"><pose relative_to="j">0 0 1 0 0 0.5</pose>
+      <visual name="v"><geometry><mesh><uri>wing.obj</uri></mesh></geometry></visual></link>
+    <joint name="j" type="fixed"><pose relative_to="f">1 0 0 0 0.25 0</pose><parent>a</parent><child>b</child></joint>
+    <frame name="f" attached_to="a"><pose>0 3 0 0.1 0 0</pose></frame>
+    <link name="a"><pose>7 0 0 0 0 1</pose>
+      <visual name="v"><pose relative_to="b">0 1 0 0 0 0</pose><geometry><mesh><uri>wing.obj</uri></mesh></geometry></visual>
+    </link></model>)");
+  const Pose b =
+      poseOf(7, 0, 0, 0, 0, 1) * poseOf(0, 3, 0, 0.1, 0, 0) * poseOf(1, 0, 0, 0, 0.25, 0) * poseOf(0, 0, 1, 0, 0, 0.5);
+  expectWing(corners(asset, "m/b/v/wing"), b);
+  expectWing(corners(asset, "m/a/v/wing"), b * poseOf(0, 1, 0, 0, 0, 0));
+}
+
+TEST_F(Sdf, ModelsMayBeRelativeToOthersAndPlacedByAFrame) {
+  const Asset asset =
+      sdf("<world name=\"w\">" + wing("a", "<pose relative_to=\"b\">1 0 0 0 0 0</pose>") +
+          wing("b", "<pose>0 5 0 0 0 1.5707963267948966</pose>") +
+          "<model name=\"c\" placement_frame=\"l\"><pose>2 2 0 0 0 0</pose><link name=\"l\"><pose>0 0 9 "
+          "0 0 1</pose><visual name=\"v\"><geometry><mesh><uri>wing.obj</uri></mesh></geometry>"
+          "</visual></link></model></world>");
+  expectWing(corners(asset, "a/l/v/wing"), poseOf(0, 6, 0, 0, 0, kPi / 2));
+  expectWing(corners(asset, "c/l/v/wing"), poseOf(2, 2, 0, 0, 0, 0));
+}
+
+TEST_F(Sdf, ModelsOfModelsAreThingsWhereTheyAreNoMoreThanThat) {
+  const Asset street =
+      sdf("<model name=\"street\"><pose>10 0 0 0 0 0</pose>" + wing("left", "<pose>0 1 0 0 0 0</pose>") +
+          wing("right", "<pose>0 -1 0 0 0 0</pose>") + "</model>");
+  expectWing(corners(street, "left/l/v/wing"), poseOf(10, 1, 0, 0, 0, 0));
+  expectWing(corners(street, "right/l/v/wing"), poseOf(10, -1, 0, 0, 0, 0));
+  EXPECT_NE(street.parts[0].nodeIndex, street.parts[1].nodeIndex);
+
+  const Asset car =
+      sdf("<model name=\"car\"><link name=\"body\"><visual name=\"v\"><geometry><box><size>4 2 1</size></box>"
+          "</geometry></visual></link>" +
+          wing("wheel", "<pose>1 0 0 0 0 0</pose>") + "</model>");
+  expectWing(corners(car, "car/wheel/l/v/wing"), poseOf(1, 0, 0, 0, 0, 0));
+  EXPECT_EQ(car.parts[0].nodeIndex, car.parts[1].nodeIndex);
+}
+
+class IncludedSdf : public Sdf {
+ protected:
+  IncludedSdf() {
+    folder_.write("models/post/mesh.obj", kWing);
+    for (const char* version : {"1.4", "1.5"}) {
+      folder_.write(
+          std::string("models/post/model-") + version + ".sdf",
+          std::string("<sdf version=\"1.5\"><model name=\"Post\"><pose>0 0 9 0 0 0</pose><link name=\"l\"><visual "
+                      "name=\"v") +
+              version +
+              "\"><geometry><mesh><uri>model://post/mesh.obj</uri><scale>2 2 2</scale></mesh></geometry>"
+              "</visual></link></model></sdf>");
+    }
+    folder_.write("models/post/model.config",
+                  "<model><sdf version=\"1.5\">model-1.5.sdf</sdf><sdf version=\"1.4\">model-1.4.sdf</sdf></model>");
+  }
+  static std::string include(const std::string& more, const std::string& uri = "model://post") {
+    return "<include><uri>" + uri + "</uri>" + more + "</include>";
+  }
+};
+
+TEST_F(IncludedSdf, AreOfTheHighestVersionAndStandWhereTheIncludeSays) {
+  const Asset asset = sdf("<world name=\"w\">" + include("<pose>5 0 0 0 0 0</pose>") + "</world>");
+  const std::vector<Vec3d> found = corners(asset, "post/l/v1.5/wing");
+  EXPECT_LT(length(found[0] - Vec3d{7, 0, 0}), 1e-6);  // scaled by 2, and not 9 m up
+  EXPECT_LT(length(found[2] - Vec3d{5, 0, 6}), 1e-6);
+  // Without a pose it stands where its own file says.
+  EXPECT_LT(
+      length(corners(sdf("<world name=\"w\">" + include("") + "</world>"), "post/l/v1.5/wing")[2] - Vec3d{0, 0, 15}),
+      1e-6);
+}
+
+TEST_F(IncludedSdf, SeveralOfOneShareTheirMeshes) {
+  const Asset asset =
+      sdf("<world name=\"w\">" + include("<name>a</name><pose>5 0 0 0 0 0</pose>") +
+          include("<name>b</name><pose relative_to=\"a\">0 5 0 0 0 1</pose>") + wing("own") + "</world>");
+  ASSERT_EQ(asset.instanced.size(), 1u);
+  const InstancedParts& posts = asset.instanced[0];
+  ASSERT_EQ(posts.assetFromParts.size(), 2u);
+  EXPECT_EQ(posts.parts.size(), 1u);
+  EXPECT_EQ(posts.parts[0].node, "post/l/v1.5/wing");
+  EXPECT_LT(length(posts.assetFromParts[1].translation - Vec3d{5, 5, 0}), 1e-9);
+  EXPECT_EQ(asset.parts.size(), 1u);
+}
+
+TEST_F(IncludedSdf, AreFoundWhereTheEnvironmentSays) {
+  const TemporaryFolder elsewhere;
+  elsewhere.write(
+      "lamp/model.sdf",
+      "<sdf version=\"1.6\"><model name=\"x\"><link name=\"l\"><visual name=\"v\"><geometry><sphere><radius>1"
+      "</radius></sphere></geometry></visual></link></model></sdf>");
+  const std::string world = "<world name=\"w\">" + include("", "model://lamp") + "</world>";
+  EXPECT_THAT(refusal(world), AllOf(HasSubstr("a.sdf:3"), HasSubstr("model://lamp"), HasSubstr("GAZEBO_MODEL_PATH")));
+  ::setenv("GAZEBO_MODEL_PATH", ("/nowhere:" + elsewhere.path().string()).c_str(), 1);
+  const Box box = boundsOf(sdf(world));
+  ::unsetenv("GAZEBO_MODEL_PATH");
+  EXPECT_NEAR(box.high.z, 1, 1e-6);
+}
+
+TEST_F(IncludedSdf, TheSunIsALightAndTheGroundPlaneAPlane) {
+  const Asset asset =
+      sdf("<world name=\"w\">" + include("", "model://sun") + include("", "model://ground_plane") + "</world>");
+  const Box box = boundsOf(asset);
+  EXPECT_EQ(box.low, (Vec3d{-50, -50, 0}));
+  EXPECT_EQ(box.high, (Vec3d{50, 50, 0}));
+}
+
+TEST_F(IncludedSdf, ThatIncludeThemselvesAreRefused) {
+  folder_.write("models/egg/model.sdf",
+                "<sdf version=\"1.6\"><model name=\"egg\"><include><uri>model://egg</uri></include></model></sdf>");
+  EXPECT_THAT(refusal("<world name=\"w\">" + include("", "model://egg") + "</world>"), HasSubstr("include itself"));
+}
+
+TEST_F(Sdf, SolidsHaveTheirSizes) {
+  const auto bounds = [&](const std::string& shape) {
+    return boundsOf(sdf("<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry>" + shape +
+                        "</geometry></visual></link></model>"));
+  };
+  const auto expectSize = [&](const std::string& shape, const Vec3d& size, double within = 1e-6) {
+    const Box box = bounds(shape);
+    const Vec3d off = box.high - box.low - size;
+    EXPECT_LT(std::max({std::fabs(off.x), std::fabs(off.y), std::fabs(off.z)}), within) << shape;
+    EXPECT_LT(length(box.center()), within) << shape;
+  };
+  expectSize("<box><size>1 2 3</size></box>", {1, 2, 3});
+  expectSize("<cylinder><radius>0.5</radius><length>3</length></cylinder>", {1, 1, 3}, 0.01);
+  expectSize("<cone><radius>0.5</radius><length>3</length></cone>", {1, 1, 3}, 0.01);
+  expectSize("<sphere><radius>2</radius></sphere>", {4, 4, 4}, 0.05);
+  expectSize("<capsule><radius>0.5</radius><length>3</length></capsule>", {1, 1, 4}, 0.01);
+  expectSize("<ellipsoid><radii>1 2 3</radii></ellipsoid>", {2, 4, 6}, 0.1);
+  expectSize("<plane><normal>1 0 0</normal><size>4 4</size></plane>", {0, 4, 4});
+  EXPECT_THAT(
+      refusal("<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><box><size>1 2</size></box></geometry>"
+              "</visual></link></model>"),
+      AllOf(HasSubstr("a.sdf:3"), HasSubstr("2 numbers where 3")));
+  EXPECT_THAT(
+      refusal("<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><sphere><radius>-1</radius></sphere>"
+              "</geometry></visual></link></model>"),
+      HasSubstr("above 0"));
+}
+
+TEST_F(Sdf, MirroredMeshesKeepTheirOutside) {
+  folder_.write("wing.obj", kWing);
+  const Asset asset =
+      sdf("<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><mesh><uri>wing.obj</uri>"
+          "<scale>-1 1 1</scale></mesh></geometry></visual></link></model>");
+  const AssetPart& part = asset.parts.at(0);
+  const Triangle& t = part.triangles.at(0);
+  const auto corner = [&](int i) { return Vec3d(part.positions[t[i]]); };
+  const Vec3d normal = cross(corner(1) - corner(0), corner(2) - corner(0));
+  EXPECT_LT(dot(normal, Vec3d{1, 0, 0}), 0);  // as mirrored as the wing, whose normal is (6, 3, 2)
+  EXPECT_GT(dot(normal, Vec3d{0, 1, 0}), 0);
+}
+
+TEST_F(Sdf, SubmeshesAreTakenAloneAndCentred) {
+  folder_.write("two.obj", std::string(kWing) + "o box\nv 10 0 0\nv 12 0 0\nv 10 4 0\nf 4 5 6\n");
+  const auto visual = [&](const std::string& submesh) {
+    return "<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><mesh><uri>two.obj</uri>" + submesh +
+           "</mesh></geometry></visual></link></model>";
+  };
+  EXPECT_EQ(sdf(visual("")).parts.size(), 2u);
+  EXPECT_EQ(boundsOf(sdf(visual("<submesh><name>box</name></submesh>"))).low, (Vec3d{10, 0, 0}));
+  EXPECT_EQ(boundsOf(sdf(visual("<submesh><name>box</name><center>true</center></submesh>"))).low, (Vec3d{-1, -2, 0}));
+  EXPECT_THAT(refusal(visual("<submesh><name>bix</name></submesh>")),
+              AllOf(HasSubstr("no submesh 'bix'"), HasSubstr("box, wing")));
+}
+
+TEST_F(Sdf, ScriptsNameImagesAndWhatIsCutOut) {
+  folder_.write(
+      "leaf/materials/scripts/leaf.material",
+      "// leaves\nmaterial Leaf/Green : Base\n{\n technique\n {\n  pass\n  {\n   alpha_rejection greater 128\n"
+      "   diffuse 0.2 0.4 0.1 1\n   texture_unit { \n texture leaf.bmp\n }\n  }\n }\n}\nmaterial Other\n{\n}\n");
+  folder_.write("wing.obj", kWing);
+  const Asset asset =
+      sdf("<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><box><size>1 1 1</size></box></geometry>"
+          "<material><script><uri>file://leaf/materials/scripts</uri><name>Leaf/Green</name></script>"
+          "</material></visual></link></model>");
+  EXPECT_EQ(asset.parts.at(0).material, "Leaf/Green");
+  EXPECT_FLOAT_EQ(asset.parts[0].color[1], 0.4f);
+  EXPECT_NEAR(asset.parts[0].fileMaterial.reflectance, 0.2126 * 0.2 + 0.7152 * 0.4 + 0.0722 * 0.1, 1e-6);
+}
+
+TEST_F(Sdf, MistakesAreNamedWithTheirLine) {
+  EXPECT_THAT(messageOf([&] { read("b.sdf", "<sdf>\n<model>\n</sdf>"); }),
+              AllOf(HasSubstr("b.sdf:3"), HasSubstr("no XML")));
+  EXPECT_THAT(messageOf([&] { read("b.sdf", "<robot/>"); }), HasSubstr("no SDF"));
+  EXPECT_THAT(messageOf([&] { read("b.sdf", "<sdf version=\"1.6\"/>"); }), HasSubstr("neither a world nor a model"));
+  EXPECT_THAT(messageOf([&] { read("b.sdf", "nothing"); }), HasSubstr("no XML"));
+  EXPECT_THAT(refusal(wing("m", "<pose>1 2 3 4 5</pose>")), AllOf(HasSubstr("a.sdf:3"), HasSubstr("5 numbers")));
+  EXPECT_THAT(refusal(wing("m", "<pose>1 2 3 4 5 x</pose>")), HasSubstr("'x'"));
+  EXPECT_THAT(refusal(wing("m", "", "<pose relative_to=\"gone\">0 0 0 0 0 0</pose>")),
+              HasSubstr("'gone', and there is no such"));
+  EXPECT_THAT(refusal("<model name=\"m\"><frame name=\"a\" attached_to=\"b\"/><frame name=\"b\" attached_to=\"a\"/>"
+                      "<link name=\"l\"><pose relative_to=\"a\">0 0 0 0 0 0</pose></link></model>"),
+              HasSubstr("circle"));
+  EXPECT_THAT(refusal("<model name=\"m\"><link name=\"l\"/></model>"), HasSubstr("has no triangle"));
+  EXPECT_THAT(
+      refusal(
+          "<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><mesh><uri>gone.obj</uri></mesh></geometry>"
+          "</visual></link></model>"),
+      AllOf(HasSubstr("a.sdf:3"), HasSubstr("gone.obj")));
+  EXPECT_THAT(refusal("<world name=\"w\"><include><uri>https://fuel.gazebosim.org/x</uri></include></world>"),
+              HasSubstr("download"));
+  std::string deep;
+  for (int i = 0; i < 100; ++i) deep += "<a>";
+  for (int i = 0; i < 100; ++i) deep += "</a>";
+  EXPECT_THAT(messageOf([&] { read("b.sdf", "<sdf>" + deep + "</sdf>"); }), HasSubstr("deeper than"));
+}
+
+// Cars and houses of Gazebo's database, whose units are inches, centimetres and metres.
+TEST_F(Sdf, ModelsOfGazeboAreAsLargeAsWhatTheyStandFor) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/gazebo");
+  struct Expected {
+    const char* model;
+    double least, most;  // m, the longest edge
+  };
+  for (const Expected& e :
+       {Expected{"hatchback", 3.5, 5}, Expected{"suv", 4, 6}, Expected{"pickup", 4.5, 7}, Expected{"bus", 9, 14},
+        Expected{"ambulance", 5, 9}, Expected{"house_1", 8, 25}, Expected{"stop_sign", 1.5, 4},
+        Expected{"fire_hydrant", 0.5, 1.5}, Expected{"oak_tree", 4, 16}, Expected{"telephone_pole", 6, 14},
+        Expected{"jersey_barrier", 2, 6}}) {
+    const Asset asset = readAsset(sharedData() / "scenes/gazebo" / e.model / "model.sdf", {});
+    const Box box = boundsOf(asset);
+    const Vec3d size = box.high - box.low;
+    const double longest = std::max({size.x, size.y, size.z});
+    EXPECT_GT(longest, e.least) << e.model;
+    EXPECT_LT(longest, e.most) << e.model;
+    EXPECT_LT(std::fabs(box.low.z), 0.3) << e.model << " stands on the ground";
+  }
+  // The mesh of the oak names no image; its script does, and cuts its leaves out.
+  const Asset oak = readAsset(sharedData() / "scenes/gazebo/oak_tree/model.sdf", {});
+  EXPECT_EQ(oak.parts.at(0).texture, "branch_diffuse.png");
+  EXPECT_TRUE(oak.parts[0].fileMaterial.alphaTested);
+  EXPECT_NEAR(oak.parts[0].fileMaterial.alphaCutoff, 128 / 255.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,82 @@
+#include "world_files.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class Urdf : public WorldFiles {
+ protected:
+  Asset urdf(const std::string& inside) const {
+    return read("r.urdf", "<robot name=\"r\">\n" + inside + "\n</robot>\n");
+  }
+  std::string refused(const std::string& inside) const {
+    return messageOf([&] { urdf(inside); });
+  }
+};
+
+Pose poseOf(double x, double y, double z, double roll, double pitch, double yaw) {
+  return {fromYawPitchRoll(yaw, pitch, roll), {x, y, z}};
+}
+
+TEST_F(Urdf, LinksHangOnTheirJoints) {
+  folder_.write("pkg/meshes/wing.obj", kWing);
+  const Asset asset = urdf(R"(
+    <link name="tip"><visual><origin xyz="0 1 0" rpy="0.1 0 0"/><geometry><mesh filename="package://pkg/meshes/wing.obj"/></geometry></visual></link>
+    <joint name="b" type="revolute"><origin xyz="0 0 2" rpy="0 0 1"/><parent link="arm"/><child link="tip"/></joint>
+    <link name="base"/>
+    <joint name="a" type="fixed"><origin xyz="1 0 0" rpy="0.2 0.3 0.4"/><parent link="base"/><child link="arm"/></joint>
+    <link name="arm"/>)");
+  expectWing(corners(asset, "r/tip/visual_1/wing"),
+             poseOf(1, 0, 0, 0.2, 0.3, 0.4) * poseOf(0, 0, 2, 0, 0, 1) * poseOf(0, 1, 0, 0.1, 0, 0));
+}
+
+TEST_F(Urdf, SolidsAndMeshesHaveTheirSizesAndColours) {
+  folder_.write("wing.obj", kWing);
+  const Asset asset = urdf(R"(
+    <material name="red"><color rgba="0.8 0.1 0.2 1"/></material>
+    <link name="base">
+      <visual name="body"><geometry><box size="4 2 1"/></geometry><material name="red"/></visual>
+      <visual><geometry><cylinder radius="0.5" length="6"/></geometry></visual>
+      <visual><geometry><sphere radius="2"/></geometry></visual>
+      <visual><geometry><mesh filename="wing.obj" scale="0.001 0.001 0.001"/></geometry></visual>
+      <collision><geometry><box size="100 100 100"/></geometry></collision>
+    </link>)");
+  ASSERT_EQ(asset.parts.size(), 4u);
+  EXPECT_EQ(asset.parts[0].node, "r/base/body");
+  EXPECT_EQ(asset.parts[0].material, "red");
+  EXPECT_FLOAT_EQ(asset.parts[0].color[0], 0.8f);
+  EXPECT_NEAR(corners(asset, "r/base/visual_4/wing")[2].z, 0.003, 1e-9);
+  const Box box = boundsOf(asset);
+  EXPECT_NEAR(box.high.z, 3, 1e-6);
+  EXPECT_NEAR(box.high.x, 2, 1e-3);
+  for (const AssetPart& part : asset.parts) EXPECT_EQ(part.nodeIndex, 0u) << "a robot is one thing";
+}
+
+TEST_F(Urdf, MistakesAreNamedWithTheirLine) {
+  EXPECT_THAT(messageOf([&] { read("r.urdf", "<sdf/>"); }), HasSubstr("no URDF"));
+  EXPECT_THAT(refused("<xacro:property name=\"a\" value=\"1\"/>"),
+              AllOf(HasSubstr("r.urdf:2"), HasSubstr("xacro robot")));
+  EXPECT_THAT(refused("<joint name=\"j\"><child link=\"a\"/></joint>"), HasSubstr("<parent link="));
+  EXPECT_THAT(
+      refused("<joint name=\"j\"><parent link=\"b\"/><child link=\"a\"/></joint><joint name=\"k\"><parent link=\"a\"/>"
+              "<child link=\"b\"/></joint><link name=\"a\"/>"),
+      HasSubstr("circle"));
+  EXPECT_THAT(
+      refused("<joint name=\"j\"><parent link=\"b\"/><child link=\"a\"/></joint><joint name=\"k\"><parent link=\"c\"/>"
+              "<child link=\"a\"/></joint>"),
+      HasSubstr("second parent"));
+  EXPECT_THAT(refused("<link name=\"a\"><visual><geometry><torus/></geometry></visual></link>"),
+              HasSubstr("no shape of URDF"));
+  EXPECT_THAT(refused("<link name=\"a\"><visual><geometry><box/></geometry></visual></link>"),
+              HasSubstr("has no size"));
+  EXPECT_THAT(
+      refused(
+          "<link name=\"a\"><visual><geometry><mesh filename=\"package://gone/a.stl\"/></geometry></visual></link>"),
+      AllOf(HasSubstr("r.urdf:2"), HasSubstr("package://gone/a.stl"), HasSubstr("ROS_PACKAGE_PATH")));
+  EXPECT_THAT(refused("<link name=\"a\"/>"), HasSubstr("has no triangle"));
+}
+
+}  // namespace
+}  // namespace scanmill
