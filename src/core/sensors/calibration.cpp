@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
 #include "base/file.h"
 #include "base/hash.h"
 #include "config/fields.h"
+#include "sensors/beam_files.h"
+#include "sensors/ouster_metadata.h"
 
 namespace scanmill {
 
@@ -17,13 +20,6 @@ namespace {
 
 constexpr std::array<const char*, 5> kMadeKeys{"elevation_deg", "ring_order", "azimuth_offset_deg", "origin_left_m",
                                                "origin_up_m"};
-
-struct Laser {
-  double elevation = 0;  // deg
-  double azimuth = 0;    // deg, counter-clockwise
-  double left = 0;       // m
-  double up = 0;         // m
-};
 
 std::vector<Laser> readLasers(const Value& file) {
   const Value* lasers = file.find("lasers");
@@ -80,6 +76,61 @@ void setSource(Value& sensor, const Location& file) {
   sensor.entries.push_back({"source", std::move(source)});
 }
 
+Value scalar(const std::string& text, const Location& where) {
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  value.where = where;
+  value.text = text;
+  return value;
+}
+
+// As a list is sorted, so that it need not be called unordered.
+const char* orderOf(const std::vector<Laser>& lasers) {
+  const auto above = [](const Laser& a, const Laser& b) { return a.elevation > b.elevation; };
+  const auto below = [](const Laser& a, const Laser& b) { return a.elevation < b.elevation; };
+  if (std::is_sorted(lasers.begin(), lasers.end(), above)) return "top_down";
+  return std::is_sorted(lasers.begin(), lasers.end(), below) ? "bottom_up" : "unordered";
+}
+
+// What a file says of a unit.
+struct Unit {
+  std::vector<Laser> lasers;
+  std::vector<Value::Entry> others;  // keys that a sensor may state otherwise
+};
+
+Unit unitOfOuster(const std::filesystem::path& file) {
+  const OusterMetadata m = readOusterMetadata(file);
+  Unit unit;
+  for (std::size_t i = 0; i < m.elevation.size(); ++i) unit.lasers.push_back({m.elevation[i], m.azimuth[i], 0, 0});
+  const Location where{file.string()};
+  const auto add = [&](const char* key, const std::string& text) { unit.others.push_back({key, scalar(text, where)}); };
+  const double step = 360.0 / m.columns;
+  if (!m.model.empty()) add("model", m.model);
+  add("columns", std::to_string(m.windowColumns));
+  add("rate_hz", fmt::format("{}", m.rate));
+  add("direction", "clockwise");
+  add("first_azimuth_deg", fmt::format("{}", std::remainder(m.firstAzimuth - step * m.firstColumn, 360.0)));
+  add("origin_offset_m", fmt::format("{}", m.originOffset));
+  add("origin_height_m", fmt::format("{}", m.originHeight));
+  if (m.windowColumns > 1 && m.windowColumns < m.columns) {
+    add("field_deg", fmt::format("{}", step * (m.windowColumns - 1)));
+  }
+  return unit;
+}
+
+Unit readUnit(const std::filesystem::path& file) {
+  const std::string kind = file.extension().string();
+  if (kind == ".json") return unitOfOuster(file);
+  if (kind == ".csv") return {readBeamTable(file), {}};
+  if (kind == ".dat") {
+    throw InputError(
+        {file.string()},
+        "is a correction file of one of Hesai's sensors with mirrors, whose beams do not lie on cones: not "
+        "read");
+  }
+  return {readLasers(readYaml(file)), {}};
+}
+
 }  // namespace
 
 Value withCalibration(const Value& value) {
@@ -91,20 +142,23 @@ Value withCalibration(const Value& value) {
                      fmt::format("`{}` follows from the `calibration` beside it: leave one of them out", key));
   }
   const Value& name = *value.find("calibration");
-  const Value file = readYaml(resolvePath(name, readText(name, "calibration")));
-  const std::vector<Laser> lasers = readLasers(file);
+  const std::filesystem::path file = resolvePath(name, readText(name, "calibration"));
+  Unit unit = readUnit(file);
+  const Location where{file.string()};
   Value sensor = value;
   std::erase_if(sensor.entries, [](const Value::Entry& e) { return e.key == "calibration"; });
-  Value order;
-  order.kind = Value::Kind::Scalar;
-  order.where = file.where;
-  order.text = "top_down";
-  sensor.entries.push_back({"ring_order", std::move(order)});
-  setSource(sensor, file.where);
-  sensor.entries.push_back(listOf("elevation_deg", lasers, &Laser::elevation, file.where));
-  sensor.entries.push_back(listOf("azimuth_offset_deg", lasers, &Laser::azimuth, file.where));
-  sensor.entries.push_back(listOf("origin_left_m", lasers, &Laser::left, file.where));
-  sensor.entries.push_back(listOf("origin_up_m", lasers, &Laser::up, file.where));
+  sensor.entries.push_back({"ring_order", scalar(orderOf(unit.lasers), where)});
+  setSource(sensor, where);
+  sensor.entries.push_back(listOf("elevation_deg", unit.lasers, &Laser::elevation, where));
+  sensor.entries.push_back(listOf("azimuth_offset_deg", unit.lasers, &Laser::azimuth, where));
+  sensor.entries.push_back(listOf("origin_left_m", unit.lasers, &Laser::left, where));
+  sensor.entries.push_back(listOf("origin_up_m", unit.lasers, &Laser::up, where));
+  // A window of columns belongs to the mode of the file alone.
+  const bool ownColumns = value.find("columns") != nullptr;
+  for (Value::Entry& entry : unit.others) {
+    if (value.find(entry.key) != nullptr || (ownColumns && entry.key == "field_deg")) continue;
+    sensor.entries.push_back(std::move(entry));
+  }
   return sensor;
 }
 

@@ -4,66 +4,17 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <string_view>
 
 #include "base/file.h"
-#include "config/fields.h"
 #include "config/text.h"
+#include "sensors/text_table.h"
 
 namespace scanmill {
 namespace {
-
-struct Line {
-  Location where;
-  std::string_view text;
-};
-
-// Without those that are empty or begin with #.
-std::vector<Line> linesOf(const std::string& bytes, const std::filesystem::path& file) {
-  std::vector<Line> lines;
-  int number = 0;
-  for (std::size_t at = 0; at < bytes.size();) {
-    const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
-    std::string_view text(bytes.data() + at, end - at);
-    at = end + 1;
-    ++number;
-    while (!text.empty() && (text.back() == '\r' || text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-    if (!text.empty() && text.front() != '#') lines.push_back({{file.string(), number}, text});
-  }
-  if (lines.empty()) throw InputError({file.string()}, "is empty: it should have poses");
-  return lines;
-}
-
-// Separated by any number of spaces and tabs, or by single commas or semicolons.
-std::vector<std::string_view> cellsOf(std::string_view text) {
-  const bool table = text.find_first_of(",;") != std::string_view::npos;
-  const std::string_view separators = table ? ",;" : " \t";
-  std::vector<std::string_view> cells;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find_first_of(separators, at), text.size());
-    std::string_view cell = text.substr(at, end - at);
-    at = end + 1;
-    while (!cell.empty() && cell.front() == ' ') cell.remove_prefix(1);
-    while (!cell.empty() && cell.back() == ' ') cell.remove_suffix(1);
-    if (table || !cell.empty()) cells.push_back(cell);
-  }
-  return cells;
-}
-
-double numberOf(std::string_view text, const Location& where) {
-  double number = 0;
-  if (text.starts_with('+')) text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) {
-    throw InputError(where, fmt::format("{} is no number", quotedForMessage(text)));
-  }
-  return number;
-}
 
 template <std::size_t N>
 std::array<double, N> numbersOf(std::string_view text, const Location& where, const char* what) {
@@ -115,7 +66,7 @@ void headAlong(std::vector<StampedPose>& poses) {
 // The columns of a table of poses.
 class PoseColumns {
  public:
-  explicit PoseColumns(const Line& head) : where_(head.where) {
+  explicit PoseColumns(const TextLine& head) : where_(head.where) {
     const std::vector<std::string_view> names = cellsOf(head.text);
     count_ = names.size();
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -146,7 +97,7 @@ class PoseColumns {
   bool has(const std::string& name) const { return columns_.contains(name); }
   bool headed() const { return has("qw") || has("yaw") || has("yaw_deg"); }
 
-  StampedPose poseOf(const Line& line) const {
+  StampedPose poseOf(const TextLine& line) const {
     const std::vector<std::string_view> cells = cellsOf(line.text);
     if (cells.size() != count_) {
       throw InputError(line.where, fmt::format("has {} cells, the first line has {}", cells.size(), count_));
@@ -183,7 +134,7 @@ class PoseColumns {
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file) {
   const std::string bytes = readFile(file);
   std::vector<Affine> poses;
-  for (const Line& line : linesOf(bytes, file)) {
+  for (const TextLine& line : linesOf(bytes, file)) {
     poses.push_back(rigid(numbersOf<12>(line.text, line.where, "a matrix of 3 rows and 4 columns"), line.where));
   }
   return poses;
@@ -192,13 +143,13 @@ std::vector<Affine> readKittiPoses(const std::filesystem::path& file) {
 std::vector<double> readTimes(const std::filesystem::path& file) {
   const std::string bytes = readFile(file);
   std::vector<double> times;
-  for (const Line& line : linesOf(bytes, file)) times.push_back(numbersOf<1>(line.text, line.where, "a time")[0]);
+  for (const TextLine& line : linesOf(bytes, file)) times.push_back(numbersOf<1>(line.text, line.where, "a time")[0]);
   return times;
 }
 
 Affine readKittiCalibration(const std::filesystem::path& file) {
   const std::string bytes = readFile(file);
-  for (const Line& line : linesOf(bytes, file)) {
+  for (const TextLine& line : linesOf(bytes, file)) {
     const std::size_t colon = line.text.find(':');
     if (line.text.substr(0, colon) != "Tr" && line.text.substr(0, colon) != "Tr_velo_to_cam") continue;
     return rigid(numbersOf<12>(line.text.substr(colon + 1), line.where, "a matrix of 3 rows and 4 columns"),
@@ -210,7 +161,7 @@ Affine readKittiCalibration(const std::filesystem::path& file) {
 std::vector<StampedPose> readTumPoses(const std::filesystem::path& file) {
   const std::string bytes = readFile(file);
   std::vector<StampedPose> poses;
-  for (const Line& line : linesOf(bytes, file)) {
+  for (const TextLine& line : linesOf(bytes, file)) {
     const auto n = numbersOf<8>(line.text, line.where, "time x y z qx qy qz qw");
     poses.push_back({n[0], {unitQuat({n[7], n[4], n[5], n[6]}, line.where), {n[1], n[2], n[3]}}});
   }
@@ -219,7 +170,7 @@ std::vector<StampedPose> readTumPoses(const std::filesystem::path& file) {
 
 std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
   const std::string bytes = readFile(file);
-  const std::vector<Line> lines = linesOf(bytes, file);
+  const std::vector<TextLine> lines = linesOf(bytes, file);
   const PoseColumns columns(lines.front());
   std::vector<StampedPose> poses;
   for (std::size_t i = 1; i < lines.size(); ++i) poses.push_back(columns.poseOf(lines[i]));

@@ -8,6 +8,7 @@
 
 #include "config/fields.h"
 #include "config/file_kind.h"
+#include "sensors/beam_files.h"
 #include "sensors/calibration.h"
 
 namespace scanmill {
@@ -127,9 +128,18 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
     }
   } else {
     Fields fields(*value, "firing_time_us");
-    const double step = fields.number("step_us", kMicroseconds);
-    fields.finish();
-    for (std::uint32_t ring = 0; ring < table.rings; ++ring) times.push_back(step * ring);
+    fields.also({"step_us", "file"}).finish();
+    if (fields.has("file")) {
+      const std::filesystem::path file = fields.path("file");
+      times = readFiringTable(file);
+      if (times.size() != table.rings) {
+        throw InputError({file.string()},
+                         fmt::format("has the times of {} lasers for {} rings", times.size(), table.rings));
+      }
+    } else {
+      const double step = fields.number("step_us", kMicroseconds);
+      for (std::uint32_t ring = 0; ring < table.rings; ++ring) times.push_back(step * ring);
+    }
   }
   const double last = *std::max_element(times.begin(), times.end());
   const double column = table.columnPeriod() * 1e6;

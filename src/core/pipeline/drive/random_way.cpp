@@ -27,7 +27,7 @@ constexpr double kTightest = 6;       // m, of radius
 constexpr double kFromEdge = 2;       // m, on its side
 constexpr double kOpen = 6;           // m to the edge, from where on a road is taken for a place
 constexpr double kWishLasts = 24;     // m of way, for which a vehicle means to turn or not
-constexpr double kLook = 12;          // m, behind an arc
+constexpr int kLook = 12;          // m, behind an arc
 constexpr int kStarts = 24;           // places that are tried
 constexpr int kMostTurnsBack = 2000;  // of a search
 
@@ -293,14 +293,14 @@ class Search {
     std::pair<double, State> farthest{0, from};
     for (const double bend : {0.0, 0.5, -0.5, 1.0, -1.0}) {
       State s = from;
-      double far = 0;
-      for (; far < kLook; far += 1) {
+      int far = 0;  // m
+      for (; far < kLook; ++far) {
         const std::optional<State> next = surface_.metreOn(s, bend / kTightest);
         if (!next) break;
         s = *next;
       }
       if (far > farthest.first) farthest = {far, s};
-      if (far >= kLook) break;
+      if (far == kLook) break;
     }
     return farthest;
   }
@@ -315,14 +315,14 @@ class Search {
 // Facing the way that is free for longest.
 std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& draws) {
   std::optional<State> best;
-  double farthest = 2 * kStep;
+  int farthest = 2 * static_cast<int>(kStep);
   const double first = draws.next() * 2 * kPi;
   for (int i = 0; i < 32; ++i) {
     const State heading{place, first + i * kPi / 16};
     std::optional<State> s =
         surface.room(heading) && surface.room(heading.on(-kHalfLength, 0)) ? std::optional(heading) : std::nullopt;
-    double far = 0;
-    for (; s && far < 40; far += 1) s = surface.metreOn(*s, 0);
+    int far = 0;  // m
+    for (; s && far < 40; ++far) s = surface.metreOn(*s, 0);
     if (far <= farthest) continue;
     farthest = far;
     best = heading;

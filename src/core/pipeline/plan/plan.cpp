@@ -313,7 +313,7 @@ std::shared_ptr<const Trajectory> Plan::drive(std::size_t sequence) const {
     const auto known = drives_->known.find(sequence);
     return known == drives_->known.end() ? nullptr : known->second;
   };
-  if (const auto known = find()) return known;
+  if (auto known = find()) return known;
   loadScene(own);
   return find();
 }

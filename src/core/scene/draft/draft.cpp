@@ -94,7 +94,7 @@ Patterns patternsFor(const Known& known, const std::vector<Known>& parts, const 
   // All of a model in a world, whose nodes have its name before a slash.
   const std::string& node = known.part->node;
   for (std::size_t slash = node.find('/'); slash != std::string::npos; slash = node.find('/', slash + 1)) {
-    const Patterns all{numberless(node.substr(0, slash)) + "/*", "", ""};
+    Patterns all{numberless(node.substr(0, slash)) + "/*", "", ""};
     if (isConsistent(all, parts, known.concept_)) return all;
   }
   for (const std::vector<std::size_t>& keys : choices) {

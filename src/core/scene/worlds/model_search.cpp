@@ -66,7 +66,7 @@ fs::path findModel(const XmlNode& from, const fs::path& file, const std::string&
   }
   const std::string plain = uri.starts_with("file://") ? uri.substr(7) : uri;
   for (const std::string& name : {plain, decodeUri(plain)}) {
-    const fs::path found = file.parent_path() / name;
+    fs::path found = file.parent_path() / name;
     if (isThere(found)) return found;
   }
   // A relative name may also be that of a model.

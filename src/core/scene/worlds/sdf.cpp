@@ -43,12 +43,19 @@ struct Scope {
   }
 };
 
+struct PlacedModel;
+
 struct Model {
   std::string name;
   std::filesystem::path definition;
   std::vector<WorldPart> parts;  // in its own frame
-  std::vector<std::pair<Pose, Model>> children;
+  std::vector<PlacedModel> children;
   Pose placement;  // of its placement frame, in its own
+};
+
+struct PlacedModel {
+  Pose pose;
+  Model model;
 };
 
 struct PoseElement {
@@ -80,7 +87,7 @@ class SdfReader {
   World read(const std::filesystem::path& file) {
     const XmlNode root = readXml(file);
     if (root.name != "sdf" && root.name != "gazebo") root.fail("is no SDF: its first element should be <sdf>");
-    std::vector<std::pair<Pose, Model>> models;
+    std::vector<PlacedModel> models;
     bool any = false;
     for (const XmlNode& child : root.children) {
       if (child.name != "world" && child.name != "model" && child.name != "include") continue;
@@ -98,7 +105,7 @@ class SdfReader {
   }
 
  private:
-  using Placed = std::vector<std::pair<Pose, Model>>;
+  using Placed = std::vector<PlacedModel>;
 
   // The models of a world, or those nested in a model; and the names that poses there may be relative to.
   std::pair<Placed, std::shared_ptr<Scope>> modelsOf(const XmlNode& of, const std::filesystem::path& file, int depth) {
@@ -133,7 +140,7 @@ class SdfReader {
     }
     Placed placed;
     for (Found& f : found) {
-      placed.emplace_back(scope->resolve(f.pose.relativeTo, *f.node) * f.pose.pose, std::move(f.model));
+      placed.push_back({scope->resolve(f.pose.relativeTo, *f.node) * f.pose.pose, std::move(f.model)});
     }
     return {std::move(placed), scope};
   }

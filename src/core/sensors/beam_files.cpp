@@ -1,0 +1,155 @@
+#include "sensors/beam_files.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "base/file.h"
+#include "config/text.h"
+#include "sensors/text_table.h"
+
+namespace scanmill {
+namespace {
+
+// Lower case, without what is no letter, digit or underscore: "Laser id" is "laserid", "fire time(us)" "firetimeus".
+std::string plainName(std::string_view name) {
+  std::string plain;
+  for (const char c : name) {
+    if ('A' <= c && c <= 'Z') plain += static_cast<char>(c + 32);
+    if (('a' <= c && c <= 'z') || ('0' <= c && c <= '9') || c == '_') plain += c;
+  }
+  return plain;
+}
+
+// Hesai ends some files with one.
+bool isChecksum(std::string_view text) {
+  return text.size() >= 32 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
+}
+
+// Rows by the channel that they name, or in their order where they name none.
+class BeamTableFile {
+ public:
+  explicit BeamTableFile(const std::filesystem::path& file) : bytes_(readFile(file)) {
+    const std::vector<TextLine> lines = linesOf(bytes_, file);
+    head_ = lines.front();
+    for (const std::string_view name : cellsOf(head_.text)) names_.push_back(plainName(name));
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+      std::vector<std::string_view> cells = cellsOf(lines[i].text);
+      if (std::all_of(cells.begin(), cells.end(), [](std::string_view c) { return c.empty(); })) continue;
+      if (i + 1 == lines.size() && isChecksum(cells.front())) continue;
+      if (cells.size() < names_.size()) {
+        throw InputError(lines[i].where,
+                         fmt::format("has {} cells, the first line has {}", cells.size(), names_.size()));
+      }
+      rows_.push_back({lines[i].where, std::move(cells)});
+    }
+    if (rows_.empty()) throw InputError(head_.where, "no line follows the names of the columns");
+  }
+
+  const TextLine& head() const { return head_; }
+
+  std::optional<std::size_t> column(std::initializer_list<const char*> names) const {
+    for (const char* name : names) {
+      const auto found = std::find(names_.begin(), names_.end(), name);
+      if (found != names_.end()) return static_cast<std::size_t>(found - names_.begin());
+    }
+    return std::nullopt;
+  }
+
+  // The numbers of a column in the order of the channels, which count from 1.
+  std::vector<double> numbers(std::size_t column) const {
+    const auto channels = this->column({"channel", "laserid", "laser_id", "ring"});
+    std::vector<double> numbers(rows_.size());
+    std::vector<bool> known(rows_.size());
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const Row& row = rows_[i];
+      std::size_t at = i;
+      if (channels) {
+        const double channel = numberOf(row.cells[*channels], row.where);
+        const double least = hasZero(*channels) ? 0 : 1;
+        if (channel != std::floor(channel) || channel < least || channel - least >= static_cast<double>(rows_.size())) {
+          throw InputError(row.where, fmt::format("has the channel {:g}; those of {} lines are {:g} to {:g}", channel,
+                                                  rows_.size(), least, least + static_cast<double>(rows_.size()) - 1));
+        }
+        at = static_cast<std::size_t>(channel - least);
+      }
+      if (known[at]) throw InputError(row.where, "names a channel that a line before it has named");
+      known[at] = true;
+      numbers[at] = numberOf(row.cells[column], row.where);
+    }
+    return numbers;
+  }
+
+ private:
+  struct Row {
+    Location where;
+    std::vector<std::string_view> cells;
+  };
+
+  bool hasZero(std::size_t channels) const {
+    return std::any_of(rows_.begin(), rows_.end(),
+                       [&](const Row& row) { return numberOf(row.cells[channels], row.where) == 0; });
+  }
+
+  std::string bytes_;
+  TextLine head_;
+  std::vector<std::string> names_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace
+
+std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
+  const BeamTableFile table(file);
+  const auto own = table.column({"elevation_deg"});
+  const auto hesai = table.column({"elevation"});
+  if (!own && !hesai) {
+    throw InputError(table.head().where,
+                     fmt::format("should name the columns, such as Channel,Elevation,Azimuth (Hesai) or "
+                                 "elevation_deg,azimuth_offset_deg: {}",
+                                 quotedForMessage(table.head().text)));
+  }
+  const auto azimuth = own ? table.column({"azimuth_offset_deg"}) : table.column({"azimuth"});
+  std::vector<Laser> lasers;
+  for (const double elevation : table.numbers(own ? *own : *hesai)) lasers.push_back({elevation, 0, 0, 0});
+  const auto fill = [&](const std::optional<std::size_t>& column, double Laser::*figure, double sign) {
+    if (!column) return;
+    const std::vector<double> numbers = table.numbers(*column);
+    for (std::size_t i = 0; i < lasers.size(); ++i) lasers[i].*figure = numbers[i] == 0 ? 0 : sign * numbers[i];
+  };
+  fill(azimuth, &Laser::azimuth, own ? 1 : -1);
+  if (own) {
+    fill(table.column({"origin_left_m"}), &Laser::left, 1);
+    fill(table.column({"origin_up_m"}), &Laser::up, 1);
+  }
+  for (const Laser& laser : lasers) {
+    if (std::fabs(laser.elevation) <= 90 && std::fabs(laser.azimuth) <= 360) continue;
+    throw InputError({file.string()},
+                     fmt::format("has a laser at {:g} deg up and {:g} deg around", laser.elevation, laser.azimuth));
+  }
+  for (Laser& laser : lasers) laser.azimuth = std::remainder(laser.azimuth, 360.0);
+  return lasers;
+}
+
+std::vector<double> readFiringTable(const std::filesystem::path& file) {
+  const BeamTableFile table(file);
+  const auto micro = table.column({"firing_time_us", "firetimeus", "firetimes", "firetime"});
+  const auto nano = table.column({"even_firetimens", "firetimens"});
+  if (!micro && !nano) {
+    throw InputError(table.head().where,
+                     fmt::format("should name the columns, such as Channel,fire time(us); files of several states, "
+                                 "between which their sensor changes, are not read: put the times of one into "
+                                 "a table with the column firing_time_us: {}",
+                                 quotedForMessage(table.head().text)));
+  }
+  std::vector<double> times = table.numbers(micro ? *micro : *nano);
+  const double first = *std::min_element(times.begin(), times.end());
+  for (double& time : times) time = (time - first) * (micro ? 1 : 1e-3);
+  return times;
+}
+
+}  // namespace scanmill

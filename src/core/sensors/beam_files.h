@@ -1,0 +1,30 @@
+#pragma once
+
+// Tables of a sensor's beams and of when they fire, one line a laser.
+
+#include <filesystem>
+#include <vector>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+struct Laser {
+  double elevation = 0;  // deg
+  double azimuth = 0;    // deg, counter-clockwise
+  double left = 0;       // m, of the beam's start: see origin_left_m in sensor.h
+  double up = 0;         // m
+};
+
+// The lasers of a table. Its first line names the columns: either those of Hesai's angle correction files (Channel or
+// Laser id, Elevation, Azimuth; degrees, azimuths clockwise), or elevation_deg and any of azimuth_offset_deg
+// (counter-clockwise), origin_left_m and origin_up_m. Channels may come in any order; they are the rings. Throws
+// InputError with the line.
+std::vector<Laser> readBeamTable(const std::filesystem::path& file);
+
+// When the lasers fire, in us after the first: from Hesai's firetime correction files (Channel, fire time in us or ns)
+// or a table with a column firing_time_us. Throws InputError with the line, also for files of several states, whose
+// times differ from state to state.
+std::vector<double> readFiringTable(const std::filesystem::path& file);
+
+}  // namespace scanmill

@@ -1,0 +1,55 @@
+#include "sensors/text_table.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "config/text.h"
+
+namespace scanmill {
+
+std::vector<TextLine> linesOf(const std::string& bytes, const std::filesystem::path& file) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  std::vector<TextLine> lines;
+  int number = 0;
+  for (std::size_t at = bytes.starts_with(kMark) ? kMark.size() : 0; at < bytes.size();) {
+    const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
+    std::string_view text(bytes.data() + at, end - at);
+    at = end + 1;
+    ++number;
+    while (!text.empty() && (text.back() == '\r' || text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+    if (!text.empty() && text.front() != '#') lines.push_back({{file.string(), number}, text});
+  }
+  if (lines.empty()) throw InputError({file.string()}, "is empty");
+  return lines;
+}
+
+std::vector<std::string_view> cellsOf(std::string_view text) {
+  const bool table = text.find_first_of(",;") != std::string_view::npos;
+  const std::string_view separators = table ? ",;" : " \t";
+  std::vector<std::string_view> cells;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find_first_of(separators, at), text.size());
+    std::string_view cell = text.substr(at, end - at);
+    at = end + 1;
+    while (!cell.empty() && cell.front() == ' ') cell.remove_prefix(1);
+    while (!cell.empty() && cell.back() == ' ') cell.remove_suffix(1);
+    if (table || !cell.empty()) cells.push_back(cell);
+  }
+  return cells;
+}
+
+double numberOf(std::string_view text, const Location& where) {
+  double number = 0;
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) {
+    throw InputError(where, fmt::format("{} is no number", quotedForMessage(text)));
+  }
+  return number;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,243 @@
+// What vendors say of their sensors' beams: Ouster's metadata, Hesai's correction files, tables.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/file.h"
+#include "config/fields.h"
+#include "sensors/beam_files.h"
+#include "sensors/ouster_metadata.h"
+#include "sensors/sensor.h"
+#include "tests/support/message_of.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class VendorFiles : public testing::Test {
+ protected:
+  std::shared_ptr<const BeamTable> sensor(const std::string& yaml) const {
+    return makeBeams(resolveSensor(parseYaml("{" + yaml + "}", (folder_.path() / "s.yaml").string())));
+  }
+  std::string refusal(const std::string& yaml) const {
+    return messageOf([&] { sensor(yaml); });
+  }
+  std::string refusedJson(const std::string& json) const {
+    folder_.write("m.json", json);
+    return refusal("calibration: m.json, range_m: [1, 100]");
+  }
+
+  TemporaryFolder folder_;
+};
+
+constexpr const char* kOld =
+    R"({"prod_line": "OS-1-3", "lidar_mode": "512x20", "beam_altitude_angles": [10, 0, -11], "beam_azimuth_angles": [3, 0, -3],
+        "lidar_origin_to_beam_origin_mm": 15.5, "lidar_to_sensor_transform": [0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 40, 0, 0, 0, 1]})";
+constexpr const char* kNew =
+    R"({"sensor_info": {"prod_line": "OS-1-3"}, "config_params": {"lidar_mode": "512x20"},
+        "beam_intrinsics": {"beam_altitude_angles": [10, 0, -11], "beam_azimuth_angles": [3, 0, -3],
+                            "lidar_origin_to_beam_origin_mm": 15.5},
+        "lidar_intrinsics": {"lidar_to_sensor_transform": [0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 40, 0, 0, 0, 1]}})";
+
+TEST_F(VendorFiles, OustersMetadataMakesASensorByItself) {
+  for (const char* json : {kOld, kNew}) {
+    folder_.write("m.json", json);
+    const auto beams = sensor("calibration: m.json, range_m: [1, 100]");
+    EXPECT_EQ(beams->model, "OS-1-3");
+    EXPECT_EQ(beams->rings, 3u);
+    EXPECT_EQ(beams->columns, 512u);
+    EXPECT_DOUBLE_EQ(beams->period, 0.05);
+    EXPECT_TRUE(beams->clockwise);
+    EXPECT_TRUE(beams->topDown);
+    EXPECT_NEAR(degrees(beams->elevation[2]), -11, 1e-12);
+    EXPECT_NEAR(degrees(beams->azimuthOffset[0]), -3, 1e-12) << "Ouster counts clockwise";
+    EXPECT_NEAR(degrees(beams->firstAzimuth), -90, 1e-9);
+    EXPECT_NEAR(beams->originOffset, 0.0155, 1e-12);
+    EXPECT_NEAR(beams->originHeight, 0.04, 1e-12);
+    EXPECT_THAT(beams->source, HasSubstr("calibration m.json (SHA-256"));
+  }
+}
+
+TEST_F(VendorFiles, ASensorMaySayOtherwiseThanItsMetadata) {
+  folder_.write("m.json", kOld);
+  const auto beams = sensor("calibration: m.json, columns: 1024, rate_hz: 10, model: mine, range_m: [1, 100]");
+  EXPECT_EQ(beams->columns, 1024u);
+  EXPECT_DOUBLE_EQ(beams->period, 0.1);
+  EXPECT_EQ(beams->model, "mine");
+  EXPECT_THAT(refusal("calibration: m.json, elevation_deg: [1, 2, 3], range_m: [1, 100]"),
+              HasSubstr("leave one of them out"));
+}
+
+// Columns 500 to 11 of 512: 24 in all, the first 12 steps before column 0.
+TEST_F(VendorFiles, AWindowOfColumnsIsAPartOfTheRevolution) {
+  std::string json = kOld;
+  json.insert(1, R"("data_format": {"column_window": [500, 11]}, )");
+  folder_.write("m.json", json);
+  const auto window = sensor("calibration: m.json, range_m: [1, 100]");
+  json.replace(json.find("[500, 11]"), 9, "[0, 511]");
+  folder_.write("m.json", json);
+  const auto whole = sensor("calibration: m.json, range_m: [1, 100]");
+  ASSERT_EQ(window->columns, 24u);
+  for (std::uint32_t c = 0; c < 24; ++c) {
+    const std::uint32_t other = (500 + c) % 512;
+    for (std::uint32_t ring = 0; ring < 3; ++ring) {
+      EXPECT_LT(length(window->direction[ring * 24 + c] - whole->direction[ring * 512 + other]), 1e-12) << c;
+    }
+  }
+}
+
+TEST_F(VendorFiles, MetadataThatIsNoneIsRefused) {
+  EXPECT_THAT(refusedJson("{"), AllOf(HasSubstr("m.json"), HasSubstr("no JSON")));
+  EXPECT_THAT(refusedJson("[]"), HasSubstr("a map"));
+  EXPECT_THAT(refusedJson("{}"), HasSubstr("no beam_altitude_angles"));
+  const auto with = [&](const std::string& altitude, const std::string& azimuth, const std::string& more) {
+    return refusedJson(
+        fmt::format(R"({{"beam_altitude_angles": {}, "beam_azimuth_angles": {}{}}})", altitude, azimuth, more));
+  };
+  EXPECT_THAT(with("[1, 2]", "[1]", ""), HasSubstr("2 beam_altitude_angles and 1"));
+  EXPECT_THAT(with("[1, \"x\"]", "[1, 2]", ""), HasSubstr("entry 1 is no number"));
+  EXPECT_THAT(with("[[1], [2]]", "[[1], [2]]", ""), HasSubstr("only sensors that spin"));
+  EXPECT_THAT(with("[100]", "[1]", ""), HasSubstr("altitude 100"));
+  EXPECT_THAT(with("[1]", "[1]", ""), HasSubstr("lidar_mode"));
+  EXPECT_THAT(with("[1]", "[1]", R"(, "lidar_mode": "fast")"), HasSubstr("'fast'"));
+  EXPECT_THAT(with("[1]", "[1]", R"(, "lidar_mode": "0x10")"), HasSubstr("columns x revolutions"));
+  EXPECT_THAT(with("[1]", "[1]", R"(, "lidar_mode": "512x10", "data_format": {"column_window": [0, 600]})"),
+              HasSubstr("column_window"));
+  EXPECT_THAT(with("[1]", "[1]", R"(, "lidar_mode": "512x10", "lidar_to_sensor_transform": [1, 2])"),
+              HasSubstr("16 numbers"));
+}
+
+// Every real file, whatever its firmware: as many rings as its name says, steps as the angles have them.
+TEST_F(VendorFiles, AllOfOustersRealFilesAreRead) {
+  SKIP_WITHOUT_SHARED_DATA("sensors/ouster");
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(sharedData() / "sensors/ouster")) {
+    if (entry.path().extension() != ".json") continue;
+    SCOPED_TRACE(entry.path().string());
+    const auto beams = sensor("calibration: " + entry.path().string() + ", range_m: [0.5, 120]");
+    ++count;
+    const std::string& model = beams->model;
+    const std::size_t digits = model.find_first_of("0123456789", 5);
+    if (model.starts_with("OS-") && model != "OS-1-16-A0") {
+      EXPECT_EQ(beams->rings, std::stoul(model.substr(digits)));
+    }
+    EXPECT_TRUE(beams->topDown);
+    EXPECT_NEAR(std::fabs(degrees(beams->firstAzimuth)), 180, model.empty() || beams->columns < 512 ? 180 : 1e-9);
+    // The field of view of the family, by its data sheets: 90, 45 and 22.5 degrees; 33 of the first OS1.
+    const double field = degrees(*std::max_element(beams->elevation.begin(), beams->elevation.end()) -
+                                 *std::min_element(beams->elevation.begin(), beams->elevation.end()));
+    if (model.starts_with("OS-0")) {
+      EXPECT_NEAR(field, 90, 3);
+    }
+    if (model.starts_with("OS-1")) {
+      EXPECT_TRUE(field > 27 && field < 46) << field;
+    }
+    if (model.starts_with("OS-2")) {
+      EXPECT_NEAR(field, 22.5, 2.5);
+    }
+  }
+  EXPECT_EQ(count, 38);
+}
+
+TEST_F(VendorFiles, HesaisAnglesAreClockwiseAndByChannel) {
+  folder_.write("h.csv",
+                "\xEF\xBB\xBF"
+                "Laser id,Elevation,Azimuth\r\n2,-1.5,-2\r\n1,3,1.25\r\n3,-7,350\r\n\r\n");
+  const auto beams = sensor("calibration: h.csv, columns: 100, rate_hz: 10, range_m: [1, 100]");
+  ASSERT_EQ(beams->rings, 3u);
+  const double elevations[] = {3, -1.5, -7};
+  const double azimuths[] = {-1.25, 2, 10};
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(degrees(beams->elevation[i]), elevations[i], 1e-12);
+    EXPECT_NEAR(degrees(beams->azimuthOffset[i]), azimuths[i], 1e-9);
+  }
+}
+
+TEST_F(VendorFiles, TablesOfOnesOwnNameTheirColumns) {
+  folder_.write("t.csv", "elevation_deg;azimuth_offset_deg;origin_left_m;origin_up_m\n-3;1;0.1;0.2\n4;-2;0;0.3\n");
+  const auto beams = sensor("calibration: t.csv, columns: 100, rate_hz: 10, range_m: [1, 100]");
+  EXPECT_FALSE(beams->topDown);
+  EXPECT_NEAR(degrees(beams->azimuthOffset[1]), -2, 1e-12);
+  EXPECT_THAT(beams->originLeft, ElementsAre(0.1, 0));
+  EXPECT_THAT(beams->originUp, ElementsAre(0.2, 0.3));
+}
+
+TEST_F(VendorFiles, FiringTimesComeFromATable) {
+  folder_.write("h.csv", "Channel,Elevation,Azimuth\n1,3,0\n2,1,0\n3,-1,0\n");
+  folder_.write("f.csv", "Channel,fire time(\xCE\xBCs)\n3,-3.62\n1,2\n2,-1\n");
+  const auto beams =
+      sensor("calibration: h.csv, columns: 100, rate_hz: 10, range_m: [1, 100], firing_time_us: {file: f.csv}");
+  const double times[] = {5.62e-6, 2.62e-6, 0};
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(beams->firingOffset[i], times[i], 1e-12);
+  folder_.write("n.csv", "Channel,Even_fire time(ns),Odd_fire time(ns)\n1,4960,4960\n2,5480,5500\n");
+  EXPECT_THAT(readFiringTable(folder_.path() / "n.csv"), ElementsAre(0, testing::DoubleNear(0.52, 1e-9)));
+  folder_.write("f.csv", "Channel,fire time(us)\n1,0\n2,0\n");
+  EXPECT_THAT(
+      refusal("calibration: h.csv, columns: 100, rate_hz: 10, range_m: [1, 100], firing_time_us: {file: f.csv}"),
+      AllOf(HasSubstr("f.csv"), HasSubstr("2 lasers for 3 rings")));
+}
+
+TEST_F(VendorFiles, TablesThatAreNoneAreRefusedWithTheirLine) {
+  const auto refused = [&](const std::string& text) {
+    folder_.write("t.csv", text);
+    return refusal("calibration: t.csv, columns: 100, rate_hz: 10, range_m: [1, 100]");
+  };
+  EXPECT_THAT(refused("a,b\n1,2\n"), AllOf(HasSubstr("t.csv:1"), HasSubstr("Channel,Elevation,Azimuth")));
+  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n"), HasSubstr("no line follows"));
+  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,2\n"), AllOf(HasSubstr("t.csv:2"), HasSubstr("2 cells")));
+  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,2,0\n1,3,0\n"),
+              AllOf(HasSubstr("t.csv:3"), HasSubstr("has named")));
+  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,2,0\n5,3,0\n"),
+              AllOf(HasSubstr("t.csv:3"), HasSubstr("channel 5")));
+  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,up,0\n"), HasSubstr("no number"));
+  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,95,0\n"), HasSubstr("95 deg up"));
+  EXPECT_THAT(refused(""), HasSubstr("is empty"));
+  EXPECT_THAT(messageOf([&] { readFiringTable(folder_.write("s.csv", "Operational State,0,0\n1,2,3\n")); }),
+              AllOf(HasSubstr("s.csv:1"), HasSubstr("several states")));
+  folder_.write("a.dat", "x");
+  EXPECT_THAT(refusal("calibration: a.dat, columns: 100, rate_hz: 10, range_m: [1, 100]"), HasSubstr("mirrors"));
+}
+
+// All tables of one state are read, with as many lasers as the sensor's name says; the others are refused with a word.
+TEST_F(VendorFiles, AllOfHesaisRealTablesAreReadOrRefused) {
+  SKIP_WITHOUT_SHARED_DATA("sensors/hesai");
+  const std::map<std::string, std::size_t> lasers{
+      {"JT128", 128},      {"JT16", 16},      {"OT128_40", 40},  {"OT128", 128},      {"Pandar128E3X", 128},
+      {"Pandar40M", 40},   {"Pandar40P", 40}, {"Pandar64", 64},  {"Pandar90E3X", 90}, {"PandarQT", 64},
+      {"PandarXT-16", 16}, {"PandarXT", 32},  {"QT128C2X", 128}, {"XT32M2X", 32}};
+  std::size_t read = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(sharedData() / "sensors/hesai/angle_correction")) {
+    const std::string name = entry.path().filename().string();
+    const auto known = lasers.find(name.substr(0, name.find("_Angle")));
+    if (known == lasers.end()) continue;
+    EXPECT_EQ(readBeamTable(entry.path()).size(), known->second) << name;
+    ++read;
+  }
+  EXPECT_EQ(read, lasers.size());
+  std::size_t times = 0;
+  std::size_t refused = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(sharedData() / "sensors/hesai/firetime_correction")) {
+    try {
+      EXPECT_GE(readFiringTable(entry.path()).size(), 16u) << entry.path();
+      ++times;
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), HasSubstr("several states")) << entry.path();
+      ++refused;
+    }
+  }
+  EXPECT_EQ(times, 10u);
+  EXPECT_EQ(refused, 7u);
+}
+
+}  // namespace
+}  // namespace scanmill
