@@ -17,7 +17,8 @@
 //   origin_left_m: [0.026, ...]        # beam origin beside that, to the left of the beam: one per ring or one for all
 //   origin_up_m: [0.195, ...]          # and square to the beam, upwards, likewise
 //   calibration: 64e_s2.yaml           # in place of elevations, azimuth offsets and these two: see calibration.h
-//   firing_time_us: [0, 2.3, ...]      # within a column, one per ring, or {step_us: 2.3} from ring to ring (default 0)
+//   firing_time_us: [0, 2.3, ...]      # within a column, one per ring, or {step_us: 2.3} from ring to ring, or {file:}
+//                                      # see beam_files.h (default 0)
 //   range_m: [0.5, 120]                # nearest and farthest report
 //   divergence_mrad: [3, 1.5]          # full angle of the beam, across and up, or one figure (default 0); of a
 //   Gaussian

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include "base/file.h"
 #include "config/fields.h"
+#include "sensors/beam_files.h"
 #include "sensors/sensor.h"
 #include "tests/support/shared_data.h"
 
@@ -32,7 +34,7 @@ TEST(Presets, EveryFileIsASensorWithASource) {
     EXPECT_GT(beams->maxRange, beams->minRange);
     ++count;
   }
-  EXPECT_GE(count, 4);
+  EXPECT_GE(count, 25);
 }
 
 TEST(Presets, Vlp16FollowsTheManual) {
@@ -161,6 +163,108 @@ TEST(Presets, EveryOusterBeamTableCanBeDescribed) {
     ++count;
   }
   EXPECT_GT(count, 5);
+}
+
+// A preset against a calibration of a real unit: elevations and azimuths to within what units differ by.
+struct Unit {
+  const char* preset;
+  const char* file;
+  double elevation, azimuth;  // deg
+};
+
+class PresetsOfUnits : public testing::TestWithParam<Unit> {};
+
+TEST_P(PresetsOfUnits, AgreeWithTheVendorsFile) {
+  const Unit& unit = GetParam();
+  const auto file = sharedData() / "sensors" / unit.file;
+  SKIP_WITHOUT_SHARED_DATA(std::filesystem::path("sensors") / unit.file);
+  const auto beams = preset(unit.preset);
+  const auto real = makeBeams(parseYaml(
+      "{calibration: \"" + file.string() + "\", columns: 1000, rate_hz: 10, range_m: [1, 100]}", "unit.yaml"));
+  ASSERT_EQ(beams->rings, real->rings);
+  // Rings of some count upwards, and the real azimuths are without what the head turns until a laser fires, and with
+  // an offset that all lasers of a unit have.
+  std::vector<std::size_t> order(real->rings);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) {
+    return beams->topDown ? real->elevation[a] > real->elevation[b] : real->elevation[a] < real->elevation[b];
+  });
+  const auto azimuthOf = [&](std::uint32_t ring) {
+    const double turned = 2 * kPi / beams->period * beams->firingOffset[ring];
+    const bool turns = std::string(unit.preset).starts_with("vlp") || std::string(unit.preset).starts_with("hdl_32");
+    return beams->azimuthOffset[ring] + (turns ? turned : 0) - real->azimuthOffset[order[ring]];
+  };
+  double common = 0;
+  for (std::uint32_t ring = 0; ring < beams->rings; ++ring) common += azimuthOf(ring) / beams->rings;
+  for (std::uint32_t ring = 0; ring < beams->rings; ++ring) {
+    EXPECT_NEAR(degrees(beams->elevation[ring]), degrees(real->elevation[order[ring]]), unit.elevation) << ring;
+    EXPECT_NEAR(degrees(azimuthOf(ring)), degrees(common), unit.azimuth) << ring;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, PresetsOfUnits,
+    testing::Values(
+        Unit{"vlp_16_hires.yaml", "velodyne/VLP16_hires_db.yaml", 1e-3, 1e-6},
+        Unit{"vlp_32c.yaml", "velodyne/VeloView-VLP-32C.yaml", 1e-3, 0.01},
+        Unit{"hdl_32e.yaml", "velodyne/32db.yaml", 0.01, 1e-6},
+        Unit{"os0_32.yaml", "ouster/OS-0-32-U1_v2.2.0_1024x10.json", 1.4, 1.8},
+        Unit{"os0_128.yaml", "ouster/OS-0-128-U1_v2.3.0_1024x10.json", 1.7, 2.3},
+        Unit{"os1_32.yaml", "ouster/2_0_rc2_os-992011000121-32U0_legacy.json", 0.8, 0.1},
+        Unit{"os1_64.yaml", "ouster/2_1_2_os1-991913000010-64_legacy.json", 0.3, 0.4},
+        Unit{"os2_32.yaml", "ouster/OS-2-32-U0_v2.0.0_1024x10.json", 0.9, 0.1},
+        Unit{"os2_128.yaml", "ouster/OS-2-128-U1_v2.3.0_1024x10.json", 0.6, 0.1},
+        Unit{"pandar_xt_16.yaml", "hesai/angle_correction/PandarXT-16_Angle Correction File.csv", 1e-6, 1e-6},
+        Unit{"pandar_xt_32.yaml", "hesai/angle_correction/PandarXT_Angle Correction File.csv", 1e-6, 1e-6},
+        Unit{"pandar_xt_32m2x.yaml", "hesai/angle_correction/XT32M2X_Angle Correction File.csv", 0.1, 0.05}),
+    [](const auto& unit) {
+      const std::string name = unit.param.preset;
+      return name.substr(0, name.find('.'));
+    });
+
+TEST(Presets, PandarXtFiresAsItsTableSays) {
+  SKIP_WITHOUT_SHARED_DATA("sensors/hesai/firetime_correction");
+  for (const auto& [name, file] : {std::pair{"pandar_xt_16.yaml", "PandarXT-16_Firetime Correction File.csv"},
+                                   std::pair{"pandar_xt_32.yaml", "PandarXT-32_Firetime Correction File.csv"}}) {
+    const auto beams = preset(name);
+    const std::vector<double> times = readFiringTable(sharedData() / "sensors/hesai/firetime_correction" / file);
+    for (std::uint32_t ring = 0; ring < beams->rings; ++ring) {
+      EXPECT_NEAR(beams->firingOffset[ring] * 1e6, times.at(ring), 0.01) << name << " " << ring;
+    }
+  }
+}
+
+// Scanners of a plane and others, by the figures of their data sheets: steps, field, where the first column looks.
+TEST(Presets, OthersFollowTheirDataSheets) {
+  struct Sheet {
+    const char* preset;
+    std::uint32_t rings, columns;
+    double stepDeg, fieldDeg, hz, farthest;
+  };
+  for (const Sheet& s :
+       {Sheet{"lms111.yaml", 1, 541, 0.5, 270, 50, 20}, Sheet{"lms291.yaml", 1, 361, 0.5, 180, 37.5, 80},
+        Sheet{"lms511.yaml", 1, 381, 0.5, 190, 50, 80}, Sheet{"tim571.yaml", 1, 811, 1 / 3.0, 270, 15, 25},
+        Sheet{"utm_30lx.yaml", 1, 1081, 0.25, 270, 40, 30}, Sheet{"ust_10lx.yaml", 1, 1081, 0.25, 270, 40, 10},
+        Sheet{"urg_04lx.yaml", 1, 682, 360 / 1024.0, 681 * 360 / 1024.0, 10, 5.6},
+        Sheet{"ibeo_lux.yaml", 4, 341, 0.25, 85, 25, 200}, Sheet{"rs_lidar_16.yaml", 16, 1800, 0.2, 360, 10, 150},
+        Sheet{"os_dome_128.yaml", 128, 1024, 360 / 1024.0, 360, 10, 45}}) {
+    SCOPED_TRACE(s.preset);
+    const auto beams = preset(s.preset);
+    EXPECT_EQ(beams->rings, s.rings);
+    ASSERT_EQ(beams->columns, s.columns);
+    EXPECT_NEAR(degrees(beams->field), s.fieldDeg, 1e-9);
+    EXPECT_NEAR(std::fabs(degrees(beams->azimuth(1) - beams->azimuth(0))), s.stepDeg, 1e-9);
+    EXPECT_NEAR(1 / beams->period, s.hz, 1e-9);
+    EXPECT_EQ(beams->maxRange, s.farthest);
+    // What scans a plane looks ahead in its middle.
+    if (s.rings > 1 || s.preset == std::string("urg_04lx.yaml")) continue;
+    EXPECT_NEAR(beams->azimuth(0), -beams->azimuth(s.columns - 1), 1e-9);
+  }
+  // Step 384 of the URG-04LX, which begins at 44, looks ahead.
+  EXPECT_NEAR(preset("urg_04lx.yaml")->azimuth(384 - 44), 0, 1e-9);
+  const auto dome = preset("os_dome_128.yaml");
+  EXPECT_NEAR(degrees(dome->elevation.front()), 90, 1e-9);
+  EXPECT_NEAR(degrees(dome->elevation.back()), 0, 1e-9);
 }
 
 }  // namespace

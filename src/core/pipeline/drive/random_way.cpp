@@ -27,7 +27,7 @@ constexpr double kTightest = 6;       // m, of radius
 constexpr double kFromEdge = 2;       // m, on its side
 constexpr double kOpen = 6;           // m to the edge, from where on a road is taken for a place
 constexpr double kWishLasts = 24;     // m of way, for which a vehicle means to turn or not
-constexpr int kLook = 12;          // m, behind an arc
+constexpr int kLook = 12;             // m, behind an arc
 constexpr int kStarts = 24;           // places that are tried
 constexpr int kMostTurnsBack = 2000;  // of a search
 
