@@ -1,6 +1,7 @@
 #include "scene/ontology.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <map>
@@ -63,6 +64,24 @@ const SemanticClass& Ontology::require(std::string_view nameOrAlias, const Locat
   }
   throw InputError(where,
                    fmt::format("ontology '{}' has no class '{}'{}", name, nameOrAlias, suggestion(nameOrAlias, names)));
+}
+
+std::vector<std::string> lostBetween(const Ontology& from, const Ontology& to) {
+  std::map<std::uint16_t, std::vector<std::string>> sources;  // by the class that they become
+  std::vector<std::string> homeless;
+  for (const SemanticClass& c : from.classes) {
+    try {
+      sources[to.require(c.name, {}).id].push_back(c.name);
+    } catch (const InputError&) {
+      homeless.push_back(c.name);
+    }
+  }
+  std::vector<std::string> lines;
+  for (const auto& [id, names] : sources) {
+    if (names.size() > 1) lines.push_back(fmt::format("{} become {}", fmt::join(names, ", "), to.find(id)->name));
+  }
+  if (!homeless.empty()) lines.push_back(fmt::format("no class for {}", fmt::join(homeless, ", ")));
+  return lines;
 }
 
 Ontology readOntology(const std::filesystem::path& path) {

@@ -36,6 +36,10 @@ struct Ontology {
   const SemanticClass& require(std::string_view nameOrAlias, const Location& where) const;
 };
 
+// What becomes of the classes of one ontology where another takes its place, one line each: those that become one, and
+// those that have no class there, which a scene that uses them would be refused for. Empty where nothing is lost.
+std::vector<std::string> lostBetween(const Ontology& from, const Ontology& to);
+
 // Reads an ontology's file. Ids and names must be unique, ids at most 65535, and colours [r, g, b] of 0 to 255. Throws
 // InputError with the place.
 Ontology readOntology(const std::filesystem::path& path);

@@ -19,7 +19,7 @@ constexpr Mat3 kCameraFromVehicle{{0, 0, 1}, {-1, 0, 0}, {0, -1, 0}};
 std::string formatOf(Fields& f, const std::filesystem::path& file) {
   const std::string name = file.filename().string();
   const std::string guess = name.ends_with(".csv") ? "csv" : name.ends_with(".json") ? "nuscenes" : "";
-  const std::string format = f.choice("format", {"kitti", "tum", "nuscenes", "csv"}, guess);
+  std::string format = f.choice("format", {"kitti", "tum", "nuscenes", "csv"}, guess);
   if (format.empty()) {
     throw InputError(f.where(), fmt::format("what poses {} has cannot be told by its name: say `format: kitti` (12 "
                                             "numbers a line) or `format: tum` (time x y z qx qy qz qw)",

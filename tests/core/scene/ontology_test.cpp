@@ -1,5 +1,6 @@
 #include "scene/ontology.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -61,6 +62,49 @@ TEST(Ontology, everyClassOfOursResolvesInSemanticKitti) {
   EXPECT_EQ(kitti.require("pedestrian", {}).id, 30);
   EXPECT_EQ(kitti.require("tree", {}).id, 70);
   EXPECT_EQ(kitti.require("street_lamp", {}).id, 80);
+}
+
+// Scenes of ours, street and town among them, can be labelled as any of the outdoor ontologies has it.
+TEST(Ontology, everyClassOfOursResolvesInAllOutdoorOntologies) {
+  const Ontology ours = readOntology(kLabels / "scanmill.yaml");
+  for (const char* name : {"nuscenes", "cityscapes", "carla"}) {
+    const Ontology other = readOntology(kLabels / (std::string(name) + ".yaml"));
+    for (const SemanticClass& c : ours.classes) EXPECT_NO_THROW(other.require(c.name, {})) << name << ": " << c.name;
+  }
+}
+
+// Ids and counts as their publishers have them.
+TEST(Ontology, publishedOnesHaveTheirIds) {
+  const auto id = [](const char* file, const char* name) { return readOntology(kLabels / file).require(name, {}).id; };
+  EXPECT_EQ(readOntology(kLabels / "nuscenes.yaml").classes.size(), 32u);
+  EXPECT_EQ(id("nuscenes.yaml", "vehicle.car"), 17);
+  EXPECT_EQ(id("nuscenes.yaml", "flat.driveable_surface"), 24);
+  EXPECT_EQ(id("nuscenes.yaml", "static.vegetation"), 30);
+  EXPECT_EQ(id("cityscapes.yaml", "road"), 7);
+  EXPECT_EQ(id("cityscapes.yaml", "car"), 26);
+  EXPECT_EQ(id("cityscapes.yaml", "bicycle"), 33);
+  EXPECT_EQ(readOntology(kLabels / "carla.yaml").classes.size(), 29u);
+  EXPECT_EQ(id("carla.yaml", "Vegetation"), 9);
+  EXPECT_EQ(id("carla.yaml", "Car"), 14);
+  EXPECT_EQ(id("carla.yaml", "RoadLine"), 24);
+  EXPECT_EQ(readOntology(kLabels / "nyu40.yaml").classes.size(), 41u);
+  EXPECT_EQ(readOntology(kLabels / "scannet.yaml").classes.size(), 21u);
+  EXPECT_EQ(id("nyu40.yaml", "otherprop"), 40);
+  EXPECT_EQ(id("scannet.yaml", "otherfurniture"), 39);
+  for (const SemanticClass& c : readOntology(kLabels / "scannet.yaml").classes) {
+    EXPECT_EQ(readOntology(kLabels / "nyu40.yaml").find(c.id)->name, c.name);
+  }
+}
+
+TEST(Ontology, whatIsLostBetweenTwoIsTold) {
+  const auto lost = [](const char* from, const char* to) {
+    return lostBetween(readOntology(kLabels / from), readOntology(kLabels / to));
+  };
+  EXPECT_TRUE(lost("scanmill.yaml", "scanmill.yaml").empty());
+  EXPECT_THAT(lost("scanmill.yaml", "nuscenes.yaml"),
+              testing::Contains("road, road_marking, parking become flat.driveable_surface"));
+  EXPECT_THAT(lost("nyu40.yaml", "scannet.yaml"), testing::Contains("cabinet, dresser, night stand become cabinet"));
+  EXPECT_THAT(lost("scanmill.yaml", "nyu40.yaml").back(), testing::StartsWith("no class for road, "));
 }
 
 TEST(Ontology, semanticKittiColoursAreRgb) {

@@ -143,6 +143,20 @@ void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
   }
 }
 
+// What another ontology than the scenes' makes of their classes.
+void addLabelLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
+  if (pipeline.ontology.empty() || pipeline.recording != nullptr) return;
+  const Ontology own = readOntology(pipeline.ontology);
+  std::set<std::string> told;
+  for (const Sequence& s : pipeline.sequences) {
+    const Ontology scenes = readSceneOntology(s.sceneFile);
+    if (sameClasses(scenes, own) || !told.insert(scenes.name).second) continue;
+    for (const std::string& line : lostBetween(scenes, own)) {
+      lines.push_back(fmt::format("labels of {} in place of {}: {}", own.name, scenes.name, line));
+    }
+  }
+}
+
 std::string motionLine(const Pipeline& pipeline) {
   if (pipeline.recording != nullptr) return "ego motion: as it was recorded";
   switch (pipeline.motion.kind) {
@@ -427,6 +441,7 @@ std::vector<std::string> Plan::modelled() const {
   if (!traced_.has(Channel::Reflectance)) {
     lines.emplace_back("reflectance textures: left out, nothing reads the reflectance; only alpha is loaded");
   }
+  addLabelLines(pipeline_, lines);
   addEffectLines(pipeline_, lines);
   lines.push_back(motionLine(pipeline_));
   std::map<std::string, std::set<std::string>> ways;  // and whose they are

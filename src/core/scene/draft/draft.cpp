@@ -129,8 +129,13 @@ std::string givesOf(const Concept& c, const Ontology& ontology) {
 
 class Writer {
  public:
+  // Concepts that the ontology has no class for mean nothing: in rooms, "office.glb" is no building.
   Writer(const std::vector<Concept>& concepts, const Ontology& ontology, const std::filesystem::path& folder)
-      : concepts_(concepts), ontology_(ontology), folder_(folder) {}
+      : ontology_(ontology), folder_(folder) {
+    for (const Concept& c : concepts) {
+      if (c.classes.empty() || !classFor(c, ontology).empty()) concepts_.push_back(c);
+    }
+  }
 
   // The lines of an object, but for its place.
   DraftedFile write(const std::filesystem::path& file, std::string& yaml, Box& box) {
@@ -140,7 +145,7 @@ class Writer {
     DraftedFile drafted{file, {}, 0, 0};
     std::vector<const Concept*> guesses = guessParts(concepts_, asset);
     for (const Concept*& c : guesses) {
-      if (c != nullptr && c->kind != ConceptKind::Drop && classFor(*c, ontology_).empty()) c = nullptr;
+      if (c != nullptr && c->classes.empty() && c->kind != ConceptKind::Drop) c = nullptr;  // of what fills the file
     }
     std::vector<Known> parts;
     std::size_t next = 0;
@@ -277,7 +282,7 @@ class Writer {
     if (sorted.size() > kMost) yaml += fmt::format("    #   and {} more\n", sorted.size() - kMost);
   }
 
-  const std::vector<Concept>& concepts_;
+  std::vector<Concept> concepts_;
   const Ontology& ontology_;
   std::filesystem::path folder_;
 };

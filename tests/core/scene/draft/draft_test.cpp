@@ -87,6 +87,32 @@ TEST(DraftScene, OfAnotherOntologyTakesItsClasses) {
             (std::map<std::string, std::string>{{"Sidewalk", "sidewalk"}, {"Tree_2", "vegetation"}, {"Lamp", "pole"}}));
 }
 
+TEST(DraftScene, OfRoomsTakesTheClassesOfRooms) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.write("office.gltf", gltfOf({{"Floor", ""},
+                                                                         {"Ceiling_01", ""},
+                                                                         {"wall.N", ""},
+                                                                         {"Stuhl_3", ""},
+                                                                         {"desk lamp", ""},
+                                                                         {"Bookcase", ""},
+                                                                         {"Fenster", ""},
+                                                                         {"OfficeDoor", ""},
+                                                                         {"mug", ""},
+                                                                         {"Trash bin", ""}}));
+  std::map<std::string, std::string> byNode;
+  for (const auto& [names, c] : classesOf(folder, drafted({file}, folder.path(), "nyu40"))) byNode[names.first] = c;
+  EXPECT_EQ(byNode, (std::map<std::string, std::string>{{"Floor", "floor"},
+                                                        {"Ceiling_01", "ceiling"},
+                                                        {"wall.N", "wall"},
+                                                        {"Stuhl_3", "chair"},
+                                                        {"desk lamp", "lamp"},
+                                                        {"Bookcase", "bookshelf"},
+                                                        {"Fenster", "window"},
+                                                        {"OfficeDoor", "door"},
+                                                        {"mug", "unlabeled"},
+                                                        {"Trash bin", "otherprop"}}));
+}
+
 TEST(DraftScene, SeveralFilesStandBesideOneAnother) {
   const TemporaryFolder folder;
   std::vector<std::filesystem::path> files;
