@@ -25,8 +25,9 @@ constexpr double kHalfLength = 2;     // m
 constexpr double kStep = 4;           // m, of an arc
 constexpr double kTightest = 6;       // m, of radius
 constexpr double kFromEdge = 2;       // m, on its side
-constexpr double kOpen = 6;           // m to the edge, from where on a road is taken for a place
+constexpr double kOpen = 12;          // m to the edge, from where on a road is taken for a place
 constexpr double kWishLasts = 24;     // m of way, for which a vehicle means to turn or not
+constexpr double kTurns = 0.4;        // share of its ways on which a vehicle means to turn
 constexpr int kLook = 12;             // m, behind an arc
 constexpr int kStarts = 24;           // places that are tried
 constexpr int kMostTurnsBack = 2000;  // of a search
@@ -240,8 +241,10 @@ class Search {
     ++been_[widely(at.state)];
     Node node{at, {}};
     const auto wish = static_cast<std::uint32_t>(driven / kWishLasts);
-    const double turn = draws_.at(wish) * 3;
-    const double wished = turn < 1 ? 1.5 / (2 * kTightest) : turn < 2 ? 0 : -1.5 / (2 * kTightest);
+    const double turn = draws_.at(wish);
+    const double wished = turn < kTurns / 2       ? 1.5 / (2 * kTightest)
+                          : turn < 1 - kTurns / 2 ? 0
+                                                  : -1.5 / (2 * kTightest);
     for (int k = -4; k <= 4; ++k) {
       const double curvature = k / (4 * kTightest);
       if (const std::optional<Arc> arc = arcOf(at, curvature, wished)) node.arcs.push_back(*arc);
@@ -272,9 +275,9 @@ class Search {
 
   // By how much it is not where it wants to be, across the road; in the open, not turning as it means to.
   double offSide(State s, double curvature, double wished) const {
-    constexpr double kMost = 2;  // m
+    constexpr double kMost = 2;  // m, within which the cost is quadratic; beyond it grows evenly
     const std::optional<double> height = surface_.height(s.place);
-    if (!height) return kMost * kMost;
+    if (!height) return 2 * kMost * kMost;
     s.place.z = *height;
     const double left = surface_.toEdge(s, 1);
     const double right = surface_.toEdge(s, -1);
@@ -283,9 +286,9 @@ class Search {
     if (left >= kOpen && right >= kOpen) return 8 * kTightest * std::fabs(curvature - wished);
     const double middle = (left + right) / 2;
     const double wanted = random_.keep == RandomWay::Side::Middle ? middle : std::min(kFromEdge, middle);
-    const double off = std::min(std::fabs(own - wanted), kMost);
+    const double off = std::fabs(own - wanted);
     const double turns = own >= kOpen ? 4 * kTightest * std::fabs(curvature - wished) : 0;
-    return off * off + turns;
+    return (off < kMost ? off * off : kMost * (2 * off - kMost)) + turns;
   }
 
   // How far a vehicle gets from there by the best of a few plain arcs (m), at most kLook, and to where.

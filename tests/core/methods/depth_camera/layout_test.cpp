@@ -66,10 +66,14 @@ TEST(CameraLayout, AutoHoldsAllBeamsOfTheShippedSensorsInFewPixels) {
     expectHeld(beams->direction, 2048);
     const std::size_t taken = pixels(layOutCameras(beams->direction, {CameraLayout::Auto, 2048}));
     const std::size_t four = pixels(layOutCameras(beams->direction, {CameraLayout::Four90, 2048}));
-    EXPECT_LT(taken, four / 2) << "the same pixels at the centre, cropped to the beams";
+    // Those that look far up or down fill the squares.
+    const bool wide = std::any_of(beams->elevation.begin(), beams->elevation.end(),
+                                  [](double e) { return std::fabs(e) > radians(35); });
+    EXPECT_LT(static_cast<double>(taken), static_cast<double>(four) * (wide ? 1.01 : 0.5))
+        << "the same pixels at the centre, cropped to the beams";
     ++sensors;
   }
-  EXPECT_GE(sensors, 4);
+  EXPECT_GE(sensors, 25);
 }
 
 TEST(CameraLayout, AutoHoldsAnyFan) {

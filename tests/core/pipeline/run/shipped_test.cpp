@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdlib>
 
+#include "pipeline/plan/warnings.h"
+#include "pipeline/plan/way_warnings.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/blender.h"
 #include "tests/support/gl.h"
@@ -66,6 +68,44 @@ TEST(Shipped, Quickstart) {
   EXPECT_GT(share(Reason::TooFaint), 0.001);
   EXPECT_LT(share(Reason::FalsePositive), 0.001);
 }
+
+// Sets of others, noise-free and a frame each: all of it labelled, nothing amiss with sensors and ways.
+struct ThirdParty {
+  const char* set;
+  std::vector<std::string> overrides;
+  std::size_t leastClasses;
+};
+
+class ShippedSets : public testing::TestWithParam<ThirdParty> {};
+
+TEST_P(ShippedSets, AreLabelledAndDrivenThrough) {
+  const ThirdParty& set = GetParam();
+  SKIP_WITHOUT_SHARED_DATA(std::string("scenes/") + set.set);
+  if (std::string(set.set) == "blender") {
+    SKIP_WITHOUT_BLENDER();
+  }
+  ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
+  std::vector<std::string> overrides = set.overrides;
+  overrides.insert(overrides.end(), {"effects=[intensity]", "motion=none", "output.formats=[pcd]"});
+  generateLabelled(std::string(set.set) + ".yaml", overrides, set.leastClasses);
+  const Plan plan(
+      readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / (std::string(set.set) + ".yaml"), {}));
+  const Scene scene = plan.loadScene(plan.pipeline().sequences.front());
+  EXPECT_TRUE(scene.unlabeled.empty());
+  EXPECT_THAT(ruleWarnings(scene), testing::IsEmpty());
+  const SceneProbe probe(scene);
+  for (std::size_t s = 0; s < plan.pipeline().sequences.size(); ++s) {
+    EXPECT_THAT(wayWarnings(plan, s, probe), testing::IsEmpty());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, ShippedSets,
+    testing::Values(ThirdParty{"kenney_city", {"trajectories.0.frames=1", "trajectories.1.frames=1"}, 7},
+                    ThirdParty{"gazebo", {"trajectories.0.frames=2"}, 12},
+                    ThirdParty{"torcs_dirt4", {"trajectories.0.frames=1"}, 3},
+                    ThirdParty{"helios", {"trajectories.0.frames=3"}, 4}, ThirdParty{"blender", {}, 3}),
+    [](const auto& set) { return std::string(set.param.set); });
 
 TEST(Shipped, TruckTown) {
   SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
