@@ -59,7 +59,7 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, const
 Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) {
   const std::string kind = kindOf(file);
   checkRequest(file, kind, options);
-  const bool gltf = kind == ".gltf" || kind == ".glb" || kind == ".blend";
+  const bool gltf = kind == ".gltf" || kind == ".glb" || kind == ".b3dm" || kind == ".blend";
   Asset asset = gltf            ? readGltf(file, kind, options)
                 : isWorld(kind) ? readWorld(file, kind, options)
                                 : readImported(file, kind, options);

@@ -1,7 +1,7 @@
 #pragma once
 
 // Reads a 3D file: glTF/GLB, OBJ, PLY, STL, COLLADA, FBX, AC3D, what else assimp knows, .blend where Blender is
-// installed, and descriptions of worlds (SDF, URDF) with all that they name.
+// installed, and descriptions of worlds (SDF, URDF, 3D Tiles) with all that they name.
 
 #include <array>
 #include <filesystem>

@@ -21,11 +21,21 @@ constexpr int kMaxDepth = 512;
 
 // What is read here, and what changes no more than how things look.
 bool isKnown(std::string_view extension) {
-  static constexpr std::array<std::string_view, 14> kKnown{
-      "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression",
-      "KHR_texture_transform", "EXT_mesh_gpu_instancing", "KHR_node_visibility",     "EXT_texture_webp",
-      "EXT_texture_avif",      "KHR_texture_basisu",      "MSFT_texture_dds",        "KHR_lights_punctual",
-      "KHR_xmp_json_ld",       "KHR_animation_pointer"};
+  static constexpr std::array<std::string_view, 15> kKnown{"KHR_mesh_quantization",
+                                                           "EXT_meshopt_compression",
+                                                           "KHR_meshopt_compression",
+                                                           "KHR_draco_mesh_compression",
+                                                           "KHR_texture_transform",
+                                                           "EXT_mesh_gpu_instancing",
+                                                           "KHR_node_visibility",
+                                                           "EXT_texture_webp",
+                                                           "EXT_texture_avif",
+                                                           "KHR_texture_basisu",
+                                                           "MSFT_texture_dds",
+                                                           "KHR_lights_punctual",
+                                                           "KHR_xmp_json_ld",
+                                                           "KHR_animation_pointer",
+                                                           "CESIUM_RTC"};
   return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end() ||
          extension.starts_with("KHR_materials_") || extension.starts_with("KHR_technique") ||
          extension.starts_with("EXT_lights_");
@@ -46,6 +56,12 @@ class Reader {
     for (const Json& name : list("extensionsRequired")) {
       if (isKnown(name.get<std::string>())) continue;
       fail(fmt::format("requires the extension {}, which is unknown here: export it without", name.get<std::string>()));
+    }
+    if (const auto extensions = json_.find("extensions"); extensions != json_.end() && extensions->is_object()) {
+      if (const auto rtc = extensions->find("CESIUM_RTC"); rtc != extensions->end()) {
+        const auto c = rtc->at("center").get<std::array<double, 3>>();
+        m_.center = Vec3d{c[0], c[1], c[2]};
+      }
     }
     each("buffers", m_.buffers, [&](const Json& j, const std::string& what) { return buffer(j, what); });
     each("bufferViews", m_.views, [&](const Json& j, const std::string& what) { return view(j, what); });
@@ -552,6 +568,7 @@ Model readModel(const std::filesystem::path& file, const std::filesystem::path& 
   Model model;
   model.file = name;
   model.bin = std::move(container.bin);
+  model.center = container.center;
   try {
     const Json json = Json::parse(container.json);
     Reader(model, json, model.bin.size()).read();

@@ -138,8 +138,9 @@ struct Material {
 };
 
 struct Model {
-  std::filesystem::path file;  // its name
-  std::string bin;             // the GLB's binary chunk
+  std::filesystem::path file;   // its name
+  std::string bin;              // the GLB's binary chunk
+  std::optional<Vec3d> center;  // m, z up: what all is relative to, by CESIUM_RTC or RTC_CENTER of a .b3dm
   std::vector<Buffer> buffers;
   std::vector<View> views;
   std::vector<Accessor> accessors;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/earth.h"
 #include "base/error.h"
 #include "scene/assets/asset_parts.h"
 #include "scene/assets/trial.h"
@@ -342,7 +343,22 @@ class Reader {
 
 Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& name, const Affine& assetFromFile,
                 const AssetOptions& options) {
-  return Reader(readModel(file, name), assetFromFile, options).read();
+  Model model = readModel(file, name);
+  Affine frame = assetFromFile;
+  if (model.center) {
+    // Its axes are those of the earth: by itself it stands as the horizon at its place has it.
+    const Affine localFromEarth = eastNorthUp(*model.center);
+    const double scale = std::cbrt(std::fabs(determinant(assetFromFile.linear)));
+    frame = {localFromEarth.linear * zUpFrom('y') * Mat3::scale({scale, scale, scale}), {}};
+  }
+  return Reader(std::move(model), frame, options).read();
+}
+
+Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, const Mat3& zUpFromGltf,
+               const AssetOptions& options) {
+  Model model = readModel(file, file);
+  const Vec3d center = model.center.value_or(Vec3d{});
+  return Reader(std::move(model), assetFromTile * Affine{zUpFromGltf, center}, options).read();
 }
 
 std::vector<Clip> readClips(const std::filesystem::path& file) {

@@ -18,6 +18,11 @@ namespace scanmill::gltf {
 Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& name, const Affine& assetFromFile,
                 const AssetOptions& options);
 
+// Likewise the content of a tile of 3D Tiles. `assetFromTile` takes the tile's coordinates (m, z up, relative to
+// nothing) to those of the asset; `zUpFromGltf` says which axis of its glTF is up.
+Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, const Mat3& zUpFromGltf,
+               const AssetOptions& options);
+
 // The animations of a file, in its order. Throws InputError that names the file.
 struct Clip {
   std::string name;            // its number where it has none

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "scene/assets/asset_parts.h"
 #include "scene/assets/base_color.h"
+#include "scene/worlds/tileset.h"
 #include "scene/worlds/world.h"
 
 namespace scanmill {
@@ -174,10 +175,11 @@ class WorldAsset {
 }  // namespace
 
 bool isWorld(std::string_view suffix) {
-  return suffix == ".sdf" || suffix == ".world" || suffix == ".urdf" || suffix == ".xacro";
+  return suffix == ".sdf" || suffix == ".world" || suffix == ".urdf" || suffix == ".xacro" || suffix == ".json";
 }
 
 Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options) {
+  if (suffix == ".json") return readTileset(file, options);
   const bool sdf = suffix == ".sdf" || suffix == ".world";
   return WorldAsset(file, options).build(sdf ? readSdf(file) : readUrdf(file));
 }

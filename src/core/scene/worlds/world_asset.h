@@ -12,9 +12,9 @@ namespace scanmill {
 // Whether files of this suffix (".sdf", lower case) describe worlds.
 bool isWorld(std::string_view suffix);
 
-// Reads a description with all that it names. Each model is a node, called "model/link/visual" or, where its mesh has
-// nodes, "model/link/visual/node"; models that are included several times share their meshes (Asset::instanced). Throws
-// InputError with the place, and warns of what is left out.
+// Reads a description with all that it names; of 3D Tiles see tileset.h. In SDF and URDF each model is a node, called
+// "model/link/visual" or, where its mesh has nodes, "model/link/visual/node"; models that are included several times
+// share their meshes (Asset::instanced). Throws InputError with the place, and warns of what is left out.
 Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options);
 
 }  // namespace scanmill
