@@ -30,6 +30,7 @@ enum class Purpose : std::uint16_t {
   Relief = 16,
   Sway = 17,
   RandomWay = 18,
+  Placement = 19,
   Speckle = 256,  // and the seven after it: four looks each
   Test = 99,
 };

@@ -42,6 +42,9 @@ class SceneBuilder {
   void place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where = {},
              std::shared_ptr<const Movement> movement = nullptr, std::shared_ptr<const Animation> animation = nullptr);
 
+  // What has been placed so far.
+  const Scene& soFar() const { return scene_; }
+
   // Counts triangles that were dropped before addMesh() was given their mesh.
   void addDropped(const Dropped& dropped) { scene_.dropped += dropped; }
 

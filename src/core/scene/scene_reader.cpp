@@ -37,7 +37,8 @@
 //   street: {...}                        # see scene/street.h
 //   town: {...}                          # see scene/town.h
 //
-// and has a name, a position and copies (see scene/placement.h), and, but for streets and towns, may move:
+// and has a name, a position and copies (see scene/placement.h and scene/arrangement.h), and, but for streets and
+// towns, may move:
 //
 //   moving: {velocity: [8, 0, 0]}        # see scene/movement.h; position and rotation are then relative to the
 //   movement
@@ -48,8 +49,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "config/file_kind.h"
+#include "scene/arrangement.h"
 #include "scene/assets/asset.h"
 #include "scene/builder.h"
 #include "scene/file_meshes.h"
@@ -58,6 +61,7 @@
 #include "scene/primitives.h"
 #include "scene/rules.h"
 #include "scene/street.h"
+#include "scene/surface_heights.h"
 #include "scene/town.h"
 
 namespace scanmill {
@@ -80,6 +84,7 @@ class SceneReader {
   void readObject(const Value& value) {
     Fields f(value, "object");
     const std::string kind = kindOf(f, value.where);
+    ++objects_;
     if (kind == "file") return readFileObject(f);
     if (kind == "primitive") return readPrimitive(f);
     const bool street = kind == "street";
@@ -107,9 +112,10 @@ class SceneReader {
       ++count;
     }
     if (count != 1) {
-      f.also({"file",     "primitive", "street", "town",   "name",   "position", "yaw_deg",   "pitch_deg", "roll_deg",
-              "rotation", "scale",     "copies", "up",     "unit",   "alpha",    "instances", "rules",     "class",
-              "material", "size",      "cells",  "radius", "height", "segments", "moving",    "animation"})
+      f.also({"file",      "primitive", "street",   "town",   "name",      "position", "yaw_deg",
+              "pitch_deg", "roll_deg",  "rotation", "scale",  "copies",    "up",       "unit",
+              "alpha",     "instances", "rules",    "class",  "material",  "size",     "cells",
+              "radius",    "height",    "segments", "moving", "animation", "vary",     "stand_on"})
           .finish();
       throw InputError(where,
                        "an object is exactly one of file, primitive, street and town (`town: {}` where all of its "
@@ -118,7 +124,8 @@ class SceneReader {
     return found;
   }
 
-  bool procedural() const { return procedural_ > 0; }
+  // Some of it follows from the seed.
+  bool procedural() const { return procedural_ > 0 || random_; }
 
   // Odd, so that the streets of one scene and those of the scenes with the next seeds all differ.
   static std::uint64_t seedOfNext(std::uint64_t seed, std::uint64_t before) {
@@ -145,21 +152,60 @@ class SceneReader {
     return moving == nullptr ? nullptr : readMovement(*moving);
   }
 
-  void placeAll(const std::vector<PlacedMesh>& meshes, const std::string& name, const Placement& placement,
+  // Where an object's copies stand.
+  struct Copies {
+    Placement placement;
+    Arrangement arrangement;
+    std::uint32_t object;  // its number in the scene
+  };
+
+  Copies copiesOf(Fields& f) {
+    Copies copies{readPlacement(f), Arrangement(f, builder_.ontology()), objects_};
+    random_ = random_ || copies.arrangement.random();
+    return copies;
+  }
+
+  // The height of the lowest point of meshes that stand so.
+  double lowestOf(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const {
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const PlacedMesh& m : meshes) {
+      const Box box = builder_.soFar().meshes[m.mesh].bounds();
+      const auto add = [&](const Affine& place) {
+        for (int corner = 0; corner < 8; ++corner) {
+          const Vec3d p{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                        corner & 4 ? box.high.z : box.low.z};
+          lowest = std::min(lowest, (place * p).z);
+        }
+      };
+      if (m.assetFromMesh.empty()) add(worldFromAsset);
+      for (const Affine& place : m.assetFromMesh) add(worldFromAsset * place);
+    }
+    return lowest;
+  }
+
+  std::vector<Affine> placesOf(const Copies& copies, const std::vector<PlacedMesh>& meshes) const {
+    std::optional<SurfaceHeights> heights;
+    if (copies.arrangement.needsSurfaces()) heights.emplace(builder_.soFar());
+    return copies.arrangement.places(copies.placement, heights ? &*heights : nullptr, options_.seed, copies.object,
+                                     [&](const Affine& place) { return lowestOf(meshes, place); });
+  }
+
+  void placeAll(const std::vector<PlacedMesh>& meshes, const std::string& name, const Copies& copies,
                 const std::shared_ptr<const Movement>& movement, const Location& where,
                 const std::shared_ptr<const Animation>& animation = nullptr) {
     std::uint64_t each = 0;
     for (const PlacedMesh& m : meshes) each += std::max<std::size_t>(m.assetFromMesh.size(), 1);
-    const std::uint64_t count = placement.count() * each;
+    const std::vector<Affine> places = placesOf(copies, meshes);
+    const std::uint64_t count = places.size() * each;
     placed_ += count;
     if (placed_ > Placement::kMostCopies) {
       throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects; at most {} are made",
                                           count, placed_, Placement::kMostCopies));
     }
     std::uint64_t number = 0;
-    placement.forEach([&](const Affine& worldFromAsset) {
+    for (const Affine& worldFromAsset : places) {
       ++number;
-      const std::string own = placement.count() == 1 ? name : fmt::format("{}#{}", name, number);
+      const std::string own = places.size() == 1 ? name : fmt::format("{}#{}", name, number);
       for (const PlacedMesh& m : meshes) {
         if (m.assetFromMesh.empty()) builder_.place(m.mesh, worldFromAsset, own, where, movement, animation);
         for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
@@ -167,7 +213,7 @@ class SceneReader {
                          where, movement);
         }
       }
-    });
+    }
   }
 
   void readFileObject(Fields& f) {
@@ -184,7 +230,7 @@ class SceneReader {
     labelling.perNode = f.choice("instances", {"object", "node"}, "object") == "node";
     labelling.rules = rulesOf(f);
     const std::string name = f.text("name", file.stem().string());
-    const Placement placement = readPlacement(f);
+    const Copies copies = copiesOf(f);
     const std::shared_ptr<const Movement> movement = movementOf(f);
     const std::optional<Clip> clip = clipOf(f);
     f.finish();
@@ -193,11 +239,11 @@ class SceneReader {
       const std::shared_ptr<const Animation> animation =
           files_.playing(file, asset, labelling, clip->first, fileValue.where);
       const bool plays = animation->meshes.size() > 1;
-      return placeAll({{animation->meshes.front(), {}, {}}}, name, placement, movement, f.where(),
+      return placeAll({{animation->meshes.front(), {}, {}}}, name, copies, movement, f.where(),
                       plays ? animation : nullptr);
     }
     if (clip) asset.clip = {clip->first, *clip->second};
-    placeAll(files_.read(file, asset, labelling, fileValue.where), name, placement, movement, f.where());
+    placeAll(files_.read(file, asset, labelling, fileValue.where), name, copies, movement, f.where());
   }
 
   // Of {clip: NAME, time_s: t}: the clip, and when it is held; without a time it plays over and over.
@@ -292,7 +338,7 @@ class SceneReader {
     surface.object = semantic.thing ? 1 : 0;
     surface.material = builder_.material(f.text("material"), materialName.where);
     const std::string name = f.text("name", kind);
-    const Placement placement = readPlacement(f);
+    const Copies copies = copiesOf(f);
     const std::shared_ptr<const Movement> movement = movementOf(f);
     f.finish();
 
@@ -300,7 +346,7 @@ class SceneReader {
     mesh.surfaces.push_back(std::move(surface));
     auto shared = meshes_.find(key);
     if (shared == meshes_.end()) shared = meshes_.emplace(key, builder_.addMesh(std::move(mesh))).first;
-    placeAll({{shared->second, {}, {}}}, name, placement, movement, f.where());
+    placeAll({{shared->second, {}, {}}}, name, copies, movement, f.where());
   }
 
   SceneBuilder& builder_;
@@ -312,6 +358,8 @@ class SceneReader {
   std::uint64_t placed_ = 0;
   std::uint64_t procedural_ = 0;
   std::uint64_t towns_ = 0;
+  std::uint32_t objects_ = 0;
+  bool random_ = false;
 };
 
 }  // namespace

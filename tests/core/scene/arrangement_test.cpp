@@ -1,0 +1,186 @@
+#include "scene/arrangement.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "scene/scene.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// A lawn of 100 m x 100 m that rises by 0.1 m a metre in x, a road across it 0.02 m above, a house of 20 m x 10 m.
+class Arrangements : public testing::Test {
+ protected:
+  Scene scene(const std::string& object, std::uint64_t seed = 1) const {
+    const std::string yaml = fmt::format(R"(ontology: {0}/labels/scanmill.yaml
+materials: {0}/labels/materials.yaml
+objects:
+  - {{name: lawn, primitive: plane, size: [100.49875621, 100], class: terrain, material: grass, pitch_deg: -5.710593137}}
+  - {{name: road, primitive: plane, size: [8, 100], class: road, material: asphalt, position: [30, 0, 3.5]}}
+  - {{name: house, primitive: box, size: [20, 10, 8], class: building, material: plaster, position: [-20, 10, 3]}}
+{1}
+)",
+                                         SCANMILL_SOURCE_DIR, object);
+    SceneOptions options;
+    options.seed = seed;
+    return readScene(folder_.write("s.yaml", yaml), options);
+  }
+  // Where the copies of the object named `post` stand.
+  std::vector<Affine> posts(const std::string& keys, std::uint64_t seed = 1) const {
+    std::vector<Affine> found;
+    const Scene s =
+        scene("  - {name: post, primitive: box, size: [0.2, 0.4, 2], class: pole, material: wood, " + keys + "}", seed);
+    for (const Instance& i : s.instances) {
+      if (i.name.starts_with("post")) found.push_back(i.worldFromMesh);
+    }
+    return found;
+  }
+  std::string refusal(const std::string& keys) const {
+    return messageOf([&] { posts(keys); });
+  }
+
+  TemporaryFolder folder_;
+};
+
+double lawn(double x) {
+  return 0.1 * x;
+}
+
+TEST_F(Arrangements, ScatteredOnesStandOnTheirSurfaceUncoveredAndApart) {
+  const std::vector<Affine> posts = this->posts("copies: {scatter: {on: [terrain], count: 300, spacing: 2}}");
+  ASSERT_EQ(posts.size(), 300u);
+  int quadrant[2][2] = {};
+  for (std::size_t i = 0; i < posts.size(); ++i) {
+    const Vec3d& p = posts[i].translation;
+    EXPECT_NEAR(p.z, lawn(p.x), 1e-5) << i;
+    EXPECT_FALSE(std::fabs(p.x + 20) < 9.99 && std::fabs(p.y - 10) < 4.99) << "not in the house";
+    EXPECT_FALSE(std::fabs(p.x - 30) < 3.99) << "not on the road, which lies above";
+    EXPECT_NEAR(posts[i].linear.z.z, 1, 1e-12);
+    for (std::size_t k = 0; k < i; ++k) EXPECT_GE(length(posts[k].translation - p), 2);
+    ++quadrant[p.x > 0][p.y > 0];
+  }
+  // Evenly: a quarter each, less what the house and the road take.
+  for (const auto& row : quadrant) {
+    for (const int n : row) EXPECT_NEAR(n, 75, 25);
+  }
+  // They are turned evenly too.
+  double x = 0, y = 0;
+  for (const Affine& a : posts) x += a.linear.x.x, y += a.linear.x.y;
+  EXPECT_LT(std::hypot(x, y), 45);
+}
+
+TEST_F(Arrangements, ADensityIsThatOfTheFreeSurface) {
+  // 10,000 m^2 less the house's 200 and the road's 800.
+  const auto few = posts("copies: {scatter: {on: [terrain], density: 0.2}}");
+  EXPECT_NEAR(static_cast<double>(few.size()), 0.2 * 9000, 3 * std::sqrt(1800.0));
+  const auto within = posts("copies: {scatter: {on: [terrain, road], density: 0.5, within: [[20, 0], [40, 20]]}}");
+  EXPECT_NEAR(static_cast<double>(within.size()), 200, 1);
+  for (const Affine& a : within) {
+    EXPECT_TRUE(a.translation.x > 20 && a.translation.x < 40 && a.translation.y > 0 && a.translation.y < 20);
+    EXPECT_NEAR(a.translation.z, std::fabs(a.translation.x - 30) < 4 ? 3.5 : lawn(a.translation.x), 1e-4);
+  }
+}
+
+TEST_F(Arrangements, SlopesAreAvoidedAndCoveredPlacesTakenWhenAsked) {
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 5, slope_deg: 5}}"), HasSubstr("only 0 of 5"));
+  EXPECT_EQ(posts("copies: {scatter: {on: [terrain], count: 5, slope_deg: 6}}").size(), 5u);
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 5, within: [[-25, 7], [-15, 13]]}}"),
+              HasSubstr("only 0 of 5"));
+  EXPECT_EQ(posts("copies: {scatter: {on: [terrain], count: 5, within: [[-25, 7], [-15, 13]], covered: true}}").size(),
+            5u);
+}
+
+// The same for the same seed, others for others: so a scene has as many variants as there are seeds.
+TEST_F(Arrangements, FollowFromTheSeedAndTheObject) {
+  const std::string keys = "copies: {scatter: {on: [terrain], count: 20}}";
+  EXPECT_EQ(posts(keys, 4), posts(keys, 4));
+  EXPECT_NE(posts(keys, 4), posts(keys, 5));
+  const Scene two = scene(
+      "  - {name: a, primitive: box, size: [1, 1, 1], class: pole, material: wood, copies: {scatter: {on: [terrain], "
+      "count: 1}}}\n"
+      "  - {name: b, primitive: box, size: [1, 1, 1], class: pole, material: wood, copies: {scatter: {on: [terrain], "
+      "count: 1}}}");
+  EXPECT_NE(two.instances[3].worldFromMesh, two.instances[4].worldFromMesh);
+  EXPECT_TRUE(two.procedural);
+  EXPECT_FALSE(scene("").procedural);
+}
+
+TEST_F(Arrangements, AlongAPathTheyFollowItBesideIt) {
+  const auto found = posts("copies: {along: {waypoints: [[0, 0, 0], [0, 40, 0]], every: 10, left: 3}}");
+  ASSERT_EQ(found.size(), 5u);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_LT(length(found[i].translation - Vec3d{-3, 10.0 * static_cast<double>(i), 0}), 1e-9) << i;
+    EXPECT_LT(length(found[i].linear.x - Vec3d{0, 1, 0}), 1e-9);
+  }
+  // Each copy of the placement at each place.
+  EXPECT_EQ(
+      posts("copies: {along: {waypoints: [[0, 0, 0], [0, 40, 0]], every: 10}, at: [{}, {position: [1, 0, 0]}]}").size(),
+      10u);
+}
+
+TEST_F(Arrangements, StandWithTheirLowestPointOnWhatIsBelow) {
+  for (const auto& [x, z] : {std::pair{10.0, 1.0}, std::pair{30.0, 3.5}}) {
+    const auto found = posts(fmt::format("position: [{}, -20, 50], stand_on: ground", x));
+    EXPECT_NEAR(found.at(0).translation.z, z + 1, 1e-5) << "its middle is 1 m above its foot";
+  }
+  EXPECT_NEAR(posts("position: [30, 0, 50], stand_on: [terrain]").at(0).translation.z, 4, 1e-5);
+  EXPECT_NEAR(posts("position: [-20, 10, 50], stand_on: ground").at(0).translation.z, -2 + 1, 1e-5)
+      << "a house is a thing";
+  EXPECT_NEAR(posts("position: [-20, 10, 50], stand_on: [building]").at(0).translation.z, 8, 1e-5);
+  EXPECT_THAT(refusal("position: [500, 0, 0], stand_on: ground"),
+              AllOf(HasSubstr("s.yaml:7"), HasSubstr("nothing to stand on at [500, 0]")));
+}
+
+TEST_F(Arrangements, VaryWithinTheirBounds) {
+  const auto found = posts(
+      "copies: {grid: {count: [40, 50, 1], spacing: [1, 1, 0]}}, vary: {yaw_deg: [-30, 60], scale: [0.5, 2], position: "
+      "0.3, presence: 0.25}");
+  EXPECT_NEAR(static_cast<double>(found.size()), 500, 60);
+  double least = 9, most = 0, leftmost = 9, rightmost = -9;
+  for (const Affine& a : found) {
+    const double scale = length(a.linear.x);
+    least = std::min(least, scale);
+    most = std::max(most, scale);
+    const double yaw = degrees(std::atan2(a.linear.x.y, a.linear.x.x));
+    leftmost = std::min(leftmost, yaw);
+    rightmost = std::max(rightmost, yaw);
+    const Vec3d off = a.translation - Vec3d{std::round(a.translation.x), std::round(a.translation.y), 0};
+    EXPECT_LE(std::hypot(off.x, off.y), 0.3 + 1e-9);
+  }
+  EXPECT_NEAR(least, 0.5, 0.02);
+  EXPECT_NEAR(most, 2, 0.02);
+  EXPECT_NEAR(leftmost, -30, 1);
+  EXPECT_NEAR(rightmost, 60, 1);
+}
+
+TEST_F(Arrangements, MistakesAreNamedWithTheirPlace) {
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain]}}"),
+              AllOf(HasSubstr("s.yaml:7"), HasSubstr("a count or a density")));
+  EXPECT_THAT(refusal("copies: {scatter: {count: 4}}"), HasSubstr("'on'"));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [lawm], count: 4}}"), HasSubstr("no class 'lawm'"));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [water], count: 4}}"), HasSubstr("no such surface"));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 4000, spacing: 5}}"),
+              HasSubstr("of 4000 copies find room"));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 4, within: [[1, 2], [0, 3]]}}"),
+              HasSubstr("the least and the greatest"));
+  EXPECT_THAT(
+      refusal("copies: {scatter: {on: [terrain], count: 4}, along: {waypoints: [[0, 0, 0], [1, 0, 0]], every: 1}}"),
+      HasSubstr("not both"));
+  EXPECT_THAT(refusal("copies: {along: {waypoints: [[0, 0, 0]], every: 1}}"), HasSubstr("at least two"));
+  EXPECT_THAT(refusal("vary: {yaw_deg: [60, 30]}"), HasSubstr("[least, most]"));
+  EXPECT_THAT(refusal("vary: {yaw: [60, 30]}"), HasSubstr("unknown key 'yaw'"));
+  EXPECT_THAT(refusal("stand_on: [nowhere]"), HasSubstr("no class 'nowhere'"));
+}
+
+}  // namespace
+}  // namespace scanmill
