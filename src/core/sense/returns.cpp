@@ -128,6 +128,11 @@ void Returns::add(const AddedReturn& added, const Hits& hits) {
   append(snr, added.snr);
   append(label, added.label);
   append(instance, added.instance);
+  // Where there were no rows, columns that effects have set cannot be told from those that none has.
+  if (size() != 1) return;
+  intensity = {added.intensity};
+  power = {added.power};
+  if (added.snr > 0) snr = {added.snr};
 }
 
 }  // namespace scanmill

@@ -40,6 +40,19 @@ TEST(Returns, SeveralRaysABeamAreRowsOrderedByBeamAndRange) {
   EXPECT_EQ(row, returns.size()) << "rays that meet nothing are no rows";
 }
 
+// A revolution that meets nothing, of which false positives are all there is: it has the columns that others have.
+TEST(Returns, RowsThatAreAddedToNoneHaveTheirColumns) {
+  World world = makeWorld(2, 5, 20);
+  Returns returns;
+  returns.start(findEchoes(makeSeveralReturns(1, 1).hits, {}, 0), false);  // a beam without a ray that meets something
+  ASSERT_EQ(returns.size(), 0u);
+  returns.add({.beam = 3, .range = 4, .power = 0.25f, .snr = 5}, world.hits);
+  returns.add({.beam = 4, .range = 4, .power = 0.5f, .snr = 6}, world.hits);
+  EXPECT_THAT(returns.power, testing::ElementsAre(0.25f, 0.5f));
+  EXPECT_THAT(returns.snr, testing::ElementsAre(5.0f, 6.0f));
+  EXPECT_THAT(returns.intensity, testing::SizeIs(2));
+}
+
 TEST(Returns, AddedRowsKeepTheOthersAndHaveNoHit) {
   const World world = makeWorld(2, 5, 20);
   Returns returns;
