@@ -18,7 +18,7 @@ double yawOf(const Pose& pose) {
 }
 
 std::string placeText(const Vec3d& p) {
-  return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", p.x, p.y, p.z);
+  return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", p.x, p.y, p.z);
 }
 
 struct Stand {
@@ -110,7 +110,7 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, doubl
   if (!last)
     throw InputError(options.where,
                      fmt::format("there is no ground above or below the whole way, which begins at {}: `scanmill "
-                                 "info` of the scene tells where it lies",
+                                 "info` of the scene tells where it lies, `start` moves recorded poses",
                                  placeText(way(0).translation)));
   bare_ = static_cast<double>(bare) / static_cast<double>(count);
   // Where there is none: as before, or at the start as behind.

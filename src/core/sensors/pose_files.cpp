@@ -63,6 +63,8 @@ void headAlong(std::vector<StampedPose>& poses) {
   }
 }
 
+constexpr std::array<const char*, 3> kAngles{"yaw", "pitch", "roll"};
+
 // The columns of a table of poses.
 class PoseColumns {
  public:
@@ -95,7 +97,10 @@ class PoseColumns {
   }
 
   bool has(const std::string& name) const { return columns_.contains(name); }
-  bool headed() const { return has("qw") || has("yaw") || has("yaw_deg"); }
+  bool headed() const {
+    return has("qw") || std::any_of(kAngles.begin(), kAngles.end(),
+                                    [&](const char* a) { return has(a) || has(std::string(a) + "_deg"); });
+  }
 
   StampedPose poseOf(const TextLine& line) const {
     const std::vector<std::string_view> cells = cellsOf(line.text);
@@ -107,7 +112,7 @@ class PoseColumns {
       if (has(name + "_deg")) return radians(number(name + "_deg"));
       return has(name) ? number(name) : 0;
     };
-    StampedPose p{timeOf(cells[*time_], line.where), {{}, {number("x"), number("y"), number("z")}}};
+    StampedPose p{timeOf(cells[*time_], line.where), {{}, {number("x"), number("y"), number("z")}}, line.where.line};
     if (has("qw")) {
       p.pose.rotation = unitQuat({number("qw"), number("qx"), number("qy"), number("qz")}, line.where);
     } else {
@@ -163,7 +168,7 @@ std::vector<StampedPose> readTumPoses(const std::filesystem::path& file) {
   std::vector<StampedPose> poses;
   for (const TextLine& line : linesOf(bytes, file)) {
     const auto n = numbersOf<8>(line.text, line.where, "time x y z qx qy qz qw");
-    poses.push_back({n[0], {unitQuat({n[7], n[4], n[5], n[6]}, line.where), {n[1], n[2], n[3]}}});
+    poses.push_back({n[0], {unitQuat({n[7], n[4], n[5], n[6]}, line.where), {n[1], n[2], n[3]}}, line.where.line});
   }
   return poses;
 }

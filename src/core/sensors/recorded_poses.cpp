@@ -122,8 +122,35 @@ double RecordedPoses::length() const {
 std::string RecordedPoses::about() const {
   double gap = 0;
   for (std::size_t i = 1; i < poses_.size(); ++i) gap = std::max(gap, poses_[i].time - poses_[i - 1].time);
-  return fmt::format("{} poses in {:.4g} s, {:.4g} m, at most {:.3g} s apart", poses_.size(), duration(), length(),
-                     gap);
+  return fmt::format("{} poses in {:.4g} s, {:.4g} m, at most {:.3g} s apart, {:.3g} m/s", poses_.size(), duration(),
+                     length(), gap, length() / duration());
+}
+
+std::string RecordedPoses::doubt() const {
+  constexpr double kFastest = 100;  // m/s
+  constexpr double kMoves = 0.5;    // m/s, from where on it has a direction
+  double upright = 0;
+  double ahead = 0;
+  double moved = 0;
+  for (std::size_t i = 1; i < poses_.size(); ++i) {
+    const Vec3d way = poses_[i].pose.translation - poses_[i - 1].pose.translation;
+    const double far = scanmill::length(way);
+    const double speed = far / (poses_[i].time - poses_[i - 1].time);
+    const Mat3 axes = toMatrix(poses_[i].pose.rotation);
+    upright += axes.z.z;
+    if (speed > kFastest) {
+      return fmt::format("it moves at {:.4g} m/s at {:.6g} s: are its times seconds and its places metres?", speed,
+                         poses_[i].time);
+    }
+    if (speed < kMoves) continue;
+    moved += far;
+    ahead += dot(axes.x, way);
+  }
+  if (upright < 0) return "it is upside down: is the order of the quaternion right, or is it a `frame: camera`?";
+  if (moved > 0 && std::fabs(ahead) < 0.5 * moved) {
+    return "it heads elsewhere than it drives: is the order of the quaternion right, or is it a `frame: camera`?";
+  }
+  return {};
 }
 
 RecordedPoses readRecordedPoses(const Value& value) {
@@ -152,8 +179,9 @@ RecordedPoses readRecordedPoses(const Value& value) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     checkedPosition(poses[i].pose.translation, {file.string()});
     if (i == 0 || poses[i].time > poses[i - 1].time) continue;
-    throw InputError({file.string()}, fmt::format("pose {} is at {:.9g} s, not after the one before it ({:.9g} s)",
-                                                  i + 1, poses[i].time, poses[i - 1].time));
+    throw InputError({file.string(), poses[i].line},
+                     fmt::format("pose {} is at {:.6f} s, not after the one before it, at {:.6f} s", i + 1,
+                                 poses[i].time, poses[i - 1].time));
   }
   if (const Value* start = f.find("start")) {
     Fields pose(*start, "start");

@@ -14,6 +14,7 @@ namespace scanmill {
 struct StampedPose {
   double time = 0;
   Pose pose;
+  int line = 0;  // of its file; 0 where that has none
 };
 
 // In between positions follow a cubic curve through the poses before and behind (Catmull-Rom in time), rotations turn
@@ -27,8 +28,10 @@ class RecordedPoses {
   Pose at(double time) const;
   double duration() const { return poses_.back().time; }  // s
   double length() const;                                  // m, straight from pose to pose
-  // "412 poses in 41.2 s, 310 m, at most 0.31 s apart"
+  // "412 poses in 41.2 s, 310 m, at most 0.31 s apart, 7.52 m/s"
   std::string about() const;
+  // What is legal but seldom meant, in words: too fast, upside down, or heading elsewhere than it drives; else empty.
+  std::string doubt() const;
 
  private:
   std::vector<StampedPose> poses_;  // the first at the time 0

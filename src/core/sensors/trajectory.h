@@ -70,6 +70,8 @@ class Trajectory {
   std::optional<int> turns() const { return turns_; }
   // What its way is, in words; empty where there is nothing to say.
   std::string about() const;
+  // What is legal but seldom meant of recorded poses, in words; else empty.
+  std::string doubt() const { return recorded_ ? recorded_->doubt() : std::string(); }
 
   // What it asks of the scene before it has poses; null where it asks for nothing.
   const RandomWay* randomWay() const { return random_ ? &*random_ : nullptr; }

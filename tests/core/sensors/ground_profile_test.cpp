@@ -100,7 +100,7 @@ TEST(GroundProfile, KeepsItsHeightOverGapsAndSaysHowMuchOfTheWayTheyAre) {
   EXPECT_NEAR(drive.bareShare(), 0.1, 0.005);
   const auto nothing = [](double, double) { return double{NAN}; };
   EXPECT_THAT(messageOf([&] { on("waypoints: [[7, 0, 0], [50, 0, 0]], speed: 10, ground: drop", Hills(nothing)); }),
-              testing::AllOf(HasSubstr("trip.yaml:1"), HasSubstr("no ground"), HasSubstr("[7, 0, 0]")));
+              testing::AllOf(HasSubstr("trip.yaml:1"), HasSubstr("no ground"), HasSubstr("[7.00, 0.00, 0.00]")));
   EXPECT_THAT(messageOf([&] { on("poses: [{position: [7, 0, 0]}], ground: drop", Hills(nothing)); }),
               HasSubstr("no ground above or below the pose"));
 }

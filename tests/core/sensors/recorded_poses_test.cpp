@@ -122,6 +122,19 @@ TEST_F(RecordedPosesFiles, StartWhereTheyAreWanted) {
   EXPECT_LT(length(drive.pose(10, 0).translation - Vec3d{1, 12, 4}), 1e-6);
 }
 
+TEST_F(RecordedPosesFiles, DoubtsWhatCanHardlyBeMeant) {
+  const auto doubt = [&](const std::string& poses) {
+    folder_.write("d.csv", poses);
+    return drive("file: d.csv").doubt();
+  };
+  EXPECT_EQ(doubt("time,x,y,z,yaw_deg\n0,0,0,0,0\n1,5,0,0,0\n"), "");
+  EXPECT_EQ(doubt("time,x,y,z,yaw_deg\n0,0,0,0,180\n1,5,0,0,180\n"), "") << "it may drive back";
+  EXPECT_EQ(doubt("time,x,y,z,yaw_deg\n0,0,0,0,90\n1,0.1,0,0,90\n"), "") << "it hardly moves";
+  EXPECT_THAT(doubt("time,x,y,z,yaw_deg\n0,0,0,0,0\n0.001,5,0,0,0\n"), HasSubstr("5000 m/s"));
+  EXPECT_THAT(doubt("time,x,y,z,yaw_deg\n0,0,0,0,90\n1,5,0,0,90\n"), HasSubstr("heads elsewhere"));
+  EXPECT_THAT(doubt("time,x,y,z,roll_deg\n0,0,0,0,180\n1,5,0,0,180\n"), HasSubstr("upside down"));
+}
+
 constexpr const char* kScenes = R"([{"token": "s1", "name": "scene-0061"}, {"token": "s2", "name": "scene-0103"}])";
 constexpr const char* kSamples = R"([{"token": "a", "scene_token": "s1"}, {"token": "b", "scene_token": "s2"}])";
 constexpr const char* kData =
@@ -165,7 +178,8 @@ TEST_F(RecordedPosesFiles, MistakesAreNamedWithTheirLine) {
               AllOf(HasSubstr("a.txt:3"), HasSubstr("no number")));
   EXPECT_THAT(refused("a.txt", "0 0 0 0 0 0 0\n", ", format: tum"),
               AllOf(HasSubstr("a.txt:1"), HasSubstr("7 numbers")));
-  EXPECT_THAT(refused("a.txt", "0 0 0 0 0 0 0 1\n0 1 0 0 0 0 0 1\n", ", format: tum"), HasSubstr("not after the one"));
+  EXPECT_THAT(refused("a.txt", "0 0 0 0 0 0 0 1\n0 1 0 0 0 0 0 1\n", ", format: tum"),
+              AllOf(HasSubstr("a.txt:2"), HasSubstr("not after the one")));
   EXPECT_THAT(refused("a.txt", "0 0 0 0 1 1 0 1\n1 1 0 0 0 0 0 1\n", ", format: tum"),
               HasSubstr("order of its numbers"));
   EXPECT_THAT(refused("a.txt", "", ", format: tum"), HasSubstr("is empty"));

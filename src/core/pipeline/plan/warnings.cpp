@@ -100,14 +100,23 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
 }
 
 std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
+  std::vector<std::string> lines;
+  std::set<std::string> told;
   std::vector<std::string> straight;
   for (const Sequence& s : pipeline.sequences) {
-    if (s.trajectory != nullptr && s.trajectory->turns() == 0) straight.push_back(s.key());
+    if (s.trajectory == nullptr) continue;
+    if (s.trajectory->turns() == 0) straight.push_back(s.key());
+    const std::string doubt = s.trajectory->doubt();
+    if (!doubt.empty() && told.insert(s.trajectoryName).second) {
+      lines.push_back(fmt::format("the recorded drive '{}': {}", s.trajectoryName, doubt));
+    }
   }
-  if (straight.empty()) return {};
+  if (straight.empty()) return lines;
   const std::size_t more = straight.size() - 1;
-  return {fmt::format("{}{}: `along: turns` goes straight on: their towns have no side road to turn out of or into",
-                      straight.front(), more == 0 ? "" : fmt::format(" and {} more sequences", more))};
+  lines.push_back(
+      fmt::format("{}{}: `along: turns` goes straight on: their towns have no side road to turn out of or into",
+                  straight.front(), more == 0 ? "" : fmt::format(" and {} more sequences", more)));
+  return lines;
 }
 
 std::vector<std::string> vehicleWarnings(const Plan& plan) {

@@ -20,7 +20,7 @@ std::vector<std::string> ruleWarnings(const Scene& scene);
 // The seeds of a scene of which nothing follows from a seed: its sequences differ in nothing.
 std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& sequence, const Scene& scene);
 
-// Drives that were to turn in towns where they cannot.
+// Drives that were to turn in towns where they cannot, and recorded ones that can hardly be meant.
 std::vector<std::string> driveWarnings(const Pipeline& pipeline);
 
 // Sensors that see little but their own vehicle: a line each.

@@ -125,8 +125,7 @@ class SdfReader {
                                                            : readInclude(child, file, depth + 1, pose, inside);
         if (!model) continue;
         pose.pose = pose.pose * inverse(model->placement);
-        // Several of one kind are told apart by the names that they are included with.
-        scope->frames[child.textOf("name", model->name)] = {&child, pose.pose, pose.relativeTo, inside};
+        scope->frames[model->name] = {&child, pose.pose, pose.relativeTo, inside};
         found.push_back({pose, std::move(*model), &child});
       } else if (child.name == "frame" || child.name == "link" || child.name == "joint") {
         const PoseElement pose = readPose(child);
@@ -188,7 +187,7 @@ class SdfReader {
       }
       model = readModel(*child, *definition, depth, pose, inside);
       model.definition = *definition;
-      model.name = plain.ends_with(".sdf") ? child->attributeOr("name", name) : name;
+      model.name = node.textOf("name", plain.ends_with(".sdf") ? child->attributeOr("name", name) : name);
       if (const XmlNode* frame = node.child("placement_frame")) model.placement = inside->resolve(frame->text, node);
     }
     if (node.child("pose") != nullptr) pose = readPose(node);

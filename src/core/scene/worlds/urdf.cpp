@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -32,6 +33,14 @@ class UrdfReader {
       if (child.name == "material") noteMaterial(child);
       if (child.name == "joint") noteJoint(child);
     }
+    for (const auto& [child, joint] : joints_) {
+      for (const std::string& link : {child, joint.parent}) {
+        const auto is = [&](const XmlNode& n) { return n.name == "link" && n.attributeOr("name", "link") == link; };
+        if (std::none_of(root_.children.begin(), root_.children.end(), is)) {
+          throw InputError(joint.where, fmt::format("<joint> names the link '{}', and there is none", link));
+        }
+      }
+    }
     WorldThing robot{root_.attributeOr("name", "robot"), {}, {}, {}};
     for (const XmlNode& link : root_.children) {
       if (link.name != "link") continue;
@@ -50,6 +59,7 @@ class UrdfReader {
   struct Joint {
     std::string parent;
     Affine parentFromChild;
+    Location where;
   };
 
   void noteJoint(const XmlNode& joint) {
@@ -59,7 +69,7 @@ class UrdfReader {
       if (link == nullptr) joint.fail(fmt::format("has no <{} link=\"...\">", end));
       return *link;
     };
-    if (!joints_.try_emplace(linkOf("child"), Joint{linkOf("parent"), readOrigin(joint)}).second) {
+    if (!joints_.try_emplace(linkOf("child"), Joint{linkOf("parent"), readOrigin(joint), joint.where}).second) {
       joint.fail(fmt::format("gives the link '{}' a second parent", linkOf("child")));
     }
   }

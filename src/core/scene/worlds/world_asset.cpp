@@ -16,6 +16,12 @@
 namespace scanmill {
 namespace {
 
+// "car_01_002" is "car".
+std::string numberless(const std::string& name) {
+  const std::size_t last = name.find_last_not_of("0123456789_-. ");
+  return last == std::string::npos ? name : name.substr(0, last + 1);
+}
+
 class WorldAsset {
  public:
   WorldAsset(const std::filesystem::path& file, const AssetOptions& options)
@@ -30,17 +36,18 @@ class WorldAsset {
     if (!world.leftOut.empty()) {
       warn(fmt::format("{}: left out: {}", file_.string(), fmt::join(world.leftOut, ", ")));
     }
-    std::map<std::filesystem::path, std::vector<const WorldThing*>> same;
+    // Those of one model whose names differ in their numbers alone.
+    std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> same;
     for (const WorldThing& thing : world.things) {
-      if (!thing.definition.empty()) same[thing.definition].push_back(&thing);
+      if (!thing.definition.empty()) same[{thing.definition, numberless(thing.name)}].push_back(&thing);
     }
     for (const WorldThing& thing : world.things) {
-      const auto found = same.find(thing.definition);
+      const auto found = same.find({thing.definition, numberless(thing.name)});
       if (found == same.end() || found->second.size() < 2) {
-        addTo(asset_.parts, thing, assetFromWorld_ * thing.worldFromThing);
+        addTo(asset_.parts, thing, thing.name, assetFromWorld_ * thing.worldFromThing);
       } else if (found->second.front() == &thing) {
         InstancedParts instanced;
-        addTo(instanced.parts, thing, {});
+        addTo(instanced.parts, thing, found->first.second, {});
         if (instanced.parts.empty()) continue;
         for (const WorldThing* copy : found->second) {
           instanced.assetFromParts.push_back(assetFromWorld_ * copy->worldFromThing);
@@ -52,9 +59,9 @@ class WorldAsset {
   }
 
  private:
-  void addTo(std::vector<AssetPart>& parts, const WorldThing& thing, const Affine& place) {
+  void addTo(std::vector<AssetPart>& parts, const WorldThing& thing, const std::string& name, const Affine& place) {
     for (const WorldPart& from : thing.parts) {
-      const std::string node = fmt::format("{}/{}", thing.name, from.node);
+      const std::string node = fmt::format("{}/{}", name, from.node);
       const Affine own = place * from.thingFromPart;
       if (from.solid) {
         add(parts, solid(from), node, own);

@@ -113,15 +113,23 @@ TEST_F(IncludedSdf, AreOfTheHighestVersionAndStandWhereTheIncludeSays) {
 
 TEST_F(IncludedSdf, SeveralOfOneShareTheirMeshes) {
   const Asset asset =
-      sdf("<world name=\"w\">" + include("<name>a</name><pose>5 0 0 0 0 0</pose>") +
-          include("<name>b</name><pose relative_to=\"a\">0 5 0 0 0 1</pose>") + wing("own") + "</world>");
+      sdf("<world name=\"w\">" + include("<name>a_1</name><pose>5 0 0 0 0 0</pose>") +
+          include("<name>a_02</name><pose relative_to=\"a_1\">0 5 0 0 0 1</pose>") + wing("own") + "</world>");
   ASSERT_EQ(asset.instanced.size(), 1u);
   const InstancedParts& posts = asset.instanced[0];
   ASSERT_EQ(posts.assetFromParts.size(), 2u);
   EXPECT_EQ(posts.parts.size(), 1u);
-  EXPECT_EQ(posts.parts[0].node, "post/l/v1.5/wing");
+  EXPECT_EQ(posts.parts[0].node, "a/l/v1.5/wing");
   EXPECT_LT(length(posts.assetFromParts[1].translation - Vec3d{5, 5, 0}), 1e-9);
   EXPECT_EQ(asset.parts.size(), 1u);
+}
+
+TEST_F(IncludedSdf, AreCalledAsTheyAreIncluded) {
+  const Asset asset = sdf("<world name=\"w\">" + include("<name>left</name>") +
+                          include("<name>right</name><pose>0 1 0 0 0 0</pose>") + "</world>");
+  EXPECT_TRUE(asset.instanced.empty());
+  EXPECT_LT(length(corners(asset, "right/l/v1.5/wing")[0] - Vec3d{2, 1, 0}), 1e-6);
+  EXPECT_NE(corners(asset, "left/l/v1.5/wing")[2].z, 0);
 }
 
 TEST_F(IncludedSdf, AreFoundWhereTheEnvironmentSays) {

@@ -58,14 +58,17 @@ TEST_F(Urdf, MistakesAreNamedWithTheirLine) {
   EXPECT_THAT(messageOf([&] { read("r.urdf", "<sdf/>"); }), HasSubstr("no URDF"));
   EXPECT_THAT(refused("<xacro:property name=\"a\" value=\"1\"/>"),
               AllOf(HasSubstr("r.urdf:2"), HasSubstr("xacro robot")));
+  EXPECT_THAT(refused("<joint name=\"j\"><parent link=\"a\"/><child link=\"bb\"/></joint><link name=\"a\"/>"),
+              AllOf(HasSubstr("r.urdf:2"), HasSubstr("'bb', and there is none")));
   EXPECT_THAT(refused("<joint name=\"j\"><child link=\"a\"/></joint>"), HasSubstr("<parent link="));
   EXPECT_THAT(
       refused("<joint name=\"j\"><parent link=\"b\"/><child link=\"a\"/></joint><joint name=\"k\"><parent link=\"a\"/>"
-              "<child link=\"b\"/></joint><link name=\"a\"/>"),
+              "<child link=\"b\"/></joint><link name=\"a\"/><link name=\"b\"/>"),
       HasSubstr("circle"));
   EXPECT_THAT(
       refused("<joint name=\"j\"><parent link=\"b\"/><child link=\"a\"/></joint><joint name=\"k\"><parent link=\"c\"/>"
-              "<child link=\"a\"/></joint>"),
+              "<child link=\"a\"/></joint>"
+              "<link name=\"a\"/>"),
       HasSubstr("second parent"));
   EXPECT_THAT(refused("<link name=\"a\"><visual><geometry><torus/></geometry></visual></link>"),
               HasSubstr("no shape of URDF"));
