@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/file.h"
+#include "config/fields.h"
 #include "config/text.h"
 #include "sensors/text_table.h"
 
@@ -58,6 +59,14 @@ class BeamTableFile {
       if (found != names_.end()) return static_cast<std::size_t>(found - names_.begin());
     }
     return std::nullopt;
+  }
+
+  // Throws InputError for a column of another name, with a suggestion.
+  void expectOnly(const std::vector<std::string>& known) const {
+    for (const std::string& name : names_) {
+      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      throw InputError(head_.where, fmt::format("the column '{}' is unknown{}", name, suggestion(name, known)));
+    }
   }
 
   // The numbers of a column in the order of the channels, which count from 1.
@@ -113,9 +122,12 @@ std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
                                  "elevation_deg,azimuth_offset_deg: {}",
                                  quotedForMessage(table.head().text)));
   }
+  if (own)
+    table.expectOnly({"channel", "laserid", "laser_id", "ring", "elevation_deg", "azimuth_offset_deg", "origin_left_m",
+                      "origin_up_m", "firing_time_us"});
   const auto azimuth = own ? table.column({"azimuth_offset_deg"}) : table.column({"azimuth"});
   std::vector<Laser> lasers;
-  for (const double elevation : table.numbers(own ? *own : *hesai)) lasers.push_back({elevation, 0, 0, 0});
+  for (const double elevation : table.numbers(own ? *own : *hesai)) lasers.push_back({elevation, 0, 0, 0, 0});
   const auto fill = [&](const std::optional<std::size_t>& column, double Laser::*figure, double sign) {
     if (!column) return;
     const std::vector<double> numbers = table.numbers(*column);
@@ -125,6 +137,7 @@ std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
   if (own) {
     fill(table.column({"origin_left_m"}), &Laser::left, 1);
     fill(table.column({"origin_up_m"}), &Laser::up, 1);
+    fill(table.column({"firing_time_us"}), &Laser::firing, 1);
   }
   for (const Laser& laser : lasers) {
     if (std::fabs(laser.elevation) <= 90 && std::fabs(laser.azimuth) <= 360) continue;

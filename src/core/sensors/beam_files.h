@@ -14,12 +14,13 @@ struct Laser {
   double azimuth = 0;    // deg, counter-clockwise
   double left = 0;       // m, of the beam's start: see origin_left_m in sensor.h
   double up = 0;         // m
+  double firing = 0;     // us after the first of a column
 };
 
 // The lasers of a table. Its first line names the columns: either those of Hesai's angle correction files (Channel or
 // Laser id, Elevation, Azimuth; degrees, azimuths clockwise), or elevation_deg and any of azimuth_offset_deg
-// (counter-clockwise), origin_left_m and origin_up_m. Channels may come in any order; they are the rings. Throws
-// InputError with the line.
+// (counter-clockwise), origin_left_m, origin_up_m and firing_time_us. Channels may come in any order; they are the
+// rings. Throws InputError with the line.
 std::vector<Laser> readBeamTable(const std::filesystem::path& file);
 
 // When the lasers fire, in us after the first: from Hesai's firetime correction files (Channel, fire time in us or ns)

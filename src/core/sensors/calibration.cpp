@@ -101,7 +101,7 @@ struct Unit {
 Unit unitOfOuster(const std::filesystem::path& file) {
   const OusterMetadata m = readOusterMetadata(file);
   Unit unit;
-  for (std::size_t i = 0; i < m.elevation.size(); ++i) unit.lasers.push_back({m.elevation[i], m.azimuth[i], 0, 0});
+  for (std::size_t i = 0; i < m.elevation.size(); ++i) unit.lasers.push_back({m.elevation[i], m.azimuth[i], 0, 0, 0});
   const Location where{file.string()};
   const auto add = [&](const char* key, const std::string& text) { unit.others.push_back({key, scalar(text, where)}); };
   const double step = 360.0 / m.columns;
@@ -133,7 +133,7 @@ Unit readUnit(const std::filesystem::path& file) {
 
 }  // namespace
 
-Value withCalibration(const Value& value) {
+Value withCalibration(const Value& value, const Value* preset) {
   if (value.kind != Value::Kind::Map || value.find("calibration") == nullptr) return value;
   for (const char* key : kMadeKeys) {
     const Value* other = value.find(key);
@@ -144,6 +144,11 @@ Value withCalibration(const Value& value) {
   const Value& name = *value.find("calibration");
   const std::filesystem::path file = resolvePath(name, readText(name, "calibration"));
   Unit unit = readUnit(file);
+  const Value* const order = preset == nullptr ? nullptr : preset->find("ring_order");
+  const std::string kind = file.extension().string();
+  if (order != nullptr && order->text == "bottom_up" && kind != ".json" && kind != ".csv") {
+    std::reverse(unit.lasers.begin(), unit.lasers.end());
+  }
   const Location where{file.string()};
   Value sensor = value;
   std::erase_if(sensor.entries, [](const Value::Entry& e) { return e.key == "calibration"; });
@@ -153,6 +158,10 @@ Value withCalibration(const Value& value) {
   sensor.entries.push_back(listOf("azimuth_offset_deg", unit.lasers, &Laser::azimuth, where));
   sensor.entries.push_back(listOf("origin_left_m", unit.lasers, &Laser::left, where));
   sensor.entries.push_back(listOf("origin_up_m", unit.lasers, &Laser::up, where));
+  if (value.find("firing_time_us") == nullptr &&
+      std::any_of(unit.lasers.begin(), unit.lasers.end(), [](const Laser& l) { return l.firing != 0; })) {
+    sensor.entries.push_back(listOf("firing_time_us", unit.lasers, &Laser::firing, where));
+  }
   // A window of columns belongs to the mode of the file alone.
   const bool ownColumns = value.find("columns") != nullptr;
   for (Value::Entry& entry : unit.others) {

@@ -17,6 +17,7 @@ namespace scanmill {
 // first_azimuth_deg, field_deg, origin_offset_m and origin_height_m too; and `source` names the file. A map without the
 // key stays as it is. What a driver takes off ranges and intensities is not read. Throws InputError with the place,
 // also where the map has one of the first five keys besides.
-Value withCalibration(const Value& value);
+// `preset`: what is beside it; lasers of Velodyne's are then sorted as its rings are. Null: there is none.
+Value withCalibration(const Value& value, const Value* preset = nullptr);
 
 }  // namespace scanmill

@@ -213,7 +213,7 @@ void checkSameLasers(const Value& preset, const Value& own) {
   const Value* elevation = preset.find("elevation_deg");
   const Value* calibration = own.find("calibration");
   if (elevation == nullptr || calibration == nullptr) return;
-  const std::size_t lasers = withCalibration(own).find("elevation_deg")->items.size();
+  const std::size_t lasers = withCalibration(own, &preset).find("elevation_deg")->items.size();
   const auto rings = static_cast<std::size_t>(sensorSize(preset).rings);
   if (lasers == rings) return;
   throw InputError(calibration->where,
@@ -240,7 +240,7 @@ Value resolveSensor(const Value& value) {
     merged.entries = withCalibration(file).entries;
   }
   checkSameLasers(merged, value);
-  for (const auto& entry : withCalibration(value).entries) {
+  for (const auto& entry : withCalibration(value, &merged).entries) {
     if (entry.key == "name" || entry.key == "preset" || entry.key == "mount") continue;
     const auto old = std::find_if(merged.entries.begin(), merged.entries.end(),
                                   [&](const auto& other) { return other.key == entry.key; });

@@ -164,12 +164,33 @@ TEST_F(VendorFiles, HesaisAnglesAreClockwiseAndByChannel) {
 }
 
 TEST_F(VendorFiles, TablesOfOnesOwnNameTheirColumns) {
-  folder_.write("t.csv", "elevation_deg;azimuth_offset_deg;origin_left_m;origin_up_m\n-3;1;0.1;0.2\n4;-2;0;0.3\n");
+  folder_.write(
+      "t.csv",
+      "elevation_deg;azimuth_offset_deg;origin_left_m;origin_up_m;firing_time_us\n-3;1;0.1;0.2;0\n4;-2;0;0.3;9\n");
   const auto beams = sensor("calibration: t.csv, columns: 100, rate_hz: 10, range_m: [1, 100]");
   EXPECT_FALSE(beams->topDown);
   EXPECT_NEAR(degrees(beams->azimuthOffset[1]), -2, 1e-12);
   EXPECT_THAT(beams->originLeft, ElementsAre(0.1, 0));
   EXPECT_THAT(beams->originUp, ElementsAre(0.2, 0.3));
+  EXPECT_NEAR(beams->firingOffset[1], 9e-6, 1e-12);
+  folder_.write("t.csv", "elevation_deg,azimut_offset_deg\n-3,1\n");
+  EXPECT_THAT(refusal("calibration: t.csv, columns: 100, rate_hz: 10, range_m: [1, 100]"),
+              AllOf(HasSubstr("t.csv:1"), HasSubstr("did you mean 'azimuth_offset_deg'")));
+}
+
+// The firing times of a preset are those of its rings, whichever way a calibration sorts its lasers.
+TEST_F(VendorFiles, CalibrationsBesideAPresetKeepTheOrderOfItsRings) {
+  folder_.write("p.yaml",
+                "model: two\nsource: here\ncolumns: 100\nrate_hz: 10\nring_order: bottom_up\nelevation_deg: [-5, 5]\n"
+                "firing_time_us: [0, 7]\nrange_m: [1, 100]\n");
+  folder_.write("unit.yaml",
+                "lasers:\n- {laser_id: 0, vert_correction: 0.09, rot_correction: 0}\n"
+                "- {laser_id: 1, vert_correction: -0.08, rot_correction: 0.01}\n");
+  const auto beams = sensor("preset: p.yaml, calibration: unit.yaml");
+  EXPECT_FALSE(beams->topDown);
+  EXPECT_NEAR(beams->elevation[0], -0.08, 1e-12);
+  EXPECT_NEAR(beams->azimuthOffset[0], 0.01, 1e-12);
+  EXPECT_NEAR(beams->firingOffset[1], 7e-6, 1e-12);
 }
 
 TEST_F(VendorFiles, FiringTimesComeFromATable) {

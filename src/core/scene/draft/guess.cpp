@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "scene/assets/asset_parts.h"
 
@@ -35,6 +36,16 @@ const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>
   return most == triangles.end() ? nullptr : most->first;
 }
 
+// Whether the parts are of so many things and grounds that the file is a place, such as a room, and none of them.
+bool isPlace(const std::vector<const Concept*>& parts) {
+  constexpr std::size_t kSeveral = 3;
+  std::set<const Concept*> kinds;
+  for (const Concept* c : parts) {
+    if (c != nullptr && (c->kind == ConceptKind::Whole || c->kind == ConceptKind::Ground)) kinds.insert(c);
+  }
+  return kinds.size() >= kSeveral;
+}
+
 bool isTall(const Concept& c) {
   static constexpr std::array<std::string_view, 7> kTall{"tree",         "trunk",         "pole",  "street lamp",
                                                          "traffic sign", "traffic light", "person"};
@@ -47,9 +58,9 @@ bool isFlat(const Concept& c) {
 }
 
 // How much speaks for y or z being up: what stands begins at 0 and is centred along the other axes; trees are tall,
-// cars and grounds low.
+// cars, grounds and places low.
 double scoreOf(const std::array<double, 3>& low, const std::array<double, 3>& extent, std::size_t axis,
-               const Concept* what) {
+               const Concept* what, bool place) {
   double score = 0;
   const double most = std::max({extent[0], extent[1], extent[2]});
   if (most <= 0) return 0;
@@ -57,6 +68,7 @@ double scoreOf(const std::array<double, 3>& low, const std::array<double, 3>& ex
   const std::size_t other = axis == 1 ? 2 : 1;
   const double middle = low[other] + extent[other] / 2;
   if (std::abs(middle) <= 0.1 * extent[other]) score += 0.5;
+  if (place && extent[axis] < extent[other]) score += 2;
   if (what == nullptr) return score;
   if (isTall(*what) && extent[axis] > extent[other]) score += 2;
   if (isFlat(*what) && extent[axis] < extent[other]) score += 2;
@@ -113,11 +125,12 @@ FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& par
   if (box.empty()) return guess;
   const std::array<double, 3> low{box.low.x, box.low.y, box.low.z};
   const std::array<double, 3> extent{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
-  const Concept* const what = mainConcept(asset, parts);
+  const bool place = isPlace(parts);
+  const Concept* const what = place ? nullptr : mainConcept(asset, parts);
   const std::string name = what == nullptr ? "it" : "a " + what->name;
   if (!asset.upDeclared) {
-    const double y = scoreOf(low, extent, 1, what);
-    const double z = scoreOf(low, extent, 2, what);
+    const double y = scoreOf(low, extent, 1, what, place);
+    const double z = scoreOf(low, extent, 2, what, place);
     guess.up = y > z ? 'y' : 'z';
     guess.whyUp = y == z ? "nothing tells which axis is up"
                          : fmt::format("{} is {:.3g} x {:.3g} x {:.3g} units large, and begins at {:.3g} along {}",
