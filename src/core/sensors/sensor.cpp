@@ -44,6 +44,7 @@ Fields& alsoSensorKeys(Fields& fields) {
                       "origin_left_m",
                       "origin_up_m",
                       "firing_time_us",
+                      "turns_while_firing",
                       "range_m",
                       "divergence_mrad",
                       "exit_width_mm",
@@ -312,6 +313,12 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
   table->topDown = order == "top_down" || (order == "unordered" && elevation.front() == highest);
   table->azimuthOffset = scaled(readAzimuthOffsets(fields.find("azimuth_offset_deg"), table->rings), radians(1));
   table->firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), *table), 1e-6);
+  if (fields.boolean("turns_while_firing", false)) {
+    const double turn = (table->clockwise ? -2 : 2) * kPi / table->period;  // rad/s
+    for (std::uint32_t ring = 0; ring < table->rings; ++ring) {
+      table->azimuthOffset[ring] += turn * table->firingOffset[ring];
+    }
+  }
   table->originOffset = fields.number("origin_offset_m", {0, 10}, 0);
   table->originHeight = fields.number("origin_height_m", {-10, 10}, 0);
   table->originLeft = readOrigins(fields, "origin_left_m", table->rings);

@@ -19,6 +19,8 @@
 //   calibration: 64e_s2.yaml           # in place of elevations, azimuth offsets and these two: see calibration.h
 //   firing_time_us: [0, 2.3, ...]      # within a column, one per ring, or {step_us: 2.3} from ring to ring, or {file:}
 //                                      # see beam_files.h (default 0)
+//   turns_while_firing: true           # a ring looks where the head has turned to when it fires: to be said where the
+//                                      # azimuths are those of a column, as vendors give them (default false)
 //   range_m: [0.5, 120]                # nearest and farthest report
 //   divergence_mrad: [3, 1.5]          # full angle of the beam, across and up, or one figure (default 0); of a
 //   Gaussian

@@ -191,8 +191,7 @@ TEST_P(PresetsOfUnits, AgreeWithTheVendorsFile) {
   });
   const auto azimuthOf = [&](std::uint32_t ring) {
     const double turned = 2 * kPi / beams->period * beams->firingOffset[ring];
-    const bool turns = std::string(unit.preset).starts_with("vlp") || std::string(unit.preset).starts_with("hdl_32");
-    return beams->azimuthOffset[ring] + (turns ? turned : 0) - real->azimuthOffset[order[ring]];
+    return beams->azimuthOffset[ring] + turned - real->azimuthOffset[order[ring]];
   };
   double common = 0;
   for (std::uint32_t ring = 0; ring < beams->rings; ++ring) common += azimuthOf(ring) / beams->rings;
