@@ -74,6 +74,23 @@ TEST(Guess, UnitsByTheUsualSizeOfThings) {
   EXPECT_EQ(frameOf(box({-90, -35, 0}, {180, 70, 60}, "thing")).unit, 1) << "no word says what it is";
 }
 
+// Most of its triangles are chairs, and yet it is no chair.
+TEST(Guess, ARoomIsAsLargeAsItIs) {
+  Asset room;
+  room.file = "/x/mesh.obj";
+  for (const char* name : {"chair_1", "chair_2", "table", "wall"}) {
+    room.parts.push_back(box({0, 0, -0.1}, {6.2, 5.2, 2.9}, name).parts.front());
+  }
+  const FrameGuess frame = frameOf(room);
+  EXPECT_EQ(frame.unit, 1);
+  EXPECT_TRUE(frame.whyUnit.empty());
+  EXPECT_EQ(frame.up, 'z');
+  for (AssetPart& p : room.parts) {
+    for (Vec3f& v : p.positions) v = {v.x, v.z, -v.y};
+  }
+  EXPECT_EQ(frameOf(room).up, 'y');
+}
+
 TEST(Guess, TheAxisByWhatIsTallOrLow) {
   EXPECT_EQ(frameOf(box({-1, 0, -1}, {2, 9, 2}, "oak")).up, 'y');
   EXPECT_EQ(frameOf(box({-1, -1, 0}, {2, 2, 9}, "oak")).up, 'z');
