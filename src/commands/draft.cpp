@@ -11,6 +11,7 @@
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "config/resources.h"
+#include "config/text.h"
 
 namespace scanmill {
 
@@ -36,9 +37,7 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named
         at.disable_recursion_pending();
         continue;
       }
-      std::string kind = entry.path().extension().string();
-      std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
-      if (kKinds.contains(kind) && entry.is_regular_file(error)) found.push_back(entry.path());
+      if (kKinds.contains(lowerExtension(entry.path())) && entry.is_regular_file(error)) found.push_back(entry.path());
     }
     if (found.empty()) throw InputError({name}, "holds no 3D file");
     std::sort(found.begin(), found.end());

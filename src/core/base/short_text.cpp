@@ -31,4 +31,8 @@ std::string shortTime(double seconds) {
   return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
+std::string shortPlace(const Vec3d& place) {
+  return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", place.x, place.y, place.z);
+}
+
 }  // namespace scanmill

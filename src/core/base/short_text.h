@@ -1,8 +1,10 @@
 #pragma once
 
-// Numbers, sizes and times as short text, for people.
+// Numbers, sizes, times and places as short text, for people.
 
 #include <string>
+
+#include "base/vec.h"
 
 namespace scanmill {
 
@@ -14,5 +16,8 @@ std::string shortBytes(double bytes);
 
 // A duration as hours, minutes and seconds: "1:02:03", "4:05", "6.0 s".
 std::string shortTime(double seconds);
+
+// A place to the centimetre: "[1.00, -2.50, 0.12]".
+std::string shortPlace(const Vec3d& place);
 
 }  // namespace scanmill

@@ -144,4 +144,14 @@ std::string quotedForMessage(std::string_view text) {
   return shown + (i < text.size() ? "...'" : "'");
 }
 
+std::string lowerCase(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
+
+std::string lowerExtension(const std::filesystem::path& file) {
+  return lowerCase(file.extension().string());
+}
+
 }  // namespace scanmill

@@ -1,8 +1,9 @@
 #pragma once
 
-// Helpers of this room: which text a YAML file may hold, environment variables in it, and text for messages.
+// Which text a YAML file may hold, environment variables in it, text for messages, and names whatever their case.
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -23,5 +24,11 @@ std::string expandVariables(std::string_view text, const Location& where);
 
 // The text in quotes, on one line, and cut to a length that fits into a message.
 std::string quotedForMessage(std::string_view text);
+
+// The text with the letters A to Z in lower case.
+std::string lowerCase(std::string_view text);
+
+// The end of a file's name, such as ".jpg", in lower case.
+std::string lowerExtension(const std::filesystem::path& file);
 
 }  // namespace scanmill

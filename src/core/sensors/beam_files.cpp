@@ -19,8 +19,7 @@ namespace {
 // Lower case, without what is no letter, digit or underscore: "Laser id" is "laserid", "fire time(us)" "firetimeus".
 std::string plainName(std::string_view name) {
   std::string plain;
-  for (const char c : name) {
-    if ('A' <= c && c <= 'Z') plain += static_cast<char>(c + 32);
+  for (const char c : lowerCase(name)) {
     if (('a' <= c && c <= 'z') || ('0' <= c && c <= '9') || c == '_') plain += c;
   }
   return plain;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/short_text.h"
 #include "config/fields.h"
 
 namespace scanmill {
@@ -15,10 +16,6 @@ constexpr double kSmooth = 0.3;  // m of way, over which springs and tyres even 
 double yawOf(const Pose& pose) {
   const Vec3d x = toMatrix(pose.rotation).x;
   return std::atan2(x.y, x.x);
-}
-
-std::string placeText(const Vec3d& p) {
-  return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", p.x, p.y, p.z);
 }
 
 struct Stand {
@@ -111,7 +108,7 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, doubl
     throw InputError(options.where,
                      fmt::format("there is no ground above or below the whole way, which begins at {}: `scanmill "
                                  "info` of the scene tells where it lies, `start` moves recorded poses",
-                                 placeText(way(0).translation)));
+                                 shortPlace(way(0).translation)));
   bare_ = static_cast<double>(bare) / static_cast<double>(count);
   // Where there is none: as before, or at the start as behind.
   Sample known = **std::find_if(found.begin(), found.end(), [](const auto& s) { return s.has_value(); });

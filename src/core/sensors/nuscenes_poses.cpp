@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -62,13 +61,9 @@ std::vector<StampedPose> readNuScenesPoses(const std::filesystem::path& file, co
     if (!wanted.contains(row.at("token").get_ref<const std::string&>())) return;
     const auto q = row.at("rotation").get<std::array<double, 4>>();
     const auto t = row.at("translation").get<std::array<double, 3>>();
-    const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    if (!(std::fabs(norm - 1) < 1e-2)) {
-      throw InputError({file.string()}, fmt::format("the quaternion of the pose {} has the length {:.3g}, not 1",
-                                                    row.at("token").get<std::string>(), norm));
-    }
+    const Location where{fmt::format("{}: the pose {}", file.string(), row.at("token").get<std::string>())};
     poses.push_back({row.at("timestamp").get<double>() * 1e-6,
-                     {{q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm}, {t[0], t[1], t[2]}}});
+                     {checkedRotation({q[0], q[1], q[2], q[3]}, where), {t[0], t[1], t[2]}}});
   });
   std::sort(poses.begin(), poses.end(), [](const StampedPose& a, const StampedPose& b) { return a.time < b.time; });
   return poses;

@@ -39,16 +39,6 @@ Affine rigid(const std::array<double, 12>& m, const Location& where) {
   return affine;
 }
 
-Quat unitQuat(const Quat& q, const Location& where) {
-  const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-  if (!(std::fabs(norm - 1) < 1e-2)) {
-    throw InputError(where, fmt::format("the quaternion has the length {:.3g}, not 1: is the order of its numbers "
-                                        "right?",
-                                        norm));
-  }
-  return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
-}
-
 // Heads each pose along the way, from the one before it to the one behind; where it hardly moves, as it did before.
 void headAlong(std::vector<StampedPose>& poses) {
   constexpr double kMoves = 0.05;  // m
@@ -72,9 +62,7 @@ class PoseColumns {
     const std::vector<std::string_view> names = cellsOf(head.text);
     count_ = names.size();
     for (std::size_t i = 0; i < names.size(); ++i) {
-      std::string name(names[i]);
-      std::transform(name.begin(), name.end(), name.begin(),
-                     [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+      const std::string name = lowerCase(names[i]);
       if (!columns_.emplace(name, i).second) throw InputError(where_, fmt::format("the column {} stands twice", name));
     }
     static const std::map<std::string, double> kTimes{
@@ -114,7 +102,7 @@ class PoseColumns {
     };
     StampedPose p{timeOf(cells[*time_], line.where), {{}, {number("x"), number("y"), number("z")}}, line.where.line};
     if (has("qw")) {
-      p.pose.rotation = unitQuat({number("qw"), number("qx"), number("qy"), number("qz")}, line.where);
+      p.pose.rotation = checkedRotation({number("qw"), number("qx"), number("qy"), number("qz")}, line.where);
     } else {
       p.pose.rotation = fromYawPitchRoll(angle("yaw"), angle("pitch"), angle("roll"));
     }
@@ -135,6 +123,16 @@ class PoseColumns {
 };
 
 }  // namespace
+
+Quat checkedRotation(const Quat& q, const Location& where) {
+  const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  if (!(std::fabs(norm - 1) < 1e-2)) {
+    throw InputError(where, fmt::format("the quaternion has the length {:.3g}, not 1: is the order of its numbers "
+                                        "right?",
+                                        norm));
+  }
+  return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
+}
 
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file) {
   const std::string bytes = readFile(file);
@@ -168,7 +166,8 @@ std::vector<StampedPose> readTumPoses(const std::filesystem::path& file) {
   std::vector<StampedPose> poses;
   for (const TextLine& line : linesOf(bytes, file)) {
     const auto n = numbersOf<8>(line.text, line.where, "time x y z qx qy qz qw");
-    poses.push_back({n[0], {unitQuat({n[7], n[4], n[5], n[6]}, line.where), {n[1], n[2], n[3]}}, line.where.line});
+    poses.push_back(
+        {n[0], {checkedRotation({n[7], n[4], n[5], n[6]}, line.where), {n[1], n[2], n[3]}}, line.where.line});
   }
   return poses;
 }

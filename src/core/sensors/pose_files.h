@@ -11,6 +11,9 @@
 
 namespace scanmill {
 
+// The rotation, of length 1 exactly; throws where its length is farther than a hundredth from 1.
+Quat checkedRotation(const Quat& q, const Location& where);
+
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file);
 std::vector<double> readTimes(const std::filesystem::path& file);  // s, one a line
 // cameraFromScanner, the row `Tr` of a calib.txt of KITTI's odometry.

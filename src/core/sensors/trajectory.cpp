@@ -51,6 +51,15 @@ std::vector<Pose> posesOf(const Value& value) {
   return poses;
 }
 
+void refuseKeysOfDrives(Fields& fields, const char* why) {
+  for (const char* key :
+       {"speed", "every_m", "acceleration", "stops", "lane_changes", "sway", "path", "rounding", "keep"}) {
+    if (const Value* drives = fields.find(key)) {
+      throw InputError(drives->where, fmt::format("{} is for ways that are driven: {}", key, why));
+    }
+  }
+}
+
 std::vector<DriveStop> readStops(Fields& fields, double length) {
   constexpr double kApart = 1;  // m
   std::vector<DriveStop> stops;
@@ -191,28 +200,14 @@ std::vector<Trajectory::LaneChange> Trajectory::readLaneChanges(const Value& val
 }
 
 void Trajectory::readPoses(Fields& fields, double fallbackPeriod, double limit) {
-  for (const char* key :
-       {"speed", "every_m", "acceleration", "stops", "lane_changes", "sway", "path", "rounding", "keep"}) {
-    if (const Value* moving = fields.find(key)) {
-      throw InputError(moving->where, fmt::format("{} is for waypoints: the vehicle stands still in each of `poses`, "
-                                                  "which are every_s apart",
-                                                  key));
-    }
-  }
+  refuseKeysOfDrives(fields, "the vehicle stands still in each of `poses`, which are every_s apart");
   poses_ = posesOf(fields.require("poses"));
   interval_ = fields.number("every_s", kStep, fallbackPeriod);
   frames_ = static_cast<std::uint32_t>(std::min(static_cast<double>(poses_.size()), limit));
 }
 
 void Trajectory::readRecorded(Fields& fields, double fallbackPeriod, double limit) {
-  for (const char* key :
-       {"speed", "every_m", "acceleration", "stops", "lane_changes", "sway", "path", "rounding", "keep"}) {
-    if (const Value* driven = fields.find(key)) {
-      throw InputError(driven->where, fmt::format("{} is for ways that are driven anew: a recording says where the "
-                                                  "vehicle was at each time",
-                                                  key));
-    }
-  }
+  refuseKeysOfDrives(fields, "a recording says where the vehicle was at each time");
   const Value& value = fields.require("recorded");
   recorded_ = std::make_shared<const RecordedPoses>(readRecordedPoses(value));
   interval_ = fields.number("every_s", kStep, fallbackPeriod);

@@ -201,7 +201,7 @@ TEST_F(RecordedPosesFiles, MistakesAreNamedWithTheirLine) {
   EXPECT_THAT(refused("a.csv", "time,x,y,z\n0,0,0,0\n1,2e9,0,0\n"), HasSubstr("farther than"));
   EXPECT_THAT(refused("a.csv", "time,x,y,z\n0,0,0,0\n1,2,0,0\n", ", scene: x"), HasSubstr("scene is not for"));
   EXPECT_THAT(refusal("file: gone.csv"), HasSubstr("gone.csv"));
-  EXPECT_THAT(refusal("file: a.csv", ", speed: 4"), HasSubstr("speed is for ways that are driven anew"));
+  EXPECT_THAT(refusal("file: a.csv", ", speed: 4"), HasSubstr("speed is for ways that are driven: a recording"));
 }
 
 }  // namespace

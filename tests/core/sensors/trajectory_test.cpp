@@ -328,7 +328,8 @@ TEST(TrajectoryWay, RefusesKeysOfOtherWays) {
   EXPECT_THAT(refusal("{path: line, along: lane, speed: 3}"), HasSubstr("path is for waypoints"));
   EXPECT_THAT(refusal("{keep: left, " + line + "}"), HasSubstr("keep is for random drives"));
   EXPECT_THAT(refusal("{drives: 2, " + line + "}"), HasSubstr("drives is for random drives"));
-  EXPECT_THAT(refusal("{path: line, poses: [{}]}"), HasSubstr("path is for waypoints"));
+  EXPECT_THAT(refusal("{path: line, poses: [{}]}"),
+              HasSubstr("path is for ways that are driven: the vehicle stands still"));
   EXPECT_THAT(refusal("{ground: fall, " + line + "}"), HasSubstr("ground must be `drop`"));
   EXPECT_THAT(refusal("{ground: {wheels: [1, 2, 3]}, " + line + "}"), HasSubstr("[wheelbase, track]"));
 }

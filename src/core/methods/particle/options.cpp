@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "config/text.h"
 #include "methods/field/cache.h"
 
 namespace scanmill {
@@ -59,8 +59,7 @@ bool isWord(const Value* value, std::string_view word) {
 // What YAML's older readers take for yes or no.
 bool isYesOrNo(const Value& value) {
   if (value.kind != Value::Kind::Scalar) return false;
-  std::string word = value.text;
-  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string word = lowerCase(value.text);
   constexpr std::string_view kWords[] = {"yes", "no", "true", "false", "on", "off"};
   return std::find(std::begin(kWords), std::end(kWords), word) != std::end(kWords);
 }

@@ -8,6 +8,8 @@
 #include <optional>
 #include <set>
 
+#include "base/short_text.h"
+
 namespace scanmill {
 namespace {
 
@@ -22,10 +24,6 @@ constexpr double kLowest = -0.3;             // z of directions in which is look
 constexpr double kTouches = 1e-3;            // m
 constexpr double kFlat = 0.7;                // cosine of the slope of what is no wall
 constexpr double kMostBare = 0.02;           // of a way on the ground
-
-std::string placeText(const Vec3d& p) {
-  return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", p.x, p.y, p.z);
-}
 
 // To the middles of the faces, edges and corners of a cube, turned so that none runs along an axis; none far down,
 // where what things stand on is as near as their own undersides.
@@ -120,7 +118,7 @@ class WayCheck {
     const std::string& name = plan_.pipeline().sensors[sensor].name;
     const auto where = [&](const std::vector<std::size_t>& found) {
       return fmt::format("in {} of {} frames, first at {}", found.size(), below.size(),
-                         placeText(down[found.front()].from));
+                         shortPlace(down[found.front()].from));
     };
     if (!under.empty()) {
       say(fmt::format(
@@ -156,7 +154,7 @@ class WayCheck {
       for (const auto& [key, count] : odd) {
         if (count.first + 2 < kDirections.size()) continue;
         return say(fmt::format("'{}' is inside of {} at {} (frame {})", plan_.pipeline().sensors[sensor].name,
-                               nameOf(count.second), placeText(at), frame));
+                               nameOf(count.second), shortPlace(at), frame));
       }
     }
   }
@@ -196,7 +194,7 @@ class WayCheck {
       if (!moving_.contains(met[i]->instance)) walls.push_back(*met[i]);
     }
     if (walls.empty()) return;
-    say(fmt::format("its way goes through {} at {}{}", nameOf(walls.front()), placeText(walls.front().place),
+    say(fmt::format("its way goes through {} at {}{}", nameOf(walls.front()), shortPlace(walls.front().place),
                     walls.size() > 1 ? fmt::format(", and through {} more surfaces", walls.size() - 1) : ""));
   }
 

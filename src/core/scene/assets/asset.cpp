@@ -3,11 +3,11 @@
 #include <fmt/core.h>
 #include <malloc.h>
 
-#include <algorithm>
 #include <cctype>
 #include <cmath>
 
 #include "base/error.h"
+#include "config/text.h"
 #include "scene/assets/asset_parts.h"
 #include "scene/assets/blend.h"
 #include "scene/assets/imported_asset.h"
@@ -17,12 +17,6 @@
 namespace scanmill {
 
 namespace {
-
-std::string kindOf(const std::filesystem::path& file) {
-  std::string kind = file.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
-  return kind;
-}
 
 void checkRequest(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   const auto fail = [&](const std::string& what) { throw InputError({file.string()}, what); };
@@ -57,7 +51,7 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, const
 }  // namespace
 
 Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) {
-  const std::string kind = kindOf(file);
+  const std::string kind = lowerExtension(file);
   checkRequest(file, kind, options);
   const bool gltf = kind == ".gltf" || kind == ".glb" || kind == ".b3dm" || kind == ".blend";
   Asset asset = gltf            ? readGltf(file, kind, options)

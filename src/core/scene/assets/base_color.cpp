@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "config/text.h"
 #include "images/images.h"
 #include "scene/assets/texture.h"
 #include "scene/assets/texture_search.h"
@@ -15,9 +16,7 @@ namespace {
 
 // Images of these kinds have no alpha.
 bool isOpaqueKind(const std::string& name) {
-  std::string kind = std::filesystem::path(name).extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  const std::string kind = lowerExtension(name);
   return kind == ".jpg" || kind == ".jpeg" || kind == ".bmp";
 }
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <vector>
 
+#include "config/text.h"
 #include "scene/assets/uri.h"
 
 namespace scanmill {
@@ -16,17 +16,12 @@ bool isFile(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, error);
 }
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 // A name in a folder, whatever its case.
 std::filesystem::path findIgnoringCase(const std::filesystem::path& folder, const std::string& name) {
   std::error_code error;
   std::filesystem::path best;  // the least, since the order of a folder is not stable
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (lower(entry.path().filename().string()) != lower(name) || !isFile(entry.path())) continue;
+    if (lowerCase(entry.path().filename().string()) != lowerCase(name) || !isFile(entry.path())) continue;
     if (best.empty() || entry.path() < best) best = entry.path();
   }
   return best;

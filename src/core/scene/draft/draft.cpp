@@ -39,7 +39,7 @@ std::string literal(const std::string& name) {
 }
 
 // The same with a star for each run of digits.
-std::string numberless(const std::string& name) {
+std::string withoutDigits(const std::string& name) {
   std::string out;
   for (const char c : literal(name)) {
     if (std::isdigit(static_cast<unsigned char>(c)) == 0) {
@@ -94,7 +94,7 @@ Patterns patternsFor(const Known& known, const std::vector<Known>& parts, const 
   // All of a model in a world, whose nodes have its name before a slash.
   const std::string& node = known.part->node;
   for (std::size_t slash = node.find('/'); slash != std::string::npos; slash = node.find('/', slash + 1)) {
-    Patterns all{numberless(node.substr(0, slash)) + "/*", "", ""};
+    Patterns all{withoutDigits(node.substr(0, slash)) + "/*", "", ""};
     if (isConsistent(all, parts, known.concept_)) return all;
   }
   for (const std::vector<std::size_t>& keys : choices) {
@@ -103,7 +103,7 @@ Patterns patternsFor(const Known& known, const std::vector<Known>& parts, const 
       bool named = true;
       for (const std::size_t k : keys) {
         const std::string name = nameOf(*known.part, k);
-        patterns[k] = general ? numberless(name) : literal(name);
+        patterns[k] = general ? withoutDigits(name) : literal(name);
         named = named && !name.empty() && patterns[k] != "*";
       }
       if (named && isConsistent(patterns, parts, known.concept_)) return patterns;

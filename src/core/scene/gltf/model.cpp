@@ -3,20 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
 #include "base/error.h"
 #include "scene/assets/uri.h"
 #include "scene/gltf/container.h"
+#include "scene/gltf/json_reader.h"
+#include "scene/gltf/storage.h"
 
 namespace scanmill::gltf {
 namespace {
 
-using Json = nlohmann::json;
-
-constexpr std::uint64_t kMaxCount = std::uint64_t{1} << 31;
 constexpr int kMaxDepth = 512;
 
 // What is read here, and what changes no more than how things look.
@@ -41,9 +39,9 @@ bool isKnown(std::string_view extension) {
          extension.starts_with("EXT_lights_");
 }
 
-class Reader {
+class Reader : JsonReader {
  public:
-  Reader(Model& model, const Json& json, std::uint64_t binBytes) : m_(model), json_(json), binBytes_(binBytes) {}
+  Reader(Model& model, const Json& json) : JsonReader(model, json) {}
 
   void read() {
     if (!json_.is_object()) fail("is not valid glTF: the file is not a JSON object");
@@ -63,9 +61,7 @@ class Reader {
         m_.center = Vec3d{c[0], c[1], c[2]};
       }
     }
-    each("buffers", m_.buffers, [&](const Json& j, const std::string& what) { return buffer(j, what); });
-    each("bufferViews", m_.views, [&](const Json& j, const std::string& what) { return view(j, what); });
-    each("accessors", m_.accessors, [&](const Json& j, const std::string& what) { return accessor(j, what); });
+    readStorage(m_, json_);
     each("images", m_.images, [&](const Json& j, const std::string& what) { return image(j, what); });
     each("materials", m_.materials, [&](const Json& j, const std::string& what) { return material(j, what); });
     each("meshes", m_.meshes, [&](const Json& j, const std::string& what) { return mesh(j, what); });
@@ -76,231 +72,10 @@ class Reader {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const { m_.fail(what); }
-
-  const Json& list(const char* key) const { return listIn(json_, key, key); }
-
-  // Empty where it is absent.
-  const Json& listIn(const Json& object, const char* key, const std::string& what) const {
-    static const Json kNone = Json::array();
-    const auto found = object.find(key);
-    if (found == object.end()) return kNone;
-    if (!found->is_array()) fail(fmt::format("is not valid glTF: '{}' is not a list", what));
-    return *found;
-  }
-
-  template <class T, class Make>
-  void each(const char* key, std::vector<T>& into, const Make& make) {
-    const Json& all = list(key);
-    into.reserve(all.size());
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const std::string what = fmt::format("{}[{}]", key, i);
-      if (!all[i].is_object()) fail(fmt::format("is not valid glTF: {} is not an object", what));
-      into.push_back(make(all[i], what));
-    }
-  }
-
-  Index index(const Json& value, std::size_t count, const std::string& what) const {
-    if (!value.is_number_unsigned()) fail(fmt::format("is not valid glTF: {} is not an index", what));
-    const std::uint64_t i = value.get<std::uint64_t>();
-    if (i >= count) fail(fmt::format("is not valid glTF: {} is {}, but there are {}", what, i, count));
-    return i;
-  }
-
-  MaybeIndex maybe(const Json& object, const char* key, std::size_t count, const std::string& what) const {
-    const auto found = object.find(key);
-    if (found == object.end()) return std::nullopt;
-    return index(*found, count, what + "." + key);
-  }
-
-  std::uint64_t length(const Json& object, const char* key, std::uint64_t fallback, const std::string& what) const {
-    const auto found = object.find(key);
-    if (found == object.end()) return fallback;
-    if (!found->is_number_unsigned() || found->get<std::uint64_t>() > UINT64_MAX / 4) {
-      fail(fmt::format("is not valid glTF: {}.{} is not a length", what, key));
-    }
-    return found->get<std::uint64_t>();
-  }
-
-  template <std::size_t size>
-  bool numbers(const Json& object, const char* key, const std::string& what, std::array<double, size>& into) const {
-    const auto found = object.find(key);
-    if (found == object.end()) return false;
-    const bool fits = found->is_array() && found->size() == size &&
-                      std::all_of(found->begin(), found->end(), [](const Json& n) { return n.is_number(); });
-    if (!fits) fail(fmt::format("{}.{} is not {} numbers", what, key, size));
-    for (std::size_t i = 0; i < size; ++i) into[i] = (*found)[i].get<double>();
-    return true;
-  }
-
-  // Null where it is absent.
-  const Json* extensionOf(const Json& object, const char* name) const {
-    const auto all = object.find("extensions");
-    return all == object.end() ? nullptr : objectIn(*all, name);
-  }
-
-  const Json* objectIn(const Json& object, const char* name) const {
-    const auto found = object.find(name);
-    if (found == object.end()) return nullptr;
-    if (!found->is_object()) fail(fmt::format("is not valid glTF: a '{}' is not an object", name));
-    return &*found;
-  }
-
   Attributes attributes(const Json& object, const std::string& what) const {
     Attributes found;
     for (const auto& [name, value] : object.items()) found[name] = index(value, m_.accessors.size(), what + "." + name);
     return found;
-  }
-
-  Buffer buffer(const Json& j, const std::string& what) const {
-    Buffer b;
-    b.length = length(j, "byteLength", 0, what);
-    std::uint64_t present = binBytes_;
-    std::string place = "the GLB's binary chunk";
-    if (j.contains("uri")) {
-      b.uri = j["uri"].get<std::string>();
-      if (b.uri.starts_with("data:")) {
-        const std::size_t comma = b.uri.find(',');
-        if (comma == std::string::npos || b.uri.find(";base64") > comma) fail(what + " is not base64 data");
-        std::size_t end = b.uri.size();
-        while (end > comma + 1 && b.uri[end - 1] == '=') --end;
-        present = (end - comma - 1) * 3 / 4;
-        place = "its data";
-      } else {
-        b.uri = decodeUri(b.uri);
-        const std::filesystem::path path = m_.file.parent_path() / b.uri;
-        std::error_code error;
-        if (!std::filesystem::is_regular_file(path, error)) {
-          b.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", b.uri);
-          return b;
-        }
-        present = std::filesystem::file_size(path, error);
-        place = "'" + b.uri + "'";
-      }
-    }
-    if (b.length > present) {
-      b.problem = fmt::format("{} has {} bytes, but {} holds {}: is it truncated?", what, b.length, place, present);
-    }
-    return b;
-  }
-
-  View view(const Json& j, const std::string& what) const {
-    View v;
-    v.buffer = index(j.at("buffer"), m_.buffers.size(), what + ".buffer");
-    v.offset = length(j, "byteOffset", 0, what);
-    v.length = length(j, "byteLength", 0, what);
-    v.stride = length(j, "byteStride", 0, what);
-    if (v.offset + v.length > m_.buffers[v.buffer].length) fail(what + " reaches beyond its buffer");
-    if (v.stride > 252) fail(what + " has a byteStride over 252");
-    for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-      if (const Json* extension = extensionOf(j, name)) {
-        v.compressed = meshopt(*extension, fmt::format("{}.{}", what, name));
-        if (v.compressed->problem.empty() && v.compressed->count * v.compressed->stride != v.length) {
-          fail(fmt::format("is not valid glTF: {} has another length than its {} elements of {} bytes", what,
-                           v.compressed->count, v.compressed->stride));
-        }
-      }
-    }
-    return v;
-  }
-
-  Meshopt meshopt(const Json& j, const std::string& what) const {
-    Meshopt m;
-    m.buffer = index(j.at("buffer"), m_.buffers.size(), what + ".buffer");
-    m.offset = length(j, "byteOffset", 0, what);
-    m.length = length(j, "byteLength", 0, what);
-    m.stride = length(j, "byteStride", 0, what);
-    m.count = length(j, "count", 0, what);
-    if (m.offset + m.length > m_.buffers[m.buffer].length) fail(what + " reaches beyond its buffer");
-    const std::string mode = j.value("mode", std::string());
-    const std::string filter = j.value("filter", std::string("NONE"));
-    static const std::map<std::string, Meshopt::Mode> kModes{{"ATTRIBUTES", Meshopt::Mode::Attributes},
-                                                             {"TRIANGLES", Meshopt::Mode::Triangles},
-                                                             {"INDICES", Meshopt::Mode::Indices}};
-    static const std::map<std::string, Meshopt::Filter> kFilters{{"NONE", Meshopt::Filter::None},
-                                                                 {"OCTAHEDRAL", Meshopt::Filter::Octahedral},
-                                                                 {"QUATERNION", Meshopt::Filter::Quaternion},
-                                                                 {"EXPONENTIAL", Meshopt::Filter::Exponential}};
-    // What is unknown here matters where it is read.
-    if (!kModes.contains(mode) || !kFilters.contains(filter)) {
-      m.problem = fmt::format(
-          "has {} of the mode '{}' and the filter '{}', which are unknown here: export it without "
-          "compression",
-          what, mode, filter);
-      return m;
-    }
-    m.mode = kModes.at(mode);
-    m.filter = kFilters.at(filter);
-    const bool attributes = m.mode == Meshopt::Mode::Attributes;
-    const bool whole =
-        attributes ? m.stride % 4 == 0 && m.stride >= 4 && m.stride <= 256 : m.stride == 2 || m.stride == 4;
-    const bool filters = m.filter == Meshopt::Filter::None ||
-                         (attributes && (m.filter == Meshopt::Filter::Octahedral   ? m.stride == 4 || m.stride == 8
-                                         : m.filter == Meshopt::Filter::Quaternion ? m.stride == 8
-                                                                                   : true));
-    if (!whole || !filters || m.count > kMaxCount || (m.mode == Meshopt::Mode::Triangles && m.count % 3 != 0)) {
-      fail(fmt::format("is not valid glTF: {} has {} elements of {} bytes in the mode {}", what, m.count, m.stride,
-                       mode));
-    }
-    return m;
-  }
-
-  Component component(const Json& object, const std::string& what) const {
-    const auto value = object.find("componentType");
-    const int kind = value != object.end() && value->is_number_integer() ? value->get<int>() : 0;
-    for (const Component c : {Component::Int8, Component::UInt8, Component::Int16, Component::UInt16, Component::UInt32,
-                              Component::Float}) {
-      if (kind == static_cast<int>(c)) return c;
-    }
-    fail(what + " has an unknown type");
-  }
-
-  Accessor accessor(const Json& j, const std::string& what) const {
-    static const std::map<std::string, std::size_t> kWidths{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
-                                                            {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
-    Accessor a;
-    a.component = component(j, what);
-    const auto width = kWidths.find(j.value("type", std::string()));
-    if (width == kWidths.end()) fail(what + " has an unknown type");
-    a.width = width->second;
-    a.count = length(j, "count", 0, what);
-    a.offset = length(j, "byteOffset", 0, what);
-    a.normalized = j.value("normalized", false);
-    if (a.count > kMaxCount) fail(what + " has an absurd count");
-    a.view = maybe(j, "bufferView", m_.views.size(), what);
-    if (a.view) expectInside(*a.view, a.offset, a.count, sizeOf(a.component) * a.width, true, what);
-    if (const auto sparse = j.find("sparse"); sparse != j.end()) a.sparse = sparseOf(*sparse, a, what + ".sparse");
-    return a;
-  }
-
-  void expectInside(Index view, std::uint64_t offset, std::uint64_t count, std::uint64_t size, bool strides,
-                    const std::string& what) const {
-    const View& v = m_.views[view];
-    const std::uint64_t stride = strides && v.stride > 0 ? v.stride : size;
-    if (stride < size) fail(what + " has elements that overlap");
-    if (offset > v.length) fail(what + " begins beyond its bufferView");
-    if (count > 0 && offset + (count - 1) * stride + size > v.length) {
-      fail(what + " reaches beyond its bufferView: is the file truncated?");
-    }
-  }
-
-  Accessor::Sparse sparseOf(const Json& j, const Accessor& a, const std::string& what) const {
-    Accessor::Sparse s;
-    s.count = length(j, "count", 0, what);
-    if (s.count > a.count) fail(fmt::format("is not valid glTF: {} has more elements than its accessor", what));
-    const Json& indices = j.at("indices");
-    const Json& values = j.at("values");
-    s.indices = component(indices, what + ".indices");
-    if (s.indices != Component::UInt8 && s.indices != Component::UInt16 && s.indices != Component::UInt32) {
-      fail(fmt::format("is not valid glTF: {}.indices are no whole numbers", what));
-    }
-    s.indicesView = index(indices.at("bufferView"), m_.views.size(), what + ".indices.bufferView");
-    s.indicesOffset = length(indices, "byteOffset", 0, what + ".indices");
-    s.valuesView = index(values.at("bufferView"), m_.views.size(), what + ".values.bufferView");
-    s.valuesOffset = length(values, "byteOffset", 0, what + ".values");
-    expectInside(s.indicesView, s.indicesOffset, s.count, sizeOf(s.indices), false, what + ".indices");
-    expectInside(s.valuesView, s.valuesOffset, s.count, sizeOf(a.component) * a.width, false, what + ".values");
-    return s;
   }
 
   Image image(const Json& j, const std::string& what) const {
@@ -536,10 +311,6 @@ class Reader {
       for (const Index child : m_.nodes[at].children) open.emplace_back(child, depth + 1);
     }
   }
-
-  Model& m_;
-  const Json& json_;
-  std::uint64_t binBytes_;
 };
 
 }  // namespace
@@ -571,7 +342,7 @@ Model readModel(const std::filesystem::path& file, const std::filesystem::path& 
   model.center = container.center;
   try {
     const Json json = Json::parse(container.json);
-    Reader(model, json, model.bin.size()).read();
+    Reader(model, json).read();
   } catch (const Json::exception& e) {
     model.fail(fmt::format("is not valid glTF: {}", e.what()));
   }

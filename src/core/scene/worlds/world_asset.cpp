@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "config/text.h"
 #include "scene/assets/asset_parts.h"
 #include "scene/assets/base_color.h"
 #include "scene/worlds/tileset.h"
@@ -17,7 +18,7 @@ namespace scanmill {
 namespace {
 
 // "car_01_002" is "car".
-std::string numberless(const std::string& name) {
+std::string withoutNumber(const std::string& name) {
   const std::size_t last = name.find_last_not_of("0123456789_-. ");
   return last == std::string::npos ? name : name.substr(0, last + 1);
 }
@@ -39,10 +40,10 @@ class WorldAsset {
     // Those of one model whose names differ in their numbers alone.
     std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> same;
     for (const WorldThing& thing : world.things) {
-      if (!thing.definition.empty()) same[{thing.definition, numberless(thing.name)}].push_back(&thing);
+      if (!thing.definition.empty()) same[{thing.definition, withoutNumber(thing.name)}].push_back(&thing);
     }
     for (const WorldThing& thing : world.things) {
-      const auto found = same.find({thing.definition, numberless(thing.name)});
+      const auto found = same.find({thing.definition, withoutNumber(thing.name)});
       if (found == same.end() || found->second.size() < 2) {
         addTo(asset_.parts, thing, thing.name, assetFromWorld_ * thing.worldFromThing);
       } else if (found->second.front() == &thing) {
@@ -153,9 +154,7 @@ class WorldAsset {
     AssetOptions options;
     options.alpha = options_.alpha;
     options.textures = options_.textures;
-    std::string suffix = from.mesh.extension().string();
-    std::transform(suffix.begin(), suffix.end(), suffix.begin(),
-                   [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    const std::string suffix = lowerExtension(from.mesh);
     if (isWorld(suffix)) throw InputError(from.where, fmt::format("'{}' is no mesh", from.mesh.string()));
     // Gazebo and ROS take the coordinates of all but glTF as they are, whatever axis a file declares.
     if (suffix != ".gltf" && suffix != ".glb") options.up = 'z';

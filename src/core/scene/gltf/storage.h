@@ -1,0 +1,12 @@
+#pragma once
+
+// Where the numbers of a glTF file lie: buffers, buffer views and accessors.
+
+#include "scene/gltf/json_reader.h"
+
+namespace scanmill::gltf {
+
+// Reads and checks them into the model, which has the GLB's binary chunk.
+void readStorage(Model& model, const Json& json);
+
+}  // namespace scanmill::gltf
