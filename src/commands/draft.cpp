@@ -19,8 +19,8 @@ namespace {
 
 // Folders stand for the 3D files in them, in the order of their names.
 std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named) {
-  static const std::set<std::string> kKinds{".gltf", ".glb", ".obj", ".ply", ".stl",  ".dae",
-                                            ".fbx",  ".ac",  ".acc", ".3ds", ".blend"};
+  static const std::set<std::string> kKinds{".gltf", ".glb", ".obj", ".ply",  ".stl",   ".dae",  ".fbx",  ".ac",
+                                            ".acc",  ".3ds", ".sdf", ".urdf", ".world", ".b3dm", ".blend"};
   std::vector<std::filesystem::path> files;
   for (const std::string& name : named) {
     std::error_code error;
@@ -28,10 +28,14 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named
       files.emplace_back(name);
       continue;
     }
+    // A model of Gazebo's says by itself which meshes it has, and how large they are.
+    if (const auto model = std::filesystem::path(name) / "model.sdf"; std::filesystem::is_regular_file(model, error)) {
+      files.push_back(model);
+      continue;
+    }
     std::vector<std::filesystem::path> found;
     for (auto at = std::filesystem::recursive_directory_iterator(name, error); at != end(at); at.increment(error)) {
       const std::filesystem::directory_entry& entry = *at;
-      // A model of Gazebo's says by itself which meshes it has, and how large they are.
       if (const auto model = entry.path() / "model.sdf"; std::filesystem::is_regular_file(model, error)) {
         found.push_back(model);
         at.disable_recursion_pending();

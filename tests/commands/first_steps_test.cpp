@@ -138,7 +138,7 @@ TEST_F(FirstSteps, InfoOfAnAssetTellsItsSizeAndHowItWasRead) {
   expectRefused(scanmill({"info", at("shed.obj"), "--up", "w"}), "--up must be x, y or z");
   expectRefused(scanmill({"info", at("shed.obj"), "--unit", "cm"}), "--unit");
   folder_.write("shed.xyz", "no 3D file");
-  expectRefused(scanmill({"info", at("shed.xyz")}), "BLEND, SDF or URDF");
+  expectRefused(scanmill({"info", at("shed.xyz")}), "FBX, AC or BLEND");
 }
 
 TEST_F(FirstSteps, InfoOfASceneTellsTheSizesOfItsObjects) {

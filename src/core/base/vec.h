@@ -158,6 +158,12 @@ inline Quat fromYawPitchRoll(double yaw, double pitch, double roll) {
   return qz * qy * qx;
 }
 
+// The yaw (rad) of its x axis: the first of the three angles above.
+inline double headingOf(const Quat& q) {
+  const Vec3d x = toMatrix(q).x;
+  return std::atan2(x.y, x.x);
+}
+
 // Spherical interpolation along the shorter arc: t = 0 gives a, t = 1 gives b.
 inline Quat slerp(const Quat& a, Quat b, double t) {
   double c = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;

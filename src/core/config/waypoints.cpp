@@ -25,7 +25,7 @@ Vec3d checkedPosition(const Vec3d& position, const Location& where) {
   return position;
 }
 
-std::vector<Vec3d> readWaypoints(const Value& value) {
+std::vector<Vec3d> readWaypoints(const Value& value, Climbs climbs) {
   if (value.kind != Value::Kind::Sequence || value.items.size() < 2) {
     throw InputError(
         value.where,
@@ -36,6 +36,7 @@ std::vector<Vec3d> readWaypoints(const Value& value) {
   points.reserve(value.items.size());
   for (const Value& item : value.items) {
     points.push_back(checkedPosition(readVec3(item, "waypoint"), item.where));
+    if (climbs == Climbs::No) points.back().z = points.front().z;
     const std::size_t last = points.size() - 1;
     if (last < 1) continue;
     const Vec3d chord = points[last] - points[last - 1];

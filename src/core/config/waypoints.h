@@ -10,8 +10,10 @@
 namespace scanmill {
 
 // [[x, y, z], ...], two at least, in metres. Throws InputError with the place for a point that repeats the one before
-// it, for a stretch that is too steep to have a heading, and for a path that goes straight back.
-std::vector<Vec3d> readWaypoints(const Value& value);
+// it, for a stretch that is too steep to have a heading, and for a path that goes straight back. Where the path does
+// not climb all are as high as the first.
+enum class Climbs { Yes, No };
+std::vector<Vec3d> readWaypoints(const Value& value, Climbs climbs = Climbs::Yes);
 
 // Throws InputError where the position is farther away than coordinates are exact.
 Vec3d checkedPosition(const Vec3d& position, const Location& where);

@@ -13,9 +13,10 @@
 namespace scanmill {
 namespace {
 
-constexpr std::uint64_t kTries = 30;  // for a place that is free
-constexpr double kOverhead = 0.05;    // m, above a surface, from where on what is there covers it
-constexpr double kSame = 1e-3;        // m
+constexpr std::uint64_t kTries = 30;       // for a place that is free
+constexpr std::uint64_t kMisses = 30'000;  // one after the other, after which no place is looked for any more
+constexpr double kOverhead = 0.05;         // m, above a surface, from where on what is there covers it
+constexpr double kSame = 1e-3;             // m
 
 // Numbers from 0 to 1 of the n-th try for an object.
 RandomBlock draw(std::uint64_t seed, std::uint32_t object, std::uint64_t n, std::uint32_t what) {
@@ -50,7 +51,9 @@ class Spaced {
     const auto cell = [&](double d) { return static_cast<std::int64_t>(std::floor(d / spacing_)); };
     for (std::int64_t i = cell(p.x) - 1; i <= cell(p.x) + 1; ++i) {
       for (std::int64_t j = cell(p.y) - 1; j <= cell(p.y) + 1; ++j) {
-        for (const Vec3d& other : places_[{i, j}]) {
+        const auto cellOf = places_.find({i, j});
+        if (cellOf == places_.end()) continue;
+        for (const Vec3d& other : cellOf->second) {
           if (std::hypot(p.x - other.x, p.y - other.y) < spacing_) return false;
         }
       }
@@ -79,7 +82,7 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
       }
       if (f.has("count")) s.count = static_cast<std::uint64_t>(f.integer("count", 1, Placement::kMostCopies));
       s.density = f.number("density", {1e-9, 1e4}, 0);
-      s.spacing = f.number("spacing", {0, 1e5}, 0);
+      if (f.has("spacing")) s.spacing = f.number("spacing", {1e-3, 1e5});
       s.slope = radians(f.number("slope_deg", {0, 90}, 90));
       s.covered = f.boolean("covered", false);
       if (const Value* within = f.find("within")) {
@@ -102,7 +105,7 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
       Fields f(*value, "along");
       f.also({"waypoints", "every", "left"}).finish();
       along_ = Along{readWaypoints(f.require("waypoints")), f.number("every", {1e-3, 1e6}),
-                     f.number("left", {-1e5, 1e5}, 0)};
+                     f.number("left", {-1e5, 1e5}, 0), value->where};
     }
   }
   if (const Value* value = object.find("vary")) {
@@ -114,6 +117,10 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
     v.scale = readRange(f, "scale", {1e-3, 1e3}, {1, 1});
     v.position = f.number("position", {0, 1e5}, 0);
     v.presence = f.number("presence", {0, 1}, 1);
+    if (v.position > 0 && scatter_ && !object.has("stand_on")) {
+      throw InputError(f.require("position").where,
+                       "position would move scattered copies off their surface: leave it out, or add stand_on");
+    }
     vary_ = v;
   }
   if (const Value* value = object.find("stand_on")) {
@@ -144,9 +151,15 @@ std::vector<Pose> Arrangement::scattered(const SurfaceHeights& heights, std::uin
   std::vector<Pose> places;
   Spaced spaced(s.spacing);
   const auto most = static_cast<std::uint64_t>(std::llround(wanted));
+  if (most == 0) {
+    throw InputError(
+        s.where,
+        fmt::format("makes {:.2g} copies on {:.4g} square metres: take a higher density, or a count", wanted, own));
+  }
+  std::uint64_t misses = 0;
   // By density: as many of so many places as are free.
   const std::uint64_t tries = s.count ? kTries * most : most;
-  for (std::uint64_t n = 0; n < tries && places.size() < most; ++n) {
+  for (std::uint64_t n = 0; n < tries && places.size() < most && (!s.count || misses < kMisses); ++n) {
     const RandomBlock b = draw(seed, object, n, 0);
     Vec3d p;
     if (bounded) {
@@ -156,7 +169,9 @@ std::vector<Pose> Arrangement::scattered(const SurfaceHeights& heights, std::uin
       p = area.place({uniform(b[0]), uniform(b[1]), uniform(b[2])});
     }
     bool free = false;
-    for (const SurfaceHeights::Surface& surface : heights.at(p.x, p.y)) {
+    const std::vector<SurfaceHeights::Surface> surfaces = heights.at(p.x, p.y);
+    for (const SurfaceHeights::Surface& surface : surfaces) {
+      if (!s.covered && surface.height < surfaces.front().height - kOverhead) break;
       const bool holds = std::find(s.classes.begin(), s.classes.end(), surface.semantic) != s.classes.end() &&
                          surface.slope <= s.slope && (bounded || std::fabs(surface.height - p.z) < kSame);
       if (holds) {
@@ -164,9 +179,11 @@ std::vector<Pose> Arrangement::scattered(const SurfaceHeights& heights, std::uin
         free = true;
         break;
       }
-      if (!s.covered && (bounded || surface.height > p.z + kOverhead)) break;
     }
-    if (free && spaced.take(p)) places.push_back({fromYawPitchRoll(2 * kPi * uniform(b[3]), 0, 0), p});
+    ++misses;
+    if (!free || !spaced.take(p)) continue;
+    misses = 0;
+    places.push_back({fromYawPitchRoll(2 * kPi * uniform(b[3]), 0, 0), p});
   }
   if (s.count && places.size() < most) {
     throw InputError(s.where, fmt::format("only {} of {} copies find room: take a smaller count, less spacing or more "
@@ -180,11 +197,12 @@ std::vector<Pose> Arrangement::alongPath() const {
   const Path path(along_->waypoints);
   std::vector<Pose> places;
   const double count = std::floor(path.length() / along_->every * (1 + 1e-12)) + 1;
-  if (count > static_cast<double>(Placement::kMostCopies)) throw Error("along: too many copies");
+  if (count > static_cast<double>(Placement::kMostCopies)) {
+    throw InputError(along_->where, fmt::format("{:.4g} copies; at most {} are made", count, Placement::kMostCopies));
+  }
   for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(count); ++i) {
     const Pose on = path.pose(static_cast<double>(i) * along_->every);
-    const Vec3d ahead = toMatrix(on.rotation).x;
-    const Quat level = fromYawPitchRoll(std::atan2(ahead.y, ahead.x), 0, 0);
+    const Quat level = fromYawPitchRoll(headingOf(on.rotation), 0, 0);
     places.push_back({level, on.translation + toMatrix(level).y * along_->left});
   }
   return places;
@@ -196,6 +214,13 @@ std::vector<Affine> Arrangement::places(const Placement& placement, const Surfac
   std::vector<Pose> outer{Pose{}};
   if (scatter_) outer = scattered(*heights, seed, object);
   if (along_) outer = alongPath();
+  if (outer.size() * placement.count() > Placement::kMostCopies) {
+    throw InputError(scatter_ ? scatter_->where
+                     : along_ ? along_->where
+                              : Location{},
+                     fmt::format("{} places with {} copies each; at most {} are made", outer.size(), placement.count(),
+                                 Placement::kMostCopies));
+  }
   std::vector<Affine> all;
   for (const Pose& place : outer) {
     placement.forEach([&](const Affine& copy) { all.push_back(toAffine(place) * copy); });
@@ -212,7 +237,7 @@ std::vector<Affine> Arrangement::places(const Placement& placement, const Surfac
       const double around = 2 * kPi * uniform(c[0]);
       Affine copy = all[n];
       copy.translation += Vec3d{std::cos(around), std::sin(around), 0} * far;
-      copy.linear = copy.linear * toMatrix(fromYawPitchRoll(yaw, 0, 0)) * Mat3::scale({scale, scale, scale});
+      copy.linear = toMatrix(fromYawPitchRoll(yaw, 0, 0)) * copy.linear * Mat3::scale({scale, scale, scale});
       varied.push_back(copy);
     }
     all = std::move(varied);

@@ -28,7 +28,8 @@ namespace scanmill {
 //   stand_on: ground                   # or classes: [terrain, road]
 //
 // The copies of the placement stand at each scattered place, which turns with a random yaw, or at each place along the
-// path, which turns with it. Random numbers follow from the scene's seed and the object's number in it.
+// path, which turns with it. `vary` turns a copy about the vertical through its own place. Random numbers follow from
+// the scene's seed and the object's number in it.
 class Arrangement {
  public:
   // Reads `copies.scatter`, `copies.along`, `vary` and `stand_on`. Throws InputError with the place.
@@ -57,6 +58,7 @@ class Arrangement {
   struct Along {
     std::vector<Vec3d> waypoints;
     double every = 0, left = 0;  // m
+    Location where;
   };
   struct Vary {
     std::array<double, 2> yaw{}, scale{1, 1};  // rad

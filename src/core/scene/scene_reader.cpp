@@ -18,7 +18,7 @@
 //   alpha: auto                          # whether beams pass where a base colour's alpha is below 0.5: test (yes),
 //                                        # ignore (no: all is solid), auto (default: as the file's materials declare;
 //                                        # where they do not, what looks like cut-outs: see AlphaUse in
-//                                        scene/assets/asset.h)
+//                                        # scene/assets/asset.h)
 //   instances: node                      # node: each node with a thing class is a thing of its own;
 //                                        # object (default): the placed asset is one thing
 //   animation: {clip: walk}              # of glTF: it plays over and over; with time_s it stands as it is then
@@ -40,8 +40,7 @@
 // and has a name, a position and copies (see scene/placement.h and scene/arrangement.h), and, but for streets and
 // towns, may move:
 //
-//   moving: {velocity: [8, 0, 0]}        # see scene/movement.h; position and rotation are then relative to the
-//   movement
+//   moving: {velocity: [8, 0, 0]}        # see scene/movement.h; position and rotation are then relative to it
 
 #include <fmt/format.h>
 
@@ -162,6 +161,10 @@ class SceneReader {
   Copies copiesOf(Fields& f) {
     Copies copies{readPlacement(f), Arrangement(f, builder_.ontology()), objects_};
     random_ = random_ || copies.arrangement.random();
+    if (const Value* const moving = f.find("moving"); moving != nullptr && copies.arrangement.needsSurfaces()) {
+      throw InputError(moving->where,
+                       "scatter and stand_on are for what stands still: give the way of what moves its heights");
+    }
     return copies;
   }
 
@@ -169,8 +172,13 @@ class SceneReader {
   double lowestOf(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const {
     double lowest = std::numeric_limits<double>::infinity();
     for (const PlacedMesh& m : meshes) {
-      const Box box = builder_.soFar().meshes[m.mesh].bounds();
+      const Mesh& mesh = builder_.soFar().meshes[m.mesh];
+      const Box box = mesh.bounds();
       const auto add = [&](const Affine& place) {
+        if (place.linear.x.z != 0 || place.linear.y.z != 0) {  // tilted: the box's corners are lower than the mesh
+          for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, (place * Vec3d(p)).z);
+          return;
+        }
         for (int corner = 0; corner < 8; ++corner) {
           const Vec3d p{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
                         corner & 4 ? box.high.z : box.low.z};
@@ -183,10 +191,12 @@ class SceneReader {
     return lowest;
   }
 
-  std::vector<Affine> placesOf(const Copies& copies, const std::vector<PlacedMesh>& meshes) const {
-    std::optional<SurfaceHeights> heights;
-    if (copies.arrangement.needsSurfaces()) heights.emplace(builder_.soFar());
-    return copies.arrangement.places(copies.placement, heights ? &*heights : nullptr, options_.seed, copies.object,
+  std::vector<Affine> placesOf(const Copies& copies, const std::vector<PlacedMesh>& meshes) {
+    if (copies.arrangement.needsSurfaces()) {
+      if (!heights_) heights_.emplace(builder_.soFar());
+      heights_->update();
+    }
+    return copies.arrangement.places(copies.placement, heights_ ? &*heights_ : nullptr, options_.seed, copies.object,
                                      [&](const Affine& place) { return lowestOf(meshes, place); });
   }
 
@@ -355,6 +365,7 @@ class SceneReader {
   std::filesystem::path assetFolder_;
   std::map<std::string, std::uint32_t> meshes_;
   FileMeshes files_;
+  std::optional<SurfaceHeights> heights_;
   std::uint64_t placed_ = 0;
   std::uint64_t procedural_ = 0;
   std::uint64_t towns_ = 0;

@@ -1,103 +1,199 @@
 #include "scene/surface_heights.h"
 
+#include <embree3/rtcore.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <tuple>
+
+#include "base/error.h"
 
 namespace scanmill {
 namespace {
 
-constexpr double kMostCells = 4e6;
+constexpr double kMargin = 1;  // m, above and below all
 
+std::array<Vec3d, 3> cornersOf(const Scene& scene, std::uint32_t instance, std::uint32_t triangle) {
+  const Instance& placed = scene.instances[instance];
+  const Mesh& mesh = scene.meshes[placed.mesh];
+  std::array<Vec3d, 3> corners;
+  for (int k = 0; k < 3; ++k) corners[k] = placed.worldFromMesh * Vec3d(mesh.positions[mesh.triangles[triangle][k]]);
+  return corners;
+}
+
+// Of the triangle as seen from above (m^2); negative where it faces down.
 double areaFromAbove(const std::array<Vec3d, 3>& c) {
-  return std::fabs((c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (c[1].y - c[0].y)) / 2;
+  return ((c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (c[1].y - c[0].y)) / 2;
+}
+
+struct Facet {
+  std::uint32_t instance, triangle;
+};
+
+// Every triangle that a ray crosses.
+struct Crossings {
+  RTCIntersectContext embree;
+  std::vector<Facet>* found;
+};
+
+void note(const RTCFilterFunctionNArguments* arguments) {
+  auto* const crossings = reinterpret_cast<Crossings*>(arguments->context);
+  const unsigned instance = RTCHitN_instID(arguments->hit, arguments->N, 0, 0);
+  crossings->found->push_back({instance, RTCHitN_primID(arguments->hit, arguments->N, 0)});
+  arguments->valid[0] = 0;  // and on
 }
 
 }  // namespace
 
-SurfaceHeights::SurfaceHeights(const Scene& scene) {
-  for (const Instance& instance : scene.instances) {
-    if (instance.moves()) continue;
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      Facet facet;
-      for (int k = 0; k < 3; ++k)
-        facet.corner[k] = instance.worldFromMesh * Vec3d(mesh.positions[mesh.triangles[t][k]]);
-      if (!(areaFromAbove(facet.corner) > 0)) continue;
-      facet.semantic = mesh.surfaces[mesh.surfaceOf[t]].semantic;
-      const SemanticClass* const own = scene.ontology.find(facet.semantic);
-      facet.thing = own != nullptr && own->thing;
-      for (const Vec3d& c : facet.corner) bounds_.add(c);
-      facets_.push_back(facet);
+// Embree's, in single precision about an anchor: it finds the triangles, whose heights are then computed in double.
+struct SurfaceHeights::Hierarchy {
+  RTCDevice device = rtcNewDevice(nullptr);
+  RTCScene all = rtcNewScene(device);
+  std::vector<RTCScene> meshes;
+  Vec3d anchor;
+  Box bounds;
+
+  Hierarchy() { rtcSetSceneFlags(all, RTC_SCENE_FLAG_ROBUST); }
+  ~Hierarchy() {
+    for (RTCScene mesh : meshes) {
+      if (mesh != nullptr) rtcReleaseScene(mesh);
     }
+    rtcReleaseScene(all);
+    rtcReleaseDevice(device);
   }
-  if (facets_.empty()) return;
-  const Vec3d size = bounds_.high - bounds_.low;
-  const double cells = std::min(static_cast<double>(facets_.size()), kMostCells);
-  cell_ = std::max(std::sqrt(size.x * size.y / cells), 1e-3);
-  cell_ = std::max({cell_, size.x / kMostCells, size.y / kMostCells});
-  across_ = static_cast<std::size_t>(size.x / cell_) + 1;
-  up_ = static_cast<std::size_t>(size.y / cell_) + 1;
-  // Twice: counted, then filed.
-  begin_.assign(across_ * up_ + 1, 0);
-  const auto forCells = [&](const Facet& f, const auto& visit) {
-    Box box;
-    for (const Vec3d& c : f.corner) box.add(c);
-    const auto column = [&](double x) {
-      return std::min(static_cast<std::size_t>((x - bounds_.low.x) / cell_), across_ - 1);
+  Hierarchy(const Hierarchy&) = delete;
+  Hierarchy& operator=(const Hierarchy&) = delete;
+
+  RTCScene sceneOf(const Mesh& mesh, std::uint32_t index) {
+    if (index >= meshes.size()) meshes.resize(index + 1, nullptr);
+    if (meshes[index] != nullptr) return meshes[index];
+    RTCScene scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    const auto copy = [&](RTCBufferType type, RTCFormat format, const auto& values) {
+      using Item = typename std::decay_t<decltype(values)>::value_type;
+      static_assert(sizeof(Item) == 12);
+      void* const to = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(Item), values.size());
+      if (to == nullptr) throw Error("Embree has no memory for the surfaces that objects stand on");
+      std::copy(values.begin(), values.end(), static_cast<Item*>(to));
     };
-    const auto row = [&](double y) { return std::min(static_cast<std::size_t>((y - bounds_.low.y) / cell_), up_ - 1); };
-    for (std::size_t j = row(box.low.y); j <= row(box.high.y); ++j) {
-      for (std::size_t i = column(box.low.x); i <= column(box.high.x); ++i) visit(j * across_ + i);
-    }
-  };
-  for (const Facet& f : facets_) forCells(f, [&](std::size_t cell) { ++begin_[cell + 1]; });
-  for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
-  inCell_.resize(begin_.back());
-  std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for (std::uint32_t f = 0; f < facets_.size(); ++f) {
-    forCells(facets_[f], [&](std::size_t cell) { inCell_[next[cell]++] = f; });
+    copy(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, mesh.positions);
+    copy(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, mesh.triangles);
+    rtcSetGeometryIntersectFilterFunction(geometry, note);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene);
+    return meshes[index] = scene;
   }
+
+  void add(const Scene& scene, std::uint32_t index) {
+    const Instance& instance = scene.instances[index];
+    const Affine& a = instance.worldFromMesh;
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    if (bounds.empty()) anchor = a.translation;
+    const Box box = mesh.bounds();
+    for (int corner = 0; corner < 8; ++corner) {
+      bounds.add(a * Vec3d{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                           corner & 4 ? box.high.z : box.low.z});
+    }
+    const Vec3d t = a.translation - anchor;
+    std::array<float, 12> columns{};
+    std::size_t k = 0;
+    for (const Vec3d& c : {a.linear.x, a.linear.y, a.linear.z, t}) {
+      for (const double value : {c.x, c.y, c.z}) columns[k++] = static_cast<float>(value);
+    }
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, sceneOf(mesh, instance.mesh));
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(all, geometry, index);
+    rtcReleaseGeometry(geometry);
+  }
+
+  std::vector<Facet> crossedAt(double x, double y) const {
+    std::vector<Facet> found;
+    Crossings crossings{{}, &found};
+    rtcInitIntersectContext(&crossings.embree);
+    RTCRayHit ray{};
+    ray.ray.org_x = static_cast<float>(x - anchor.x);
+    ray.ray.org_y = static_cast<float>(y - anchor.y);
+    ray.ray.org_z = static_cast<float>(bounds.high.z + kMargin - anchor.z);
+    ray.ray.dir_z = -1;
+    ray.ray.tfar = static_cast<float>(bounds.high.z - bounds.low.z + 2 * kMargin);
+    ray.ray.mask = UINT32_MAX;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(all, &crossings.embree, &ray);
+    return found;
+  }
+};
+
+SurfaceHeights::SurfaceHeights(const Scene& scene) : scene_(scene), hierarchy_(std::make_unique<Hierarchy>()) {}
+SurfaceHeights::~SurfaceHeights() = default;
+
+void SurfaceHeights::update() {
+  if (taken_ == scene_.instances.size()) return;
+  for (; taken_ < scene_.instances.size(); ++taken_) {
+    if (!scene_.instances[taken_].moves()) hierarchy_->add(scene_, static_cast<std::uint32_t>(taken_));
+  }
+  rtcCommitScene(hierarchy_->all);
 }
 
 std::vector<SurfaceHeights::Surface> SurfaceHeights::at(double x, double y) const {
-  std::vector<Surface> found;
-  if (facets_.empty() || x < bounds_.low.x || y < bounds_.low.y || x > bounds_.high.x || y > bounds_.high.y)
-    return found;
-  const auto column = std::min(static_cast<std::size_t>((x - bounds_.low.x) / cell_), across_ - 1);
-  const auto row = std::min(static_cast<std::size_t>((y - bounds_.low.y) / cell_), up_ - 1);
-  const std::size_t cell = row * across_ + column;
-  for (std::uint32_t k = begin_[cell]; k < begin_[cell + 1]; ++k) {
-    const Facet& f = facets_[inCell_[k]];
-    const auto& [a, b, c] = f.corner;
-    const double whole = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-    const double v = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / whole;
-    const double w = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / whole;
-    constexpr double kEdge = 1e-9;  // so that no place falls between two triangles
-    if (v < -kEdge || w < -kEdge || v + w > 1 + kEdge) continue;
-    const Vec3d square = cross(b - a, c - a);
-    found.push_back({a.z + v * (b.z - a.z) + w * (c.z - a.z),
-                     std::acos(std::min(std::fabs(square.z) / length(square), 1.0)), f.semantic, f.thing});
+  std::vector<Surface> surfaces;
+  if (hierarchy_->bounds.empty()) return surfaces;
+  std::vector<Facet> found = hierarchy_->crossedAt(x, y);
+  const auto key = [](const Facet& f) { return std::tuple(f.instance, f.triangle); };
+  std::sort(found.begin(), found.end(), [&](const Facet& a, const Facet& b) { return key(a) < key(b); });
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (i > 0 && key(found[i]) == key(found[i - 1])) continue;
+    const auto [a, b, c] = cornersOf(scene_, found[i].instance, found[i].triangle);
+    const Vec3d normal = cross(b - a, c - a);
+    if (!(std::fabs(normal.z) > 1e-6 * length(normal))) continue;  // upright
+    const Mesh& mesh = scene_.meshes[scene_.instances[found[i].instance].mesh];
+    const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[found[i].triangle]].semantic;
+    const SemanticClass* const own = scene_.ontology.find(semantic);
+    surfaces.push_back({a.z - (normal.x * (x - a.x) + normal.y * (y - a.y)) / normal.z,
+                        std::acos(std::min(std::fabs(normal.z) / length(normal), 1.0)), semantic,
+                        own != nullptr && own->thing});
   }
-  std::stable_sort(found.begin(), found.end(), [](const Surface& p, const Surface& q) { return p.height > q.height; });
-  return found;
+  std::stable_sort(surfaces.begin(), surfaces.end(),
+                   [](const Surface& p, const Surface& q) { return p.height > q.height; });
+  return surfaces;
 }
 
 SurfaceHeights::Area SurfaceHeights::area(const std::vector<std::uint16_t>& classes) const {
-  Area area;
-  double sum = 0;
-  for (const Facet& f : facets_) {
-    if (std::find(classes.begin(), classes.end(), f.semantic) == classes.end()) continue;
-    sum += areaFromAbove(f.corner);
-    area.triangles_.push_back(f.corner);
-    area.sums_.push_back(sum);
+  Area up;
+  Area any;
+  const auto add = [](Area& area, const Area::Facet& facet, double squareMetres) {
+    if (!(squareMetres > 0)) return;
+    area.facets_.push_back(facet);
+    area.sums_.push_back(area.squareMetres() + squareMetres);
+  };
+  for (std::uint32_t i = 0; i < taken_; ++i) {
+    const Instance& instance = scene_.instances[i];
+    if (instance.moves()) continue;
+    const Mesh& mesh = scene_.meshes[instance.mesh];
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[t]].semantic;
+      if (std::find(classes.begin(), classes.end(), semantic) == classes.end()) continue;
+      const std::array<Vec3d, 3> c = cornersOf(scene_, i, t);
+      const double squareMetres = areaFromAbove(c) * (determinant(instance.worldFromMesh.linear) < 0 ? -1 : 1);
+      if (std::fabs(squareMetres) < 1e-6 * length(cross(c[1] - c[0], c[2] - c[0]))) continue;  // upright
+      add(up, {i, t}, squareMetres);
+      add(any, {i, t}, std::fabs(squareMetres));
+    }
   }
-  return area;
+  Area& found = up.facets_.empty() ? any : up;
+  found.scene_ = &scene_;
+  return std::move(found);
 }
 
 Vec3d SurfaceHeights::Area::place(const std::array<double, 3>& u) const {
   const auto found = std::upper_bound(sums_.begin(), sums_.end() - 1, u[0] * sums_.back());
-  const std::array<Vec3d, 3>& t = triangles_[static_cast<std::size_t>(found - sums_.begin())];
+  const Facet& facet = facets_[static_cast<std::size_t>(found - sums_.begin())];
+  const std::array<Vec3d, 3> t = cornersOf(*scene_, facet.instance, facet.triangle);
   // Shirley's mapping of the square onto a triangle.
   const double root = std::sqrt(u[1]);
   return t[0] * (1 - root) + t[1] * (root * (1 - u[2])) + t[2] * (root * u[2]);

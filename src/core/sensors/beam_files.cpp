@@ -37,14 +37,12 @@ class BeamTableFile {
     const std::vector<TextLine> lines = linesOf(bytes_, file);
     head_ = lines.front();
     for (const std::string_view name : cellsOf(head_.text)) names_.push_back(plainName(name));
+    while (!names_.empty() && names_.back().empty()) names_.pop_back();
     for (std::size_t i = 1; i < lines.size(); ++i) {
       std::vector<std::string_view> cells = cellsOf(lines[i].text);
       if (std::all_of(cells.begin(), cells.end(), [](std::string_view c) { return c.empty(); })) continue;
       if (i + 1 == lines.size() && isChecksum(cells.front())) continue;
-      if (cells.size() < names_.size()) {
-        throw InputError(lines[i].where,
-                         fmt::format("has {} cells, the first line has {}", cells.size(), names_.size()));
-      }
+      while (cells.size() > names_.size() && cells.back().empty()) cells.pop_back();
       rows_.push_back({lines[i].where, std::move(cells)});
     }
     if (rows_.empty()) throw InputError(head_.where, "no line follows the names of the columns");
@@ -71,6 +69,10 @@ class BeamTableFile {
   // The numbers of a column in the order of the channels, which count from 1.
   std::vector<double> numbers(std::size_t column) const {
     const auto channels = this->column({"channel", "laserid", "laser_id", "ring"});
+    for (const Row& row : rows_) {
+      if (row.cells.size() == names_.size()) continue;
+      throw InputError(row.where, fmt::format("has {} cells, the first line has {}", row.cells.size(), names_.size()));
+    }
     std::vector<double> numbers(rows_.size());
     std::vector<bool> known(rows_.size());
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -121,9 +123,12 @@ std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
                                  "elevation_deg,azimuth_offset_deg: {}",
                                  quotedForMessage(table.head().text)));
   }
-  if (own)
+  if (own) {
     table.expectOnly({"channel", "laserid", "laser_id", "ring", "elevation_deg", "azimuth_offset_deg", "origin_left_m",
                       "origin_up_m", "firing_time_us"});
+  } else {
+    table.expectOnly({"channel", "laserid", "laser_id", "ring", "elevation", "azimuth"});
+  }
   const auto azimuth = own ? table.column({"azimuth_offset_deg"}) : table.column({"azimuth"});
   std::vector<Laser> lasers;
   for (const double elevation : table.numbers(own ? *own : *hesai)) lasers.push_back({elevation, 0, 0, 0, 0});
@@ -159,6 +164,11 @@ std::vector<double> readFiringTable(const std::filesystem::path& file) {
                                  quotedForMessage(table.head().text)));
   }
   std::vector<double> times = table.numbers(micro ? *micro : *nano);
+  if (const auto odd = table.column({"odd_firetimens"}); odd && table.numbers(*odd) != times) {
+    throw InputError(table.head().where,
+                     "has two states, even and odd, whose times differ: put the times of one into a table with the "
+                     "column firing_time_us");
+  }
   const double first = *std::min_element(times.begin(), times.end());
   for (double& time : times) time = (time - first) * (micro ? 1 : 1e-3);
   return times;

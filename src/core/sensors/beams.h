@@ -58,8 +58,11 @@ struct BeamTable {
   double azimuth(std::uint32_t column) const;
   // The time at which a column fires, before the ring's offset (s since the start of the revolution).
   double columnTime(std::uint32_t column) const { return column * columnPeriod(); }
-  // The time from column to column (s).
-  double columnPeriod() const { return period * (field / (2 * kPi)) / columns; }
+  // The time from column to column (s). A field below a full circle has its first and last column at its two edges.
+  double columnPeriod() const {
+    const std::uint32_t steps = fullTurn() || columns == 1 ? columns : columns - 1;
+    return period * (field / (2 * kPi)) / steps;
+  }
 };
 
 // Computes direction, origin and time of every beam from the table's compact description.

@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "config/fields.h"
+#include "config/text.h"
 #include "sensors/beam_files.h"
 #include "sensors/ouster_metadata.h"
 
@@ -98,29 +99,30 @@ struct Unit {
   std::vector<Value::Entry> others;  // keys that a sensor may state otherwise
 };
 
-Unit unitOfOuster(const std::filesystem::path& file) {
+// `window`: the columns are those that the file says are sent, else its whole turn.
+Unit unitOfOuster(const std::filesystem::path& file, bool window) {
   const OusterMetadata m = readOusterMetadata(file);
   Unit unit;
   for (std::size_t i = 0; i < m.elevation.size(); ++i) unit.lasers.push_back({m.elevation[i], m.azimuth[i], 0, 0, 0});
   const Location where{file.string()};
   const auto add = [&](const char* key, const std::string& text) { unit.others.push_back({key, scalar(text, where)}); };
   const double step = 360.0 / m.columns;
+  const std::uint32_t columns = window ? m.windowColumns : m.columns;
+  const std::uint32_t first = window ? m.firstColumn : 0;
   if (!m.model.empty()) add("model", m.model);
-  add("columns", std::to_string(m.windowColumns));
+  add("columns", std::to_string(columns));
   add("rate_hz", fmt::format("{}", m.rate));
   add("direction", "clockwise");
-  add("first_azimuth_deg", fmt::format("{}", std::remainder(m.firstAzimuth - step * m.firstColumn, 360.0)));
+  add("first_azimuth_deg", fmt::format("{}", std::remainder(m.firstAzimuth - step * first, 360.0)));
   add("origin_offset_m", fmt::format("{}", m.originOffset));
   add("origin_height_m", fmt::format("{}", m.originHeight));
-  if (m.windowColumns > 1 && m.windowColumns < m.columns) {
-    add("field_deg", fmt::format("{}", step * (m.windowColumns - 1)));
-  }
+  if (columns < m.columns) add("field_deg", fmt::format("{}", step * (columns - 1)));
   return unit;
 }
 
-Unit readUnit(const std::filesystem::path& file) {
-  const std::string kind = file.extension().string();
-  if (kind == ".json") return unitOfOuster(file);
+Unit readUnit(const std::filesystem::path& file, bool window) {
+  const std::string kind = lowerExtension(file);
+  if (kind == ".json") return unitOfOuster(file, window);
   if (kind == ".csv") return {readBeamTable(file), {}};
   if (kind == ".dat") {
     throw InputError(
@@ -129,6 +131,23 @@ Unit readUnit(const std::filesystem::path& file) {
         "read");
   }
   return {readLasers(readYaml(file)), {}};
+}
+
+bool hasFiring(const Unit& unit) {
+  return std::any_of(unit.lasers.begin(), unit.lasers.end(), [](const Laser& l) { return l.firing != 0; });
+}
+
+// The firing times of a preset are those of its rings: a file that lists them the other way round would swap them.
+void checkFiring(const Value& preset, const Value& own, const Unit& unit, const Location& where) {
+  if (preset.find("firing_time_us") == nullptr || own.find("firing_time_us") != nullptr || hasFiring(unit)) return;
+  const Value* const order = preset.find("ring_order");
+  const std::string theirs = order == nullptr ? "top_down" : order->text;
+  const std::string ours = orderOf(unit.lasers);
+  if (theirs == ours || theirs == "unordered" || ours == "unordered") return;
+  throw InputError(where,
+                   fmt::format("the preset's firing times are those of rings {}, but the file lists its lasers {}: "
+                               "turn the file's lines round, or give firing_time_us",
+                               theirs, ours));
 }
 
 }  // namespace
@@ -143,12 +162,13 @@ Value withCalibration(const Value& value, const Value* preset) {
   }
   const Value& name = *value.find("calibration");
   const std::filesystem::path file = resolvePath(name, readText(name, "calibration"));
-  Unit unit = readUnit(file);
+  const bool window = value.find("columns") == nullptr && value.find("field_deg") == nullptr;
+  Unit unit = readUnit(file, window);
   const Value* const order = preset == nullptr ? nullptr : preset->find("ring_order");
-  const std::string kind = file.extension().string();
-  if (order != nullptr && order->text == "bottom_up" && kind != ".json" && kind != ".csv") {
-    std::reverse(unit.lasers.begin(), unit.lasers.end());
-  }
+  const std::string kind = lowerExtension(file);
+  const bool listed = kind == ".json" || kind == ".csv";
+  if (order != nullptr && order->text == "bottom_up" && !listed) std::reverse(unit.lasers.begin(), unit.lasers.end());
+  if (listed && preset != nullptr) checkFiring(*preset, value, unit, name.where);
   const Location where{file.string()};
   Value sensor = value;
   std::erase_if(sensor.entries, [](const Value::Entry& e) { return e.key == "calibration"; });
@@ -158,14 +178,11 @@ Value withCalibration(const Value& value, const Value* preset) {
   sensor.entries.push_back(listOf("azimuth_offset_deg", unit.lasers, &Laser::azimuth, where));
   sensor.entries.push_back(listOf("origin_left_m", unit.lasers, &Laser::left, where));
   sensor.entries.push_back(listOf("origin_up_m", unit.lasers, &Laser::up, where));
-  if (value.find("firing_time_us") == nullptr &&
-      std::any_of(unit.lasers.begin(), unit.lasers.end(), [](const Laser& l) { return l.firing != 0; })) {
+  if (value.find("firing_time_us") == nullptr && hasFiring(unit)) {
     sensor.entries.push_back(listOf("firing_time_us", unit.lasers, &Laser::firing, where));
   }
-  // A window of columns belongs to the mode of the file alone.
-  const bool ownColumns = value.find("columns") != nullptr;
   for (Value::Entry& entry : unit.others) {
-    if (value.find(entry.key) != nullptr || (ownColumns && entry.key == "field_deg")) continue;
+    if (value.find(entry.key) != nullptr) continue;
     sensor.entries.push_back(std::move(entry));
   }
   return sensor;

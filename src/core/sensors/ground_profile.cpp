@@ -11,12 +11,11 @@
 namespace scanmill {
 namespace {
 
-constexpr double kSmooth = 0.3;  // m of way, over which springs and tyres even the ground out
-
-double yawOf(const Pose& pose) {
-  const Vec3d x = toMatrix(pose.rotation).x;
-  return std::atan2(x.y, x.x);
-}
+constexpr double kSmooth = 0.3;        // m of way, over which springs and tyres even the ground out
+constexpr double kBareUntilLost = 10;  // m of way without ground, after which it is looked for anew
+constexpr double kSpacing = 0.1;       // m, between samples
+constexpr std::size_t kMostSamples = 10'000'000;
+constexpr std::size_t kMostEvened = 20;  // samples before and behind, where the vehicle hardly moves
 
 struct Stand {
   double height, along, left;
@@ -30,15 +29,22 @@ std::optional<Stand> standAt(const GroundOptions& options, const Pose& pose, con
     const std::optional<double> z = height(at);
     return z ? std::optional<Stand>({*z, 0, 0}) : std::nullopt;
   }
-  const double yaw = yawOf(pose);
+  const double yaw = headingOf(pose.rotation);
   const Vec3d ahead = Vec3d{std::cos(yaw), std::sin(yaw), 0} * ((*options.wheels)[0] / 2);
   const Vec3d left = Vec3d{-std::sin(yaw), std::cos(yaw), 0} * ((*options.wheels)[1] / 2);
   std::array<double, 4> wheel{};  // front left, front right, rear left, rear right
+  std::optional<int> hangs;
   for (int i = 0; i < 4; ++i) {
     const std::optional<double> z = height(at + (i < 2 ? ahead : -ahead) + (i % 2 == 0 ? left : -left));
-    if (!z) return std::nullopt;
-    wheel[i] = *z;
+    if (!z && hangs) return std::nullopt;
+    if (z) {
+      wheel[i] = *z;
+    } else {
+      hangs = i;
+    }
   }
+  // Three wheels carry; the fourth, over a gap, is where their plane is.
+  if (hangs) wheel[*hangs] = wheel[*hangs ^ 1] + wheel[*hangs ^ 2] - wheel[*hangs ^ 3];
   return Stand{(wheel[0] + wheel[1] + wheel[2] + wheel[3]) / 4,
                (wheel[0] + wheel[1] - wheel[2] - wheel[3]) / (2 * (*options.wheels)[0]),
                (wheel[0] + wheel[2] - wheel[1] - wheel[3]) / (2 * (*options.wheels)[1])};
@@ -78,77 +84,112 @@ GroundOptions readGround(const Value& value) {
   return options;
 }
 
-GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, double end, double step,
+GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::vector<double> places,
                              const Ground& ground)
-    : step_(step) {
-  const auto count = static_cast<std::size_t>(std::ceil(end / step)) + 1;
-  std::vector<std::optional<Sample>> found(count);
+    : places_(std::move(places)) {
+  std::vector<std::optional<Sample>> found(places_.size());
+  std::vector<double> driven(places_.size(), 0.0);  // m
   std::optional<double> last;
+  double lastAt = 0;  // m, where the ground was known last
   std::size_t bare = 0;
-  double driven = 0;
   Vec3d before = way(0).translation;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Pose pose = way(std::min(static_cast<double>(i) * step, end));
-    driven += length(pose.translation - before);
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Pose pose = way(places_[i]);
+    const Vec3d step = pose.translation - before;
+    driven[i] = (i > 0 ? driven[i - 1] : 0) + std::hypot(step.x, step.y);
     before = pose.translation;
+    const bool lost = !last || driven[i] - lastAt > kBareUntilLost;
     const auto height = [&](Vec3d place) {
-      if (!last) return ground.under(place);
-      place.z = *last;
-      const std::optional<double> z = ground.near(place);
-      return z ? z : ground.under(place);
+      if (last) place.z = *last;
+      const std::optional<double> z = last ? ground.near(place) : std::nullopt;
+      return z || !lost ? z : ground.under(place);
     };
     if (const std::optional<Stand> stand = standAt(options, pose, height)) {
       found[i] = Sample{stand->height, stand->along, stand->left};
       last = stand->height;
+      lastAt = driven[i];
     } else {
       ++bare;
     }
   }
-  if (!last)
+  if (!last) {
     throw InputError(options.where,
                      fmt::format("there is no ground above or below the whole way, which begins at {}: `scanmill "
                                  "info` of the scene tells where it lies, `start` moves recorded poses",
                                  shortPlace(way(0).translation)));
-  bare_ = static_cast<double>(bare) / static_cast<double>(count);
+  }
+  bare_ = static_cast<double>(bare) / static_cast<double>(places_.size());
   // Where there is none: as before, or at the start as behind.
   Sample known = **std::find_if(found.begin(), found.end(), [](const auto& s) { return s.has_value(); });
-  std::vector<Sample> rough;
   for (const auto& sample : found) {
     if (sample) known = *sample;
-    rough.push_back({known.height + options.height, known.along, known.left});
+    samples_.push_back({known.height + options.height, known.along, known.left});
   }
-  const double metres = driven / static_cast<double>(std::max<std::size_t>(count - 1, 1));
-  samples_ = std::move(rough);
-  for (int pass = 0; pass < 2; ++pass) samples_ = evened(samples_, static_cast<std::size_t>(kSmooth / (metres + 1e-3)));
+  for (int pass = 0; pass < 2; ++pass) samples_ = evened(samples_, driven);
 }
 
-// Means over so many samples before and behind each.
-std::vector<GroundProfile::Sample> GroundProfile::evened(const std::vector<Sample>& samples, std::size_t reach) {
+std::vector<double> GroundProfile::placesOf(const Way& way, const std::vector<double>& knots, const Location& where) {
+  std::vector<double> places{knots.front()};
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    const double from = knots[i - 1];
+    const double span = knots[i] - from;
+    const double metres = length(way(knots[i]).translation - way(from).translation);
+    const double steps = std::max(std::ceil(metres / kSpacing), 1.0);
+    if (static_cast<double>(places.size()) + steps > static_cast<double>(kMostSamples)) {
+      throw InputError(where, fmt::format("the ground is sampled every {:g} m, and at most {} times: the way is longer",
+                                          kSpacing, kMostSamples));
+    }
+    for (double k = 1; k <= steps; ++k) places.push_back(k == steps ? knots[i] : from + span * k / steps);
+  }
+  return places;
+}
+
+// Evens out over what is less than kSmooth before and behind each sample.
+std::vector<GroundProfile::Sample> GroundProfile::evened(const std::vector<Sample>& samples,
+                                                         const std::vector<double>& driven) {
   std::vector<Sample> means;
   means.reserve(samples.size());
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    // As many on both sides, so that slopes stay what they are at the ends too.
-    const std::size_t own = std::min({reach, i, samples.size() - 1 - i});
-    Sample sum;
-    for (std::size_t k = i - own; k <= i + own; ++k) {
-      sum.height += samples[k].height;
-      sum.along += samples[k].along;
-      sum.left += samples[k].left;
+  const std::size_t last = samples.size() - 1;
+  for (std::size_t i = 0; i <= last; ++i) {
+    // As many on both sides, so that slopes stay what they are, at the ends too.
+    std::size_t own = 0;
+    while (own < std::min({i, last - i, kMostEvened}) && driven[i] - driven[i - own - 1] <= kSmooth &&
+           driven[i + own + 1] - driven[i] <= kSmooth) {
+      ++own;
     }
-    const double share = 1 / static_cast<double>(2 * own + 1);
-    means.push_back({sum.height * share, sum.along * share, sum.left * share});
+    // The line nearest to them, at the sample's own place: what is even stays as it is, however they are spaced.
+    double sumD = 0;
+    double sumDD = 0;
+    Sample sum;
+    Sample sumBy;  // times the distance
+    for (std::size_t k = i - own; k <= i + own; ++k) {
+      const Sample& s = samples[k];
+      const double d = driven[k] - driven[i];
+      sumD += d;
+      sumDD += d * d;
+      sum = {sum.height + s.height, sum.along + s.along, sum.left + s.left};
+      sumBy = {sumBy.height + d * s.height, sumBy.along + d * s.along, sumBy.left + d * s.left};
+    }
+    const auto count = static_cast<double>(2 * own + 1);
+    const double spread = count * sumDD - sumD * sumD;
+    const auto here = [&](double values, double by) {
+      return spread > 1e-9 ? (values * sumDD - by * sumD) / spread : values / count;
+    };
+    means.push_back({here(sum.height, sumBy.height), here(sum.along, sumBy.along), here(sum.left, sumBy.left)});
   }
   return means;
 }
 
 Pose GroundProfile::place(const Pose& pose, double at) const {
-  const double steps = std::clamp(at / step_, 0.0, static_cast<double>(samples_.size() - 1));
-  const auto i = static_cast<std::size_t>(steps);
+  const auto later = std::upper_bound(places_.begin(), places_.end(), at);
+  const auto behind = static_cast<std::size_t>(later - places_.begin());
+  const std::size_t j = std::min(behind, places_.size() - 1);
+  const std::size_t i = behind == 0 ? 0 : behind - 1;
   const Sample& a = samples_[i];
-  const Sample& b = samples_[std::min(i + 1, samples_.size() - 1)];
-  const double u = steps - static_cast<double>(i);
+  const Sample& b = samples_[j];
+  const double u = i == j ? 0 : std::clamp((at - places_[i]) / (places_[j] - places_[i]), 0.0, 1.0);
   const auto mix = [&](double from, double to) { return from + (to - from) * u; };
-  Pose placed{onSlope(yawOf(pose), mix(a.along, b.along), mix(a.left, b.left)), pose.translation};
+  Pose placed{onSlope(headingOf(pose.rotation), mix(a.along, b.along), mix(a.left, b.left)), pose.translation};
   placed.translation.z = mix(a.height, b.height);
   return placed;
 }
@@ -160,7 +201,7 @@ Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& grou
     throw InputError(options.where,
                      fmt::format("there is no ground above or below the pose at [{:g}, {:g}, {:g}]", at.x, at.y, at.z));
   }
-  const double yaw = yawOf(pose);
+  const double yaw = headingOf(pose.rotation);
   const Quat own = inverse(Pose{fromYawPitchRoll(yaw, 0, 0), {}}).rotation * pose.rotation;
   return {onSlope(yaw, stand->along, stand->left) * own, {at.x, at.y, stand->height + options.height}};
 }

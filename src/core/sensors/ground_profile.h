@@ -41,10 +41,15 @@ class GroundProfile {
   // The vehicle's pose, as far as the way knows it, at a place on the way, which is counted in m or s.
   using Way = std::function<Pose(double)>;
 
-  // From the way's start to `end`, every `step`. The ground at the start is that under the pose; from there on that
-  // which is nearest in height to that before, so that bridges and what lies beneath are told apart. Throws InputError
-  // at `options.where` where there is no ground along the whole way.
-  GroundProfile(const GroundOptions& options, const Way& way, double end, double step, const Ground& ground);
+  // At these places of the way, which ascend. The ground at the start is that under the pose; from there on that which
+  // is nearest in height to that before, so that bridges and what lies beneath are told apart: over gaps the vehicle
+  // keeps its height, and only after 10 m without ground it is looked for anew under the pose. Throws InputError at
+  // `options.where` where there is no ground along the whole way.
+  GroundProfile(const GroundOptions& options, const Way& way, std::vector<double> places, const Ground& ground);
+
+  // Places 0.1 m apart or less between the knots, which ascend and between which the way is about straight and evenly
+  // driven. Throws InputError at `where` for more than ten million.
+  static std::vector<double> placesOf(const Way& way, const std::vector<double>& knots, const Location& where);
 
   // The pose on the ground: position and heading of the pose, height, pitch and roll of the ground.
   Pose place(const Pose& pose, double at) const;
@@ -56,10 +61,10 @@ class GroundProfile {
     double height = 0;           // m
     double along = 0, left = 0;  // slopes, up is positive
   };
-  static std::vector<Sample> evened(const std::vector<Sample>& samples, std::size_t reach);
+  static std::vector<Sample> evened(const std::vector<Sample>& samples, const std::vector<double>& driven);
 
-  double step_ = 1;
   double bare_ = 0;
+  std::vector<double> places_;
   std::vector<Sample> samples_;
 };
 

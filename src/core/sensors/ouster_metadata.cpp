@@ -124,6 +124,7 @@ class Reader {
     m.firstColumn = static_cast<std::uint32_t>(ends[0]);
     const auto last = static_cast<std::uint32_t>(ends[1]);
     m.windowColumns = (last + m.columns - m.firstColumn) % m.columns + 1;
+    if (m.windowColumns == 1 && m.columns > 1) fail("has a column_window of one column: two at least are wanted");
   }
 
   void readOrigin(OusterMetadata& m) const {

@@ -39,21 +39,33 @@ Affine rigid(const std::array<double, 12>& m, const Location& where) {
   return affine;
 }
 
-// Heads each pose along the way, from the one before it to the one behind; where it hardly moves, as it did before.
+// Heads each pose along the way: from where it was 5 cm before to where it is 5 cm later. Where it stands, as between
+// the places before and behind.
 void headAlong(std::vector<StampedPose>& poses) {
   constexpr double kMoves = 0.05;  // m
-  std::optional<Quat> last;
-  std::size_t next = 0;  // the first pose without a heading
+  const auto placeOf = [&](std::size_t i) { return poses[i].pose.translation; };
+  std::vector<std::size_t> marks{0};  // poses so far apart or more
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Vec3d way = placeOf(i) - placeOf(marks.back());
+    if (std::hypot(way.x, way.y) >= kMoves) marks.push_back(i);
+  }
+  if (marks.size() < 2) return;
+  std::size_t mark = 0;  // the last at or before the pose
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Vec3d way =
-        poses[std::min(i + 1, poses.size() - 1)].pose.translation - poses[i > 0 ? i - 1 : 0].pose.translation;
-    const double over = std::hypot(way.x, way.y);
-    if (over > kMoves) last = fromYawPitchRoll(std::atan2(way.y, way.x), -std::atan2(way.z, over), 0);
-    for (; last && next <= i; ++next) poses[next].pose.rotation = *last;
+    if (mark + 1 < marks.size() && marks[mark + 1] <= i) ++mark;
+    const std::size_t ahead = std::min(mark + 1, marks.size() - 1);
+    const std::size_t from = (marks[mark] == i || ahead == mark) && mark > 0 ? mark - 1 : mark;
+    const Vec3d way = placeOf(marks[ahead]) - placeOf(marks[from]);
+    poses[i].pose.rotation =
+        fromYawPitchRoll(std::atan2(way.y, way.x), -std::atan2(way.z, std::hypot(way.x, way.y)), 0);
   }
 }
 
 constexpr std::array<const char*, 3> kAngles{"yaw", "pitch", "roll"};
+
+std::string_view unquoted(std::string_view cell) {
+  return cell.size() >= 2 && cell.front() == '"' && cell.back() == '"' ? cell.substr(1, cell.size() - 2) : cell;
+}
 
 // The columns of a table of poses.
 class PoseColumns {
@@ -62,13 +74,14 @@ class PoseColumns {
     const std::vector<std::string_view> names = cellsOf(head.text);
     count_ = names.size();
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const std::string name = lowerCase(names[i]);
+      const std::string name = lowerCase(unquoted(names[i]));
       if (!columns_.emplace(name, i).second) throw InputError(where_, fmt::format("the column {} stands twice", name));
     }
     static const std::map<std::string, double> kTimes{
         {"time", 1}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_ns", 1e-9}};
     for (const auto& [name, unit] : kTimes) {
       if (!columns_.contains(name)) continue;
+      if (time_) throw InputError(where_, fmt::format("the table has the time twice: {} is one too many", name));
       time_ = columns_.at(name);
       second_ = unit;
     }
@@ -79,8 +92,23 @@ class PoseColumns {
                                            quotedForMessage(head.text)));
     }
     for (const char* name : {"x", "y", "z"}) require(name);
-    if (has("qw") || has("qx")) {
-      for (const char* name : {"qw", "qx", "qy", "qz"}) require(name);
+    constexpr std::array<const char*, 4> kQuaternion{"qw", "qx", "qy", "qz"};
+    const auto hasName = [&](const char* name) { return has(name); };
+    const bool quaternion = std::any_of(kQuaternion.begin(), kQuaternion.end(), hasName);
+    if (quaternion) std::for_each(kQuaternion.begin(), kQuaternion.end(), [&](const char* name) { require(name); });
+    for (const std::string angle : kAngles) {
+      const bool radian = has(angle);
+      if ((radian && has(angle + "_deg")) || (quaternion && (radian || has(angle + "_deg")))) {
+        throw InputError(where_, fmt::format("the table has {} twice: leave out one of its columns", angle));
+      }
+    }
+    for (const char* name : {"heading", "heading_deg", "bearing", "azimuth"}) {
+      if (!headed() && has(name)) {
+        throw InputError(where_,
+                         fmt::format("the column {} is unknown: call it yaw or yaw_deg if it counts from x (east) "
+                                     "to y (north); a compass counts from north to east",
+                                     name));
+      }
     }
   }
 

@@ -69,14 +69,10 @@ std::vector<StampedPose> readKitti(Fields& f, const std::filesystem::path& file)
 }
 
 // Turns the poses, keeping what is up, and moves them, so that the first is where it is wanted.
-void startAt(const Pose& start, std::vector<StampedPose>& poses) {
-  const auto yawOf = [](const Quat& q) {
-    const Vec3d x = toMatrix(q).x;
-    return std::atan2(x.y, x.x);
-  };
+void startAt(const Vec3d& place, double yaw, std::vector<StampedPose>& poses) {
   const Pose first = poses.front().pose;
-  const Quat turn = fromYawPitchRoll(yawOf(start.rotation) - yawOf(first.rotation), 0, 0);
-  const Pose move{turn, start.translation - toMatrix(turn) * first.translation};
+  const Quat turn = fromYawPitchRoll(yaw - headingOf(first.rotation), 0, 0);
+  const Pose move{turn, place - toMatrix(turn) * first.translation};
   for (StampedPose& p : poses) p.pose = move * p.pose;
 }
 
@@ -97,10 +93,20 @@ Pose RecordedPoses::at(double time) const {
   const StampedPose& b = poses_[i + 1];
   const double span = b.time - a.time;
   const double u = (time - a.time) / span;
+  const auto meanOf = [&](std::size_t k) {  // from pose k to the next
+    return (poses_[k + 1].pose.translation - poses_[k].pose.translation) * (1 / (poses_[k + 1].time - poses_[k].time));
+  };
+  // That of the parabola through three poses, but never so fast that the curve between two of them overshoots.
   const auto velocity = [&](std::size_t k) {
-    const StampedPose& before = poses_[k > 0 ? k - 1 : 0];
-    const StampedPose& behind = poses_[std::min(k + 1, poses_.size() - 1)];
-    return (behind.pose.translation - before.pose.translation) * (1 / (behind.time - before.time));
+    if (k == 0 || k + 1 == poses_.size()) return meanOf(k == 0 ? 0 : k - 1);
+    const Vec3d before = meanOf(k - 1);
+    const Vec3d behind = meanOf(k);
+    const double earlier = poses_[k].time - poses_[k - 1].time;
+    const double next = poses_[k + 1].time - poses_[k].time;
+    const Vec3d v = (before * next + behind * earlier) * (1 / (earlier + next));
+    const double most = 3 * std::min(scanmill::length(before), scanmill::length(behind));
+    const double own = scanmill::length(v);
+    return own > most ? v * (most / own) : v;
   };
   // Hermite's cubic.
   const Vec3d start = velocity(i) * span;
@@ -117,6 +123,12 @@ double RecordedPoses::length() const {
     sum += scanmill::length(poses_[i].pose.translation - poses_[i - 1].pose.translation);
   }
   return sum;
+}
+
+std::vector<double> RecordedPoses::times() const {
+  std::vector<double> times;
+  for (const StampedPose& p : poses_) times.push_back(p.time);
+  return times;
 }
 
 std::string RecordedPoses::about() const {
@@ -177,7 +189,7 @@ RecordedPoses readRecordedPoses(const Value& value) {
                      fmt::format("has {} poses; a vehicle that moves needs two at least", poses.size()));
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    checkedPosition(poses[i].pose.translation, {file.string()});
+    checkedPosition(poses[i].pose.translation, {file.string(), poses[i].line});
     if (i == 0 || poses[i].time > poses[i - 1].time) continue;
     throw InputError({file.string(), poses[i].line},
                      fmt::format("pose {} is at {:.6f} s, not after the one before it, at {:.6f} s", i + 1,
@@ -185,10 +197,10 @@ RecordedPoses readRecordedPoses(const Value& value) {
   }
   if (const Value* start = f.find("start")) {
     Fields pose(*start, "start");
-    const Pose wanted = pose.pose();
-    pose.finish();
-    checkedPosition(wanted.translation, start->where);
-    startAt(wanted, poses);
+    pose.also({"position", "yaw_deg"}).finish();
+    const Vec3d wanted = pose.vec3("position", poses.front().pose.translation);
+    const double yaw = radians(pose.number("yaw_deg", {-360, 360}, degrees(headingOf(poses.front().pose.rotation))));
+    startAt(checkedPosition(wanted, start->where), yaw, poses);
   }
   return RecordedPoses(std::move(poses));
 }

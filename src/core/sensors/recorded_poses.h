@@ -17,7 +17,9 @@ struct StampedPose {
   int line = 0;  // of its file; 0 where that has none
 };
 
-// In between positions follow a cubic curve through the poses before and behind (Catmull-Rom in time), rotations turn
+// In between positions follow a cubic curve (Hermite's), whose velocity at a pose is that of the parabola through it
+// and its neighbours, at most three times the slower of the mean velocities before and behind it (Fritsch and Carlson,
+// "Monotone piecewise cubic interpolation", SIAM J. Numer. Anal. 1980), so that nothing overshoots. Rotations turn
 // evenly.
 class RecordedPoses {
  public:
@@ -28,6 +30,7 @@ class RecordedPoses {
   Pose at(double time) const;
   double duration() const { return poses_.back().time; }  // s
   double length() const;                                  // m, straight from pose to pose
+  std::vector<double> times() const;                      // s since the first pose, of each
   // "412 poses in 41.2 s, 310 m, at most 0.31 s apart, 7.52 m/s"
   std::string about() const;
   // What is legal but seldom meant, in words: too fast, upside down, or heading elsewhere than it drives; else empty.
@@ -49,7 +52,8 @@ class RecordedPoses {
 //     scene: scene-0061              # nuscenes: the file is v1.0-*/ego_pose.json; the other tables lie beside it
 //     frame: vehicle                 # tum, csv: what the poses are of: vehicle (x forward, z up), or camera (z
 //                                    # forward, y down)
-//     start: {position: [x, y, z], yaw_deg: 90}   # where the first pose is to be; without it all are where they were
+//     start: {position: [x, y, z], yaw_deg: 90}   # where the first pose is to be, and whither it is to head; what is
+//                                    # not said stays as it was recorded
 //
 // KITTI: Geiger, Lenz, Urtasun, "Are we ready for autonomous driving?", CVPR 2012: 12 numbers a line, the first three
 // rows of the matrix that takes points of the left camera to its first frame. TUM: Sturm et al., "A benchmark for the

@@ -130,6 +130,9 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
   } else {
     Fields fields(*value, "firing_time_us");
     fields.also({"step_us", "file"}).finish();
+    if (fields.has("file") && fields.has("step_us")) {
+      throw InputError(fields.require("step_us").where, "firing_time_us has either a file or a step_us, not both");
+    }
     if (fields.has("file")) {
       const std::filesystem::path file = fields.path("file");
       times = readFiringTable(file);

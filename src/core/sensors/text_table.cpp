@@ -28,15 +28,16 @@ std::vector<TextLine> linesOf(const std::string& bytes, const std::filesystem::p
 }
 
 std::vector<std::string_view> cellsOf(std::string_view text) {
-  const bool table = text.find_first_of(",;") != std::string_view::npos;
-  const std::string_view separators = table ? ",;" : " \t";
+  const bool semicolons = text.find(';') != std::string_view::npos;
+  const bool table = semicolons || text.find(',') != std::string_view::npos;
+  const std::string_view separators = semicolons ? ";" : table ? "," : " \t";
   std::vector<std::string_view> cells;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t end = std::min(text.find_first_of(separators, at), text.size());
     std::string_view cell = text.substr(at, end - at);
     at = end + 1;
-    while (!cell.empty() && cell.front() == ' ') cell.remove_prefix(1);
-    while (!cell.empty() && cell.back() == ' ') cell.remove_suffix(1);
+    while (!cell.empty() && (cell.front() == ' ' || cell.front() == '\t')) cell.remove_prefix(1);
+    while (!cell.empty() && (cell.back() == ' ' || cell.back() == '\t')) cell.remove_suffix(1);
     if (table || !cell.empty()) cells.push_back(cell);
   }
   return cells;

@@ -16,7 +16,7 @@ namespace scanmill {
 namespace {
 
 constexpr Range kStep{1e-9, 1e9};      // s or m
-constexpr double kLastTurn = 1;        // s after the start of the last frame, in which its revolution ends
+constexpr double kLastTurn = 1;        // s after the start of the last frame, in which most revolutions end
 constexpr double kWorthTelling = 0.2;  // m
 
 // How far a path through these points leaves the straight lines between them (m).
@@ -89,7 +89,7 @@ std::uint32_t countFrames(double duration, double interval, double pathLength, d
   const double count = std::min(std::floor(duration / interval * (1 + 1e-12) + 1e-9) + 1, limit);
   if (count > Trajectory::kMaxFrames) {
     throw InputError(where, fmt::format("{:.6g} m of path / {:.6g} m/s / {:.6g} s a frame = {:.6g} frames, more than "
-                                        "{}; set every_s, every_m, speed or frames",
+                                        "{}; set every_s, frames or, where it drives anew, every_m or speed",
                                         pathLength, speed, interval, count, Trajectory::kMaxFrames));
   }
   return static_cast<std::uint32_t>(count);
@@ -149,8 +149,15 @@ std::string Trajectory::about() const {
 
 Trajectory Trajectory::along(const std::vector<Vec3d>& way) const {
   Trajectory driven = *this;
-  driven.setPath(Path(way));
+  driven.setPath(Path(overGround(way)));
   return driven;
+}
+
+// On the ground the speed is that over ground, whatever the heights.
+std::vector<Vec3d> Trajectory::overGround(std::vector<Vec3d> way) const {
+  if (!ground_) return way;
+  for (Vec3d& p : way) p.z = way.front().z;
+  return way;
 }
 
 void Trajectory::setPath(Path path) {
@@ -167,18 +174,27 @@ void Trajectory::setProfile() {
 }
 
 Trajectory Trajectory::onGround(const Ground& ground) const {
-  constexpr double kSpacing = 0.1;  // m
   Trajectory standing = *this;
   if (still()) {
     for (Pose& pose : standing.poses_) pose = scanmill::onGround(*ground_, pose, ground);
     return standing;
   }
-  const double last = frameTime(frames_ - 1) + kLastTurn;
-  const double end = std::min(placeAt(last), recorded_ ? recorded_->duration() : path_->length());
-  const double metres = recorded_ ? recorded_->length() * end / recorded_->duration() : end;
-  const double steps = std::max(std::ceil(metres / kSpacing), 1.0);
-  standing.profileOfGround_ = std::make_shared<const GroundProfile>(
-      *ground_, [this](double place) { return poseOnWay(place); }, end, end / steps, ground);
+  const double end =
+      std::min(placeAt(frameTime(frames_ - 1) + lastTurn_), recorded_ ? recorded_->duration() : path_->length());
+  const GroundProfile::Way way = [this](double place) { return poseOnWay(place); };
+  std::vector<double> knots{0};
+  if (recorded_) {
+    for (const double time : recorded_->times()) {
+      if (time > knots.back() && time < end) knots.push_back(time);
+    }
+  } else {
+    constexpr double kAboutStraight = 1;  // m of path
+    const double steps = std::min(std::ceil(end / kAboutStraight), 1e8);
+    for (double k = 1; k < steps; ++k) knots.push_back(end * k / steps);
+  }
+  if (end > 0) knots.push_back(end);
+  standing.profileOfGround_ =
+      std::make_shared<const GroundProfile>(*ground_, way, GroundProfile::placesOf(way, knots, ground_->where), ground);
   return standing;
 }
 
@@ -204,6 +220,7 @@ void Trajectory::readPoses(Fields& fields, double fallbackPeriod, double limit) 
   poses_ = posesOf(fields.require("poses"));
   interval_ = fields.number("every_s", kStep, fallbackPeriod);
   frames_ = static_cast<std::uint32_t>(std::min(static_cast<double>(poses_.size()), limit));
+  poses_.resize(frames_);
 }
 
 void Trajectory::readRecorded(Fields& fields, double fallbackPeriod, double limit) {
@@ -225,10 +242,7 @@ void Trajectory::readWay(Fields& fields, const SceneLanes* lanes) {
     }
   }
   if (waypoints) {
-    std::vector<Vec3d> points = readWaypoints(fields.require("waypoints"));
-    if (fields.has("ground")) {
-      for (Vec3d& p : points) p.z = points.front().z;  // the speed is that over ground
-    }
+    const std::vector<Vec3d> points = readWaypoints(fields.require("waypoints"), ground_ ? Climbs::No : Climbs::Yes);
     setPath(lines ? Path::lines(points, fields.number("rounding", {0.01, 1000}, 0.5)) : Path(points));
     waypoints_ = points.size();
     offLines_ = lines ? 0 : farthestOffLines(*path_, points);
@@ -239,7 +253,7 @@ void Trajectory::readWay(Fields& fields, const SceneLanes* lanes) {
     throw InputError(fields.require("along").where,
                      "`along` means the lanes of the scene's town; here is none: give waypoints");
   }
-  setPath(Path(turns ? lanes->turns : lanes->lane));
+  setPath(Path(overGround(turns ? lanes->turns : lanes->lane)));
   if (turns) turns_ = lanes->turnCount;
 }
 
@@ -265,7 +279,13 @@ void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, 
     if (!std::isfinite(limit)) {
       throw InputError(on->where, "a random drive has no end: say how many `frames` it has");
     }
-    RandomWay way{fields.texts("on"), RandomWay::Side::Right, ((limit - 1) * interval_ + kLastTurn) * speed_,
+    if (fields.texts("on").empty()) throw InputError(on->where, "on must name classes, such as [road]");
+    for (const char* key : {"path", "rounding"}) {
+      if (const Value* value = fields.find(key)) {
+        throw InputError(value->where, fmt::format("{} is for waypoints: a random drive finds its own way", key));
+      }
+    }
+    RandomWay way{fields.texts("on"), RandomWay::Side::Right, ((limit - 1) * interval_ + lastTurn_) * speed_,
                   on->where};
     const std::string side = fields.choice("keep", {"right", "left", "middle"}, "right");
     if (side != "right") way.keep = side == "left" ? RandomWay::Side::Left : RandomWay::Side::Middle;
@@ -301,7 +321,7 @@ std::uint32_t countDrives(const Value& value) {
 }
 
 Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod, const SceneLanes* lanes,
-                          std::uint64_t seed, std::uint32_t drive) {
+                          std::uint64_t seed, std::uint32_t drive, double longestTurn) {
   constexpr std::array<const char*, 5> kKinds{"poses", "waypoints", "along", "on", "recorded"};
   Fields fields(value, "trajectory");
   fields
@@ -310,6 +330,8 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
       .finish();
   Trajectory result;
   result.name_ = fields.text("name", name);
+  result.lastTurn_ = std::max({kLastTurn, fallbackPeriod, longestTurn});
+  if (const Value* ground = fields.find("ground")) result.ground_ = readGround(*ground);
   if (countDrives(value) > 1) result.name_ += fmt::format("-{}", drive);
   const double limit =
       fields.has("frames") ? static_cast<double>(fields.integer("frames", 1, Trajectory::kMaxFrames)) : INFINITY;
@@ -330,7 +352,6 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
   } else {
     result.readDrive(fields, fallbackPeriod, limit, seed, lanes);
   }
-  if (const Value* ground = fields.find("ground")) result.ground_ = readGround(*ground);
   return result;
 }
 

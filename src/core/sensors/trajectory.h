@@ -85,7 +85,8 @@ class Trajectory {
 
  private:
   friend Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod,
-                                   const SceneLanes* lanes, std::uint64_t seed, std::uint32_t drive);
+                                   const SceneLanes* lanes, std::uint64_t seed, std::uint32_t drive,
+                                   double longestTurn);
   struct LaneChange {
     double at, left, over;  // m
   };
@@ -94,6 +95,7 @@ class Trajectory {
   void readRecorded(Fields& fields, double fallbackPeriod, double limit);
   void readDrive(Fields& fields, double fallbackPeriod, double limit, std::uint64_t seed, const SceneLanes* lanes);
   void readWay(Fields& fields, const SceneLanes* lanes);
+  std::vector<Vec3d> overGround(std::vector<Vec3d> way) const;
   void setPath(Path path);
   void setProfile();
   // Where the vehicle is on its way at a time: in m, or in s where it was recorded.
@@ -104,6 +106,7 @@ class Trajectory {
   std::string name_;
   std::uint32_t frames_ = 0;
   double interval_ = 0;     // s, from frame to frame
+  double lastTurn_ = 0;     // s after the start of the last frame, for which the way must be known
   double everyMetres_ = 0;  // of a vehicle that accelerates, in place of that; 0: none
   double speed_ = 0;        // m/s
   std::optional<int> turns_;
@@ -128,8 +131,10 @@ std::uint32_t countDrives(const Value& value);
 // `fallbackPeriod` is the time between frames (s) where the YAML gives none; callers pass the period of the first
 // sensor. Throws InputError.
 // `lanes`: what `along` means; null where the caller knows of none. `seed`: of how the vehicle sways. `drive`: which of
-// several random drives; its number then ends the name.
+// several random drives; its number then ends the name. `longestTurn`: the longest revolution of a sensor (s), in which
+// the vehicle drives on after the last frame has begun.
 Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod,
-                          const SceneLanes* lanes = nullptr, std::uint64_t seed = 0, std::uint32_t drive = 0);
+                          const SceneLanes* lanes = nullptr, std::uint64_t seed = 0, std::uint32_t drive = 0,
+                          double longestTurn = 0);
 
 }  // namespace scanmill

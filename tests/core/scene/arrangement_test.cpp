@@ -182,5 +182,74 @@ TEST_F(Arrangements, MistakesAreNamedWithTheirPlace) {
   EXPECT_THAT(refusal("stand_on: [nowhere]"), HasSubstr("no class 'nowhere'"));
 }
 
+// Copies are turned about the vertical, whatever their own scale and tilt: an own scale is not sheared.
+TEST_F(Arrangements, VaryTurnsWhatIsScaledAndTilted) {
+  for (const Affine& a : posts("scale: [4, 1, 1], roll_deg: 90, vary: {yaw_deg: [90, 90]}")) {
+    EXPECT_LT(length(a.linear.x - Vec3d{0, 4, 0}), 1e-12);
+    EXPECT_LT(length(a.linear.y - Vec3d{0, 0, 1}), 1e-12);
+    EXPECT_LT(length(a.linear.z - Vec3d{1, 0, 0}), 1e-12);
+  }
+}
+
+// The lowest point of what is tilted is that of its vertices: a sphere's, whichever way it is turned.
+TEST_F(Arrangements, WhatIsTiltedStandsOnItsLowestPoint) {
+  const Scene s = scene(
+      "  - {name: ball, primitive: sphere, radius: 1, segments: 64, class: vegetation, material: grass, position: [5, "
+      "-20, "
+      "0], roll_deg: 45, stand_on: ground}");
+  EXPECT_NEAR(s.instances.back().worldFromMesh.translation.z, lawn(5) + 1, 0.01);
+}
+
+// A marking as thin as paint does not cover the road that it lies on, whether copies keep within a box or not.
+TEST_F(Arrangements, ThinLayersDoNotCover) {
+  const std::string marking =
+      "  - {name: marking, primitive: plane, size: [8, 100], class: road_marking, material: road_paint, position: "
+      "[30, 0, "
+      "3.51]}\n";
+  for (const char* within : {"", ", within: [[27, -40], [33, 40]]"}) {
+    const Scene s = scene(marking +
+                          "  - {name: post, primitive: box, size: [0.2, 0.4, 2], class: pole, material: wood, "
+                          "copies: {scatter: {on: [road], count: 5" +
+                          within + "}}}");
+    int posts = 0;
+    for (const Instance& i : s.instances) {
+      if (!i.name.starts_with("post")) continue;
+      EXPECT_NEAR(i.worldFromMesh.translation.z, 3.5, 1e-6) << within;
+      ++posts;
+    }
+    EXPECT_EQ(posts, 5) << within;
+  }
+}
+
+// Upright surfaces and undersides are no ground, however large.
+TEST_F(Arrangements, StandOnWhatFacesUp) {
+  const std::string wall =
+      "  - {name: sign, primitive: plane, size: [90, 90], class: terrain, material: grass, position: [0, 45, 0], "
+      "pitch_deg: "
+      "90}\n";
+  const Scene s = scene(wall +
+                        "  - {name: post, primitive: box, size: [0.2, 0.4, 2], class: pole, material: wood, "
+                        "copies: {scatter: {on: [terrain], count: 50}}}");
+  for (const Instance& i : s.instances) {
+    if (i.name.starts_with("post")) {
+      EXPECT_NEAR(i.worldFromMesh.translation.z, lawn(i.worldFromMesh.translation.x), 1e-5);
+    }
+  }
+}
+
+TEST_F(Arrangements, WhatCannotBeMeantIsRefused) {
+  EXPECT_THAT(refusal("moving: {velocity: [1, 0, 0]}, stand_on: ground"), HasSubstr("for what stands still"));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 9}}, vary: {position: 3}"),
+              HasSubstr("off their surface"));
+  EXPECT_EQ(refusal("copies: {scatter: {on: [terrain], count: 9}}, vary: {position: 3}, stand_on: ground"), "accepted");
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 100000}, grid: {count: [1000, 100, 1], spacing: [1, 1, "
+                      "0]}}"),
+              AllOf(HasSubstr("s.yaml:7"), HasSubstr("100000 copies each")));
+  EXPECT_THAT(refusal("copies: {along: {waypoints: [[0, 0, 0], [1e8, 0, 0]], every: 1}}"),
+              AllOf(HasSubstr("s.yaml:7"), HasSubstr("at most")));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], density: 1e-6}}"), HasSubstr("higher density"));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 5, spacing: 1e-9}}"), HasSubstr("spacing"));
+}
+
 }  // namespace
 }  // namespace scanmill

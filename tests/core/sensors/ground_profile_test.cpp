@@ -1,5 +1,6 @@
 #include "sensors/ground_profile.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 
 #include "sensors/trajectory.h"
 #include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace scanmill {
 namespace {
@@ -126,6 +128,73 @@ TEST(GroundProfile, IsThatBesideTheWayWhereTheLaneChanges) {
   const Vec3d at = drive.pose(0, 5).translation;
   EXPECT_NEAR(at.y, 4, 1e-9);
   EXPECT_NEAR(at.z, slope(at.x, at.y), 1e-6);
+}
+
+// A road at 0 below a bridge at 6, whose deck has a joint of 0.2 m in the right lane and a hole of 3 m.
+class Bridge : public Ground {
+ public:
+  std::optional<double> under(const Vec3d& p) const override { return deck(p) && p.z > 5.5 ? 6.0 : 0.0; }
+  std::optional<double> near(const Vec3d& p) const override {
+    if (deck(p) && std::fabs(p.z - 6) <= 1.5) return 6.0;
+    return std::fabs(p.z) <= 1.5 ? std::optional(0.0) : std::nullopt;
+  }
+
+ private:
+  static bool deck(const Vec3d& p) {
+    const bool joint = p.y < 0 && p.x > 10 && p.x < 10.2;
+    return p.x < 40 && !joint && !(p.x > 20 && p.x < 23);
+  }
+};
+
+TEST(GroundProfile, StaysOnABridgeOverJointsAndLeavesItWhereItEnds) {
+  const Bridge bridge;
+  const Trajectory above = on("waypoints: [[0, 0, 7], [60, 0, 7]], speed: 10, ground: drop", bridge);
+  for (double x = 0; x < 38; x += 0.25) EXPECT_NEAR(above.pose(0, x / 10).translation.z, 6, 1e-9) << x;
+  EXPECT_NEAR(above.pose(0, 5.5).translation.z, 0, 1e-9) << "10 m behind its end it is on the road";
+  const Trajectory below = on("waypoints: [[0, 0, 0], [60, 0, 0]], speed: 10, ground: drop", bridge);
+  for (double x = 0; x < 60; x += 0.25) EXPECT_NEAR(below.pose(0, x / 10).translation.z, 0, 1e-9) << x;
+}
+
+double waves(double x, double) {
+  return std::sin(x / 3);
+}
+
+// Whatever the speed: a vehicle that waits for long and then goes is where the ground is.
+TEST(GroundProfile, OfARecordingThatWaitsIsAsExactAsOfAPath) {
+  TemporaryFolder folder;
+  std::string table = "time,x,y,z\n";
+  for (int i = 0; i <= 100; ++i) table += fmt::format("{},0,0,0\n", i);
+  for (int i = 1; i <= 30; ++i) table += fmt::format("{},{},0,0\n", 100 + 0.1 * i, i);
+  folder.write("p.csv", table);
+  const Trajectory drive =
+      readTrajectory(
+          parseYaml("{recorded: {file: p.csv}, ground: {wheels: none}}", (folder.path() / "t.yaml").string()), "t", 0.1)
+          .onGround(Hills(waves));
+  for (double t = 99; t < 103; t += 0.013) {
+    const Vec3d at = drive.pose(0, t).translation;
+    EXPECT_NEAR(at.z, waves(at.x, 0), 0.01) << t;
+  }
+}
+
+// A sensor that takes ten seconds for a turn is on the ground until its end.
+TEST(GroundProfile, ReachesToTheEndOfTheLongestTurn) {
+  const Hills plane(slope);
+  const Value value = parseYaml("{waypoints: [[0, 0, 0], [90, 0, 0]], speed: 5, frames: 1, ground: drop}", "t.yaml");
+  const Trajectory drive = readTrajectory(value, "t", 10).onGround(plane);
+  EXPECT_NEAR(drive.pose(0, 9.9).translation.z, slope(49.5, 0), 1e-9);
+  const Trajectory other = readTrajectory(value, "t", 0.1, nullptr, 0, 0, 10).onGround(plane);
+  EXPECT_NEAR(other.pose(0, 9.9).translation.z, slope(49.5, 0), 1e-9);
+}
+
+TEST(GroundProfile, WaysAreCheckedAsTheyAreDriven) {
+  const auto read = [](const std::string& yaml) { readTrajectory(parseYaml("{" + yaml + "}", "t.yaml"), "t", 0.1); };
+  EXPECT_THAT(messageOf([&] { read("waypoints: [[0, 0, 0], [1, 0, 8], [0, 0, 16]], speed: 5, ground: drop"); }),
+              HasSubstr("goes straight back"));
+  read("waypoints: [[0, 0, 0], [0.5, 0, 8], [9, 0, 0]], speed: 5, ground: drop");
+  EXPECT_THAT(messageOf([&] { read("waypoints: [[0, 0, 0], [0.5, 0, 8], [9, 0, 0]], speed: 5"); }),
+              HasSubstr("steeper"));
+  // What is beyond `frames` need not be there.
+  on("poses: [{position: [7, 0, 0]}, {position: [12, 0, 0]}], frames: 1, ground: drop", Hills(gap));
 }
 
 }  // namespace

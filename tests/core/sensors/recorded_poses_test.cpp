@@ -204,5 +204,50 @@ TEST_F(RecordedPosesFiles, MistakesAreNamedWithTheirLine) {
   EXPECT_THAT(refusal("file: a.csv", ", speed: 4"), HasSubstr("speed is for ways that are driven: a recording"));
 }
 
+// Poses that are closer than 5 cm have a heading too: here a circle, at 100 Hz.
+TEST_F(RecordedPosesFiles, TablesWithoutAHeadingHeadAlongAtAnyRate) {
+  for (const double rate : {5.0, 100.0, 1000.0}) {
+    std::string table = "\"time\",x,y,z\n";
+    const int count = static_cast<int>(10 * rate);
+    for (int i = 0; i <= count; ++i) {
+      const double angle = 0.2 * i / rate;  // 2 m/s on a radius of 10 m
+      table += fmt::format("{},{},{},0\n", i / rate, 10 * std::sin(angle), -10 * std::cos(angle));
+    }
+    folder_.write("circle.csv", table);
+    const Trajectory drive = this->drive("file: circle.csv");
+    for (double t = 0.5; t < 9.5; t += 0.1) {
+      const Vec3d ahead = headingOf(drive.pose(0, t));
+      EXPECT_NEAR(std::remainder(std::atan2(ahead.y, ahead.x) - 0.2 * t, 2 * kPi), 0, 0.01) << rate << " Hz, " << t;
+    }
+    EXPECT_EQ(drive.doubt(), "");
+  }
+}
+
+// It stands, and then goes: it never backs up before, nor is it ever beyond where it goes.
+TEST_F(RecordedPosesFiles, NeverOvershoot) {
+  folder_.write("p.csv", "time,x,y,z\n0,0,0,0\n10,0,0,0\n10.1,1,0,0\n10.2,2,0,0\n12,2,0,0\n13,2,0,0\n");
+  const Trajectory drive = this->drive("file: p.csv");
+  double before = 0;
+  for (double t = 0; t < 13; t += 0.01) {
+    const double x = drive.pose(0, t).translation.x;
+    EXPECT_GE(x, before - 1e-12) << t;
+    EXPECT_LE(x, 2 + 1e-12) << t;
+    before = x;
+  }
+}
+
+TEST_F(RecordedPosesFiles, ColumnsThatSayTheSameTwiceAreRefused) {
+  const auto head = [&](const std::string& names) {
+    folder_.write("t.csv", names + "\n0,0,0,0,0,0\n1,1,0,0,0,0\n");
+    return refusal("file: t.csv");
+  };
+  EXPECT_THAT(head("time,x,y,z,time_ms,a"), AllOf(HasSubstr("t.csv:1"), HasSubstr("the time twice")));
+  EXPECT_THAT(head("time,x,y,z,yaw,yaw_deg"), HasSubstr("yaw twice"));
+  EXPECT_THAT(head("time,x,y,z,qy,qz"), HasSubstr("no column qw"));
+  EXPECT_THAT(head("time,x,y,z,heading_deg,a"), HasSubstr("call it yaw"));
+  folder_.write("u.csv", "time,x,y,z\n0,0,0,0\n1,1,0,0\n");
+  EXPECT_THAT(refusal("file: u.csv, start: {position: [1, 2, 3], pitch_deg: 4}"), HasSubstr("pitch_deg"));
+}
+
 }  // namespace
 }  // namespace scanmill

@@ -106,7 +106,7 @@ TEST(Beams, PartialFieldHitsBothEdgesInItsShareOfTheTurn) {
   EXPECT_NEAR(azimuthOf(beams->direction.front()), -60, 1e-12);
   EXPECT_NEAR(azimuthOf(beams->direction[30]), 0, 1e-12);
   EXPECT_NEAR(azimuthOf(beams->direction.back()), 60, 1e-12);
-  EXPECT_NEAR(beams->columnTime(61), 0.1 / 3, 1e-15);
+  EXPECT_NEAR(beams->columnTime(60), 0.1 / 3, 1e-15);
   EXPECT_NEAR(azimuthOf(uniform(1, 1, "first_azimuth_deg: -60, field_deg: 120")->direction[0]), 0, 1e-12);
 }
 

@@ -109,7 +109,9 @@ class FreeSurface {
     const double high = 0.5 + kReach;
     const auto below = probe_.first({middle + Vec3d{0, 0, high}, {0, 0, -1}}, 2 * high);
     if (!below || std::find(classes_.begin(), classes_.end(), below->semantic) == classes_.end()) return std::nullopt;
-    if (probe_.first({middle + Vec3d{0, 0, high}, {0, 0, 1}}, kClear - high)) return std::nullopt;
+    // What hangs lower than where the rays begin has been met by the one down.
+    const double over = below->place.z + kClear - (middle.z + high);
+    if (over > 0 && probe_.first({middle + Vec3d{0, 0, high}, {0, 0, 1}}, over)) return std::nullopt;
     return below->place.z;
   }
 

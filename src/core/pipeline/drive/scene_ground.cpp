@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/surface_heights.h"
+
 namespace scanmill {
 namespace {
 
-constexpr double kSteepest = 0.5;  // cosine of 60 degrees
-constexpr double kAbove = 0.5;     // m, of ground above a place that is still taken for under it
-constexpr double kNear = 1.5;      // m
+constexpr double kNear = 1.5;  // m
 constexpr Vec3d kDown{0, 0, -1};
 
 }  // namespace
@@ -25,7 +25,7 @@ SceneGround::SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> cla
     : probe_(probe), classes_(std::move(classes)), bounds_(probe.scene().bounds()) {}
 
 bool SceneGround::holds(const SceneProbe::Met& met) const {
-  if (std::fabs(met.normal.z) < kSteepest) return false;
+  if (std::fabs(met.normal.z) < kSteepestGroundCosine) return false;
   if (!classes_.empty()) return std::find(classes_.begin(), classes_.end(), met.semantic) != classes_.end();
   const SemanticClass* const own = probe_.scene().ontology.find(met.semantic);
   return own == nullptr || !own->thing;
@@ -33,14 +33,12 @@ bool SceneGround::holds(const SceneProbe::Met& met) const {
 
 std::optional<double> SceneGround::under(const Vec3d& place) const {
   if (bounds_.empty()) return std::nullopt;
-  std::optional<double> lowest;
   const double top = bounds_.high.z + 1;
-  for (const SceneProbe::Met& met : probe_.all({{place.x, place.y, top}, kDown}, top - bounds_.low.z + 1)) {
-    if (!holds(met)) continue;
-    if (met.place.z <= place.z + kAbove) return met.place.z;
-    lowest = met.place.z;
-  }
-  return lowest;
+  const auto met = probe_.all({{place.x, place.y, top}, kDown}, top - bounds_.low.z + 1);
+  const SceneProbe::Met* const found = groundUnder(
+      met, place.z, [](const SceneProbe::Met& m) { return m.place.z; },
+      [&](const SceneProbe::Met& m) { return holds(m); });
+  return found == nullptr ? std::nullopt : std::optional(found->place.z);
 }
 
 std::optional<double> SceneGround::near(const Vec3d& place) const {

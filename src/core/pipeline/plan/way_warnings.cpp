@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -13,17 +14,17 @@
 namespace scanmill {
 namespace {
 
-constexpr std::uint32_t kFrames = 100;       // that are looked at, of sensors
-constexpr std::uint32_t kFramesInside = 12;  // likewise
-constexpr double kFarAbove = 50;             // m
-constexpr double kReach = 1e5;               // m
-constexpr double kStep = 0.5;                // m of way
-constexpr std::size_t kMostPlaces = 20'000;  // of a way
-constexpr double kBody = 0.6;                // m, above the vehicle's origin
-constexpr double kLowest = -0.3;             // z of directions in which is looked for what is around a sensor
-constexpr double kTouches = 1e-3;            // m
-constexpr double kFlat = 0.7;                // cosine of the slope of what is no wall
-constexpr double kMostBare = 0.02;           // of a way on the ground
+constexpr std::uint32_t kFrames = 100;        // that are looked at, of sensors
+constexpr std::uint32_t kFramesInside = 12;   // likewise
+constexpr double kFarAbove = 50;              // m
+constexpr double kReach = 1e5;                // m
+constexpr double kStep = 0.5;                 // m of way
+constexpr std::size_t kMostPlaces = 400'000;  // of a way
+constexpr double kBody = 0.6;                 // m, above the vehicle's origin
+constexpr double kLowest = -0.3;              // z of directions in which is looked for what is around a sensor
+constexpr double kTouches = 1e-3;             // m
+constexpr double kFlat = 0.7;                 // cosine of the slope of what is no wall
+constexpr double kMostBare = 0.02;            // of a way on the ground
 
 // To the middles of the faces, edges and corners of a cube, turned so that none runs along an axis; none far down,
 // where what things stand on is as near as their own undersides.
@@ -153,8 +154,9 @@ class WayCheck {
       }
       for (const auto& [key, count] : odd) {
         if (count.first + 2 < kDirections.size()) continue;
-        return say(fmt::format("'{}' is inside of {} at {} (frame {})", plan_.pipeline().sensors[sensor].name,
-                               nameOf(count.second), shortPlace(at), frame));
+        return say(fmt::format("'{}' is inside of {} at {} (frame {}){}", plan_.pipeline().sensors[sensor].name,
+                               nameOf(count.second), shortPlace(at), frame,
+                               key.first == 0 ? ", which is right in rooms and tunnels alone" : ""));
       }
     }
   }
@@ -164,7 +166,14 @@ class WayCheck {
     std::vector<Pose> poses{drive_->pose(0, 0)};
     for (std::uint32_t frame = 0; frame + 1 < own_.frames && poses.size() < kMostPlaces; ++frame) {
       const double span = drive_->frameTime(frame + 1) - drive_->frameTime(frame);
-      const double far = length(drive_->pose(frame, span).translation - drive_->pose(frame, 0).translation);
+      constexpr int kChords = 32;
+      double far = 0;
+      Vec3d before = drive_->pose(frame, 0).translation;
+      for (int k = 1; k <= kChords; ++k) {
+        const Vec3d behind = drive_->pose(frame, span * k / kChords).translation;
+        far += length(behind - before);
+        before = behind;
+      }
       const int steps = static_cast<int>(std::clamp(std::ceil(far / kStep), 1.0, 1000.0));
       for (int k = 1; k <= steps; ++k) poses.push_back(drive_->pose(frame, span * k / steps));
     }
@@ -189,13 +198,20 @@ class WayCheck {
     if (rays.empty()) return;
     const auto met = probe_.first(rays, *std::max_element(far.begin(), far.end()) + kTouches);
     std::vector<SceneProbe::Met> walls;
+    std::set<std::array<std::int64_t, 3>> known;  // a vehicle may come by more than once
     for (std::size_t i = 0; i < met.size(); ++i) {
       if (!met[i] || met[i]->distance > far[i] + kTouches || std::fabs(met[i]->normal.z) > kFlat) continue;
-      if (!moving_.contains(met[i]->instance)) walls.push_back(*met[i]);
+      if (moving_.contains(met[i]->instance)) continue;
+      const Vec3d& at = met[i]->place;
+      if (known.insert({met[i]->instance, std::llround(at.x), std::llround(at.y)}).second) {
+        walls.push_back(*met[i]);
+      }
     }
     if (walls.empty()) return;
     say(fmt::format("its way goes through {} at {}{}", nameOf(walls.front()), shortPlace(walls.front().place),
-                    walls.size() > 1 ? fmt::format(", and through {} more surfaces", walls.size() - 1) : ""));
+                    walls.size() > 1
+                        ? fmt::format(", and through {} more surface{}", walls.size() - 1, walls.size() > 2 ? "s" : "")
+                        : ""));
   }
 
   const Plan& plan_;

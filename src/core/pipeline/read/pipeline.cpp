@@ -85,8 +85,14 @@ const Value* followsLane(const Value& list) {
   return nullptr;
 }
 
+// How long revolutions of the sensors last (s).
+struct Periods {
+  double first = 0.1;  // of the first sensor
+  double longest = 0.1;
+};
+
 // `lanes`: of the scene's town, where one of them follows it, which sways by its seed; else null.
-Trajectories readTrajectories(const Value& list, double period, const SceneLanes* lanes = nullptr,
+Trajectories readTrajectories(const Value& list, const Periods& periods, const SceneLanes* lanes = nullptr,
                               std::uint64_t seed = 0) {
   if (list.kind != Value::Kind::Sequence || list.items.empty()) {
     throw InputError(list.where, "trajectories must be a list with at least one item");
@@ -94,7 +100,8 @@ Trajectories readTrajectories(const Value& list, double period, const SceneLanes
   Trajectories trajectories;
   std::set<std::string> names;
   const auto add = [&](const Value& item, const std::string& fallback, std::uint32_t drive) {
-    auto trajectory = std::make_shared<const Trajectory>(readTrajectory(item, fallback, period, lanes, seed, drive));
+    auto trajectory = std::make_shared<const Trajectory>(
+        readTrajectory(item, fallback, periods.first, lanes, seed, drive, periods.longest));
     if (trajectory->name().empty()) {
       throw InputError(item.where, "a trajectory's name becomes part of file names: it is empty");
     }
@@ -129,9 +136,9 @@ std::vector<std::uint64_t> readSeeds(const Value* value) {
   return seeds;
 }
 
-std::vector<Sequence> readSequences(Fields& fields, double period) {
+std::vector<Sequence> readSequences(Fields& fields, const Periods& periods) {
   const Value* shared = fields.find("trajectories");
-  if (shared != nullptr && followsLane(*shared) == nullptr) readTrajectories(*shared, period);
+  if (shared != nullptr && followsLane(*shared) == nullptr) readTrajectories(*shared, periods);
   std::vector<Sequence> sequences;
   std::set<std::string> keys;
   for (const Value& item : requireList(fields, "scenes").items) {
@@ -144,7 +151,7 @@ std::vector<Sequence> readSequences(Fields& fields, double period) {
     const Value* list = own == nullptr ? shared : own;
     if (list == nullptr) throw InputError(item.where, "no trajectories, neither here nor for the whole pipeline");
     const Value* along = followsLane(*list);
-    Trajectories trajectories = along != nullptr ? Trajectories{} : readTrajectories(*list, period);
+    Trajectories trajectories = along != nullptr ? Trajectories{} : readTrajectories(*list, periods);
     for (const std::uint64_t seed : seeds) {
       if (along != nullptr) {
         const std::optional<SceneLanes> lanes = readSceneLanes(file, seed);
@@ -153,7 +160,7 @@ std::vector<Sequence> readSequences(Fields& fields, double period) {
                                                      "give waypoints",
                                                      file.string()));
         }
-        trajectories = readTrajectories(*list, period, &*lanes, seed);
+        trajectories = readTrajectories(*list, periods, &*lanes, seed);
       }
       for (const auto& trajectory : trajectories) {
         sequences.push_back(
@@ -394,12 +401,17 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
   pipeline.vehicle = fields.optionalResource("vehicle", "scenes").value_or("");
   pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064"}, "905"));
   pipeline.sensors = readSensors(fields);
-  const double period = 1.0 / Fields(pipeline.sensors.front().description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
+  Periods periods{0, 0};
+  for (const MountedSensor& sensor : pipeline.sensors) {
+    const double period = 1.0 / Fields(sensor.description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
+    if (periods.first == 0) periods.first = period;
+    periods.longest = std::max(periods.longest, period);
+  }
   if (pipeline.recording != nullptr) {
     checkSensors(pipeline, *pipeline.recording, fields.require("sensors"));
     pipeline.sequences = recordedSequences(*pipeline.recording);
   } else {
-    pipeline.sequences = readSequences(fields, period);
+    pipeline.sequences = readSequences(fields, periods);
   }
   pipeline.motion = readMotion(fields.find("motion"));
   if (pipeline.recording == nullptr || fields.find("method") != nullptr) {

@@ -59,7 +59,7 @@ struct AssetOptions {
   std::optional<ClipTime> clip = std::nullopt;  // of glTF and GLB alone: as all stands then
 };
 
-// Parts that the file itself places several times, by EXT_mesh_gpu_instancing.
+// Parts that the file itself places several times: by EXT_mesh_gpu_instancing of glTF, or models of a world.
 struct InstancedParts {
   std::vector<AssetPart> parts;  // in a frame of their own
   std::vector<Affine> assetFromParts;

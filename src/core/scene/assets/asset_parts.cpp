@@ -54,6 +54,12 @@ void weld(AssetPart& part) {
   }
 }
 
+void move(AssetPart& part, const Affine& place) {
+  for (Vec3f& p : part.positions) p = static_cast<Vec3f>(place * Vec3d(p));
+  if (determinant(place.linear) > 0) return;
+  for (Triangle& t : part.triangles) std::swap(t[1], t[2]);
+}
+
 Box boundsOf(const Asset& asset) {
   Box box;
   const auto add = [&](const AssetPart& part, const Affine& place) {
@@ -75,12 +81,8 @@ void flatten(Asset& asset) {
   for (const AssetPart& part : asset.parts) nodes = std::max(nodes, part.nodeIndex + 1);
   for (const InstancedParts& instanced : asset.instanced) {
     for (const Affine& place : instanced.assetFromParts) {
-      const bool mirrored = determinant(place.linear) < 0;
       for (AssetPart part : instanced.parts) {
-        for (Vec3f& p : part.positions) p = static_cast<Vec3f>(place * Vec3d(p));
-        for (Triangle& t : part.triangles) {
-          if (mirrored) std::swap(t[1], t[2]);
-        }
+        move(part, place);
         part.nodeIndex = nodes;
         asset.parts.push_back(std::move(part));
       }

@@ -17,6 +17,9 @@ Mat3 zUpFrom(char up);
 // Some kinds come in with three vertices of their own for every triangle: joins those that are bit-identical.
 void weld(AssetPart& part);
 
+// Moves a part by a transform that is not singular; what that mirrors still faces outwards.
+void move(AssetPart& part, const Affine& place);
+
 // Of all that is finite, copies too.
 Box boundsOf(const Asset& asset);
 

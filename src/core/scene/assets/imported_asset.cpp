@@ -68,9 +68,8 @@ class Importer {
   void import() {
     configure(importer_);
     if (kind_.empty() || !importer_.IsExtensionSupported(kind_)) {
-      fail(fmt::format(
-          "is of an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC, BLEND, SDF or URDF",
-          kind_));
+      fail(fmt::format("is of an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or BLEND",
+                       kind_));
     }
     if (kind_ == ".ply") {
       checkPly(file_);

@@ -14,7 +14,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "scene/assets/ply_header.h"
+#include "formats/ply_header.h"
 
 namespace scanmill {
 

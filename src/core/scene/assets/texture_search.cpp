@@ -6,6 +6,7 @@
 
 #include "config/text.h"
 #include "scene/assets/uri.h"
+#include "scene/worlds/model_search.h"
 
 namespace scanmill {
 
@@ -37,8 +38,7 @@ std::filesystem::path findTexture(const std::filesystem::path& asset, const std:
   if (plain.starts_with("file://")) plain = plain.substr(7);
   if (plain.starts_with("model://")) {  // Gazebo: model://MODEL/..., the models lie beside one another
     plain = plain.substr(8);
-    std::filesystem::path up = folder;
-    for (int level = 0; level < 4; ++level, up /= "..") candidates.push_back(up / plain);
+    if (const auto found = findInModelFolders(asset, plain)) candidates.push_back(*found);
   }
   // An absolute name replaces the folder.
   for (const std::string& spelling : {plain, decodeUri(plain)}) candidates.push_back(folder / spelling);

@@ -80,8 +80,8 @@ bool isConsistent(const Patterns& patterns, const std::vector<Known>& parts, con
                      [&](const Known& k) { return k.concept_ == wanted || !matchesPart(patterns, *k.part); });
 }
 
-// The plainest patterns that no part of another concept matches; none where there are none. Those come first whose name
-// says what it is.
+// The plainest patterns that no part of another concept matches; none where there are none. First comes all of a model
+// of a world, then names that say what it is.
 Patterns patternsFor(const Known& known, const std::vector<Known>& parts, const std::vector<Concept>& concepts) {
   std::vector<std::vector<std::size_t>> choices;
   for (const bool telling : {true, false}) {
@@ -164,7 +164,9 @@ class Writer {
     std::error_code error;
     std::filesystem::path name = std::filesystem::proximate(file, folder_.empty() ? "." : folder_, error);
     if (error) name = file;
-    yaml += fmt::format("  - name: {}\n    file: {}\n", quoted(file.stem().string()), quoted(name.string()));
+    const bool inFolder = file.filename() == "model.sdf" && !file.parent_path().filename().empty();
+    const std::string called = (inFolder ? file.parent_path().filename() : file.stem()).string();
+    yaml += fmt::format("  - name: {}\n    file: {}\n", quoted(called), quoted(name.string()));
     if (drafted.frame.unit != 1 || !drafted.frame.whyUnit.empty()) {
       yaml += fmt::format("    unit: {:g}   # {}\n", drafted.frame.unit, drafted.frame.whyUnit);
     }

@@ -346,10 +346,12 @@ Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& 
   Model model = readModel(file, name);
   Affine frame = assetFromFile;
   if (model.center) {
-    // Its axes are those of the earth: by itself it stands as the horizon at its place has it.
-    const Affine localFromEarth = eastNorthUp(*model.center);
-    const double scale = std::cbrt(std::fabs(determinant(assetFromFile.linear)));
-    frame = {localFromEarth.linear * zUpFrom('y') * Mat3::scale({scale, scale, scale}), {}};
+    if (isOnEarth(*model.center)) {
+      // Its axes are those of the earth: by itself it stands as the horizon at its place has it.
+      frame = {eastNorthUp(*model.center).linear * assetFromFile.linear, {}};
+    } else {
+      frame.translation = *model.center * options.metresPerUnit;
+    }
   }
   return Reader(std::move(model), frame, options).read();
 }

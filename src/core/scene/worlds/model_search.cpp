@@ -46,6 +46,16 @@ std::vector<fs::path> modelFolders(const fs::path& file) {
 
 }  // namespace
 
+std::optional<fs::path> findInModelFolders(const fs::path& file, const std::string& name) {
+  for (const std::string& spelling : {name, decodeUri(name)}) {
+    for (const fs::path& folder : modelFolders(file)) {
+      // A model that is looked for from inside of its own folder lies in the folder above.
+      if (!spelling.empty() && isThere(folder / spelling)) return folder / spelling;
+    }
+  }
+  return std::nullopt;
+}
+
 fs::path findModel(const XmlNode& from, const fs::path& file, const std::string& uri) {
   if (uri.empty()) from.fail("names no file");
   if (uri.starts_with("http://") || uri.starts_with("https://")) {
@@ -53,12 +63,7 @@ fs::path findModel(const XmlNode& from, const fs::path& file, const std::string&
   }
   for (const std::string_view scheme : {"model://", "package://"}) {
     if (!uri.starts_with(scheme)) continue;
-    for (const std::string& name : {uri.substr(scheme.size()), decodeUri(uri.substr(scheme.size()))}) {
-      for (const fs::path& folder : modelFolders(file)) {
-        // A model that is looked for from inside of its own folder lies in the folder above.
-        if (isThere(folder / name)) return folder / name;
-      }
-    }
+    if (const auto found = findInModelFolders(file, uri.substr(scheme.size()))) return *found;
     from.fail(
         fmt::format("names '{}', which is neither beside '{}' nor in the folders above it, nor in those that {} "
                     "name: put it there, or take it out",
@@ -70,9 +75,7 @@ fs::path findModel(const XmlNode& from, const fs::path& file, const std::string&
     if (isThere(found)) return found;
   }
   // A relative name may also be that of a model.
-  for (const fs::path& folder : modelFolders(file)) {
-    if (isThere(folder / plain)) return folder / plain;
-  }
+  if (const auto found = findInModelFolders(file, plain)) return *found;
   from.fail(fmt::format("names '{}', and there is no such file", uri));
 }
 

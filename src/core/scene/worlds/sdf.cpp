@@ -5,6 +5,8 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <sstream>
 
 #include "scene/primitives.h"
 #include "scene/worlds/model_search.h"
@@ -16,7 +18,8 @@
 namespace scanmill {
 namespace {
 
-constexpr int kDeepest = 24;  // models in models
+constexpr int kDeepest = 24;            // models in models
+constexpr std::size_t kLongest = 1000;  // frames, each relative to the next
 
 // Names of a world or a model that poses may be relative to.
 struct Scope {
@@ -29,17 +32,27 @@ struct Scope {
   std::map<std::string, Frame> frames;
 
   // The pose of a frame in the scope's own.
-  Pose resolve(const std::string& name, const XmlNode& from, int depth = 0) const {
+  Pose resolve(const std::string& name, const XmlNode& from) const {
+    std::set<std::pair<const Scope*, std::string>> been;
+    return resolve(name, from, been);
+  }
+
+ private:
+  Pose resolve(const std::string& name, const XmlNode& from,
+               std::set<std::pair<const Scope*, std::string>>& been) const {
     if (name.empty() || name == "__model__" || name == "world" || name == "__root__") return {};
-    if (depth > kDeepest) from.fail(fmt::format("has a pose relative to '{}', which goes round in a circle", name));
+    if (!been.emplace(this, name).second) {
+      from.fail(fmt::format("has a pose relative to '{}', which goes round in a circle", name));
+    }
+    if (been.size() > kLongest) from.fail(fmt::format("has a pose relative to more than {} others", kLongest));
     const std::size_t colons = name.find("::");
     const auto found = frames.find(name.substr(0, colons));
     if (found == frames.end()) from.fail(fmt::format("has a pose relative to '{}', and there is no such frame", name));
     const Frame& frame = found->second;
-    const Pose own = resolve(frame.relativeTo, *frame.node, depth + 1) * frame.pose;
+    const Pose own = resolve(frame.relativeTo, *frame.node, been) * frame.pose;
     if (colons == std::string::npos) return own;
     if (frame.inside == nullptr) from.fail(fmt::format("has a pose relative to '{}', which is in no model", name));
-    return own * frame.inside->resolve(name.substr(colons + 2), from, depth + 1);
+    return own * frame.inside->resolve(name.substr(colons + 2), from, been);
   }
 };
 
@@ -126,6 +139,13 @@ class SdfReader {
         if (!model) continue;
         pose.pose = pose.pose * inverse(model->placement);
         scope->frames[model->name] = {&child, pose.pose, pose.relativeTo, inside};
+        if (child.attributeOr("merge", "false") == "true" && inside != nullptr) {
+          for (const auto& [name, frame] : inside->frames) {
+            Scope::Frame merged = frame;
+            if (merged.relativeTo.empty()) merged.relativeTo = model->name;
+            scope->frames.try_emplace(name, std::move(merged));
+          }
+        }
         found.push_back({pose, std::move(*model), &child});
       } else if (child.name == "frame" || child.name == "link" || child.name == "joint") {
         const PoseElement pose = readPose(child);
@@ -168,10 +188,15 @@ class SdfReader {
                                    std::shared_ptr<const Scope>& inside) {
     const std::string uri = node.textOf("uri", "");
     std::string plain = uri;
-    while (plain.ends_with('/')) plain.pop_back();
+    while (plain.ends_with('/') && !plain.ends_with("//")) plain.pop_back();
     const std::string name = std::filesystem::path(plain).filename().string();
-    if (name == "sun") return std::nullopt;  // a light
-    const std::optional<std::filesystem::path> definition = definitionOf(node, file, plain);
+    std::optional<std::filesystem::path> definition;
+    try {
+      definition = definitionOf(node, file, plain);
+    } catch (const InputError&) {                       // Gazebo's own may not be installed
+      if (plain == "model://sun") return std::nullopt;  // a light
+      if (plain != "model://ground_plane") throw;
+    }
     Model model;
     if (!definition) {
       model = groundPlane(node);
@@ -194,33 +219,40 @@ class SdfReader {
     return model;
   }
 
-  // The file of a model; of a folder that which its model.config names, of the highest version. Nothing for Gazebo's
-  // own ground plane where that is not installed.
-  static std::optional<std::filesystem::path> definitionOf(const XmlNode& node, const std::filesystem::path& file,
-                                                           const std::string& uri) {
-    const XmlNode* const named = node.child("uri");
-    std::filesystem::path found;
-    try {
-      found = findModel(named == nullptr ? node : *named, file, uri);
-    } catch (const InputError&) {
-      if (uri == "model://ground_plane") return std::nullopt;
-      throw;
+  // "1.10" is above "1.9".
+  static std::vector<int> versionOf(const XmlNode& sdf) {
+    std::vector<int> parts;
+    std::istringstream text(sdf.attributeOr("version", "0"));
+    for (std::string part; std::getline(text, part, '.');) {
+      parts.push_back(static_cast<int>(numbersIn(sdf, part, 1).front()));
     }
+    return parts;
+  }
+
+  // The file of a model; of a folder that which its model.config names, of the highest version.
+  static std::filesystem::path definitionOf(const XmlNode& node, const std::filesystem::path& file,
+                                            const std::string& uri) {
+    const XmlNode* const named = node.child("uri");
+    const XmlNode& place = named == nullptr ? node : *named;
+    std::filesystem::path found = findModel(place, file, uri);
     std::error_code ignored;
     if (std::filesystem::is_directory(found, ignored)) {
       std::string best = "model.sdf";
-      double highest = -1;
+      std::vector<int> highest;
       const std::filesystem::path config = found / "model.config";
       if (std::filesystem::exists(config, ignored)) {
         for (const XmlNode& sdf : readXml(config).children) {
           if (sdf.name != "sdf") continue;
-          const double version = numbersIn(sdf, sdf.attributeOr("version", "0"), 1).front();
+          const std::vector<int> version = versionOf(sdf);
           if (version <= highest || !std::filesystem::exists(found / sdf.text, ignored)) continue;
           highest = version;
           best = sdf.text;
         }
       }
       found /= best;
+      if (!std::filesystem::exists(found, ignored)) {
+        place.fail(fmt::format("names '{}', but there is no {}", uri, found.string()));
+      }
     }
     const std::filesystem::path canonical = std::filesystem::weakly_canonical(found, ignored);
     return ignored ? found : canonical;
@@ -282,6 +314,7 @@ class SdfReader {
     if (material == nullptr) return;
     const XmlNode* const diffuse = material->child("diffuse");
     if (diffuse != nullptr) part.color = colorOf(*diffuse, diffuse->text);
+    readAlbedo(*material, file, part);
     const XmlNode* const script = material->child("script");
     if (script == nullptr) return;
     part.material = script->textOf("name", "");
@@ -310,6 +343,24 @@ class SdfReader {
         part.texture = image;
         return;
       }
+      return leftOut(
+          fmt::format("the image '{}' of the material '{}', which is missing", look->second.texture, part.material));
+    }
+  }
+
+  // The image of a physically based material.
+  void readAlbedo(const XmlNode& material, const std::filesystem::path& file, WorldPart& part) {
+    const XmlNode* const pbr = material.child("pbr");
+    if (pbr == nullptr) return;
+    for (const XmlNode& kind : pbr->children) {
+      const XmlNode* const map = kind.child("albedo_map");
+      if (map == nullptr || map->text.empty()) continue;
+      try {
+        part.texture = findModel(*map, file, map->text);
+      } catch (const InputError&) {
+        leftOut(fmt::format("the albedo_map '{}', which is missing", map->text));
+      }
+      return;
     }
   }
 

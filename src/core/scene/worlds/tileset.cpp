@@ -16,6 +16,7 @@
 #include "base/earth.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "config/text.h"
 #include "scene/assets/asset_parts.h"
 #include "scene/assets/uri.h"
 #include "scene/gltf/reader.h"
@@ -31,6 +32,7 @@ class TilesetReader {
   explicit TilesetReader(const AssetOptions& options) : options_(options) {}
 
   Asset read(const std::filesystem::path& file) {
+    if (options_.up) fail(file, "says by itself which axis is up: leave out `up`");
     asset_.upDeclared = true;
     readFileOf(file, {}, "REPLACE", 0);
     if (!leftOut_.empty()) {
@@ -85,7 +87,8 @@ class TilesetReader {
     const Json& volume = root.at("boundingVolume");
     Vec3d middle;
     if (const auto region = volume.find("region"); region != volume.end()) {
-      const auto r = region->get<std::array<double, 6>>();
+      auto r = region->get<std::array<double, 6>>();
+      if (r[2] < r[0]) r[2] += 2 * kPi;  // across the date line
       middle = earthCentred((r[0] + r[2]) / 2, (r[1] + r[3]) / 2, r[4]);
     } else if (volume.contains("box")) {
       const auto b = volume.at("box").get<std::vector<double>>();
@@ -136,7 +139,7 @@ class TilesetReader {
     if (!std::filesystem::is_regular_file(file, ignored)) {
       fail(context.file, fmt::format("names '{}', and there is no such file", uri));
     }
-    const std::string kind = file.extension().string();
+    const std::string kind = lowerExtension(file);
     if (kind == ".json") return readFileOf(file, earthFromTile, refine, depth + 1);
     if (kind != ".b3dm" && kind != ".glb" && kind != ".gltf") {
       ++leftOut_[kind.empty() ? "of no kind" : kind];

@@ -41,6 +41,15 @@ class UrdfReader {
         }
       }
     }
+    const XmlNode* first = nullptr;
+    for (const XmlNode& link : root_.children) {
+      if (link.name != "link" || joints_.contains(link.attributeOr("name", "link"))) continue;
+      if (first != nullptr) {
+        link.fail(fmt::format("'{}' hangs on no joint, and neither does '{}': one alone may be the root",
+                              link.attributeOr("name", "link"), first->attributeOr("name", "link")));
+      }
+      first = &link;
+    }
     WorldThing robot{root_.attributeOr("name", "robot"), {}, {}, {}};
     for (const XmlNode& link : root_.children) {
       if (link.name != "link") continue;
@@ -74,9 +83,28 @@ class UrdfReader {
     }
   }
 
-  void noteMaterial(const XmlNode& material) {
-    const XmlNode* const color = material.child("color");
-    if (color != nullptr) colors_[material.attributeOr("name", "")] = colorOf(*color, color->attributeOr("rgba", ""));
+  struct Look {
+    std::optional<std::array<float, 3>> color;
+    std::filesystem::path texture;
+  };
+
+  // Materials are stated once and named elsewhere.
+  Look noteMaterial(const XmlNode& material) {
+    Look look;
+    if (const XmlNode* color = material.child("color")) look.color = colorOf(*color, color->attributeOr("rgba", ""));
+    if (const XmlNode* texture = material.child("texture")) {
+      try {
+        look.texture = findModel(*texture, file_, texture->attributeOr("filename", ""));
+      } catch (const InputError&) {
+        world_.leftOut.push_back(
+            fmt::format("the texture '{}', which is missing", texture->attributeOr("filename", "")));
+      }
+    }
+    const std::string name = material.attributeOr("name", "");
+    if (name.empty()) return look;
+    if (look.color || !look.texture.empty()) looks_[name] = look;
+    const auto known = looks_.find(name);
+    return known == looks_.end() ? look : known->second;
   }
 
   // Of a link in the robot, which stands where the link that has no parent is.
@@ -110,9 +138,10 @@ class UrdfReader {
       if (!part.solid) shape.fail("is no shape of URDF: mesh, box, cylinder or sphere");
     }
     if (const XmlNode* material = visual.child("material")) {
-      noteMaterial(*material);
+      const Look look = noteMaterial(*material);
       part.material = material->attributeOr("name", "");
-      if (const auto color = colors_.find(part.material); color != colors_.end()) part.color = color->second;
+      part.color = look.color;
+      part.texture = look.texture;
     }
     parts.push_back(std::move(part));
   }
@@ -120,7 +149,7 @@ class UrdfReader {
   std::filesystem::path file_;
   XmlNode root_;
   std::map<std::string, Joint> joints_;  // by child
-  std::map<std::string, std::array<float, 3>> colors_;
+  std::map<std::string, Look> looks_;
   World world_;
 };
 

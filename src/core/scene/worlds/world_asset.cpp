@@ -69,7 +69,9 @@ class WorldAsset {
         continue;
       }
       for (AssetPart& part : partsOf(from)) {
-        if (!from.texture.empty() || (from.color && part.texture.empty())) dress(from, part);
+        const bool textured = !from.texture.empty() && !part.uvs.empty();
+        if (textured || (from.color && part.texture.empty())) dress(from, part);
+        if (part.material.empty()) part.fileMaterial.name = part.material = from.material;
         const std::string inMesh = part.node.empty() ? node : fmt::format("{}/{}", node, part.node);
         add(parts, std::move(part), inMesh, own);
       }
@@ -80,11 +82,7 @@ class WorldAsset {
   void add(std::vector<AssetPart>& parts, AssetPart part, const std::string& node, const Affine& place) {
     part.node = node;
     part.nodeIndex = things_;
-    const bool mirrored = determinant(place.linear) < 0;
-    for (Vec3f& p : part.positions) p = static_cast<Vec3f>(place * Vec3d(p));
-    for (Triangle& t : part.triangles) {
-      if (mirrored) std::swap(t[1], t[2]);
-    }
+    move(part, place);
     triangles_ += part.triangles.size();
     if (triangles_ > kMostTriangles) {
       throw InputError({file_.string()}, fmt::format("places more than {} triangles", kMostTriangles));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <pugixml.hpp>
 
 #include "base/file.h"
@@ -52,7 +53,11 @@ class Reader {
     node.where = at(from.offset_debug());
     if (depth > kDeepest) throw InputError(node.where, fmt::format("is deeper than {} elements", kDeepest));
     node.name = from.name();
-    node.text = trimmed(from.child_value());
+    std::string text;  // comments may stand in it
+    for (const pugi::xml_node& child : from.children()) {
+      if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) text += child.value();
+    }
+    node.text = trimmed(text);
     for (const pugi::xml_attribute& a : from.attributes()) node.attributes.emplace_back(a.name(), trimmed(a.value()));
     for (const pugi::xml_node& child : from.children()) {
       if (child.type() == pugi::node_element) node.children.push_back(convert(child, depth + 1));
@@ -106,7 +111,11 @@ std::vector<double> numbersIn(const XmlNode& node, std::string_view text, std::s
     if (word.empty()) continue;
     if (word.starts_with('+')) word.remove_prefix(1);
     double number = 0;
-    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error == std::errc::result_out_of_range) {  // nearer to zero than a double is, or too large
+      number = std::strtod(std::string(word).c_str(), nullptr);
+      error = std::errc();
+    }
     if (error != std::errc() || stop != word.data() + word.size() || !std::isfinite(number)) {
       node.fail(fmt::format("has {} where a number should be", quotedForMessage(word)));
     }

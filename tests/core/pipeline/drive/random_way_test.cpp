@@ -89,7 +89,7 @@ TEST_F(RandomWays, DoNotGoThroughWallsNorUnderWhatIsLow) {
       folder_,
       "  - {name: wall, primitive: box, size: [0.2, 20, 3], class: wall, material: brick, position: [10, 40, 1.5]}\n"
       "  - {name: beam, primitive: box, size: [1, 20, 0.5], class: structure, material: concrete, position: [-10, -40, "
-      "2.2]}\n");
+      "2.65]}\n");
   const SceneProbe probe(walled);
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const Path path(findRandomWay(probe, {{"road"}, Side::Right, 100, {}}, seed, "drive"));
@@ -101,6 +101,24 @@ TEST_F(RandomWays, DoNotGoThroughWallsNorUnderWhatIsLow) {
       before = now;
     }
   }
+}
+
+// 2.6 m are enough.
+TEST_F(RandomWays, GoUnderWhatIsHigh) {
+  const Scene beamed = readRoadScene(
+      folder_,
+      "  - {name: beam, primitive: box, size: [1, 20, 0.5], class: structure, material: concrete, position: [-10, -40, "
+      "2.85]}\n");
+  const SceneProbe probe(beamed);
+  bool under = false;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Path path(findRandomWay(probe, {{"road"}, Side::Right, 400, {}}, seed, "drive"));
+    for (double at = 0; at < path.length(); at += 0.1) {
+      const Vec3d p = path.pose(at).translation;
+      under = under || (p.y < -30 && std::fabs(p.x + 10) < 0.5);
+    }
+  }
+  EXPECT_TRUE(under);
 }
 
 TEST_F(RandomWays, SayWhatIsTooShortOrNotThere) {

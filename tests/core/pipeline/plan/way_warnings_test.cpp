@@ -53,7 +53,11 @@ TEST_F(WayWarnings, TellOfSensorsInsideOfThings) {
 TEST_F(WayWarnings, TellOfWaysThroughWallsAndLowThings) {
   EXPECT_THAT(warnings({drive("[[0, 0, 0], [45, 0, 0]]")}),
               testing::Contains(AllOf(HasSubstr("its way goes through something of the class wall at [30.00, 0.00"),
-                                      HasSubstr("3 more surfaces"))));
+                                      HasSubstr("1 more surface"))));
+  // Both cars of the yard, one behind the other, however often it comes by; and a circle that one frame is long.
+  EXPECT_THAT(warnings({"trajectories=[{name: loop, path: line, waypoints: [[-10, 5, 0], [20, 5, 0], [20, 9, 0], "
+                        "[-10, 9, 0], [-10, 5.1, 0]], speed: 20, every_m: 60}]"}),
+              testing::Contains(HasSubstr("'car#1' (car) at [6.00, 5.00, 0.60]")));
   // The cars are lower than the sensor.
   EXPECT_THAT(warnings({drive("[[-10, 5, 0], [20, 5, 0]]")}),
               ElementsAre(AllOf(HasSubstr("'car#1' (car) at [6.00, 5.00, 0.60]"))));

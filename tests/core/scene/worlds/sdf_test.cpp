@@ -83,7 +83,7 @@ class IncludedSdf : public Sdf {
  protected:
   IncludedSdf() {
     folder_.write("models/post/mesh.obj", kWing);
-    for (const char* version : {"1.4", "1.5"}) {
+    for (const char* version : {"1.4", "1.10"}) {
       folder_.write(
           std::string("models/post/model-") + version + ".sdf",
           std::string("<sdf version=\"1.5\"><model name=\"Post\"><pose>0 0 9 0 0 0</pose><link name=\"l\"><visual "
@@ -93,7 +93,7 @@ class IncludedSdf : public Sdf {
               "</visual></link></model></sdf>");
     }
     folder_.write("models/post/model.config",
-                  "<model><sdf version=\"1.5\">model-1.5.sdf</sdf><sdf version=\"1.4\">model-1.4.sdf</sdf></model>");
+                  "<model><sdf version=\"1.10\">model-1.10.sdf</sdf><sdf version=\"1.4\">model-1.4.sdf</sdf></model>");
   }
   static std::string include(const std::string& more, const std::string& uri = "model://post") {
     return "<include><uri>" + uri + "</uri>" + more + "</include>";
@@ -102,12 +102,12 @@ class IncludedSdf : public Sdf {
 
 TEST_F(IncludedSdf, AreOfTheHighestVersionAndStandWhereTheIncludeSays) {
   const Asset asset = sdf("<world name=\"w\">" + include("<pose>5 0 0 0 0 0</pose>") + "</world>");
-  const std::vector<Vec3d> found = corners(asset, "post/l/v1.5/wing");
+  const std::vector<Vec3d> found = corners(asset, "post/l/v1.10/wing");
   EXPECT_LT(length(found[0] - Vec3d{7, 0, 0}), 1e-6);  // scaled by 2, and not 9 m up
   EXPECT_LT(length(found[2] - Vec3d{5, 0, 6}), 1e-6);
   // Without a pose it stands where its own file says.
   EXPECT_LT(
-      length(corners(sdf("<world name=\"w\">" + include("") + "</world>"), "post/l/v1.5/wing")[2] - Vec3d{0, 0, 15}),
+      length(corners(sdf("<world name=\"w\">" + include("") + "</world>"), "post/l/v1.10/wing")[2] - Vec3d{0, 0, 15}),
       1e-6);
 }
 
@@ -119,7 +119,7 @@ TEST_F(IncludedSdf, SeveralOfOneShareTheirMeshes) {
   const InstancedParts& posts = asset.instanced[0];
   ASSERT_EQ(posts.assetFromParts.size(), 2u);
   EXPECT_EQ(posts.parts.size(), 1u);
-  EXPECT_EQ(posts.parts[0].node, "a/l/v1.5/wing");
+  EXPECT_EQ(posts.parts[0].node, "a/l/v1.10/wing");
   EXPECT_LT(length(posts.assetFromParts[1].translation - Vec3d{5, 5, 0}), 1e-9);
   EXPECT_EQ(asset.parts.size(), 1u);
 }
@@ -128,8 +128,8 @@ TEST_F(IncludedSdf, AreCalledAsTheyAreIncluded) {
   const Asset asset = sdf("<world name=\"w\">" + include("<name>left</name>") +
                           include("<name>right</name><pose>0 1 0 0 0 0</pose>") + "</world>");
   EXPECT_TRUE(asset.instanced.empty());
-  EXPECT_LT(length(corners(asset, "right/l/v1.5/wing")[0] - Vec3d{2, 1, 0}), 1e-6);
-  EXPECT_NE(corners(asset, "left/l/v1.5/wing")[2].z, 0);
+  EXPECT_LT(length(corners(asset, "right/l/v1.10/wing")[0] - Vec3d{2, 1, 0}), 1e-6);
+  EXPECT_NE(corners(asset, "left/l/v1.10/wing")[2].z, 0);
 }
 
 TEST_F(IncludedSdf, AreFoundWhereTheEnvironmentSays) {
@@ -152,6 +152,18 @@ TEST_F(IncludedSdf, TheSunIsALightAndTheGroundPlaneAPlane) {
   const Box box = boundsOf(asset);
   EXPECT_EQ(box.low, (Vec3d{-50, -50, 0}));
   EXPECT_EQ(box.high, (Vec3d{50, 50, 0}));
+}
+
+// What is merged has its links and frames in the model that includes it.
+TEST_F(IncludedSdf, MergedOnesLendTheirFrames) {
+  const Asset asset =
+      sdf("<model name=\"m\"><include merge=\"true\"><uri>model://post</uri><pose>1 0 0 0 0 0</pose></include>" +
+          wing("own", "<pose relative_to=\"l\">0 1 0 0 0 0</pose>") + "</model>");
+  expectWing(corners(asset, "own/l/v/wing"), poseOf(1, 1, 0, 0, 0, 0));
+  EXPECT_THAT(refusal("<world name=\"w\">" + include("", "model://") + "</world>"), HasSubstr("model://"));
+  folder_.write("models/empty/readme.txt", "x");
+  EXPECT_THAT(refusal("<world name=\"w\">" + include("", "model://empty") + "</world>"),
+              AllOf(HasSubstr("a.sdf:3"), HasSubstr("there is no"), HasSubstr("model.sdf")));
 }
 
 TEST_F(IncludedSdf, ThatIncludeThemselvesAreRefused) {
@@ -214,19 +226,72 @@ TEST_F(Sdf, SubmeshesAreTakenAloneAndCentred) {
               AllOf(HasSubstr("no submesh 'bix'"), HasSubstr("box, wing")));
 }
 
+// An image whose left half is a leaf, the right half nothing, on a mesh that shows all of it.
 TEST_F(Sdf, ScriptsNameImagesAndWhatIsCutOut) {
   folder_.write(
       "leaf/materials/scripts/leaf.material",
       "// leaves\nmaterial Leaf/Green : Base\n{\n technique\n {\n  pass\n  {\n   alpha_rejection greater 128\n"
-      "   diffuse 0.2 0.4 0.1 1\n   texture_unit { \n texture leaf.bmp\n }\n  }\n }\n}\nmaterial Other\n{\n}\n");
+      "   diffuse 0.2 0.4 0.1 1\n   texture_unit { \n texture leaf.tga\n }\n  }\n }\n}\nmaterial Other\n{\n}\n");
+  folder_.write("card.obj", "o card\nv 0 0 0\nv 1 0 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
   folder_.write("wing.obj", kWing);
+  const auto model = [&](const std::string& mesh) {
+    return sdf("<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><mesh><uri>" + mesh +
+               "</uri></mesh></geometry><material><script><uri>file://leaf/materials/scripts</uri><uri>file://leaf/"
+               "materials/textures</uri><name>Leaf/Green</name></script></material></visual></link></model>");
+  };
+  // While the image is missing, it says so, and the mesh has the material's colour.
+  testing::internal::CaptureStderr();
+  const Asset without = model("card.obj");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), AllOf(HasSubstr("leaf.tga"), HasSubstr("missing")));
+  EXPECT_EQ(without.parts.at(0).material, "Leaf/Green");
+  EXPECT_NEAR(without.parts[0].fileMaterial.reflectance, 0.2126 * 0.2 + 0.7152 * 0.4 + 0.0722 * 0.1, 1e-6);
+
+  // Truevision's: 2 x 1 pixels of blue, green, red, alpha.
+  std::string image(18, '\0');
+  image[2] = 2;
+  image[12] = 2;
+  image[14] = 1;
+  image[16] = 32;
+  image[17] = 8;
+  image += std::string("\x00\x80\x00\xff", 4) + std::string(4, '\0');
+  folder_.write("leaf/materials/textures/leaf.tga", image);
+  const Material card = model("card.obj").parts.at(0).fileMaterial;
+  ASSERT_TRUE(card.texture);
+  EXPECT_TRUE(card.alphaTested);
+  EXPECT_NEAR(card.alphaCutoff, 128 / 255.0, 0.01);
+  EXPECT_GT(card.texture->texel(0.25f, 0.5f)[3], 128);
+  EXPECT_LT(card.texture->texel(0.75f, 0.5f)[3], 128);
+  // A mesh that cannot show it keeps the colour.
+  const AssetPart wing = model("wing.obj").parts.at(0);
+  EXPECT_FALSE(wing.fileMaterial.texture);
+  EXPECT_FLOAT_EQ(wing.color[1], 0.4f);
+}
+
+// Names without colours are names too, and commas, comments and alpha are as users write them.
+TEST_F(Sdf, LooksAndNumbersAreReadAsOthersWriteThem) {
+  folder_.write("wing.obj", kWing);
+  const Asset asset = sdf(wing("m", "<pose>1 2 <!-- z --> 3 0 0 1e-400</pose>",
+                               "<material><script><name>Gazebo/Brick</name></script></material>"));
+  EXPECT_EQ(asset.parts.at(0).material, "Gazebo/Brick");
+  expectWing(corners(asset, "m/l/v/wing"), poseOf(1, 2, 3, 0, 0, 0));
+  const Asset red = sdf(wing("m", "", "<material><diffuse>1 0 0</diffuse></material>"));
+  EXPECT_FLOAT_EQ(red.parts.at(0).color[1], 0);
+}
+
+// A chain of any length is none that goes round.
+TEST_F(Sdf, ChainsOfFramesMayBeLong) {
+  std::string frames;
+  for (int i = 0; i < 100; ++i) {
+    const std::string on = i == 0 ? "" : " attached_to=\"f" + std::to_string(i - 1) + "\"";
+    frames += "<frame name=\"f" + std::to_string(i) + "\"" + on + "><pose>1 0 0 0 0 0</pose></frame>";
+  }
   const Asset asset =
-      sdf("<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><box><size>1 1 1</size></box></geometry>"
-          "<material><script><uri>file://leaf/materials/scripts</uri><name>Leaf/Green</name></script>"
-          "</material></visual></link></model>");
-  EXPECT_EQ(asset.parts.at(0).material, "Leaf/Green");
-  EXPECT_FLOAT_EQ(asset.parts[0].color[1], 0.4f);
-  EXPECT_NEAR(asset.parts[0].fileMaterial.reflectance, 0.2126 * 0.2 + 0.7152 * 0.4 + 0.0722 * 0.1, 1e-6);
+      sdf("<world name=\"w\">" + frames + wing("m", "<pose relative_to=\"f99\">0 1 0 0 0 0</pose>") + "</world>");
+  expectWing(corners(asset, "m/l/v/wing"), poseOf(100, 1, 0, 0, 0, 0));
+  EXPECT_THAT(refusal("<world name=\"w\"><frame name=\"a\" attached_to=\"b\"/><frame name=\"b\" "
+                      "attached_to=\"a\"/>" +
+                      wing("m", "<pose relative_to=\"a\"/>") + "</world>"),
+              HasSubstr("goes round in a circle"));
 }
 
 TEST_F(Sdf, MistakesAreNamedWithTheirLine) {

@@ -109,6 +109,21 @@ TEST_F(Tileset, RelativeCentresAreThoseOfTheContent) {
   expectPlaced(asset, "a.gltf/wing", {{}, {100, 200, 300}});
   expectPlaced(asset, "b.b3dm/wing", {{}, {10, 20, 30}});
   expectPlaced(asset, "c.b3dm/wing", {{}, {1, 2, 3}});
+  // A centre that is not on the earth is one of the file's own frame, and most are zero.
+  expectPlaced(readAsset(folder_.path() / "b.b3dm", {}), "wing", {{}, {10, 20, 30}});
+  folder_.write("d.b3dm", b3dm(glb(upright().text()), R"({"BATCH_LENGTH":0,"RTC_CENTER":[0,0,0]})"));
+  expectPlaced(readAsset(folder_.path() / "d.b3dm", {}), "wing", {});
+}
+
+// A region across the date line has its east below its west.
+TEST_F(Tileset, RegionsMayCrossTheDateLine) {
+  const double west = radians(179.999), east = radians(-179.999), latitude = 0.3;
+  const Vec3d middle = earthCentred(kPi, latitude, 5);
+  folder_.write("a.GLB", glb(upright().text()));
+  const Json root{{"boundingVolume", {{"region", {west, latitude, east, latitude, 5, 9}}}},
+                  {"transform", columns(inverse(eastNorthUp(middle)))},
+                  {"content", {{"uri", "a.GLB"}}}};
+  expectPlaced(tileset(root), "a.GLB/wing", {}, 1e-4);
 }
 
 // On the earth to the millimetre, though its coordinates have seven digits before the point.

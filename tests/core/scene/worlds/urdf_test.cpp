@@ -60,6 +60,8 @@ TEST_F(Urdf, MistakesAreNamedWithTheirLine) {
               AllOf(HasSubstr("r.urdf:2"), HasSubstr("xacro robot")));
   EXPECT_THAT(refused("<joint name=\"j\"><parent link=\"a\"/><child link=\"bb\"/></joint><link name=\"a\"/>"),
               AllOf(HasSubstr("r.urdf:2"), HasSubstr("'bb', and there is none")));
+  EXPECT_THAT(refused("<link name=\"a\"/>\n<link name=\"b\"/>"),
+              AllOf(HasSubstr("r.urdf:3"), HasSubstr("'b' hangs on no joint, and neither does 'a'")));
   EXPECT_THAT(refused("<joint name=\"j\"><child link=\"a\"/></joint>"), HasSubstr("<parent link="));
   EXPECT_THAT(
       refused("<joint name=\"j\"><parent link=\"b\"/><child link=\"a\"/></joint><joint name=\"k\"><parent link=\"a\"/>"

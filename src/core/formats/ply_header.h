@@ -15,6 +15,7 @@ struct PlyType {
 };
 
 struct PlyProperty {
+  std::string name;
   PlyType count{};  // of a list; its size is 0 where the property is a single value
   PlyType value{};
 

@@ -1,4 +1,4 @@
-#include "scene/assets/ply_header.h"
+#include "formats/ply_header.h"
 
 #include <fmt/core.h>
 
@@ -71,9 +71,9 @@ void readLine(PlyHeader& header, const std::vector<std::string>& line, std::uint
     }
     header.elements.push_back(std::move(element));
   } else if (line[0] == "property" && !header.elements.empty() && line.size() == 3) {
-    header.elements.back().properties.push_back({{}, typeOf(line[1], where)});
+    header.elements.back().properties.push_back({line[2], {}, typeOf(line[1], where)});
   } else if (line[0] == "property" && !header.elements.empty() && line.size() == 5 && line[1] == "list") {
-    header.elements.back().properties.push_back({typeOf(line[2], where), typeOf(line[3], where)});
+    header.elements.back().properties.push_back({line[4], typeOf(line[2], where), typeOf(line[3], where)});
   } else {
     throw InputError(where, fmt::format("'{}' is not a line of a PLY header", line[0]));
   }
