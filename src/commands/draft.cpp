@@ -19,8 +19,9 @@ namespace {
 
 // Folders stand for the 3D files in them, in the order of their names.
 std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named) {
-  static const std::set<std::string> kKinds{".gltf", ".glb", ".obj", ".ply",  ".stl",   ".dae",  ".fbx",  ".ac",
-                                            ".acc",  ".3ds", ".sdf", ".urdf", ".world", ".b3dm", ".blend"};
+  static const std::set<std::string> kKinds{".gltf", ".glb", ".las",  ".pcd",   ".tif",  ".obj",
+                                            ".ply",  ".stl", ".dae",  ".fbx",   ".ac",   ".acc",
+                                            ".3ds",  ".sdf", ".urdf", ".world", ".b3dm", ".blend"};
   std::vector<std::filesystem::path> files;
   for (const std::string& name : named) {
     std::error_code error;
@@ -105,7 +106,7 @@ int runDraft(const std::vector<std::string>& arguments) {
     triangles += f.triangles;
     guessed += f.guessed;
   }
-  fmt::print("{}\nclasses are guessed for {} of {} triangles ({}); the reasons are in {}\n", formatTable(rows),
+  fmt::print("{}\nclasses are guessed for {} of {} triangles ({}), by the names that stand in {}\n", formatTable(rows),
              grouped(guessed), grouped(triangles),
              percent(static_cast<double>(guessed), static_cast<double>(triangles)), out.string());
   runView({out.string(), "--screenshot", picture.string()});

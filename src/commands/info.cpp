@@ -261,7 +261,7 @@ void printColors(const Asset& asset) {
   using Counts = std::map<Rgb, std::uint64_t>;
   std::map<std::pair<std::string, std::string>, Counts> byMaterial;
   const auto count = [&](const AssetPart& part) {
-    const PartTraits traits(part, 0, false);
+    const PartTraits traits(part, {}, false);
     Counts& counts = byMaterial[{part.material, part.texture}];
     for (std::size_t t = 0; t < part.triangles.size(); ++t) ++counts[traits.at(t).color];
   };
@@ -320,7 +320,7 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
       }
     }
   };
-  for (const AssetPart& part : asset.parts) add(part, {Affine{}});
+  for (const AssetPart& part : asset.parts) add(part, {Affine{{}, asset.origin}});
   for (const InstancedParts& instanced : asset.instanced) {
     for (const AssetPart& part : instanced.parts) add(part, instanced.assetFromParts);
   }
@@ -334,7 +334,7 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
     if (!node.box.empty()) nodes.push_back(std::move(node));
   }
   if (nodes.empty()) return;
-  fmt::print("from [{:.5g}, {:.5g}, {:.5g}] to [{:.5g}, {:.5g}, {:.5g}]: {} m\n", whole.low.x, whole.low.y, whole.low.z,
+  fmt::print("from [{:.8g}, {:.8g}, {:.5g}] to [{:.8g}, {:.8g}, {:.5g}]: {} m\n", whole.low.x, whole.low.y, whole.low.z,
              whole.high.x, whole.high.y, whole.high.z, sizeText(whole));
   fmt::print(
       "read with unit: {:g} (m per unit) and up: {}; others by --unit and --up here, by the keys `unit` and `up` of "

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "formats/cloud_file.h"
 #include "formats/column_value.h"
 #include "formats/text_rows.h"
 
@@ -219,9 +220,20 @@ void readField(const PcdField& field, const char* first, std::size_t step, T* to
 
 class BodyReader {
  public:
-  BodyReader(const PcdHeader& header, const std::string& what) : header_(header), where_{what, 0, 0} {}
+  BodyReader(const PcdHeader& header, const std::string& what, Vec3d* origin)
+      : header_(header), where_{what, 0, 0}, origin_(origin) {}
 
   Scan read() {
+    Scan scan = readBody();
+    if (origin_ == nullptr) return scan;
+    const auto known = std::find_if(exact_.begin(), exact_.end(), [](const Vec3d& p) { return isFinite(p); });
+    *origin_ = known == exact_.end() ? Vec3d{} : cloudOrigin(*known);
+    for (const Vec3d& p : exact_) scan.position.push_back(static_cast<Vec3f>(p - *origin_));
+    return scan;
+  }
+
+ private:
+  Scan readBody() {
     if (header_.data == "ascii") return readAscii();
     if (header_.data == "binary") {
       if (header_.points * header_.rowBytes > header_.body.size()) {
@@ -236,7 +248,6 @@ class BodyReader {
                      fmt::format("unknown DATA '{}': ascii, binary or binary_compressed", header_.data.substr(0, 40)));
   }
 
- private:
   const PcdField* find(std::string_view name) const {
     const auto found = std::find_if(header_.fields.begin(), header_.fields.end(),
                                     [&](const PcdField& field) { return field.name == name; });
@@ -287,7 +298,7 @@ class BodyReader {
     return scan;
   }
 
-  Scan readCompressed() const {
+  Scan readCompressed() {
     std::uint32_t sizes[2] = {0, 0};
     if (header_.body.size() < sizeof(sizes)) {
       if (header_.points == 0) return newScan();
@@ -313,18 +324,26 @@ class BodyReader {
   }
 
   // Rows of fields, or one field after the other where `planar`.
-  Scan readTable(const char* table, bool planar) const {
+  Scan readTable(const char* table, bool planar) {
     Scan scan = newScan();
     const std::size_t points = header_.points;
     const auto fill = [&](const PcdField& field, auto* to, std::size_t stride) {
       const char* first = table + field.offset * (planar ? points : 1);
       readField(field, first, planar ? field.size : header_.rowBytes, to, stride, points, where_);
     };
-    scan.position.resize(points);
+    const auto fillPlaces = [&](auto& places) {
+      places.resize(points);
+      if (points == 0) return;
+      fill(require("x"), &places[0].x, 3);
+      fill(require("y"), &places[0].y, 3);
+      fill(require("z"), &places[0].z, 3);
+    };
+    if (origin_ != nullptr) {
+      fillPlaces(exact_);
+    } else {
+      fillPlaces(scan.position);
+    }
     if (points == 0) return scan;
-    fill(require("x"), &scan.position[0].x, 3);
-    fill(require("y"), &scan.position[0].y, 3);
-    fill(require("z"), &scan.position[0].z, 3);
     visitTable(scan, [&](auto key, auto& values) {
       const PcdField* field = findColumn(key.row.name);
       if (!field) return;
@@ -337,14 +356,18 @@ class BodyReader {
     return scan;
   }
 
-  Scan readAscii() const {
+  Scan readAscii() {
     // A row takes at least a digit and a separator per element: no header makes us reserve more than that.
     if (header_.points > 0 && header_.points > header_.body.size() / (2 * header_.rowWords) + 1) {
       throw InputError(where_,
                        fmt::format("truncated: {} points do not fit in {} bytes", header_.points, header_.body.size()));
     }
     Scan scan = newScan();
-    scan.position.resize(header_.points);
+    if (origin_ != nullptr) {
+      exact_.resize(header_.points);
+    } else {
+      scan.position.resize(header_.points);
+    }
     visitTable(scan, [&](auto key, auto& values) {
       if (findColumn(key.row.name)) values.resize(header_.points);
     });
@@ -364,7 +387,7 @@ class BodyReader {
     return scan;
   }
 
-  void readAsciiRow(std::string_view line, std::size_t point, const Location& where, Scan& scan) const {
+  void readAsciiRow(std::string_view line, std::size_t point, const Location& where, Scan& scan) {
     for (const PcdField& field : header_.fields) {
       for (std::uint64_t element = 0; element < field.count; ++element) {
         const std::size_t start = line.find_first_not_of(" \t\r");
@@ -380,12 +403,14 @@ class BodyReader {
     }
   }
 
-  void readWord(const PcdField& field, std::string_view word, std::size_t point, const Location& where,
-                Scan& scan) const {
-    Vec3f& position = scan.position[point];
-    if (field.name == "x") return readNumber(word, position.x, field.name, where);
-    if (field.name == "y") return readNumber(word, position.y, field.name, where);
-    if (field.name == "z") return readNumber(word, position.z, field.name, where);
+  void readWord(const PcdField& field, std::string_view word, std::size_t point, const Location& where, Scan& scan) {
+    const auto readPlace = [&](auto& place) {
+      const auto found = std::string_view("xyz").find(field.name);
+      if (field.name.size() != 1 || found == std::string_view::npos) return false;
+      readNumber(word, found == 0 ? place.x : found == 1 ? place.y : place.z, field.name, where);
+      return true;
+    };
+    if (origin_ != nullptr ? readPlace(exact_[point]) : readPlace(scan.position[point])) return;
     visitTable(scan, [&](auto key, auto& values) {
       if (findColumn(key.row.name) == &field) readNumber(word, values[point], key.row.name, where);
     });
@@ -397,13 +422,15 @@ class BodyReader {
 
   const PcdHeader& header_;
   Location where_;
+  Vec3d* origin_;
+  std::vector<Vec3d> exact_;  // m, where there is an origin: until it is known
 };
 
 }  // namespace
 
-Scan readPcd(std::string_view bytes, const std::string& what) {
+Scan readPcd(std::string_view bytes, const std::string& what, Vec3d* origin) {
   const PcdHeader header = HeaderReader(bytes, what).read();
-  return BodyReader(header, what).read();
+  return BodyReader(header, what, origin).read();
 }
 
 }  // namespace scanmill

@@ -13,7 +13,8 @@ constexpr std::string_view kPcdSensorComment = "# scanmill sensor:";
 
 // Reads any valid PCD. Fields may be in any order and of any numeric type that holds their values. Fields that the
 // table of columns does not have are kept as foreign columns. Where there is no `intensity`, `reflectivity` is taken
-// for it too. Throws an InputError that begins with `what`, the name of the bytes.
-Scan readPcd(std::string_view bytes, const std::string& what);
+// for it too. Throws an InputError that begins with `what`, the name of the bytes. `origin`, where it is not null,
+// becomes cloudOrigin() of the first point (formats/cloud_file.h), and positions are relative to it.
+Scan readPcd(std::string_view bytes, const std::string& what, Vec3d* origin = nullptr);
 
 }  // namespace scanmill

@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "base/error.h"
+#include "formats/cloud_file.h"
 #include "scene/gltf/reader.h"
+#include "scene/surveys/survey_options.h"
 
 namespace scanmill {
 namespace {
@@ -24,13 +26,14 @@ std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset
   std::string key =
       fmt::format("{}\n{}\n{}\n{}\n{}\n{}", (ignored ? file : canonical).string(), labelling.file, asset.metresPerUnit,
                   asset.up.value_or('-'), static_cast<int>(asset.alpha), labelling.perNode);
+  key += '\n' + keyOf(asset.points, asset.heights);
   if (asset.clip) key += fmt::format("\n{}\n{}", asset.clip->clip, asset.clip->time);
   for (const Rule& r : labelling.rules) {
     for (const std::string& text : {describe(r), r.className, r.materialName}) {
       key += fmt::format("\n{}:{}", text.size(), text);
     }
     key += fmt::format("\n{} {}", r.within, r.drop);
-    for (const std::optional<Between>& b : {r.height, r.size}) {
+    for (const std::optional<Between>& b : {r.height, r.slope, r.size}) {
       if (b) key += fmt::format(" {} {}", b->low, b->high);
     }
     if (r.box) {
@@ -91,6 +94,7 @@ Asset FileMeshes::load(const std::filesystem::path& file, const AssetOptions& op
       colored.textures = true;
       return readAsset(file, colored);
     }
+    if (isCloud(file)) return readAsset(file, options);  // textures are what points have
     const bool mayDoWithout = any([](const Rule& rule) { return !rule.materialName.empty(); });
     if (!options.textures || !mayDoWithout) return readAsset(file, options);
     AssetOptions plain = options;

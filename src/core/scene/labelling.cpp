@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -66,6 +67,7 @@ AssetPart some(const AssetPart& part, const std::vector<std::size_t>& triangles)
   out.texture = part.texture;
   out.fileMaterial = part.fileMaterial;
   out.color = part.color;
+  out.ownClass = part.ownClass;
   constexpr std::uint32_t kNew = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> moved(part.positions.size(), kNew);
   for (const std::size_t number : triangles) {
@@ -84,7 +86,7 @@ AssetPart some(const AssetPart& part, const std::vector<std::size_t>& triangles)
   return out;
 }
 
-void applyRules(AssetPart part, const Labelling& labelling, double lowest, RuleCounts& counts,
+void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& frame, RuleCounts& counts,
                 std::vector<LabelledPart>& out) {
   const std::vector<std::size_t> named = rulesFor(part, labelling);
   const auto rule = [&](std::size_t r) -> const Rule& { return labelling.rules[r]; };
@@ -98,7 +100,7 @@ void applyRules(AssetPart part, const Labelling& labelling, double lowest, RuleC
     out.push_back(std::move(whole));
     return;
   }
-  const PartTraits traits(part, lowest,
+  const PartTraits traits(part, frame,
                           std::any_of(named.begin(), named.end(), [&](std::size_t r) { return rule(r).size; }));
   std::map<std::pair<const Rule*, const Rule*>, std::vector<std::size_t>> groups;
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
@@ -152,14 +154,27 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
   }
 }
 
+// Null where there is none of this name or alias.
+const SemanticClass* classNamed(const Ontology& ontology, const std::string& name) {
+  const auto named = [&](const SemanticClass& c) { return c.name == name; };
+  const auto also = [&](const SemanticClass& c) {
+    return std::find(c.aliases.begin(), c.aliases.end(), name) != c.aliases.end();
+  };
+  for (const auto& is : {std::function<bool(const SemanticClass&)>(named), {also}}) {
+    const auto found = std::find_if(ontology.classes.begin(), ontology.classes.end(), is);
+    if (!name.empty() && found != ontology.classes.end()) return &*found;
+  }
+  return nullptr;
+}
+
 // The mesh of some parts of the file; none where no triangle of them can be traced. `dropped` are triangles that they
 // have lost already, and in the end all.
-std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> assetParts,
+std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> assetParts, const Vec3d& origin,
                                       const Labelling& labelling, const Location& where, RuleCounts& counts,
                                       Dropped& dropped) {
-  const double lowest = lowestOf(assetParts);
+  const PartFrame frame{origin, lowestOf(assetParts)};
   std::vector<LabelledPart> parts;
-  for (AssetPart& part : assetParts) applyRules(std::move(part), labelling, lowest, counts, parts);
+  for (AssetPart& part : assetParts) applyRules(std::move(part), labelling, frame, counts, parts);
   std::erase_if(parts, [](const LabelledPart& p) { return p.classRule != nullptr && p.classRule->drop; });
   checkSize(parts, labelling, where);
 
@@ -167,7 +182,8 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
   std::map<std::uint32_t, std::uint32_t> objectOfNode;  // things only, numbered in the order of the nodes
   for (const LabelledPart& p : parts) {
     const Rule* const rule = p.classRule;
-    classes.push_back(rule == nullptr ? nullptr : &builder.ontology().require(rule->className, rule->where));
+    classes.push_back(rule == nullptr ? classNamed(builder.ontology(), p.part.ownClass)
+                                      : &builder.ontology().require(rule->className, rule->where));
     if (classes.back() && classes.back()->thing) objectOfNode.emplace(p.part.nodeIndex, 1);
   }
   if (labelling.perNode) {
@@ -232,21 +248,24 @@ std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Label
                                  const Location& where) {
   // Where a triangle is, is where it is in the file.
   if (std::any_of(labelling.rules.begin(), labelling.rules.end(),
-                  [](const Rule& r) { return r.box || r.height || r.size; })) {
-    flatten(asset);
+                  [](const Rule& r) { return r.box || r.height || r.slope || r.size; })) {
+    flatten(asset);  // of assets that have an origin there are no copies
   }
   Dropped dropped = asset.dropped;
   RuleCounts counts(labelling.rules.size());
   std::vector<PlacedMesh> meshes;
-  const auto add = [&](std::vector<AssetPart> parts, std::vector<Affine> places) {
+  const auto add = [&](std::vector<AssetPart> parts, const Vec3d& origin, std::vector<Affine> places) {
     if (parts.empty()) return;
     std::string node = parts.front().node;
-    const std::optional<std::uint32_t> mesh = addParts(builder, std::move(parts), labelling, where, counts, dropped);
+    const std::optional<std::uint32_t> mesh =
+        addParts(builder, std::move(parts), origin, labelling, where, counts, dropped);
     if (mesh) meshes.push_back({*mesh, std::move(node), std::move(places)});
   };
-  add(std::move(asset.parts), {});
-  for (InstancedParts& instanced : asset.instanced)
-    add(std::move(instanced.parts), std::move(instanced.assetFromParts));
+  const bool moved = length(asset.origin) > 0;
+  add(std::move(asset.parts), asset.origin, moved ? std::vector{Affine{{}, asset.origin}} : std::vector<Affine>{});
+  for (InstancedParts& instanced : asset.instanced) {
+    add(std::move(instanced.parts), {}, std::move(instanced.assetFromParts));
+  }
   if (!labelling.counted) {
     builder.addDropped(dropped);
     for (std::size_t r = 0; r < labelling.rules.size(); ++r) {

@@ -7,17 +7,10 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "scene/assets/texture.h"
+
 namespace scanmill {
 namespace {
-
-// IEC 61966-2-1.
-double toSrgb(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-}
-
-double toLinear(double srgb) {
-  return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
-}
 
 // For each vertex the first one at its place.
 std::vector<std::uint32_t> firstAtPlace(const std::vector<Vec3f>& positions) {
@@ -70,7 +63,7 @@ std::vector<double> sizesOf(const AssetPart& part) {
 
 }  // namespace
 
-PartTraits::PartTraits(const AssetPart& part, double lowest, bool withSizes) : part_(part), lowest_(lowest) {
+PartTraits::PartTraits(const AssetPart& part, const PartFrame& frame, bool withSizes) : part_(part), frame_(frame) {
   if (withSizes) sizes_ = sizesOf(part);
 }
 
@@ -84,11 +77,11 @@ Rgb PartTraits::colorAt(const Triangle& triangle) const {
       uv.y += part_.uvs[corner].y / 3;
     }
     const std::uint8_t* const texel = texture->texel(uv.x, uv.y);
-    for (std::size_t c = 0; c < 3; ++c) linear[c] *= toLinear(texel[c] / 255.0);
+    for (std::size_t c = 0; c < 3; ++c) linear[c] *= linearOf(texel[c] / 255.0);
   }
   Rgb color{};
   for (std::size_t c = 0; c < 3; ++c) {
-    color[c] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(toSrgb(linear[c]), 0.0, 1.0)));
+    color[c] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(srgbOf(linear[c]), 0.0, 1.0)));
   }
   return color;
 }
@@ -98,7 +91,11 @@ TriangleTraits PartTraits::at(std::size_t triangle) const {
   TriangleTraits traits;
   traits.color = colorAt(t);
   for (const std::uint32_t corner : t) traits.middle = traits.middle + Vec3d(part_.positions[corner]) * (1.0 / 3);
-  traits.height = traits.middle.z - lowest_;
+  traits.height = traits.middle.z - frame_.lowest;
+  traits.middle = traits.middle + frame_.origin;
+  const Vec3d a(part_.positions[t[0]]);
+  const Vec3d normal = cross(Vec3d(part_.positions[t[1]]) - a, Vec3d(part_.positions[t[2]]) - a);
+  traits.slope = std::atan2(std::hypot(normal.x, normal.y), std::fabs(normal.z));
   if (!sizes_.empty()) traits.size = sizes_[triangle];
   return traits;
 }

@@ -10,11 +10,17 @@
 
 namespace scanmill {
 
+// Where the frame of an asset's parts lies.
+struct PartFrame {
+  Vec3d origin;       // m, in the asset's frame
+  double lowest = 0;  // m, the lowest point of all parts, less the origin
+};
+
 class PartTraits {
  public:
-  // The part is kept by reference. `lowest` is the asset's lowest point (m). Sizes of connected parts, which take time,
+  // The part is kept by reference. Sizes of connected parts, which take time,
   // are found only where they are wanted: triangles are connected where corners are at the same place.
-  PartTraits(const AssetPart& part, double lowest, bool withSizes);
+  PartTraits(const AssetPart& part, const PartFrame& frame, bool withSizes);
 
   TriangleTraits at(std::size_t triangle) const;
 
@@ -22,7 +28,7 @@ class PartTraits {
   Rgb colorAt(const Triangle& triangle) const;
 
   const AssetPart& part_;
-  double lowest_;
+  PartFrame frame_;
   std::vector<double> sizes_;  // by triangle
 };
 

@@ -233,12 +233,15 @@ Rule readRule(const Value& value) {
     }
     rule.box = readBox(m.find("box"));
     rule.height = readBetween(m, "height");
+    rule.slope = readBetween(m, "slope_deg");
+    if (rule.slope) rule.slope = Between{radians(rule.slope->low), radians(rule.slope->high)};
     rule.size = readBetween(m, "size");
     m.finish();
     if (rule.node.empty() && rule.material.empty() && rule.texture.empty() && rule.file.empty() && !rule.byTriangle()) {
-      throw InputError(match.where,
-                       "match says nothing: give node, material, texture, file, color, box, height or size, or write "
-                       "'any'");
+      throw InputError(
+          match.where,
+          "match says nothing: give node, material, texture, file, color, box, height, slope_deg or size, or write "
+          "'any'");
     }
   }
   rule.className = f.text("class", "");
@@ -315,7 +318,7 @@ bool matchesTriangle(const Rule& rule, const TriangleTraits& traits) {
   };
   return (rule.colors.empty() || std::any_of(rule.colors.begin(), rule.colors.end(), isNear)) &&
          (!rule.box || isInside(*rule.box, traits.middle)) && (!rule.height || rule.height->holds(traits.height)) &&
-         (!rule.size || rule.size->holds(traits.size));
+         (!rule.slope || rule.slope->holds(traits.slope)) && (!rule.size || rule.size->holds(traits.size));
 }
 
 std::string describe(const Rule& rule) {
@@ -336,6 +339,9 @@ std::string describe(const Rule& rule) {
     parts.push_back(fmt::format("box: {:g} {:g} {:g} to {:g} {:g} {:g}", low.x, low.y, low.z, high.x, high.y, high.z));
   }
   if (rule.height) parts.push_back(fmt::format("height: {:g} to {:g}", rule.height->low, rule.height->high));
+  if (rule.slope) {
+    parts.push_back(fmt::format("slope_deg: {:g} to {:g}", degrees(rule.slope->low), degrees(rule.slope->high)));
+  }
   if (rule.size) parts.push_back(fmt::format("size: {:g} to {:g}", rule.size->low, rule.size->high));
   return parts.empty() ? "any" : fmt::format("{}", fmt::join(parts, ", "));
 }

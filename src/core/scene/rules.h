@@ -26,9 +26,9 @@ struct Between {
 // upper and lower case being different; or, between slashes, an ECMAScript regular expression, which must match some
 // part of the name. A glob of `texture` without a slash is compared with the name of the file alone, not its folders.
 // Other keys tell the triangles of one part from each other: {color: "#8fb34d", within: 16, box: [[0, 0, 0], [9, 9,
-// 3]], height: [0, 2.5], size: [1, 6]}. All that a match says must hold; `match: any` holds always. A rule may lack a
-// class or a material. One without a class sets only the material, and the search for a class goes on; one without a
-// material likewise. `drop: true` in place of a class leaves the triangles out.
+// 3]], height: [0, 2.5], slope_deg: [0, 30], size: [1, 6]}. All that a match says must hold; `match: any` holds always.
+// A rule may lack a class or a material. One without a class sets only the material, and the search for a class goes
+// on; one without a material likewise. `drop: true` in place of a class leaves the triangles out.
 struct Rule {
   Location where;
   std::string node, material, texture, file;  // patterns; empty: anything
@@ -36,12 +36,13 @@ struct Rule {
   int within = 16;                            // how much red, green and blue may differ from one of them
   std::optional<Box> box;                     // where the triangle's middle is, in the asset's frame, m
   std::optional<Between> height;              // of the triangle's middle above the asset's lowest point, m
+  std::optional<Between> slope;               // of the triangle, from level, rad
   std::optional<Between> size;                // the longest edge of the box about the connected part, m
   std::string className, materialName;        // empty: not set by this rule
   bool drop = false;
 
   // Whether it tells triangles of one part from each other.
-  bool byTriangle() const { return !colors.empty() || box || height || size; }
+  bool byTriangle() const { return !colors.empty() || box || height || slope || size; }
   bool decides() const { return drop || !className.empty(); }
 };
 
@@ -64,6 +65,7 @@ struct TriangleTraits {
   Rgb color{};
   Vec3d middle;       // in the asset's frame, m
   double height = 0;  // above the asset's lowest point, m
+  double slope = 0;   // from level, rad
   double size = 0;    // of the connected part, m
 };
 bool matchesTriangle(const Rule& rule, const TriangleTraits& traits);

@@ -20,7 +20,9 @@
 //                                        # where they do not, what looks like cut-outs: see AlphaUse in
 //                                        # scene/assets/asset.h)
 //   instances: node                      # node: each node with a thing class is a thing of its own;
-//                                        # object (default): the placed asset is one thing
+//                                        # object (default, but for clouds): the placed asset is one thing
+//   points: {...}, heights: {...}        # of clouds of points and rasters of heights: see
+//                                        # scene/surveys/survey_options.h
 //   animation: {clip: walk}              # of glTF: it plays over and over; with time_s it stands as it is then
 //   rules: [...]                         # see scene/rules.h; what match: {file: ...} sees is `file` as written here
 //   class: car, material: car_paint      # one more rule, which fits everything
@@ -51,6 +53,8 @@
 #include <optional>
 
 #include "config/file_kind.h"
+#include "config/text.h"
+#include "formats/cloud_file.h"
 #include "scene/arrangement.h"
 #include "scene/assets/asset.h"
 #include "scene/builder.h"
@@ -61,6 +65,8 @@
 #include "scene/rules.h"
 #include "scene/street.h"
 #include "scene/surface_heights.h"
+#include "scene/surveys/height_asset.h"
+#include "scene/surveys/survey_options.h"
 #include "scene/town.h"
 
 namespace scanmill {
@@ -111,10 +117,10 @@ class SceneReader {
       ++count;
     }
     if (count != 1) {
-      f.also({"file",      "primitive", "street",   "town",   "name",      "position", "yaw_deg",
-              "pitch_deg", "roll_deg",  "rotation", "scale",  "copies",    "up",       "unit",
-              "alpha",     "instances", "rules",    "class",  "material",  "size",     "cells",
-              "radius",    "height",    "segments", "moving", "animation", "vary",     "stand_on"})
+      f.also({"file",     "primitive", "street",   "town",     "name",   "position", "yaw_deg", "pitch_deg",
+              "roll_deg", "rotation",  "scale",    "copies",   "up",     "unit",     "alpha",   "instances",
+              "rules",    "class",     "material", "size",     "cells",  "radius",   "height",  "segments",
+              "moving",   "animation", "vary",     "stand_on", "points", "heights"})
           .finish();
       throw InputError(where,
                        "an object is exactly one of file, primitive, street and town (`town: {}` where all of its "
@@ -219,8 +225,9 @@ class SceneReader {
       for (const PlacedMesh& m : meshes) {
         if (m.assetFromMesh.empty()) builder_.place(m.mesh, worldFromAsset, own, where, movement, animation);
         for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
-          builder_.place(m.mesh, worldFromAsset * m.assetFromMesh[i], fmt::format("{}/{} {}", own, m.node, i + 1),
-                         where, movement);
+          const bool alone = meshes.size() == 1 && m.assetFromMesh.size() == 1;
+          builder_.place(m.mesh, worldFromAsset * m.assetFromMesh[i],
+                         alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), where, movement);
         }
       }
     }
@@ -237,7 +244,9 @@ class SceneReader {
     if (f.has("up")) asset.up = f.choice("up", {"x", "y", "z"}, "")[0];
     const std::string alpha = f.choice("alpha", {"auto", "ignore", "test"}, "auto");
     if (alpha != "auto") asset.alpha = alpha == "test" ? AlphaUse::Test : AlphaUse::Ignore;
-    labelling.perNode = f.choice("instances", {"object", "node"}, "object") == "node";
+    const bool cloud = isCloud(file);
+    labelling.perNode = f.choice("instances", {"object", "node"}, cloud ? "node" : "object") == "node";
+    readSurvey(f, file, cloud, asset);
     labelling.rules = rulesOf(f);
     const std::string name = f.text("name", file.stem().string());
     const Copies copies = copiesOf(f);
@@ -254,6 +263,17 @@ class SceneReader {
     }
     if (clip) asset.clip = {clip->first, *clip->second};
     placeAll(files_.read(file, asset, labelling, fileValue.where), name, copies, movement, f.where());
+  }
+
+  static void readSurvey(Fields& f, const std::filesystem::path& file, bool cloud, AssetOptions& asset) {
+    if (const Value* points = f.find("points")) {
+      if (!cloud) throw InputError(points->where, "points is for files of points: .las, .pcd and .ply without faces");
+      asset.points = readPointOptions(*points);
+    }
+    if (const Value* heights = f.find("heights")) {
+      if (!isHeights(lowerExtension(file))) throw InputError(heights->where, "heights is for rasters, such as .tif");
+      asset.heights = readHeightOptions(*heights);
+    }
   }
 
   // Of {clip: NAME, time_s: t}: the clip, and when it is held; without a time it plays over and over.

@@ -8,10 +8,13 @@
 
 #include "base/error.h"
 #include "config/text.h"
+#include "formats/cloud_file.h"
 #include "scene/assets/asset_parts.h"
 #include "scene/assets/blend.h"
 #include "scene/assets/imported_asset.h"
 #include "scene/gltf/reader.h"
+#include "scene/surveys/cloud_asset.h"
+#include "scene/surveys/height_asset.h"
 #include "scene/worlds/world_asset.h"
 
 namespace scanmill {
@@ -48,16 +51,22 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, const
   return asset;
 }
 
+Asset withFile(Asset asset, const std::filesystem::path& file) {
+  asset.file = file;
+  return asset;
+}
+
 }  // namespace
 
 Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) {
   const std::string kind = lowerExtension(file);
   checkRequest(file, kind, options);
+  if (isHeights(kind)) return withFile(readHeightAsset(file, options), file);
+  if (isCloud(file)) return withFile(readCloudAsset(file, options), file);
   const bool gltf = kind == ".gltf" || kind == ".glb" || kind == ".b3dm" || kind == ".blend";
   Asset asset = gltf            ? readGltf(file, kind, options)
                 : isWorld(kind) ? readWorld(file, kind, options)
                                 : readImported(file, kind, options);
-  asset.file = file;
   if (asset.parts.empty() && asset.instanced.empty()) {
     throw InputError(
         {file.string()},
@@ -66,7 +75,7 @@ Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) 
   }
   // The importer's one allocation for each face would stay with the process: 60 MiB for a million triangles.
   ::malloc_trim(0);
-  return asset;
+  return withFile(std::move(asset), file);
 }
 
 }  // namespace scanmill

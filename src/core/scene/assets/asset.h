@@ -1,10 +1,13 @@
 #pragma once
 
-// Reads a 3D file: glTF/GLB, OBJ, PLY, STL, COLLADA, FBX, AC3D, what else assimp knows, .blend where Blender is
-// installed, and descriptions of worlds (SDF, URDF, 3D Tiles) with all that they name.
+// Reads a 3D file: clouds of points (LAS, PLY, PCD), rasters of heights (GeoTIFF), glTF/GLB, OBJ, PLY, STL, COLLADA,
+// FBX, AC3D, what else assimp knows, .blend where Blender is installed, and descriptions of worlds (SDF, URDF, 3D
+// Tiles) with all that they name.
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +29,7 @@ struct AssetPart {
   std::vector<Vec3f> positions;
   std::vector<Vec2f> uvs;  // empty, or one per position; v = 0 is the image's bottom row
   std::vector<Triangle> triangles;
+  std::string ownClass;  // that the file itself gives it, as in a labelled cloud of points; empty: none
 };
 
 // Whether beams pass where a base colour's alpha is low.
@@ -45,6 +49,27 @@ struct ClipTime {
   double time = 0;   // s, of its key frames; before the first and after the last as at those
 };
 
+// How a cloud of points becomes surfaces: see scene/surveys/surfels.h.
+struct PointOptions {
+  enum class Reflectance { Auto, Intensity, Color, None };
+  double spacing = 0;                                // m, of a grid of cubes, one point in each; 0: all points
+  int neighbors = 12;                                // 3 to 100
+  double cover = 2;                                  // times the radius that a point's share of the surface has
+  std::array<double, 2> radius{0.005, 0.5};          // m, least and most
+  Reflectance reflectance = Reflectance::Auto;       // from intensities where there are any, else from colours
+  double full = 0;                                   // the intensity of a reflectance of 1; 0: by the greatest one
+  std::map<std::uint32_t, std::string> labels = {};  // what labels mean; empty: as the kind of file says, if it does
+};
+
+// What of a raster of heights is taken, and what lies on it.
+struct HeightOptions {
+  int every = 1;  // so many samples along each axis become one
+  std::optional<std::array<double, 4>> within =
+      std::nullopt;                    // least and greatest x and y, in the raster's coordinates
+  std::filesystem::path classes = {};  // a raster of numbers of classes; empty: none
+  std::filesystem::path image = {};    // a raster of colours; empty: none
+};
+
 struct AssetOptions {
   // How many metres a unit of the file is. For the kinds that declare their unit (COLLADA, FBX) it multiplies the
   // declared one, as the scale of an SDF does.
@@ -57,6 +82,8 @@ struct AssetOptions {
   AlphaUse alpha = AlphaUse::Auto;
   bool textures = true;                         // false: only textures with alpha are loaded
   std::optional<ClipTime> clip = std::nullopt;  // of glTF and GLB alone: as all stands then
+  PointOptions points = {};                     // of clouds of points
+  HeightOptions heights = {};                   // of rasters of heights
 };
 
 // Parts that the file itself places several times: by EXT_mesh_gpu_instancing of glTF, or models of a world.
@@ -70,6 +97,7 @@ struct Asset {
   char up = 'z';            // the up axis of the file's coordinates: AssetOptions::up, or else what the file says
   bool upDeclared = false;  // the file or its kind says which axis is up
   std::vector<AssetPart> parts;
+  Vec3d origin;  // m: where their frame lies in the asset's; not zero where coordinates are too large for float32
   std::vector<InstancedParts> instanced;
   Dropped dropped;  // triangles with indices out of range are dropped here; the rest is left to clean()
 };

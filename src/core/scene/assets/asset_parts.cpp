@@ -67,7 +67,7 @@ Box boundsOf(const Asset& asset) {
       if (isFinite(p)) box.add(place * Vec3d(p));
     }
   };
-  for (const AssetPart& part : asset.parts) add(part, {});
+  for (const AssetPart& part : asset.parts) add(part, {{}, asset.origin});
   for (const InstancedParts& instanced : asset.instanced) {
     for (const Affine& place : instanced.assetFromParts) {
       for (const AssetPart& part : instanced.parts) add(part, place);

@@ -40,7 +40,7 @@ struct Linear {
   Linear() {
     for (std::size_t i = 0; i < of.size(); ++i) {
       const double s = static_cast<double>(i) / 255.0;
-      of[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+      of[i] = static_cast<float>(linearOf(s));
     }
   }
 };
@@ -105,6 +105,14 @@ std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& 
     }
   }
   return texture;
+}
+
+double srgbOf(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+double linearOf(double srgb) {
+  return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
 }
 
 float luminance(const std::uint8_t* rgb) {

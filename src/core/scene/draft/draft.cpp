@@ -12,6 +12,7 @@
 
 #include "base/grouped.h"
 #include "scene/assets/asset_parts.h"
+#include "scene/surveys/cloud_asset.h"
 
 namespace scanmill::draft {
 namespace {
@@ -122,9 +123,11 @@ std::string classFor(const Concept& c, const Ontology& ontology) {
   return {};
 }
 
-std::string givesOf(const Concept& c, const Ontology& ontology) {
+// `measured`: what the file reflects was measured, and stays.
+std::string givesOf(const Concept& c, const Ontology& ontology, bool measured) {
   if (c.kind == ConceptKind::Drop) return "drop: true";
-  return fmt::format("class: {}{}", classFor(c, ontology), c.material.empty() ? "" : ", material: " + c.material);
+  return fmt::format("class: {}{}", classFor(c, ontology),
+                     c.material.empty() || measured ? "" : ", material: " + c.material);
 }
 
 class Writer {
@@ -143,6 +146,8 @@ class Writer {
     options.textures = false;
     const Asset asset = readAsset(file, options);
     DraftedFile drafted{file, {}, 0, 0};
+    measured_ = std::any_of(asset.parts.begin(), asset.parts.end(),
+                            [](const AssetPart& part) { return part.texture == kPointIntensity; });
     std::vector<const Concept*> guesses = guessParts(concepts_, asset);
     for (const Concept*& c : guesses) {
       if (c != nullptr && c->classes.empty() && c->kind != ConceptKind::Drop) c = nullptr;  // of what fills the file
@@ -262,13 +267,13 @@ class Writer {
   }
 
   void writeRule(const std::string& match, const Concept& c, std::uint64_t triangles, std::string& yaml) const {
-    yaml += fmt::format("      - {{match: {{{}}}, {}}}   # {} triangles\n", match, givesOf(c, ontology_),
+    yaml += fmt::format("      - {{match: {{{}}}, {}}}   # {} triangles\n", match, givesOf(c, ontology_, measured_),
                         grouped(triangles));
   }
 
   void writeRest(const Concept& c, std::string& yaml) const {
     yaml += fmt::format("    class: {}\n", classFor(c, ontology_));
-    if (!c.material.empty()) yaml += fmt::format("    material: {}\n", c.material);
+    if (!c.material.empty() && !measured_) yaml += fmt::format("    material: {}\n", c.material);
   }
 
   static void writeUnknown(const std::map<std::string, std::uint64_t>& unknown, std::string& yaml) {
@@ -287,6 +292,7 @@ class Writer {
   std::vector<Concept> concepts_;
   const Ontology& ontology_;
   std::filesystem::path folder_;
+  bool measured_ = false;  // the file at hand says what its points reflect
 };
 
 }  // namespace

@@ -1,0 +1,55 @@
+#include "formats/cloud_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "config/text.h"
+#include "formats/format.h"
+#include "formats/las_reader.h"
+#include "formats/pcd_reader.h"
+#include "formats/ply_header.h"
+#include "formats/ply_reader.h"
+
+namespace scanmill {
+
+Vec3d cloudOrigin(const Vec3d& place) {
+  constexpr double kNear = 1000;  // m
+  const auto rounded = [](double d) { return std::fabs(d) < kNear ? 0.0 : std::floor(d); };
+  return {rounded(place.x), rounded(place.y), rounded(place.z)};
+}
+
+bool isCloud(const std::filesystem::path& file) {
+  const std::string suffix = lowerExtension(file);
+  if (suffix == ".las" || suffix == ".laz") return true;
+  if (suffix != ".ply") return !suffix.empty() && formatBySuffix(suffix.substr(1)) != nullptr;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error) || std::filesystem::file_size(file, error) == 0) return false;
+  const PlyHeader header = readPlyHeader(file);
+  return std::none_of(header.elements.begin(), header.elements.end(),
+                      [](const PlyElement& e) { return (e.name == "face" || e.name == "tristrips") && e.count > 0; });
+}
+
+Cloud readCloud(const std::filesystem::path& file) {
+  const std::string suffix = lowerExtension(file);
+  if (suffix == ".ply") return readPly(file);
+  const std::string bytes = readFile(file);
+  if (suffix == ".las" || suffix == ".laz") return readLas(bytes, file.string());
+  if (suffix == ".pcd") {
+    Cloud cloud;
+    cloud.scan = readPcd(bytes, file.string(), &cloud.origin);
+    return cloud;
+  }
+  const FormatEntry* const format = suffix.empty() ? nullptr : formatBySuffix(suffix.substr(1));
+  if (format == nullptr) {
+    throw InputError({file.string()}, "is of no kind of clouds: .las, .ply, .pcd, .drc and .csv are read");
+  }
+  const Value none;
+  Fields options(none, "format");
+  return {{}, format->make(options)->decode(bytes, file.string())};
+}
+
+}  // namespace scanmill
