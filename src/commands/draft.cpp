@@ -11,7 +11,7 @@
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "config/resources.h"
-#include "config/text.h"
+#include "scene/assets/asset_files.h"
 
 namespace scanmill {
 
@@ -19,9 +19,6 @@ namespace {
 
 // Folders stand for the 3D files in them, in the order of their names.
 std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named) {
-  static const std::set<std::string> kKinds{".gltf", ".glb", ".las",  ".pcd",   ".tif",  ".obj",
-                                            ".ply",  ".stl", ".dae",  ".fbx",   ".ac",   ".acc",
-                                            ".3ds",  ".sdf", ".urdf", ".world", ".b3dm", ".blend"};
   std::vector<std::filesystem::path> files;
   for (const std::string& name : named) {
     std::error_code error;
@@ -29,23 +26,8 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named
       files.emplace_back(name);
       continue;
     }
-    // A model of Gazebo's says by itself which meshes it has, and how large they are.
-    if (const auto model = std::filesystem::path(name) / "model.sdf"; std::filesystem::is_regular_file(model, error)) {
-      files.push_back(model);
-      continue;
-    }
-    std::vector<std::filesystem::path> found;
-    for (auto at = std::filesystem::recursive_directory_iterator(name, error); at != end(at); at.increment(error)) {
-      const std::filesystem::directory_entry& entry = *at;
-      if (const auto model = entry.path() / "model.sdf"; std::filesystem::is_regular_file(model, error)) {
-        found.push_back(model);
-        at.disable_recursion_pending();
-        continue;
-      }
-      if (kKinds.contains(lowerExtension(entry.path())) && entry.is_regular_file(error)) found.push_back(entry.path());
-    }
+    const std::vector<std::filesystem::path> found = assetsIn(name);
     if (found.empty()) throw InputError({name}, "holds no 3D file");
-    std::sort(found.begin(), found.end());
     files.insert(files.end(), found.begin(), found.end());
   }
   return files;

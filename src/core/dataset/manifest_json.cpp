@@ -73,11 +73,14 @@ OrderedJson framesJson(const Manifest& manifest) {
        "index ring * columns + column; direction (cos(t + a) cos e, sin(t + a) cos e, sin e) with a = "
        "azimuth_offset[ring] and e = elevation[ring]; origin (origin_offset cos t, origin_offset sin t, "
        "origin_height), and where the sensor has them origin_left[ring] (-sin(t + a), cos(t + a), 0) + "
-       "origin_up[ring] (-cos(t + a) sin e, -sin(t + a) sin e, cos e) besides"},
+       "origin_up[ring] (-cos(t + a) sin e, -sin(t + a) sin e, cos e) besides. Where the sensor has `beams`, their own "
+       "azimuth, elevation, time and origin (x, y, z, x, ...). Where it has a `rosette`, deflected from x by angle[0] "
+       "and "
+       "angle[1], each towards the angle speed * (time of the scan + time of the beam) + phase, from y to z"},
       {"time",
        "scans: since the start of the sequence, of column 0; points: since the start of the revolution, period * field "
        "/ "
-       "(2 pi) * column / columns + firing_offset[ring]"},
+       "(2 pi) * swept + firing_offset[ring], where swept is that of `column`"},
   };
 }
 
@@ -109,6 +112,24 @@ OrderedJson sensorJson(const SensorRecord& sensor) {
                    {"elevation", finiteList(b.elevation, sensor.name + ": elevation")},
                    {"azimuth_offset", finiteList(b.azimuthOffset, sensor.name + ": azimuth_offset")},
                    {"firing_offset", finiteList(b.firingOffset, sensor.name + ": firing_offset")}};
+  if (b.listed != nullptr) {
+    const auto list = [&](const std::vector<double>& values, const char* what) {
+      return finiteList(values, fmt::format("{}: beams.{}", sensor.name, what));
+    };
+    json["beams"] = {{"azimuth", list(b.listed->azimuth, "azimuth")},
+                     {"elevation", list(b.listed->elevation, "elevation")},
+                     {"time", list(b.listed->time, "time")}};
+    if (!b.listed->origin.empty()) {
+      std::vector<double> origin;
+      for (const Vec3f& o : b.listed->origin) origin.insert(origin.end(), {double{o.x}, double{o.y}, double{o.z}});
+      json["beams"]["origin"] = list(origin, "origin");
+    }
+  }
+  if (b.rosette) {
+    const auto pair = [](const std::array<double, 2>& values) { return OrderedJson{values[0], values[1]}; };
+    json["rosette"] = {
+        {"angle", pair(b.rosette->angle)}, {"speed", pair(b.rosette->speed)}, {"phase", pair(b.rosette->phase)}};
+  }
   if (!b.originLeft.empty()) json["origin_left"] = finiteList(b.originLeft, sensor.name + ": origin_left");
   if (!b.originUp.empty()) json["origin_up"] = finiteList(b.originUp, sensor.name + ": origin_up");
   return json;

@@ -18,11 +18,25 @@ namespace scanmill {
 
 namespace {
 
+std::shared_ptr<const ListedBeams> listedOf(const JsonNode& node, std::size_t beams) {
+  node.keys({"azimuth", "elevation", "time"}, {"origin"});
+  auto listed = std::make_shared<ListedBeams>();
+  listed->azimuth = node["azimuth"].numbers(beams);
+  listed->elevation = node["elevation"].numbers(beams);
+  listed->time = node["time"].numbers(beams);
+  if (!node.has("origin")) return listed;
+  const std::vector<double> origin = node["origin"].numbers(3 * beams);
+  for (std::size_t i = 0; i < origin.size(); i += 3) {
+    listed->origin.push_back(static_cast<Vec3f>(Vec3d{origin[i], origin[i + 1], origin[i + 2]}));
+  }
+  return listed;
+}
+
 SensorRecord sensorOf(const JsonNode& node) {
   node.keys({"name", "model", "source", "vehicle_from_sensor", "rings", "columns", "period", "clockwise", "top_down",
              "min_range", "max_range", "first_azimuth", "field", "origin_offset", "origin_height", "elevation",
              "azimuth_offset", "firing_offset"},
-            {"origin_left", "origin_up"});
+            {"origin_left", "origin_up", "beams", "rosette"});
   SensorRecord sensor;
   sensor.name = node["name"].text();
   sensor.vehicleFromSensor = poseOf(node["vehicle_from_sensor"]);
@@ -43,6 +57,16 @@ SensorRecord sensorOf(const JsonNode& node) {
   b.elevation = node["elevation"].numbers(b.rings);
   b.azimuthOffset = node["azimuth_offset"].numbers(b.rings);
   b.firingOffset = node["firing_offset"].numbers(b.rings);
+  if (node.has("beams")) b.listed = listedOf(node["beams"], b.size());
+  if (node.has("rosette")) {
+    const JsonNode own = node["rosette"];
+    own.keys({"angle", "speed", "phase"});
+    const auto pair = [&](const char* key) {
+      const std::vector<double> values = own[key].numbers(2);
+      return std::array<double, 2>{values[0], values[1]};
+    };
+    b.rosette = Rosette{pair("angle"), pair("speed"), pair("phase")};
+  }
   if (node.has("origin_left")) b.originLeft = node["origin_left"].numbers(b.rings);
   if (node.has("origin_up")) b.originUp = node["origin_up"].numbers(b.rings);
   return sensor;

@@ -124,7 +124,7 @@ void ScanStore::addSample(const std::string& key, Sample sample) {
   samples_.push_back(std::move(sample));
 }
 
-std::shared_ptr<const BeamTable> ScanStore::beams(const std::string& sensor) const {
+std::shared_ptr<const BeamTable> ScanStore::beams(const std::string& sensor, double time) const {
   if (manifest_ == nullptr) return nullptr;
   const std::vector<SensorRecord>& known = manifest_->sensors;
   const auto found = std::find_if(known.begin(), known.end(),
@@ -134,14 +134,14 @@ std::shared_ptr<const BeamTable> ScanStore::beams(const std::string& sensor) con
   {
     const std::lock_guard lock(mutex_);
     beams_.resize(known.size());
-    if (beams_[number] != nullptr) return beams_[number];
+    if (beams_[number] != nullptr) return beamsAt(beams_[number], time);
   }
   // Without the lock: the threads that fill the table may come back here with other work.
   auto table = std::make_shared<BeamTable>(found->beams);
   if (table->size() <= kMostFilledBeams) fillBeams(*table);
   const std::lock_guard lock(mutex_);
   if (beams_[number] == nullptr) beams_[number] = std::move(table);
-  return beams_[number];
+  return beamsAt(beams_[number], time);
 }
 
 std::optional<std::size_t> ScanStore::find(const std::string& key) const {

@@ -40,7 +40,8 @@ class ScanStore {
   const Manifest* manifest() const { return manifest_.get(); }  // null where there is none
   std::filesystem::path folder() const { return folder_; }      // the manifest's
   // The beam table of a sensor, with directions filled in; null where it is unknown. Any thread may call it.
-  std::shared_ptr<const BeamTable> beams(const std::string& sensor) const;
+  // `time`: of the scan (s), for sensors whose beams differ from one to the next.
+  std::shared_ptr<const BeamTable> beams(const std::string& sensor, double time) const;
 
   // The keys of the samples; of a single scan the name of its file.
   const std::vector<std::string>& keys() const { return keys_; }

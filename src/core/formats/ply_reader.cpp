@@ -120,8 +120,10 @@ class Reader {
       return type.size == 8 ? std::bit_cast<double>(bits)
                             : static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
     }
-    const bool negative = type.kind == PlyType::Kind::Signed && (bits >> (8 * type.size - 1)) != 0;
-    return static_cast<double>(bits) - (negative ? static_cast<double>(std::uint64_t{1} << 8 * type.size) : 0.0);
+    // Integers have four bytes at most.
+    const double range = std::ldexp(1.0, static_cast<int>(8 * type.size));
+    const auto value = static_cast<double>(bits);
+    return type.kind == PlyType::Kind::Signed && value >= range / 2 ? value - range : value;
   }
 
   void readLines(Element vertex) {

@@ -110,7 +110,8 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
   }
   if (const Value* value = object.find("vary")) {
     Fields f(*value, "vary");
-    f.also({"yaw_deg", "scale", "position", "presence"}).finish();
+    f.also({"yaw_deg", "scale", "position", "presence", "material"}).finish();
+    materials_ = f.texts("material");
     Vary v;
     const std::array<double, 2> yaw = readRange(f, "yaw_deg", {-360, 360}, {0, 0});
     v.yaw = {radians(yaw[0]), radians(yaw[1])};
@@ -208,9 +209,9 @@ std::vector<Pose> Arrangement::alongPath() const {
   return places;
 }
 
-std::vector<Affine> Arrangement::places(const Placement& placement, const SurfaceHeights* heights, std::uint64_t seed,
-                                        std::uint32_t object,
-                                        const std::function<double(const Affine&)>& lowest) const {
+std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, const SurfaceHeights* heights,
+                                                   std::uint64_t seed, std::uint32_t object, std::size_t variants,
+                                                   const std::function<double(const Copy&)>& lowest) const {
   std::vector<Pose> outer{Pose{}};
   if (scatter_) outer = scattered(*heights, seed, object);
   if (along_) outer = alongPath();
@@ -221,12 +222,16 @@ std::vector<Affine> Arrangement::places(const Placement& placement, const Surfac
                      fmt::format("{} places with {} copies each; at most {} are made", outer.size(), placement.count(),
                                  Placement::kMostCopies));
   }
-  std::vector<Affine> all;
+  std::vector<Copy> all;
   for (const Pose& place : outer) {
-    placement.forEach([&](const Affine& copy) { all.push_back(toAffine(place) * copy); });
+    placement.forEach([&](const Affine& copy) {
+      const double u = variants > 1 ? uniform(draw(seed, object, all.size(), 3)[0]) : 0;
+      const auto chosen = static_cast<std::size_t>(u * static_cast<double>(variants));
+      all.push_back({toAffine(place) * copy, std::min(chosen, variants - 1)});
+    });
   }
   if (vary_) {
-    std::vector<Affine> varied;
+    std::vector<Copy> varied;
     for (std::uint64_t n = 0; n < all.size(); ++n) {
       const RandomBlock b = draw(seed, object, n, 1);
       const RandomBlock c = draw(seed, object, n, 2);
@@ -235,15 +240,16 @@ std::vector<Affine> Arrangement::places(const Placement& placement, const Surfac
       const double scale = vary_->scale[0] + (vary_->scale[1] - vary_->scale[0]) * uniform(b[2]);
       const double far = vary_->position * std::sqrt(uniform(b[3]));
       const double around = 2 * kPi * uniform(c[0]);
-      Affine copy = all[n];
+      Affine copy = all[n].worldFromMesh;
       copy.translation += Vec3d{std::cos(around), std::sin(around), 0} * far;
       copy.linear = toMatrix(fromYawPitchRoll(yaw, 0, 0)) * copy.linear * Mat3::scale({scale, scale, scale});
-      varied.push_back(copy);
+      varied.push_back({copy, all[n].variant});
     }
     all = std::move(varied);
   }
   if (!standOn_) return all;
-  for (Affine& copy : all) {
+  for (Copy& own : all) {
+    Affine& copy = own.worldFromMesh;
     const auto ground = heights->under(copy.translation, [&](const SurfaceHeights::Surface& s) {
       if (standOn_->classes.empty()) return !s.thing;
       return std::find(standOn_->classes.begin(), standOn_->classes.end(), s.semantic) != standOn_->classes.end();
@@ -255,7 +261,7 @@ std::vector<Affine> Arrangement::places(const Placement& placement, const Surfac
                                    "their order, and those after this one are not there yet",
                                    p.x, p.y));
     }
-    copy.translation.z += ground->height - lowest(copy);
+    copy.translation.z += ground->height - lowest(own);
   }
   return all;
 }

@@ -24,7 +24,7 @@ namespace scanmill {
 //     scatter: {on: [terrain], count: 200, spacing: 3, slope_deg: 30, within: [[x, y], [x, y]], covered: false}
 //                                      # or density: 0.02 (a square metre as seen from above) in place of count
 //     along: {waypoints: [[x, y, z], ...], every: 8, left: 3}
-//   vary: {yaw_deg: [0, 360], scale: [0.8, 1.2], position: 0.5, presence: 0.9}
+//   vary: {yaw_deg: [0, 360], scale: [0.8, 1.2], position: 0.5, presence: 0.9, material: [car_paint, car_paint_dark]}
 //   stand_on: ground                   # or classes: [terrain, road]
 //
 // The copies of the placement stand at each scattered place, which turns with a random yaw, or at each place along the
@@ -36,13 +36,21 @@ class Arrangement {
   Arrangement(Fields& object, const Ontology& ontology);
 
   bool random() const { return scatter_ || vary_; }
+  // Of which each copy has one at random; empty: that of the object.
+  const std::vector<std::string>& materials() const { return materials_; }
   bool needsSurfaces() const { return scatter_ || standOn_; }
 
-  // worldFromMesh of each copy. `heights`: of what is in the scene before it, where needsSurfaces(). `lowest`: the
-  // height of the object's lowest point for its transform (m). Throws InputError where there is no such surface, or no
-  // room.
-  std::vector<Affine> places(const Placement& placement, const SurfaceHeights* heights, std::uint64_t seed,
-                             std::uint32_t object, const std::function<double(const Affine&)>& lowest) const;
+  struct Copy {
+    Affine worldFromMesh;
+    std::size_t variant = 0;  // which of several shapes or materials it has
+  };
+
+  // Every copy, which has one of `variants` at random. `heights`: of what is in the scene before it, where
+  // needsSurfaces(). `lowest`: the height of a copy's lowest point (m). Throws InputError where there is no such
+  // surface, or no room.
+  std::vector<Copy> places(const Placement& placement, const SurfaceHeights* heights, std::uint64_t seed,
+                           std::uint32_t object, std::size_t variants,
+                           const std::function<double(const Copy&)>& lowest) const;
 
  private:
   struct Scatter {
@@ -75,6 +83,7 @@ class Arrangement {
   std::optional<Scatter> scatter_;
   std::optional<Along> along_;
   std::optional<Vary> vary_;
+  std::vector<std::string> materials_;
   std::optional<StandOn> standOn_;
 };
 

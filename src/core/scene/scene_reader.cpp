@@ -9,7 +9,7 @@
 //
 // An object is one of
 //
-//   file: car.glb                        # an asset
+//   file: car.glb                        # an asset; or a list of some, or a folder: each copy has one at random
 //   up: y                                # the up axis of the file's coordinates, x, y or z, whatever it declares.
 //                                        # Without this key: as COLLADA and FBX declare, y for glTF and AC3D, z for
 //                                        # OBJ, PLY, STL and all others
@@ -48,6 +48,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -57,6 +58,7 @@
 #include "formats/cloud_file.h"
 #include "scene/arrangement.h"
 #include "scene/assets/asset.h"
+#include "scene/assets/asset_files.h"
 #include "scene/builder.h"
 #include "scene/file_meshes.h"
 #include "scene/labelling.h"
@@ -197,31 +199,44 @@ class SceneReader {
     return lowest;
   }
 
-  std::vector<Affine> placesOf(const Copies& copies, const std::vector<PlacedMesh>& meshes) {
+  // The meshes that a copy may have, one of several sets at random. They are made when they are asked for.
+  struct Variants {
+    std::size_t count = 1;
+    std::function<const std::vector<PlacedMesh>&(std::size_t)> meshes;
+  };
+  static Variants only(const std::vector<PlacedMesh>& meshes) {
+    return {1, [&meshes](std::size_t) -> const std::vector<PlacedMesh>& { return meshes; }};
+  }
+
+  std::vector<Arrangement::Copy> placesOf(const Copies& copies, const Variants& variants) {
     if (copies.arrangement.needsSurfaces()) {
       if (!heights_) heights_.emplace(builder_.soFar());
       heights_->update();
     }
-    return copies.arrangement.places(copies.placement, heights_ ? &*heights_ : nullptr, options_.seed, copies.object,
-                                     [&](const Affine& place) { return lowestOf(meshes, place); });
+    return copies.arrangement.places(
+        copies.placement, heights_ ? &*heights_ : nullptr, options_.seed, copies.object, variants.count,
+        [&](const Arrangement::Copy& c) { return lowestOf(variants.meshes(c.variant), c.worldFromMesh); });
   }
 
-  void placeAll(const std::vector<PlacedMesh>& meshes, const std::string& name, const Copies& copies,
+  void placeAll(const Variants& variants, const std::string& name, const Copies& copies,
                 const std::shared_ptr<const Movement>& movement, const Location& where,
                 const std::shared_ptr<const Animation>& animation = nullptr) {
-    std::uint64_t each = 0;
-    for (const PlacedMesh& m : meshes) each += std::max<std::size_t>(m.assetFromMesh.size(), 1);
-    const std::vector<Affine> places = placesOf(copies, meshes);
-    const std::uint64_t count = places.size() * each;
+    const std::vector<Arrangement::Copy> places = placesOf(copies, variants);
+    std::uint64_t count = 0;
+    for (const Arrangement::Copy& copy : places) {
+      for (const PlacedMesh& m : variants.meshes(copy.variant))
+        count += std::max<std::size_t>(m.assetFromMesh.size(), 1);
+    }
     placed_ += count;
     if (placed_ > Placement::kMostCopies) {
       throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects; at most {} are made",
                                           count, placed_, Placement::kMostCopies));
     }
     std::uint64_t number = 0;
-    for (const Affine& worldFromAsset : places) {
+    for (const auto& [worldFromAsset, variant] : places) {
       ++number;
       const std::string own = places.size() == 1 ? name : fmt::format("{}#{}", name, number);
+      const std::vector<PlacedMesh>& meshes = variants.meshes(variant);
       for (const PlacedMesh& m : meshes) {
         if (m.assetFromMesh.empty()) builder_.place(m.mesh, worldFromAsset, own, where, movement, animation);
         for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
@@ -233,36 +248,84 @@ class SceneReader {
     }
   }
 
+  // A file, a list of some, or a folder: its path and as it is called here.
+  std::vector<std::pair<std::filesystem::path, std::string>> filesOf(Fields& f, const Value& value) const {
+    std::vector<std::pair<std::filesystem::path, std::string>> files;
+    for (const std::string& name : f.texts("file")) {
+      const std::filesystem::path path = assetPath(name, value);
+      std::error_code error;
+      if (!std::filesystem::is_directory(path, error)) {
+        files.emplace_back(path, name);
+        continue;
+      }
+      for (const std::filesystem::path& file : assetsIn(path)) {
+        files.emplace_back(file, (std::filesystem::path(name) / file.lexically_relative(path)).string());
+      }
+      if (files.empty()) throw InputError(value.where, fmt::format("'{}' is a folder without 3D files", path.string()));
+    }
+    if (files.empty()) throw InputError(value.where, "file names none");
+    return files;
+  }
+
+  // A shape that copies may have.
+  struct Variant {
+    std::filesystem::path file;
+    AssetOptions asset;
+    Labelling labelling;
+  };
+
   void readFileObject(Fields& f) {
     const Value& fileValue = f.require("file");
-    Labelling labelling;
-    labelling.file = f.text("file");
-    const std::filesystem::path file = assetPath(labelling.file, fileValue);
+    const auto files = filesOf(f, fileValue);
     AssetOptions asset;
     asset.textures = options_.textures;
     asset.metresPerUnit = f.number("unit", {1e-9, 1e9}, 1.0);
     if (f.has("up")) asset.up = f.choice("up", {"x", "y", "z"}, "")[0];
     const std::string alpha = f.choice("alpha", {"auto", "ignore", "test"}, "auto");
     if (alpha != "auto") asset.alpha = alpha == "test" ? AlphaUse::Test : AlphaUse::Ignore;
-    const bool cloud = isCloud(file);
-    labelling.perNode = f.choice("instances", {"object", "node"}, cloud ? "node" : "object") == "node";
-    readSurvey(f, file, cloud, asset);
-    labelling.rules = rulesOf(f);
-    const std::string name = f.text("name", file.stem().string());
+    const std::vector<Rule> rules = rulesOf(f);
+    const std::string name = f.text("name", files.front().first.stem().string());
     const Copies copies = copiesOf(f);
+    const std::vector<std::string>& materials = copies.arrangement.materials();
+    std::vector<Variant> all;
+    for (const auto& [file, called] : files) {
+      Variant variant{file, asset, {}};
+      const bool cloud = isCloud(file);
+      variant.labelling.file = called;
+      variant.labelling.perNode = f.choice("instances", {"object", "node"}, cloud ? "node" : "object") == "node";
+      variant.labelling.rules = rules;
+      readSurvey(f, file, cloud, variant.asset);
+      for (const std::string& material : materials) {
+        Rule own;
+        own.where = f.require("vary").where;
+        own.materialName = material;
+        builder_.library().require(material, own.where);
+        all.push_back(variant);
+        all.back().labelling.rules.insert(all.back().labelling.rules.begin(), std::move(own));
+      }
+      if (materials.empty()) all.push_back(std::move(variant));
+    }
+    random_ = random_ || all.size() > 1;
     const std::shared_ptr<const Movement> movement = movementOf(f);
     const std::optional<Clip> clip = clipOf(f);
     f.finish();
 
-    if (clip && !clip->second) {
-      const std::shared_ptr<const Animation> animation =
-          files_.playing(file, asset, labelling, clip->first, fileValue.where);
-      const bool plays = animation->meshes.size() > 1;
-      return placeAll({{animation->meshes.front(), {}, {}}}, name, copies, movement, f.where(),
-                      plays ? animation : nullptr);
+    if (clip && all.size() > 1) {
+      throw InputError(f.require("animation").where, "animation is for one file, whose clip it names");
     }
-    if (clip) asset.clip = {clip->first, *clip->second};
-    placeAll(files_.read(file, asset, labelling, fileValue.where), name, copies, movement, f.where());
+    if (clip && !clip->second) {
+      const Variant& one = all.front();
+      const std::shared_ptr<const Animation> animation =
+          files_.playing(one.file, one.asset, one.labelling, clip->first, fileValue.where);
+      const bool plays = animation->meshes.size() > 1;
+      const std::vector<PlacedMesh> first{{animation->meshes.front(), {}, {}}};
+      return placeAll(only(first), name, copies, movement, f.where(), plays ? animation : nullptr);
+    }
+    if (clip) all.front().asset.clip = {clip->first, *clip->second};
+    const auto meshes = [&](std::size_t k) -> const std::vector<PlacedMesh>& {
+      return files_.read(all[k].file, all[k].asset, all[k].labelling, fileValue.where);
+    };
+    placeAll({all.size(), meshes}, name, copies, movement, f.where());
   }
 
   static void readSurvey(Fields& f, const std::filesystem::path& file, bool cloud, AssetOptions& asset) {
@@ -369,6 +432,9 @@ class SceneReader {
     surface.material = builder_.material(f.text("material"), materialName.where);
     const std::string name = f.text("name", kind);
     const Copies copies = copiesOf(f);
+    if (!copies.arrangement.materials().empty()) {
+      throw InputError(f.require("vary").where, "material of vary is for objects that are files");
+    }
     const std::shared_ptr<const Movement> movement = movementOf(f);
     f.finish();
 
@@ -376,7 +442,8 @@ class SceneReader {
     mesh.surfaces.push_back(std::move(surface));
     auto shared = meshes_.find(key);
     if (shared == meshes_.end()) shared = meshes_.emplace(key, builder_.addMesh(std::move(mesh))).first;
-    placeAll({{shared->second, {}, {}}}, name, copies, movement, f.where());
+    const std::vector<PlacedMesh> meshes{{shared->second, {}, {}}};
+    placeAll(only(meshes), name, copies, movement, f.where());
   }
 
   SceneBuilder& builder_;

@@ -1,10 +1,73 @@
 #include "sensors/beams.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/parallel.h"
 
 namespace scanmill {
 
+namespace {
+
+Vec3d towards(double azimuth, double elevation) {
+  return {std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation), std::sin(elevation)};
+}
+
+void fillListed(BeamTable& table) {
+  const ListedBeams& own = *table.listed;
+  table.direction.resize(table.size());
+  table.time.resize(table.size());
+  for (std::size_t beam = 0; beam < table.size(); ++beam) {
+    table.direction[beam] = towards(own.azimuth[beam], own.elevation[beam]);
+    table.time[beam] = static_cast<float>(own.time[beam]);
+  }
+  table.origin = own.origin;
+}
+
+void fillRosette(BeamTable& table) {
+  const Rosette& r = *table.rosette;
+  table.direction.resize(table.size());
+  table.time.resize(table.size());
+  table.origin.clear();
+  for (std::uint32_t ring = 0; ring < table.rings; ++ring) {
+    for (std::uint32_t column = 0; column < table.columns; ++column) {
+      const std::size_t beam = std::size_t{ring} * table.columns + column;
+      const double since = table.columnTime(column) + table.firingOffset[ring];
+      double left = 0;
+      double up = 0;
+      for (std::size_t k = 0; k < 2; ++k) {
+        // Whole turns are taken off first, so that hours keep the phase.
+        const double turn = std::fmod((table.start + since) * (r.speed[k] / (2 * kPi)), 1.0) * 2 * kPi + r.phase[k];
+        left += r.angle[k] * std::cos(turn);
+        up += r.angle[k] * std::sin(turn);
+      }
+      const double off = std::hypot(left, up);
+      const double across = off > 1e-12 ? std::sin(off) / off : 1;
+      table.direction[beam] = {std::cos(off), left * across, up * across};
+      table.time[beam] = static_cast<float>(since);
+    }
+  }
+}
+
+}  // namespace
+
+double ListedBeams::startOf(std::uint32_t column, std::uint32_t columns) const {
+  double first = time[column];
+  for (std::size_t beam = column; beam < time.size(); beam += columns) first = std::min(first, time[beam]);
+  return first;
+}
+
+std::shared_ptr<const BeamTable> beamsAt(const std::shared_ptr<const BeamTable>& table, double time) {
+  if (!table->rosette) return table;
+  auto own = std::make_shared<BeamTable>(*table);
+  own->start = time;
+  fillBeams(*own);
+  return own;
+}
+
 double BeamTable::azimuth(std::uint32_t ownColumn) const {
+  if (listed != nullptr) return listed->azimuth[ownColumn / raysPerBeam];
+
   const std::uint32_t column = ownColumn / raysPerBeam;
   const std::uint32_t beams = columns / raysPerBeam;
   // A full revolution ends one step before it began; a partial one is swept from edge to edge.
@@ -26,6 +89,8 @@ double BeamTable::azimuth(std::uint32_t ownColumn) const {
 // Ouster, "Sensor Data: Lidar Range to XYZ" (there a is minus beam_azimuth_angles and n is
 // lidar_origin_to_beam_origin_mm; the reported range counts from the axis, hence its range - n).
 void fillBeams(BeamTable& table) {
+  if (table.listed != nullptr) return fillListed(table);
+  if (table.rosette) return fillRosette(table);
   const std::size_t columns = table.columns;
   std::vector<double> cosine(columns);
   std::vector<double> sine(columns);

@@ -4,12 +4,33 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/vec.h"
 
 namespace scanmill {
+
+// Beams that are listed one by one, ring * columns + column.
+struct ListedBeams {
+  std::vector<double> azimuth, elevation;  // rad, in the sensor's frame
+  std::vector<double> time;                // s since the start of the revolution
+  std::vector<Vec3f> origin;               // m; empty where all are zero
+
+  // When the first beam of a column fires (s).
+  double startOf(std::uint32_t column, std::uint32_t columns) const;
+};
+
+// Two prisms that turn, each of which deflects the beam by a small angle towards where it points: to first order the
+// beam's deflection is their sum, which draws a rosette about the x axis that need not repeat (Risley prisms; Marshall,
+// "Risley prism scan patterns", Proc. SPIE 3787, 1999, equations 1 and 2).
+struct Rosette {
+  std::array<double, 2> angle{};  // rad, deflection
+  std::array<double, 2> speed{};  // rad/s
+  std::array<double, 2> phase{};  // rad, at the time 0: from y (left) towards z (up)
+};
 
 // The beams of one revolution of a sensor, indexed by ring * columns + column; column 0 fires first. They are in the
 // sensor's frame: x forward, y left, z up. Azimuths count from x towards y, which is counter-clockwise seen from above,
@@ -28,18 +49,23 @@ struct BeamTable {
   double maxRange = 0;  // m; a hit at exactly maxRange counts
   double period = 0;    // s, of one revolution
 
-  // The compact description of the beams, as the manifest keeps it. fillBeams() makes the three tables above from it.
-  bool clockwise = false;             // seen from above
-  double firstAzimuth = 0;            // rad, of column 0 before offsets
-  double field = 2 * kPi;             // rad, horizontal; in a full circle no column repeats the first
-  std::vector<double> elevation;      // rad, per ring
-  std::vector<double> azimuthOffset;  // rad, per ring
-  std::vector<double> firingOffset;   // s, per ring
-  double originOffset = 0;            // m, beam origin to the axis of rotation, along the beam's azimuth
-  double originHeight = 0;            // m, beam origin above the sensor frame's origin
-  std::vector<double> originLeft;     // m, per ring, further offsets of the origin: square to the beam, to its left
-  std::vector<double> originUp;       // and square to both, upwards; each empty where all are zero
-  bool topDown = false;               // ring 0 is the highest beam
+  // The description of the beams, as the manifest keeps it. fillBeams() makes the three tables above from it. First
+  // those that do not lie on cones: then the rest of it, but for the period, says nothing, and the field is a full
+  // circle.
+  std::shared_ptr<const ListedBeams> listed;  // null: not listed
+  std::optional<Rosette> rosette;             // of each ring; columns fire evenly over the period
+  double start = 0;                           // s, of column 0 of a rosette since the time 0
+  bool clockwise = false;                     // seen from above
+  double firstAzimuth = 0;                    // rad, of column 0 before offsets
+  double field = 2 * kPi;                     // rad, horizontal; in a full circle no column repeats the first
+  std::vector<double> elevation;              // rad, per ring
+  std::vector<double> azimuthOffset;          // rad, per ring
+  std::vector<double> firingOffset;           // s, per ring
+  double originOffset = 0;                    // m, beam origin to the axis of rotation, along the beam's azimuth
+  double originHeight = 0;                    // m, beam origin above the sensor frame's origin
+  std::vector<double> originLeft;  // m, per ring, further offsets of the origin: square to the beam, to its left
+  std::vector<double> originUp;    // and square to both, upwards; each empty where all are zero
+  bool topDown = false;            // ring 0 is the highest beam
 
   // The beam's width, across (in azimuth) and up (in elevation): that at the exit plus the angle times the range. A
   // Gaussian beam is as wide as where its power has fallen to 1/e^2 of the middle's. Zero where the file does not say.
@@ -57,7 +83,9 @@ struct BeamTable {
   // The azimuth of the head when a column fires, before the ring's offset (rad).
   double azimuth(std::uint32_t column) const;
   // The time at which a column fires, before the ring's offset (s since the start of the revolution).
-  double columnTime(std::uint32_t column) const { return column * columnPeriod(); }
+  double columnTime(std::uint32_t column) const {
+    return listed == nullptr ? column * columnPeriod() : listed->startOf(column, columns);
+  }
   // The time from column to column (s). A field below a full circle has its first and last column at its two edges.
   double columnPeriod() const {
     const std::uint32_t steps = fullTurn() || columns == 1 ? columns : columns - 1;
@@ -67,5 +95,9 @@ struct BeamTable {
 
 // Computes direction, origin and time of every beam from the table's compact description.
 void fillBeams(BeamTable& table);
+
+// The beams of the revolution that starts at a time (s since the start of the drive): the table itself, unless its
+// pattern goes on from revolution to revolution.
+std::shared_ptr<const BeamTable> beamsAt(const std::shared_ptr<const BeamTable>& table, double time);
 
 }  // namespace scanmill

@@ -139,7 +139,9 @@ std::vector<double> GroundProfile::placesOf(const Way& way, const std::vector<do
       throw InputError(where, fmt::format("the ground is sampled every {:g} m, and at most {} times: the way is longer",
                                           kSpacing, kMostSamples));
     }
-    for (double k = 1; k <= steps; ++k) places.push_back(k == steps ? knots[i] : from + span * k / steps);
+    const auto count = static_cast<std::size_t>(steps);
+    for (std::size_t k = 1; k < count; ++k) places.push_back(from + span * static_cast<double>(k) / steps);
+    places.push_back(knots[i]);
   }
   return places;
 }

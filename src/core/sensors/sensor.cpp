@@ -9,6 +9,7 @@
 #include "config/fields.h"
 #include "config/file_kind.h"
 #include "sensors/beam_files.h"
+#include "sensors/beam_patterns.h"
 #include "sensors/calibration.h"
 
 namespace scanmill {
@@ -28,29 +29,19 @@ double readCount(const Value& value, std::string_view what) {
 }
 
 Fields& alsoSensorKeys(Fields& fields) {
-  return fields.also({"model",
-                      "source",
-                      "columns",
-                      "rate_hz",
-                      "direction",
-                      "first_azimuth_deg",
-                      "field_deg",
-                      "calibration",
-                      "elevation_deg",
-                      "ring_order",
-                      "azimuth_offset_deg",
-                      "origin_offset_m",
-                      "origin_height_m",
-                      "origin_left_m",
-                      "origin_up_m",
-                      "firing_time_us",
-                      "turns_while_firing",
-                      "range_m",
-                      "divergence_mrad",
-                      "exit_width_mm",
-                      "beam_shape",
-                      "pulse_ns",
-                      "effects"});
+  return fields.also({"model",           "source",
+                      "columns",         "rate_hz",
+                      "direction",       "first_azimuth_deg",
+                      "field_deg",       "calibration",
+                      "pattern",         "rosette",
+                      "beams",           "elevation_deg",
+                      "ring_order",      "azimuth_offset_deg",
+                      "origin_offset_m", "origin_height_m",
+                      "origin_left_m",   "origin_up_m",
+                      "firing_time_us",  "turns_while_firing",
+                      "range_m",         "divergence_mrad",
+                      "exit_width_mm",   "beam_shape",
+                      "pulse_ns",        "effects"});
 }
 
 void refuseUnlessElevations(const Value& value) {
@@ -264,6 +255,17 @@ SensorSize sensorSize(const Value& description) {
   const Value value = withCalibration(description);
   Fields fields(value, "sensor");
   alsoSensorKeys(fields).finish();
+  if (fields.has("beams")) {
+    const ListedSensor listed = readListedBeams(fields.path("beams"));
+    return {listed.rings, listed.columns};
+  }
+  if (fields.has("rosette") && !fields.has("elevation_deg")) {
+    const double columns = readCount(fields.require("columns"), "columns");
+    if (columns < 1 || columns > kMaxColumns) {
+      throw InputError(fields.require("columns").where, fmt::format("columns must be 1 to {}", kMaxColumns));
+    }
+    return {1, static_cast<std::uint64_t>(columns)};
+  }
   const Value& columnValue = fields.require("columns");
   const Value& elevation = fields.require("elevation_deg");
   refuseUnlessElevations(elevation);
@@ -286,6 +288,108 @@ SensorSize sensorSize(const Value& description) {
   return {static_cast<std::uint64_t>(rings), static_cast<std::uint64_t>(columns)};
 }
 
+namespace {
+
+void refuseBeside(Fields& fields, const char* key, std::initializer_list<const char*> others) {
+  for (const char* other : others) {
+    if (const Value* value = fields.find(other)) {
+      throw InputError(value->where, fmt::format("{} says nothing beside `{}`: leave it out", other, key));
+    }
+  }
+}
+
+// What a pattern that is not made of cones leaves empty, so that it has its length.
+void clearCones(BeamTable& table) {
+  table.field = 2 * kPi;
+  table.elevation.assign(table.rings, 0);
+  table.azimuthOffset.assign(table.rings, 0);
+  table.firingOffset.assign(table.rings, 0);
+}
+
+void readListed(Fields& fields, BeamTable& table) {
+  refuseBeside(fields, "beams",
+               {"columns", "elevation_deg", "azimuth_offset_deg", "firing_time_us", "turns_while_firing", "field_deg",
+                "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
+                "origin_up_m", "pattern", "rosette", "calibration"});
+  clearCones(table);
+  const Value& where = fields.require("beams");
+  const std::filesystem::path file = fields.path("beams");
+  auto listed = std::make_shared<const ListedBeams>(readListedBeams(file).beams);
+  const double last = *std::max_element(listed->time.begin(), listed->time.end());
+  if (last >= table.period) {
+    throw InputError(where.where,
+                     fmt::format("the last beam of {} fires after {:.6g} s, but a revolution lasts {:.6g} s: "
+                                 "lower rate_hz",
+                                 file.string(), last, table.period));
+  }
+  for (std::uint32_t ring = 0; ring < table.rings; ++ring) {
+    double sum = 0;
+    for (std::uint32_t c = 0; c < table.columns; ++c) sum += listed->elevation[std::size_t{ring} * table.columns + c];
+    table.elevation[ring] = sum / table.columns;
+  }
+  table.topDown = table.elevation.front() > table.elevation.back();
+  table.listed = std::move(listed);
+}
+
+void readRosetteSensor(Fields& fields, BeamTable& table) {
+  refuseBeside(fields, "rosette",
+               {"elevation_deg", "azimuth_offset_deg", "firing_time_us", "turns_while_firing", "field_deg",
+                "first_azimuth_deg", "direction", "ring_order", "origin_offset_m", "origin_height_m", "origin_left_m",
+                "origin_up_m", "pattern", "calibration"});
+  clearCones(table);
+  table.rosette = readRosette(fields.require("rosette"));
+}
+
+void readCones(Fields& fields, const Value& value, BeamTable& table) {
+  fields.require("columns");
+  table.clockwise = fields.choice("direction", {"clockwise", "counterclockwise"}, "counterclockwise") == "clockwise";
+  table.firstAzimuth = radians(fields.number("first_azimuth_deg", {-360, 360}, 0));
+  const double field = fields.number("field_deg", {0, 360}, 360);
+  if (field <= 0) throw InputError(fields.find("field_deg")->where, "field_deg must be above 0");
+  table.field = field < 360 ? radians(field) : 2 * kPi;
+
+  const std::string order = fields.choice("ring_order", {"top_down", "bottom_up", "unordered"}, "top_down");
+  const Value* orderValue = fields.find("ring_order");
+  const Value& elevationValue = fields.require("elevation_deg");
+  const std::vector<double> elevation =
+      elevationValue.kind == Value::Kind::Sequence
+          ? listedElevations(elevationValue, order)
+          : uniformElevations(elevationValue, table.rings, order, orderValue ? orderValue->where : value.where);
+  table.elevation = scaled(elevation, radians(1));
+  const double highest = *std::max_element(elevation.begin(), elevation.end());
+  table.topDown = order == "top_down" || (order == "unordered" && elevation.front() == highest);
+  table.azimuthOffset = scaled(readAzimuthOffsets(fields.find("azimuth_offset_deg"), table.rings), radians(1));
+  table.firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), table), 1e-6);
+  if (fields.boolean("turns_while_firing", false)) {
+    const double turn = (table.clockwise ? -2 : 2) * kPi / table.period;  // rad/s
+    for (std::uint32_t ring = 0; ring < table.rings; ++ring) {
+      table.azimuthOffset[ring] += turn * table.firingOffset[ring];
+    }
+  }
+  table.originOffset = fields.number("origin_offset_m", {0, 10}, 0);
+  table.originHeight = fields.number("origin_height_m", {-10, 10}, 0);
+  table.originLeft = readOrigins(fields, "origin_left_m", table.rings);
+  table.originUp = readOrigins(fields, "origin_up_m", table.rings);
+}
+
+// The pixels of a flash sensor in place of the cones.
+void makeFlash(Fields& fields, BeamTable& table) {
+  refuseBeside(fields, "pattern: flash",
+               {"azimuth_offset_deg", "firing_time_us", "turns_while_firing", "origin_offset_m", "origin_height_m",
+                "origin_left_m", "origin_up_m"});
+  constexpr double kWidest = 170;  // deg
+  const Value& field = fields.require("field_deg");
+  if (degrees(table.field) > kWidest) {
+    throw InputError(field.where, fmt::format("field_deg of a flash sensor must be {} at most", kWidest));
+  }
+  const double middle = table.firstAzimuth + (table.clockwise ? -1 : 1) * table.field / 2;
+  table.listed = std::make_shared<const ListedBeams>(
+      flashBeams(middle, table.field, table.clockwise, table.columns, table.elevation));
+  table.field = 2 * kPi;
+}
+
+}  // namespace
+
 std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
   const SensorSize size = sensorSize(description);
   const Value value = withCalibration(description);
@@ -294,38 +398,18 @@ std::shared_ptr<const BeamTable> makeBeams(const Value& description) {
   table->columns = static_cast<std::uint32_t>(size.columns);
 
   Fields fields(value, "sensor");
-  fields.require("columns");
   table->model = fields.text("model", "custom");
   table->source = fields.text("source", "");
   table->period = 1 / fields.number("rate_hz", {0.01, 1000});
-  table->clockwise = fields.choice("direction", {"clockwise", "counterclockwise"}, "counterclockwise") == "clockwise";
-  table->firstAzimuth = radians(fields.number("first_azimuth_deg", {-360, 360}, 0));
-  const double field = fields.number("field_deg", {0, 360}, 360);
-  if (field <= 0) throw InputError(fields.find("field_deg")->where, "field_deg must be above 0");
-  table->field = field < 360 ? radians(field) : 2 * kPi;
-
-  const std::string order = fields.choice("ring_order", {"top_down", "bottom_up", "unordered"}, "top_down");
-  const Value* orderValue = fields.find("ring_order");
-  const Value& elevationValue = fields.require("elevation_deg");
-  const std::vector<double> elevation =
-      elevationValue.kind == Value::Kind::Sequence
-          ? listedElevations(elevationValue, order)
-          : uniformElevations(elevationValue, table->rings, order, orderValue ? orderValue->where : value.where);
-  table->elevation = scaled(elevation, radians(1));
-  const double highest = *std::max_element(elevation.begin(), elevation.end());
-  table->topDown = order == "top_down" || (order == "unordered" && elevation.front() == highest);
-  table->azimuthOffset = scaled(readAzimuthOffsets(fields.find("azimuth_offset_deg"), table->rings), radians(1));
-  table->firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), *table), 1e-6);
-  if (fields.boolean("turns_while_firing", false)) {
-    const double turn = (table->clockwise ? -2 : 2) * kPi / table->period;  // rad/s
-    for (std::uint32_t ring = 0; ring < table->rings; ++ring) {
-      table->azimuthOffset[ring] += turn * table->firingOffset[ring];
-    }
+  const std::string pattern = fields.choice("pattern", {"spinning", "flash"}, "spinning");
+  if (fields.has("beams")) {
+    readListed(fields, *table);
+  } else if (fields.has("rosette")) {
+    readRosetteSensor(fields, *table);
+  } else {
+    readCones(fields, value, *table);
+    if (pattern == "flash") makeFlash(fields, *table);
   }
-  table->originOffset = fields.number("origin_offset_m", {0, 10}, 0);
-  table->originHeight = fields.number("origin_height_m", {-10, 10}, 0);
-  table->originLeft = readOrigins(fields, "origin_left_m", table->rings);
-  table->originUp = readOrigins(fields, "origin_up_m", table->rings);
   readRange(fields, *table);
   readBeamShape(fields, *table);
 

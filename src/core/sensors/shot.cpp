@@ -36,8 +36,9 @@ Motion readMotion(const Value* value) {
   return motion;
 }
 
-Shot makeShot(std::shared_ptr<const BeamTable> beams, const Trajectory& trajectory, std::uint32_t frame,
+Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& trajectory, std::uint32_t frame,
               const Pose& vehicleFromSensor, const Motion& motion) {
+  std::shared_ptr<const BeamTable> beams = beamsAt(table, trajectory.frameTime(frame));
   std::uint64_t steps = 1;
   if (motion.kind == MotionKind::PerColumn) steps = beams->columns;
   if (motion.kind == MotionKind::Steps) steps = motion.steps;

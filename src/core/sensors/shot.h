@@ -53,9 +53,10 @@ struct Motion {
 // Throws InputError.
 Motion readMotion(const Value* value);
 
-// Makes a shot with its poses, time, beams, frame and deskew; the caller fills in its names and the rest of the address
-// of its randomness. Throws InputError where the motion has more steps than the sensor has columns.
-Shot makeShot(std::shared_ptr<const BeamTable> beams, const Trajectory& trajectory, std::uint32_t frame,
+// Makes a shot with its poses, time, beams (those of the table at its time: beamsAt()), frame and deskew; the caller
+// fills in its names and the rest of the address of its randomness. Throws InputError where the motion has more steps
+// than the sensor has columns.
+Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& trajectory, std::uint32_t frame,
               const Pose& vehicleFromSensor, const Motion& motion);
 
 }  // namespace scanmill

@@ -189,8 +189,8 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
     }
   } else {
     constexpr double kAboutStraight = 1;  // m of path
-    const double steps = std::min(std::ceil(end / kAboutStraight), 1e8);
-    for (double k = 1; k < steps; ++k) knots.push_back(end * k / steps);
+    const auto steps = static_cast<std::size_t>(std::min(std::ceil(end / kAboutStraight), 1e8));
+    for (std::size_t k = 1; k < steps; ++k) knots.push_back(end * static_cast<double>(k) / static_cast<double>(steps));
   }
   if (end > 0) knots.push_back(end);
   standing.profileOfGround_ =

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "scene/scene.h"
@@ -249,6 +250,76 @@ TEST_F(Arrangements, WhatCannotBeMeantIsRefused) {
               AllOf(HasSubstr("s.yaml:7"), HasSubstr("at most")));
   EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], density: 1e-6}}"), HasSubstr("higher density"));
   EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 5, spacing: 1e-9}}"), HasSubstr("spacing"));
+}
+
+// Of several files each copy is one at random, and has one of several materials.
+class RandomShapes : public Arrangements {
+ protected:
+  RandomShapes() {
+    // Two columns, of 1 m and of 3 m, whose lowest points are at 0 and at -1; and a folder with both.
+    const auto column = [](double low, double high) {
+      return fmt::format("o c\nv 0 0 {0}\nv 1 0 {0}\nv 0 0 {1}\nf 1 2 3\n", low, high);
+    };
+    for (const char* folder : {"", "both/", "both/inner/"}) {
+      if (folder != std::string("both/inner/")) folder_.write(std::string(folder) + "short.obj", column(0, 1));
+      if (folder != std::string("both/")) folder_.write(std::string(folder) + "tall.obj", column(-1, 2));
+    }
+  }
+  Scene columns(const std::string& file, const std::string& more, std::uint64_t seed = 1) const {
+    return scene("  - {name: post, file: " + file + ", class: pole, material: wood, " + more + "}", seed);
+  }
+  static std::map<std::string, int> counts(const Scene& s) {
+    std::map<std::string, int> found;
+    for (const Instance& i : s.instances) {
+      if (i.name.starts_with("post")) ++found[s.meshes[i.mesh].name];
+    }
+    return found;
+  }
+};
+
+constexpr const char* kMany = "copies: {grid: {count: [40, 20, 1], spacing: [1, 1, 1]}}";
+
+TEST_F(RandomShapes, AreAsManyOfEach) {
+  const auto found = counts(columns("[short.obj, tall.obj]", kMany));
+  EXPECT_NEAR(found.at("short.obj"), 400, 60);
+  EXPECT_NEAR(found.at("tall.obj"), 400, 60);
+  const auto folder = counts(columns("both", kMany));
+  EXPECT_NEAR(folder.at("both/short.obj"), 400, 60);
+  EXPECT_NEAR(folder.at("both/inner/tall.obj"), 400, 60);
+  const auto shapes = [&](std::uint64_t seed) {
+    std::vector<std::string> names;
+    const Scene s = columns("both", kMany, seed);
+    EXPECT_TRUE(s.procedural);
+    for (const Instance& i : s.instances) names.push_back(s.meshes[i.mesh].name);
+    return names;
+  };
+  EXPECT_EQ(shapes(5), shapes(5));
+  EXPECT_NE(shapes(5), shapes(6));
+}
+
+TEST_F(RandomShapes, StandEachOnItsOwnLowestPoint) {
+  const Scene s = columns("[short.obj, tall.obj]",
+                          "position: [0, 0, 20], stand_on: ground, copies: {grid: {count: [1, 40, "
+                          "1], spacing: [1, 1, 1]}}");
+  for (const Instance& i : s.instances) {
+    if (!i.name.starts_with("post")) continue;
+    EXPECT_NEAR(i.worldFromMesh.translation.z, lawn(0) + (s.meshes[i.mesh].name == "short.obj" ? 0 : 1), 1e-5);
+  }
+}
+
+TEST_F(RandomShapes, HaveOneOfSeveralMaterials) {
+  const Scene s = columns("short.obj", std::string(kMany) + ", vary: {material: [asphalt, brick, grass]}");
+  std::map<std::string, int> found;
+  for (const Instance& i : s.instances) {
+    if (i.name.starts_with("post")) ++found[s.materials[s.meshes[i.mesh].surfaces.at(0).material].name];
+  }
+  EXPECT_EQ(found.size(), 3u);
+  for (const auto& [name, count] : found) EXPECT_NEAR(count, 267, 50) << name;
+  EXPECT_EQ(s.meshes.size(), 3u + 3u) << "lawn, road, house; one mesh for each material";
+  EXPECT_THAT(messageOf([&] { columns("short.obj", "vary: {material: [gras]}"); }), HasSubstr("did you mean 'grass'"));
+  EXPECT_THAT(refusal("vary: {material: [grass]}"), HasSubstr("objects that are files"));
+  folder_.write("none/readme.txt", "x");
+  EXPECT_THAT(messageOf([&] { columns("none", "position: [0, 0, 0]"); }), HasSubstr("a folder without 3D files"));
 }
 
 }  // namespace

@@ -237,6 +237,11 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
     const std::size_t s = beams_.size() - 1;
     for (const auto& effect : pipeline_.effectsOf(s)) effect->check(*beams_.back());
     const std::uint32_t raysPerBeam = pipeline_.raysPerBeam(s);
+    if (beams_.back()->rosette && (raysPerBeam > 1 || !pipeline_.vehicle.empty())) {
+      throw InputError(sensor.description.where,
+                       fmt::format("the beams of '{}' differ from revolution to revolution: leave out {}", sensor.name,
+                                   raysPerBeam > 1 ? "the effect footprint" : "`vehicle`"));
+    }
     footprints_.push_back(
         raysPerBeam == 1 ? nullptr : std::make_shared<const Footprint>(makeFootprint(*beams_.back(), raysPerBeam)));
   }
@@ -397,7 +402,7 @@ Shot Plan::recordedShot(const std::string& sample, std::uint32_t frame, std::siz
   Shot shot;
   shot.frame = frame;
   shot.time = recorded.time;
-  shot.beams = beams_[sensor];
+  shot.beams = beamsAt(beams_[sensor], recorded.time);
   shot.worldFromSensor = std::move(recorded.worldFromSensor);
   shot.deskew = pipeline_.motion.deskew;
   return shot;

@@ -201,7 +201,7 @@ class CloudAsset {
               if constexpr (std::is_same_v<T, float>) {
                 bits = std::bit_cast<std::uint32_t>(all[chosen_[k]]);
               } else {
-                bits = static_cast<std::uint32_t>(all[chosen_[k]]);
+                bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(all[chosen_[k]]));
               }
               for (std::size_t c = 0; c < 3; ++c) put(k, c, bits >> (16 - 8 * c) & 0xFF);
             }
@@ -272,7 +272,8 @@ class CloudAsset {
     }
     if (image_ != nullptr) {
       const auto x = static_cast<double>(k % image_->width);
-      const auto y = static_cast<double>(k / image_->width);
+      const std::size_t row = k / image_->width;
+      const auto y = static_cast<double>(row);
       const Vec2f uv{static_cast<float>((x + 0.5) / image_->width), static_cast<float>((y + 0.5) / image_->height)};
       part.uvs.insert(part.uvs.end(), 4, uv);
     }

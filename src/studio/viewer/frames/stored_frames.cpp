@@ -235,7 +235,7 @@ void StoredFrames::loadOne(Loading& loading, const std::string& key, bool sensor
   try {
     scan.scan = loading.store->scans->decode(loading.sample, loading.stored);
     loading.loaded = true;
-    scan.beams = loading.store->scans->beams(scan.sensor);
+    scan.beams = loading.store->scans->beams(scan.sensor, scan.time);
     addError(loading, key, sensorsDiffer);
   } catch (const std::exception& e) {
     loading.problems.emplace_back(e.what());

@@ -1,0 +1,166 @@
+#include "sensors/beam_patterns.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "base/file.h"
+#include "config/text.h"
+#include "sensors/text_table.h"
+
+namespace scanmill {
+namespace {
+
+constexpr std::uint32_t kMostRings = 4096;
+constexpr std::uint32_t kMostColumns = 65536;
+
+// The columns of a table of beams by their names.
+class Columns {
+ public:
+  explicit Columns(const TextLine& head) : where_(head.where) {
+    static const std::vector<std::string> kKnown{"azimuth_deg", "elevation_deg", "time_us",    "ring",
+                                                 "column",      "origin_x_m",    "origin_y_m", "origin_z_m"};
+    for (const std::string_view cell : cellsOf(head.text)) {
+      const std::string name = lowerCase(cell);
+      if (std::find(kKnown.begin(), kKnown.end(), name) == kKnown.end()) {
+        throw InputError(where_,
+                         fmt::format("the column {} is unknown{}", quotedForMessage(cell), suggestion(name, kKnown)));
+      }
+      if (!index_.emplace(name, index_.size()).second) {
+        throw InputError(where_, fmt::format("the column {} stands twice", name));
+      }
+    }
+    for (const char* name : {"azimuth_deg", "elevation_deg"}) {
+      if (!has(name)) throw InputError(where_, fmt::format("the table has no column {}", name));
+    }
+    if (has("ring") != has("column"))
+      throw InputError(where_, "the table has one of ring and column: give both or none");
+  }
+
+  bool has(const std::string& name) const { return index_.contains(name); }
+  std::size_t count() const { return index_.size(); }
+  double number(const std::string& name, const std::vector<std::string_view>& cells, const Location& where, Range range,
+                double fallback = 0) const {
+    const auto found = index_.find(name);
+    if (found == index_.end()) return fallback;
+    const double value = numberOf(cells[found->second], where);
+    if (value >= range.low && value <= range.high) return value;
+    throw InputError(where, fmt::format("{} is {:g}, not within {:g} to {:g}", name, value, range.low, range.high));
+  }
+
+ private:
+  Location where_;
+  std::map<std::string, std::size_t> index_;
+};
+
+struct Row {
+  double azimuth, elevation, time;
+  Vec3f origin;
+  std::uint32_t ring, column;
+  Location where;
+};
+
+std::uint32_t countOf(double number, const Location& where) {
+  if (number != std::floor(number)) throw InputError(where, "ring and column are whole numbers");
+  return static_cast<std::uint32_t>(number);
+}
+
+}  // namespace
+
+ListedSensor readListedBeams(const std::filesystem::path& file) {
+  const std::string bytes = readFile(file);
+  const std::vector<TextLine> lines = linesOf(bytes, file);
+  const Columns columns(lines.front());
+  const bool placed = columns.has("ring");
+  std::vector<Row> rows;
+  ListedSensor sensor{1, 0, {}};
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const Location& where = lines[i].where;
+    const std::vector<std::string_view> cells = cellsOf(lines[i].text);
+    if (cells.size() != columns.count()) {
+      throw InputError(where, fmt::format("has {} cells, the first line has {}", cells.size(), columns.count()));
+    }
+    const auto number = [&](const char* name, Range range) { return columns.number(name, cells, where, range); };
+    Row row{radians(number("azimuth_deg", {-360, 360})),
+            radians(number("elevation_deg", {-90, 90})),
+            number("time_us", {0, 1e8}) * 1e-6,
+            {static_cast<float>(number("origin_x_m", {-10, 10})), static_cast<float>(number("origin_y_m", {-10, 10})),
+             static_cast<float>(number("origin_z_m", {-10, 10}))},
+            countOf(number("ring", {0, kMostRings - 1}), where),
+            placed ? countOf(number("column", {0, kMostColumns - 1}), where) : static_cast<std::uint32_t>(i - 1),
+            where};
+    sensor.rings = std::max(sensor.rings, row.ring + 1);
+    sensor.columns = std::max(sensor.columns, row.column + 1);
+    rows.push_back(row);
+  }
+  const std::size_t beams = std::size_t{sensor.rings} * sensor.columns;
+  if (rows.empty() || rows.size() != beams || sensor.columns > kMostColumns) {
+    throw InputError({file.string()},
+                     fmt::format("has {} beams for {} rings of {} columns (at most {}): each has one line", rows.size(),
+                                 sensor.rings, sensor.columns, kMostColumns));
+  }
+  ListedBeams& all = sensor.beams;
+  all.azimuth.resize(beams);
+  all.elevation.resize(beams);
+  all.time.resize(beams);
+  all.origin.resize(beams);
+  std::vector<bool> known(beams);
+  for (const Row& row : rows) {
+    const std::size_t beam = std::size_t{row.ring} * sensor.columns + row.column;
+    if (known[beam]) {
+      throw InputError(row.where, fmt::format("names ring {}, column {} a second time", row.ring, row.column));
+    }
+    known[beam] = true;
+    all.azimuth[beam] = row.azimuth;
+    all.elevation[beam] = row.elevation;
+    all.time[beam] = row.time;
+    all.origin[beam] = row.origin;
+  }
+  if (std::all_of(all.origin.begin(), all.origin.end(), [](const Vec3f& o) { return o == Vec3f{}; }))
+    all.origin.clear();
+  for (std::uint32_t c = 1; c < sensor.columns; ++c) {
+    if (all.startOf(c, sensor.columns) >= all.startOf(c - 1, sensor.columns)) continue;
+    throw InputError({file.string()},
+                     fmt::format("column {} fires before column {}: columns fire one after the other", c, c - 1));
+  }
+  return sensor;
+}
+
+ListedBeams flashBeams(double azimuth, double field, bool clockwise, std::uint32_t columns,
+                       const std::vector<double>& elevation) {
+  ListedBeams beams;
+  for (const double up : elevation) {
+    for (std::uint32_t c = 0; c < columns; ++c) {
+      const double across =
+          columns == 1 ? 0 : std::tan(field / 2) * (2.0 * c / (columns - 1) - 1) * (clockwise ? -1 : 1);
+      beams.azimuth.push_back(azimuth + std::atan(across));
+      beams.elevation.push_back(std::atan2(std::tan(up), std::hypot(1, across)));
+      beams.time.push_back(0);
+    }
+  }
+  return beams;
+}
+
+Rosette readRosette(const Value& value) {
+  Fields f(value, "rosette");
+  f.also({"field_deg", "turns_hz", "share", "phase_deg"}).finish();
+  Rosette rosette;
+  const double half = radians(f.number("field_deg", {0.01, 170})) / 2;
+  const double share = f.number("share", {0, 1}, 0.5);
+  rosette.angle = {half * share, half * (1 - share)};
+  const std::vector<double> turns = f.numbers("turns_hz", {-1e4, 1e4});
+  if (turns.size() != 2) throw InputError(f.require("turns_hz").where, "turns_hz must be two, such as [121.6, -77.7]");
+  rosette.speed = {2 * kPi * turns[0], 2 * kPi * turns[1]};
+  if (const Value* phases = f.find("phase_deg")) {
+    const std::vector<double> phase = f.numbers("phase_deg", {-360, 360});
+    if (phase.size() != 2) throw InputError(phases->where, "phase_deg must be two, such as [0, 90]");
+    rosette.phase = {radians(phase[0]), radians(phase[1])};
+  }
+  return rosette;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,102 @@
+// Sensors whose beams do not lie on cones, from the pipeline to the manifest that others read.
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "sensors/beams.h"
+#include "tests/core/pipeline/small_world.h"
+#include "tests/support/gl.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+class Patterns : public Yard {
+ protected:
+  Patterns() {
+    std::string table = "azimuth_deg,elevation_deg,time_us,ring,column,origin_y_m\n";
+    for (int ring = 0; ring < 3; ++ring) {
+      for (int column = 0; column < 40; ++column) {
+        table +=
+            fmt::format("{},{},{},{},{},{}\n", 9.1 * column - 170 + ring, 4 * std::sin(0.7 * column) - 3 * ring - 2,
+                        2000 * column + ring, ring, column, 0.05 * ring);
+      }
+    }
+    folder_.write("scenes/beams.csv", table);
+    folder_.write("beams.csv", table);
+  }
+  static std::string sensor(const std::string& keys) {
+    return "sensors=[{name: top, rate_hz: 10, range_m: [0.2, 100], mount: {position: [0, 0, 1.8]}, " + keys + "}]";
+  }
+  // Every point lies on the beam of the manifest's table that its ring and column name, at its range.
+  void expectOnBeams(const std::string& name, double within) const {
+    const Manifest manifest = readManifest(out(name));
+    auto table = std::make_shared<BeamTable>(manifest.sensors.at(0).beams);
+    fillBeams(*table);
+    const std::vector<Scan> all = scans(".pcd", name);
+    ASSERT_EQ(all.size(), manifest.samples.size());
+    for (std::size_t s = 0; s < all.size(); ++s) {
+      const auto beams = beamsAt(table, manifest.samples[s].scans.at(0).time);
+      ASSERT_GT(all[s].size(), 0.9 * static_cast<double>(beams->size())) << "the yard is closed all around";
+      for (std::size_t i = 0; i < all[s].size(); ++i) {
+        const std::size_t beam = std::size_t{all[s][kRing][i]} * beams->columns + all[s][kColumn][i];
+        const Vec3d origin = beams->origin.empty() ? Vec3d{} : Vec3d(beams->origin[beam]);
+        const Vec3d expected = origin + beams->direction[beam] * double{all[s][kRangeTrue][i]};
+        ASSERT_LT(length(Vec3d(all[s].position[i]) - expected), within) << s << ": " << beam;
+        ASSERT_FLOAT_EQ(all[s][kTime][i], beams->time[beam]);
+      }
+    }
+  }
+};
+
+constexpr const char* kPatterns[] = {
+    "pattern: flash, columns: 24, first_azimuth_deg: -30, field_deg: 60, elevation_deg: {top: 10, bottom: -20, rings: "
+    "12}",
+    "beams: beams.csv", "columns: 500, rosette: {field_deg: 40, turns_hz: [121.57, -77.73]}"};
+
+TEST_F(Patterns, PointsLieOnTheManifestsBeams) {
+  int number = 0;
+  for (const char* pattern : kPatterns) {
+    const std::string name = fmt::format("p{}", number++);
+    sound({sensor(pattern), "motion=per_column"}, name);
+    expectOnBeams(name, 2e-5);
+    const Manifest manifest = readManifest(out(name));
+    EXPECT_EQ(toJson(parseManifest(toJson(manifest), "m.json")), toJson(manifest));
+  }
+}
+
+TEST_F(Patterns, OfAllMethodsAgree) {
+  SKIP_WITHOUT_GL();
+  int number = 0;
+  for (const char* pattern : kPatterns) {
+    for (const char* method : {"method=particle", "method=depth_camera"}) {
+      const std::string name = fmt::format("m{}", number++);
+      sound({sensor(pattern), method, "trajectories.0.frames=2"}, name);
+      expectOnBeams(name, 2e-5);
+    }
+  }
+}
+
+// A flash sees a wall ahead as an image: depths are equal, ranges are not.
+TEST_F(Patterns, AFlashSeesAWallAtOneDepth) {
+  sound({sensor("pattern: flash, columns: 9, first_azimuth_deg: -10, field_deg: 20, elevation_deg: {top: 5, bottom: 1, "
+                "rings: 3}"),
+         "trajectories=[{poses: [{position: [0, 0, 0]}]}]"});
+  const Scan scan = scans().at(0);
+  ASSERT_EQ(scan.size(), 27u);
+  for (const Vec3f& p : scan.position) EXPECT_NEAR(p.x, 30, 1e-4);
+}
+
+TEST_F(Patterns, WhatARosetteCannotHaveIsRefused) {
+  const std::string rosette = sensor(std::string(kPatterns[2]) + ", divergence_mrad: 3");
+  EXPECT_THAT(messageOf([&] {
+                run({rosette, "effects=[intensity, footprint: {rays: 7}, detection]"});
+              }),
+              HasSubstr("leave out the effect footprint"));
+  EXPECT_THAT(messageOf([&] { run({rosette, "vehicle=vehicle"}); }), HasSubstr("leave out `vehicle`"));
+}
+
+}  // namespace
+}  // namespace scanmill

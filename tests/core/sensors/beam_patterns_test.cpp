@@ -1,0 +1,166 @@
+#include "sensors/beam_patterns.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "sensors/sensor.h"
+#include "sensors/shot.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class BeamPatterns : public testing::Test {
+ protected:
+  std::shared_ptr<const BeamTable> sensor(const std::string& yaml) const {
+    return makeBeams(resolveSensor(parseYaml("{" + yaml + "}", (folder_.path() / "s.yaml").string())));
+  }
+  std::string refusal(const std::string& yaml) const {
+    return messageOf([&] { sensor(yaml); });
+  }
+  TemporaryFolder folder_;
+};
+
+constexpr const char* kFlash =
+    "pattern: flash, columns: 9, rate_hz: 20, range_m: [0, 50], first_azimuth_deg: 40, "
+    "direction: clockwise, field_deg: 80, elevation_deg: {top: 30, bottom: -30, rings: 5}";
+
+// A camera's pixels: on the plane x = 1 they are an even grid, and all fire at once.
+TEST_F(BeamPatterns, AFlashIsAnEvenGridInItsPlane) {
+  const auto beams = sensor(kFlash);
+  ASSERT_EQ(beams->size(), 45u);
+  for (std::uint32_t ring = 0; ring < 5; ++ring) {
+    for (std::uint32_t column = 0; column < 9; ++column) {
+      const Vec3d d = beams->direction[ring * 9 + column];
+      EXPECT_NEAR(length(d), 1, 1e-12);
+      EXPECT_NEAR(d.y / d.x, std::tan(radians(40)) * (1 - column / 4.0), 1e-12);
+      EXPECT_NEAR(d.z / d.x, std::tan(radians(30 - 15.0 * ring)), 1e-12);
+      EXPECT_EQ(beams->time[ring * 9 + column], 0);
+      EXPECT_EQ(beams->columnTime(column), 0);
+    }
+  }
+  EXPECT_THAT(refusal(std::string(kFlash) + ", firing_time_us: {step_us: 1}"),
+              HasSubstr("firing_time_us says nothing"));
+  std::string wide = kFlash;
+  wide.replace(wide.find("field_deg: 80"), 13, "field_deg: 360");
+  EXPECT_THAT(refusal(wide), HasSubstr("170 at most"));
+}
+
+TEST_F(BeamPatterns, ListedBeamsAreWhatTheTableSays) {
+  folder_.write(
+      "b.csv",
+      "ring,column,azimuth_deg,elevation_deg,time_us,origin_z_m\n1,0,10,-5,7,0.1\n0,1,20,5,100,0\n0,0,30,6,5,0\n"
+      "1,1,-170,0,120,0\n");
+  const auto beams = sensor("beams: b.csv, rate_hz: 10, range_m: [0, 50]");
+  ASSERT_EQ(beams->rings, 2u);
+  ASSERT_EQ(beams->columns, 2u);
+  EXPECT_NEAR(degrees(std::atan2(beams->direction[2].y, beams->direction[2].x)), 10, 1e-12);
+  EXPECT_NEAR(degrees(std::asin(beams->direction[2].z)), -5, 1e-12);
+  EXPECT_FLOAT_EQ(beams->time[2], 7e-6f);
+  EXPECT_FLOAT_EQ(beams->origin[2].z, 0.1f);
+  EXPECT_DOUBLE_EQ(beams->columnTime(0), 5e-6);
+  EXPECT_DOUBLE_EQ(beams->columnTime(1), 100e-6);
+  // Without rings each line is a column.
+  folder_.write("c.csv", "azimuth_deg;elevation_deg\n1;2\n3;4\n5;6\n");
+  EXPECT_EQ(sensor("beams: c.csv, rate_hz: 10, range_m: [0, 50]")->columns, 3u);
+}
+
+TEST_F(BeamPatterns, TablesThatAreNoneAreRefused) {
+  const auto refused = [&](const std::string& table) {
+    folder_.write("b.csv", table);
+    return refusal("beams: b.csv, rate_hz: 10, range_m: [0, 50]");
+  };
+  EXPECT_THAT(refused("azimuth_deg\n1\n"), AllOf(HasSubstr("b.csv:1"), HasSubstr("no column elevation_deg")));
+  EXPECT_THAT(refused("azimuth_deg,elevation_dg\n1,2\n"), HasSubstr("did you mean 'elevation_deg'"));
+  EXPECT_THAT(refused("azimuth_deg,elevation_deg,ring\n1,2,0\n"), HasSubstr("both or none"));
+  EXPECT_THAT(refused("azimuth_deg,elevation_deg\n1,91\n"),
+              AllOf(HasSubstr("b.csv:2"), HasSubstr("not within -90 to 90")));
+  EXPECT_THAT(refused("azimuth_deg,elevation_deg,ring,column\n1,2,0,0\n1,2,0,0\n"), HasSubstr("2 beams for 1 rings"));
+  EXPECT_THAT(refused("azimuth_deg,elevation_deg,ring,column\n1,2,0,0\n1,2,1,1\n1,2,1,1\n1,2,0,1\n"),
+              AllOf(HasSubstr("b.csv:4"), HasSubstr("a second time")));
+  EXPECT_THAT(refused("azimuth_deg,elevation_deg,time_us\n1,2,9\n1,2,3\n"),
+              HasSubstr("column 1 fires before column 0"));
+  EXPECT_THAT(refused("azimuth_deg,elevation_deg,time_us\n1,2,9\n1,2,200000\n"), HasSubstr("lower rate_hz"));
+  EXPECT_THAT(refusal("beams: b.csv, columns: 9, rate_hz: 10, range_m: [0, 50]"), HasSubstr("columns says nothing"));
+}
+
+constexpr const char* kRosette =
+    "columns: 10000, rate_hz: 10, range_m: [0, 90], rosette: {field_deg: 38.4, turns_hz: "
+    "[121.57, -77.73]}";
+
+// Two circles of a quarter of the field: the sum reaches its half where the prisms point the same way, and its middle
+// where they point against each other.
+TEST_F(BeamPatterns, ARosetteFillsItsField) {
+  const auto beams = sensor(kRosette);
+  double widest = 0;
+  double narrowest = 1;
+  for (std::size_t i = 0; i < beams->size(); ++i) {
+    const double off = std::acos(std::min(beams->direction[i].x, 1.0));
+    widest = std::max(widest, off);
+    narrowest = std::min(narrowest, off);
+    // Closed form: |a e^(i w t) + a e^(i v t)| = 2 a |cos((w - v) t / 2)|.
+    const double t = beams->columnTime(static_cast<std::uint32_t>(i));
+    EXPECT_NEAR(off, radians(19.2) * std::fabs(std::cos(kPi * (121.57 + 77.73) * t)), 1e-7);
+  }
+  EXPECT_NEAR(degrees(widest), 19.2, 0.01);
+  EXPECT_LT(degrees(narrowest), 0.1);
+}
+
+// It goes on where the last revolution ended, so that it covers more of its field the longer it looks.
+TEST_F(BeamPatterns, ARosetteDoesNotRepeat) {
+  const auto table = sensor(kRosette);
+  const auto cells = [&](int revolutions) {
+    std::set<std::pair<int, int>> seen;
+    for (int r = 0; r < revolutions; ++r) {
+      const auto beams = beamsAt(table, 0.1 * r);
+      for (const Vec3d& d : beams->direction) {
+        seen.emplace(static_cast<int>(std::floor(d.y / 0.004)), static_cast<int>(std::floor(d.z / 0.004)));
+      }
+    }
+    return seen.size();
+  };
+  EXPECT_GT(cells(4), 1.5 * static_cast<double>(cells(1)));
+  const Vec3d last = table->direction.back();
+  const Vec3d next = beamsAt(table, 0.1)->direction.front();
+  const Vec3d second = table->direction[1];
+  EXPECT_LT(length(next - last), 2 * length(second - table->direction[0])) << "no jump from one to the next";
+  EXPECT_EQ(beamsAt(table, 7.3)->direction, beamsAt(table, 7.3)->direction);
+  // After a day the phase is still exact to a thousandth of a degree.
+  const double day = 86400;
+  const double t = beamsAt(table, day)->columnTime(5);
+  const double turn = std::fmod(121.57 * (day + t), 1.0) * 2 * kPi;
+  const double other = std::fmod(-77.73 * (day + t), 1.0) * 2 * kPi;
+  const double left = radians(9.6) * (std::cos(turn) + std::cos(other));
+  const Vec3d d = beamsAt(table, day)->direction[5];
+  EXPECT_NEAR(std::atan2(d.y, std::hypot(d.y, d.z)),
+              std::atan2(left, std::hypot(left, radians(9.6) * (std::sin(turn) + std::sin(other)))), 2e-5);
+  // What does not go on is itself.
+  const auto flash = sensor(kFlash);
+  EXPECT_EQ(beamsAt(flash, 3).get(), flash.get());
+}
+
+TEST_F(BeamPatterns, ShotsOfARosetteAreThoseOfTheirTime) {
+  const auto table = sensor(kRosette);
+  const Trajectory stands = readTrajectory(parseYaml("{poses: [{}, {}, {}], every_s: 0.25}", "t.yaml"), "t", 0.1);
+  for (std::uint32_t frame = 0; frame < 3; ++frame) {
+    const Shot shot = makeShot(table, stands, frame, {}, {});
+    EXPECT_EQ(shot.beams->direction, beamsAt(table, 0.25 * frame)->direction);
+  }
+  EXPECT_THAT(refusal("columns: 9, rate_hz: 10, range_m: [0, 9], rosette: {field_deg: 30, turns_hz: [3]}"),
+              HasSubstr("must be two"));
+  EXPECT_THAT(
+      refusal("columns: 9, rate_hz: 10, range_m: [0, 9], elevation_deg: [1], rosette: {field_deg: 30, turns_hz: "
+              "[3, 4]}"),
+      HasSubstr("elevation_deg says nothing beside"));
+}
+
+}  // namespace
+}  // namespace scanmill
