@@ -90,7 +90,7 @@ TEST_F(Patterns, AFlashSeesAWallAtOneDepth) {
 }
 
 TEST_F(Patterns, WhatARosetteCannotHaveIsRefused) {
-  const std::string rosette = sensor(std::string(kPatterns[2]) + ", divergence_mrad: 3");
+  const std::string rosette = sensor(std::string(kPatterns[2]) + ", divergence_mrad: 3, pulse_ns: 5");
   EXPECT_THAT(messageOf([&] {
                 run({rosette, "effects=[intensity, footprint: {rays: 7}, detection]"});
               }),
