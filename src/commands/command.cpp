@@ -14,6 +14,7 @@ std::span<const Command> commands() {
               runRepeatability},
       Command{"fit-noise", "SCAN... --sensor FILE|NAME -o FILE.yaml",
               "a real sensor's noise, measured on recorded scans, as effects of its sensor file", runFitNoise},
+      Command{"fit-sensor", "SCAN... -o FILE.yaml", "a sensor's beams, recovered from recorded scans", runFitSensor},
       Command{"draft", "ASSET... -o FILE.yaml",
               "a scene file of 3D files: units, axes, classes and materials are guessed, for you to check", runDraft},
       Command{"plan", "PIPELINE", "what a pipeline would do, what it leaves out and what its features cost", runPlan},

@@ -23,6 +23,7 @@ int runGenerate(const std::vector<std::string>& arguments);
 int runRender(const std::vector<std::string>& arguments);
 int runTradeoff(const std::vector<std::string>& arguments);
 int runRepeatability(const std::vector<std::string>& arguments);
+int runFitSensor(const std::vector<std::string>& arguments);
 int runFitNoise(const std::vector<std::string>& arguments);
 int runDraft(const std::vector<std::string>& arguments);
 int runPlan(const std::vector<std::string>& arguments);

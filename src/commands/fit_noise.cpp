@@ -15,12 +15,12 @@
 #include "base/grouped.h"
 #include "base/parallel.h"
 #include "commands/arguments.h"
+#include "commands/recorded_scans.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "config/fields.h"
 #include "config/file_kind.h"
 #include "dataset/scan_source.h"
-#include "formats/format.h"
 #include "report/noise/noise_report.h"
 #include "report/page/report_folder.h"
 #include "sensors/sensor.h"
@@ -31,38 +31,12 @@ namespace scanmill {
 
 namespace {
 
-std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& what) {
-  std::string text = parsed.options.count(option) == 0 ? std::string() : parsed.options[option].as<std::string>();
-  if (text.empty()) throw InputError(fmt::format("--{} is missing: {}", option, what));
-  return text;
-}
-
 // A file, or the name of a preset that comes with the program.
 std::filesystem::path sensorFile(const std::string& name) {
   Value value;
   value.kind = Value::Kind::Scalar;
   value.text = name;
   return resolveResource(value, name, "pipelines/sensors");
-}
-
-// A folder of frames is no scan, nor a dataset whose samples all are meant.
-void expectScan(const std::string& file) {
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(file, ignored) ||
-      std::filesystem::exists(std::filesystem::path(file) / "manifest.json", ignored)) {
-    return;
-  }
-  std::vector<std::string> frames;
-  for (const auto& entry : std::filesystem::directory_iterator(file, ignored)) {
-    const std::string suffix = entry.path().extension().string();
-    if (suffix.size() > 1 && formatBySuffix(suffix.substr(1)) != nullptr) frames.push_back(entry.path().string());
-  }
-  if (frames.empty()) throw InputError({file}, "is a folder that holds no scan: name the recorded frames' files");
-  std::sort(frames.begin(), frames.end());
-  const std::string all =
-      (std::filesystem::path(file) / "*").string() + std::filesystem::path(frames[0]).extension().string();
-  throw InputError({file}, fmt::format("is a folder: name the scans in it, such as {} (all {}: {})", frames.front(),
-                                       frames.size(), all));
 }
 
 void printGroups(const std::vector<PatchGroup>& groups, const std::string& first) {
@@ -115,16 +89,11 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const auto files = parsed.options["input"].as<std::vector<std::string>>();
   const std::filesystem::path preset =
       sensorFile(requiredText(parsed, "sensor", "the sensor that made the scans, such as os1_128"));
-  const std::filesystem::path out = requiredText(parsed, "out", "the sensor file to write, such as fitted.yaml");
+  const std::filesystem::path out = requiredFile(parsed, "the sensor file to write, such as fitted.yaml");
   const std::string report = folderOption(parsed, "report");
   const bool overwrite = parsed.options.count("overwrite") > 0;
   const double most = parsed.options["max-incidence"].as<double>();
   if (!(most >= 1 && most <= 89)) throw InputError(fmt::format("--max-incidence must be from 1 to 89, not {}", most));
-  std::error_code ignored;
-  if (std::filesystem::is_directory(out, ignored)) throw InputError({out.string()}, "is a folder: name a file");
-  if (std::filesystem::exists(out, ignored) && !overwrite) {
-    throw InputError({out.string()}, "exists: choose another name or pass --overwrite");
-  }
   for (const std::string& file : files) expectScan(file);
   if (!report.empty()) prepareReportFolder(report, "index.html", overwrite);
   const ThreadLimit limit(threadOption(parsed));

@@ -1,0 +1,68 @@
+#include "study/sensor/fit_sensor.h"
+
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "base/file.h"
+#include "base/grouped.h"
+#include "base/parallel.h"
+#include "commands/arguments.h"
+#include "commands/command.h"
+#include "commands/recorded_scans.h"
+#include "commands/table.h"
+#include "dataset/scan_source.h"
+
+namespace scanmill {
+
+int runFitSensor(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("fit-sensor");
+  cxxopts::Options options = describe(command);
+  options.add_options()("o,out", "the sensor file to write", cxxopts::value<std::string>(), "FILE")(
+      "overwrite", "replace the file")("threads", "how many threads to use, 0 for all cores",
+                                       cxxopts::value<int>()->default_value("0"));
+  const Arguments parsed = parseArguments(command, options, arguments,
+                                          "  scanmill fit-sensor frames/*.pcd -o my_sensor.yaml\n"
+                                          "Scans are organised, or have the columns ring and column; points are in the "
+                                          "sensor's own frame.\n");
+  if (parsed.help) return 0;
+  if (parsed.options.count("input") == 0) throw InputError("SCAN is missing; see --help");
+  const auto files = parsed.options["input"].as<std::vector<std::string>>();
+  const std::filesystem::path out = requiredFile(parsed, "the sensor file to write, such as my_sensor.yaml");
+  const ThreadLimit limit(threadOption(parsed));
+  std::vector<Scan> scans;
+  for (const std::string& file : files) {
+    expectScan(file);
+    scans.push_back(findScan(file, "", "").scan);
+  }
+  const SensorFit fit = fitSensor(scans);
+
+  fmt::print("{} points of {} scans: {} rings x {} columns, {}\n", grouped(fit.points), files.size(), fit.rings,
+             fit.columns,
+             fit.field > 2 * kPi - 1e-9 ? std::string("a full turn") : fmt::format("{:.2f} deg", degrees(fit.field)));
+  fmt::print("half of the points lie within {:.4f} deg of their ring's elevation and {:.4f} deg of its azimuth\n",
+             degrees(fit.elevationSpread), degrees(fit.azimuthSpread));
+  constexpr double kOff = 0.1;  // deg
+  if (degrees(std::max(fit.elevationSpread, fit.azimuthSpread)) > kOff) {
+    warn(
+        "that is more than a sensor's own errors: are the points in the sensor's frame, not in the vehicle's, and not "
+        "de-skewed?");
+  }
+  if (!fit.bareRings.empty()) {
+    warn(
+        fmt::format("{} rings have too few points, the first is ring {}: their elevations are guessed from their "
+                    "neighbours'; name more scans",
+                    fit.bareRings.size(), fit.bareRings.front()));
+  }
+  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  const std::string yaml = sensorYaml(fit, fmt::format("fitted to {} points of {} scans, {:%Y-%m-%d}",
+                                                       grouped(fit.points), files.size(), fmt::gmtime(now)));
+  writeFile(out, yaml);
+  fmt::print("\n{}\nwrote {}: name it as `preset:` of a sensor; `scanmill fit-noise` measures its noise with it\n",
+             yaml, out.string());
+  return 0;
+}
+
+}  // namespace scanmill

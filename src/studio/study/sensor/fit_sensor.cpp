@@ -1,0 +1,355 @@
+#include "study/sensor/fit_sensor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/error.h"
+
+namespace scanmill {
+namespace {
+
+constexpr std::size_t kFewest = 20;     // points of a ring
+constexpr double kNearlyWhole = 0.015;  // of a turn, within which steps make a full one
+constexpr double kSpreadWanted = 1;     // m, of distances, to tell where beams start
+constexpr double kSurely = 3;           // standard errors
+constexpr double kLeastOffset = 2e-3;   // m
+
+struct Point {
+  Vec3d place;
+  std::uint32_t column;
+  std::optional<double> time;
+};
+
+using Rings = std::vector<std::vector<Point>>;
+
+// Sorts a part of the values.
+double medianOf(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double wrapped(double angle) {
+  return std::remainder(angle, 2 * kPi);
+}
+
+// The median about the mean direction.
+double circularMedian(const std::vector<double>& angles) {
+  double x = 0;
+  double y = 0;
+  for (const double a : angles) x += std::cos(a), y += std::sin(a);
+  const double mean = std::atan2(y, x);
+  std::vector<double> off;
+  off.reserve(angles.size());
+  for (const double a : angles) off.push_back(wrapped(a - mean));
+  return wrapped(mean + medianOf(off));
+}
+
+double azimuthOf(const Point& p) {
+  return std::atan2(p.place.y, p.place.x);
+}
+
+double axisDistance(const Point& p) {
+  return std::hypot(p.place.x, p.place.y);
+}
+
+// z = b + m rho of a ring.
+struct Line {
+  double slope = 0, intercept = 0, error = 0;  // standard error of the intercept
+};
+
+std::optional<Line> lineOf(const std::vector<Point>& points) {
+  std::vector<const Point*> kept;
+  for (const Point& p : points) kept.push_back(&p);
+  std::optional<Line> line;
+  for (int round = 0; round < 3; ++round) {
+    const auto n = static_cast<double>(kept.size());
+    if (kept.size() < kFewest) return std::nullopt;
+    double sumX = 0, sumY = 0, sumXX = 0, sumXY = 0;
+    for (const Point* p : kept) {
+      const double x = axisDistance(*p);
+      sumX += x, sumY += p->place.z, sumXX += x * x, sumXY += x * p->place.z;
+    }
+    const double spread = sumXX / n - sumX / n * (sumX / n);
+    if (!(spread > kSpreadWanted * kSpreadWanted)) return std::nullopt;
+    const double slope = (sumXY / n - sumX / n * (sumY / n)) / spread;
+    const double intercept = (sumY - slope * sumX) / n;
+    std::vector<double> off;
+    double squares = 0;
+    for (const Point* p : kept) {
+      const double e = p->place.z - intercept - slope * axisDistance(*p);
+      off.push_back(std::fabs(e));
+      squares += e * e;
+    }
+    line = Line{slope, intercept, std::sqrt(squares / n * (sumXX / n) / (n * spread)) + 1e-6};
+    const double most = 4 * medianOf(off) + 1e-9;
+    std::erase_if(kept,
+                  [&](const Point* p) { return std::fabs(p->place.z - intercept - slope * axisDistance(*p)) > most; });
+  }
+  return line;
+}
+
+class Fitter {
+ public:
+  explicit Fitter(const std::vector<Scan>& scans) {
+    if (scans.empty()) throw InputError("fit-sensor: no scan");
+    PointKey extent{0, 0, 0};
+    for (const Scan& scan : scans) {
+      if (!knowsBeams(scan)) {
+        throw InputError(
+            "the scans do not say which beam a point belongs to: they must be organised (HEIGHT above 1), or "
+            "have the columns ring and column");
+      }
+      const PointKey own = extentOf(scan);
+      extent.ring = std::max(extent.ring, scan.organised ? scan.rings : own.ring);
+      extent.column = std::max({extent.column, scan.columns, own.column});
+    }
+    fit_.rings = extent.ring;
+    fit_.columns = extent.column;
+    if (fit_.rings == 0 || fit_.columns < 2) throw InputError("the scans have no rings of two columns or more");
+    rings_.resize(fit_.rings);
+    for (const Scan& scan : scans) add(scan);
+    if (fit_.points < kFewest) throw InputError(fmt::format("the scans have {} points: too few", fit_.points));
+  }
+
+  SensorFit fit() {
+    findStep();
+    findOffsets(0);
+    findOrigin();
+    findOffsets(fit_.originOffset);
+    findElevations();
+    fillBare();
+    findTimes();
+    return std::move(fit_);
+  }
+
+ private:
+  void add(const Scan& scan) {
+    const auto& time = scan[kTime];
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const Vec3d p(scan.position[i]);
+      const double range = length(p);
+      if (!isFinite(scan.position[i]) || range < 1e-3) continue;
+      const PointKey key = keyOf(scan, i);
+      if (key.number > 0) continue;
+      rings_[key.ring].push_back({p, key.column, time.empty() ? std::nullopt : std::optional(double{time[i]})});
+      fit_.nearest = fit_.points == 0 ? range : std::min(fit_.nearest, range);
+      fit_.farthest = std::max(fit_.farthest, range);
+      ++fit_.points;
+    }
+  }
+
+  // Calls visit(a, b) for points of one ring in columns so far apart.
+  template <class Visit>
+  void forPairs(std::uint32_t apart, const Visit& visit) const {
+    std::vector<const Point*> byColumn(fit_.columns);
+    for (const std::vector<Point>& ring : rings_) {
+      std::fill(byColumn.begin(), byColumn.end(), nullptr);
+      for (const Point& p : ring) byColumn[p.column] = &p;
+      for (std::uint32_t c = 0; c + apart < fit_.columns; ++c) {
+        if (byColumn[c] != nullptr && byColumn[c + apart] != nullptr) visit(*byColumn[c], *byColumn[c + apart]);
+      }
+    }
+  }
+
+  // How far the head turns from column to column (rad), with its sign.
+  void findStep() {
+    std::vector<double> steps;
+    forPairs(1, [&](const Point& a, const Point& b) { steps.push_back(wrapped(azimuthOf(b) - azimuthOf(a))); });
+    if (steps.size() < kFewest) throw InputError("the scans have hardly two points side by side: too few returns");
+    step_ = medianOf(steps);
+    // From ever farther columns ever more exactly; near ones tell how many whole turns lie between.
+    for (std::uint32_t apart = 4; apart < fit_.columns; apart *= 4) {
+      steps.clear();
+      forPairs(apart, [&](const Point& a, const Point& b) {
+        steps.push_back(step_ + wrapped(azimuthOf(b) - azimuthOf(a) - step_ * apart) / apart);
+      });
+      if (steps.size() >= kFewest) step_ = medianOf(steps);
+    }
+    fit_.clockwise = step_ < 0;
+    const double turn = std::fabs(step_) * fit_.columns;
+    if (turn > 2 * kPi * (1 + kNearlyWhole)) {
+      throw InputError(
+          fmt::format("{} columns of {:.4f} deg are more than a turn: are these several sensors' scans, or are "
+                      "their columns not in the order of their azimuths?",
+                      fit_.columns, degrees(std::fabs(step_))));
+    }
+    const bool whole = turn > 2 * kPi * (1 - kNearlyWhole);
+    if (whole) step_ = (fit_.clockwise ? -2 : 2) * kPi / fit_.columns;
+    fit_.field = whole ? 2 * kPi : std::fabs(step_) * (fit_.columns - 1);
+  }
+
+  // A point's azimuth before its ring's offset, for beams that start so far from the axis.
+  double offsetOf(const Point& p, double origin) const {
+    const double head = fit_.firstAzimuth + step_ * p.column;
+    const double turned = azimuthOf(p) - head;
+    const double far = axisDistance(p);
+    return std::atan2(far * std::sin(turned), far * std::cos(turned) - origin);
+  }
+
+  void findOffsets(double origin) {
+    std::vector<double> known;
+    fit_.azimuthOffset.assign(fit_.rings, 0);
+    for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
+      if (rings_[ring].size() < kFewest) continue;
+      std::vector<double> offsets;
+      for (const Point& p : rings_[ring]) offsets.push_back(offsetOf(p, origin));
+      fit_.azimuthOffset[ring] = circularMedian(offsets);
+      known.push_back(fit_.azimuthOffset[ring]);
+    }
+    if (known.empty()) throw InputError("no ring has enough points");
+    const double middle = circularMedian(known);
+    fit_.firstAzimuth = wrapped(fit_.firstAzimuth + middle);
+    std::vector<double> off;
+    for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
+      fit_.azimuthOffset[ring] = wrapped(fit_.azimuthOffset[ring] - middle);
+      if (rings_[ring].size() < kFewest) continue;
+      for (const Point& p : rings_[ring])
+        off.push_back(std::fabs(wrapped(offsetOf(p, origin) - fit_.azimuthOffset[ring])));
+    }
+    fit_.azimuthSpread = medianOf(off);
+  }
+
+  // The intercepts of the rings' lines are height - offset cos(azimuth offset) slope.
+  void findOrigin() {
+    double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
+    for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
+      const std::optional<Line> line = lineOf(rings_[ring]);
+      if (!line) continue;
+      const double weight = 1 / (line->error * line->error);
+      const double x = -std::cos(fit_.azimuthOffset[ring]) * line->slope;
+      w += weight, wx += weight * x, wy += weight * line->intercept;
+      wxx += weight * x * x, wxy += weight * x * line->intercept;
+    }
+    const double det = w * wxx - wx * wx;
+    if (!(w > 0)) return;
+    if (det > 1e-12 * w * wxx) {
+      const double offset = (w * wxy - wx * wy) / det;
+      const double error = std::sqrt(w / det);
+      if (offset > std::max(kLeastOffset, kSurely * error)) fit_.originOffset = offset;
+    }
+    const double height = (wy - fit_.originOffset * wx) / w;
+    if (std::fabs(height) > std::max(kLeastOffset, kSurely * std::sqrt(1 / w))) fit_.originHeight = height;
+  }
+
+  void findElevations() {
+    fit_.elevation.assign(fit_.rings, 0);
+    std::vector<double> off;
+    for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
+      if (rings_[ring].size() < kFewest) {
+        fit_.bareRings.push_back(ring);
+        continue;
+      }
+      const double across = fit_.originOffset * std::sin(fit_.azimuthOffset[ring]);
+      const double along = fit_.originOffset * std::cos(fit_.azimuthOffset[ring]);
+      std::vector<double> angles;
+      for (const Point& p : rings_[ring]) {
+        const double far = axisDistance(p);
+        const double level = std::sqrt(std::max(far * far - across * across, 0.0)) - along;
+        angles.push_back(std::atan2(p.place.z - fit_.originHeight, level));
+      }
+      std::vector<double> sorted = angles;
+      fit_.elevation[ring] = medianOf(sorted);
+      for (const double a : angles) off.push_back(std::fabs(a - fit_.elevation[ring]));
+    }
+    if (off.empty()) throw InputError("no ring has enough points");
+    fit_.elevationSpread = medianOf(off);
+  }
+
+  // On the line through the nearest rings that have points.
+  void fillBare() {
+    const auto known = [&](std::int64_t ring) {
+      return ring >= 0 && ring < fit_.rings && rings_[static_cast<std::size_t>(ring)].size() >= kFewest;
+    };
+    for (const std::uint32_t bare : fit_.bareRings) {
+      std::vector<std::uint32_t> near;
+      for (std::int64_t far = 1; far < fit_.rings && near.size() < 2; ++far) {
+        for (const std::int64_t ring : {bare - far, bare + far}) {
+          if (known(ring) && near.size() < 2) near.push_back(static_cast<std::uint32_t>(ring));
+        }
+      }
+      const double a = fit_.elevation[near.front()];
+      const double b = near.size() < 2 ? a : fit_.elevation[near[1]];
+      const double apart = near.size() < 2 ? 1 : static_cast<double>(near[1]) - static_cast<double>(near[0]);
+      const double part = (static_cast<double>(bare) - static_cast<double>(near[0])) / apart;
+      fit_.elevation[bare] = std::clamp(a + (b - a) * part, -kPi / 2, kPi / 2);
+    }
+  }
+
+  void findTimes() {
+    std::vector<double> steps;
+    forPairs(1, [&](const Point& a, const Point& b) {
+      if (a.time && b.time) steps.push_back(*b.time - *a.time);
+    });
+    if (steps.size() < kFewest) return;
+    double step = medianOf(steps);
+    const std::uint32_t apart = fit_.columns / 2;
+    steps.clear();
+    forPairs(apart, [&](const Point& a, const Point& b) {
+      if (a.time && b.time) steps.push_back((*b.time - *a.time) / apart);
+    });
+    if (steps.size() >= kFewest) step = medianOf(steps);
+    if (!(step > 0)) return;
+    fit_.period = step * 2 * kPi / std::fabs(step_);
+    std::vector<double> firing(fit_.rings, 0);
+    for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
+      std::vector<double> times;
+      for (const Point& p : rings_[ring]) {
+        if (p.time) times.push_back(*p.time - step * p.column);
+      }
+      if (times.size() >= kFewest) firing[ring] = medianOf(times);
+    }
+    const double first = *std::min_element(firing.begin(), firing.end());
+    for (double& f : firing) f -= first;
+    fit_.firing = std::move(firing);
+  }
+
+  Rings rings_;
+  double step_ = 0;  // rad
+  SensorFit fit_;
+};
+
+std::string listOf(const std::vector<double>& values, double unit, int digits) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double value = values[i] * unit;
+    const std::string number =
+        fmt::format("{:.{}f}", std::fabs(value) < 0.5 * std::pow(10, -digits) ? 0.0 : value, digits);
+    text += fmt::format("{}{}", i == 0 ? "" : i % 12 == 0 ? ",\n  " : ", ", number);
+  }
+  return text + "]";
+}
+
+}  // namespace
+
+SensorFit fitSensor(const std::vector<Scan>& scans) {
+  return Fitter(scans).fit();
+}
+
+std::string sensorYaml(const SensorFit& fit, const std::string& source) {
+  const bool down = std::is_sorted(fit.elevation.begin(), fit.elevation.end(), std::greater<>());
+  const bool up = std::is_sorted(fit.elevation.begin(), fit.elevation.end());
+  std::string text = fmt::format("model: fitted\nsource: \"{}\"\ncolumns: {}\n", source, fit.columns);
+  text += fit.period > 0 ? fmt::format("rate_hz: {:.5g}\n", 1 / fit.period)
+                         : "rate_hz: 10   # the scans have no times: check\n";
+  text += fmt::format("direction: {}\nfirst_azimuth_deg: {:.4f}\n", fit.clockwise ? "clockwise" : "counterclockwise",
+                      degrees(fit.firstAzimuth));
+  if (fit.field < 2 * kPi - 1e-9) text += fmt::format("field_deg: {:.4f}\n", degrees(fit.field));
+  text += fmt::format("ring_order: {}\nelevation_deg: {}\nazimuth_offset_deg: {}\n",
+                      down ? "top_down"
+                      : up ? "bottom_up"
+                           : "unordered",
+                      listOf(fit.elevation, degrees(1), 4), listOf(fit.azimuthOffset, degrees(1), 4));
+  if (fit.originOffset > 0) text += fmt::format("origin_offset_m: {:.4f}\n", fit.originOffset);
+  if (fit.originHeight != 0) text += fmt::format("origin_height_m: {:.4f}\n", fit.originHeight);
+  const bool fires = std::any_of(fit.firing.begin(), fit.firing.end(), [](double f) { return f > 1e-8; });
+  if (fires) text += fmt::format("firing_time_us: {}\n", listOf(fit.firing, 1e6, 2));
+  text += fmt::format("range_m: [{:.3g}, {:.4g}]   # the nearest and the farthest point: check with the data sheet\n",
+                      fit.nearest, fit.farthest);
+  return text;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,33 @@
+#include "tests/commands/program.h"
+#include "tests/support/shared_data.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+using FitSensorCommand = SmallWorld;
+
+TEST_F(FitSensorCommand, WritesAFileThatIsASensor) {
+  SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128");
+  const std::string frame = (sharedData() / "lidar/ouster_os1_128/frame_1795.pcd").string();
+  const Outcome fit = scanmill({"fit-sensor", frame, "-o", at("unit.yaml")});
+  ASSERT_EQ(fit.code, 0) << fit.error;
+  EXPECT_THAT(fit.out, AllOf(HasSubstr("107,647 points of 1 scans: 128 rings x 1024 columns, a full turn"),
+                             HasSubstr("fit-noise"), HasSubstr("origin_offset_m: 0.0158")));
+  EXPECT_THAT(scanmill({"info", at("unit.yaml")}).out, HasSubstr("128"));
+  expectRefused(scanmill({"fit-sensor", frame, "-o", at("unit.yaml")}), "--overwrite");
+}
+
+TEST_F(FitSensorCommand, SaysWhatItNeeds) {
+  expectRefused(scanmill({"fit-sensor", "-o", at("x.yaml")}), "SCAN is missing");
+  expectRefused(scanmill({"fit-sensor", at("a.pcd")}), "--out is missing");
+  folder_.write("a.pcd",
+                "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA "
+                "ascii\n1 2 3\n");
+  expectRefused(scanmill({"fit-sensor", at("a.pcd"), "-o", at("x.yaml")}), "which beam a point belongs to");
+}
+
+}  // namespace
+}  // namespace scanmill
