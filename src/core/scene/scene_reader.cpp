@@ -47,26 +47,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
-#include <limits>
 #include <map>
 #include <optional>
 
 #include "config/file_kind.h"
 #include "config/text.h"
 #include "formats/cloud_file.h"
-#include "scene/arrangement.h"
 #include "scene/assets/asset.h"
 #include "scene/assets/asset_files.h"
 #include "scene/builder.h"
 #include "scene/file_meshes.h"
 #include "scene/labelling.h"
+#include "scene/object_placer.h"
 #include "scene/placement.h"
 #include "scene/primitives.h"
 #include "scene/rules.h"
 #include "scene/street.h"
-#include "scene/surface_heights.h"
 #include "scene/surveys/height_asset.h"
 #include "scene/surveys/survey_options.h"
 #include "scene/town.h"
@@ -84,7 +80,8 @@ class SceneReader {
         options_(options),
         rules_(std::move(rules)),
         assetFolder_(std::move(assetFolder)),
-        files_(builder) {
+        files_(builder),
+        placer_(builder, options.seed) {
     checkNames(rules_);
   }
 
@@ -154,98 +151,10 @@ class SceneReader {
   }
 
  private:
-  static std::shared_ptr<const Movement> movementOf(Fields& f) {
-    const Value* moving = f.find("moving");
-    return moving == nullptr ? nullptr : readMovement(*moving);
-  }
-
-  // Where an object's copies stand.
-  struct Copies {
-    Placement placement;
-    Arrangement arrangement;
-    std::uint32_t object;  // its number in the scene
-  };
-
   Copies copiesOf(Fields& f) {
-    Copies copies{readPlacement(f), Arrangement(f, builder_.ontology()), objects_};
+    Copies copies = placer_.read(f, objects_);
     random_ = random_ || copies.arrangement.random();
-    if (const Value* const moving = f.find("moving"); moving != nullptr && copies.arrangement.needsSurfaces()) {
-      throw InputError(moving->where,
-                       "scatter and stand_on are for what stands still: give the way of what moves its heights");
-    }
     return copies;
-  }
-
-  // The height of the lowest point of meshes that stand so.
-  double lowestOf(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const {
-    double lowest = std::numeric_limits<double>::infinity();
-    for (const PlacedMesh& m : meshes) {
-      const Mesh& mesh = builder_.soFar().meshes[m.mesh];
-      const Box box = mesh.bounds();
-      const auto add = [&](const Affine& place) {
-        if (place.linear.x.z != 0 || place.linear.y.z != 0) {  // tilted: the box's corners are lower than the mesh
-          for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, (place * Vec3d(p)).z);
-          return;
-        }
-        for (int corner = 0; corner < 8; ++corner) {
-          const Vec3d p{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                        corner & 4 ? box.high.z : box.low.z};
-          lowest = std::min(lowest, (place * p).z);
-        }
-      };
-      if (m.assetFromMesh.empty()) add(worldFromAsset);
-      for (const Affine& place : m.assetFromMesh) add(worldFromAsset * place);
-    }
-    return lowest;
-  }
-
-  // The meshes that a copy may have, one of several sets at random. They are made when they are asked for.
-  struct Variants {
-    std::size_t count = 1;
-    std::function<const std::vector<PlacedMesh>&(std::size_t)> meshes;
-  };
-  static Variants only(const std::vector<PlacedMesh>& meshes) {
-    return {1, [&meshes](std::size_t) -> const std::vector<PlacedMesh>& { return meshes; }};
-  }
-
-  std::vector<Arrangement::Copy> placesOf(const Copies& copies, const Variants& variants) {
-    if (copies.arrangement.needsSurfaces()) {
-      if (!heights_) heights_.emplace(builder_.soFar());
-      heights_->update();
-    }
-    return copies.arrangement.places(
-        copies.placement, heights_ ? &*heights_ : nullptr, options_.seed, copies.object, variants.count,
-        [&](const Arrangement::Copy& c) { return lowestOf(variants.meshes(c.variant), c.worldFromMesh); });
-  }
-
-  void placeAll(const Variants& variants, const std::string& name, const Copies& copies,
-                const std::shared_ptr<const Movement>& movement, const Location& where,
-                const std::shared_ptr<const Animation>& animation = nullptr) {
-    const std::vector<Arrangement::Copy> places = placesOf(copies, variants);
-    std::uint64_t count = 0;
-    for (const Arrangement::Copy& copy : places) {
-      for (const PlacedMesh& m : variants.meshes(copy.variant))
-        count += std::max<std::size_t>(m.assetFromMesh.size(), 1);
-    }
-    placed_ += count;
-    if (placed_ > Placement::kMostCopies) {
-      throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects; at most {} are made",
-                                          count, placed_, Placement::kMostCopies));
-    }
-    std::uint64_t number = 0;
-    for (const auto& [worldFromAsset, variant] : places) {
-      ++number;
-      const std::string own = places.size() == 1 ? name : fmt::format("{}#{}", name, number);
-      const std::vector<PlacedMesh>& meshes = variants.meshes(variant);
-      for (const PlacedMesh& m : meshes) {
-        if (m.assetFromMesh.empty()) builder_.place(m.mesh, worldFromAsset, own, where, movement, animation);
-        for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
-          const bool alone = meshes.size() == 1 && m.assetFromMesh.size() == 1;
-          builder_.place(m.mesh, worldFromAsset * m.assetFromMesh[i],
-                         alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), where, movement);
-        }
-      }
-    }
   }
 
   // A file, a list of some, or a folder: its path and as it is called here.
@@ -285,7 +194,7 @@ class SceneReader {
     if (alpha != "auto") asset.alpha = alpha == "test" ? AlphaUse::Test : AlphaUse::Ignore;
     const std::vector<Rule> rules = rulesOf(f);
     const std::string name = f.text("name", files.front().first.stem().string());
-    const Copies copies = copiesOf(f);
+    Copies copies = copiesOf(f);
     const std::vector<std::string>& materials = copies.arrangement.materials();
     std::vector<Variant> all;
     for (const auto& [file, called] : files) {
@@ -306,7 +215,6 @@ class SceneReader {
       if (materials.empty()) all.push_back(std::move(variant));
     }
     random_ = random_ || all.size() > 1;
-    const std::shared_ptr<const Movement> movement = movementOf(f);
     const std::optional<Clip> clip = clipOf(f);
     f.finish();
 
@@ -317,15 +225,14 @@ class SceneReader {
       const Variant& one = all.front();
       const std::shared_ptr<const Animation> animation =
           files_.playing(one.file, one.asset, one.labelling, clip->first, fileValue.where);
-      const bool plays = animation->meshes.size() > 1;
-      const std::vector<PlacedMesh> first{{animation->meshes.front(), {}, {}}};
-      return placeAll(only(first), name, copies, movement, f.where(), plays ? animation : nullptr);
+      if (animation->meshes.size() > 1) copies.animation = animation;
+      return placer_.place(std::vector<PlacedMesh>{{animation->meshes.front(), {}, {}}}, name, copies, f.where());
     }
     if (clip) all.front().asset.clip = {clip->first, *clip->second};
     const auto meshes = [&](std::size_t k) -> const std::vector<PlacedMesh>& {
       return files_.read(all[k].file, all[k].asset, all[k].labelling, fileValue.where);
     };
-    placeAll({all.size(), meshes}, name, copies, movement, f.where());
+    placer_.place(Variants{all.size(), meshes}, name, copies, f.where());
   }
 
   static void readSurvey(Fields& f, const std::filesystem::path& file, bool cloud, AssetOptions& asset) {
@@ -435,15 +342,13 @@ class SceneReader {
     if (!copies.arrangement.materials().empty()) {
       throw InputError(f.require("vary").where, "material of vary is for objects that are files");
     }
-    const std::shared_ptr<const Movement> movement = movementOf(f);
     f.finish();
 
     const std::string key = fmt::format("primitive {} {} {}", shape, surface.semantic, surface.material);
     mesh.surfaces.push_back(std::move(surface));
     auto shared = meshes_.find(key);
     if (shared == meshes_.end()) shared = meshes_.emplace(key, builder_.addMesh(std::move(mesh))).first;
-    const std::vector<PlacedMesh> meshes{{shared->second, {}, {}}};
-    placeAll(only(meshes), name, copies, movement, f.where());
+    placer_.place(std::vector<PlacedMesh>{{shared->second, {}, {}}}, name, copies, f.where());
   }
 
   SceneBuilder& builder_;
@@ -452,8 +357,7 @@ class SceneReader {
   std::filesystem::path assetFolder_;
   std::map<std::string, std::uint32_t> meshes_;
   FileMeshes files_;
-  std::optional<SurfaceHeights> heights_;
-  std::uint64_t placed_ = 0;
+  ObjectPlacer placer_;
   std::uint64_t procedural_ = 0;
   std::uint64_t towns_ = 0;
   std::uint32_t objects_ = 0;
