@@ -36,7 +36,7 @@ void expectScan(const std::string& file) {
 }
 
 std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what) {
-  const std::filesystem::path out = requiredText(parsed, "out", what);
+  std::filesystem::path out = requiredText(parsed, "out", what);
   std::error_code ignored;
   if (std::filesystem::is_directory(out, ignored)) throw InputError({out.string()}, "is a folder: name a file");
   if (std::filesystem::exists(out, ignored) && parsed.options.count("overwrite") == 0) {

@@ -9,8 +9,9 @@
 //
 // An object is one of
 //
-//   file: car.glb                        # an asset; or a list of some, or a folder: each copy has one at random
-//   up: y                                # the up axis of the file's coordinates, x, y or z, whatever it declares.
+//   file: car.glb                        # an asset; or {one_of: [...]} of files and folders: each copy is one at
+//   random up: y                                # the up axis of the file's coordinates, x, y or z, whatever it
+//   declares.
 //                                        # Without this key: as COLLADA and FBX declare, y for glTF and AC3D, z for
 //                                        # OBJ, PLY, STL and all others
 //   unit: 0.01                           # metres per unit of the file; default 1; COLLADA and FBX declare theirs, and
@@ -157,22 +158,45 @@ class SceneReader {
     return copies;
   }
 
-  // A file, a list of some, or a folder: its path and as it is called here.
+  // A file, or of {one_of: [...]} files and those of folders: their paths and as they are called here.
   std::vector<std::pair<std::filesystem::path, std::string>> filesOf(Fields& f, const Value& value) const {
-    std::vector<std::pair<std::filesystem::path, std::string>> files;
-    for (const std::string& name : f.texts("file")) {
-      const std::filesystem::path path = assetPath(name, value);
+    const auto isFolder = [](const std::filesystem::path& path) {
       std::error_code error;
-      if (!std::filesystem::is_directory(path, error)) {
+      return std::filesystem::is_directory(path, error);
+    };
+    if (value.kind == Value::Kind::Sequence) {
+      throw InputError(
+          value.where,
+          "file is one: write an object for each, or {one_of: [...]}, of which each copy is one at random");
+    }
+    if (value.kind != Value::Kind::Map) {
+      const std::string name = f.text("file");
+      const std::filesystem::path path = assetPath(name, value);
+      if (isFolder(path)) {
+        throw InputError(value.where,
+                         fmt::format("'{}' is a folder: name a file in it, or write {{one_of: {}}}, of which "
+                                     "each copy is one at random",
+                                     path.string(), name));
+      }
+      return {{path, name}};
+    }
+    Fields choice(value, "file");
+    choice.also({"one_of"}).finish();
+    std::vector<std::pair<std::filesystem::path, std::string>> files;
+    for (const std::string& name : choice.texts("one_of")) {
+      const std::filesystem::path path = assetPath(name, value);
+      if (!isFolder(path)) {
         files.emplace_back(path, name);
         continue;
       }
-      for (const std::filesystem::path& file : assetsIn(path)) {
+      const std::vector<std::filesystem::path> inside = assetsIn(path);
+      if (inside.empty())
+        throw InputError(value.where, fmt::format("'{}' is a folder without 3D files", path.string()));
+      for (const std::filesystem::path& file : inside) {
         files.emplace_back(file, (std::filesystem::path(name) / file.lexically_relative(path)).string());
       }
-      if (files.empty()) throw InputError(value.where, fmt::format("'{}' is a folder without 3D files", path.string()));
     }
-    if (files.empty()) throw InputError(value.where, "file names none");
+    if (files.empty()) throw InputError(value.where, "one_of names no file");
     return files;
   }
 

@@ -280,15 +280,15 @@ class RandomShapes : public Arrangements {
 constexpr const char* kMany = "copies: {grid: {count: [40, 20, 1], spacing: [1, 1, 1]}}";
 
 TEST_F(RandomShapes, AreAsManyOfEach) {
-  const auto found = counts(columns("[short.obj, tall.obj]", kMany));
+  const auto found = counts(columns("{one_of: [short.obj, tall.obj]}", kMany));
   EXPECT_NEAR(found.at("short.obj"), 400, 60);
   EXPECT_NEAR(found.at("tall.obj"), 400, 60);
-  const auto folder = counts(columns("both", kMany));
+  const auto folder = counts(columns("{one_of: both}", kMany));
   EXPECT_NEAR(folder.at("both/short.obj"), 400, 60);
   EXPECT_NEAR(folder.at("both/inner/tall.obj"), 400, 60);
   const auto shapes = [&](std::uint64_t seed) {
     std::vector<std::string> names;
-    const Scene s = columns("both", kMany, seed);
+    const Scene s = columns("{one_of: both}", kMany, seed);
     EXPECT_TRUE(s.procedural);
     for (const Instance& i : s.instances) names.push_back(s.meshes[i.mesh].name);
     return names;
@@ -298,7 +298,7 @@ TEST_F(RandomShapes, AreAsManyOfEach) {
 }
 
 TEST_F(RandomShapes, StandEachOnItsOwnLowestPoint) {
-  const Scene s = columns("[short.obj, tall.obj]",
+  const Scene s = columns("{one_of: [short.obj, tall.obj]}",
                           "position: [0, 0, 20], stand_on: ground, copies: {grid: {count: [1, 40, "
                           "1], spacing: [1, 1, 1]}}");
   for (const Instance& i : s.instances) {
@@ -319,7 +319,13 @@ TEST_F(RandomShapes, HaveOneOfSeveralMaterials) {
   EXPECT_THAT(messageOf([&] { columns("short.obj", "vary: {material: [gras]}"); }), HasSubstr("did you mean 'grass'"));
   EXPECT_THAT(refusal("vary: {material: [grass]}"), HasSubstr("objects that are files"));
   folder_.write("none/readme.txt", "x");
-  EXPECT_THAT(messageOf([&] { columns("none", "position: [0, 0, 0]"); }), HasSubstr("a folder without 3D files"));
+  EXPECT_THAT(messageOf([&] { columns("{one_of: none}", "position: [0, 0, 0]"); }),
+              HasSubstr("a folder without 3D files"));
+  EXPECT_THAT(messageOf([&] { columns("both", "position: [0, 0, 0]"); }), HasSubstr("write {one_of: both}"));
+  EXPECT_THAT(messageOf([&] { columns("[short.obj, tall.obj]", "position: [0, 0, 0]"); }),
+              AllOf(HasSubstr("s.yaml:7"), HasSubstr("an object for each")));
+  EXPECT_THAT(messageOf([&] { columns("{one_off: both}", "position: [0, 0, 0]"); }),
+              HasSubstr("did you mean 'one_of'"));
 }
 
 }  // namespace

@@ -62,8 +62,8 @@ struct Line {
 };
 
 std::optional<Line> lineOf(const std::vector<Point>& points) {
-  std::vector<const Point*> kept;
-  for (const Point& p : points) kept.push_back(&p);
+  std::vector<const Point*> kept(points.size());
+  std::transform(points.begin(), points.end(), kept.begin(), [](const Point& p) { return &p; });
   std::optional<Line> line;
   for (int round = 0; round < 3; ++round) {
     const auto n = static_cast<double>(kept.size());
