@@ -8,11 +8,9 @@
 
 #include "base/file.h"
 #include "base/grouped.h"
-#include "base/parallel.h"
 #include "commands/arguments.h"
 #include "commands/command.h"
 #include "commands/recorded_scans.h"
-#include "commands/table.h"
 #include "dataset/scan_source.h"
 
 namespace scanmill {
@@ -20,9 +18,8 @@ namespace scanmill {
 int runFitSensor(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("fit-sensor");
   cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "the sensor file to write", cxxopts::value<std::string>(), "FILE")(
-      "overwrite", "replace the file")("threads", "how many threads to use, 0 for all cores",
-                                       cxxopts::value<int>()->default_value("0"));
+  options.add_options()("o,out", "the sensor file to write", cxxopts::value<std::string>(), "FILE")("overwrite",
+                                                                                                    "replace the file");
   const Arguments parsed = parseArguments(command, options, arguments,
                                           "  scanmill fit-sensor frames/*.pcd -o my_sensor.yaml\n"
                                           "Scans are organised, or have the columns ring and column; points are in the "
@@ -31,7 +28,6 @@ int runFitSensor(const std::vector<std::string>& arguments) {
   if (parsed.options.count("input") == 0) throw InputError("SCAN is missing; see --help");
   const auto files = parsed.options["input"].as<std::vector<std::string>>();
   const std::filesystem::path out = requiredFile(parsed, "the sensor file to write, such as my_sensor.yaml");
-  const ThreadLimit limit(threadOption(parsed));
   std::vector<Scan> scans;
   for (const std::string& file : files) {
     expectScan(file);

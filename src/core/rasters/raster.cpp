@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 
 #include "base/error.h"
+#include "base/file.h"
+#include "config/text.h"
 #include "rasters/rasters_interface.h"
 
 namespace scanmill {
@@ -26,6 +30,29 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
     return module.open(file.string());
   } catch (const std::runtime_error& e) {
     fail(file, fmt::format("is no raster that can be read: {}", e.what()));
+  }
+}
+
+// GDAL takes what is no number in a text grid (Esri's .asc) for 0.
+void refuseWords(const std::filesystem::path& file) {
+  const std::string text = readFile(file);
+  std::size_t line = 0;
+  bool heading = true;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view row = std::string_view(text).substr(begin, end - begin);
+    begin = end + 1;
+    ++line;
+    const std::size_t first = row.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos) continue;
+    heading = heading && std::isalpha(static_cast<unsigned char>(row[first])) != 0;
+    const std::size_t wrong = heading ? std::string_view::npos : row.find_first_not_of(" \t\r0123456789+-.eEnaNAifIF");
+    if (wrong == std::string_view::npos) continue;
+    const std::size_t from = row.find_last_of(" \t", wrong) + 1;  // 0 where there is none
+    const std::string word(row.substr(from, row.find_first_of(" \t\r", wrong) - from));
+    throw InputError(
+        {file.string(), static_cast<int>(line)},
+        fmt::format("'{}' is no number: a sample that is not known has the value of NODATA_value", word.substr(0, 40)));
   }
 }
 
@@ -72,6 +99,7 @@ float Raster::at(double x, double y) const {
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request) {
   const std::unique_ptr<RasterReader> reader = open(file);
   const RasterHeader header = reader->header();
+  if (lowerExtension(file) == ".asc") refuseWords(file);
   if (header.width <= 0 || header.height <= 0) fail(file, "has no samples");
   if (!header.placed) fail(file, "does not say where it lies: it has no geotransform; set it by gdal_edit.py -a_ullr");
   if (request.band > header.bands) fail(file, fmt::format("has {} bands, and no band {}", header.bands, request.band));

@@ -139,8 +139,9 @@ std::vector<Pose> Arrangement::scattered(const SurfaceHeights& heights, std::uin
   const SurfaceHeights::Area area = heights.area(s.classes);
   if (area.squareMetres() <= 0) {
     throw InputError(s.where,
-                     "there is no such surface to scatter on: objects are read in their order, and those after "
-                     "this one are not there yet");
+                     "there is no such surface to scatter on: no object above this one has triangles of these classes "
+                     "that face up (`scanmill info` of the scene lists its classes), and objects below it are not "
+                     "there yet");
   }
   const bool bounded = s.within.has_value();
   const double own =
@@ -257,9 +258,9 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
     if (!ground) {
       const Vec3d& p = copy.translation;
       throw InputError(standOn_->where,
-                       fmt::format("there is nothing to stand on at [{:.6g}, {:.6g}]: objects are read in "
-                                   "their order, and those after this one are not there yet",
-                                   p.x, p.y));
+                       fmt::format("there is nothing {}to stand on at [{:.6g}, {:.6g}]: it is beyond the edge of the "
+                                   "objects above this one (objects below it are not there yet)",
+                                   standOn_->classes.empty() ? "" : "of these classes ", p.x, p.y));
     }
     copy.translation.z += ground->height - lowest(own);
   }

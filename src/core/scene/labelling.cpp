@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -154,19 +153,6 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
   }
 }
 
-// Null where there is none of this name or alias.
-const SemanticClass* classNamed(const Ontology& ontology, const std::string& name) {
-  const auto named = [&](const SemanticClass& c) { return c.name == name; };
-  const auto also = [&](const SemanticClass& c) {
-    return std::find(c.aliases.begin(), c.aliases.end(), name) != c.aliases.end();
-  };
-  for (const auto& is : {std::function<bool(const SemanticClass&)>(named), {also}}) {
-    const auto found = std::find_if(ontology.classes.begin(), ontology.classes.end(), is);
-    if (!name.empty() && found != ontology.classes.end()) return &*found;
-  }
-  return nullptr;
-}
-
 // The mesh of some parts of the file; none where no triangle of them can be traced. `dropped` are triangles that they
 // have lost already, and in the end all.
 std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> assetParts, const Vec3d& origin,
@@ -182,7 +168,7 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
   std::map<std::uint32_t, std::uint32_t> objectOfNode;  // things only, numbered in the order of the nodes
   for (const LabelledPart& p : parts) {
     const Rule* const rule = p.classRule;
-    classes.push_back(rule == nullptr ? classNamed(builder.ontology(), p.part.ownClass)
+    classes.push_back(rule == nullptr ? builder.ontology().find(p.part.ownClass)
                                       : &builder.ontology().require(rule->className, rule->where));
     if (classes.back() && classes.back()->thing) objectOfNode.emplace(p.part.nodeIndex, 1);
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -50,17 +51,22 @@ const SemanticClass* Ontology::find(std::uint16_t id) const {
   return nullptr;
 }
 
-const SemanticClass& Ontology::require(std::string_view nameOrAlias, const Location& where) const {
+const SemanticClass* Ontology::find(std::string_view nameOrAlias) const {
   for (const SemanticClass& c : classes) {
-    if (c.name == nameOrAlias) return c;
+    if (c.name == nameOrAlias) return &c;
   }
+  for (const SemanticClass& c : classes) {
+    if (std::find(c.aliases.begin(), c.aliases.end(), nameOrAlias) != c.aliases.end()) return &c;
+  }
+  return nullptr;
+}
+
+const SemanticClass& Ontology::require(std::string_view nameOrAlias, const Location& where) const {
+  if (const SemanticClass* const found = find(nameOrAlias)) return *found;
   std::vector<std::string> names;
   for (const SemanticClass& c : classes) {
     names.push_back(c.name);
-    for (const std::string& alias : c.aliases) {
-      if (alias == nameOrAlias) return c;
-      names.push_back(alias);
-    }
+    names.insert(names.end(), c.aliases.begin(), c.aliases.end());
   }
   throw InputError(where,
                    fmt::format("ontology '{}' has no class '{}'{}", name, nameOrAlias, suggestion(nameOrAlias, names)));
@@ -70,9 +76,9 @@ std::vector<std::string> lostBetween(const Ontology& from, const Ontology& to) {
   std::map<std::uint16_t, std::vector<std::string>> sources;  // by the class that they become
   std::vector<std::string> homeless;
   for (const SemanticClass& c : from.classes) {
-    try {
-      sources[to.require(c.name, {}).id].push_back(c.name);
-    } catch (const InputError&) {
+    if (const SemanticClass* const found = to.find(c.name)) {
+      sources[found->id].push_back(c.name);
+    } else {
       homeless.push_back(c.name);
     }
   }

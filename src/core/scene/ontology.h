@@ -31,8 +31,9 @@ struct Ontology {
 
   // The class with this id; null where there is none.
   const SemanticClass* find(std::uint16_t id) const;
-  // The class with this name or, where there is none, with this alias. Throws an InputError at `where`, with a
-  // suggestion, where there is neither.
+  // The class with this name or, where there is none, with this alias; null where there is neither.
+  const SemanticClass* find(std::string_view nameOrAlias) const;
+  // The same; throws an InputError at `where`, with a suggestion, where there is none.
   const SemanticClass& require(std::string_view nameOrAlias, const Location& where) const;
 };
 

@@ -18,8 +18,8 @@ struct PartFrame {
 
 class PartTraits {
  public:
-  // The part is kept by reference. Sizes of connected parts, which take time,
-  // are found only where they are wanted: triangles are connected where corners are at the same place.
+  // The part is kept by reference. Sizes of connected parts, which take time, are found only where they are wanted:
+  // triangles are connected where corners are at the same place.
   PartTraits(const AssetPart& part, const PartFrame& frame, bool withSizes);
 
   TriangleTraits at(std::size_t triangle) const;

@@ -180,7 +180,7 @@ std::optional<Between> readBetween(Fields& match, std::string_view key) {
   const std::vector<double> bounds = match.numbers(key, kLengths);
   if (bounds.size() != 2 || bounds[0] > bounds[1]) {
     throw InputError(value->where,
-                     fmt::format("{0} must be two lengths, the lesser first, such as {0}: [0, 2.5]", key));
+                     fmt::format("{0} must be two numbers, the lesser first, such as {0}: [0, 2.5]", key));
   }
   return Between{bounds[0], bounds[1]};
 }

@@ -122,8 +122,9 @@ ListedSensor readListedBeams(const std::filesystem::path& file) {
   }
   if (std::all_of(all.origin.begin(), all.origin.end(), [](const Vec3f& o) { return o == Vec3f{}; }))
     all.origin.clear();
+  const std::vector<double> starts = all.columnStarts(sensor.columns);
   for (std::uint32_t c = 1; c < sensor.columns; ++c) {
-    if (all.startOf(c, sensor.columns) >= all.startOf(c - 1, sensor.columns)) continue;
+    if (starts[c] >= starts[c - 1]) continue;
     throw InputError({file.string()},
                      fmt::format("column {} fires before column {}: columns fire one after the other", c, c - 1));
   }

@@ -22,6 +22,7 @@ void fillListed(BeamTable& table) {
     table.time[beam] = static_cast<float>(own.time[beam]);
   }
   table.origin = own.origin;
+  table.columnStart = own.columnStarts(table.columns);
 }
 
 void fillRosette(BeamTable& table) {
@@ -51,10 +52,12 @@ void fillRosette(BeamTable& table) {
 
 }  // namespace
 
-double ListedBeams::startOf(std::uint32_t column, std::uint32_t columns) const {
-  double first = time[column];
-  for (std::size_t beam = column; beam < time.size(); beam += columns) first = std::min(first, time[beam]);
-  return first;
+std::vector<double> ListedBeams::columnStarts(std::uint32_t columns) const {
+  std::vector<double> starts(time.begin(), time.begin() + columns);
+  for (std::size_t beam = columns; beam < time.size(); ++beam) {
+    starts[beam % columns] = std::min(starts[beam % columns], time[beam]);
+  }
+  return starts;
 }
 
 std::shared_ptr<const BeamTable> beamsAt(const std::shared_ptr<const BeamTable>& table, double time) {

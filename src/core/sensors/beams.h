@@ -19,8 +19,8 @@ struct ListedBeams {
   std::vector<double> time;                // s since the start of the revolution
   std::vector<Vec3f> origin;               // m; empty where all are zero
 
-  // When the first beam of a column fires (s).
-  double startOf(std::uint32_t column, std::uint32_t columns) const;
+  // When the first beam of each column fires (s).
+  std::vector<double> columnStarts(std::uint32_t columns) const;
 };
 
 // Two prisms that turn, each of which deflects the beam by a small angle towards where it points: to first order the
@@ -55,6 +55,7 @@ struct BeamTable {
   std::shared_ptr<const ListedBeams> listed;  // null: not listed
   std::optional<Rosette> rosette;             // of each ring; columns fire evenly over the period
   double start = 0;                           // s, of column 0 of a rosette since the time 0
+  std::vector<double> columnStart;            // s, of beams that are listed, by fillBeams()
   bool clockwise = false;                     // seen from above
   double firstAzimuth = 0;                    // rad, of column 0 before offsets
   double field = 2 * kPi;                     // rad, horizontal; in a full circle no column repeats the first
@@ -84,7 +85,7 @@ struct BeamTable {
   double azimuth(std::uint32_t column) const;
   // The time at which a column fires, before the ring's offset (s since the start of the revolution).
   double columnTime(std::uint32_t column) const {
-    return listed == nullptr ? column * columnPeriod() : listed->startOf(column, columns);
+    return listed == nullptr ? column * columnPeriod() : columnStart[column / raysPerBeam];
   }
   // The time from column to column (s). A field below a full circle has its first and last column at its two edges.
   double columnPeriod() const {

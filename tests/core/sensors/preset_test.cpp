@@ -65,6 +65,26 @@ TEST(Presets, Vlp16AgreesWithTheCalibrationTable) {
   }
 }
 
+// 7294 and -4664 revolutions a minute: after 30 s, and no sooner, both prisms are where they were.
+TEST(Presets, Mid70DrawsARosetteThatRepeatsAfterHalfAMinute) {
+  const auto first = preset("livox_mid_70.yaml");
+  EXPECT_EQ(first->size(), 10000u);
+  EXPECT_NEAR(first->time[1], 1e-5, 1e-9);
+  double widest = 0;
+  for (const Vec3d& d : first->direction) widest = std::max(widest, degrees(std::acos(d.x)));
+  EXPECT_NEAR(widest, 35.2, 0.01);
+  const auto apart = [&](double time) {
+    const auto later = beamsAt(first, time);
+    double most = 0;
+    for (std::size_t i = 0; i < first->size(); ++i) {
+      most = std::max(most, length(later->direction[i] - first->direction[i]));
+    }
+    return most;
+  };
+  EXPECT_LT(apart(30), 0.01);
+  for (int tenths = 1; tenths < 300; tenths += 7) EXPECT_GT(apart(0.1 * tenths), 0.02) << tenths;
+}
+
 TEST(Presets, Paper64SpansItsFieldOfView) {
   const auto beams = preset("paper_64.yaml");
   EXPECT_EQ(beams->rings, 64u);

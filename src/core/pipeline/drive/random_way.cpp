@@ -335,6 +335,17 @@ std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& dra
   return best;
 }
 
+// Of a scene in which nobody drives far.
+std::string sizeHint(const Scene& scene) {
+  constexpr double kSmall = 20;       // m
+  constexpr double kLarge = 100'000;  // m
+  const Box bounds = scene.bounds();
+  const Vec3d size = bounds.high - bounds.low;
+  const double most = std::max(size.x, size.y);
+  if (most > kSmall && most < kLarge) return "";
+  return fmt::format("; the scene measures {:.3g} x {:.3g} x {:.3g} m: is its unit right?", size.x, size.y, size.z);
+}
+
 }  // namespace
 
 std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& random, std::uint64_t seed,
@@ -344,7 +355,8 @@ std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& rando
   const std::string what = fmt::format("{}", fmt::join(random.classes, ", "));
   const Floor floor = floorOf(scene, classes);
   if (floor.triangles.empty()) {
-    throw InputError(random.where, fmt::format("scene {}: no surface of {} is there to drive on", scene.name, what));
+    throw InputError(random.where, fmt::format("scene {}: no level surface of {} is there to drive on{}", scene.name,
+                                               what, sizeHint(scene)));
   }
   const FreeSurface surface(probe, classes);
   Draws draws(seed, name);
@@ -359,8 +371,8 @@ std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& rando
   const double found = longest.empty() ? 0 : static_cast<double>(longest.size() - 1) * kStep;
   throw InputError(random.where,
                    fmt::format("scene {}: the longest drive that was found on {} is {:g} m, and {:.4g} m are wanted: "
-                               "take fewer frames, a lower speed, or more classes",
-                               scene.name, what, found, random.length));
+                               "take fewer frames, a lower speed, or more classes{}",
+                               scene.name, what, found, random.length, sizeHint(scene)));
 }
 
 }  // namespace scanmill

@@ -122,10 +122,10 @@ class WayCheck {
                          shortPlace(down[found.front()].from));
     };
     if (!under.empty()) {
-      say(fmt::format(
-          "'{}' is below the ground {}: nothing is under it and {} is {:.3g} m above (`ground: drop` in the "
-          "trajectory puts the vehicle on the ground)",
-          name, where(under), nameOf(*above[under.front()]), above[under.front()]->distance));
+      say(fmt::format("'{}' is below the ground {}: nothing is under it and {} is {:.3g} m above ({})", name,
+                      where(under), nameOf(*above[under.front()]), above[under.front()]->distance,
+                      drive_->ground() != nullptr ? "its `mount` is below the vehicle's origin, which is on the ground"
+                                                  : "`ground: drop` in the trajectory puts the vehicle on the ground"));
     }
     if (!beside.empty()) {
       say(fmt::format("'{}' is {:.4g} m away from the scene {}, farther than it ranges", name,

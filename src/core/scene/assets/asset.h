@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "scene/scene.h"
+#include "scene/surveys/surfels.h"
 
 namespace scanmill {
 
@@ -52,10 +53,8 @@ struct ClipTime {
 // How a cloud of points becomes surfaces: see scene/surveys/surfels.h.
 struct PointOptions {
   enum class Reflectance { Auto, Intensity, Color, None };
-  double spacing = 0;                                // m, of a grid of cubes, one point in each; 0: all points
-  int neighbors = 12;                                // 3 to 100
-  double cover = 2;                                  // times the radius that a point's share of the surface has
-  std::array<double, 2> radius{0.005, 0.5};          // m, least and most
+  double spacing = 0;  // m, of a grid of cubes, one point in each; 0: all points
+  SurfelOptions surfels = {};
   Reflectance reflectance = Reflectance::Auto;       // from intensities where there are any, else from colours
   double full = 0;                                   // the intensity of a reflectance of 1; 0: by the greatest one
   std::map<std::uint32_t, std::string> labels = {};  // what labels mean; empty: as the kind of file says, if it does

@@ -23,8 +23,9 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostPoints = 100'000'000;
+constexpr std::uint32_t kLowNoise = 7, kHighNoise = 18;  // of LAS
 
-// Table 17 of the specification of LAS 1.4. Empty: noise.
+// Table 17 of the specification of LAS 1.4.
 std::string lasClass(std::uint32_t label) {
   static constexpr std::array<const char*, 23> kNames{"never classified",
                                                       "unclassified",
@@ -33,7 +34,7 @@ std::string lasClass(std::uint32_t label) {
                                                       "medium vegetation",
                                                       "high vegetation",
                                                       "building",
-                                                      "",
+                                                      "low noise",
                                                       "key point",
                                                       "water",
                                                       "rail",
@@ -44,7 +45,7 @@ std::string lasClass(std::uint32_t label) {
                                                       "transmission tower",
                                                       "wire connector",
                                                       "bridge deck",
-                                                      "",
+                                                      "high noise",
                                                       "overhead structure",
                                                       "ignored ground",
                                                       "snow",
@@ -59,7 +60,7 @@ class CloudAsset {
 
   Asset build() {
     asset_.up = options_.up.value_or('z');
-    asset_.upDeclared = isLas() || options_.up.has_value();
+    asset_.upDeclared = las_ || options_.up.has_value();
     const double unit = options_.metresPerUnit;
     const Mat3 assetFromFile = zUpFrom(asset_.up) * Mat3::scale({unit, unit, unit});
     choosePoints();
@@ -83,9 +84,13 @@ class CloudAsset {
   // Points that have a place and are no noise.
   void choosePoints() {
     const auto& labels = scan_[kLabel];
+    if (labels.empty() && !options_.points.labels.empty()) {
+      throw InputError({file_.string()}, "has no labels (a column `label`, or LAS classes): leave out `labels`");
+    }
+    const bool noisy = las_ && options_.points.labels.empty();
     for (std::size_t i = 0; i < scan_.size(); ++i) {
       if (!isFinite(scan_.position[i])) continue;
-      if (isLas() && options_.points.labels.empty() && lasClass(labels[i]).empty()) continue;
+      if (noisy && (labels[i] == kLowNoise || labels[i] == kHighNoise)) continue;
       chosen_.push_back(i);
     }
     if (chosen_.empty()) throw InputError({file_.string()}, "has no point");
@@ -102,8 +107,6 @@ class CloudAsset {
     chosen_ = std::move(left);
     positions_ = std::move(places);
   }
-
-  bool isLas() const { return lowerExtension(file_) == ".las"; }
 
   const ForeignColumn* foreign(std::string_view name) const {
     for (const ForeignColumn& column : scan_.foreign) {
@@ -226,12 +229,11 @@ class CloudAsset {
   std::string nameOf(std::uint32_t label) const {
     const auto own = options_.points.labels.find(label);
     if (own != options_.points.labels.end()) return own->second;
-    return isLas() ? lasClass(label) : fmt::format("{}", label);
+    return las_ ? lasClass(label) : fmt::format("{}", label);
   }
 
   void addParts() {
-    const SurfelOptions wanted{options_.points.neighbors, options_.points.cover, options_.points.radius};
-    const std::vector<Surfel> surfels = surfelsOf(positions_, normals_, wanted);
+    const std::vector<Surfel> surfels = surfelsOf(positions_, normals_, options_.points.surfels);
     const auto& labels = scan_[kLabel];
     const auto& instances = scan_[kInstance];
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> known;  // by instance and label
@@ -283,6 +285,7 @@ class CloudAsset {
 
   const std::filesystem::path& file_;
   const AssetOptions& options_;
+  const bool las_ = lowerExtension(file_) == ".las";
   Cloud cloud_;
   const Scan& scan_;
   ColorImages images_{file_};

@@ -40,7 +40,9 @@ class HeightAsset {
     place();
     if (!wanted_.classes.empty()) readClasses();
     if (!wanted_.image.empty()) readImage();
+    findPlaces(0);
     for (int row = 0; row + 1 < heights_.height; ++row) {
+      findPlaces(row + 1);
       for (int column = 0; column + 1 < heights_.width; ++column) addCell(column, row);
     }
     if (asset_.parts.empty()) throw InputError({file_.string()}, "has no four samples side by side that have heights");
@@ -59,7 +61,39 @@ class HeightAsset {
       localFromEarth_ = eastNorthUp(earthCentred(radians(x), radians(y), 0));
       return;
     }
+    refuseDegrees();
     asset_.origin = {std::floor(x * heights_.metresPerUnit) * unit, std::floor(y * heights_.metresPerUnit) * unit, 0};
+  }
+
+  // Of a raster that does not say what its coordinates are: degrees that are taken for metres make needles of hills.
+  void refuseDegrees() const {
+    constexpr double kSteepest = 3;  // whole height over whole extent
+    if (!heights_.reference.empty() || options_.metresPerUnit != 1) return;
+    const auto [x, y] = heights_.place(0, 0);
+    const auto [x2, y2] = heights_.place(heights_.width - 1, heights_.height - 1);
+    if (std::max(std::fabs(x), std::fabs(x2)) > 360 || std::max(std::fabs(y), std::fabs(y2)) > 90) return;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const float value : heights_.values) {
+      if (!std::isfinite(value)) continue;
+      low = std::min(low, double{value});
+      high = std::max(high, double{value});
+    }
+    const double extent = std::hypot(x2 - x, y2 - y);
+    if (!(high - low > kSteepest * extent)) return;
+    throw InputError({file_.string()},
+                     fmt::format("rises by {:.4g} m within {:.4g} and does not say whether that is metres or degrees: "
+                                 "put its coordinate system into a .prj beside it, or into it by gdal_edit.py -a_srs "
+                                 "(degrees are EPSG:4326)",
+                                 high - low, extent));
+  }
+
+  // Of a row of samples; two rows are known at a time.
+  void findPlaces(int row) {
+    std::vector<Vec3d>& places = places_[static_cast<std::size_t>(row) % 2];
+    places.resize(static_cast<std::size_t>(heights_.width));
+    for (int column = 0; column < heights_.width; ++column) {
+      places[static_cast<std::size_t>(column)] = vertex(column, row);
+    }
   }
 
   // Less the asset's origin.
@@ -127,7 +161,7 @@ class HeightAsset {
     std::array<Vec3d, 4> corner;
     for (std::size_t k = 0; k < 4; ++k) {
       if (!std::isfinite(heights_.values[indexOf(at[k][0], at[k][1])])) return;
-      corner[k] = vertex(at[k][0], at[k][1]);
+      corner[k] = places_[static_cast<std::size_t>(at[k][1]) % 2][static_cast<std::size_t>(at[k][0])];
     }
     const auto [x, y] = heights_.place(column, row);
     const auto [x2, y2] = heights_.place(column + 1, row + 1);
@@ -203,6 +237,7 @@ class HeightAsset {
   std::shared_ptr<const Texture> image_;
   ColorImages images_{file_};
   Affine localFromEarth_;
+  std::array<std::vector<Vec3d>, 2> places_;
   std::map<std::int64_t, Part> parts_;
   Asset asset_;
 };

@@ -13,8 +13,8 @@ namespace scanmill {
 
 struct SurfelOptions {
   int neighbors = 12;                        // points from which normal and radius are estimated, 3 to 100
-  double cover = 2;                          // times the radius of a disc whose area is a point's share of the surface
-  std::array<double, 2> radius{0.005, 0.5};  // m, least and most
+  double cover = 1.5;                        // times the radius of a disc whose area is a point's share of the surface
+  std::array<double, 2> radius{0.005, 0.2};  // m, least and most
 };
 
 struct Surfel {

@@ -13,8 +13,8 @@ PointOptions readPointOptions(const Value& value) {
   f.also({"spacing", "neighbors", "cover", "radius", "reflectance", "full", "labels"}).finish();
   PointOptions options;
   if (f.has("spacing")) options.spacing = f.number("spacing", {1e-4, 1e3});
-  options.neighbors = static_cast<int>(f.integer("neighbors", 3, 100, options.neighbors));
-  options.cover = f.number("cover", {0.1, 10}, options.cover);
+  options.surfels.neighbors = static_cast<int>(f.integer("neighbors", 3, 100, options.surfels.neighbors));
+  options.surfels.cover = f.number("cover", {0.1, 10}, options.surfels.cover);
   if (const Value* radius = f.find("radius")) {
     const bool one = radius->kind == Value::Kind::Scalar;
     const std::vector<double> ends =
@@ -22,7 +22,7 @@ PointOptions readPointOptions(const Value& value) {
     if (ends.size() != 2 || ends[0] > ends[1]) {
       throw InputError(radius->where, "radius must be one in m, or [least, most]");
     }
-    options.radius = {ends[0], ends[1]};
+    options.surfels.radius = {ends[0], ends[1]};
   }
   const std::string source = f.choice("reflectance", {"auto", "intensity", "color", "none"}, "auto");
   using Reflectance = PointOptions::Reflectance;
@@ -57,8 +57,9 @@ HeightOptions readHeightOptions(const Value& value) {
 }
 
 std::string keyOf(const PointOptions& points, const HeightOptions& heights) {
-  std::string key = fmt::format("{} {} {} {} {} {} ", points.spacing, points.neighbors, points.cover,
-                                fmt::join(points.radius, " "), static_cast<int>(points.reflectance), points.full);
+  std::string key =
+      fmt::format("{} {} {} {} {} {} ", points.spacing, points.surfels.neighbors, points.surfels.cover,
+                  fmt::join(points.surfels.radius, " "), static_cast<int>(points.reflectance), points.full);
   for (const auto& [label, name] : points.labels) key += fmt::format("{}:{}\n", label, name);
   key += fmt::format("{}\n{}\n{}\n", heights.every, heights.classes.string(), heights.image.string());
   if (heights.within) key += fmt::format("{}", fmt::join(*heights.within, " "));

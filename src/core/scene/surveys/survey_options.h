@@ -10,8 +10,8 @@ namespace scanmill {
 //   points:
 //     spacing: 0.05                  # m: of the points in each cube of a grid one is kept; default: all are
 //     neighbors: 12                  # from which normals and radii are estimated
-//     cover: 2                       # times the radius of a point's share of the surface: more leaves fewer holes
-//     radius: [0.005, 0.5]           # m, least and most; or one for all
+//     cover: 1.5                     # times the radius of a point's share of the surface: more leaves fewer holes
+//     radius: [0.005, 0.2]           # m, least and most; or one for all
 //     reflectance: auto              # auto (from intensity, else color), intensity, color, none (a plain 0.3)
 //     full: 255                      # the intensity of a reflectance of 1; default: 1, 255 or the greatest
 //     labels: semantic_kitti         # the ontology whose ids the labels are; points whose class has a name or alias in

@@ -108,9 +108,22 @@ std::optional<Entry> entryOf(const Value& root, const std::string& key) {
   return best;
 }
 
-std::optional<fs::path> fileNamed(const std::string& name, const fs::path& datasetFolder) {
+// A dataset does not say where its pipeline lay, which differs from machine to machine. It is looked for in the current
+// folder, beside the dataset, in the folders above it and their `pipelines` and `scenes`, and among what is shipped.
+std::vector<fs::path> likelyFolders(const fs::path& datasetFolder) {
+  std::vector<fs::path> folders{{}, datasetFolder};
+  std::error_code ignored;
+  for (fs::path above = fs::absolute(datasetFolder, ignored).lexically_normal(); above.has_relative_path();) {
+    above = above.parent_path();
+    for (const char* within : {"", "pipelines", "scenes"}) folders.push_back(above / within);
+  }
   const fs::path resources = resourceFolder();
-  for (const fs::path& folder : {fs::path(), datasetFolder, resources / "pipelines", resources / "scenes", resources}) {
+  for (const char* within : {"pipelines", "scenes", ""}) folders.push_back(resources / within);
+  return folders;
+}
+
+std::optional<fs::path> fileNamed(const std::string& name, const fs::path& datasetFolder) {
+  for (const fs::path& folder : likelyFolders(datasetFolder)) {
     for (const std::string& written : {name, name + std::string(kSuffix)}) {
       const fs::path file = (folder / written).lexically_normal();
       std::error_code ignored;

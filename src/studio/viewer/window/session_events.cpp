@@ -177,8 +177,9 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return flip(options.trajectory, "trajectory");
     case KeyAction::ToggleMesh:
       options.mesh = !options.mesh;
-      if (options.mesh) wantMesh();
       meshProblem.clear();
+      hudChanged = true;
+      if (options.mesh) wantMesh();
       return placeMesh();
     case KeyAction::ToggleDepthEdges:
       options.depthEdges = !options.depthEdges;

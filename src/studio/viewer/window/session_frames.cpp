@@ -134,11 +134,7 @@ void ViewSession::State::wantMesh() {
   if (!choice) {
     meshWanted.reset();
     if (mesh) takeMesh(nullptr);
-    if (source->isScene()) {
-      meshProblem = why;
-    } else {
-      say("no mesh: " + why);
-    }
+    meshProblem = source->isScene() ? why : "no mesh: " + why;
     return;
   }
   meshWanted = choice;

@@ -106,7 +106,13 @@ std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings
         std::count_if(strays[r].begin(), strays[r].end(), [&](double s) { return std::abs(s - offset) <= reach; }));
   }
   constexpr double kFollowing = 0.6;  // of the points
-  if (static_cast<double>(near) < kFollowing * static_cast<double>(count)) return {};
+  if (static_cast<double>(near) >= kFollowing * static_cast<double>(count)) return look;
+  // Columns of an image, whose azimuths are not evenly apart: they stay below each other.
+  constexpr double kOneWay = 0.9;  // of the steps
+  turns = grid.turns(1, 0);
+  const auto along = std::count_if(turns.begin(), turns.end(), [&](double t) { return t * look.step > 0; });
+  if (look.fullTurn || static_cast<double>(along) < kOneWay * static_cast<double>(turns.size())) return {};
+  look.first.assign(rings, 0);
   return look;
 }
 
@@ -115,7 +121,8 @@ std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings
 std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std::size_t>& ring,
                                          const std::vector<std::size_t>& column, std::size_t rings, std::size_t columns,
                                          const BeamTable* beams) {
-  if (beams == nullptr || beams->rings != rings || beams->columns != columns || beams->azimuthOffset.size() != rings ||
+  const bool onCones = beams != nullptr && beams->listed == nullptr && !beams->rosette;
+  if (!onCones || beams->rings != rings || beams->columns != columns || beams->azimuthOffset.size() != rings ||
       columns < 2) {
     return estimated(AzimuthGrid(scan, ring, column, rings, columns), rings, columns);
   }
@@ -150,7 +157,8 @@ std::optional<StripShifts> lookingOutward(const StripColumns& look, std::size_t 
       center += (first + look.step * across) / static_cast<double>(look.first.size());
     }
   }
-  const double middle = look.fullTurn ? static_cast<double>(columns / 2) : across;
+  const std::size_t half = columns / 2;
+  const double middle = look.fullTurn ? static_cast<double>(half) : across;
   for (const double first : look.first) {
     const double away = look.fullTurn ? wrapped(first) : first - center;
     shifts.base.push_back(static_cast<std::ptrdiff_t>(std::floor(middle - away / step + 0.5 + kTie)));

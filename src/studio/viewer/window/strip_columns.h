@@ -18,10 +18,11 @@ struct StripColumns {
   bool fullTurn = false;      // the last column is followed by the first
 };
 
-// By the sensor's table, where it is of this size; else estimated from the points: the step is the median of that
-// between neighbours, a ring's first azimuth the median of its points' azimuth minus the step times the column; medians
-// are not moved by the few points that are near or noisy. None where there are too few points, or where their columns
-// follow no azimuth. `ring` and `column`: one per point.
+// By the sensor's table, where it is of this size and its beams lie on cones; else estimated from the points: the step
+// is the median of that between neighbours, a ring's first azimuth the median of its points' azimuth minus the step
+// times the column; medians are not moved by the few points that are near or noisy. Where azimuths are not evenly apart
+// and go one way all the same, as in an image, the rings' first are all 0. None where there are too few points, or
+// where their columns follow no azimuth. `ring` and `column`: one per point.
 std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std::size_t>& ring,
                                          const std::vector<std::size_t>& column, std::size_t rings, std::size_t columns,
                                          const BeamTable* beams);

@@ -43,11 +43,12 @@ TEST(CloudScenes, AreMetWhereTheSurfaceIs) {
     text += fmt::format("{} {} {}\n", p.x, p.y, p.z);
   }
   folder.write("ball.ply", text);
-  const Scene scene = readScene(folder.write("s.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\nmaterials: "
-                                                                   "{0}/labels/materials.yaml\nobjects: [{{file: "
-                                                                   "ball.ply, class: vegetation}}]\n",
-                                                                   SCANMILL_SOURCE_DIR)),
-                                {});
+  const Scene scene =
+      readScene(folder.write("s.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\nmaterials: "
+                                                   "{0}/labels/materials.yaml\nobjects: [{{file: "
+                                                   "ball.ply, class: vegetation, points: {{cover: 2}}}}]\n",
+                                                   SCANMILL_SOURCE_DIR)),
+                {});
   const SceneProbe probe(scene);
   std::vector<SceneProbe::Ray> rays;
   std::vector<double> exact;

@@ -33,6 +33,9 @@ TEST_F(WayWarnings, TellOfSensorsUnderTheGround) {
               ElementsAre(AllOf(HasSubstr("sequence yard-s1-drive"), HasSubstr("'top' is below the ground"),
                                 HasSubstr("11 of 11 frames"), HasSubstr("class ground is 2.2 m above"),
                                 HasSubstr("`ground: drop`"))));
+  EXPECT_THAT(
+      warnings({drive("[[-10, 0, 0], [10, 0, 0]]", ", ground: drop"), "sensors.0.mount={position: [0, 0, -2]}"}),
+      ElementsAre(AllOf(HasSubstr("'top' is below the ground"), HasSubstr("its `mount` is below"))));
 }
 
 TEST_F(WayWarnings, TellOfSensorsFarAboveAndBeside) {

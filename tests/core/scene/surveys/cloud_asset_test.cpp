@@ -72,7 +72,7 @@ TEST_F(Clouds, EveryPointIsASquareAsLargeAsItsDisc) {
   // In the middle the twelfth neighbour is 0.2 m away: a share of pi 0.04 / 12.
   const std::size_t k = 10 * 20 + 10;
   const double side = length(Vec3d(part.positions[4 * k + 1]) - Vec3d(part.positions[4 * k]));
-  EXPECT_NEAR(side * side, 4 * kPi * 0.04 / 12, 1e-6);
+  EXPECT_NEAR(side * side, 1.5 * 1.5 * kPi * 0.04 / 12, 1e-6);
 }
 
 TEST_F(Clouds, LabelsAndInstancesAreCarriedOver) {
@@ -143,6 +143,8 @@ TEST_F(Clouds, MistakesAreNamed) {
   EXPECT_THAT(messageOf([&] { scene(", points: {spacng: 3}"); }), AllOf(HasSubstr("s.yaml:4"), HasSubstr("'spacng'")));
   EXPECT_THAT(messageOf([&] { scene(", points: {radius: [2, 1]}"); }), HasSubstr("[least, most]"));
   EXPECT_THAT(messageOf([&] { scene(", heights: {every: 2}"); }), HasSubstr("rasters, such as .tif"));
+  EXPECT_THAT(messageOf([&] { scene(", points: {labels: scanmill}"); }),
+              AllOf(HasSubstr("a.ply"), HasSubstr("has no labels")));
   folder_.write("b.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_THAT(messageOf([&] {
                 readScene(folder_.write("t.yaml",

@@ -189,6 +189,15 @@ TEST_F(Heights, MistakesAreNamed) {
   folder_.write("dem.tif", "no raster");
   EXPECT_THAT(messageOf([&] { readAsset(folder_.path() / "dem.tif", {}); }),
               AllOf(HasSubstr("dem.tif"), HasSubstr("no raster that can be read")));
+  const std::string grid = "ncols 2\nnrows 2\nxllcorner 11\nyllcorner 48\ncellsize 0.1\nNODATA_value -9999\n";
+  const auto asc = [&](const std::string& samples) {
+    const auto file = folder_.write("g.asc", grid + samples);
+    return messageOf([&] { readAsset(file, {}); });
+  };
+  EXPECT_EQ(asc("0.01 0.02\n0.03 1e-2\n"), "accepted");
+  EXPECT_THAT(asc("0.01 0.02\n0.03 none\n"), AllOf(HasSubstr("g.asc:8"), HasSubstr("'none' is no number")));
+  EXPECT_THAT(asc("1,5 2,5\n3 4\n"), AllOf(HasSubstr("g.asc:7"), HasSubstr("'1,5'")));
+  EXPECT_THAT(asc("510 512\n530 521\n"), AllOf(HasSubstr("rises by 20 m within"), HasSubstr("EPSG:4326")));
   EXPECT_THAT(refused({1, 3, {1, 2, 3}, 0, 0, 1}), HasSubstr("two at least"));
   EXPECT_THAT(refused({2, 2, {NAN, 2, 3, 4}, 0, 0, 1}), HasSubstr("no four samples"));
   std::string unplaced = tilted().bytes();

@@ -1,5 +1,6 @@
 #include "viewer/frames/scene_lookup.h"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -73,6 +74,16 @@ TEST_F(SceneLookup, AmongTheProgramsOwn) {
   ASSERT_TRUE(street);
   EXPECT_TRUE(fs::equivalent(street->file, fs::path(SCANMILL_SOURCE_DIR) / "scenes/street.yaml"));
   ASSERT_TRUE(of("street-s1-lane-000001", "scenes: [{scene: street}]"));
+}
+
+TEST_F(SceneLookup, InFoldersAboveTheDataset) {
+  const fs::path yard = folder.write("project/pipelines/yard.yaml", "objects: []\n");
+  const fs::path data = folder.path() / "project/runs/monday";
+  for (const char* scene : {"yard", "../pipelines/yard.yaml", "../../pipelines/yard.yaml"}) {
+    const auto found = sceneOfSample(fmt::format("scenes: [{{scene: {}}}]", scene), data, "yard-s1-t0-000000", 0, why);
+    ASSERT_TRUE(found) << scene << ": " << why;
+    EXPECT_EQ(found->file, yard) << scene;
+  }
 }
 
 TEST_F(SceneLookup, SaysWhatIsMissing) {

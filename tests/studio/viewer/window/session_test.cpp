@@ -300,6 +300,9 @@ TEST(ViewSession, ProblemsOfAFrameAreShownAndTheOthersStayGood) {
   world.click(400, 300);
   world.key("Right");
   world.session->settle();
+  EXPECT_THAT(world.session->problems(), testing::ElementsAre("no mesh: there is no scene here"));
+  world.key("m");
+  world.session->settle();
   EXPECT_THAT(world.session->problems(), IsEmpty());
   EXPECT_NO_THROW(world.session->check());
   EXPECT_FALSE(world.canvas.pointItems().empty());

@@ -174,6 +174,40 @@ TEST(StripColumns, ColumnsOfNoAzimuthStayAsTheyAre) {
   EXPECT_EQ(stripOf({}, nullptr).order, StripOrder::Sensor);
 }
 
+// Columns of an image are not evenly apart in azimuth, and rows do not keep their elevation.
+TEST(StripColumns, AnImageStaysAnImage) {
+  for (const double side : {1.0, -1.0}) {
+    Scan scan;
+    scan.rings = 20;
+    scan.columns = 100;
+    BeamTable table;
+    table.rings = scan.rings;
+    table.columns = scan.columns;
+    auto listed = std::make_shared<ListedBeams>();
+    for (std::uint32_t beam = 0; beam < table.size(); ++beam) {
+      const double left = 2.5 * side * ((beam % 100) - 49.5) / 50;
+      const Vec3d towards = normalized(Vec3d{1, left, 0.3 - 0.03 * (beam / 100)});
+      listed->azimuth.push_back(std::atan2(towards.y, towards.x));
+      listed->elevation.push_back(std::asin(towards.z));
+      listed->time.push_back(0);
+      scan.position.push_back(Vec3f(towards * (5 + uniform(randomBlock({.beam = beam})[0]))));
+      scan[kRing].push_back(static_cast<std::uint16_t>(beam / 100));
+      scan[kColumn].push_back(static_cast<std::uint16_t>(beam % 100));
+    }
+    table.listed = listed;
+    fillBeams(table);
+    for (const BeamTable* beams : {static_cast<const BeamTable*>(nullptr), static_cast<const BeamTable*>(&table)}) {
+      const RangeStrip strip = stripOf(scan, beams);
+      EXPECT_EQ(strip.order, StripOrder::Outward);
+      EXPECT_EQ(strip.image.width, 100);
+      for (std::size_t i = 0; i < scan.size(); ++i) {
+        const int column = scan[kColumn][i];
+        ASSERT_EQ(strip.place(i).first, side < 0 ? column : 99 - column);  // left is left
+      }
+    }
+  }
+}
+
 // Of pixels that lie above one another.
 double meanUprightDifference(const Scan& scan, const RangeStrip& strip) {
   double sum = 0;
