@@ -89,8 +89,12 @@ int runDraft(const std::vector<std::string>& arguments) {
   fmt::print("{}\nclasses are guessed for {} of {} triangles ({}), by the names that stand in {}\n", formatTable(rows),
              grouped(guessed), grouped(triangles),
              percent(static_cast<double>(guessed), static_cast<double>(triangles)), out.string());
+  if (made.files.size() > 1) {
+    fmt::print("{}\n", made.onePlace ? "the files keep their own coordinates, as parts of one place"
+                                     : "the files stand side by side: their coordinates are models', not a place's");
+  }
   runView({out.string(), "--screenshot", picture.string()});
-  fmt::print("next: scanmill view {0}; scanmill info {0}\n", out.string());
+  fmt::print("next: scanmill view {0}; scanmill info {0}; a pipeline for it (docs/guide.md)\n", out.string());
   return 0;
 }
 

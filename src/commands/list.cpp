@@ -10,6 +10,7 @@
 #include "formats/format.h"
 #include "methods/method.h"
 #include "scan/columns.h"
+#include "scene/material.h"
 #include "scene/ontology.h"
 #include "sense/effect.h"
 #include "sensors/sensor.h"
@@ -83,7 +84,8 @@ Rows sensorRows() {
     const SensorSize size = sensorSize(value);
     const Value* model = value.find("model");
     rows.push_back({file.stem().string(),
-                    fmt::format("{}, {} x {}", model == nullptr ? "" : model->text, size.rings, size.columns)});
+                    fmt::format("{}, {} x {}{}", model == nullptr ? "" : model->text, size.rings, size.columns,
+                                value.find("effects") == nullptr ? "" : ", with effects of its own")});
   }
   return rows;
 }
@@ -94,6 +96,14 @@ Rows ontologyRows() {
     if (readYaml(file).find("classes") == nullptr) continue;
     const Ontology ontology = readOntology(file);
     rows.push_back({file.stem().string(), fmt::format("{} classes", ontology.classes.size())});
+  }
+  return rows;
+}
+
+Rows materialRows() {
+  Rows rows;
+  for (const Material& m : readMaterials(resourceFolder() / "labels" / "materials.yaml").materials) {
+    rows.push_back({m.name, fmt::format("reflectance {:.2f} at 905 nm; {}", m.reflectance, m.source)});
   }
   return rows;
 }
@@ -119,6 +129,7 @@ int runList(const std::vector<std::string>& arguments) {
       {"formats", [] { return entryRows(formats()); }},
       {"columns", columnRows},
       {"ontologies", ontologyRows},
+      {"materials", materialRows},
       {"scenes", [] { return exampleRows("scenes"); }},
       {"pipelines", [] { return exampleRows("pipelines"); }},
   };

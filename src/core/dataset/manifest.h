@@ -92,7 +92,10 @@ struct Manifest {
   std::vector<SampleRecord> samples;
 };
 
+// Its last key, `digest`, is the SHA-256 of the whole text with 64 zeros in the digest's own place.
 std::string toJson(const Manifest& manifest);
+// What a manifest's text is since it was written: empty where nothing of it was changed.
+std::string changeOfManifest(std::string text);
 // Throws an InputError that names `file`, the place in it, and what is wrong there.
 Manifest parseManifest(const std::string& text, const std::string& file);
 // Reads the file manifest.json of a dataset's folder. Throws InputError.

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "dataset/json_text.h"
 #include "dataset/manifest.h"
 #include "dataset/sample_json.h"
@@ -14,6 +15,8 @@
 namespace scanmill {
 
 namespace {
+
+constexpr std::string_view kNoDigest = "0000000000000000000000000000000000000000000000000000000000000000";
 
 // `ontology` adds the classes' names where it is given.
 OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontology* ontology) {
@@ -187,6 +190,7 @@ OrderedJson manifestJson(const Manifest& m) {
     json["method_choice"] = {
         {"setting", m.chosen->setting}, {"assignment", m.chosen->assignment}, {"why", m.chosen->why}};
   }
+  json["digest"] = kNoDigest;
   return json;
 }
 
@@ -201,7 +205,20 @@ OrderedJson sampleObject(const SampleRecord& sample) {
 }  // namespace
 
 std::string toJson(const Manifest& manifest) {
-  return layOut(manifestJson(manifest), 0) + "\n";
+  std::string text = layOut(manifestJson(manifest), 0) + "\n";
+  text.replace(text.rfind(kNoDigest), kNoDigest.size(), sha256(text));
+  return text;
+}
+
+std::string changeOfManifest(std::string text) {
+  constexpr std::string_view kKey = "\"digest\": \"";
+  const std::size_t key = text.rfind(kKey);
+  if (key == std::string::npos) return "has no digest, by which changes of it could be found";
+  const std::string stated = text.substr(key + kKey.size(), kNoDigest.size());
+  text.replace(key + kKey.size(), stated.size(), kNoDigest);
+  const std::string found = sha256(text);
+  if (found == stated) return {};
+  return fmt::format("was changed since it was written: its digest is {}, and it states {}", found, stated);
 }
 
 std::string sampleJson(const SampleRecord& sample) {

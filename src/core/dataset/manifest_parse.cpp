@@ -177,7 +177,7 @@ void checkVersion(const JsonNode& root, const Json& json, const std::string& fil
 Manifest manifestOf(const JsonNode& root) {
   root.keys({"schema_version", "program", "name", "seed", "pipeline", "units", "frames", "scans", "formats", "ontology",
              "sensors", "modelled", "stages", "shards", "samples"},
-            {"method_choice"});
+            {"method_choice", "digest"});
   Manifest m;
   m.programVersion = root["program"].keys({"name", "version"})["version"].text();
   m.name = root["name"].text();
@@ -215,6 +215,7 @@ Manifest manifestOf(const JsonNode& root) {
   root["stages"].forEachEntry(
       [&](const std::string& stage, const JsonNode& time) { m.stages[stage] = time.number(0); });
   root["shards"].forEach([&](const JsonNode& item) { m.shards.push_back(shardOf(item)); });
+  if (root.has("digest")) root["digest"].sha256();
   std::set<std::string> keys;
   root["samples"].forEach([&](const JsonNode& item) {
     m.samples.push_back(sampleOf(item, m));

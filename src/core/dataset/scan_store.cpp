@@ -88,7 +88,10 @@ void ScanStore::openSingle(const std::string& suffix) {
     std::vector<std::string> known{".tar"};
     for (const FormatEntry& f : formats()) known.push_back(fmt::format(".{}", f.suffix));
     throw InputError({path_.string()},
-                     fmt::format("is neither a dataset's folder nor one of {}", fmt::join(known, ", ")));
+                     fmt::format("is neither a dataset's folder nor one of {}{}", fmt::join(known, ", "),
+                                 suffix == "yaml" ? "; pictures of scenes are `scanmill view "
+                                                    "SCENE.yaml --screenshot FILE.png`"
+                                                  : ""));
   }
   single_ = decodeMember(path_.string(), readFile(path_));
   keys_.push_back(path_.filename().string());

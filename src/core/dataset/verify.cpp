@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "dataset/manifest.h"
@@ -205,7 +206,7 @@ void checkManifest(const Manifest& manifest, std::vector<std::string>& problems)
 }
 
 // Files that look like part of the dataset and are not: anything beside the shards of a split, and any tar or temporary
-// file. Notes and pictures in the dataset's own folder are nobody's business.
+// file in the folder or below it. Notes and pictures in the dataset's own folder are nobody's business.
 void checkStrangers(const fs::path& folder, const Manifest& manifest, std::vector<std::string>& problems) {
   std::set<std::string> listed;
   std::set<std::string> splits;
@@ -219,13 +220,10 @@ void checkStrangers(const fs::path& folder, const Manifest& manifest, std::vecto
     const bool suspect = besideShards || name.ends_with(".tar") || name.find(".partial-") != std::string::npos;
     if (suspect && !listed.contains(name)) strangers.insert(name);
   };
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (!entry.is_directory()) {
-      look(entry.path(), false);
-      continue;
-    }
-    const bool isSplit = splits.contains(entry.path().filename().string());
-    for (const fs::directory_entry& inner : fs::directory_iterator(entry.path())) look(inner.path(), isSplit);
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    const fs::path above = fs::relative(entry.path().parent_path(), folder);
+    const bool besideShards = splits.contains(above.generic_string());
+    if (besideShards || !entry.is_directory()) look(entry.path(), besideShards);
   }
   for (const std::string& name : strangers) problems.push_back(name + ": is not in the manifest");
 }
@@ -236,6 +234,9 @@ Verification verifyDataset(const fs::path& folder, const std::function<void(std:
   const Manifest manifest = readManifest(folder);
   Verification total;
   total.shards = manifest.shards.size();
+  if (const std::string change = changeOfManifest(readFile(folder / kManifestName)); !change.empty()) {
+    total.problems.push_back(fmt::format("{}: {}", kManifestName, change));
+  }
   checkManifest(manifest, total.problems);
 
   std::vector<Verification> parts(manifest.shards.size());

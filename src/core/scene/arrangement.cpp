@@ -257,10 +257,12 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
     });
     if (!ground) {
       const Vec3d& p = copy.translation;
-      throw InputError(standOn_->where,
-                       fmt::format("there is nothing {}to stand on at [{:.6g}, {:.6g}]: it is beyond the edge of the "
-                                   "objects above this one (objects below it are not there yet)",
-                                   standOn_->classes.empty() ? "" : "of these classes ", p.x, p.y));
+      throw InputError(
+          standOn_->where,
+          fmt::format(
+              "there is nothing to stand on at [{:.6g}, {:.6g}]: the objects above this one have no surface there "
+              "{}that is less than 60 degrees steep (objects below it are not there yet)",
+              p.x, p.y, standOn_->classes.empty() ? "" : "of these classes "));
     }
     copy.translation.z += ground->height - lowest(own);
   }

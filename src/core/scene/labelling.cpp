@@ -259,10 +259,15 @@ std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Label
     }
   }
   if (meshes.empty()) {
+    std::uint64_t byRules = 0;
+    for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
+      if (labelling.rules[r].drop) byRules += counts.decided[r];
+    }
     throw InputError(where,
-                     fmt::format("'{}' has no triangle that can be traced and that no rule drops: {} have vertices "
-                                 "that are not finite, {} no area, {} indices out of range",
-                                 labelling.file, dropped.nonFinite, dropped.degenerate, dropped.outOfRange));
+                     fmt::format("'{}' has no triangle that can be traced and that no rule drops: {} are dropped by "
+                                 "rules (sizes and places in rules are in m, after `unit`), {} have vertices that are "
+                                 "not finite, {} no area, {} indices out of range",
+                                 labelling.file, byRules, dropped.nonFinite, dropped.degenerate, dropped.outOfRange));
   }
   return meshes;
 }

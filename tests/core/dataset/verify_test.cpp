@@ -113,6 +113,34 @@ TEST_F(VerifyTest, FindsASingleFlippedBit) {
   EXPECT_THAT(problems(), IsEmpty());
 }
 
+// Whatever is changed in the manifest, though all of it still agrees: a sensor's elevation, a seed, a space.
+TEST_F(VerifyTest, FindsAnyChangeOfTheManifest) {
+  const fs::path file = folder_.path() / "manifest.json";
+  const std::string sound = readFile(file);
+  const auto found = [&](const std::string& text) -> std::vector<std::string> {
+    writeFile(file, text);
+    try {
+      return problems();
+    } catch (const InputError& error) {
+      return {error.what()};
+    }
+  };
+  EXPECT_THAT(found(sound), IsEmpty());
+  const std::size_t step = std::max<std::size_t>(sound.size() / 300, 1);
+  for (std::size_t at = 0; at < sound.size(); at += step) {
+    std::string changed = sound;
+    changed[at] ^= 1;
+    EXPECT_THAT(found(changed), Not(IsEmpty())) << at;
+  }
+  EXPECT_THAT(found(sound + "\n"), ElementsAre(HasSubstr("manifest.json: was changed since it was written")));
+  const std::size_t seed = sound.find("\"seed\": ") + 8;
+  EXPECT_THAT(found(sound.substr(0, seed) + "5" + sound.substr(sound.find(',', seed))),
+              ElementsAre(HasSubstr("its digest is")));
+  std::string without = sound;
+  without.erase(without.rfind(','), 79);
+  EXPECT_THAT(found(without), ElementsAre(HasSubstr("has no digest")));
+}
+
 TEST_F(VerifyTest, FindsMissingAndTruncatedShards) {
   fs::remove(folder_.path() / manifest_.shards[0].file);
   fs::resize_file(folder_.path() / manifest_.shards[1].file, manifest_.shards[1].bytes - 3000);
@@ -128,8 +156,10 @@ TEST_F(VerifyTest, FindsFilesNobodyListed) {
   folder_.write("extra.tar", "x");
   folder_.write("notes.txt", "a note beside the dataset is no problem");
   folder_.write("pictures/scan.png", "nor is a picture");
+  folder_.write("old/train/train-000000.tar", "x");
   EXPECT_THAT(problems(),
-              ElementsAre("extra.tar: is not in the manifest", "train/train-000777.tar: is not in the manifest",
+              ElementsAre("extra.tar: is not in the manifest", "old/train/train-000000.tar: is not in the manifest",
+                          "train/train-000777.tar: is not in the manifest",
                           "val/val-000000.tar.partial-3: is not in the manifest"));
 }
 

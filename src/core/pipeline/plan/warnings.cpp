@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "base/grouped.h"
 #include "pipeline/plan/own_vehicle.h"
 
 namespace scanmill {
@@ -53,6 +54,21 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
         fmt::format("scene {}: {} more objects are larger than 5 km or smaller than 1 mm", scene.name, more));
   }
   return lines;
+}
+
+std::vector<std::string> unlabeledWarnings(const Scene& scene) {
+  if (scene.unlabeled.empty()) return {};
+  std::uint64_t triangles = 0;
+  std::set<std::string> files;
+  for (const auto& [part, count] : scene.unlabeled) {
+    triangles += count;
+    files.insert(part.file);
+  }
+  const std::string more = files.size() == 1 ? "" : fmt::format(" and {} more", files.size() - 1);
+  return {fmt::format(
+      "scene {}: no rule gives a class to {} triangles of {}{}: their points are unlabeled (`scanmill plan` "
+      "lists them)",
+      scene.name, grouped(triangles), *files.begin(), more)};
 }
 
 std::vector<std::string> ruleWarnings(const Scene& scene) {

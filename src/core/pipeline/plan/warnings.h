@@ -13,6 +13,9 @@ namespace scanmill {
 // Objects whose size tells of a wrong unit: more than 5 km or less than 1 mm. A line per mesh, the first few of them.
 std::vector<std::string> sizeWarnings(const Scene& scene);
 
+// How many triangles no rule gives a class.
+std::vector<std::string> unlabeledWarnings(const Scene& scene);
+
 // Rules that match nothing, or nothing that rules before them have not decided; and files in which all things of a
 // class are one, though their nodes are many.
 std::vector<std::string> ruleWarnings(const Scene& scene);

@@ -17,6 +17,7 @@ namespace {
 constexpr std::uint32_t kFrames = 100;        // that are looked at, of sensors
 constexpr std::uint32_t kFramesInside = 12;   // likewise
 constexpr double kFarAbove = 50;              // m
+constexpr double kOnGround = 0.05;            // m
 constexpr double kReach = 1e5;                // m
 constexpr double kStep = 0.5;                 // m of way
 constexpr std::size_t kMostPlaces = 400'000;  // of a way
@@ -102,16 +103,24 @@ class WayCheck {
   void checkHeights(std::size_t sensor) {
     std::vector<SceneProbe::Ray> down;
     std::vector<SceneProbe::Ray> up;
+    std::vector<SceneProbe::Ray> close;
     for (const std::uint32_t frame : own_.spreadFrames(kFrames)) {
       down.push_back({sensorAt(sensor, frame), {0, 0, -1}});
       up.push_back({down.back().from, {0, 0, 1}});
+      close.push_back({down.back().from + Vec3d{0, 0, kOnGround}, {0, 0, -1}});
     }
     const auto below = probe_.first(down, kReach);
     const auto above = probe_.first(up, kReach);
+    const auto there = probe_.first(close, 2 * kOnGround);
     std::vector<std::size_t> under;
     std::vector<std::size_t> beside;
     std::vector<std::size_t> high;
+    std::vector<std::size_t> low;
     for (std::size_t i = 0; i < below.size(); ++i) {
+      if (there[i]) {
+        low.push_back(i);
+        continue;
+      }
       if (!below[i] && above[i]) under.push_back(i);
       if (farFromScene(down[i].from) > plan_.beams()[sensor]->maxRange) beside.push_back(i);
       if (below[i] && below[i]->distance > kFarAbove) high.push_back(i);
@@ -121,11 +130,16 @@ class WayCheck {
       return fmt::format("in {} of {} frames, first at {}", found.size(), below.size(),
                          shortPlace(down[found.front()].from));
     };
+    if (!low.empty()) {
+      say(fmt::format("'{}' is as high as the ground {}: has it a `mount`, such as {{position: [0, 0, 1.8]}}?", name,
+                      where(low)));
+    }
     if (!under.empty()) {
       say(fmt::format("'{}' is below the ground {}: nothing is under it and {} is {:.3g} m above ({})", name,
                       where(under), nameOf(*above[under.front()]), above[under.front()]->distance,
-                      drive_->ground() != nullptr ? "its `mount` is below the vehicle's origin, which is on the ground"
-                                                  : "`ground: drop` in the trajectory puts the vehicle on the ground"));
+                      drive_->ground() != nullptr
+                          ? "its `mount` is not above the vehicle's origin, which is on the ground"
+                          : "`ground: drop` in the trajectory puts the vehicle on the ground"));
     }
     if (!beside.empty()) {
       say(fmt::format("'{}' is {:.4g} m away from the scene {}, farther than it ranges", name,

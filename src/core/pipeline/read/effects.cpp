@@ -220,7 +220,8 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
   const Value* own = sensor.description.find("effects");
   if (own == nullptr) {
     throw InputError(word->where, fmt::format("the sensor '{}' has no effects of its own: measure them with `scanmill "
-                                              "fit-noise`, write `effects:` into its file, or name effects here",
+                                              "fit-noise`, write `effects:` into its file, or name effects here "
+                                              "(`scanmill list sensors` says which presets have some)",
                                               sensor.name));
   }
   checkIsList(*own);

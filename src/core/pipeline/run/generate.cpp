@@ -126,6 +126,7 @@ class DatasetRun {
       for (const Shot& shot : plan_.shots(s, 0)) account_ += method_->prepare(shot);
       addNew(sizeWarnings(*scene_), summary_.warnings);
       addNew(ruleWarnings(*scene_), summary_.warnings);
+      addNew(unlabeledWarnings(*scene_), summary_.warnings);
       addNew(seedWarnings(pipeline_, sequence, *scene_), summary_.warnings);
       addNew(shareWarnings(*scene_), summary_.warnings);
       addNew(vehicleWarnings(plan_), summary_.warnings);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -295,6 +296,23 @@ class Writer {
   bool measured_ = false;  // the file at hand says what its points reflect
 };
 
+// Models are about the origin of their file, or all as far from it as the other. Parts of one place, which share its
+// coordinates, are away from it, most of them, and not within each other.
+bool areOnePlace(const std::vector<Box>& boxes) {
+  std::vector<Box> away;
+  std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(away), [](const Box& box) {
+    return !box.empty() && (box.low.x > 0 || box.low.y > 0 || box.high.x < 0 || box.high.y < 0);
+  });
+  const auto alone = std::count_if(away.begin(), away.end(), [&](const Box& box) {
+    const Vec3d middle = (box.low + box.high) * 0.5;
+    return std::none_of(away.begin(), away.end(), [&](const Box& other) {
+      return &other != &box && middle.x > other.low.x && middle.x < other.high.x && middle.y > other.low.y &&
+             middle.y < other.high.y && middle.z > other.low.z && middle.z < other.high.z;
+    });
+  });
+  return boxes.size() > 1 && 2 * static_cast<std::size_t>(alone) > boxes.size();
+}
+
 }  // namespace
 
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
@@ -308,12 +326,16 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
       "name: {}\nontology: {}\nmaterials: materials\nobjects:\n",
       quoted(name), quoted(ontologyName));
   Writer writer(concepts, ontology, folder);
+  std::vector<std::string> objects(files.size());
+  std::vector<Box> boxes(files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) draft.files.push_back(writer.write(files[i], objects[i], boxes[i]));
+  draft.onePlace = areOnePlace(boxes);
   const auto perRow = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(files.size()))));
   double x = 0, y = 0, deepest = 0;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    Box box;
-    draft.files.push_back(writer.write(files[i], draft.yaml, box));
-    if (files.size() == 1 || box.empty()) continue;
+    draft.yaml += objects[i];
+    const Box& box = boxes[i];
+    if (files.size() == 1 || box.empty() || draft.onePlace) continue;
     if (i % perRow == 0) {
       y += deepest + (i == 0 ? 0 : kGap);
       x = deepest = 0;

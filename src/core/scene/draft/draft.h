@@ -22,9 +22,11 @@ struct DraftedFile {
 struct Draft {
   std::string yaml;
   std::vector<DraftedFile> files;
+  bool onePlace = false;  // the files' own coordinates are kept
 };
 
-// One object for each file; several stand beside one another on the ground. `folder` is where the scene file will be,
+// One object for each file. Several stand beside one another on the ground, unless they are parts of one place: then
+// most are away from the origin of their coordinates, each somewhere else. `folder` is where the scene file will be,
 // from which the assets are named, and `ontologyName` what it calls the ontology. Throws InputError for a file that
 // cannot be read.
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,

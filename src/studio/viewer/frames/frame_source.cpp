@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "dataset/sample_names.h"
 #include "formats/format.h"
+#include "scene/scene.h"
 #include "viewer/frames/scene_lookup.h"
 #include "viewer/frames/stored_frames.h"
 
@@ -25,7 +26,7 @@ class SceneFrames : public FrameSource {
                        "is a scene: --over, --reference, --sensor and --scene belong to a dataset, a shard or a scan");
     }
     requireScene(file_);
-    if (!input.ontology.empty()) ontology_ = readOntology(input.ontology);
+    ontology_ = input.ontology.empty() ? readSceneOntology(file_) : readOntology(input.ontology);
   }
 
   std::string title() const override { return keys_.front(); }
@@ -60,9 +61,12 @@ std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
     if (suffix != ".tar" && (suffix.empty() || formatBySuffix(suffix.substr(1)) == nullptr)) {
       std::vector<std::string> known{".tar"};
       for (const FormatEntry& f : formats()) known.push_back(fmt::format(".{}", f.suffix));
-      throw InputError({input.path.string()},
-                       fmt::format("is neither a dataset's folder nor a shard or scan ({}) nor a scene (.yaml)",
-                                   fmt::join(known, ", ")));
+      throw InputError(
+          {input.path.string()},
+          fmt::format(
+              "is neither a dataset's folder nor a shard or scan ({}) nor a scene (.yaml); of a model, `scanmill "
+              "draft` makes a scene",
+              fmt::join(known, ", ")));
     }
   }
   if (!input.scene.empty()) requireScene(input.scene);

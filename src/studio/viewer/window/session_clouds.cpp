@@ -248,7 +248,11 @@ std::vector<std::size_t> ViewSession::State::actedViews() const {
 }
 
 void ViewSession::State::chooseColor(const ColorBy& by) {
-  if (source->isScene()) return chooseMeshColor(by == kByInstance ? MeshColor::Instance : MeshColor::Class);
+  if (source->isScene()) {
+    const auto name = std::find(kMeshColorNames.begin(), kMeshColorNames.end(), by.name());
+    if (name != kMeshColorNames.end()) chooseMeshColor(static_cast<MeshColor>(name - kMeshColorNames.begin()));
+    return;
+  }
   if (clouds.empty()) return;
   if (overlaid()) return say("the overlay has fixed colours: l closes it");
   const auto acted = actedViews();

@@ -1,14 +1,17 @@
 // What keys do where a scene is shown by itself: there are triangles, and neither points nor frames.
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 #include "viewer/window/session_state.h"
 
 namespace scanmill {
 
 std::string ViewSession::State::sceneLacks(const ColorBy& by) const {
-  if (by == kByClass || by == kByInstance) return {};
-  return fmt::format("a scene has no {}: c takes class, instance, material, reflectance", by.name());
+  if (std::find(kMeshColorNames.begin(), kMeshColorNames.end(), by.name()) != kMeshColorNames.end()) return {};
+  return fmt::format("a scene has no {}: it is coloured by {}", by.name(), fmt::join(kMeshColorNames, ", "));
 }
 
 std::string ViewSession::State::sceneLacks(const KeyMeaning& meaning) const {

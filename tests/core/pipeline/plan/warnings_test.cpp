@@ -13,6 +13,17 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+TEST(UnlabeledWarnings, TellHowMuchHasNoClass) {
+  Scene scene;
+  EXPECT_THAT(unlabeledWarnings(scene), IsEmpty());
+  scene.name = "yard";
+  scene.unlabeled = {{{"bus.obj", "glass", "", "pane"}, 1200}, {{"bus.obj", "paint", "", "body"}, 34}};
+  EXPECT_THAT(unlabeledWarnings(scene),
+              ElementsAre(AllOf(HasSubstr("scene yard"), HasSubstr("1,234 triangles of bus.obj:"))));
+  scene.unlabeled[{"mast.obj", "", "", ""}] = 1;
+  EXPECT_THAT(unlabeledWarnings(scene), ElementsAre(HasSubstr("1,235 triangles of bus.obj and 1 more:")));
+}
+
 TEST(RuleWarnings, NameRulesThatDecideNothing) {
   Scene scene;
   const auto add = [&](int line, const char* match, std::uint64_t matched, std::uint64_t decided) {

@@ -35,7 +35,9 @@ TEST_F(WayWarnings, TellOfSensorsUnderTheGround) {
                                 HasSubstr("`ground: drop`"))));
   EXPECT_THAT(
       warnings({drive("[[-10, 0, 0], [10, 0, 0]]", ", ground: drop"), "sensors.0.mount={position: [0, 0, -2]}"}),
-      ElementsAre(AllOf(HasSubstr("'top' is below the ground"), HasSubstr("its `mount` is below"))));
+      ElementsAre(AllOf(HasSubstr("'top' is below the ground"), HasSubstr("its `mount` is not above"))));
+  EXPECT_THAT(warnings({drive("[[-10, 0, 0], [10, 0, 0]]", ", ground: drop"), "sensors.0.mount=null"}),
+              ElementsAre(AllOf(HasSubstr("'top' is as high as the ground in 11 of 11 frames"), HasSubstr("`mount`"))));
 }
 
 TEST_F(WayWarnings, TellOfSensorsFarAboveAndBeside) {

@@ -173,6 +173,24 @@ bool contains(const std::string& text, const char* word) {
   return text.find(word) != std::string::npos;
 }
 
+// Houses of a place, each in a file of its own, and the ground below them all.
+TEST(DraftScene, PartsOfOnePlaceStayWhereTheyAre) {
+  const TemporaryFolder folder;
+  std::vector<std::filesystem::path> files{
+      folder.write("terrain.obj", "o a\nv -90 -90 0\nv 90 -90 0\nv 0 90 0\nf 1 2 3\n")};
+  for (int i = 0; i < 3; ++i) {
+    const int x = 30 * i - 40;
+    files.push_back(folder.write(fmt::format("house{}.obj", i), fmt::format("o a\nv {0} 5 0\nv {1} 5 0\nv {0} 15 9\n"
+                                                                            "f 1 2 3\n",
+                                                                            x, x + 10)));
+  }
+  const Draft draft = drafted(files, folder.path());
+  EXPECT_TRUE(draft.onePlace);
+  const Scene scene = readScene(folder.write("draft.yaml", draft.yaml), {});
+  for (const Instance& i : scene.instances) EXPECT_EQ(i.worldFromMesh.translation, Vec3d()) << i.name;
+  EXPECT_FALSE(drafted({files[0], files[0]}, folder.path()).onePlace);
+}
+
 TEST(DraftScene, LabelsMostOfRealSets) {
   SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
   const std::filesystem::path scenes = sharedData() / "scenes";
