@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <exception>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -94,25 +97,62 @@ void fillBoxes(ViewMesh& view) {
   for (const Box& box : view.boxes) view.bounds.add(box);
 }
 
-// A few large triangles, such as the ground around all things, do not count for more than many small ones.
-Box coreOf(const std::vector<Vec3f>& corners) {
-  constexpr std::size_t kEnough = 1'000'000;
-  constexpr double kLeftOut = 0.05;  // at each end
+// Where the most of a scene is. Large triangles, such as those of the ground around all things, do not count beside
+// small ones, nor does a tree of many leaves for more than the houses around it: corners count by the coarse cells that
+// they are in, with the logarithm of their number. `corners`: three a triangle.
+Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
+  constexpr std::size_t kCells = 32;  // along the longest side
+  constexpr double kLeftOut = 0.05;   // at each end
+  constexpr double kLarge = 0.5;      // of the longest side
+  struct Cell {
+    Box box;
+    double corners = 0;
+  };
   Box core;
   if (corners.empty()) return core;
-  const std::size_t stride = corners.size() / kEnough + 1;
-  std::vector<float> along;
-  for (double Vec3d::*axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
-    along.clear();
-    for (std::size_t i = 0; i < corners.size(); i += stride) {
-      along.push_back(static_cast<float>(Vec3d(corners[i]).*axis));
+  const Vec3d size = bounds.high - bounds.low;
+  const double perMetre = kCells / std::max({size.x, size.y, size.z, 1e-6});
+  const auto along = [&](double d) {
+    return std::min(static_cast<std::size_t>(std::max(d, 0.0) * perMetre), kCells - 1);
+  };
+  std::vector<Cell> cells(kCells * kCells * kCells);
+  const auto count = [&](double longest) {
+    for (std::size_t t = 0; t + 2 < corners.size(); t += 3) {
+      const std::array<Vec3d, 3> corner{Vec3d(corners[t]), Vec3d(corners[t + 1]), Vec3d(corners[t + 2])};
+      if (std::max({length(corner[1] - corner[0]), length(corner[2] - corner[1]), length(corner[0] - corner[2])}) >
+          longest) {
+        continue;
+      }
+      for (const Vec3d& c : corner) {
+        const Vec3d at = c - bounds.low;
+        Cell& cell = cells[(along(at.x) * kCells + along(at.y)) * kCells + along(at.z)];
+        cell.box.add(c);
+        ++cell.corners;
+      }
     }
-    const auto rank = static_cast<std::ptrdiff_t>(kLeftOut * static_cast<double>(along.size() - 1));
-    std::nth_element(along.begin(), along.begin() + rank, along.end());
-    core.low.*axis = double{along[static_cast<std::size_t>(rank)]};
-    const std::ptrdiff_t other = static_cast<std::ptrdiff_t>(along.size()) - 1 - rank;
-    std::nth_element(along.begin(), along.begin() + other, along.end());
-    core.high.*axis = double{along[static_cast<std::size_t>(other)]};
+    return std::any_of(cells.begin(), cells.end(), [](const Cell& cell) { return cell.corners > 0; });
+  };
+  if (!count(kLarge * kCells / perMetre)) count(std::numeric_limits<double>::infinity());
+  std::erase_if(cells, [](const Cell& cell) { return cell.corners == 0; });
+  double all = 0;
+  for (const Cell& cell : cells) all += 1 + std::log2(cell.corners);
+  std::vector<std::pair<double, double>> ends;  // of each cell, and its weight
+  const auto edge = [&](double Vec3d::*axis, double sign) {
+    ends.clear();
+    for (const Cell& cell : cells) {
+      ends.emplace_back(sign * (sign > 0 ? cell.box.low : cell.box.high).*axis, 1 + std::log2(cell.corners));
+    }
+    std::sort(ends.begin(), ends.end());
+    double passed = 0;
+    for (const auto& [end, weight] : ends) {
+      passed += weight;
+      if (passed > kLeftOut * all) return sign * end;
+    }
+    return sign * ends.back().first;
+  };
+  for (double Vec3d::*axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+    core.low.*axis = edge(axis, 1);
+    core.high.*axis = edge(axis, -1);
   }
   return core;
 }
@@ -162,7 +202,7 @@ ViewMesh makeViewMesh(const Scene& scene) {
   }
   fillTriangles(scene, view);
   fillBoxes(view);
-  view.core = coreOf(view.corners);
+  view.core = coreOf(view.corners, view.bounds);
   return view;
 }
 

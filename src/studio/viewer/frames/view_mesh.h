@@ -30,7 +30,7 @@ struct ViewMesh {
   std::vector<float> reflectance;  // of each material
   Ontology ontology;
   Box bounds;              // m, from `origin`
-  Box core;                // m, from `origin`; it holds the middle 90 % of the corners along each axis
+  Box core;                // m, from `origin`: where the most of it is
   bool moves = false;      // objects of the scene move: this is how they stand at one time
   std::vector<Box> boxes;  // m, from `origin`; each holds the next kTrianglesPerBox triangles
 

@@ -172,6 +172,23 @@ TEST(MakeViewMesh, TheCoreIsWhereMostOfItIs) {
   EXPECT_THAT(view.parts, testing::ElementsAre("ground", "ball#2"));
 }
 
+// Nor does one thing of many triangles count for more than all around it.
+TEST(MakeViewMesh, TheCoreHoldsPlainThingsBesideAFineOne) {
+  SceneBuilder builder = testBuilder();
+  Mesh block = meshOf(builder, "thing");
+  appendBox(block, 0, {}, {4, 4, 4});
+  const auto blocks = builder.addMesh(std::move(block));
+  for (int i = 0; i < 20; ++i) builder.place(blocks, at(10.0 * (i % 5), 10.0 * (i / 5), 0), "block");
+  Mesh ball = meshOf(builder, "thing");
+  appendSphere(ball, 0, {}, 1, 200);
+  builder.place(builder.addMesh(std::move(ball)), at(5, 5, 2), "ball");
+  const ViewMesh view = makeViewMesh(builder.finish());
+  const Vec3d low = view.core.low + view.origin;
+  const Vec3d high = view.core.high + view.origin;
+  EXPECT_LT(length(low - Vec3d{-2, -2, 0}), 5);
+  EXPECT_LT(length(high - Vec3d{42, 32, 4}), 5);
+}
+
 TEST(MakeViewMesh, ASceneThatIsTooLargeIsAProblem) {
   SceneBuilder builder = testBuilder();
   Mesh ball = meshOf(builder, "thing");
