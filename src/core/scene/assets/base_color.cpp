@@ -1,8 +1,13 @@
 #include "scene/assets/base_color.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <iterator>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "config/text.h"
@@ -45,6 +50,22 @@ void setColor(Material& material, BaseColor color, const std::filesystem::path& 
   material.source = "default: " + file.filename().string() + " states no colour";
 }
 
+ColorImages::~ColorImages() {
+  const auto tell = [&](const std::set<std::string>& names, std::string_view one, std::string_view several) {
+    constexpr std::size_t kMost = 8;
+    if (names.empty()) return;
+    const std::vector<std::string> first(names.begin(), std::next(names.begin(), std::min(names.size(), kMost)));
+    const std::string more = names.size() > kMost ? fmt::format(" and {} more", names.size() - kMost) : "";
+    warn(names.size() == 1
+             ? fmt::format("{}: the texture '{}' is missing; its material keeps its plain colour{}", asset_.string(),
+                           first.front(), one)
+             : fmt::format("{}: {} textures are missing ('{}'{}); their materials keep their plain colours{}",
+                           asset_.string(), names.size(), fmt::join(first, "', '"), more, several));
+  };
+  tell(missing_, "", "");
+  tell(missingCutOuts_, ", and what its alpha may cut out is solid", ", and what their alpha may cut out is solid");
+}
+
 std::shared_ptr<const Texture> ColorImages::load(const std::string& key, const std::string& name, bool onlyAlpha,
                                                  bool cutsOut,
                                                  const std::function<std::shared_ptr<const Texture>()>& embedded) {
@@ -59,16 +80,14 @@ float ColorImages::mean(const std::shared_ptr<const Texture>& image, float least
   return at->second;
 }
 
-std::shared_ptr<const Texture> ColorImages::find(
-    const std::string& name, bool onlyAlpha, bool cutsOut,
-    const std::function<std::shared_ptr<const Texture>()>& embedded) const {
+std::shared_ptr<const Texture> ColorImages::find(const std::string& name, bool onlyAlpha, bool cutsOut,
+                                                 const std::function<std::shared_ptr<const Texture>()>& embedded) {
   try {
     std::shared_ptr<const Texture> texture = embedded();
     if (texture == nullptr) {
       const std::filesystem::path path = findTexture(asset_, name);
       if (path.empty()) {
-        warn(fmt::format("{}: the texture '{}' is missing; its material keeps its plain colour{}", asset_.string(),
-                         name, cutsOut && !isOpaqueKind(name) ? ", and what its alpha may cut out is solid" : ""));
+        (cutsOut && !isOpaqueKind(name) ? missingCutOuts_ : missing_).insert(name);
         return nullptr;
       }
       if (onlyAlpha && !mayHaveAlpha(path)) return nullptr;

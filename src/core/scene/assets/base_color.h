@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -36,6 +37,10 @@ struct BaseColor {
 class ColorImages {
  public:
   explicit ColorImages(std::filesystem::path asset) : asset_(std::move(asset)) {}
+  // Warns of those that were missing, all in a line.
+  ~ColorImages();
+  ColorImages(const ColorImages&) = delete;
+  ColorImages& operator=(const ColorImages&) = delete;
 
   // What the asset calls `name`: what `embedded` returns, or else the file of that name. Null, with a warning, where it
   // is missing or broken; null where only alpha is wanted and there is none. `cutsOut`: its alpha would let beams pass,
@@ -48,9 +53,11 @@ class ColorImages {
 
  private:
   std::shared_ptr<const Texture> find(const std::string& name, bool onlyAlpha, bool cutsOut,
-                                      const std::function<std::shared_ptr<const Texture>()>& embedded) const;
+                                      const std::function<std::shared_ptr<const Texture>()>& embedded);
 
   std::filesystem::path asset_;
+  std::set<std::string> missing_;
+  std::set<std::string> missingCutOuts_;  // whose alpha may cut out
   std::map<std::pair<std::string, bool>, std::shared_ptr<const Texture>> images_;
   std::map<std::pair<std::shared_ptr<const Texture>, float>, float> means_;
 };

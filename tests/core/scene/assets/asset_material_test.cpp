@@ -288,5 +288,23 @@ TEST_F(AssetFiles, TexturesAreFoundWherePeoplePutThem) {
   EXPECT_TRUE(findTexture(asset, "").empty());
 }
 
+TEST(AssetMaterials, MissingTexturesAreToldInOneLine) {
+  const TemporaryFolder folder;
+  std::string library;
+  std::string object = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n";
+  for (int i = 0; i < 10; ++i) {
+    library += fmt::format("newmtl m{0}\nKd 0.5 0.5 0.5\nmap_Kd gone{0}.jpg\n", i);
+    object += fmt::format("usemtl m{}\nf 1/1 2/2 3/3\n", i);
+  }
+  folder.write("a.mtl", library);
+  const auto file = folder.write("a.obj", object);
+  testing::internal::CaptureStderr();
+  readAsset(file, {});
+  const std::string shown = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 1) << shown;
+  EXPECT_THAT(shown, testing::HasSubstr("a.obj: 10 textures are missing ('gone0.jpg', 'gone1.jpg'"));
+  EXPECT_THAT(shown, testing::HasSubstr("'gone7.jpg' and 2 more); their materials keep their plain colours\n"));
+}
+
 }  // namespace
 }  // namespace scanmill
