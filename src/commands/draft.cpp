@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <set>
 
 #include "base/file.h"
 #include "base/grouped.h"
@@ -77,12 +78,15 @@ int runDraft(const std::vector<std::string>& arguments) {
       draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(), out.parent_path());
   writeFile(out, made.yaml);
 
-  std::vector<std::vector<std::string>> rows{{"file", "unit", "up", "triangles", "guessed"}};
+  std::vector<std::vector<std::string>> rows{{"file", "unit", "up", "triangles", "guessed", "by its name alone"}};
   std::uint64_t triangles = 0;
   std::uint64_t guessed = 0;
+  std::set<double> units;
   for (const draft::DraftedFile& f : made.files) {
     rows.push_back({f.file.string(), fmt::format("{:g}", f.frame.unit), std::string(1, f.frame.up),
-                    grouped(f.triangles), percent(static_cast<double>(f.guessed), static_cast<double>(f.triangles))});
+                    grouped(f.triangles), percent(static_cast<double>(f.guessed), static_cast<double>(f.triangles)),
+                    percent(static_cast<double>(f.byFile), static_cast<double>(f.triangles))});
+    units.insert(f.frame.unit);
     triangles += f.triangles;
     guessed += f.guessed;
   }
@@ -93,6 +97,8 @@ int runDraft(const std::vector<std::string>& arguments) {
     fmt::print("{}\n", made.onePlace ? "the files keep their own coordinates, as parts of one place"
                                      : "the files stand side by side: their coordinates are models', not a place's");
   }
+  if (units.size() > 1)
+    fmt::print("units differ: files that fit together, such as tiles, have one; see why in the draft\n");
   runView({out.string(), "--screenshot", picture.string()});
   fmt::print("next: scanmill view {0}; scanmill info {0}; a pipeline for it (docs/guide.md)\n", out.string());
   return 0;

@@ -146,7 +146,8 @@ class Writer {
     AssetOptions options;
     options.textures = false;
     const Asset asset = readAsset(file, options);
-    DraftedFile drafted{file, {}, 0, 0};
+    DraftedFile drafted{file, {}};
+    const Concept* const whole = conceptOfFile(concepts_, file);
     measured_ = std::any_of(asset.parts.begin(), asset.parts.end(),
                             [](const AssetPart& part) { return part.texture == kPointIntensity; });
     std::vector<const Concept*> guesses = guessParts(concepts_, asset);
@@ -159,6 +160,7 @@ class Writer {
       parts.push_back({&part, guesses[next++], part.triangles.size()});
       drafted.triangles += part.triangles.size();
       if (parts.back().concept_ != nullptr) drafted.guessed += part.triangles.size();
+      if (parts.back().concept_ != nullptr && parts.back().concept_ == whole) drafted.byFile += part.triangles.size();
     };
     for (const AssetPart& part : asset.parts) add(part);
     for (const InstancedParts& instanced : asset.instanced) {
@@ -179,7 +181,7 @@ class Writer {
     if (!drafted.frame.whyUp.empty()) {
       yaml += fmt::format("    up: {}   # {}\n", drafted.frame.up, drafted.frame.whyUp);
     }
-    writeClasses(parts, conceptOfFile(concepts_, file), box, yaml);
+    writeClasses(parts, whole, box, yaml);
     return drafted;
   }
 
@@ -199,7 +201,7 @@ class Writer {
     };
     const Concept* const only = parts.empty() ? nullptr : parts.front().concept_;
     if (only != nullptr && only->kind != ConceptKind::Drop && isAll(only)) {
-      writeRest(*only, yaml);
+      writeRest(*only, "", yaml);
       return;
     }
     std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;  // by their one key
@@ -237,7 +239,7 @@ class Writer {
     }
     for (const auto& [key, patterns] : single) writeAlternatives(kKeys[key.second], *key.first, patterns, yaml);
     if (file != nullptr && file->kind != ConceptKind::Drop && !classFor(*file, ontology_).empty()) {
-      writeRest(*file, yaml);
+      writeRest(*file, "   # of whatever no rule gives one: by the name of the file or its folder", yaml);
     }
     writeUnknown(unknown, yaml);
   }
@@ -272,8 +274,8 @@ class Writer {
                         grouped(triangles));
   }
 
-  void writeRest(const Concept& c, std::string& yaml) const {
-    yaml += fmt::format("    class: {}\n", classFor(c, ontology_));
+  void writeRest(const Concept& c, std::string_view comment, std::string& yaml) const {
+    yaml += fmt::format("    class: {}{}\n", classFor(c, ontology_), comment);
     if (!c.material.empty() && !measured_) yaml += fmt::format("    material: {}\n", c.material);
   }
 

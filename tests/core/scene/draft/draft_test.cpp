@@ -189,6 +189,7 @@ TEST(DraftScene, PartsOfOnePlaceStayWhereTheyAre) {
   const Scene scene = readScene(folder.write("draft.yaml", draft.yaml), {});
   for (const Instance& i : scene.instances) EXPECT_EQ(i.worldFromMesh.translation, Vec3d()) << i.name;
   EXPECT_FALSE(drafted({files[0], files[0]}, folder.path()).onePlace);
+  EXPECT_EQ(draft.files[1].byFile, 1u) << "no name but the file's says that it is a house";
 }
 
 TEST(DraftScene, LabelsMostOfRealSets) {
