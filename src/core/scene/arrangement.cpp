@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
+#include "base/error.h"
 #include "base/path.h"
 #include "base/random.h"
 #include "config/waypoints.h"
@@ -249,6 +251,8 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
     all = std::move(varied);
   }
   if (!standOn_) return all;
+  std::vector<Copy> standing;
+  std::optional<Vec3d> lost;  // the place of the first for which there is no ground
   for (Copy& own : all) {
     Affine& copy = own.worldFromMesh;
     const auto ground = heights->under(copy.translation, [&](const SurfaceHeights::Surface& s) {
@@ -256,17 +260,22 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
       return std::find(standOn_->classes.begin(), standOn_->classes.end(), s.semantic) != standOn_->classes.end();
     });
     if (!ground) {
-      const Vec3d& p = copy.translation;
-      throw InputError(
-          standOn_->where,
-          fmt::format(
-              "there is nothing to stand on at [{:.6g}, {:.6g}]: the objects above this one have no surface there "
-              "{}that is less than 60 degrees steep (objects below it are not there yet)",
-              p.x, p.y, standOn_->classes.empty() ? "" : "of these classes "));
+      if (!lost) lost = copy.translation;
+      continue;
     }
     copy.translation.z += ground->height - lowest(own);
+    standing.push_back(own);
   }
-  return all;
+  if (!lost) return standing;
+  const std::string why = fmt::format(
+      "there is nothing to stand on at [{:.6g}, {:.6g}]: the objects above this one have no surface there {}that is "
+      "less "
+      "than 60 degrees steep (objects below it are not there yet)",
+      lost->x, lost->y, standOn_->classes.empty() ? "" : "of these classes ");
+  if (standing.empty()) throw InputError(standOn_->where, why);
+  warn(fmt::format("{}: {} of {} copies are left out: {}", standOn_->where.text(), all.size() - standing.size(),
+                   all.size(), why));
+  return standing;
 }
 
 }  // namespace scanmill

@@ -140,6 +140,12 @@ TEST_F(Arrangements, StandWithTheirLowestPointOnWhatIsBelow) {
   EXPECT_NEAR(posts("position: [-20, 10, 50], stand_on: [building]").at(0).translation.z, 8, 1e-5);
   EXPECT_THAT(refusal("position: [500, 0, 0], stand_on: ground"),
               AllOf(HasSubstr("s.yaml:7"), HasSubstr("nothing to stand on at [500, 0]")));
+  // Of several those that have no ground are left out.
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(posts("stand_on: ground, copies: {along: {waypoints: [[10, -20, 0], [510, -20, 0]], every: 250}}").size(),
+            1u);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              AllOf(HasSubstr("s.yaml:7"), HasSubstr("2 of 3 copies are left out"), HasSubstr("at [260, -20]")));
 }
 
 TEST_F(Arrangements, VaryWithinTheirBounds) {
