@@ -52,16 +52,17 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
   if (word.empty() || word.size() > kLongestWord) return {};
   const std::string plain = folded(word);
   std::string best;
-  std::size_t bestDistance = 0;
+  std::size_t leastOff = 0;
   for (const std::string& name : names) {
     const std::string other = folded(name);
     const std::size_t distance = editDistance(plain, other);
     const std::size_t near = std::max<std::size_t>(1, std::max(plain.size(), other.size()) / 3);
     if (distance > near && !isPrefix(plain, other)) continue;
     if (distance == std::max(plain.size(), other.size())) continue;
-    if (best.empty() || distance < bestDistance) {
+    const std::size_t off = 2 * distance - (distance > 0 && isPrefix(plain, other) ? 1 : 0);  // of two as near, that
+    if (best.empty() || off < leastOff) {
       best = name;
-      bestDistance = distance;
+      leastOff = off;
     }
   }
   return best;

@@ -134,6 +134,7 @@ TEST(Suggestion, ListsAllWhereNothingIsNear) {
   EXPECT_EQ(suggestion("rat_hz", {"rings", "rate_hz"}), " (did you mean 'rate_hz'?)");
   EXPECT_EQ(suggestion("weather", {"rings", "rate_hz"}), " (known: rings, rate_hz)");
   EXPECT_EQ(suggestion("weather", {}), "");
+  EXPECT_EQ(suggestion("buss", {"bush", "bus", "buses"}), " (did you mean 'bus'?)");
 }
 
 TEST(Fields, ReadsEveryType) {
