@@ -78,7 +78,7 @@ int runDraft(const std::vector<std::string>& arguments) {
       draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(), out.parent_path());
   writeFile(out, made.yaml);
 
-  std::vector<std::vector<std::string>> rows{{"file", "unit", "up", "triangles", "guessed", "by its name alone"}};
+  std::vector<std::vector<std::string>> rows{{"file", "unit", "up", "triangles", "guessed", "by the file's name"}};
   std::uint64_t triangles = 0;
   std::uint64_t guessed = 0;
   std::set<double> units;
@@ -95,7 +95,7 @@ int runDraft(const std::vector<std::string>& arguments) {
              percent(static_cast<double>(guessed), static_cast<double>(triangles)), out.string());
   if (made.files.size() > 1) {
     fmt::print("{}\n", made.onePlace ? "the files keep their own coordinates, as parts of one place"
-                                     : "the files stand side by side: their coordinates are models', not a place's");
+                                     : "the files stand side by side; their own coordinates do not make one place");
   }
   if (units.size() > 1)
     fmt::print("units differ: files that fit together, such as tiles, have one; see why in the draft\n");

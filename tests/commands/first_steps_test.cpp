@@ -43,6 +43,26 @@ TEST_F(FirstSteps, NamesOfTheProgramsFilesWorkFromAnywhere) {
   EXPECT_EQ(scanmill({"plan", pipeline_, "--set", "scenes.0.scene=named"}).code, 0);
 }
 
+// The pipeline that docs/guide.md gives for one's own scene does as it stands there, with the commands below it.
+TEST_F(FirstSteps, TheGuidesPipelineForAnOwnSceneRuns) {
+  const std::string guide = readFile(SCANMILL_SOURCE_DIR "/docs/guide.md");
+  const std::size_t begin = guide.find("name: town_drive");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string file =
+      folder_.write("town_drive.yaml", guide.substr(begin, guide.find("```", begin) - begin)).string();
+  folder_.write("scenes/town.yaml",
+                "ontology: scanmill\nmaterials: materials\nobjects:\n"
+                "  - {primitive: plane, size: [200, 200], class: road, material: asphalt}\n"
+                "  - {primitive: box, size: [9, 9, 9], class: building, material: brick, position: [30, 20, 4.5]}\n");
+  EXPECT_EQ(scanmill({"plan", file, "--quick"}).code, 0);
+  const Outcome made = scanmill({"generate", file, "-o", at("town"), "-q", "--set", "trajectories.0.frames=2"});
+  EXPECT_EQ(made.code, 0) << made.error;
+  EXPECT_EQ(made.error, "") << "no warnings";
+  const Outcome picture = scanmill({"picture", at("town"), "-o", at("ranges.png"), "--range-image"});
+  EXPECT_EQ(picture.code, 0) << picture.error;
+  EXPECT_EQ(scanmill({"verify", at("town")}).code, 0);
+}
+
 TEST_F(FirstSteps, AbsentFilesAreNamedWhereTheyAreReferredTo) {
   expectRefused(scanmill({"plan", changed("scene: scene.yaml", "scene: scnee.yaml")}),
                 "changed.yaml:2:18: there is no file '" + at("scnee.yaml") + "' (did you mean 'scene.yaml'?)");

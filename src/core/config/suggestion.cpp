@@ -59,7 +59,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
     const std::size_t near = std::max<std::size_t>(1, std::max(plain.size(), other.size()) / 3);
     if (distance > near && !isPrefix(plain, other)) continue;
     if (distance == std::max(plain.size(), other.size())) continue;
-    const std::size_t off = 2 * distance - (distance > 0 && isPrefix(plain, other) ? 1 : 0);  // of two as near, that
+    // Of two words at the same distance, the one that begins alike is the nearer.
+    const std::size_t off = 2 * distance - (distance > 0 && isPrefix(plain, other) ? 1 : 0);
     if (best.empty() || off < leastOff) {
       best = name;
       leastOff = off;

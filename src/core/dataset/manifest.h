@@ -94,8 +94,8 @@ struct Manifest {
 
 // Its last key, `digest`, is the SHA-256 of the whole text with 64 zeros in the digest's own place.
 std::string toJson(const Manifest& manifest);
-// What a manifest's text is since it was written: empty where nothing of it was changed.
-std::string changeOfManifest(std::string text);
+// Says that a manifest's text does not have the digest that it states, or states none; empty where it has it.
+std::string digestProblem(std::string text);
 // Throws an InputError that names `file`, the place in it, and what is wrong there.
 Manifest parseManifest(const std::string& text, const std::string& file);
 // Reads the file manifest.json of a dataset's folder. Throws InputError.

@@ -210,7 +210,7 @@ std::string toJson(const Manifest& manifest) {
   return text;
 }
 
-std::string changeOfManifest(std::string text) {
+std::string digestProblem(std::string text) {
   constexpr std::string_view kKey = "\"digest\": \"";
   const std::size_t key = text.rfind(kKey);
   if (key == std::string::npos) return "has no digest, by which changes of it could be found";

@@ -216,12 +216,12 @@ void checkStrangers(const fs::path& folder, const Manifest& manifest, std::vecto
   }
   std::set<std::string> strangers;
   const auto look = [&](const fs::path& file, bool besideShards) {
-    const std::string name = fs::relative(file, folder).generic_string();
+    const std::string name = file.lexically_relative(folder).generic_string();
     const bool suspect = besideShards || name.ends_with(".tar") || name.find(".partial-") != std::string::npos;
     if (suspect && !listed.contains(name)) strangers.insert(name);
   };
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
-    const fs::path above = fs::relative(entry.path().parent_path(), folder);
+    const fs::path above = entry.path().parent_path().lexically_relative(folder);
     const bool besideShards = splits.contains(above.generic_string());
     if (besideShards || !entry.is_directory()) look(entry.path(), besideShards);
   }
@@ -234,8 +234,8 @@ Verification verifyDataset(const fs::path& folder, const std::function<void(std:
   const Manifest manifest = readManifest(folder);
   Verification total;
   total.shards = manifest.shards.size();
-  if (const std::string change = changeOfManifest(readFile(folder / kManifestName)); !change.empty()) {
-    total.problems.push_back(fmt::format("{}: {}", kManifestName, change));
+  if (const std::string problem = digestProblem(readFile(folder / kManifestName)); !problem.empty()) {
+    total.problems.push_back(fmt::format("{}: {}", kManifestName, problem));
   }
   checkManifest(manifest, total.problems);
 

@@ -33,7 +33,8 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   }
 }
 
-// GDAL takes what is no number in a text grid (Esri's .asc) for 0.
+// GDAL takes what is no number in a text grid (Esri's .asc) for 0. Not a number may be written as nan or 1.#IND, and
+// no sample as * (GRASS).
 void refuseWords(const std::filesystem::path& file) {
   const std::string text = readFile(file);
   std::size_t line = 0;
@@ -46,7 +47,8 @@ void refuseWords(const std::filesystem::path& file) {
     const std::size_t first = row.find_first_not_of(" \t\r");
     if (first == std::string_view::npos) continue;
     heading = heading && std::isalpha(static_cast<unsigned char>(row[first])) != 0;
-    const std::size_t wrong = heading ? std::string_view::npos : row.find_first_not_of(" \t\r0123456789+-.eEnaNAifIF");
+    const std::size_t wrong =
+        heading ? std::string_view::npos : row.find_first_not_of(" \t\r0123456789+-.eE*#nNaAiIfFdDqQ");
     if (wrong == std::string_view::npos) continue;
     const std::size_t from = row.find_last_of(" \t", wrong) + 1;  // 0 where there is none
     const std::string word(row.substr(from, row.find_first_of(" \t\r", wrong) - from));

@@ -269,8 +269,7 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
   if (!lost) return standing;
   const std::string why = fmt::format(
       "there is nothing to stand on at [{:.6g}, {:.6g}]: the objects above this one have no surface there {}that is "
-      "less "
-      "than 60 degrees steep (objects below it are not there yet)",
+      "less than 60 degrees steep (objects below it are not there yet)",
       lost->x, lost->y, standOn_->classes.empty() ? "" : "of these classes ");
   if (standing.empty()) throw InputError(standOn_->where, why);
   warn(fmt::format("{}: {} of {} copies are left out: {}", standOn_->where.text(), all.size() - standing.size(),

@@ -9,9 +9,8 @@
 //
 // An object is one of
 //
-//   file: car.glb                        # an asset; or {one_of: [...]} of files and folders: each copy is one at
-//   random up: y                                # the up axis of the file's coordinates, x, y or z, whatever it
-//   declares.
+//   file: car.glb                        # an asset; or {one_of: [...]} of files and folders: each copy is one of them
+//   up: y                                # the up axis of the file's coordinates, x, y or z, whatever it declares.
 //                                        # Without this key: as COLLADA and FBX declare, y for glTF and AC3D, z for
 //                                        # OBJ, PLY, STL and all others
 //   unit: 0.01                           # metres per unit of the file; default 1; COLLADA and FBX declare theirs, and

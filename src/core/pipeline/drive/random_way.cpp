@@ -335,7 +335,7 @@ std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& dra
   return best;
 }
 
-// Of a scene in which nobody drives far.
+// Where the size of a scene may be why nobody drives far in it; else empty.
 std::string sizeHint(const Scene& scene) {
   constexpr double kSmall = 20;       // m
   constexpr double kLarge = 100'000;  // m
@@ -355,8 +355,9 @@ std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& rando
   const std::string what = fmt::format("{}", fmt::join(random.classes, ", "));
   const Floor floor = floorOf(scene, classes);
   if (floor.triangles.empty()) {
-    throw InputError(random.where, fmt::format("scene {}: no level surface of {} is there to drive on{}", scene.name,
-                                               what, sizeHint(scene)));
+    throw InputError(random.where,
+                     fmt::format("scene {}: no surface of {} is there to drive on that is less than 60 degrees steep{}",
+                                 scene.name, what, sizeHint(scene)));
   }
   const FreeSurface surface(probe, classes);
   Draws draws(seed, name);

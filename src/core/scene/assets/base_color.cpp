@@ -51,19 +51,16 @@ void setColor(Material& material, BaseColor color, const std::filesystem::path& 
 }
 
 ColorImages::~ColorImages() {
-  const auto tell = [&](const std::set<std::string>& names, std::string_view one, std::string_view several) {
+  const auto tell = [&](const std::set<std::string>& names, std::string_view alsoSolid) {
     constexpr std::size_t kMost = 8;
     if (names.empty()) return;
     const std::vector<std::string> first(names.begin(), std::next(names.begin(), std::min(names.size(), kMost)));
-    const std::string more = names.size() > kMost ? fmt::format(" and {} more", names.size() - kMost) : "";
-    warn(names.size() == 1
-             ? fmt::format("{}: the texture '{}' is missing; its material keeps its plain colour{}", asset_.string(),
-                           first.front(), one)
-             : fmt::format("{}: {} textures are missing ('{}'{}); their materials keep their plain colours{}",
-                           asset_.string(), names.size(), fmt::join(first, "', '"), more, several));
+    warn(fmt::format("{}: missing textures: '{}'{}; plain colours stand for them{}", asset_.string(),
+                     fmt::join(first, "', '"),
+                     names.size() > kMost ? fmt::format(" and {} more", names.size() - kMost) : "", alsoSolid));
   };
-  tell(missing_, "", "");
-  tell(missingCutOuts_, ", and what its alpha may cut out is solid", ", and what their alpha may cut out is solid");
+  tell(missing_, "");
+  tell(missingCutOuts_, ", and what their alpha may cut out is solid");
 }
 
 std::shared_ptr<const Texture> ColorImages::load(const std::string& key, const std::string& name, bool onlyAlpha,

@@ -37,7 +37,7 @@ struct BaseColor {
 class ColorImages {
  public:
   explicit ColorImages(std::filesystem::path asset) : asset_(std::move(asset)) {}
-  // Warns of those that were missing, all in a line.
+  // Warns of those that were missing, in one line, and in another of those whose alpha may cut out.
   ~ColorImages();
   ColorImages(const ColorImages&) = delete;
   ColorImages& operator=(const ColorImages&) = delete;

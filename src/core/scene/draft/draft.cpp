@@ -298,8 +298,8 @@ class Writer {
   bool measured_ = false;  // the file at hand says what its points reflect
 };
 
-// Models are about the origin of their file, or all as far from it as the other. Parts of one place, which share its
-// coordinates, are away from it, most of them, and not within each other.
+// Models are about the origin of their file, or within each other where all are off it alike. Parts of one place share
+// its coordinates: most are off the origin, and not within each other.
 bool areOnePlace(const std::vector<Box>& boxes) {
   std::vector<Box> away;
   std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(away), [](const Box& box) {

@@ -17,7 +17,7 @@ struct DraftedFile {
   FrameGuess frame;
   std::uint64_t triangles = 0;
   std::uint64_t guessed = 0;  // of them, those that a class was found for, or that are left out
-  std::uint64_t byFile = 0;   // of those, the ones for which the name of the file or its folder alone speaks
+  std::uint64_t byFile = 0;   // of those, the ones that have the class of the file's or its folder's name
 };
 
 struct Draft {

@@ -101,9 +101,10 @@ void fillBoxes(ViewMesh& view) {
 // small ones, nor does a tree of many leaves for more than the houses around it: corners count by the coarse cells that
 // they are in, with the logarithm of their number. `corners`: three a triangle.
 Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
-  constexpr std::size_t kCells = 32;  // along the longest side
-  constexpr double kLeftOut = 0.05;   // at each end
-  constexpr double kLarge = 0.5;      // of the longest side
+  constexpr std::size_t kCells = 32;          // along the longest side
+  constexpr std::size_t kEnough = 1'000'000;  // triangles
+  constexpr double kLeftOut = 0.05;           // at each end
+  constexpr double kLarge = 0.5;              // of the longest side
   struct Cell {
     Box box;
     double corners = 0;
@@ -117,7 +118,8 @@ Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
   };
   std::vector<Cell> cells(kCells * kCells * kCells);
   const auto count = [&](double longest) {
-    for (std::size_t t = 0; t + 2 < corners.size(); t += 3) {
+    const std::size_t step = 3 * (corners.size() / (3 * kEnough) + 1);
+    for (std::size_t t = 0; t + 2 < corners.size(); t += step) {
       const std::array<Vec3d, 3> corner{Vec3d(corners[t]), Vec3d(corners[t + 1]), Vec3d(corners[t + 2])};
       if (std::max({length(corner[1] - corner[0]), length(corner[2] - corner[1]), length(corner[0] - corner[2])}) >
           longest) {

@@ -302,8 +302,8 @@ TEST(AssetMaterials, MissingTexturesAreToldInOneLine) {
   readAsset(file, {});
   const std::string shown = testing::internal::GetCapturedStderr();
   EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 1) << shown;
-  EXPECT_THAT(shown, testing::HasSubstr("a.obj: 10 textures are missing ('gone0.jpg', 'gone1.jpg'"));
-  EXPECT_THAT(shown, testing::HasSubstr("'gone7.jpg' and 2 more); their materials keep their plain colours\n"));
+  EXPECT_THAT(shown, testing::HasSubstr("a.obj: missing textures: 'gone0.jpg', 'gone1.jpg'"));
+  EXPECT_THAT(shown, testing::HasSubstr("'gone7.jpg' and 2 more; plain colours stand for them\n"));
 }
 
 }  // namespace
