@@ -24,8 +24,8 @@ std::span<const Command> commands() {
       Command{"view", "DATASET|SHARD|SCAN|EXR|SCENE",
               "a window on scans, images and scenes; pictures without a display", runView},
       Command{"info", "FILE|DIR", "a dataset, shard, scan, recording, scene, sensor or pipeline as tables", runInfo},
-      Command{"picture", "DATASET|SHARD|SCAN|EXR -o FILE.png", "a look at a scan or at passes, without a display",
-              runPicture},
+      Command{"picture", "DATASET|SHARD|SCAN|EXR|SCENE -o FILE.png",
+              "a look at a scan, passes or the objects of a scene, without a display", runPicture},
       Command{"list", "[KIND]", "methods, sensors, effects, formats, ontologies; with KIND, their keys", runList},
   };
   return kCommands;

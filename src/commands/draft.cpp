@@ -1,20 +1,28 @@
 #include "scene/draft/draft.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
+#include <map>
 #include <set>
 
+#include "base/extent_text.h"
 #include "base/file.h"
 #include "base/grouped.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "config/resources.h"
 #include "scene/assets/asset_files.h"
+#include "viewer/contact_sheet.h"
 
 namespace scanmill {
 
 namespace {
+
+constexpr double kPlace = 60;  // m: what is as large is shown as a place
 
 // Folders stand for the 3D files in them, in the order of their names.
 std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named) {
@@ -41,6 +49,71 @@ std::filesystem::path ontologyFile(const std::string& name) {
   const std::filesystem::path own = resourceFolder() / "labels" / (name + ".yaml");
   std::error_code error;
   return std::filesystem::exists(own, error) ? own : std::filesystem::path(name);
+}
+
+double longestEdge(const Box& box) {
+  const Vec3d size = box.empty() ? Vec3d{} : box.high - box.low;
+  return std::max({size.x, size.y, size.z});
+}
+
+// The name of the file without the digits in it: "leaves.*.obj".
+std::string seriesOf(const std::filesystem::path& file) {
+  std::string series;
+  for (const char c : file.filename().string()) {
+    const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
+    if (!digit || !series.ends_with('*')) series += digit ? '*' : c;
+  }
+  return (file.parent_path() / series).string();
+}
+
+// A line for each file; files that differ by a number and are guessed alike have one together.
+void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
+  constexpr std::size_t kSeries = 4;
+  std::map<std::pair<std::string, std::string>, std::vector<const draft::DraftedFile*>> series;
+  const auto keyOf = [](const draft::DraftedFile& f) {
+    return std::pair(seriesOf(f.file), fmt::format("{} {} {} {} {}", f.unit, f.up, f.guessed == f.triangles,
+                                                   f.byFile == f.triangles, fmt::join(f.doubts, ", ")));
+  };
+  for (const draft::DraftedFile& f : made.files) series[keyOf(f)].push_back(&f);
+  std::vector<std::vector<std::string>> rows{
+      {"file", "unit", "up", "size", "triangles", "guessed", "by the file's name", "doubtful"}};
+  std::uint64_t triangles = 0;
+  std::uint64_t guessed = 0;
+  std::set<double> units;
+  bool doubts = false;
+  for (const draft::DraftedFile& f : made.files) {
+    triangles += f.triangles;
+    guessed += f.guessed;
+    units.insert(f.unit);
+    doubts = doubts || !f.doubts.empty();
+    const auto& alike = series[keyOf(f)];
+    const bool together = alike.size() >= kSeries;
+    if (together && alike.front() != &f) continue;
+    std::uint64_t own = 0, ownGuessed = 0, ownByFile = 0;
+    for (const draft::DraftedFile* other : together ? alike : std::vector{&f}) {
+      own += other->triangles;
+      ownGuessed += other->guessed;
+      ownByFile += other->byFile;
+    }
+    rows.push_back({together ? fmt::format("{} ({} files)", seriesOf(f.file), alike.size()) : f.file.string(),
+                    fmt::format("{:g}", f.unit), std::string(1, f.up), together ? "" : extentText(f.box), grouped(own),
+                    percent(static_cast<double>(ownGuessed), static_cast<double>(own)),
+                    percent(static_cast<double>(ownByFile), static_cast<double>(own)),
+                    fmt::format("{}", fmt::join(f.doubts, ", "))});
+  }
+  if (!doubts) {
+    for (std::vector<std::string>& row : rows) row.pop_back();
+  }
+  fmt::print("{}\nclasses are guessed for {} of {} triangles ({}), by the names that stand in {}\n", formatTable(rows),
+             grouped(guessed), grouped(triangles),
+             percent(static_cast<double>(guessed), static_cast<double>(triangles)), out.string());
+  if (made.files.size() > 1) {
+    fmt::print("{}\n", made.onePlace ? "the files keep their own coordinates, as parts of one place"
+                                     : "the files stand side by side; their own coordinates do not make one place");
+  }
+  if (units.size() > 1) {
+    fmt::print("units differ: files that fit together, such as tiles, have one; see why in the draft\n");
+  }
 }
 
 }  // namespace
@@ -78,28 +151,18 @@ int runDraft(const std::vector<std::string>& arguments) {
       draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(), out.parent_path());
   writeFile(out, made.yaml);
 
-  std::vector<std::vector<std::string>> rows{{"file", "unit", "up", "triangles", "guessed", "by the file's name"}};
-  std::uint64_t triangles = 0;
-  std::uint64_t guessed = 0;
-  std::set<double> units;
-  for (const draft::DraftedFile& f : made.files) {
-    rows.push_back({f.file.string(), fmt::format("{:g}", f.frame.unit), std::string(1, f.frame.up),
-                    grouped(f.triangles), percent(static_cast<double>(f.guessed), static_cast<double>(f.triangles)),
-                    percent(static_cast<double>(f.byFile), static_cast<double>(f.triangles))});
-    units.insert(f.frame.unit);
-    triangles += f.triangles;
-    guessed += f.guessed;
+  printFiles(made, out);
+  const std::size_t models = made.onePlace ? 0 : made.files.size();
+  const bool sheet = models > 1 || (models == 1 && longestEdge(made.files[0].box) < kPlace);
+  if (sheet) {
+    SceneOptions plain;
+    plain.textures = false;
+    const Image drawn = drawContactSheet(readScene(out, plain));
+    writeFile(picture, encodePng(drawn));
+    fmt::print("{}: {} x {}, a cell for each object\n", picture.string(), drawn.width, drawn.height);
+  } else {
+    runView({out.string(), "--screenshot", picture.string()});
   }
-  fmt::print("{}\nclasses are guessed for {} of {} triangles ({}), by the names that stand in {}\n", formatTable(rows),
-             grouped(guessed), grouped(triangles),
-             percent(static_cast<double>(guessed), static_cast<double>(triangles)), out.string());
-  if (made.files.size() > 1) {
-    fmt::print("{}\n", made.onePlace ? "the files keep their own coordinates, as parts of one place"
-                                     : "the files stand side by side; their own coordinates do not make one place");
-  }
-  if (units.size() > 1)
-    fmt::print("units differ: files that fit together, such as tiles, have one; see why in the draft\n");
-  runView({out.string(), "--screenshot", picture.string()});
   fmt::print("next: scanmill view {0}; scanmill info {0}; a pipeline for it (docs/guide.md)\n", out.string());
   return 0;
 }

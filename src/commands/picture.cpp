@@ -11,7 +11,11 @@
 #include "base/file.h"
 #include "commands/arguments.h"
 #include "commands/picture_options.h"
+#include "config/text.h"
 #include "dataset/scan_source.h"
+#include "scene/scene.h"
+#include "viewer/contact_sheet.h"
+#include "viewer/frames/scene_lookup.h"
 #include "viewer/pass_picture.h"
 
 namespace scanmill {
@@ -107,9 +111,10 @@ int runPicture(const std::vector<std::string>& arguments) {
       "  scanmill picture scan.pcd -o scan.png --color height --size 3840x2160 --zoom 2\n"
       "  scanmill picture out/ray_tracing --over out/nearest -o rings.png --view above --zoom 3\n"
       "  scanmill picture out/quickstart -o car.png --sample street-s1-lane-000009 --at 6.5,-2.7,-1 --within 2.5\n"
-      "  scanmill picture out/passes/street-s1-lane-000010.top.0.front.exr -o passes.png\n");
+      "  scanmill picture out/passes/street-s1-lane-000010.top.0.front.exr -o passes.png\n"
+      "  scanmill picture scenes/town.yaml -o sheet.png   # a cell for each object, with its size and classes\n");
   if (parsed.help) return 0;
-  const std::filesystem::path file = parsed.positional("DATASET|SHARD|SCAN|EXR");
+  const std::filesystem::path file = parsed.positional("DATASET|SHARD|SCAN|EXR|SCENE");
   if (parsed.options.count("out") == 0) throw InputError("-o FILE is missing: where should the picture go?");
   const std::filesystem::path out = parsed.options["out"].as<std::string>();
   if (out.extension() != ".png") throw InputError({out.string()}, "pictures are PNG: let the name end in .png");
@@ -134,6 +139,15 @@ int runPicture(const std::vector<std::string>& arguments) {
     const Image image = drawExr(file, classes ? &*classes : nullptr, picture.width);
     writeFile(out, encodePng(image));
     fmt::print("{}: {} x {}, {}\n", out.string(), image.width, image.height, file.filename().string());
+    return 0;
+  }
+  if (const std::string kind = lowerExtension(file); kind == ".yaml" || kind == ".yml") {
+    requireScene(file);
+    SceneOptions plain;
+    plain.textures = false;
+    const Image sheet = drawContactSheet(readScene(file, plain));
+    writeFile(out, encodePng(sheet));
+    fmt::print("{}: {} x {}, a cell for each object of {}\n", out.string(), sheet.width, sheet.height, file.string());
     return 0;
   }
   ScanSource source = findScan(file, textOption(parsed, "sample"), textOption(parsed, "sensor"));

@@ -7,17 +7,22 @@
 #include <string>
 #include <vector>
 
-#include "scene/draft/guess.h"
+#include "base/vec.h"
+#include "scene/draft/words.h"
 #include "scene/ontology.h"
 
 namespace scanmill::draft {
 
 struct DraftedFile {
   std::filesystem::path file;
-  FrameGuess frame;
+  std::string name;  // of the object
+  double unit = 1;   // m
+  char up = 'z';
   std::uint64_t triangles = 0;
-  std::uint64_t guessed = 0;  // of them, those that a class was found for, or that are left out
-  std::uint64_t byFile = 0;   // of those, the ones that have the class of the file's or its folder's name
+  std::uint64_t guessed = 0;        // of them, those that a class was found for, or that are left out
+  std::uint64_t byFile = 0;         // of those, the ones that have the class of the file's or its folder's name
+  std::vector<std::string> doubts;  // what of it a person should look at, in a few words each
+  Box box;                          // m, in its own frame
 };
 
 struct Draft {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -13,9 +14,14 @@
 namespace scanmill::draft {
 namespace {
 
-bool isDetailOf(const Concept* detail, const Concept* whole) {
-  return detail != nullptr && whole != nullptr && detail->kind == ConceptKind::Detail &&
-         std::find(detail->of.begin(), detail->of.end(), whole->name) != detail->of.end();
+// The detail of a whole that the same words name; null where there is none.
+const Concept* detailOf(const std::vector<Concept>& concepts, const Concept* named, const Concept* whole) {
+  if (named == nullptr || whole == nullptr || named->kind != ConceptKind::Detail) return nullptr;
+  for (const Concept& c : concepts) {
+    const bool same = c.kind == ConceptKind::Detail && c.words == named->words;
+    if (same && std::find(c.of.begin(), c.of.end(), whole->name) != c.of.end()) return &c;
+  }
+  return nullptr;
 }
 
 const Concept* first(std::initializer_list<const Concept*> candidates) {
@@ -75,6 +81,43 @@ double scoreOf(const std::array<double, 3>& low, const std::array<double, 3>& ex
   return score;
 }
 
+// Of files whose kind says no unit.
+constexpr std::array<double, 8> kUnits{0.01, 0.0254, 0.3048, 0.001, 0.1, 10.0, 100.0, 1000.0};
+constexpr double kTolerance = 3;  // times what is usual: still taken for the unit of the other files of a folder
+
+std::string nameOf(const FrameGuess& guess) {
+  return guess.what == nullptr ? "it" : "a " + guess.what->name;
+}
+
+// Whether it is as large as such things are, but for a factor. Wants a size.
+bool fits(const FrameGuess& guess, double unit, double factor) {
+  const Between& usual = *guess.what->size;
+  return Between{usual.low / factor, usual.high * factor}.holds(guess.longest * unit);
+}
+
+std::string sizeWith(const FrameGuess& guess, double unit) {
+  return fmt::format("{} of {:.3g} units is {:.3g} m with it, usual are {:g} to {:g} m", nameOf(guess), guess.longest,
+                     guess.longest * unit, guess.what->size->low, guess.what->size->high);
+}
+
+// The common unit that brings it nearest to the middle of what is usual, where metres do not do.
+void guessUnit(FrameGuess& guess) {
+  if (fits(guess, 1, 1)) return;
+  const Between& usual = *guess.what->size;
+  double nearest = 1e9;
+  for (const double unit : kUnits) {
+    const double off = std::abs(std::log(guess.longest * unit / std::sqrt(usual.low * usual.high)));
+    if (!fits(guess, unit, 1) || off >= nearest) continue;
+    nearest = off;
+    guess.unit = unit;
+    guess.whyUnit = sizeWith(guess, unit);
+  }
+  if (guess.unit != 1) return;
+  guess.doubtfulUnit = true;
+  guess.whyUnit = fmt::format("{} of {:.3g} m is unusual, but no common unit makes it {:g} to {:g} m", nameOf(guess),
+                              guess.longest, usual.low, usual.high);
+}
+
 }  // namespace
 
 const Concept* conceptOfFile(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
@@ -89,7 +132,8 @@ const Concept* conceptOfFile(const std::vector<Concept>& concepts, const std::fi
 std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, const Asset& asset) {
   const Concept* const file = conceptOfFile(concepts, asset.file);
   const auto guess = [&](const AssetPart& part) -> const Concept* {
-    const Concept* const node = conceptOf(concepts, part.node);
+    const Concept* node = conceptOf(concepts, part.node);
+    if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;  // "Scene"
     const Concept* const material = conceptOf(concepts, part.material);
     const Concept* const texture =
         conceptOf(concepts, std::filesystem::path(textureName(part.texture)).stem().string());
@@ -99,8 +143,8 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
         (whole == nullptr || whole->kind != ConceptKind::Whole)) {
       whole = file;
     }
-    for (const Concept* detail : {material, texture, node}) {
-      if (isDetailOf(detail, whole)) return detail;
+    for (const Concept* named : {material, texture, node}) {
+      if (const Concept* const detail = detailOf(concepts, named, whole)) return detail;
     }
     // A ground of several materials says by them what it is where.
     if (whole != nullptr && whole->kind == ConceptKind::Ground) {
@@ -118,7 +162,7 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
   return guesses;
 }
 
-FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& parts) {
+FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts) {
   FrameGuess guess;
   guess.up = asset.up;
   const Box box = boundsOf(asset);
@@ -126,34 +170,141 @@ FrameGuess guessFrame(const Asset& asset, const std::vector<const Concept*>& par
   const std::array<double, 3> low{box.low.x, box.low.y, box.low.z};
   const std::array<double, 3> extent{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
   const bool place = isPlace(parts);
-  const Concept* const what = place ? nullptr : mainConcept(asset, parts);
-  const std::string name = what == nullptr ? "it" : "a " + what->name;
-  if (!asset.upDeclared) {
-    const double y = scoreOf(low, extent, 1, what, place);
-    const double z = scoreOf(low, extent, 2, what, place);
-    guess.up = y > z ? 'y' : 'z';
-    guess.whyUp = y == z ? "nothing tells which axis is up"
-                         : fmt::format("{} is {:.3g} x {:.3g} x {:.3g} units large, and begins at {:.3g} along {}",
-                                       name, extent[0], extent[1], extent[2], low[guess.up == 'y' ? 1 : 2], guess.up);
-  }
-  // A world is as large as any; so is what no word names.
-  if (what == nullptr || !what->size) return guess;
-  const double longest = std::max({extent[0], extent[1], extent[2]});
-  if (what->size->holds(longest)) return guess;
-  // The common unit that brings it nearest to the middle of what is usual.
-  double nearest = 1e9;
-  for (const double unit : {0.01, 0.0254, 0.3048, 0.001, 0.1, 10.0, 100.0, 1000.0}) {
-    const double off = std::abs(std::log(longest * unit / std::sqrt(what->size->low * what->size->high)));
-    if (!what->size->holds(longest * unit) || off >= nearest) continue;
-    nearest = off;
-    guess.unit = unit;
-    guess.whyUnit = fmt::format("{} of {:.3g} units is {:.3g} m with it, usual are {:g} to {:g} m", name, longest,
-                                longest * unit, what->size->low, what->size->high);
-  }
-  if (guess.unit != 1) return guess;
-  guess.whyUnit = fmt::format("{} of {:.3g} m is unusual, but no common unit makes it {:g} to {:g} m", name, longest,
-                              what->size->low, what->size->high);
+  guess.what = place ? nullptr : mainConcept(asset, parts);
+  guess.longest = std::max({extent[0], extent[1], extent[2]});
+  guess.footprint = {extent[0], extent[1]};
+  if (asset.upDeclared) return guess;
+  const double y = scoreOf(low, extent, 1, guess.what, place);
+  const double z = scoreOf(low, extent, 2, guess.what, place);
+  guess.up = y > z ? 'y' : 'z';
+  if (guess.up == 'y') guess.footprint[1] = extent[2];
+  guess.doubtfulUp = y == z;
+  guess.whyUp =
+      y == z ? "nothing tells which axis is up"
+             : fmt::format("{} is {:.3g} x {:.3g} x {:.3g} units large, and begins at {:.3g} along {}", nameOf(guess),
+                           extent[0], extent[1], extent[2], low[guess.up == 'y' ? 1 : 2], guess.up);
   return guess;
+}
+
+namespace {
+
+// One unit for all where it makes most of them as large as such things are; else each has its own.
+void guessUnits(const std::vector<FrameGuess*>& files, double most) {
+  const auto known = [](const FrameGuess* f) { return f->what != nullptr && f->what->size && f->longest > 0; };
+  const auto sized = std::count_if(files.begin(), files.end(), known);
+  const auto fitting = [&](double unit) {
+    return std::count_if(files.begin(), files.end(),
+                         [&](const FrameGuess* f) { return known(f) && fits(*f, unit, 1); });
+  };
+  double shared = 1;
+  for (const double unit : kUnits) {
+    if (fitting(unit) > fitting(shared)) shared = unit;
+  }
+  const bool together = sized > 1 && static_cast<double>(fitting(shared)) >= most * static_cast<double>(sized);
+  for (FrameGuess* f : files) {
+    if (!together || (known(f) && !fits(*f, shared, kTolerance))) {
+      if (known(f)) guessUnit(*f);
+      continue;
+    }
+    f->unit = shared;
+    f->doubtfulUnit = known(f) && !fits(*f, shared, 1);
+    if (known(f) && (shared != 1 || f->doubtfulUnit)) {
+      f->whyUnit = fmt::format("{}; most files like it fit their names with this unit", sizeWith(*f, shared));
+    } else if (shared != 1) {
+      f->whyUnit = "as other files like it";
+    }
+  }
+}
+
+// Those of the most common footprint: tiles, which fit together.
+std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
+  constexpr std::size_t kFewest = 3;
+  constexpr double kAlike = 0.1;
+  const auto alike = [](double a, double b) { return std::fabs(a - b) <= kAlike * std::min(a, b); };
+  std::vector<FrameGuess*> most;
+  for (const FrameGuess* f : files) {
+    std::vector<FrameGuess*> same;
+    for (FrameGuess* other : files) {
+      const bool fit = alike(f->footprint[0], other->footprint[0]) && alike(f->footprint[1], other->footprint[1]);
+      if (fit && f->footprint[0] > 0) same.push_back(other);
+    }
+    if (same.size() > most.size()) most = std::move(same);
+  }
+  return most.size() < kFewest ? std::vector<FrameGuess*>{} : most;
+}
+
+}  // namespace
+
+void guessTogether(const std::vector<FrameGuess*>& files) {
+  std::map<char, std::size_t> axes;
+  for (const FrameGuess* f : files) {
+    if (!f->whyUp.empty() && !f->doubtfulUp) ++axes[f->up];
+  }
+  for (FrameGuess* f : files) {
+    if (!f->doubtfulUp || axes.empty()) continue;
+    f->up = axes['y'] > axes['z'] ? 'y' : 'z';
+    f->whyUp = "as other files of its folder";
+    f->doubtfulUp = axes['y'] + axes['z'] < 2 || (axes['y'] > 0 && axes['z'] > 0);
+  }
+  const std::vector<FrameGuess*> tiles = tilesOf(files);
+  std::vector<FrameGuess*> others;
+  std::copy_if(files.begin(), files.end(), std::back_inserter(others),
+               [&](FrameGuess* f) { return std::find(tiles.begin(), tiles.end(), f) == tiles.end(); });
+  guessUnits(tiles, 0.5);
+  guessUnits(others, 0.8);
+}
+
+const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
+  const Concept* ground = nullptr;
+  bool stands = false;
+  for (const Concept* c : conceptsIn(concepts, file.stem().string())) {
+    if (c->kind == ConceptKind::Ground && !c->classes.empty() && ground == nullptr) ground = c;
+    stands = stands || c->kind == ConceptKind::Whole;
+  }
+  return stands ? ground : nullptr;
+}
+
+std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& asset, char up) {
+  Plate plate;
+  plate.ground = groundIn(concepts, asset.file);
+  if (plate.ground == nullptr) return std::nullopt;
+  const Box box = boundsOf(asset);
+  // Areas of what is level and faces up, by heights in thousandths of the whole.
+  const auto along = [&](const Vec3d& v) { return up == asset.up ? v.z : v.y; };
+  const double low = along(box.low);
+  const double tall = along(box.high) - low;
+  const Vec3d size = box.high - box.low;
+  const double footprint = up == asset.up ? size.x * size.y : size.x * size.z;
+  if (!(tall > 0) || !(footprint > 0)) return std::nullopt;
+  std::map<int, double> areas;
+  for (const AssetPart& part : asset.parts) {
+    for (const Triangle& t : part.triangles) {
+      const Vec3d a(part.positions[t[0]]);
+      const Vec3d b(part.positions[t[1]]);
+      const Vec3d c(part.positions[t[2]]);
+      const Vec3d normal = cross(b - a, c - a);
+      const double facing = std::fabs(along(normal));
+      if (!(facing > 0.98 * length(normal))) continue;
+      areas[static_cast<int>(1000 * (along(a) - low) / tall)] += facing / 2;
+    }
+  }
+  constexpr double kMost = 0.8;    // of the footprint
+  constexpr int kLowest = 250;     // in thousandths: plates are in this part of the height
+  constexpr int kThick = 80;       // in thousandths: kerbs and pavements on one plate
+  constexpr double kAbove = 0.02;  // of the height
+  std::optional<int> level;
+  for (const auto& [height, first] : areas) {
+    double area = 0;
+    int highest = height;
+    for (auto above = areas.find(height); above != areas.end() && above->first <= height + kThick; ++above) {
+      area += above->second;
+      highest = above->first;
+    }
+    if (height <= kLowest && area >= kMost * footprint) level = highest;
+  }
+  if (!level) return std::nullopt;
+  plate.height = (*level / 1000.0 + kAbove) * tall;
+  return plate;
 }
 
 }  // namespace scanmill::draft

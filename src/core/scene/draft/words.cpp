@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <sstream>
 #include <utility>
 
 #include "config/fields.h"
@@ -58,6 +59,25 @@ std::vector<std::string> textsOf(Fields& f, std::string_view key) {
   return texts;
 }
 
+// A detail without classes of its own has those of what it is of: one for each of these.
+std::vector<Concept> withDetails(const std::vector<Concept>& concepts) {
+  std::vector<Concept> all;
+  for (const Concept& c : concepts) {
+    if (c.kind != ConceptKind::Detail || !c.classes.empty()) {
+      all.push_back(c);
+      continue;
+    }
+    for (const Concept& whole : concepts) {
+      if (std::find(c.of.begin(), c.of.end(), whole.name) == c.of.end()) continue;
+      all.push_back(c);
+      all.back().name = whole.name + " " + c.name;
+      all.back().classes = whole.classes;
+      all.back().of = {whole.name};
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<Concept> readConcepts(const std::filesystem::path& path) {
@@ -75,6 +95,9 @@ std::vector<Concept> readConcepts(const std::filesystem::path& path) {
     c.material = f.text("material", "");
     c.kind = kindOf(f.choice("kind", {"ground", "whole", "detail", "drop"}, "whole"));
     c.of = textsOf(f, "of");
+    if (c.kind == ConceptKind::Detail && c.of.empty()) {
+      throw InputError(item.where, "a detail needs `of`: the names of the concepts that have it");
+    }
     if (f.has("size")) {
       const std::vector<double> size = f.numbers("size", {0, 1e6});
       if (size.size() != 2) throw InputError(f.require("size").where, "size must be two lengths");
@@ -84,7 +107,7 @@ std::vector<Concept> readConcepts(const std::filesystem::path& path) {
     f.finish();
     concepts.push_back(std::move(c));
   }
-  return concepts;
+  return withDetails(concepts);
 }
 
 std::string foldedName(std::string_view name) {
@@ -130,6 +153,15 @@ const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view 
     }
   }
   return best;
+}
+
+std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std::string_view name) {
+  std::vector<const Concept*> found;
+  std::istringstream words(foldedName(name));
+  for (std::string word; words >> word;) {
+    if (const Concept* const c = conceptOf(concepts, word)) found.push_back(c);
+  }
+  return found;
 }
 
 }  // namespace scanmill::draft

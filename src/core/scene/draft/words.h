@@ -19,7 +19,8 @@ struct Concept {
   std::vector<std::string> classes;  // the first that an ontology has is meant
   std::string material;              // of the program's table; empty: none
   ConceptKind kind = ConceptKind::Whole;
-  std::vector<std::string> of;     // of a detail: the names of the concepts that have it
+  std::vector<std::string> of;     // of a detail: the names of the concepts that have it, and whose class it has unless
+                                   // it has its own
   std::optional<Between> size;     // m, along the longest edge
   std::vector<std::string> words;  // folded: see foldedName()
 };
@@ -33,5 +34,8 @@ std::string foldedName(std::string_view name);
 
 // What a name means by the word that stands last in it, the longest of those that end there; null where it has none.
 const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view name);
+
+// What each word of a name means by itself, in their order.
+std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std::string_view name);
 
 }  // namespace scanmill::draft

@@ -60,7 +60,9 @@ Asset box(const Vec3d& low, const Vec3d& size, const std::string& name) {
 }
 
 FrameGuess frameOf(const Asset& asset) {
-  return guessFrame(asset, guessParts(concepts(), asset));
+  FrameGuess guess = guessUp(asset, guessParts(concepts(), asset));
+  guessTogether({&guess});
+  return guess;
 }
 
 TEST(Guess, UnitsByTheUsualSizeOfThings) {

@@ -1,0 +1,229 @@
+#include "viewer/contact_sheet.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/extent_text.h"
+#include "scene/primitives.h"
+#include "viewer/canvas/canvas.h"
+#include "viewer/font.h"
+#include "viewer/window/orbit_camera.h"
+
+namespace scanmill {
+namespace {
+
+constexpr double kPerson = 1.8;  // m
+constexpr Rgb kPersonColor{250, 220, 60};
+constexpr Rgb kArrowColor{255, 70, 60};
+constexpr Rgb kNoClass{255, 0, 255};
+constexpr Rgb kCell{30, 33, 42};
+constexpr Rgb kGap{13, 15, 20};
+constexpr Rgb kText{225, 228, 235};
+constexpr Rgb kFaint{150, 155, 165};
+constexpr int kTextHeight = 66;   // px, of the three lines under a model
+constexpr int kTitleHeight = 34;  // px
+constexpr double kLetter = 1.5;   // px, see drawText()
+
+struct Model {
+  std::string name;
+  std::vector<const Instance*> instances;
+};
+
+// "house" of "house", "house#3", "house/wall 2" and "house#3/wall 2".
+std::string objectOf(const std::string& instance) {
+  return instance.substr(0, instance.find_first_of("#/"));
+}
+
+// Whether it is of the first of the object's copies.
+bool isFirstCopy(const std::string& instance) {
+  const std::size_t number = instance.find('#');
+  if (number == std::string::npos) return true;
+  return instance.substr(number + 1, instance.find('/', number) - number - 1) == "1";
+}
+
+// Without its numbers: "house 12 plinth" and "house 3 plinth" are of one series.
+std::string seriesOf(std::string name) {
+  std::erase_if(name, [](unsigned char c) { return std::isdigit(c) != 0; });
+  return name;
+}
+
+// The objects in their order.
+std::vector<Model> modelsOf(const Scene& scene) {
+  std::vector<Model> models;
+  std::map<std::string, std::size_t> known;  // the index of the last of each name
+  for (const Instance& instance : scene.instances) {
+    const std::string name = objectOf(instance.name);
+    const bool again = instance.name == name && known.contains(name);  // another object of this name
+    if (again || !known.contains(name)) {
+      known[name] = models.size();
+      models.push_back({name, {}});
+    }
+    Model& model = models[known[name]];
+    // An object without its first copy, which may be left out by chance, shows the first that it has.
+    if (isFirstCopy(instance.name) || model.instances.empty()) model.instances.push_back(&instance);
+  }
+  return models;
+}
+
+// Of too many, the first few of each series.
+void keepSome(std::vector<Model>& models) {
+  constexpr std::size_t kFew = 3;
+  if (models.size() <= kMostSheetCells) return;
+  std::map<std::string, std::size_t> shown;
+  std::erase_if(models, [&](const Model& m) { return shown[seriesOf(m.name)]++ >= kFew; });
+  if (models.size() > kMostSheetCells) models.resize(kMostSheetCells);
+}
+
+struct Shape {
+  std::vector<Vec3f> corners;  // m, in the frame of the first instance, where it does not lie on its side
+  std::vector<Rgb> colors;
+  Box box;
+  std::vector<std::pair<std::string, Rgb>> classes;  // the most frequent first
+};
+
+// The heading of an object is undone, its scale and its tilt stay.
+Affine upright(const Affine& worldFromMesh) {
+  const Vec3d x = worldFromMesh.linear.x;
+  const double heading = std::hypot(x.x, x.y) > 0 ? std::atan2(x.y, x.x) : 0;
+  const Mat3 turn = toMatrix(fromYawPitchRoll(-heading, 0, 0));
+  return {turn, turn * worldFromMesh.translation * -1.0};
+}
+
+Shape shapeOf(const Scene& scene, const Model& model) {
+  Shape shape;
+  const Affine own = upright(model.instances.front()->worldFromMesh);
+  std::map<std::uint16_t, std::size_t> triangles;
+  for (const Instance* instance : model.instances) {
+    const Mesh& mesh = scene.meshes[instance->mesh];
+    const Affine place = own * instance->worldFromMesh;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (const std::uint32_t corner : mesh.triangles[t]) {
+        shape.corners.emplace_back(place * Vec3d(mesh.positions[corner]));
+        shape.box.add(Vec3d(shape.corners.back()));
+      }
+      const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[t]].semantic;
+      const SemanticClass* const known = scene.ontology.find(semantic);
+      ++triangles[semantic];
+      shape.colors.push_back(semantic == 0 || known == nullptr ? kNoClass : known->color);
+    }
+  }
+  std::vector<std::pair<std::size_t, std::uint16_t>> order;
+  for (const auto& [semantic, count] : triangles) order.emplace_back(count, semantic);
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [count, semantic] : order) {
+    const SemanticClass* const known = scene.ontology.find(semantic);
+    const bool none = semantic == 0 || known == nullptr;
+    shape.classes.emplace_back(none ? "no class" : known->name, none ? kNoClass : known->color);
+  }
+  return shape;
+}
+
+void addPerson(Shape& shape) {
+  Mesh block;
+  block.surfaces.emplace_back();
+  const Vec3d beside{shape.box.center().x, shape.box.high.y + 0.6, shape.box.low.z + kPerson / 2};
+  appendBox(block, 0, {{}, beside}, {0.3, 0.5, kPerson});
+  for (const Triangle& t : block.triangles) {
+    for (const std::uint32_t corner : t) {
+      shape.corners.push_back(block.positions[corner]);
+      shape.box.add(Vec3d(block.positions[corner]));
+    }
+    shape.colors.push_back(kPersonColor);
+  }
+}
+
+// From the middle of the front along x, flat on the ground: the ends of segments.
+std::vector<Vec3f> arrowOf(Box& box) {
+  const Vec3d size = box.high - box.low;
+  const double length = 0.25 * std::max({size.x, size.y, size.z});
+  const Vec3d from{box.high.x, box.center().y, box.low.z};
+  const Vec3d tip = from + Vec3d{length, 0, 0};
+  const double barb = 0.3 * length;
+  box.add(tip);
+  return {Vec3f(from), Vec3f(tip),
+          Vec3f(tip),  Vec3f(tip + Vec3d{-barb, barb, 0}),
+          Vec3f(tip),  Vec3f(tip + Vec3d{-barb, -barb, 0})};
+}
+
+// Of a model of any size: coordinates are in units of its own size, so that a bus of 12 cm fills its cell too.
+Image drawModel(Canvas& canvas, Shape shape, int width, int height) {
+  addPerson(shape);
+  std::vector<Vec3f> arrow = arrowOf(shape.box);
+  const Vec3d size = shape.box.high - shape.box.low;
+  const double perMetre = 10 / std::max({size.x, size.y, size.z, 1e-9});
+  const Vec3d middle = shape.box.center();
+  for (std::vector<Vec3f>* points : {&shape.corners, &arrow}) {
+    for (Vec3f& p : *points) p = Vec3f((Vec3d(p) - middle) * perMetre);
+  }
+  OrbitCamera camera;
+  camera.yaw = radians(218);  // looks at the front and the left side
+  camera.pitch = radians(22);
+  camera.frame({(shape.box.low - middle) * perMetre, (shape.box.high - middle) * perMetre});
+  // What is not tall is lower in the picture than the ball that the camera takes in.
+  camera.distance *= size.z < 0.7 * std::max(size.x, size.y) ? 0.75 : 1;
+  const CanvasView view{{0, 0, width, height}, camera.camera(width, height), 1000, kCell, true};
+  canvas.setViews(std::array{view});
+  canvas.setTriangles(1, shape.corners, shape.colors);
+  canvas.setLines(2, arrow, std::vector<Rgb>(arrow.size() / 2, kArrowColor));
+  ItemLook line;
+  line.size = 3;
+  canvas.setLook(2, line);
+  canvas.render();
+  return canvas.read();
+}
+
+void drawCaption(Image& sheet, int x, int y, int width, const Model& model, const Shape& shape) {
+  const double margin = 8;
+  const double room = width - 2 * margin;
+  drawText(sheet, x + margin, y + 8, fitText(model.name, room, kLetter), kText, kLetter);
+  drawText(sheet, x + margin, y + 27, fitText(extentText(shape.box), room, kLetter), kFaint, kLetter);
+  double at = x + margin;
+  for (const auto& [name, color] : shape.classes) {
+    const double wide = 14 + textWidth(name, kLetter) + 12;
+    if (at + wide > x + width) break;
+    fillRectangle(sheet, static_cast<int>(at), y + 46, 10, 10, color);
+    drawText(sheet, at + 14, y + 46, name, kText, kLetter);
+    at += wide;
+  }
+}
+
+}  // namespace
+
+Image drawContactSheet(const Scene& scene) {
+  std::vector<Model> models = modelsOf(scene);
+  const std::size_t all = models.size();
+  keepSome(models);
+  const int width = models.size() == 1 ? 960 : models.size() <= 4 ? 640 : 320;
+  const int height = width * 2 / 3;
+  const auto columns = static_cast<int>(
+      std::min<std::size_t>(5, static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(models.size()))))));
+  const int rows = (static_cast<int>(models.size()) + columns - 1) / columns;
+  constexpr int kBetween = 2;
+  const int cellHeight = height + kTextHeight + kBetween;
+  Image sheet(columns * (width + kBetween) - kBetween, kTitleHeight + rows * cellHeight, kGap);
+  const std::string title =
+      fmt::format("{}: {} object{}{}; yellow: {} m, arrow: +x", scene.name, all, all == 1 ? "" : "s",
+                  models.size() == all ? "" : fmt::format(", {} of them here", models.size()), kPerson);
+  drawText(sheet, 8, 12, fitText(title, sheet.width - 16, kLetter), kText, kLetter);
+  const std::unique_ptr<Canvas> canvas = openOffscreen(width, height);
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const int x = static_cast<int>(i) % columns * (width + kBetween);
+    const int y = kTitleHeight + static_cast<int>(i) / columns * cellHeight;
+    const Shape shape = shapeOf(scene, models[i]);
+    fillRectangle(sheet, x, y, width, cellHeight - kBetween, kCell);
+    paste(sheet, drawModel(*canvas, shape, width, height), x, y);
+    drawCaption(sheet, x, y + height, width, models[i], shape);
+  }
+  return sheet;
+}
+
+}  // namespace scanmill
