@@ -218,6 +218,7 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
     fmt::print("\n{}", formatTable(rules));
   }
   for (const std::string& line : sizeWarnings(scene)) warn(line);
+  for (const std::string& line : thingSizeWarnings(scene)) warn(line);
   for (const std::string& line : ruleWarnings(scene)) warn(line);
   for (const std::string& line : shareWarnings(scene)) warn(line);
 }

@@ -162,6 +162,7 @@ int runPlan(const std::vector<std::string>& arguments) {
                       grouped(scene.instances.size()), grouped(scene.things()), grouped(scene.materials.size()),
                       grouped(scene.dropped.total()), scene.about});
     for (const std::string& line : sizeWarnings(scene)) warn(line);
+    for (const std::string& line : thingSizeWarnings(scene)) warn(line);
     for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
     for (const std::string& line : shareWarnings(scene)) warn(line);
     for (const std::string& line : ruleWarnings(scene)) rules.insert(line);

@@ -236,7 +236,7 @@ FBXHeaderExtension:  {
 Objects:  {
 	Geometry: 1, "Geometry::tri", "Mesh" {
 		Vertices: *9 {
-			a: 1,0,0,0,2,0,0,0,3
+			a: 100,0,0,0,200,0,0,0,300
 		}
 		PolygonVertexIndex: *3 {
 			a: 0,1,-3

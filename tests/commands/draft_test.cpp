@@ -1,5 +1,7 @@
 // `scanmill draft`: a scene file of 3D files, and a picture of it.
 
+#include <fmt/format.h>
+
 #include "base/file.h"
 #include "tests/commands/program.h"
 
@@ -26,6 +28,17 @@ TEST_F(DraftCommand, WritesASceneThatReadsAndAPicture) {
   const Outcome info = scanmill({"info", at("place.yaml")});
   EXPECT_EQ(info.code, 0) << info.error;
   EXPECT_THAT(info.out, AllOf(HasSubstr("tree"), HasSubstr("road"), HasSubstr("2 instances")));
+}
+
+// Files that differ by a number and are guessed alike have one line together.
+TEST_F(DraftCommand, TellsSeriesTogetherAndDoubts) {
+  for (int i = 0; i < 9; ++i) {
+    folder_.write(fmt::format("models/block_{}.obj", i), "o a\nv 0 0 0\nv 1 1 1\nv 1 0 1\nf 1 2 3\n");
+  }
+  const Outcome o = scanmill({"draft", at("models"), "-o", at("place.yaml")});
+  ASSERT_EQ(o.code, 0) << o.error;
+  EXPECT_THAT(o.out, AllOf(HasSubstr("block_*.obj (9 files)"), HasSubstr("doubtful"), HasSubstr("oak.obj"),
+                           testing::Not(HasSubstr("block_3"))));
 }
 
 TEST_F(DraftCommand, TakesWordsOfItsUsers) {

@@ -23,6 +23,14 @@ class Pictures : public SmallWorld {
   }
 };
 
+TEST_F(Pictures, OfTheObjectsOfAScene) {
+  const Outcome sheet = scanmill({"picture", SCANMILL_SOURCE_DIR "/scenes/primitives.yaml", "-o", at("sheet.png")});
+  ASSERT_EQ(sheet.code, 0) << sheet.error;
+  EXPECT_THAT(sheet.out, AllOf(HasSubstr("sheet.png"), HasSubstr("a cell for each object")));
+  EXPECT_THAT(readFile(at("sheet.png")), testing::StartsWith("\x89PNG"));
+  expectRefused(scanmill({"picture", pipeline_, "-o", at("p.png")}), "is a pipeline");
+}
+
 TEST_F(Pictures, CloseUps) {
   for (const std::string place : {"0,0,0", "-1.5,2,-1e-1"}) {
     const Outcome alone = scanmill(of({"--at", place, "--within", "60", "--size", "320x200"}));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -11,6 +12,7 @@
 #include "base/path.h"
 #include "base/random.h"
 #include "config/waypoints.h"
+#include "scene/surface_distance.h"
 
 namespace scanmill {
 namespace {
@@ -75,7 +77,7 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
   if (const Value* copies = object.find("copies"); copies != nullptr && copies->kind == Value::Kind::Map) {
     if (const Value* value = copies->find("scatter")) {
       Fields f(*value, "scatter");
-      f.also({"on", "count", "density", "spacing", "slope_deg", "within", "covered"}).finish();
+      f.also({"on", "count", "density", "spacing", "slope_deg", "within", "covered", "distance_from"}).finish();
       Scatter s;
       s.where = value->where;
       s.classes = readClasses(f, "on", ontology);
@@ -87,6 +89,7 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
       if (f.has("spacing")) s.spacing = f.number("spacing", {1e-3, 1e5});
       s.slope = radians(f.number("slope_deg", {0, 90}, 90));
       s.covered = f.boolean("covered", false);
+      if (const Value* from = f.find("distance_from")) s.distances = readDistances(*from, ontology);
       if (const Value* within = f.find("within")) {
         const bool pair = within->kind == Value::Kind::Sequence && within->items.size() == 2;
         std::array<Vec3d, 2> corners;
@@ -135,7 +138,33 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
   }
 }
 
-std::vector<Pose> Arrangement::scattered(const SurfaceHeights& heights, std::uint64_t seed,
+std::vector<Arrangement::Distance> Arrangement::readDistances(const Value& value, const Ontology& ontology) {
+  if (value.kind != Value::Kind::Map || value.entries.empty()) {
+    throw InputError(value.where, "distance_from must be {class: [least, most]} in m, or {class: least}");
+  }
+  std::vector<Distance> distances;
+  for (const auto& [name, ends] : value.entries) {
+    Distance d;
+    d.where = ends.where;
+    d.semantic = ontology.require(name, ends.where).id;
+    constexpr Range kMetres{0, 1000};
+    if (ends.kind == Value::Kind::Sequence) {
+      const std::vector<double> both = readNumbers(ends, "distance_from", kMetres);
+      if (both.size() != 2 || both[0] > both[1]) {
+        throw InputError(ends.where, "a distance is [least, most] in m, or the least alone");
+      }
+      d.least = both[0];
+      d.most = both[1];
+    } else {
+      d.least = readNumber(ends, "distance_from", kMetres);
+      d.most = std::numeric_limits<double>::infinity();
+    }
+    distances.push_back(d);
+  }
+  return distances;
+}
+
+std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeights& heights, std::uint64_t seed,
                                          std::uint32_t object) const {
   const Scatter& s = *scatter_;
   const SurfaceHeights::Area area = heights.area(s.classes);
@@ -160,6 +189,20 @@ std::vector<Pose> Arrangement::scattered(const SurfaceHeights& heights, std::uin
         s.where,
         fmt::format("makes {:.2g} copies on {:.4g} square metres: take a higher density, or a count", wanted, own));
   }
+  std::vector<SurfaceDistance> from;
+  for (const Distance& d : s.distances) {
+    from.emplace_back(scene, std::vector{d.semantic}, std::isfinite(d.most) ? d.most : d.least);
+    if (from.back().empty() && std::isfinite(d.most)) {
+      throw InputError(d.where, "no object above this one has triangles of this class to be near to");
+    }
+  }
+  const auto isFarEnough = [&](const Vec3d& p) {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const double distance = from[i].at(p.x, p.y);
+      if (distance < s.distances[i].least || distance > s.distances[i].most) return false;
+    }
+    return true;
+  };
   std::uint64_t misses = 0;
   // By density: as many of so many places as are free.
   const std::uint64_t tries = s.count ? kTries * most : most;
@@ -185,14 +228,14 @@ std::vector<Pose> Arrangement::scattered(const SurfaceHeights& heights, std::uin
       }
     }
     ++misses;
-    if (!free || !spaced.take(p)) continue;
+    if (!free || !isFarEnough(p) || !spaced.take(p)) continue;
     misses = 0;
     places.push_back({fromYawPitchRoll(2 * kPi * uniform(b[3]), 0, 0), p});
   }
   if (s.count && places.size() < most) {
-    throw InputError(s.where, fmt::format("only {} of {} copies find room: take a smaller count, less spacing or more "
-                                          "classes",
-                                          places.size(), most));
+    throw InputError(s.where, fmt::format("only {} of {} copies find room with the seed {}: take a smaller count, less "
+                                          "spacing, wider distances or more classes",
+                                          places.size(), most, seed));
   }
   return places;
 }
@@ -212,11 +255,12 @@ std::vector<Pose> Arrangement::alongPath() const {
   return places;
 }
 
-std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, const SurfaceHeights* heights,
-                                                   std::uint64_t seed, std::uint32_t object, std::size_t variants,
+std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, const Scene& scene,
+                                                   const SurfaceHeights* heights, std::uint64_t seed,
+                                                   std::uint32_t object, std::size_t variants,
                                                    const std::function<double(const Copy&)>& lowest) const {
   std::vector<Pose> outer{Pose{}};
-  if (scatter_) outer = scattered(*heights, seed, object);
+  if (scatter_) outer = scattered(scene, *heights, seed, object);
   if (along_) outer = alongPath();
   if (outer.size() * placement.count() > Placement::kMostCopies) {
     throw InputError(scatter_ ? scatter_->where
@@ -272,8 +316,8 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
       "less than 60 degrees steep (objects below it are not there yet)",
       lost->x, lost->y, standOn_->classes.empty() ? "" : "of these classes ");
   if (standing.empty()) throw InputError(standOn_->where, why);
-  warn(fmt::format("{}: {} of {} copies are left out: {}", standOn_->where.text(), all.size() - standing.size(),
-                   all.size(), why));
+  warn(fmt::format("{}: {} of {} copies are left out with the seed {}: {}", standOn_->where.text(),
+                   all.size() - standing.size(), all.size(), seed, why));
   return standing;
 }
 

@@ -21,7 +21,8 @@ namespace scanmill {
 // YAML keys of an object besides those of its placement:
 //
 //   copies:
-//     scatter: {on: [terrain], count: 200, spacing: 3, slope_deg: 30, within: [[x, y], [x, y]], covered: false}
+//     scatter: {on: [terrain], count: 200, spacing: 3, slope_deg: 30, within: [[x, y], [x, y]], covered: false,
+//       distance_from: {road: [1, 4], building: 3}}    # m, as seen from above: least and most, or least
 //                                      # or density: 0.02 (a square metre as seen from above) in place of count
 //     along: {waypoints: [[x, y, z], ...], every: 8, left: 3}
 //   vary: {yaw_deg: [0, 360], scale: [0.8, 1.2], position: 0.5, presence: 0.9, material: [car_paint, car_paint_dark]}
@@ -29,7 +30,7 @@ namespace scanmill {
 //
 // The copies of the placement stand at each scattered place, which turns with a random yaw, or at each place along the
 // path, which turns with it. `vary` turns a copy about the vertical through its own place. Random numbers follow from
-// the scene's seed and the object's number in it.
+// the scene's seed and a number of the object.
 class Arrangement {
  public:
   // Reads `copies.scatter`, `copies.along`, `vary` and `stand_on`. Throws InputError with the place.
@@ -45,16 +46,22 @@ class Arrangement {
     std::size_t variant = 0;  // which of several shapes or materials it has
   };
 
-  // Every copy, which has one of `variants` at random. `heights`: of what is in the scene before it, where
+  // Every copy, which has one of `variants` at random. `heights`: of `scene`, what is there before it, where
   // needsSurfaces(). `lowest`: the height of a copy's lowest point (m). Throws InputError where there is no such
   // surface, or no room.
-  std::vector<Copy> places(const Placement& placement, const SurfaceHeights* heights, std::uint64_t seed,
-                           std::uint32_t object, std::size_t variants,
+  std::vector<Copy> places(const Placement& placement, const Scene& scene, const SurfaceHeights* heights,
+                           std::uint64_t seed, std::uint32_t object, std::size_t variants,
                            const std::function<double(const Copy&)>& lowest) const;
 
  private:
+  struct Distance {
+    std::uint16_t semantic = 0;
+    double least = 0, most = 0;  // m; infinite: no most
+    Location where;
+  };
   struct Scatter {
     std::vector<std::uint16_t> classes;
+    std::vector<Distance> distances;
     std::optional<std::uint64_t> count;
     double density = 0;  // 1/m^2
     double spacing = 0;  // m
@@ -77,7 +84,9 @@ class Arrangement {
     std::vector<std::uint16_t> classes;  // empty: all that are no things
     Location where;
   };
-  std::vector<Pose> scattered(const SurfaceHeights& heights, std::uint64_t seed, std::uint32_t object) const;
+  static std::vector<Distance> readDistances(const Value& value, const Ontology& ontology);
+  std::vector<Pose> scattered(const Scene& scene, const SurfaceHeights& heights, std::uint64_t seed,
+                              std::uint32_t object) const;
   std::vector<Pose> alongPath() const;
 
   std::optional<Scatter> scatter_;

@@ -72,7 +72,8 @@ std::uint32_t SceneBuilder::addMesh(Mesh mesh) {
 }
 
 void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where,
-                         std::shared_ptr<const Movement> movement, std::shared_ptr<const Animation> animation) {
+                         std::shared_ptr<const Movement> movement, std::shared_ptr<const Animation> animation,
+                         const std::string& thing) {
   const Mat3& linear = worldFromMesh.linear;
   if (!isFinite(linear.x) || !isFinite(linear.y) || !isFinite(linear.z) || !isFinite(worldFromMesh.translation)) {
     throw InputError(where, fmt::format("the transform of '{}' is not finite", name));
@@ -87,9 +88,19 @@ void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::s
   if (objects > std::numeric_limits<std::uint32_t>::max() - nextInstanceId_) {
     throw InputError(where, "the scene holds more than 4294967294 things, beyond what instance ids can tell apart");
   }
+  std::uint32_t id = objects > 0 ? nextInstanceId_ : 0;
+  if (objects > 0 && !thing.empty()) {
+    if (objects > 1) {
+      throw InputError(where, fmt::format("'{}' holds {} things, which cannot all be the thing '{}': leave out "
+                                          "`instances` or `thing`",
+                                          name, objects, thing));
+    }
+    const auto [known, added] = things_.emplace(thing, id);
+    id = known->second;
+    if (!added) objects = 0;
+  }
   const Affine start = movement == nullptr ? worldFromMesh : toAffine(movement->at(0)) * worldFromMesh;
-  scene_.instances.push_back(
-      {mesh, start, objects > 0 ? nextInstanceId_ : 0, std::move(name), std::move(movement), std::move(animation)});
+  scene_.instances.push_back({mesh, start, id, std::move(name), std::move(movement), std::move(animation)});
   nextInstanceId_ += objects;
 }
 

@@ -3,6 +3,7 @@
 // Puts a scene together: finds classes and materials by their names, cleans meshes, gives things their instance ids.
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -38,9 +39,11 @@ class SceneBuilder {
 
   // Places a mesh in the world (m). Its things get the next instance ids, counted from 1, so that ids follow from the
   // order of placement alone. Throws an InputError at `where` for a transform that is singular or not finite.
-  // With a movement `worldFromMesh` is its place relative to that of the movement.
+  // With a movement `worldFromMesh` is its place relative to that of the movement. What is placed under the same name
+  // of a thing is that one thing, with one id; an empty one names none. Throws for a mesh of several things with one.
   void place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where = {},
-             std::shared_ptr<const Movement> movement = nullptr, std::shared_ptr<const Animation> animation = nullptr);
+             std::shared_ptr<const Movement> movement = nullptr, std::shared_ptr<const Animation> animation = nullptr,
+             const std::string& thing = {});
 
   // What has been placed so far.
   const Scene& soFar() const { return scene_; }
@@ -67,6 +70,7 @@ class SceneBuilder {
   Scene scene_;
   MaterialLibrary library_;
   std::uint32_t nextInstanceId_ = 1;
+  std::map<std::string, std::uint32_t> things_;  // ids of those that have a name
 };
 
 }  // namespace scanmill

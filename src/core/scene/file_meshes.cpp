@@ -25,7 +25,7 @@ std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset
   const std::filesystem::path canonical = std::filesystem::weakly_canonical(file, ignored);
   std::string key =
       fmt::format("{}\n{}\n{}\n{}\n{}\n{}", (ignored ? file : canonical).string(), labelling.file, asset.metresPerUnit,
-                  asset.up.value_or('-'), static_cast<int>(asset.alpha), labelling.perNode);
+                  asset.up.value_or('-'), static_cast<int>(asset.alpha), labelling.things.text());
   key += '\n' + keyOf(asset.points, asset.heights);
   if (asset.clip) key += fmt::format("\n{}\n{}", asset.clip->clip, asset.clip->time);
   for (const Rule& r : labelling.rules) {

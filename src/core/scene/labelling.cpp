@@ -153,6 +153,43 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
   }
 }
 
+// Divides parts that hold several things. Gives each part the number of its thing, 0 where it is of none.
+std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::vector<const SemanticClass*>& classes,
+                                        const ThingBounds& bounds) {
+  std::vector<ThingTriangles> ofThings;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (classes[i] != nullptr && classes[i]->thing) ofThings.push_back({&parts[i].part, classes[i]->id});
+  }
+  const std::vector<std::vector<std::uint32_t>> numbers = numberThings(bounds, ofThings);
+  std::vector<LabelledPart> divided;
+  std::vector<const SemanticClass*> dividedClasses;
+  std::vector<std::uint32_t> objects;
+  const auto add = [&](LabelledPart part, const SemanticClass* semantic, std::uint32_t object) {
+    divided.push_back(std::move(part));
+    dividedClasses.push_back(semantic);
+    objects.push_back(object);
+  };
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    LabelledPart& whole = parts[i];
+    std::map<std::uint32_t, std::vector<std::size_t>> trianglesOf;
+    if (classes[i] != nullptr && classes[i]->thing) {
+      const std::vector<std::uint32_t>& own = numbers[next++];
+      for (std::size_t t = 0; t < own.size(); ++t) trianglesOf[own[t]].push_back(t);
+    }
+    if (trianglesOf.size() < 2) {
+      add(std::move(whole), classes[i], trianglesOf.empty() ? 0 : trianglesOf.begin()->first);
+      continue;
+    }
+    for (const auto& [object, triangles] : trianglesOf) {
+      add({some(whole.part, triangles), whole.classRule, whole.materialRule}, classes[i], object);
+    }
+  }
+  parts = std::move(divided);
+  classes = std::move(dividedClasses);
+  return objects;
+}
+
 // The mesh of some parts of the file; none where no triangle of them can be traced. `dropped` are triangles that they
 // have lost already, and in the end all.
 std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> assetParts, const Vec3d& origin,
@@ -162,20 +199,15 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
   std::vector<LabelledPart> parts;
   for (AssetPart& part : assetParts) applyRules(std::move(part), labelling, frame, counts, parts);
   std::erase_if(parts, [](const LabelledPart& p) { return p.classRule != nullptr && p.classRule->drop; });
-  checkSize(parts, labelling, where);
 
   std::vector<const SemanticClass*> classes;
-  std::map<std::uint32_t, std::uint32_t> objectOfNode;  // things only, numbered in the order of the nodes
   for (const LabelledPart& p : parts) {
     const Rule* const rule = p.classRule;
     classes.push_back(rule == nullptr ? builder.ontology().find(p.part.ownClass)
                                       : &builder.ontology().require(rule->className, rule->where));
-    if (classes.back() && classes.back()->thing) objectOfNode.emplace(p.part.nodeIndex, 1);
   }
-  if (labelling.perNode) {
-    std::uint32_t number = 0;
-    for (auto& [node, object] : objectOfNode) object = ++number;
-  }
+  const std::vector<std::uint32_t> objects = divideThings(parts, classes, labelling.things);
+  checkSize(parts, labelling, where);
 
   Mesh mesh;
   mesh.name = labelling.file;
@@ -193,7 +225,7 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
     Surface surface;
     surface.material = builder.addMaterial(materials[i]);
     surface.semantic = classes[i] ? classes[i]->id : std::uint16_t{0};
-    surface.object = classes[i] && classes[i]->thing ? objectOfNode.at(part.nodeIndex) : 0;
+    surface.object = objects[i];
     surface.node = part.node;
     mesh.surfaces.push_back(std::move(surface));
     append(mesh, part, static_cast<std::uint16_t>(i), withUvs);

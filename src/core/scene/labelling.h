@@ -9,13 +9,14 @@
 #include "scene/assets/asset.h"
 #include "scene/builder.h"
 #include "scene/rules.h"
+#include "scene/things.h"
 
 namespace scanmill {
 
 struct Labelling {
   std::vector<Rule> rules;  // first match wins
   std::string file;         // as the scene names it; patterns of `file` are compared with it
-  bool perNode = false;     // true: each node of a thing class is a thing; false: the whole asset is one
+  ThingBounds things = {};  // which of what has a thing class is one
   bool counted = false;     // what it drops or leaves unlabelled has been counted, of another moment of it
 };
 

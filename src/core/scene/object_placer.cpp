@@ -4,11 +4,23 @@
 
 #include <algorithm>
 #include <limits>
+#include <string_view>
 
 namespace scanmill {
+namespace {
 
-Copies ObjectPlacer::read(Fields& object, std::uint32_t number) const {
-  Copies copies{readPlacement(object), Arrangement(object, builder_.ontology()), number, nullptr, nullptr};
+// FNV-1a (Fowler, Noll and Vo; RFC 9923): the same on all machines.
+std::uint32_t hash32(std::string_view text) {
+  std::uint32_t hash = 2166136261U;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
+  return hash;
+}
+
+}  // namespace
+
+Copies ObjectPlacer::read(Fields& object) const {
+  Copies copies{readPlacement(object), Arrangement(object, builder_.ontology()), object.text("thing", ""), nullptr,
+                nullptr};
   const Value* const moving = object.find("moving");
   if (moving == nullptr) return copies;
   if (copies.arrangement.needsSurfaces()) {
@@ -42,14 +54,16 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
   return lowest;
 }
 
-std::vector<Arrangement::Copy> ObjectPlacer::placesOf(const Copies& copies, std::size_t variants,
-                                                      const Chosen& meshesOf) {
+// An object's random numbers follow from its name, and not from what else is in the scene; objects of one name differ.
+std::vector<Arrangement::Copy> ObjectPlacer::placesOf(const Copies& copies, const std::string& name,
+                                                      std::size_t variants, const Chosen& meshesOf) {
+  const std::uint32_t object = hash32(fmt::format("{}\n{}", name, named_[name]++));
   if (copies.arrangement.needsSurfaces()) {
     if (!heights_) heights_.emplace(builder_.soFar());
     heights_->update();
   }
   return copies.arrangement.places(
-      copies.placement, heights_ ? &*heights_ : nullptr, seed_, copies.object, variants,
+      copies.placement, builder_.soFar(), heights_ ? &*heights_ : nullptr, seed_, object, variants,
       [&](const Arrangement::Copy& c) { return lowestOf(meshesOf(c.variant), c.worldFromMesh); });
 }
 
@@ -60,7 +74,7 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
     if (known[k] == nullptr) known[k] = &variants.meshes(k);
     return *known[k];
   };
-  const std::vector<Arrangement::Copy> places = placesOf(copies, variants.count, meshesOf);
+  const std::vector<Arrangement::Copy> places = placesOf(copies, name, variants.count, meshesOf);
   std::uint64_t count = 0;
   for (const Arrangement::Copy& copy : places) {
     for (const PlacedMesh& m : meshesOf(copy.variant)) count += std::max<std::size_t>(m.assetFromMesh.size(), 1);
@@ -74,15 +88,17 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
   for (const auto& [worldFromAsset, variant] : places) {
     ++number;
     const std::string own = places.size() == 1 ? name : fmt::format("{}#{}", name, number);
+    const std::string thing = copies.thing.empty() ? "" : fmt::format("{}#{}", copies.thing, number);
     const std::vector<PlacedMesh>& meshes = meshesOf(variant);
     for (const PlacedMesh& m : meshes) {
       if (m.assetFromMesh.empty()) {
-        builder_.place(m.mesh, worldFromAsset, own, where, copies.movement, copies.animation);
+        builder_.place(m.mesh, worldFromAsset, own, where, copies.movement, copies.animation, thing);
       }
       for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
         const bool alone = meshes.size() == 1 && m.assetFromMesh.size() == 1;
         builder_.place(m.mesh, worldFromAsset * m.assetFromMesh[i],
-                       alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), where, copies.movement);
+                       alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), where, copies.movement, nullptr,
+                       thing);
       }
     }
   }

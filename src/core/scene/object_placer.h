@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,7 +23,7 @@ namespace scanmill {
 struct Copies {
   Placement placement;
   Arrangement arrangement;
-  std::uint32_t object = 0;                    // its number in the scene
+  std::string thing;                           // that the n-th copies of all objects of this name are; empty: none
   std::shared_ptr<const Movement> movement;    // null: it stands still
   std::shared_ptr<const Animation> animation;  // null: it keeps its mesh
 };
@@ -38,9 +39,8 @@ class ObjectPlacer {
  public:
   ObjectPlacer(SceneBuilder& builder, std::uint64_t seed) : builder_(builder), seed_(seed) {}
 
-  // Reads the keys of an object's places from its map; `object` is its number in the scene. Throws InputError with the
-  // place.
-  Copies read(Fields& object, std::uint32_t number) const;
+  // Reads the keys of an object's places from its map. Throws InputError with the place.
+  Copies read(Fields& object) const;
 
   // Places all copies, in order. Throws InputError, at `where` for more than Placement::kMostCopies in the scene.
   void place(const Variants& variants, const std::string& name, const Copies& copies, const Location& where);
@@ -51,12 +51,14 @@ class ObjectPlacer {
  private:
   using Chosen = std::function<const std::vector<PlacedMesh>&(std::size_t)>;
   double lowestOf(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const;
-  std::vector<Arrangement::Copy> placesOf(const Copies& copies, std::size_t variants, const Chosen& meshesOf);
+  std::vector<Arrangement::Copy> placesOf(const Copies& copies, const std::string& name, std::size_t variants,
+                                          const Chosen& meshesOf);
 
   SceneBuilder& builder_;
   std::uint64_t seed_;
   std::optional<SurfaceHeights> heights_;
   std::uint64_t placed_ = 0;
+  std::map<std::string, std::uint32_t> named_;  // how many objects of a name there were
 };
 
 }  // namespace scanmill

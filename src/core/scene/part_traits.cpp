@@ -1,61 +1,21 @@
 #include "scene/part_traits.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
-#include <unordered_map>
 
 #include "scene/assets/texture.h"
+#include "scene/connected_parts.h"
 
 namespace scanmill {
 namespace {
 
-// For each vertex the first one at its place.
-std::vector<std::uint32_t> firstAtPlace(const std::vector<Vec3f>& positions) {
-  struct Hash {
-    std::size_t operator()(const Vec3f& p) const {
-      std::uint64_t hash = 0;
-      for (const float value : {p.x, p.y, p.z}) {
-        hash = (hash ^ std::bit_cast<std::uint32_t>(value + 0.0f)) * 0x9E3779B97F4A7C15;  // -0 is 0
-        hash ^= hash >> 29;
-      }
-      return hash;
-    }
-  };
-  struct Equal {
-    bool operator()(const Vec3f& a, const Vec3f& b) const { return a.x == b.x && a.y == b.y && a.z == b.z; }
-  };
-  std::unordered_map<Vec3f, std::uint32_t, Hash, Equal> known;
-  known.reserve(positions.size());
-  std::vector<std::uint32_t> first;
-  first.reserve(positions.size());
-  for (const Vec3f& p : positions) {
-    first.push_back(known.emplace(p, static_cast<std::uint32_t>(first.size())).first->second);
-  }
-  return first;
-}
-
 std::vector<double> sizesOf(const AssetPart& part) {
-  std::vector<std::uint32_t> parent = firstAtPlace(part.positions);
-  const auto root = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const Triangle& t : part.triangles) {
-    const std::uint32_t first = root(t[0]);
-    for (const std::uint32_t corner : {t[1], t[2]}) parent[root(corner)] = first;
-  }
-  std::vector<Box> boxes(part.positions.size());
-  for (const Triangle& t : part.triangles) {
-    Box& box = boxes[root(t[0])];
-    for (const std::uint32_t corner : t) box.add(Vec3d(part.positions[corner]));
-  }
+  const ConnectedParts connected = connect({&part});
   std::vector<double> sizes;
   sizes.reserve(part.triangles.size());
-  for (const Triangle& t : part.triangles) {
-    const Vec3d size = boxes[root(t[0])].high - boxes[root(t[0])].low;
+  for (const std::uint32_t number : connected.of.front()) {
+    const Vec3d size = connected.boxes[number].high - connected.boxes[number].low;
     sizes.push_back(std::max({size.x, size.y, size.z}));
   }
   return sizes;

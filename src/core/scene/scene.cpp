@@ -43,9 +43,12 @@ std::uint64_t Scene::placedTriangles() const {
 }
 
 std::uint32_t Scene::things() const {
-  std::uint32_t count = 0;
-  for (const Instance& instance : instances) count += meshes[instance.mesh].objects;
-  return count;
+  std::uint32_t last = 0;  // ids count from 1, and objects may share them
+  for (const Instance& instance : instances) {
+    const std::uint32_t objects = meshes[instance.mesh].objects;
+    if (objects > 0) last = std::max(last, instance.firstInstanceId + objects - 1);
+  }
+  return last;
 }
 
 // The corners of each mesh's box are placed, not its vertices: a million copies cost a million boxes. The result holds

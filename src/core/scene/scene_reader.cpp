@@ -19,8 +19,10 @@
 //                                        # ignore (no: all is solid), auto (default: as the file's materials declare;
 //                                        # where they do not, what looks like cut-outs: see AlphaUse in
 //                                        # scene/assets/asset.h)
-//   instances: node                      # node: each node with a thing class is a thing of its own;
-//                                        # object (default, but for clouds): the placed asset is one thing
+//   instances: node                      # node: each node with a thing class is a thing of its own; part: what is
+//                                        # connected; /chair_[0-9]+/: nodes whose names match alike; object (default,
+//                                        # but for clouds): the placed asset is one thing. See scene/things.h
+//   thing: tree_1                        # what all objects with this key and name are together, copy by copy
 //   points: {...}, heights: {...}        # of clouds of points and rasters of heights: see
 //                                        # scene/surveys/survey_options.h
 //   animation: {clip: walk}              # of glTF: it plays over and over; with time_s it stands as it is then
@@ -88,7 +90,6 @@ class SceneReader {
   void readObject(const Value& value) {
     Fields f(value, "object");
     const std::string kind = kindOf(f, value.where);
-    ++objects_;
     if (kind == "file") return readFileObject(f);
     if (kind == "primitive") return readPrimitive(f);
     const bool street = kind == "street";
@@ -119,7 +120,7 @@ class SceneReader {
       f.also({"file",     "primitive", "street",   "town",     "name",   "position", "yaw_deg", "pitch_deg",
               "roll_deg", "rotation",  "scale",    "copies",   "up",     "unit",     "alpha",   "instances",
               "rules",    "class",     "material", "size",     "cells",  "radius",   "height",  "segments",
-              "moving",   "animation", "vary",     "stand_on", "points", "heights"})
+              "moving",   "animation", "vary",     "stand_on", "points", "heights",  "thing"})
           .finish();
       throw InputError(where,
                        "an object is exactly one of file, primitive, street and town (`town: {}` where all of its "
@@ -152,7 +153,7 @@ class SceneReader {
 
  private:
   Copies copiesOf(Fields& f) {
-    Copies copies = placer_.read(f, objects_);
+    Copies copies = placer_.read(f);
     random_ = random_ || copies.arrangement.random();
     return copies;
   }
@@ -224,7 +225,7 @@ class SceneReader {
       Variant variant{file, asset, {}};
       const bool cloud = isCloud(file);
       variant.labelling.file = called;
-      variant.labelling.perNode = f.choice("instances", {"object", "node"}, cloud ? "node" : "object") == "node";
+      variant.labelling.things = readThingBounds(f, cloud ? ThingBounds::By::Node : ThingBounds::By::Object);
       variant.labelling.rules = rules;
       readSurvey(f, file, cloud, variant.asset);
       for (const std::string& material : materials) {
@@ -246,6 +247,10 @@ class SceneReader {
     }
     if (clip && !clip->second) {
       const Variant& one = all.front();
+      if (one.labelling.things.by == ThingBounds::By::Part) {
+        throw InputError(one.labelling.things.where,
+                         "connected parts may be others at every moment of a clip that plays: take node or object");
+      }
       const std::shared_ptr<const Animation> animation =
           files_.playing(one.file, one.asset, one.labelling, clip->first, fileValue.where);
       if (animation->meshes.size() > 1) copies.animation = animation;
@@ -383,7 +388,6 @@ class SceneReader {
   ObjectPlacer placer_;
   std::uint64_t procedural_ = 0;
   std::uint64_t towns_ = 0;
-  std::uint32_t objects_ = 0;
   bool random_ = false;
 };
 

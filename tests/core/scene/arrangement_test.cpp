@@ -116,6 +116,74 @@ TEST_F(Arrangements, FollowFromTheSeedAndTheObject) {
   EXPECT_FALSE(scene("").procedural);
 }
 
+// What else is in the scene, or is added before an object, does not move its copies; objects of one name differ.
+TEST_F(Arrangements, DoNotFollowFromOtherObjects) {
+  const auto first = [&](const std::string& before) {
+    const Scene s =
+        scene(before +
+              "  - {name: post, primitive: box, size: [1, 1, 1], class: pole, material: wood, position: [9, "
+              "9, 9], vary: {position: 4, yaw_deg: [0, 90]}}");
+    const auto post =
+        std::find_if(s.instances.begin(), s.instances.end(), [](const auto& i) { return i.name == "post"; });
+    return post->worldFromMesh;
+  };
+  const std::string other = ", primitive: box, size: [1, 1, 1], class: pole, material: wood, vary: {position: 4}}\n";
+  EXPECT_EQ(first(""), first("  - {name: b" + other + "  - {name: c" + other));
+  const Scene twins = scene("  - {name: a" + other + "  - {name: a" + other);
+  EXPECT_NE(twins.instances[3].worldFromMesh, twins.instances[4].worldFromMesh);
+}
+
+// The road's edges are at x = 26 and 34, the house's walls at x = -30 and -10, y = 5 and 15.
+TEST_F(Arrangements, KeepTheirDistanceFromClasses) {
+  const auto posts =
+      this->posts("copies: {scatter: {on: [terrain], count: 200, distance_from: {road: [1, 4], building: 3}}}");
+  ASSERT_EQ(posts.size(), 200u);
+  double nearest = 9, farthest = 0;
+  for (const Affine& post : posts) {
+    const double away = std::fabs(post.translation.x - 30) - 4;
+    nearest = std::min(nearest, away);
+    farthest = std::max(farthest, away);
+  }
+  EXPECT_GE(nearest, 1 - 1e-4);
+  EXPECT_LT(nearest, 1.1);
+  EXPECT_LE(farthest, 4 + 1e-4);
+  EXPECT_GT(farthest, 3.9);
+  double fromHouse = 99;
+  for (const Affine& post :
+       this->posts("copies: {scatter: {on: [terrain], count: 900, distance_from: {building: 3}}}")) {
+    const Vec3d p = post.translation;
+    fromHouse = std::min(fromHouse,
+                         std::hypot(std::max(std::fabs(p.x + 20) - 10, 0.0), std::max(std::fabs(p.y - 10) - 5, 0.0)));
+  }
+  EXPECT_GE(fromHouse, 3 - 1e-4);
+  EXPECT_LT(fromHouse, 4);
+  EXPECT_EQ(this->posts("copies: {scatter: {on: [terrain], count: 9, distance_from: {tree: 5}}}").size(), 9u)
+      << "far from what there is not";
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 9, distance_from: {tree: [0, 5]}}}"),
+              AllOf(HasSubstr("s.yaml:7"), HasSubstr("no object above")));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 9, distance_from: {roof: 5}}}"), HasSubstr("roof"));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 9, distance_from: {road: [4, 1]}}}"),
+              HasSubstr("[least, most]"));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 9, distance_from: 4}}"), HasSubstr("class"));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 9, spacing: 90}}"), HasSubstr("seed 1"));
+}
+
+// Objects of one name of a thing are that one, copy by copy.
+TEST_F(Arrangements, SeveralObjectsMayBeOneThing) {
+  const std::string box =
+      ", primitive: box, size: [1, 1, 1], material: wood, copies: {grid: {count: [2, 1, 1], spacing: "
+      "[5, 5, 5]}}, class: ";
+  const Scene s = scene("  - {name: crown, thing: oak" + box + "tree}\n  - {name: stem, thing: oak" + box +
+                        "trunk}\n  - {name: other" + box + "tree}");
+  ASSERT_EQ(s.instances.size(), 9u);
+  const auto id = [&](std::size_t i) { return instanceId(s.instances[i], s.meshes[s.instances[i].mesh].surfaces[0]); };
+  EXPECT_EQ(id(3), id(5));
+  EXPECT_EQ(id(4), id(6));
+  EXPECT_NE(id(3), id(4));
+  EXPECT_EQ(std::set({id(2), id(3), id(4), id(7), id(8)}).size(), 5u);
+  EXPECT_EQ(s.things(), 5u);
+}
+
 TEST_F(Arrangements, AlongAPathTheyFollowItBesideIt) {
   const auto found = posts("copies: {along: {waypoints: [[0, 0, 0], [0, 40, 0]], every: 10, left: 3}}");
   ASSERT_EQ(found.size(), 5u);

@@ -41,9 +41,10 @@ struct Labelled {
   std::map<std::string, std::uint64_t> classes;
 };
 
-Labelled labelled(std::vector<AssetPart> parts, const std::string& rules) {
+Labelled labelled(std::vector<AssetPart> parts, const std::string& rules, const ThingBounds& things = {}) {
   SceneBuilder b = builder();
   Labelling labelling;
+  labelling.things = things;
   labelling.file = "asset.obj";
   labelling.rules = readRules(parseYaml(rules, "rules.yaml"));
   Asset asset;
@@ -141,6 +142,28 @@ TEST(Labelling, AMergedMeshComesApartByHeightBoxAndSizeOfConnectedParts) {
                               "- {match: {size: [3.9, 4.1]}, class: structure}\n"
                               "- {match: {box: [[49, 49, -9], [51, 51, -7]]}, class: object}\n");
   EXPECT_EQ(l.classes, (Classes{{"road", 2}, {"structure", 4}, {"object", 2}}));
+}
+
+TEST(Labelling, DividesAMeshIntoItsConnectedThings) {
+  AssetPart p = part("merged");
+  addSquare(p, {0, 0, 0}, 50);
+  addSquare(p, {5, 5, 1}, 2);
+  addSquare(p, {15, 5, 1}, 2);
+  ThingBounds byPart;
+  byPart.by = ThingBounds::By::Part;
+  const Labelled l = labelled({p}, "- {match: {size: [0, 10]}, class: car}\n- {match: any, class: road}\n", byPart);
+  EXPECT_EQ(l.classes, (Classes{{"car", 4}, {"road", 2}}));
+  EXPECT_EQ(l.scene.things(), 2u);
+  const Mesh& mesh = l.scene.meshes[0];
+  std::map<std::uint32_t, Box> boxes;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const std::uint32_t c : mesh.triangles[t]) {
+      boxes[mesh.surfaces[mesh.surfaceOf[t]].object].add(Vec3d(mesh.positions[c]));
+    }
+  }
+  EXPECT_EQ(boxes[1].low.x, 5);
+  EXPECT_EQ(boxes[2].low.x, 15);
+  EXPECT_EQ(boxes[0].high.x, 50) << "the road is no thing";
 }
 
 TEST(Labelling, TellsWhatCameOfEachRule) {

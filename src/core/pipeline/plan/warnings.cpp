@@ -6,9 +6,12 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "base/grouped.h"
+#include "config/resources.h"
 #include "pipeline/plan/own_vehicle.h"
+#include "scene/draft/usual_sizes.h"
 
 namespace scanmill {
 
@@ -20,12 +23,39 @@ constexpr std::size_t kMostLines = 5;
 constexpr double kTown = 30;         // m, larger than any thing
 constexpr std::size_t kSeveral = 3;  // nodes
 constexpr double kMostBlocked = 0.5;
+constexpr double kUnusual = 3;  // times what is usual
 
 // The longest edge of a placed mesh's own box, whichever way it is turned.
 double largestExtent(const Box& box, const Mat3& linear) {
   const Vec3d size = box.high - box.low;
   return std::max({size.x * length(linear * Vec3d{1, 0, 0}), size.y * length(linear * Vec3d{0, 1, 0}),
                    size.z * length(linear * Vec3d{0, 0, 1})});
+}
+
+// A thing of a mesh: its box in the mesh's frame (m), and the class that most of its triangles have.
+struct Thing {
+  Box box;
+  std::uint16_t semantic = 0;
+};
+
+std::vector<Thing> thingsOf(const Mesh& mesh) {
+  std::vector<Thing> things(mesh.objects);
+  std::vector<std::map<std::uint16_t, std::size_t>> triangles(mesh.objects);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Surface& surface = mesh.surfaces[mesh.surfaceOf[t]];
+    if (surface.object == 0) continue;
+    for (const std::uint32_t corner : mesh.triangles[t]) {
+      things[surface.object - 1].box.add(Vec3d(mesh.positions[corner]));
+    }
+    ++triangles[surface.object - 1][surface.semantic];
+  }
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    const auto most = std::max_element(triangles[i].begin(), triangles[i].end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (most != triangles[i].end()) things[i].semantic = most->first;
+  }
+  std::erase_if(things, [](const Thing& thing) { return thing.box.empty(); });
+  return things;
 }
 
 }  // namespace
@@ -52,6 +82,36 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
     lines.resize(kMostLines);
     lines.push_back(
         fmt::format("scene {}: {} more objects are larger than 5 km or smaller than 1 mm", scene.name, more));
+  }
+  return lines;
+}
+
+std::vector<std::string> thingSizeWarnings(const Scene& scene) {
+  static const std::vector<draft::Concept> concepts = draft::readConcepts(resourceFolder() / "labels/words.yaml");
+  const std::map<std::uint16_t, Between> usual = draft::usualSizes(concepts, scene.ontology);
+  std::vector<std::vector<Thing>> things;
+  things.reserve(scene.meshes.size());
+  for (const Mesh& mesh : scene.meshes) things.push_back(thingsOf(mesh));
+  std::set<std::pair<std::uint32_t, std::uint16_t>> told;
+  std::vector<std::string> lines;
+  for (const Instance& instance : scene.instances) {
+    for (const Thing& thing : things[instance.mesh]) {
+      const auto size = usual.find(thing.semantic);
+      if (size == usual.end()) continue;
+      const double extent = largestExtent(thing.box, instance.worldFromMesh.linear);
+      const auto& [low, high] = size->second;
+      if (extent >= low / kUnusual && extent <= high * kUnusual) continue;
+      if (!told.emplace(instance.mesh, thing.semantic).second) continue;
+      lines.push_back(fmt::format(
+          "scene {}: '{}' is a {} of {:.3g} m, usual are {:g} to {:g} m: is its `unit` right?{}", scene.name,
+          instance.name.substr(0, instance.name.find('#')), scene.ontology.find(thing.semantic)->name, extent, low,
+          high, extent > high ? " Or are several things one (`instances`)?" : ""));
+    }
+  }
+  if (lines.size() > kMostLines) {
+    const std::size_t more = lines.size() - kMostLines;
+    lines.resize(kMostLines);
+    lines.push_back(fmt::format("scene {}: {} more things are of unusual sizes", scene.name, more));
   }
   return lines;
 }

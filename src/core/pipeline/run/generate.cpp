@@ -125,6 +125,7 @@ class DatasetRun {
       method_ = plan_.makeMethod(*scene_);
       for (const Shot& shot : plan_.shots(s, 0)) account_ += method_->prepare(shot);
       addNew(sizeWarnings(*scene_), summary_.warnings);
+      addNew(thingSizeWarnings(*scene_), summary_.warnings);
       addNew(ruleWarnings(*scene_), summary_.warnings);
       addNew(unlabeledWarnings(*scene_), summary_.warnings);
       addNew(seedWarnings(pipeline_, sequence, *scene_), summary_.warnings);

@@ -188,8 +188,8 @@ FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts)
 
 namespace {
 
-// One unit for all where it makes most of them as large as such things are; else each has its own.
-void guessUnits(const std::vector<FrameGuess*>& files, double most) {
+// One unit for all where it makes most of them as large as such things are. Says whether there is one.
+bool guessUnits(const std::vector<FrameGuess*>& files, double most) {
   const auto known = [](const FrameGuess* f) { return f->what != nullptr && f->what->size && f->longest > 0; };
   const auto sized = std::count_if(files.begin(), files.end(), known);
   const auto fitting = [&](double unit) {
@@ -200,9 +200,9 @@ void guessUnits(const std::vector<FrameGuess*>& files, double most) {
   for (const double unit : kUnits) {
     if (fitting(unit) > fitting(shared)) shared = unit;
   }
-  const bool together = sized > 1 && static_cast<double>(fitting(shared)) >= most * static_cast<double>(sized);
+  if (sized > 1 && static_cast<double>(fitting(shared)) < most * static_cast<double>(sized)) return false;
   for (FrameGuess* f : files) {
-    if (!together || (known(f) && !fits(*f, shared, kTolerance))) {
+    if (sized < 2 || (known(f) && !fits(*f, shared, kTolerance))) {
       if (known(f)) guessUnit(*f);
       continue;
     }
@@ -214,6 +214,7 @@ void guessUnits(const std::vector<FrameGuess*>& files, double most) {
       f->whyUnit = "as other files like it";
     }
   }
+  return true;
 }
 
 // Those of the most common footprint: tiles, which fit together.
@@ -246,12 +247,17 @@ void guessTogether(const std::vector<FrameGuess*>& files) {
     f->whyUp = "as other files of its folder";
     f->doubtfulUp = axes['y'] + axes['z'] < 2 || (axes['y'] > 0 && axes['z'] > 0);
   }
+  constexpr double kMost = 0.8;
+  if (guessUnits(files, kMost)) return;
+  const auto apart = [](const std::vector<FrameGuess*>& some) {
+    for (FrameGuess* f : some) guessUnits({f}, 1);
+  };
   const std::vector<FrameGuess*> tiles = tilesOf(files);
+  if (!guessUnits(tiles, kMost)) return apart(files);
   std::vector<FrameGuess*> others;
   std::copy_if(files.begin(), files.end(), std::back_inserter(others),
                [&](FrameGuess* f) { return std::find(tiles.begin(), tiles.end(), f) == tiles.end(); });
-  guessUnits(tiles, 0.5);
-  guessUnits(others, 0.8);
+  if (!guessUnits(others, kMost)) apart(others);
 }
 
 const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
@@ -290,7 +296,7 @@ std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& 
   }
   constexpr double kMost = 0.8;    // of the footprint
   constexpr int kLowest = 250;     // in thousandths: plates are in this part of the height
-  constexpr int kThick = 80;       // in thousandths: kerbs and pavements on one plate
+  constexpr int kThick = 100;      // in thousandths: kerbs and pavements on one plate
   constexpr double kAbove = 0.02;  // of the height
   std::optional<int> level;
   for (const auto& [height, first] : areas) {

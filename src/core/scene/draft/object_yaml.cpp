@@ -15,6 +15,12 @@
 namespace scanmill::draft {
 namespace {
 
+// The name of the class that it means; empty where there is none.
+std::string classFor(const Concept& what, const Ontology& ontology) {
+  const SemanticClass* const known = classOf(what, ontology);
+  return known == nullptr ? std::string() : known->name;
+}
+
 // A glob that matches the name alone.
 std::string literal(const std::string& name) {
   std::string out;
@@ -233,20 +239,10 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
-std::string classFor(const Concept& c, const Ontology& ontology) {
-  for (const std::string& wanted : c.classes) {
-    for (const SemanticClass& known : ontology.classes) {
-      const bool alias = std::find(known.aliases.begin(), known.aliases.end(), wanted) != known.aliases.end();
-      if (known.name == wanted || alias) return known.name;
-    }
-  }
-  return {};
-}
-
 std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology) {
   std::vector<Concept> found;
   for (const Concept& c : concepts) {
-    if (c.classes.empty() || !classFor(c, ontology).empty()) found.push_back(c);
+    if (c.classes.empty() || classOf(c, ontology) != nullptr) found.push_back(c);
   }
   return found;
 }

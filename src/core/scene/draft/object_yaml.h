@@ -17,9 +17,6 @@ std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ont
 // A text in double quotes, as YAML has it.
 std::string quoted(const std::string& text);
 
-// The class of the ontology that a concept means; empty where there is none.
-std::string classFor(const Concept& what, const Ontology& ontology);
-
 // All but its place. Files are named from `folder`, where the scene file will be.
 std::string objectYaml(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology,
                        const std::filesystem::path& folder);

@@ -110,6 +110,13 @@ std::vector<Concept> readConcepts(const std::filesystem::path& path) {
   return withDetails(concepts);
 }
 
+const SemanticClass* classOf(const Concept& what, const Ontology& ontology) {
+  for (const std::string& wanted : what.classes) {
+    if (const SemanticClass* const known = ontology.find(wanted)) return known;
+  }
+  return nullptr;
+}
+
 std::string foldedName(std::string_view name) {
   std::string out;
   bool lower = false;  // the letter before was a lower one

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scene/ontology.h"
 #include "scene/rules.h"
 
 namespace scanmill::draft {
@@ -27,6 +28,10 @@ struct Concept {
 
 // Throws InputError with the place.
 std::vector<Concept> readConcepts(const std::filesystem::path& path);
+
+// The class of the ontology that it means: the first of its own that the ontology has, by name or alias; null where it
+// has none.
+const SemanticClass* classOf(const Concept& what, const Ontology& ontology);
 
 // Lower case without accents, its parts with a blank between them: "Haupt-Straße_01", "BusStop2" and "grass.001" become
 // "haupt strasse", "bus stop" and "grass".

@@ -42,6 +42,41 @@ TEST(RuleWarnings, NameRulesThatDecideNothing) {
                           AllOf(HasSubstr("s.yaml:5"), HasSubstr("material: brick"), HasSubstr("7"))));
 }
 
+// A bus of 12 cm and a tree of 2 km have a wrong unit; what is within three times the usual may be meant.
+TEST(ThingSizeWarnings, TellOfBusesOfCentimetresAndTreesOfKilometres) {
+  Scene scene;
+  scene.name = "depot";
+  scene.ontology = readOntology(SCANMILL_SOURCE_DIR "/labels/scanmill.yaml");
+  const auto add = [&](const char* name, const char* className, double longest, double scale) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {static_cast<float>(longest), 0, 0}, {0, static_cast<float>(longest / 3), 0}};
+    mesh.triangles = {{0, 1, 2}};
+    mesh.surfaceOf = {0};
+    mesh.surfaces.resize(1);
+    const SemanticClass& semantic = scene.ontology.require(className, {});
+    mesh.surfaces[0].semantic = semantic.id;
+    mesh.surfaces[0].object = semantic.thing ? 1 : 0;
+    mesh.objects = semantic.thing ? 1 : 0;
+    scene.instances.push_back(
+        {static_cast<std::uint32_t>(scene.meshes.size()), {Mat3::scale({scale, scale, scale}), {}}, 1, name});
+    scene.meshes.push_back(mesh);
+  };
+  add("bus#1", "bus", 12, 1);
+  add("road", "road", 4000, 1);
+  add("car", "car", 4.5, 2);
+  add("chair", "object", 60, 1);
+  EXPECT_THAT(thingSizeWarnings(scene), IsEmpty());
+  add("toy#3", "bus", 12, 0.01);
+  add("oak", "tree", 2000, 1);
+  EXPECT_THAT(
+      thingSizeWarnings(scene),
+      ElementsAre(AllOf(HasSubstr("depot"), HasSubstr("'toy' is a bus of 0.12 m"), HasSubstr("`unit`")),
+                  AllOf(HasSubstr("'oak' is a tree of 2e+03 m"), HasSubstr("1 to 45 m"), HasSubstr("`instances`"))));
+  for (int i = 0; i < 20; ++i) add("mite", "person", 0.01, 1);
+  EXPECT_THAT(thingSizeWarnings(scene), testing::SizeIs(6));
+  EXPECT_THAT(thingSizeWarnings(scene).back(), HasSubstr("17 more"));
+}
+
 // Three cars in a file of 100 m, of which `instances: node` makes three things.
 TEST(RuleWarnings, TellOfTownsWhoseCarsAreOne) {
   Scene scene;

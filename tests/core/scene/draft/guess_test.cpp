@@ -34,6 +34,8 @@ TEST(Guess, DetailsBelongToTheirWhole) {
   EXPECT_EQ(guessed("/x/oak.obj", part("Mesh.001", "bark")), "trunk");
   EXPECT_EQ(guessed("/x/oak.obj", part("Mesh.001", "Material")), "tree");
   EXPECT_EQ(guessed("/x/leaves.obj", part("", "")), "leaf");
+  EXPECT_EQ(guessed("/x/city.glb", part("bus_3", "Wheels_01")), "bus wheel") << "of the bus's class, of rubber";
+  EXPECT_EQ(guessed("/x/suv/model.obj", part("Wheel_Front_Left")), "car wheel");
 }
 
 TEST(Guess, TheMoreTellingNameWins) {
@@ -42,6 +44,7 @@ TEST(Guess, TheMoreTellingNameWins) {
   EXPECT_EQ(guessed("/x/map.ac", part("tkMn0", "", "textures\\tr-grass.rgb")), "terrain");
   EXPECT_EQ(guessed("/models/hatchback/meshes/a.dae", part("Box001", "")), "car") << "by the folder";
   EXPECT_EQ(guessed("/x/city.glb", part("SkyBox", "plaster")), "nothing");
+  EXPECT_EQ(guessed("/x/lamp/scene.gltf", part("Object_4")), "street lamp") << "a file that says nothing";
   EXPECT_EQ(guessed("/x/truck_town/a.glb", part("node_7")), "world") << "a town is no truck";
   EXPECT_EQ(guessed("/x/y/z.glb", part("node_7")), "");
 }
@@ -74,6 +77,34 @@ TEST(Guess, UnitsByTheUsualSizeOfThings) {
   EXPECT_TRUE(metres.whyUnit.empty());
   EXPECT_NE(frameOf(box({-90, -35, 0}, {180, 70, 60}, "sedan")).whyUnit.find("4.57 m"), std::string::npos);
   EXPECT_EQ(frameOf(box({-90, -35, 0}, {180, 70, 60}, "thing")).unit, 1) << "no word says what it is";
+}
+
+// One unit for the files of a folder, where most fit their names with it; each its own where they do not.
+TEST(Guess, FilesOfAFolderHaveOneUnit) {
+  const auto units = [](const std::vector<Asset>& assets) {
+    std::vector<FrameGuess> frames;
+    frames.reserve(assets.size());
+    for (const Asset& a : assets) frames.push_back(guessUp(a, guessParts(concepts(), a)));
+    std::vector<FrameGuess*> all;
+    for (FrameGuess& f : frames) all.push_back(&f);
+    guessTogether(all);
+    std::vector<std::pair<double, bool>> found;
+    for (const FrameGuess& f : frames) found.emplace_back(f.unit, f.doubtfulUnit);
+    return found;
+  };
+  using Found = std::vector<std::pair<double, bool>>;
+  const auto car = [](double unit) {
+    return box({-2 / unit, -1 / unit, 0}, {4.5 / unit, 2 / unit, 1.5 / unit}, "sedan");
+  };
+  const auto thing = [](double m) { return box({0, 0, 0}, {m, m / 2, m / 3}, "thing"); };
+  EXPECT_EQ(units({car(0.01), car(0.01), thing(300)}), (Found{{0.01, false}, {0.01, false}, {0.01, false}}))
+      << "what has no name that tells is as the others";
+  EXPECT_EQ(units({car(0.01), car(1), car(1), car(1), car(1)}),
+            (Found{{0.01, false}, {1, false}, {1, false}, {1, false}, {1, false}}));
+  EXPECT_EQ(units({car(0.01), car(1)}), (Found{{0.01, false}, {1, false}})) << "no one unit for most";
+  // A car of 12 m, among four that fit: more likely long than in another unit.
+  const Asset limousine = box({-6, -1, 0}, {12, 2, 1.5}, "sedan");
+  EXPECT_EQ(units({limousine, car(1), car(1), car(1), car(1)}).front(), std::pair(1.0, true));
 }
 
 // Most of its triangles are chairs, and yet it is no chair.

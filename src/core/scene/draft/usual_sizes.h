@@ -1,0 +1,18 @@
+#pragma once
+
+// How large things usually are, by labels/words.yaml.
+
+#include <cstdint>
+#include <map>
+
+#include "scene/draft/words.h"
+#include "scene/ontology.h"
+
+namespace scanmill::draft {
+
+// Of classes of things, by their ids: the longest edge (m) of the smallest and the largest that words of it name.
+// Classes that no word leads to are left out, and those that words fall back to where the ontology lacks their own, as
+// "object" is for chairs: these hold things of any size.
+std::map<std::uint16_t, Between> usualSizes(const std::vector<Concept>& concepts, const Ontology& ontology);
+
+}  // namespace scanmill::draft
