@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/class_triangles.h"
+
 namespace scanmill {
 namespace {
 
@@ -38,19 +40,11 @@ double distanceTo(const std::array<Vec3d, 3>& c, const Vec3d& p) {
 SurfaceDistance::SurfaceDistance(const Scene& scene, const std::vector<std::uint16_t>& classes, double reach)
     : reach_(reach) {
   Box all;
-  for (const Instance& instance : scene.instances) {
-    if (instance.moves()) continue;
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[t]].semantic;
-      if (std::find(classes.begin(), classes.end(), semantic) == classes.end()) continue;
-      Triangle2& own = triangles_.emplace_back();
-      for (std::size_t k = 0; k < 3; ++k) {
-        own.corners[k] = instance.worldFromMesh * Vec3d(mesh.positions[mesh.triangles[t][k]]);
-        all.add(own.corners[k]);
-      }
-    }
-  }
+  forEachTriangleOf(scene, classes, scene.instances.size(),
+                    [&](std::uint32_t, std::uint32_t, const std::array<Vec3d, 3>& corners) {
+                      triangles_.push_back(corners);
+                      for (const Vec3d& corner : corners) all.add(corner);
+                    });
   if (triangles_.empty()) return;
   low_ = all.low;
   const Vec3d size = all.high - all.low;
@@ -60,7 +54,7 @@ SurfaceDistance::SurfaceDistance(const Scene& scene, const std::vector<std::uint
   cells_.resize(across_ * along_);
   for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
     Box box;
-    for (const Vec3d& corner : triangles_[i].corners) box.add(corner);
+    for (const Vec3d& corner : triangles_[i]) box.add(corner);
     const auto [fromX, fromY] = cellOf(box.low.x, box.low.y);
     const auto [toX, toY] = cellOf(box.high.x, box.high.y);
     for (std::size_t x = fromX; x <= toX; ++x) {
@@ -86,7 +80,7 @@ double SurfaceDistance::at(double x, double y) const {
   for (std::size_t i = fromX; i <= toX; ++i) {
     for (std::size_t j = fromY; j <= toY; ++j) {
       for (const std::uint32_t t : cells_[i * along_ + j]) {
-        nearest = std::min(nearest, distanceTo(triangles_[t].corners, {x, y, 0}));
+        nearest = std::min(nearest, distanceTo(triangles_[t], {x, y, 0}));
       }
     }
   }

@@ -24,10 +24,7 @@ class SurfaceDistance {
  private:
   std::array<std::size_t, 2> cellOf(double x, double y) const;
 
-  struct Triangle2 {
-    std::array<Vec3d, 3> corners;  // z is not used
-  };
-  std::vector<Triangle2> triangles_;
+  std::vector<std::array<Vec3d, 3>> triangles_;    // of which x and y count
   std::vector<std::vector<std::uint32_t>> cells_;  // the triangles whose boxes are in a cell
   Vec3d low_;
   double side_ = 1;  // m, of a cell, at least the reach

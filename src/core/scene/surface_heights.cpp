@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "scene/class_triangles.h"
 
 namespace scanmill {
 namespace {
@@ -171,20 +172,14 @@ SurfaceHeights::Area SurfaceHeights::area(const std::vector<std::uint16_t>& clas
     area.facets_.push_back(facet);
     area.sums_.push_back(area.squareMetres() + squareMetres);
   };
-  for (std::uint32_t i = 0; i < taken_; ++i) {
-    const Instance& instance = scene_.instances[i];
-    if (instance.moves()) continue;
-    const Mesh& mesh = scene_.meshes[instance.mesh];
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[t]].semantic;
-      if (std::find(classes.begin(), classes.end(), semantic) == classes.end()) continue;
-      const std::array<Vec3d, 3> c = cornersOf(scene_, i, t);
-      const double squareMetres = areaFromAbove(c) * (determinant(instance.worldFromMesh.linear) < 0 ? -1 : 1);
-      if (std::fabs(squareMetres) < 1e-6 * length(cross(c[1] - c[0], c[2] - c[0]))) continue;  // upright
-      add(up, {i, t}, squareMetres);
-      add(any, {i, t}, std::fabs(squareMetres));
-    }
-  }
+  forEachTriangleOf(scene_, classes, taken_,
+                    [&](std::uint32_t instance, std::uint32_t t, const std::array<Vec3d, 3>& c) {
+                      const bool mirrored = determinant(scene_.instances[instance].worldFromMesh.linear) < 0;
+                      const double squareMetres = areaFromAbove(c) * (mirrored ? -1 : 1);
+                      if (std::fabs(squareMetres) < 1e-6 * length(cross(c[1] - c[0], c[2] - c[0]))) return;  // upright
+                      add(up, {instance, t}, squareMetres);
+                      add(any, {instance, t}, std::fabs(squareMetres));
+                    });
   Area& found = up.facets_.empty() ? any : up;
   found.scene_ = &scene_;
   return std::move(found);

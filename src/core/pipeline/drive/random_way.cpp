@@ -13,6 +13,7 @@
 
 #include "base/random.h"
 #include "pipeline/drive/scene_ground.h"
+#include "scene/class_triangles.h"
 
 namespace scanmill {
 namespace {
@@ -153,21 +154,14 @@ struct Floor {
 Floor floorOf(const Scene& scene, const std::vector<std::uint16_t>& classes) {
   Floor floor;
   double sum = 0;
-  for (const Instance& instance : scene.instances) {
-    if (instance.moves()) continue;
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[t]].semantic;
-      if (std::find(classes.begin(), classes.end(), semantic) == classes.end()) continue;
-      std::array<Vec3d, 3> corner;
-      for (int k = 0; k < 3; ++k) corner[k] = instance.worldFromMesh * Vec3d(mesh.positions[mesh.triangles[t][k]]);
-      const Vec3d square = cross(corner[1] - corner[0], corner[2] - corner[0]);
-      if (!(std::fabs(square.z) > length(square) / 2)) continue;
-      sum += std::fabs(square.z) / 2;
-      floor.triangles.push_back(corner);
-      floor.sums.push_back(sum);
-    }
-  }
+  forEachTriangleOf(scene, classes, scene.instances.size(),
+                    [&](std::uint32_t, std::uint32_t, const std::array<Vec3d, 3>& corner) {
+                      const Vec3d square = cross(corner[1] - corner[0], corner[2] - corner[0]);
+                      if (!(std::fabs(square.z) > length(square) / 2)) return;
+                      sum += std::fabs(square.z) / 2;
+                      floor.triangles.push_back(corner);
+                      floor.sums.push_back(sum);
+                    });
   return floor;
 }
 
