@@ -113,10 +113,11 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
     }
   }
   if (!last) {
-    throw InputError(options.where,
-                     fmt::format("there is no ground above or below the whole way, which begins at {}: `scanmill "
-                                 "info` of the scene tells where it lies (where the poses are recorded, `start` moves them)",
-                                 shortPlace(way(0).translation)));
+    throw InputError(
+        options.where,
+        fmt::format("there is no ground above or below the whole way, which begins at {}: `scanmill "
+                    "info` of the scene tells where it lies (where the poses are recorded, `start` moves them)",
+                    shortPlace(way(0).translation)));
   }
   bare_ = static_cast<double>(bare) / static_cast<double>(places_.size());
   // Where there is none: as before, or at the start as behind.
