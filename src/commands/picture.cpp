@@ -143,8 +143,17 @@ int runPicture(const std::vector<std::string>& arguments) {
   }
   if (const std::string kind = lowerExtension(file); kind == ".yaml" || kind == ".yml") {
     requireScene(file);
+    for (const char* const option : {"sample", "sensor", "color", "view", "size", "at", "within", "zoom", "point-size",
+                                     "flat", "range-image", "sensor-order", "over"}) {
+      if (parsed.options.count(option) > 0) {
+        throw InputError({file.string()}, fmt::format("is a scene, of whose objects a sheet is made: --{} is for scans "
+                                                      "(`scanmill view` looks at a scene as a whole)",
+                                                      option));
+      }
+    }
     SceneOptions plain;
     plain.textures = false;
+    plain.ontology = textOption(parsed, "ontology");
     const Image sheet = drawContactSheet(readScene(file, plain));
     writeFile(out, encodePng(sheet));
     fmt::print("{}: {} x {}, a cell for each object of {}\n", out.string(), sheet.width, sheet.height, file.string());

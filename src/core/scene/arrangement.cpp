@@ -192,11 +192,13 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
   std::vector<SurfaceDistance> from;
   for (const Distance& d : s.distances) {
     from.emplace_back(scene, std::vector{d.semantic}, std::isfinite(d.most) ? d.most : d.least);
-    if (from.back().empty() && std::isfinite(d.most)) {
-      throw InputError(d.where, "no object above this one has triangles of this class to be near to");
-    }
+    if (!from.back().empty()) continue;
+    const std::string none =
+        fmt::format("no object above this one has triangles of the class {}", scene.ontology.find(d.semantic)->name);
+    if (std::isfinite(d.most)) throw InputError(d.where, none + " to be near to");
+    warn(fmt::format("{}: {} to keep away from: list what has them before it", d.where.text(), none));
   }
-  const auto isFarEnough = [&](const Vec3d& p) {
+  const auto keepsDistances = [&](const Vec3d& p) {
     for (std::size_t i = 0; i < from.size(); ++i) {
       const double distance = from[i].at(p.x, p.y);
       if (distance < s.distances[i].least || distance > s.distances[i].most) return false;
@@ -205,7 +207,8 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
   };
   std::uint64_t misses = 0;
   // By density: as many of so many places as are free.
-  const std::uint64_t tries = s.count ? kTries * most : most;
+  // Near a class there may be little of the surface: then the misses alone end it.
+  const std::uint64_t tries = s.count ? (s.distances.empty() ? kTries : kMisses) * most : most;
   for (std::uint64_t n = 0; n < tries && places.size() < most && (!s.count || misses < kMisses); ++n) {
     const RandomBlock b = draw(seed, object, n, 0);
     Vec3d p;
@@ -228,13 +231,13 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
       }
     }
     ++misses;
-    if (!free || !isFarEnough(p) || !spaced.take(p)) continue;
+    if (!free || !keepsDistances(p) || !spaced.take(p)) continue;
     misses = 0;
     places.push_back({fromYawPitchRoll(2 * kPi * uniform(b[3]), 0, 0), p});
   }
   if (s.count && places.size() < most) {
     throw InputError(s.where, fmt::format("only {} of {} copies find room with the seed {}: take a smaller count, less "
-                                          "spacing, wider distances or more classes",
+                                          "spacing, wider distances, or more classes or room to scatter on",
                                           places.size(), most, seed));
   }
   return places;
@@ -274,7 +277,7 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
     placement.forEach([&](const Affine& copy) {
       const double u = variants > 1 ? uniform(draw(seed, object, all.size(), 3)[0]) : 0;
       const auto chosen = static_cast<std::size_t>(u * static_cast<double>(variants));
-      all.push_back({toAffine(place) * copy, std::min(chosen, variants - 1)});
+      all.push_back({toAffine(place) * copy, std::min(chosen, variants - 1), all.size() + 1});
     });
   }
   if (vary_) {
@@ -290,7 +293,7 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
       Affine copy = all[n].worldFromMesh;
       copy.translation += Vec3d{std::cos(around), std::sin(around), 0} * far;
       copy.linear = toMatrix(fromYawPitchRoll(yaw, 0, 0)) * copy.linear * Mat3::scale({scale, scale, scale});
-      varied.push_back({copy, all[n].variant});
+      varied.push_back({copy, all[n].variant, all[n].number});
     }
     all = std::move(varied);
   }

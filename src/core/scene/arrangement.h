@@ -30,7 +30,7 @@ namespace scanmill {
 //
 // The copies of the placement stand at each scattered place, which turns with a random yaw, or at each place along the
 // path, which turns with it. `vary` turns a copy about the vertical through its own place. Random numbers follow from
-// the scene's seed and a number of the object.
+// the scene's seed and the object's name.
 class Arrangement {
  public:
   // Reads `copies.scatter`, `copies.along`, `vary` and `stand_on`. Throws InputError with the place.
@@ -44,6 +44,7 @@ class Arrangement {
   struct Copy {
     Affine worldFromMesh;
     std::size_t variant = 0;  // which of several shapes or materials it has
+    std::size_t number = 1;   // of all, those that are left out included, from 1
   };
 
   // Every copy, which has one of `variants` at random. `heights`: of `scene`, what is there before it, where

@@ -91,8 +91,8 @@ void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::s
   std::uint32_t id = objects > 0 ? nextInstanceId_ : 0;
   if (objects > 0 && !thing.empty()) {
     if (objects > 1) {
-      throw InputError(where, fmt::format("'{}' holds {} things, which cannot all be the thing '{}': leave out "
-                                          "`instances` or `thing`",
+      throw InputError(where, fmt::format("'{}' holds {} things, which cannot all be the thing '{}': take "
+                                          "`instances: object`, or leave out `thing`",
                                           name, objects, thing));
     }
     const auto [known, added] = things_.emplace(thing, id);

@@ -6,7 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 #include <unordered_map>
+
+#include "base/error.h"
 
 namespace scanmill {
 namespace {
@@ -26,45 +29,73 @@ struct SamePlace {
   bool operator()(const Vec3f& a, const Vec3f& b) const { return a.x == b.x && a.y == b.y && a.z == b.z; }
 };
 
-bool holds(const Box& box, const Vec3d& p) {
-  return p.x >= box.low.x && p.y >= box.low.y && p.z >= box.low.z && p.x <= box.high.x && p.y <= box.high.y &&
-         p.z <= box.high.z;
+// How much of a box's footprint lies above, below or in another's; 0 where more than the gap is between them.
+double shareOver(const Box& box, const Box& other, double gap) {
+  const auto overlap = [&](double Vec3d::*axis) {
+    return std::min(box.high.*axis, other.high.*axis) - std::max(box.low.*axis, other.low.*axis);
+  };
+  if (overlap(&Vec3d::x) < -gap || overlap(&Vec3d::y) < -gap || overlap(&Vec3d::z) < -gap) return 0;
+  const auto share = [&](double Vec3d::*axis) {
+    const double edge = box.high.*axis - box.low.*axis;
+    return edge > 0 ? std::clamp(overlap(axis) / edge, 0.0, 1.0) : 1.0;
+  };
+  return std::max(share(&Vec3d::x) * share(&Vec3d::y), 1e-9);
 }
 
-// Boxes by the columns, as seen from above, that they are in.
-class Columns {
+// Boxes by the cells of a grid that they are in; very large ones apart.
+class Cells {
  public:
-  explicit Columns(const Box& all) : low_(all.low) {
+  explicit Cells(const Box& all) : low_(all.low), cells_(kSide * kSide * kSide) {
     const Vec3d size = all.high - all.low;
-    perMetre_ = kCells / std::max({size.x, size.y, 1e-9});
-    cells_.resize(kCells * kCells);
+    const auto per = [](double edge) { return kSide / std::max(edge, 1e-9); };
+    perMetre_ = {per(size.x), per(size.y), per(size.z)};
   }
 
   void add(const Box& box, std::uint32_t number) {
-    const auto [fromX, fromY] = cellOf(box.low);
-    const auto [toX, toY] = cellOf(box.high);
-    for (std::size_t x = fromX; x <= toX; ++x) {
-      for (std::size_t y = fromY; y <= toY; ++y) cells_[x * kCells + y].push_back(number);
-    }
+    const Cell from = cellOf(box.low);
+    const Cell to = cellOf(box.high);
+    std::size_t covered = 1;
+    for (std::size_t k = 0; k < 3; ++k) covered *= to[k] - from[k] + 1;
+    if (covered > kMostCovered) return large_.push_back(number);
+    forEachCell(box, [&](std::size_t cell) { cells_[cell].push_back(number); });
   }
 
-  const std::vector<std::uint32_t>& at(const Vec3d& p) const {
-    const auto [x, y] = cellOf(p);
-    return cells_[x * kCells + y];
+  // Some are told several times.
+  template <class Use>
+  void forEachNear(const Box& box, double gap, const Use& use) const {
+    forEachCell({box.low - Vec3d{gap, gap, gap}, box.high + Vec3d{gap, gap, gap}}, [&](std::size_t cell) {
+      for (const std::uint32_t number : cells_[cell]) use(number);
+    });
+    for (const std::uint32_t number : large_) use(number);
   }
 
  private:
-  static constexpr std::size_t kCells = 128;
-  std::array<std::size_t, 2> cellOf(const Vec3d& p) const {
-    const auto along = [&](double d) {
-      return std::min(static_cast<std::size_t>(std::max(d, 0.0) * perMetre_), kCells - 1);
+  template <class Use>
+  void forEachCell(const Box& box, const Use& use) const {
+    const Cell from = cellOf(box.low);
+    const Cell to = cellOf(box.high);
+    for (std::size_t x = from[0]; x <= to[0]; ++x) {
+      for (std::size_t y = from[1]; y <= to[1]; ++y) {
+        for (std::size_t z = from[2]; z <= to[2]; ++z) use((x * kSide + y) * kSide + z);
+      }
+    }
+  }
+
+  static constexpr std::size_t kSide = 48;
+  static constexpr std::size_t kMostCovered = 4096;
+  using Cell = std::array<std::size_t, 3>;
+  Cell cellOf(const Vec3d& p) const {
+    const auto along = [](double d, double perMetre) {
+      return static_cast<std::size_t>(std::clamp(d * perMetre, 0.0, static_cast<double>(kSide - 1)));
     };
-    return {along(p.x - low_.x), along(p.y - low_.y)};
+    const Vec3d at = p - low_;
+    return {along(at.x, perMetre_.x), along(at.y, perMetre_.y), along(at.z, perMetre_.z)};
   }
 
   Vec3d low_;
-  double perMetre_ = 0;
+  Vec3d perMetre_;
   std::vector<std::vector<std::uint32_t>> cells_;
+  std::vector<std::uint32_t> large_;
 };
 
 }  // namespace
@@ -75,11 +106,13 @@ ConnectedParts connect(const std::vector<const AssetPart*>& parts) {
   std::unordered_map<Vec3f, std::uint32_t, PlaceHash, SamePlace> known;
   std::size_t vertices = 0;
   for (const AssetPart* part : parts) vertices += part->positions.size();
+  if (vertices > std::numeric_limits<std::uint32_t>::max()) throw Error("more than 4294967295 vertices in one file");
   parent.reserve(vertices);
   known.reserve(vertices);
   for (const AssetPart* part : parts) {
     for (const Vec3f& p : part->positions) {
-      parent.push_back(known.emplace(p, static_cast<std::uint32_t>(parent.size())).first->second);
+      const auto own = static_cast<std::uint32_t>(parent.size());
+      parent.push_back(isFinite(p) ? known.emplace(p, own).first->second : own);
     }
   }
   const auto root = [&](std::size_t v) {
@@ -107,7 +140,9 @@ ConnectedParts connect(const std::vector<const AssetPart*>& parts) {
         number = static_cast<std::uint32_t>(found.boxes.size());
         found.boxes.emplace_back();
       }
-      for (const std::uint32_t corner : t) found.boxes[number].add(Vec3d(part->positions[corner]));
+      for (const std::uint32_t corner : t) {
+        if (isFinite(part->positions[corner])) found.boxes[number].add(Vec3d(part->positions[corner]));
+      }
       of.push_back(number);
     }
     first += part->positions.size();
@@ -122,8 +157,12 @@ std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
     const Box& box = connected[i];
     return box.empty() ? 0 : length(box.high - box.low);
   };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return diagonal(a) > diagonal(b); });
+  // Of boxes as large, the one that begins first: the order of the triangles does not matter.
+  const auto key = [&](std::uint32_t i) {
+    const Vec3d& low = connected[i].low;
+    return std::tuple(-diagonal(i), low.x, low.y, low.z);
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
   Box all;
   for (const Box& box : connected) {
     if (box.empty()) continue;
@@ -132,18 +171,21 @@ std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
   }
   std::vector<std::uint32_t> owner(connected.size());
   if (all.empty()) return owner;
-  Columns largest(all);
+  constexpr double kGap = 0.05;    // m
+  constexpr double kShare = 0.25;  // of its footprint
+  constexpr double kSmall = 0.15;  // of the other's diagonal
+  Cells largest(all);
   for (const std::uint32_t i : order) {
     owner[i] = i;
     if (connected[i].empty()) continue;
-    const Vec3d middle = connected[i].center();
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t other : largest.at(middle)) {
-      const double distance = length(connected[other].center() - middle);
-      if (!holds(connected[other], middle) || distance >= nearest) continue;
-      nearest = distance;
+    double most = 0;
+    largest.forEachNear(connected[i], kGap, [&](std::uint32_t other) {
+      const double share = shareOver(connected[i], connected[other], kGap);
+      const bool belongs = share >= kShare || (share > 0 && diagonal(i) < kSmall * diagonal(other));
+      if (!belongs || share <= most) return;
+      most = share;
       owner[i] = other;
-    }
+    });
     if (owner[i] == i) largest.add(connected[i], i);
   }
   // In the order of the connected parts.

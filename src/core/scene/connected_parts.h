@@ -19,8 +19,9 @@ struct ConnectedParts {
 // 0 in the order of the first triangles.
 ConnectedParts connect(const std::vector<const AssetPart*>& parts);
 
-// Numbers from 0 of things: a connected part whose middle lies in the box of a larger one belongs to that, as wheels do
-// to a car. By the numbers of connected parts.
+// Numbers from 0 of things, by the numbers of connected parts. A part belongs to a larger one whose box is at most 5 cm
+// from its own where a quarter of its footprint, as seen from above, lies within that box, as wheels do with a car and
+// the tiers of a tree with each other; or where it is small beside it (less than 0.15 of its diagonal), as mirrors are.
 std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected);
 
 }  // namespace scanmill

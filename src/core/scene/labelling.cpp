@@ -10,9 +10,12 @@
 
 #include "scene/assets/asset_parts.h"
 #include "scene/part_traits.h"
+#include "scene/triangle_faults.h"
 
 namespace scanmill {
 namespace {
+
+constexpr std::size_t kMostSurfaces = std::numeric_limits<std::uint16_t>::max();  // of a mesh
 
 // A part that a rule gives a material keeps its own texture where that decides which beams pass: alpha cut-outs.
 Material withMaterial(const Material& material, const Material& own) {
@@ -58,32 +61,45 @@ struct RuleCounts {
   explicit RuleCounts(std::size_t rules) : matched(rules, 0), decided(rules, 0) {}
 };
 
-AssetPart some(const AssetPart& part, const std::vector<std::size_t>& triangles) {
-  AssetPart out;
-  out.node = part.node;
-  out.nodeIndex = part.nodeIndex;
-  out.material = part.material;
-  out.texture = part.texture;
-  out.fileMaterial = part.fileMaterial;
-  out.color = part.color;
-  out.ownClass = part.ownClass;
-  constexpr std::uint32_t kNew = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> moved(part.positions.size(), kNew);
-  for (const std::size_t number : triangles) {
-    Triangle t = part.triangles[number];
-    for (std::uint32_t& corner : t) {
-      std::uint32_t& to = moved[corner];
-      if (to == kNew) {
-        to = static_cast<std::uint32_t>(out.positions.size());
-        out.positions.push_back(part.positions[corner]);
-        if (!part.uvs.empty()) out.uvs.push_back(part.uvs[corner]);
+// Takes some of a part's triangles, of each as many vertices as they use. All of its calls share one table, so that
+// each costs no more than what it takes.
+class Taker {
+ public:
+  explicit Taker(const AssetPart& part) : part_(part), moved_(part.positions.size(), kNew) {}
+
+  AssetPart take(const std::vector<std::size_t>& triangles) {
+    AssetPart out;
+    out.node = part_.node;
+    out.nodeIndex = part_.nodeIndex;
+    out.material = part_.material;
+    out.texture = part_.texture;
+    out.fileMaterial = part_.fileMaterial;
+    out.color = part_.color;
+    out.ownClass = part_.ownClass;
+    std::vector<std::uint32_t> touched;
+    for (const std::size_t number : triangles) {
+      Triangle t = part_.triangles[number];
+      for (std::uint32_t& corner : t) {
+        std::uint32_t& to = moved_[corner];
+        if (to == kNew) {
+          to = static_cast<std::uint32_t>(out.positions.size());
+          touched.push_back(corner);
+          out.positions.push_back(part_.positions[corner]);
+          if (!part_.uvs.empty()) out.uvs.push_back(part_.uvs[corner]);
+        }
+        corner = to;
       }
-      corner = to;
+      out.triangles.push_back(t);
     }
-    out.triangles.push_back(t);
+    for (const std::uint32_t corner : touched) moved_[corner] = kNew;
+    return out;
   }
-  return out;
-}
+
+ private:
+  static constexpr std::uint32_t kNew = std::numeric_limits<std::uint32_t>::max();
+  const AssetPart& part_;
+  std::vector<std::uint32_t> moved_;  // of the vertices taken, their new numbers
+};
 
 void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& frame, RuleCounts& counts,
                 std::vector<LabelledPart>& out) {
@@ -113,7 +129,8 @@ void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& fra
     }
     groups[{classRule, materialRule}].push_back(t);
   }
-  for (const auto& [rules, triangles] : groups) out.push_back({some(part, triangles), rules.first, rules.second});
+  Taker taker(part);
+  for (const auto& [rules, triangles] : groups) out.push_back({taker.take(triangles), rules.first, rules.second});
 }
 
 double lowestOf(const std::vector<AssetPart>& parts) {
@@ -145,22 +162,31 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
   std::uint64_t vertices = 0;
   for (const LabelledPart& p : parts) vertices += p.part.positions.size();
   constexpr std::uint64_t kMostVertices = std::numeric_limits<std::uint32_t>::max();
-  constexpr std::size_t kMostParts = std::numeric_limits<std::uint16_t>::max();
-  if (vertices > kMostVertices || parts.size() > kMostParts) {
+  if (vertices > kMostVertices || parts.size() > kMostSurfaces) {
     throw InputError(where, fmt::format("'{}' has {} parts (node and material) and {} vertices; at most {} and {} fit "
                                         "one file: split it",
-                                        labelling.file, parts.size(), vertices, kMostParts, kMostVertices));
+                                        labelling.file, parts.size(), vertices, kMostSurfaces, kMostVertices));
   }
 }
 
 // Divides parts that hold several things. Gives each part the number of its thing, 0 where it is of none.
 std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::vector<const SemanticClass*>& classes,
-                                        const ThingBounds& bounds) {
+                                        const ThingBounds& bounds, const std::string& file) {
   std::vector<ThingTriangles> ofThings;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (classes[i] != nullptr && classes[i]->thing) ofThings.push_back({&parts[i].part, classes[i]->id});
   }
   const std::vector<std::vector<std::uint32_t>> numbers = numberThings(bounds, ofThings);
+  std::uint32_t things = 0;
+  for (const std::vector<std::uint32_t>& own : numbers) {
+    if (!own.empty()) things = std::max(things, *std::max_element(own.begin(), own.end()));
+  }
+  if (bounds.by == ThingBounds::By::Part && things > kMostSurfaces) {
+    throw InputError(bounds.where, fmt::format("'{}' comes apart into {} connected things; at most {} are told apart: "
+                                               "take `instances: node` or object, or give a class of things to less of "
+                                               "it",
+                                               file, things, kMostSurfaces));
+  }
   std::vector<LabelledPart> divided;
   std::vector<const SemanticClass*> dividedClasses;
   std::vector<std::uint32_t> objects;
@@ -181,8 +207,9 @@ std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::v
       add(std::move(whole), classes[i], trianglesOf.empty() ? 0 : trianglesOf.begin()->first);
       continue;
     }
+    Taker taker(whole.part);
     for (const auto& [object, triangles] : trianglesOf) {
-      add({some(whole.part, triangles), whole.classRule, whole.materialRule}, classes[i], object);
+      add({taker.take(triangles), whole.classRule, whole.materialRule}, classes[i], object);
     }
   }
   parts = std::move(divided);
@@ -197,7 +224,13 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
                                       Dropped& dropped) {
   const PartFrame frame{origin, lowestOf(assetParts)};
   std::vector<LabelledPart> parts;
-  for (AssetPart& part : assetParts) applyRules(std::move(part), labelling, frame, counts, parts);
+  for (AssetPart& part : assetParts) {
+    // Slivers that hang together with nothing are no things.
+    if (labelling.things.by == ThingBounds::By::Part) {
+      std::erase_if(part.triangles, [&](const Triangle& t) { return !canBeTraced(t, part.positions, dropped); });
+    }
+    applyRules(std::move(part), labelling, frame, counts, parts);
+  }
   std::erase_if(parts, [](const LabelledPart& p) { return p.classRule != nullptr && p.classRule->drop; });
 
   std::vector<const SemanticClass*> classes;
@@ -206,7 +239,7 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
     classes.push_back(rule == nullptr ? builder.ontology().find(p.part.ownClass)
                                       : &builder.ontology().require(rule->className, rule->where));
   }
-  const std::vector<std::uint32_t> objects = divideThings(parts, classes, labelling.things);
+  const std::vector<std::uint32_t> objects = divideThings(parts, classes, labelling.things, labelling.file);
   checkSize(parts, labelling, where);
 
   Mesh mesh;

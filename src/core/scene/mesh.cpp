@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "scene/scene.h"
+#include "scene/triangle_faults.h"
 
 namespace scanmill {
 namespace {
@@ -33,26 +34,31 @@ Box Mesh::bounds() const {
   return box;
 }
 
+bool canBeTraced(const Triangle& triangle, const std::vector<Vec3f>& positions, Dropped& dropped) {
+  if (std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t corner) { return corner >= positions.size(); })) {
+    ++dropped.outOfRange;
+    return false;
+  }
+  const Vec3f& a = positions[triangle[0]];
+  const Vec3f& b = positions[triangle[1]];
+  const Vec3f& c = positions[triangle[2]];
+  if (!isFinite(a) || !isFinite(b) || !isFinite(c)) {
+    ++dropped.nonFinite;
+    return false;
+  }
+  if (isDegenerate(Vec3d(a), Vec3d(b), Vec3d(c))) {
+    ++dropped.degenerate;
+    return false;
+  }
+  return true;
+}
+
 Dropped clean(Mesh& mesh) {
   Dropped dropped;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle t = mesh.triangles[i];
-    if (std::any_of(t.begin(), t.end(), [&](std::uint32_t corner) { return corner >= mesh.positions.size(); })) {
-      ++dropped.outOfRange;
-      continue;
-    }
-    const Vec3f& a = mesh.positions[t[0]];
-    const Vec3f& b = mesh.positions[t[1]];
-    const Vec3f& c = mesh.positions[t[2]];
-    if (!isFinite(a) || !isFinite(b) || !isFinite(c)) {
-      ++dropped.nonFinite;
-      continue;
-    }
-    if (isDegenerate(Vec3d(a), Vec3d(b), Vec3d(c))) {
-      ++dropped.degenerate;
-      continue;
-    }
+    if (!canBeTraced(t, mesh.positions, dropped)) continue;
     mesh.triangles[kept] = t;
     mesh.surfaceOf[kept] = mesh.surfaceOf[i];
     ++kept;

@@ -54,10 +54,12 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
   return lowest;
 }
 
-// An object's random numbers follow from its name, and not from what else is in the scene; objects of one name differ.
+// An object's random numbers follow from its name, and not from what else is in the scene; objects of one name differ,
+// but those of one thing do not.
 std::vector<Arrangement::Copy> ObjectPlacer::placesOf(const Copies& copies, const std::string& name,
                                                       std::size_t variants, const Chosen& meshesOf) {
-  const std::uint32_t object = hash32(fmt::format("{}\n{}", name, named_[name]++));
+  const std::uint32_t object =
+      copies.thing.empty() ? hash32(fmt::format("{}\n{}", name, named_[name]++)) : hash32("thing\n" + copies.thing);
   if (copies.arrangement.needsSurfaces()) {
     if (!heights_) heights_.emplace(builder_.soFar());
     heights_->update();
@@ -85,10 +87,10 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
                                         count, placed_, Placement::kMostCopies));
   }
   std::uint64_t number = 0;
-  for (const auto& [worldFromAsset, variant] : places) {
+  for (const auto& [worldFromAsset, variant, copyNumber] : places) {
     ++number;
     const std::string own = places.size() == 1 ? name : fmt::format("{}#{}", name, number);
-    const std::string thing = copies.thing.empty() ? "" : fmt::format("{}#{}", copies.thing, number);
+    const std::string thing = copies.thing.empty() ? "" : fmt::format("{}#{}", copies.thing, copyNumber);
     const std::vector<PlacedMesh>& meshes = meshesOf(variant);
     for (const PlacedMesh& m : meshes) {
       if (m.assetFromMesh.empty()) {

@@ -23,7 +23,7 @@ namespace scanmill {
 struct Copies {
   Placement placement;
   Arrangement arrangement;
-  std::string thing;                           // that the n-th copies of all objects of this name are; empty: none
+  std::string thing;                           // that the n-th copies of all objects with it are; empty: none
   std::shared_ptr<const Movement> movement;    // null: it stands still
   std::shared_ptr<const Animation> animation;  // null: it keeps its mesh
 };

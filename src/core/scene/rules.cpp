@@ -275,13 +275,19 @@ bool matches(const std::string& pattern, std::string_view text, const Location& 
     const std::vector<std::string>& globs = alternatives(pattern, where);
     return std::any_of(globs.begin(), globs.end(), [&](const std::string& glob) { return matchesGlob(glob, text); });
   }
+  return matchedText(pattern, text, where).has_value();
+}
+
+std::optional<std::string> matchedText(const std::string& pattern, std::string_view text, const Location& where) {
   if (text.size() > kLongestName) {
     throw InputError(where, fmt::format("a name of {} characters is too long for a regular expression (at most {}); "
                                         "use a glob",
                                         text.size(), kLongestName));
   }
   try {
-    return std::regex_search(text.begin(), text.end(), compiled(pattern, where));
+    std::match_results<std::string_view::const_iterator> match;
+    if (!std::regex_search(text.begin(), text.end(), match, compiled(pattern, where))) return std::nullopt;
+    return match[match.size() > 1 ? 1 : 0].str();
   } catch (const std::regex_error& e) {
     throw InputError(where, fmt::format("regular expression {} fails on '{}': {}", pattern, text, e.what()));
   }

@@ -74,4 +74,8 @@ bool matchesTriangle(const Rule& rule, const TriangleTraits& traits);
 // expression that is none.
 bool matches(const std::string& pattern, std::string_view text, const Location& where);
 
+// What a /regular expression/ matches in a text: its first group, or all of the match where it has none; absent where
+// it matches nothing. Throws as matches() does.
+std::optional<std::string> matchedText(const std::string& pattern, std::string_view text, const Location& where);
+
 }  // namespace scanmill

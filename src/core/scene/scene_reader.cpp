@@ -248,8 +248,9 @@ class SceneReader {
     if (clip && !clip->second) {
       const Variant& one = all.front();
       if (one.labelling.things.by == ThingBounds::By::Part) {
-        throw InputError(one.labelling.things.where,
-                         "connected parts may be others at every moment of a clip that plays: take node or object");
+        throw InputError(
+            one.labelling.things.where,
+            "connected parts may be others at every moment of a clip that plays: take node, object or a pattern");
       }
       const std::shared_ptr<const Animation> animation =
           files_.playing(one.file, one.asset, one.labelling, clip->first, fileValue.where);

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "base/error.h"
 #include "scene/class_triangles.h"
 
 namespace scanmill {
 namespace {
 
 constexpr double kMostCells = 512;  // along the longer side
+constexpr std::size_t kMostTriangles = 10'000'000;
 
 double distanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   const double x = b.x - a.x;
@@ -42,6 +44,11 @@ SurfaceDistance::SurfaceDistance(const Scene& scene, const std::vector<std::uint
   Box all;
   forEachTriangleOf(scene, classes, scene.instances.size(),
                     [&](std::uint32_t, std::uint32_t, const std::array<Vec3d, 3>& corners) {
+                      if (triangles_.size() == kMostTriangles) {
+                        throw InputError(
+                            "distance_from: more than ten million triangles of these classes are placed: "
+                            "name a class of which there is less");
+                      }
                       triangles_.push_back(corners);
                       for (const Vec3d& corner : corners) all.add(corner);
                     });

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <map>
-#include <regex>
+#include <optional>
 #include <set>
 
+#include "base/error.h"
 #include "scene/connected_parts.h"
+#include "scene/rules.h"
 
 namespace scanmill {
 namespace {
@@ -18,10 +20,12 @@ using Numbers = std::vector<std::vector<std::uint32_t>>;
 template <class KeyOf>
 Numbers byKeys(const std::vector<ThingTriangles>& triangles, const KeyOf& keyOf) {
   using Key = decltype(keyOf(*triangles.front().part));
+  std::vector<Key> keys;
   std::map<Key, std::uint32_t> lowest;
   for (const ThingTriangles& t : triangles) {
     const auto node = static_cast<std::uint32_t>(t.part->nodeIndex);
-    const auto [known, added] = lowest.emplace(keyOf(*t.part), node);
+    keys.push_back(keyOf(*t.part));
+    const auto [known, added] = lowest.emplace(keys.back(), node);
     if (!added) known->second = std::min(known->second, node);
   }
   std::vector<std::pair<std::uint32_t, Key>> order;
@@ -30,8 +34,8 @@ Numbers byKeys(const std::vector<ThingTriangles>& triangles, const KeyOf& keyOf)
   std::map<Key, std::uint32_t> numbers;
   for (const auto& [node, key] : order) numbers.emplace(key, static_cast<std::uint32_t>(numbers.size() + 1));
   Numbers found;
-  for (const ThingTriangles& t : triangles) {
-    found.emplace_back(t.part->triangles.size(), numbers.at(keyOf(*t.part)));
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    found.emplace_back(triangles[i].part->triangles.size(), numbers.at(keys[i]));
   }
   return found;
 }
@@ -81,12 +85,8 @@ ThingBounds readThingBounds(Fields& object, ThingBounds::By fallback) {
     return bounds;
   }
   bounds.by = ThingBounds::By::Name;
-  bounds.pattern = value->text.substr(1, value->text.size() - 2);
-  try {
-    const std::regex checked(bounds.pattern, std::regex::ECMAScript);
-  } catch (const std::regex_error& e) {
-    throw InputError(value->where, fmt::format("{} is no regular expression: {}", value->text, e.what()));
-  }
+  bounds.pattern = value->text;
+  matchedText(bounds.pattern, "", bounds.where);  // throws where it is none
   return bounds;
 }
 
@@ -99,14 +99,17 @@ Numbers numberThings(const ThingBounds& bounds, const std::vector<ThingTriangles
       return byKeys(triangles, [](const AssetPart& part) { return part.nodeIndex; });
     case ThingBounds::By::Part:
       return byConnection(triangles);
-    case ThingBounds::By::Name: {
-      const std::regex pattern(bounds.pattern, std::regex::ECMAScript);
+    case ThingBounds::By::Name:
+      if (std::none_of(triangles.begin(), triangles.end(), [&](const ThingTriangles& t) {
+            return matchedText(bounds.pattern, t.part->node, bounds.where).has_value();
+          })) {
+        warn(fmt::format("{}: {} matches no node of a class of things, so that each node is one, such as '{}'",
+                         bounds.where.text(), bounds.pattern, triangles.front().part->node));
+      }
       return byKeys(triangles, [&](const AssetPart& part) {
-        std::smatch match;
-        if (!std::regex_search(part.node, match, pattern)) return fmt::format("node {}", part.nodeIndex);
-        return "name " + match[match.size() > 1 ? 1 : 0].str();
+        const std::optional<std::string> text = matchedText(bounds.pattern, part.node, bounds.where);
+        return text ? "name " + *text : fmt::format("node {}", part.nodeIndex);
       });
-    }
   }
   Numbers found;
   for (const ThingTriangles& t : triangles) found.emplace_back(t.part->triangles.size(), 1);

@@ -14,7 +14,7 @@ namespace scanmill {
 struct ThingBounds {
   enum class By { Object, Node, Part, Name };
   By by = By::Object;
-  std::string pattern;  // of Name: an ECMAScript regular expression; nodes of the same match are one thing
+  std::string pattern;  // of Name: a regular expression with its slashes; nodes of the same match are one thing
   Location where;
 
   std::string text() const;  // that differs where they differ

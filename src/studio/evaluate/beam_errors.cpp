@@ -283,7 +283,8 @@ std::vector<ThingSize> thingSizes(const Scene& scene) {
       const Vec3d size = box.high - box.low;
       const auto [smallest, largest] =
           std::minmax({size.x * length(linear.x), size.y * length(linear.y), size.z * length(linear.z)});
-      sizes[id] = {smallest, largest};
+      // Several objects may be one thing, whose largest part counts.
+      if (largest > sizes[id].largest) sizes[id] = {smallest, largest};
     }
   }
   return sizes;

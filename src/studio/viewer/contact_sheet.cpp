@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,16 +39,21 @@ struct Model {
   std::vector<const Instance*> instances;
 };
 
-// "house" of "house", "house#3", "house/wall 2" and "house#3/wall 2".
-std::string objectOf(const std::string& instance) {
-  return instance.substr(0, instance.find_first_of("#/"));
-}
+// An instance's name, taken apart: "house" of "house", "house#3", "house/wall 2" and "house#3/wall 2", as ObjectPlacer
+// makes them.
+struct InstanceName {
+  std::string object;
+  bool first = true;   // of the object's copies
+  bool whole = false;  // nothing but the object's name
+};
 
-// Whether it is of the first of the object's copies.
-bool isFirstCopy(const std::string& instance) {
-  const std::size_t number = instance.find('#');
-  if (number == std::string::npos) return true;
-  return instance.substr(number + 1, instance.find('/', number) - number - 1) == "1";
+InstanceName nameOf(const std::string& instance) {
+  static const std::regex form("((?:.*?[^ #])?)(?:#([0-9]+))?(?:/[^/]* [0-9]+)?",
+                               std::regex::ECMAScript | std::regex::optimize);
+  constexpr std::size_t kLongest = 4096;  // std::regex recurses over the text
+  std::smatch match;
+  if (instance.size() > kLongest || !std::regex_match(instance, match, form)) return {instance, true, true};
+  return {match[1].str(), !match[2].matched || match[2] == "1", match[1].length() == match[0].length()};
 }
 
 // Without its numbers: "house 12 plinth" and "house 3 plinth" are of one series.
@@ -61,26 +67,31 @@ std::vector<Model> modelsOf(const Scene& scene) {
   std::vector<Model> models;
   std::map<std::string, std::size_t> known;  // the index of the last of each name
   for (const Instance& instance : scene.instances) {
-    const std::string name = objectOf(instance.name);
-    const bool again = instance.name == name && known.contains(name);  // another object of this name
-    if (again || !known.contains(name)) {
-      known[name] = models.size();
-      models.push_back({name, {}});
+    const InstanceName name = nameOf(instance.name);
+    const bool again = known.contains(name.object) && name.whole;  // another object of this name
+    if (again || !known.contains(name.object)) {
+      known[name.object] = models.size();
+      models.push_back({name.object, {}});
     }
-    Model& model = models[known[name]];
+    Model& model = models[known[name.object]];
     // An object without its first copy, which may be left out by chance, shows the first that it has.
-    if (isFirstCopy(instance.name) || model.instances.empty()) model.instances.push_back(&instance);
+    if (name.first || model.instances.empty()) model.instances.push_back(&instance);
   }
   return models;
 }
 
-// Of too many, the first few of each series.
+// Of too many, the first of each series, then the second of each, and so on, in the order that they had.
 void keepSome(std::vector<Model>& models) {
-  constexpr std::size_t kFew = 3;
   if (models.size() <= kMostSheetCells) return;
-  std::map<std::string, std::size_t> shown;
-  std::erase_if(models, [&](const Model& m) { return shown[seriesOf(m.name)]++ >= kFew; });
-  if (models.size() > kMostSheetCells) models.resize(kMostSheetCells);
+  std::map<std::string, std::size_t> seen;
+  std::vector<std::pair<std::size_t, std::size_t>> order;  // the place in its series, and the index
+  for (std::size_t i = 0; i < models.size(); ++i) order.emplace_back(seen[seriesOf(models[i].name)]++, i);
+  std::sort(order.begin(), order.end());
+  order.resize(kMostSheetCells);
+  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::vector<Model> kept;
+  for (const auto& [place, index] : order) kept.push_back(std::move(models[index]));
+  models = std::move(kept);
 }
 
 struct Shape {

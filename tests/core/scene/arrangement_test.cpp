@@ -168,6 +168,26 @@ TEST_F(Arrangements, KeepTheirDistanceFromClasses) {
   EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 9, spacing: 90}}"), HasSubstr("seed 1"));
 }
 
+// Near a class there is little of a large surface, and yet there is room.
+TEST_F(Arrangements, FindPlacesInNarrowStrips) {
+  const std::string large =
+      "  - {name: plain, primitive: plane, size: [2000, 2000], class: sidewalk, material: paving, position: "
+      "[0, 0, -90]}\n  - {name: lane, primitive: plane, size: [2, 400], class: parking, material: "
+      "asphalt, position: [500, 0, -89.9]}\n";
+  const Scene s = scene(large +
+                        "  - {name: post, primitive: box, size: [1, 1, 1], class: pole, material: wood, copies: "
+                        "{scatter: {on: [sidewalk], count: 50, covered: true, distance_from: {parking: [1, 3]}}}}");
+  std::size_t posts = 0;
+  for (const Instance& i : s.instances) {
+    if (!i.name.starts_with("post")) continue;
+    ++posts;
+    const Vec3d p = i.worldFromMesh.translation;
+    const double away = std::hypot(std::max(std::fabs(p.x - 500) - 1, 0.0), std::max(std::fabs(p.y) - 200, 0.0));
+    EXPECT_TRUE(away >= 1 - 1e-3 && away <= 3 + 1e-3) << away;
+  }
+  EXPECT_EQ(posts, 50u);
+}
+
 // Objects of one name of a thing are that one, copy by copy.
 TEST_F(Arrangements, SeveralObjectsMayBeOneThing) {
   const std::string box =

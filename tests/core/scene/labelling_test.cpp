@@ -166,6 +166,19 @@ TEST(Labelling, DividesAMeshIntoItsConnectedThings) {
   EXPECT_EQ(boxes[0].high.x, 50) << "the road is no thing";
 }
 
+// What cannot be traced is no thing.
+TEST(Labelling, SliversAreNoThings) {
+  AssetPart p = part("merged");
+  addSquare(p, {5, 5, 1}, 2);
+  addSquare(p, {25, 5, 1}, 0);
+  addSquare(p, {35, 5, 1}, 0);
+  ThingBounds byPart;
+  byPart.by = ThingBounds::By::Part;
+  const Labelled l = labelled({p}, "- {match: any, class: car}\n", byPart);
+  EXPECT_EQ(l.scene.things(), 1u);
+  EXPECT_EQ(l.scene.dropped.degenerate, 4u);
+}
+
 TEST(Labelling, TellsWhatCameOfEachRule) {
   std::vector<AssetPart> parts{part("tree_1"), part("tree_2"), part("wall")};
   for (AssetPart& p : parts) addSquare(p, {0, 0, 0}, 1);

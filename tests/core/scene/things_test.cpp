@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+#include <set>
+
 #include "config/fields.h"
 #include "scene/connected_parts.h"
 #include "tests/support/message_of.h"
@@ -81,20 +84,47 @@ TEST(Things, ThatAreConnectedAreOneAndHaveTheirWheels) {
   EXPECT_EQ(apart[1].front(), 4u);
 }
 
-// The result follows from what is connected, not from the order of the triangles.
-TEST(Things, AreTheSameInAnyOrder) {
-  AssetPart forward, backward;
-  for (int i = 0; i < 40; ++i) {
-    const Vec3d at{(i * 37) % 40 * 3.0, (i * 11) % 7 * 3.0, 0};
-    addBox(forward, at, {1.0 + i % 3, 1, 1});
+// Tiers and a trunk stand on one another; mirrors stick out; the next tree is another.
+TEST(Things, HaveWhatStandsOnThemAndWhatSticksOut) {
+  AssetPart trees;
+  for (const double x : {0.0, 2.2}) {
+    addBox(trees, {x, 0, 0.5}, {0.3, 0.3, 1});
+    addBox(trees, {x, 0, 1.6}, {2, 2, 1.2});
+    addBox(trees, {x, 0, 2.6}, {1.2, 1.2, 1});
   }
-  backward = forward;
-  std::reverse(backward.triangles.begin(), backward.triangles.end());
-  const auto a = numberThings(bounds("part"), {{&forward, 1}}).front();
-  auto b = numberThings(bounds("part"), {{&backward, 1}}).front();
-  std::reverse(b.begin(), b.end());
-  std::map<std::uint32_t, std::uint32_t> to;
-  for (std::size_t t = 0; t < a.size(); ++t) EXPECT_EQ(to.emplace(a[t], b[t]).first->second, b[t]);
+  const auto numbers = numberThings(bounds("part"), {{&trees, 1}}).front();
+  for (std::size_t t = 0; t < numbers.size(); ++t) EXPECT_EQ(numbers[t], 1 + t / 36) << t;
+  AssetPart car;
+  addBox(car, {0, 0, 1}, {4, 2, 1.5});
+  addBox(car, {0.8, 1.1, 1.1}, {0.2, 0.18, 0.15});  // a mirror
+  addBox(car, {1.3, 1.02, 0.3}, {0.7, 0.25, 0.7});  // a wheel that sticks out
+  addBox(car, {0, 4.5, 1}, {4, 2, 1.5});            // the next car
+  const auto cars = numberThings(bounds("part"), {{&car, 1}}).front();
+  for (std::size_t t = 0; t < cars.size(); ++t) EXPECT_EQ(cars[t], t < 36 ? 1u : 2u) << t;
+}
+
+// The result follows from what is there, not from the order of the triangles.
+TEST(Things, AreTheSameInAnyOrder) {
+  std::vector<Vec3d> places;
+  for (int i = 0; i < 60; ++i) places.push_back({(i * 37) % 60 * 0.3, (i * 37) % 60 % 2 * 3.0, 0});
+  const auto thingsAt = [&](const std::vector<Vec3d>& order) {
+    AssetPart part;
+    for (const Vec3d& at : order) addBox(part, at, {1, 1, 1});
+    const auto numbers = numberThings(bounds("part"), {{&part, 1}}).front();
+    std::map<std::pair<double, double>, std::uint32_t> found;
+    for (std::size_t i = 0; i < order.size(); ++i) found[{order[i].x, order[i].y}] = numbers[12 * i];
+    return found;
+  };
+  std::vector<Vec3d> turned(places.rbegin(), places.rend());
+  const auto a = thingsAt(places);
+  const auto b = thingsAt(turned);
+  std::set<std::uint32_t> things;
+  for (const auto& [p, number] : a) {
+    things.insert(number);
+    for (const auto& [q, other] : a) EXPECT_EQ(number == other, b.at(p) == b.at(q));
+  }
+  EXPECT_GT(things.size(), 10u);
+  EXPECT_LT(things.size(), 60u);
 }
 
 TEST(ConnectedParts, AreJoinedByPlacesOfCornersAcrossParts) {
@@ -108,6 +138,11 @@ TEST(ConnectedParts, AreJoinedByPlacesOfCornersAcrossParts) {
   EXPECT_EQ(connected.of[1].back(), 1u);
   EXPECT_EQ(connected.boxes[0].high.x, 1.5);
   EXPECT_EQ(connected.boxes[1].low.x, 4.5);
+}
+
+TEST(Things, LongNamesAreRefusedByPatterns) {
+  const std::vector<AssetPart> parts{named(std::string(400'000, 'a'), 1)};
+  EXPECT_THAT(messageOf([&] { firsts("'/(a|b)+/'", parts); }), HasSubstr("too long"));
 }
 
 TEST(Things, MistakesAreNamed) {

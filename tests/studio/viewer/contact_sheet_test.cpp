@@ -10,7 +10,7 @@
 namespace scanmill {
 namespace {
 
-// Red, or none where this machine has no OpenGL.
+// Absent where this machine has no OpenGL.
 std::optional<Image> sheetOf(const std::string& objects) {
   const TemporaryFolder folder;
   const Scene scene = readScene(folder.write("s.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\n"
@@ -109,14 +109,28 @@ TEST(ContactSheet, LooksAtTheFront) {
   }
 }
 
-TEST(ContactSheet, OfManyObjectsHasAFewOfEachSeries) {
-  std::string objects = box("one", "tree", 3);
+TEST(ContactSheet, OfManyObjectsHasSomeOfEachSeries) {
+  std::string objects;
   for (int i = 0; i < 80; ++i) objects += box(fmt::format("car_{}", i), "car", 4);
+  objects += box("one", "tree", 3);
   const auto image = sheetOf(objects);
   if (!image) GTEST_SKIP() << "this machine has no OpenGL by EGL";
-  EXPECT_EQ(image->width, 2 * 642 - 2) << "four cells";
-  EXPECT_GT(extentOf(*image, 0, 2, 640, kTree).pixels, 1000);
-  EXPECT_GT(extentOf(*image, 3, 2, 640, kCar).pixels, 1000);
+  EXPECT_EQ(image->width, 5 * 322 - 2);
+  EXPECT_EQ(image->height, 34 + 12 * (213 + 68)) << "sixty cells";
+  EXPECT_GT(extentOf(*image, 59, 5, 320, kTree).pixels, 300) << "the last of all";
+  EXPECT_GT(extentOf(*image, 58, 5, 320, kCar).pixels, 300);
+}
+
+// Whatever objects are called, each has its cell.
+TEST(ContactSheet, NamesDoNotJoinObjects) {
+  const auto image = sheetOf(box("cars/a", "car", 4) + box("cars/b", "tree", 4) + box("'bus #2'", "car", 4) +
+                             box("'bus #3'", "tree", 4));
+  if (!image) GTEST_SKIP() << "this machine has no OpenGL by EGL";
+  EXPECT_EQ(image->width, 2 * 642 - 2);
+  for (int cell = 0; cell < 4; ++cell) {
+    EXPECT_EQ(extentOf(*image, cell, 2, 640, kCar).pixels > 1000, cell % 2 == 0) << cell;
+    EXPECT_EQ(extentOf(*image, cell, 2, 640, kTree).pixels > 1000, cell % 2 == 1) << cell;
+  }
 }
 
 }  // namespace

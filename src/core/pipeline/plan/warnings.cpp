@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <utility>
@@ -36,9 +37,17 @@ double largestExtent(const Box& box, const Mat3& linear) {
 struct Thing {
   Box box;
   std::uint16_t semantic = 0;
+  std::uint32_t object = 0;  // see Surface::object
 };
 
-std::vector<Thing> thingsOf(const Mesh& mesh) {
+// A warning less is better than none of the rest where the file is missing.
+std::vector<draft::Concept> knownConcepts() {
+  const std::filesystem::path file = resourceFolder() / "labels/words.yaml";
+  std::error_code ignored;
+  return std::filesystem::exists(file, ignored) ? draft::readConcepts(file) : std::vector<draft::Concept>{};
+}
+
+std::vector<Thing> thingsIn(const Mesh& mesh) {
   std::vector<Thing> things(mesh.objects);
   std::vector<std::map<std::uint16_t, std::size_t>> triangles(mesh.objects);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -53,6 +62,7 @@ std::vector<Thing> thingsOf(const Mesh& mesh) {
     const auto most = std::max_element(triangles[i].begin(), triangles[i].end(),
                                        [](const auto& a, const auto& b) { return a.second < b.second; });
     if (most != triangles[i].end()) things[i].semantic = most->first;
+    things[i].object = static_cast<std::uint32_t>(i + 1);
   }
   std::erase_if(things, [](const Thing& thing) { return thing.box.empty(); });
   return things;
@@ -87,17 +97,23 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
 }
 
 std::vector<std::string> thingSizeWarnings(const Scene& scene) {
-  static const std::vector<draft::Concept> concepts = draft::readConcepts(resourceFolder() / "labels/words.yaml");
+  static const std::vector<draft::Concept> concepts = knownConcepts();
+  if (concepts.empty()) return {};
   const std::map<std::uint16_t, Between> usual = draft::usualSizes(concepts, scene.ontology);
   std::vector<std::vector<Thing>> things;
   things.reserve(scene.meshes.size());
-  for (const Mesh& mesh : scene.meshes) things.push_back(thingsOf(mesh));
+  for (const Mesh& mesh : scene.meshes) things.push_back(thingsIn(mesh));
+  std::map<std::uint32_t, std::size_t> meshesOf;  // of each thing: how many there are
+  for (const Instance& instance : scene.instances) {
+    for (const Thing& thing : things[instance.mesh]) ++meshesOf[instanceId(instance.firstInstanceId, thing.object)];
+  }
   std::set<std::pair<std::uint32_t, std::uint16_t>> told;
   std::vector<std::string> lines;
   for (const Instance& instance : scene.instances) {
     for (const Thing& thing : things[instance.mesh]) {
       const auto size = usual.find(thing.semantic);
-      if (size == usual.end()) continue;
+      // A thing of several objects is larger than each of them.
+      if (size == usual.end() || meshesOf[instanceId(instance.firstInstanceId, thing.object)] > 1) continue;
       const double extent = largestExtent(thing.box, instance.worldFromMesh.linear);
       const auto& [low, high] = size->second;
       if (extent >= low / kUnusual && extent <= high * kUnusual) continue;

@@ -31,12 +31,22 @@ const Concept* first(std::initializer_list<const Concept*> candidates) {
   return nullptr;
 }
 
-// The concept that most of the triangles have.
+// The concept that most of the triangles have; details, such as wheels, count where there is nothing that they are of.
 const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>& parts) {
   std::map<const Concept*, std::size_t> triangles;
+  std::map<const Concept*, std::size_t> ofWholes;
   for (std::size_t i = 0; i < parts.size() && i < asset.parts.size(); ++i) {
-    triangles[parts[i]] += asset.parts[i].triangles.size();
+    const std::size_t count = asset.parts[i].triangles.size();
+    triangles[parts[i]] += count;
+    if (parts[i] != nullptr && parts[i]->kind == ConceptKind::Whole) ofWholes[parts[i]] += count;
   }
+  const auto mostOf = [](const auto& counts) {
+    return std::max_element(counts.begin(), counts.end(),
+                            [](const auto& a, const auto& b) { return a.second < b.second; });
+  };
+  const auto first = mostOf(triangles);
+  const bool detail = first != triangles.end() && first->first != nullptr && first->first->kind == ConceptKind::Detail;
+  if (detail && !ofWholes.empty()) return mostOf(ofWholes)->first;
   const auto most = std::max_element(triangles.begin(), triangles.end(),
                                      [](const auto& a, const auto& b) { return a.second < b.second; });
   return most == triangles.end() ? nullptr : most->first;
@@ -133,7 +143,7 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
   const Concept* const file = conceptOfFile(concepts, asset.file);
   const auto guess = [&](const AssetPart& part) -> const Concept* {
     const Concept* node = conceptOf(concepts, part.node);
-    if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;  // "Scene"
+    if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;  // "World"
     const Concept* const material = conceptOf(concepts, part.material);
     const Concept* const texture =
         conceptOf(concepts, std::filesystem::path(textureName(part.texture)).stem().string());
@@ -172,12 +182,12 @@ FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts)
   const bool place = isPlace(parts);
   guess.what = place ? nullptr : mainConcept(asset, parts);
   guess.longest = std::max({extent[0], extent[1], extent[2]});
-  guess.footprint = {extent[0], extent[1]};
+  guess.extent = extent;
+  guess.read = asset.up;
   if (asset.upDeclared) return guess;
   const double y = scoreOf(low, extent, 1, guess.what, place);
   const double z = scoreOf(low, extent, 2, guess.what, place);
   guess.up = y > z ? 'y' : 'z';
-  if (guess.up == 'y') guess.footprint[1] = extent[2];
   guess.doubtfulUp = y == z;
   guess.whyUp =
       y == z ? "nothing tells which axis is up"
@@ -188,8 +198,9 @@ FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts)
 
 namespace {
 
-// One unit for all where it makes most of them as large as such things are. Says whether there is one.
-bool guessUnits(const std::vector<FrameGuess*>& files, double most) {
+// One unit for all where at least so many of them have usual sizes, and it makes most of these as large as they are
+// usually. Says whether there is one.
+bool guessUnits(const std::vector<FrameGuess*>& files, double most, std::ptrdiff_t fewest) {
   const auto known = [](const FrameGuess* f) { return f->what != nullptr && f->what->size && f->longest > 0; };
   const auto sized = std::count_if(files.begin(), files.end(), known);
   const auto fitting = [&](double unit) {
@@ -200,10 +211,10 @@ bool guessUnits(const std::vector<FrameGuess*>& files, double most) {
   for (const double unit : kUnits) {
     if (fitting(unit) > fitting(shared)) shared = unit;
   }
-  if (sized > 1 && static_cast<double>(fitting(shared)) < most * static_cast<double>(sized)) return false;
+  if (sized < fewest || static_cast<double>(fitting(shared)) < most * static_cast<double>(sized)) return false;
   for (FrameGuess* f : files) {
-    if (sized < 2 || (known(f) && !fits(*f, shared, kTolerance))) {
-      if (known(f)) guessUnit(*f);
+    if (known(f) && !fits(*f, shared, kTolerance)) {
+      guessUnit(*f);
       continue;
     }
     f->unit = shared;
@@ -222,12 +233,13 @@ std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
   constexpr std::size_t kFewest = 3;
   constexpr double kAlike = 0.1;
   const auto alike = [](double a, double b) { return std::fabs(a - b) <= kAlike * std::min(a, b); };
+  const auto depth = [](const FrameGuess* f) { return f->extent[f->up == f->read ? 1 : 2]; };
   std::vector<FrameGuess*> most;
   for (const FrameGuess* f : files) {
     std::vector<FrameGuess*> same;
     for (FrameGuess* other : files) {
-      const bool fit = alike(f->footprint[0], other->footprint[0]) && alike(f->footprint[1], other->footprint[1]);
-      if (fit && f->footprint[0] > 0) same.push_back(other);
+      const bool fit = alike(f->extent[0], other->extent[0]) && alike(depth(f), depth(other));
+      if (fit && f->extent[0] > 0) same.push_back(other);
     }
     if (same.size() > most.size()) most = std::move(same);
   }
@@ -248,23 +260,28 @@ void guessTogether(const std::vector<FrameGuess*>& files) {
     f->doubtfulUp = axes['y'] + axes['z'] < 2 || (axes['y'] > 0 && axes['z'] > 0);
   }
   constexpr double kMost = 0.8;
-  if (guessUnits(files, kMost)) return;
+  if (guessUnits(files, kMost, 2)) return;
   const auto apart = [](const std::vector<FrameGuess*>& some) {
-    for (FrameGuess* f : some) guessUnits({f}, 1);
+    for (FrameGuess* f : some) {
+      if (f->what != nullptr && f->what->size && f->longest > 0) guessUnit(*f);
+    }
   };
   const std::vector<FrameGuess*> tiles = tilesOf(files);
-  if (!guessUnits(tiles, kMost)) return apart(files);
+  if (tiles.empty() || !guessUnits(tiles, kMost, 1)) return apart(files);
   std::vector<FrameGuess*> others;
   std::copy_if(files.begin(), files.end(), std::back_inserter(others),
                [&](FrameGuess* f) { return std::find(tiles.begin(), tiles.end(), f) == tiles.end(); });
-  if (!guessUnits(others, kMost)) apart(others);
+  if (!guessUnits(others, kMost, 2)) apart(others);
 }
 
 const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
   const Concept* ground = nullptr;
   bool stands = false;
+  // These say as often what a thing is of, or for: stone walls, water towers, floor lamps.
+  static constexpr std::array<std::string_view, 3> kOfThings{"sand", "water", "floor"};
   for (const Concept* c : conceptsIn(concepts, file.stem().string())) {
-    if (c->kind == ConceptKind::Ground && !c->classes.empty() && ground == nullptr) ground = c;
+    const bool ofThings = std::find(kOfThings.begin(), kOfThings.end(), c->name) != kOfThings.end();
+    if (c->kind == ConceptKind::Ground && !c->classes.empty() && !ofThings && ground == nullptr) ground = c;
     stands = stands || c->kind == ConceptKind::Whole;
   }
   return stands ? ground : nullptr;
@@ -275,25 +292,27 @@ std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& 
   plate.ground = groundIn(concepts, asset.file);
   if (plate.ground == nullptr) return std::nullopt;
   const Box box = boundsOf(asset);
-  // Areas of what is level and faces up, by heights in thousandths of the whole.
+  // Areas of what is level, by heights in thousandths of the whole.
   const auto along = [&](const Vec3d& v) { return up == asset.up ? v.z : v.y; };
   const double low = along(box.low);
   const double tall = along(box.high) - low;
   const Vec3d size = box.high - box.low;
   const double footprint = up == asset.up ? size.x * size.y : size.x * size.z;
   if (!(tall > 0) || !(footprint > 0)) return std::nullopt;
-  std::map<int, double> areas;
+  std::map<int, std::array<double, 2>> facing;  // one way and the other: files may turn their faces over
   for (const AssetPart& part : asset.parts) {
     for (const Triangle& t : part.triangles) {
       const Vec3d a(part.positions[t[0]]);
       const Vec3d b(part.positions[t[1]]);
       const Vec3d c(part.positions[t[2]]);
       const Vec3d normal = cross(b - a, c - a);
-      const double facing = std::fabs(along(normal));
-      if (!(facing > 0.98 * length(normal))) continue;
-      areas[static_cast<int>(1000 * (along(a) - low) / tall)] += facing / 2;
+      if (!(std::fabs(along(normal)) > 0.98 * length(normal))) continue;
+      facing[static_cast<int>(1000 * (along(a) - low) / tall)][along(normal) > 0 ? 0 : 1] +=
+          std::fabs(along(normal)) / 2;
     }
   }
+  std::map<int, double> areas;
+  for (const auto& [height, both] : facing) areas[height] = std::max(both[0], both[1]);
   constexpr double kMost = 0.8;    // of the footprint
   constexpr int kLowest = 250;     // in thousandths: plates are in this part of the height
   constexpr int kThick = 100;      // in thousandths: kerbs and pavements on one plate

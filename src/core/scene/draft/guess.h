@@ -28,12 +28,13 @@ struct FrameGuess {
   double unit = 1;  // m
   std::string whyUnit;
   bool doubtfulUnit = false;
-  const Concept* what = nullptr;  // what most of it is; null where no word tells, or it is a place of many things
-  double longest = 0;             // its longest edge, in its units
-  std::array<double, 2> footprint{};
+  const Concept* what = nullptr;   // what most of it is; null where no word tells, or it is a place of many things
+  double longest = 0;              // its longest edge, in its units
+  std::array<double, 3> extent{};  // along x, y and z as it was read, in its units
+  char read = 'z';                 // the axis that was taken for up then
 };
 
-// `asset` was read with the unit 1 and no axis asked for. The unit follows from guessUnits().
+// `asset` was read with the unit 1 and no axis asked for. The unit follows from guessTogether().
 FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts);
 
 // The unit and the axis of files of one kind in one folder: the unit that makes them things of usual sizes, one for all

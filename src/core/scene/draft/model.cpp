@@ -16,15 +16,17 @@
 namespace scanmill::draft {
 namespace {
 
-// The box of an asset that was read with the unit 1 and the up axis that its file has, with what is guessed.
-Box placed(const Box& own, char up, const FrameGuess& frame) {
-  if (own.empty() || frame.up == up) return {own.low * frame.unit, own.high * frame.unit};
+// The box of an asset that was read with the unit 1, with what is guessed.
+Box placed(const Box& own, const FrameGuess& frame) {
+  if (own.empty() || frame.up == frame.read) return {own.low * frame.unit, own.high * frame.unit};
   // From z-up, as it was read, to y-up: (x, y, z) becomes (x, -z, y).
   return {Vec3d{own.low.x, -own.high.z, own.low.y} * frame.unit,
           Vec3d{own.high.x, -own.low.z, own.high.y} * frame.unit};
 }
 
-Model readModel(const std::filesystem::path& file, const std::vector<Concept>& concepts, char& up) {
+// `plates`: by the axes that may turn out to be up.
+Model readModel(const std::filesystem::path& file, const std::vector<Concept>& concepts,
+                std::map<char, std::optional<Plate>>& plates) {
   AssetOptions options;
   options.textures = false;
   const Asset asset = readAsset(file, options);
@@ -46,9 +48,8 @@ Model readModel(const std::filesystem::path& file, const std::vector<Concept>& c
   }
   model.frame = guessUp(asset, guesses);
   model.box = boundsOf(asset);
-  model.plate = plateOf(concepts, asset, model.frame.up);
+  for (const char axis : {'y', 'z'}) plates[axis] = plateOf(concepts, asset, axis);
   model.mixed = groundIn(concepts, file) != nullptr;
-  up = asset.up;
   return model;
 }
 
@@ -57,13 +58,14 @@ void nameModels(std::vector<Model>& models) {
   static constexpr std::array<std::string_view, 6> kSayNothing{"model", "scene", "mesh", "untitled", "object", "asset"};
   std::map<std::string, std::size_t> files;
   for (const Model& m : models) ++files[m.file.stem().string()];
-  std::map<std::string, std::size_t> taken;
+  std::set<std::string> taken;
   for (Model& m : models) {
     m.name = m.file.stem().string();
     const std::string folder = std::filesystem::absolute(m.file).parent_path().filename().string();
     const bool nothing = std::find(kSayNothing.begin(), kSayNothing.end(), lowerCase(m.name)) != kSayNothing.end();
     if ((nothing || files[m.name] > 1) && !folder.empty()) m.name = folder;
-    if (const std::size_t before = taken[m.name]++; before > 0) m.name += fmt::format("_{}", before + 1);
+    const std::string wanted = m.name;
+    for (int number = 2; !taken.insert(m.name).second; ++number) m.name = fmt::format("{}_{}", wanted, number);
   }
 }
 
@@ -100,12 +102,15 @@ std::vector<std::string> Model::doubts() const {
 
 std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts) {
   std::vector<Model> models;
-  std::vector<char> ups(files.size());
-  for (std::size_t i = 0; i < files.size(); ++i) models.push_back(readModel(files[i], concepts, ups[i]));
+  std::vector<std::map<char, std::optional<Plate>>> plates(files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) models.push_back(readModel(files[i], concepts, plates[i]));
   std::map<std::pair<std::filesystem::path, std::string>, std::vector<FrameGuess*>> sets;
   for (Model& m : models) sets[{m.file.parent_path(), lowerExtension(m.file)}].push_back(&m.frame);
   for (const auto& [folder, set] : sets) guessTogether(set);
-  for (std::size_t i = 0; i < models.size(); ++i) models[i].box = placed(models[i].box, ups[i], models[i].frame);
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    models[i].box = placed(models[i].box, models[i].frame);
+    models[i].plate = plates[i][models[i].frame.up];
+  }
   nameModels(models);
   return models;
 }

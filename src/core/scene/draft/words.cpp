@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -163,10 +164,24 @@ const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view 
 }
 
 std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std::string_view name) {
+  std::istringstream stream(foldedName(name));
+  const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
+  const auto isWord = [&](const Concept& c, const std::string& text) {
+    return std::find(c.words.begin(), c.words.end(), text) != c.words.end();
+  };
   std::vector<const Concept*> found;
-  std::istringstream words(foldedName(name));
-  for (std::string word; words >> word;) {
-    if (const Concept* const c = conceptOf(concepts, word)) found.push_back(c);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    // "street lamp" is one word, and neither a street nor a lamp.
+    if (i + 1 < words.size()) {
+      const std::string both = words[i] + " " + words[i + 1];
+      const auto c = std::find_if(concepts.begin(), concepts.end(), [&](const Concept& k) { return isWord(k, both); });
+      if (c != concepts.end()) {
+        found.push_back(&*c);
+        ++i;
+        continue;
+      }
+    }
+    if (const Concept* const c = conceptOf(concepts, words[i])) found.push_back(c);
   }
   return found;
 }

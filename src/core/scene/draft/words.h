@@ -40,7 +40,7 @@ std::string foldedName(std::string_view name);
 // What a name means by the word that stands last in it, the longest of those that end there; null where it has none.
 const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view name);
 
-// What each word of a name means by itself, in their order.
+// What the words of a name mean, each by itself or two together ("street lamp"), in their order.
 std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std::string_view name);
 
 }  // namespace scanmill::draft

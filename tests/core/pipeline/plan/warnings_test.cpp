@@ -57,8 +57,10 @@ TEST(ThingSizeWarnings, TellOfBusesOfCentimetresAndTreesOfKilometres) {
     mesh.surfaces[0].semantic = semantic.id;
     mesh.surfaces[0].object = semantic.thing ? 1 : 0;
     mesh.objects = semantic.thing ? 1 : 0;
-    scene.instances.push_back(
-        {static_cast<std::uint32_t>(scene.meshes.size()), {Mat3::scale({scale, scale, scale}), {}}, 1, name});
+    scene.instances.push_back({static_cast<std::uint32_t>(scene.meshes.size()),
+                               {Mat3::scale({scale, scale, scale}), {}},
+                               static_cast<std::uint32_t>(scene.instances.size() + 1),
+                               name});
     scene.meshes.push_back(mesh);
   };
   add("bus#1", "bus", 12, 1);

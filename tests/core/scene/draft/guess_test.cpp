@@ -107,6 +107,30 @@ TEST(Guess, FilesOfAFolderHaveOneUnit) {
   EXPECT_EQ(units({limousine, car(1), car(1), car(1), car(1)}).front(), std::pair(1.0, true));
 }
 
+// However many triangles wheels have.
+TEST(Guess, ACarIsAsLargeAsItsBody) {
+  Asset car = box({-225, -90, 0}, {450, 180, 150}, "sedan");
+  AssetPart wheel = box({-150, -95, 0}, {60, 20, 60}, "wheel_1").parts.front();
+  for (int i = 0; i < 50; ++i) wheel.triangles.push_back({0, 1, 2});
+  car.parts.push_back(wheel);
+  EXPECT_EQ(frameOf(car).unit, 0.01);
+}
+
+// Tiles say a ground and what stands on it; other names hold words of grounds too.
+TEST(Guess, TilesByTheirNames) {
+  const auto ground = [](const char* file) {
+    const Concept* const c = groundIn(concepts(), file);
+    return c == nullptr ? std::string() : c->name;
+  };
+  EXPECT_EQ(ground("/x/grass-trees.glb"), "terrain");
+  EXPECT_EQ(ground("/x/road-straight-lightposts.glb"), "road");
+  EXPECT_EQ(ground("/x/pavement-fountain.glb"), "sidewalk");
+  for (const char* const other :
+       {"street_lamp", "road-sign", "stone-wall", "floor_lamp", "water_tower", "house", "road"}) {
+    EXPECT_EQ(ground((std::string("/x/") + other + ".obj").c_str()), "") << other;
+  }
+}
+
 // Most of its triangles are chairs, and yet it is no chair.
 TEST(Guess, ARoomIsAsLargeAsItIs) {
   Asset room;
