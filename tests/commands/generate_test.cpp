@@ -34,7 +34,7 @@ class Generate : public SmallWorld {
             "-o",
             at("out"),
             "--set",
-            "output={formats: [csv], shard_mb: 1}",
+            "output={formats: [csv], shard_samples: 5}",
             "--set",
             "trajectories.0.every_s=1e-5",
             "--set",
@@ -229,7 +229,7 @@ TEST_F(Generate, AFullDiskIsNamedAndLeavesNothingThatLooksFinished) {
     const Outcome o =
         onTinyDisk(fmt::format("{} generate {} -q -o {}/out {}", SCANMILL_PROGRAM, pipeline_, disk, more) + list);
     EXPECT_EQ(o.code, 1) << o.error;
-    EXPECT_THAT(o.error, AllOf(HasSubstr(disk + "/out/train"), HasSubstr("No space left on device")));
+    EXPECT_THAT(o.error, AllOf(HasSubstr(disk + "/out/.scanmill/train"), HasSubstr("No space left on device")));
     EXPECT_EQ(o.out, "");
   }
 }
@@ -242,8 +242,9 @@ TEST_F(Generate, KilledRunsLeaveWholeShardsOnly) {
   expectWholeShardsAndNoManifest();
   // The next run cleans up.
   expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out")}), "--overwrite");
+  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--resume"}), "another pipeline");
   EXPECT_EQ(scanmill({"generate", pipeline_, "-q", "--overwrite", "-o", at("out")}).code, 0);
-  EXPECT_EQ(filesEndingIn("", at("out")).size(), 2u);
+  EXPECT_EQ(filesEndingIn("", at("out")).size(), 1 + readManifest(at("out")).shards.size());
   EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
 }
 
@@ -258,8 +259,70 @@ TEST_F(Generate, StoppedRunsSaySo) {
     EXPECT_EQ(o.code, 1) << o.error;
     EXPECT_THAT(o.error, HasSubstr("error: stopped"));
     expectWholeShardsAndNoManifest();
-    for (const auto& file : filesEndingIn("", at("out"))) EXPECT_EQ(file.extension(), ".tar");
+    EXPECT_THAT(o.error, HasSubstr("--resume"));
+    EXPECT_TRUE(filesEndingIn(".partial", at("out")).empty());
   }
+}
+
+// Killed at ten moments, and resumed each time: the bytes are those of a run that nobody killed.
+TEST_F(Generate, KilledAgainAndAgainTheResumedDatasetIsTheSame) {
+  const std::vector<std::string> settings{"--set", "output={formats: [csv], shard_samples: 2}",
+                                          "--set", "trajectories.0.every_s=1e-3",
+                                          "--set", "trajectories.0.frames=300",
+                                          "--set", "sensors.0.columns=512"};
+  const auto command = [&](const std::string& folder, bool resume) {
+    std::vector<std::string> all{"generate", pipeline_, "-q", "-o", at(folder)};
+    all.insert(all.end(), settings.begin(), settings.end());
+    if (resume) all.emplace_back("--resume");
+    return all;
+  };
+  ASSERT_EQ(scanmill(command("whole", false)).code, 0);
+  int killed = 0;
+  for (int i = 0; i < 10; ++i) {
+    std::vector<std::string> all{SCANMILL_PROGRAM};
+    const auto more = command("cut", true);
+    all.insert(all.end(), more.begin(), more.end());
+    RunningProgram process(all);
+    std::this_thread::sleep_for(std::chrono::milliseconds(60 + 37 * i % 90));
+    process.send(SIGKILL);
+    killed += process.wait().signal == SIGKILL ? 1 : 0;
+    if (std::filesystem::exists(at("cut/manifest.json"))) break;
+  }
+  EXPECT_GT(killed, 1);
+  if (!std::filesystem::exists(at("cut/manifest.json")) || std::filesystem::exists(at("cut/.scanmill/plan"))) {
+    const Outcome last = scanmill(command("cut", true));
+    EXPECT_EQ(last.code, 0) << last.error;
+  }
+  for (const auto& file : filesEndingIn("", at("whole"))) {
+    const auto same = std::filesystem::path(at("cut")) / file.lexically_relative(at("whole"));
+    EXPECT_EQ(readFile(same), readFile(file)) << same;
+  }
+  EXPECT_EQ(filesEndingIn("", at("cut")).size(), filesEndingIn("", at("whole")).size());
+}
+
+// Of two runs into one folder one is refused, and the other is whole.
+TEST_F(Generate, TwoRunsIntoOneFolderDoNotMix) {
+  for (int i = 0; i < 5; ++i) {
+    std::filesystem::remove_all(at("out"));
+    const std::vector<std::string> all{SCANMILL_PROGRAM, "generate", pipeline_, "-q", "-o", at("out"), "--overwrite"};
+    RunningProgram a(all);
+    RunningProgram b(all);
+    const Outcome first = a.wait();
+    const Outcome second = b.wait();
+    EXPECT_TRUE(first.code == 0 || second.code == 0) << first.error << second.error;
+    for (const Outcome& o : {first, second}) {
+      if (o.code != 0) {
+        EXPECT_THAT(o.error, HasSubstr("is being written by"));
+      }
+    }
+    EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
+  }
+}
+
+TEST_F(Generate, ResumingAndOverwritingContradictEachOther) {
+  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--resume", "--overwrite"}), "one of them");
+  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--resume", "--keep-hits", at("hits")}),
+                "recordings");
 }
 
 }  // namespace

@@ -136,7 +136,7 @@ sensors:
     mount: {position: [0, 0, 1.8]}
 method: ray_tracing
 effects: [intensity]
-output: {formats: [pcd, draco, csv]}
+output: {formats: [pcd, draco, csv], shard_samples: 100}
 )")
                   .string();
 }

@@ -33,16 +33,14 @@ class Recordings : public SmallWorld {
 };
 
 TEST_F(Recordings, OfHits) {
-  done({"generate", pipeline_, "-o", at("a"), "--keep-hits", at("hits")});
-  done({"generate", pipeline_, "-o", at("b"), "--from-hits", at("hits")});
+  EXPECT_THAT(done({"generate", pipeline_, "-o", at("a"), "--keep-hits", at("hits")}).out, HasSubstr("write_hits"));
+  EXPECT_THAT(done({"generate", pipeline_, "-o", at("b"), "--from-hits", at("hits")}).out, HasSubstr("read_hits"));
   EXPECT_TRUE(shards("a") == shards("b"));
   EXPECT_THAT(done({"info", at("hits")}).out, AllOf(HasSubstr("recording of hits"), HasSubstr("--from-hits")));
   const std::string image = filesEndingIn(".hits.exr", at("hits")).front().string();
   EXPECT_THAT(done({"info", image}).out, AllOf(HasSubstr("64 x 8 pixels"), HasSubstr("range"), HasSubstr("UINT")));
   done({"picture", image, "-o", at("hits.png")});
   EXPECT_THAT(readFile(at("hits.png")), testing::StartsWith("\x89PNG"));
-  EXPECT_TRUE(readManifest(at("b")).stages.contains("read_hits"));
-  EXPECT_TRUE(readManifest(at("a")).stages.contains("write_hits"));
 }
 
 TEST_F(Recordings, OfPasses) {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "dataset/reader.h"
-#include "dataset/writer.h"
 #include "formats/format.h"
+#include "tests/support/packed_dataset.h"
 
 namespace scanmill {
 
@@ -21,7 +21,7 @@ inline std::uint64_t copyMislabelled(const std::filesystem::path& from, const st
                                      const std::string& key, std::uint32_t instance, std::uint16_t wrong) {
   Manifest manifest = readManifest(from);
   std::uint64_t changed = 0;
-  DatasetWriter writer(to, false, std::uint64_t{1} << 30);
+  PackedDataset writer(to, false, std::uint64_t{1} << 30);
   for (const SampleRecord& record : manifest.samples) {
     Sample sample{record.key, record.split, record.scans, {}};
     std::map<std::string, std::string> members;

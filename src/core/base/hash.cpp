@@ -3,6 +3,9 @@
 #include <fmt/core.h>
 #include <openssl/evp.h>
 
+#include <fstream>
+#include <vector>
+
 #include "base/error.h"
 
 namespace scanmill {
@@ -36,6 +39,18 @@ std::string Sha256::hex() {
 std::string sha256(std::string_view bytes) {
   Sha256 hash;
   hash.add(bytes);
+  return hash.hex();
+}
+
+std::string sha256OfFile(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  Sha256 hash;
+  std::vector<char> block(std::size_t{1} << 20);
+  while (stream) {
+    stream.read(block.data(), static_cast<std::streamsize>(block.size()));
+    hash.add({block.data(), static_cast<std::size_t>(stream.gcount())});
+  }
+  if (!stream.eof()) throw Error(fmt::format("{}: cannot be read", file.string()));
   return hash.hex();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -26,5 +27,8 @@ class Sha256 {
 
 // The same for bytes that are there at once.
 std::string sha256(std::string_view bytes);
+
+// The same for a whole file. Throws an Error that names it where it cannot be read.
+std::string sha256OfFile(const std::filesystem::path& file);
 
 }  // namespace scanmill

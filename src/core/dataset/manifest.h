@@ -86,8 +86,6 @@ struct Manifest {
   std::vector<SensorRecord> sensors;
   std::vector<std::string> modelled;   // what was modelled and what was left out, one line each
   std::optional<MethodRecord> chosen;  // where the pipeline left the choice of the method
-  std::map<std::string, double>
-      stages;  // seconds of processor time per stage ("trace", "effects", "encode", "write", ...)
   std::vector<ShardRecord> shards;
   std::vector<SampleRecord> samples;
 };

@@ -146,8 +146,6 @@ OrderedJson listOf(const Records& records, const Make& make) {
 }
 
 OrderedJson manifestJson(const Manifest& m) {
-  OrderedJson stages = OrderedJson::object();
-  for (const auto& [stage, seconds] : m.stages) stages[stage] = finite(seconds, "stage " + stage);
   OrderedJson json{
       {"schema_version", Manifest::kSchemaVersion},
       {"program", {{"name", "scanmill"}, {"version", m.programVersion}}},
@@ -166,7 +164,6 @@ OrderedJson manifestJson(const Manifest& m) {
       {"ontology", ontologyJson(m.ontology)},
       {"sensors", listOf(m.sensors, sensorJson)},
       {"modelled", m.modelled},
-      {"stages", std::move(stages)},
       {"shards", listOf(m.shards,
                         [](const ShardRecord& s) {
                           return OrderedJson{{"file", s.file},

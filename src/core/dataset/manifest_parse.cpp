@@ -176,8 +176,8 @@ void checkVersion(const JsonNode& root, const Json& json, const std::string& fil
 
 Manifest manifestOf(const JsonNode& root) {
   root.keys({"schema_version", "program", "name", "seed", "pipeline", "units", "frames", "scans", "formats", "ontology",
-             "sensors", "modelled", "stages", "shards", "samples"},
-            {"method_choice", "digest"});
+             "sensors", "modelled", "shards", "samples"},
+            {"method_choice", "digest", "stages"});
   Manifest m;
   m.programVersion = root["program"].keys({"name", "version"})["version"].text();
   m.name = root["name"].text();
@@ -212,8 +212,8 @@ Manifest manifestOf(const JsonNode& root) {
     choice.keys({"setting", "assignment", "why"});
     m.chosen = MethodRecord{choice["setting"].text(), choice["assignment"].text(), choice["why"].text()};
   }
-  root["stages"].forEachEntry(
-      [&](const std::string& stage, const JsonNode& time) { m.stages[stage] = time.number(0); });
+  // Of datasets that were made before runs on other machines gave the same manifest.
+  if (root.has("stages")) root["stages"].forEachEntry([](const std::string&, const JsonNode& time) { time.number(0); });
   root["shards"].forEach([&](const JsonNode& item) { m.shards.push_back(shardOf(item)); });
   if (root.has("digest")) root["digest"].sha256();
   std::set<std::string> keys;

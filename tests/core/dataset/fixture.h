@@ -17,9 +17,9 @@
 #include "dataset/manifest.h"
 #include "dataset/reader.h"
 #include "dataset/shard.h"
-#include "dataset/writer.h"
 #include "formats/format.h"
 #include "tests/support/message_of.h"
+#include "tests/support/packed_dataset.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -66,7 +66,6 @@ inline Manifest testManifest() {
   const Pose mount{fromYawPitchRoll(0.3, 0.1, -0.2), {1.2, 0, 1.9}};
   m.sensors = {{"top", testBeams(4, 16), mount}, {"Rear", testBeams(1, 8), {}}};
   m.modelled = {"modelled: range, class", "left out: glass (no material of the scene is transparent)"};
-  m.stages = {{"trace", 1.25}, {"write", 0.1}};
   return m;
 }
 
@@ -158,7 +157,7 @@ inline Manifest writeTestDataset(const std::filesystem::path& folder, bool overw
                                  std::uint64_t shardBytes = 30000) {
   Manifest manifest = testManifest();
   manifest.organised = images;
-  DatasetWriter writer(folder, overwrite, shardBytes);
+  PackedDataset writer(folder, overwrite, shardBytes);
   for (std::uint32_t i = 0; i < 9; ++i) {
     const std::string split = i < 6 ? "train" : i < 8 ? "val" : "test";
     writer.add(testSample(manifest, i, split + "_street-1-drive-00000" + std::to_string(i), split));

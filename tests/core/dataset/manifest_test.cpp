@@ -65,7 +65,6 @@ TEST(Manifest, RoundTrips) {
   EXPECT_EQ(read.seed, m.seed);
   EXPECT_EQ(read.columns, m.columns);
   EXPECT_EQ(read.modelled, m.modelled);
-  EXPECT_EQ(read.stages, m.stages);
   ASSERT_EQ(read.ontology.classes.size(), 3u);
   EXPECT_EQ(read.ontology.classes[1].color, m.ontology.classes[1].color);
   EXPECT_EQ(read.ontology.classes[1].aliases, m.ontology.classes[1].aliases);
@@ -186,7 +185,7 @@ TEST(Manifest, RefusesEveryMissingKey) {
     const std::string top = place.to_string().substr(0, 8);
     const bool optional = place.back() == "aliases" || place.back() == "origin_left" || place.back() == "origin_up" ||
                           place.back() == "digest";
-    if (!parent.is_object() || top == "/frames/" || top == "/stages/" || optional) continue;
+    if (!parent.is_object() || top == "/frames/" || optional) continue;
     Json damaged = json;
     damaged[place.parent_pointer()].erase(place.back());
     const std::string message = refusal(damaged);
@@ -204,7 +203,7 @@ TEST(Manifest, RefusesEveryUnknownKey) {
   std::vector<Json::json_pointer> places = placesOf(json);
   places.emplace_back("");
   for (const Json::json_pointer& place : places) {
-    if (!json[place].is_object() || place.to_string() == "/frames" || place.to_string() == "/stages") continue;
+    if (!json[place].is_object() || place.to_string() == "/frames") continue;
     Json damaged = json;
     damaged[place]["colour"] = 1;
     EXPECT_THAT(refusal(damaged), HasSubstr("'colour' is unknown")) << place;
@@ -253,7 +252,6 @@ TEST(Manifest, NamesThePlaceOfWhatIsOutOfRange) {
       {"/shards/0/file", "val/val-000000.tar", "is no shard of split 'train'"},
       {"/shards/0/sha256", "abc", "no SHA-256"},
       {"/units/length", "feet", "is not 'metres'"},
-      {"/stages/trace", -1, "/stages/trace"},
       {"/schema_version", 2, "newer than this program, which reads up to 1: update scanmill"},
       {"/schema_version", 0, "no version"},
       {"/program/name", "other", "is not a manifest of scanmill"},

@@ -73,7 +73,7 @@ TEST(Verify, SoundInEveryFormat) {
     manifest.organised = images;
     manifest.formats.push_back({"draco", "drc", 0.001});
     {
-      DatasetWriter writer(folder.path() / "data", false, 1 << 20);
+      PackedDataset writer(folder.path() / "data", false, 1 << 20);
       for (std::uint32_t i = 0; i < 5; ++i) {
         writer.add(testSample(manifest, i, "street-1-drive-" + std::to_string(i), "train"));
       }
@@ -94,7 +94,7 @@ TEST(Verify, ScansMayBeEmpty) {
   for (const FormatRecord& f : manifest.formats) {
     sample.members.push_back({memberSuffix(sample.scans[0], f.suffix), encode(f.name, empty)});
   }
-  DatasetWriter writer(folder.path() / "data", false, 1 << 20);
+  PackedDataset writer(folder.path() / "data", false, 1 << 20);
   writer.add(sample);
   writer.finish(manifest);
   EXPECT_THAT(verifyDataset(folder.path() / "data").problems, IsEmpty());

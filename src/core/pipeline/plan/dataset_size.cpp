@@ -7,6 +7,7 @@
 #include "dataset/sample_json.h"
 #include "dataset/shard.h"
 #include "formats/reasons_png.h"
+#include "pipeline/plan/shard_jobs.h"
 
 namespace scanmill {
 
@@ -123,10 +124,16 @@ double mostDatasetBytes(const Plan& plan, const Ontology& ontology) {
     shards += bytes * sequence.frames;
     records += record * sequence.frames;
   }
-  // Of two shards in a row, the second one was begun since its first sample did not fit into the other.
-  const auto splits = static_cast<double>(std::min<std::size_t>(pipeline.sequences.size(), 3));
-  const double count = splits + 2 * shards / static_cast<double>(pipeline.shardBytes);
+  const auto count = static_cast<double>(shardJobs(plan).size());
   return shards + records + count * (ShardFile::kEndBytes + kShardRecord) + manifestBytes(plan, ontology);
+}
+
+double mostSampleBytes(const Plan& plan) {
+  constexpr double kHeaders = 1536;       // of a tar member with a long name
+  constexpr double kDescription = 16384;  // of a scan, in the sample's .json
+  double bytes = kHeaders + kDescription * static_cast<double>(plan.beams().size());
+  for (const double scan : scanBytes(plan)) bytes += scan + kHeaders;
+  return bytes;
 }
 
 }  // namespace scanmill

@@ -22,7 +22,7 @@
 //     layout: dense                  # or organised
 //     columns: [intensity, label]    # of the table in scan/columns.h; default: those that it writes by default
 //     formats: [pcd, {draco: {max_error_mm: 1}}]
-//     shard_mb: 256
+//     shard_mb: 256                  # or shard_samples: 100
 //   limits: {max_rays: 1e11}
 //   tradeoff: {...}                  # of `scanmill tradeoff`: see docs/keys.md
 //   repeatability: {...}             # of `scanmill repeatability`: see docs/keys.md
@@ -247,7 +247,7 @@ std::vector<MountedSensor> readSensors(Fields& fields) {
 
 void readOutput(const Value& value, Pipeline& pipeline) {
   Fields output(value, "output");
-  output.also({"layout", "columns", "formats", "shard_mb", "reasons"}).finish();
+  output.also({"layout", "columns", "formats", "shard_mb", "shard_samples", "reasons"}).finish();
   pipeline.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
   pipeline.layout.reasons = output.boolean("reasons", false);
   if (const Value* list = output.find("columns")) {
@@ -274,6 +274,10 @@ void readOutput(const Value& value, Pipeline& pipeline) {
     }
   }
   pipeline.shardBytes = static_cast<std::uint64_t>(output.number("shard_mb", {1, 1e6}, 256) * 1e6);
+  if (const Value* samples = output.find("shard_samples")) {
+    if (output.has("shard_mb")) throw InputError(samples->where, "give either shard_samples or shard_mb");
+    pipeline.shardSamples = static_cast<std::size_t>(output.integer("shard_samples", 1, 1'000'000'000));
+  }
 }
 
 }  // namespace

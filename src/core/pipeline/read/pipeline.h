@@ -90,8 +90,9 @@ struct Pipeline {
   std::vector<Value> effectItems;                         // the list as the file has it, for studies that vary it
   ScanLayout layout;                                      // of the scans that are written
   std::vector<FormatChoice> formats;
-  bool splitsBySeed = false;  // the splits part scenes by their seeds
-  std::uint64_t shardBytes = 0;
+  bool splitsBySeed = false;     // the splits part scenes by their seeds
+  std::uint64_t shardBytes = 0;  // at most
+  std::size_t shardSamples = 0;  // in each shard; 0: follows from shardBytes
   double maxRays = 0;
 
   // The keys of the studies, which read them themselves. Null where absent.

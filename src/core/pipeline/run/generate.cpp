@@ -3,15 +3,18 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "base/stage_clock.h"
-#include "dataset/writer.h"
+#include "dataset/dataset_folder.h"
+#include "dataset/shard_writer.h"
 #include "formats/reasons_png.h"
 #include "methods/depth_camera/depth_camera.h"
 #include "pipeline/plan/scene_shares.h"
+#include "pipeline/plan/shard_jobs.h"
 #include "pipeline/plan/warnings.h"
 #include "pipeline/plan/way_warnings.h"
 #include "pipeline/run/buffer_pool.h"
@@ -37,30 +40,78 @@ void addNew(const std::vector<std::string>& from, std::vector<std::string>& line
   }
 }
 
+FolderUse useOf(const GenerateOptions& options) {
+  return options.resume ? FolderUse::Resume : options.overwrite ? FolderUse::Replace : FolderUse::New;
+}
+
+// What is known of a shard that is whole.
+struct Part {
+  ShardRecord shard;
+  std::vector<SampleRecord> samples;
+  std::vector<std::string> modelled;
+};
+
 class DatasetRun {
  public:
   DatasetRun(const Plan& plan, const GenerateOptions& options)
       : plan_(plan),
         pipeline_(plan.pipeline()),
         options_(options),
+        jobs_(shardJobs(plan)),
+        folder_(options.folder, useOf(options), planHash(plan)),
         recorder_(plan),
         progress_("generate", plan.pipeline().frames(), "frames", "rays", options.quiet) {
     summary_.manifest = startManifest(plan);
   }
 
-  // The story: every frame of every sequence becomes a sample, samples are written in order, the manifest comes last.
+  // The story: every shard is made by itself, and the manifest comes last.
   GenerateSummary run() {
-    for (std::size_t s = 0; s < pipeline_.sequences.size(); ++s) {
-      enter(s);
-      framesInOrder<MadeSample>(
-          pipeline_.sequences[s].frames, plan_.framesInFlight(), options_.stop,
-          [&](std::uint32_t frame) { return makeSample(s, frame); }, [&](const MadeSample& made) { write(made); });
-      leave(pipeline_.sequences[s]);
+    for (const ShardJob& job : jobs_) {
+      std::optional<Manifest> part = folder_.kept(job.file);
+      if (part) {
+        resume(*part);
+      } else {
+        part = make(job);
+        folder_.keep(*part);
+      }
+      summary_.manifest.ontology = std::move(part->ontology);
+      parts_.push_back({std::move(part->shards.front()), std::move(part->samples), std::move(part->modelled)});
     }
     return finish();
   }
 
  private:
+  Manifest make(const ShardJob& job) {
+    ShardWriter shard(folder_.staging(), job.file, job.split);
+    Manifest part = startManifest(plan_);
+    for (auto first = job.samples.begin(); first != job.samples.end();) {
+      const auto last = std::find_if(first, job.samples.end(),
+                                     [&](const SampleAddress& other) { return other.sequence != first->sequence; });
+      enter(first->sequence);
+      addNew(method_->modelled(), part.modelled);
+      framesInOrder<MadeSample>(
+          static_cast<std::uint32_t>(last - first), plan_.framesInFlight(), options_.stop,
+          [&](std::uint32_t i) { return makeSample(first->sequence, first[i].frame); },
+          [&](const MadeSample& made) { write(made, shard); });
+      addNew(account_.warningTexts(), summary_.warnings);
+      if (options_.stop != nullptr && *options_.stop) {
+        throw Error("stopped: the folder holds no manifest, hence no finished dataset; --resume goes on with it");
+      }
+      first = last;
+    }
+    const StageTimer timer(clock_, "write");
+    ShardPart made = shard.finish();
+    part.ontology = scene_->ontology;
+    part.shards = {std::move(made.shard)};
+    part.samples = std::move(made.samples);
+    return part;
+  }
+
+  void resume(const Manifest& part) {
+    ++summary_.resumedShards;
+    progress_.advance(part.samples.size(), static_cast<double>(part.samples.size() * pipeline_.raysPerFrame()));
+  }
+
   // All sensors of a frame: traced, sensed and encoded. Threads run each stage's work by themselves, but for tracing,
   // which may be helped by idle ones; so what the clock adds up is close to, not exactly, the time on processors.
   MadeSample makeSample(std::size_t sequence, std::uint32_t frame) {
@@ -110,10 +161,10 @@ class DatasetRun {
     return account += sampling;
   }
 
-  // Scene and method of a sequence, new ones where the one before had another scene; then, once, the output.
+  // Scene and method of a sequence, new ones where the one before had another scene.
   void enter(std::size_t s) {
     const Sequence& sequence = pipeline_.sequences[s];
-    if (s == 0 || !sequence.sameScene(pipeline_.sequences[s - 1])) {
+    if (!entered_ || !sequence.sameScene(pipeline_.sequences[*entered_])) {
       const StageTimer timer(clock_, "setup");
       progress_.say(fmt::format("setting up {}", sequence.key()));
       addSeconds(account_.seconds, methodSeconds_);
@@ -135,57 +186,71 @@ class DatasetRun {
       if (pipeline_.recording == nullptr) probe_.emplace(*scene_, method_.get(), pipeline_.method.entry);
     }
     if (probe_) addNew(wayWarnings(plan_, s, *probe_), summary_.warnings);
-    if (!writer_) {
-      // Only now: a scene or a method that cannot be used must not cost the dataset that --overwrite replaces.
-      recorder_.open(options_.keepHits, options_.keepPasses, options_.overwrite);
-      writer_.emplace(options_.folder, options_.overwrite, pipeline_.shardBytes);
-      summary_.manifest.ontology = scene_->ontology;
-    }
+    // Only now: a scene or a method that cannot be used must not cost the recordings that --overwrite replaces.
+    if (!entered_) recorder_.open(options_.keepHits, options_.keepPasses, options_.overwrite);
+    entered_ = s;
     recorder_.enter(s, *scene_, *method_);
-    addNew(method_->modelled(), summary_.manifest.modelled);
-    pointsOfSensor_.clear();
   }
 
-  void write(const MadeSample& made) {
+  void write(const MadeSample& made, ShardWriter& shard) {
     account_ += made.account;
     {
       const StageTimer timer(clock_, "write");
-      writer_->add(made.sample);
-    }
-    for (const ScanRecord& record : made.sample.scans) {
-      summary_.beams += record.beams;
-      summary_.points += record.points;
-      pointsOfSensor_[record.sensor] += record.points;
-      for (const auto& [id, count] : record.pointsPerClass) summary_.pointsPerClass[id] += count;
+      shard.add(made.sample);
     }
     progress_.advance(1, static_cast<double>(pipeline_.raysPerFrame()));
   }
 
-  void leave(const Sequence& sequence) {
-    addNew(account_.warningTexts(), summary_.warnings);
-    for (const auto& [sensor, points] : pointsOfSensor_) {
-      if (points > 0) continue;
-      summary_.warnings.push_back(
-          fmt::format("sequence {}: the sensor '{}' sees nothing in {} frames: is the trajectory "
-                      "inside the scene?",
-                      sequence.key(), sensor, sequence.frames));
+  // Of all parts, whoever made them: shards in the order of the plan, samples in that of the sequences.
+  void join() {
+    Manifest& manifest = summary_.manifest;
+    std::vector<std::size_t> firstOf{0};  // of each sequence, among all samples
+    for (const Sequence& sequence : pipeline_.sequences) firstOf.push_back(firstOf.back() + sequence.frames);
+    manifest.samples.resize(firstOf.back());
+    for (std::size_t j = 0; j < jobs_.size(); ++j) {
+      addNew(parts_[j].modelled, manifest.modelled);
+      manifest.shards.push_back(std::move(parts_[j].shard));
+      for (std::size_t i = 0; i < jobs_[j].samples.size(); ++i) {
+        const auto [sequence, frame] = jobs_[j].samples[i];
+        SampleRecord& sample = manifest.samples[firstOf[sequence] + frame];
+        sample = std::move(parts_[j].samples[i]);
+        sample.shard = static_cast<std::uint32_t>(j);
+      }
     }
-    if (options_.stop != nullptr && *options_.stop) {
-      throw Error("stopped: the folder holds no manifest, hence no finished dataset");
+    for (std::size_t s = 0; s < pipeline_.sequences.size(); ++s) {
+      std::map<std::string, std::uint64_t> pointsOfSensor;
+      for (std::size_t i = firstOf[s]; i < firstOf[s + 1]; ++i) count(manifest.samples[i], pointsOfSensor);
+      for (const auto& [sensor, points] : pointsOfSensor) {
+        if (points > 0) continue;
+        summary_.warnings.push_back(
+            fmt::format("sequence {}: the sensor '{}' sees nothing in {} frames: is the trajectory "
+                        "inside the scene?",
+                        pipeline_.sequences[s].key(), sensor, pipeline_.sequences[s].frames));
+      }
+    }
+  }
+
+  void count(const SampleRecord& sample, std::map<std::string, std::uint64_t>& pointsOfSensor) {
+    for (const ScanRecord& record : sample.scans) {
+      summary_.beams += record.beams;
+      summary_.points += record.points;
+      pointsOfSensor[record.sensor] += record.points;
+      for (const auto& [id, points] : record.pointsPerClass) summary_.pointsPerClass[id] += points;
     }
   }
 
   GenerateSummary finish() {
     addSeconds(account_.seconds, methodSeconds_);
-    StageSeconds& stages = summary_.manifest.stages;
+    StageSeconds& stages = summary_.stages;
     stages = clock_.seconds();
     if (!methodSeconds_.empty()) stages.erase("trace");  // its parts are known
     for (const StageSeconds& own : {methodSeconds_, recorder_.stageSeconds()}) {
       for (const auto& [stage, seconds] : own) stages[stage] = seconds;
     }
     recorder_.finish();
-    writer_->finish(summary_.manifest);
-    summary_.bytes = writer_->bytesWritten();
+    join();
+    folder_.publish(summary_.manifest);
+    for (const ShardRecord& shard : summary_.manifest.shards) summary_.bytes += shard.bytes;
     summary_.seconds = progress_.seconds();
     return std::move(summary_);
   }
@@ -193,10 +258,13 @@ class DatasetRun {
   const Plan& plan_;
   const Pipeline& pipeline_;
   const GenerateOptions& options_;
+  std::vector<ShardJob> jobs_;
+  DatasetFolder folder_;
+  std::vector<Part> parts_;             // of the jobs so far
+  std::optional<std::size_t> entered_;  // the sequence whose scene is there
   GenerateSummary summary_;
   StageClock clock_;
   BufferPool<ShotBuffers> buffers_;
-  std::optional<DatasetWriter> writer_;
   std::unique_ptr<Scene> scene_;
   std::unique_ptr<Method> method_;
   std::optional<SceneProbe> probe_;
@@ -204,7 +272,6 @@ class DatasetRun {
   StageSeconds methodSeconds_;  // of the methods before it
   Recorder recorder_;
   Progress progress_;
-  std::map<std::string, std::uint64_t> pointsOfSensor_;  // of the sequence
 };
 
 }  // namespace
@@ -212,7 +279,10 @@ class DatasetRun {
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
   checkFolders(plan, options);
   if (!options.keepPasses.empty()) plan.requirePasses();
-  if (!options.keepHits.empty() || !options.keepPasses.empty()) plan.requireOneRay();
+  if (!options.keepHits.empty() || !options.keepPasses.empty()) {
+    plan.requireOneRay();
+    if (options.resume) throw InputError("--resume goes on with datasets, not with recordings: begin anew");
+  }
   return DatasetRun(plan, options).run();
 }
 

@@ -23,13 +23,19 @@ void Recorder::open(const std::filesystem::path& hits, const std::filesystem::pa
 
 void Recorder::enter(std::size_t sequence, const Scene& scene, const Method& method) {
   if (!recordsHits() && !recordsPasses()) return;
-  const Sequence& own = plan_.pipeline().sequences[sequence];
-  const bool sameScene = sequence > 0 && own.sameScene(plan_.pipeline().sequences[sequence - 1]);
-  if (!sameScene || materials_.empty()) materials_.push_back(scene.materials);
-  for (Material& material : materials_.back()) material.texture.reset();
+  if (sequences_.contains(sequence)) return;
+  const std::vector<Sequence>& all = plan_.pipeline().sequences;
+  const Sequence& own = all[sequence];
+  const auto known = std::find_if(sequences_.begin(), sequences_.end(),
+                                  [&](const auto& entered) { return own.sameScene(all[entered.first]); });
+  if (known == sequences_.end()) {
+    materials_.push_back(scene.materials);
+    for (Material& material : materials_.back()) material.texture.reset();
+  }
+  const std::size_t materials = known == sequences_.end() ? materials_.size() - 1 : known->second.materials;
   ontology_ = scene.ontology;
-  sequences_.push_back(
-      {own.scene, own.sceneSeed, own.trajectoryName, own.frames, static_cast<std::uint32_t>(materials_.size() - 1)});
+  sequences_[sequence] = {own.scene, own.sceneSeed, own.trajectoryName, own.frames,
+                          static_cast<std::uint32_t>(materials)};
   for (std::string& line : method.modelled()) {
     if (std::find(modelled_.begin(), modelled_.end(), line) == modelled_.end()) modelled_.push_back(std::move(line));
   }
@@ -81,7 +87,7 @@ Recording Recorder::describe(RecordingKind kind) const {
     const BeamTable& beams = *plan_.beams()[s];
     recording.sensors.push_back({sensor.name, beams.rings, beams.columns, beamsHash(beams), sensor.vehicleFromSensor});
   }
-  recording.sequences = sequences_;
+  for (const auto& [number, sequence] : sequences_) recording.sequences.push_back(sequence);
   recording.materials = materials_;
   recording.modelled = modelled_;
   return recording;

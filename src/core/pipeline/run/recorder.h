@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +27,7 @@ class Recorder {
 
   // Prepares the folders that are not empty paths. Throws InputError.
   void open(const std::filesystem::path& hits, const std::filesystem::path& passes, bool overwrite);
-  // From now on shots are of this sequence.
+  // Shots of this sequence follow; it may be entered again.
   void enter(std::size_t sequence, const Scene& scene, const Method& method);
 
   bool recordsHits() const { return hits_.has_value(); }
@@ -50,7 +51,7 @@ class Recorder {
   std::optional<RecordingWriter> hits_;
   std::optional<RecordingWriter> passes_;
   Ontology ontology_;
-  std::vector<RecordedSequence> sequences_;
+  std::map<std::size_t, RecordedSequence> sequences_;  // by their numbers in the pipeline
   std::vector<std::vector<Material>> materials_;
   std::vector<std::string> modelled_;
   StageClock clock_;

@@ -1,8 +1,14 @@
 #include "pipeline/run/run_records.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <filesystem>
+#include <set>
+#include <string_view>
 #include <vector>
 
+#include "base/file.h"
 #include "base/hash.h"
 #include "config/version.h"
 
@@ -77,6 +83,22 @@ ScanRecord recordOf(const Shot& shot, const Hits& hits, const Scan& scan, std::s
   record.beamsPerReason = countReasons(scan.reasonOfBeam);
   record.instances = static_cast<std::uint32_t>(std::unique(instances.begin(), instances.end()) - instances.begin());
   return record;
+}
+
+std::string planHash(const Plan& plan) {
+  const Pipeline& pipeline = plan.pipeline();
+  Sha256 hash;
+  const auto add = [&](std::string_view text) { hash.add(fmt::format("{}:{}\n", text.size(), text)); };
+  add(kVersion);
+  add(pipeline.text);
+  if (plan.chosen()) add(plan.chosen()->assignment);
+  std::set<std::filesystem::path> scenes;
+  for (const Sequence& sequence : pipeline.sequences) scenes.insert(sequence.sceneFile);
+  std::error_code ignored;
+  for (const std::filesystem::path& scene : scenes) {
+    if (std::filesystem::is_regular_file(scene, ignored)) add(readFile(scene));  // recordings have none
+  }
+  return hash.hex();
 }
 
 }  // namespace scanmill

@@ -154,10 +154,6 @@ std::string pictures(const DatasetReport& report) {
   return out.empty() ? "" : fmt::format("<div class=\"figures\">\n{}</div>\n", out);
 }
 
-std::string heading(const char* title, const std::string& body) {
-  return body.empty() ? "" : fmt::format("<h3>{}</h3>\n{}", title, body);
-}
-
 }  // namespace
 
 std::string datasetPage(const DatasetReport& report) {
@@ -202,7 +198,6 @@ std::string datasetPage(const DatasetReport& report) {
                       shardsOverview(m, report.shardFaults), true});
   sections.push_back({"format", "Columns and formats", "", columnsOverview(m) + formatsOverview(m)});
   sections.push_back({"modelled", "What was modelled", "", listOf(modelledLines(report))});
-  sections.push_back({"stages", "Method and stages", "", heading("Stages of making the dataset", stageTimes(m))});
   sections.push_back({"pipeline", "Pipeline", "",
                       htmlParagraph("SHA-256 " + m.pipelineSha256, "small") +
                           htmlDetails("The pipeline's text, overrides as comments", htmlCode(m.pipelineText))});

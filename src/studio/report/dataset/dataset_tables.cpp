@@ -292,14 +292,6 @@ std::string formatsOverview(const Manifest& manifest) {
   return finished(table);
 }
 
-std::string stageTimes(const Manifest& manifest) {
-  HtmlTable table;
-  table.column("stage");
-  table.column("processor time", "summed over the threads that worked on it");
-  for (const auto& [stage, seconds] : manifest.stages) table.row({{wordsOf(stage)}, {secondsText(seconds), seconds}});
-  return finished(table);
-}
-
 std::string mixedInstances(const DatasetSummary& summary) {
   std::map<std::string, std::uint64_t> groups;
   for (const MixedInstance& m : summary.mixed) {

@@ -21,7 +21,6 @@ std::string splitsOverview(const DatasetSummary& summary);
 std::string shardsOverview(const Manifest& manifest, const std::vector<std::string>& faults);
 std::string columnsOverview(const Manifest& manifest);
 std::string formatsOverview(const Manifest& manifest);
-std::string stageTimes(const Manifest& manifest);
 // Instances with several classes; those whose classes usually go together are only counted.
 std::string mixedInstances(const DatasetSummary& summary);
 

@@ -55,7 +55,7 @@ TEST_F(RecordedTest, KeptHitsMakeTheSameBytes) {
   EXPECT_TRUE(shards("direct") == shards("kept"));
   fs::remove_all(folder_.path() / "scenes");  // nobody needs it any more
   remake(kNoisy, "again", out("hits"));
-  EXPECT_EQ(shards("again").size(), 2u);
+  EXPECT_EQ(shards("again").size(), 4u);
   EXPECT_TRUE(shards("direct") == shards("again"));
   EXPECT_EQ(readManifest(out("again")).samples.size(), 8u);
 }

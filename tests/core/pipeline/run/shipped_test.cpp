@@ -114,9 +114,10 @@ TEST(Shipped, TruckTown) {
   EXPECT_EQ(m.samples.front().scans.size(), 2u);
 }
 
-// SHA-256 of the shards by their names.
-std::map<std::string, std::string> shardsOf(const std::string& pipeline, const std::vector<std::string>& overrides) {
+// SHA-256 of the shards by their names, one for each split.
+std::map<std::string, std::string> shardsOf(const std::string& pipeline, std::vector<std::string> overrides) {
   const TemporaryFolder folder;
+  overrides.emplace_back("output.shard_samples=1000");
   const Plan plan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
   GenerateOptions options;
   options.folder = folder.path() / "out";
@@ -191,7 +192,6 @@ TEST(Shipped, StreetByTheDepthCamera) {
   const Manifest seen = generateLabelled("street.yaml", camera, 10);
   EXPECT_EQ(seen.samples.front().scans.front().method, "depth_camera");
   EXPECT_GT(seen.samples.front().scans.front().instances, 5u);
-  for (const char* stage : {"render", "read_back", "sample"}) EXPECT_TRUE(seen.stages.contains(stage)) << stage;
   expectAlike(generateLabelled("street.yaml", overrides, 10), seen);
 }
 
@@ -211,7 +211,6 @@ TEST(Shipped, StreetByParticles) {
   const Manifest flown = generateLabelled("street.yaml", particles, 10);
   EXPECT_EQ(flown.samples.front().scans.front().method, "particle");
   EXPECT_GT(flown.samples.front().scans.front().instances, 5u);
-  for (const char* stage : {"field_build", "march", "resolve"}) EXPECT_TRUE(flown.stages.contains(stage)) << stage;
   expectAlike(generateLabelled("street.yaml", overrides, 10), flown);
 }
 

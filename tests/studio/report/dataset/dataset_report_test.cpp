@@ -415,7 +415,7 @@ TEST_F(MadeDataset, OtherLayoutsAreShownToo) {
   Manifest bare = madeManifest();
   bare.columns = {"x", "y", "z"};
   bare.formats = {{"pcd", "pcd", 0}};
-  DatasetWriter writer(at(), false, 100000);
+  PackedDataset writer(at(), false, 100000);
   Scan scan;
   scan.rings = 4;
   scan.columns = 16;

@@ -49,7 +49,7 @@ inline Scan madeScan(const BeamTable& beams, const std::vector<MadePoint>& point
 // Every sample fills a shard of its own where `apart`.
 inline Manifest writeMadeDataset(const std::filesystem::path& folder, const std::vector<MadeSample>& samples,
                                  Manifest manifest = madeManifest(), bool apart = false) {
-  DatasetWriter writer(folder, false, apart ? 4096 : 10'000'000);
+  PackedDataset writer(folder, false, apart ? 4096 : 10'000'000);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const MadeSample& made = samples[i];
     const Scan scan = madeScan(manifest.sensors[0].beams, made.points);

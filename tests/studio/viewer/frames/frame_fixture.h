@@ -22,7 +22,7 @@ struct DatasetChanges {
 inline Manifest writeChangedDataset(const std::filesystem::path& folder, const DatasetChanges& changes) {
   Manifest manifest = testManifest();
   changes.manifest(manifest);
-  DatasetWriter writer(folder, false, 1 << 20);
+  PackedDataset writer(folder, false, 1 << 20);
   for (std::uint32_t i = 0; i < changes.frames; ++i) {
     Sample sample{changes.sequence + "-00000" + std::to_string(i), "train", {}, {}};
     for (std::size_t s = 0; s < manifest.sensors.size(); ++s) {

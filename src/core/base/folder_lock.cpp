@@ -1,0 +1,104 @@
+#include "base/folder_lock.h"
+
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <string>
+
+#include "base/error.h"
+
+namespace scanmill {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
+  throw Error(fmt::format("{}: {}: {}", file.string(), what, std::strerror(errno)));
+}
+
+std::string hostName() {
+  std::array<char, 256> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0) return "this host";
+  return name.data();
+}
+
+// What a lock file says: "process 4711 on node3 since 2026-01-31 12:00:00 UTC".
+std::string ownWords() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return fmt::format("process {} on {} since {:%Y-%m-%d %H:%M:%S} UTC\n", ::getpid(), hostName(), fmt::gmtime(now));
+}
+
+std::string readWords(int descriptor) {
+  std::array<char, 512> words{};
+  const ssize_t size = ::pread(descriptor, words.data(), words.size(), 0);
+  std::string text(words.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+  return text.substr(0, text.find('\n'));
+}
+
+// By what the file says alone: whether a process that may still run holds it.
+bool mayBeHeld(const std::string& words) {
+  const std::string process = "process ";
+  if (!words.starts_with(process)) return false;
+  const auto pid = static_cast<pid_t>(std::strtol(words.c_str() + process.size(), nullptr, 10));
+  if (words.find(" on " + hostName() + " since ") == std::string::npos) return true;
+  return pid > 0 && pid != ::getpid() && (::kill(pid, 0) == 0 || errno == EPERM);
+}
+
+bool isStillThere(int descriptor, const std::filesystem::path& file) {
+  struct stat own {};
+  struct stat named {};
+  return ::fstat(descriptor, &own) == 0 && ::stat(file.c_str(), &named) == 0 && own.st_ino == named.st_ino &&
+         own.st_dev == named.st_dev;
+}
+
+}  // namespace
+
+FolderLock::FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file) : file_(file) {
+  const auto refuse = [&](const std::string& words) {
+    ::close(descriptor_);
+    descriptor_ = -1;
+    throw InputError({folder.string()},
+                     fmt::format("is being written by {}: wait for it, or choose another folder (where that process "
+                                 "is gone for certain, remove {})",
+                                 words.empty() ? "another process" : words, file.string()));
+  };
+  constexpr int kMode = 0644;
+  while (true) {
+    descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kMode);
+    if (descriptor_ < 0) fail(file, "cannot be made");
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+      if (errno == EWOULDBLOCK) refuse(readWords(descriptor_));
+      if (errno == EINTR) {
+        ::close(descriptor_);
+        continue;
+      }
+      if (const std::string words = readWords(descriptor_); mayBeHeld(words)) refuse(words);
+    }
+    if (isStillThere(descriptor_, file)) break;
+    ::close(descriptor_);  // its holder has just removed it
+  }
+  const std::string words = ownWords();
+  if (::ftruncate(descriptor_, 0) != 0 ||
+      ::pwrite(descriptor_, words.data(), words.size(), 0) != static_cast<ssize_t>(words.size())) {
+    const int reason = errno;
+    ::close(descriptor_);
+    errno = reason;
+    fail(file, "cannot be written");
+  }
+}
+
+FolderLock::~FolderLock() {
+  if (isStillThere(descriptor_, file_)) ::unlink(file_.c_str());
+  ::close(descriptor_);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,329 @@
+#include "dataset/dataset_folder.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "dataset/shard_name.h"
+
+namespace scanmill {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kHidden = ".scanmill";
+constexpr const char* kLockName = "lock";
+constexpr const char* kPlanName = "plan";
+constexpr const char* kReplacedName = "replaced.json";  // the manifest of the dataset that is being replaced
+constexpr const char* kRecordSuffix = ".json";          // behind the name of a shard
+
+struct Contents {
+  bool manifest = false;
+  bool unfinished = false;             // somebody has begun a dataset here
+  std::vector<std::string> shards;     // relative names
+  std::vector<std::string> leftovers;  // relative names of temporary files
+  std::string foreign;                 // the first name, by its letters, of what is neither; empty where there is none
+  bool empty() const { return !manifest && !unfinished && shards.empty() && leftovers.empty() && foreign.empty(); }
+};
+
+// Names of plain files in the folder and one level below, relative, sorted.
+std::vector<std::string> filesIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name == kHidden) continue;
+    if (!entry.is_directory()) {
+      names.push_back(name);
+      continue;
+    }
+    std::error_code unreadable;
+    for (const fs::directory_entry& inner : fs::directory_iterator(entry.path(), unreadable)) {
+      if (!inner.is_directory()) names.push_back(name + "/" + inner.path().filename().string());
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// A folder with a split's name that holds no folders.
+bool couldBeSplit(const fs::path& folder) {
+  if (!isSplitName(folder.filename().string())) return false;
+  std::error_code unreadable;
+  const fs::directory_iterator inside(folder, unreadable);
+  return !unreadable &&
+         std::none_of(begin(inside), end(inside), [](const fs::directory_entry& e) { return e.is_directory(); });
+}
+
+Contents contentsOf(const fs::path& folder) {
+  Contents run;
+  run.unfinished = DatasetFolder::isUnfinished(folder);
+  for (const std::string& name : filesIn(folder)) {
+    if (name == kManifestName) {
+      run.manifest = true;
+    } else if (isShardName(name)) {
+      run.shards.push_back(name);
+    } else if (isLeftover(name)) {
+      run.leftovers.push_back(name);
+    } else if (run.foreign.empty()) {
+      run.foreign = name;
+    }
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.path().filename() == kHidden) continue;
+    if (entry.is_directory() && run.foreign.empty() && !couldBeSplit(entry.path())) {
+      run.foreign = entry.path().filename().string();
+    }
+  }
+  return run;
+}
+
+// The shards that a manifest lists; none where it is absent.
+std::vector<std::string> listedIn(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return {};
+  std::vector<std::string> listed;
+  try {
+    for (const ShardRecord& shard : parseManifest(readFile(file), file.string()).shards) listed.push_back(shard.file);
+  } catch (const InputError& error) {
+    throw InputError(
+        fmt::format("{}\nso what is in that folder cannot be told apart: remove it by hand, or choose "
+                    "another output folder",
+                    error.what()));
+  }
+  return listed;
+}
+
+// Names of shards that have records in the hidden folder.
+std::vector<std::string> recordedIn(const fs::path& hidden) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(hidden, ignored)) {
+    std::string name = entry.path().lexically_relative(hidden).generic_string();
+    if (!name.ends_with(kRecordSuffix)) continue;
+    name.resize(name.size() - std::strlen(kRecordSuffix));
+    if (isShardName(name)) names.push_back(std::move(name));
+  }
+  return names;
+}
+
+// The shards in a folder that are this program's: of the dataset there, of one that was being replaced, and of the one
+// that replaced it, where a process was killed meanwhile.
+std::vector<std::string> ownShards(const fs::path& folder) {
+  std::vector<std::string> own = listedIn(folder / kManifestName);
+  for (const auto& more : {listedIn(folder / kHidden / kReplacedName), recordedIn(folder / kHidden)}) {
+    own.insert(own.end(), more.begin(), more.end());
+  }
+  std::sort(own.begin(), own.end());
+  own.erase(std::unique(own.begin(), own.end()), own.end());
+  return own;
+}
+
+// Refuses what a new dataset would destroy, or hide, without its having been written by this program.
+void checkOwnership(const fs::path& folder, const Contents& contents) {
+  const std::vector<std::string> own = ownShards(folder);
+  for (const std::string& name : contents.shards) {
+    if (std::binary_search(own.begin(), own.end(), name)) continue;
+    throw InputError(
+        {(folder / name).string()},
+        fmt::format("is in the way, and {}: move it, or choose another output folder",
+                    contents.manifest ? "the manifest there does not list it" : "there is no manifest that lists it"));
+  }
+  if (!contents.manifest && !contents.unfinished && !contents.foreign.empty()) {
+    throw InputError({folder.string()},
+                     fmt::format("holds no dataset of this program, but files of others such as '{}': --overwrite "
+                                 "replaces datasets only; choose another output folder with -o",
+                                 contents.foreign));
+  }
+}
+
+void checkUse(const fs::path& folder, FolderUse use) {
+  if (fs::exists(folder) && !fs::is_directory(folder)) {
+    throw InputError({folder.string()}, "is a file: choose another output folder");
+  }
+  if (!fs::exists(folder)) return;
+  const Contents contents = contentsOf(folder);
+  if (use == FolderUse::Replace) return checkOwnership(folder, contents);
+  if (use == FolderUse::Resume && contents.unfinished) return;
+  if (contents.unfinished) {
+    throw InputError({folder.string()},
+                     "holds an unfinished dataset: add --resume to go on with it, or --overwrite to begin anew");
+  }
+  if (use == FolderUse::Resume && contents.manifest) {
+    throw InputError({folder.string()}, "holds a whole dataset: there is nothing to resume");
+  }
+  if (!contents.empty()) {
+    throw InputError({folder.string()},
+                     "exists and is not empty: add --overwrite to replace the dataset in it, or choose another "
+                     "output folder with -o");
+  }
+}
+
+// Everything in the hidden folder, which is ours, but for the lock.
+void clearHidden(const fs::path& hidden) {
+  std::vector<fs::path> paths;
+  for (const fs::directory_entry& entry : fs::directory_iterator(hidden)) {
+    if (entry.path().filename() != kLockName) paths.push_back(entry.path());
+  }
+  for (const fs::path& path : paths) fs::remove_all(path);
+}
+
+void removeFile(const fs::path& file) {
+  if (::unlink(file.c_str()) != 0 && errno != ENOENT) {
+    throw Error(fmt::format("{}: cannot be removed: {}", file.string(), std::strerror(errno)));
+  }
+}
+
+// Makes removals and new names durable: they live in the folder.
+void syncFolder(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int synced = descriptor < 0 ? -1 : ::fsync(descriptor);
+  const int reason = errno;
+  if (descriptor >= 0) ::close(descriptor);
+  // Some file systems cannot do that to folders.
+  if (synced != 0 && reason != EINVAL && reason != ENOTSUP) {
+    throw Error(fmt::format("{}: cannot be flushed: {}", folder.string(), std::strerror(reason)));
+  }
+}
+
+void removeShard(const fs::path& folder, const std::string& name) {
+  removeFile(folder / name);
+  std::error_code notEmpty;
+  if ((folder / name).parent_path() != folder) fs::remove((folder / name).parent_path(), notEmpty);
+}
+
+void moveFile(const fs::path& from, const fs::path& to) {
+  std::error_code failure;
+  fs::create_directories(to.parent_path(), failure);
+  if (!failure) fs::rename(from, to, failure);
+  if (failure) {
+    throw Error(fmt::format("{}: cannot be moved to {}: {}", from.string(), to.string(), failure.message()));
+  }
+}
+
+}  // namespace
+
+void DatasetFolder::check(const fs::path& folder, FolderUse use) {
+  try {
+    checkUse(folder, use);
+  } catch (const fs::filesystem_error& error) {
+    throw InputError({folder.string()}, "cannot be used as output folder: " + error.code().message());
+  }
+}
+
+bool DatasetFolder::isUnfinished(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::exists(folder / kHidden / kPlanName, ignored);
+}
+
+DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, const std::string& plan)
+    : folder_(std::move(folder)), staging_(folder_ / kHidden) {
+  check(folder_, use);
+  try {
+    created_ = !fs::exists(folder_);
+    fs::create_directories(staging_);
+    lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName);
+    checkUse(folder_, use);  // another process may have been here meanwhile
+    const fs::path planFile = staging_ / kPlanName;
+    const bool resumes = use == FolderUse::Resume && fs::exists(planFile);
+    if (resumes && readFile(planFile) != plan + "\n") {
+      throw InputError({folder_.string()},
+                       "holds an unfinished dataset of another pipeline, other files that it names, or another version "
+                       "of this program: --overwrite begins anew");
+    }
+    if (!resumes) {
+      // Of a run that was killed while it replaced a dataset. One that is whole stays until the new one is.
+      if (!fs::exists(folder_ / kManifestName)) {
+        for (const std::string& name : ownShards(folder_)) removeShard(folder_, name);
+      }
+      clearHidden(staging_);
+      writeFile(planFile, plan + "\n");
+    }
+  } catch (const fs::filesystem_error& error) {
+    throw InputError({folder_.string()}, "cannot be used as output folder: " + error.code().message());
+  }
+}
+
+DatasetFolder::~DatasetFolder() {
+  std::error_code ignored;
+  bool whole = false;
+  if (!published_) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staging_, ignored)) {
+      whole = whole || entry.path().string().ends_with(std::string(".tar") + kRecordSuffix);
+    }
+  }
+  if (!whole) {
+    try {
+      clearHidden(staging_);
+    } catch (const fs::filesystem_error&) {
+      lock_.reset();
+      return;
+    }
+  }
+  lock_.reset();
+  // Where they are empty.
+  fs::remove(staging_, ignored);
+  if (created_ && !whole && !published_) fs::remove(folder_, ignored);
+}
+
+// Where a shard lies: it may have been moved by a process that was killed in publish().
+fs::path DatasetFolder::whole(const std::string& name) const {
+  std::error_code ignored;
+  return fs::exists(staging_ / name, ignored) ? staging_ / name : folder_ / name;
+}
+
+void DatasetFolder::keep(const Manifest& part) {
+  writeFile(staging_ / (part.shards.at(0).file + kRecordSuffix), toJson(part));
+}
+
+std::optional<Manifest> DatasetFolder::kept(const std::string& name) const {
+  const fs::path record = staging_ / (name + kRecordSuffix);
+  std::error_code ignored;
+  if (!fs::exists(record, ignored) || !fs::exists(whole(name), ignored)) return std::nullopt;
+  const std::string text = readFile(record);
+  if (!digestProblem(text).empty()) return std::nullopt;
+  Manifest part = parseManifest(text, record.string());
+  if (part.shards.size() != 1 || part.shards[0].file != name) return std::nullopt;
+  if (fs::file_size(whole(name), ignored) != part.shards[0].bytes) return std::nullopt;
+  if (sha256OfFile(whole(name)) != part.shards[0].sha256) return std::nullopt;
+  return part;
+}
+
+void DatasetFolder::publish(const Manifest& manifest) {
+  try {
+    if (fs::exists(folder_ / kManifestName)) {
+      // First of all and for good, so that a mixture never looks finished.
+      moveFile(folder_ / kManifestName, staging_ / kReplacedName);
+      syncFolder(folder_);
+    }
+    for (const std::string& name : listedIn(staging_ / kReplacedName)) {
+      // One that a killed process has moved here is no old one.
+      const bool moved = fs::exists(staging_ / (name + kRecordSuffix)) && !fs::exists(staging_ / name);
+      if (!moved) removeShard(folder_, name);
+    }
+    for (const std::string& name : contentsOf(folder_).leftovers) removeFile(folder_ / name);
+    std::vector<fs::path> changed{folder_};
+    for (const ShardRecord& shard : manifest.shards) {
+      if (fs::exists(staging_ / shard.file)) moveFile(staging_ / shard.file, folder_ / shard.file);
+      const fs::path own = (folder_ / shard.file).parent_path();
+      if (std::find(changed.begin(), changed.end(), own) == changed.end()) changed.push_back(own);
+    }
+    for (const fs::path& each : changed) syncFolder(each);
+    writeFile(folder_ / kManifestName, toJson(manifest));
+    published_ = true;
+  } catch (const fs::filesystem_error& error) {
+    throw Error(fmt::format("{}: {}", folder_.string(), error.what()));
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,88 @@
+#include "dataset/shard_writer.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "base/error.h"
+#include "dataset/sample_json.h"
+#include "dataset/shard_name.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::string_view kJsonSuffix = "json";
+
+[[noreturn]] void refuse(const Sample& sample, const std::string& why) {
+  throw Error(fmt::format("sample '{}' cannot be written: {}", sample.key, why));
+}
+
+// WebDataset groups the members that follow each other and share the name up to the first dot, and takes the rest of
+// the name, in lower case, for the member's key. Names are plain ASCII, so that every tar reader sees the same.
+void checkNames(const Sample& sample) {
+  const auto plain = [](char c) { return c > ' ' && c < 0x7f && c != '/' && c != '\\'; };
+  if (sample.key.empty() ||
+      !std::all_of(sample.key.begin(), sample.key.end(), [&](char c) { return plain(c) && c != '.'; })) {
+    refuse(sample, "a key is printable ASCII without dots, slashes and spaces");
+  }
+  if (!isSplitName(sample.split)) refuse(sample, fmt::format("'{}' is no name of a split", sample.split));
+  std::set<std::string_view> suffixes{kJsonSuffix};
+  for (const Member& member : sample.members) {
+    const std::string& suffix = member.suffix;
+    if (suffix.empty() || suffix.front() == '.' ||
+        !std::all_of(suffix.begin(), suffix.end(), [&](char c) { return plain(c) && !(c >= 'A' && c <= 'Z'); })) {
+      refuse(sample, fmt::format("suffix '{}' is not lower-case printable ASCII without slashes and spaces", suffix));
+    }
+    if (!suffixes.insert(suffix).second) refuse(sample, fmt::format("suffix '{}' is there twice", suffix));
+  }
+}
+
+std::filesystem::path madeFolderOf(const std::filesystem::path& file) {
+  std::error_code failure;
+  std::filesystem::create_directories(file.parent_path(), failure);
+  if (failure) throw Error(fmt::format("{}: cannot be created: {}", file.parent_path().string(), failure.message()));
+  return file;
+}
+
+}  // namespace
+
+ShardWriter::ShardWriter(const std::filesystem::path& folder, const std::string& name, const std::string& split)
+    : part_{{name, split, {}, 0, 0}, {}}, file_(madeFolderOf(folder / name)) {}
+
+void ShardWriter::add(const Sample& sample) {
+  if (broken_) refuse(sample, "an earlier one failed");
+  checkNames(sample);
+  if (sample.split != part_.shard.split) {
+    refuse(sample, fmt::format("it is of the split {}, the shard of {}", sample.split, part_.shard.split));
+  }
+  SampleRecord record{sample.key, sample.split, 0, sample.scans, {}};
+  const std::string json = sampleJson(record);
+  std::vector<std::string_view> contents{json};
+  record.members.push_back(fmt::format("{}.{}", sample.key, kJsonSuffix));
+  for (const Member& member : sample.members) {
+    record.members.push_back(fmt::format("{}.{}", sample.key, member.suffix));
+    contents.push_back(member.bytes);
+  }
+  broken_ = true;
+  for (std::size_t i = 0; i < contents.size(); ++i) {
+    file_.add(record.members[i], contents[i]);
+    bytes_ += ShardFile::memberBytes(record.members[i].size(), contents[i].size());
+  }
+  part_.samples.push_back(std::move(record));
+  broken_ = false;
+}
+
+ShardPart ShardWriter::finish() {
+  if (broken_) throw Error(fmt::format("{}: cannot be finished: a sample could not be written", part_.shard.file));
+  const ShardFile::Whole whole = file_.close();
+  part_.shard.sha256 = whole.sha256;
+  part_.shard.bytes = whole.bytes;
+  part_.shard.samples = part_.samples.size();
+  return std::move(part_);
+}
+
+}  // namespace scanmill

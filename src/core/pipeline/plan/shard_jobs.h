@@ -1,0 +1,30 @@
+#pragma once
+
+// Which samples a shard holds: it follows from the plan alone, so that any thread, process or machine may make any
+// shard, in any order.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/plan.h"
+
+namespace scanmill {
+
+struct SampleAddress {
+  std::size_t sequence = 0;  // of the pipeline
+  std::uint32_t frame = 0;
+};
+
+struct ShardJob {
+  std::string file;  // relative to the dataset's folder, see shardName()
+  std::string split;
+  std::vector<SampleAddress> samples;  // in the order of sequences and frames
+};
+
+// All shards, split by split. A shard holds `output.shard_samples` samples, the last of a split what is left; without
+// that key, the samples of a split are shared out evenly over so many shards that none can exceed `output.shard_mb`,
+// whatever the beams meet, but at least two where there are two samples, since loaders give each worker a shard.
+std::vector<ShardJob> shardJobs(const Plan& plan);
+
+}  // namespace scanmill

@@ -1,0 +1,253 @@
+#include "dataset/dataset_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "dataset/verify.h"
+#include "tests/core/dataset/fixture.h"
+
+namespace scanmill {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// Relative names of all files, sorted.
+std::vector<std::string> filesOf(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_directory()) names.push_back(fs::relative(entry.path(), folder).generic_string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Sample plainSample(const std::string& key, std::size_t bytes, const std::string& split = "train") {
+  return {key, split, {}, {{"bin", std::string(bytes, 'x')}}};
+}
+
+FolderUse use(bool replace) {
+  return replace ? FolderUse::Replace : FolderUse::New;
+}
+
+void open(const fs::path& folder, bool replace) {
+  const DatasetFolder opened(folder, use(replace), "plan");
+}
+
+// A shard of one sample, kept as a part.
+Manifest addShard(DatasetFolder& folder, std::uint64_t number, std::size_t bytes = 100) {
+  ShardWriter shard(folder.staging(), shardName("train", number), "train");
+  shard.add(plainSample("k-" + std::to_string(number), bytes));
+  ShardPart part = shard.finish();
+  Manifest manifest = testManifest();
+  manifest.shards = {part.shard};
+  manifest.samples = part.samples;
+  folder.keep(manifest);
+  return manifest;
+}
+
+void publish(DatasetFolder& folder, const std::vector<Manifest>& parts) {
+  Manifest manifest = testManifest();
+  for (const Manifest& part : parts) {
+    manifest.shards.push_back(part.shards[0]);
+    manifest.samples.push_back(part.samples[0]);
+    manifest.samples.back().shard = static_cast<std::uint32_t>(manifest.shards.size() - 1);
+  }
+  folder.publish(manifest);
+}
+
+// But for those of the members, which are no scans.
+std::vector<std::string> problemsOf(const fs::path& folder) {
+  std::vector<std::string> problems = verifyDataset(folder).problems;
+  std::erase_if(problems, [](const std::string& p) { return p.find("no format reads '.bin'") != std::string::npos; });
+  return problems;
+}
+
+TEST(DatasetFolder, AFolderThatIsNotEmptyIsLeftAlone) {
+  const TemporaryFolder folder;
+  folder.write("notes.txt", "mine");
+  const std::string message = messageOf<InputError>([&] { open(folder.path(), false); });
+  EXPECT_THAT(message, HasSubstr("--overwrite"));
+  EXPECT_THAT(message, HasSubstr(folder.path().string()));
+  EXPECT_THAT(filesOf(folder.path()), ElementsAre("notes.txt"));
+  const fs::path file = folder.path() / "notes.txt";
+  EXPECT_THAT(messageOf<InputError>([&] { open(file, true); }), HasSubstr("is a file"));
+  EXPECT_THAT(messageOf<InputError>([&] { open(file / "x", true); }), HasSubstr("Not a directory"));
+}
+
+// The old dataset stays until the new one is whole; what is not ours stays for ever.
+TEST(DatasetFolder, ReplacesTheOldDatasetAtTheEndAndNothingElse) {
+  const TemporaryFolder folder;
+  const Manifest old = writeTestDataset(folder.path());
+  folder.write("notes.txt", "mine");
+  folder.write("train/notes.txt", "mine too");
+  folder.write("train/train.tar", "mine as well");
+  folder.write("train/train-000000.tar.partial-mine", "mine");
+  folder.write("manifest.json.partial-17", "of a killed run");
+  {
+    DatasetFolder replacing(folder.path(), FolderUse::Replace, "plan");
+    addShard(replacing, 0);
+    EXPECT_EQ(toJson(readManifest(folder.path())), toJson(old));
+  }
+  EXPECT_EQ(toJson(readManifest(folder.path())), toJson(old)) << "an interrupted run costs nothing";
+  {
+    DatasetFolder replacing(folder.path(), FolderUse::Replace, "plan");
+    publish(replacing, {addShard(replacing, 0)});
+  }
+  EXPECT_THAT(filesOf(folder.path()),
+              ElementsAre("manifest.json", "notes.txt", "train/notes.txt", "train/train-000000.tar",
+                          "train/train-000000.tar.partial-mine", "train/train.tar"));
+  EXPECT_FALSE(fs::exists(folder.path() / "val")) << "empty folders go too";
+  EXPECT_EQ(readManifest(folder.path()).samples.size(), 1u);
+}
+
+TEST(DatasetFolder, RefusesWhatItCannotTellApart) {
+  const TemporaryFolder folder;
+  writeTestDataset(folder.path());
+  folder.write("train/train-000999.tar", "of somebody");
+  const auto before = filesOf(folder.path());
+  EXPECT_THAT(messageOf<InputError>([&] { open(folder.path(), true); }),
+              HasSubstr("train/train-000999.tar: is in the way"));
+  EXPECT_EQ(filesOf(folder.path()), before);
+
+  const TemporaryFolder app;
+  app.write("manifest.json", "{\"name\": \"a web application\"}");
+  app.write("train/train-000000.tar", "of somebody");
+  EXPECT_THAT(messageOf<InputError>([&] { open(app.path(), true); }), HasSubstr("by hand"));
+  EXPECT_THAT(filesOf(app.path()), ElementsAre("manifest.json", "train/train-000000.tar"));
+
+  // WebDataset's usual names are no proof that a shard is ours.
+  const TemporaryFolder web;
+  web.write("train/train-000000.tar", "of somebody");
+  EXPECT_THAT(messageOf<InputError>([&] { open(web.path(), true); }), HasSubstr("no manifest that lists it"));
+  EXPECT_THAT(filesOf(web.path()), ElementsAre("train/train-000000.tar"));
+}
+
+TEST(DatasetFolder, RefusesFoldersOfOthers) {
+  for (const std::string name : {"photo.jpg", "train/notes.txt", "src/deep/main.c", "My Files/x"}) {
+    const TemporaryFolder folder;
+    folder.write(name, "mine");
+    EXPECT_THAT(messageOf<InputError>([&] { open(folder.path(), true); }),
+                AllOf(HasSubstr("holds no dataset"), HasSubstr(name.substr(0, name.find('/')))));
+    EXPECT_THAT(filesOf(folder.path()), ElementsAre(name));
+  }
+}
+
+TEST(DatasetFolder, EmptySplitFoldersAreNoDataset) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder.path() / "train");
+  EXPECT_EQ(messageOf<InputError>([&] { open(folder.path(), false); }), "accepted");
+}
+
+TEST(DatasetFolder, AnAbandonedRunWithoutAShardLeavesNothing) {
+  const TemporaryFolder folder;
+  {
+    const DatasetFolder opened(folder.path() / "data", FolderUse::New, "plan");
+    ShardWriter shard(opened.staging(), "train/train-000000.tar", "train");
+    shard.add(plainSample("k-0", 3000000));
+  }
+  EXPECT_FALSE(fs::exists(folder.path() / "data"));
+}
+
+// Whole shards are found again, damaged ones are not, and another plan is refused.
+TEST(DatasetFolder, AnInterruptedRunCanBeResumed) {
+  const TemporaryFolder folder;
+  const fs::path data = folder.path() / "data";
+  {
+    DatasetFolder opened(data, FolderUse::Resume, "plan");  // the same as a new one
+    for (int i = 0; i < 3; ++i) addShard(opened, i);
+  }
+  EXPECT_THAT(messageOf<InputError>([&] { readManifest(data); }), HasSubstr("did not end"));
+  EXPECT_THAT(messageOf<InputError>([&] { open(data, false); }),
+              AllOf(HasSubstr("--resume"), HasSubstr("--overwrite")));
+  EXPECT_THAT(messageOf<InputError>([&] { DatasetFolder(data, FolderUse::Resume, "other"); }),
+              HasSubstr("another pipeline"));
+  const fs::path damaged = data / ".scanmill/train/train-000001.tar";
+  std::string bytes = readFile(damaged);
+  bytes[700] ^= 1;
+  writeFile(damaged, bytes);
+  fs::remove(data / ".scanmill/train/train-000002.tar");
+  DatasetFolder resumed(data, FolderUse::Resume, "plan");
+  const std::optional<Manifest> first = resumed.kept(shardName("train", 0));
+  ASSERT_TRUE(first.has_value());
+  for (int i = 1; i < 4; ++i) EXPECT_FALSE(resumed.kept(shardName("train", i)).has_value()) << i;
+  publish(resumed, {*first, addShard(resumed, 1)});
+  EXPECT_THAT(problemsOf(data), IsEmpty());
+}
+
+// Killed at any moment of publish(), the dataset can be resumed, or replaced, and nothing of the old one stays.
+TEST(DatasetFolder, AMoveThatWasInterruptedGoesOn) {
+  for (const bool resume : {true, false}) {
+    for (int moment = 0; moment < 4; ++moment) {
+      SCOPED_TRACE(moment);
+      const TemporaryFolder folder;
+      writeTestDataset(folder.path());
+      Manifest whole = testManifest();
+      {
+        DatasetFolder replacing(folder.path(), FolderUse::Replace, "plan");
+        addShard(replacing, 0);
+        addShard(replacing, 1);
+      }
+      const fs::path hidden = folder.path() / ".scanmill";
+      // What publish() does, one step after the other.
+      fs::rename(folder.path() / "manifest.json", hidden / "replaced.json");
+      if (moment >= 1) fs::remove(folder.path() / "train/train-000000.tar");
+      if (moment >= 2) fs::rename(hidden / "train/train-000000.tar", folder.path() / "train/train-000000.tar");
+      if (moment >= 3) fs::remove_all(folder.path() / "val");
+      EXPECT_THROW(readManifest(folder.path()), InputError);
+      DatasetFolder again(folder.path(), resume ? FolderUse::Resume : FolderUse::Replace, "plan");
+      EXPECT_EQ(again.kept(shardName("train", 0)).has_value(), resume);
+      std::vector<Manifest> parts;
+      for (int i = 0; i < 2; ++i) {
+        parts.push_back(resume ? again.kept(shardName("train", i)).value() : addShard(again, i));
+      }
+      publish(again, parts);
+      EXPECT_THAT(problemsOf(folder.path()), IsEmpty());
+      EXPECT_EQ(readManifest(folder.path()).shards.size(), 2u);
+    }
+  }
+}
+
+TEST(DatasetFolder, OneProcessAtATimeWritesIntoIt) {
+  const TemporaryFolder folder;
+  const fs::path data = folder.path() / "data";
+  int ready[2];
+  ASSERT_EQ(::pipe(ready), 0);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const DatasetFolder held(data, FolderUse::New, "plan");
+    [[maybe_unused]] const auto told = ::write(ready[1], "x", 1);
+    ::pause();
+  }
+  char letter = 0;
+  ASSERT_EQ(::read(ready[0], &letter, 1), 1);
+  for (const FolderUse each : {FolderUse::Replace, FolderUse::Resume}) {
+    EXPECT_THAT(messageOf<InputError>([&] { DatasetFolder(data, each, "plan"); }),
+                AllOf(HasSubstr("is being written by process " + std::to_string(child)), HasSubstr("since")));
+  }
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(messageOf<InputError>([&] { DatasetFolder(data, FolderUse::Resume, "plan"); }), "accepted")
+      << "a dead process holds nothing";
+}
+
+TEST(DatasetFolder, ADatasetMayBeEmpty) {
+  const TemporaryFolder folder;
+  DatasetFolder(folder.path() / "data", FolderUse::New, "plan").publish(testManifest());
+  EXPECT_THAT(filesOf(folder.path() / "data"), ElementsAre("manifest.json"));
+  EXPECT_THAT(verifyDataset(folder.path() / "data").problems, IsEmpty());
+}
+
+}  // namespace
+}  // namespace scanmill
