@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "commands/command.h"
+#include "commands/stop_signal.h"
 #include "config/fields.h"
 #include "config/version.h"
 
@@ -76,6 +77,6 @@ int main(int argc, char** argv) {
     return 1;
   } catch (const std::exception& e) {
     fmt::print(stderr, "error: {}\n", e.what());
-    return 1;
+    return stoppedBy() == 0 ? 1 : 128 + stoppedBy();
   }
 }

@@ -7,18 +7,27 @@ namespace scanmill {
 namespace {
 
 std::atomic<bool> stopRequested = false;
+std::atomic<int> signalNumber = 0;
 static_assert(std::atomic<bool>::is_always_lock_free);  // or a signal handler may not touch it
+static_assert(std::atomic<int>::is_always_lock_free);
+
+void request(int number) {
+  signalNumber = number;
+  stopRequested = true;
+  std::signal(number, SIG_DFL);
+}
 
 }  // namespace
 
 const std::atomic<bool>& stopSignal() {
-  for (const int s : {SIGINT, SIGTERM}) {
-    std::signal(s, [](int number) {
-      stopRequested = true;
-      std::signal(number, SIG_DFL);
-    });
+  for (const int s : {SIGINT, SIGTERM, SIGHUP}) {
+    if (std::signal(s, request) == SIG_IGN) std::signal(s, SIG_IGN);
   }
   return stopRequested;
+}
+
+int stoppedBy() {
+  return signalNumber;
 }
 
 }  // namespace scanmill

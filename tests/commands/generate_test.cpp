@@ -249,14 +249,14 @@ TEST_F(Generate, KilledRunsLeaveWholeShardsOnly) {
 }
 
 TEST_F(Generate, StoppedRunsSaySo) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     std::filesystem::remove_all(at("out"));
     RunningProgram process(longRun());
     awaitShards(process, 1);
     process.send(signal);
     const Outcome o = process.wait(10);
     EXPECT_FALSE(o.late);
-    EXPECT_EQ(o.code, 1) << o.error;
+    EXPECT_EQ(o.code, 128 + signal) << o.error;
     EXPECT_THAT(o.error, HasSubstr("error: stopped"));
     expectWholeShardsAndNoManifest();
     EXPECT_THAT(o.error, HasSubstr("--resume"));

@@ -145,7 +145,7 @@ TEST_F(Tradeoff, AnInterruptLeavesNoReportBehind) {
     ASSERT_TRUE(process.running());
     process.send(SIGINT);
     const Outcome o = process.wait();
-    EXPECT_EQ(o.code, 1) << o.signal << o.error;
+    EXPECT_EQ(o.code, 128 + SIGINT) << o.signal << o.error;
     EXPECT_FALSE(o.late);
   }
   EXPECT_EQ(filesIn(at("out")), before);

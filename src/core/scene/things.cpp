@@ -34,6 +34,7 @@ Numbers byKeys(const std::vector<ThingTriangles>& triangles, const KeyOf& keyOf)
   std::map<Key, std::uint32_t> numbers;
   for (const auto& [node, key] : order) numbers.emplace(key, static_cast<std::uint32_t>(numbers.size() + 1));
   Numbers found;
+  found.reserve(triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     found.emplace_back(triangles[i].part->triangles.size(), numbers.at(keys[i]));
   }
