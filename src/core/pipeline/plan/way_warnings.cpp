@@ -151,16 +151,22 @@ class WayCheck {
     }
   }
 
-  // A ray from the inside of what is closed leaves it once more than it enters it.
+  // A ray from the inside of what is closed leaves it once more than it enters it; and all that is seen from the inside
+  // of a thing that is not cleanly closed, such as a house with chimneys stuck into it, is that thing.
   void checkInside(std::size_t sensor) {
     static const std::vector<Vec3d> kDirections = directionsAround();
     for (const std::uint32_t frame : own_.spreadFrames(kFramesInside)) {
       const Vec3d at = sensorAt(sensor, frame);
       std::map<std::pair<std::uint32_t, std::uint16_t>, std::pair<std::size_t, SceneProbe::Met>> odd;
+      std::map<std::uint32_t, std::pair<std::size_t, SceneProbe::Met>> seen;  // by the thing that is met first
       for (const Vec3d& direction : kDirections) {
         std::map<std::pair<std::uint32_t, std::uint16_t>, std::vector<SceneProbe::Met>> met;
-        for (const SceneProbe::Met& m : probe_.all({at, direction}, kReach)) {
+        const std::vector<SceneProbe::Met> all = probe_.all({at, direction}, kReach);
+        for (const SceneProbe::Met& m : all) {
           if (!moving_.contains(m.instance)) met[{m.instance, m.semantic}].push_back(m);
+        }
+        if (!all.empty() && all.front().instance != 0 && !moving_.contains(all.front().instance)) {
+          ++seen.try_emplace(all.front().instance, 0, all.front()).first->second.first;
         }
         for (const auto& [key, hits] : met) {
           if (hits.size() % 2 == 1) odd.try_emplace(key, 0, hits.front()).first->second.first += 1;
@@ -171,6 +177,11 @@ class WayCheck {
         return say(fmt::format("'{}' is inside of {} at {} (frame {}){}", plan_.pipeline().sensors[sensor].name,
                                nameOf(count.second), shortPlace(at), frame,
                                key.first == 0 ? ", which is right in rooms and tunnels alone" : ""));
+      }
+      for (const auto& [instance, count] : seen) {
+        if (count.first < kDirections.size()) continue;
+        return say(fmt::format("'{}' sees nothing but {} at {} (frame {}), which is right in rooms and tunnels alone",
+                               plan_.pipeline().sensors[sensor].name, nameOf(count.second), shortPlace(at), frame));
       }
     }
   }

@@ -1,5 +1,7 @@
 #include "pipeline/plan/way_warnings.h"
 
+#include <fmt/format.h>
+
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
@@ -53,6 +55,29 @@ TEST_F(WayWarnings, TellOfSensorsFarAboveAndBeside) {
 TEST_F(WayWarnings, TellOfSensorsInsideOfThings) {
   EXPECT_THAT(warnings({"trajectories=[{poses: [{position: [8, 5, -1]}]}]"}),
               ElementsAre(AllOf(HasSubstr("'top' is inside of 'car#1' (car)"), HasSubstr("[8.00, 5.00, 0.80]"))));
+}
+
+// A house with panels within, which make it look open to a ray that counts its walls.
+TEST_F(WayWarnings, TellOfSensorsThatSeeOneThingAlone) {
+  std::string obj = "o house\n";
+  for (const double size : {5.0, 4.0}) {
+    for (int i = 0; i < 8; ++i) {
+      obj += fmt::format("v {} {} {}\n", i & 1 ? size : -size, i & 2 ? size : -size, i & 4 ? size : -size);
+    }
+  }
+  obj += "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";  // walls
+  obj += "f 9 11 15 13\nf 10 12 16 14\nf 9 10 14 13\n";                         // panels
+  folder_.write("house.obj", obj);
+  const std::string scene = folder_
+                                .write("house.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\nmaterials: "
+                                                                 "{0}/labels/materials.yaml\nobjects:\n  - {{file: "
+                                                                 "house.obj, class: building, material: brick}}\n",
+                                                                 SCANMILL_SOURCE_DIR))
+                                .string();
+  EXPECT_THAT(warnings({"scenes.0.scene=" + scene, "trajectories=[{poses: [{position: [0, 0, -2]}]}]"}),
+              testing::Contains(HasSubstr("'top' sees nothing but 'house' (building)")));
+  EXPECT_THAT(warnings({"scenes.0.scene=" + scene, "trajectories=[{poses: [{position: [0, 7, -2]}]}]"}),
+              testing::Not(testing::Contains(HasSubstr("nothing but"))));
 }
 
 TEST_F(WayWarnings, TellOfWaysThroughWallsAndLowThings) {
