@@ -90,7 +90,7 @@ int runGenerate(const std::vector<std::string>& arguments) {
       "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
       "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
       "--set 'scenes.0.seeds=[4,5]' --set splits=null\n"
-      "  scanmill generate pipelines/quickstart.yaml -o out/night --resume   # again, after an interruption\n"
+      "  scanmill generate pipelines/quickstart.yaml -o out/night --resume\n"
       "  scanmill generate pipelines/street.yaml -o out/c --keep-hits out/hits\n"
       "  scanmill generate pipelines/street.yaml -o out/d --from-hits out/hits "
       "--set 'effects=[intensity]'\n");
