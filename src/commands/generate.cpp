@@ -85,15 +85,14 @@ int runGenerate(const std::vector<std::string>& arguments) {
   addRecordingOptions(options);
   options.add_options()("q,quiet", "one line in place of progress and tables");
   addPipelineOptions(options);
-  const Arguments parsed = parseArguments(
-      command, options, arguments,
-      "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
-      "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
-      "--set 'scenes.0.seeds=[4,5]' --set splits=null\n"
-      "  scanmill generate pipelines/quickstart.yaml -o out/night --resume\n"
-      "  scanmill generate pipelines/street.yaml -o out/c --keep-hits out/hits\n"
-      "  scanmill generate pipelines/street.yaml -o out/d --from-hits out/hits "
-      "--set 'effects=[intensity]'\n");
+  const Arguments parsed = parseArguments(command, options, arguments,
+                                          "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
+                                          "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
+                                          "--set 'scenes.0.seeds=[4,5]' --set splits=null\n"
+                                          "  scanmill generate pipelines/quickstart.yaml -o out/night --resume\n"
+                                          "  scanmill generate pipelines/street.yaml -o out/c --keep-hits out/hits\n"
+                                          "  scanmill generate pipelines/street.yaml -o out/d --from-hits out/hits "
+                                          "--set 'effects=[intensity]'\n");
   if (parsed.help) return 0;
   const std::string file = parsed.positional("PIPELINE");
   if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty())
