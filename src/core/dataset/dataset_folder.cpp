@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,7 +23,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kHidden = ".scanmill";
 constexpr const char* kLockName = "lock";
 constexpr const char* kPlanName = "plan";
 constexpr const char* kReplacedName = "replaced.json";  // the manifest of the dataset that is being replaced
@@ -42,7 +42,7 @@ std::vector<std::string> filesIn(const fs::path& folder) {
   std::vector<std::string> names;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (name == kHidden) continue;
+    if (name == kHiddenName) continue;
     if (!entry.is_directory()) {
       names.push_back(name);
       continue;
@@ -80,7 +80,7 @@ Contents contentsOf(const fs::path& folder) {
     }
   }
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.path().filename() == kHidden) continue;
+    if (entry.path().filename() == kHiddenName) continue;
     if (entry.is_directory() && run.foreign.empty() && !couldBeSplit(entry.path())) {
       run.foreign = entry.path().filename().string();
     }
@@ -121,7 +121,7 @@ std::vector<std::string> recordedIn(const fs::path& hidden) {
 // that replaced it, where a process was killed meanwhile.
 std::vector<std::string> ownShards(const fs::path& folder) {
   std::vector<std::string> own = listedIn(folder / kManifestName);
-  for (const auto& more : {listedIn(folder / kHidden / kReplacedName), recordedIn(folder / kHidden)}) {
+  for (const auto& more : {listedIn(folder / kHiddenName / kReplacedName), recordedIn(folder / kHiddenName)}) {
     own.insert(own.end(), more.begin(), more.end());
   }
   std::sort(own.begin(), own.end());
@@ -223,11 +223,11 @@ void DatasetFolder::check(const fs::path& folder, FolderUse use) {
 
 bool DatasetFolder::isUnfinished(const fs::path& folder) {
   std::error_code ignored;
-  return fs::exists(folder / kHidden / kPlanName, ignored);
+  return fs::exists(folder / kHiddenName / kPlanName, ignored);
 }
 
 DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, const std::string& plan)
-    : folder_(std::move(folder)), staging_(folder_ / kHidden) {
+    : folder_(std::move(folder)), staging_(folder_ / kHiddenName) {
   check(folder_, use);
   try {
     created_ = !fs::exists(folder_);
@@ -257,18 +257,11 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, const std::string& 
 DatasetFolder::~DatasetFolder() {
   std::error_code ignored;
   bool whole = false;
-  if (!published_) {
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staging_, ignored)) {
-      whole = whole || entry.path().string().ends_with(std::string(".tar") + kRecordSuffix);
-    }
-  }
-  if (!whole) {
-    try {
-      clearHidden(staging_);
-    } catch (const fs::filesystem_error&) {
-      lock_.reset();
-      return;
-    }
+  try {
+    whole = !published_ && !recordedIn(staging_).empty();
+    if (!whole) clearHidden(staging_);
+  } catch (const std::exception&) {
+    whole = true;  // the folder is not what it was: nothing more is removed
   }
   lock_.reset();
   // Where they are empty.

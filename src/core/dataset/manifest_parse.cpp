@@ -238,8 +238,8 @@ Manifest readManifest(const std::filesystem::path& folder) {
   std::error_code ignored;
   if (std::filesystem::is_directory(folder, ignored) && !std::filesystem::exists(file, ignored)) {
     throw InputError({folder.string()},
-                     "has no manifest.json: it is no dataset, or the run that wrote it did not end; generate it again "
-                     "with --overwrite");
+                     "has no manifest.json: it is no dataset, or the run that wrote it did not end: generate it with "
+                     "--resume, or anew with --overwrite");
   }
   return parseManifest(readFile(file), file.string());
 }

@@ -9,6 +9,8 @@
 namespace scanmill {
 
 inline constexpr std::string_view kManifestName = "manifest.json";
+// Where a dataset lies while it is made (dataset_folder.h); no reader looks into it.
+inline constexpr std::string_view kHiddenName = ".scanmill";
 
 // Whether a split may have this name: it holds lower-case letters, digits, '-' and '_', at least one.
 bool isSplitName(std::string_view split);

@@ -220,7 +220,12 @@ void checkStrangers(const fs::path& folder, const Manifest& manifest, std::vecto
     const bool suspect = besideShards || name.ends_with(".tar") || name.find(".partial-") != std::string::npos;
     if (suspect && !listed.contains(name)) strangers.insert(name);
   };
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+  for (auto at = fs::recursive_directory_iterator(folder); at != fs::recursive_directory_iterator(); ++at) {
+    const fs::directory_entry& entry = *at;
+    if (entry.path() == folder / kHiddenName) {
+      at.disable_recursion_pending();
+      continue;
+    }
     const fs::path above = entry.path().parent_path().lexically_relative(folder);
     const bool besideShards = splits.contains(above.generic_string());
     if (besideShards || !entry.is_directory()) look(entry.path(), besideShards);

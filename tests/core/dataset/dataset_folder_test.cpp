@@ -21,20 +21,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// Relative names of all files, sorted.
-std::vector<std::string> filesOf(const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_directory()) names.push_back(fs::relative(entry.path(), folder).generic_string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-Sample plainSample(const std::string& key, std::size_t bytes, const std::string& split = "train") {
-  return {key, split, {}, {{"bin", std::string(bytes, 'x')}}};
-}
-
 FolderUse use(bool replace) {
   return replace ? FolderUse::Replace : FolderUse::New;
 }
@@ -99,6 +85,9 @@ TEST(DatasetFolder, ReplacesTheOldDatasetAtTheEndAndNothingElse) {
     EXPECT_EQ(toJson(readManifest(folder.path())), toJson(old));
   }
   EXPECT_EQ(toJson(readManifest(folder.path())), toJson(old)) << "an interrupted run costs nothing";
+  for (const std::string& problem : verifyDataset(folder.path()).problems) {
+    EXPECT_THAT(problem, testing::Not(HasSubstr(".scanmill"))) << "what is not finished is hidden";
+  }
   {
     DatasetFolder replacing(folder.path(), FolderUse::Replace, "plan");
     publish(replacing, {addShard(replacing, 0)});

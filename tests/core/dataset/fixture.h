@@ -166,6 +166,20 @@ inline Manifest writeTestDataset(const std::filesystem::path& folder, bool overw
   return manifest;
 }
 
+// Relative names of all files, sorted.
+inline std::vector<std::string> filesOf(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_directory()) names.push_back(std::filesystem::relative(entry.path(), folder).generic_string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+inline Sample plainSample(const std::string& key, std::size_t bytes, const std::string& split = "train") {
+  return {key, split, {}, {{"bin", std::string(bytes, 'x')}}};
+}
+
 using Members = std::vector<std::pair<std::string, std::string>>;
 
 inline Members membersOf(const std::filesystem::path& shard) {

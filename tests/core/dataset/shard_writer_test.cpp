@@ -18,20 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-// Relative names of all files, sorted.
-std::vector<std::string> filesOf(const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_directory()) names.push_back(fs::relative(entry.path(), folder).generic_string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-Sample plainSample(const std::string& key, std::size_t bytes, const std::string& split = "train") {
-  return {key, split, {}, {{"bin", std::string(bytes, 'x')}}};
-}
-
 TEST(ShardWriter, WritesShardsAndTheManifest) {
   const TemporaryFolder folder;
   const Manifest manifest = writeTestDataset(folder.path() / "new" / "data");

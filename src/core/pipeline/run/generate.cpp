@@ -93,7 +93,6 @@ class DatasetRun {
           static_cast<std::uint32_t>(last - first), plan_.framesInFlight(), options_.stop,
           [&](std::uint32_t i) { return makeSample(first->sequence, first[i].frame); },
           [&](const MadeSample& made) { write(made, shard); });
-      addNew(account_.warningTexts(), summary_.warnings);
       if (options_.stop != nullptr && *options_.stop) {
         throw Error("stopped: the folder holds no manifest, hence no finished dataset; --resume goes on with it");
       }
@@ -167,8 +166,7 @@ class DatasetRun {
     if (!entered_ || !sequence.sameScene(pipeline_.sequences[*entered_])) {
       const StageTimer timer(clock_, "setup");
       progress_.say(fmt::format("setting up {}", sequence.key()));
-      addSeconds(account_.seconds, methodSeconds_);
-      account_ = {};
+      closeAccount();
       probe_.reset();
       method_.reset();
       scene_.reset();
@@ -190,6 +188,13 @@ class DatasetRun {
     if (!entered_) recorder_.open(options_.keepHits, options_.keepPasses, options_.overwrite);
     entered_ = s;
     recorder_.enter(s, *scene_, *method_);
+  }
+
+  // Of a method that is done: what it warns of counts all its beams, whatever shards they are in.
+  void closeAccount() {
+    addSeconds(account_.seconds, methodSeconds_);
+    addNew(account_.warningTexts(), summary_.warnings);
+    account_ = {};
   }
 
   void write(const MadeSample& made, ShardWriter& shard) {
@@ -240,7 +245,7 @@ class DatasetRun {
   }
 
   GenerateSummary finish() {
-    addSeconds(account_.seconds, methodSeconds_);
+    closeAccount();
     StageSeconds& stages = summary_.stages;
     stages = clock_.seconds();
     if (!methodSeconds_.empty()) stages.erase("trace");  // its parts are known

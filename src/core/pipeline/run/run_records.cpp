@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "config/version.h"
+#include "dataset/recording.h"
 
 namespace scanmill {
 
@@ -92,6 +93,7 @@ std::string planHash(const Plan& plan) {
   add(kVersion);
   add(pipeline.text);
   if (plan.chosen()) add(plan.chosen()->assignment);
+  for (const auto& beams : plan.beams()) add(beamsHash(*beams));
   std::set<std::filesystem::path> scenes;
   for (const Sequence& sequence : pipeline.sequences) scenes.insert(sequence.sceneFile);
   std::error_code ignored;
