@@ -7,6 +7,7 @@ namespace scanmill {
 std::span<const Command> commands() {
   static constexpr std::array kCommands{
       Command{"generate", "PIPELINE -o DIR", "make a dataset", runGenerate},
+      Command{"merge", "DIR", "end a dataset whose shards were made by several processes", runMerge},
       Command{"render", "PIPELINE -o DIR", "only the images of the depth-camera method, as EXR", runRender},
       Command{"tradeoff", "PIPELINE -o DIR", "what each method and setting costs and how it errs, as a report",
               runTradeoff},

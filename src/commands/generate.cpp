@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <charconv>
 #include <utility>
 
 #include "base/grouped.h"
@@ -14,22 +15,37 @@
 #include "config/version.h"
 #include "dataset/dataset_folder.h"
 #include "dataset/shard_name.h"
+#include "dataset/shard_ranges.h"
 #include "evaluate/auto/calibrate.h"
+#include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/recorder.h"
 
 namespace scanmill {
 
 namespace {
 
-void printMade(const GenerateSummary& s, const std::string& folder) {
+std::string warningsText() {
   const std::size_t warned = warningCount();
-  fmt::print("{} samples in {} shards{}, {}, in {}{}\n", s.manifest.samples.size(), s.manifest.shards.size(),
-             s.resumedShards == 0 ? std::string() : fmt::format(" ({} of them were there)", s.resumedShards),
-             shortBytes(static_cast<double>(s.bytes)), folder,
-             warned == 0 ? std::string() : fmt::format("; {} warning{}", warned, warned == 1 ? "" : "s"));
+  return warned == 0 ? std::string() : fmt::format("; {} warning{}", warned, warned == 1 ? "" : "s");
 }
 
-void printSummary(const GenerateSummary& s, const std::string& folder) {
+void printMade(const GenerateSummary& s, const GenerateOptions& options) {
+  const std::string folder = options.folder.string();
+  const std::string there =
+      s.resumedShards == 0 ? std::string() : fmt::format(" ({} of them were there)", s.resumedShards);
+  if (s.whole) {
+    fmt::print("{} samples in {} shards{}, {}, in {}{}\n", s.manifest.samples.size(), s.manifest.shards.size(), there,
+               shortBytes(static_cast<double>(s.bytes)), folder, warningsText());
+    return;
+  }
+  fmt::print("{} shards{}, {}, in {}{}; {}\n", s.shards + s.resumedShards, there,
+             shortBytes(static_cast<double>(s.bytes)), folder, warningsText(),
+             options.shards.kind == ShardChoice::Kind::Any
+                 ? "another process ends the dataset"
+                 : fmt::format("when all are there: scanmill merge {}", folder));
+}
+
+void printSummary(const GenerateSummary& s, const GenerateOptions& options) {
   std::vector<std::vector<std::string>> rows{{"class", "points", "share"}};
   for (const auto& [id, count] : s.pointsPerClass) {
     const SemanticClass* c = s.manifest.ontology.find(id);
@@ -37,23 +53,26 @@ void printSummary(const GenerateSummary& s, const std::string& folder) {
                     percent(static_cast<double>(count), static_cast<double>(s.points))});
   }
   fmt::print("{}\n", formatTable(rows));
-  printMade(s, folder);
+  printMade(s, options);
   fmt::print("{} beams gave {} points in {}: {} beams/s, {:.2f} bytes a point\n", grouped(s.beams), grouped(s.points),
              shortTime(s.seconds), shortNumber(static_cast<double>(s.beams) / s.seconds),
              s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
   fmt::print("stages (s of thread time):");
   for (const auto& [name, seconds] : s.stages) fmt::print(" {} {:.2f}", name, seconds);
-  fmt::print("\nnext: scanmill view {0}; scanmill report {0}; scanmill verify {0}\n", folder);
+  fmt::print("\n");
+  if (s.whole) {
+    fmt::print("next: scanmill view {0}; scanmill report {0}; scanmill verify {0}\n", options.folder.string());
+  }
 }
 
 // `method: auto` becomes the setting that is the cheapest here.
 void chooseMethod(Plan& plan, const GenerateOptions& options) {
   checkAutoChoice(plan.pipeline());
   // Refused now, not after minutes.
-  if (options.resume) {
+  if (options.resume || options.shards.kind != ShardChoice::Kind::All) {
     throw InputError(
-        "--resume needs a method that does not change: `method: auto` measures anew; name the one that it "
-        "took");
+        "parts of a dataset need a method that does not change: `method: auto` measures anew in each process; name "
+        "the one that it takes");
   }
   DatasetFolder::check(options.folder, options.overwrite ? FolderUse::Replace : FolderUse::New);
   const Calibration calibration = calibrate(plan, options.quiet, options.stop);
@@ -63,6 +82,42 @@ void chooseMethod(Plan& plan, const GenerateOptions& options) {
     fmt::print("the same again: --set '{}'\n\n", chosen.setting.setting.assignment());
   }
   plan.choose(chosen.setting.choice, calibration.record());
+}
+
+std::uint64_t countOption(const Arguments& parsed, const char* name) {
+  const std::string text = parsed.options[name].as<std::string>();
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    throw InputError(fmt::format("--{} {}: is no whole number from 0", name, text));
+  }
+  return number;
+}
+
+ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
+  const bool listed = parsed.options.count("shards") > 0;
+  const bool worker = parsed.options.count("worker") > 0;
+  const bool workers = parsed.options.count("workers") > 0;
+  if (!listed && !worker && !workers) return {};
+  if (listed && (worker || workers)) {
+    throw InputError("--shards lists what is made, --workers shares it out: give one of them");
+  }
+  if (listed) {
+    return {ShardChoice::Kind::Listed, parseShardRanges(parsed.options["shards"].as<std::string>(), shards)};
+  }
+  if (workers && parsed.options["workers"].as<std::string>() == "auto") {
+    if (worker) throw InputError("--workers auto numbers no workers: leave --worker out");
+    return {ShardChoice::Kind::Any, {}};
+  }
+  if (!worker || !workers) {
+    throw InputError("--worker I and --workers N belong together, I from 0 to N - 1; or --workers auto");
+  }
+  const std::uint64_t own = countOption(parsed, "worker");
+  const std::uint64_t all = countOption(parsed, "workers");
+  if (own >= all) throw InputError(fmt::format("--worker {} of {}: workers are numbered from 0", own, all));
+  ShardChoice choice{ShardChoice::Kind::Listed, {}};
+  for (std::uint64_t shard = own; shard < shards; shard += all) choice.listed.push_back(shard);
+  return choice;
 }
 
 // So that scripts can always say --resume.
@@ -80,6 +135,11 @@ int runGenerate(const std::vector<std::string>& arguments) {
   options.add_options()("o,out", "folder of the dataset (made where absent)", cxxopts::value<std::string>(), "DIR")(
       "overwrite", "replace a dataset, or recordings, that are there already")(
       "resume", "go on with a dataset that was interrupted: the bytes are those of one that was not")(
+      "shards", "make only these shards, as in 0-9,12; `scanmill merge` ends the dataset",
+      cxxopts::value<std::string>(), "RANGES")("worker", "make every N-th shard, from the I-th on; for N processes",
+                                               cxxopts::value<std::string>(), "I")(
+      "workers", "how many such processes there are; or auto: each makes what no other does, the last one ends",
+      cxxopts::value<std::string>(), "N|auto")(
       "keep-hits", "keep what the beams meet, to make scans again without tracing", cxxopts::value<std::string>(),
       "DIR")("keep-passes", "keep the images that the method depth_camera draws", cxxopts::value<std::string>(), "DIR");
   addRecordingOptions(options);
@@ -90,6 +150,8 @@ int runGenerate(const std::vector<std::string>& arguments) {
                                           "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
                                           "--set 'scenes.0.seeds=[4,5]' --set splits=null\n"
                                           "  scanmill generate pipelines/quickstart.yaml -o out/night --resume\n"
+                                          "  scanmill generate pipelines/street.yaml -o out/big --workers auto"
+                                          "    # on as many machines as share the folder\n"
                                           "  scanmill generate pipelines/street.yaml -o out/c --keep-hits out/hits\n"
                                           "  scanmill generate pipelines/street.yaml -o out/d --from-hits out/hits "
                                           "--set 'effects=[intensity]'\n");
@@ -110,6 +172,10 @@ int runGenerate(const std::vector<std::string>& arguments) {
   if (generateOptions.resume && generateOptions.overwrite) {
     throw InputError("--resume goes on with what is there, --overwrite begins anew: give one of them");
   }
+  generateOptions.shards = shardsOption(parsed, shardJobs(plan).size());
+  if (generateOptions.overwrite && generateOptions.shards.kind != ShardChoice::Kind::All) {
+    throw InputError("--overwrite would remove what other processes make: remove the old dataset first");
+  }
   generateOptions.quiet = parsed.options.count("quiet") > 0;
   generateOptions.stop = &stopSignal();
   if (!generateOptions.keepPasses.empty()) plan.requirePasses();
@@ -120,11 +186,15 @@ int runGenerate(const std::vector<std::string>& arguments) {
     return 0;
   }
   const GenerateSummary summary = generate(plan, generateOptions);
+  if (summary.whole && summary.shards == 0 && summary.resumedShards == 0) {
+    fmt::print("{}: is whole, there is nothing to make\n", generateOptions.folder.string());
+    return 0;
+  }
   for (const std::string& warning : summary.warnings) warn(warning);
   if (generateOptions.quiet) {
-    printMade(summary, generateOptions.folder.string());
+    printMade(summary, generateOptions);
   } else {
-    printSummary(summary, generateOptions.folder.string());
+    printSummary(summary, generateOptions);
   }
   return 0;
 }

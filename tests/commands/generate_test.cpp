@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
 #include <thread>
 
 #include "base/file.h"
@@ -302,6 +303,94 @@ TEST_F(Generate, KilledAgainAndAgainTheResumedDatasetIsTheSame) {
     EXPECT_EQ(readFile(same), readFile(file)) << same;
   }
   EXPECT_EQ(filesEndingIn("", at("cut")).size(), filesEndingIn("", at("whole")).size());
+}
+
+// Whatever the number of threads and processes, whoever is killed: one set of bytes.
+TEST_F(Generate, SharedOutOverProcessesTheDatasetIsTheSame) {
+  const auto command = [&](const std::string& folder, const std::vector<std::string>& more) {
+    std::vector<std::string> all{SCANMILL_PROGRAM,
+                                 "generate",
+                                 pipeline_,
+                                 "-q",
+                                 "-o",
+                                 at(folder),
+                                 "--set",
+                                 "output={formats: [csv], shard_samples: 2}",
+                                 "--set",
+                                 "trajectories.0.every_s=1e-3",
+                                 "--set",
+                                 "trajectories.0.frames=100",
+                                 "--set",
+                                 "sensors.0.columns=512"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  const auto run = [&](const std::string& folder, const std::vector<std::string>& more) {
+    RunningProgram process(command(folder, more));
+    return process.wait();
+  };
+  const auto expectSame = [&](const std::string& folder) {
+    SCOPED_TRACE(folder);
+    const auto files = filesEndingIn("", at("whole"));
+    for (const auto& file : files) {
+      const auto same = std::filesystem::path(at(folder)) / file.lexically_relative(at("whole"));
+      EXPECT_EQ(readFile(same), readFile(file)) << same;
+    }
+    EXPECT_EQ(filesEndingIn("", at(folder)).size(), files.size());
+  };
+  ASSERT_EQ(run("whole", {}).code, 0);
+  for (const std::string threads : {"1", "8"}) {
+    ASSERT_EQ(run("threads" + threads, {"--threads", threads}).code, 0);
+    expectSame("threads" + threads);
+  }
+  {
+    std::vector<std::unique_ptr<RunningProgram>> workers;
+    for (const std::string worker : {"0", "1", "2"}) {
+      workers.push_back(
+          std::make_unique<RunningProgram>(command("three", {"--worker", worker, "--workers", "3", "--threads", "1"})));
+    }
+    for (const auto& worker : workers) EXPECT_EQ(worker->wait().code, 0);
+    EXPECT_FALSE(std::filesystem::exists(at("three/manifest.json")));
+    EXPECT_EQ(scanmill({"merge", at("three")}).code, 0);
+    expectSame("three");
+  }
+  for (const std::size_t count : {2, 8}) {
+    const std::string folder = "auto" + std::to_string(count);
+    std::vector<std::unique_ptr<RunningProgram>> workers;
+    for (std::size_t i = 0; i < count; ++i) {
+      workers.push_back(std::make_unique<RunningProgram>(command(folder, {"--workers", "auto", "--threads", "1"})));
+    }
+    while (workers[0]->running() && filesEndingIn(".tar.json", at(folder)).size() < 5) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    workers[0]->send(SIGKILL);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Outcome outcome = workers[i]->wait();
+      EXPECT_TRUE(i == 0 || outcome.code == 0) << outcome.error;
+    }
+    expectSame(folder);
+  }
+}
+
+TEST_F(Generate, PartsThatCannotBeMeantAreRefused) {
+  const auto message = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all{"generate", pipeline_, "-q", "-o", at("out")};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome outcome = scanmill(all);
+    EXPECT_EQ(outcome.code, 2) << outcome.error;
+    EXPECT_FALSE(std::filesystem::exists(at("out")));
+    return outcome.error;
+  };
+  EXPECT_THAT(message({"--shards", "0", "--workers", "2"}), HasSubstr("give one of them"));
+  EXPECT_THAT(message({"--shards", "1000"}), HasSubstr("as in 0-9,12"));
+  EXPECT_THAT(message({"--worker", "1"}), HasSubstr("belong together"));
+  EXPECT_THAT(message({"--workers", "3"}), HasSubstr("belong together"));
+  EXPECT_THAT(message({"--worker", "3", "--workers", "3"}), HasSubstr("numbered from 0"));
+  EXPECT_THAT(message({"--worker", "-1", "--workers", "3"}), HasSubstr("whole number"));
+  EXPECT_THAT(message({"--worker", "0", "--workers", "auto"}), HasSubstr("leave --worker out"));
+  EXPECT_THAT(message({"--workers", "auto", "--overwrite"}), HasSubstr("--overwrite"));
+  EXPECT_THAT(message({"--workers", "auto", "--keep-hits", at("hits")}), HasSubstr("one process"));
+  EXPECT_THAT(message({"--workers", "auto", "--set", "method={auto: {min_rate: 5e6}}"}), HasSubstr("does not change"));
 }
 
 // Of two runs into one folder one is refused, and the other is whole.

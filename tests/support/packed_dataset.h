@@ -18,7 +18,8 @@ namespace scanmill {
 class PackedDataset {
  public:
   PackedDataset(std::filesystem::path folder, bool replace, std::uint64_t shardBytes)
-      : folder_(std::move(folder), replace ? FolderUse::Replace : FolderUse::New, "packed"), shardBytes_(shardBytes) {}
+      : folder_(std::move(folder), replace ? FolderUse::Replace : FolderUse::New, DatasetPlan{"packed", 0, {}}),
+        shardBytes_(shardBytes) {}
 
   void add(const Sample& sample) {
     std::uint64_t bytes = 2048;  // of the sample's description
@@ -46,7 +47,7 @@ class PackedDataset {
       Manifest own = manifest;
       own.shards = {part.shard};
       own.samples = part.samples;
-      folder_.keep(own);
+      folder_.keep({"packed", {}, own});
       for (SampleRecord& record : part.samples) {
         record.shard = static_cast<std::uint32_t>(manifest.shards.size());
         const std::string key = record.key;

@@ -62,43 +62,82 @@ bool isStillThere(int descriptor, const std::filesystem::path& file) {
 
 }  // namespace
 
-FolderLock::FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file) : file_(file) {
+FolderLock::FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind) {
+  std::string holder;
+  if (take(file, kind, holder)) return;
+  throw InputError({folder.string()},
+                   fmt::format("is being written by {}: wait for it, or choose another folder (where that process "
+                               "is gone for certain, remove {})",
+                               holder, file.string()));
+}
+
+std::unique_ptr<FolderLock> FolderLock::tryTake(const std::filesystem::path& file, LockKind kind, std::string& holder) {
+  std::unique_ptr<FolderLock> lock(new FolderLock);
+  if (!lock->take(file, kind, holder)) return nullptr;
+  return lock;
+}
+
+bool FolderLock::take(const std::filesystem::path& file, LockKind kind, std::string& holder) {
+  file_ = file;
+  kind_ = kind;
   const auto refuse = [&](const std::string& words) {
-    ::close(descriptor_);
-    descriptor_ = -1;
-    throw InputError({folder.string()},
-                     fmt::format("is being written by {}: wait for it, or choose another folder (where that process "
-                                 "is gone for certain, remove {})",
-                                 words.empty() ? "another process" : words, file.string()));
+    release();
+    holder = words.empty() ? "another process" : words;
+    return false;
   };
-  constexpr int kMode = 0644;
+  bool locked = false;
   while (true) {
+    constexpr int kMode = 0644;
     descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kMode);
     if (descriptor_ < 0) fail(file, "cannot be made");
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-      if (errno == EWOULDBLOCK) refuse(readWords(descriptor_));
+    locked = ::flock(descriptor_, (kind == LockKind::Alone ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0;
+    if (!locked) {
+      if (errno == EWOULDBLOCK) return refuse(readWords(descriptor_));
       if (errno == EINTR) {
-        ::close(descriptor_);
+        release();
         continue;
       }
-      if (const std::string words = readWords(descriptor_); mayBeHeld(words)) refuse(words);
+      if (const std::string words = readWords(descriptor_); mayBeHeld(words)) return refuse(words);
     }
     if (isStillThere(descriptor_, file)) break;
-    ::close(descriptor_);  // its holder has just removed it
+    release();  // its holder has just removed it
   }
+  if (kind == LockKind::Shared && !locked) return true;  // words would keep others from sharing
   const std::string words = ownWords();
   if (::ftruncate(descriptor_, 0) != 0 ||
       ::pwrite(descriptor_, words.data(), words.size(), 0) != static_cast<ssize_t>(words.size())) {
     const int reason = errno;
-    ::close(descriptor_);
+    release();
     errno = reason;
     fail(file, "cannot be written");
   }
+  return true;
+}
+
+bool FolderLock::makeAlone() {
+  if (kind_ == LockKind::Alone) return true;
+  // Linux gives the shared lock back first. Meanwhile another process may take it, and may remove the file with it.
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    release();
+    return false;
+  }
+  if (!isStillThere(descriptor_, file_)) {
+    release();
+    return false;
+  }
+  kind_ = LockKind::Alone;
+  return true;
+}
+
+void FolderLock::release() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
 }
 
 FolderLock::~FolderLock() {
+  if (descriptor_ < 0 || !makeAlone()) return;
   if (isStillThere(descriptor_, file_)) ::unlink(file_.c_str());
-  ::close(descriptor_);
+  release();
 }
 
 }  // namespace scanmill

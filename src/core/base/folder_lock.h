@@ -1,26 +1,45 @@
 #pragma once
 
-// One process at a time may write into a folder.
+// Which processes may write into a folder.
 
 #include <filesystem>
+#include <memory>
+#include <string>
 
 namespace scanmill {
 
-// Holds a lock file until it is destroyed, which removes it. The file says which process holds it, on which host, since
-// when. The lock is the operating system's (flock; Linux makes it one of the server's on network file systems), so that
-// a process which dies loses it and leaves no more than a file that nobody holds. Where the file system knows no locks,
-// a file whose process runs on this host, or was made on another one, is taken for held.
+enum class LockKind {
+  Alone,   // no other process holds the lock
+  Shared,  // none holds it alone
+};
+
+// Holds a lock file until it is destroyed, which removes it where no other process holds it. The file says which
+// process has taken it last, on which host, since when. The lock is the operating system's (flock; Linux makes it one
+// of the server's on network file systems), so that a process which dies loses it and leaves no more than a file that
+// nobody holds. Where the file system knows no locks, nobody can be kept from sharing, and a file that was taken alone
+// counts as held if its process runs on this host, or was made on another one.
 class FolderLock {
  public:
   // `folder` is there already; it is named in errors. Throws an InputError that says who holds it, and Error where the
   // file cannot be made.
-  FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file);
+  FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind = LockKind::Alone);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
+  // The same as the constructor, but gives null where another process holds it, and says which in `holder`.
+  static std::unique_ptr<FolderLock> tryTake(const std::filesystem::path& file, LockKind kind, std::string& holder);
+
+  // From shared to alone; false, and the lock is lost, where another process holds it as well.
+  bool makeAlone();
+
  private:
+  FolderLock() = default;
+  bool take(const std::filesystem::path& file, LockKind kind, std::string& holder);
+  void release();
+
   std::filesystem::path file_;
+  LockKind kind_ = LockKind::Alone;
   int descriptor_ = -1;
 };
 

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <exception>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -27,6 +29,10 @@ constexpr const char* kLockName = "lock";
 constexpr const char* kPlanName = "plan";
 constexpr const char* kReplacedName = "replaced.json";  // the manifest of the dataset that is being replaced
 constexpr const char* kRecordSuffix = ".json";          // behind the name of a shard
+constexpr const char* kClaimSuffix = ".lock";           // likewise
+constexpr const char* kTurnName = "begin.lock";
+constexpr std::chrono::seconds kPatience(10);
+constexpr std::chrono::milliseconds kPause(50);
 
 struct Contents {
   bool manifest = false;
@@ -154,7 +160,8 @@ void checkUse(const fs::path& folder, FolderUse use) {
   if (!fs::exists(folder)) return;
   const Contents contents = contentsOf(folder);
   if (use == FolderUse::Replace) return checkOwnership(folder, contents);
-  if (use == FolderUse::Resume && contents.unfinished) return;
+  if ((use == FolderUse::Resume || use == FolderUse::Share) && contents.unfinished) return;
+  if (use == FolderUse::Share && contents.manifest) return;
   if (contents.unfinished) {
     throw InputError({folder.string()},
                      "holds an unfinished dataset: add --resume to go on with it, or --overwrite to begin anew");
@@ -226,36 +233,83 @@ bool DatasetFolder::isUnfinished(const fs::path& folder) {
   return fs::exists(folder / kHiddenName / kPlanName, ignored);
 }
 
-DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, const std::string& plan)
-    : folder_(std::move(folder)), staging_(folder_ / kHiddenName) {
+DatasetPlan DatasetFolder::planned(const fs::path& folder) {
+  const fs::path file = folder / kHiddenName / kPlanName;
+  if (!isUnfinished(folder)) {
+    throw InputError({folder.string()}, "holds no unfinished dataset: is it the folder that `generate -o` was given?");
+  }
+  return parsePlan(readFile(file), file.string());
+}
+
+DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
+    : folder_(std::move(folder)), staging_(folder_ / kHiddenName), plan_(std::move(plan)) {
   check(folder_, use);
   try {
     created_ = !fs::exists(folder_);
-    fs::create_directories(staging_);
-    lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName);
+    if (use == FolderUse::Share) {
+      share();
+    } else {
+      fs::create_directories(staging_);
+      lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName);
+    }
     checkUse(folder_, use);  // another process may have been here meanwhile
-    const fs::path planFile = staging_ / kPlanName;
-    const bool resumes = use == FolderUse::Resume && fs::exists(planFile);
-    if (resumes && readFile(planFile) != plan + "\n") {
-      throw InputError({folder_.string()},
-                       "holds an unfinished dataset of another pipeline, other files that it names, or another version "
-                       "of this program: --overwrite begins anew");
-    }
-    if (!resumes) {
-      // Of a run that was killed while it replaced a dataset. One that is whole stays until the new one is.
-      if (!fs::exists(folder_ / kManifestName)) {
-        for (const std::string& name : ownShards(folder_)) removeShard(folder_, name);
-      }
-      clearHidden(staging_);
-      writeFile(planFile, plan + "\n");
-    }
+    whole_ = shared_ && !isUnfinished(folder_) && fs::exists(folder_ / kManifestName);
+    if (!whole_) begin(use);
   } catch (const fs::filesystem_error& error) {
     throw InputError({folder_.string()}, "cannot be used as output folder: " + error.code().message());
   }
 }
 
+// Waits a while for a process that ends the dataset, and may remove the hidden folder meanwhile.
+void DatasetFolder::share() {
+  shared_ = true;
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (lock_ == nullptr) {
+    try {
+      fs::create_directories(staging_);
+      lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName, LockKind::Shared);
+    } catch (const Error&) {
+      if (std::chrono::steady_clock::now() > end) throw;
+      std::this_thread::sleep_for(kPause);
+    }
+  }
+}
+
+void DatasetFolder::begin(FolderUse use) {
+  // Those who share the folder begin one after the other.
+  std::unique_ptr<FolderLock> turn;
+  std::string holder;
+  while (shared_ && turn == nullptr) {
+    turn = FolderLock::tryTake(staging_ / kTurnName, LockKind::Alone, holder);
+    if (turn == nullptr) std::this_thread::sleep_for(kPause);
+  }
+  const fs::path planFile = staging_ / kPlanName;
+  if ((shared_ || use == FolderUse::Resume) && fs::exists(planFile)) {
+    if (readFile(planFile) == toJson(plan_)) return;
+    throw InputError({folder_.string()},
+                     "holds an unfinished dataset of another pipeline, other files that it names, or another version "
+                     "of this program: --overwrite begins anew");
+  }
+  // Of a run that was killed while it replaced a dataset. One that is whole stays until the new one is.
+  if (!fs::exists(folder_ / kManifestName)) {
+    for (const std::string& name : ownShards(folder_)) removeShard(folder_, name);
+  }
+  if (!shared_) clearHidden(staging_);
+  writeFile(planFile, toJson(plan_));
+}
+
+bool DatasetFolder::makeAlone() {
+  if (!shared_) return true;
+  if (lock_ == nullptr || !lock_->makeAlone()) {
+    lock_.reset();
+    return false;
+  }
+  return true;
+}
+
 DatasetFolder::~DatasetFolder() {
   std::error_code ignored;
+  if (!makeAlone()) return;
   bool whole = false;
   try {
     whole = !published_ && !recordedIn(staging_).empty();
@@ -270,25 +324,43 @@ DatasetFolder::~DatasetFolder() {
 }
 
 // Where a shard lies: it may have been moved by a process that was killed in publish().
-fs::path DatasetFolder::whole(const std::string& name) const {
+fs::path DatasetFolder::placeOf(const std::string& name) const {
   std::error_code ignored;
   return fs::exists(staging_ / name, ignored) ? staging_ / name : folder_ / name;
 }
 
-void DatasetFolder::keep(const Manifest& part) {
-  writeFile(staging_ / (part.shards.at(0).file + kRecordSuffix), toJson(part));
+std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
+  const fs::path file = staging_ / (name + kClaimSuffix);
+  std::error_code failure;
+  fs::create_directories(file.parent_path(), failure);
+  if (failure) throw Error(fmt::format("{}: cannot be made: {}", file.parent_path().string(), failure.message()));
+  std::string holder;
+  return FolderLock::tryTake(file, LockKind::Alone, holder);
 }
 
-std::optional<Manifest> DatasetFolder::kept(const std::string& name) const {
+void DatasetFolder::keep(const DatasetPart& part) {
+  writeFile(staging_ / (part.manifest.shards.at(0).file + kRecordSuffix), toJson(part));
+}
+
+std::optional<DatasetPart> DatasetFolder::kept(const std::string& name, Check check) const {
   const fs::path record = staging_ / (name + kRecordSuffix);
+  const fs::path shard = placeOf(name);
   std::error_code ignored;
-  if (!fs::exists(record, ignored) || !fs::exists(whole(name), ignored)) return std::nullopt;
-  const std::string text = readFile(record);
-  if (!digestProblem(text).empty()) return std::nullopt;
-  Manifest part = parseManifest(text, record.string());
-  if (part.shards.size() != 1 || part.shards[0].file != name) return std::nullopt;
-  if (fs::file_size(whole(name), ignored) != part.shards[0].bytes) return std::nullopt;
-  if (sha256OfFile(whole(name)) != part.shards[0].sha256) return std::nullopt;
+  if (!fs::exists(record, ignored) || !fs::exists(shard, ignored)) return std::nullopt;
+  DatasetPart part;
+  try {
+    part = parsePart(readFile(record), record.string());
+  } catch (const InputError&) {
+    return std::nullopt;  // damaged: as good as none
+  }
+  if (part.plan != plan_.hash) {
+    throw InputError({record.string()},
+                     "is of another pipeline, other files that it names, or another version of this program than the "
+                     "rest: remove it and its shard");
+  }
+  const ShardRecord& stated = part.manifest.shards[0];
+  if (stated.file != name || fs::file_size(shard, ignored) != stated.bytes) return std::nullopt;
+  if (check == Check::Bytes && sha256OfFile(shard) != stated.sha256) return std::nullopt;
   return part;
 }
 

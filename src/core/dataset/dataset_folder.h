@@ -3,9 +3,9 @@
 // The folder that a dataset is written into.
 //
 // While a dataset is being made, all of it lies in the hidden folder .scanmill within: its whole shards, a small record
-// beside each, what it is made of, and the lock of the process that makes it. Readers see nothing of that. At the end
-// the shards are moved to their places, the manifest is written, and the hidden folder goes. A dataset that is to be
-// replaced stays until then.
+// beside each (parts.h), what is planned, and the locks of the processes that make it. Readers see nothing of that. At
+// the end the shards are moved to their places, the manifest is written, and the hidden folder goes. A dataset that is
+// to be replaced stays until then.
 
 #include <filesystem>
 #include <memory>
@@ -14,6 +14,7 @@
 
 #include "base/folder_lock.h"
 #include "dataset/manifest.h"
+#include "dataset/parts.h"
 
 namespace scanmill {
 
@@ -21,15 +22,16 @@ enum class FolderUse {
   New,      // an absent or an empty folder
   Replace,  // the dataset that is there, or an unfinished one
   Resume,   // the unfinished dataset that is there; without one, like New
+  Share,    // the same, together with other processes that share it; or a dataset that these have ended, see isWhole()
 };
 
 class DatasetFolder {
  public:
-  // `plan`: a text without line breaks that differs where what is made differs, such as a hash. Creates the folder.
-  // Throws InputError, and changes nothing, where the folder holds what `use` does not allow: a dataset, files of
-  // others, names that shards would get, what another plan has begun; and where another process writes into it.
-  DatasetFolder(std::filesystem::path folder, FolderUse use, const std::string& plan);
-  // Gives the lock back. What is unfinished stays to be resumed, where it holds a whole shard.
+  // Creates the folder. Throws InputError, and changes nothing, where the folder holds what `use` does not allow: a
+  // dataset, files of others, names that shards would get, what another plan has begun; and where a process writes into
+  // it that does not share it.
+  DatasetFolder(std::filesystem::path folder, FolderUse use, DatasetPlan plan);
+  // Gives the lock back. What is unfinished stays to be resumed, where it holds a whole shard or others work on it.
   ~DatasetFolder();
   DatasetFolder(const DatasetFolder&) = delete;
   DatasetFolder& operator=(const DatasetFolder&) = delete;
@@ -40,24 +42,42 @@ class DatasetFolder {
   // Whether somebody has begun a dataset there, and not ended it.
   static bool isUnfinished(const std::filesystem::path& folder);
 
+  // What is planned of the unfinished dataset there. Throws InputError where there is none.
+  static DatasetPlan planned(const std::filesystem::path& folder);
+
+  // Of a shared folder: other processes have ended the dataset meanwhile. Then there is nothing to do.
+  bool isWhole() const { return whole_; }
+
   // Where shards are written.
   const std::filesystem::path& staging() const { return staging_; }
 
-  // Keeps the record of a shard that is whole in staging(): a manifest with that shard and its samples alone.
-  void keep(const Manifest& part);
-  // The record of a shard, where it was kept and the shard is there byte for byte. `name`: see shardName().
-  std::optional<Manifest> kept(const std::string& name) const;
+  // Claims a shard for this process, as long as what is returned lives; null where another process holds it.
+  std::unique_ptr<FolderLock> claim(const std::string& name);
+  // Keeps the record of a shard that is whole in staging().
+  void keep(const DatasetPart& part);
+  enum class Check { Size, Bytes };
+  // The record of a shard, where it was kept and the shard is there, by its size, or byte for byte by its hash. Throws
+  // InputError for one of another plan. `name`: see shardName().
+  std::optional<DatasetPart> kept(const std::string& name, Check check) const;
 
+  // Of a shared folder: false, and the folder is left to the others, where other processes work on it. Must come before
+  // publish().
+  bool makeAlone();
   // Moves the shards of the manifest, all of which are kept, to their places, in place of those of an earlier dataset,
   // and writes the manifest last. Throws Error where the disk fails; then the dataset can be resumed.
   void publish(const Manifest& manifest);
 
  private:
-  std::filesystem::path whole(const std::string& name) const;
+  void begin(FolderUse use);
+  void share();
+  std::filesystem::path placeOf(const std::string& name) const;
 
   std::filesystem::path folder_;
   std::filesystem::path staging_;
+  DatasetPlan plan_;
   std::unique_ptr<FolderLock> lock_;
+  bool shared_ = false;
+  bool whole_ = false;
   bool created_ = false;  // the folder, by this object
   bool published_ = false;
 };

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <exception>
+#include <string>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -14,8 +15,10 @@ namespace scanmill {
 
 namespace {
 
-// libarchive hands over blocks of this size: large enough for the disk and SHA-256 to run at their full rates.
-constexpr int kBlockBytes = 1 << 18;
+// What is hashed and written at once: still in the nearest cache when it is written.
+constexpr std::size_t kPieceBytes = 1 << 17;
+// Headers, padding and short members wait together for so many bytes.
+constexpr std::size_t kShortBytes = 1 << 14;
 constexpr std::uint64_t kTarBlock = 512;
 constexpr std::size_t kUstarName = 100;
 
@@ -31,7 +34,8 @@ struct ShardFile::State {
   Sha256 hash;
   archive* tar = archive_write_new();
   archive_entry* entry = archive_entry_new();
-  std::exception_ptr failure;  // of writeBlock: an exception must not cross libarchive's C frames
+  std::string waiting;         // not hashed and written yet
+  std::exception_ptr failure;  // of writeBytes: an exception must not cross libarchive's C frames
   bool discard = false;        // nothing is written any more
 
   explicit State(const std::filesystem::path& where) : path(where), file(where) {}
@@ -43,19 +47,36 @@ struct ShardFile::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  static la_ssize_t writeBlock(archive*, void* self, const void* data, std::size_t size) {
+  static la_ssize_t writeBytes(archive*, void* self, const void* data, std::size_t size) {
     State& state = *static_cast<State*>(self);
     if (state.discard) return static_cast<la_ssize_t>(size);
     try {
-      const std::string_view block(static_cast<const char*>(data), size);
-      state.hash.add(block);
-      state.file.write(block);
+      state.put({static_cast<const char*>(data), size});
     } catch (...) {
       // libarchive is not told, since it leaks its buffers after a failed write; check() tells our caller.
       state.failure = std::current_exception();
       state.discard = true;
     }
     return static_cast<la_ssize_t>(size);
+  }
+
+  void put(std::string_view bytes) {
+    if (bytes.size() + waiting.size() <= kShortBytes) {
+      waiting += bytes;
+      return;
+    }
+    flush();
+    for (std::size_t first = 0; first < bytes.size(); first += kPieceBytes) {
+      const std::string_view piece = bytes.substr(first, kPieceBytes);
+      hash.add(piece);
+      file.write(piece);
+    }
+  }
+
+  void flush() {
+    hash.add(waiting);
+    file.write(waiting);
+    waiting.clear();
   }
 
   void check(la_ssize_t result) {
@@ -69,9 +90,9 @@ struct ShardFile::State {
 ShardFile::ShardFile(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {
   State& s = *state_;
   s.check(archive_write_set_format_pax_restricted(s.tar));
-  s.check(archive_write_set_bytes_per_block(s.tar, kBlockBytes));
+  s.check(archive_write_set_bytes_per_block(s.tar, 0));      // it hands over what it is given, without a copy
   s.check(archive_write_set_bytes_in_last_block(s.tar, 1));  // no padding to whole blocks
-  s.check(archive_write_open(s.tar, &s, nullptr, &State::writeBlock, nullptr));
+  s.check(archive_write_open(s.tar, &s, nullptr, &State::writeBytes, nullptr));
 }
 
 ShardFile::~ShardFile() = default;
@@ -92,6 +113,7 @@ void ShardFile::add(const std::string& name, std::string_view bytes) {
 ShardFile::Whole ShardFile::close() {
   State& s = *state_;
   s.check(archive_write_close(s.tar));
+  s.flush();
   s.file.commit();
   return {s.hash.hex(), s.file.size()};
 }

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <memory>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -25,8 +26,11 @@ FolderUse use(bool replace) {
   return replace ? FolderUse::Replace : FolderUse::New;
 }
 
+constexpr auto kBytes = DatasetFolder::Check::Bytes;
+const DatasetPlan kPlan{"plan", 1, {{"train", 1}}};
+
 void open(const fs::path& folder, bool replace) {
-  const DatasetFolder opened(folder, use(replace), "plan");
+  const DatasetFolder opened(folder, use(replace), kPlan);
 }
 
 // A shard of one sample, kept as a part.
@@ -37,7 +41,7 @@ Manifest addShard(DatasetFolder& folder, std::uint64_t number, std::size_t bytes
   Manifest manifest = testManifest();
   manifest.shards = {part.shard};
   manifest.samples = part.samples;
-  folder.keep(manifest);
+  folder.keep({"plan", {number}, manifest});
   return manifest;
 }
 
@@ -80,7 +84,7 @@ TEST(DatasetFolder, ReplacesTheOldDatasetAtTheEndAndNothingElse) {
   folder.write("train/train-000000.tar.partial-mine", "mine");
   folder.write("manifest.json.partial-17", "of a killed run");
   {
-    DatasetFolder replacing(folder.path(), FolderUse::Replace, "plan");
+    DatasetFolder replacing(folder.path(), FolderUse::Replace, kPlan);
     addShard(replacing, 0);
     EXPECT_EQ(toJson(readManifest(folder.path())), toJson(old));
   }
@@ -89,7 +93,7 @@ TEST(DatasetFolder, ReplacesTheOldDatasetAtTheEndAndNothingElse) {
     EXPECT_THAT(problem, testing::Not(HasSubstr(".scanmill"))) << "what is not finished is hidden";
   }
   {
-    DatasetFolder replacing(folder.path(), FolderUse::Replace, "plan");
+    DatasetFolder replacing(folder.path(), FolderUse::Replace, kPlan);
     publish(replacing, {addShard(replacing, 0)});
   }
   EXPECT_THAT(filesOf(folder.path()),
@@ -140,7 +144,7 @@ TEST(DatasetFolder, EmptySplitFoldersAreNoDataset) {
 TEST(DatasetFolder, AnAbandonedRunWithoutAShardLeavesNothing) {
   const TemporaryFolder folder;
   {
-    const DatasetFolder opened(folder.path() / "data", FolderUse::New, "plan");
+    const DatasetFolder opened(folder.path() / "data", FolderUse::New, kPlan);
     ShardWriter shard(opened.staging(), "train/train-000000.tar", "train");
     shard.add(plainSample("k-0", 3000000));
   }
@@ -152,24 +156,26 @@ TEST(DatasetFolder, AnInterruptedRunCanBeResumed) {
   const TemporaryFolder folder;
   const fs::path data = folder.path() / "data";
   {
-    DatasetFolder opened(data, FolderUse::Resume, "plan");  // the same as a new one
+    DatasetFolder opened(data, FolderUse::Resume, kPlan);  // the same as a new one
     for (int i = 0; i < 3; ++i) addShard(opened, i);
   }
   EXPECT_THAT(messageOf<InputError>([&] { readManifest(data); }), HasSubstr("did not end"));
   EXPECT_THAT(messageOf<InputError>([&] { open(data, false); }),
               AllOf(HasSubstr("--resume"), HasSubstr("--overwrite")));
-  EXPECT_THAT(messageOf<InputError>([&] { DatasetFolder(data, FolderUse::Resume, "other"); }),
+  EXPECT_THAT(messageOf<InputError>([&] {
+                DatasetFolder(data, FolderUse::Resume, {"other", 1, {{"train", 1}}});
+              }),
               HasSubstr("another pipeline"));
   const fs::path damaged = data / ".scanmill/train/train-000001.tar";
   std::string bytes = readFile(damaged);
   bytes[700] ^= 1;
   writeFile(damaged, bytes);
   fs::remove(data / ".scanmill/train/train-000002.tar");
-  DatasetFolder resumed(data, FolderUse::Resume, "plan");
-  const std::optional<Manifest> first = resumed.kept(shardName("train", 0));
+  DatasetFolder resumed(data, FolderUse::Resume, kPlan);
+  const auto first = resumed.kept(shardName("train", 0), kBytes);
   ASSERT_TRUE(first.has_value());
-  for (int i = 1; i < 4; ++i) EXPECT_FALSE(resumed.kept(shardName("train", i)).has_value()) << i;
-  publish(resumed, {*first, addShard(resumed, 1)});
+  for (int i = 1; i < 4; ++i) EXPECT_FALSE(resumed.kept(shardName("train", i), kBytes).has_value()) << i;
+  publish(resumed, {first->manifest, addShard(resumed, 1)});
   EXPECT_THAT(problemsOf(data), IsEmpty());
 }
 
@@ -182,7 +188,7 @@ TEST(DatasetFolder, AMoveThatWasInterruptedGoesOn) {
       writeTestDataset(folder.path());
       Manifest whole = testManifest();
       {
-        DatasetFolder replacing(folder.path(), FolderUse::Replace, "plan");
+        DatasetFolder replacing(folder.path(), FolderUse::Replace, kPlan);
         addShard(replacing, 0);
         addShard(replacing, 1);
       }
@@ -193,11 +199,11 @@ TEST(DatasetFolder, AMoveThatWasInterruptedGoesOn) {
       if (moment >= 2) fs::rename(hidden / "train/train-000000.tar", folder.path() / "train/train-000000.tar");
       if (moment >= 3) fs::remove_all(folder.path() / "val");
       EXPECT_THROW(readManifest(folder.path()), InputError);
-      DatasetFolder again(folder.path(), resume ? FolderUse::Resume : FolderUse::Replace, "plan");
-      EXPECT_EQ(again.kept(shardName("train", 0)).has_value(), resume);
+      DatasetFolder again(folder.path(), resume ? FolderUse::Resume : FolderUse::Replace, kPlan);
+      EXPECT_EQ(again.kept(shardName("train", 0), kBytes).has_value(), resume);
       std::vector<Manifest> parts;
       for (int i = 0; i < 2; ++i) {
-        parts.push_back(resume ? again.kept(shardName("train", i)).value() : addShard(again, i));
+        parts.push_back(resume ? again.kept(shardName("train", i), kBytes).value().manifest : addShard(again, i));
       }
       publish(again, parts);
       EXPECT_THAT(problemsOf(folder.path()), IsEmpty());
@@ -214,26 +220,69 @@ TEST(DatasetFolder, OneProcessAtATimeWritesIntoIt) {
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
-    const DatasetFolder held(data, FolderUse::New, "plan");
+    const DatasetFolder held(data, FolderUse::New, kPlan);
     [[maybe_unused]] const auto told = ::write(ready[1], "x", 1);
     ::pause();
   }
   char letter = 0;
   ASSERT_EQ(::read(ready[0], &letter, 1), 1);
   for (const FolderUse each : {FolderUse::Replace, FolderUse::Resume}) {
-    EXPECT_THAT(messageOf<InputError>([&] { DatasetFolder(data, each, "plan"); }),
+    EXPECT_THAT(messageOf<InputError>([&] { DatasetFolder(data, each, kPlan); }),
                 AllOf(HasSubstr("is being written by process " + std::to_string(child)), HasSubstr("since")));
   }
   ::kill(child, SIGKILL);
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
-  EXPECT_EQ(messageOf<InputError>([&] { DatasetFolder(data, FolderUse::Resume, "plan"); }), "accepted")
+  EXPECT_EQ(messageOf<InputError>([&] { DatasetFolder(data, FolderUse::Resume, kPlan); }), "accepted")
       << "a dead process holds nothing";
+}
+
+// Processes that share a folder see each other's shards, claim what they make, and the last one ends the dataset.
+TEST(DatasetFolder, SeveralMayShareIt) {
+  const TemporaryFolder folder;
+  const fs::path data = folder.path() / "data";
+  const DatasetPlan plan{"plan", 2, {{"train", 2}}};
+  auto one = std::make_unique<DatasetFolder>(data, FolderUse::Share, plan);
+  auto two = std::make_unique<DatasetFolder>(data, FolderUse::Share, plan);
+  EXPECT_FALSE(one->isWhole());
+  EXPECT_THAT(messageOf<InputError>([&] { DatasetFolder(data, FolderUse::Resume, plan); }),
+              HasSubstr("is being written by"));
+  EXPECT_THAT(messageOf<InputError>([&] {
+                DatasetFolder(data, FolderUse::Share, {"other", 2, {{"train", 2}}});
+              }),
+              HasSubstr("another pipeline"));
+  auto claim = one->claim(shardName("train", 0));
+  EXPECT_NE(claim, nullptr);
+  EXPECT_EQ(two->claim(shardName("train", 0)), nullptr);
+  EXPECT_NE(two->claim(shardName("train", 1)), nullptr);
+  const Manifest first = addShard(*one, 0);
+  claim.reset();
+  EXPECT_NE(two->claim(shardName("train", 0)), nullptr) << "given back";
+  EXPECT_TRUE(two->kept(shardName("train", 0), kBytes).has_value());
+  const Manifest second = addShard(*two, 1);
+  EXPECT_FALSE(one->makeAlone());
+  EXPECT_TRUE(two->makeAlone());
+  one.reset();
+  publish(*two, {first, second});
+  two.reset();
+  EXPECT_THAT(problemsOf(data), IsEmpty());
+  const DatasetFolder late(data, FolderUse::Share, plan);
+  EXPECT_TRUE(late.isWhole());
+}
+
+TEST(DatasetFolder, WhoSharesItAndMakesNothingLeavesNothing) {
+  const TemporaryFolder folder;
+  { const DatasetFolder opened(folder.path() / "data", FolderUse::Share, kPlan); }
+  EXPECT_FALSE(fs::exists(folder.path() / "data"));
+  folder.write("notes.txt", "mine");
+  EXPECT_THAT(messageOf<InputError>([&] { DatasetFolder(folder.path(), FolderUse::Share, kPlan); }),
+              HasSubstr("not empty"));
+  EXPECT_THAT(filesOf(folder.path()), ElementsAre("notes.txt"));
 }
 
 TEST(DatasetFolder, ADatasetMayBeEmpty) {
   const TemporaryFolder folder;
-  DatasetFolder(folder.path() / "data", FolderUse::New, "plan").publish(testManifest());
+  DatasetFolder(folder.path() / "data", FolderUse::New, kPlan).publish(testManifest());
   EXPECT_THAT(filesOf(folder.path() / "data"), ElementsAre("manifest.json"));
   EXPECT_THAT(verifyDataset(folder.path() / "data").problems, IsEmpty());
 }

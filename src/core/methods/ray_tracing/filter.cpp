@@ -92,63 +92,54 @@ void filterLanes(const RTCFilterFunctionNArguments* a, TieContext& context) {
   }
 }
 
-// N numbers of 4 bytes, unaligned.
-template <int N>
-struct Lanes;
-
-template <>
-struct Lanes<4> {
-  typedef float Floats __attribute__((vector_size(16), aligned(4), may_alias));
-  typedef int Ints __attribute__((vector_size(16), aligned(4), may_alias));
-};
-
-template <>
-struct Lanes<8> {
-  typedef float Floats __attribute__((vector_size(32), aligned(4), may_alias));
-  typedef int Ints __attribute__((vector_size(32), aligned(4), may_alias));
-};
-
-template <>
-struct Lanes<16> {
-  typedef float Floats __attribute__((vector_size(64), aligned(4), may_alias));
-  typedef int Ints __attribute__((vector_size(64), aligned(4), may_alias));
+// W numbers of 4 bytes, unaligned. No more than 8: GCC 12 compares vectors of 16 number by number.
+template <int W>
+struct Lanes {
+  typedef float Floats __attribute__((vector_size(4 * W), aligned(4), may_alias));
+  typedef int Ints __attribute__((vector_size(4 * W), aligned(4), may_alias));
 };
 
 // All lanes at once as long as no two surfaces are near each other, which is nearly always. Written with vector types
 // because the compiler does not vectorise the loop above.
 template <int N>
 void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
-  using Floats = typename Lanes<N>::Floats;
-  using Ints = typename Lanes<N>::Ints;
+  constexpr int kWidth = N < 8 ? N : 8;
+  using Floats = typename Lanes<kWidth>::Floats;
+  using Ints = typename Lanes<kWidth>::Ints;
   auto* ray = reinterpret_cast<float*>(a->ray);
   const auto* hit = reinterpret_cast<const float*>(a->hit);
-  auto& far = *reinterpret_cast<Floats*>(ray + kFar * N);
-  auto& validLanes = *reinterpret_cast<Ints*>(a->valid);
   const std::uint32_t first = reinterpret_cast<const std::uint32_t*>(ray)[kId * N];
-  auto& best = *reinterpret_cast<Floats*>(context.distance + first);
+  const auto valid = [&](int from) -> Ints& { return *reinterpret_cast<Ints*>(a->valid + from); };
+  const auto far = [&](int from) -> Floats& { return *reinterpret_cast<Floats*>(ray + kFar * N + from); };
+  const auto best = [&](int from) -> Floats& { return *reinterpret_cast<Floats*>(context.distance + first + from); };
 
-  const Ints valid = validLanes;
-  const Floats distance = far;
-  const Floats reach = distance * kReach + context.floor;
-  const Floats ahead = best - distance;
-  const Ints near = valid & (ahead <= reach) & (-ahead <= reach);
-  const Ints taken = valid & (ahead > 0);
+  Ints near = valid(0) & 0;
+  for (int from = 0; from < N; from += kWidth) {
+    const Floats reach = far(from) * kReach + context.floor;
+    const Floats ahead = best(from) - far(from);
+    near |= valid(from) & (ahead <= reach) & (-ahead <= reach);
+  }
   int anyNear = 0;
-  for (int i = 0; i < N; ++i) anyNear |= near[i];
+  for (int i = 0; i < kWidth; ++i) anyNear |= near[i];
   if (anyNear != 0) {
     filterLanes(a, context);
     return;
   }
-  best = taken ? distance : best;
-  const auto keep = [&](std::uint32_t* column, int field) {
-    auto& kept = *reinterpret_cast<Ints*>(column + first);
-    kept = taken ? *reinterpret_cast<const Ints*>(hit + field * N) : kept;
-  };
-  keep(context.geometry, kGeometry);
-  keep(context.primitive, kPrimitive);
-  keep(context.instance, kInstance);
-  far = taken ? distance + reach : distance;
-  validLanes = taken;
+  for (int from = 0; from < N; from += kWidth) {
+    const Floats distance = far(from);
+    const Floats reach = distance * kReach + context.floor;
+    const Ints taken = valid(from) & (best(from) > distance);
+    best(from) = taken ? distance : best(from);
+    const auto keep = [&](std::uint32_t* column, int field) {
+      auto& kept = *reinterpret_cast<Ints*>(column + first + from);
+      kept = taken ? *reinterpret_cast<const Ints*>(hit + field * N + from) : kept;
+    };
+    keep(context.geometry, kGeometry);
+    keep(context.primitive, kPrimitive);
+    keep(context.instance, kInstance);
+    far(from) = taken ? distance + reach : distance;
+    valid(from) = taken;
+  }
 }
 
 // Lets beams through where the base colour is transparent.

@@ -475,7 +475,7 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
 
 std::size_t Plan::framesInFlight() const {
   const std::uint64_t fitting = machineBytes() / 2 / bytesPerFrameInMemory();
-  return std::clamp<std::uint64_t>(fitting, 1, static_cast<std::uint64_t>(threadCount()) + 2);
+  return std::clamp<std::uint64_t>(fitting, 1, static_cast<std::uint64_t>(threadCount()));
 }
 
 ColumnSet Plan::columns() const {

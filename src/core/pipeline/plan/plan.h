@@ -69,7 +69,7 @@ class Plan {
 
   // Upper bound of what a frame takes while it is made.
   std::uint64_t bytesPerFrameInMemory() const;
-  // How many frames are made at a time: enough for all threads, but no more than half of the memory holds.
+  // How many frames are made at a time: one for each thread, but no more than half of the memory holds.
   std::size_t framesInFlight() const;
 
  private:

@@ -1,24 +1,55 @@
 #include "pipeline/plan/shard_jobs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <set>
+#include <string_view>
 #include <utility>
 
+#include "base/file.h"
+#include "base/hash.h"
+#include "config/version.h"
+#include "dataset/recording.h"
 #include "dataset/shard.h"
 #include "dataset/shard_name.h"
 #include "pipeline/plan/dataset_size.h"
 
 namespace scanmill {
 
+namespace {
+
+std::string planHash(const Plan& plan) {
+  const Pipeline& pipeline = plan.pipeline();
+  Sha256 hash;
+  const auto add = [&](std::string_view text) { hash.add(fmt::format("{}:{}\n", text.size(), text)); };
+  add(kVersion);
+  add(pipeline.text);
+  if (plan.chosen()) add(plan.chosen()->assignment);
+  for (const auto& beams : plan.beams()) add(beamsHash(*beams));
+  std::set<std::filesystem::path> scenes;
+  for (const Sequence& sequence : pipeline.sequences) scenes.insert(sequence.sceneFile);
+  std::error_code ignored;
+  for (const std::filesystem::path& scene : scenes) {
+    if (std::filesystem::is_regular_file(scene, ignored)) add(readFile(scene));  // recordings have none
+  }
+  return hash.hex();
+}
+
+}  // namespace
+
 std::vector<ShardJob> shardJobs(const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline();
   std::vector<std::pair<std::string, std::vector<SampleAddress>>> splits;  // in the order of their first sequences
+  std::uint64_t number = 0;
   for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
     const Sequence& sequence = pipeline.sequences[s];
     auto split =
         std::find_if(splits.begin(), splits.end(), [&](const auto& known) { return known.first == sequence.split; });
     if (split == splits.end()) split = splits.emplace(splits.end(), sequence.split, std::vector<SampleAddress>{});
-    for (std::uint32_t frame = 0; frame < sequence.frames; ++frame) split->second.push_back({s, frame});
+    for (std::uint32_t frame = 0; frame < sequence.frames; ++frame) split->second.push_back({s, frame, number++});
   }
   const double room = static_cast<double>(pipeline.shardBytes) - ShardFile::kEndBytes;
   const auto fit = static_cast<std::size_t>(std::max(1.0, std::floor(room / mostSampleBytes(plan))));
@@ -38,6 +69,17 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
     }
   }
   return jobs;
+}
+
+DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs) {
+  DatasetPlan planned{planHash(plan), 0, {}};
+  for (const ShardJob& job : jobs) {
+    auto& splits = planned.shardsOfSplit;
+    if (splits.empty() || splits.back().first != job.split) splits.emplace_back(job.split, 0);
+    ++splits.back().second;
+    planned.samples += job.samples.size();
+  }
+  return planned;
 }
 
 }  // namespace scanmill

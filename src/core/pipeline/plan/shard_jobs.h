@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "dataset/parts.h"
 #include "pipeline/plan/plan.h"
 
 namespace scanmill {
@@ -14,6 +15,7 @@ namespace scanmill {
 struct SampleAddress {
   std::size_t sequence = 0;  // of the pipeline
   std::uint32_t frame = 0;
+  std::uint64_t number = 0;  // among all samples of the plan, in the order of sequences and frames
 };
 
 struct ShardJob {
@@ -26,5 +28,10 @@ struct ShardJob {
 // that key, the samples of a split are shared out evenly over so many shards that none can exceed `output.shard_mb`,
 // whatever the beams meet, but at least two where there are two samples, since loaders give each worker a shard.
 std::vector<ShardJob> shardJobs(const Plan& plan);
+
+// What parts of a dataset say of their plan. Its hash differs where datasets would differ: it is of the program's
+// version, the pipeline and the chosen method, the sensors' beams, and the files that it names as scenes. Assets,
+// ontologies and materials are not read: whoever changes one begins anew.
+DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs);
 
 }  // namespace scanmill

@@ -15,25 +15,40 @@
 
 namespace scanmill {
 
+// Which shards of the plan a process makes. A part of them is made together with other processes that share the folder,
+// be it on other machines: what another one makes is waited for, what is there is left as it is.
+struct ShardChoice {
+  enum class Kind {
+    All,     // alone; the dataset is whole at the end
+    Listed,  // those listed; mergeDataset() ends the dataset
+    Any,     // whatever nobody else makes; the last process ends the dataset
+  };
+  Kind kind = Kind::All;
+  std::vector<std::uint64_t> listed;  // numbers of shards, sorted
+};
+
 struct GenerateOptions {
   std::filesystem::path folder;
   std::filesystem::path keepHits;    // folder of a recording, or empty
   std::filesystem::path keepPasses;  // likewise; methods that draw passes only
   bool overwrite = false;            // the dataset, and recordings
   bool resume = false;               // goes on with an unfinished dataset; not with recordings
+  ShardChoice shards;                // which are made here
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;  // set by a signal handler: generate() then throws Error
 };
 
 struct GenerateSummary {
-  Manifest manifest;
+  Manifest manifest;       // of the whole dataset; without shards and samples where `whole` is false
+  bool whole = false;      // the dataset is ended: by this process, or by another one that shares the folder
+  std::size_t shards = 0;  // that this process has made
   double seconds = 0;
   std::uint64_t beams = 0;
   std::uint64_t points = 0;
   std::uint64_t bytes = 0;
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
   StageSeconds stages;                // of processor time ("trace", "effects", "encode", "write", ...)
-  std::size_t resumedShards = 0;      // that were whole already
+  std::size_t resumedShards = 0;      // that were whole already, or were made by others meanwhile
   std::vector<std::string> warnings;  // what is legal, but seldom meant: see pipeline/warnings.h
 };
 

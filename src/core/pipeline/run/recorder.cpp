@@ -23,22 +23,15 @@ void Recorder::open(const std::filesystem::path& hits, const std::filesystem::pa
 
 void Recorder::enter(std::size_t sequence, const Scene& scene, const Method& method) {
   if (!recordsHits() && !recordsPasses()) return;
-  if (sequences_.contains(sequence)) return;
-  const std::vector<Sequence>& all = plan_.pipeline().sequences;
-  const Sequence& own = all[sequence];
-  const auto known = std::find_if(sequences_.begin(), sequences_.end(),
-                                  [&](const auto& entered) { return own.sameScene(all[entered.first]); });
-  if (known == sequences_.end()) {
-    materials_.push_back(scene.materials);
-    for (Material& material : materials_.back()) material.texture.reset();
-  }
-  const std::size_t materials = known == sequences_.end() ? materials_.size() - 1 : known->second.materials;
+  const std::scoped_lock lock(mutex_);
+  if (entered_.contains(sequence)) return;
+  const Sequence& own = plan_.pipeline().sequences[sequence];
+  Entered& entered = entered_[sequence];
+  entered.record = {own.scene, own.sceneSeed, own.trajectoryName, own.frames, 0};
+  entered.materials = scene.materials;
+  for (Material& material : entered.materials) material.texture.reset();
+  entered.modelled = method.modelled();
   ontology_ = scene.ontology;
-  sequences_[sequence] = {own.scene, own.sceneSeed, own.trajectoryName, own.frames,
-                          static_cast<std::uint32_t>(materials)};
-  for (std::string& line : method.modelled()) {
-    if (std::find(modelled_.begin(), modelled_.end(), line) == modelled_.end()) modelled_.push_back(std::move(line));
-  }
 }
 
 void Recorder::writeHits(const Shot& shot, const Hits& hits) {
@@ -87,9 +80,23 @@ Recording Recorder::describe(RecordingKind kind) const {
     const BeamTable& beams = *plan_.beams()[s];
     recording.sensors.push_back({sensor.name, beams.rings, beams.columns, beamsHash(beams), sensor.vehicleFromSensor});
   }
-  for (const auto& [number, sequence] : sequences_) recording.sequences.push_back(sequence);
-  recording.materials = materials_;
-  recording.modelled = modelled_;
+  const std::vector<Sequence>& all = plan_.pipeline().sequences;
+  std::vector<std::size_t> scenes;  // the first sequence of each
+  for (const auto& [number, entered] : entered_) {
+    const auto known = std::find_if(scenes.begin(), scenes.end(),
+                                    [&, own = number](std::size_t first) { return all[own].sameScene(all[first]); });
+    recording.sequences.push_back(entered.record);
+    recording.sequences.back().materials = static_cast<std::uint32_t>(known - scenes.begin());
+    if (known == scenes.end()) {
+      scenes.push_back(number);
+      recording.materials.push_back(entered.materials);
+    }
+    for (const std::string& line : entered.modelled) {
+      if (std::find(recording.modelled.begin(), recording.modelled.end(), line) == recording.modelled.end()) {
+        recording.modelled.push_back(line);
+      }
+    }
+  }
   return recording;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,13 +28,13 @@ class Recorder {
 
   // Prepares the folders that are not empty paths. Throws InputError.
   void open(const std::filesystem::path& hits, const std::filesystem::path& passes, bool overwrite);
-  // Shots of this sequence follow; it may be entered again.
-  void enter(std::size_t sequence, const Scene& scene, const Method& method);
-
   bool recordsHits() const { return hits_.has_value(); }
   bool recordsPasses() const { return passes_.has_value(); }
 
   // All of these from any thread.
+
+  // Shots of this sequence follow; it may be entered again.
+  void enter(std::size_t sequence, const Scene& scene, const Method& method);
   void writeHits(const Shot& shot, const Hits& hits);
   // The record of a shot's passes: its steps are written one after the other, then the record itself.
   static RecordedShot beginPasses(const Shot& shot);
@@ -50,10 +51,15 @@ class Recorder {
   const Plan& plan_;
   std::optional<RecordingWriter> hits_;
   std::optional<RecordingWriter> passes_;
+  // What is known of a sequence that was entered.
+  struct Entered {
+    RecordedSequence record;
+    std::vector<Material> materials;
+    std::vector<std::string> modelled;
+  };
+  std::mutex mutex_;
   Ontology ontology_;
-  std::map<std::size_t, RecordedSequence> sequences_;  // by their numbers in the pipeline
-  std::vector<std::vector<Material>> materials_;
-  std::vector<std::string> modelled_;
+  std::map<std::size_t, Entered> entered_;  // by their numbers in the pipeline
   StageClock clock_;
 };
 

@@ -1,17 +1,11 @@
 #include "pipeline/run/run_records.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <filesystem>
-#include <set>
 #include <string_view>
 #include <vector>
 
-#include "base/file.h"
 #include "base/hash.h"
 #include "config/version.h"
-#include "dataset/recording.h"
 
 namespace scanmill {
 
@@ -24,6 +18,38 @@ std::uint64_t unresolvedBeams(const Hits& hits) {
   for (const std::uint32_t ray : hits.unresolved) beams.push_back(hits.beamOfRay[ray]);
   std::sort(beams.begin(), beams.end());
   return static_cast<std::uint64_t>(std::unique(beams.begin(), beams.end()) - beams.begin());
+}
+
+// Neighbours are mostly of the same class and instance, so points are counted run by run.
+void countPoints(const Scan& scan, ScanRecord& record) {
+  std::vector<std::uint64_t> perClass;
+  std::vector<std::uint32_t> instances;
+  const bool labels = !scan[kLabel].empty();
+  const bool things = !scan[kInstance].empty();
+  const auto isPoint = [&](std::size_t i) { return !scan.organised || isFinite(scan.position[i]); };
+  for (std::size_t first = 0; first < scan.size();) {
+    const bool point = isPoint(first);
+    std::size_t end = first + 1;
+    while (end < scan.size() && isPoint(end) == point && (!labels || scan[kLabel][end] == scan[kLabel][first]) &&
+           (!things || scan[kInstance][end] == scan[kInstance][first])) {
+      ++end;
+    }
+    if (point) {
+      record.points += end - first;
+      if (labels) {
+        const std::uint16_t label = scan[kLabel][first];
+        if (label >= perClass.size()) perClass.resize(label + std::size_t{1});
+        perClass[label] += end - first;
+      }
+      if (things && scan[kInstance][first] != 0) instances.push_back(scan[kInstance][first]);
+    }
+    first = end;
+  }
+  for (std::size_t c = 0; c < perClass.size(); ++c) {
+    if (perClass[c] > 0) record.pointsPerClass[static_cast<std::uint16_t>(c)] = perClass[c];
+  }
+  std::sort(instances.begin(), instances.end());
+  record.instances = static_cast<std::uint32_t>(std::unique(instances.begin(), instances.end()) - instances.begin());
 }
 
 }  // namespace
@@ -63,44 +89,9 @@ ScanRecord recordOf(const Shot& shot, const Hits& hits, const Scan& scan, std::s
   if (shot.worldFromSensor.size() > 1) record.worldFromSensor.push_back(shot.worldFromSensor.back());
   record.beams = hits.size();
   record.unresolved = unresolvedBeams(hits);
-  std::vector<std::uint64_t> perClass;
-  std::vector<std::uint32_t> instances;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (!isFinite(scan.position[i])) continue;
-    ++record.points;
-    if (!scan[kLabel].empty()) {
-      if (scan[kLabel][i] >= perClass.size()) perClass.resize(scan[kLabel][i] + std::size_t{1});
-      ++perClass[scan[kLabel][i]];
-    }
-    if (!scan[kInstance].empty() && scan[kInstance][i] != 0 &&
-        (instances.empty() || instances.back() != scan[kInstance][i])) {
-      instances.push_back(scan[kInstance][i]);
-    }
-  }
-  for (std::size_t c = 0; c < perClass.size(); ++c) {
-    if (perClass[c] > 0) record.pointsPerClass[static_cast<std::uint16_t>(c)] = perClass[c];
-  }
-  std::sort(instances.begin(), instances.end());
+  countPoints(scan, record);
   record.beamsPerReason = countReasons(scan.reasonOfBeam);
-  record.instances = static_cast<std::uint32_t>(std::unique(instances.begin(), instances.end()) - instances.begin());
   return record;
-}
-
-std::string planHash(const Plan& plan) {
-  const Pipeline& pipeline = plan.pipeline();
-  Sha256 hash;
-  const auto add = [&](std::string_view text) { hash.add(fmt::format("{}:{}\n", text.size(), text)); };
-  add(kVersion);
-  add(pipeline.text);
-  if (plan.chosen()) add(plan.chosen()->assignment);
-  for (const auto& beams : plan.beams()) add(beamsHash(*beams));
-  std::set<std::filesystem::path> scenes;
-  for (const Sequence& sequence : pipeline.sequences) scenes.insert(sequence.sceneFile);
-  std::error_code ignored;
-  for (const std::filesystem::path& scene : scenes) {
-    if (std::filesystem::is_regular_file(scene, ignored)) add(readFile(scene));  // recordings have none
-  }
-  return hash.hex();
 }
 
 }  // namespace scanmill

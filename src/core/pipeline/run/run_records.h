@@ -18,9 +18,4 @@ Manifest startManifest(const Plan& plan);
 // A scan's place, time and counts.
 ScanRecord recordOf(const Shot& shot, const Hits& hits, const Scan& scan, std::string_view method);
 
-// A text that differs where datasets of plans would differ: of the program's version, the pipeline and the chosen
-// method, the sensors' beams, and the files that it names as scenes. Assets, ontologies and materials are not read:
-// whoever changes one begins anew.
-std::string planHash(const Plan& plan);
-
 }  // namespace scanmill

@@ -99,7 +99,7 @@ TEST_F(PlanTest, FramesThatNoMemoryHoldsAreRefusedWithTheArithmetic) {
 
 TEST_F(PlanTest, FramesInFlightFitTheThreadsAndTheMemory) {
   const ThreadLimit limit(2);
-  EXPECT_EQ(plan({}).framesInFlight(), 4u);
+  EXPECT_EQ(plan({}).framesInFlight(), 2u);
   const Plan wide = plan({"sensors.0.columns=65536"});
   EXPECT_EQ(wide.bytesPerFrameInMemory(), 1024 * plan({}).bytesPerFrameInMemory());
   EXPECT_GE(wide.framesInFlight(), 1u);

@@ -6,7 +6,7 @@
 
 #include "dataset/dataset_folder.h"
 #include "formats/format.h"
-#include "pipeline/run/run_records.h"
+#include "pipeline/plan/shard_jobs.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/gl.h"
 
@@ -410,7 +410,9 @@ TEST_F(GenerateTest, StoppedRunsLeaveNothingThatLooksFinished) {
 // A folder in which a run has made these shards of a whole dataset, and was then interrupted.
 void interrupt(const std::filesystem::path& folder, const Plan& plan, const std::filesystem::path& whole,
                const std::vector<std::size_t>& made) {
-  DatasetFolder opened(folder, FolderUse::New, planHash(plan));
+  const std::vector<ShardJob> jobs = shardJobs(plan);
+  const DatasetPlan planned = datasetPlan(plan, jobs);
+  DatasetFolder opened(folder, FolderUse::New, planned);
   const Manifest manifest = readManifest(whole);
   for (const std::size_t shard : made) {
     Manifest part = manifest;
@@ -420,7 +422,9 @@ void interrupt(const std::filesystem::path& folder, const Plan& plan, const std:
     const std::filesystem::path file = opened.staging() / part.shards[0].file;
     std::filesystem::create_directories(file.parent_path());
     std::filesystem::copy_file(whole / part.shards[0].file, file);
-    opened.keep(part);
+    DatasetPart record{planned.hash, {}, std::move(part)};
+    for (const SampleAddress& sample : jobs[shard].samples) record.numbers.push_back(sample.number);
+    opened.keep(record);
   }
 }
 

@@ -1,0 +1,27 @@
+#include "dataset/merge.h"
+
+#include <fmt/core.h>
+
+#include "base/short_text.h"
+#include "commands/arguments.h"
+
+namespace scanmill {
+
+int runMerge(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("merge");
+  cxxopts::Options options = describe(command);
+  const Arguments parsed = parseArguments(command, options, arguments,
+                                          "  scanmill merge out/town    # after `scanmill generate town.yaml -o "
+                                          "out/town --worker I --workers N` for each I\n");
+  if (parsed.help) return 0;
+  const std::string folder = parsed.positional("DIR");
+  const Manifest manifest = mergeDataset(folder);
+  std::uint64_t bytes = 0;
+  for (const ShardRecord& shard : manifest.shards) bytes += shard.bytes;
+  fmt::print("{} samples in {} shards, {}, in {}\nnext: scanmill view {}; scanmill verify {}\n",
+             manifest.samples.size(), manifest.shards.size(), shortBytes(static_cast<double>(bytes)), folder, folder,
+             folder);
+  return 0;
+}
+
+}  // namespace scanmill

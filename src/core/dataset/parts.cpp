@@ -1,0 +1,95 @@
+#include "dataset/parts.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "dataset/json_node.h"
+#include "dataset/json_text.h"
+#include "dataset/shard_name.h"
+
+namespace scanmill {
+
+std::vector<std::string> DatasetPlan::shards() const {
+  std::vector<std::string> names;
+  for (const auto& [split, count] : shardsOfSplit) {
+    for (std::uint64_t i = 0; i < count; ++i) names.push_back(shardName(split, i));
+  }
+  return names;
+}
+
+std::string toJson(const DatasetPlan& plan) {
+  OrderedJson splits = OrderedJson::array();
+  for (const auto& [split, shards] : plan.shardsOfSplit) splits.push_back({{"split", split}, {"shards", shards}});
+  return layOut({{"plan", plan.hash}, {"samples", plan.samples}, {"splits", splits}}) + "\n";
+}
+
+DatasetPlan parsePlan(const std::string& text, const std::string& file) {
+  const Json json = parseJson(text, file);
+  const JsonNode root(json, "", file);
+  root.keys({"plan", "samples", "splits"});
+  DatasetPlan plan{root["plan"].text(), root["samples"].integer<std::uint64_t>(), {}};
+  root["splits"].forEach([&](const JsonNode& item) {
+    item.keys({"split", "shards"});
+    if (!isSplitName(item["split"].text())) item["split"].fail("is no name of a split");
+    plan.shardsOfSplit.emplace_back(item["split"].text(), item["shards"].integer<std::uint64_t>());
+  });
+  return plan;
+}
+
+// The first line says what part it is; what follows is its manifest, with its own digest.
+std::string toJson(const DatasetPart& part) {
+  const OrderedJson line{{"plan", part.plan}, {"numbers", part.numbers}};
+  return line.dump() + "\n" + toJson(part.manifest);
+}
+
+DatasetPart parsePart(const std::string& text, const std::string& file) {
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::string manifest = text.substr(std::min(end + 1, text.size()));
+  const Json json = parseJson(text.substr(0, end), file);
+  const JsonNode root(json, "", file);
+  root.keys({"plan", "numbers"});
+  DatasetPart part{root["plan"].text(), {}, parseManifest(manifest, file)};
+  root["numbers"].forEach([&](const JsonNode& number) { part.numbers.push_back(number.integer<std::uint64_t>()); });
+  if (const std::string problem = digestProblem(manifest); !problem.empty()) throw InputError({file}, problem);
+  if (part.manifest.shards.size() != 1 || part.manifest.samples.size() != part.numbers.size()) {
+    throw InputError({file}, "does not hold one shard with all its samples");
+  }
+  return part;
+}
+
+Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts) {
+  if (parts.empty()) throw Error("a dataset has at least one shard");
+  Manifest whole = parts.front().manifest;
+  whole.shards.clear();
+  whole.samples.assign(plan.samples, {});
+  for (std::size_t shard = 0; shard < parts.size(); ++shard) {
+    Manifest& part = parts[shard].manifest;
+    whole.shards.push_back(part.shards[0]);
+    for (const std::string& line : part.modelled) {
+      if (std::find(whole.modelled.begin(), whole.modelled.end(), line) == whole.modelled.end()) {
+        whole.modelled.push_back(line);
+      }
+    }
+    for (std::size_t i = 0; i < part.samples.size(); ++i) {
+      const std::uint64_t number = parts[shard].numbers[i];
+      if (number >= plan.samples) {
+        throw Error(fmt::format("{}: sample {} is not among the plan's {}", part.shards[0].file, number, plan.samples));
+      }
+      SampleRecord& sample = whole.samples[number];
+      if (!sample.key.empty()) {
+        throw Error(fmt::format("sample {} is in two shards, {} and {}", sample.key, whole.shards[sample.shard].file,
+                                part.shards[0].file));
+      }
+      sample = std::move(part.samples[i]);
+      sample.shard = static_cast<std::uint32_t>(shard);
+    }
+  }
+  for (std::size_t i = 0; i < whole.samples.size(); ++i) {
+    if (whole.samples[i].key.empty()) throw Error(fmt::format("sample {} of {} is in no shard", i, plan.samples));
+  }
+  return whole;
+}
+
+}  // namespace scanmill

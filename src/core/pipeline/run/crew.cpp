@@ -1,0 +1,149 @@
+#include "pipeline/run/crew.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <exception>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <set>
+
+#include "base/tsan_order.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kAhead = 2;  // samples that are being made or wait to be taken, for each worker
+
+struct OpenShard {
+  std::size_t shard = 0;
+  std::size_t samples = 0;
+  std::size_t begun = 0;
+  std::size_t taken = 0;
+  std::set<std::size_t> made;  // and not taken
+  bool beingTaken = false;     // some thread takes what is made
+};
+
+class Crew {
+ public:
+  Crew(std::size_t shards, std::size_t workers, const std::atomic<bool>* stop, const ShardWork& work)
+      : shards_(shards), workers_(workers), stop_(stop), work_(work) {}
+
+  void run() {
+    TaskOrder begun;
+    TaskOrder done;
+    {
+      const TaskOrder::Wait wait(begun, done);
+      // Not isolated, as parallelFor() would be: threads that are done here are to help the others.
+      tbb::parallel_for(
+          tbb::blocked_range<std::size_t>(0, workers_, 1),
+          [&](const tbb::blocked_range<std::size_t>&) SCANMILL_UNWATCHED {
+            const TaskOrder::Task task(begun, done);
+            worker();
+          },
+          tbb::simple_partitioner());
+    }
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  using Lock = std::unique_lock<std::mutex>;
+
+  void worker() {
+    Lock lock(mutex_);
+    try {
+      std::shared_ptr<OpenShard> own;
+      while (!ended()) {
+        if (own != nullptr && own->begun == own->samples) own = nullptr;
+        if (own == nullptr && next_ < shards_) {
+          own = open(lock);
+          continue;
+        }
+        const std::shared_ptr<OpenShard> shard = own != nullptr ? own : mostLeft();
+        if (shard == nullptr) return;
+        if (inFlight_ < kAhead * workers_) {
+          makeNext(*shard, lock);
+        } else {
+          changed_.wait(lock);
+        }
+      }
+    } catch (...) {
+      if (!lock.owns_lock()) lock.lock();
+      if (!failure_) failure_ = std::current_exception();
+    }
+    changed_.notify_all();
+  }
+
+  bool ended() const { return failure_ != nullptr || (stop_ != nullptr && *stop_); }
+
+  std::shared_ptr<OpenShard> open(Lock& lock) {
+    const std::size_t shard = next_++;
+    lock.unlock();
+    const std::size_t samples = work_.open(shard);
+    lock.lock();
+    if (samples == 0) return nullptr;
+    return open_.emplace_back(std::make_shared<OpenShard>(OpenShard{shard, samples, 0, 0, {}, false}));
+  }
+
+  // Of the shards that others have opened, and that have samples nobody has begun.
+  std::shared_ptr<OpenShard> mostLeft() const {
+    std::shared_ptr<OpenShard> most;
+    for (const auto& shard : open_) {
+      const std::size_t left = shard->samples - shard->begun;
+      if (left > 0 && (most == nullptr || left > most->samples - most->begun)) most = shard;
+    }
+    return most;
+  }
+
+  void makeNext(OpenShard& shard, Lock& lock) {
+    const std::size_t sample = shard.begun++;
+    ++inFlight_;
+    lock.unlock();
+    work_.make(shard.shard, sample);
+    lock.lock();
+    shard.made.insert(sample);
+    if (!shard.beingTaken) takeMade(shard, lock);
+  }
+
+  void takeMade(OpenShard& shard, Lock& lock) {
+    shard.beingTaken = true;
+    while (shard.made.erase(shard.taken) > 0) {
+      lock.unlock();
+      work_.take(shard.shard, shard.taken);
+      lock.lock();
+      ++shard.taken;
+      --inFlight_;
+      changed_.notify_all();
+    }
+    shard.beingTaken = false;
+    if (shard.taken < shard.samples) return;
+    open_.remove_if([&](const auto& other) { return other.get() == &shard; });
+    lock.unlock();
+    work_.close(shard.shard);
+    lock.lock();
+  }
+
+  std::size_t shards_;
+  std::size_t workers_;
+  const std::atomic<bool>* stop_;
+  const ShardWork& work_;
+  std::mutex mutex_;
+  std::condition_variable changed_;  // a sample was taken, or the work has ended early
+  std::size_t next_ = 0;             // the shard that is opened next
+  std::list<std::shared_ptr<OpenShard>> open_;
+  std::size_t inFlight_ = 0;    // samples that are begun and not taken
+  std::exception_ptr failure_;  // the first
+};
+
+}  // namespace
+
+void workOnShards(std::size_t shards, std::size_t workers, const std::atomic<bool>* stop, const ShardWork& work) {
+  Crew(shards, std::max<std::size_t>(workers, 1), stop, work).run();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,90 @@
+#include "pipeline/run/sample_maker.h"
+
+#include <memory>
+#include <utility>
+
+#include "formats/reasons_png.h"
+#include "methods/depth_camera/depth_camera.h"
+#include "pipeline/run/run_records.h"
+
+namespace scanmill {
+
+SampleMaker::SampleMaker(const Plan& plan, std::filesystem::path keepHits, std::filesystem::path keepPasses,
+                         bool overwrite, std::function<void(const Sequence&)> loading)
+    : plan_(plan),
+      keepHits_(std::move(keepHits)),
+      keepPasses_(std::move(keepPasses)),
+      overwrite_(overwrite),
+      scenes_(plan, std::move(loading)),
+      recorder_(plan) {}
+
+MadeSample SampleMaker::make(const SampleAddress& address) {
+  const Pipeline& pipeline = plan_.pipeline();
+  const Sequence& sequence = pipeline.sequences[address.sequence];
+  const std::shared_ptr<const ReadyScene> ready = scenes_.enter(address.sequence);
+  // Only now: a scene or a method that cannot be used must not cost the recordings that --overwrite replaces.
+  std::call_once(opened_, [&] { recorder_.open(keepHits_, keepPasses_, overwrite_); });
+  recorder_.enter(address.sequence, ready->scene, *ready->method);
+  MadeSample made{
+      {sequence.key(address.frame), sequence.split, {}, {}}, ready->method->modelled(), ready->scene.ontology};
+  TraceAccount account;
+  std::unique_ptr<ShotBuffers> buffers = buffers_.take();
+  for (const Shot& shot : plan_.shots(address.sequence, address.frame)) {
+    const ShotSetup setup = setupOf(plan_, ready->scene, *ready->method, shot.sensor);
+    if (recorder_.recordsPasses()) {
+      account += drawAndRecord(*ready, shot, buffers->hits);
+      const StageTimer timer(clock_, "effects");
+      senseShot(setup, shot, buffers->hits, buffers->returns, buffers->scan);
+    } else {
+      account += runShot(setup, shot, *buffers, clock_);
+    }
+    if (recorder_.recordsHits()) recorder_.writeHits(shot, buffers->hits);
+    std::vector<ScanRecord>& scans = made.sample.scans;
+    scans.push_back(recordOf(shot, buffers->hits, buffers->scan, pipeline.methodName()));
+    const StageTimer timer(clock_, "encode");
+    for (const FormatChoice& f : pipeline.formats) {
+      made.sample.members.push_back({memberSuffix(scans.back(), f.format->suffix()), f.format->encode(buffers->scan)});
+    }
+    if (pipeline.layout.reasons) {
+      made.sample.members.push_back(
+          {memberSuffix(scans.back(), kReasonsSuffix),
+           encodeReasons(buffers->scan.reasonOfBeam, buffers->scan.rings, buffers->scan.columns)});
+    }
+  }
+  buffers_.give(std::move(buffers));
+  scenes_.account(address.sequence, account);
+  return made;
+}
+
+// Passes that are recorded are drawn first, and the hits are sampled from them.
+TraceAccount SampleMaker::drawAndRecord(const ReadyScene& ready, const Shot& shot, Hits& hits) {
+  const DepthCamera& camera = *ready.method->depthCamera();
+  hits.reset(shot.beams->rings, shot.beams->columns, plan_.channels());
+  PassChoice choice = camera.passes(plan_.channels());
+  choice.surfaceParameters = plan_.channels().has(Channel::Material);
+  RecordedShot record = Recorder::beginPasses(shot);
+  TraceAccount sampling;
+  TraceAccount account = camera.draw(shot, choice, [&](PassStep&& step) {
+    recorder_.writeStep(step, record);
+    sampling += camera.sample(shot, step, hits);
+  });
+  recorder_.writePasses(record);
+  return account += sampling;
+}
+
+void SampleMaker::finish() {
+  recorder_.finish();
+}
+
+StageSeconds SampleMaker::stageSeconds() const {
+  StageSeconds stages = clock_.seconds();
+  const StageSeconds ofMethod = scenes_.methodSeconds();
+  if (!ofMethod.empty()) stages.erase("trace");  // its parts are known
+  for (const StageSeconds& own :
+       {ofMethod, recorder_.stageSeconds(), StageSeconds{{"setup", scenes_.setupSeconds()}}}) {
+    for (const auto& [stage, seconds] : own) stages[stage] = seconds;
+  }
+  return stages;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,58 @@
+#pragma once
+
+// Makes the samples of a run: all sensors of a frame, traced, sensed and encoded.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "base/stage_clock.h"
+#include "dataset/shard_writer.h"
+#include "pipeline/plan/plan.h"
+#include "pipeline/plan/shard_jobs.h"
+#include "pipeline/run/buffer_pool.h"
+#include "pipeline/run/recorder.h"
+#include "pipeline/run/run_shot.h"
+#include "pipeline/run/scene_store.h"
+
+namespace scanmill {
+
+struct MadeSample {
+  Sample sample;
+  std::vector<std::string> modelled;  // by the method, in its scene
+  Ontology ontology;                  // of the scene
+};
+
+// Where samples come from, and what was recorded meanwhile. Safe to use from several threads at once.
+class SampleMaker {
+ public:
+  // Recordings go to the folders that are not empty. `loading`: see SceneStore.
+  SampleMaker(const Plan& plan, std::filesystem::path keepHits, std::filesystem::path keepPasses, bool overwrite,
+              std::function<void(const Sequence&)> loading);
+
+  MadeSample make(const SampleAddress& address);
+
+  // Once all are made: ends the recordings.
+  void finish();
+  const SceneStore& scenes() const { return scenes_; }
+  // Threads run each stage's work by themselves, but for tracing, which may be helped by idle ones; so what this adds
+  // up is close to, not exactly, the time on processors.
+  StageSeconds stageSeconds() const;
+
+ private:
+  TraceAccount drawAndRecord(const ReadyScene& ready, const Shot& shot, Hits& hits);
+
+  const Plan& plan_;
+  std::filesystem::path keepHits_, keepPasses_;
+  bool overwrite_;
+  SceneStore scenes_;
+  Recorder recorder_;
+  std::once_flag opened_;  // the recorder
+  BufferPool<ShotBuffers> buffers_;
+  StageClock clock_;
+};
+
+}  // namespace scanmill

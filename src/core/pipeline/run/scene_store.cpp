@@ -1,0 +1,148 @@
+#include "pipeline/run/scene_store.h"
+
+#include <tbb/collaborative_call_once.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <exception>
+#include <fstream>
+#include <utility>
+
+#include "base/tsan_order.h"
+#include "pipeline/plan/scene_shares.h"
+#include "pipeline/plan/warnings.h"
+#include "pipeline/plan/way_warnings.h"
+
+namespace scanmill {
+
+namespace {
+
+void addNew(const std::vector<std::string>& from, std::vector<std::string>& lines) {
+  for (const std::string& line : from) {
+    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+  }
+}
+
+// Whether the program takes more than half of the machine's memory.
+bool memoryIsScarce() {
+  std::int64_t total = 0;
+  std::int64_t resident = 0;
+  std::ifstream("/proc/self/statm") >> total >> resident;
+  return 2 * resident > ::sysconf(_SC_PHYS_PAGES);
+}
+
+}  // namespace
+
+struct SceneStore::Slot {
+  tbb::collaborative_once_flag once;
+  TaskOrder loaded;  // what the thread that loads does comes before what others do with it
+  std::exception_ptr failure;
+  ReadyScene ready;
+  std::uint64_t lastUse = 0;
+};
+
+SceneStore::SceneStore(const Plan& plan, std::function<void(const Sequence&)> loading)
+    : plan_(plan), loading_(std::move(loading)), told_(plan.pipeline().sequences.size()), clock_({"setup"}) {
+  const std::vector<Sequence>& all = plan.pipeline().sequences;
+  for (const Sequence& sequence : all) {
+    const auto first =
+        std::find_if(all.begin(), all.end(), [&](const auto& other) { return other.sameScene(sequence); });
+    sceneOf_.push_back(static_cast<std::size_t>(first - all.begin()));
+  }
+}
+
+SceneStore::~SceneStore() = default;
+
+std::shared_ptr<SceneStore::Slot> SceneStore::slotOf(std::size_t scene) {
+  const std::scoped_lock lock(mutex_);
+  if (!slots_.contains(scene)) {
+    // Of those that nobody uses, the one that was not used for the longest time goes, and so on.
+    while (memoryIsScarce()) {
+      auto oldest = slots_.end();
+      for (auto slot = slots_.begin(); slot != slots_.end(); ++slot) {
+        if (slot->second.use_count() > 1) continue;
+        if (oldest == slots_.end() || slot->second->lastUse < oldest->second->lastUse) oldest = slot;
+      }
+      if (oldest == slots_.end()) break;
+      slots_.erase(oldest);
+    }
+    slots_[scene] = std::make_shared<Slot>();
+  }
+  slots_[scene]->lastUse = ++uses_;
+  return slots_[scene];
+}
+
+std::shared_ptr<const ReadyScene> SceneStore::enter(std::size_t sequence) {
+  const std::shared_ptr<Slot> slot = slotOf(sceneOf_[sequence]);
+  tbb::collaborative_call_once(slot->once, [&]() SCANMILL_UNWATCHED { load(sequence, *slot); });
+  slot->loaded.take();
+  if (slot->failure) std::rethrow_exception(slot->failure);
+  lookAtWay(sequence, slot->ready);
+  return {slot, &slot->ready};
+}
+
+void SceneStore::load(std::size_t sequence, Slot& slot) {
+  const TaskOrder::Task task(slot.loaded, slot.loaded);
+  const StageTimer timer(clock_, "setup");
+  try {
+    const Pipeline& pipeline = plan_.pipeline();
+    const Sequence& own = pipeline.sequences[sequence];
+    loading_(own);
+    ReadyScene& ready = slot.ready;
+    ready.scene = plan_.loadScene(own);
+    ready.method = plan_.makeMethod(ready.scene);
+    TraceAccount account;
+    for (const Shot& shot : plan_.shots(sequence, 0)) account += ready.method->prepare(shot);
+    if (pipeline.recording == nullptr) ready.probe.emplace(ready.scene, ready.method.get(), pipeline.method.entry);
+    std::vector<std::string> lines;
+    for (const auto& more : {sizeWarnings(ready.scene), thingSizeWarnings(ready.scene), ruleWarnings(ready.scene),
+                             unlabeledWarnings(ready.scene), seedWarnings(pipeline, own, ready.scene),
+                             shareWarnings(ready.scene), vehicleWarnings(plan_), driveWarnings(pipeline)}) {
+      addNew(more, lines);
+    }
+    const std::scoped_lock lock(mutex_);
+    told_[sceneOf_[sequence]].ofScene = std::move(lines);
+    told_[sceneOf_[sequence]].account += account;
+  } catch (...) {
+    slot.failure = std::current_exception();  // that all see who need the scene
+  }
+}
+
+void SceneStore::lookAtWay(std::size_t sequence, const ReadyScene& ready) {
+  if (!ready.probe) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (std::exchange(told_[sequence].looked, true)) return;
+  }
+  const StageTimer timer(clock_, "setup");
+  std::vector<std::string> lines = wayWarnings(plan_, sequence, *ready.probe);
+  const std::scoped_lock lock(mutex_);
+  told_[sequence].ofWay = std::move(lines);
+}
+
+void SceneStore::account(std::size_t sequence, const TraceAccount& account) {
+  const std::scoped_lock lock(mutex_);
+  told_[sceneOf_[sequence]].account += account;
+}
+
+std::vector<std::string> SceneStore::warnings() const {
+  const std::scoped_lock lock(mutex_);
+  std::vector<std::string> lines;
+  for (const Told& told : told_) {
+    for (const auto& more : {told.ofScene, told.ofWay, told.account.warningTexts()}) addNew(more, lines);
+  }
+  return lines;
+}
+
+StageSeconds SceneStore::methodSeconds() const {
+  const std::scoped_lock lock(mutex_);
+  StageSeconds seconds;
+  for (const Told& told : told_) addSeconds(told.account.seconds, seconds);
+  return seconds;
+}
+
+double SceneStore::setupSeconds() const {
+  return clock_.seconds().at("setup");
+}
+
+}  // namespace scanmill

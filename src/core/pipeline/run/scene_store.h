@@ -1,0 +1,77 @@
+#pragma once
+
+// The scenes of a run, loaded when a frame needs them.
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/stage_clock.h"
+#include "methods/method.h"
+#include "pipeline/drive/scene_probe.h"
+#include "pipeline/plan/plan.h"
+#include "scene/scene.h"
+
+namespace scanmill {
+
+// A scene and the method that traces it.
+struct ReadyScene {
+  Scene scene;
+  std::unique_ptr<Method> method;
+  std::optional<SceneProbe> probe;  // none for a recording
+};
+
+// Safe to use from several threads at once: those that need the same scene load it together.
+class SceneStore {
+ public:
+  // `loading` is called, by any thread, before a scene is loaded for a sequence.
+  SceneStore(const Plan& plan, std::function<void(const Sequence&)> loading);
+  ~SceneStore();
+  SceneStore(const SceneStore&) = delete;
+  SceneStore& operator=(const SceneStore&) = delete;
+
+  // The scene of a sequence, which stays as long as what is returned does. Scenes that nobody uses stay as well, as
+  // long as the program takes less than half of the machine's memory. What is told of scenes and sequences is found
+  // here, too. Throws InputError for scenes and methods that cannot be used.
+  std::shared_ptr<const ReadyScene> enter(std::size_t sequence);
+
+  // Adds what tracing a frame of a sequence took. Of what its method warns of, all frames of a scene count.
+  void account(std::size_t sequence, const TraceAccount& account);
+
+  // Once the work is done: by scenes and sequences in the order of the pipeline, whatever the order they were entered
+  // in; no line twice.
+  std::vector<std::string> warnings() const;
+  // By the method's own stages; empty where it has but one.
+  StageSeconds methodSeconds() const;
+  double setupSeconds() const;
+
+ private:
+  struct Slot;
+  // What is told of a sequence, and of the scene that it is the first to have.
+  struct Told {
+    bool looked = false;  // whether its way was looked at
+    std::vector<std::string> ofScene;
+    std::vector<std::string> ofWay;
+    TraceAccount account;
+  };
+
+  std::shared_ptr<Slot> slotOf(std::size_t scene);
+  void load(std::size_t sequence, Slot& slot);
+  void lookAtWay(std::size_t sequence, const ReadyScene& ready);
+
+  const Plan& plan_;
+  std::function<void(const Sequence&)> loading_;
+  std::vector<std::size_t> sceneOf_;  // of each sequence: the first sequence that has its scene
+  mutable std::mutex mutex_;
+  std::map<std::size_t, std::shared_ptr<Slot>> slots_;  // by scene
+  std::vector<Told> told_;                              // by sequence
+  std::uint64_t uses_ = 0;
+  StageClock clock_;
+};
+
+}  // namespace scanmill

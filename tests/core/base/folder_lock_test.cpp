@@ -1,0 +1,100 @@
+#include "base/folder_lock.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class FolderLockTest : public testing::Test {
+ protected:
+  std::unique_ptr<FolderLock> take(LockKind kind) {
+    holder_.clear();
+    return FolderLock::tryTake(file_, kind, holder_);
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path file_ = folder_.path() / "lock";
+  std::string holder_;
+};
+
+TEST_F(FolderLockTest, OneAloneOrSeveralTogether) {
+  {
+    const auto alone = take(LockKind::Alone);
+    ASSERT_NE(alone, nullptr);
+    EXPECT_EQ(take(LockKind::Alone), nullptr);
+    EXPECT_THAT(holder_, AllOf(HasSubstr("process " + std::to_string(::getpid())), HasSubstr("since")));
+    EXPECT_EQ(take(LockKind::Shared), nullptr);
+    EXPECT_THAT(messageOf<InputError>([&] { FolderLock(folder_.path(), file_); }),
+                AllOf(HasSubstr(folder_.path().string()), HasSubstr("is being written by process")));
+  }
+  EXPECT_FALSE(std::filesystem::exists(file_));
+  auto one = take(LockKind::Shared);
+  const auto two = take(LockKind::Shared);
+  ASSERT_NE(one, nullptr);
+  ASSERT_NE(two, nullptr);
+  EXPECT_EQ(take(LockKind::Alone), nullptr);
+  one.reset();
+  EXPECT_TRUE(std::filesystem::exists(file_)) << "the other one holds it still";
+  EXPECT_EQ(take(LockKind::Alone), nullptr);
+}
+
+TEST_F(FolderLockTest, TheLastOneThatSharesItMayHaveItAlone) {
+  auto one = take(LockKind::Shared);
+  auto two = take(LockKind::Shared);
+  EXPECT_FALSE(one->makeAlone());
+  EXPECT_TRUE(two->makeAlone()) << "who failed holds nothing any more";
+  EXPECT_EQ(take(LockKind::Shared), nullptr);
+  two.reset();
+  EXPECT_FALSE(std::filesystem::exists(file_));
+  one.reset();
+  EXPECT_NE(take(LockKind::Alone), nullptr);
+}
+
+// A file that another process has removed and made again is another lock.
+TEST_F(FolderLockTest, ALockWhoseFileIsGoneIsNoneToBuildOn) {
+  auto one = take(LockKind::Shared);
+  std::filesystem::remove(file_);
+  const auto two = take(LockKind::Alone);
+  ASSERT_NE(two, nullptr);
+  EXPECT_FALSE(one->makeAlone());
+  one.reset();
+  EXPECT_TRUE(std::filesystem::exists(file_));
+}
+
+TEST_F(FolderLockTest, ADeadProcessHoldsNothing) {
+  for (const LockKind kind : {LockKind::Alone, LockKind::Shared}) {
+    int ready[2];
+    ASSERT_EQ(::pipe(ready), 0);
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      const auto held = take(kind);
+      [[maybe_unused]] const auto told = ::write(ready[1], "x", 1);
+      ::pause();
+    }
+    char letter = 0;
+    ASSERT_EQ(::read(ready[0], &letter, 1), 1);
+    EXPECT_EQ(take(LockKind::Alone), nullptr);
+    EXPECT_THAT(holder_, HasSubstr("process " + std::to_string(child)));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    EXPECT_NE(take(LockKind::Alone), nullptr);
+  }
+}
+
+}  // namespace
+}  // namespace scanmill
