@@ -20,6 +20,7 @@ std::span<const Command> commands() {
               "a scene file of 3D files: units, axes, classes and materials are guessed, for you to check", runDraft},
       Command{"plan", "PIPELINE", "what a pipeline would do, what it leaves out and what its features cost", runPlan},
       Command{"verify", "DIR", "whether a dataset or a recording is whole: every file is decoded", runVerify},
+      Command{"regenerate", "DIR", "damaged shards of a dataset, or a sample, made again byte for byte", runRegenerate},
       Command{"report", "DATASET [-o FILE.html]",
               "a page that shows a dataset: pictures, figures, warnings, points in 3D", runReport},
       Command{"view", "DATASET|SHARD|SCAN|EXR|SCENE",

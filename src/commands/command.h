@@ -28,6 +28,7 @@ int runFitNoise(const std::vector<std::string>& arguments);
 int runDraft(const std::vector<std::string>& arguments);
 int runPlan(const std::vector<std::string>& arguments);
 int runMerge(const std::vector<std::string>& arguments);
+int runRegenerate(const std::vector<std::string>& arguments);
 int runVerify(const std::vector<std::string>& arguments);
 int runReport(const std::vector<std::string>& arguments);
 int runView(const std::vector<std::string>& arguments);

@@ -19,14 +19,6 @@ std::string reason() {
   return std::strerror(errno);
 }
 
-// Makes a rename durable: the entry lives in the folder.
-void syncFolder(const std::filesystem::path& folder) {
-  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::fsync(descriptor);
-  ::close(descriptor);
-}
-
 }  // namespace
 
 std::string readFile(const std::filesystem::path& path) {
@@ -92,6 +84,26 @@ void AtomicFile::commit() {
   ::close(descriptor_);
   descriptor_ = -1;
   syncFolder(path_.parent_path());
+}
+
+void syncFolder(const std::filesystem::path& folder) {
+  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int synced = descriptor < 0 ? -1 : ::fsync(descriptor);
+  const int reason = errno;
+  if (descriptor >= 0) ::close(descriptor);
+  // Some file systems cannot do that to folders, and a folder may be writable without being readable.
+  if (synced != 0 && reason != EINVAL && reason != ENOTSUP && reason != EACCES) {
+    throw Error(fmt::format("{}: cannot be flushed: {}", folder.string(), std::strerror(reason)));
+  }
+}
+
+void moveFile(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::error_code failure;
+  std::filesystem::create_directories(to.parent_path(), failure);
+  if (!failure) std::filesystem::rename(from, to, failure);
+  if (failure) {
+    throw Error(fmt::format("{}: cannot be moved to {}: {}", from.string(), to.string(), failure.message()));
+  }
 }
 
 void writeFile(const std::filesystem::path& path, std::string_view bytes) {

@@ -36,4 +36,11 @@ class AtomicFile {
 // Writes and commits an AtomicFile. Throws Error as that does.
 void writeFile(const std::filesystem::path& path, std::string_view bytes);
 
+// Renames a file, in place of one that is there; creates the folder that it goes to. Both on one file system. Throws
+// Error.
+void moveFile(const std::filesystem::path& from, const std::filesystem::path& to);
+
+// Makes removals and new names in a folder durable. Throws Error, but for file systems that cannot do that to folders.
+void syncFolder(const std::filesystem::path& folder);
+
 }  // namespace scanmill

@@ -31,6 +31,7 @@ enum class Purpose : std::uint16_t {
   Sway = 17,
   RandomWay = 18,
   Placement = 19,
+  Shuffle = 20,
   Speckle = 256,  // and the seven after it: four looks each
   Test = 99,
 };

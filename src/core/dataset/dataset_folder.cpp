@@ -1,6 +1,5 @@
 #include "dataset/dataset_folder.h"
 
-#include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -191,31 +190,10 @@ void removeFile(const fs::path& file) {
   }
 }
 
-// Makes removals and new names durable: they live in the folder.
-void syncFolder(const fs::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  const int synced = descriptor < 0 ? -1 : ::fsync(descriptor);
-  const int reason = errno;
-  if (descriptor >= 0) ::close(descriptor);
-  // Some file systems cannot do that to folders.
-  if (synced != 0 && reason != EINVAL && reason != ENOTSUP) {
-    throw Error(fmt::format("{}: cannot be flushed: {}", folder.string(), std::strerror(reason)));
-  }
-}
-
 void removeShard(const fs::path& folder, const std::string& name) {
   removeFile(folder / name);
   std::error_code notEmpty;
   if ((folder / name).parent_path() != folder) fs::remove((folder / name).parent_path(), notEmpty);
-}
-
-void moveFile(const fs::path& from, const fs::path& to) {
-  std::error_code failure;
-  fs::create_directories(to.parent_path(), failure);
-  if (!failure) fs::rename(from, to, failure);
-  if (failure) {
-    throw Error(fmt::format("{}: cannot be moved to {}: {}", from.string(), to.string(), failure.message()));
-  }
 }
 
 }  // namespace

@@ -47,7 +47,8 @@ struct SampleRecord {
   std::string split;
   std::uint32_t shard = 0;  // index into Manifest::shards
   std::vector<ScanRecord> scans;
-  std::vector<std::string> members;  // names in the shard, in order
+  std::vector<std::string> members;    // names in the shard, in order
+  std::vector<std::string> xxh3 = {};  // of each member's bytes; empty in earlier manifests
 };
 
 struct ShardRecord {

@@ -172,16 +172,15 @@ OrderedJson manifestJson(const Manifest& m) {
                                              {"bytes", s.bytes},
                                              {"samples", s.samples}};
                         })},
-      {"samples", listOf(m.samples,
-                         [&m](const SampleRecord& s) {
-                           return OrderedJson{{"key", s.key},
-                                              {"split", s.split},
-                                              {"shard", s.shard},
-                                              {"members", s.members},
-                                              {"scans", listOf(s.scans, [&](const ScanRecord& scan) {
-                                                 return scanJson(scan, s.key, &m.ontology);
-                                               })}};
-                         })},
+      {"samples",
+       listOf(m.samples,
+              [&m](const SampleRecord& s) {
+                OrderedJson sample{{"key", s.key}, {"split", s.split}, {"shard", s.shard}, {"members", s.members}};
+                if (!s.xxh3.empty()) sample["xxh3"] = s.xxh3;
+                sample["scans"] =
+                    listOf(s.scans, [&](const ScanRecord& scan) { return scanJson(scan, s.key, &m.ontology); });
+                return sample;
+              })},
   };
   if (m.chosen) {
     json["method_choice"] = {

@@ -134,7 +134,7 @@ ShardRecord shardOf(const JsonNode& node) {
 }
 
 SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
-  node.keys({"key", "split", "shard", "members", "scans"});
+  node.keys({"key", "split", "shard", "members", "scans"}, {"xxh3"});
   SampleRecord sample;
   sample.key = node["key"].text();
   if (sample.key.empty() || sample.key.find_first_of("./") != std::string::npos) {
@@ -156,6 +156,18 @@ SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
     }
     sample.members.push_back(std::move(member));
   });
+  if (node.has("xxh3")) {
+    node["xxh3"].forEach([&](const JsonNode& item) {
+      sample.xxh3.push_back(item.text());
+      if (sample.xxh3.back().size() != 16 ||
+          sample.xxh3.back().find_first_not_of("0123456789abcdef") != std::string::npos) {
+        item.fail("is no XXH3 (16 hexadecimal digits in lower case)");
+      }
+    });
+    if (sample.xxh3.size() != sample.members.size()) {
+      node["xxh3"].fail(fmt::format("has {} entries for {} members", sample.xxh3.size(), sample.members.size()));
+    }
+  }
   node["scans"].forEach([&](const JsonNode& item) { sample.scans.push_back(scanOf(item, manifest)); });
   return sample;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "dataset/sample_json.h"
 #include "dataset/shard_name.h"
 
@@ -70,6 +71,7 @@ void ShardWriter::add(const Sample& sample) {
   broken_ = true;
   for (std::size_t i = 0; i < contents.size(); ++i) {
     file_.add(record.members[i], contents[i]);
+    record.xxh3.push_back(xxh3(contents[i]));
     bytes_ += ShardFile::memberBytes(record.members[i].size(), contents[i].size());
   }
   part_.samples.push_back(std::move(record));

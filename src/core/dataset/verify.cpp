@@ -84,7 +84,9 @@ class ShardCheck {
     try {
       readTar(file_, [&](const std::string& name, std::string_view bytes) {
         found.push_back(name);
+        const std::size_t before = problems_.size();
         checkMember(name, bytes);
+        if (problems_.size() == before) checkDigest(name, bytes);
       });
     } catch (const InputError& error) {
       std::string_view text = error.what();
@@ -109,6 +111,21 @@ class ShardCheck {
       checkDecoded(name, decodeMember(name, bytes), sample);
     } catch (const std::exception& error) {
       problem(error.what());
+    }
+  }
+
+  // Finds what can be decoded and agrees with the manifest, but is not what was written.
+  void checkDigest(const std::string& name, std::string_view bytes) {
+    const auto owner = owner_.find(name);
+    if (owner == owner_.end() || owner->second->xxh3.empty()) return;
+    const std::vector<std::string>& members = owner->second->members;
+    const std::string& stated =
+        owner->second
+            ->xxh3[static_cast<std::size_t>(std::find(members.begin(), members.end(), name) - members.begin())];
+    const std::string found = xxh3(bytes);
+    if (found != stated) {
+      problem(fmt::format("{}: was changed since it was written: its XXH3 is {}, but the manifest says {}", name, found,
+                          stated));
     }
   }
 

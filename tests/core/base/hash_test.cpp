@@ -26,6 +26,13 @@ TEST(Sha256, PiecesAddUpToTheWhole) {
   }
 }
 
+// What `xxhsum -H3` prints.
+TEST(Xxh3, GivesWhatOtherProgramsGive) {
+  EXPECT_EQ(xxh3(""), "2d06800538d394c2");
+  EXPECT_EQ(xxh3("abc"), "78af5f94892f3950");
+  EXPECT_NE(xxh3(std::string(5000, 'x')), xxh3(std::string(4999, 'x') + "y"));
+}
+
 TEST(Sha256, MovesWithItsState) {
   Sha256 first;
   first.add("ab");

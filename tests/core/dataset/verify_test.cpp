@@ -100,6 +100,26 @@ TEST(Verify, ScansMayBeEmpty) {
   EXPECT_THAT(verifyDataset(folder.path() / "data").problems, IsEmpty());
 }
 
+// Whatever byte of a member changes, the member is named, and so its sample.
+TEST_F(VerifyTest, NamesTheMemberThatWasChanged) {
+  const fs::path file = folder_.path() / manifest_.shards[1].file;
+  const std::string sound = readFile(file);
+  std::size_t from = 0;
+  for (const auto& [name, bytes] : membersOf(file)) {
+    const std::size_t first = sound.find(bytes, from);
+    ASSERT_NE(first, std::string::npos);
+    from = first + bytes.size();
+    for (const double place : {0.0, 0.2, 0.5, 0.9}) {
+      std::string damaged = sound;
+      damaged[first + static_cast<std::size_t>(place * static_cast<double>(bytes.size()))] ^= 4;
+      writeFile(file, damaged);
+      EXPECT_THAT(problems(), Contains(HasSubstr(name))) << place;
+    }
+  }
+  writeFile(file, sound);
+  EXPECT_THAT(problems(), IsEmpty());
+}
+
 TEST_F(VerifyTest, FindsASingleFlippedBit) {
   for (const double place : {0.1, 0.35, 0.6, 0.8, 0.999}) {
     const fs::path file = folder_.path() / manifest_.shards[1].file;

@@ -7,10 +7,12 @@
 #include <filesystem>
 #include <set>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/random.h"
 #include "config/version.h"
 #include "dataset/recording.h"
 #include "dataset/shard.h"
@@ -38,6 +40,18 @@ std::string planHash(const Plan& plan) {
   return hash.hex();
 }
 
+// Each sample draws its rank from its own address.
+void shuffle(std::uint64_t seed, std::vector<SampleAddress>& samples) {
+  const auto rank = [&](const SampleAddress& sample) {
+    const RandomBlock random = randomBlock({.seed = seed,
+                                            .scene = static_cast<std::uint32_t>(sample.sequence),
+                                            .frame = sample.frame,
+                                            .purpose = Purpose::Shuffle});
+    return std::tuple(random[0], random[1], sample.number);
+  };
+  std::sort(samples.begin(), samples.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+}
+
 }  // namespace
 
 std::vector<ShardJob> shardJobs(const Plan& plan) {
@@ -54,7 +68,8 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
   const double room = static_cast<double>(pipeline.shardBytes) - ShardFile::kEndBytes;
   const auto fit = static_cast<std::size_t>(std::max(1.0, std::floor(room / mostSampleBytes(plan))));
   std::vector<ShardJob> jobs;
-  for (const auto& [name, samples] : splits) {
+  for (auto& [name, samples] : splits) {
+    if (pipeline.shuffled) shuffle(pipeline.seed, samples);
     const std::size_t all = samples.size();
     const std::size_t given = pipeline.shardSamples;
     const std::size_t count =
@@ -65,6 +80,8 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
       ShardJob job{shardName(name, i), name, {}};
       job.samples.assign(samples.begin() + static_cast<std::ptrdiff_t>(first),
                          samples.begin() + static_cast<std::ptrdiff_t>(last));
+      std::sort(job.samples.begin(), job.samples.end(),
+                [](const auto& a, const auto& b) { return a.number < b.number; });
       jobs.push_back(std::move(job));
     }
   }

@@ -26,7 +26,8 @@ struct ShardJob {
 
 // All shards, split by split. A shard holds `output.shard_samples` samples, the last of a split what is left; without
 // that key, the samples of a split are shared out evenly over so many shards that none can exceed `output.shard_mb`,
-// whatever the beams meet, but at least two where there are two samples, since loaders give each worker a shard.
+// whatever the beams meet, but at least two where there are two samples, since loaders give each worker a shard. With
+// `output.shuffle`, which samples of a split share a shard is drawn at random from the pipeline's seed.
 std::vector<ShardJob> shardJobs(const Plan& plan);
 
 // What parts of a dataset say of their plan. Its hash differs where datasets would differ: it is of the program's

@@ -23,6 +23,7 @@
 //     columns: [intensity, label]    # of the table in scan/columns.h; default: those that it writes by default
 //     formats: [pcd, {draco: {max_error_mm: 1}}]
 //     shard_mb: 256                  # or shard_samples: 100
+//     shuffle: false                 # true: neighbours in time need not share a shard
 //   limits: {max_rays: 1e11}
 //   tradeoff: {...}                  # of `scanmill tradeoff`: see docs/keys.md
 //   repeatability: {...}             # of `scanmill repeatability`: see docs/keys.md
@@ -247,7 +248,7 @@ std::vector<MountedSensor> readSensors(Fields& fields) {
 
 void readOutput(const Value& value, Pipeline& pipeline) {
   Fields output(value, "output");
-  output.also({"layout", "columns", "formats", "shard_mb", "shard_samples", "reasons"}).finish();
+  output.also({"layout", "columns", "formats", "shard_mb", "shard_samples", "shuffle", "reasons"}).finish();
   pipeline.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
   pipeline.layout.reasons = output.boolean("reasons", false);
   if (const Value* list = output.find("columns")) {
@@ -278,6 +279,7 @@ void readOutput(const Value& value, Pipeline& pipeline) {
     if (output.has("shard_mb")) throw InputError(samples->where, "give either shard_samples or shard_mb");
     pipeline.shardSamples = static_cast<std::size_t>(output.integer("shard_samples", 1, 1'000'000'000));
   }
+  pipeline.shuffled = output.boolean("shuffle", false);
 }
 
 }  // namespace
@@ -381,18 +383,14 @@ std::string Pipeline::methodName() const {
   return method.entry == nullptr ? "auto" : std::string(method.entry->name);
 }
 
-Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
-                      std::shared_ptr<const Recording> recording) {
+namespace {
+
+Pipeline pipelineOf(const Value& root, std::string text, const std::filesystem::path& file,
+                    std::shared_ptr<const Recording> recording) {
   Pipeline pipeline;
   pipeline.recording = std::move(recording);
   pipeline.file = file;
-  pipeline.text = readFile(file);
-  Value root = parseYaml(pipeline.text, file.string());
-  if (!overrides.empty() && !pipeline.text.ends_with('\n')) pipeline.text += '\n';
-  for (const std::string& assignment : overrides) {
-    setValue(root, assignment);
-    pipeline.text += "# --set " + commented(assignment) + "\n";
-  }
+  pipeline.text = std::move(text);
   expectKind(root, FileKind::Pipeline);
   Fields fields(root, "pipeline");
   fields
@@ -461,6 +459,50 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
                     rays / 20e6 / 3600));
   }
   return pipeline;
+}
+
+}  // namespace
+
+Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                      std::shared_ptr<const Recording> recording) {
+  std::string text = readFile(file);
+  Value root = parseYaml(text, file.string());
+  if (!overrides.empty() && !text.ends_with('\n')) text += '\n';
+  for (const std::string& assignment : overrides) {
+    setValue(root, assignment);
+    text += "# --set " + commented(assignment) + "\n";
+  }
+  return pipelineOf(root, std::move(text), file, std::move(recording));
+}
+
+Pipeline readPipelineText(const std::string& text, const std::filesystem::path& file) {
+  Value root = parseYaml(text, file.string());
+  for (const std::string& assignment : overridesIn(text)) setValue(root, assignment);
+  return pipelineOf(root, text, file, nullptr);
+}
+
+// They stand as comments at the end of the text: "# --set scenes.0.seeds=[3]", on further lines where they have
+// several.
+std::vector<std::string> overridesIn(const std::string& text) {
+  constexpr std::string_view kComment = "# ";
+  constexpr std::string_view kSet = "# --set ";
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  std::size_t first = lines.size();
+  while (first > 0 && lines[first - 1].starts_with(kComment)) --first;
+  std::vector<std::string> overrides;
+  for (std::size_t i = first; i < lines.size(); ++i) {
+    if (lines[i].starts_with(kSet)) {
+      overrides.push_back(lines[i].substr(kSet.size()));
+    } else if (!overrides.empty()) {
+      overrides.back() += '\n' + lines[i].substr(kComment.size());
+    }
+  }
+  return overrides;
 }
 
 }  // namespace scanmill

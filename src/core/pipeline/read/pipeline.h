@@ -92,6 +92,7 @@ struct Pipeline {
   std::vector<FormatChoice> formats;
   bool splitsBySeed = false;     // the splits part scenes by their seeds
   std::uint64_t shardBytes = 0;  // at most
+  bool shuffled = false;         // samples are spread over the shards of their split at random
   std::size_t shardSamples = 0;  // in each shard; 0: follows from shardBytes
   double maxRays = 0;
 
@@ -123,5 +124,12 @@ bool setsIntensity(const Pipeline& pipeline);
 // `trajectories` are not looked at, nor is `method` for recorded hits. Throws InputError with file:line:column.
 Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                       std::shared_ptr<const Recording> recording = nullptr);
+
+// The same of a pipeline's text, with its overrides applied and as comments at its end, as Pipeline::text and manifests
+// have it. `file`: where it would lie, for the files that it names.
+Pipeline readPipelineText(const std::string& text, const std::filesystem::path& file);
+
+// The overrides in such a text.
+std::vector<std::string> overridesIn(const std::string& text);
 
 }  // namespace scanmill

@@ -12,8 +12,8 @@
 #include "base/error.h"
 #include "config/fields.h"
 #include "config/file_kind.h"
-#include "config/resources.h"
 #include "config/value.h"
+#include "pipeline/plan/dataset_plan.h"
 
 namespace scanmill {
 
@@ -32,33 +32,9 @@ std::string inKey(std::string name) {
   return name;
 }
 
-// The overrides stand as comments at the end of the text: "# --set scenes.0.seeds=[3]", on further lines where they
-// have several.
-std::vector<std::string> overridesOf(const std::string& text) {
-  constexpr std::string_view kComment = "# ";
-  constexpr std::string_view kSet = "# --set ";
-  std::vector<std::string> lines;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    lines.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  std::size_t first = lines.size();
-  while (first > 0 && lines[first - 1].starts_with(kComment)) --first;
-  std::vector<std::string> overrides;
-  for (std::size_t i = first; i < lines.size(); ++i) {
-    if (lines[i].starts_with(kSet)) {
-      overrides.push_back(lines[i].substr(kSet.size()));
-    } else if (!overrides.empty()) {
-      overrides.back() += '\n' + lines[i].substr(kComment.size());
-    }
-  }
-  return overrides;
-}
-
 Value pipelineOf(const std::string& pipelineText, const fs::path& datasetFolder) {
   Value root = parseYaml(pipelineText, "the pipeline in " + (datasetFolder / "manifest.json").string());
-  for (const std::string& assignment : overridesOf(pipelineText)) setValue(root, assignment);
+  for (const std::string& assignment : overridesIn(pipelineText)) setValue(root, assignment);
   return root;
 }
 
@@ -108,22 +84,8 @@ std::optional<Entry> entryOf(const Value& root, const std::string& key) {
   return best;
 }
 
-// A dataset does not say where its pipeline lay, which differs from machine to machine. It is looked for in the current
-// folder, beside the dataset, in the folders above it and their `pipelines` and `scenes`, and among what is shipped.
-std::vector<fs::path> likelyFolders(const fs::path& datasetFolder) {
-  std::vector<fs::path> folders{{}, datasetFolder};
-  std::error_code ignored;
-  for (fs::path above = fs::absolute(datasetFolder, ignored).lexically_normal(); above.has_relative_path();) {
-    above = above.parent_path();
-    for (const char* within : {"", "pipelines", "scenes"}) folders.push_back(above / within);
-  }
-  const fs::path resources = resourceFolder();
-  for (const char* within : {"pipelines", "scenes", ""}) folders.push_back(resources / within);
-  return folders;
-}
-
 std::optional<fs::path> fileNamed(const std::string& name, const fs::path& datasetFolder) {
-  for (const fs::path& folder : likelyFolders(datasetFolder)) {
+  for (const fs::path& folder : pipelineFolders(datasetFolder)) {
     for (const std::string& written : {name, name + std::string(kSuffix)}) {
       const fs::path file = (folder / written).lexically_normal();
       std::error_code ignored;

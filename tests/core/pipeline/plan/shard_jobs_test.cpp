@@ -55,6 +55,38 @@ TEST_F(ShardJobs, HoldEverySampleOnce) {
   }
 }
 
+// Shuffled, shards have the same sizes and splits, but every one holds samples of all parts of its split's sequences.
+TEST_F(ShardJobs, SpreadSamplesAtRandom) {
+  std::vector<std::string> overrides{"scenes.0.seeds=[1, 2, 3]", "splits={by: seed, train: [1, 3], val: [2]}",
+                                     "trajectories.0.frames=400", "trajectories.0.every_s=1e-3",
+                                     "output.shard_samples=100"};
+  const std::vector<ShardJob> plain = jobs(overrides);
+  overrides.emplace_back("output.shuffle=true");
+  const std::vector<ShardJob> shuffled = jobs(overrides);
+  EXPECT_EQ(sizes(shuffled), sizes(plain));
+  std::set<std::uint64_t> seen;
+  for (const ShardJob& job : shuffled) {
+    double sum = 0;
+    std::map<std::size_t, int> ofSequence;
+    for (std::size_t i = 0; i < job.samples.size(); ++i) {
+      const SampleAddress& s = job.samples[i];
+      EXPECT_EQ(job.split, s.sequence == 1 ? "val" : "train");
+      EXPECT_EQ(s.number, 400 * s.sequence + s.frame);
+      EXPECT_TRUE(seen.insert(s.number).second);
+      EXPECT_TRUE(i == 0 || s.number > job.samples[i - 1].number) << "in order within a shard";
+      sum += s.frame;
+      ++ofSequence[s.sequence];
+    }
+    // The mean of 100 of 400 frames: 199.5, with a standard deviation of 10.
+    EXPECT_NEAR(sum / 100, 199.5, 50);
+    for (const auto& [sequence, count] : ofSequence) EXPECT_GT(count, 25) << sequence;
+  }
+  EXPECT_EQ(seen.size(), 1200u);
+  overrides.emplace_back("seed=99");
+  EXPECT_NE(jobs(overrides)[0].samples[0].number + jobs(overrides)[0].samples[50].number,
+            shuffled[0].samples[0].number + shuffled[0].samples[50].number);
+}
+
 TEST_F(ShardJobs, AreAsLargeAsAsked) {
   std::vector<std::string> overrides = kThree;
   overrides.emplace_back("output.shard_samples=4");

@@ -1,0 +1,58 @@
+#include "pipeline/run/regenerate.h"
+
+#include <fmt/format.h>
+
+#include "base/parallel.h"
+#include "commands/arguments.h"
+#include "commands/stop_signal.h"
+#include "dataset/shard_ranges.h"
+#include "pipeline/plan/dataset_plan.h"
+
+namespace scanmill {
+
+int runRegenerate(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("regenerate");
+  cxxopts::Options options = describe(command);
+  options.add_options()("shards", "these, as in 0-9,12; default: those that are missing or damaged",
+                        cxxopts::value<std::string>(),
+                        "RANGES")("sample", "this one alone, as files; with -o", cxxopts::value<std::string>(), "KEY")(
+      "o,out", "folder of the sample's files (made where absent)", cxxopts::value<std::string>(), "DIR")(
+      "pipeline", "where the pipeline lay, for the files that it names; default: looked for near the dataset",
+      cxxopts::value<std::string>(), "FILE")("threads", "how many threads to use, 0 for all cores",
+                                             cxxopts::value<int>()->default_value("0"))("q,quiet", "no progress");
+  const Arguments parsed =
+      parseArguments(command, options, arguments,
+                     "  scanmill regenerate out/town                    # mends what verify finds damaged\n"
+                     "  scanmill regenerate out/town --sample town-s1-lane-000012 -o out/one\n");
+  if (parsed.help) return 0;
+  const std::string folder = parsed.positional("DIR");
+  const ThreadLimit limit(threadOption(parsed));
+  const bool quiet = parsed.options.count("quiet") > 0;
+  const auto text = [&](const char* name) {
+    return parsed.options.count(name) > 0 ? parsed.options[name].as<std::string>() : std::string();
+  };
+  if (text("sample").empty() != text("out").empty()) throw InputError("--sample KEY and -o DIR belong together");
+  if (!text("sample").empty() && !text("shards").empty()) throw InputError("give --sample or --shards, not both");
+  expectDataset(folder, "regenerate");
+  const Manifest manifest = readManifest(folder);
+  if (!text("sample").empty()) {
+    const Plan plan = planOfDataset(manifest, folder, text("pipeline"));
+    const std::vector<std::string> names = regenerateSample(manifest, plan, text("sample"), text("out"));
+    fmt::print("{}: {}\n", text("out"), fmt::join(names, ", "));
+    return 0;
+  }
+  const std::vector<std::uint64_t> shards = text("shards").empty()
+                                                ? damagedShards(folder, manifest)
+                                                : parseShardRanges(text("shards"), manifest.shards.size());
+  if (shards.empty()) {
+    fmt::print("{} shards: all are sound, there is nothing to make\n", manifest.shards.size());
+    return 0;
+  }
+  const Plan plan = planOfDataset(manifest, folder, text("pipeline"));
+  regenerateShards(folder, manifest, plan, shards, quiet, &stopSignal());
+  fmt::print("{} of {} shards made again, byte for byte: {}\n", shards.size(), manifest.shards.size(),
+             shardRanges(shards));
+  return 0;
+}
+
+}  // namespace scanmill

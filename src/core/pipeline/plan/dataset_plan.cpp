@@ -1,0 +1,86 @@
+#include "pipeline/plan/dataset_plan.h"
+
+#include <fmt/core.h>
+
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "config/resources.h"
+#include "dataset/shard_name.h"
+#include "pipeline/plan/shard_jobs.h"
+
+namespace scanmill {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// `file`: where the pipeline would lie.
+Plan planAt(const Manifest& manifest, const fs::path& file) {
+  Plan plan(readPipelineText(manifest.pipelineText, file));
+  if (plan.pipeline().method.automatic && manifest.chosen) {
+    const std::string chosen = manifest.pipelineText + "\n# --set " + manifest.chosen->assignment + "\n";
+    plan.choose(readPipelineText(chosen, file).method, *manifest.chosen);
+  }
+  return plan;
+}
+
+void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& datasetFolder) {
+  const auto differs = [&](const std::string& what) {
+    throw InputError({(datasetFolder / kManifestName).string()},
+                     fmt::format("its pipeline would give {} today: the files that it names, or the program (then {}), "
+                                 "are others, or it was made from a recording",
+                                 what, manifest.programVersion));
+  };
+  const std::vector<ShardJob> jobs = shardJobs(plan);
+  if (jobs.size() != manifest.shards.size()) differs(fmt::format("{} shards", jobs.size()));
+  std::vector<std::vector<std::string>> keys(jobs.size());
+  for (const SampleRecord& sample : manifest.samples) keys[sample.shard].push_back(sample.key);
+  for (std::size_t job = 0; job < jobs.size(); ++job) {
+    if (jobs[job].file != manifest.shards[job].file) differs("the shard " + jobs[job].file);
+    if (jobs[job].samples.size() != keys[job].size()) differs("other samples in " + jobs[job].file);
+    for (std::size_t i = 0; i < keys[job].size(); ++i) {
+      const auto& [sequence, frame, number] = jobs[job].samples[i];
+      const std::string key = plan.pipeline().sequences[sequence].key(frame);
+      if (key != keys[job][i]) differs("the sample " + key);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<fs::path> pipelineFolders(const fs::path& datasetFolder) {
+  std::vector<fs::path> folders{{}, datasetFolder};
+  std::error_code ignored;
+  for (fs::path above = fs::absolute(datasetFolder, ignored).lexically_normal(); above.has_relative_path();) {
+    above = above.parent_path();
+    for (const char* within : {"", "pipelines", "scenes"}) folders.push_back(above / within);
+  }
+  const fs::path resources = resourceFolder();
+  for (const char* within : {"pipelines", "scenes", ""}) folders.push_back(resources / within);
+  return folders;
+}
+
+Plan planOfDataset(const Manifest& manifest, const fs::path& datasetFolder, const fs::path& pipeline) {
+  // A pipeline without a name is called as its file.
+  const std::string name = manifest.name + ".yaml";
+  const auto at = [&](const fs::path& folder) {
+    Plan plan = planAt(manifest, folder / name);
+    checkShards(plan, manifest, datasetFolder);
+    return plan;
+  };
+  if (!pipeline.empty()) return at(pipeline.parent_path());
+  std::string first;
+  for (const fs::path& folder : pipelineFolders(datasetFolder)) {
+    try {
+      return at(folder);
+    } catch (const InputError& error) {
+      if (first.empty()) first = error.what();
+    }
+  }
+  throw InputError(fmt::format("{}\nwhere is the pipeline that {} was made by? give --pipeline FILE", first,
+                               datasetFolder.string()));
+}
+
+}  // namespace scanmill
