@@ -93,13 +93,16 @@ Contents contentsOf(const fs::path& folder) {
   return run;
 }
 
-// The shards that a manifest lists; none where it is absent.
+// The shards that a manifest lists, and the files that describe their samples; none where it is absent.
 std::vector<std::string> listedIn(const fs::path& file) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return {};
   std::vector<std::string> listed;
   try {
-    for (const ShardRecord& shard : parseManifest(readFile(file), file.string()).shards) listed.push_back(shard.file);
+    for (const ShardRecord& shard : parseManifest(readFile(file), file.string()).shards) {
+      listed.push_back(shard.file);
+      if (!shard.samplesSha256.empty()) listed.push_back(samplesFileOf(shard.file));
+    }
   } catch (const InputError& error) {
     throw InputError(
         fmt::format("{}\nso what is in that folder cannot be told apart: remove it by hand, or choose "
@@ -126,8 +129,11 @@ std::vector<std::string> recordedIn(const fs::path& hidden) {
 // that replaced it, where a process was killed meanwhile.
 std::vector<std::string> ownShards(const fs::path& folder) {
   std::vector<std::string> own = listedIn(folder / kManifestName);
-  for (const auto& more : {listedIn(folder / kHiddenName / kReplacedName), recordedIn(folder / kHiddenName)}) {
-    own.insert(own.end(), more.begin(), more.end());
+  const std::vector<std::string> replaced = listedIn(folder / kHiddenName / kReplacedName);
+  own.insert(own.end(), replaced.begin(), replaced.end());
+  for (const std::string& shard : recordedIn(folder / kHiddenName)) {
+    own.push_back(shard);
+    own.push_back(samplesFileOf(shard));
   }
   std::sort(own.begin(), own.end());
   own.erase(std::unique(own.begin(), own.end()), own.end());
@@ -194,6 +200,25 @@ void removeShard(const fs::path& folder, const std::string& name) {
   removeFile(folder / name);
   std::error_code notEmpty;
   if ((folder / name).parent_path() != folder) fs::remove((folder / name).parent_path(), notEmpty);
+}
+
+// Where all descriptions take more than so many bytes.
+void putSamplesIntoFiles(const fs::path& folder, std::uint64_t most, Manifest& manifest) {
+  std::vector<std::vector<std::uint64_t>> numbers(manifest.shards.size());
+  for (std::size_t i = 0; i < manifest.samples.size(); ++i) numbers[manifest.samples[i].shard].push_back(i);
+  std::uint64_t bytes = 0;
+  std::uint32_t measured = 0;
+  while (measured < numbers.size() && bytes <= most) {
+    bytes += samplesJson(manifest, measured, numbers[measured]).size();
+    ++measured;
+  }
+  if (bytes <= most) return;
+  for (std::uint32_t shard = 0; shard < numbers.size(); ++shard) {
+    const std::string text = samplesJson(manifest, shard, numbers[shard]);
+    writeFile(folder / samplesFileOf(manifest.shards[shard].file), text);
+    manifest.shards[shard].samplesSha256 = sha256(text);
+  }
+  manifest.samples.clear();
 }
 
 }  // namespace
@@ -342,7 +367,7 @@ std::optional<DatasetPart> DatasetFolder::kept(const std::string& name, Check ch
   return part;
 }
 
-void DatasetFolder::publish(const Manifest& manifest) {
+void DatasetFolder::publish(Manifest manifest, std::uint64_t mostSampleBytes) {
   try {
     if (fs::exists(folder_ / kManifestName)) {
       // First of all and for good, so that a mixture never looks finished.
@@ -361,6 +386,7 @@ void DatasetFolder::publish(const Manifest& manifest) {
       const fs::path own = (folder_ / shard.file).parent_path();
       if (std::find(changed.begin(), changed.end(), own) == changed.end()) changed.push_back(own);
     }
+    putSamplesIntoFiles(folder_, mostSampleBytes, manifest);
     for (const fs::path& each : changed) syncFolder(each);
     writeFile(folder_ / kManifestName, toJson(manifest));
     published_ = true;

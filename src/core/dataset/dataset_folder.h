@@ -64,8 +64,9 @@ class DatasetFolder {
   // publish().
   bool makeAlone();
   // Moves the shards of the manifest, all of which are kept, to their places, in place of those of an earlier dataset,
-  // and writes the manifest last. Throws Error where the disk fails; then the dataset can be resumed.
-  void publish(const Manifest& manifest);
+  // and writes the manifest last. Descriptions of samples that would take more than so many bytes in all go to files
+  // beside the shards. Throws Error where the disk fails; then the dataset can be resumed.
+  void publish(Manifest manifest, std::uint64_t mostSampleBytes = 100'000'000);
 
  private:
   void begin(FolderUse use);

@@ -57,6 +57,8 @@ struct ShardRecord {
   std::string sha256;
   std::uint64_t bytes = 0;
   std::uint64_t samples = 0;
+  // Of the file that describes the shard's samples, see samplesFileOf(); empty where the manifest itself does.
+  std::string samplesSha256 = {};
 };
 
 struct FormatRecord {
@@ -73,7 +75,7 @@ struct MethodRecord {
 };
 
 struct Manifest {
-  static constexpr int kSchemaVersion = 1;
+  static constexpr int kSchemaVersion = 2;  // 1 is written where the manifest itself describes the samples
   std::string programVersion;
   std::string name;
   std::string pipelineText;  // with the overrides applied
@@ -91,13 +93,20 @@ struct Manifest {
   std::vector<SampleRecord> samples;
 };
 
-// Its last key, `digest`, is the SHA-256 of the whole text with 64 zeros in the digest's own place.
+// The samples of a large dataset are described in a file beside each shard: train/train-000000.json.
+std::string samplesFileOf(const std::string& shardFile);
+// The text of that file. `numbers`: of the shard's samples in the manifest, in order.
+std::string samplesJson(const Manifest& manifest, std::uint32_t shard, const std::vector<std::uint64_t>& numbers);
+
+// Without the samples that have files of their own. Its last key, `digest`, is the SHA-256 of the whole text with 64
+// zeros in the digest's own place.
 std::string toJson(const Manifest& manifest);
 // Says that a manifest's text does not have the digest that it states, or states none; empty where it has it.
 std::string digestProblem(std::string text);
 // Throws an InputError that names `file`, the place in it, and what is wrong there.
 Manifest parseManifest(const std::string& text, const std::string& file);
-// Reads the file manifest.json of a dataset's folder. Throws InputError.
+// Reads the file manifest.json of a dataset's folder, and the files that describe the samples where there are such.
+// Throws InputError.
 Manifest readManifest(const std::filesystem::path& folder);
 
 }  // namespace scanmill

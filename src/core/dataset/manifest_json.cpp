@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
@@ -145,9 +146,18 @@ OrderedJson listOf(const Records& records, const Make& make) {
   return list;
 }
 
+OrderedJson sampleEntry(const SampleRecord& s, const Manifest& m) {
+  OrderedJson sample{{"key", s.key}, {"split", s.split}, {"shard", s.shard}, {"members", s.members}};
+  if (!s.xxh3.empty()) sample["xxh3"] = s.xxh3;
+  sample["scans"] = listOf(s.scans, [&](const ScanRecord& scan) { return scanJson(scan, s.key, &m.ontology); });
+  return sample;
+}
+
 OrderedJson manifestJson(const Manifest& m) {
+  const bool inFiles = std::any_of(m.shards.begin(), m.shards.end(),
+                                   [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); });
   OrderedJson json{
-      {"schema_version", Manifest::kSchemaVersion},
+      {"schema_version", inFiles ? Manifest::kSchemaVersion : 1},
       {"program", {{"name", "scanmill"}, {"version", m.programVersion}}},
       {"name", m.name},
       {"seed", m.seed},
@@ -166,21 +176,16 @@ OrderedJson manifestJson(const Manifest& m) {
       {"modelled", m.modelled},
       {"shards", listOf(m.shards,
                         [](const ShardRecord& s) {
-                          return OrderedJson{{"file", s.file},
-                                             {"split", s.split},
-                                             {"sha256", s.sha256},
-                                             {"bytes", s.bytes},
-                                             {"samples", s.samples}};
+                          OrderedJson shard{{"file", s.file},
+                                            {"split", s.split},
+                                            {"sha256", s.sha256},
+                                            {"bytes", s.bytes},
+                                            {"samples", s.samples}};
+                          if (!s.samplesSha256.empty()) shard["samples_sha256"] = s.samplesSha256;
+                          return shard;
                         })},
-      {"samples",
-       listOf(m.samples,
-              [&m](const SampleRecord& s) {
-                OrderedJson sample{{"key", s.key}, {"split", s.split}, {"shard", s.shard}, {"members", s.members}};
-                if (!s.xxh3.empty()) sample["xxh3"] = s.xxh3;
-                sample["scans"] =
-                    listOf(s.scans, [&](const ScanRecord& scan) { return scanJson(scan, s.key, &m.ontology); });
-                return sample;
-              })},
+      {"samples", inFiles ? OrderedJson::array()
+                          : listOf(m.samples, [&m](const SampleRecord& s) { return sampleEntry(s, m); })},
   };
   if (m.chosen) {
     json["method_choice"] = {
@@ -204,6 +209,16 @@ std::string toJson(const Manifest& manifest) {
   std::string text = layOut(manifestJson(manifest), 0) + "\n";
   text.replace(text.rfind(kNoDigest), kNoDigest.size(), sha256(text));
   return text;
+}
+
+std::string samplesFileOf(const std::string& shardFile) {
+  return std::filesystem::path(shardFile).replace_extension(".json").generic_string();
+}
+
+std::string samplesJson(const Manifest& manifest, std::uint32_t shard, const std::vector<std::uint64_t>& numbers) {
+  OrderedJson samples = OrderedJson::array();
+  for (const std::uint64_t number : numbers) samples.push_back(sampleEntry(manifest.samples[number], manifest));
+  return layOut({{"shard", manifest.shards[shard].file}, {"numbers", numbers}, {"samples", samples}}) + "\n";
 }
 
 std::string digestProblem(std::string text) {

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/hash.h"
 #include "dataset/json_node.h"
 #include "dataset/manifest.h"
 #include "dataset/sample_json.h"
@@ -119,7 +120,7 @@ ScanRecord scanOf(const JsonNode& node, const Manifest& manifest) {
 }
 
 ShardRecord shardOf(const JsonNode& node) {
-  node.keys({"file", "split", "sha256", "bytes", "samples"});
+  node.keys({"file", "split", "sha256", "bytes", "samples"}, {"samples_sha256"});
   ShardRecord shard;
   shard.file = node["file"].text();
   shard.split = node["split"].text();
@@ -130,6 +131,7 @@ ShardRecord shardOf(const JsonNode& node) {
   shard.sha256 = node["sha256"].sha256();
   shard.bytes = node["bytes"].integer<std::uint64_t>();
   shard.samples = node["samples"].integer<std::uint64_t>();
+  if (node.has("samples_sha256")) shard.samplesSha256 = node["samples_sha256"].sha256();
   return shard;
 }
 
@@ -236,6 +238,31 @@ Manifest manifestOf(const JsonNode& root) {
   return m;
 }
 
+// Reads the file beside a shard into the samples of the manifest.
+void readSamples(const std::filesystem::path& folder, std::uint32_t number, const Manifest& head,
+                 std::vector<SampleRecord>& samples) {
+  const ShardRecord& shard = head.shards[number];
+  const std::string file = (folder / samplesFileOf(shard.file)).string();
+  const std::string text = readFile(file);
+  if (sha256(text) != shard.samplesSha256) {
+    throw InputError({file}, "was changed since it was written: its SHA-256 is not the one that the manifest states");
+  }
+  const Json json = parseJson(text, file);
+  const JsonNode root(json, "", file);
+  root.keys({"shard", "numbers", "samples"});
+  std::vector<std::uint64_t> numbers;
+  root["numbers"].forEach(
+      [&](const JsonNode& item) { numbers.push_back(item.integer<std::uint64_t>(0, samples.size() - 1)); });
+  std::size_t next = 0;
+  root["samples"].forEach([&](const JsonNode& item) {
+    SampleRecord sample = sampleOf(item, head);
+    if (sample.shard != number) item["shard"].fail(fmt::format("is not {}, the number of {}", number, shard.file));
+    if (next >= numbers.size() || !samples[numbers[next]].key.empty()) item.fail("has no number of its own");
+    samples[numbers[next++]] = std::move(sample);
+  });
+  if (next != shard.samples) root["samples"].fail(fmt::format("has {} entries, not {}", next, shard.samples));
+}
+
 }  // namespace
 
 Manifest parseManifest(const std::string& text, const std::string& file) {
@@ -253,7 +280,19 @@ Manifest readManifest(const std::filesystem::path& folder) {
                      "has no manifest.json: it is no dataset, or the run that wrote it did not end: generate it with "
                      "--resume, or anew with --overwrite");
   }
-  return parseManifest(readFile(file), file.string());
+  Manifest manifest = parseManifest(readFile(file), file.string());
+  const auto inFile = [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); };
+  if (std::none_of(manifest.shards.begin(), manifest.shards.end(), inFile)) return manifest;
+  std::uint64_t count = 0;
+  for (const ShardRecord& shard : manifest.shards) count += shard.samples;
+  std::vector<SampleRecord> samples(count);
+  for (std::uint32_t shard = 0; shard < manifest.shards.size(); ++shard) readSamples(folder, shard, manifest, samples);
+  std::set<std::string_view> keys;
+  for (const SampleRecord& sample : samples) {
+    if (!keys.insert(sample.key).second) throw InputError({file.string()}, "has two samples " + sample.key);
+  }
+  manifest.samples = std::move(samples);
+  return manifest;
 }
 
 }  // namespace scanmill

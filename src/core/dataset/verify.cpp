@@ -29,14 +29,13 @@ namespace {
 // One shard: its file, its members, its scans.
 class ShardCheck {
  public:
-  ShardCheck(const fs::path& folder, const Manifest& manifest, std::uint32_t shard)
-      : manifest_(manifest), record_(manifest.shards[shard]), file_(folder / record_.file) {
-    for (const SampleRecord& sample : manifest.samples) {
-      if (sample.shard != shard) continue;
-      ++samples_;
-      for (const std::string& member : sample.members) {
+  ShardCheck(const fs::path& folder, const Manifest& manifest, std::uint32_t shard,
+             const std::vector<const SampleRecord*>& samples)
+      : manifest_(manifest), record_(manifest.shards[shard]), file_(folder / record_.file), samples_(samples.size()) {
+    for (const SampleRecord* sample : samples) {
+      for (const std::string& member : sample->members) {
         expected_.push_back(member);
-        owner_.emplace(member, &sample);
+        owner_.emplace(member, sample);
       }
     }
   }
@@ -184,10 +183,10 @@ class ShardCheck {
   const Manifest& manifest_;
   const ShardRecord& record_;
   fs::path file_;
+  std::uint64_t samples_ = 0;
   std::vector<std::string> expected_;                 // members, in order
   std::map<std::string, const SampleRecord*> owner_;  // of each member
   std::vector<std::string> problems_;
-  std::uint64_t samples_ = 0;
   std::uint64_t scans_ = 0;
   std::uint64_t points_ = 0;
 };
@@ -229,6 +228,7 @@ void checkStrangers(const fs::path& folder, const Manifest& manifest, std::vecto
   std::set<std::string> splits;
   for (const ShardRecord& shard : manifest.shards) {
     listed.insert(shard.file);
+    if (!shard.samplesSha256.empty()) listed.insert(samplesFileOf(shard.file));
     splits.insert(shard.split);
   }
   std::set<std::string> strangers;
@@ -261,12 +261,14 @@ Verification verifyDataset(const fs::path& folder, const std::function<void(std:
   }
   checkManifest(manifest, total.problems);
 
+  std::vector<std::vector<const SampleRecord*>> samples(manifest.shards.size());
+  for (const SampleRecord& sample : manifest.samples) samples[sample.shard].push_back(&sample);
   std::vector<Verification> parts(manifest.shards.size());
   std::mutex mutex;
   std::uint64_t done = 0;
   parallelFor(parts.size(), 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      ShardCheck(folder, manifest, static_cast<std::uint32_t>(i)).run(parts[i]);
+      ShardCheck(folder, manifest, static_cast<std::uint32_t>(i), samples[i]).run(parts[i]);
       if (!progress) continue;
       const std::scoped_lock lock(mutex);
       progress(++done, parts.size());

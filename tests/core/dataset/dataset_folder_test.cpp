@@ -7,6 +7,7 @@
 
 #include <csignal>
 #include <memory>
+#include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -278,6 +279,49 @@ TEST(DatasetFolder, WhoSharesItAndMakesNothingLeavesNothing) {
   EXPECT_THAT(messageOf<InputError>([&] { DatasetFolder(folder.path(), FolderUse::Share, kPlan); }),
               HasSubstr("not empty"));
   EXPECT_THAT(filesOf(folder.path()), ElementsAre("notes.txt"));
+}
+
+// Beside a large number of samples the manifest would be too large: they are described beside their shards.
+TEST(DatasetFolder, DescriptionsOfManySamplesLieBesideTheShards) {
+  const TemporaryFolder plain;
+  const Manifest manifest = writeTestDataset(plain.path());
+  const TemporaryFolder folder;
+  {
+    DatasetFolder opened(folder.path(), FolderUse::Resume, kPlan);
+    for (const ShardRecord& shard : manifest.shards) {
+      fs::create_directories((opened.staging() / shard.file).parent_path());
+      fs::copy_file(plain.path() / shard.file, opened.staging() / shard.file);
+    }
+    opened.publish(manifest, 1000);
+  }
+  const std::string text = readFile(folder.path() / "manifest.json");
+  EXPECT_THAT(text, AllOf(HasSubstr("\"schema_version\": 2"), testing::Not(HasSubstr("world_from_sensor\": ["))));
+  EXPECT_TRUE(fs::exists(folder.path() / "train/train-000000.json"));
+  Manifest read = readManifest(folder.path());
+  for (ShardRecord& shard : read.shards) {
+    EXPECT_EQ(std::exchange(shard.samplesSha256, "").size(), 64u);
+  }
+  EXPECT_EQ(toJson(read), toJson(readManifest(plain.path()))) << "read, it is the same";
+  EXPECT_EQ(verifyDataset(folder.path()).problems, verifyDataset(plain.path()).problems);
+
+  const fs::path beside = folder.path() / "val/val-000000.json";
+  const std::string sound = readFile(beside);
+  for (std::size_t i = 0; i < sound.size(); i += 97) {
+    std::string damaged = sound;
+    damaged[i] ^= 2;
+    writeFile(beside, damaged);
+    EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path()); }),
+                AllOf(HasSubstr("val-000000.json"), HasSubstr("was changed")));
+  }
+  fs::remove(beside);
+  EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path()); }), HasSubstr("val-000000.json"));
+
+  // Replaced, they go with their shards.
+  {
+    DatasetFolder replacing(folder.path(), FolderUse::Replace, kPlan);
+    publish(replacing, {addShard(replacing, 0)});
+  }
+  EXPECT_THAT(filesOf(folder.path()), ElementsAre("manifest.json", "train/train-000000.tar"));
 }
 
 TEST(DatasetFolder, ADatasetMayBeEmpty) {

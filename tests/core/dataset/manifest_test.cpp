@@ -252,7 +252,7 @@ TEST(Manifest, NamesThePlaceOfWhatIsOutOfRange) {
       {"/shards/0/file", "val/val-000000.tar", "is no shard of split 'train'"},
       {"/shards/0/sha256", "abc", "no SHA-256"},
       {"/units/length", "feet", "is not 'metres'"},
-      {"/schema_version", 2, "newer than this program, which reads up to 1: update scanmill"},
+      {"/schema_version", 3, "newer than this program, which reads up to 2: update scanmill"},
       {"/schema_version", 0, "no version"},
       {"/program/name", "other", "is not a manifest of scanmill"},
   };
