@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/terminal.h"
 #include "commands/command.h"
 #include "commands/stop_signal.h"
 #include "config/fields.h"
@@ -23,14 +24,14 @@ namespace {
 using namespace scanmill;
 
 void printHelp() {
-  fmt::print("scanmill {}: labelled LiDAR datasets from 3D scenes\n\n", kVersion);
+  printText("scanmill {}: labelled LiDAR datasets from 3D scenes\n\n", kVersion);
   constexpr std::size_t kUsage = 16;
   for (const Command& c : commands()) {
     // A long usage has a line of its own.
     const std::string gap = c.usage.size() <= kUsage ? "" : fmt::format("\n{:{}}", "", 21 + kUsage);
-    fmt::print("  scanmill {:9} {:{}}{} {}\n", c.name, c.usage, kUsage, gap, c.summary);
+    printText("  scanmill {:9} {:{}}{} {}\n", c.name, c.usage, kUsage, gap, c.summary);
   }
-  fmt::print(
+  printText(
       "\nEach has a --help with examples. Start with:\n"
       "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n");
 }
@@ -41,7 +42,7 @@ int dispatch(const std::vector<std::string>& arguments) {
     return arguments.empty() ? 2 : 0;
   }
   if (arguments[0] == "--version") {
-    fmt::print("scanmill {}\n", kVersion);
+    printText("scanmill {}\n", kVersion);
     return 0;
   }
   std::vector<std::string> names;
@@ -64,19 +65,19 @@ int main(int argc, char** argv) {
     }
     return code;
   } catch (const InputError& e) {
-    fmt::print(stderr, "error: {}\n", e.what());
+    printError("error: {}\n", indented(e.what()));
     return 2;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr,
-               "error: out of memory: take fewer rings, columns or formats, a smaller scene, larger voxels (particle) "
-               "or smaller images (depth_camera)\n");
+    printError(
+        "error: out of memory: take fewer rings, columns or formats, a smaller scene, larger voxels (particle) "
+        "or smaller images (depth_camera)\n");
     return 1;
   } catch (const std::system_error& e) {
     if (e.code() == std::errc::broken_pipe) return 0;  // who read the output has seen enough
-    fmt::print(stderr, "error: {}\n", e.what());
+    printError("error: {}\n", indented(e.what()));
     return 1;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "error: {}\n", e.what());
+    printError("error: {}\n", indented(e.what()));
     return stoppedBy() == 0 ? 1 : 128 + stoppedBy();
   }
 }

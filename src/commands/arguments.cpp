@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/terminal.h"
 #include "dataset/shard_name.h"
 
 namespace scanmill {
@@ -44,7 +45,7 @@ Arguments parseArguments(const Command& command, cxxopts::Options& options, cons
     throw InputError(fmt::format("{}; see `scanmill {} --help`", e.what(), command.name));
   }
   if (parsed.options.count("help") > 0) {
-    fmt::print("{}\n\nExamples:\n{}", options.help({""}), examples);
+    printText("{}\n\nExamples:\n{}", options.help({""}), examples);
     parsed.help = true;
   }
   return parsed;

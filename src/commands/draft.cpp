@@ -12,6 +12,7 @@
 #include "base/extent_text.h"
 #include "base/file.h"
 #include "base/grouped.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "config/resources.h"
@@ -104,15 +105,15 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   if (!doubts) {
     for (std::vector<std::string>& row : rows) row.pop_back();
   }
-  fmt::print("{}\nclasses are guessed for {} of {} triangles ({}), by the names that stand in {}\n", formatTable(rows),
-             grouped(guessed), grouped(triangles),
-             percent(static_cast<double>(guessed), static_cast<double>(triangles)), out.string());
+  printText("{}\nclasses are guessed for {} of {} triangles ({}), by the names that stand in {}\n", formatTable(rows),
+            grouped(guessed), grouped(triangles), percent(static_cast<double>(guessed), static_cast<double>(triangles)),
+            out.string());
   if (made.files.size() > 1) {
-    fmt::print("{}\n", made.onePlace ? "the files keep their own coordinates, as parts of one place"
-                                     : "the files stand side by side; their own coordinates do not make one place");
+    printText("{}\n", made.onePlace ? "the files keep their own coordinates, as parts of one place"
+                                    : "the files stand side by side; their own coordinates do not make one place");
   }
   if (units.size() > 1) {
-    fmt::print("units differ: files that fit together, such as tiles, have one; see why in the draft\n");
+    printText("units differ: files that fit together, such as tiles, have one; see why in the draft\n");
   }
 }
 
@@ -159,11 +160,11 @@ int runDraft(const std::vector<std::string>& arguments) {
     plain.textures = false;
     const Image drawn = drawContactSheet(readScene(out, plain));
     writeFile(picture, encodePng(drawn));
-    fmt::print("{}: {} x {}, a cell for each object\n", picture.string(), drawn.width, drawn.height);
+    printText("{}: {} x {}, a cell for each object\n", picture.string(), drawn.width, drawn.height);
   } else {
     runView({out.string(), "--screenshot", picture.string()});
   }
-  fmt::print("next: scanmill view {0}; scanmill info {0}; a pipeline for it (docs/guide.md)\n", out.string());
+  printText("next: scanmill view {0}; scanmill info {0}; a pipeline for it (docs/guide.md)\n", out.string());
   return 0;
 }
 

@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "base/grouped.h"
 #include "base/parallel.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/recorded_scans.h"
 #include "commands/stop_signal.h"
@@ -55,15 +56,15 @@ void printGroups(const std::vector<PatchGroup>& groups, const std::string& first
                     figure(dense, g.density, 0), figure(dense, g.expectedDensity, 0), figure(dense, g.densityRatio, 3),
                     g.leftOut.empty() ? "" : "left out: " + g.leftOut});
   }
-  fmt::print("{}\n", formatTable(rows));
+  printText("{}\n", formatTable(rows));
 }
 
 void printFrame(const RecordedScan& scan) {
   const Pose& pose = scan.scanFromSensor;
   const double turn = 2 * std::acos(std::min(1.0, std::abs(pose.rotation.w)));
   if (turn < 1e-4 && length(pose.translation) < 1e-4) return;
-  fmt::print("{}: its frame is turned by {:.2f} deg and shifted by [{:.4f}, {:.4f}, {:.4f}] m against the sensor's\n",
-             scan.name, degrees(turn), pose.translation.x, pose.translation.y, pose.translation.z);
+  printText("{}: its frame is turned by {:.2f} deg and shifted by [{:.4f}, {:.4f}, {:.4f}] m against the sensor's\n",
+            scan.name, degrees(turn), pose.translation.x, pose.translation.y, pose.translation.z);
 }
 
 }  // namespace
@@ -119,13 +120,13 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const NoiseFit fit = fitNoise(*beams, scans, patches, {radians(most)});
   goOn();
 
-  fmt::print("{} of {} beams returned ({}); range step: {}\n\n", grouped(fit.returns), grouped(fit.beams),
-             percent(static_cast<double>(fit.returns), static_cast<double>(fit.beams)),
-             fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * 1000) : "none found");
+  printText("{} of {} beams returned ({}); range step: {}\n\n", grouped(fit.returns), grouped(fit.beams),
+            percent(static_cast<double>(fit.returns), static_cast<double>(fit.beams)),
+            fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * 1000) : "none found");
   printGroups(fit.bands, fmt::format("range, up to {:g} deg", most));
   printGroups(fit.incidences, "incidence");
   if (!fit.intensities.empty()) printGroups(fit.intensities, "intensity");
-  fmt::print(
+  printText(
       "sigma:        standard deviation of the range about a smooth surface, the rounding to the range step taken out\n"
       "with step:    the same with that rounding, as it stands in the recording\n"
       "about planes: sigma about a flat plane: offsets between rings, bends and the vehicle's motion added\n\n");
@@ -134,14 +135,14 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const std::string date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
   const auto printRings = [](const char* what, const RingSpread& spread, const std::string& sigma) {
     if (spread.rings == 0) return;
-    fmt::print("{} of {} rings differ by {}; odd and even patches agree by a correlation of {:.2f}{}\n", what,
-               spread.rings, sigma, spread.agreement, spread.agreement < kOwnErrors ? ": noise, left out" : "");
+    printText("{} of {} rings differ by {}; odd and even patches agree by a correlation of {:.2f}{}\n", what,
+              spread.rings, sigma, spread.agreement, spread.agreement < kOwnErrors ? ": noise, left out" : "");
   };
   printRings("offsets", fit.rings.range, fmt::format("{:.1f} mm", 1000 * fit.rings.range.sigma));
   printRings("gains", fit.rings.gain, fmt::format("{:.1f} %", 100 * fit.rings.gain.sigma));
-  fmt::print("\n");
+  printText("\n");
   const std::string effects = effectsYaml(fit, date);
-  fmt::print("{}", effects);
+  printText("{}", effects);
   const std::string fitted = withEffects(text, preset.string(), effects);
   if (const auto beyond = beyondMeasured(fit); !beyond.empty()) warn(fmt::format("{}", fmt::join(beyond, " ")));
   if (!report.empty()) {
@@ -153,7 +154,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
     writeFile(std::filesystem::path(report) / "index.html", noiseReport(fit, comparison, beams->model, effects, date));
   }
   writeFile(out, fitted);
-  fmt::print("\nwrote {}: name it as `preset:` of a sensor, and say `effects: sensor` in the pipeline\n", out.string());
+  printText("\nwrote {}: name it as `preset:` of a sensor, and say `effects: sensor` in the pipeline\n", out.string());
   return 0;
 }
 

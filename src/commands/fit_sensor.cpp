@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/grouped.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/command.h"
 #include "commands/recorded_scans.h"
@@ -35,11 +36,11 @@ int runFitSensor(const std::vector<std::string>& arguments) {
   }
   const SensorFit fit = fitSensor(scans);
 
-  fmt::print("{} points of {} scans: {} rings x {} columns, {}\n", grouped(fit.points), files.size(), fit.rings,
-             fit.columns,
-             fit.field > 2 * kPi - 1e-9 ? std::string("a full turn") : fmt::format("{:.2f} deg", degrees(fit.field)));
-  fmt::print("half of the points lie within {:.4f} deg of their ring's elevation and {:.4f} deg of its azimuth\n",
-             degrees(fit.elevationSpread), degrees(fit.azimuthSpread));
+  printText("{} points of {} scans: {} rings x {} columns, {}\n", grouped(fit.points), files.size(), fit.rings,
+            fit.columns,
+            fit.field > 2 * kPi - 1e-9 ? std::string("a full turn") : fmt::format("{:.2f} deg", degrees(fit.field)));
+  printText("half of the points lie within {:.4f} deg of their ring's elevation and {:.4f} deg of its azimuth\n",
+            degrees(fit.elevationSpread), degrees(fit.azimuthSpread));
   constexpr double kOff = 0.1;  // deg
   if (degrees(std::max(fit.elevationSpread, fit.azimuthSpread)) > kOff) {
     warn(
@@ -56,8 +57,8 @@ int runFitSensor(const std::vector<std::string>& arguments) {
   const std::string yaml = sensorYaml(fit, fmt::format("fitted to {} points of {} scans, {:%Y-%m-%d}",
                                                        grouped(fit.points), files.size(), fmt::gmtime(now)));
   writeFile(out, yaml);
-  fmt::print("\n{}\nwrote {}: name it as `preset:` of a sensor; `scanmill fit-noise` measures its noise with it\n",
-             yaml, out.string());
+  printText("\n{}\nwrote {}: name it as `preset:` of a sensor; `scanmill fit-noise` measures its noise with it\n", yaml,
+            out.string());
   return 0;
 }
 

@@ -9,6 +9,7 @@
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "base/short_text.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
@@ -34,15 +35,15 @@ void printMade(const GenerateSummary& s, const GenerateOptions& options) {
   const std::string there =
       s.resumedShards == 0 ? std::string() : fmt::format(" ({} of them were there)", s.resumedShards);
   if (s.whole) {
-    fmt::print("{} samples in {} shards{}, {}, in {}{}\n", s.manifest.samples.size(), s.manifest.shards.size(), there,
-               shortBytes(static_cast<double>(s.bytes)), folder, warningsText());
+    printText("{} samples in {} shards{}, {}, in {}{}\n", s.manifest.samples.size(), s.manifest.shards.size(), there,
+              shortBytes(static_cast<double>(s.bytes)), folder, warningsText());
     return;
   }
-  fmt::print("{} shards{}, {}, in {}{}; {}\n", s.shards + s.resumedShards, there,
-             shortBytes(static_cast<double>(s.bytes)), folder, warningsText(),
-             options.shards.kind == ShardChoice::Kind::Any
-                 ? "another process ends the dataset"
-                 : fmt::format("when all are there: scanmill merge {}", folder));
+  printText("{} shards{}, {}, in {}{}; {}\n", s.shards + s.resumedShards, there,
+            shortBytes(static_cast<double>(s.bytes)), folder, warningsText(),
+            options.shards.kind == ShardChoice::Kind::Any
+                ? "another process ends the dataset"
+                : fmt::format("when all are there: scanmill merge {}", folder));
 }
 
 void printSummary(const GenerateSummary& s, const GenerateOptions& options) {
@@ -52,16 +53,16 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options) {
     rows.push_back({c == nullptr ? std::to_string(id) : c->name, grouped(count),
                     percent(static_cast<double>(count), static_cast<double>(s.points))});
   }
-  fmt::print("{}\n", formatTable(rows));
+  printText("{}\n", formatTable(rows));
   printMade(s, options);
-  fmt::print("{} beams gave {} points in {}: {} beams/s, {:.2f} bytes a point\n", grouped(s.beams), grouped(s.points),
-             shortTime(s.seconds), shortNumber(static_cast<double>(s.beams) / s.seconds),
-             s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
-  fmt::print("stages (s of thread time):");
-  for (const auto& [name, seconds] : s.stages) fmt::print(" {} {:.2f}", name, seconds);
-  fmt::print("\n");
+  printText("{} beams gave {} points in {}: {} beams/s, {:.2f} bytes a point\n", grouped(s.beams), grouped(s.points),
+            shortTime(s.seconds), shortNumber(static_cast<double>(s.beams) / s.seconds),
+            s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
+  printText("stages (s of thread time):");
+  for (const auto& [name, seconds] : s.stages) printText(" {} {:.2f}", name, seconds);
+  printText("\n");
   if (s.whole) {
-    fmt::print("next: scanmill view {0}; scanmill report {0}; scanmill verify {0}\n", options.folder.string());
+    printText("next: scanmill view {0}; scanmill report {0}; scanmill verify {0}\n", options.folder.string());
   }
 }
 
@@ -78,8 +79,8 @@ void chooseMethod(Plan& plan, const GenerateOptions& options) {
   const Calibration calibration = calibrate(plan, options.quiet, options.stop);
   const CalibratedSetting& chosen = calibration.settings[calibration.chosen];
   if (!options.quiet) {
-    fmt::print("method: auto takes {}: {}\n", chosen.setting.setting.name, calibration.why);
-    fmt::print("the same again: --set '{}'\n\n", chosen.setting.setting.assignment());
+    printText("method: auto takes {}: {}\n", chosen.setting.setting.name, calibration.why);
+    printText("the same again: --set '{}'\n\n", chosen.setting.setting.assignment());
   }
   plan.choose(chosen.setting.choice, calibration.record());
 }
@@ -182,12 +183,12 @@ int runGenerate(const std::vector<std::string>& arguments) {
   if (!generateOptions.keepHits.empty()) plan.requireOneRay();
   if (plan.pipeline().method.automatic) chooseMethod(plan, generateOptions);
   if (generateOptions.resume && isWholeAlready(plan, generateOptions.folder)) {
-    fmt::print("{}: is whole, there is nothing to resume\n", generateOptions.folder.string());
+    printText("{}: is whole, there is nothing to resume\n", generateOptions.folder.string());
     return 0;
   }
   const GenerateSummary summary = generate(plan, generateOptions);
   if (summary.whole && summary.shards == 0 && summary.resumedShards == 0) {
-    fmt::print("{}: is whole, there is nothing to make\n", generateOptions.folder.string());
+    printText("{}: is whole, there is nothing to make\n", generateOptions.folder.string());
     return 0;
   }
   for (const std::string& warning : summary.warnings) warn(warning);

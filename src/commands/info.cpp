@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "base/grouped.h"
 #include "base/short_text.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/info_recording.h"
 #include "commands/table.h"
@@ -34,14 +35,14 @@ using Rows = std::vector<std::vector<std::string>>;
 
 void printDataset(const std::filesystem::path& folder) {
   const Manifest m = readManifest(folder);
-  fmt::print("dataset {}: {} samples, columns {}{}\n", m.name, m.samples.size(), fmt::join(m.columns, ", "),
-             m.organised ? ", organised" : "");
-  fmt::print("made by scanmill {}, seed {}\n\n", m.programVersion, m.seed);
+  printText("dataset {}: {} samples, columns {}{}\n", oneLine(m.name), m.samples.size(),
+            oneLine(fmt::format("{}", fmt::join(m.columns, ", "))), m.organised ? ", organised" : "");
+  printText("made by scanmill {}, seed {}\n\n", oneLine(m.programVersion), m.seed);
   Rows shards{{"shard", "split", "samples", "size"}};
   for (const ShardRecord& s : m.shards) {
     shards.push_back({s.file, s.split, grouped(s.samples), shortBytes(static_cast<double>(s.bytes))});
   }
-  fmt::print("{}\n", formatTable(shards));
+  printText("{}\n", formatTable(shards));
   Rows sensors{{"sensor", "model", "rings", "columns", "method"}};
   for (const SensorRecord& s : m.sensors) {
     std::set<std::string> usedMethods;
@@ -53,7 +54,7 @@ void printDataset(const std::filesystem::path& folder) {
     sensors.push_back({s.name, s.beams.model, std::to_string(s.beams.rings), std::to_string(s.beams.columns),
                        fmt::format("{}", fmt::join(usedMethods, ", "))});
   }
-  fmt::print("{}\n", formatTable(sensors));
+  printText("{}\n", formatTable(sensors));
   std::map<std::uint16_t, std::uint64_t> perClass;
   std::uint64_t points = 0;
   std::uint64_t beams = 0;
@@ -72,20 +73,20 @@ void printDataset(const std::filesystem::path& folder) {
     classes.push_back({c == nullptr ? "?" : c->name, std::to_string(id), grouped(count),
                        percent(static_cast<double>(count), static_cast<double>(points))});
   }
-  fmt::print("{}\n", formatTable(classes));
-  fmt::print("{} points of {} beams ({})\n", grouped(points), grouped(beams),
-             percent(static_cast<double>(points), static_cast<double>(beams)));
+  printText("{}\n", formatTable(classes));
+  printText("{} points of {} beams ({})\n", grouped(points), grouped(beams),
+            percent(static_cast<double>(points), static_cast<double>(beams)));
   if (unresolved > 0) {
-    fmt::print("{} beams were given up by the method ({}): neither hit nor miss\n", grouped(unresolved),
-               percent(static_cast<double>(unresolved), static_cast<double>(beams)));
+    printText("{} beams were given up by the method ({}): neither hit nor miss\n", grouped(unresolved),
+              percent(static_cast<double>(unresolved), static_cast<double>(beams)));
   }
   for (const FormatRecord& f : m.formats) {
-    fmt::print("format {} (.{}): {}\n", f.name, f.suffix,
-               f.maxErrorMetres > 0 ? fmt::format("positions within {:.3g} mm", f.maxErrorMetres * 1000) : "lossless");
+    printText("format {} (.{}): {}\n", f.name, f.suffix,
+              f.maxErrorMetres > 0 ? fmt::format("positions within {:.3g} mm", f.maxErrorMetres * 1000) : "lossless");
   }
-  if (m.chosen) fmt::print("\nmethod chosen by `auto`: {}; {}\n", m.chosen->setting, m.chosen->why);
-  fmt::print("\nmodelled and left out:\n");
-  for (const std::string& line : m.modelled) fmt::print("  {}\n", line);
+  if (m.chosen) printText("\nmethod chosen by `auto`: {}; {}\n", m.chosen->setting, m.chosen->why);
+  printText("\nmodelled and left out:\n");
+  for (const std::string& line : m.modelled) printText("  {}\n", oneLine(line));
 }
 
 struct Span {
@@ -98,10 +99,10 @@ struct Span {
 };
 
 void printScan(const Scan& scan, const std::string& what) {
-  fmt::print("scan {}: {} points, {}\n\n", what, grouped(scan.size()),
-             scan.organised ? fmt::format("organised {} rings x {} columns{}", scan.rings, scan.columns,
-                                          scan.planes == 1 ? "" : fmt::format(" x {} returns", scan.planes))
-                            : std::string("dense"));
+  printText("scan {}: {} points, {}\n\n", what, grouped(scan.size()),
+            scan.organised ? fmt::format("organised {} rings x {} columns{}", scan.rings, scan.columns,
+                                         scan.planes == 1 ? "" : fmt::format(" x {} returns", scan.planes))
+                           : std::string("dense"));
   Rows rows{{"column", "min", "max"}};
   const auto add = [&](std::string_view name, std::string_view unit, const auto& at) {
     if (scan.size() == 0) return;
@@ -117,7 +118,7 @@ void printScan(const Scan& scan, const std::string& what) {
     const std::size_t index = columnIndex(name);
     add(name, index < kColumnCount ? kColumns[index].unit : "", [&](std::size_t i) { return values[i]; });
   });
-  fmt::print("{}", formatTable(rows));
+  printText("{}", formatTable(rows));
 }
 
 void printShard(const std::filesystem::path& file) {
@@ -128,7 +129,7 @@ void printShard(const std::filesystem::path& file) {
     const std::string place = file.string() + ": " + name;
     rows.push_back({name, grouped(bytes.size()), scan ? grouped(decodeMember(place, bytes).size()) : ""});
   });
-  fmt::print("shard {}\n\n{}", file.string(), formatTable(rows));
+  printText("shard {}\n\n{}", file.string(), formatTable(rows));
 }
 
 std::string sizeText(const Box& box) {
@@ -153,9 +154,9 @@ void printObjects(const Scene& scene) {
     rows.push_back({firsts[i]->name, sizeText(box), fmt::format("{:.5g}", box.low.z), grouped(mesh.triangles.size()),
                     grouped(placed[firsts[i]->mesh])});
   }
-  fmt::print("\n{} meshes, {} times placed\n{}", grouped(scene.meshes.size()), grouped(scene.instances.size()),
-             formatTable(rows));
-  if (firsts.size() > kMostObjects) fmt::print("and {} more meshes\n", grouped(firsts.size() - kMostObjects));
+  printText("\n{} meshes, {} times placed\n{}", grouped(scene.meshes.size()), grouped(scene.instances.size()),
+            formatTable(rows));
+  if (firsts.size() > kMostObjects) printText("and {} more meshes\n", grouped(firsts.size() - kMostObjects));
 }
 
 // Of what stands still, where anything does: those who are still to come may be anywhere.
@@ -173,14 +174,14 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
   options.seed = seed;
   const Scene scene = readSceneToShares(file, options);
   const Box box = boundsAtRest(scene);
-  fmt::print("scene {}: {} triangles in memory, {} placed; {} instances, {} things\n", scene.name,
-             grouped(scene.triangles()), grouped(scene.placedTriangles()), grouped(scene.instances.size()),
-             grouped(scene.things()));
-  fmt::print("from [{:.2f}, {:.2f}, {:.2f}] to [{:.2f}, {:.2f}, {:.2f}] m; ontology {}\n", box.low.x, box.low.y,
-             box.low.z, box.high.x, box.high.y, box.high.z, scene.ontology.name);
+  printText("scene {}: {} triangles in memory, {} placed; {} instances, {} things\n", scene.name,
+            grouped(scene.triangles()), grouped(scene.placedTriangles()), grouped(scene.instances.size()),
+            grouped(scene.things()));
+  printText("from [{:.2f}, {:.2f}, {:.2f}] to [{:.2f}, {:.2f}, {:.2f}] m; ontology {}\n", box.low.x, box.low.y,
+            box.low.z, box.high.x, box.high.y, box.high.z, scene.ontology.name);
   if (scene.dropped.total() > 0) {
-    fmt::print("dropped triangles: {} degenerate, {} with NaN or infinite corners, {} with indices out of range\n",
-               grouped(scene.dropped.degenerate), grouped(scene.dropped.nonFinite), grouped(scene.dropped.outOfRange));
+    printText("dropped triangles: {} degenerate, {} with NaN or infinite corners, {} with indices out of range\n",
+              grouped(scene.dropped.degenerate), grouped(scene.dropped.nonFinite), grouped(scene.dropped.outOfRange));
   }
   printObjects(scene);
   struct PerClass {
@@ -201,7 +202,7 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
     rows.push_back({known == nullptr ? "?" : known->name, std::to_string(id), grouped(c.triangles),
                     c.instances.empty() ? "" : grouped(c.instances.size())});
   }
-  fmt::print("\n{}", formatTable(rows));
+  printText("\n{}", formatTable(rows));
   Rows materials{{"material", "reflectance", "roughness", "metallic", "texture", "source"}};
   for (const Material& m : scene.materials) {
     materials.push_back({m.name, fmt::format("{:.3f}", m.reflectance), fmt::format("{:.2f}", m.roughness),
@@ -211,11 +212,11 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
                                               : "colour",
                          m.source});
   }
-  fmt::print("\n{}", formatTable(materials));
+  printText("\n{}", formatTable(materials));
   if (!scene.rules.empty()) {
     Rows rules{{"rule", "matches", "gives", "triangles"}};
     for (const RuleUse& r : scene.rules) rules.push_back({r.where.text(), r.match, r.gives, grouped(r.decided)});
-    fmt::print("\n{}", formatTable(rules));
+    printText("\n{}", formatTable(rules));
   }
   for (const std::string& line : sizeWarnings(scene)) warn(line);
   for (const std::string& line : thingSizeWarnings(scene)) warn(line);
@@ -225,11 +226,11 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
 
 void printSensor(const Value& value) {
   const auto beams = makeBeams(value);
-  fmt::print("sensor {}: {} rings x {} columns, {:.3g} revolutions/s, {}, ring 0 is the {} beam\nsource: {}\n",
-             beams->model, beams->rings, beams->columns, 1 / beams->period,
-             beams->clockwise ? "clockwise" : "counter-clockwise", beams->topDown ? "top" : "bottom", beams->source);
-  fmt::print("range {:.3g} to {:.3g} m; column 0 at {:.2f} deg; beams start {:.2f} mm off the axis\n\n",
-             beams->minRange, beams->maxRange, degrees(beams->firstAzimuth), beams->originOffset * 1000);
+  printText("sensor {}: {} rings x {} columns, {:.3g} revolutions/s, {}, ring 0 is the {} beam\nsource: {}\n",
+            beams->model, beams->rings, beams->columns, 1 / beams->period,
+            beams->clockwise ? "clockwise" : "counter-clockwise", beams->topDown ? "top" : "bottom", beams->source);
+  printText("range {:.3g} to {:.3g} m; column 0 at {:.2f} deg; beams start {:.2f} mm off the axis\n\n", beams->minRange,
+            beams->maxRange, degrees(beams->firstAzimuth), beams->originOffset * 1000);
   Rows rows{{"ring", "elevation deg", "azimuth offset deg", "firing us"}};
   const bool ownOrigins = !beams->originLeft.empty() || !beams->originUp.empty();
   if (ownOrigins) rows.front().insert(rows.front().end(), {"origin left mm", "origin up mm"});
@@ -242,7 +243,7 @@ void printSensor(const Value& value) {
     rows.back().push_back(fmt::format("{:.1f}", at(beams->originLeft) * 1000));
     rows.back().push_back(fmt::format("{:.1f}", at(beams->originUp) * 1000));
   }
-  fmt::print("{}", formatTable(rows));
+  printText("{}", formatTable(rows));
 }
 
 void printClips(const std::filesystem::path& file) {
@@ -251,8 +252,8 @@ void printClips(const std::filesystem::path& file) {
   Rows rows{{"animation", "from s", "to s"}};
   for (const gltf::Clip& c : clips)
     rows.push_back({c.name, fmt::format("{:.4g}", c.first), fmt::format("{:.4g}", c.last)});
-  fmt::print("\n{}", formatTable(rows));
-  fmt::print("`animation: {{clip: NAME}}` of the object in a scene plays one, with `time_s` it stands\n");
+  printText("\n{}", formatTable(rows));
+  printText("`animation: {{clip: NAME}}` of the object in a scene plays one, with `time_s` it stands\n");
 }
 
 // The colours of triangles that rules of a scene can match, material by material; those near a commoner one are counted
@@ -294,7 +295,7 @@ void printColors(const Asset& asset) {
           {names.first, names.second, fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]), grouped(triangles)});
     }
   }
-  fmt::print("\n{}", formatTable(rows));
+  printText("\n{}", formatTable(rows));
 }
 
 void printAsset(const std::filesystem::path& file, const AssetOptions& options) {
@@ -328,16 +329,16 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
   if (asset.instanced.empty()) {
     for (std::vector<std::string>& row : rows) row.pop_back();
   }
-  fmt::print("asset {}: {} triangles; rules of a scene match these names\n\n{}\n", file.string(), grouped(triangles),
-             formatTable(rows));
+  printText("asset {}: {} triangles; rules of a scene match these names\n\n{}\n", file.string(), grouped(triangles),
+            formatTable(rows));
   std::vector<Node> nodes;
   for (auto& [index, node] : byIndex) {
     if (!node.box.empty()) nodes.push_back(std::move(node));
   }
   if (nodes.empty()) return;
-  fmt::print("from [{:.8g}, {:.8g}, {:.5g}] to [{:.8g}, {:.8g}, {:.5g}]: {} m\n", whole.low.x, whole.low.y, whole.low.z,
-             whole.high.x, whole.high.y, whole.high.z, sizeText(whole));
-  fmt::print(
+  printText("from [{:.8g}, {:.8g}, {:.5g}] to [{:.8g}, {:.8g}, {:.5g}]: {} m\n", whole.low.x, whole.low.y, whole.low.z,
+            whole.high.x, whole.high.y, whole.high.z, sizeText(whole));
+  printText(
       "read with unit: {:g} (m per unit) and up: {}; others by --unit and --up here, by the keys `unit` and `up` of "
       "the object in a scene\n",
       options.metresPerUnit,
@@ -352,8 +353,8 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
   for (std::size_t i = 0; i < std::min(nodes.size(), kMostNodes); ++i) {
     sizes.push_back({nodes[i].name, sizeText(nodes[i].box), fmt::format("{:.5g}", nodes[i].box.low.z)});
   }
-  fmt::print("\n{}", formatTable(sizes));
-  if (nodes.size() > kMostNodes) fmt::print("and {} smaller ones\n", nodes.size() - kMostNodes);
+  printText("\n{}", formatTable(sizes));
+  if (nodes.size() > kMostNodes) printText("and {} smaller ones\n", nodes.size() - kMostNodes);
 }
 
 void printOntology(const std::filesystem::path& file) {
@@ -362,7 +363,7 @@ void printOntology(const std::filesystem::path& file) {
     rows.push_back({std::to_string(c.id), c.name, c.thing ? "thing" : "stuff",
                     fmt::format("#{:02x}{:02x}{:02x}", c.color[0], c.color[1], c.color[2])});
   }
-  fmt::print("{}", formatTable(rows));
+  printText("{}", formatTable(rows));
 }
 
 void printMaterials(const std::filesystem::path& file) {
@@ -372,7 +373,7 @@ void printMaterials(const std::filesystem::path& file) {
     rows.push_back({m.name, fmt::format("{:.3f}", m.reflectance), fmt::format("{:.2f}", m.roughness),
                     fmt::format("{:.0f}", m.metallic), m.source});
   }
-  fmt::print("{}", formatTable(rows));
+  printText("{}", formatTable(rows));
 }
 
 void printYaml(const std::filesystem::path& file, std::uint64_t seed) {

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/grouped.h"
 #include "base/short_text.h"
+#include "base/terminal.h"
 #include "commands/table.h"
 #include "dataset/recording.h"
 #include "passes/exr/camera_exr.h"
@@ -31,52 +32,52 @@ void printRecording(const std::filesystem::path& folder) {
     bytes += entry.file_size();
     images += entry.path().extension() == ".exr" ? 1 : 0;
   }
-  fmt::print("recording of {}{}: {} images, {}\n\n", nameOf(r.kind),
-             r.programVersion.empty() ? std::string(" not made by scanmill")
-                                      : fmt::format(" made by {}, scanmill {}", r.method, r.programVersion),
-             grouped(images), shortBytes(static_cast<double>(bytes)));
+  printText("recording of {}{}: {} images, {}\n\n", nameOf(r.kind),
+            r.programVersion.empty() ? std::string(" not made by scanmill")
+                                     : fmt::format(" made by {}, scanmill {}", r.method, r.programVersion),
+            grouped(images), shortBytes(static_cast<double>(bytes)));
   Rows sensors{{"sensor", "rings", "columns"}};
   for (const RecordedSensor& s : r.sensors) {
     sensors.push_back({s.name, std::to_string(s.rings), std::to_string(s.columns)});
   }
-  fmt::print("{}\n", formatTable(sensors));
+  printText("{}\n", formatTable(sensors));
   Rows sequences{{"scene", "seed", "trajectory", "frames", "materials"}};
   for (const RecordedSequence& s : r.sequences) {
     sequences.push_back({s.scene, std::to_string(s.seed), s.trajectory, std::to_string(s.frames),
                          std::to_string(r.materials[s.materials].size())});
   }
-  fmt::print("{}\n", formatTable(sequences));
+  printText("{}\n", formatTable(sequences));
   if (r.ontology.classes.empty()) {
-    fmt::print("no ontology: the pipeline must name one with `labels`\n");
+    printText("no ontology: the pipeline must name one with `labels`\n");
   } else {
-    fmt::print("ontology {}: {} classes\n", r.ontology.name, r.ontology.classes.size());
+    printText("ontology {}: {} classes\n", r.ontology.name, r.ontology.classes.size());
   }
-  for (const std::string& line : r.modelled) fmt::print("  {}\n", line);
-  fmt::print("next: scanmill generate PIPELINE -o DIR --from-{} {}\n", nameOf(r.kind), folder.string());
+  for (const std::string& line : r.modelled) printText("  {}\n", oneLine(line));
+  printText("next: scanmill generate PIPELINE -o DIR --from-{} {}\n", nameOf(r.kind), folder.string());
 }
 
 void printExr(const std::filesystem::path& file) {
   const ExrReader exr(file);
-  fmt::print("{}: {} x {} pixels\n\n", file.filename().string(), exr.width(), exr.height());
+  printText("{}: {} x {} pixels\n\n", file.filename().string(), exr.width(), exr.height());
   Rows rows{{"channel", "type"}};
   for (const ExrChannel& c : exr.channels()) rows.push_back({c.name, std::string(exrTypeName(c.type))});
-  fmt::print("{}\n", formatTable(rows));
+  printText("{}\n", formatTable(rows));
   const auto& channels = exr.channels();
   if (std::any_of(channels.begin(), channels.end(), [](const ExrChannel& c) { return c.name == "range"; })) {
-    fmt::print("hits: a row per ring, a column per column of the sensor\n");
+    printText("hits: a row per ring, a column per column of the sensor\n");
     return;
   }
   try {
     const Camera c = readCamera(exr);
     const Vec3d& t = c.worldFromCamera.translation;
     const Vec3d forward = toMatrix(c.worldFromCamera.rotation).z;
-    fmt::print("camera {}: {:.2f} x {:.2f} degrees, focal length {:.2f} x {:.2f} px, principal point {:.2f}, {:.2f}\n",
-               c.name.empty() ? "without a name" : c.name, degrees(c.horizontalField()), degrees(c.verticalField()),
-               c.fx, c.fy, c.cx, c.cy);
-    fmt::print("at {:.3f}, {:.3f}, {:.3f} m, looking along {:.4f}, {:.4f}, {:.4f}\n", t.x, t.y, t.z, forward.x,
-               forward.y, forward.z);
+    printText("camera {}: {:.2f} x {:.2f} degrees, focal length {:.2f} x {:.2f} px, principal point {:.2f}, {:.2f}\n",
+              c.name.empty() ? "without a name" : c.name, degrees(c.horizontalField()), degrees(c.verticalField()),
+              c.fx, c.fy, c.cx, c.cy);
+    printText("at {:.3f}, {:.3f}, {:.3f} m, looking along {:.4f}, {:.4f}, {:.4f}\n", t.x, t.y, t.z, forward.x,
+              forward.y, forward.z);
   } catch (const InputError& e) {
-    fmt::print("no camera for passes: {}\n", e.what());
+    printText("no camera for passes: {}\n", e.what());
   }
 }
 

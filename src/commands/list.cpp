@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "config/fields.h"
@@ -41,13 +42,13 @@ Rows columnRows() {
 // What stands behind each name in a pipeline: its keys, a line each.
 template <class Entries>
 void printKeys(const Entries& entries) {
-  fmt::print("\nkeys, with their defaults (more in docs/keys.md):\n");
+  printText("\nkeys, with their defaults (more in docs/keys.md):\n");
   for (const auto& entry : entries) {
-    fmt::print("  {}{}\n", entry.name, entry.keys.empty() ? ": none" : "");
+    printText("  {}{}\n", entry.name, entry.keys.empty() ? ": none" : "");
     std::string_view rest = entry.keys;
     while (!rest.empty()) {
       const std::size_t end = std::min(rest.find("; "), rest.size());
-      fmt::print("    {}\n", rest.substr(0, end));
+      printText("    {}\n", rest.substr(0, end));
       rest.remove_prefix(std::min(end + 2, rest.size()));
     }
   }
@@ -55,14 +56,14 @@ void printKeys(const Entries& entries) {
 
 // What a pipeline may ask of each method.
 void printCapabilities() {
-  fmt::print("\nwhat they can do:\n");
+  printText("\nwhat they can do:\n");
   for (const MethodEntry& method : methods()) {
     const MethodCapabilities& can = method.can;
-    fmt::print("  {}: {}, {}, {}, {}{}\n", method.name, can.severalHits ? "several hits a ray" : "one hit a ray",
-               can.footprints ? "several rays a beam" : "one ray a beam",
-               can.transmission ? "light goes through glass" : "glass is solid",
-               can.motion ? "the sensor may move during a revolution" : "the sensor stands still during a revolution",
-               can.passes ? ", its images can be kept" : "");
+    printText("  {}: {}, {}, {}, {}{}\n", method.name, can.severalHits ? "several hits a ray" : "one hit a ray",
+              can.footprints ? "several rays a beam" : "one ray a beam",
+              can.transmission ? "light goes through glass" : "glass is solid",
+              can.motion ? "the sensor may move during a revolution" : "the sensor stands still during a revolution",
+              can.passes ? ", its images can be kept" : "");
   }
 }
 
@@ -140,7 +141,7 @@ int runList(const std::vector<std::string>& arguments) {
     throw InputError(fmt::format("nothing is called '{}' here{}", wanted, suggestion(wanted, names)));
   }
   for (const auto& [name, rows] : kinds) {
-    if (wanted.empty() || wanted == name) fmt::print("{}:\n{}", name, formatTable(rows()));
+    if (wanted.empty() || wanted == name) printText("{}:\n{}", name, formatTable(rows()));
   }
   if (wanted == "methods") printCapabilities();
   if (wanted == "methods") printKeys(methods());

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "base/short_text.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 
 namespace scanmill {
@@ -18,9 +19,8 @@ int runMerge(const std::vector<std::string>& arguments) {
   const Manifest manifest = mergeDataset(folder);
   std::uint64_t bytes = 0;
   for (const ShardRecord& shard : manifest.shards) bytes += shard.bytes;
-  fmt::print("{} samples in {} shards, {}, in {}\nnext: scanmill view {}; scanmill verify {}\n",
-             manifest.samples.size(), manifest.shards.size(), shortBytes(static_cast<double>(bytes)), folder, folder,
-             folder);
+  printText("{} samples in {} shards, {}, in {}\nnext: scanmill view {}; scanmill verify {}\n", manifest.samples.size(),
+            manifest.shards.size(), shortBytes(static_cast<double>(bytes)), folder, folder, folder);
   return 0;
 }
 

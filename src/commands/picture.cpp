@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/picture_options.h"
 #include "config/text.h"
@@ -138,7 +139,7 @@ int runPicture(const std::vector<std::string>& arguments) {
     const std::optional<Ontology> classes = ontologyOfExr(file, parsed);
     const Image image = drawExr(file, classes ? &*classes : nullptr, picture.width);
     writeFile(out, encodePng(image));
-    fmt::print("{}: {} x {}, {}\n", out.string(), image.width, image.height, file.filename().string());
+    printText("{}: {} x {}, {}\n", out.string(), image.width, image.height, file.filename().string());
     return 0;
   }
   if (const std::string kind = lowerExtension(file); kind == ".yaml" || kind == ".yml") {
@@ -156,7 +157,7 @@ int runPicture(const std::vector<std::string>& arguments) {
     plain.ontology = textOption(parsed, "ontology");
     const Image sheet = drawContactSheet(readScene(file, plain));
     writeFile(out, encodePng(sheet));
-    fmt::print("{}: {} x {}, a cell for each object of {}\n", out.string(), sheet.width, sheet.height, file.string());
+    printText("{}: {} x {}, a cell for each object of {}\n", out.string(), sheet.width, sheet.height, file.string());
     return 0;
   }
   ScanSource source = findScan(file, textOption(parsed, "sample"), textOption(parsed, "sensor"));
@@ -175,7 +176,7 @@ int runPicture(const std::vector<std::string>& arguments) {
     throw InputError({file.string()}, e.what());
   }
   writeFile(out, encodePng(image));
-  fmt::print("{}: {} x {}, {}\n", out.string(), image.width, image.height, source.title);
+  printText("{}: {} x {}, {}\n", out.string(), image.width, image.height, source.title);
   return 0;
 }
 

@@ -10,6 +10,7 @@
 #include "base/grouped.h"
 #include "base/parallel.h"
 #include "base/short_text.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "evaluate/auto/calibrate.h"
@@ -33,7 +34,7 @@ void printSensors(const Plan& plan) {
                     grouped(b.size()), fmt::format("{:.3g}", 1 / b.period),
                     fmt::format("{:.3g} to {:.3g}", b.minRange, b.maxRange)});
   }
-  fmt::print("{}\n", formatTable(rows));
+  printText("{}\n", formatTable(rows));
 }
 
 void printSequences(const Pipeline& pipeline) {
@@ -45,14 +46,14 @@ void printSequences(const Pipeline& pipeline) {
     rows.push_back({s.key(), std::to_string(s.frames), s.split, turns(s) ? std::to_string(*turns(s)) : ""});
   }
   for (std::vector<std::string>& row : rows) row.resize(any ? 4 : 3);
-  fmt::print("{}\n", formatTable(rows));
+  printText("{}\n", formatTable(rows));
 }
 
 // By file, material and texture, the largest first.
 void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   constexpr std::size_t kMostRows = 20;
   if (unlabeled.empty()) {
-    fmt::print("unlabelled geometry: none\n");
+    printText("unlabelled geometry: none\n");
     return;
   }
   struct Group {
@@ -68,7 +69,7 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   std::vector<std::pair<UnlabeledPart, Group>> sorted(groups.begin(), groups.end());
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const auto& a, const auto& b) { return a.second.triangles > b.second.triangles; });
-  fmt::print("unlabelled geometry (no rule gives it a class):\n");
+  printText("unlabelled geometry (no rule gives it a class):\n");
   std::vector<std::vector<std::string>> rows{{"file", "material", "texture", "nodes", "triangles"}};
   for (std::size_t i = 0; i < std::min(sorted.size(), kMostRows); ++i) {
     const auto& [part, group] = sorted[i];
@@ -77,8 +78,8 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
                     group.nodes.size() == 1 ? first : fmt::format("{} and {} more", first, group.nodes.size() - 1),
                     grouped(group.triangles)});
   }
-  fmt::print("{}", formatTable(rows));
-  if (sorted.size() > kMostRows) fmt::print("and {} more of file, material and texture\n", sorted.size() - kMostRows);
+  printText("{}", formatTable(rows));
+  if (sorted.size() > kMostRows) printText("and {} more of file, material and texture\n", sorted.size() - kMostRows);
 }
 
 // What a feature adds to a frame, in ms and in per cent of the frame; where that drowns in the scatter, how large that
@@ -104,7 +105,7 @@ void printFeatures(const FeatureCosts& costs) {
                          : fmt::format("< {:.1f} %", 100 * std::max(f.scatter, -f.cost.seconds()) / whole.seconds()),
                     fmt::format("{:+.0f}", f.cost.bytes * 1e-3)});
   }
-  fmt::print(
+  printText(
       "\n{}measured on {}: the least times of frames with and without, tracing on all cores, the rest on one; a share\n"
       "with < is lost in the scatter of equal frames, which is as large as that\n",
       formatTable(rows), costs.frame);
@@ -192,20 +193,20 @@ int runPlan(const std::vector<std::string>& arguments) {
       std::any_of(scenes.begin() + 1, scenes.end(), [](const auto& row) { return !row.back().empty(); });
   for (std::vector<std::string>& row : scenes) row.resize(places ? row.size() : row.size() - 1);
   if (pipeline.recording == nullptr) {
-    fmt::print("{}\n", formatTable(scenes));
+    printText("{}\n", formatTable(scenes));
   } else {
-    fmt::print("scenes: none, the scans are made of the {} in {}\n\n", nameOf(pipeline.recording->kind),
-               pipeline.recording->folder.string());
+    printText("scenes: none, the scans are made of the {} in {}\n\n", nameOf(pipeline.recording->kind),
+              pipeline.recording->folder.string());
   }
 
   if (pipeline.method.automatic) {
     modelled.push_back(fmt::format("method: auto, one of {} settings, chosen when the dataset is made",
                                    readAutoChoice(pipeline).settings.size()));
   }
-  fmt::print("modelled and left out:\n");
-  for (const std::string& line : modelled) fmt::print("  {}\n", line);
+  printText("modelled and left out:\n");
+  for (const std::string& line : modelled) printText("  {}\n", line);
   if (pipeline.recording == nullptr) {
-    fmt::print("\n");
+    printText("\n");
     printUnlabeled(unlabeled);
     if (parsed.options.count("quick") == 0 && !pipeline.method.automatic) {
       printFeatures(measured([&] { return readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed)); }));
@@ -213,14 +214,14 @@ int runPlan(const std::vector<std::string>& arguments) {
   }
   const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
   const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());
-  fmt::print("\n{} frames x {} {} = {} rays ({} allowed)\n", grouped(pipeline.frames()),
-             grouped(pipeline.raysPerFrame()), pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays",
-             shortNumber(rays), shortNumber(pipeline.maxRays));
-  fmt::print("memory: {} for the scene and {} for frames in flight\n",
-             pipeline.method.automatic ? "what the chosen method takes"
-                                       : "about " + shortBytes(static_cast<double>(sceneBytes)),
-             shortBytes(inFlight));
-  fmt::print("disk: at most about {}\n", shortBytes(mostDatasetBytes(plan, ontology)));
+  printText("\n{} frames x {} {} = {} rays ({} allowed)\n", grouped(pipeline.frames()),
+            grouped(pipeline.raysPerFrame()), pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays",
+            shortNumber(rays), shortNumber(pipeline.maxRays));
+  printText("memory: {} for the scene and {} for frames in flight\n",
+            pipeline.method.automatic ? "what the chosen method takes"
+                                      : "about " + shortBytes(static_cast<double>(sceneBytes)),
+            shortBytes(inFlight));
+  printText("disk: at most about {}\n", shortBytes(mostDatasetBytes(plan, ontology)));
   return 0;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/parallel.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "dataset/shard_ranges.h"
@@ -38,20 +39,20 @@ int runRegenerate(const std::vector<std::string>& arguments) {
   if (!text("sample").empty()) {
     const Plan plan = planOfDataset(manifest, folder, text("pipeline"));
     const std::vector<std::string> names = regenerateSample(manifest, plan, text("sample"), text("out"));
-    fmt::print("{}: {}\n", text("out"), fmt::join(names, ", "));
+    printText("{}: {}\n", text("out"), fmt::join(names, ", "));
     return 0;
   }
   const std::vector<std::uint64_t> shards = text("shards").empty()
                                                 ? damagedShards(folder, manifest)
                                                 : parseShardRanges(text("shards"), manifest.shards.size());
   if (shards.empty()) {
-    fmt::print("{} shards: all are sound, there is nothing to make\n", manifest.shards.size());
+    printText("{} shards: all are sound, there is nothing to make\n", manifest.shards.size());
     return 0;
   }
   const Plan plan = planOfDataset(manifest, folder, text("pipeline"));
   regenerateShards(folder, manifest, plan, shards, quiet, &stopSignal());
-  fmt::print("{} of {} shards made again, byte for byte: {}\n", shards.size(), manifest.shards.size(),
-             shardRanges(shards));
+  printText("{} of {} shards made again, byte for byte: {}\n", shards.size(), manifest.shards.size(),
+            shardRanges(shards));
   return 0;
 }
 

@@ -8,6 +8,7 @@
 #include "base/grouped.h"
 #include "base/parallel.h"
 #include "base/short_text.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
@@ -86,12 +87,12 @@ int runRender(const std::vector<std::string>& arguments) {
   render.stop = &stopSignal();
   const RenderSummary summary = scanmill::render(plan, render);
   for (const std::string& line : summary.warnings) warn(line);
-  fmt::print("{} images of {} shots, {}, in {}\n", grouped(summary.images), grouped(summary.shots),
-             shortBytes(static_cast<double>(summary.bytes)), render.folder.string());
+  printText("{} images of {} shots, {}, in {}\n", grouped(summary.images), grouped(summary.shots),
+            shortBytes(static_cast<double>(summary.bytes)), render.folder.string());
   if (render.quiet) return 0;
-  fmt::print("stages (s):");
-  for (const auto& [name, seconds] : summary.stages) fmt::print(" {} {:.2f}", name, seconds);
-  fmt::print("\nnext: scanmill generate {} -o DIR --from-passes {}\n", file, render.folder.string());
+  printText("stages (s):");
+  for (const auto& [name, seconds] : summary.stages) printText(" {} {:.2f}", name, seconds);
+  printText("\nnext: scanmill generate {} -o DIR --from-passes {}\n", file, render.folder.string());
   return 0;
 }
 

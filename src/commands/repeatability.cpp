@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/grouped.h"
 #include "base/parallel.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
@@ -33,9 +34,9 @@ std::string fitnessText(const FitnessSpread& spread) {
 }
 
 void printResult(const Repeatability& result, const std::string& date) {
-  fmt::print("{}, seen by {}; {}\n", fmt::join(result.objects(), ", "), fmt::join(result.sensors(), ", "), date);
-  fmt::print("fitness in cm2 (1e-4 m2), mean and deviation; noise {}, {} scans of each pose\n\n",
-             result.levels[result.reference], result.scans);
+  printText("{}, seen by {}; {}\n", fmt::join(result.objects(), ", "), fmt::join(result.sensors(), ", "), date);
+  printText("fitness in cm2 (1e-4 m2), mean and deviation; noise {}, {} scans of each pose\n\n",
+            result.levels[result.reference], result.scans);
   std::vector<std::vector<std::string>> rows{{"view", "object", "frame", "m", "points", "after ICP", "without ICP"}};
   const bool several = result.methods.size() > 1;
   if (several) rows.front().insert(rows.front().begin(), "method");
@@ -48,7 +49,7 @@ void printResult(const Repeatability& result, const std::string& date) {
       if (several) rows.back().insert(rows.back().begin(), result.methods[view.method]);
     }
   }
-  fmt::print("{}\n", formatTable(rows));
+  printText("{}\n", formatTable(rows));
 }
 
 // The figures last: where they stand, all the rest does.
@@ -98,8 +99,8 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   if (!run.quiet) printResult(result, date);
   std::size_t poses = 0;
   for (const RepeatedView& view : result.views) poses += view.places.size();
-  fmt::print("{} {}, {} noise {}: open {}\n", grouped(poses), poses == 1 ? "pose" : "poses", result.levels.size(),
-             result.levels.size() == 1 ? "level" : "levels", (folder / "index.html").string());
+  printText("{} {}, {} noise {}: open {}\n", grouped(poses), poses == 1 ? "pose" : "poses", result.levels.size(),
+            result.levels.size() == 1 ? "level" : "levels", (folder / "index.html").string());
   return 0;
 }
 

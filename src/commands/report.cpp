@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/short_text.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "report/dataset/dataset_report.h"
@@ -88,13 +89,13 @@ int runReport(const std::vector<std::string>& arguments) {
           w.places.empty() ? "" : " (" + w.places.front() + (w.places.size() > 1 ? ", ...)" : ")");
       const std::string text = w.text + first + (w.command.empty() ? "" : "\n  " + w.command);
       if (w.note) {
-        fmt::print(stderr, "note: {}\n", text);
+        printError("note: {}\n", text);
       } else {
         warn(text);
       }
     }
   }
-  fmt::print("{}: {}; open it in a browser\n", file.string(), shortBytes(static_cast<double>(page.size())));
+  printText("{}: {}; open it in a browser\n", file.string(), shortBytes(static_cast<double>(page.size())));
   return 0;
 }
 

@@ -6,6 +6,8 @@
 #include <cctype>
 #include <cstdint>
 
+#include "base/terminal.h"
+
 namespace scanmill {
 
 namespace {
@@ -22,8 +24,13 @@ bool looksNumeric(const std::string& cell) {
 
 }  // namespace
 
-std::string formatTable(const std::vector<std::vector<std::string>>& rows) {
-  if (rows.empty()) return {};
+std::string formatTable(const std::vector<std::vector<std::string>>& given) {
+  if (given.empty()) return {};
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& row : given) {
+    rows.emplace_back();
+    for (const std::string& cell : row) rows.back().push_back(oneLine(cell));
+  }
   const std::size_t columns = rows.front().size();
   std::vector<std::size_t> width(columns);
   std::vector<bool> right(columns, rows.size() > 1);

@@ -9,6 +9,7 @@
 #include "base/grouped.h"
 #include "base/parallel.h"
 #include "base/short_text.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
@@ -55,13 +56,13 @@ void printSettings(const Study& study) {
                     fmt::format("{:.3f} %", 100 * static_cast<double>(e.falsePositives) / beams),
                     metresText(s.measured.cloud.to.mean), metresText(s.measured.cloud.from.mean)});
   }
-  fmt::print(
+  printText(
       "{}median, p99, away from edges (p99 there): of the range error; false negatives: only the truth hits; false\n"
       "positives: only the setting hits; to, from: mean distance from the truth's points to the nearest of the\n"
       "setting's, and back\n\n",
       formatTable(rows));
   for (const SettingResult& s : study.settings) {
-    if (!s.failure.empty()) fmt::print("{} failed: {}\n", s.setting.name, s.failure);
+    if (!s.failure.empty()) printText("{} failed: {}\n", s.setting.name, s.failure);
   }
 }
 
@@ -76,7 +77,7 @@ void printEncodings(const Study& study) {
     rows.push_back({e.name, shortNumber(e.encodePointsPerSecond), shortNumber(e.decodePointsPerSecond),
                     fmt::format("{:.2f}", e.bytesPerPoint), metresText(e.largestError)});
   }
-  fmt::print("{}\n", formatTable(rows));
+  printText("{}\n", formatTable(rows));
 }
 
 void printSensing(const Study& study) {
@@ -96,7 +97,7 @@ void printSensing(const Study& study) {
                     metresText(r.distance.p99), share(r.both - r.sameClass, r.both),
                     fmt::format("{:.3g}", r.intensity)});
   }
-  fmt::print(
+  printText(
       "{}missing, added: beams that return in truth (the first row) or the setting alone; the rest of those that "
       "return in both\n\n",
       formatTable(rows));
@@ -115,24 +116,24 @@ void printRings(const Study& study) {
   };
   for (const RingFit& fit : study.rings) add(fit.setting.name, fit);
   if (study.showing) add("showing it (a picture)", *study.showing);
-  fmt::print("{}\n", formatTable(rows));
+  printText("{}\n", formatTable(rows));
 }
 
 void printStudy(const Study& study) {
-  fmt::print("{}: {} of {} beams, {} triangles; {}, {}{}{}\n\n", study.scene.key, pluralOf(study.shots, "scan"),
-             grouped(study.beamsPerShot), grouped(study.scene.triangles), study.machine.processor,
-             pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"),
-             study.machine.renderer.empty() ? "" : "; OpenGL: ", study.machine.renderer);
+  printText("{}: {} of {} beams, {} triangles; {}, {}{}{}\n\n", study.scene.key, pluralOf(study.shots, "scan"),
+            grouped(study.beamsPerShot), grouped(study.scene.triangles), study.machine.processor,
+            pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"),
+            study.machine.renderer.empty() ? "" : "; OpenGL: ", study.machine.renderer);
   printSettings(study);
   printRings(study);
   printEncodings(study);
   printSensing(study);
-  for (const std::string& line : study.left) fmt::print("left out: {}\n", line);
+  for (const std::string& line : study.left) printText("left out: {}\n", line);
   if (!study.sensing.empty()) {
-    fmt::print("the methods were compared by one ray a beam that ends at the first surface, whatever the effects\n");
+    printText("the methods were compared by one ray a beam that ends at the first surface, whatever the effects\n");
   }
   for (const Advice& a : advise(study)) {
-    fmt::print("{}: {}\n", a.need, a.setting.empty() ? a.text : fmt::format("{}\n  {}", a.setting, a.text));
+    printText("{}: {}\n", a.need, a.setting.empty() ? a.text : fmt::format("{}\n  {}", a.setting, a.text));
   }
 }
 
@@ -227,8 +228,8 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   }
   writeStudy(study, folder);
   if (!studyOptions.quiet) printStudy(study);
-  fmt::print("{} in {}: open {}\n", pluralOf(study.settings.size(), "setting"), shortTime(study.seconds),
-             (std::filesystem::path(folder) / "index.html").string());
+  printText("{} in {}: open {}\n", pluralOf(study.settings.size(), "setting"), shortTime(study.seconds),
+            (std::filesystem::path(folder) / "index.html").string());
   return 0;
 }
 

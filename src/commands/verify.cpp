@@ -6,6 +6,7 @@
 
 #include "base/grouped.h"
 #include "base/parallel.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "dataset/recording.h"
@@ -29,8 +30,8 @@ auto withProgress(const Verify& verify, const std::string& folder, const char* u
 
 // Gives the exit code.
 int report(const std::vector<std::string>& problems, const std::string& counts) {
-  for (const std::string& problem : problems) fmt::print(stderr, "{}\n", problem);
-  fmt::print("{}: {}\n", counts, problems.empty() ? "sound" : fmt::format("{} problems", problems.size()));
+  for (const std::string& problem : problems) printError("{}\n", oneLine(problem));
+  printText("{}: {}\n", counts, problems.empty() ? "sound" : fmt::format("{} problems", problems.size()));
   return problems.empty() ? 0 : 1;
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/picture_options.h"
 #include "dataset/recording.h"
@@ -180,8 +181,8 @@ std::vector<std::filesystem::path> turntableBefore(const std::filesystem::path& 
 void printRows(const std::string& heading, const std::vector<std::pair<std::string, std::string>>& rows) {
   std::size_t widest = 0;
   for (const auto& [name, value] : rows) widest = std::max(widest, name.size());
-  fmt::print("{}\n", heading);
-  for (const auto& [name, value] : rows) fmt::print("  {:{}}  {}\n", name, widest, value);
+  printText("{}\n", heading);
+  for (const auto& [name, value] : rows) printText("  {:{}}  {}\n", name, widest, oneLine(value));
 }
 
 std::unique_ptr<Canvas> openCanvas(const std::filesystem::path& file, const PictureSize& size, bool window) {
@@ -205,7 +206,7 @@ void clickAt(ImageSession& session, const std::pair<int, int>& pixel) {
 
 void writePicture(const std::filesystem::path& file, const Image& image, const std::string& what) {
   writeFile(file, encodePng(image));
-  fmt::print("{}: {} x {}, {}\n", file.string(), image.width, image.height, what);
+  printText("{}: {} x {}, {}\n", file.string(), image.width, image.height, what);
 }
 
 // An EXR image, or the folder of a recording.
@@ -232,7 +233,7 @@ void viewImages(const std::filesystem::path& path, const Arguments& parsed, cons
     if (rows) {
       printRows(session.name(), *rows);
     } else {
-      fmt::print("nothing lies at {},{}\n", outputs.pick->first, outputs.pick->second);
+      printText("nothing lies at {},{}\n", outputs.pick->first, outputs.pick->second);
     }
   }
   if (outputs.screenshot.empty()) return;
@@ -250,7 +251,7 @@ void makeTurntable(ViewSession& session, const Outputs& outputs) {
     session.settle();
     writeFile(outputs.turntable / fmt::format("turntable_{:0{}}.png", i, digits), encodePng(session.picture()));
   }
-  fmt::print("{}: {} pictures\n", outputs.turntable.string(), outputs.frames);
+  printText("{}: {} pictures\n", outputs.turntable.string(), outputs.frames);
 }
 
 void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSize& size, const Outputs& outputs,
@@ -270,7 +271,7 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
       printRows(thing->heading, thing->rows);
       session.pin(*thing);
     } else {
-      fmt::print("nothing lies at {},{}\n", x, y);
+      printText("nothing lies at {},{}\n", x, y);
     }
   }
   if (!outputs.screenshot.empty()) {

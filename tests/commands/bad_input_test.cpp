@@ -10,6 +10,7 @@
 #include <random>
 
 #include "base/file.h"
+#include "dataset/shard.h"
 #include "tests/commands/program.h"
 
 namespace scanmill {
@@ -357,6 +358,44 @@ TEST_F(BadInput, SingularTransformsAreRefusedWithTheirPlace) {
     folder_.write("scene.yaml", text);
     expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out")}), "scene.yaml:5:");
     EXPECT_FALSE(std::filesystem::exists(at("out")));
+  }
+}
+
+// Names in files may hold what terminals take for commands, and lines that look like ours.
+TEST_F(BadInput, WhatNamesHoldIsWrittenOut) {
+  const std::string evil = "a\x1b[2J\x1b]0;owned\x07\xc2\x9b";
+  const std::string forged = "b\nerror: all is lost";
+  folder_.write("evil.obj", "o " + evil + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  folder_.write("evil.csv", "x,y,z," + evil + "\n1,2,3,4\n");
+  folder_.write("evil.yaml", "\"" + evil + "\": 1\n");
+  folder_.write("named.yaml", "ontology: " + evil + "\n");
+  {
+    ShardFile shard(folder_.path() / "evil.tar");
+    shard.add("a\x1b[2J.json", "{}");
+    shard.add(forged + ".pcd", "no points");
+    shard.close();
+  }
+  ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out")}).code, 0);
+  std::string manifest = readFile(at("out/manifest.json"));
+  manifest.replace(manifest.find("\"small\""), 7, R"("a\u001b[2J\nerror: all is lost")");
+  folder_.write("out/manifest.json", manifest);
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"info", at("evil.obj")},
+                                                  {"info", at("evil.csv")},
+                                                  {"info", at("evil.yaml")},
+                                                  {"info", at("named.yaml")},
+                                                  {"info", at("evil.tar")},
+                                                  {"info", at("out")},
+                                                  {"verify", at("out")},
+                                                  {"plan", at("evil.yaml")},
+                                                  {"info", at(evil)},
+                                                  {"generate", pipeline_, "-o", at("x"), "--set", evil + "=1"}}) {
+    const Outcome outcome = scanmill(command);
+    for (const std::string& text : {outcome.out, outcome.error}) {
+      EXPECT_EQ(text.find('\x1b'), std::string::npos) << command[0] << " " << command[1];
+      EXPECT_EQ(text.find('\x07'), std::string::npos) << command[0] << " " << command[1];
+      EXPECT_EQ(text.find("\xc2\x9b"), std::string::npos) << command[0] << " " << command[1];
+      EXPECT_EQ(text.find("\nerror: all"), std::string::npos) << command[0] << " " << command[1];
+    }
   }
 }
 

@@ -6,6 +6,8 @@
 #include <mutex>
 #include <set>
 
+#include "base/terminal.h"
+
 namespace scanmill {
 
 namespace {
@@ -32,7 +34,7 @@ InputError::InputError(const std::string& message) : Error(message) {}
 
 void warn(const std::string& message) {
   const std::scoped_lock lock(warningMutex);
-  if (warnings().insert(message).second) fmt::print(stderr, "warning: {}\n", message);
+  if (warnings().insert(message).second) printError("warning: {}\n", indented(message));
 }
 
 std::size_t warningCount() {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/short_text.h"
+#include "base/terminal.h"
 
 namespace scanmill {
 
@@ -44,7 +45,7 @@ void Progress::advance(std::uint64_t count, double work) {
 void Progress::say(const std::string& doing) {
   if (quiet_) return;
   const double now = seconds();
-  const std::string text = fmt::format("{} {}/{} {}  {}", what_, done_, total_, unit_, doing);
+  const std::string text = fmt::format("{} {}/{} {}  {}", what_, done_, total_, unit_, oneLine(doing));
   if (terminal_) {
     fmt::print(stderr, "\r{}\033[K", text);
     std::fflush(stderr);

@@ -1,0 +1,45 @@
+#include "base/terminal.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace scanmill {
+namespace {
+
+TEST(Terminal, ControlCharactersAreWrittenOut) {
+  EXPECT_EQ(forTerminal("a\x1b[2Jb"), "a\\x1b[2Jb");
+  EXPECT_EQ(forTerminal("\x1b]0;title\x07"), "\\x1b]0;title\\x07");
+  EXPECT_EQ(forTerminal(std::string_view("\0", 1)), "\\x00");
+  EXPECT_EQ(forTerminal("\x7f"), "\\x7f");
+  EXPECT_EQ(forTerminal("\xc2\x9b[2J"), "\\x9b[2J") << "CSI in one character";
+  EXPECT_EQ(forTerminal("\x9b[2J"), "\\x9b[2J") << "and in one byte";
+  EXPECT_EQ(forTerminal("a\rb"), "a\\rb");
+  EXPECT_EQ(forTerminal("gpj\xe2\x80\xae.exe"), "gpj\\u202e.exe");
+}
+
+TEST(Terminal, AllElseStays) {
+  const std::string text = "Stra\xc3\x9f, 1\n2\t3 \xe6\x9d\xb1\xe4\xba\xac \xf0\x9f\x9a\x97 \\ \" ~";
+  EXPECT_EQ(forTerminal(text), text);
+  EXPECT_EQ(oneLine("a\nerror: b\t"), "a\\nerror: b\\t");
+  EXPECT_EQ(indented("a\nerror: b"), "a\n  error: b");
+}
+
+// Whatever a file holds: no control character comes out, neither as a byte nor as UTF-8.
+TEST(Terminal, NothingElseComesThrough) {
+  std::minstd_rand random(1);
+  for (int i = 0; i < 2000; ++i) {
+    std::string text(random() % 20, ' ');
+    for (char& c : text) c = static_cast<char>(random());
+    for (const unsigned char c : oneLine(text)) EXPECT_TRUE(c >= 0x20 && c != 0x7f);
+    const std::string fit = forTerminal(text);
+    EXPECT_EQ(forTerminal(fit), fit);
+    for (std::size_t k = 0; k + 1 < fit.size(); ++k) {
+      const auto next = static_cast<unsigned char>(fit[k + 1]);
+      EXPECT_FALSE(fit[k] == '\xc2' && next >= 0x80 && next < 0xa0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace scanmill
