@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <utility>
 
@@ -42,7 +43,7 @@ void printMade(const GenerateSummary& s, const GenerateOptions& options) {
   printText("{} shards{}, {}, in {}{}; {}\n", s.shards + s.resumedShards, there,
             shortBytes(static_cast<double>(s.bytes)), folder, warningsText(),
             options.shards.kind == ShardChoice::Kind::Any
-                ? "another process ends the dataset"
+                ? fmt::format("another process ends the dataset, or scanmill merge {}", folder)
                 : fmt::format("when all are there: scanmill merge {}", folder));
 }
 
@@ -55,8 +56,10 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options) {
   }
   printText("{}\n", formatTable(rows));
   printMade(s, options);
+  // Of all samples that are counted: others may have made some of them.
+  const double made = static_cast<double>(s.samplesMade) / static_cast<double>(std::max<std::size_t>(s.samples, 1));
   printText("{} beams gave {} points in {}: {} beams/s, {:.2f} bytes a point\n", grouped(s.beams), grouped(s.points),
-            shortTime(s.seconds), shortNumber(static_cast<double>(s.beams) / s.seconds),
+            shortTime(s.seconds), shortNumber(static_cast<double>(s.beams) * made / s.seconds),
             s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
   printText("stages (s of thread time):");
   for (const auto& [name, seconds] : s.stages) printText(" {} {:.2f}", name, seconds);
@@ -121,13 +124,6 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   return choice;
 }
 
-// So that scripts can always say --resume.
-bool isWholeAlready(const Plan& plan, const std::filesystem::path& folder) {
-  if (DatasetFolder::isUnfinished(folder) || !std::filesystem::exists(folder / kManifestName)) return false;
-  const Manifest made = readManifest(folder);
-  return made.programVersion == kVersion && made.pipelineSha256 == sha256(plan.pipeline().text);
-}
-
 }  // namespace
 
 int runGenerate(const std::vector<std::string>& arguments) {
@@ -173,7 +169,8 @@ int runGenerate(const std::vector<std::string>& arguments) {
   if (generateOptions.resume && generateOptions.overwrite) {
     throw InputError("--resume goes on with what is there, --overwrite begins anew: give one of them");
   }
-  generateOptions.shards = shardsOption(parsed, shardJobs(plan).size());
+  const std::vector<ShardJob> jobs = shardJobs(plan);
+  generateOptions.shards = shardsOption(parsed, jobs.size());
   if (generateOptions.overwrite && generateOptions.shards.kind != ShardChoice::Kind::All) {
     throw InputError("--overwrite would remove what other processes make: remove the old dataset first");
   }
@@ -182,7 +179,8 @@ int runGenerate(const std::vector<std::string>& arguments) {
   if (!generateOptions.keepPasses.empty()) plan.requirePasses();
   if (!generateOptions.keepHits.empty()) plan.requireOneRay();
   if (plan.pipeline().method.automatic) chooseMethod(plan, generateOptions);
-  if (generateOptions.resume && isWholeAlready(plan, generateOptions.folder)) {
+  // So that scripts can always say --resume.
+  if (generateOptions.resume && isWholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder)) {
     printText("{}: is whole, there is nothing to resume\n", generateOptions.folder.string());
     return 0;
   }

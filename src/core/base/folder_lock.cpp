@@ -85,13 +85,12 @@ bool FolderLock::take(const std::filesystem::path& file, LockKind kind, std::str
     holder = words.empty() ? "another process" : words;
     return false;
   };
-  bool locked = false;
   while (true) {
     constexpr int kMode = 0644;
     descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kMode);
     if (descriptor_ < 0) fail(file, "cannot be made");
-    locked = ::flock(descriptor_, (kind == LockKind::Alone ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0;
-    if (!locked) {
+    locked_ = ::flock(descriptor_, (kind == LockKind::Alone ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0;
+    if (!locked_) {
       if (errno == EWOULDBLOCK) return refuse(readWords(descriptor_));
       if (errno == EINTR) {
         release();
@@ -102,7 +101,7 @@ bool FolderLock::take(const std::filesystem::path& file, LockKind kind, std::str
     if (isStillThere(descriptor_, file)) break;
     release();  // its holder has just removed it
   }
-  if (kind == LockKind::Shared && !locked) return true;  // words would keep others from sharing
+  if (kind == LockKind::Shared && !locked_) return true;  // words would keep others from sharing
   const std::string words = ownWords();
   if (::ftruncate(descriptor_, 0) != 0 ||
       ::pwrite(descriptor_, words.data(), words.size(), 0) != static_cast<ssize_t>(words.size())) {
@@ -116,12 +115,10 @@ bool FolderLock::take(const std::filesystem::path& file, LockKind kind, std::str
 
 bool FolderLock::makeAlone() {
   if (kind_ == LockKind::Alone) return true;
-  // Linux gives the shared lock back first. Meanwhile another process may take it, and may remove the file with it.
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    release();
-    return false;
-  }
-  if (!isStillThere(descriptor_, file_)) {
+  // The shared lock goes first, which network file systems would keep where they cannot give the other. Meanwhile
+  // another process may take the lock, and may remove the file with it.
+  if (!locked_ || ::flock(descriptor_, LOCK_UN) != 0 || ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 ||
+      !isStillThere(descriptor_, file_)) {
     release();
     return false;
   }

@@ -30,8 +30,11 @@ class FolderLock {
   // The same as the constructor, but gives null where another process holds it, and says which in `holder`.
   static std::unique_ptr<FolderLock> tryTake(const std::filesystem::path& file, LockKind kind, std::string& holder);
 
-  // From shared to alone; false, and the lock is lost, where another process holds it as well.
+  // From shared to alone; false, and the lock is lost, where another process holds it as well, or where nobody can
+  // know.
   bool makeAlone();
+  // Whether others are kept out: not where the file system knows no locks.
+  bool isKept() const { return locked_; }
 
  private:
   FolderLock() = default;
@@ -40,6 +43,7 @@ class FolderLock {
 
   std::filesystem::path file_;
   LockKind kind_ = LockKind::Alone;
+  bool locked_ = false;
   int descriptor_ = -1;
 };
 

@@ -30,7 +30,7 @@ constexpr const char* kReplacedName = "replaced.json";  // the manifest of the d
 constexpr const char* kRecordSuffix = ".json";          // behind the name of a shard
 constexpr const char* kClaimSuffix = ".lock";           // likewise
 constexpr const char* kTurnName = "begin.lock";
-constexpr std::chrono::seconds kPatience(10);
+constexpr std::chrono::seconds kPatience(60);
 constexpr std::chrono::milliseconds kPause(50);
 
 struct Contents {
@@ -181,19 +181,21 @@ void checkUse(const fs::path& folder, FolderUse use) {
   }
 }
 
-// Everything in the hidden folder, which is ours, but for the lock.
+void removeFile(const fs::path& file) {
+  if (::unlink(file.c_str()) != 0 && errno != ENOENT) {
+    throw Error(fmt::format("{}: cannot be removed: {}", file.string(), std::strerror(errno)));
+  }
+}
+
+// Everything in the hidden folder, which is ours, but for the lock. The plan goes first: without it the rest is
+// nothing.
 void clearHidden(const fs::path& hidden) {
+  removeFile(hidden / kPlanName);
   std::vector<fs::path> paths;
   for (const fs::directory_entry& entry : fs::directory_iterator(hidden)) {
     if (entry.path().filename() != kLockName) paths.push_back(entry.path());
   }
   for (const fs::path& path : paths) fs::remove_all(path);
-}
-
-void removeFile(const fs::path& file) {
-  if (::unlink(file.c_str()) != 0 && errno != ENOENT) {
-    throw Error(fmt::format("{}: cannot be removed: {}", file.string(), std::strerror(errno)));
-  }
 }
 
 void removeShard(const fs::path& folder, const std::string& name) {
@@ -282,16 +284,21 @@ void DatasetFolder::begin(FolderUse use) {
   // Those who share the folder begin one after the other.
   std::unique_ptr<FolderLock> turn;
   std::string holder;
-  while (shared_ && turn == nullptr) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (shared_ && lock_->isKept() && turn == nullptr) {
     turn = FolderLock::tryTake(staging_ / kTurnName, LockKind::Alone, holder);
-    if (turn == nullptr) std::this_thread::sleep_for(kPause);
+    if (turn != nullptr) break;
+    if (std::chrono::steady_clock::now() > end) {
+      throw InputError({folder_.string()}, "is being begun by " + holder + ": wait for it");
+    }
+    std::this_thread::sleep_for(kPause);
   }
   const fs::path planFile = staging_ / kPlanName;
   if ((shared_ || use == FolderUse::Resume) && fs::exists(planFile)) {
     if (readFile(planFile) == toJson(plan_)) return;
     throw InputError({folder_.string()},
                      "holds an unfinished dataset of another pipeline, other files that it names, or another version "
-                     "of this program: --overwrite begins anew");
+                     "of this program: begin anew, in another folder or with --overwrite");
   }
   // Of a run that was killed while it replaced a dataset. One that is whole stays until the new one is.
   if (!fs::exists(folder_ / kManifestName)) {
@@ -338,7 +345,8 @@ std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
   fs::create_directories(file.parent_path(), failure);
   if (failure) throw Error(fmt::format("{}: cannot be made: {}", file.parent_path().string(), failure.message()));
   std::string holder;
-  return FolderLock::tryTake(file, LockKind::Alone, holder);
+  // Without locks every process makes what it wants to make: the bytes are the same, whoever is the last.
+  return FolderLock::tryTake(file, lock_->isKept() ? LockKind::Alone : LockKind::Shared, holder);
 }
 
 void DatasetFolder::keep(const DatasetPart& part) {

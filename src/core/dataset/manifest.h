@@ -80,6 +80,7 @@ struct Manifest {
   std::string name;
   std::string pipelineText;  // with the overrides applied
   std::string pipelineSha256;
+  std::string planSha256;  // see datasetPlan(); empty in earlier manifests
   std::uint64_t seed = 0;
   bool organised = false;
   bool deskewed = false;

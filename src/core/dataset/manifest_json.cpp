@@ -184,9 +184,10 @@ OrderedJson manifestJson(const Manifest& m) {
                           if (!s.samplesSha256.empty()) shard["samples_sha256"] = s.samplesSha256;
                           return shard;
                         })},
-      {"samples", inFiles ? OrderedJson::array()
-                          : listOf(m.samples, [&m](const SampleRecord& s) { return sampleEntry(s, m); })},
+      {"samples",
+       inFiles ? OrderedJson::array() : listOf(m.samples, [&m](const SampleRecord& s) { return sampleEntry(s, m); })},
   };
+  if (!m.planSha256.empty()) json["plan_sha256"] = m.planSha256;
   if (m.chosen) {
     json["method_choice"] = {
         {"setting", m.chosen->setting}, {"assignment", m.chosen->assignment}, {"why", m.chosen->why}};

@@ -191,7 +191,7 @@ void checkVersion(const JsonNode& root, const Json& json, const std::string& fil
 Manifest manifestOf(const JsonNode& root) {
   root.keys({"schema_version", "program", "name", "seed", "pipeline", "units", "frames", "scans", "formats", "ontology",
              "sensors", "modelled", "shards", "samples"},
-            {"method_choice", "digest", "stages"});
+            {"plan_sha256", "method_choice", "digest", "stages"});
   Manifest m;
   m.programVersion = root["program"].keys({"name", "version"})["version"].text();
   m.name = root["name"].text();
@@ -200,6 +200,7 @@ Manifest manifestOf(const JsonNode& root) {
   pipeline.keys({"sha256", "text"});
   m.pipelineSha256 = pipeline["sha256"].sha256();
   m.pipelineText = pipeline["text"].text();
+  if (root.has("plan_sha256")) m.planSha256 = root["plan_sha256"].sha256();
   const JsonNode units = root["units"];
   units.keys({"length", "time", "angle"});
   const auto unit = [&](const std::string& quantity, std::string_view expected) {

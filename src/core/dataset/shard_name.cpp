@@ -40,7 +40,10 @@ bool isLeftover(std::string_view name) {
   const std::size_t mark = name.rfind(kMark);
   if (mark == std::string_view::npos || !isDigits(name.substr(mark + kMark.size()))) return false;
   const std::string_view final = name.substr(0, mark);
-  return final == kManifestName || isShardName(final);
+  constexpr std::string_view kJson = ".json";
+  const bool ofSamples = final.ends_with(kJson) &&  // see samplesFileOf()
+                         isShardName(std::string(final.substr(0, final.size() - kJson.size())) + ".tar");
+  return final == kManifestName || isShardName(final) || ofSamples;
 }
 
 }  // namespace scanmill

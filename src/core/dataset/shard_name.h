@@ -19,7 +19,7 @@ bool isSplitName(std::string_view split);
 std::string shardName(const std::string& split, std::uint64_t number);
 // Whether `name`, relative to the dataset's folder, is what shardName() gives for some number.
 bool isShardName(std::string_view name);
-// Whether `name` is the temporary name of a shard or a manifest of a run that was killed.
+// Whether `name` is the temporary name of a shard, of the file beside it, or of a manifest, of a run that was killed.
 bool isLeftover(std::string_view name);
 
 }  // namespace scanmill

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "config/resources.h"
+#include "config/version.h"
 #include "dataset/shard_name.h"
 #include "pipeline/plan/shard_jobs.h"
 
@@ -20,7 +21,9 @@ namespace {
 Plan planAt(const Manifest& manifest, const fs::path& file) {
   Plan plan(readPipelineText(manifest.pipelineText, file));
   if (plan.pipeline().method.automatic && manifest.chosen) {
-    const std::string chosen = manifest.pipelineText + "\n# --set " + manifest.chosen->assignment + "\n";
+    const std::string chosen =
+        fmt::format("{}{}# --set {}\n", manifest.pipelineText, manifest.pipelineText.ends_with('\n') ? "" : "\n",
+                    manifest.chosen->assignment);
     plan.choose(readPipelineText(chosen, file).method, *manifest.chosen);
   }
   return plan;
@@ -34,6 +37,10 @@ void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& dat
                                  what, manifest.programVersion));
   };
   const std::vector<ShardJob> jobs = shardJobs(plan);
+  if (manifest.programVersion == kVersion && !manifest.planSha256.empty() &&
+      datasetPlan(plan, jobs).hash != manifest.planSha256) {
+    differs("other samples");
+  }
   if (jobs.size() != manifest.shards.size()) differs(fmt::format("{} shards", jobs.size()));
   std::vector<std::vector<std::string>> keys(jobs.size());
   for (const SampleRecord& sample : manifest.samples) keys[sample.shard].push_back(sample.key);
@@ -65,22 +72,27 @@ std::vector<fs::path> pipelineFolders(const fs::path& datasetFolder) {
 Plan planOfDataset(const Manifest& manifest, const fs::path& datasetFolder, const fs::path& pipeline) {
   // A pipeline without a name is called as its file.
   const std::string name = manifest.name + ".yaml";
-  const auto at = [&](const fs::path& folder) {
-    Plan plan = planAt(manifest, folder / name);
+  if (!pipeline.empty()) {
+    Plan plan = planAt(manifest, pipeline.parent_path() / name);
     checkShards(plan, manifest, datasetFolder);
     return plan;
-  };
-  if (!pipeline.empty()) return at(pipeline.parent_path());
-  std::string first;
+  }
+  std::string notFound;   // why the first folder does not have what the pipeline names
+  std::string different;  // and what is different in the first that does
   for (const fs::path& folder : pipelineFolders(datasetFolder)) {
+    bool found = false;
     try {
-      return at(folder);
+      Plan plan = planAt(manifest, folder / name);
+      found = true;
+      checkShards(plan, manifest, datasetFolder);
+      return plan;
     } catch (const InputError& error) {
-      if (first.empty()) first = error.what();
+      std::string& why = found ? different : notFound;
+      if (why.empty()) why = error.what();
     }
   }
-  throw InputError(fmt::format("{}\nwhere is the pipeline that {} was made by? give --pipeline FILE", first,
-                               datasetFolder.string()));
+  throw InputError(fmt::format("{}\nwhere is the pipeline that {} was made by? give --pipeline FILE",
+                               different.empty() ? notFound : different, datasetFolder.string()));
 }
 
 }  // namespace scanmill

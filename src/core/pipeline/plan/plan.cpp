@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "config/named_options.h"
 #include "methods/light_paths.h"
@@ -53,10 +54,6 @@ void checkRays(const Pipeline& pipeline) {
 
 constexpr double kGibibyte = 1024.0 * 1024 * 1024;
 constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // of a beam table
-
-std::uint64_t machineBytes() {
-  return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-}
 
 bool sameClasses(const Ontology& a, const Ontology& b) {
   return std::equal(a.classes.begin(), a.classes.end(), b.classes.begin(), b.classes.end(),
@@ -218,13 +215,13 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   traced_ = channels_ | kept;
   const std::uint64_t rays = pipeline_.raysPerFrame();
   const std::uint64_t bytes = rays * kBeamBytes + bytesPerFrameInMemory();
-  if (bytes > machineBytes()) {
+  if (bytes > memoryLimitBytes()) {
     throw InputError(
         {pipeline_.file.string()},
         fmt::format("{} {} a frame x {} bytes = {:.1f} GiB, but this machine has {:.1f} GiB of memory: "
                     "take fewer sensors, rings, columns or rays a beam",
                     rays, rays == pipeline_.beamsPerFrame() ? "beams" : "rays", bytes / rays,
-                    static_cast<double>(bytes) / kGibibyte, static_cast<double>(machineBytes()) / kGibibyte));
+                    static_cast<double>(bytes) / kGibibyte, static_cast<double>(memoryLimitBytes()) / kGibibyte));
   }
   for (const MountedSensor& sensor : pipeline_.sensors) {
     beams_.push_back(makeBeams(sensor.description));
@@ -474,7 +471,7 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
 }
 
 std::size_t Plan::framesInFlight() const {
-  const std::uint64_t fitting = machineBytes() / 2 / bytesPerFrameInMemory();
+  const std::uint64_t fitting = memoryLimitBytes() / 2 / bytesPerFrameInMemory();
   return std::clamp<std::uint64_t>(fitting, 1, static_cast<std::uint64_t>(threadCount()));
 }
 

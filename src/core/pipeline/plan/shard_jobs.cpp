@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <string_view>
 #include <tuple>
@@ -23,6 +24,28 @@ namespace scanmill {
 
 namespace {
 
+// A value's contents, without its place.
+void addValue(const Value& value, const std::function<void(std::string_view)>& add) {
+  add(fmt::format("{}", static_cast<int>(value.kind)));
+  add(value.text);
+  for (const Value& item : value.items) addValue(item, add);
+  for (const Value::Entry& entry : value.entries) {
+    add(entry.key);
+    addValue(entry.value, add);
+  }
+}
+
+// The names and sizes of a recording's files stand for its images, which would take too long to read.
+void addRecording(const std::filesystem::path& folder, const std::function<void(std::string_view)>& add) {
+  std::set<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.is_regular_file()) {
+      files.insert(fmt::format("{} {}", entry.path().filename().string(), entry.file_size()));
+    }
+  }
+  for (const std::string& file : files) add(file);
+}
+
 std::string planHash(const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline();
   Sha256 hash;
@@ -31,12 +54,15 @@ std::string planHash(const Plan& plan) {
   add(pipeline.text);
   if (plan.chosen()) add(plan.chosen()->assignment);
   for (const auto& beams : plan.beams()) add(beamsHash(*beams));
+  for (const MountedSensor& sensor : pipeline.sensors) addValue(sensor.description, add);
   std::set<std::filesystem::path> scenes;
   for (const Sequence& sequence : pipeline.sequences) scenes.insert(sequence.sceneFile);
+  for (const std::filesystem::path& file : {pipeline.vehicle, pipeline.ontology}) scenes.insert(file);
   std::error_code ignored;
   for (const std::filesystem::path& scene : scenes) {
     if (std::filesystem::is_regular_file(scene, ignored)) add(readFile(scene));  // recordings have none
   }
+  if (pipeline.recording != nullptr) addRecording(pipeline.recording->folder, add);
   return hash.hex();
 }
 

@@ -31,8 +31,9 @@ struct ShardJob {
 std::vector<ShardJob> shardJobs(const Plan& plan);
 
 // What parts of a dataset say of their plan. Its hash differs where datasets would differ: it is of the program's
-// version, the pipeline and the chosen method, the sensors' beams, and the files that it names as scenes. Assets,
-// ontologies and materials are not read: whoever changes one begins anew.
+// version, the pipeline and the chosen method, the sensors and their beams, the scene files, vehicle and ontology that
+// the pipeline names, and the names and sizes of a recording's files. What scenes name (assets, ontologies, materials)
+// is not read: whoever changes it begins anew.
 DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs);
 
 }  // namespace scanmill

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "base/stage_clock.h"
-#include "config/version.h"
 #include "dataset/dataset_folder.h"
 #include "dataset/parts.h"
+#include "dataset/shard_name.h"
 #include "dataset/shard_writer.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/crew.h"
@@ -61,7 +61,7 @@ class DatasetRun {
         jobs_(shardJobs(plan)),
         planned_(datasetPlan(plan, jobs_)),
         folder_(options.folder, useOf(options), planned_),
-        base_(startManifest(plan)),
+        base_(startManifest(plan, planned_)),
         open_(jobs_.size()),
         parts_(jobs_.size()),
         progress_("generate", 0, "frames", "rays", options.quiet),
@@ -149,6 +149,7 @@ class DatasetRun {
     parts_[job] = std::move(shard->part);
     const std::scoped_lock lock(mutex_);
     ++summary_.shards;
+    summary_.samplesMade += jobs_[job].samples.size();
   }
 
   bool shared() const { return options_.shards.kind != ShardChoice::Kind::All; }
@@ -175,10 +176,10 @@ class DatasetRun {
   // Of a dataset that others have ended, before this process could help.
   GenerateSummary endedByOthers() {
     summary_.manifest = readManifest(options_.folder);
-    if (summary_.manifest.programVersion != kVersion || summary_.manifest.pipelineSha256 != base_.pipelineSha256) {
+    if (!isWholeDatasetOf(planned_, options_.folder)) {
       throw InputError({options_.folder.string()},
-                       "holds a whole dataset of another pipeline or another version of this program: choose another "
-                       "output folder with -o");
+                       "holds a whole dataset of another pipeline, other files that it names, or another version of "
+                       "this program: choose another output folder with -o");
     }
     summary_.whole = true;
     return std::move(summary_);
@@ -212,6 +213,7 @@ class DatasetRun {
   }
 
   void count(const DatasetPart& part) {
+    summary_.samples += part.manifest.samples.size();
     for (const SampleRecord& sample : part.manifest.samples) {
       for (const ScanRecord& record : sample.scans) {
         summary_.beams += record.beams;
@@ -236,7 +238,9 @@ class DatasetRun {
       warnOfBlindSensors();
       folder_.publish(summary_.manifest);
     } else {
-      for (const DatasetPart& part : parts_) summary_.manifest.ontology = part.manifest.ontology;
+      for (const DatasetPart& part : parts_) {
+        if (!part.numbers.empty()) summary_.manifest.ontology = part.manifest.ontology;
+      }
     }
     summary_.seconds = progress_.seconds();
     return std::move(summary_);
@@ -260,6 +264,19 @@ class DatasetRun {
 };
 
 }  // namespace
+
+bool isWholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder) {
+  std::error_code failure;
+  if (DatasetFolder::isUnfinished(folder) || !std::filesystem::exists(folder / kManifestName, failure)) return false;
+  const Manifest made = readManifest(folder);
+  if (made.planSha256 != plan.hash) return false;
+  for (const ShardRecord& shard : made.shards) {
+    if (std::filesystem::file_size(folder / shard.file, failure) == shard.bytes) continue;
+    throw InputError({folder.string()}, fmt::format("{} is missing or damaged: `scanmill regenerate {}` makes it again",
+                                                    shard.file, folder.string()));
+  }
+  return true;
+}
 
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
   checkFolders(plan, options);

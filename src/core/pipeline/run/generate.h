@@ -11,6 +11,7 @@
 
 #include "base/stage_clock.h"
 #include "dataset/manifest.h"
+#include "dataset/parts.h"
 #include "pipeline/plan/plan.h"
 
 namespace scanmill {
@@ -39,9 +40,11 @@ struct GenerateOptions {
 };
 
 struct GenerateSummary {
-  Manifest manifest;       // of the whole dataset; without shards and samples where `whole` is false
-  bool whole = false;      // the dataset is ended: by this process, or by another one that shares the folder
-  std::size_t shards = 0;  // that this process has made
+  Manifest manifest;            // of the whole dataset; without shards and samples where `whole` is false
+  bool whole = false;           // the dataset is ended: by this process, or by another one that shares the folder
+  std::size_t shards = 0;       // that this process has made
+  std::size_t samplesMade = 0;  // in them
+  std::size_t samples = 0;      // that are counted in what follows
   double seconds = 0;
   std::uint64_t beams = 0;
   std::uint64_t points = 0;
@@ -51,6 +54,9 @@ struct GenerateSummary {
   std::size_t resumedShards = 0;      // that were whole already, or were made by others meanwhile
   std::vector<std::string> warnings;  // what is legal, but seldom meant: see pipeline/warnings.h
 };
+
+// Whether the folder holds the whole dataset of a plan. Throws InputError where shards of it are missing.
+bool isWholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder);
 
 // Throws InputError for an unusable scene or folder, Error where the work fails. Without a manifest nothing in the
 // folder counts as a dataset; what is unfinished can be resumed, and gives the same bytes (see dataset_folder.h).

@@ -57,6 +57,15 @@ class Scratch {
   std::unique_ptr<FolderLock> lock_;
 };
 
+// Empty where it cannot be read.
+std::string hashOf(const fs::path& file) {
+  try {
+    return sha256OfFile(file);
+  } catch (const Error&) {
+    return {};
+  }
+}
+
 SampleAddress addressOf(const Plan& plan, const std::string& key) {
   const std::vector<Sequence>& sequences = plan.pipeline().sequences;
   for (std::size_t s = 0; s < sequences.size(); ++s) {
@@ -77,7 +86,7 @@ std::vector<std::uint64_t> damagedShards(const fs::path& folder, const Manifest&
       const fs::path file = folder / manifest.shards[i].file;
       std::error_code failure;
       damaged[i] = !fs::is_regular_file(file, failure) || fs::file_size(file, failure) != manifest.shards[i].bytes ||
-                   sha256OfFile(file) != manifest.shards[i].sha256;
+                   hashOf(file) != manifest.shards[i].sha256;
     }
   });
   std::vector<std::uint64_t> numbers;
@@ -96,13 +105,22 @@ void regenerateShards(const fs::path& folder, const Manifest& manifest, const Pl
   options.shards = {ShardChoice::Kind::Listed, shards};
   options.quiet = quiet;
   options.stop = stop;
-  generate(plan, options);
+  try {
+    generate(plan, options);
+  } catch (const Error&) {
+    if (stop != nullptr && *stop) throw Error("stopped: nothing was replaced");
+    throw;
+  }
   const auto made = [&](std::uint64_t shard) { return scratch.folder() / kHiddenName / manifest.shards[shard].file; };
   for (const std::uint64_t shard : shards) {
     const ShardRecord& stated = manifest.shards[shard];
     if (sha256OfFile(made(shard)) != stated.sha256) failDifferent(stated.file, manifest);
   }
-  for (const std::uint64_t shard : shards) moveFile(made(shard), folder / manifest.shards[shard].file);
+  for (const std::uint64_t shard : shards) {
+    const fs::path place = folder / manifest.shards[shard].file;
+    moveFile(made(shard), place);
+    syncFolder(place.parent_path());
+  }
 }
 
 std::vector<std::string> regenerateSample(const Manifest& manifest, const Plan& plan, const std::string& key,

@@ -54,13 +54,14 @@ void countPoints(const Scan& scan, ScanRecord& record) {
 
 }  // namespace
 
-Manifest startManifest(const Plan& plan) {
+Manifest startManifest(const Plan& plan, const DatasetPlan& planned) {
   const Pipeline& pipeline = plan.pipeline();
   Manifest manifest;
   manifest.programVersion = kVersion;
   manifest.name = pipeline.name;
   manifest.pipelineText = pipeline.text;
   manifest.pipelineSha256 = sha256(pipeline.text);
+  manifest.planSha256 = planned.hash;
   manifest.seed = pipeline.seed;
   manifest.organised = pipeline.layout.organised;
   manifest.deskewed = pipeline.motion.deskew;

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "dataset/manifest.h"
+#include "dataset/parts.h"
 #include "pipeline/plan/plan.h"
 #include "scan/hits.h"
 #include "scan/scan.h"
@@ -13,7 +14,7 @@
 namespace scanmill {
 
 // All that is known before the first ray.
-Manifest startManifest(const Plan& plan);
+Manifest startManifest(const Plan& plan, const DatasetPlan& planned);
 
 // A scan's place, time and counts.
 ScanRecord recordOf(const Shot& shot, const Hits& hits, const Scan& scan, std::string_view method);

@@ -1,13 +1,12 @@
 #include "pipeline/run/scene_store.h"
 
 #include <tbb/collaborative_call_once.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <exception>
-#include <fstream>
 #include <utility>
 
+#include "base/memory.h"
 #include "base/tsan_order.h"
 #include "pipeline/plan/scene_shares.h"
 #include "pipeline/plan/warnings.h"
@@ -23,12 +22,8 @@ void addNew(const std::vector<std::string>& from, std::vector<std::string>& line
   }
 }
 
-// Whether the program takes more than half of the machine's memory.
 bool memoryIsScarce() {
-  std::int64_t total = 0;
-  std::int64_t resident = 0;
-  std::ifstream("/proc/self/statm") >> total >> resident;
-  return 2 * resident > ::sysconf(_SC_PHYS_PAGES);
+  return 2 * residentBytes() > memoryLimitBytes();
 }
 
 }  // namespace

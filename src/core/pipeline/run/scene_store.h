@@ -36,8 +36,8 @@ class SceneStore {
   SceneStore& operator=(const SceneStore&) = delete;
 
   // The scene of a sequence, which stays as long as what is returned does. Scenes that nobody uses stay as well, as
-  // long as the program takes less than half of the machine's memory. What is told of scenes and sequences is found
-  // here, too. Throws InputError for scenes and methods that cannot be used.
+  // long as the program takes less than half of the memory that it may take. What is told of scenes and sequences is
+  // found here, too. Throws InputError for scenes and methods that cannot be used.
   std::shared_ptr<const ReadyScene> enter(std::size_t sequence);
 
   // Adds what tracing a frame of a sequence took. Of what its method warns of, all frames of a scene count.

@@ -1,0 +1,62 @@
+#include "base/memory.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+
+namespace scanmill {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// The least limit that a group or one above it has; a file that is absent or says "max" sets none.
+std::uint64_t leastLimit(const fs::path& root, const std::string& group, const char* file) {
+  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+  for (fs::path at = fs::path(group).relative_path();; at = at.parent_path()) {
+    std::uint64_t limit = 0;
+    if (std::ifstream(root / at / file) >> limit) least = std::min(least, limit);
+    if (at.empty()) return least;
+  }
+}
+
+std::uint64_t groupLimit() {
+  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+  std::ifstream groups("/proc/self/cgroup");
+  // "0::/path" in version 2, "9:memory:/path" in version 1.
+  for (std::string line; std::getline(groups, line);) {
+    const std::size_t first = line.find(':');
+    const std::size_t second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string kind = line.substr(first + 1, second - first - 1);
+    const std::string group = line.substr(second + 1);
+    if (kind.empty()) least = std::min(least, leastLimit("/sys/fs/cgroup", group, "memory.max"));
+    if (kind == "memory") least = std::min(least, leastLimit("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes"));
+  }
+  return least;
+}
+
+std::uint64_t pageBytes() {
+  return static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace
+
+std::uint64_t memoryLimitBytes() {
+  static const std::uint64_t limit =
+      std::min(static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * pageBytes(), groupLimit());
+  return limit;
+}
+
+std::uint64_t residentBytes() {
+  std::uint64_t total = 0;
+  std::uint64_t resident = 0;
+  std::ifstream("/proc/self/statm") >> total >> resident;
+  return resident * pageBytes();
+}
+
+}  // namespace scanmill

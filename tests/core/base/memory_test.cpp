@@ -1,0 +1,28 @@
+#include "base/memory.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <memory>
+
+namespace scanmill {
+namespace {
+
+TEST(Memory, TheLimitIsNoMoreThanTheMachineHas) {
+  const auto machine =
+      static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  EXPECT_LE(memoryLimitBytes(), machine);
+  EXPECT_GT(memoryLimitBytes(), residentBytes());
+}
+
+TEST(Memory, WhatIsWrittenToIsResident) {
+  constexpr std::size_t kBytes = 64 << 20;
+  const std::uint64_t before = residentBytes();
+  const std::unique_ptr<char[]> bytes(new char[kBytes]);
+  std::memset(bytes.get(), 1, kBytes);
+  EXPECT_GE(residentBytes() - before + (1 << 20), kBytes);
+}
+
+}  // namespace
+}  // namespace scanmill
