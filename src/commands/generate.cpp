@@ -180,7 +180,7 @@ int runGenerate(const std::vector<std::string>& arguments) {
   if (!generateOptions.keepHits.empty()) plan.requireOneRay();
   if (plan.pipeline().method.automatic) chooseMethod(plan, generateOptions);
   // So that scripts can always say --resume.
-  if (generateOptions.resume && isWholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder)) {
+  if (generateOptions.resume && wholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder)) {
     printText("{}: is whole, there is nothing to resume\n", generateOptions.folder.string());
     return 0;
   }

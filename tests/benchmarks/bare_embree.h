@@ -13,16 +13,15 @@
 
 namespace scanmill {
 
-// The same triangles in one Embree geometry without filters, and packets in the better of two orders.
-class BareEmbree {
+// The same triangles in one Embree geometry without filters, in the order of instances and their triangles.
+class BareScene {
  public:
-  // Beams leave from `sensor`, which becomes the origin.
-  BareEmbree(const Scene& from, const BeamTable& beams, const Vec3d& sensor = {})
-      : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+  // `origin` becomes the origin, so that float32 suffices.
+  BareScene(const Scene& from, const Vec3d& origin) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
     for (const Instance& instance : from.instances) {
       const Mesh& mesh = from.meshes[instance.mesh];
       const auto base = static_cast<std::uint32_t>(positions_.size());
-      for (const Vec3f& p : mesh.positions) positions_.push_back(Vec3f(instance.worldFromMesh * Vec3d(p) - sensor));
+      for (const Vec3f& p : mesh.positions) positions_.push_back(Vec3f(instance.worldFromMesh * Vec3d(p) - origin));
       for (const Triangle& t : mesh.triangles) triangles_.push_back({t[0] + base, t[1] + base, t[2] + base});
     }
     positions_.emplace_back();
@@ -36,6 +35,28 @@ class BareEmbree {
     rtcReleaseGeometry(geometry);
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     rtcCommitScene(scene_);
+  }
+  ~BareScene() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+  BareScene(const BareScene&) = delete;
+  BareScene& operator=(const BareScene&) = delete;
+
+  RTCScene get() const { return scene_; }
+
+ private:
+  RTCDevice device_;
+  RTCScene scene_;
+  std::vector<Vec3f> positions_;
+  std::vector<Triangle> triangles_;
+};
+
+// Packets in the better of two orders.
+class BareEmbree {
+ public:
+  // Beams leave from `sensor`, which becomes the origin.
+  BareEmbree(const Scene& from, const BeamTable& beams, const Vec3d& sensor = {}) : scene_(from, sensor) {
     for (const bool byRing : {false, true}) {
       std::vector<RTCRay16> packets(beams.size() / 16);
       for (std::size_t i = 0; i < packets.size() * 16; ++i) {
@@ -46,12 +67,6 @@ class BareEmbree {
       orders_.push_back(std::move(packets));
     }
   }
-  ~BareEmbree() {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
-  }
-  BareEmbree(const BareEmbree&) = delete;
-  BareEmbree& operator=(const BareEmbree&) = delete;
 
   void trace(std::size_t order, std::size_t width) {
     const std::vector<RTCRay16>& packets = orders_[order];
@@ -68,7 +83,7 @@ class BareEmbree {
         std::fill_n(r.hit.geomID, 16, RTC_INVALID_GEOMETRY_ID);
         std::fill_n(r.hit.instID[0], 16, RTC_INVALID_GEOMETRY_ID);
         if (width == 16) {
-          rtcIntersect16(valid, scene_, &context, &r);
+          rtcIntersect16(valid, scene_.get(), &context, &r);
         } else {
           for (unsigned k = 0; k < 16; ++k) traceOne(r, k, context);
         }
@@ -104,15 +119,12 @@ class BareEmbree {
                0};
     one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene_, &context, &one);
+    rtcIntersect1(scene_.get(), &context, &one);
     packet.ray.tfar[k] = one.ray.tfar;
     packet.hit.primID[k] = one.hit.primID;
   }
 
-  RTCDevice device_;
-  RTCScene scene_;
-  std::vector<Vec3f> positions_;
-  std::vector<Triangle> triangles_;
+  BareScene scene_;
   std::vector<std::vector<RTCRay16>> orders_;
   std::vector<RTCRayHit16> results_;
 };

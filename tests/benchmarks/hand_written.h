@@ -24,6 +24,7 @@
 #include "sensors/beams.h"
 #include "sensors/shot.h"
 #include "tests/benchmarks/bare_draco.h"
+#include "tests/benchmarks/bare_embree.h"
 
 namespace scanmill {
 
@@ -33,37 +34,16 @@ class HandWritten {
  public:
   // The scene is moved by -origin, so that float32 suffices.
   HandWritten(const Scene& from, const BeamTable& beams, const Vec3d& origin)
-      : beams_(beams), origin_(origin), device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+      : beams_(beams), origin_(origin), scene_(from, origin) {
     for (const Instance& instance : from.instances) {
       const Mesh& mesh = from.meshes[instance.mesh];
-      const auto base = static_cast<std::uint32_t>(positions_.size());
-      for (const Vec3f& p : mesh.positions) positions_.push_back(Vec3f(instance.worldFromMesh * Vec3d(p) - origin));
-      for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        const Triangle& v = mesh.triangles[t];
-        triangles_.push_back({v[0] + base, v[1] + base, v[2] + base});
-        const Surface& surface = mesh.surfaces[mesh.surfaceOf[t]];
+      for (const std::uint16_t number : mesh.surfaceOf) {
+        const Surface& surface = mesh.surfaces[number];
         facts_.push_back({from.materials[surface.material].reflectance, surface.semantic,
                           surface.object == 0 ? 0 : instance.firstInstanceId + surface.object - 1});
       }
     }
-    positions_.emplace_back();
-    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions_.data(), 0,
-                               sizeof(Vec3f), positions_.size() - 1);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles_.data(), 0,
-                               sizeof(Triangle), triangles_.size());
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-    rtcCommitScene(scene_);
   }
-  ~HandWritten() {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
-  }
-  HandWritten(const HandWritten&) = delete;
-  HandWritten& operator=(const HandWritten&) = delete;
 
   // All scans on all cores, a file each. The sensors stand still. Returns the number of points.
   std::size_t writeScans(const std::vector<Pose>& worldFromSensor, HandWrittenFormat format,
@@ -135,7 +115,7 @@ class HandWritten {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
         context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-        rtcIntersect16(valid, scene_, &context, &packet);
+        rtcIntersect16(valid, scene_.get(), &context, &packet);
         for (unsigned k = 0; k < kWide; ++k) {
           if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
           const Vec3f normal{packet.hit.Ng_x[k], packet.hit.Ng_y[k], packet.hit.Ng_z[k]};
@@ -208,10 +188,7 @@ class HandWritten {
 
   const BeamTable& beams_;
   Vec3d origin_;
-  RTCDevice device_;
-  RTCScene scene_;
-  std::vector<Vec3f> positions_;
-  std::vector<Triangle> triangles_;
+  BareScene scene_;
   std::vector<Facts> facts_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/append_new.h"
 #include "base/error.h"
 #include "dataset/json_node.h"
 #include "dataset/json_text.h"
@@ -67,11 +68,7 @@ Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts) {
   for (std::size_t shard = 0; shard < parts.size(); ++shard) {
     Manifest& part = parts[shard].manifest;
     whole.shards.push_back(part.shards[0]);
-    for (const std::string& line : part.modelled) {
-      if (std::find(whole.modelled.begin(), whole.modelled.end(), line) == whole.modelled.end()) {
-        whole.modelled.push_back(line);
-      }
-    }
+    appendNew(part.modelled, whole.modelled);
     for (std::size_t i = 0; i < part.samples.size(); ++i) {
       const std::uint64_t number = parts[shard].numbers[i];
       if (number >= plan.samples) {

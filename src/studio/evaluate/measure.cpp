@@ -1,14 +1,13 @@
 #include "evaluate/measure.h"
 
 #include <malloc.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/wall_timer.h"
 #include "evaluate/hit_errors.h"
 
@@ -27,10 +26,7 @@ class ResidentGrowth {
  private:
   static std::int64_t resident() {
     ::malloc_trim(0);
-    std::int64_t total = 0;
-    std::int64_t pages = 0;
-    std::ifstream("/proc/self/statm") >> total >> pages;
-    return pages * ::sysconf(_SC_PAGESIZE);
+    return static_cast<std::int64_t>(residentBytes());
   }
 
   std::int64_t before_ = 0;

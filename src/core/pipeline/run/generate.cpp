@@ -13,27 +13,22 @@
 #include <utility>
 #include <vector>
 
+#include "base/append_new.h"
 #include "base/stage_clock.h"
 #include "dataset/dataset_folder.h"
 #include "dataset/parts.h"
 #include "dataset/shard_name.h"
 #include "dataset/shard_writer.h"
 #include "pipeline/plan/shard_jobs.h"
-#include "pipeline/run/crew.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/run_folders.h"
 #include "pipeline/run/run_records.h"
 #include "pipeline/run/sample_maker.h"
+#include "pipeline/run/shard_workers.h"
 
 namespace scanmill {
 
 namespace {
-
-void addNew(const std::vector<std::string>& from, std::vector<std::string>& lines) {
-  for (const std::string& line : from) {
-    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
-  }
-}
 
 FolderUse useOf(const GenerateOptions& options) {
   if (options.shards.kind != ShardChoice::Kind::All) return FolderUse::Share;
@@ -93,19 +88,23 @@ class DatasetRun {
       std::iota(chosen.begin(), chosen.end(), std::size_t{0});
     }
     std::uint64_t frames = 0;
-    for (const std::size_t job : chosen) frames += jobs_[job].samples.size();
+    for (const std::size_t job : chosen) {
+      frames += jobs_[job].samples.size();
+      for (const SampleAddress& sample : jobs_[job].samples) maker_.expect(sample);
+    }
     progress_.setTotal(frames);
     return chosen;
   }
 
   std::size_t open(std::size_t job) {
     const ShardJob& own = jobs_[job];
-    // Those that share the folder have checked the shards that they keep; what one process left is read again.
-    const auto check = shared() && options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size
-                                                                                  : DatasetFolder::Check::Bytes;
+    // Where any process may make any shard, each would read what all have made.
+    const auto check =
+        options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(own.file) : nullptr;
     if (std::optional<DatasetPart> kept = folder_.kept(own.file, check)) {
       parts_[job] = std::move(*kept);
+      for (const SampleAddress& sample : own.samples) maker_.leaveOut(sample);
       const std::scoped_lock lock(mutex_);
       ++summary_.resumedShards;
       progress_.advance(own.samples.size(), static_cast<double>(own.samples.size() * pipeline_.raysPerFrame()));
@@ -133,8 +132,8 @@ class DatasetRun {
       open_[job]->writer.add(made->sample);
     }
     Manifest& part = open_[job]->part.manifest;
-    addNew(made->modelled, part.modelled);
-    part.ontology = std::move(made->ontology);
+    appendNew(made->scene->modelled, part.modelled);
+    part.ontology = made->scene->scene.ontology;
     const std::scoped_lock lock(mutex_);
     progress_.advance(1, static_cast<double>(pipeline_.raysPerFrame()));
   }
@@ -175,12 +174,13 @@ class DatasetRun {
 
   // Of a dataset that others have ended, before this process could help.
   GenerateSummary endedByOthers() {
-    summary_.manifest = readManifest(options_.folder);
-    if (!isWholeDatasetOf(planned_, options_.folder)) {
+    std::optional<Manifest> made = wholeDatasetOf(planned_, options_.folder);
+    if (!made) {
       throw InputError({options_.folder.string()},
                        "holds a whole dataset of another pipeline, other files that it names, or another version of "
                        "this program: choose another output folder with -o");
     }
+    summary_.manifest = std::move(*made);
     summary_.whole = true;
     return std::move(summary_);
   }
@@ -265,17 +265,17 @@ class DatasetRun {
 
 }  // namespace
 
-bool isWholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder) {
+std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder) {
   std::error_code failure;
-  if (DatasetFolder::isUnfinished(folder) || !std::filesystem::exists(folder / kManifestName, failure)) return false;
-  const Manifest made = readManifest(folder);
-  if (made.planSha256 != plan.hash) return false;
+  if (DatasetFolder::isUnfinished(folder) || !std::filesystem::exists(folder / kManifestName, failure)) return {};
+  Manifest made = readManifest(folder);
+  if (made.planSha256 != plan.hash) return {};
   for (const ShardRecord& shard : made.shards) {
     if (std::filesystem::file_size(folder / shard.file, failure) == shard.bytes) continue;
     throw InputError({folder.string()}, fmt::format("{} is missing or damaged: `scanmill regenerate {}` makes it again",
                                                     shard.file, folder.string()));
   }
-  return true;
+  return made;
 }
 
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,8 +56,9 @@ struct GenerateSummary {
   std::vector<std::string> warnings;  // what is legal, but seldom meant: see pipeline/warnings.h
 };
 
-// Whether the folder holds the whole dataset of a plan. Throws InputError where shards of it are missing.
-bool isWholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder);
+// The manifest of the whole dataset of a plan, where the folder holds it. Throws InputError where shards of it are
+// missing.
+std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder);
 
 // Throws InputError for an unusable scene or folder, Error where the work fails. Without a manifest nothing in the
 // folder counts as a dataset; what is unfinished can be resumed, and gives the same bytes (see dataset_folder.h).

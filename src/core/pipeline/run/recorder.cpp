@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/append_new.h"
 #include "base/parallel.h"
 #include "config/version.h"
 #include "passes/exr/hits_exr.h"
@@ -91,11 +92,7 @@ Recording Recorder::describe(RecordingKind kind) const {
       scenes.push_back(number);
       recording.materials.push_back(entered.materials);
     }
-    for (const std::string& line : entered.modelled) {
-      if (std::find(recording.modelled.begin(), recording.modelled.end(), line) == recording.modelled.end()) {
-        recording.modelled.push_back(line);
-      }
-    }
+    appendNew(entered.modelled, recording.modelled);
   }
   return recording;
 }

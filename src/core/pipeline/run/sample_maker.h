@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <mutex>
-#include <string>
-#include <vector>
 
 #include "base/stage_clock.h"
 #include "dataset/shard_writer.h"
@@ -22,8 +21,7 @@ namespace scanmill {
 
 struct MadeSample {
   Sample sample;
-  std::vector<std::string> modelled;  // by the method, in its scene
-  Ontology ontology;                  // of the scene
+  std::shared_ptr<const ReadyScene> scene;
 };
 
 // Where samples come from, and what was recorded meanwhile. Safe to use from several threads at once.
@@ -32,6 +30,11 @@ class SampleMaker {
   // Recordings go to the folders that are not empty. `loading`: see SceneStore.
   SampleMaker(const Plan& plan, std::filesystem::path keepHits, std::filesystem::path keepPasses, bool overwrite,
               std::function<void(const Sequence&)> loading);
+
+  // Says which samples will be made, so that scenes go when they are no longer needed, and which of them will not be
+  // made after all. Others may be made as well.
+  void expect(const SampleAddress& address) { scenes_.expect(address.sequence); }
+  void leaveOut(const SampleAddress& address) { scenes_.leave(address.sequence); }
 
   MadeSample make(const SampleAddress& address);
 

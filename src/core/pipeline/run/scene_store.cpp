@@ -6,6 +6,7 @@
 #include <exception>
 #include <utility>
 
+#include "base/append_new.h"
 #include "base/memory.h"
 #include "base/tsan_order.h"
 #include "pipeline/plan/scene_shares.h"
@@ -15,12 +16,6 @@
 namespace scanmill {
 
 namespace {
-
-void addNew(const std::vector<std::string>& from, std::vector<std::string>& lines) {
-  for (const std::string& line : from) {
-    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
-  }
-}
 
 bool memoryIsScarce() {
   return 2 * residentBytes() > memoryLimitBytes();
@@ -67,6 +62,23 @@ std::shared_ptr<SceneStore::Slot> SceneStore::slotOf(std::size_t scene) {
   return slots_[scene];
 }
 
+void SceneStore::expect(std::size_t sequence) {
+  const std::scoped_lock lock(mutex_);
+  ++expected_[sceneOf_[sequence]];
+}
+
+void SceneStore::leave(std::size_t sequence) {
+  std::shared_ptr<Slot> last;  // destroyed without the lock
+  const std::scoped_lock lock(mutex_);
+  const auto expected = expected_.find(sceneOf_[sequence]);
+  if (expected == expected_.end() || --expected->second > 0) return;
+  expected_.erase(expected);
+  const auto slot = slots_.find(sceneOf_[sequence]);
+  if (slot == slots_.end()) return;
+  last = std::move(slot->second);
+  slots_.erase(slot);
+}
+
 std::shared_ptr<const ReadyScene> SceneStore::enter(std::size_t sequence) {
   const std::shared_ptr<Slot> slot = slotOf(sceneOf_[sequence]);
   tbb::collaborative_call_once(slot->once, [&]() SCANMILL_UNWATCHED { load(sequence, *slot); });
@@ -86,6 +98,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     ReadyScene& ready = slot.ready;
     ready.scene = plan_.loadScene(own);
     ready.method = plan_.makeMethod(ready.scene);
+    ready.modelled = ready.method->modelled();
     TraceAccount account;
     for (const Shot& shot : plan_.shots(sequence, 0)) account += ready.method->prepare(shot);
     if (pipeline.recording == nullptr) ready.probe.emplace(ready.scene, ready.method.get(), pipeline.method.entry);
@@ -93,7 +106,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     for (const auto& more : {sizeWarnings(ready.scene), thingSizeWarnings(ready.scene), ruleWarnings(ready.scene),
                              unlabeledWarnings(ready.scene), seedWarnings(pipeline, own, ready.scene),
                              shareWarnings(ready.scene), vehicleWarnings(plan_), driveWarnings(pipeline)}) {
-      addNew(more, lines);
+      appendNew(more, lines);
     }
     const std::scoped_lock lock(mutex_);
     told_[sceneOf_[sequence]].ofScene = std::move(lines);
@@ -124,7 +137,7 @@ std::vector<std::string> SceneStore::warnings() const {
   const std::scoped_lock lock(mutex_);
   std::vector<std::string> lines;
   for (const Told& told : told_) {
-    for (const auto& more : {told.ofScene, told.ofWay, told.account.warningTexts()}) addNew(more, lines);
+    for (const auto& more : {told.ofScene, told.ofWay, told.account.warningTexts()}) appendNew(more, lines);
   }
   return lines;
 }

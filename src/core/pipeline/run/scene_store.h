@@ -23,7 +23,8 @@ namespace scanmill {
 struct ReadyScene {
   Scene scene;
   std::unique_ptr<Method> method;
-  std::optional<SceneProbe> probe;  // none for a recording
+  std::vector<std::string> modelled;  // by the method
+  std::optional<SceneProbe> probe;    // none for a recording
 };
 
 // Safe to use from several threads at once: those that need the same scene load it together.
@@ -35,9 +36,13 @@ class SceneStore {
   SceneStore(const SceneStore&) = delete;
   SceneStore& operator=(const SceneStore&) = delete;
 
-  // The scene of a sequence, which stays as long as what is returned does. Scenes that nobody uses stay as well, as
-  // long as the program takes less than half of the memory that it may take. What is told of scenes and sequences is
-  // found here, too. Throws InputError for scenes and methods that cannot be used.
+  // A frame of the sequence will be asked for; one that was expected is done, or will not be asked for after all.
+  void expect(std::size_t sequence);
+  void leave(std::size_t sequence);
+
+  // The scene of a sequence, which stays as long as what is returned does. Scenes that nobody uses stay as well while
+  // frames of them are expected and the program takes less than half of the memory that it may take. What is told of
+  // scenes and sequences is found here, too. Throws InputError for scenes and methods that cannot be used.
   std::shared_ptr<const ReadyScene> enter(std::size_t sequence);
 
   // Adds what tracing a frame of a sequence took. Of what its method warns of, all frames of a scene count.
@@ -70,6 +75,7 @@ class SceneStore {
   mutable std::mutex mutex_;
   std::map<std::size_t, std::shared_ptr<Slot>> slots_;  // by scene
   std::vector<Told> told_;                              // by sequence
+  std::map<std::size_t, std::uint64_t> expected_;       // frames, by scene
   std::uint64_t uses_ = 0;
   StageClock clock_;
 };

@@ -1,4 +1,4 @@
-#include "pipeline/run/crew.h"
+#include "pipeline/run/shard_workers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -91,7 +91,7 @@ void wait(std::size_t microseconds) {
   std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
 }
 
-TEST(Crew, MakesEverySampleOnceAndTakesThemInOrder) {
+TEST(ShardWorkers, MakesEverySampleOnceAndTakesThemInOrder) {
   std::minstd_rand random(3);
   for (const std::size_t workers : {1, 2, 8}) {
     const ThreadLimit limit(static_cast<int>(workers));
@@ -108,7 +108,7 @@ TEST(Crew, MakesEverySampleOnceAndTakesThemInOrder) {
 }
 
 // With fewer shards than threads the threads share a shard.
-TEST(Crew, ThreadsWithoutAShardHelpTheOthers) {
+TEST(ShardWorkers, ThreadsWithoutAShardHelpTheOthers) {
   const ThreadLimit limit(4);
   Notebook notes({200});
   workOnShards(1, 4, nullptr, notes.work([](std::size_t, std::size_t) { wait(500); }));
@@ -117,7 +117,7 @@ TEST(Crew, ThreadsWithoutAShardHelpTheOthers) {
 }
 
 // What is slow to be taken does not pile up.
-TEST(Crew, SamplesInFlightAreBounded) {
+TEST(ShardWorkers, SamplesInFlightAreBounded) {
   const ThreadLimit limit(4);
   Notebook notes({300, 300});
   ShardWork work = notes.work();
@@ -131,7 +131,7 @@ TEST(Crew, SamplesInFlightAreBounded) {
   EXPECT_LE(notes.mostInFlight(), 2u * 4);
 }
 
-TEST(Crew, WhatAnyCallThrowsEndsTheWork) {
+TEST(ShardWorkers, WhatAnyCallThrowsEndsTheWork) {
   const ThreadLimit limit(4);
   for (const int which : {0, 1, 2, 3}) {
     Notebook notes(std::vector<std::size_t>(50, 10));
@@ -161,7 +161,7 @@ TEST(Crew, WhatAnyCallThrowsEndsTheWork) {
   }
 }
 
-TEST(Crew, EndsEarlyWhenItIsStopped) {
+TEST(ShardWorkers, EndsEarlyWhenItIsStopped) {
   const ThreadLimit limit(4);
   std::atomic<bool> stop = false;
   Notebook notes(std::vector<std::size_t>(1000, 10));
@@ -172,7 +172,7 @@ TEST(Crew, EndsEarlyWhenItIsStopped) {
 }
 
 // Work that threads share out within a sample is helped by those that have none left.
-TEST(Crew, MakingMaySpreadOverThreads) {
+TEST(ShardWorkers, MakingMaySpreadOverThreads) {
   const ThreadLimit limit(4);
   std::vector<std::atomic<int>> sums(12);
   Notebook notes({5, 7});

@@ -1,4 +1,4 @@
-#include "pipeline/run/crew.h"
+#include "pipeline/run/shard_workers.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -29,9 +29,9 @@ struct OpenShard {
   bool beingTaken = false;     // some thread takes what is made
 };
 
-class Crew {
+class ShardWorkers {
  public:
-  Crew(std::size_t shards, std::size_t workers, const std::atomic<bool>* stop, const ShardWork& work)
+  ShardWorkers(std::size_t shards, std::size_t workers, const std::atomic<bool>* stop, const ShardWork& work)
       : shards_(shards), workers_(workers), stop_(stop), work_(work) {}
 
   void run() {
@@ -143,7 +143,7 @@ class Crew {
 }  // namespace
 
 void workOnShards(std::size_t shards, std::size_t workers, const std::atomic<bool>* stop, const ShardWork& work) {
-  Crew(shards, std::max<std::size_t>(workers, 1), stop, work).run();
+  ShardWorkers(shards, std::max<std::size_t>(workers, 1), stop, work).run();
 }
 
 }  // namespace scanmill
