@@ -7,16 +7,13 @@
 #include <utility>
 
 #include "base/grouped.h"
-#include "base/hash.h"
 #include "base/parallel.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
-#include "config/version.h"
 #include "dataset/dataset_folder.h"
-#include "dataset/shard_name.h"
 #include "dataset/shard_ranges.h"
 #include "evaluate/auto/calibrate.h"
 #include "pipeline/plan/shard_jobs.h"

@@ -1,7 +1,5 @@
 #include "dataset/merge.h"
 
-#include <fmt/core.h>
-
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"

@@ -73,6 +73,27 @@ TEST_F(Regenerate, ASampleAloneIsTheOneInItsShard) {
   EXPECT_THAT(none.error, HasSubstr("did you mean '" + sample.key));
 }
 
+// Of what the scene names the manifest says nothing: the bytes tell.
+TEST_F(Regenerate, AnAssetThatHasChangedIsFoundByTheBytes) {
+  const auto wall = [&](const std::string& x) {
+    folder_.write("wall.obj", "v " + x + " -9 0\nv " + x + " 9 0\nv " + x + " 9 5\nv " + x + " -9 5\nf 1 2 3 4\n");
+  };
+  std::string scene = readFile(at("scene.yaml"));
+  folder_.write("scene.yaml", scene + "  - {name: own, file: wall.obj, class: wall, material: brick}\n");
+  wall("15");
+  ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--overwrite"}).code, 0);
+  damage(shard(0));
+  const auto before = contents();
+  wall("14");
+  const Outcome refused = scanmill({"regenerate", "-q", at("out")});
+  EXPECT_EQ(refused.code, 1) << refused.out;
+  EXPECT_THAT(refused.error, AllOf(HasSubstr("made again its bytes are others"), HasSubstr("nothing was replaced")));
+  EXPECT_TRUE(contents() == before);
+  wall("15");
+  EXPECT_EQ(scanmill({"regenerate", "-q", at("out")}).code, 0);
+  EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
+}
+
 // Where the scene has changed, nothing is replaced.
 TEST_F(Regenerate, WhatWouldComeOutOtherwiseIsRefused) {
   damage(shard(0));

@@ -13,11 +13,11 @@ enum class LockKind {
   Shared,  // none holds it alone
 };
 
-// Holds a lock file until it is destroyed, which removes it where no other process holds it. The file says which
-// process has taken it last, on which host, since when. The lock is the operating system's (flock; Linux makes it one
-// of the server's on network file systems), so that a process which dies loses it and leaves no more than a file that
-// nobody holds. Where the file system knows no locks, nobody can be kept from sharing, and a file that was taken alone
-// counts as held if its process runs on this host, or was made on another one.
+// Holds a lock file until it is destroyed, which removes it where it is known that no other process holds it. The file
+// says which process has taken it last, on which host, since when. The lock is the operating system's (flock; Linux
+// makes it one of the server's on network file systems), so that a process which dies loses it and leaves no more than
+// a file that nobody holds. Where the file system knows no locks, nobody can be kept from sharing, and a file that was
+// taken alone counts as held if its process runs on this host, or was made on another one.
 class FolderLock {
  public:
   // `folder` is there already; it is named in errors. Throws an InputError that says who holds it, and Error where the

@@ -172,7 +172,10 @@ void checkUse(const fs::path& folder, FolderUse use) {
                      "holds an unfinished dataset: add --resume to go on with it, or --overwrite to begin anew");
   }
   if (use == FolderUse::Resume && contents.manifest) {
-    throw InputError({folder.string()}, "holds a whole dataset: there is nothing to resume");
+    throw InputError(
+        {folder.string()},
+        "holds a whole dataset, of another pipeline, other files that it names, or another version of this "
+        "program: choose another output folder, or --overwrite");
   }
   if (!contents.empty()) {
     throw InputError({folder.string()},

@@ -252,8 +252,11 @@ void readSamples(const std::filesystem::path& folder, std::uint32_t number, cons
   const JsonNode root(json, "", file);
   root.keys({"shard", "numbers", "samples"});
   std::vector<std::uint64_t> numbers;
-  root["numbers"].forEach(
-      [&](const JsonNode& item) { numbers.push_back(item.integer<std::uint64_t>(0, samples.size() - 1)); });
+  root["numbers"].forEach([&](const JsonNode& item) {
+    numbers.push_back(item.integer<std::uint64_t>());
+    if (numbers.back() >= samples.size())
+      item.fail(fmt::format("is not below {}, the number of samples", samples.size()));
+  });
   std::size_t next = 0;
   root["samples"].forEach([&](const JsonNode& item) {
     SampleRecord sample = sampleOf(item, head);

@@ -313,6 +313,20 @@ TEST(DatasetFolder, DescriptionsOfManySamplesLieBesideTheShards) {
     EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path()); }),
                 AllOf(HasSubstr("val-000000.json"), HasSubstr("was changed")));
   }
+  // Also where somebody has made the digests fit.
+  const std::string stated = sha256(sound);
+  for (const auto& [from, to] :
+       {std::pair{"\"numbers\": [6,", "\"numbers\": [9,"}, {"\"numbers\": [6,", "\"numbers\": [0,"}}) {
+    std::string forged = sound;
+    ASSERT_NE(forged.find(from), std::string::npos);
+    forged.replace(forged.find(from), std::string(from).size(), to);
+    writeFile(beside, forged);
+    std::string head = text;
+    head.replace(head.find(stated), stated.size(), sha256(forged));
+    writeFile(folder.path() / "manifest.json", head);
+    EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path()); }), HasSubstr("val-000000.json")) << to;
+  }
+  writeFile(folder.path() / "manifest.json", text);
   fs::remove(beside);
   EXPECT_THAT(messageOf<InputError>([&] { readManifest(folder.path()); }), HasSubstr("val-000000.json"));
 

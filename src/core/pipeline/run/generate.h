@@ -17,8 +17,8 @@
 
 namespace scanmill {
 
-// Which shards of the plan a process makes. A part of them is made together with other processes that share the folder,
-// be it on other machines: what another one makes is waited for, what is there is left as it is.
+// Which shards of the plan a process makes. Listed and Any work together with other processes that share the folder, be
+// it on other machines: what another one makes is waited for, what is there is left as it is.
 struct ShardChoice {
   enum class Kind {
     All,     // alone; the dataset is whole at the end
@@ -53,7 +53,7 @@ struct GenerateSummary {
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
   StageSeconds stages;                // of processor time ("trace", "effects", "encode", "write", ...)
   std::size_t resumedShards = 0;      // that were whole already, or were made by others meanwhile
-  std::vector<std::string> warnings;  // what is legal, but seldom meant: see pipeline/warnings.h
+  std::vector<std::string> warnings;  // what is legal, but seldom meant: see pipeline/plan/warnings.h
 };
 
 // The manifest of the whole dataset of a plan, where the folder holds it. Throws InputError where shards of it are

@@ -114,6 +114,7 @@ void regenerateShards(const fs::path& folder, const Manifest& manifest, const Pl
   const auto made = [&](std::uint64_t shard) { return scratch.folder() / kHiddenName / manifest.shards[shard].file; };
   for (const std::uint64_t shard : shards) {
     const ShardRecord& stated = manifest.shards[shard];
+    // Read back from the disk: what is put in place is sound.
     if (sha256OfFile(made(shard)) != stated.sha256) failDifferent(stated.file, manifest);
   }
   for (const std::uint64_t shard : shards) {

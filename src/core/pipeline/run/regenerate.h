@@ -23,7 +23,8 @@ void regenerateShards(const std::filesystem::path& folder, const Manifest& manif
                       const std::vector<std::uint64_t>& shards, bool quiet, const std::atomic<bool>* stop);
 
 // Makes a sample again and writes its members as files into a folder, which is created. Returns their names. Throws
-// InputError for a key that the manifest does not list, and Error as above.
+// InputError for a key that the manifest does not list, and Error as above; the bytes of datasets whose manifests have
+// no XXH3 cannot be compared.
 std::vector<std::string> regenerateSample(const Manifest& manifest, const Plan& plan, const std::string& key,
                                           const std::filesystem::path& into);
 

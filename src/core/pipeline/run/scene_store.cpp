@@ -44,16 +44,18 @@ SceneStore::SceneStore(const Plan& plan, std::function<void(const Sequence&)> lo
 SceneStore::~SceneStore() = default;
 
 std::shared_ptr<SceneStore::Slot> SceneStore::slotOf(std::size_t scene) {
+  std::shared_ptr<Slot> gone;  // destroyed without the lock
   const std::scoped_lock lock(mutex_);
   if (!slots_.contains(scene)) {
-    // Of those that nobody uses, the one that was not used for the longest time goes, and so on.
-    while (memoryIsScarce()) {
-      auto oldest = slots_.end();
-      for (auto slot = slots_.begin(); slot != slots_.end(); ++slot) {
-        if (slot->second.use_count() > 1) continue;
-        if (oldest == slots_.end() || slot->second->lastUse < oldest->second->lastUse) oldest = slot;
-      }
-      if (oldest == slots_.end()) break;
+    // Where memory is scarce, one goes for each that comes: of those that nobody uses the one that was not used for the
+    // longest time.
+    auto oldest = slots_.end();
+    for (auto slot = slots_.begin(); slot != slots_.end(); ++slot) {
+      if (slot->second.use_count() > 1) continue;
+      if (oldest == slots_.end() || slot->second->lastUse < oldest->second->lastUse) oldest = slot;
+    }
+    if (oldest != slots_.end() && memoryIsScarce()) {
+      gone = std::move(oldest->second);
       slots_.erase(oldest);
     }
     slots_[scene] = std::make_shared<Slot>();
@@ -109,8 +111,10 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
       appendNew(more, lines);
     }
     const std::scoped_lock lock(mutex_);
-    told_[sceneOf_[sequence]].ofScene = std::move(lines);
-    told_[sceneOf_[sequence]].account += account;
+    Told& told = told_[sceneOf_[sequence]];
+    if (std::exchange(told.loaded, true)) return;  // it was here before
+    told.ofScene = std::move(lines);
+    told.account += account;
   } catch (...) {
     slot.failure = std::current_exception();  // that all see who need the scene
   }

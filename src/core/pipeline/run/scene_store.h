@@ -59,6 +59,7 @@ class SceneStore {
   struct Slot;
   // What is told of a sequence, and of the scene that it is the first to have.
   struct Told {
+    bool loaded = false;  // the scene, at least once
     bool looked = false;  // whether its way was looked at
     std::vector<std::string> ofScene;
     std::vector<std::string> ofWay;

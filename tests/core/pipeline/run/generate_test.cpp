@@ -481,7 +481,7 @@ TEST_F(GenerateTest, ResumingRefusesOtherPipelines) {
   EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }), HasSubstr("other files"));
   writeFile(scene, text);
   EXPECT_EQ(generate(plan, options).resumedShards, 1u);
-  EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }), HasSubstr("nothing to resume"));
+  EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }), HasSubstr("holds a whole dataset"));
 }
 
 }  // namespace
