@@ -126,7 +126,8 @@ int runDraft(const std::vector<std::string>& arguments) {
       "ontology", "classes to guess: a file, or the name of one of the program's",
       cxxopts::value<std::string>()->default_value("scanmill"))(
       "words", "what words mean, in place of labels/words.yaml", cxxopts::value<std::string>(), "FILE.yaml")(
-      "overwrite", "replace a scene file and a picture that are there");
+      "overwrite", "replace a scene file and a picture that are there")(
+      "allow-outside", "glTF and OBJ files may name files outside of their folders; the draft says so, too");
   const Arguments parsed = parseArguments(
       command, options, arguments,
       "  scanmill draft models/town.glb -o scenes/town.yaml\n"
@@ -148,8 +149,8 @@ int runDraft(const std::vector<std::string>& arguments) {
   const std::vector<draft::Concept> concepts = draft::readConcepts(
       parsed.options.count("words") > 0 ? std::filesystem::path(parsed.options["words"].as<std::string>())
                                         : resourceFolder() / "labels/words.yaml");
-  const draft::Draft made =
-      draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(), out.parent_path());
+  const draft::Draft made = draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(),
+                                              out.parent_path(), parsed.options.count("allow-outside") > 0);
   writeFile(out, made.yaml);
 
   printFiles(made, out);

@@ -414,6 +414,7 @@ AssetOptions assetOptions(const Arguments& parsed) {
     if (up != "x" && up != "y" && up != "z") throw InputError(fmt::format("--up must be x, y or z, not '{}'", up));
     options.up = up[0];
   }
+  options.allowOutside = parsed.options.count("allow-outside") > 0;
   return options;
 }
 
@@ -425,7 +426,8 @@ int runInfo(const std::vector<std::string>& arguments) {
   options.add_options()("unit", "metres per unit of a 3D file", cxxopts::value<std::string>()->default_value("1"))(
       "up", "up axis of a 3D file: x, y or z (default: as the file or its kind says)", cxxopts::value<std::string>())(
       "seed", "of a procedural scene", cxxopts::value<std::uint64_t>()->default_value("1"), "N")(
-      "colors", "the colours of a 3D file's triangles, which labelling rules can match");
+      "colors", "the colours of a 3D file's triangles, which labelling rules can match")(
+      "allow-outside", "a glTF or OBJ file may name files outside of its folder");
   const Arguments parsed =
       parseArguments(command, options, arguments,
                      "  scanmill info out/quickstart\n"

@@ -23,9 +23,9 @@ constexpr double kMostMoments = 48;
 std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset, const Labelling& labelling) {
   std::error_code ignored;
   const std::filesystem::path canonical = std::filesystem::weakly_canonical(file, ignored);
-  std::string key =
-      fmt::format("{}\n{}\n{}\n{}\n{}\n{}", (ignored ? file : canonical).string(), labelling.file, asset.metresPerUnit,
-                  asset.up.value_or('-'), static_cast<int>(asset.alpha), labelling.things.text());
+  std::string key = fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}", (ignored ? file : canonical).string(), labelling.file,
+                                asset.metresPerUnit, asset.up.value_or('-'), static_cast<int>(asset.alpha),
+                                asset.allowOutside, labelling.things.text());
   key += '\n' + keyOf(asset.points, asset.heights);
   if (asset.clip) key += fmt::format("\n{}\n{}", asset.clip->clip, asset.clip->time);
   for (const Rule& r : labelling.rules) {

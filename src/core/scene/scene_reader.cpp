@@ -120,7 +120,7 @@ class SceneReader {
       f.also({"file",     "primitive", "street",   "town",     "name",   "position", "yaw_deg", "pitch_deg",
               "roll_deg", "rotation",  "scale",    "copies",   "up",     "unit",     "alpha",   "instances",
               "rules",    "class",     "material", "size",     "cells",  "radius",   "height",  "segments",
-              "moving",   "animation", "vary",     "stand_on", "points", "heights",  "thing"})
+              "moving",   "animation", "vary",     "stand_on", "points", "heights",  "thing",   "allow_outside"})
           .finish();
       throw InputError(where,
                        "an object is exactly one of file, primitive, street and town (`town: {}` where all of its "
@@ -216,6 +216,7 @@ class SceneReader {
     if (f.has("up")) asset.up = f.choice("up", {"x", "y", "z"}, "")[0];
     const std::string alpha = f.choice("alpha", {"auto", "ignore", "test"}, "auto");
     if (alpha != "auto") asset.alpha = alpha == "test" ? AlphaUse::Test : AlphaUse::Ignore;
+    asset.allowOutside = f.boolean("allow_outside", false);
     const std::vector<Rule> rules = rulesOf(f);
     const std::string name = f.text("name", files.front().first.stem().string());
     Copies copies = copiesOf(f);

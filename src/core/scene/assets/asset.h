@@ -81,8 +81,10 @@ struct AssetOptions {
   AlphaUse alpha = AlphaUse::Auto;
   bool textures = true;                         // false: only textures with alpha are loaded
   std::optional<ClipTime> clip = std::nullopt;  // of glTF and GLB alone: as all stands then
-  PointOptions points = {};                     // of clouds of points
-  HeightOptions heights = {};                   // of rasters of heights
+  // Files that a glTF or OBJ names may lie outside of its folder; else such a name is refused.
+  bool allowOutside = false;
+  PointOptions points = {};    // of clouds of points
+  HeightOptions heights = {};  // of rasters of heights
 };
 
 // Parts that the file itself places several times: by EXT_mesh_gpu_instancing of glTF, or models of a world.

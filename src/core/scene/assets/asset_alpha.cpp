@@ -1,12 +1,9 @@
 #include "scene/assets/asset_alpha.h"
 
-#include <assimp/mesh.h>
-#include <assimp/scene.h>
-
 #include <cmath>
 #include <cstdint>
 
-#include "scene/material.h"
+#include "scene/assets/texture.h"
 
 namespace scanmill {
 
@@ -26,19 +23,20 @@ struct Sum {
   AlphaShares parts;
 };
 
-void addTriangle(Sum& sum, const aiMesh& mesh, const unsigned* at, unsigned channel, const Texture& texture) {
-  const aiVector3D* p = mesh.mVertices;
-  const double area = static_cast<double>(((p[at[1]] - p[at[0]]) ^ (p[at[2]] - p[at[0]])).Length());
+void addTriangle(Sum& sum, const ImportedPart& part, const Triangle& at, const Texture& texture) {
+  const auto& p = part.positions;
+  const double area = length(cross(Vec3d(p[at[1]] - p[at[0]]), Vec3d(p[at[2]] - p[at[0]])));
   if (!std::isfinite(area)) return;
-  const aiVector3D* uv = mesh.mTextureCoords[channel];
+  const auto& uv = part.uvs;
   int low = 0;
   int graded = 0;
   for (int i = 0; i < kSteps; ++i) {
     for (int k = 0; k < kSteps - i; ++k) {
       const float b = (static_cast<float>(i) + 1.0f / 3) / kSteps;
       const float c = (static_cast<float>(k) + 1.0f / 3) / kSteps;
-      const aiVector3D point = uv[at[0]] * (1 - b - c) + uv[at[1]] * b + uv[at[2]] * c;
-      const int alpha = texture.texel(point.x, point.y)[3];
+      const float a = 1 - b - c;
+      const int alpha = texture.texel(uv[at[0]].x * a + uv[at[1]].x * b + uv[at[2]].x * c,
+                                      uv[at[0]].y * a + uv[at[1]].y * b + uv[at[2]].y * c)[3];
       low += alpha < 128 ? 1 : 0;
       graded += alpha >= 26 && alpha < 230 ? 1 : 0;
     }
@@ -49,31 +47,22 @@ void addTriangle(Sum& sum, const aiMesh& mesh, const unsigned* at, unsigned chan
   if (low == kPoints) sum.parts.gone += area * kPoints;
 }
 
-template <class Visit>
-void forEachMesh(const aiScene& scene, unsigned material, unsigned uvChannel, Visit visit) {
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-    const aiMesh& mesh = *scene.mMeshes[m];
-    if (mesh.mMaterialIndex != material || mesh.mVertices == nullptr) continue;
-    const unsigned channel = mesh.HasTextureCoords(uvChannel) ? uvChannel : 0;
-    if (mesh.HasTextureCoords(channel)) visit(mesh, channel);
-  }
-}
-
 }  // namespace
 
-AlphaShares measureAlpha(const aiScene& scene, unsigned material, unsigned uvChannel, const Texture& texture) {
+AlphaShares measureAlpha(const ImportedFile& imported, std::uint32_t material, const Texture& texture) {
   if (!texture.hasAlpha) return {};
-  std::uint64_t faces = 0;
-  forEachMesh(scene, material, uvChannel, [&](const aiMesh& mesh, unsigned) { faces += mesh.mNumFaces; });
-  const std::uint64_t step = faces / kMaxTriangles + 1;
+  const auto shows = [&](const ImportedPart& part) { return part.material == material && !part.uvs.empty(); };
+  std::uint64_t triangles = 0;
+  for (const ImportedPart& part : imported.parts) triangles += shows(part) ? part.triangles.size() : 0;
+  const std::uint64_t step = triangles / kMaxTriangles + 1;
   Sum sum;
   std::uint64_t number = 0;
-  forEachMesh(scene, material, uvChannel, [&](const aiMesh& mesh, unsigned channel) {
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f, ++number) {
-      const aiFace& face = mesh.mFaces[f];
-      if (face.mNumIndices == 3 && number % step == 0) addTriangle(sum, mesh, face.mIndices, channel, texture);
+  for (const ImportedPart& part : imported.parts) {
+    if (!shows(part)) continue;
+    for (const Triangle& triangle : part.triangles) {
+      if (number++ % step == 0) addTriangle(sum, part, triangle, texture);
     }
-  });
+  }
   if (!(sum.all > 0)) return {};
   return {sum.parts.low / sum.all, sum.parts.graded / sum.all, sum.parts.gone / sum.all};
 }

@@ -2,13 +2,15 @@
 
 // Tells cut-outs from other uses of a texture's alpha, by how the alpha lies on the surfaces that show it.
 
-struct aiScene;
+#include <cstdint>
+
+#include "scene/assets/imported_file.h"
 
 namespace scanmill {
 
 struct Texture;
 
-// Shares of the area, in the frames of the meshes, of the triangles of one material; 0 where it has no texture
+// Shares of the area of the triangles of one material; 0 where it has no texture
 // coordinates.
 struct AlphaShares {
   double low = 0;     // alpha below 0.5
@@ -17,8 +19,7 @@ struct AlphaShares {
 };
 
 // Measures the shares for a material's texture by 36 points on each triangle, or on every n-th where there are many.
-// The scene's meshes must be triangulated.
-AlphaShares measureAlpha(const aiScene& scene, unsigned material, unsigned uvChannel, const Texture& texture);
+AlphaShares measureAlpha(const ImportedFile& imported, std::uint32_t material, const Texture& texture);
 
 // Whether these are the shares of cut-outs: some of the surface is cut away, the alpha is mostly on or off, and hardly
 // any triangle would vanish as a whole, since nobody models what is never seen. It is different where alpha says which

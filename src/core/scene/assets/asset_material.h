@@ -1,6 +1,6 @@
 #pragma once
 
-// The materials of an asset, translated from the importer's terms.
+// The materials of an imported file, with the images that they name.
 
 #include <array>
 #include <filesystem>
@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "scene/assets/asset.h"
-
-struct aiScene;
+#include "scene/assets/imported_file.h"
 
 namespace scanmill {
 
@@ -17,11 +16,11 @@ struct AssetMaterial {
   Material material;
   std::array<float, 3> color{1, 1, 1};  // AssetPart::color
   std::string texture;                  // base colour file as the asset names it, or empty
-  unsigned uvChannel = 0;               // texture coordinates that the base colour uses
 };
 
-// Returns the materials of the imported file. A missing or broken texture is a warning.
-std::vector<AssetMaterial> readMaterials(const aiScene& scene, const std::filesystem::path& file,
+// Returns the materials of the imported file. A missing or broken texture is a warning; one that lies outside of the
+// file's folder is an InputError where that is not allowed.
+std::vector<AssetMaterial> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
                                          const AssetOptions& options);
 
 }  // namespace scanmill

@@ -14,16 +14,16 @@ Mat3 zUpFrom(char up) {
   return {};
 }
 
-void weld(AssetPart& part) {
-  const std::size_t count = part.positions.size();
-  if (count <= 2 * part.triangles.size()) return;
+void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Triangle>& triangles) {
+  const std::size_t count = positions.size();
+  if (count <= 2 * triangles.size()) return;
   constexpr std::uint32_t kFree = UINT32_MAX;
   std::vector<std::uint32_t> table(std::bit_ceil(count * 2), kFree);
   std::vector<std::uint32_t> moved(count);
   std::uint32_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const Vec3f p = part.positions[i];
-    const Vec2f uv = part.uvs.empty() ? Vec2f{} : part.uvs[i];
+    const Vec3f p = positions[i];
+    const Vec2f uv = uvs.empty() ? Vec2f{} : uvs[i];
     std::uint64_t hash = 0;
     for (const float value : {p.x, p.y, p.z, uv.x, uv.y}) {
       hash = (hash ^ std::bit_cast<std::uint32_t>(value)) * 0x9E3779B97F4A7C15;
@@ -32,24 +32,24 @@ void weld(AssetPart& part) {
     std::size_t slot = hash & (table.size() - 1);
     const auto same = [&](std::uint32_t other) {
       const auto bits = [](const auto& v) { return std::bit_cast<std::array<std::uint32_t, sizeof v / 4>>(v); };
-      return bits(part.positions[other]) == bits(p) && (part.uvs.empty() || bits(part.uvs[other]) == bits(uv));
+      return bits(positions[other]) == bits(p) && (uvs.empty() || bits(uvs[other]) == bits(uv));
     };
     while (table[slot] != kFree && !same(table[slot])) slot = (slot + 1) & (table.size() - 1);
     if (table[slot] == kFree) {
       table[slot] = kept;
-      part.positions[kept] = p;
-      if (!part.uvs.empty()) part.uvs[kept] = uv;
+      positions[kept] = p;
+      if (!uvs.empty()) uvs[kept] = uv;
       ++kept;
     }
     moved[i] = table[slot];
   }
-  part.positions.resize(kept);
-  part.positions.shrink_to_fit();
-  if (!part.uvs.empty()) {
-    part.uvs.resize(kept);
-    part.uvs.shrink_to_fit();
+  positions.resize(kept);
+  positions.shrink_to_fit();
+  if (!uvs.empty()) {
+    uvs.resize(kept);
+    uvs.shrink_to_fit();
   }
-  for (Triangle& triangle : part.triangles) {
+  for (Triangle& triangle : triangles) {
     for (std::uint32_t& corner : triangle) corner = moved[corner];
   }
 }

@@ -3,6 +3,7 @@
 // What readers of assets share.
 
 #include <cstdint>
+#include <vector>
 
 #include "scene/assets/asset.h"
 
@@ -15,7 +16,7 @@ constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28;
 Mat3 zUpFrom(char up);
 
 // Some kinds come in with three vertices of their own for every triangle: joins those that are bit-identical.
-void weld(AssetPart& part);
+void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Triangle>& triangles);
 
 // Moves a part by a transform that is not singular; what that mirrors still faces outwards.
 void move(AssetPart& part, const Affine& place);

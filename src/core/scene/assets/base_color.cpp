@@ -79,22 +79,30 @@ float ColorImages::mean(const std::shared_ptr<const Texture>& image, float least
 
 std::shared_ptr<const Texture> ColorImages::find(const std::string& name, bool onlyAlpha, bool cutsOut,
                                                  const std::function<std::shared_ptr<const Texture>()>& embedded) {
-  try {
-    std::shared_ptr<const Texture> texture = embedded();
-    if (texture == nullptr) {
-      const std::filesystem::path path = findTexture(asset_, name);
-      if (path.empty()) {
-        (cutsOut && !isOpaqueKind(name) ? missingCutOuts_ : missing_).insert(name);
-        return nullptr;
-      }
-      if (onlyAlpha && !mayHaveAlpha(path)) return nullptr;
-      texture = loadTexture(path);
-    }
-    return onlyAlpha && !texture->hasAlpha ? nullptr : texture;
-  } catch (const InputError& e) {
+  const auto broken = [&](const InputError& e) {
     warn(fmt::format("{}: the texture '{}' is not used: {}", asset_.string(), name, e.what()));
     return nullptr;
+  };
+  std::shared_ptr<const Texture> texture;
+  try {
+    texture = embedded();
+  } catch (const InputError& e) {
+    return broken(e);
   }
+  if (texture == nullptr) {
+    const std::filesystem::path path = findTexture(asset_, name, allowOutside_);
+    if (path.empty()) {
+      (cutsOut && !isOpaqueKind(name) ? missingCutOuts_ : missing_).insert(name);
+      return nullptr;
+    }
+    if (onlyAlpha && !mayHaveAlpha(path)) return nullptr;
+    try {
+      texture = loadTexture(path);
+    } catch (const InputError& e) {
+      return broken(e);
+    }
+  }
+  return onlyAlpha && !texture->hasAlpha ? nullptr : texture;
 }
 
 }  // namespace scanmill

@@ -36,7 +36,8 @@ struct BaseColor {
 // materials show it.
 class ColorImages {
  public:
-  explicit ColorImages(std::filesystem::path asset) : asset_(std::move(asset)) {}
+  // `allowOutside`: see findTexture().
+  ColorImages(std::filesystem::path asset, bool allowOutside) : asset_(std::move(asset)), allowOutside_(allowOutside) {}
   // Warns of those that were missing, in one line, and in another of those whose alpha may cut out.
   ~ColorImages();
   ColorImages(const ColorImages&) = delete;
@@ -56,6 +57,7 @@ class ColorImages {
                                       const std::function<std::shared_ptr<const Texture>()>& embedded);
 
   std::filesystem::path asset_;
+  bool allowOutside_;
   std::set<std::string> missing_;
   std::set<std::string> missingCutOuts_;  // whose alpha may cut out
   std::map<std::pair<std::string, bool>, std::shared_ptr<const Texture>> images_;

@@ -19,6 +19,10 @@ std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path);
 // Does the same for an image inside another file. `name` stands for it in messages and in Texture::file.
 std::shared_ptr<const Texture> decodeTexture(std::string_view bytes, const std::string& name);
 
+// Takes 8 bit RGBA, the top row first: width * height * 4 bytes.
+std::shared_ptr<const Texture> plainTexture(std::string_view rgba, std::uint32_t width, std::uint32_t height,
+                                            const std::string& name);
+
 // Returns the colour with the alpha of an opacity map, which is the map's own alpha where it has one and its brightness
 // where it has none; `inverted` turns it round. Where `color` is null, the colour is white. The result has the size of
 // the larger of the two; the other is sampled at the nearest texel.

@@ -4,7 +4,9 @@
 #include <array>
 #include <vector>
 
+#include "base/error.h"
 #include "config/text.h"
+#include "scene/assets/references.h"
 #include "scene/assets/uri.h"
 #include "scene/worlds/model_search.h"
 
@@ -30,26 +32,35 @@ std::filesystem::path findIgnoringCase(const std::filesystem::path& folder, cons
 
 }  // namespace
 
-std::filesystem::path findTexture(const std::filesystem::path& asset, const std::string& name) {
+std::filesystem::path findTexture(const std::filesystem::path& asset, const std::string& name, bool allowOutside) {
   std::string plain = name;
   std::replace(plain.begin(), plain.end(), '\\', '/');
   const std::filesystem::path folder = asset.parent_path();
   std::vector<std::filesystem::path> candidates;
+  std::filesystem::path outside;
   if (plain.starts_with("file://")) plain = plain.substr(7);
   if (plain.starts_with("model://")) {  // Gazebo: model://MODEL/..., the models lie beside one another
     plain = plain.substr(8);
-    if (const auto found = findInModelFolders(asset, plain)) candidates.push_back(*found);
+    if (!leadsOutside(plain) && !leadsOutside(decodeUri(plain))) {
+      if (const auto found = findInModelFolders(asset, plain)) candidates.push_back(*found);
+    }
   }
-  // An absolute name replaces the folder.
-  for (const std::string& spelling : {plain, decodeUri(plain)}) candidates.push_back(folder / spelling);
+  for (const std::string& spelling : {plain, decodeUri(plain)}) {
+    const std::filesystem::path path = folder / spelling;  // an absolute name replaces the folder
+    if (allowOutside || !leadsOutside(spelling)) {
+      candidates.push_back(path);
+    } else if (isFile(path)) {
+      outside = path;
+    }
+  }
   const std::array<std::filesystem::path, 6> folders{folder,
                                                      folder / "textures",
                                                      folder / "Textures",
                                                      folder / ".." / "materials" / "textures",
                                                      folder / ".." / "textures",
                                                      folder / "materials" / "textures"};
-  const std::string bare = decodeUri(std::filesystem::path(plain).filename().string());
-  if (bare.empty()) return {};
+  const std::string bare = std::filesystem::path(decodeUri(plain)).filename().string();
+  if (bare.empty() || bare == "..") return {};
   for (const auto& place : folders) candidates.push_back(place / bare);
   for (const auto& candidate : candidates) {
     if (isFile(candidate)) return candidate;
@@ -57,6 +68,7 @@ std::filesystem::path findTexture(const std::filesystem::path& asset, const std:
   for (const auto& place : folders) {
     if (auto found = findIgnoringCase(place.empty() ? "." : place, bare); !found.empty()) return found;
   }
+  if (!outside.empty()) throw InputError({asset.string()}, refusalOf(name));
   return {};
 }
 

@@ -34,7 +34,7 @@ bool areOnePlace(const std::vector<Model>& models) {
 
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                  const Ontology& ontology, const std::string& ontologyName, const std::string& name,
-                 const std::filesystem::path& folder) {
+                 const std::filesystem::path& folder, bool allowOutside) {
   constexpr double kGap = 2;  // m between objects
   Draft draft;
   draft.yaml = fmt::format(
@@ -43,7 +43,7 @@ Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vec
       "name: {}\nontology: {}\nmaterials: materials\nobjects:\n",
       quoted(name), quoted(ontologyName));
   const std::vector<Concept> known = conceptsFor(concepts, ontology);
-  const std::vector<Model> models = readModels(files, known);
+  const std::vector<Model> models = readModels(files, known, allowOutside);
   draft.onePlace = areOnePlace(models);
   const auto perRow = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(files.size()))));
   double x = 0, y = 0, deepest = 0;

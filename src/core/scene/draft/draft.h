@@ -34,9 +34,9 @@ struct Draft {
 // One object for each file. Several stand beside one another on the ground, unless they are parts of one place: then
 // most are away from the origin of their coordinates, each somewhere else. `folder` is where the scene file will be,
 // from which the assets are named, and `ontologyName` what it calls the ontology. Throws InputError for a file that
-// cannot be read.
+// cannot be read. `allowOutside`: see AssetOptions.
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                  const Ontology& ontology, const std::string& ontologyName, const std::string& name,
-                 const std::filesystem::path& folder);
+                 const std::filesystem::path& folder, bool allowOutside = false);
 
 }  // namespace scanmill::draft

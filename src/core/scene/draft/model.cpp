@@ -25,13 +25,15 @@ Box placed(const Box& own, const FrameGuess& frame) {
 }
 
 // `plates`: by the axes that may turn out to be up.
-Model readModel(const std::filesystem::path& file, const std::vector<Concept>& concepts,
+Model readModel(const std::filesystem::path& file, const std::vector<Concept>& concepts, bool allowOutside,
                 std::map<char, std::optional<Plate>>& plates) {
   AssetOptions options;
   options.textures = false;
+  options.allowOutside = allowOutside;
   const Asset asset = readAsset(file, options);
   Model model;
   model.file = file;
+  model.allowOutside = allowOutside;
   model.whole = conceptOfFile(concepts, file);
   model.measured = std::any_of(asset.parts.begin(), asset.parts.end(),
                                [](const AssetPart& part) { return part.texture == kPointIntensity; });
@@ -100,10 +102,13 @@ std::vector<std::string> Model::doubts() const {
   return doubts;
 }
 
-std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts) {
+std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
+                              bool allowOutside) {
   std::vector<Model> models;
   std::vector<std::map<char, std::optional<Plate>>> plates(files.size());
-  for (std::size_t i = 0; i < files.size(); ++i) models.push_back(readModel(files[i], concepts, plates[i]));
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    models.push_back(readModel(files[i], concepts, allowOutside, plates[i]));
+  }
   std::map<std::pair<std::filesystem::path, std::string>, std::vector<FrameGuess*>> sets;
   for (Model& m : models) sets[{m.file.parent_path(), lowerExtension(m.file)}].push_back(&m.frame);
   for (const auto& [folder, set] : sets) guessTogether(set);

@@ -29,6 +29,7 @@ struct Model {
   std::optional<Plate> plate;  // of a tile, of which `whole` stands on the rest
   bool mixed = false;          // the file's name says both a ground and a thing
   bool measured = false;       // the file says what its points reflect
+  bool allowOutside = false;   // it was read so: see AssetOptions
 
   std::uint64_t triangles() const;
   std::uint64_t guessed() const;  // of them, those that a class was found for, or that are left out
@@ -38,7 +39,8 @@ struct Model {
 };
 
 // Reads the files. Those of one kind in one folder are guessed together. Throws InputError for a file that cannot be
-// read.
-std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts);
+// read. `allowOutside`: see AssetOptions.
+std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
+                              bool allowOutside);
 
 }  // namespace scanmill::draft

@@ -253,6 +253,7 @@ std::string objectYaml(const Model& model, const std::vector<Concept>& concepts,
   std::filesystem::path name = std::filesystem::proximate(model.file, folder.empty() ? "." : folder, error);
   if (error) name = model.file;
   std::string yaml = fmt::format("  - name: {}\n    file: {}\n", quoted(model.name), quoted(name.string()));
+  if (model.allowOutside) yaml += "    allow_outside: true\n";
   const FrameGuess& frame = model.frame;
   if (frame.unit != 1 || !frame.whyUnit.empty()) {
     yaml += fmt::format("    unit: {:g}   # {}{}\n", frame.unit, frame.doubtfulUnit ? "doubtful: " : "", frame.whyUnit);

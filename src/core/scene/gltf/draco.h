@@ -21,7 +21,7 @@ struct DracoMesh {
 };
 
 // Decodes the attributes that have these ids. Throws Error where the bytes are damaged. Memory is what they ask for:
-// those of strangers are tried apart first (scene/assets/trial.h).
+// those of strangers are tried apart first (scene/assets/child_process.h).
 DracoMesh decodeDraco(std::string_view bytes, const std::map<std::string, std::uint32_t>& ids);
 
 }  // namespace scanmill::gltf

@@ -71,7 +71,7 @@ ReadMaterial read(const Model& model, const Data& data, const Material* m, const
 }  // namespace
 
 std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options) {
-  ColorImages images(model.file);
+  ColorImages images(model.file, options.allowOutside);
   std::vector<ReadMaterial> materials;
   materials.reserve(model.materials.size() + 1);
   for (const Material& m : model.materials) materials.push_back(read(model, data, &m, options, images));

@@ -41,7 +41,7 @@ bool isKnown(std::string_view extension) {
 
 class Reader : JsonReader {
  public:
-  Reader(Model& model, const Json& json) : JsonReader(model, json) {}
+  Reader(Model& model, const Json& json, bool allowOutside) : JsonReader(model, json), allowOutside_(allowOutside) {}
 
   void read() {
     if (!json_.is_object()) fail("is not valid glTF: the file is not a JSON object");
@@ -61,7 +61,7 @@ class Reader : JsonReader {
         m_.center = Vec3d{c[0], c[1], c[2]};
       }
     }
-    readStorage(m_, json_);
+    readStorage(m_, json_, allowOutside_);
     each("images", m_.images, [&](const Json& j, const std::string& what) { return image(j, what); });
     each("materials", m_.materials, [&](const Json& j, const std::string& what) { return material(j, what); });
     each("meshes", m_.meshes, [&](const Json& j, const std::string& what) { return mesh(j, what); });
@@ -311,6 +311,8 @@ class Reader : JsonReader {
       for (const Index child : m_.nodes[at].children) open.emplace_back(child, depth + 1);
     }
   }
+
+  bool allowOutside_;
 };
 
 }  // namespace
@@ -334,7 +336,7 @@ void Model::fail(const std::string& what) const {
   throw InputError({file.string()}, what);
 }
 
-Model readModel(const std::filesystem::path& file, const std::filesystem::path& name) {
+Model readModel(const std::filesystem::path& file, const std::filesystem::path& name, bool allowOutside) {
   Container container = readContainer(file, name);
   Model model;
   model.file = name;
@@ -342,7 +344,7 @@ Model readModel(const std::filesystem::path& file, const std::filesystem::path& 
   model.center = container.center;
   try {
     const Json json = Json::parse(container.json);
-    Reader(model, json).read();
+    Reader(model, json, allowOutside).read();
   } catch (const Json::exception& e) {
     model.fail(fmt::format("is not valid glTF: {}", e.what()));
   }

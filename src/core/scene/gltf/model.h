@@ -159,7 +159,7 @@ struct Model {
 // Reads a .gltf or .glb. Points and lines are left out. Every index, range and length has been checked against the
 // files, and the nodes of the scene form a tree. Throws InputError that names the file and what is wrong with it, such
 // as an extension that it requires and that is unknown here. It is called `name`, beside which the files lie that it
-// names.
-Model readModel(const std::filesystem::path& file, const std::filesystem::path& name);
+// names. `allowOutside`: see AssetOptions.
+Model readModel(const std::filesystem::path& file, const std::filesystem::path& name, bool allowOutside);
 
 }  // namespace scanmill::gltf

@@ -10,8 +10,9 @@
 
 #include "base/earth.h"
 #include "base/error.h"
+#include "base/memory.h"
 #include "scene/assets/asset_parts.h"
-#include "scene/assets/trial.h"
+#include "scene/assets/child_process.h"
 #include "scene/builder.h"
 #include "scene/gltf/data.h"
 #include "scene/gltf/draco.h"
@@ -25,6 +26,8 @@ namespace {
 // What a few bytes may ask for when they are decoded.
 constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;  // bytes, and 256 for every byte compressed
 constexpr unsigned kTrialSeconds = 300;
+constexpr double kMostPrimitives = 1 << 22;                   // of all nodes
+constexpr double kMostRead = 4e9;                             // vertices of all primitives
 constexpr std::size_t kMostInstances = std::size_t{1} << 22;  // of one node
 
 // The vertices and triangles of a primitive, in the mesh's frame.
@@ -67,6 +70,7 @@ class Reader {
   }
 
   Asset read() {
+    checkCosts();
     tryDraco();
     materials_ = readMaterials(model_, data_, options_);
     for (std::uint32_t i = 0; i < placed_.size(); ++i) {
@@ -88,25 +92,59 @@ class Reader {
     return model_.nodes[placed.node].skin ? Affine{} : placed.sceneFromNode;
   }
 
+  // A small file may place its meshes any number of times, and its primitives may share one long list of vertices.
+  void checkCosts() const {
+    double primitives = 0, triangles = 0, vertices = 0, read = 0;
+    for (const PlacedNode& placed : placed_) {
+      const Node& node = model_.nodes[placed.node];
+      if (!placed.visible || !node.mesh) continue;
+      double copies = 1;
+      if (node.instances && options_.clip && !node.instances->empty()) {
+        copies = static_cast<double>(model_.accessors[node.instances->begin()->second].count);
+      }
+      for (const Primitive& primitive : model_.meshes[*node.mesh].primitives) {
+        const double points = countOf(primitive.attributes.at("POSITION"));
+        const double corners = primitive.indices ? countOf(*primitive.indices) : points;
+        primitives += copies;
+        triangles += copies * (primitive.mode == Primitive::Mode::Triangles ? corners / 3 : corners);
+        vertices += copies * std::min(points, corners);
+        read += points / static_cast<double>(uses_[*node.mesh]);
+      }
+    }
+    if (primitives > kMostPrimitives) {
+      model_.fail(fmt::format("places {:.0f} primitives: at most {:.0f}, so join those of one material", primitives,
+                              kMostPrimitives));
+    }
+    if (triangles > static_cast<double>(kMostTriangles)) {
+      model_.fail(fmt::format("places over {} triangles", kMostTriangles));
+    }
+    if (read > kMostRead) {
+      model_.fail("has many primitives that share one long list of vertices: export them with vertices of their own");
+    }
+    const double bytes = triangles * sizeof(Triangle) + vertices * (sizeof(Vec3f) + sizeof(Vec2f));
+    const auto limit = static_cast<double>(memoryLimitBytes());
+    if (bytes > limit) {
+      model_.fail(fmt::format("places {:.0f} triangles, which take {:.1f} GB: this process may take {:.1f} GB",
+                              triangles, bytes * 1e-9, limit * 1e-9));
+    }
+  }
+
+  double countOf(Index accessor) const { return static_cast<double>(model_.accessors[accessor].count); }
+
   // Damaged Draco bytes may ask for any amount of memory.
   void tryDraco() const {
     std::uint64_t bytes = 0;
     forDraco([&](const Primitive& p) { bytes += model_.views[p.draco->view].length; });
     if (bytes == 0) return;
     const auto decodeAll = [&] {
-      std::string failure;
-      forDraco([&](const Primitive& p) {
-        if (!failure.empty()) return;
-        try {
-          decodeDraco(data_.view(p.draco->view), p.draco->attributes);
-        } catch (const std::exception& e) {
-          failure = e.what();
-        }
-      });
-      return failure;
+      forDraco([&](const Primitive& p) { decodeDraco(data_.view(p.draco->view), p.draco->attributes); });
+      return std::string();
     };
-    const std::string failure = tryApart(decodeAll, kTrialMemory + 256 * bytes, kTrialSeconds);
-    if (!failure.empty()) model_.fail(fmt::format("has damaged meshes: {}; export it again", failure));
+    try {
+      inChildProcess(decodeAll, kTrialMemory + 256 * bytes, kTrialSeconds);
+    } catch (const Error& e) {
+      model_.fail(fmt::format("has damaged meshes: {}; export it again", e.what()));
+    }
   }
 
   template <class Visit>
@@ -139,7 +177,7 @@ class Reader {
       }
       append(parts[part], geometry, assetFromNode);
     }
-    for (std::size_t i = first; i < parts.size(); ++i) weld(parts[i]);
+    for (std::size_t i = first; i < parts.size(); ++i) weld(parts[i].positions, parts[i].uvs, parts[i].triangles);
     const auto begin = parts.begin() + static_cast<std::ptrdiff_t>(first);
     parts.erase(std::remove_if(begin, parts.end(), [](const AssetPart& p) { return p.triangles.empty(); }),
                 parts.end());
@@ -343,7 +381,7 @@ class Reader {
 
 Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& name, const Affine& assetFromFile,
                 const AssetOptions& options) {
-  Model model = readModel(file, name);
+  Model model = readModel(file, name, options.allowOutside);
   Affine frame = assetFromFile;
   if (model.center) {
     if (isOnEarth(*model.center)) {
@@ -358,13 +396,13 @@ Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& 
 
 Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, const Mat3& zUpFromGltf,
                const AssetOptions& options) {
-  Model model = readModel(file, file);
+  Model model = readModel(file, file, options.allowOutside);
   const Vec3d center = model.center.value_or(Vec3d{});
   return Reader(std::move(model), assetFromTile * Affine{zUpFromGltf, center}, options).read();
 }
 
 std::vector<Clip> readClips(const std::filesystem::path& file) {
-  const Model model = readModel(file, file);
+  const Model model = readModel(file, file, true);  // it was read before
   const Data data(model);
   std::vector<Clip> clips;
   for (Index i = 0; i < model.animations.size(); ++i) {
@@ -374,7 +412,7 @@ std::vector<Clip> readClips(const std::filesystem::path& file) {
 }
 
 std::pair<double, double> clipSpan(const std::filesystem::path& file, const std::string& clip) {
-  const Model model = readModel(file, file);
+  const Model model = readModel(file, file, true);  // it was read before
   const Index animation = animationNamed(model, clip);
   const auto span = spanOf(model, Data(model), animation);
   if (!span) model.fail(fmt::format("is not valid glTF: animations[{}] has no key frames", animation));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "scene/assets/references.h"
 #include "scene/assets/uri.h"
 
 namespace scanmill::gltf {
@@ -12,7 +13,8 @@ constexpr std::uint64_t kMaxCount = std::uint64_t{1} << 31;
 
 class StorageReader : JsonReader {
  public:
-  StorageReader(Model& model, const Json& json) : JsonReader(model, json) {}
+  StorageReader(Model& model, const Json& json, bool allowOutside)
+      : JsonReader(model, json), allowOutside_(allowOutside) {}
 
   void read() {
     each("buffers", m_.buffers, [&](const Json& j, const std::string& what) { return buffer(j, what); });
@@ -39,6 +41,7 @@ class StorageReader : JsonReader {
         b.uri = decodeUri(b.uri);
         const std::filesystem::path path = m_.file.parent_path() / b.uri;
         std::error_code error;
+        if (!allowOutside_ && leadsOutside(b.uri) && std::filesystem::exists(path, error)) m_.fail(refusalOf(b.uri));
         if (!std::filesystem::is_regular_file(path, error)) {
           b.problem = fmt::format("names the buffer '{}', which is missing: put it beside the file", b.uri);
           return b;
@@ -171,12 +174,14 @@ class StorageReader : JsonReader {
     expectInside(s.valuesView, s.valuesOffset, s.count, sizeOf(a.component) * a.width, false, what + ".values");
     return s;
   }
+
+  bool allowOutside_;
 };
 
 }  // namespace
 
-void readStorage(Model& model, const Json& json) {
-  StorageReader(model, json).read();
+void readStorage(Model& model, const Json& json, bool allowOutside) {
+  StorageReader(model, json, allowOutside).read();
 }
 
 }  // namespace scanmill::gltf

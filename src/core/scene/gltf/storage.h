@@ -6,7 +6,7 @@
 
 namespace scanmill::gltf {
 
-// Reads and checks them into the model, which has the GLB's binary chunk.
-void readStorage(Model& model, const Json& json);
+// Reads and checks them into the model, which has the GLB's binary chunk. `allowOutside`: see AssetOptions.
+void readStorage(Model& model, const Json& json, bool allowOutside);
 
 }  // namespace scanmill::gltf

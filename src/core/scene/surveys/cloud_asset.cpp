@@ -288,7 +288,7 @@ class CloudAsset {
   const bool las_ = lowerExtension(file_) == ".las";
   Cloud cloud_;
   const Scan& scan_;
-  ColorImages images_{file_};
+  ColorImages images_{file_, true};
   std::vector<std::size_t> chosen_;  // of the scan's points
   std::vector<Vec3f> positions_;     // m, of those, in the asset's frame less its origin
   std::vector<Vec3f> normals_;

@@ -235,7 +235,7 @@ class HeightAsset {
   Raster photo_;  // one channel of the image, for its place
   double scale_ = 1;
   std::shared_ptr<const Texture> image_;
-  ColorImages images_{file_};
+  ColorImages images_{file_, true};
   Affine localFromEarth_;
   std::array<std::vector<Vec3d>, 2> places_;
   std::map<std::int64_t, Part> parts_;

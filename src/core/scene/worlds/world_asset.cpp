@@ -26,7 +26,7 @@ std::string withoutNumber(const std::string& name) {
 class WorldAsset {
  public:
   WorldAsset(const std::filesystem::path& file, const AssetOptions& options)
-      : file_(file), options_(options), images_(file) {
+      : file_(file), options_(options), images_(file, true) {
     asset_.up = options.up.value_or('z');
     asset_.upDeclared = true;
     const double scale = options.metresPerUnit;
@@ -152,6 +152,7 @@ class WorldAsset {
     AssetOptions options;
     options.alpha = options_.alpha;
     options.textures = options_.textures;
+    options.allowOutside = options_.allowOutside;
     const std::string suffix = lowerExtension(from.mesh);
     if (isWorld(suffix)) throw InputError(from.where, fmt::format("'{}' is no mesh", from.mesh.string()));
     // Gazebo and ROS take the coordinates of all but glTF as they are, whatever axis a file declares.

@@ -9,10 +9,12 @@
 #include "scene/assets/asset_alpha.h"
 #include "scene/assets/texture_search.h"
 #include "tests/core/scene/assets/triangle_files.h"
+#include "tests/support/message_of.h"
 
 namespace scanmill {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 TEST_F(AssetFiles, TexturesAreUprightInEveryKind) {
@@ -269,7 +271,7 @@ TEST_F(AssetFiles, TexturesAreFoundWherePeoplePutThem) {
   const auto asset = folder_.path() / "car" / "meshes" / "car.dae";
   const auto expectFound = [&](const std::string& file, const std::string& name) {
     write(file, "image");
-    const auto found = findTexture(asset, name);
+    const auto found = findTexture(asset, name, false);
     std::error_code error;
     EXPECT_TRUE(!found.empty() && std::filesystem::equivalent(found, folder_.path() / file, error)) << name;
     std::filesystem::remove(folder_.path() / file);
@@ -283,9 +285,25 @@ TEST_F(AssetFiles, TexturesAreFoundWherePeoplePutThem) {
   expectFound("car/materials/textures/a.png", "a.png");
   expectFound("wheels/materials/textures/a.png", "model://wheels/materials/textures/a.png");
   expectFound("car/meshes/A.PNG", "a.png");
-  expectFound("abs.png", (folder_.path() / "abs.png").string());
-  EXPECT_TRUE(findTexture(asset, "a.png").empty());
-  EXPECT_TRUE(findTexture(asset, "").empty());
+  EXPECT_TRUE(findTexture(asset, "a.png", false).empty());
+  EXPECT_TRUE(findTexture(asset, "", false).empty());
+}
+
+// A name that leads out of the folder is found where textures usually lie; elsewhere it has to be allowed.
+TEST_F(AssetFiles, TexturesElsewhereHaveToBeAllowed) {
+  const auto asset = folder_.path() / "car" / "meshes" / "car.dae";
+  std::filesystem::create_directories(asset.parent_path());
+  const auto absolute = write("abs.png", "image");
+  write("car/textures/b.png", "image");
+  for (const std::string& name :
+       {absolute.string(), std::string("../../abs.png"), std::string("../meshes/../../abs.png"),
+        std::string("..%2F..%2Fabs.png"), std::string("model://../../abs.png"), "file://" + absolute.string()}) {
+    EXPECT_THAT(messageOf<InputError>([&] { findTexture(asset, name, false); }),
+                AllOf(HasSubstr("car.dae: names '" + name), HasSubstr("allow_outside: true")));
+    EXPECT_TRUE(std::filesystem::equivalent(findTexture(asset, name, true), absolute)) << name;
+  }
+  EXPECT_TRUE(std::filesystem::equivalent(findTexture(asset, "../textures/b.png", false),
+                                          folder_.path() / "car/textures/b.png"));
 }
 
 TEST(AssetMaterials, MissingTexturesAreToldInOneLine) {

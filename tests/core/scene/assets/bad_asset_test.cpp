@@ -1,5 +1,8 @@
 // Assets that are damaged, absurd or not what they say.
 
+#include <fmt/format.h>
+#include <sys/stat.h>
+
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -13,6 +16,7 @@
 namespace scanmill {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 TEST_F(AssetFiles, IndicesOutOfRangeAreDroppedAndCounted) {
@@ -138,6 +142,62 @@ TEST_F(AssetFiles, AbsurdCountsAreRefusedWithoutAskingForTheMemory) {
     failure(write("a.off", std::string("OFF\n") + count + " " + count + " 0\n0 0 0\n"));
   }
   failure(write("a.stl", std::string(80, ' ') + bytesOf<std::uint32_t>({4000000000u}) + std::string(50, '\0')));
+}
+
+// Costs are known, or bounded, before they are paid.
+TEST_F(AssetFiles, SmallFilesThatAskForMuchAreRefusedAtOnce) {
+  std::string polygon;
+  std::string face = "f";
+  for (int i = 1; i <= 100000; ++i) {
+    polygon += fmt::format("v {} {} 0\n", std::cos(i * 6e-5), std::sin(i * 6e-5));
+    face += fmt::format(" {}", i);
+  }
+  EXPECT_THAT(failure(write("round.obj", polygon + face + "\n")), HasSubstr("polygons of up to 100000 corners"));
+
+  Gltf many;
+  std::string nodes = "[";
+  for (int i = 0; i < 20000; ++i) nodes += R"({"mesh":0},)";
+  many.nodes = nodes + R"({"mesh":0}])";
+  std::string scene;
+  for (int i = 0; i <= 20000; ++i) scene += fmt::format("{}{}", i > 0 ? "," : "", i);
+  std::string text = many.text();
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    ASSERT_NE(text.find(from), std::string::npos) << text.substr(0, 600);
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace(R"("nodes":[0])", R"("nodes":[)" + scene + "]");
+  const std::size_t first = text.find("\"primitives\":[") + 14;
+  const std::string primitive = text.substr(first, text.find("}]", first) + 1 - first);
+  std::string primitives = primitive;
+  for (int i = 0; i < 300; ++i) primitives += "," + primitive;
+  replace(primitive, primitives);
+  EXPECT_THAT(failure(write("many.gltf", text)), HasSubstr("places 6020301 primitives"));
+}
+
+TEST_F(AssetFiles, NamesThatLeadOutsideHaveToBeAllowed) {
+  write("outside.mtl", "newmtl paint\nKd 0.25 0.25 0.25\n");
+  write("outside.bin", gltfBuffer());
+  std::filesystem::create_directory(folder_.path() / "in");
+  std::string obj = kObj;
+  obj.replace(obj.find("a.mtl"), 5, "../outside.mtl");
+  const auto object = write("in/a.obj", obj);
+  EXPECT_THAT(failure(object), AllOf(HasSubstr("a.obj: names '../outside.mtl'"), HasSubstr("allow_outside: true")));
+  EXPECT_NEAR(readAsset(object, {.allowOutside = true}).parts.at(0).fileMaterial.reflectance, 0.25, 1e-6);
+  Gltf gltf;
+  gltf.buffer = R"("uri":"../outside.bin")";
+  const auto file = write("in/a.gltf", gltf.text());
+  EXPECT_THAT(failure(file), AllOf(HasSubstr("a.gltf: names '../outside.bin'"), HasSubstr("allow_outside: true")));
+  EXPECT_EQ(readAsset(file, {.allowOutside = true}).parts.at(0).triangles.size(), 1u);
+}
+
+// Reading from a pipe would wait for ever.
+TEST_F(AssetFiles, LibrariesOfMaterialsAreFiles) {
+  ASSERT_EQ(::mkfifo((folder_.path() / "a.mtl").c_str(), 0600), 0);
+  EXPECT_THAT(failure(write("a.obj", kObj)), HasSubstr("a.obj: names 'a.mtl', which is not a file"));
+  std::filesystem::remove(folder_.path() / "a.mtl");
+  testing::internal::CaptureStderr();
+  readAsset(folder_.path() / "a.obj", {});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("a.obj: names 'a.mtl', which is missing: "));
 }
 
 TEST(DecodeUri, DecodesEscapesOnly) {
