@@ -1,5 +1,6 @@
 #include "scene/assets/assimp_files.h"
 
+#include <assimp/DefaultIOSystem.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,43 +11,60 @@
 
 namespace scanmill {
 
+namespace {
+
 namespace fs = std::filesystem;
 
-AssimpFiles::AssimpFiles(const fs::path& asset, bool allowOutside)
-    : folder_(fs::absolute(asset).lexically_normal().parent_path()),
-      ownLibrary_(asset.stem().string() + ".mtl"),
-      allowOutside_(allowOutside) {}
+class AssimpFiles final : public Assimp::DefaultIOSystem {
+ public:
+  AssimpFiles(const fs::path& asset, bool allowOutside, MissedFiles& missed)
+      : folder_(fs::absolute(asset).lexically_normal().parent_path()),
+        ownLibrary_(asset.stem().string() + ".mtl"),
+        allowOutside_(allowOutside),
+        missed_(missed) {}
 
-std::string AssimpFiles::named(const char* name) const {
-  return fs::absolute(name).lexically_normal().lexically_relative(folder_).string();
-}
+  bool Exists(const char* name) const override {
+    std::error_code ignored;
+    return fs::is_regular_file(name, ignored);
+  }
 
-bool AssimpFiles::Exists(const char* name) const {
-  std::error_code ignored;
-  return fs::is_regular_file(name, ignored);
-}
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(name, ignored);
+    const std::string inFolder = fs::absolute(name).lexically_normal().lexically_relative(folder_).string();
+    std::string refusal;
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
+      refusal = fmt::format("names '{}', which is not a file", inFolder);
+    } else if (fs::exists(status) && !allowOutside_ && leadsOutside(inFolder)) {
+      refusal = refusalOf(inFolder);
+    }
+    if (!refusal.empty()) {
+      if (missed_.refused.empty()) missed_.refused = refusal;
+      return nullptr;
+    }
+    Assimp::IOStream* const stream = DefaultIOSystem::Open(name, mode);
+    if (lowerExtension(name) == ".mtl") noteLibrary(inFolder, stream != nullptr);
+    return stream;
+  }
 
-Assimp::IOStream* AssimpFiles::Open(const char* name, const char* mode) {
-  std::error_code ignored;
-  const fs::file_status status = fs::status(name, ignored);
-  const std::string inFolder = named(name);
-  std::string refusal;
-  if (fs::exists(status) && !fs::is_regular_file(status)) {
-    refusal = fmt::format("names '{}', which is not a file", inFolder);
-  } else if (fs::exists(status) && !allowOutside_ && leadsOutside(inFolder)) {
-    refusal = refusalOf(inFolder);
+ private:
+  void noteLibrary(const std::string& name, bool found) {
+    std::vector<std::string>& missing = missed_.libraries;
+    const bool known = std::find(missing.begin(), missing.end(), name) != missing.end();
+    if (!found && !known && (missing.empty() || name != ownLibrary_)) missing.push_back(name);
+    if (found && name == ownLibrary_) missing.clear();
   }
-  if (!refusal.empty()) {
-    if (refused_.empty()) refused_ = refusal;
-    return nullptr;
-  }
-  Assimp::IOStream* const stream = DefaultIOSystem::Open(name, mode);
-  if (lowerExtension(name) == ".mtl") {
-    const bool known = std::find(missing_.begin(), missing_.end(), inFolder) != missing_.end();
-    if (stream == nullptr && !known && (missing_.empty() || inFolder != ownLibrary_)) missing_.push_back(inFolder);
-    if (stream != nullptr && inFolder == ownLibrary_) missing_.clear();
-  }
-  return stream;
+
+  fs::path folder_;
+  std::string ownLibrary_;  // of the asset's name, which the importer tries where another one is missing
+  bool allowOutside_;
+  MissedFiles& missed_;
+};
+
+}  // namespace
+
+std::unique_ptr<Assimp::IOSystem> filesFor(const fs::path& asset, bool allowOutside, MissedFiles& missed) {
+  return std::make_unique<AssimpFiles>(asset, allowOutside, missed);
 }
 
 }  // namespace scanmill

@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <cmath>
@@ -49,9 +50,7 @@ class Importer {
  public:
   Importer(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options)
       : file_(file), options_(options), kind_(kind) {
-    auto files = std::make_unique<AssimpFiles>(file, options.allowOutside);
-    files_ = files.get();
-    importer_.SetIOHandler(files.release());
+    importer_.SetIOHandler(filesFor(file, options.allowOutside, missed_).release());
   }
 
   ImportedFile read() {
@@ -60,7 +59,7 @@ class Importer {
     const std::optional<char> declared = declaredUp();
     read.up = options_.up.value_or(declared.value_or('z'));
     read.upDeclared = declared.has_value();
-    read.missing = files_->missingLibraries();
+    read.missing = missed_.libraries;
     read.outOfRange = dropBadFaces();
     triangulate();
     read.materials = materialsOf(*scene_);
@@ -86,7 +85,7 @@ class Importer {
     } catch (const std::exception& e) {
       failReading(e.what());
     }
-    if (!files_->refused().empty()) fail(files_->refused());
+    if (!missed_.refused.empty()) fail(missed_.refused);
     if (scene_ == nullptr) failReading(reason());
     if (scene_->mRootNode == nullptr) failReading("it has no nodes");
   }
@@ -296,7 +295,7 @@ class Importer {
   const std::filesystem::path& file_;
   const AssetOptions& options_;
   const std::string& kind_;
-  const AssimpFiles* files_ = nullptr;  // the importer's
+  MissedFiles missed_;
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;         // the importer's
   std::vector<std::uint32_t> uvChannels_;  // of the materials
