@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <system_error>
@@ -13,14 +15,18 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/memory.h"
+#include "config/text.h"
 #include "images/images_interface.h"
-#include "images/png_chunks.h"
+#include "images/png_reader.h"
 
 namespace scanmill {
 
 namespace {
 
 constexpr int kMaxSize = 16384;
+constexpr int kMostSide = 4096;
+constexpr int kBand = 64;  // rows that are decoded at a time
 
 // Recognises the kind of an image by its first bytes; empty where its name has to tell.
 std::string kindOf(std::string_view bytes) {
@@ -39,6 +45,20 @@ std::string kindOf(std::string_view bytes) {
   return {};
 }
 
+// By which most kinds are known.
+std::string firstBytes(const std::filesystem::path& path) {
+  std::string bytes(16, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
+}
+
+std::string endingOf(const std::string& name) {
+  const std::string ending = lowerExtension(name);
+  return ending.empty() ? ending : ending.substr(1);
+}
+
 // What the module says went wrong, on one line, or `otherwise` where it says nothing.
 std::string reason(const std::exception& error, const char* otherwise = "not an image that can be decoded") {
   std::string text = error.what();
@@ -50,19 +70,20 @@ std::string reason(const std::exception& error, const char* otherwise = "not an 
 // Opens the bytes, of the kind that `kind` ends with, or without bytes the file of that name. `name` stands for the
 // image in messages.
 std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
-  const auto& module = moduleOf<ImagesModule>();
   try {
-    return module.open(kind, bytes);
+    return kindOf(bytes) == "png" ? openPng(bytes) : moduleOf<ImagesModule>().open(kind, bytes);
   } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {
     throw InputError({name}, "the image cannot be read: " + reason(e));
   }
 }
 
-void readPixels(ImageReader& image, std::uint8_t* pixels, const std::string& name) {
+void readRows(ImageReader& image, int count, std::uint8_t* pixels, const std::string& name) {
   try {
-    image.read(pixels);
+    image.rows(count, pixels);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
@@ -79,40 +100,137 @@ std::array<float, 256> divisionByAlpha(double gamma) {
   return gain;
 }
 
+// A file of a few bytes may claim any size. These kinds have no way to say more in a byte: deflate makes 1032 bytes of
+// one, of 8 pixels each.
+constexpr double kMostPixelsPerByte = 8 * 1032;
+
+bool isBoundedByBytes(const std::string& kind) {
+  static constexpr std::array<std::string_view, 8> kKinds{"png", "jpg", "jpeg", "bmp", "gif", "sgi", "tga", "dds"};
+  return std::find(kKinds.begin(), kKinds.end(), kind) != kKinds.end();
+}
+
+void checkSize(const ImageHeader& header, const std::string& kind, std::uint64_t bytes, const std::string& name) {
+  const auto fail = [&](const std::string& what) { throw InputError({name}, what); };
+  if (header.width < 1 || header.height < 1 || header.channels < 1) fail("the image has no pixels");
+  const std::string size = fmt::format("{} x {} pixels", header.width, header.height);
+  if (header.width > kMaxSize || header.height > kMaxSize) {
+    fail(fmt::format("the image of {} is larger than {} x {}: scale it down", size, kMaxSize, kMaxSize));
+  }
+  const double pixels = static_cast<double>(header.width) * header.height;
+  if (isBoundedByBytes(kind) && pixels > kMostPixelsPerByte * static_cast<double>(bytes)) {
+    fail(fmt::format("the image is damaged: its {} bytes cannot hold {}", bytes, size));
+  }
+  // Most readers decode all of it at once, in whatever depth it has.
+  const bool byRows = kind == "png" || kind == "jpg" || kind == "jpeg";
+  const double needed = pixels * header.channels * 4;
+  const auto limit = static_cast<double>(memoryLimitBytes());
+  if (!byRows && needed > limit) {
+    fail(
+        fmt::format("the image of {} in {} channels may take {:.1f} GB to decode, and this process may take {:.1f} GB: "
+                    "scale it down",
+                    size, header.channels, needed * 1e-9, limit * 1e-9));
+  }
+}
+
+// Takes the mean of squares of pixels, row by row. Colours count by their light and their alpha.
+class Reduction {
+ public:
+  Reduction(int width, int factor) : factor_(factor), sums_(static_cast<std::size_t>((width + factor - 1) / factor)) {
+    for (std::size_t i = 0; i < linear_.size(); ++i) {
+      const double s = static_cast<double>(i) / 255;
+      linear_[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+    }
+  }
+
+  void add(const std::uint8_t* rgba, int width) {
+    for (int x = 0; x < width; ++x, rgba += 4) {
+      Sum& sum = sums_[static_cast<std::size_t>(x / factor_)];
+      // A trace of weight, so that what is wholly clear keeps its colour.
+      const float weight = static_cast<float>(rgba[3]) + 1e-3f;
+      for (std::size_t c = 0; c < 3; ++c) sum.light[c] += weight * linear_[rgba[c]];
+      sum.weight += weight;
+      sum.alpha += rgba[3];
+      ++sum.count;
+    }
+  }
+
+  void take(std::uint8_t* rgba) {
+    for (Sum& sum : sums_) {
+      for (std::size_t c = 0; c < 3; ++c) *rgba++ = encoded(sum.light[c] / sum.weight);
+      *rgba++ = static_cast<std::uint8_t>((sum.alpha + sum.count / 2) / sum.count);
+      sum = {};
+    }
+  }
+
+ private:
+  struct Sum {
+    std::array<float, 3> light{};
+    float weight = 0;
+    std::uint32_t alpha = 0;
+    std::uint32_t count = 0;
+  };
+
+  // The value whose light is the nearest one.
+  std::uint8_t encoded(float light) const {
+    const auto above = std::lower_bound(linear_.begin(), linear_.end(), light);
+    if (above == linear_.begin()) return 0;
+    const auto below = std::prev(above);
+    const auto nearest = above == linear_.end() || light - *below < *above - light ? below : above;
+    return static_cast<std::uint8_t>(nearest - linear_.begin());
+  }
+
+  int factor_;
+  std::array<float, 256> linear_{};
+  std::vector<Sum> sums_;
+};
+
 DecodedImage decode(ImageReader& image, const std::string& name) {
   const ImageHeader info = image.header();
-  const auto fail = [&](const std::string& what) { return InputError({name}, what); };
-  if (info.width < 1 || info.height < 1 || info.channels < 1) throw fail("the image has no pixels");
-  if (info.width > kMaxSize || info.height > kMaxSize) {
-    throw fail(fmt::format("the image of {} x {} pixels is larger than {} x {}: scale it down", info.width, info.height,
-                           kMaxSize, kMaxSize));
-  }
   const int channels = info.channels;
   const int alpha = info.alphaChannel;
   const int colors = alpha >= 0 ? alpha : channels;  // alpha comes after the colours
   const std::array<int, 3> from = colors >= 3 ? std::array{0, 1, 2} : std::array{0, 0, 0};
-
-  const std::size_t count = static_cast<std::size_t>(info.width) * static_cast<std::size_t>(info.height);
-  std::vector<std::uint8_t> pixels(count * static_cast<std::size_t>(channels));
-  readPixels(image, pixels.data(), name);
-
   const bool multiplied = info.alphaGamma > 0;
   const auto gain = divisionByAlpha(multiplied ? info.alphaGamma : 1.0);
-  DecodedImage decoded;
-  decoded.width = static_cast<std::uint32_t>(info.width);
-  decoded.height = static_cast<std::uint32_t>(info.height);
-  decoded.rgba.resize(count * 4);
   std::uint8_t least = 255;
-  const std::uint8_t* in = pixels.data();
+  const auto toRgba = [&](const std::uint8_t* in, std::size_t count, std::uint8_t* out) {
+    for (std::size_t i = 0; i < count; ++i, in += channels, out += 4) {
+      out[0] = in[from[0]];
+      out[1] = in[from[1]];
+      out[2] = in[from[2]];
+      out[3] = alpha >= 0 ? in[alpha] : std::uint8_t{255};
+      least = std::min(least, out[3]);
+      for (int c = 0; multiplied && c < 3; ++c) {
+        out[c] = static_cast<std::uint8_t>(std::min(255.0f, static_cast<float>(out[c]) * gain[out[3]] + 0.5f));
+      }
+    }
+  };
+
+  const int factor = (std::max(info.width, info.height) + kMostSide - 1) / kMostSide;
+  const auto width = static_cast<std::size_t>(info.width);
+  DecodedImage decoded;
+  decoded.width = static_cast<std::uint32_t>((info.width + factor - 1) / factor);
+  decoded.height = static_cast<std::uint32_t>((info.height + factor - 1) / factor);
+  decoded.rgba.resize(std::size_t{decoded.width} * decoded.height * 4);
   std::uint8_t* out = decoded.rgba.data();
-  for (std::size_t i = 0; i < count; ++i, in += channels, out += 4) {
-    out[0] = in[from[0]];
-    out[1] = in[from[1]];
-    out[2] = in[from[2]];
-    out[3] = alpha >= 0 ? in[alpha] : std::uint8_t{255};
-    least = std::min(least, out[3]);
-    for (int c = 0; multiplied && c < 3; ++c) {
-      out[c] = static_cast<std::uint8_t>(std::min(255.0f, static_cast<float>(out[c]) * gain[out[3]] + 0.5f));
+  Reduction reduction(info.width, factor);
+  std::vector<std::uint8_t> rows(width * static_cast<std::size_t>(channels) * kBand);
+  std::vector<std::uint8_t> row(width * 4);
+  for (int first = 0; first < info.height; first += kBand) {
+    const int count = std::min(kBand, info.height - first);
+    readRows(image, count, rows.data(), name);
+    if (factor == 1) {
+      toRgba(rows.data(), width * static_cast<std::size_t>(count), out);
+      out += width * 4 * static_cast<std::size_t>(count);
+      continue;
+    }
+    for (int i = 0; i < count; ++i) {
+      toRgba(rows.data() + static_cast<std::size_t>(i) * width * static_cast<std::size_t>(channels), width, row.data());
+      reduction.add(row.data(), info.width);
+      if ((first + i + 1) % factor == 0 || first + i + 1 == info.height) {
+        reduction.take(out);
+        out += std::size_t{decoded.width} * 4;
+      }
     }
   }
   decoded.hasAlpha = least < 255;
@@ -124,24 +242,26 @@ DecodedImage decode(ImageReader& image, const std::string& name) {
 DecodedImage decodeImage(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) throw InputError({name}, "the image is empty");
   const std::string kind = kindOf(bytes);
-  const std::string hint = kind.empty() ? name : "embedded." + kind;
-  const std::string png = kind == "png" ? plainPng(bytes, name) : std::string();
-  return decode(*openImage(hint, kind == "png" ? png : bytes, name), name);
+  const auto image = openImage(kind.empty() ? name : "embedded." + kind, bytes, name);
+  checkSize(image->header(), kind.empty() ? endingOf(name) : kind, bytes.size(), name);
+  return decode(*image, name);
 }
 
 DecodedImage readImage(const std::filesystem::path& path) {
   const std::string name = path.string();
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError({name}, "there is no such image");
-  std::string magic(4, '\0');
-  std::ifstream(path, std::ios::binary).read(magic.data(), 4);
-  if (kindOf(magic) == "png") return decodeImage(readFile(path), name);
-  return decode(*openImage(name, {}, name), name);
+  const std::string kind = kindOf(firstBytes(path));
+  if (kind == "png") return decodeImage(readFile(path), name);
+  const auto image = openImage(name, {}, name);
+  checkSize(image->header(), kind.empty() ? endingOf(name) : kind, std::filesystem::file_size(path), name);
+  return decode(*image, name);
 }
 
 bool mayHaveAlpha(const std::filesystem::path& path) {
   try {
-    return openImage(path.string(), {}, path.string())->header().alphaChannel >= 0;
+    const std::string bytes = kindOf(firstBytes(path)) == "png" ? readFile(path) : std::string();
+    return openImage(path.string(), bytes, path.string())->header().alphaChannel >= 0;
   } catch (const InputError&) {
     return true;
   }

@@ -1,8 +1,9 @@
 #pragma once
 
-// Reads and writes images, by OpenImageIO. Its module (images/images_interface.h) is loaded at the first call, from any
-// thread: it brings hundreds of shared libraries, and most scenes have no image. Where it cannot be loaded, each of
-// these functions throws an Error that names the file that was looked for and what to install.
+// Reads and writes images: PNG by libpng, all else by OpenImageIO. Its module (images/images_interface.h) is loaded
+// when it is needed first, from any thread: it brings hundreds of shared libraries, and most scenes have no other
+// image. Where it cannot be loaded, these functions throw an Error that names the file that was looked for and what to
+// install.
 
 #include <cstdint>
 #include <filesystem>
@@ -21,8 +22,10 @@ struct DecodedImage {
 };
 
 // Decodes PNG, JPEG, WebP, TGA, SGI, BMP, TIFF, EXR and what else OpenImageIO knows; `name` stands for the bytes in
-// messages, and its ending for their kind where they do not show it. Throws InputError that starts with the name: not
-// an image, damaged, truncated, wider or higher than 16384.
+// messages, and its ending for their kind where they do not show it. An image of more than 4096 pixels in a row or
+// column is reduced by a whole number to that, by the mean of its pixels: a wall of 40 m has a centimetre a pixel then,
+// and beams are as wide. Throws InputError that starts with the name: not an image, damaged, truncated, wider or higher
+// than 16384, or larger than its bytes or this process's memory can hold.
 DecodedImage decodeImage(std::string_view bytes, const std::string& name);
 
 // Does the same for a file. Throws InputError also where there is none.

@@ -24,9 +24,9 @@ class ImageReader {
  public:
   virtual ~ImageReader() = default;
   virtual ImageHeader header() const = 0;
-  // Reads all pixels, 8 bit a channel, interleaved, the top row first: width * height * channels bytes. Throws
-  // std::runtime_error in OpenImageIO's words.
-  virtual void read(std::uint8_t* pixels) = 0;
+  // Reads the next `count` rows, from the top one on: 8 bit a channel, interleaved, width * count * channels bytes.
+  // Throws std::runtime_error in the library's words.
+  virtual void rows(int count, std::uint8_t* pixels) = 0;
 };
 
 class ImagesModule {

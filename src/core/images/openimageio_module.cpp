@@ -3,6 +3,8 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <cstdint>
+#include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -44,14 +46,31 @@ class OpenImageIoReader final : public ImageReader {
     return {spec.width, spec.height, spec.nchannels, alpha ? spec.alpha_channel : -1, multiplied ? gamma : 0.0};
   }
 
-  void read(std::uint8_t* pixels) override {
-    const int channels = input_->spec().nchannels;
-    if (!input_->read_image(0, 0, 0, channels, OIIO::TypeDesc::UINT8, pixels)) fail(input_.get());
+  void rows(int count, std::uint8_t* pixels) override {
+    const OIIO::ImageSpec& spec = input_->spec();
+    const std::size_t rowBytes = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
+    const std::size_t bytes = static_cast<std::size_t>(count) * rowBytes;
+    if (spec.tile_width == 0) {
+      const int first = spec.y + next_;
+      if (!input_->read_scanlines(0, 0, first, first + count, spec.z, 0, spec.nchannels, OIIO::TypeDesc::UINT8,
+                                  pixels)) {
+        fail(input_.get());
+      }
+    } else {
+      if (whole_.empty()) {
+        whole_.resize(static_cast<std::size_t>(spec.height) * rowBytes);
+        if (!input_->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, whole_.data())) fail(input_.get());
+      }
+      std::memcpy(pixels, whole_.data() + static_cast<std::size_t>(next_) * rowBytes, bytes);
+    }
+    next_ += count;
   }
 
  private:
   OIIO::Filesystem::IOMemReader memory_;
   std::unique_ptr<OIIO::ImageInput> input_;  // it reads the memory, so it goes first
+  std::vector<std::uint8_t> whole_;          // of an image in tiles
+  int next_ = 0;                             // row
 };
 
 class OpenImageIo final : public ImagesModule {

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <png.h>
 
 #include <atomic>
 #include <cstdint>
@@ -15,6 +16,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "images/images_interface.h"
+#include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 
@@ -116,13 +118,104 @@ TEST(Images, DamageIsRefusedAndNamedAndNothingIsPrinted) {
 }
 
 TEST(Images, SizesAreLimitedByTheHeader) {
-  EXPECT_EQ(decodeImage(tga(16384, 1, std::string(16384 * 3, 'x'), 24, 0), "a.tga").width, 16384u);
+  EXPECT_EQ(decodeImage(tga(16384, 1, std::string(16384 * 3, 'x'), 24, 0), "a.tga").width, 4096u);
   try {
     decodeImage(tga(16385, 1, std::string(16385 * 3, 'x'), 24, 0), "a.tga");
     FAIL();
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), HasSubstr("a.tga: the image of 16385 x 1 pixels is larger than 16384 x 16384"));
   }
+}
+
+// 12 runs of 128 pixels each, which say that they are 16384 x 16384.
+TEST(Images, FewBytesDoNotHoldManyPixels) {
+  std::string bomb = tga(16384, 16384, "", 24, 0);
+  bomb[2] = 10;  // runs
+  for (int i = 0; i < 12; ++i) bomb += "\xff\1\2\3";
+  const TemporaryFolder folder;
+  const auto file = folder.write("a.tga", bomb);
+  for (const std::string& message :
+       {messageOf([&] { decodeImage(bomb, "a.tga"); }), messageOf([&] { readImage(file); })}) {
+    EXPECT_THAT(message, HasSubstr("a.tga: the image is damaged: its 66 bytes cannot hold 16384 x 16384 pixels"));
+  }
+  std::string png = encodePng(noise(4, 4).data(), 4, 4);
+  png.replace(16, 8, std::string("\0\0\x40\0\0\0\x40\0", 8));  // and its checksum
+  png.replace(29, 4, std::string("\x26\xaa\x87\xd3", 4));
+  EXPECT_THAT(messageOf([&] { decodeImage(png, "b.png"); }), HasSubstr("bytes cannot hold 16384 x 16384 pixels"));
+}
+
+// By their mean light, and by alpha.
+TEST(Images, LargeOnesAreReducedToWhatIsNeeded) {
+  constexpr int kWidth = 10000;  // by 3
+  constexpr int kHeight = 7;
+  std::vector<std::uint8_t> rgb(std::size_t{kWidth} * kHeight * 3, 0);
+  for (std::size_t i = 0; i < rgb.size(); i += 3) {
+    if (i / 3 % kWidth % 3 == 0) rgb[i] = 255;
+    rgb[i + 1] = 200;
+  }
+  const DecodedImage image = decodeImage(encodePng(rgb.data(), kWidth, kHeight), "a.png");
+  EXPECT_EQ(image.width, 3334u);
+  EXPECT_EQ(image.height, 3u);
+  EXPECT_FALSE(image.hasAlpha);
+  for (std::size_t i = 0; i + 4 < std::size_t{3333} * 4; i += 4) {
+    ASSERT_EQ(image.rgba[i], 156) << i;  // a third of the light: 1.055 * (1/3)^(1/2.4) - 0.055 = 0.6124
+    ASSERT_EQ(image.rgba[i + 1], 200) << i;
+    ASSERT_EQ(image.rgba[i + 3], 255) << i;
+  }
+  EXPECT_EQ(image.rgba[std::size_t{3333} * 4], 255);  // the last column, alone
+
+  // Blue that is clear does not colour the red that is not.
+  std::string pixels;
+  for (int i = 0; i < 4098 * 2; ++i)
+    pixels += i % 2 == 0 ? std::string("\xff\0\0\0", 4) : std::string("\0\0\xff\xff", 4);
+  const DecodedImage leaf = decodeImage(tga(4098, 2, pixels, 32, 8), "a.tga");
+  ASSERT_EQ(leaf.width, 2049u);
+  EXPECT_EQ(leaf.height, 1u);
+  EXPECT_TRUE(leaf.hasAlpha);
+  EXPECT_EQ(std::vector<std::uint8_t>(leaf.rgba.begin(), leaf.rgba.begin() + 4),
+            (std::vector<std::uint8_t>{255, 0, 0, 128}));
+}
+
+// Adam7, 16 bit, with colour profiles and texts: the pixels count.
+TEST(Images, PngOfEveryKindIsRead) {
+  const auto encoded = [](int type, int depth, bool interlaced, const std::vector<std::uint8_t>& rows, int width,
+                          int height) {
+    std::string bytes;
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+    png_infop info = png_create_info_struct(png);
+    png_set_write_fn(
+        png, &bytes,
+        [](png_structp p, png_bytep data, std::size_t size) {
+          static_cast<std::string*>(png_get_io_ptr(p))->append(reinterpret_cast<char*>(data), size);
+        },
+        nullptr);
+    png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), depth, type,
+                 interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
+    png_set_gAMA(png, info, 0.5);
+    std::vector<png_bytep> starts;
+    for (int i = 0; i < height; ++i) {
+      starts.push_back(const_cast<png_bytep>(rows.data()) +
+                       rows.size() / static_cast<std::size_t>(height) * static_cast<std::size_t>(i));
+    }
+    png_set_rows(png, info, starts.data());
+    png_write_png(png, info, PNG_TRANSFORM_IDENTITY, nullptr);
+    png_destroy_write_struct(&png, &info);
+    return bytes;
+  };
+  const std::vector<std::uint8_t> rgb = noise(33, 17);
+  for (const bool interlaced : {false, true}) {
+    EXPECT_EQ(withoutAlpha(decodeImage(encoded(PNG_COLOR_TYPE_RGB, 8, interlaced, rgb, 33, 17), "a")), rgb);
+    std::vector<std::uint8_t> deep;
+    for (const std::uint8_t value : rgb) deep.insert(deep.end(), {value, value});
+    EXPECT_EQ(withoutAlpha(decodeImage(encoded(PNG_COLOR_TYPE_RGB, 16, interlaced, deep, 33, 17), "a")), rgb);
+  }
+  const DecodedImage gray = decodeImage(encoded(PNG_COLOR_TYPE_GRAY, 1, false, {0b10100000, 0b01000000}, 3, 2), "a");
+  EXPECT_EQ(withoutAlpha(gray), (std::vector<std::uint8_t>{255, 255, 255, 0, 0, 0, 255, 255, 255,  //
+                                                           0, 0, 0, 255, 255, 255, 0, 0, 0}));
+  const DecodedImage clear = decodeImage(encoded(PNG_COLOR_TYPE_GRAY_ALPHA, 8, false, {10, 0, 20, 255}, 2, 1), "a");
+  EXPECT_EQ(clear.rgba, (std::vector<std::uint8_t>{10, 10, 10, 0, 20, 20, 20, 255}));
+  EXPECT_TRUE(clear.hasAlpha);
 }
 
 TEST(Images, TheTownsTexturesAreDecoded) {
