@@ -56,7 +56,9 @@ int dispatch(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Writing to a pipe that nobody reads, or beyond `ulimit -f`, is then an error like any other.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     const int code = dispatch({argv + 1, argv + argc});
     // A reader that has seen enough (`| head`) is no failure; a full disk is one.

@@ -2,10 +2,15 @@
 
 #include <fmt/core.h>
 
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <map>
 #include <system_error>
 
 #include "base/error.h"
 #include "base/terminal.h"
+#include "config/text.h"
 #include "dataset/shard_name.h"
 
 namespace scanmill {
@@ -51,10 +56,38 @@ Arguments parseArguments(const Command& command, cxxopts::Options& options, cons
   return parsed;
 }
 
+namespace {
+
+int threadOption(const Arguments& arguments) {
+  const int threads = arguments.options["threads"].as<int>();
+  if (threads < 0 || threads > 1024) throw InputError(fmt::format("--threads must be from 0 to 1024, not {}", threads));
+  return threads;
+}
+
+// "8G", "500M", "1.5 GiB": multiples of 1024.
+std::uint64_t memoryOption(const Arguments& arguments) {
+  if (arguments.options.count("memory-limit") == 0) return 0;
+  const auto text = arguments.options["memory-limit"].as<std::string>();
+  double number = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
+  std::string unit = lowerCase(std::string(end, text.data() + text.size()));
+  unit.erase(0, unit.find_first_not_of(' '));
+  static const std::map<std::string, int> kShifts{{"", 0},   {"k", 10},   {"kib", 10}, {"m", 20},  {"mib", 20},
+                                                  {"g", 30}, {"gib", 30}, {"t", 40},   {"tib", 40}};
+  if (failure != std::errc() || !kShifts.contains(unit) || !(number > 0) || number > 1e15) {
+    throw InputError(fmt::format("--memory-limit is a number with K, M, G or T, such as 8G, not '{}'", text));
+  }
+  return static_cast<std::uint64_t>(std::ldexp(number, kShifts.at(unit)));
+}
+
+}  // namespace
+
 void addPipelineOptions(cxxopts::Options& options) {
   options.add_options()("threads", "how many threads to use, 0 for all cores",
                         cxxopts::value<int>()->default_value("0"))(
-      "seed", "seed of the sensors' noise, in place of the pipeline's", cxxopts::value<std::string>())(
+      "memory-limit", "how much memory to take, such as 8G or 500M (default: the machine's, or the container's)",
+      cxxopts::value<std::string>(),
+      "SIZE")("seed", "seed of the sensors' noise, in place of the pipeline's", cxxopts::value<std::string>())(
       "set", "override a key, such as --set motion=none or --set output.shard_mb=64 (may be repeated)",
       cxxopts::value<std::vector<std::string>>(), "key=value");
 }
@@ -99,10 +132,7 @@ void expectDataset(const std::filesystem::path& folder, std::string_view command
                                                   manifest.string(), unreadable ? ": " + unreadable.message() : ""));
 }
 
-int threadOption(const Arguments& arguments) {
-  const int threads = arguments.options["threads"].as<int>();
-  if (threads < 0 || threads > 1024) throw InputError(fmt::format("--threads must be from 0 to 1024, not {}", threads));
-  return threads;
-}
+ResourceLimits::ResourceLimits(const Arguments& arguments)
+    : threads_(threadOption(arguments)), memory_(memoryOption(arguments)) {}
 
 }  // namespace scanmill

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "base/memory.h"
+#include "base/parallel.h"
 #include "commands/command.h"
 #include "dataset/recording.h"
 
@@ -32,10 +34,19 @@ cxxopts::Options describe(const Command& command);
 
 const Command& commandNamed(std::string_view name);
 
-// --threads, --seed and --set, for commands that read a pipeline.
+// --threads, --memory-limit, --seed and --set, for commands that read a pipeline.
 void addPipelineOptions(cxxopts::Options& options);
 std::vector<std::string> pipelineOverrides(const Arguments& arguments);
-int threadOption(const Arguments& arguments);
+
+// --threads and --memory-limit, where a command has them, for as long as this lives.
+class ResourceLimits {
+ public:
+  explicit ResourceLimits(const Arguments& arguments);
+
+ private:
+  ThreadLimit threads_;
+  MemoryLimit memory_;
+};
 
 // --from-hits and --from-passes, for commands that may take a recording in place of scenes.
 void addRecordingOptions(cxxopts::Options& options);

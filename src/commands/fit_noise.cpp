@@ -97,7 +97,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   if (!(most >= 1 && most <= 89)) throw InputError(fmt::format("--max-incidence must be from 1 to 89, not {}", most));
   for (const std::string& file : files) expectScan(file);
   if (!report.empty()) prepareReportFolder(report, "index.html", overwrite);
-  const ThreadLimit limit(threadOption(parsed));
+  const ResourceLimits limits(parsed);
   const std::atomic<bool>& stop = stopSignal();
   const auto goOn = [&] {
     if (stop) throw Error("stopped: nothing was written");

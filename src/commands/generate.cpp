@@ -153,7 +153,7 @@ int runGenerate(const std::vector<std::string>& arguments) {
   const std::string file = parsed.positional("PIPELINE");
   if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty())
     throw InputError("-o DIR is missing: where should the dataset go?");
-  const ThreadLimit limit(threadOption(parsed));
+  const ResourceLimits limits(parsed);
   GenerateOptions generateOptions;
   generateOptions.keepHits = folderOption(parsed, "keep-hits");
   generateOptions.keepPasses = folderOption(parsed, "keep-passes");

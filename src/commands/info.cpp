@@ -307,11 +307,16 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
   };
   Rows rows{{"node", "material", "texture", "triangles", "placed"}};
   std::uint64_t triangles = 0;
+  std::uint64_t notFinite = 0;
   Box whole;
   std::map<std::uint32_t, Node> byIndex;
   const auto add = [&](const AssetPart& part, const std::vector<Affine>& places) {
     rows.push_back({part.node, part.material, part.texture, grouped(part.triangles.size()), grouped(places.size())});
     triangles += part.triangles.size() * places.size();
+    for (const Triangle& t : part.triangles) {
+      const auto bad = [&](std::uint32_t corner) { return !isFinite(part.positions[corner]); };
+      notFinite += std::any_of(t.begin(), t.end(), bad) ? 1 : 0;
+    }
     Node& node = byIndex[part.nodeIndex];
     node.name = part.node;
     for (const Vec3f& p : part.positions) {
@@ -331,6 +336,10 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
   }
   printText("asset {}: {} triangles; rules of a scene match these names\n\n{}\n", file.string(), grouped(triangles),
             formatTable(rows));
+  if (notFinite > 0 || asset.dropped.outOfRange > 0) {
+    warn(fmt::format("{}: scenes leave out {} triangles with NaN or infinite corners and {} with indices out of range",
+                     file.string(), grouped(notFinite), grouped(asset.dropped.outOfRange)));
+  }
   std::vector<Node> nodes;
   for (auto& [index, node] : byIndex) {
     if (!node.box.empty()) nodes.push_back(std::move(node));

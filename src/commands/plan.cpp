@@ -25,6 +25,9 @@ namespace scanmill {
 
 namespace {
 
+constexpr std::size_t kMostSequences = 40;  // that are listed
+constexpr std::size_t kMostScenes = 20;     // that are looked at: others of the same pipeline differ by their seeds
+
 void printSensors(const Plan& plan) {
   std::vector<std::vector<std::string>> rows{
       {"sensor", "model", "rings", "columns", "beams", "revolutions/s", "range m"}};
@@ -43,10 +46,15 @@ void printSequences(const Pipeline& pipeline) {
                                [&](const Sequence& s) { return turns(s).has_value(); });
   std::vector<std::vector<std::string>> rows{{"sequence", "frames", "split", "turns"}};
   for (const Sequence& s : pipeline.sequences) {
+    if (rows.size() > kMostSequences) break;
     rows.push_back({s.key(), std::to_string(s.frames), s.split, turns(s) ? std::to_string(*turns(s)) : ""});
   }
   for (std::vector<std::string>& row : rows) row.resize(any ? 4 : 3);
-  printText("{}\n", formatTable(rows));
+  printText("{}", formatTable(rows));
+  if (pipeline.sequences.size() > kMostSequences) {
+    printText("and {} sequences more\n", grouped(pipeline.sequences.size() - kMostSequences));
+  }
+  printText("\n");
 }
 
 // By file, material and texture, the largest first.
@@ -137,7 +145,7 @@ int runPlan(const std::vector<std::string>& arguments) {
                                           "  scanmill plan pipelines/truck_town.yaml\n"
                                           "  scanmill plan pipelines/street.yaml --from-hits out/hits\n");
   if (parsed.help) return 0;
-  const ThreadLimit limit(threadOption(parsed));
+  const ResourceLimits limits(parsed);
   const Plan plan(readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed), recordingOf(parsed)));
   const Pipeline& pipeline = plan.pipeline();
   checkAutoChoice(pipeline);
@@ -152,16 +160,22 @@ int runPlan(const std::vector<std::string>& arguments) {
   std::set<std::string> rules;  // what is said of them, once for all seeds
   std::vector<std::string> modelled = plan.modelled();
   std::uint64_t sceneBytes = 0;
+  std::uint64_t more = 0;  // scenes
   Ontology ontology;
   for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
     const Sequence& s = pipeline.sequences[i];
     if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;  // its ways were looked at with those of the first
+    if (scenes.size() > kMostScenes) {
+      ++more;
+      continue;
+    }
     const std::string name = fmt::format("{} seed {}", s.scene, s.sceneSeed);
     const Scene scene = plan.loadScene(s);
     const auto method = pipeline.method.automatic ? nullptr : plan.makeMethod(scene);
     scenes.push_back({name, grouped(scene.triangles()), grouped(scene.placedTriangles()),
                       grouped(scene.instances.size()), grouped(scene.things()), grouped(scene.materials.size()),
                       grouped(scene.dropped.total()), scene.about});
+    for (const std::string& line : damageWarnings(scene)) warn(line);
     for (const std::string& line : sizeWarnings(scene)) warn(line);
     for (const std::string& line : thingSizeWarnings(scene)) warn(line);
     for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
@@ -185,6 +199,7 @@ int runPlan(const std::vector<std::string>& arguments) {
       };
       if (std::none_of(modelled.begin(), modelled.end(), isSame)) modelled.push_back(line);
     }
+    plan.checkMemory(*method, name);
     sceneBytes = std::max(sceneBytes, method->memoryBytes());
   }
   for (const std::string& line : rules) warn(line);
@@ -193,7 +208,9 @@ int runPlan(const std::vector<std::string>& arguments) {
       std::any_of(scenes.begin() + 1, scenes.end(), [](const auto& row) { return !row.back().empty(); });
   for (std::vector<std::string>& row : scenes) row.resize(places ? row.size() : row.size() - 1);
   if (pipeline.recording == nullptr) {
-    printText("{}\n", formatTable(scenes));
+    printText("{}", formatTable(scenes));
+    if (more > 0) printText("and {} scenes more, which are looked at when the dataset is made\n", grouped(more));
+    printText("\n");
   } else {
     printText("scenes: none, the scans are made of the {} in {}\n\n", nameOf(pipeline.recording->kind),
               pipeline.recording->folder.string());

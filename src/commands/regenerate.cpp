@@ -27,7 +27,7 @@ int runRegenerate(const std::vector<std::string>& arguments) {
                      "  scanmill regenerate out/town --sample town-s1-lane-000012 -o out/one\n");
   if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
-  const ThreadLimit limit(threadOption(parsed));
+  const ResourceLimits limits(parsed);
   const bool quiet = parsed.options.count("quiet") > 0;
   const auto text = [&](const char* name) {
     return parsed.options.count(name) > 0 ? parsed.options[name].as<std::string>() : std::string();

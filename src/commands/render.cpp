@@ -76,7 +76,7 @@ int runRender(const std::vector<std::string>& arguments) {
   if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty()) {
     throw InputError("-o DIR is missing: where should the passes go?");
   }
-  const ThreadLimit limit(threadOption(parsed));
+  const ResourceLimits limits(parsed);
   RenderOptions render;
   render.passes = readPassList(parsed.options["passes"].as<std::string>());
   const Plan plan(readPipeline(file, pipelineOverrides(parsed)), render.passes.channels);

@@ -83,7 +83,7 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   const std::string file = parsed.positional("PIPELINE");
   const std::filesystem::path folder = folderOption(parsed, "out");
   if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
-  const ThreadLimit limit(threadOption(parsed));
+  const ResourceLimits limits(parsed);
   Pipeline pipeline = readPipeline(file, pipelineOverrides(parsed));
   const Channels channels = repeatabilityChannels(pipeline);
   const Plan plan(std::move(pipeline), channels);

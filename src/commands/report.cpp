@@ -77,7 +77,7 @@ int runReport(const std::vector<std::string>& arguments) {
   }
   reportOptions.quiet = parsed.options.count("quiet") > 0;
   reportOptions.stop = &stopSignal();
-  const ThreadLimit limit(threadOption(parsed));
+  const ResourceLimits limits(parsed);
   const DatasetReport report = examineDataset(folder, reportOptions);
   const std::string page = datasetPage(report);
   if (*reportOptions.stop) throw Error("stopped: nothing was written");

@@ -199,7 +199,7 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   const std::string folder = folderOption(parsed, "out");
   if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
   const bool overwrite = parsed.options.count("overwrite") > 0;
-  const ThreadLimit limit(threadOption(parsed));
+  const ResourceLimits limits(parsed);
   StudyOptions studyOptions;
   studyOptions.quiet = parsed.options.count("quiet") > 0;
   studyOptions.stop = &stopSignal();

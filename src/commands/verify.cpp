@@ -47,7 +47,7 @@ int runVerify(const std::vector<std::string>& arguments) {
                                           "  scanmill verify out/passes    # a recording: all that it names is read\n");
   if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
-  const ThreadLimit limit(threadOption(parsed));
+  const ResourceLimits limits(parsed);
   const bool quiet = parsed.options.count("quiet") > 0;
   std::error_code ignored;
   if (!std::filesystem::exists(std::filesystem::path(folder) / kManifestName, ignored) && recordingIn(folder)) {

@@ -55,6 +55,8 @@ TEST(Usage, WrongUsageIsRefusedWithAdvice) {
       {{"generate", "p.yaml", "-o", "x", "--threads", "two"}, "two"},
       {{"generate", "p.yaml", "-o", "x", "--threads", "-1"}, "--threads must be from 0 to 1024"},
       {{"generate", "p.yaml", "-o", "x", "--threads", "99999999999999999999"}, "9999"},
+      {{"generate", "p.yaml", "-o", "x", "--memory-limit", "8 parsecs"}, "such as 8G, not '8 parsecs'"},
+      {{"generate", "p.yaml", "-o", "x", "--memory-limit", "-1G"}, "such as 8G"},
       {{"plan"}, "PIPELINE is missing"},
       {{"plan", "absent.yaml"}, "absent.yaml"},
       {{"verify"}, "DIR is missing"},

@@ -5,9 +5,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 
@@ -15,36 +17,44 @@ namespace scanmill {
 
 namespace {
 
+constexpr std::size_t kBlock = std::size_t{1} << 20;
+
 std::string reason() {
   return std::strerror(errno);
 }
 
+struct Descriptor {
+  explicit Descriptor(int opened) : number(opened) {}
+  ~Descriptor() {
+    if (number >= 0) ::close(number);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int number;
+};
+
 }  // namespace
 
-std::string readFile(const std::filesystem::path& path) {
+void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& take) {
   // Non-blocking, so that a pipe nobody writes to is refused below and not waited for.
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) throw InputError({path.string()}, "cannot be read: " + reason());
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (file.number < 0) throw InputError({path.string()}, "cannot be read: " + reason());
   struct stat status {};
-  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    ::close(descriptor);
-    throw InputError({path.string()}, "is not a file");
-  }
-  std::string bytes;
-  bytes.reserve(static_cast<std::size_t>(status.st_size));
-  char block[1 << 16];
+  if (::fstat(file.number, &status) != 0) throw InputError({path.string()}, "cannot be read: " + reason());
+  if (!S_ISREG(status.st_mode)) throw InputError({path.string()}, "is not a file");
+  std::vector<char> block(std::clamp<std::size_t>(static_cast<std::size_t>(status.st_size), 1, kBlock));
   for (;;) {
-    const ssize_t n = ::read(descriptor, block, sizeof block);
-    if (n == 0) break;
-    if (n < 0) {
-      if (errno == EINTR) continue;
-      const std::string why = reason();
-      ::close(descriptor);
-      throw InputError({path.string()}, "cannot be read: " + why);
-    }
-    bytes.append(block, static_cast<std::size_t>(n));
+    const ssize_t n = ::read(file.number, block.data(), block.size());
+    if (n == 0) return;
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw InputError({path.string()}, "cannot be read: " + reason());
+    take({block.data(), static_cast<std::size_t>(n)});
   }
-  ::close(descriptor);
+}
+
+std::string readFile(const std::filesystem::path& path) {
+  std::string bytes;
+  readBlocks(path, [&](std::string_view block) { bytes += block; });
   return bytes;
 }
 
@@ -66,6 +76,7 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::write(std::string_view bytes) {
+  flushed_ = false;
   while (!bytes.empty()) {
     const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
     if (n < 0) {
@@ -77,8 +88,16 @@ void AtomicFile::write(std::string_view bytes) {
   }
 }
 
+void AtomicFile::flush() {
+  if (!flushed_ && ::fsync(descriptor_) != 0) {
+    throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
+  }
+  flushed_ = true;
+}
+
 void AtomicFile::commit() {
-  if (::fsync(descriptor_) != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) {
+  flush();
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
     throw Error(fmt::format("{}: cannot be written: {}", path_.string(), reason()));
   }
   ::close(descriptor_);

@@ -3,6 +3,7 @@
 // Whole files, read and written so that a file under its final name is always complete.
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -11,6 +12,9 @@ namespace scanmill {
 // Returns the bytes of a whole file. Throws an InputError that names the file where it is absent, a folder or
 // unreadable.
 std::string readFile(const std::filesystem::path& path);
+
+// Does the same piece by piece, each of which `take` gets.
+void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& take);
 
 // A file that is written under a temporary name in its folder. commit() flushes it to the disk and gives it its final
 // name. Without commit(), be it for an exception or an early return, the temporary file is removed, and what has the
@@ -24,6 +28,8 @@ class AtomicFile {
 
   void write(std::string_view bytes);
   std::size_t size() const { return size_; }  // bytes written so far
+  // To the disk, which may fail and take time: what commit() does afterwards is no more than to rename.
+  void flush();
   void commit();
 
  private:
@@ -31,6 +37,7 @@ class AtomicFile {
   std::filesystem::path temporary_;
   int descriptor_ = -1;
   std::size_t size_ = 0;
+  bool flushed_ = false;
 };
 
 // Writes and commits an AtomicFile. Throws Error as that does.

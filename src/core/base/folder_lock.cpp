@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -103,8 +104,12 @@ bool FolderLock::take(const std::filesystem::path& file, LockKind kind, std::str
   }
   if (kind == LockKind::Shared && !locked_) return true;  // words would keep others from sharing
   const std::string words = ownWords();
-  if (::ftruncate(descriptor_, 0) != 0 ||
-      ::pwrite(descriptor_, words.data(), words.size(), 0) != static_cast<ssize_t>(words.size())) {
+  ssize_t n = ::ftruncate(descriptor_, 0);
+  for (std::size_t done = 0; n >= 0 && done < words.size(); done += static_cast<std::size_t>(std::max<ssize_t>(n, 0))) {
+    n = ::pwrite(descriptor_, words.data() + done, words.size() - done, static_cast<off_t>(done));
+    if (n < 0 && errno == EINTR) n = 0;
+  }
+  if (n < 0) {
     const int reason = errno;
     release();
     errno = reason;

@@ -6,10 +6,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include <fstream>
-#include <vector>
-
 #include "base/error.h"
+#include "base/file.h"
 
 namespace scanmill {
 
@@ -50,14 +48,8 @@ std::string xxh3(std::string_view bytes) {
 }
 
 std::string sha256OfFile(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
   Sha256 hash;
-  std::vector<char> block(std::size_t{1} << 20);
-  while (stream) {
-    stream.read(block.data(), static_cast<std::streamsize>(block.size()));
-    hash.add({block.data(), static_cast<std::size_t>(stream.gcount())});
-  }
-  if (!stream.eof()) throw Error(fmt::format("{}: cannot be read", file.string()));
+  readBlocks(file, [&](std::string_view block) { hash.add(block); });
   return hash.hex();
 }
 

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -40,6 +41,8 @@ std::uint64_t groupLimit() {
   return least;
 }
 
+std::atomic<std::uint64_t> allowed{0};  // by the user
+
 std::uint64_t pageBytes() {
   return static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
@@ -49,7 +52,14 @@ std::uint64_t pageBytes() {
 std::uint64_t memoryLimitBytes() {
   static const std::uint64_t limit =
       std::min(static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * pageBytes(), groupLimit());
-  return limit;
+  const std::uint64_t own = allowed;
+  return own > 0 ? std::min(limit, own) : limit;
+}
+
+MemoryLimit::MemoryLimit(std::uint64_t bytes) : before_(allowed.exchange(bytes)) {}
+
+MemoryLimit::~MemoryLimit() {
+  allowed = before_;
 }
 
 std::uint64_t residentBytes() {

@@ -1,6 +1,7 @@
 #include "dataset/dataset_folder.h"
 
 #include <fmt/core.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -31,6 +32,7 @@ constexpr const char* kRecordSuffix = ".json";          // behind the name of a 
 constexpr const char* kClaimSuffix = ".lock";           // likewise
 constexpr const char* kTurnName = "begin.lock";
 constexpr std::chrono::seconds kPatience(60);
+constexpr std::chrono::seconds kShortPatience(2);
 constexpr std::chrono::milliseconds kPause(50);
 
 struct Contents {
@@ -158,11 +160,31 @@ void checkOwnership(const fs::path& folder, const Contents& contents) {
   }
 }
 
+// Device and number; zeros where there is nothing.
+std::pair<std::uint64_t, std::uint64_t> placeOnDisk(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return {0, 0};
+  return {status.st_dev, status.st_ino};
+}
+
+// Throws Error where nobody can tell.
+bool isThere(const fs::path& path) {
+  std::error_code failure;
+  const fs::file_status status = fs::status(path, failure);
+  if (fs::status_known(status)) return fs::exists(status);
+  throw Error(fmt::format("{}: {}", path.string(), failure.message()));
+}
+
 void checkUse(const fs::path& folder, FolderUse use) {
   if (fs::exists(folder) && !fs::is_directory(folder)) {
     throw InputError({folder.string()}, "is a file: choose another output folder");
   }
   if (!fs::exists(folder)) return;
+  const fs::file_status hidden = fs::symlink_status(folder / kHiddenName);
+  if (fs::exists(hidden) && !fs::is_directory(hidden)) {
+    throw InputError({(folder / kHiddenName).string()},
+                     "is a link or a file, where a folder of this program would be: remove it");
+  }
   const Contents contents = contentsOf(folder);
   if (use == FolderUse::Replace) return checkOwnership(folder, contents);
   if ((use == FolderUse::Resume || use == FolderUse::Share) && contents.unfinished) return;
@@ -207,8 +229,8 @@ void removeShard(const fs::path& folder, const std::string& name) {
   if ((folder / name).parent_path() != folder) fs::remove((folder / name).parent_path(), notEmpty);
 }
 
-// Where all descriptions take more than so many bytes.
-void putSamplesIntoFiles(const fs::path& folder, std::uint64_t most, Manifest& manifest) {
+// The text of the manifest; where all descriptions take more than so many bytes, they are put into files.
+std::string describe(const fs::path& folder, std::uint64_t most, const Manifest& manifest) {
   std::vector<std::vector<std::uint64_t>> numbers(manifest.shards.size());
   for (std::size_t i = 0; i < manifest.samples.size(); ++i) numbers[manifest.samples[i].shard].push_back(i);
   std::uint64_t bytes = 0;
@@ -217,13 +239,15 @@ void putSamplesIntoFiles(const fs::path& folder, std::uint64_t most, Manifest& m
     bytes += samplesJson(manifest, measured, numbers[measured]).size();
     ++measured;
   }
-  if (bytes <= most) return;
+  if (bytes <= most) return toJson(manifest);
+  Manifest head = manifest;
+  head.samples.clear();
   for (std::uint32_t shard = 0; shard < numbers.size(); ++shard) {
     const std::string text = samplesJson(manifest, shard, numbers[shard]);
     writeFile(folder / samplesFileOf(manifest.shards[shard].file), text);
-    manifest.shards[shard].samplesSha256 = sha256(text);
+    head.shards[shard].samplesSha256 = sha256(text);
   }
-  manifest.samples.clear();
+  return toJson(head);
 }
 
 }  // namespace
@@ -239,6 +263,15 @@ void DatasetFolder::check(const fs::path& folder, FolderUse use) {
 bool DatasetFolder::isUnfinished(const fs::path& folder) {
   std::error_code ignored;
   return fs::exists(folder / kHiddenName / kPlanName, ignored);
+}
+
+void DatasetFolder::tidy(const fs::path& folder) {
+  const fs::path hidden = folder / kHiddenName;
+  std::error_code ignored;
+  if (isUnfinished(folder) || !fs::is_directory(fs::symlink_status(hidden, ignored))) return;
+  std::string holder;
+  if (const auto lock = FolderLock::tryTake(hidden / kLockName, LockKind::Alone, holder)) clearHidden(hidden);
+  fs::remove(hidden, ignored);
 }
 
 DatasetPlan DatasetFolder::planned(const fs::path& folder) {
@@ -262,10 +295,23 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
     }
     checkUse(folder_, use);  // another process may have been here meanwhile
     whole_ = shared_ && !isUnfinished(folder_) && fs::exists(folder_ / kManifestName);
+    place_ = placeOnDisk(folder_);
     if (!whole_) begin(use);
   } catch (const fs::filesystem_error& error) {
+    leave();
     throw InputError({folder_.string()}, "cannot be used as output folder: " + error.code().message());
+  } catch (const Error&) {
+    leave();
+    throw;
   }
+}
+
+// What the constructor has made and is empty goes again.
+void DatasetFolder::leave() {
+  std::error_code ignored;
+  lock_.reset();
+  fs::remove(staging_, ignored);
+  if (created_) fs::remove(folder_, ignored);
 }
 
 // Waits a while for a process that ends the dataset, and may remove the hidden folder meanwhile.
@@ -276,10 +322,12 @@ void DatasetFolder::share() {
     try {
       fs::create_directories(staging_);
       lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName, LockKind::Shared);
-    } catch (const Error&) {
+    } catch (const InputError&) {  // another holds it
       if (std::chrono::steady_clock::now() > end) throw;
-      std::this_thread::sleep_for(kPause);
+    } catch (const Error&) {  // nothing was there, or the disk fails
+      if (std::chrono::steady_clock::now() > end - kPatience + kShortPatience) throw;
     }
+    if (lock_ == nullptr) std::this_thread::sleep_for(kPause);
   }
 }
 
@@ -322,10 +370,10 @@ bool DatasetFolder::makeAlone() {
 
 DatasetFolder::~DatasetFolder() {
   std::error_code ignored;
-  if (!makeAlone()) return;
+  if (placeOnDisk(folder_) != place_ || !makeAlone()) return;
   bool whole = false;
   try {
-    whole = !published_ && !recordedIn(staging_).empty();
+    whole = !published_ && !whole_ && !recordedIn(staging_).empty();
     if (!whole) clearHidden(staging_);
   } catch (const std::exception&) {
     whole = true;  // the folder is not what it was: nothing more is removed
@@ -338,8 +386,7 @@ DatasetFolder::~DatasetFolder() {
 
 // Where a shard lies: it may have been moved by a process that was killed in publish().
 fs::path DatasetFolder::placeOf(const std::string& name) const {
-  std::error_code ignored;
-  return fs::exists(staging_ / name, ignored) ? staging_ / name : folder_ / name;
+  return isThere(staging_ / name) ? staging_ / name : folder_ / name;
 }
 
 std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
@@ -353,17 +400,18 @@ std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
 }
 
 void DatasetFolder::keep(const DatasetPart& part) {
+  checkPlace();
   writeFile(staging_ / (part.manifest.shards.at(0).file + kRecordSuffix), toJson(part));
 }
 
 std::optional<DatasetPart> DatasetFolder::kept(const std::string& name, Check check) const {
   const fs::path record = staging_ / (name + kRecordSuffix);
   const fs::path shard = placeOf(name);
-  std::error_code ignored;
-  if (!fs::exists(record, ignored) || !fs::exists(shard, ignored)) return std::nullopt;
+  if (!isThere(record) || !isThere(shard)) return std::nullopt;
   DatasetPart part;
+  const std::string text = readFile(record);
   try {
-    part = parsePart(readFile(record), record.string());
+    part = parsePart(text, record.string());
   } catch (const InputError&) {
     return std::nullopt;  // damaged: as good as none
   }
@@ -373,13 +421,28 @@ std::optional<DatasetPart> DatasetFolder::kept(const std::string& name, Check ch
                      "rest: remove it and its shard");
   }
   const ShardRecord& stated = part.manifest.shards[0];
-  if (stated.file != name || fs::file_size(shard, ignored) != stated.bytes) return std::nullopt;
+  std::error_code failure;
+  const std::uint64_t bytes = fs::file_size(shard, failure);
+  if (failure) throw Error(fmt::format("{}: {}", shard.string(), failure.message()));
+  if (stated.file != name || bytes != stated.bytes) return std::nullopt;
   if (check == Check::Bytes && sha256OfFile(shard) != stated.sha256) return std::nullopt;
   return part;
 }
 
-void DatasetFolder::publish(Manifest manifest, std::uint64_t mostSampleBytes) {
+void DatasetFolder::checkPlace() const {
+  const auto place = placeOnDisk(folder_);
+  if (place == place_) return;
+  const std::string why = place.first == 0 && errno != ENOENT ? fmt::format(" ({})", std::strerror(errno)) : "";
+  throw Error(fmt::format("{}: was removed or replaced while the dataset was written{}", folder_.string(), why));
+}
+
+void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBytes) {
   try {
+    checkPlace();
+    for (const ShardRecord& shard : manifest.shards) {
+      if (fs::file_size(placeOf(shard.file)) == shard.bytes) continue;
+      throw Error(fmt::format("{}: is not as it was written: --resume makes it again", placeOf(shard.file).string()));
+    }
     if (fs::exists(folder_ / kManifestName)) {
       // First of all and for good, so that a mixture never looks finished.
       moveFile(folder_ / kManifestName, staging_ / kReplacedName);
@@ -388,18 +451,29 @@ void DatasetFolder::publish(Manifest manifest, std::uint64_t mostSampleBytes) {
     for (const std::string& name : listedIn(staging_ / kReplacedName)) {
       // One that a killed process has moved here is no old one.
       const bool moved = fs::exists(staging_ / (name + kRecordSuffix)) && !fs::exists(staging_ / name);
+      checkPlace();
       if (!moved) removeShard(folder_, name);
     }
     for (const std::string& name : contentsOf(folder_).leftovers) removeFile(folder_ / name);
     std::vector<fs::path> changed{folder_};
     for (const ShardRecord& shard : manifest.shards) {
+      checkPlace();
       if (fs::exists(staging_ / shard.file)) moveFile(staging_ / shard.file, folder_ / shard.file);
       const fs::path own = (folder_ / shard.file).parent_path();
       if (std::find(changed.begin(), changed.end(), own) == changed.end()) changed.push_back(own);
     }
-    putSamplesIntoFiles(folder_, mostSampleBytes, manifest);
+    const std::string text = describe(folder_, mostSampleBytes, manifest);
     for (const fs::path& each : changed) syncFolder(each);
-    writeFile(folder_ / kManifestName, toJson(manifest));
+    AtomicFile file(folder_ / kManifestName);
+    file.write(text);
+    file.flush();
+    // Last of all: what follows is a name.
+    checkPlace();
+    for (const ShardRecord& shard : manifest.shards) {
+      if (isThere(folder_ / shard.file)) continue;
+      throw Error(fmt::format("{}: has vanished: --resume makes it again", (folder_ / shard.file).string()));
+    }
+    file.commit();
     published_ = true;
   } catch (const fs::filesystem_error& error) {
     throw Error(fmt::format("{}: {}", folder_.string(), error.what()));

@@ -7,10 +7,12 @@
 // the end the shards are moved to their places, the manifest is written, and the hidden folder goes. A dataset that is
 // to be replaced stays until then.
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "base/folder_lock.h"
 #include "dataset/manifest.h"
@@ -42,6 +44,9 @@ class DatasetFolder {
   // Whether somebody has begun a dataset there, and not ended it.
   static bool isUnfinished(const std::filesystem::path& folder);
 
+  // Removes what a process has left over that died after it had written the manifest.
+  static void tidy(const std::filesystem::path& folder);
+
   // What is planned of the unfinished dataset there. Throws InputError where there is none.
   static DatasetPlan planned(const std::filesystem::path& folder);
 
@@ -65,16 +70,21 @@ class DatasetFolder {
   bool makeAlone();
   // Moves the shards of the manifest, all of which are kept, to their places, in place of those of an earlier dataset,
   // and writes the manifest last. Descriptions of samples that would take more than so many bytes in all go to files
-  // beside the shards. Throws Error where the disk fails; then the dataset can be resumed.
-  void publish(Manifest manifest, std::uint64_t mostSampleBytes = 100'000'000);
+  // beside the shards. Throws Error where the disk fails, or where the folder is not the one that
+  // it was; then the dataset can be resumed.
+  void publish(const Manifest& manifest, std::uint64_t mostSampleBytes = 100'000'000);
+  // Throws Error where the folder was removed or replaced since this object was made.
+  void checkPlace() const;
 
  private:
   void begin(FolderUse use);
   void share();
+  void leave();
   std::filesystem::path placeOf(const std::string& name) const;
 
   std::filesystem::path folder_;
   std::filesystem::path staging_;
+  std::pair<std::uint64_t, std::uint64_t> place_{0, 0};  // what the file system knows the folder by
   DatasetPlan plan_;
   std::unique_ptr<FolderLock> lock_;
   bool shared_ = false;

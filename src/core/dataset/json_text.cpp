@@ -18,6 +18,31 @@ bool isNumberList(const OrderedJson& value) {
          std::all_of(value.begin(), value.end(), [](const OrderedJson& v) { return v.is_number(); });
 }
 
+// Puts the texts of what a list or an object holds between its brackets.
+std::string joined(const std::vector<std::string>& parts, const char* brackets, bool oneLine, std::size_t indent) {
+  std::size_t width = indent + 2;
+  std::size_t bytes = 2 * indent + 8;
+  bool flat = true;
+  for (const std::string& part : parts) {
+    flat = flat && part.find('\n') == std::string::npos;
+    width += part.size() + 2;
+    bytes += part.size() + indent + 3;
+  }
+  flat = flat && (width <= kLineWidth || oneLine);
+  const std::string separator = flat ? ", " : ",\n" + std::string(indent + 1, ' ');
+  std::string text;
+  text.reserve(bytes);
+  text += brackets[0];
+  if (!flat) text += "\n" + std::string(indent + 1, ' ');
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i > 0) text += separator;
+    text += parts[i];
+  }
+  if (!flat) text += "\n" + std::string(indent, ' ');
+  text += brackets[1];
+  return text;
+}
+
 }  // namespace
 
 std::string scalarText(const OrderedJson& value) {
@@ -28,26 +53,16 @@ std::string scalarText(const OrderedJson& value) {
 std::string layOut(const OrderedJson& value, std::size_t indent) {
   if (!value.is_structured()) return scalarText(value);
   std::vector<std::string> parts;
-  std::size_t width = indent + 2;
-  bool flat = true;
   for (const auto& [key, child] : value.items()) {
     std::string part = value.is_object() ? scalarText(key) + ": " : std::string();
     part += layOut(child, indent + 1);
-    flat = flat && part.find('\n') == std::string::npos;
-    width += part.size() + 2;
     parts.push_back(std::move(part));
   }
-  flat = flat && (width <= kLineWidth || isNumberList(value));
-  const std::string separator = flat ? ", " : ",\n" + std::string(indent + 1, ' ');
-  std::string text(1, value.is_object() ? '{' : '[');
-  if (!flat) text += "\n" + std::string(indent + 1, ' ');
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (i > 0) text += separator;
-    text += parts[i];
-  }
-  if (!flat) text += "\n" + std::string(indent, ' ');
-  text += value.is_object() ? '}' : ']';
-  return text;
+  return joined(parts, value.is_object() ? "{}" : "[]", isNumberList(value), indent);
+}
+
+std::string layOutList(const std::vector<std::string>& items, std::size_t indent) {
+  return joined(items, "[]", false, indent);
 }
 
 double finite(double value, std::string_view what) {

@@ -21,6 +21,8 @@ std::string scalarText(const OrderedJson& value);
 // The text of a whole value. What fits into a line stays on one, and so do lists of numbers; all else is indented by
 // one space a level.
 std::string layOut(const OrderedJson& value, std::size_t indent = 0);
+// The text of a list of such texts, whose items were laid out with `indent` + 1.
+std::string layOutList(const std::vector<std::string>& items, std::size_t indent);
 
 // Give the values themselves. JSON has no infinities and no NaN: they throw an Error that names `what`.
 double finite(double value, std::string_view what);

@@ -153,11 +153,15 @@ OrderedJson sampleEntry(const SampleRecord& s, const Manifest& m) {
   return sample;
 }
 
+bool describesInFiles(const Manifest& m) {
+  return std::any_of(m.shards.begin(), m.shards.end(),
+                     [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); });
+}
+
+// Without the samples.
 OrderedJson manifestJson(const Manifest& m) {
-  const bool inFiles = std::any_of(m.shards.begin(), m.shards.end(),
-                                   [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); });
   OrderedJson json{
-      {"schema_version", inFiles ? Manifest::kSchemaVersion : 1},
+      {"schema_version", describesInFiles(m) ? Manifest::kSchemaVersion : 1},
       {"program", {{"name", "scanmill"}, {"version", m.programVersion}}},
       {"name", m.name},
       {"seed", m.seed},
@@ -184,8 +188,7 @@ OrderedJson manifestJson(const Manifest& m) {
                           if (!s.samplesSha256.empty()) shard["samples_sha256"] = s.samplesSha256;
                           return shard;
                         })},
-      {"samples",
-       inFiles ? OrderedJson::array() : listOf(m.samples, [&m](const SampleRecord& s) { return sampleEntry(s, m); })},
+      {"samples", nullptr},
   };
   if (!m.planSha256.empty()) json["plan_sha256"] = m.planSha256;
   if (m.chosen) {
@@ -208,6 +211,14 @@ OrderedJson sampleObject(const SampleRecord& sample) {
 
 std::string toJson(const Manifest& manifest) {
   std::string text = layOut(manifestJson(manifest), 0) + "\n";
+  // One after the other: the objects of all would take ten times as much memory as their text.
+  std::vector<std::string> samples;
+  if (!describesInFiles(manifest)) {
+    samples.reserve(manifest.samples.size());
+    for (const SampleRecord& sample : manifest.samples) samples.push_back(layOut(sampleEntry(sample, manifest), 2));
+  }
+  constexpr std::string_view kPlace = "\n \"samples\": null";  // a text would have \\n
+  text.replace(text.rfind(kPlace) + kPlace.size() - 4, 4, layOutList(samples, 1));
   text.replace(text.rfind(kNoDigest), kNoDigest.size(), sha256(text));
   return text;
 }

@@ -16,6 +16,7 @@ namespace scanmill {
 Manifest mergeDataset(const std::filesystem::path& folder) {
   std::error_code ignored;
   if (!DatasetFolder::isUnfinished(folder) && std::filesystem::exists(folder / kManifestName, ignored)) {
+    DatasetFolder::tidy(folder);
     return readManifest(folder);
   }
   const DatasetPlan plan = DatasetFolder::planned(folder);

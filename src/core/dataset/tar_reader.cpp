@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::uint64_t kTarBlock = 512;
 constexpr std::uint64_t kEndBytes = 2 * kTarBlock;
+constexpr std::size_t kMostNameBytes = 4096;  // as in paths
 
 }  // namespace
 
@@ -37,6 +38,9 @@ bool TarReader::next() {
   const char* name = archive_entry_pathname(entry);
   if (name == nullptr) fail("has a member whose name cannot be read");
   name_ = name;
+  if (name_.size() > kMostNameBytes) {
+    fail(fmt::format("has a member whose name has {} bytes: no more than {} are read", name_.size(), kMostNameBytes));
+  }
   if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_sparse_count(entry) > 0) {
     fail(fmt::format("has a member '{}' that is no plain file", name_));
   }

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <set>
@@ -60,18 +59,25 @@ class ShardCheck {
  private:
   void problem(std::string_view text) { problems_.push_back(fmt::format("{}: {}", record_.file, text)); }
 
+  // Without the shard's name, which problem() says.
+  std::string withoutPlace(const InputError& error) const {
+    const std::string text = error.what();
+    const std::string place = file_.string() + ": ";
+    return text.starts_with(place) ? text.substr(place.size()) : text;
+  }
+
   void checkBytes() {
-    std::ifstream stream(file_, std::ios::binary);
-    std::vector<char> block(1 << 20);
     Sha256 hash;
     std::uint64_t bytes = 0;
-    while (stream) {
-      stream.read(block.data(), static_cast<std::streamsize>(block.size()));
-      const auto got = static_cast<std::size_t>(stream.gcount());
-      hash.add({block.data(), got});
-      bytes += got;
+    try {
+      readBlocks(file_, [&](std::string_view block) {
+        hash.add(block);
+        bytes += block.size();
+      });
+    } catch (const InputError& error) {
+      problem(withoutPlace(error));
+      return;
     }
-    if (!stream.eof()) problem(fmt::format("cannot be read after byte {}", bytes));
     if (bytes != record_.bytes) problem(fmt::format("has {} bytes, but the manifest says {}", bytes, record_.bytes));
     const std::string found = hash.hex();
     if (found != record_.sha256)
@@ -88,10 +94,7 @@ class ShardCheck {
         if (problems_.size() == before) checkDigest(name, bytes);
       });
     } catch (const InputError& error) {
-      std::string_view text = error.what();
-      const std::string place = file_.string() + ": ";
-      if (text.starts_with(place)) text.remove_prefix(place.size());
-      problem(text);
+      problem(withoutPlace(error));
     }
     checkOrder(found);
   }

@@ -3,9 +3,10 @@
 //   x,y,z,intensity,label
 //   1.5,-2.25,0.125,37,4
 //
-// Numbers have the shortest digits that read back to the same bits, lines end with '\n', the misses of an organised
-// scan are "nan". The text says nothing of the sensor: decode() gives one row per line, and rings and columns unknown.
-// Columns of others, which the table of columns does not have, are kept as double-precision numbers.
+// Numbers have the shortest digits that read back to the same bits, lines end with '\n' ("\r\n" is read as well), the
+// misses of an organised scan are "nan". The text says nothing of the sensor: decode() gives one row per line, and
+// rings and columns unknown. Columns of others, which the table of columns does not have, are kept as double-precision
+// numbers.
 
 #include <fmt/format.h>
 
@@ -27,6 +28,13 @@ std::string_view cut(std::string_view& text, char separator) {
   const std::string_view piece = text.substr(0, end);
   text.remove_prefix(std::min(end + 1, text.size()));
   return piece;
+}
+
+// Up to the end of the line, which other programs may write as "\r\n".
+std::string_view cutLine(std::string_view& text) {
+  std::string_view line = cut(text, '\n');
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
 }
 
 // Reads a cell of the last point.
@@ -114,10 +122,10 @@ class Csv : public Format {
       throw InputError(where, "the last line has no end: the file is truncated");
     }
     Scan scan;
-    const std::vector<ReadCell> columns = readHeader(cut(bytes, '\n'), scan, where);
+    const std::vector<ReadCell> columns = readHeader(cutLine(bytes), scan, where);
     while (!bytes.empty()) {
       ++where.line;
-      std::string_view line = cut(bytes, '\n');
+      std::string_view line = cutLine(bytes);
       const auto cells = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
       if (cells != columns.size()) {
         throw InputError(where, fmt::format("{} values where the header names {} columns", cells, columns.size()));

@@ -87,6 +87,7 @@ class PngReader final : public ImageReader {
     if (!whole_.empty()) return;
     whole_.resize(std::size_t(header_.height) * rowBytes);
     std::vector<png_bytep> rows;
+    rows.reserve(static_cast<std::size_t>(header_.height));
     for (int i = 0; i < header_.height; ++i) rows.push_back(whole_.data() + std::size_t(i) * rowBytes);
     guarded([&] { png_read_image(png_, rows.data()); });
   }

@@ -41,6 +41,16 @@ TEST(ReadTar, ReadsWhatTarWrites) {
   EXPECT_EQ(membersOf(folder.path() / "x.tar"), (Members{{"a-0.json", "{}"}, {"a-0.pcd", std::string(1000, 'p')}}));
 }
 
+// What shows names would be busy with it for minutes.
+TEST(ReadTar, RefusesNamesOfThousandsOfBytes) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "x.tar";
+  writeMembers(file, {{std::string(4090, 'k') + ".long", "{}"}});
+  EXPECT_EQ(membersOf(file).size(), 1u);
+  writeMembers(file, {{std::string(200'000, 'k') + ".long", "{}"}});
+  EXPECT_THAT(refusal(file), HasSubstr("has a member whose name has 200005 bytes: no more than 4096 are read"));
+}
+
 // Wherever a shard is cut, also between two members and within zeros, it is refused.
 TEST(ReadTar, NoticesEveryTruncation) {
   const TemporaryFolder folder;

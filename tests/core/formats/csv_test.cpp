@@ -49,6 +49,12 @@ TEST(Csv, ColumnsMayComeInAnyOrder) {
   EXPECT_EQ(scan[kLabel][0], 7);
 }
 
+TEST(Csv, LinesMayEndAsOnOtherSystems) {
+  const Scan scan = decoded("x,y,z,label\r\n1,2,3,7\r\n4,5,6,8\r\n");
+  EXPECT_EQ(scan.position[1], (Vec3f{4, 5, 6}));
+  EXPECT_EQ(scan[kLabel], (std::vector<std::uint16_t>{7, 8}));
+}
+
 TEST(Csv, ForeignColumnsAreKept) {
   const std::string text = "x,y,z,label,near_ir,signal\n1,2,3,7,812,-0.25\n4,5,6,8,0,1e-300\n";
   const Scan scan = decoded(text);
@@ -72,7 +78,7 @@ TEST(Csv, ErrorsNameTheLine) {
       {"x,y,z\n1,2,3,4\n", "test.csv:2: 4 values"},
       {"x,y,z\n1,2,\n", "test.csv:2: z"},
       {"x,y,z\n1, 2,3\n", "test.csv:2: y"},
-      {"x,y,z\n1,2,3\r\n", "test.csv:2: z"},
+      {"x,y,z\n1,2,3\r4\n", "test.csv:2: z"},
       {"x,y,z\n\n", "test.csv:2"},
       {"x,y,z,label\n1,2,3,65536\n", "65535"},
       {"x,y,z,label\n1,2,3,-1\n", "label"},

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "base/memory.h"
+
 namespace scanmill {
 
 namespace {
@@ -17,7 +19,7 @@ bool holds(const Box& outer, const Box& inner) {
 
 // Before anything is built, so that a plan refuses what a run would.
 const ParticleOptions& checked(const Scene& scene, const ParticleOptions& options) {
-  checkField(options, scene.bounds(), physicalMemory());
+  checkField(options, scene.bounds(), static_cast<double>(memoryLimitBytes()));
   return options;
 }
 

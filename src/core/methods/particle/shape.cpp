@@ -1,13 +1,13 @@
 #include "methods/particle/shape.h"
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "base/error.h"
+#include "base/memory.h"
 
 namespace scanmill {
 
@@ -155,7 +155,7 @@ Span sceneSpan(const ParticleOptions& options, const Box& box, double memory) {
 }
 
 FieldShape aroundScene(const ParticleOptions& options, const Box& box) {
-  const Span span = sceneSpan(options, box, physicalMemory());
+  const Span span = sceneSpan(options, box, static_cast<double>(memoryLimitBytes()));
   FieldShape shape;
   shape.voxel = options.voxel;
   LevelBox level;
@@ -196,10 +196,6 @@ double fieldBytes(const ParticleOptions& options, const Box& scene) {
          size.x * size.y * size.z / std::pow(kBrickVoxels * options.voxel, 3) * 4;
 }
 
-double physicalMemory() {
-  return static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
-}
-
 void checkField(const ParticleOptions& options, const Box& scene, double memory) {
   constexpr double kTolerance = 2;
   if (options.extent == ParticleOptions::Extent::Scene && !scene.empty()) {
@@ -209,7 +205,7 @@ void checkField(const ParticleOptions& options, const Box& scene, double memory)
   const double bytes = fieldBytes(options, scene);
   if (bytes <= kTolerance * memory) return;
   throw InputError(options.where,
-                   fmt::format("particle: the distance field would take about {}, but this machine has {} of memory: "
+                   fmt::format("particle: the distance field would take about {}, but this process may take {}: "
                                "{}",
                                memoryText(bytes), memoryText(memory), adviceFor(options, scene, memory)));
 }

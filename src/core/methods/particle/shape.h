@@ -20,9 +20,6 @@ FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Bo
 // About how many bytes a field of the scene takes. `scene`: its bounds, m, world frame.
 double fieldBytes(const ParticleOptions& options, const Box& scene);
 
-// Bytes of this machine's memory.
-double physicalMemory();
-
 // Throws InputError where a scene-wide field would have too many bricks, or where the field would take more than twice
 // the memory (bytes), and says what would do. Twice, since the estimate may be off by that factor.
 void checkField(const ParticleOptions& options, const Box& scene, double memory);

@@ -227,7 +227,7 @@ void SceneDeleter::operator()(RTCSceneTy* scene) const {
 
 DeviceHandle makeDevice() {
   DeviceHandle device(rtcNewDevice(nullptr));
-  if (!device) throw Error("Embree could not start on this machine");
+  if (!device) throw Error("Embree could not start on this machine: is there too little memory (ulimit -v)?");
   return device;
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/short_text.h"
 #include "config/named_options.h"
 #include "methods/light_paths.h"
 #include "pipeline/drive/drive.h"
@@ -51,7 +52,7 @@ void checkRays(const Pipeline& pipeline) {
   }
 }
 
-constexpr double kGibibyte = 1024.0 * 1024 * 1024;
+constexpr std::uint64_t kProgramBytes = std::uint64_t{64} << 20;  // itself, its libraries and what threads keep
 constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // of a beam table
 
 bool sameClasses(const Ontology& a, const Ontology& b) {
@@ -214,13 +215,14 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   traced_ = channels_ | kept;
   const std::uint64_t rays = pipeline_.raysPerFrame();
   const std::uint64_t bytes = rays * kBeamBytes + bytesPerFrameInMemory();
-  if (bytes > memoryLimitBytes()) {
+  if (bytes + kProgramBytes > memoryLimitBytes()) {
     throw InputError(
         {pipeline_.file.string()},
-        fmt::format("{} {} a frame x {} bytes = {:.1f} GiB, but this machine has {:.1f} GiB of memory: "
+        fmt::format("{} {} a frame x {} bytes = {}, beside {} of the program, but it may take {} of memory: "
                     "take fewer sensors, rings, columns or rays a beam",
                     rays, rays == pipeline_.beamsPerFrame() ? "beams" : "rays", bytes / rays,
-                    static_cast<double>(bytes) / kGibibyte, static_cast<double>(memoryLimitBytes()) / kGibibyte));
+                    shortBytes(static_cast<double>(bytes)), shortBytes(static_cast<double>(kProgramBytes)),
+                    shortBytes(static_cast<double>(memoryLimitBytes()))));
   }
   for (const MountedSensor& sensor : pipeline_.sensors) {
     beams_.push_back(makeBeams(sensor.description));
@@ -470,8 +472,21 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
 }
 
 std::size_t Plan::framesInFlight() const {
-  const std::uint64_t fitting = memoryLimitBytes() / 2 / bytesPerFrameInMemory();
+  const std::uint64_t free = memoryLimitBytes() - std::min(kProgramBytes, memoryLimitBytes());
+  const std::uint64_t fitting = free / 2 / bytesPerFrameInMemory();
   return std::clamp<std::uint64_t>(fitting, 1, static_cast<std::uint64_t>(threadCount()));
+}
+
+void Plan::checkMemory(const Method& method, const std::string& scene) const {
+  const std::uint64_t bytes = method.memoryBytes();
+  const std::uint64_t needed = bytes + framesInFlight() * bytesPerFrameInMemory() + kProgramBytes;
+  if (needed <= memoryLimitBytes()) return;
+  throw InputError(
+      {pipeline_.file.string()},
+      fmt::format("{} takes about {} with this method, {} with frames in flight and the program, but it may "
+                  "take {} of memory: take a smaller scene or a coarser method, or fewer rings or columns",
+                  scene, shortBytes(static_cast<double>(bytes)), shortBytes(static_cast<double>(needed)),
+                  shortBytes(static_cast<double>(memoryLimitBytes()))));
 }
 
 ColumnSet Plan::columns() const {

@@ -71,6 +71,9 @@ class Plan {
   std::uint64_t bytesPerFrameInMemory() const;
   // How many frames are made at a time: one for each thread, but no more than half of the memory holds.
   std::size_t framesInFlight() const;
+  // Throws InputError where a scene, in the form that the method has made of it, and the frames in flight take more
+  // memory than there is. `scene`: what messages call it.
+  void checkMemory(const Method& method, const std::string& scene) const;
 
  private:
   // Drives that follow from their scenes, by their sequences; found when the scenes are loaded.

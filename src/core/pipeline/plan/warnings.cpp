@@ -70,6 +70,18 @@ std::vector<Thing> thingsIn(const Mesh& mesh) {
 
 }  // namespace
 
+std::vector<std::string> damageWarnings(const Scene& scene) {
+  std::vector<std::string> lines;
+  const auto tell = [&](std::uint64_t triangles, const char* why) {
+    if (triangles == 0) return;
+    lines.push_back(fmt::format("scene {}: {} triangle{} left out, {}: is a file damaged?", scene.name,
+                                grouped(triangles), triangles == 1 ? " is" : "s are", why));
+  };
+  tell(scene.dropped.nonFinite, "with corners that are NaN or infinite");
+  tell(scene.dropped.outOfRange, "with corners that their meshes do not have");
+  return lines;
+}
+
 std::vector<std::string> sizeWarnings(const Scene& scene) {
   std::vector<Box> boxes;
   boxes.reserve(scene.meshes.size());

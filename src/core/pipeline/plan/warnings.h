@@ -13,6 +13,9 @@ namespace scanmill {
 // Objects whose size tells of a wrong unit: more than 5 km or less than 1 mm. A line per mesh, the first few of them.
 std::vector<std::string> sizeWarnings(const Scene& scene);
 
+// Triangles of damaged meshes, which are left out: corners that are no finite numbers, or that are not there.
+std::vector<std::string> damageWarnings(const Scene& scene);
+
 // Things that are far smaller or larger than what labels/words.yaml has as usual for their classes: a bus of 12 cm, a
 // tree of 2 km. The first few of them.
 std::vector<std::string> thingSizeWarnings(const Scene& scene);

@@ -39,6 +39,7 @@
 #include "base/file.h"
 #include "config/file_kind.h"
 #include "config/named_options.h"
+#include "config/waypoints.h"
 #include "dataset/split.h"
 #include "pipeline/read/effects.h"
 
@@ -238,6 +239,7 @@ std::vector<MountedSensor> readSensors(Fields& fields) {
       Fields pose(*mount, "mount");
       sensor.vehicleFromSensor = pose.pose();
       pose.finish();
+      checkedPosition(sensor.vehicleFromSensor.translation, mount->where);
     }
     sensor.size = sensorSize(sensor.description);
     sensors.push_back(std::move(sensor));

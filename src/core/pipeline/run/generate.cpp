@@ -59,10 +59,11 @@ class DatasetRun {
         folder_(options.folder, useOf(options), planned_),
         base_(startManifest(plan, planned_)),
         open_(jobs_.size()),
-        parts_(jobs_.size()),
         progress_("generate", 0, "frames", "rays", options.quiet),
         maker_(plan, options.keepHits, options.keepPasses, options.overwrite,
-               [this](const Sequence& sequence) { say("setting up " + sequence.key()); }) {}
+               [this](const Sequence& sequence) { say("setting up " + sequence.key()); }) {
+    summary_.manifest = base_;
+  }
 
   // The story: every shard is made by itself, and the manifest comes last.
   GenerateSummary run() {
@@ -103,10 +104,10 @@ class DatasetRun {
     const auto check =
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(own.file) : nullptr;
-    if (std::optional<DatasetPart> kept = folder_.kept(own.file, check)) {
-      parts_[job] = std::move(*kept);
+    if (const std::optional<DatasetPart> kept = folder_.kept(own.file, check)) {
       for (const SampleAddress& sample : own.samples) maker_.leaveOut(sample);
       const std::scoped_lock lock(mutex_);
+      count(kept->manifest);
       ++summary_.resumedShards;
       progress_.advance(own.samples.size(), static_cast<double>(own.samples.size() * pipeline_.raysPerFrame()));
       return 0;
@@ -116,6 +117,7 @@ class DatasetRun {
       claimed_.push_back(job);
       return 0;
     }
+    folder_.checkPlace();  // nothing is made where another folder may be by now
     DatasetPart begun{planned_.hash, {}, base_};
     for (const SampleAddress& sample : own.samples) begun.numbers.push_back(sample.number);
     open_[job] = std::make_unique<OpenShard>(folder_.staging(), own, std::move(begun), std::move(claim));
@@ -148,9 +150,9 @@ class DatasetRun {
     ShardPart made = shard->writer.finish();
     shard->part.manifest.shards = {std::move(made.shard)};
     shard->part.manifest.samples = std::move(made.samples);
-    folder_.keep(shard->part);
-    parts_[job] = std::move(shard->part);
+    folder_.keep(shard->part);  // where it is read again at the end: descriptions of all samples would fill the memory
     const std::scoped_lock lock(mutex_);
+    count(shard->part.manifest);
     ++summary_.shards;
     summary_.samplesMade += jobs_[job].samples.size();
   }
@@ -189,14 +191,18 @@ class DatasetRun {
     return std::move(summary_);
   }
 
-  // The parts that this process has not made are there as well.
-  void readOtherParts() {
-    for (std::size_t job = 0; job < jobs_.size(); ++job) {
-      if (!parts_[job].numbers.empty()) continue;
-      std::optional<DatasetPart> part = folder_.kept(jobs_[job].file, DatasetFolder::Check::Size);
-      if (!part) throw Error(fmt::format("{} has vanished from {}", jobs_[job].file, folder_.staging().string()));
-      parts_[job] = std::move(*part);
+  std::vector<DatasetPart> allParts() const {
+    std::vector<DatasetPart> parts;
+    parts.reserve(jobs_.size());
+    for (const ShardJob& job : jobs_) {
+      std::optional<DatasetPart> part = folder_.kept(job.file, DatasetFolder::Check::Size);
+      if (!part) {
+        throw Error(
+            fmt::format("{} has vanished from {}: --resume makes it again", job.file, folder_.staging().string()));
+      }
+      parts.push_back(std::move(*part));
     }
+    return parts;
   }
 
   void warnOfBlindSensors() {
@@ -216,16 +222,18 @@ class DatasetRun {
     }
   }
 
-  void count(const DatasetPart& part) {
-    summary_.samples += part.manifest.samples.size();
-    for (const SampleRecord& sample : part.manifest.samples) {
+  // Into the summary, of what this process has made or found.
+  void count(const Manifest& part) {
+    summary_.manifest.ontology = part.ontology;
+    summary_.samples += part.samples.size();
+    for (const SampleRecord& sample : part.samples) {
       for (const ScanRecord& record : sample.scans) {
         summary_.beams += record.beams;
         summary_.points += record.points;
         for (const auto& [id, points] : record.pointsPerClass) summary_.pointsPerClass[id] += points;
       }
     }
-    for (const ShardRecord& shard : part.manifest.shards) summary_.bytes += shard.bytes;
+    for (const ShardRecord& shard : part.shards) summary_.bytes += shard.bytes;
   }
 
   GenerateSummary finish() {
@@ -234,17 +242,11 @@ class DatasetRun {
     addSeconds(clock_.seconds(), summary_.stages);
     maker_.finish();
     summary_.whole = options_.shards.kind != ShardChoice::Kind::Listed && folder_.makeAlone();
-    if (summary_.whole) readOtherParts();
-    for (const DatasetPart& part : parts_) count(part);
-    summary_.manifest = base_;
+    folder_.checkPlace();
     if (summary_.whole) {
-      summary_.manifest = joinParts(planned_, std::move(parts_));
+      summary_.manifest = joinParts(planned_, allParts());
       warnOfBlindSensors();
       folder_.publish(summary_.manifest);
-    } else {
-      for (const DatasetPart& part : parts_) {
-        if (!part.numbers.empty()) summary_.manifest.ontology = part.manifest.ontology;
-      }
     }
     summary_.seconds = progress_.seconds();
     return std::move(summary_);
@@ -258,7 +260,6 @@ class DatasetRun {
   DatasetFolder folder_;
   Manifest base_;                                 // of every part
   std::vector<std::unique_ptr<OpenShard>> open_;  // by job
-  std::vector<DatasetPart> parts_;                // by job; without samples where a shard is not known to be whole
   std::mutex mutex_;                              // of what follows
   std::vector<std::size_t> claimed_;              // jobs that other processes work on
   GenerateSummary summary_;
@@ -274,6 +275,7 @@ std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::files
   if (DatasetFolder::isUnfinished(folder) || !std::filesystem::exists(folder / kManifestName, failure)) return {};
   Manifest made = readManifest(folder);
   if (made.planSha256 != plan.hash) return {};
+  DatasetFolder::tidy(folder);
   for (const ShardRecord& shard : made.shards) {
     if (std::filesystem::file_size(folder / shard.file, failure) == shard.bytes) continue;
     throw InputError({folder.string()}, fmt::format("{} is missing or damaged: `scanmill regenerate {}` makes it again",

@@ -100,14 +100,16 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     ReadyScene& ready = slot.ready;
     ready.scene = plan_.loadScene(own);
     ready.method = plan_.makeMethod(ready.scene);
+    plan_.checkMemory(*ready.method, "the scene of " + own.key());
     ready.modelled = ready.method->modelled();
     TraceAccount account;
     for (const Shot& shot : plan_.shots(sequence, 0)) account += ready.method->prepare(shot);
     if (pipeline.recording == nullptr) ready.probe.emplace(ready.scene, ready.method.get(), pipeline.method.entry);
     std::vector<std::string> lines;
-    for (const auto& more : {sizeWarnings(ready.scene), thingSizeWarnings(ready.scene), ruleWarnings(ready.scene),
-                             unlabeledWarnings(ready.scene), seedWarnings(pipeline, own, ready.scene),
-                             shareWarnings(ready.scene), vehicleWarnings(plan_), driveWarnings(pipeline)}) {
+    for (const auto& more :
+         {damageWarnings(ready.scene), sizeWarnings(ready.scene), thingSizeWarnings(ready.scene),
+          ruleWarnings(ready.scene), unlabeledWarnings(ready.scene), seedWarnings(pipeline, own, ready.scene),
+          shareWarnings(ready.scene), vehicleWarnings(plan_), driveWarnings(pipeline)}) {
       appendNew(more, lines);
     }
     const std::scoped_lock lock(mutex_);

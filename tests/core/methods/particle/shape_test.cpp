@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "base/memory.h"
 #include "base/random.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/message_of.h"
@@ -182,9 +183,9 @@ TEST(Shape, SaysWhichVoxelsWouldDo) {
     const double voxel = std::strtod(message.c_str() + at + 9, nullptr);
     options.voxel = voxel;
     EXPECT_EQ(shapeOf(options, {}, scene, 100).levels.size(), 1u) << message;
-    EXPECT_LE(fieldBytes(options, scene), physicalMemory()) << message;
+    EXPECT_LE(fieldBytes(options, scene), static_cast<double>(memoryLimitBytes())) << message;
     options.voxel = voxel / 1.2;
-    EXPECT_TRUE(fieldBytes(options, scene) > physicalMemory() ||
+    EXPECT_TRUE(fieldBytes(options, scene) > static_cast<double>(memoryLimitBytes()) ||
                 messageOf([&] { shapeOf(options, {}, scene, 100); }) != "accepted")
         << message;
   }
@@ -220,7 +221,7 @@ TEST(CheckField, RefusesWhatTheMemoryDoesNotHold) {
     const std::string message = messageOf([&] { checkField(options, kStreet, memory); });
     EXPECT_THAT(message, testing::AllOf(testing::HasSubstr("p.yaml:3:4: particle: "),
                                         testing::HasSubstr("about " + memoryText(bytes)),
-                                        testing::HasSubstr("has " + memoryText(memory) + " of memory")));
+                                        testing::HasSubstr("this process may take " + memoryText(memory))));
     const std::size_t at = message.find(key);
     ASSERT_NE(at, std::string::npos) << message;
     const double value = std::strtod(message.c_str() + at + key.size(), nullptr);

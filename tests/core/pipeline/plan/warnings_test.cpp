@@ -24,6 +24,20 @@ TEST(UnlabeledWarnings, TellHowMuchHasNoClass) {
   EXPECT_THAT(unlabeledWarnings(scene), ElementsAre(HasSubstr("1,235 triangles of bus.obj and 1 more:")));
 }
 
+TEST(DamageWarnings, TellOfCornersThatAreNoPlaces) {
+  Scene scene;
+  scene.name = "yard";
+  scene.dropped.degenerate = 7;  // as most files have
+  EXPECT_THAT(damageWarnings(scene), IsEmpty());
+  scene.dropped.nonFinite = 1;
+  scene.dropped.outOfRange = 2000;
+  EXPECT_THAT(
+      damageWarnings(scene),
+      ElementsAre("scene yard: 1 triangle is left out, with corners that are NaN or infinite: is a file damaged?",
+                  "scene yard: 2,000 triangles are left out, with corners that their meshes do not have: is a "
+                  "file damaged?"));
+}
+
 TEST(RuleWarnings, NameRulesThatDecideNothing) {
   Scene scene;
   const auto add = [&](int line, const char* match, std::uint64_t matched, std::uint64_t decided) {
