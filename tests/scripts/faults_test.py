@@ -776,6 +776,12 @@ class Resources(Faults):
         except (OSError, TypeError):
             return None
 
+    def count_records(self, folder):
+        try:
+            return sum(name.endswith(".tar.json") for name in os.listdir(folder))
+        except OSError:
+            return 0  # it is not there yet, or not any more
+
     def test_thousands_of_scans_take_no_more_memory_than_a_few(self):
         scans, per_shard = 2000, 20
         pipeline = self.pipeline(frames=scans, per_shard=per_shard, columns=128)
@@ -783,7 +789,7 @@ class Resources(Faults):
         figures = []  # scans, bytes, descriptors
         with Running("generate", pipeline, "-o", self.out, "--quiet", "--threads", 2) as running:
             while running.runs():
-                made = per_shard * (len(list(folder.glob("*.tar.json"))) if folder.exists() else 0)
+                made = per_shard * self.count_records(folder)
                 now = self.figures(running.process.pid)
                 if now is not None and (not figures or made > figures[-1][0]):
                     figures.append((made, *now))

@@ -1,0 +1,43 @@
+// 3D files. Those of assimp go through its child process, so that these two are slow.
+
+#include <array>
+
+#include "base/error.h"
+#include "formats/cloud_file.h"
+#include "formats/las_reader.h"
+#include "images/images.h"
+#include "scene/assets/asset.h"
+#include "tests/fuzz/target.h"
+
+namespace scanmill {
+namespace {
+
+const AddFuzzTarget kGltf("gltf", [](std::string_view bytes) {
+  readAsset(inputFile(bytes, bytes.starts_with("glTF") ? ".glb" : bytes.starts_with("b3dm") ? ".b3dm" : ".gltf"), {});
+});
+
+const AddFuzzTarget kAssets("assets", [](std::string_view bytes) {
+  static constexpr std::array<const char*, 8> kKinds{".obj", ".stl", ".ply", ".dae", ".ac", ".fbx", ".3ds", ".off"};
+  const std::string kind = kKinds[kindOf(bytes, kKinds.size())];
+  readAsset(inputFile(bytes, kind), {});
+});
+
+const AddFuzzTarget kWorlds("worlds", [](std::string_view bytes) {
+  static constexpr std::array<const char*, 3> kKinds{".sdf", ".urdf", ".json"};
+  const std::string kind = kKinds[kindOf(bytes, kKinds.size())];
+  readAsset(inputFile(bytes, kind), {});
+});
+
+const AddFuzzTarget kClouds("clouds", [](std::string_view bytes) {
+  if (bytes.starts_with("LASF")) {
+    readLas(bytes, "input.las");
+  } else {
+    const auto file = inputFile(bytes, ".ply");
+    if (isCloud(file)) readCloud(file);
+  }
+});
+
+const AddFuzzTarget kImages("images", [](std::string_view bytes) { decodeImage(bytes, "input.tga"); });
+
+}  // namespace
+}  // namespace scanmill

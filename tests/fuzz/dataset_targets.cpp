@@ -1,0 +1,99 @@
+// Datasets and recordings: scans, shards, manifests, images, caches.
+
+#include <stdexcept>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/scratch_folder.h"
+#include "config/fields.h"
+#include "dataset/manifest.h"
+#include "dataset/parts.h"
+#include "dataset/reader.h"
+#include "dataset/shard_index.h"
+#include "formats/format.h"
+#include "formats/reasons_png.h"
+#include "methods/field/cache.h"
+#include "passes/exr/hits_exr.h"
+#include "passes/exr/pass_exr.h"
+#include "tests/fuzz/target.h"
+
+namespace scanmill {
+namespace {
+
+FuzzTarget decoder(const char* suffix) {
+  return [suffix](std::string_view bytes) {
+    const Value none = parseYaml("{}", "options");
+    Fields options(none, "options");
+    formatBySuffix(suffix)->make(options)->decode(bytes, "input");
+  };
+}
+
+const AddFuzzTarget kPcd("pcd", decoder("pcd"));
+const AddFuzzTarget kDraco("draco", decoder("drc"));
+const AddFuzzTarget kCsv("csv", decoder("csv"));
+const AddFuzzTarget kReasons("reasons", [](std::string_view bytes) { decodeReasons(bytes, "input.png"); });
+
+const AddFuzzTarget kTar("tar", [](std::string_view bytes) {
+  const auto file = inputFile(bytes, ".tar");
+  const ShardIndex index(file, DamagedShard::ReadAsFarAsWhole);
+  for (const ShardMember& member : index.members()) index.read(member);
+  readTar(file, [](const std::string&, std::string_view) {});
+});
+
+const AddFuzzTarget kManifest("manifest", [](std::string_view bytes) {
+  const std::string text(bytes);
+  digestProblem(text);
+  parseManifest(text, "manifest.json");
+});
+
+const AddFuzzTarget kParts("parts", [](std::string_view bytes) {
+  const bool plan = kindOf(bytes, 2) == 0;
+  if (plan) {
+    parsePlan(std::string(bytes), "plan");
+  } else {
+    parsePart(std::string(bytes), "part");
+  }
+});
+
+const AddFuzzTarget kExr("exr", [](std::string_view bytes) {
+  const bool hits = kindOf(bytes, 2) == 0;
+  const auto file = inputFile(bytes, ".exr");
+  if (hits) {
+    Hits read;
+    readHits(file, Channels::all(), read);
+  } else {
+    readPasses(file, passesIn(file));
+  }
+});
+
+// A field as it was stored but for some bytes: the input is a list of places (three bytes) and of what is there.
+const AddFuzzTarget kCache("cache", [](std::string_view bytes) {
+  static const ScratchFolder folder;
+  static const FieldCache cache(folder.path(), sha256("some scene"));
+  static const FieldShape shape = [] {
+    FieldShape s;
+    s.voxel = 0.1;
+    s.levels = {{{-1, 0, 1}, {1, 2, 1}}};
+    s.reach = 3;
+    DistanceField field;
+    field.shape = s;
+    field.levels.push_back({{1, 2, 3}, 0.5f, s.levels[0].bricks, 0});
+    field.table.resize(s.levels[0].size());
+    cache.store(field, {});
+    return s;
+  }();
+  static const std::filesystem::path file = std::filesystem::directory_iterator(folder.path())->path();
+  static const std::string stored = readFile(file);
+  std::string changed = stored;
+  for (; bytes.size() >= 4; bytes.remove_prefix(4)) {
+    std::size_t at = 0;
+    for (const char c : bytes.substr(0, 3)) at = at * 256 + static_cast<unsigned char>(c);
+    changed[at % changed.size()] = bytes[3];
+  }
+  writeFile(file, changed);
+  if ((cache.find(shape, {}) != nullptr) != (changed == stored)) throw std::logic_error("trusts a changed field");
+});
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,27 @@
+#include "tests/fuzz/target.h"
+
+#include "base/file.h"
+#include "base/scratch_folder.h"
+
+namespace scanmill {
+
+std::map<std::string, FuzzTarget>& fuzzTargets() {
+  static std::map<std::string, FuzzTarget> targets;
+  return targets;
+}
+
+std::filesystem::path inputFile(std::string_view bytes, const std::string& suffix) {
+  static const ScratchFolder folder;
+  const std::filesystem::path file = folder.path() / ("input" + suffix);
+  writeFile(file, bytes);
+  return file;
+}
+
+std::size_t kindOf(std::string_view& bytes, std::size_t kinds) {
+  if (bytes.empty()) return 0;
+  const auto first = static_cast<unsigned char>(bytes.front());
+  bytes.remove_prefix(1);
+  return (first - static_cast<unsigned char>('0')) % kinds;
+}
+
+}  // namespace scanmill
