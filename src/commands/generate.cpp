@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
+#include <optional>
 #include <utility>
 
 #include "base/grouped.h"
@@ -14,8 +16,10 @@
 #include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "dataset/dataset_folder.h"
+#include "dataset/shard_name.h"
 #include "dataset/shard_ranges.h"
 #include "evaluate/auto/calibrate.h"
+#include "pipeline/plan/dataset_plan.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/recorder.h"
 
@@ -66,16 +70,30 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options) {
   }
 }
 
-// `method: auto` becomes the setting that is the cheapest here.
+// What was chosen for the dataset in the folder, unfinished or whole.
+std::optional<MethodRecord> chosenBefore(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  if (DatasetFolder::isUnfinished(folder)) return DatasetFolder::planned(folder).chosen;
+  if (std::filesystem::exists(folder / kManifestName, ignored)) return readManifest(folder).chosen;
+  return std::nullopt;
+}
+
+// `method: auto` becomes the setting that is the cheapest here, or that was so when the dataset was begun.
 void chooseMethod(Plan& plan, const GenerateOptions& options) {
   checkAutoChoice(plan.pipeline());
+  const bool shared = options.shards.kind != ShardChoice::Kind::All;
+  if (options.resume || shared) {
+    if (const std::optional<MethodRecord> chosen = chosenBefore(options.folder)) return chooseAgain(plan, *chosen);
+  }
   // Refused now, not after minutes.
-  if (options.resume || options.shards.kind != ShardChoice::Kind::All) {
+  if (shared) {
     throw InputError(
         "parts of a dataset need a method that does not change: `method: auto` measures anew in each process; name "
         "the one that it takes");
   }
-  DatasetFolder::check(options.folder, options.overwrite ? FolderUse::Replace : FolderUse::New);
+  DatasetFolder::check(options.folder, options.overwrite ? FolderUse::Replace
+                                       : options.resume  ? FolderUse::Resume
+                                                         : FolderUse::New);
   const Calibration calibration = calibrate(plan, options.quiet, options.stop);
   const CalibratedSetting& chosen = calibration.settings[calibration.chosen];
   if (!options.quiet) {

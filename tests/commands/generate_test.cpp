@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "base/file.h"
+#include "dataset/dataset_folder.h"
 #include "dataset/manifest.h"
 #include "dataset/reader.h"
 #include "tests/commands/program.h"
@@ -247,6 +248,28 @@ TEST_F(Generate, KilledRunsLeaveWholeShardsOnly) {
   EXPECT_EQ(scanmill({"generate", pipeline_, "-q", "--overwrite", "-o", at("out")}).code, 0);
   EXPECT_EQ(filesEndingIn("", at("out")).size(), 1 + readManifest(at("out")).shards.size());
   EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
+}
+
+// What was measured once holds for the whole dataset, whatever would be the cheapest by now.
+TEST_F(Generate, AutoIsResumedWithWhatItTook) {
+  std::vector<std::string> command = longRun();
+  command.insert(command.end(), {"--set", "trajectories.0.frames=4000", "--set",
+                                 "method={auto: {max_error: {p99: 1 m, miss_rate: 10%, labels: 50%}, settings: "
+                                 "[{ray_tracing: {packet: [1, 16]}}]}}"});
+  const std::vector<std::string> arguments(command.begin() + 1, command.end());
+  RunningProgram process(command);
+  awaitShards(process, 2);
+  process.send(SIGKILL);
+  process.wait();
+  const std::optional<MethodRecord> chosen = DatasetFolder::planned(at("out")).chosen;
+  ASSERT_TRUE(chosen.has_value());
+  std::vector<std::string> resumed = arguments;
+  resumed.push_back("--resume");
+  const Outcome ended = scanmill(resumed);
+  ASSERT_EQ(ended.code, 0) << ended.error;
+  EXPECT_TRUE(readManifest(at("out")).chosen == chosen);
+  EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
+  EXPECT_THAT(scanmill(resumed).out, HasSubstr("there is nothing to resume"));
 }
 
 TEST_F(Generate, StoppedRunsSaySo) {

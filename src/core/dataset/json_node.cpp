@@ -62,4 +62,9 @@ Ontology ontologyOf(const JsonNode& node) {
   return ontology;
 }
 
+MethodRecord choiceOf(const JsonNode& choice) {
+  choice.keys({"setting", "assignment", "why"});
+  return {choice["setting"].text(), choice["assignment"].text(), choice["why"].text()};
+}
+
 }  // namespace scanmill

@@ -17,6 +17,7 @@
 #include "base/error.h"
 #include "base/vec.h"
 #include "config/fields.h"
+#include "dataset/manifest.h"
 #include "scene/ontology.h"
 
 namespace scanmill {
@@ -123,5 +124,7 @@ class JsonNode {
 
 Pose poseOf(const JsonNode& node);
 Ontology ontologyOf(const JsonNode& node);
+
+MethodRecord choiceOf(const JsonNode& choice);
 
 }  // namespace scanmill

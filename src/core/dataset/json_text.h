@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "dataset/manifest.h"
 #include "scene/ontology.h"
 
 namespace scanmill {
@@ -30,5 +31,6 @@ OrderedJson finiteList(const std::vector<double>& values, std::string_view what)
 
 OrderedJson poseJson(const Pose& pose, std::string_view what);
 OrderedJson ontologyJson(const Ontology& ontology);
+OrderedJson choiceJson(const MethodRecord& chosen);
 
 }  // namespace scanmill

@@ -72,6 +72,7 @@ struct MethodRecord {
   std::string setting;     // "depth_camera resolution=1024"
   std::string assignment;  // for --set, to take the same again: "method={depth_camera: {resolution: 1024}}"
   std::string why;
+  bool operator==(const MethodRecord&) const = default;
 };
 
 struct Manifest {

@@ -191,10 +191,7 @@ OrderedJson manifestJson(const Manifest& m) {
       {"samples", nullptr},
   };
   if (!m.planSha256.empty()) json["plan_sha256"] = m.planSha256;
-  if (m.chosen) {
-    json["method_choice"] = {
-        {"setting", m.chosen->setting}, {"assignment", m.chosen->assignment}, {"why", m.chosen->why}};
-  }
+  if (m.chosen) json["method_choice"] = choiceJson(*m.chosen);
   json["digest"] = kNoDigest;
   return json;
 }

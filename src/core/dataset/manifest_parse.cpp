@@ -222,11 +222,7 @@ Manifest manifestOf(const JsonNode& root) {
   m.ontology = ontologyOf(root["ontology"]);
   root["sensors"].forEach([&](const JsonNode& item) { m.sensors.push_back(sensorOf(item)); });
   m.modelled = root["modelled"].texts();
-  if (root.has("method_choice")) {
-    const JsonNode choice = root["method_choice"];
-    choice.keys({"setting", "assignment", "why"});
-    m.chosen = MethodRecord{choice["setting"].text(), choice["assignment"].text(), choice["why"].text()};
-  }
+  if (root.has("method_choice")) m.chosen = choiceOf(root["method_choice"]);
   // Of datasets that were made before runs on other machines gave the same manifest.
   if (root.has("stages")) root["stages"].forEachEntry([](const std::string&, const JsonNode& time) { time.number(0); });
   root["shards"].forEach([&](const JsonNode& item) { m.shards.push_back(shardOf(item)); });

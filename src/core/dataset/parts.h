@@ -6,6 +6,7 @@
 // samples it holds, so that parts of something else, gaps and doubles are found.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@ struct DatasetPlan {
   std::string hash;  // a text without line breaks that differs where what is made differs
   std::uint64_t samples = 0;
   std::vector<std::pair<std::string, std::uint64_t>> shardsOfSplit;  // in the order of the shards
+  std::optional<MethodRecord> chosen = {};                           // where the pipeline left the choice of the method
 
   bool operator==(const DatasetPlan&) const = default;
   // The names of all shards, see shardName().

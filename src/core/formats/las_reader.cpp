@@ -41,7 +41,10 @@ class Reader {
       fail(fmt::format("has points of {} bytes; format {} has {}", record_, format_, kLeastRecord[format_]));
     }
     std::uint64_t points = at<std::uint32_t>(kLegacyPoints);
-    if (minor == 4 && at<std::uint16_t>(kHeaderSize) >= kPoints + 8) points = at<std::uint64_t>(kPoints);
+    if (minor == 4 && at<std::uint16_t>(kHeaderSize) >= kPoints + 8) {
+      if (bytes_.size() < kPoints + 8) fail("is truncated: it ends within its header");
+      points = at<std::uint64_t>(kPoints);
+    }
     const std::uint64_t first = at<std::uint32_t>(kPointsAt);
     if (first > bytes_.size() || points > (bytes_.size() - first) / record_) {
       fail(fmt::format("is truncated: it announces {} points of {} bytes and has {} bytes for them", points, record_,

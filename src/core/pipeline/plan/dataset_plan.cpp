@@ -20,12 +20,7 @@ namespace {
 // `file`: where the pipeline would lie.
 Plan planAt(const Manifest& manifest, const fs::path& file) {
   Plan plan(readPipelineText(manifest.pipelineText, file));
-  if (plan.pipeline().method.automatic && manifest.chosen) {
-    const std::string chosen =
-        fmt::format("{}{}# --set {}\n", manifest.pipelineText, manifest.pipelineText.ends_with('\n') ? "" : "\n",
-                    manifest.chosen->assignment);
-    plan.choose(readPipelineText(chosen, file).method, *manifest.chosen);
-  }
+  if (plan.pipeline().method.automatic && manifest.chosen) chooseAgain(plan, *manifest.chosen);
   return plan;
 }
 
@@ -56,6 +51,13 @@ void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& dat
 }
 
 }  // namespace
+
+void chooseAgain(Plan& plan, const MethodRecord& chosen) {
+  const Pipeline& pipeline = plan.pipeline();
+  const std::string text =
+      fmt::format("{}{}# --set {}\n", pipeline.text, pipeline.text.ends_with('\n') ? "" : "\n", chosen.assignment);
+  plan.choose(readPipelineText(text, pipeline.file).method, chosen);
+}
 
 std::vector<fs::path> pipelineFolders(const fs::path& datasetFolder) {
   std::vector<fs::path> folders{{}, datasetFolder};

@@ -115,7 +115,7 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
 }
 
 DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs) {
-  DatasetPlan planned{planHash(plan), 0, {}};
+  DatasetPlan planned{planHash(plan), 0, {}, plan.chosen()};
   for (const ShardJob& job : jobs) {
     auto& splits = planned.shardsOfSplit;
     if (splits.empty() || splits.back().first != job.split) splits.emplace_back(job.split, 0);

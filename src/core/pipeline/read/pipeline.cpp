@@ -469,7 +469,10 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
                       std::shared_ptr<const Recording> recording) {
   std::string text = readFile(file);
   Value root = parseYaml(text, file.string());
-  if (!overrides.empty() && !text.ends_with('\n')) text += '\n';
+  // Comments of the file's own that look like overrides end at a line without words.
+  const bool own = !overridesIn(text).empty();
+  if ((own || !overrides.empty()) && !text.ends_with('\n')) text += '\n';
+  if (own) text += "#\n";
   for (const std::string& assignment : overrides) {
     setValue(root, assignment);
     text += "# --set " + commented(assignment) + "\n";

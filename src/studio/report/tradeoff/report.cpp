@@ -10,6 +10,7 @@
 #include "base/base64.h"
 #include "base/short_text.h"
 #include "charts/svg_text.h"
+#include "pipeline/read/pipeline.h"
 #include "report/page/report_html.h"
 #include "report/tradeoff/report_charts.h"
 #include "report/tradeoff/report_figures.h"
@@ -32,22 +33,6 @@ std::string shellWord(const std::string& word) {
   return quoted + "'";
 }
 
-// The assignments that close the pipeline's text as comments, one line each.
-std::vector<std::string> overridesOf(const Study& study) {
-  constexpr std::string_view kMark = "# --set ";
-  std::vector<std::string> assignments;
-  std::string_view text = study.pipelineText;
-  while (text.ends_with('\n')) {
-    text.remove_suffix(1);
-    const std::size_t start = text.rfind('\n') + 1;  // 0 where there is none before
-    const std::string_view line = text.substr(start);
-    if (!line.starts_with(kMark)) break;
-    assignments.insert(assignments.begin(), std::string(line.substr(kMark.size())));
-    text = text.substr(0, start);
-  }
-  return assignments;
-}
-
 // The pipeline as the user named it; a study that a program made need not know its file.
 std::string pipelineWord(const Study& study) {
   return study.pipelineFile.empty() ? "PIPELINE.yaml" : shellWord(study.pipelineFile);
@@ -58,7 +43,7 @@ std::string command(const Study& study) {
   if (study.budgetGiven && study.budgetSeconds > 0) {
     text += fmt::format(" --budget {:g}", static_cast<double>(study.budgetSeconds) / 60);
   }
-  for (const std::string& assignment : overridesOf(study)) text += " --set " + shellWord(assignment);
+  for (const std::string& assignment : overridesIn(study.pipelineText)) text += " --set " + shellWord(assignment);
   return text;
 }
 
@@ -66,7 +51,7 @@ std::string command(const Study& study) {
 std::string generateCommand(const Study& study, const Setting& setting) {
   std::string text =
       fmt::format("scanmill generate {} -o {}", pipelineWord(study), shellWord("out/" + study.pipelineName));
-  for (const std::string& assignment : overridesOf(study)) {
+  for (const std::string& assignment : overridesIn(study.pipelineText)) {
     const bool replaced = assignment.starts_with("method") || assignment.starts_with("tradeoff");
     if (!replaced) text += " --set " + shellWord(assignment);
   }

@@ -185,6 +185,20 @@ TEST_F(ReadPipeline, OverridesAreCommentsEvenWhereTheLastLineIsOpen) {
   EXPECT_EQ(lines.text, std::string(kYardPipeline) + "# --set name=\"two\n# lines\"\n");
 }
 
+// Such as those of a pipeline that was taken from a manifest.
+TEST_F(ReadPipeline, CommentsOfAFileThatLookLikeOverridesStayComments) {
+  const std::string text = std::string(kYardPipeline) + "# --set seed=7\n";
+  const auto file = folder_.write("own.yaml", text);
+  const Pipeline plain = readPipeline(file, {});
+  EXPECT_EQ(plain.seed, 3u);
+  EXPECT_EQ(plain.text, text + "#\n");
+  EXPECT_EQ(readPipelineText(plain.text, file).seed, 3u);
+  const Pipeline overridden = readPipeline(file, {"name=other"});
+  EXPECT_EQ(overridesIn(overridden.text), std::vector<std::string>{"name=other"});
+  EXPECT_EQ(readPipelineText(overridden.text, file).seed, 3u);
+  EXPECT_EQ(readPipelineText(overridden.text, file).name, "other");
+}
+
 TEST_F(ReadPipeline, KeysWithoutAValueCountAsAbsent) {
   const Pipeline p = readPipeline(
       pipeline_,
