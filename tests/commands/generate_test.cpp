@@ -195,6 +195,40 @@ TEST_F(Generate, MemoryStaysFlatHoweverManyScansAreMade) {
   EXPECT_LT(peak(300), 1.2 * few);
 }
 
+// Fewer frames at a time, the same bytes; or nothing at all.
+TEST_F(Generate, AMemoryLimitIsKeptOrRefused) {
+  if (kSanitized) GTEST_SKIP() << "sanitizers take memory of their own";
+  const auto run = [&](const std::string& out, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"generate",
+                                       pipeline_,
+                                       "-q",
+                                       "--threads",
+                                       "8",
+                                       "-o",
+                                       at(out),
+                                       "--set",
+                                       "sensors.0.columns=4096",
+                                       "--set",
+                                       "sensors.0.elevation_deg.rings=128",
+                                       "--set",
+                                       "trajectories.0.frames=8",
+                                       "--set",
+                                       "output={formats: [pcd], shard_samples: 1}"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return scanmill(arguments);
+  };
+  const Outcome free = run("free", {});
+  ASSERT_EQ(free.code, 0) << free.error;
+  constexpr std::uint64_t kLimit = std::uint64_t{320} << 20;
+  ASSERT_GT(free.peakBytes, kLimit);
+  const Outcome limited = run("limited", {"--memory-limit", "320M"});
+  ASSERT_EQ(limited.code, 0) << limited.error;
+  EXPECT_LT(limited.peakBytes, kLimit);
+  EXPECT_EQ(readFile(at("limited/manifest.json")), readFile(at("free/manifest.json")));
+  expectRefused(run("refused", {"--memory-limit", "0.1G"}), "of memory: take fewer sensors, rings, columns");
+  EXPECT_FALSE(std::filesystem::exists(at("refused")));
+}
+
 TEST_F(Generate, AFolderInUseIsRefusedAndReplacedWhereAsked) {
   ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out")}).code, 0);
   expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out")}), "--overwrite");

@@ -1,5 +1,8 @@
 // What vendors and recordings say of sensors and poses.
 
+#include <functional>
+#include <vector>
+
 #include "base/error.h"
 #include "config/value.h"
 #include "sensors/beam_files.h"
@@ -12,46 +15,35 @@
 namespace scanmill {
 namespace {
 
-const AddFuzzTarget kBeams("beams", [](std::string_view bytes) {
-  switch (kindOf(bytes, 5)) {
-    case 0:
-      readBeamTable(inputFile(bytes, ".csv"));
-      break;
-    case 1:
-      readFiringTable(inputFile(bytes, ".csv"));
-      break;
-    case 2:
-      readListedBeams(inputFile(bytes, ".csv"));
-      break;
-    case 3:
-      readOusterMetadata(inputFile(bytes, ".json"));
-      break;
-    default:
-      withCalibration(parseYaml("calibration: " + inputFile(bytes, ".yaml").string() + "\n", "sensor.yaml"));
-  }
-});
+struct Kind {
+  const char* suffix;
+  std::function<void(const std::filesystem::path&)> read;
+};
 
-const AddFuzzTarget kPoses("poses", [](std::string_view bytes) {
-  switch (kindOf(bytes, 6)) {
-    case 0:
-      readKittiPoses(inputFile(bytes, ".txt"));
-      break;
-    case 1:
-      readTimes(inputFile(bytes, ".txt"));
-      break;
-    case 2:
-      readKittiCalibration(inputFile(bytes, ".txt"));
-      break;
-    case 3:
-      readTumPoses(inputFile(bytes, ".txt"));
-      break;
-    case 4:
-      readPoseTable(inputFile(bytes, ".csv"));
-      break;
-    default:
-      readNuScenesPoses(inputFile(bytes, ".json"), "");
-  }
-});
+FuzzTarget readersOf(const std::vector<Kind>& kinds) {
+  return [kinds](std::string_view bytes) {
+    const Kind& kind = kinds[kindOf(bytes, kinds.size())];
+    kind.read(inputFile(bytes, kind.suffix));
+  };
+}
+
+const AddFuzzTarget kBeams("beams", readersOf({{".csv", readBeamTable},
+                                               {".csv", readFiringTable},
+                                               {".csv", readListedBeams},
+                                               {".json", readOusterMetadata},
+                                               {".yaml", [](const std::filesystem::path& file) {
+                                                  withCalibration(
+                                                      parseYaml("calibration: " + file.string() + "\n", "sensor.yaml"));
+                                                }}}));
+
+const AddFuzzTarget kPoses("poses", readersOf({{".txt", readKittiPoses},
+                                               {".txt", readTimes},
+                                               {".txt", readKittiCalibration},
+                                               {".txt", readTumPoses},
+                                               {".csv", readPoseTable},
+                                               {".json", [](const std::filesystem::path& file) {
+                                                  readNuScenesPoses(file, "");
+                                                }}}));
 
 }  // namespace
 }  // namespace scanmill

@@ -3,8 +3,7 @@ failed and why, and the same command with --resume gives, byte for byte, the dat
 
     SCANMILL=/path/to/scanmill python3 faults_test.py     the program in place of build/release/scanmill
     FAULTS_KILLS=200 ...                                  in place of 12 kills a test, and as many more failing calls
-    FAILING_CALLS=/path/to/failing_calls.so ...           in place of one that is built here by $CXX or g++
-    SCANMILL_ROOT=/path/to/repository ...                 where this file does not lie in its tests/scripts
+    CXX=...                                               what builds failing_calls.cpp, in place of g++
 
 What it fills, hides and makes read-only are mounts of its own, which end with it; where it may not mount, those tests
 are left out. Datasets lie in memory (/dev/shm) unless TMPDIR names a folder.
@@ -29,7 +28,7 @@ import unittest
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-ROOT = Path(os.environ.get("SCANMILL_ROOT", HERE.parents[1]))
+ROOT = HERE.parents[1]
 PROGRAM = os.environ.get("SCANMILL", str(ROOT / "build/release/scanmill"))
 KILLS = int(os.environ.get("FAULTS_KILLS", "12"))
 PATIENCE_S = 60
@@ -901,8 +900,6 @@ class Resources(Faults):
 
 
 def build_shim(folder):
-    if "FAILING_CALLS" in os.environ:
-        return Path(os.environ["FAILING_CALLS"])
     compiler = shutil.which(os.environ.get("CXX", "g++"))
     if not compiler:
         return None

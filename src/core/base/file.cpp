@@ -54,6 +54,8 @@ void readBlocks(const std::filesystem::path& path, const std::function<void(std:
 
 std::string readFile(const std::filesystem::path& path) {
   std::string bytes;
+  std::error_code unknown;
+  if (const std::uintmax_t size = std::filesystem::file_size(path, unknown); !unknown) bytes.reserve(size);
   readBlocks(path, [&](std::string_view block) { bytes += block; });
   return bytes;
 }

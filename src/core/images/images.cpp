@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <new>
 #include <system_error>
@@ -19,6 +18,7 @@
 #include "config/text.h"
 #include "images/images_interface.h"
 #include "images/png_reader.h"
+#include "images/reduction.h"
 
 namespace scanmill {
 
@@ -132,58 +132,6 @@ void checkSize(const ImageHeader& header, const std::string& kind, std::uint64_t
   }
 }
 
-// Takes the mean of squares of pixels, row by row. Colours count by their light and their alpha.
-class Reduction {
- public:
-  Reduction(int width, int factor) : factor_(factor), sums_(static_cast<std::size_t>((width + factor - 1) / factor)) {
-    for (std::size_t i = 0; i < linear_.size(); ++i) {
-      const double s = static_cast<double>(i) / 255;
-      linear_[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
-    }
-  }
-
-  void add(const std::uint8_t* rgba, int width) {
-    for (int x = 0; x < width; ++x, rgba += 4) {
-      Sum& sum = sums_[static_cast<std::size_t>(x / factor_)];
-      // A trace of weight, so that what is wholly clear keeps its colour.
-      const float weight = static_cast<float>(rgba[3]) + 1e-3f;
-      for (std::size_t c = 0; c < 3; ++c) sum.light[c] += weight * linear_[rgba[c]];
-      sum.weight += weight;
-      sum.alpha += rgba[3];
-      ++sum.count;
-    }
-  }
-
-  void take(std::uint8_t* rgba) {
-    for (Sum& sum : sums_) {
-      for (std::size_t c = 0; c < 3; ++c) *rgba++ = encoded(sum.light[c] / sum.weight);
-      *rgba++ = static_cast<std::uint8_t>((sum.alpha + sum.count / 2) / sum.count);
-      sum = {};
-    }
-  }
-
- private:
-  struct Sum {
-    std::array<float, 3> light{};
-    float weight = 0;
-    std::uint32_t alpha = 0;
-    std::uint32_t count = 0;
-  };
-
-  // The value whose light is the nearest one.
-  std::uint8_t encoded(float light) const {
-    const auto above = std::lower_bound(linear_.begin(), linear_.end(), light);
-    if (above == linear_.begin()) return 0;
-    const auto below = std::prev(above);
-    const auto nearest = above == linear_.end() || light - *below < *above - light ? below : above;
-    return static_cast<std::uint8_t>(nearest - linear_.begin());
-  }
-
-  int factor_;
-  std::array<float, 256> linear_{};
-  std::vector<Sum> sums_;
-};
-
 DecodedImage decode(ImageReader& image, const std::string& name) {
   const ImageHeader info = image.header();
   const int channels = info.channels;
@@ -226,7 +174,7 @@ DecodedImage decode(ImageReader& image, const std::string& name) {
     }
     for (int i = 0; i < count; ++i) {
       toRgba(rows.data() + static_cast<std::size_t>(i) * width * static_cast<std::size_t>(channels), width, row.data());
-      reduction.add(row.data(), info.width);
+      reduction.add(row.data());
       if ((first + i + 1) % factor == 0 || first + i + 1 == info.height) {
         reduction.take(out);
         out += std::size_t{decoded.width} * 4;

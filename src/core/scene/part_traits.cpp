@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "images/srgb.h"
 #include "scene/assets/texture.h"
 #include "scene/connected_parts.h"
 

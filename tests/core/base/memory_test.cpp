@@ -16,6 +16,22 @@ TEST(Memory, TheLimitIsNoMoreThanTheMachineHas) {
   EXPECT_GT(memoryLimitBytes(), residentBytes());
 }
 
+TEST(Memory, ItsUserMayAllowLess) {
+  const std::uint64_t all = memoryLimitBytes();
+  {
+    const MemoryLimit outer(1 << 20);
+    EXPECT_EQ(memoryLimitBytes(), 1u << 20);
+    {
+      const MemoryLimit none(0);
+      EXPECT_EQ(memoryLimitBytes(), all);
+    }
+    EXPECT_EQ(memoryLimitBytes(), 1u << 20);
+    const MemoryLimit more(all * 2);
+    EXPECT_EQ(memoryLimitBytes(), all);
+  }
+  EXPECT_EQ(memoryLimitBytes(), all);
+}
+
 TEST(Memory, WhatIsWrittenToIsResident) {
   constexpr std::size_t kBytes = 64 << 20;
   const std::uint64_t before = residentBytes();

@@ -9,18 +9,15 @@
 #include <algorithm>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <exception>
 #include <fstream>
-#include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "base/error.h"
-#include "config/text.h"
 #include "scene/assets/ac3d.h"
 #include "scene/assets/asset_parts.h"
 #include "scene/assets/assimp_files.h"

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "images/images.h"
+#include "images/srgb.h"
 
 namespace scanmill {
 
@@ -33,16 +34,6 @@ std::shared_ptr<const Texture> textureOf(DecodedImage image, const std::string& 
 struct Cached {
   std::filesystem::file_time_type time;
   std::weak_ptr<const Texture> texture;
-};
-
-struct Linear {
-  std::array<float, 256> of{};
-  Linear() {
-    for (std::size_t i = 0; i < of.size(); ++i) {
-      const double s = static_cast<double>(i) / 255.0;
-      of[i] = static_cast<float>(linearOf(s));
-    }
-  }
 };
 
 // The index of the texel that holds `coordinate`, repeated; 0 for what is not finite.
@@ -119,17 +110,9 @@ std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& 
   return texture;
 }
 
-double srgbOf(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-}
-
-double linearOf(double srgb) {
-  return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
-}
-
 float luminance(const std::uint8_t* rgb) {
-  static const Linear linear;
-  return 0.2126f * linear.of[rgb[0]] + 0.7152f * linear.of[rgb[1]] + 0.0722f * linear.of[rgb[2]];
+  const std::array<float, 256>& linear = linearOfBytes();
+  return 0.2126f * linear[rgb[0]] + 0.7152f * linear[rgb[1]] + 0.0722f * linear[rgb[2]];
 }
 
 float meanLuminance(const Texture& texture, float minimumAlpha) {

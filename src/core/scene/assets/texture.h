@@ -28,10 +28,6 @@ std::shared_ptr<const Texture> plainTexture(std::string_view rgba, std::uint32_t
 // the larger of the two; the other is sampled at the nearest texel.
 std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& opacity, bool inverted = false);
 
-// Between linear values and those of sRGB, from 0 to 1 (IEC 61966-2-1).
-double srgbOf(double linear);
-double linearOf(double srgb);
-
 // The linear luminance of an sRGB colour, from 0 to 1 (IEC 61966-2-1, weights of Rec. 709).
 float luminance(const std::uint8_t* rgb);
 

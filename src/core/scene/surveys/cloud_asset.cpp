@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "config/text.h"
 #include "formats/cloud_file.h"
+#include "images/srgb.h"
 #include "scene/assets/asset_parts.h"
 #include "scene/assets/base_color.h"
 #include "scene/assets/texture.h"

@@ -1,0 +1,139 @@
+#include "dataset/folder_contents.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "dataset/manifest.h"
+#include "dataset/shard_name.h"
+
+namespace scanmill {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// Names of plain files in the folder and one level below, relative, sorted.
+std::vector<std::string> filesIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name == kHiddenName) continue;
+    if (!entry.is_directory()) {
+      names.push_back(name);
+      continue;
+    }
+    std::error_code unreadable;
+    for (const fs::directory_entry& inner : fs::directory_iterator(entry.path(), unreadable)) {
+      if (!inner.is_directory()) names.push_back(name + "/" + inner.path().filename().string());
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// A folder with a split's name that holds no folders.
+bool couldBeSplit(const fs::path& folder) {
+  if (!isSplitName(folder.filename().string())) return false;
+  std::error_code unreadable;
+  const fs::directory_iterator inside(folder, unreadable);
+  return !unreadable &&
+         std::none_of(begin(inside), end(inside), [](const fs::directory_entry& e) { return e.is_directory(); });
+}
+
+}  // namespace
+
+bool hasPlan(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::exists(folder / kHiddenName / kPlanName, ignored);
+}
+
+FolderContents contentsOf(const fs::path& folder) {
+  FolderContents run;
+  run.unfinished = hasPlan(folder);
+  for (const std::string& name : filesIn(folder)) {
+    if (name == kManifestName) {
+      run.manifest = true;
+    } else if (isShardName(name)) {
+      run.shards.push_back(name);
+    } else if (isLeftover(name)) {
+      run.leftovers.push_back(name);
+    } else if (run.foreign.empty()) {
+      run.foreign = name;
+    }
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.path().filename() == kHiddenName) continue;
+    if (entry.is_directory() && run.foreign.empty() && !couldBeSplit(entry.path())) {
+      run.foreign = entry.path().filename().string();
+    }
+  }
+  return run;
+}
+
+std::vector<std::string> listedIn(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return {};
+  std::vector<std::string> listed;
+  try {
+    for (const ShardRecord& shard : parseManifest(readFile(file), file.string()).shards) {
+      listed.push_back(shard.file);
+      if (!shard.samplesSha256.empty()) listed.push_back(samplesFileOf(shard.file));
+    }
+  } catch (const InputError& error) {
+    throw InputError(
+        fmt::format("{}\nso what is in that folder cannot be told apart: remove it by hand, or choose "
+                    "another output folder",
+                    error.what()));
+  }
+  return listed;
+}
+
+std::vector<std::string> recordedIn(const fs::path& hidden) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(hidden, ignored)) {
+    std::string name = entry.path().lexically_relative(hidden).generic_string();
+    if (!name.ends_with(kRecordSuffix)) continue;
+    name.resize(name.size() - std::strlen(kRecordSuffix));
+    if (isShardName(name)) names.push_back(std::move(name));
+  }
+  return names;
+}
+
+std::vector<std::string> ownShards(const fs::path& folder) {
+  std::vector<std::string> own = listedIn(folder / kManifestName);
+  const std::vector<std::string> replaced = listedIn(folder / kHiddenName / kReplacedName);
+  own.insert(own.end(), replaced.begin(), replaced.end());
+  for (const std::string& shard : recordedIn(folder / kHiddenName)) {
+    own.push_back(shard);
+    own.push_back(samplesFileOf(shard));
+  }
+  std::sort(own.begin(), own.end());
+  own.erase(std::unique(own.begin(), own.end()), own.end());
+  return own;
+}
+
+void checkOwnership(const fs::path& folder, const FolderContents& contents) {
+  const std::vector<std::string> own = ownShards(folder);
+  for (const std::string& name : contents.shards) {
+    if (std::binary_search(own.begin(), own.end(), name)) continue;
+    throw InputError(
+        {(folder / name).string()},
+        fmt::format("is in the way, and {}: move it, or choose another output folder",
+                    contents.manifest ? "the manifest there does not list it" : "there is no manifest that lists it"));
+  }
+  if (!contents.manifest && !contents.unfinished && !contents.foreign.empty()) {
+    throw InputError({folder.string()},
+                     fmt::format("holds no dataset of this program, but files of others such as '{}': --overwrite "
+                                 "replaces datasets only; choose another output folder with -o",
+                                 contents.foreign));
+  }
+}
+
+}  // namespace scanmill

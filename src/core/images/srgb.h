@@ -1,0 +1,29 @@
+#pragma once
+
+// Between linear values and those of sRGB (IEC 61966-2-1), from 0 to 1.
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace scanmill {
+
+inline double srgbOf(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+inline double linearOf(double srgb) {
+  return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+}
+
+// linearOf() of the 256 values of a byte, which are 255ths.
+inline const std::array<float, 256>& linearOfBytes() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> made{};
+    for (std::size_t i = 0; i < made.size(); ++i) made[i] = static_cast<float>(linearOf(static_cast<double>(i) / 255));
+    return made;
+  }();
+  return table;
+}
+
+}  // namespace scanmill
