@@ -145,17 +145,23 @@ double lowestOf(const std::vector<AssetPart>& parts) {
   return lowest;
 }
 
-void append(Mesh& mesh, const AssetPart& part, std::uint16_t surface, bool withUvs) {
+void append(Mesh& mesh, AssetPart part, std::uint16_t surface, bool withUvs) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
+  const auto take = [](auto& to, auto& from) {
+    if (to.empty()) {
+      to = std::move(from);
+    } else {
+      to.insert(to.end(), from.begin(), from.end());
+    }
+  };
+  take(mesh.positions, part.positions);
   if (withUvs) {
-    mesh.uvs.insert(mesh.uvs.end(), part.uvs.begin(), part.uvs.end());
+    take(mesh.uvs, part.uvs);
     mesh.uvs.resize(mesh.positions.size());
   }
-  for (const Triangle& t : part.triangles) {
-    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
-    mesh.surfaceOf.push_back(surface);
-  }
+  for (Triangle& t : part.triangles) t = {first + t[0], first + t[1], first + t[2]};
+  take(mesh.triangles, part.triangles);
+  mesh.surfaceOf.resize(mesh.triangles.size(), surface);
 }
 
 void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labelling, const Location& where) {
@@ -254,15 +260,15 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
   }
   std::vector<UnlabeledPart> names;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const AssetPart part = std::move(parts[i].part);
+    AssetPart& part = parts[i].part;
     Surface surface;
     surface.material = builder.addMaterial(materials[i]);
     surface.semantic = classes[i] ? classes[i]->id : std::uint16_t{0};
     surface.object = objects[i];
     surface.node = part.node;
     mesh.surfaces.push_back(std::move(surface));
-    append(mesh, part, static_cast<std::uint16_t>(i), withUvs);
     names.push_back({labelling.file, part.material, part.texture, part.node});
+    append(mesh, std::move(part), static_cast<std::uint16_t>(i), withUvs);
   }
 
   dropped += clean(mesh);

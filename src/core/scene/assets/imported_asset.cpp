@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "scene/assets/child_process.h"
 #include "scene/assets/imported_file.h"
 #include "scene/assets/ply_check.h"
+#include "scene/assets/ply_mesh.h"
 
 namespace scanmill {
 
@@ -23,8 +25,7 @@ namespace {
 constexpr std::uint64_t kMemory = std::uint64_t{4} << 30;  // bytes, and 64 for every byte of the file
 constexpr unsigned kSeconds = 300;
 
-ImportedFile import(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
-  if (kind == ".ply") checkPly(file);
+ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   const std::uint64_t memory = std::min(kMemory + 64 * std::filesystem::file_size(file), memoryLimitBytes());
   try {
     return importedFrom(inChildProcess([&] { return bytesOf(readByAssimp(file, kind, options)); }, memory, kSeconds));
@@ -33,6 +34,21 @@ ImportedFile import(const std::filesystem::path& file, const std::string& kind, 
   } catch (const Error& e) {
     throw InputError({file.string()}, e.what());
   }
+}
+
+ImportedFile importPly(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
+  if (std::optional<ImportedFile> mesh = readPlyMesh(file, options)) return std::move(*mesh);
+  const PlyHeader header = checkPly(file);
+  ImportedFile imported = importByAssimp(file, kind, options);
+  const bool stated = std::any_of(header.elements.begin(), header.elements.end(),
+                                  [](const PlyElement& element) { return element.name == "material"; });
+  if (stated) return imported;
+  // The importer makes up a grey one, or a white one where vertices have colours.
+  for (ImportedMaterial& material : imported.materials) {
+    material.stated = false;
+    material.color = {1, 1, 1};
+  }
+  return imported;
 }
 
 }  // namespace
@@ -47,7 +63,7 @@ std::string remedyFor(const std::string& kind) {
 }
 
 Asset readImported(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
-  ImportedFile imported = import(file, kind, options);
+  ImportedFile imported = kind == ".ply" ? importPly(file, kind, options) : importByAssimp(file, kind, options);
   if (!imported.missing.empty()) {
     warn(fmt::format("{}: names '{}', which is missing: its materials are plain", file.string(),
                      fmt::join(imported.missing, "', '")));
@@ -56,6 +72,7 @@ Asset readImported(const std::filesystem::path& file, const std::string& kind, c
   Asset asset;
   asset.up = imported.up;
   asset.upDeclared = imported.upDeclared;
+  asset.origin = imported.origin;
   asset.dropped.outOfRange = imported.outOfRange;
   asset.parts.reserve(imported.parts.size());
   for (ImportedPart& from : imported.parts) {

@@ -35,7 +35,8 @@ void visit(Visitor& visitor, MaybeConst<ImportedPart> auto& part) {
 
 template <class Visitor>
 void visit(Visitor& visitor, MaybeConst<ImportedFile> auto& file) {
-  visitor.each(file.up, file.upDeclared, file.outOfRange, file.materials, file.images, file.parts, file.missing);
+  visitor.each(file.up, file.upDeclared, file.origin, file.outOfRange, file.materials, file.images, file.parts,
+               file.missing);
 }
 
 class Writer {
@@ -123,6 +124,13 @@ class Reader {
 
 std::string bytesOf(const ImportedFile& file) {
   Writer writer;
+  std::size_t large = 1 << 16;
+  for (const ImportedImage& image : file.images) large += image.bytes.size();
+  for (const ImportedPart& part : file.parts) {
+    large += part.positions.size() * sizeof(Vec3f) + part.uvs.size() * sizeof(Vec2f) +
+             part.triangles.size() * sizeof(Triangle);
+  }
+  writer.bytes.reserve(large);
   visit(writer, file);
   return std::move(writer.bytes);
 }

@@ -55,6 +55,7 @@ struct ImportedPart {
 struct ImportedFile {
   char up = 'z';  // see Asset
   bool upDeclared = false;
+  Vec3d origin;                  // m, what positions are relative to: see Asset
   std::uint64_t outOfRange = 0;  // triangles with indices out of range, which are left out
   std::vector<ImportedMaterial> materials;
   std::vector<ImportedImage> images;

@@ -14,7 +14,6 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "formats/ply_header.h"
 
 namespace scanmill {
 
@@ -163,8 +162,8 @@ void checkAscii(const std::filesystem::path& file, const PlyHeader& header) {
 
 }  // namespace
 
-void checkPly(const std::filesystem::path& file) {
-  const PlyHeader header = readPlyHeader(file);
+PlyHeader checkPly(const std::filesystem::path& file) {
+  PlyHeader header = readPlyHeader(file);
   if (std::all_of(header.elements.begin(), header.elements.end(),
                   [](const PlyElement& element) { return element.properties.empty(); })) {
     throw InputError({file.string()}, "the PLY header names no element");
@@ -174,6 +173,7 @@ void checkPly(const std::filesystem::path& file) {
   } else {
     checkBinary(file, header);
   }
+  return header;
 }
 
 }  // namespace scanmill

@@ -160,6 +160,9 @@ class WorldAsset {
     try {
       Asset mesh = readAsset(from.mesh, options);
       flatten(mesh);
+      if (length(mesh.origin) > 0) {
+        for (AssetPart& part : mesh.parts) move(part, {{}, mesh.origin});
+      }
       asset_.dropped += mesh.dropped;
       return meshes_.emplace(from.mesh, std::move(mesh)).first->second;
     } catch (const InputError& e) {
