@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/terminal.h"
 #include "config/text.h"
+#include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
 
 namespace scanmill {
@@ -128,6 +129,12 @@ void expectDataset(const std::filesystem::path& folder, std::string_view command
   }
   const std::filesystem::path manifest = folder / kManifestName;
   if (std::filesystem::exists(manifest, unreadable)) return;
+  if (hasPlan(folder)) {
+    throw InputError({folder.string()},
+                     fmt::format("{} takes the folder of a whole dataset, and this one is unfinished: "
+                                 "`scanmill generate PIPELINE -o {} --resume` goes on with it",
+                                 command, folder.string()));
+  }
   throw InputError({folder.string()}, fmt::format("{} takes the folder of a dataset: {} is not there{}", command,
                                                   manifest.string(), unreadable ? ": " + unreadable.message() : ""));
 }

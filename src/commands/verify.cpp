@@ -58,8 +58,10 @@ int runVerify(const std::vector<std::string>& arguments) {
   }
   expectDataset(folder, "verify");
   const Verification v = withProgress(verifyDataset, folder, "shards", quiet);
-  return report(v.problems, fmt::format("{} shards, {} samples, {} scans, {} points", grouped(v.shards),
-                                        grouped(v.samples), grouped(v.scans), grouped(v.points)));
+  const int code = report(v.problems, fmt::format("{} shards, {} samples, {} scans, {} points", grouped(v.shards),
+                                                  grouped(v.samples), grouped(v.scans), grouped(v.points)));
+  if (code != 0) printText("next: scanmill regenerate {}, which makes damaged shards again\n", folder);
+  return code;
 }
 
 }  // namespace scanmill

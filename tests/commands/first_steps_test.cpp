@@ -94,6 +94,9 @@ TEST_F(FirstSteps, FilesInTheWrongPlaceAreCalledByTheirName) {
   expectRefused(scanmill({"verify", pipeline_}), "verify takes the folder of a dataset, not a file");
   expectRefused(scanmill({"verify", at(".")}), "verify takes the folder of a dataset: " + at("./manifest.json"));
   expectRefused(scanmill({"info", at(".")}), "is not there");
+  folder_.write("begun/.scanmill/plan", "{}");
+  expectRefused(scanmill({"verify", at("begun")}),
+                "this one is unfinished: `scanmill generate PIPELINE -o " + at("begun"));
 }
 
 TEST_F(FirstSteps, OverwriteNeverTouchesFoldersOfOthers) {

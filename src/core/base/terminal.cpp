@@ -7,15 +7,18 @@ namespace scanmill {
 
 namespace {
 
-// The character that begins at `place`, and how many bytes it takes; bytes that are no UTF-8 stand for themselves.
+constexpr std::uint32_t kNoCharacter = 0xFFFFFFFF;
+
+// The character that begins at `place`, and how many bytes it takes; kNoCharacter for a byte that is no UTF-8.
 std::pair<std::uint32_t, std::size_t> characterAt(std::string_view text, std::size_t place) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[place + i]); };
   const unsigned char lead = byte(0);
   const std::size_t length = lead < 0xC0 ? 1 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
-  if (length == 1 || place + length > text.size()) return {lead, 1};
+  if (lead < 0x80) return {lead, 1};
+  if (length == 1 || place + length > text.size()) return {kNoCharacter, 1};
   std::uint32_t value = lead & (0xFFu >> (length + 1));
   for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0) != 0x80) return {lead, 1};
+    if ((byte(i) & 0xC0) != 0x80) return {kNoCharacter, 1};
     value = value << 6 | (byte(i) & 0x3Fu);
   }
   return {value, length};
@@ -37,6 +40,8 @@ std::string made(std::string_view text, bool keepLines) {
       } else {
         fit += c == '\n' ? "\\n" : c == '\t' ? "\\t" : "\\r";
       }
+    } else if (c == kNoCharacter) {
+      fit += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[i]));
     } else if (c < 0x20 || (c >= 0x7F && c < 0xA0)) {
       fit += fmt::format("\\x{:02x}", c);
     } else if (turnsDirection(c)) {

@@ -72,11 +72,13 @@ void checkUse(const fs::path& folder, FolderUse use) {
         "holds a whole dataset, of another pipeline, other files that it names, or another version of this "
         "program: choose another output folder, or --overwrite");
   }
-  if (!contents.empty()) {
-    throw InputError({folder.string()},
-                     "exists and is not empty: add --overwrite to replace the dataset in it, or choose another "
-                     "output folder with -o");
-  }
+  if (contents.empty()) return;
+  const char* const remedy =
+      contents.manifest         ? "add --overwrite to replace the dataset in it, or choose another output "
+                                  "folder with -o"
+      : contents.shards.empty() ? "choose another output folder with -o"
+                                : "there is no manifest of the shards in it, so choose another output folder with -o";
+  throw InputError({folder.string()}, fmt::format("exists and is not empty: {}", remedy));
 }
 
 void removeFile(const fs::path& file) {

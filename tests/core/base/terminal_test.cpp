@@ -14,6 +14,8 @@ TEST(Terminal, ControlCharactersAreWrittenOut) {
   EXPECT_EQ(forTerminal("\x7f"), "\\x7f");
   EXPECT_EQ(forTerminal("\xc2\x9b[2J"), "\\x9b[2J") << "CSI in one character";
   EXPECT_EQ(forTerminal("\x9b[2J"), "\\x9b[2J") << "and in one byte";
+  EXPECT_EQ(forTerminal("a\xff\xe9z\xe2\x82"), "a\\xff\\xe9z\\xe2\\x82") << "what is no UTF-8";
+  EXPECT_EQ(forTerminal("\u00e9 \u20ac \U0001f600"), "\u00e9 \u20ac \U0001f600");
   EXPECT_EQ(forTerminal("a\rb"), "a\\rb");
   EXPECT_EQ(forTerminal("gpj\xe2\x80\xae.exe"), "gpj\\u202e.exe");
 }

@@ -67,7 +67,7 @@ TEST(DatasetFolder, AFolderThatIsNotEmptyIsLeftAlone) {
   const TemporaryFolder folder;
   folder.write("notes.txt", "mine");
   const std::string message = messageOf<InputError>([&] { open(folder.path(), false); });
-  EXPECT_THAT(message, HasSubstr("--overwrite"));
+  EXPECT_THAT(message, HasSubstr("exists and is not empty: choose another output folder"));
   EXPECT_THAT(message, HasSubstr(folder.path().string()));
   EXPECT_THAT(filesOf(folder.path()), ElementsAre("notes.txt"));
   const fs::path file = folder.path() / "notes.txt";

@@ -52,7 +52,7 @@ void checkRays(const Pipeline& pipeline) {
   }
 }
 
-constexpr std::uint64_t kProgramBytes = std::uint64_t{64} << 20;  // itself, its libraries and what threads keep
+constexpr std::uint64_t kProgramBytes = std::uint64_t{72} << 20;  // itself, its libraries and what threads keep
 constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // of a beam table
 
 bool sameClasses(const Ontology& a, const Ontology& b) {
@@ -218,10 +218,12 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   if (bytes + kProgramBytes > memoryLimitBytes()) {
     throw InputError(
         {pipeline_.file.string()},
-        fmt::format("{} {} a frame x {} bytes = {}, beside {} of the program, but it may take {} of memory: "
-                    "take fewer sensors, rings, columns or rays a beam",
+        fmt::format("{} {} a frame x {} bytes and {} of the program are {}, but it may take {} of memory "
+                    "(--memory-limit, or what the machine or its container allows): allow more, or take fewer sensors, "
+                    "rings, columns or rays a beam",
                     rays, rays == pipeline_.beamsPerFrame() ? "beams" : "rays", bytes / rays,
-                    shortBytes(static_cast<double>(bytes)), shortBytes(static_cast<double>(kProgramBytes)),
+                    shortBytes(static_cast<double>(kProgramBytes)),
+                    shortBytes(static_cast<double>(bytes + kProgramBytes)),
                     shortBytes(static_cast<double>(memoryLimitBytes()))));
   }
   for (const MountedSensor& sensor : pipeline_.sensors) {
@@ -462,11 +464,15 @@ std::vector<std::string> Plan::modelled() const {
 }
 
 std::uint64_t Plan::bytesPerFrameInMemory() const {
-  // Hits, returns, scan and encoded bytes; the beam tables are shared by all frames.
+  // Hits, returns, scan, what its encoder works on, and encoded bytes, of which a second sample may wait; the beam
+  // tables are shared by all frames.
+  constexpr std::uint64_t kReturnBytes = 40;
   std::uint64_t perPoint = sizeof(Vec3f);
-  for (const Column& column : kColumns) perPoint += bytesOf(column.type);
+  for (std::size_t c = 0; c < kColumnCount; ++c) {
+    if (pipeline_.layout.columns.has(c)) perPoint += bytesOf(kColumns[c].type);
+  }
   const std::uint64_t perRay = 4 + (traced_.has(Channel::Normal) ? 12 : 0) + 20 + 8;
-  const std::uint64_t perReturn = 12 + 2 * perPoint;
+  const std::uint64_t perReturn = kReturnBytes + (3 + 2 * pipeline_.formats.size()) * perPoint;
   const std::uint64_t reported = perReturn * pipeline_.mostReturns() * pipeline_.beamsPerFrame();
   return perRay * pipeline_.raysPerFrame() * pipeline_.mostMet() + reported;
 }
@@ -479,14 +485,17 @@ std::size_t Plan::framesInFlight() const {
 
 void Plan::checkMemory(const Method& method, const std::string& scene) const {
   const std::uint64_t bytes = method.memoryBytes();
-  const std::uint64_t needed = bytes + framesInFlight() * bytesPerFrameInMemory() + kProgramBytes;
+  const std::uint64_t frames = pipeline_.raysPerFrame() * kBeamBytes + framesInFlight() * bytesPerFrameInMemory();
+  const std::uint64_t needed = bytes + frames + kProgramBytes;
   if (needed <= memoryLimitBytes()) return;
   throw InputError(
       {pipeline_.file.string()},
-      fmt::format("{} takes about {} with this method, {} with frames in flight and the program, but it may "
-                  "take {} of memory: take a smaller scene or a coarser method, or fewer rings or columns",
-                  scene, shortBytes(static_cast<double>(bytes)), shortBytes(static_cast<double>(needed)),
-                  shortBytes(static_cast<double>(memoryLimitBytes()))));
+      fmt::format(
+          "{} takes about {} with this method, {} with frames in flight and the program, but it may "
+          "take {} of memory (--memory-limit, or what the machine or its container allows): allow more, or take a "
+          "smaller scene, a coarser method, or fewer rings or columns",
+          scene, shortBytes(static_cast<double>(bytes)), shortBytes(static_cast<double>(needed)),
+          shortBytes(static_cast<double>(memoryLimitBytes()))));
 }
 
 ColumnSet Plan::columns() const {

@@ -3,8 +3,10 @@
 #include <fmt/core.h>
 #include <malloc.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "config/text.h"
@@ -51,6 +53,32 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, const
   return asset;
 }
 
+// Far from their origin coordinates in single precision are coarse.
+void warnOfSteps(const Asset& asset, const std::filesystem::path& file) {
+  constexpr double kFar = 16384;  // m, where steps are 2 mm
+  Box box;
+  for (const AssetPart& part : asset.parts) {
+    for (const Vec3f& p : part.positions) {
+      if (isFinite(p)) box.add(Vec3d(p));
+    }
+  }
+  if (box.empty()) return;
+  double farthest = 0;
+  double extent = 0;
+  for (const auto axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+    farthest = std::max({farthest, std::abs(box.low.*axis), std::abs(box.high.*axis)});
+    extent = std::max(extent, box.high.*axis - box.low.*axis);
+  }
+  if (farthest < kFar || extent > farthest) return;
+  const auto reached = static_cast<float>(farthest);
+  warn(fmt::format(
+      "{}: its coordinates reach {:.0f} m, where single precision, in which it is read, has steps of {:.2g} "
+      "m: subtract an offset from them and give it as the object's `position`, or convert it to a binary "
+      "PLY of triangles with coordinates in double",
+      file.string(), farthest,
+      static_cast<double>(std::nextafter(reached, std::numeric_limits<float>::infinity()) - reached)));
+}
+
 Asset withFile(Asset asset, const std::filesystem::path& file) {
   asset.file = file;
   return asset;
@@ -73,6 +101,7 @@ Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) 
         fmt::format("has no triangle{}",
                     asset.dropped.outOfRange > 0 ? " whose indices are in range: the file is damaged" : ""));
   }
+  warnOfSteps(asset, file);
   // The importer's one allocation for each face would stay with the process: 60 MiB for a million triangles.
   ::malloc_trim(0);
   return withFile(std::move(asset), file);

@@ -128,6 +128,9 @@ void checkRow(const PlyElement& element, std::uint64_t row, std::string_view lin
       throw InputError(where, fmt::format("'{}' {} of {} lacks values: the file is truncated or damaged", element.name,
                                           row + 1, element.count));
     }
+    if (found.find(',') != std::string_view::npos) {
+      throw InputError(where, fmt::format("'{}' is not a number: write a decimal point", found));
+    }
     return found;
   };
   for (const PlyProperty& property : element.properties) {
@@ -160,6 +163,22 @@ void checkAscii(const std::filesystem::path& file, const PlyHeader& header) {
   }
 }
 
+// What the importer would make up, or read wrongly, without a word.
+void requireMesh(const std::filesystem::path& file, const PlyHeader& header) {
+  for (const PlyElement& element : header.elements) {
+    if (element.name == "tristrips" && element.count > 0) {
+      throw InputError({file.string()}, "has triangle strips, which are not read: export it with faces");
+    }
+    if (element.name != "vertex") continue;
+    for (const char* axis : {"x", "y", "z"}) {
+      const auto is = [&](const PlyProperty& p) { return p.name == axis && !p.isList(); };
+      if (std::none_of(element.properties.begin(), element.properties.end(), is)) {
+        throw InputError({file.string()}, fmt::format("its vertices have no property {}", axis));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 PlyHeader checkPly(const std::filesystem::path& file) {
@@ -168,6 +187,7 @@ PlyHeader checkPly(const std::filesystem::path& file) {
                   [](const PlyElement& element) { return element.properties.empty(); })) {
     throw InputError({file.string()}, "the PLY header names no element");
   }
+  requireMesh(file, header);
   if (header.format == PlyHeader::Format::Ascii) {
     checkAscii(file, header);
   } else {

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/file.h"
 #include "formats/cloud_file.h"
@@ -99,6 +101,27 @@ Vec3d vertexAt(const char* bytes, const Layout& layout) {
   return {p[0], p[1], p[2]};
 }
 
+// Where most vertices are, whatever a stray one says: the median of each axis of a thousand of them.
+Vec3d originOf(const char* bytes, const Layout& layout, const Mat3& assetFromFile) {
+  constexpr std::uint64_t kSamples = 1000;
+  const std::uint64_t every = std::max<std::uint64_t>(layout.vertices / kSamples, 1);
+  std::array<std::vector<double>, 3> axes;
+  for (std::uint64_t i = 0; i < layout.vertices; i += every) {
+    const Vec3d place = assetFromFile * vertexAt(bytes + i * layout.vertexBytes, layout);
+    if (!isFinite(place)) continue;
+    axes[0].push_back(place.x);
+    axes[1].push_back(place.y);
+    axes[2].push_back(place.z);
+  }
+  if (axes[0].empty()) return {};
+  const auto median = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  return cloudOrigin({median(axes[0]), median(axes[1]), median(axes[2])});
+}
+
 // False where a face is no triangle.
 bool readFaces(const char* bytes, const Layout& layout, ImportedFile& read) {
   std::vector<Triangle>& triangles = read.parts.front().triangles;
@@ -135,12 +158,7 @@ std::optional<ImportedFile> readPlyMesh(const std::filesystem::path& file, const
   if (!readFaces(vertices + layout->vertices * layout->vertexBytes, *layout, read)) return std::nullopt;
 
   const Mat3 assetFromFile = zUpFrom(read.up) * Mat3::scale(Vec3d{1, 1, 1} * options.metresPerUnit);
-  for (std::uint64_t i = 0; i < layout->vertices && layout->exact(); ++i) {
-    const Vec3d place = assetFromFile * vertexAt(vertices + i * layout->vertexBytes, *layout);
-    if (!isFinite(place)) continue;
-    read.origin = cloudOrigin(place);
-    break;
-  }
+  if (layout->exact()) read.origin = originOf(vertices, *layout, assetFromFile);
   part.positions.resize(layout->vertices);
   for (std::uint64_t i = 0; i < layout->vertices; ++i) {
     const Vec3d place = assetFromFile * vertexAt(vertices + i * layout->vertexBytes, *layout);

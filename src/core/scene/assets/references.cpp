@@ -12,7 +12,7 @@ bool leadsOutside(const std::string& name) {
 std::string refusalOf(const std::string& name) {
   return fmt::format(
       "names '{}', which lies outside of its folder: move it there, or allow it by `allow_outside: true` of the object "
-      "(on the command line --allow-outside)",
+      "(--allow-outside of `info` and `draft`)",
       name);
 }
 

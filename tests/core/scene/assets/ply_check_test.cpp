@@ -162,6 +162,18 @@ TEST_F(PlyCheck, ListsThatAreTooLongAreRefused) {
   }
 }
 
+TEST_F(PlyCheck, WhatTheImporterWouldMakeUpIsRefused) {
+  const Ply ply{.format = "ascii"};
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = ply.header() + ply.body();
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  EXPECT_THAT(failure(with("float z", "float height")), HasSubstr("its vertices have no property z"));
+  EXPECT_THAT(failure(with("element face 4", "element tristrips 4")), HasSubstr("export it with faces"));
+  EXPECT_THAT(failure(with("1 0 0", "1,5 0 0")), HasSubstr("a.ply:15: '1,5' is not a number"));
+}
+
 TEST_F(PlyCheck, LongFilesAreWalkedToTheEnd) {
   // 50,000 faces of 3 to 6 corners reach over many blocks of the reader.
   std::string body(12, '\0');
