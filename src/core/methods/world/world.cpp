@@ -106,7 +106,7 @@ RTCBuildQuality qualityOf(const HierarchyOptions& options) {
 }
 
 void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& block, std::uint32_t first,
-                     std::uint32_t last, unsigned id, RTCBuildQuality quality, RTCFilterFunctionN filter) {
+                     std::uint32_t last, unsigned id, const HierarchyOptions& options, RTCFilterFunctionN filter) {
   if (first == last) return;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, block.vertices.data(), 0,
@@ -114,7 +114,8 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, block.corners.data(),
                              first * sizeof(Triangle), sizeof(Triangle), last - first);
   if (filter != nullptr) rtcSetGeometryIntersectFilterFunction(geometry, filter);
-  rtcSetGeometryBuildQuality(geometry, quality);  // a low scene builds each geometry by its own quality
+  if (options.occlusionFilter != nullptr) rtcSetGeometryOccludedFilterFunction(geometry, options.occlusionFilter);
+  rtcSetGeometryBuildQuality(geometry, qualityOf(options));  // a low scene builds each geometry by its own quality
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene, geometry, id);
   rtcReleaseGeometry(geometry);
@@ -122,9 +123,8 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
 
 void attachBlock(RTCDevice device, RTCScene scene, const TriangleBlock& block, const HierarchyOptions& options) {
   const auto count = static_cast<std::uint32_t>(block.triangles.size());
-  const RTCBuildQuality quality = qualityOf(options);
-  attachTriangles(device, scene, block, 0, block.firstAlpha, 0, quality, options.solidFilter);
-  attachTriangles(device, scene, block, block.firstAlpha, count, 1, quality, options.alphaFilter);
+  attachTriangles(device, scene, block, 0, block.firstAlpha, 0, options, options.solidFilter);
+  attachTriangles(device, scene, block, block.firstAlpha, count, 1, options, options.alphaFilter);
 }
 
 SceneHandle newScene(RTCDevice device, const HierarchyOptions& options) {

@@ -80,9 +80,10 @@ enum class Instancing { Auto, Always, Never };
 struct HierarchyOptions {
   bool robust = true;  // watertight at edges (RTC_SCENE_FLAG_ROBUST)
   HierarchyQuality quality = HierarchyQuality::Medium;
-  // Embree's intersection filters; null: none.
+  // Embree's filters, of intersections and of occlusions; null: none.
   void (*solidFilter)(const RTCFilterFunctionNArguments*) = nullptr;
   void (*alphaFilter)(const RTCFilterFunctionNArguments*) = nullptr;
+  void (*occlusionFilter)(const RTCFilterFunctionNArguments*) = nullptr;
 };
 
 // Meshes that many instances share: built once, whatever the origin.

@@ -1,0 +1,164 @@
+#include "methods/ray_tracing/unobstructed.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "methods/world/resolve.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kSlack = 1e-3;  // m, about boxes, for what rounds
+
+struct ThingContext {
+  RTCIntersectContext embree;
+  const World* world;
+  std::uint32_t thing;
+};
+
+// About all of a thing over a revolution: a box in axes of its own, relative to the world's origin.
+struct Extent {
+  Pose boxFromOrigin;
+  Box box;
+  Vec3d middle;  // m, relative to the origin
+  double radius = 0;
+};
+
+Extent extentOf(const ThingBoxes& boxes, std::size_t thing, const World& world, double from, double duration) {
+  const OrientedBox first = boxes.at(thing, from + duration / 2);
+  Extent extent;
+  Pose originFromBox = first.worldFromBox;
+  originFromBox.translation = originFromBox.translation - world.origin;
+  extent.boxFromOrigin = inverse(originFromBox);
+  const int steps = boxes.things()[thing].moves && duration > 0 ? 2 : 0;
+  for (int i = 0; i <= steps; ++i) {
+    const double time = steps == 0 ? from + duration / 2 : from + duration * i / steps;
+    for (const Vec3d& corner : boxes.at(thing, time).corners()) {
+      extent.box.add(extent.boxFromOrigin * (corner - world.origin));
+    }
+  }
+  const Vec3d slack{kSlack, kSlack, kSlack};
+  extent.box = {extent.box.low - slack, extent.box.high + slack};
+  extent.middle = originFromBox * extent.box.center();
+  extent.radius = length(extent.box.high - extent.box.low) / 2;
+  return extent;
+}
+
+struct Interval {
+  double enter, leave;  // m along the ray
+};
+
+std::optional<Interval> crossing(const Extent& extent, const Vec3d& origin, const Vec3d& direction) {
+  const Vec3d o = extent.boxFromOrigin * origin;
+  const Vec3d d = toMatrix(extent.boxFromOrigin.rotation) * direction;
+  Interval found{0, INFINITY};
+  for (const auto axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+    const double low = extent.box.low.*axis - o.*axis;
+    const double high = extent.box.high.*axis - o.*axis;
+    if (d.*axis == 0) {
+      if (low > 0 || high < 0) return std::nullopt;
+      continue;
+    }
+    const double a = low / (d.*axis);
+    const double b = high / (d.*axis);
+    found.enter = std::max(found.enter, std::min(a, b));
+    found.leave = std::min(found.leave, std::max(a, b));
+  }
+  return found.enter <= found.leave ? std::optional(found) : std::nullopt;
+}
+
+// The angle about the middle of a thing in which its beams point, as seen from anywhere the sensor comes by. `offset`:
+// of beams' origins from the sensor's (m).
+double angleOf(const Extent& extent, const ShotFrame& frame, double offset) {
+  const double radius = extent.radius + offset;
+  double angle = 0;
+  const Mat3 first = transposed(frame.rotation.front());
+  const Vec3d towards = normalized(first * (extent.middle - frame.position.front()));
+  for (const std::size_t step : {std::size_t{0}, frame.rotation.size() / 2, frame.rotation.size() - 1}) {
+    const Vec3d way = extent.middle - frame.position[step];
+    const double distance = length(way);
+    if (distance <= radius * 1.01) return kPi;
+    const Vec3d own = normalized(transposed(frame.rotation[step]) * way);
+    const double apart = std::atan2(length(cross(own, towards)), dot(own, towards));
+    angle = std::max(angle, std::asin(radius / distance) + apart);
+  }
+  return angle;
+}
+
+}  // namespace
+
+// Lets rays through all that is not the thing, and what is cut out of it.
+void thingFilter(const RTCFilterFunctionNArguments* a) {
+  const auto& context = *reinterpret_cast<const ThingContext*>(a->context);
+  const World& world = *context.world;
+  for (unsigned i = 0; i < a->N; ++i) {
+    if (a->valid[i] == 0) continue;
+    const unsigned instance = RTCHitN_instID(a->hit, a->N, i, 0);
+    const PlacedBlock* placed =
+        instance == RTC_INVALID_GEOMETRY_ID ? nullptr : &world.placed[instance - World::kFirstPlaced];
+    const TriangleBlock& block = placed == nullptr ? world.baked : *placed->block;
+    const unsigned geometry = RTCHitN_geomID(a->hit, a->N, i);
+    const std::uint32_t triangle = block.global(geometry, RTCHitN_primID(a->hit, a->N, i));
+    std::uint32_t id = block.surfaceOf(triangle).instance;
+    if (placed != nullptr) id = instanceId(placed->firstInstanceId, id);
+    const bool cut = geometry == 1 && transparentAt(world, block, triangle, double{RTCHitN_u(a->hit, a->N, i)},
+                                                    double{RTCHitN_v(a->hit, a->N, i)});
+    if (id != context.thing || cut) a->valid[i] = 0;
+  }
+}
+
+std::uint32_t Unobstructed::beamsOn(std::size_t thing, const Shot& shot, const BeamGrid& grid) const {
+  const BeamTable& beams = *shot.beams;
+  const std::shared_ptr<const World> world =
+      worlds_.near(shot.worldFromSensor.front().translation, shot.time, shot.duration);
+  const ShotFrame frame = frameOf(shot, world->origin);
+  const Extent extent = extentOf(boxes_, thing, *world, shot.time, shot.duration);
+  const Vec3d direction = normalized(transposed(frame.rotation.front()) * (extent.middle - frame.position.front()));
+  const double angle = angleOf(extent, frame, grid.farthestOrigin()) + 1e-6;
+
+  ThingContext context{};
+  rtcInitIntersectContext(&context.embree);
+  context.world = world.get();
+  context.thing = boxes_.things()[thing].id;
+  const auto blocked = [&](const Vec3d& o, const Vec3d& d, double from, double to, float part) {
+    RTCRay ray{static_cast<float>(o.x),
+               static_cast<float>(o.y),
+               static_cast<float>(o.z),
+               static_cast<float>(from),
+               static_cast<float>(d.x),
+               static_cast<float>(d.y),
+               static_cast<float>(d.z),
+               part,
+               static_cast<float>(to),
+               ~0u,
+               0,
+               0};
+    rtcOccluded1(world->embree.get(), &context.embree, &ray);
+    return ray.tfar < 0;
+  };
+  std::uint32_t count = 0;
+  grid.forBeamsNear(direction, angle, [&](std::uint32_t beam) {
+    const std::uint32_t column = beam % beams.columns;
+    const std::size_t step = frame.rotation.size() == 1 ? 0 : shot.stepOf(column);
+    const Vec3d d = frame.rotation[step] * beams.direction[beam];
+    Vec3d o = frame.position[step];
+    if (!beams.origin.empty()) o += frame.rotation[step] * Vec3d(beams.origin[beam]);
+    const std::optional<Interval> inside = crossing(extent, o, d);
+    if (!inside || inside->enter > beams.maxRange) return;
+    const double time = beams.time.empty() ? beams.columnTime(column) : double{beams.time[beam]};
+    const float part = world->duration > 0 ? static_cast<float>(std::clamp(time / world->duration, 0.0, 1.0)) : 0.0f;
+    // What is nearer than the sensor can see hides the rest.
+    if (inside->enter < beams.minRange && blocked(o, d, inside->enter, beams.minRange, part)) return;
+    const double from = std::max(inside->enter, beams.minRange);
+    const double to = std::min(inside->leave, beams.maxRange);
+    if (from <= to && blocked(o, d, from, to, part)) ++count;
+  });
+  return count;
+}
+
+}  // namespace scanmill

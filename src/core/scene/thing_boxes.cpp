@@ -1,0 +1,239 @@
+#include "scene/thing_boxes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace scanmill {
+
+namespace {
+
+struct Point2 {
+  double x, y;
+  bool operator<(const Point2& o) const { return x != o.x ? x < o.x : y < o.y; }
+};
+
+double turn(const Point2& o, const Point2& a, const Point2& b) {
+  return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
+}
+
+// The convex hull, counter-clockwise: Andrew, "Another efficient algorithm for convex hulls in two dimensions",
+// Information Processing Letters 9 (1979).
+std::vector<Point2> hullOf(std::vector<Point2> points) {
+  std::sort(points.begin(), points.end());
+  std::vector<Point2> hull;
+  const auto half = [&](auto from, auto to) {
+    const std::size_t first = hull.size();
+    for (; from != to; ++from) {
+      while (hull.size() >= first + 2 && turn(hull[hull.size() - 2], hull.back(), *from) <= 0) hull.pop_back();
+      hull.push_back(*from);
+    }
+    hull.pop_back();
+  };
+  half(points.begin(), points.end());
+  half(points.rbegin(), points.rend());
+  return hull;
+}
+
+// The direction (rad) of the longer sides of the smallest rectangle about a hull, one of whose sides lies along one of
+// the hull's (Freeman and Shapira, "Determining the minimum-area encasing rectangle for an arbitrary closed curve",
+// Communications of the ACM 18 (1975)).
+double longSideOf(const std::vector<Point2>& hull) {
+  double best = std::numeric_limits<double>::infinity();
+  double heading = 0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Point2& a = hull[i];
+    const Point2& b = hull[(i + 1) % hull.size()];
+    const double side = std::hypot(b.x - a.x, b.y - a.y);
+    if (!(side > 0)) continue;
+    const Point2 along{(b.x - a.x) / side, (b.y - a.y) / side};
+    double low = 0, high = 0, deep = 0;
+    for (const Point2& p : hull) {
+      const double x = (p.x - a.x) * along.x + (p.y - a.y) * along.y;
+      low = std::min(low, x);
+      high = std::max(high, x);
+      deep = std::max(deep, (p.y - a.y) * along.x - (p.x - a.x) * along.y);
+    }
+    const double area = (high - low) * deep;
+    if (area >= best * (1 - 1e-9)) continue;
+    best = area;
+    heading = std::atan2(along.y, along.x) + (high - low < deep ? kPi / 2 : 0);
+  }
+  return heading;
+}
+
+// The axes of a placed mesh, whatever its scale: x stays where it points to, z as far as it is square to x.
+Quat axesOf(const Mat3& linear) {
+  const Vec3d x = normalized(linear.x);
+  const Vec3d z = normalized(linear.z - x * dot(linear.z, x));
+  return fromMatrix({x, cross(z, x), z});
+}
+
+template <class Visit>
+void forCorners(const Mesh& mesh, std::uint32_t object, const Visit& visit) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.surfaces[mesh.surfaceOf[t]].object != object) continue;
+    for (const std::uint32_t corner : mesh.triangles[t]) visit(Vec3d(mesh.positions[corner]));
+  }
+}
+
+// What of a mesh is the object.
+struct Share {
+  std::uint64_t triangles = 0;
+  std::map<std::uint16_t, std::uint64_t> ofClass;
+  std::set<std::string> nodes;
+};
+
+std::vector<Share> sharesOf(const Mesh& mesh) {
+  std::vector<Share> shares(mesh.objects);
+  for (const std::uint16_t number : mesh.surfaceOf) {
+    const Surface& surface = mesh.surfaces[number];
+    if (surface.object == 0) continue;
+    Share& share = shares[surface.object - 1];
+    ++share.triangles;
+    ++share.ofClass[surface.semantic];
+  }
+  for (const Surface& surface : mesh.surfaces) {
+    if (surface.object != 0) shares[surface.object - 1].nodes.insert(surface.node);
+  }
+  return shares;
+}
+
+}  // namespace
+
+std::vector<Vec3d> OrientedBox::corners() const {
+  std::vector<Vec3d> all;
+  for (const double x : {-0.5, 0.5}) {
+    for (const double y : {-0.5, 0.5}) {
+      for (const double z : {-0.5, 0.5}) all.push_back(worldFromBox * Vec3d{x * size.x, y * size.y, z * size.z});
+    }
+  }
+  return all;
+}
+
+ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
+  std::vector<std::vector<Share>> shares;
+  shares.reserve(scene.meshes.size());
+  for (const Mesh& mesh : scene.meshes) shares.push_back(sharesOf(mesh));
+  std::map<std::uint32_t, std::vector<Part>> partsOf;  // by id
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    for (std::uint32_t object = 1; object <= shares[instance.mesh].size(); ++object) {
+      if (shares[instance.mesh][object - 1].triangles == 0) continue;
+      partsOf[instanceId(instance.firstInstanceId, object)].push_back({i, object});
+    }
+  }
+  const auto shareOf = [&](const Part& part) -> const Share& {
+    return shares[scene.instances[part.instance].mesh][part.object - 1];
+  };
+  for (auto& [id, parts] : partsOf) {
+    std::stable_sort(parts.begin(), parts.end(),
+                     [&](const Part& a, const Part& b) { return shareOf(a).triangles > shareOf(b).triangles; });
+    const Instance& main = scene.instances[parts.front().instance];
+    Thing thing;
+    thing.id = id;
+    thing.name = main.name;
+    thing.headingKnown = scene.meshes[main.mesh].objects == 1;
+    std::map<std::uint16_t, std::uint64_t> triangles;
+    std::set<std::string> nodes;
+    for (const Part& part : parts) {
+      const Instance& instance = scene.instances[part.instance];
+      thing.moves =
+          thing.moves || instance.animation != nullptr || (instance.movement != nullptr && instance.movement->moves());
+      for (const auto& [semantic, count] : shareOf(part).ofClass) triangles[semantic] += count;
+      nodes.insert(shareOf(part).nodes.begin(), shareOf(part).nodes.end());
+    }
+    thing.semantic = std::max_element(triangles.begin(), triangles.end(), [](const auto& a, const auto& b) {
+                       return a.second < b.second;
+                     })->first;
+    thing.parts.assign(nodes.begin(), nodes.end());
+
+    Pose worldFromThing{axesOf(main.worldFromMesh.linear), main.worldFromMesh.translation};
+    if (!thing.headingKnown) {
+      std::vector<Point2> ground;
+      const Pose thingFromWorld = inverse(worldFromThing);
+      for (const Part& part : parts) {
+        const Instance& instance = scene.instances[part.instance];
+        forCorners(scene.meshes[instance.mesh], part.object, [&](const Vec3d& corner) {
+          const Vec3d p = thingFromWorld * (instance.worldFromMesh * corner);
+          ground.push_back({p.x, p.y});
+        });
+      }
+      worldFromThing.rotation = worldFromThing.rotation * fromYawPitchRoll(longSideOf(hullOf(std::move(ground))), 0, 0);
+    }
+    const Pose thingFromWorld = inverse(worldFromThing);
+    for (Part& part : parts) {
+      const Instance& instance = scene.instances[part.instance];
+      if (instance.animation == nullptr) {
+        part.ofShape.push_back(boxOf(part, scene.meshes[instance.mesh], thingFromWorld));
+      } else {
+        for (const std::uint32_t mesh : instance.animation->meshes) {
+          part.ofShape.push_back(boxOf(part, scene.meshes[mesh], thingFromWorld));
+        }
+      }
+    }
+    things_.push_back(std::move(thing));
+    places_.push_back({worldFromThing, std::move(parts)});
+  }
+}
+
+Box ThingBoxes::boxOf(const Part& part, const Mesh& mesh, const Pose& thingFromWorld) const {
+  const Affine& worldFromMesh = scene_.instances[part.instance].worldFromMesh;
+  const Mat3 turned = toMatrix(thingFromWorld.rotation);
+  const Affine thingFromMesh =
+      Affine{turned, thingFromWorld.translation} * worldFromMesh;  // as the first part's, where both move alike
+  Box box;
+  forCorners(mesh, part.object, [&](const Vec3d& corner) { box.add(thingFromMesh * corner); });
+  return box;
+}
+
+// What takes the instance from where it is at the time 0 to where it is at another.
+Pose ThingBoxes::motion(const Instance& instance, double time) const {
+  if (instance.movement == nullptr) return {};
+  return instance.movement->at(time) * inverse(instance.movement->at(0));
+}
+
+OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
+  const Place& place = places_[thing];
+  const Instance& main = scene_.instances[place.parts.front().instance];
+  const Pose worldFromThing = motion(main, time) * place.worldFromThing;
+  Box box;
+  for (const Part& part : place.parts) {
+    const Instance& instance = scene_.instances[part.instance];
+    std::size_t shape = 0;
+    if (instance.animation != nullptr) {
+      const auto& meshes = instance.animation->meshes;
+      shape = static_cast<std::size_t>(std::find(meshes.begin(), meshes.end(), instance.meshAt(time)) - meshes.begin());
+    }
+    const Box& own = part.ofShape[shape];
+    if (own.empty()) continue;
+    if (instance.movement == main.movement) {
+      box.add(own);
+      continue;
+    }
+    // It moves otherwise than the first: by the corners of its own box.
+    const Pose thingFromStart = inverse(worldFromThing) * motion(instance, time) * place.worldFromThing;
+    for (const double x : {own.low.x, own.high.x}) {
+      for (const double y : {own.low.y, own.high.y}) {
+        for (const double z : {own.low.z, own.high.z}) box.add(thingFromStart * Vec3d{x, y, z});
+      }
+    }
+  }
+  return {worldFromThing * Pose{{}, box.center()}, box.high - box.low};
+}
+
+Vec3d ThingBoxes::velocity(std::size_t thing, double time) const {
+  constexpr double kStep = 0.005;  // s, either way
+  const Place& place = places_[thing];
+  const Instance& main = scene_.instances[place.parts.front().instance];
+  if (main.movement == nullptr) return {};
+  const auto placeAt = [&](double when) { return (motion(main, when) * place.worldFromThing).translation; };
+  const double from = std::max(time - kStep, 0.0);
+  return (placeAt(time + kStep) - placeAt(from)) * (1 / (time + kStep - from));
+}
+
+}  // namespace scanmill

@@ -1,0 +1,56 @@
+#pragma once
+
+// Finds the beams of a sensor that point into a cone, without looking at all of them.
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "sensors/beams.h"
+
+namespace scanmill {
+
+class BeamGrid {
+ public:
+  // Looks at the directions alone, in the sensor's frame.
+  explicit BeamGrid(const BeamTable& beams);
+
+  // Calls visit(index) for every beam that lies within `angle` (rad) of a unit vector, in a fixed order, and for some
+  // that lie farther.
+  template <class Visit>
+  void forBeamsNear(const Vec3d& direction, double angle, const Visit& visit) const {
+    std::uint32_t low = 0, high = 0, first = 0, count = 0;
+    cellsOf(direction, angle, low, high, first, count);
+    for (std::uint32_t row = low; row <= high; ++row) {
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const std::uint32_t cell = row * kAcross + (first + i) % kAcross;
+        for (std::uint32_t b = firstOf_[cell]; b < firstOf_[cell + 1]; ++b) visit(beams_[b]);
+      }
+    }
+  }
+
+  // Whether the sensor looks into a direction: some beam is no farther from it than one and a half times the widest gap
+  // between neighbours of its ring, or its column.
+  bool looksInto(const Vec3d& direction) const;
+
+  // How far from the sensor's origin beams begin at most (m).
+  double farthestOrigin() const { return farthestOrigin_; }
+
+ private:
+  // Cells of one degree of azimuth and elevation.
+  static constexpr std::uint32_t kAcross = 360;
+  static constexpr std::uint32_t kUp = 180;
+
+  static std::uint32_t rowOf(double elevation);
+  static std::uint32_t columnOf(double azimuth);
+  static void cellsOf(const Vec3d& direction, double angle, std::uint32_t& low, std::uint32_t& high,
+                      std::uint32_t& first, std::uint32_t& count);
+
+  const std::vector<Vec3d>& directions_;
+  std::vector<std::uint32_t> firstOf_;  // per cell: index into beams_, and at last their number
+  std::vector<std::uint32_t> beams_;    // by cells
+  double farthestOrigin_ = 0;
+  double reach_ = 0;  // rad, see looksInto()
+};
+
+}  // namespace scanmill
