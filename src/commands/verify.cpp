@@ -60,7 +60,7 @@ int runVerify(const std::vector<std::string>& arguments) {
   const Verification v = withProgress(verifyDataset, folder, "shards", quiet);
   const int code = report(v.problems, fmt::format("{} shards, {} samples, {} scans, {} points", grouped(v.shards),
                                                   grouped(v.samples), grouped(v.scans), grouped(v.points)));
-  if (code != 0) printText("next: scanmill regenerate {}, which makes damaged shards again\n", folder);
+  if (v.damaged > 0) printText("next: scanmill regenerate {}, which makes damaged shards again\n", folder);
   return code;
 }
 

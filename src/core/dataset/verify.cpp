@@ -281,6 +281,7 @@ Verification verifyDataset(const fs::path& folder, const std::function<void(std:
     total.samples += part.samples;
     total.scans += part.scans;
     total.points += part.points;
+    total.damaged += part.problems.empty() ? 0 : 1;
     total.problems.insert(total.problems.end(), part.problems.begin(), part.problems.end());
   }
   try {

@@ -15,6 +15,7 @@ struct Verification {
   std::uint64_t samples = 0;
   std::uint64_t scans = 0;
   std::uint64_t points = 0;
+  std::uint64_t damaged = 0;          // shards that are not as the manifest says
   std::vector<std::string> problems;  // one line each, with shard and member; empty: the dataset is sound
 };
 

@@ -483,10 +483,13 @@ std::size_t Plan::framesInFlight() const {
   return std::clamp<std::uint64_t>(fitting, 1, static_cast<std::uint64_t>(threadCount()));
 }
 
+std::uint64_t Plan::bytesInMemory(std::uint64_t scenes) const {
+  return scenes + pipeline_.raysPerFrame() * kBeamBytes + framesInFlight() * bytesPerFrameInMemory() + kProgramBytes;
+}
+
 void Plan::checkMemory(const Method& method, const std::string& scene) const {
   const std::uint64_t bytes = method.memoryBytes();
-  const std::uint64_t frames = pipeline_.raysPerFrame() * kBeamBytes + framesInFlight() * bytesPerFrameInMemory();
-  const std::uint64_t needed = bytes + frames + kProgramBytes;
+  const std::uint64_t needed = bytesInMemory(bytes);
   if (needed <= memoryLimitBytes()) return;
   throw InputError(
       {pipeline_.file.string()},

@@ -71,6 +71,8 @@ class Plan {
   std::uint64_t bytesPerFrameInMemory() const;
   // How many frames are made at a time: one for each thread, but no more than half of the memory holds.
   std::size_t framesInFlight() const;
+  // What the program takes with scenes of so many bytes, as methods hold them, and the frames in flight.
+  std::uint64_t bytesInMemory(std::uint64_t scenes) const;
   // Throws InputError where a scene, in the form that the method has made of it, and the frames in flight take more
   // memory than there is. `scene`: what messages call it.
   void checkMemory(const Method& method, const std::string& scene) const;

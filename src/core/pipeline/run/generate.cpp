@@ -45,7 +45,7 @@ struct OpenShard {
   ShardWriter writer;
   DatasetPart part;
   std::vector<std::unique_ptr<MadeSample>> made;  // and not written
-  std::shared_ptr<const ReadyScene> scene;        // of the sample that was written last
+  std::shared_ptr<const SceneFacts> scene;        // of the sample that was written last
 };
 
 class DatasetRun {
@@ -138,7 +138,7 @@ class DatasetRun {
     if (open_[job]->scene != made->scene) {
       open_[job]->scene = made->scene;
       appendNew(made->scene->modelled, part.modelled);
-      part.ontology = made->scene->scene.ontology;
+      part.ontology = made->scene->ontology;
     }
     const std::scoped_lock lock(mutex_);
     progress_.advance(1, static_cast<double>(pipeline_.raysPerFrame()));

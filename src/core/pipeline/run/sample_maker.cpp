@@ -25,7 +25,7 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   // Only now: a scene or a method that cannot be used must not cost the recordings that --overwrite replaces.
   std::call_once(opened_, [&] { recorder_.open(keepHits_, keepPasses_, overwrite_); });
   recorder_.enter(address.sequence, ready->scene, *ready->method);
-  MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}}, ready};
+  MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}}, ready->facts};
   TraceAccount account;
   std::unique_ptr<ShotBuffers> buffers = buffers_.take();
   for (const Shot& shot : plan_.shots(address.sequence, address.frame)) {

@@ -21,7 +21,7 @@ namespace scanmill {
 
 struct MadeSample {
   Sample sample;
-  std::shared_ptr<const ReadyScene> scene;
+  std::shared_ptr<const SceneFacts> scene;
 };
 
 // Where samples come from, and what was recorded meanwhile. Safe to use from several threads at once.

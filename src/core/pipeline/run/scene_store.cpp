@@ -1,9 +1,13 @@
 #include "pipeline/run/scene_store.h"
 
+#include <malloc.h>
 #include <tbb/collaborative_call_once.h>
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
+#include <list>
+#include <thread>
 #include <utility>
 
 #include "base/append_new.h"
@@ -16,6 +20,8 @@
 namespace scanmill {
 
 namespace {
+
+constexpr std::uint64_t kSmallShare = 8;  // of the memory, below which nobody counts
 
 bool memoryIsScarce() {
   return 2 * residentBytes() > memoryLimitBytes();
@@ -43,19 +49,35 @@ SceneStore::SceneStore(const Plan& plan, std::function<void(const Sequence&)> lo
 
 SceneStore::~SceneStore() = default;
 
+// Whether there is room for one more scene beside those that are in use.
+bool SceneStore::fitsOneMore() const {
+  const auto used = std::count_if(slots_.begin(), slots_.end(), [](const auto& s) { return s.second.use_count() > 1; });
+  if (used == 0) return true;
+  if (largest_ == 0) return kSmallShare * residentBytes() < memoryLimitBytes();  // the first is being loaded
+  return plan_.bytesInMemory(static_cast<std::uint64_t>(used + 1) * largest_) <= memoryLimitBytes();
+}
+
 std::shared_ptr<SceneStore::Slot> SceneStore::slotOf(std::size_t scene) {
-  std::shared_ptr<Slot> gone;  // destroyed without the lock
-  const std::scoped_lock lock(mutex_);
+  std::list<std::shared_ptr<Slot>> gone;  // destroyed without the lock
+  std::unique_lock lock(mutex_);
+  while (!slots_.contains(scene) && !fitsOneMore()) {
+    lock.unlock();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // users give scenes back without a word
+    lock.lock();
+  }
   if (!slots_.contains(scene)) {
-    // Where memory is scarce, one goes for each that comes: of those that nobody uses the one that was not used for the
-    // longest time.
-    auto oldest = slots_.end();
-    for (auto slot = slots_.begin(); slot != slots_.end(); ++slot) {
-      if (slot->second.use_count() > 1) continue;
-      if (oldest == slots_.end() || slot->second->lastUse < oldest->second->lastUse) oldest = slot;
-    }
-    if (oldest != slots_.end() && memoryIsScarce()) {
-      gone = std::move(oldest->second);
+    // Where memory is scarce, one goes for each that comes, and as many as leave room for it: of those that nobody uses
+    // those that were not used for the longest time.
+    for (;;) {
+      auto oldest = slots_.end();
+      for (auto slot = slots_.begin(); slot != slots_.end(); ++slot) {
+        if (slot->second.use_count() > 1) continue;
+        if (oldest == slots_.end() || slot->second->lastUse < oldest->second->lastUse) oldest = slot;
+      }
+      const bool scarce = gone.empty() && memoryIsScarce();
+      const bool fits = plan_.bytesInMemory((slots_.size() + 1) * largest_) <= memoryLimitBytes();
+      if (oldest == slots_.end() || (!scarce && fits)) break;
+      gone.push_back(std::move(oldest->second));
       slots_.erase(oldest);
     }
     slots_[scene] = std::make_shared<Slot>();
@@ -98,13 +120,15 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     const Sequence& own = pipeline.sequences[sequence];
     loading_(own);
     ReadyScene& ready = slot.ready;
+    ::malloc_trim(0);  // each thread would keep what it has given back of the scene before
     ready.scene = plan_.loadScene(own);
     ready.method = plan_.makeMethod(ready.scene);
     plan_.checkMemory(*ready.method, "the scene of " + own.key());
-    ready.modelled = ready.method->modelled();
+    ready.facts = std::make_shared<const SceneFacts>(SceneFacts{ready.method->modelled(), ready.scene.ontology});
     TraceAccount account;
     for (const Shot& shot : plan_.shots(sequence, 0)) account += ready.method->prepare(shot);
     if (pipeline.recording == nullptr) ready.probe.emplace(ready.scene, ready.method.get(), pipeline.method.entry);
+    ::malloc_trim(0);
     std::vector<std::string> lines;
     for (const auto& more :
          {damageWarnings(ready.scene), sizeWarnings(ready.scene), thingSizeWarnings(ready.scene),
@@ -113,6 +137,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
       appendNew(more, lines);
     }
     const std::scoped_lock lock(mutex_);
+    largest_ = std::max(largest_, ready.method->memoryBytes());
     Told& told = told_[sceneOf_[sequence]];
     if (std::exchange(told.loaded, true)) return;  // it was here before
     told.ofScene = std::move(lines);

@@ -19,12 +19,18 @@
 
 namespace scanmill {
 
+// What is told of a scene when it is gone.
+struct SceneFacts {
+  std::vector<std::string> modelled;  // by the method
+  Ontology ontology;
+};
+
 // A scene and the method that traces it.
 struct ReadyScene {
   Scene scene;
   std::unique_ptr<Method> method;
-  std::vector<std::string> modelled;  // by the method
-  std::optional<SceneProbe> probe;    // none for a recording
+  std::shared_ptr<const SceneFacts> facts;
+  std::optional<SceneProbe> probe;  // none for a recording
 };
 
 // Safe to use from several threads at once: those that need the same scene load it together.
@@ -41,8 +47,10 @@ class SceneStore {
   void leave(std::size_t sequence);
 
   // The scene of a sequence, which stays as long as what is returned does. Scenes that nobody uses stay as well while
-  // frames of them are expected and the program takes less than half of the memory that it may take. What is told of
-  // scenes and sequences is found here, too. Throws InputError for scenes and methods that cannot be used.
+  // frames of them are expected and the program takes less than half of the memory that it may take; where it may not
+  // take as much as one more scene needs, this waits until those that are in use are given back. Nobody who keeps one
+  // may therefore wait for somebody who enters. What is told of scenes and sequences is found here, too. Throws
+  // InputError for scenes and methods that cannot be used.
   std::shared_ptr<const ReadyScene> enter(std::size_t sequence);
 
   // Adds what tracing a frame of a sequence took. Of what its method warns of, all frames of a scene count.
@@ -67,6 +75,7 @@ class SceneStore {
   };
 
   std::shared_ptr<Slot> slotOf(std::size_t scene);
+  bool fitsOneMore() const;
   void load(std::size_t sequence, Slot& slot);
   void lookAtWay(std::size_t sequence, const ReadyScene& ready);
 
@@ -78,6 +87,7 @@ class SceneStore {
   std::vector<Told> told_;                              // by sequence
   std::map<std::size_t, std::uint64_t> expected_;       // frames, by scene
   std::uint64_t uses_ = 0;
+  std::uint64_t largest_ = 0;  // bytes, of the scenes that were loaded, with what their methods have made of them
   StageClock clock_;
 };
 

@@ -173,7 +173,8 @@ void requireMesh(const std::filesystem::path& file, const PlyHeader& header) {
     for (const char* axis : {"x", "y", "z"}) {
       const auto is = [&](const PlyProperty& p) { return p.name == axis && !p.isList(); };
       if (std::none_of(element.properties.begin(), element.properties.end(), is)) {
-        throw InputError({file.string()}, fmt::format("its vertices have no property {}", axis));
+        throw InputError({file.string()},
+                         fmt::format("its vertices have no property {}: export it with x, y and z", axis));
       }
     }
   }
