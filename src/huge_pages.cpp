@@ -1,7 +1,7 @@
 // The program's own operator new: meshes, their planes and other large arrays lie on huge pages, where the kernel gives
-// them to who asks (`madvise` in /sys/kernel/mm/transparent_hugepage/enabled). Of a million triangles the kernel would
-// otherwise hand out 60,000 pages one by one, which took half of the time until the first ray. Everything else, and
-// programs of others that use the library, have the allocator that they have.
+// them to who asks (`madvise` in /sys/kernel/mm/transparent_hugepage/enabled). Handing out small pages one by one took
+// two fifths of the set-up of a million triangles. Everything else, and programs of others that use the library, have
+// the allocator that they have.
 
 #include <sys/mman.h>
 

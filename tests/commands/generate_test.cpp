@@ -226,6 +226,24 @@ TEST_F(Generate, AMemoryLimitIsKeptOrRefused) {
   EXPECT_FALSE(std::filesystem::exists(at("refused")));
 }
 
+// Scenes are set up one after the other where two do not fit, and give back what they took.
+TEST_F(Generate, AMemoryLimitIsKeptWithSeveralScenes) {
+  const std::string pipeline =
+      folder_
+          .write("seeds.yaml", std::string("name: seeds\nscenes: [{scene: ") + SCANMILL_SOURCE_DIR +
+                                   "/scenes/street.yaml, seeds: [1, 2, 3, 4]}]\n"
+                                   "trajectories: [{waypoints: [[-10, -1.75, 0], [10, -1.75, 0]], speed: 5, "
+                                   "every_s: 0.2, frames: 6}]\nsensors: [{preset: " +
+                                   SCANMILL_SOURCE_DIR +
+                                   "/pipelines/sensors/hdl_64e.yaml, mount: {position: [0, 0, 1.9]}}]\n"
+                                   "method: ray_tracing\noutput: {formats: [pcd], shard_samples: 3}\n")
+          .string();
+  const Outcome limited =
+      scanmill({"generate", pipeline, "-q", "-o", at("seeds"), "--threads", "2", "--memory-limit", "210M"});
+  ASSERT_EQ(limited.code, 0) << limited.error;
+  EXPECT_LT(limited.peakBytes, std::uint64_t{210} << 20);
+}
+
 TEST_F(Generate, AFolderInUseIsRefusedAndReplacedWhereAsked) {
   ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out")}).code, 0);
   expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out")}), "--overwrite");

@@ -12,7 +12,7 @@ namespace scanmill {
 
 class BeamGrid {
  public:
-  // Looks at the directions alone, in the sensor's frame.
+  // Looks at the directions alone, in the sensor's frame. The table must outlive it.
   explicit BeamGrid(const BeamTable& beams);
 
   // Calls visit(index) for every beam that lies within `angle` (rad) of a unit vector, in a fixed order, and for some
@@ -29,8 +29,8 @@ class BeamGrid {
     }
   }
 
-  // Whether the sensor looks into a direction: some beam is no farther from it than one and a half times the widest gap
-  // between neighbours of its ring, or its column.
+  // Whether the sensor looks into a direction: some beam is no farther from it than one and a half times the angle that
+  // 99 of 100 neighbours in a ring or a column keep to each other, 10 degrees at most.
   bool looksInto(const Vec3d& direction) const;
 
   // How far from the sensor's origin beams begin at most (m).

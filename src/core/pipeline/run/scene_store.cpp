@@ -21,7 +21,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint64_t kSmallShare = 8;  // of the memory, below which nobody counts
+// A program that takes less than this part of its memory sets its first scenes up side by side.
+constexpr std::uint64_t kSmallShare = 8;
 
 bool memoryIsScarce() {
   return 2 * residentBytes() > memoryLimitBytes();
