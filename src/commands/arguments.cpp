@@ -129,7 +129,7 @@ void expectDataset(const std::filesystem::path& folder, std::string_view command
   }
   const std::filesystem::path manifest = folder / kManifestName;
   if (std::filesystem::exists(manifest, unreadable)) return;
-  if (hasPlan(folder)) {
+  if (isUnfinished(folder)) {
     throw InputError({folder.string()},
                      fmt::format("{} takes the folder of a whole dataset, and this one is unfinished: "
                                  "`scanmill generate PIPELINE -o {} --resume` goes on with it",

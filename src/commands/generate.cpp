@@ -16,6 +16,7 @@
 #include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "dataset/dataset_folder.h"
+#include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
 #include "dataset/shard_ranges.h"
 #include "evaluate/auto/calibrate.h"
@@ -73,7 +74,7 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options) {
 // What was chosen for the dataset in the folder, unfinished or whole.
 std::optional<MethodRecord> chosenBefore(const std::filesystem::path& folder) {
   std::error_code ignored;
-  if (DatasetFolder::isUnfinished(folder)) return DatasetFolder::planned(folder).chosen;
+  if (isUnfinished(folder)) return DatasetFolder::planned(folder).chosen;
   if (std::filesystem::exists(folder / kManifestName, ignored)) return readManifest(folder).chosen;
   return std::nullopt;
 }

@@ -135,10 +135,6 @@ void DatasetFolder::check(const fs::path& folder, FolderUse use) {
   }
 }
 
-bool DatasetFolder::isUnfinished(const fs::path& folder) {
-  return hasPlan(folder);
-}
-
 void DatasetFolder::tidy(const fs::path& folder) {
   const fs::path hidden = folder / kHiddenName;
   std::error_code ignored;

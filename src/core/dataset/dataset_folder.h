@@ -41,9 +41,6 @@ class DatasetFolder {
   // Throws what the constructor would throw of a folder that nobody writes into, and changes nothing.
   static void check(const std::filesystem::path& folder, FolderUse use);
 
-  // Whether somebody has begun a dataset there, and not ended it.
-  static bool isUnfinished(const std::filesystem::path& folder);
-
   // Removes what a process has left over that died after it had written the manifest.
   static void tidy(const std::filesystem::path& folder);
 

@@ -48,14 +48,14 @@ bool couldBeSplit(const fs::path& folder) {
 
 }  // namespace
 
-bool hasPlan(const fs::path& folder) {
+bool isUnfinished(const fs::path& folder) {
   std::error_code ignored;
   return fs::exists(folder / kHiddenName / kPlanName, ignored);
 }
 
 FolderContents contentsOf(const fs::path& folder) {
   FolderContents run;
-  run.unfinished = hasPlan(folder);
+  run.unfinished = isUnfinished(folder);
   for (const std::string& name : filesIn(folder)) {
     if (name == kManifestName) {
       run.manifest = true;

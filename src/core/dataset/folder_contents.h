@@ -23,7 +23,7 @@ struct FolderContents {
 };
 
 // Whether somebody has begun a dataset there, and not ended it.
-bool hasPlan(const std::filesystem::path& folder);
+bool isUnfinished(const std::filesystem::path& folder);
 
 // Looks at the folder and one level below. Throws std::filesystem::filesystem_error.
 FolderContents contentsOf(const std::filesystem::path& folder);

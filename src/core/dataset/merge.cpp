@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "dataset/dataset_folder.h"
+#include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
 #include "dataset/shard_ranges.h"
 
@@ -15,7 +16,7 @@ namespace scanmill {
 
 Manifest mergeDataset(const std::filesystem::path& folder) {
   std::error_code ignored;
-  if (!DatasetFolder::isUnfinished(folder) && std::filesystem::exists(folder / kManifestName, ignored)) {
+  if (!isUnfinished(folder) && std::filesystem::exists(folder / kManifestName, ignored)) {
     DatasetFolder::tidy(folder);
     return readManifest(folder);
   }

@@ -16,6 +16,7 @@
 #include "base/append_new.h"
 #include "base/stage_clock.h"
 #include "dataset/dataset_folder.h"
+#include "dataset/folder_contents.h"
 #include "dataset/parts.h"
 #include "dataset/shard_name.h"
 #include "dataset/shard_writer.h"
@@ -272,7 +273,7 @@ class DatasetRun {
 
 std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder) {
   std::error_code failure;
-  if (DatasetFolder::isUnfinished(folder) || !std::filesystem::exists(folder / kManifestName, failure)) return {};
+  if (isUnfinished(folder) || !std::filesystem::exists(folder / kManifestName, failure)) return {};
   Manifest made = readManifest(folder);
   if (made.planSha256 != plan.hash) return {};
   DatasetFolder::tidy(folder);
