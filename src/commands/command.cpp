@@ -21,6 +21,8 @@ std::span<const Command> commands() {
       Command{"plan", "PIPELINE", "what a pipeline would do, what it leaves out and what its features cost", runPlan},
       Command{"verify", "DIR", "whether a dataset or a recording is whole: every file is decoded", runVerify},
       Command{"regenerate", "DIR", "damaged shards of a dataset, or a sample, made again byte for byte", runRegenerate},
+      Command{"export", "DIR --to LAYOUT -o DIR",
+              "a dataset as SemanticKITTI, KITTI, nuScenes, LAS, PLY, NumPy or MCAP", runExport},
       Command{"report", "DATASET [-o FILE.html]",
               "a page that shows a dataset: pictures, figures, warnings, points in 3D", runReport},
       Command{"view", "DATASET|SHARD|SCAN|EXR|SCENE",

@@ -27,6 +27,7 @@ int runFitSensor(const std::vector<std::string>& arguments);
 int runFitNoise(const std::vector<std::string>& arguments);
 int runDraft(const std::vector<std::string>& arguments);
 int runPlan(const std::vector<std::string>& arguments);
+int runExport(const std::vector<std::string>& arguments);
 int runMerge(const std::vector<std::string>& arguments);
 int runRegenerate(const std::vector<std::string>& arguments);
 int runVerify(const std::vector<std::string>& arguments);

@@ -20,6 +20,7 @@
 #include "pipeline/plan/warnings.h"
 #include "pipeline/plan/way_warnings.h"
 #include "pipeline/run/progress.h"
+#include "scene/thing_boxes.h"
 
 namespace scanmill {
 
@@ -160,6 +161,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   std::set<std::string> rules;  // what is said of them, once for all seeds
   std::vector<std::string> modelled = plan.modelled();
   std::uint64_t sceneBytes = 0;
+  std::size_t things = 0;
   std::uint64_t more = 0;  // scenes
   Ontology ontology;
   for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
@@ -199,7 +201,8 @@ int runPlan(const std::vector<std::string>& arguments) {
       };
       if (std::none_of(modelled.begin(), modelled.end(), isSame)) modelled.push_back(line);
     }
-    plan.checkMemory(*method, name);
+    plan.checkMemory(method->memoryBytes(), name);
+    if (pipeline.objects) things = std::max(things, ThingBoxes(scene).things().size());
     sceneBytes = std::max(sceneBytes, method->memoryBytes());
   }
   for (const std::string& line : rules) warn(line);
@@ -238,7 +241,7 @@ int runPlan(const std::vector<std::string>& arguments) {
             pipeline.method.automatic ? "what the chosen method takes"
                                       : "about " + shortBytes(static_cast<double>(sceneBytes)),
             shortBytes(inFlight));
-  printText("disk: at most about {}\n", shortBytes(mostDatasetBytes(plan, ontology)));
+  printText("disk: at most about {}\n", shortBytes(mostDatasetBytes(plan, ontology, things)));
   return 0;
 }
 

@@ -153,7 +153,7 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   if (hasOption(parsed, "sensor-order")) view.stripOrder = StripOrder::Sensor;
   view.still = !window;
   view.bare = hasOption(parsed, "bare");
-  if (view.bare) view.axes = view.trajectory = false;
+  if (view.bare) view.axes = view.trajectory = view.boxes = false;
   if (hasOption(parsed, "hide") && hasOption(parsed, "only")) throw InputError("--hide and --only exclude each other");
   view.only = hasOption(parsed, "only");
   view.hidden = listOption(parsed, view.only ? "only" : "hide");

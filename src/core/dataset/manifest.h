@@ -22,6 +22,7 @@ struct SensorRecord {
   std::string name;  // on the vehicle
   BeamTable beams;   // without its tables per beam: the manifest has the compact description
   Pose vehicleFromSensor;
+  double fullIntensity = 1;  // what stands for 1 in the column intensity: 255 where it has bytes
 };
 
 // One scan: a revolution of a sensor in a sample.
@@ -42,6 +43,13 @@ struct ScanRecord {
 // lower case.
 std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix);
 
+// Of the things near the sensors of a sample, of one class.
+struct ObjectCount {
+  std::uint64_t objects = 0;
+  std::uint64_t withPoints = 0;  // in any of the sample's scans
+  bool operator==(const ObjectCount&) const = default;
+};
+
 struct SampleRecord {
   std::string key;  // scene-seed-trajectory-frame, no dots
   std::string split;
@@ -49,6 +57,8 @@ struct SampleRecord {
   std::vector<ScanRecord> scans;
   std::vector<std::string> members;    // names in the shard, in order
   std::vector<std::string> xxh3 = {};  // of each member's bytes; empty in earlier manifests
+  // By class, of what the member `<key>.objects.json` lists; none where the pipeline asks for no objects.
+  std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
 };
 
 struct ShardRecord {

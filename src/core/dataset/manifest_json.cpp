@@ -19,6 +19,12 @@ namespace {
 
 constexpr std::string_view kNoDigest = "0000000000000000000000000000000000000000000000000000000000000000";
 
+const SemanticClass& classOf(std::uint16_t id, const std::string& key, const Ontology& ontology) {
+  const SemanticClass* const known = ontology.find(id);
+  if (known == nullptr) throw Error(fmt::format("{}: class {} is not in ontology '{}'", key, id, ontology.name));
+  return *known;
+}
+
 // `ontology` adds the classes' names where it is given.
 OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontology* ontology) {
   if (scan.worldFromSensor.empty()) throw Error(fmt::format("{}: a scan of {} has no pose", key, scan.sensor));
@@ -28,11 +34,7 @@ OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontol
   for (const auto& [id, points] : scan.pointsPerClass) {
     OrderedJson entry = OrderedJson::object();
     entry["id"] = id;
-    if (ontology != nullptr) {
-      const SemanticClass* known = ontology->find(id);
-      if (known == nullptr) throw Error(fmt::format("{}: class {} is not in ontology '{}'", key, id, ontology->name));
-      entry["name"] = known->name;
-    }
+    if (ontology != nullptr) entry["name"] = classOf(id, key, *ontology).name;
     entry["points"] = points;
     classes.push_back(std::move(entry));
   }
@@ -134,6 +136,7 @@ OrderedJson sensorJson(const SensorRecord& sensor) {
     json["rosette"] = {
         {"angle", pair(b.rosette->angle)}, {"speed", pair(b.rosette->speed)}, {"phase", pair(b.rosette->phase)}};
   }
+  if (sensor.fullIntensity != 1) json["full_intensity"] = number(sensor.fullIntensity, "full_intensity");
   if (!b.originLeft.empty()) json["origin_left"] = finiteList(b.originLeft, sensor.name + ": origin_left");
   if (!b.originUp.empty()) json["origin_up"] = finiteList(b.originUp, sensor.name + ": origin_up");
   return json;
@@ -150,6 +153,15 @@ OrderedJson sampleEntry(const SampleRecord& s, const Manifest& m) {
   OrderedJson sample{{"key", s.key}, {"split", s.split}, {"shard", s.shard}, {"members", s.members}};
   if (!s.xxh3.empty()) sample["xxh3"] = s.xxh3;
   sample["scans"] = listOf(s.scans, [&](const ScanRecord& scan) { return scanJson(scan, s.key, &m.ontology); });
+  if (s.objects) {
+    sample["objects"] = listOf(*s.objects, [&](const auto& entry) {
+      const auto& [id, count] = entry;
+      return OrderedJson{{"id", id},
+                         {"name", classOf(id, s.key, m.ontology).name},
+                         {"objects", count.objects},
+                         {"with_points", count.withPoints}};
+    });
+  }
   return sample;
 }
 

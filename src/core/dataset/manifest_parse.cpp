@@ -37,7 +37,7 @@ SensorRecord sensorOf(const JsonNode& node) {
   node.keys({"name", "model", "source", "vehicle_from_sensor", "rings", "columns", "period", "clockwise", "top_down",
              "min_range", "max_range", "first_azimuth", "field", "origin_offset", "origin_height", "elevation",
              "azimuth_offset", "firing_offset"},
-            {"origin_left", "origin_up", "beams", "rosette"});
+            {"origin_left", "origin_up", "beams", "rosette", "full_intensity"});
   SensorRecord sensor;
   sensor.name = node["name"].text();
   sensor.vehicleFromSensor = poseOf(node["vehicle_from_sensor"]);
@@ -68,6 +68,7 @@ SensorRecord sensorOf(const JsonNode& node) {
     };
     b.rosette = Rosette{pair("angle"), pair("speed"), pair("phase")};
   }
+  if (node.has("full_intensity")) sensor.fullIntensity = node["full_intensity"].number(1e-9);
   if (node.has("origin_left")) b.originLeft = node["origin_left"].numbers(b.rings);
   if (node.has("origin_up")) b.originUp = node["origin_up"].numbers(b.rings);
   return sensor;
@@ -83,6 +84,30 @@ ReasonCounts reasonsOf(const JsonNode& node, std::uint64_t beams) {
     sum += count.integer<std::uint64_t>();
   });
   if (sum != beams) node.fail(fmt::format("add up to {} beams, not {}", sum, beams));
+  return counts;
+}
+
+// The class whose id and name a map holds.
+std::uint16_t classOf(const JsonNode& node, const Ontology& ontology) {
+  const std::uint16_t id = node["id"].integer<std::uint16_t>();
+  const SemanticClass* known = ontology.find(id);
+  if (known == nullptr) node["id"].fail(fmt::format("class {} is not in ontology '{}'", id, ontology.name));
+  if (node["name"].text() != known->name) {
+    node["name"].fail(fmt::format("class {} is '{}' in the ontology", id, known->name));
+  }
+  return id;
+}
+
+std::map<std::uint16_t, ObjectCount> objectCountsOf(const JsonNode& node, const Ontology& ontology) {
+  std::map<std::uint16_t, ObjectCount> counts;
+  node.forEach([&](const JsonNode& item) {
+    item.keys({"id", "name", "objects", "with_points"});
+    ObjectCount count;
+    count.objects = item["objects"].integer<std::uint64_t>(1);
+    count.withPoints = item["with_points"].integer<std::uint64_t>(0, count.objects);
+    const std::uint16_t id = classOf(item, ontology);
+    if (!counts.emplace(id, count).second) item["id"].fail(fmt::format("class {} is counted twice", id));
+  });
   return counts;
 }
 
@@ -106,12 +131,7 @@ ScanRecord scanOf(const JsonNode& node, const Manifest& manifest) {
   scan.instances = node["instances"].integer<std::uint32_t>();
   node["points_per_class"].forEach([&](const JsonNode& item) {
     item.keys({"id", "name", "points"});
-    const std::uint16_t id = item["id"].integer<std::uint16_t>();
-    const SemanticClass* known = manifest.ontology.find(id);
-    if (known == nullptr) item["id"].fail(fmt::format("class {} is not in ontology '{}'", id, manifest.ontology.name));
-    if (item["name"].text() != known->name) {
-      item["name"].fail(fmt::format("class {} is '{}' in the ontology", id, known->name));
-    }
+    const std::uint16_t id = classOf(item, manifest.ontology);
     if (!scan.pointsPerClass.emplace(id, item["points"].integer<std::uint64_t>()).second) {
       item["id"].fail(fmt::format("class {} is counted twice", id));
     }
@@ -136,7 +156,7 @@ ShardRecord shardOf(const JsonNode& node) {
 }
 
 SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
-  node.keys({"key", "split", "shard", "members", "scans"}, {"xxh3"});
+  node.keys({"key", "split", "shard", "members", "scans"}, {"xxh3", "objects"});
   SampleRecord sample;
   sample.key = node["key"].text();
   if (sample.key.empty() || sample.key.find_first_of("./") != std::string::npos) {
@@ -171,6 +191,7 @@ SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
     }
   }
   node["scans"].forEach([&](const JsonNode& item) { sample.scans.push_back(scanOf(item, manifest)); });
+  if (node.has("objects")) sample.objects = objectCountsOf(node["objects"], manifest.ontology);
   return sample;
 }
 

@@ -227,6 +227,19 @@ const ShardIndex& ScanStore::shard(std::size_t number) const {
   return *shard.index;
 }
 
+std::optional<SampleObjects> ScanStore::objects(std::size_t sample) const {
+  if (single_ || manifest_ == nullptr) return {};
+  const std::string name = objectsMember(keys_.at(sample));
+  const ShardIndex& index = shard(samples_.at(sample).shard);
+  const ShardMember* const member = index.find(name);
+  if (member == nullptr) {
+    const SampleRecord* const record = samples_[sample].record;
+    if (record == nullptr || !record->objects) return {};
+    throw InputError({index.file().string()}, fmt::format("lacks the member {} that the manifest lists", name));
+  }
+  return parseObjects(index.read(*member), name, manifest_->ontology);
+}
+
 std::string ScanStore::damage(std::size_t sample) const {
   if (single_) return {};
   const std::lock_guard lock(mutex_);

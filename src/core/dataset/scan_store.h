@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "dataset/manifest.h"
+#include "dataset/objects.h"
 #include "dataset/shard_index.h"
 #include "scan/scan.h"
 
@@ -56,6 +57,9 @@ class ScanStore {
   // Decodes the first of a scan's members that can be decoded. Any thread may call it. Throws InputError, which says
   // what is wrong with each member, where none can be.
   Scan decode(std::size_t sample, const StoredScan& scan) const;
+  // The things near the sensors of a sample; none where the dataset lists no objects. Any thread may call it. Throws
+  // InputError where the list is damaged.
+  std::optional<SampleObjects> objects(std::size_t sample) const;
   // What is wrong with the sample's shard, although the sample itself may be whole. Empty where nothing is known to be
   // wrong, and where the shard cannot be opened at all. Any thread may call it.
   std::string damage(std::size_t sample) const;

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,7 @@ struct Sample {
   std::string split;
   std::vector<ScanRecord> scans;
   std::vector<Member> members;
+  std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};  // see SampleRecord
 };
 
 // What a manifest says of one shard and its samples (SampleRecord::shard is 0).

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "dataset/manifest.h"
+#include "dataset/objects.h"
 #include "dataset/reader.h"
 #include "dataset/sample_json.h"
 #include "dataset/scan_check.h"
@@ -108,6 +110,7 @@ class ShardCheck {
       if (!difference.empty()) problem(fmt::format("{}: {}", name, difference));
       return;
     }
+    if (name == objectsMember(sample.key)) return checkObjects(name, bytes, sample);
     if (name.ends_with(std::string(".") + std::string(kReasonsSuffix))) return checkReasons(name, bytes, sample);
     try {
       checkDecoded(name, decodeMember(name, bytes), sample);
@@ -142,12 +145,59 @@ class ShardCheck {
       return;
     }
     points_ += record->points;
+    if (objects_ != nullptr && objects_->key == sample.key && !countedSensors_.contains(record->sensor)) {
+      countedSensors_.insert(record->sensor);
+      checkObjectPoints(name, scan, record->sensor);
+    }
     double maxError = 0;
     for (const FormatRecord& f : manifest_.formats) {
       if (f.suffix == format) maxError = f.maxErrorMetres;
     }
     for (const std::string& text : checkScan(scan, *record, manifest_, maxError)) {
       problem(fmt::format("{}: {}", name, text));
+    }
+  }
+
+  // It stands before the scans, so that they can be compared with it.
+  void checkObjects(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
+    objects_ = nullptr;
+    countedSensors_.clear();
+    try {
+      auto objects = std::make_unique<SampleObjects>(parseObjects(bytes, name, manifest_.ontology));
+      if (objects->key != sample.key) {
+        problem(fmt::format("{}: is of the sample '{}'", name, objects->key));
+      } else if (objects->counts() != sample.objects) {
+        problem(fmt::format("{}: its objects are not those that the manifest counts", name));
+      } else {
+        objects_ = std::move(objects);
+      }
+    } catch (const InputError& error) {
+      problem(error.what());
+    }
+  }
+
+  void checkObjectPoints(const std::string& name, const Scan& scan, const std::string& sensor) {
+    if (scan[kInstance].empty()) return;
+    std::map<std::uint32_t, std::uint64_t> found;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (scan[kInstance][i] != 0 && isFinite(scan.position[i])) ++found[scan[kInstance][i]];
+    }
+    for (const ObjectRecord& object : objects_->objects) {
+      const auto view = std::find_if(object.views.begin(), object.views.end(),
+                                     [&](const ObjectView& v) { return v.sensor == sensor; });
+      const auto points = found.find(object.id);
+      const std::uint64_t counted = points == found.end() ? 0 : points->second;
+      const std::uint64_t stated = view == object.views.end() ? 0 : view->points;
+      if (counted != stated) {
+        problem(fmt::format("{}: has {} points of the object {}, but {} says {}", name, counted, object.id,
+                            objectsMember(objects_->key), stated));
+        return;
+      }
+      if (points != found.end()) found.erase(points);
+    }
+    if (!found.empty()) {
+      problem(fmt::format("{}: has points of the object {}, which {} lacks", name, found.begin()->first,
+                          objectsMember(objects_->key)));
     }
   }
 
@@ -190,6 +240,8 @@ class ShardCheck {
   std::vector<std::string> expected_;                 // members, in order
   std::map<std::string, const SampleRecord*> owner_;  // of each member
   std::vector<std::string> problems_;
+  std::unique_ptr<const SampleObjects> objects_;  // of the sample whose list was read last; null: it is damaged
+  std::set<std::string> countedSensors_;          // whose points were compared with it
   std::uint64_t scans_ = 0;
   std::uint64_t points_ = 0;
 };
@@ -207,6 +259,12 @@ void checkManifest(const Manifest& manifest, std::vector<std::string>& problems)
     if (!sequence.empty() && splitOf.emplace(sequence, sample.split).first->second != sample.split &&
         parted.insert(sequence).second) {
       problem(fmt::format("frames of sequence {} are in several splits", sequence));
+    }
+    const bool listed =
+        std::find(sample.members.begin(), sample.members.end(), objectsMember(sample.key)) != sample.members.end();
+    if (sample.objects.has_value() != listed) {
+      problem(fmt::format("sample {}: one whose objects are counted has a member {}, others have none", sample.key,
+                          objectsMember(sample.key)));
     }
     for (const ScanRecord& scan : sample.scans) {
       for (const FormatRecord& format : manifest.formats) {

@@ -20,6 +20,7 @@
 namespace scanmill {
 
 class DepthCamera;
+class Worlds;
 
 // All calls are safe from several threads at once. Nothing that a method keeps from call to call changes a result: it
 // keeps what it would otherwise make again, such as the hierarchy around a sensor.
@@ -39,6 +40,9 @@ class Method {
   virtual std::uint64_t memoryBytes() const = 0;
   // Itself, where it draws passes that can be kept (MethodCapabilities::passes); else null.
   virtual const DepthCamera* depthCamera() const { return nullptr; }
+  // Its hierarchies of the scene's own triangles, with thingFilter() (methods/ray_tracing/unobstructed.h) for
+  // occlusions, where it has such that others may share; else null.
+  virtual const Worlds* worlds() const { return nullptr; }
 };
 
 // What a method can do. The plan refuses a pipeline that asks for more.

@@ -84,17 +84,19 @@ struct Column {
 
 inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
-constexpr Column velocityColumn(std::string_view name, std::string_view meaning) {
+// Of how the thing moves that a beam meets.
+constexpr Column motionColumn(std::string_view name, std::string_view unit, Channels channels,
+                              std::string_view meaning) {
   return {.name = name,
           .type = ColumnType::Float32,
-          .unit = "m/s",
+          .unit = unit,
           .meaning = meaning,
           .none = 0,
           .origin = ColumnOrigin::Hit,
-          .channels = Channel::Instance,
+          .channels = channels,
           .byDefault = false,
           .validity = ColumnValidity::Finite,
-          .display = {.unit = "m/s", .decimals = 3}};
+          .display = {.unit = unit, .decimals = 3}};
 }
 
 // In the order in which files hold them, behind x, y and z.
@@ -258,11 +260,16 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .byDefault = false,
      .validity = ColumnValidity::Finite,
      .display = {.decimals = 4, .scalePower = 2, .scaleClipped = 0.01}},
-    velocityColumn("velocity_x",
-                   "velocity over ground of the thing that the beam meets, along the sensor's x axis; 0: "
-                   "it stands, or is no thing"),
-    velocityColumn("velocity_y", "likewise along the y axis"),
-    velocityColumn("velocity_z", "likewise along the z axis"),
+    motionColumn("velocity_x", "m/s", Channel::Instance,
+                 "velocity over ground of the thing that the beam meets, along the sensor's x axis; 0: "
+                 "it stands, or is no thing"),
+    motionColumn("velocity_y", "m/s", Channel::Instance, "likewise along the y axis"),
+    motionColumn("velocity_z", "m/s", Channel::Instance, "likewise along the z axis"),
+    motionColumn("flow_x", "m", Channel::Instance | Channel::Primitive,
+                 "scene flow: how far what the beam meets moves over ground until the next frame, along the sensor's x "
+                 "axis; 0: it stands, or is no thing"),
+    motionColumn("flow_y", "m", Channel::Instance | Channel::Primitive, "likewise along the y axis"),
+    motionColumn("flow_z", "m", Channel::Instance | Channel::Primitive, "likewise along the z axis"),
 });
 
 inline constexpr std::size_t kColumnCount = kColumns.size();

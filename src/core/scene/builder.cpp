@@ -71,9 +71,9 @@ std::uint32_t SceneBuilder::addMesh(Mesh mesh) {
   return static_cast<std::uint32_t>(scene_.meshes.size() - 1);
 }
 
-void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where,
-                         std::shared_ptr<const Movement> movement, std::shared_ptr<const Animation> animation,
-                         const std::string& thing) {
+Instance& SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where,
+                              std::shared_ptr<const Movement> movement, std::shared_ptr<const Animation> animation,
+                              const std::string& thing) {
   const Mat3& linear = worldFromMesh.linear;
   if (!isFinite(linear.x) || !isFinite(linear.y) || !isFinite(linear.z) || !isFinite(worldFromMesh.translation)) {
     throw InputError(where, fmt::format("the transform of '{}' is not finite", name));
@@ -102,6 +102,7 @@ void SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, std::s
   const Affine start = movement == nullptr ? worldFromMesh : toAffine(movement->at(0)) * worldFromMesh;
   scene_.instances.push_back({mesh, start, id, std::move(name), std::move(movement), std::move(animation)});
   nextInstanceId_ += objects;
+  return scene_.instances.back();
 }
 
 void SceneBuilder::countRule(const Rule& rule, std::uint64_t matched, std::uint64_t decided) {

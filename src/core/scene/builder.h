@@ -41,9 +41,10 @@ class SceneBuilder {
   // order of placement alone. Throws an InputError at `where` for a transform that is singular or not finite.
   // With a movement `worldFromMesh` is its place relative to that of the movement. What is placed under the same name
   // of a thing is that one thing, with one id; an empty one names none. Throws for a mesh of several things with one.
-  void place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where = {},
-             std::shared_ptr<const Movement> movement = nullptr, std::shared_ptr<const Animation> animation = nullptr,
-             const std::string& thing = {});
+  // What is returned holds until the next is placed.
+  Instance& place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where = {},
+                  std::shared_ptr<const Movement> movement = nullptr,
+                  std::shared_ptr<const Animation> animation = nullptr, const std::string& thing = {});
 
   // What has been placed so far.
   const Scene& soFar() const { return scene_; }

@@ -16,11 +16,18 @@ std::uint32_t hash32(std::string_view text) {
   return hash;
 }
 
+std::optional<double> readFacing(Fields& object) {
+  if (!object.has("facing")) return {};
+  const std::string way = object.choice("facing", {"x", "y", "-x", "-y"}, "x");
+  return way == "x" ? 0 : way == "y" ? kPi / 2 : way == "-x" ? kPi : -kPi / 2;
+}
+
 }  // namespace
 
 Copies ObjectPlacer::read(Fields& object) const {
-  Copies copies{readPlacement(object), Arrangement(object, builder_.ontology()), object.text("thing", ""), nullptr,
-                nullptr};
+  Copies copies{
+      readPlacement(object), Arrangement(object, builder_.ontology()), object.text("thing", ""), nullptr, nullptr,
+      readFacing(object)};
   const Value* const moving = object.find("moving");
   if (moving == nullptr) return copies;
   if (copies.arrangement.needsSurfaces()) {
@@ -94,13 +101,15 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
     const std::vector<PlacedMesh>& meshes = meshesOf(variant);
     for (const PlacedMesh& m : meshes) {
       if (m.assetFromMesh.empty()) {
-        builder_.place(m.mesh, worldFromAsset, own, where, copies.movement, copies.animation, thing);
+        builder_.place(m.mesh, worldFromAsset, own, where, copies.movement, copies.animation, thing).facing =
+            copies.facing;
       }
       for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
         const bool alone = meshes.size() == 1 && m.assetFromMesh.size() == 1;
-        builder_.place(m.mesh, worldFromAsset * m.assetFromMesh[i],
-                       alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), where, copies.movement, nullptr,
-                       thing);
+        builder_
+            .place(m.mesh, worldFromAsset * m.assetFromMesh[i],
+                   alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), where, copies.movement, nullptr, thing)
+            .facing = copies.facing;
       }
     }
   }

@@ -26,6 +26,7 @@ struct Copies {
   std::string thing;                           // that the n-th copies of all objects with it are; empty: none
   std::shared_ptr<const Movement> movement;    // null: it stands still
   std::shared_ptr<const Animation> animation;  // null: it keeps its mesh
+  std::optional<double> facing = {};           // see Instance
 };
 
 // The meshes that a copy may have, one of several sets at random.

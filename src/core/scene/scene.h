@@ -77,6 +77,8 @@ struct Instance {
   std::string name;
   std::shared_ptr<const Movement> movement = nullptr;    // null: it stands still
   std::shared_ptr<const Animation> animation = nullptr;  // null: it keeps its mesh
+  // The way that its things face (rad, from the mesh's x towards its y); none: along x, if it is one thing.
+  std::optional<double> facing = {};
 
   bool moves() const { return movement != nullptr || animation != nullptr; }
   // Where it is at a time (s since the drive began); worldFromMesh is where it is at 0.

@@ -44,6 +44,7 @@
 // and has a name, a position and copies (see scene/placement.h and scene/arrangement.h), and, but for streets and
 // towns, may move:
 //
+//   facing: -y                           # the way that the model faces: for boxes of objects
 //   moving: {velocity: [8, 0, 0]}        # see scene/movement.h; position and rotation are then relative to it
 
 #include <fmt/format.h>
@@ -117,10 +118,11 @@ class SceneReader {
       ++count;
     }
     if (count != 1) {
-      f.also({"file",     "primitive", "street",   "town",     "name",   "position", "yaw_deg", "pitch_deg",
-              "roll_deg", "rotation",  "scale",    "copies",   "up",     "unit",     "alpha",   "instances",
-              "rules",    "class",     "material", "size",     "cells",  "radius",   "height",  "segments",
-              "moving",   "animation", "vary",     "stand_on", "points", "heights",  "thing",   "allow_outside"})
+      f.also({"file",      "primitive", "street",   "town",          "name",      "position", "yaw_deg",
+              "pitch_deg", "roll_deg",  "rotation", "scale",         "copies",    "up",       "unit",
+              "alpha",     "instances", "rules",    "class",         "material",  "size",     "cells",
+              "radius",    "height",    "segments", "moving",        "animation", "vary",     "stand_on",
+              "points",    "heights",   "thing",    "allow_outside", "facing"})
           .finish();
       throw InputError(where,
                        "an object is exactly one of file, primitive, street and town (`town: {}` where all of its "

@@ -73,13 +73,42 @@ Quat axesOf(const Mat3& linear) {
   return fromMatrix({x, cross(z, x), z});
 }
 
-template <class Visit>
-void forCorners(const Mesh& mesh, std::uint32_t object, const Visit& visit) {
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (mesh.surfaces[mesh.surfaceOf[t]].object != object) continue;
-    for (const std::uint32_t corner : mesh.triangles[t]) visit(Vec3d(mesh.positions[corner]));
+// The triangles of each object of a mesh, so that a mesh of thousands is not searched for each.
+class ObjectTriangles {
+ public:
+  explicit ObjectTriangles(const Mesh& mesh) : mesh_(mesh), firstOf_(mesh.objects + std::size_t{2}) {
+    const auto objectOf = [&](std::size_t t) { return mesh.surfaces[mesh.surfaceOf[t]].object; };
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) ++firstOf_[objectOf(t) + std::size_t{1}];
+    for (std::size_t i = 1; i < firstOf_.size(); ++i) firstOf_[i] += firstOf_[i - 1];
+    triangles_.resize(mesh.triangles.size());
+    std::vector<std::uint32_t> next(firstOf_.begin(), firstOf_.end() - 1);
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) triangles_[next[objectOf(t)]++] = t;
   }
-}
+
+  template <class Visit>
+  void forCorners(std::uint32_t object, const Visit& visit) const {
+    for (std::uint32_t i = firstOf_[object]; i < firstOf_[object + std::size_t{1}]; ++i) {
+      for (const std::uint32_t corner : mesh_.triangles[triangles_[i]]) visit(Vec3d(mesh_.positions[corner]));
+    }
+  }
+
+ private:
+  const Mesh& mesh_;
+  std::vector<std::uint32_t> firstOf_;    // per object, from 0 (stuff): index into triangles_, and at last their number
+  std::vector<std::uint32_t> triangles_;  // by objects
+};
+
+// Of the meshes that were asked for so far.
+class TrianglesOfMeshes {
+ public:
+  explicit TrianglesOfMeshes(const Scene& scene) : scene_(scene) {}
+
+  const ObjectTriangles& of(std::uint32_t mesh) { return known_.try_emplace(mesh, scene_.meshes[mesh]).first->second; }
+
+ private:
+  const Scene& scene_;
+  std::map<std::uint32_t, ObjectTriangles> known_;
+};
 
 // What of a mesh is the object.
 struct Share {
@@ -119,6 +148,7 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
   std::vector<std::vector<Share>> shares;
   shares.reserve(scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) shares.push_back(sharesOf(mesh));
+  TrianglesOfMeshes triangles(scene);
   std::map<std::uint32_t, std::vector<Part>> partsOf;  // by id
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
@@ -137,28 +167,30 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
     Thing thing;
     thing.id = id;
     thing.name = main.name;
-    thing.headingKnown = scene.meshes[main.mesh].objects == 1;
-    std::map<std::uint16_t, std::uint64_t> triangles;
+    thing.headingKnown = main.facing.has_value() || scene.meshes[main.mesh].objects == 1;
+    std::map<std::uint16_t, std::uint64_t> ofClass;
     std::set<std::string> nodes;
     for (const Part& part : parts) {
       const Instance& instance = scene.instances[part.instance];
       thing.moves =
           thing.moves || instance.animation != nullptr || (instance.movement != nullptr && instance.movement->moves());
-      for (const auto& [semantic, count] : shareOf(part).ofClass) triangles[semantic] += count;
+      for (const auto& [semantic, count] : shareOf(part).ofClass) ofClass[semantic] += count;
       nodes.insert(shareOf(part).nodes.begin(), shareOf(part).nodes.end());
     }
-    thing.semantic = std::max_element(triangles.begin(), triangles.end(), [](const auto& a, const auto& b) {
+    thing.semantic = std::max_element(ofClass.begin(), ofClass.end(), [](const auto& a, const auto& b) {
                        return a.second < b.second;
                      })->first;
     thing.parts.assign(nodes.begin(), nodes.end());
 
     Pose worldFromThing{axesOf(main.worldFromMesh.linear), main.worldFromMesh.translation};
-    if (!thing.headingKnown) {
+    if (main.facing) {
+      worldFromThing.rotation = worldFromThing.rotation * fromYawPitchRoll(*main.facing, 0, 0);
+    } else if (!thing.headingKnown) {
       std::vector<Point2> ground;
       const Pose thingFromWorld = inverse(worldFromThing);
       for (const Part& part : parts) {
         const Instance& instance = scene.instances[part.instance];
-        forCorners(scene.meshes[instance.mesh], part.object, [&](const Vec3d& corner) {
+        triangles.of(instance.mesh).forCorners(part.object, [&](const Vec3d& corner) {
           const Vec3d p = thingFromWorld * (instance.worldFromMesh * corner);
           ground.push_back({p.x, p.y});
         });
@@ -168,27 +200,22 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
     const Pose thingFromWorld = inverse(worldFromThing);
     for (Part& part : parts) {
       const Instance& instance = scene.instances[part.instance];
+      // As the first part's, where both move alike.
+      const Affine thingFromMesh = toAffine(thingFromWorld) * instance.worldFromMesh;
+      const auto add = [&](std::uint32_t mesh) {
+        Box box;
+        triangles.of(mesh).forCorners(part.object, [&](const Vec3d& corner) { box.add(thingFromMesh * corner); });
+        part.ofShape.push_back(box);
+      };
       if (instance.animation == nullptr) {
-        part.ofShape.push_back(boxOf(part, scene.meshes[instance.mesh], thingFromWorld));
+        add(instance.mesh);
       } else {
-        for (const std::uint32_t mesh : instance.animation->meshes) {
-          part.ofShape.push_back(boxOf(part, scene.meshes[mesh], thingFromWorld));
-        }
+        for (const std::uint32_t mesh : instance.animation->meshes) add(mesh);
       }
     }
     things_.push_back(std::move(thing));
     places_.push_back({worldFromThing, std::move(parts)});
   }
-}
-
-Box ThingBoxes::boxOf(const Part& part, const Mesh& mesh, const Pose& thingFromWorld) const {
-  const Affine& worldFromMesh = scene_.instances[part.instance].worldFromMesh;
-  const Mat3 turned = toMatrix(thingFromWorld.rotation);
-  const Affine thingFromMesh =
-      Affine{turned, thingFromWorld.translation} * worldFromMesh;  // as the first part's, where both move alike
-  Box box;
-  forCorners(mesh, part.object, [&](const Vec3d& corner) { box.add(thingFromMesh * corner); });
-  return box;
 }
 
 // What takes the instance from where it is at the time 0 to where it is at another.

@@ -25,8 +25,9 @@ struct Thing {
   std::uint16_t semantic = 0;      // the class of most of its triangles
   std::string name;                // of the instance that most of its triangles are of
   std::vector<std::string> parts;  // names of the nodes that it is made of, in order, each once; "" is none
-  // The box has the axes of the placed object. False for one of several things in a file: then its box is the one that
-  // covers least ground, its length the longer side, and front and back are not told apart.
+  // The box has the axes of the placed object, turned so that x is the way it faces (Instance::facing). False for one
+  // of several things in a file, none of which is said to face any way: then its box is the one that covers least
+  // ground, its length the longer side, and front and back are not told apart.
   bool headingKnown = true;
   bool moves = false;
 };
@@ -57,7 +58,6 @@ class ThingBoxes {
     std::vector<Part> parts;  // the first gives the axes
   };
 
-  Box boxOf(const Part& part, const Mesh& mesh, const Pose& thingFromWorld) const;
   Pose motion(const Instance& instance, double time) const;
 
   const Scene& scene_;

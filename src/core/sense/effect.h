@@ -24,6 +24,7 @@ class Effect {
   virtual ~Effect() = default;
   virtual Channels reads() const = 0;                    // columns of Hits that apply() looks at
   virtual bool setsIntensity() const { return false; }   // fills Returns::power and Returns::intensity
+  virtual double fullIntensity() const { return 1; }     // what stands for 1 in the intensity that it sets
   virtual bool needsIntensity() const { return false; }  // cannot run unless an earlier effect sets it
   virtual bool setsSnr() const { return false; }         // fills Returns::snr
   virtual bool needsSnr() const { return false; }        // cannot run unless an earlier effect sets it

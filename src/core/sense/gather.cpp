@@ -328,6 +328,8 @@ class Gathering {
       copy(returns_.power, moves_.row, values);
     } else if constexpr (name.starts_with("velocity_")) {
       putVelocities(name.back(), values);
+    } else if constexpr (name.starts_with("flow_")) {
+      putFlow(name.back(), values);
     } else if constexpr (name == "azimuth") {
       putHits(key, values, [&](std::uint32_t hit) {
         const Vec3d p = placeOf(hit);
@@ -355,14 +357,29 @@ class Gathering {
     }
   }
 
-  // In the axes in which points are given.
   void putVelocities(char axis, std::vector<float>& values) {
+    putMotion(axis, values, [&](std::uint32_t hit, const Vec3d& place, double) {
+      return motions_->velocity(hits_.instance[hit], place);
+    });
+  }
+
+  void putFlow(char axis, std::vector<float>& values) {
+    putMotion(axis, values, [&](std::uint32_t hit, const Vec3d& place, double time) {
+      return motions_->flow(hits_.instance[hit], hits_.primitive[hit], place, time);
+    });
+  }
+
+  // In the axes in which points are given. `of(hit, place, time)`: in world axes, of a place in the world that is met
+  // at a time (s since the start of the revolution).
+  template <class Of>
+  void putMotion(char axis, std::vector<float>& values, const Of& of) {
     put(values, [&](std::size_t m) {
       const std::uint32_t hit = moves_.hit[m];
       if (motions_ == nullptr || hit == kNoHit || hits_.instance[hit] == 0) return 0.0f;
       const Pose& worldFromSensor =
           shot_.worldFromSensor[shot_.worldFromSensor.size() == 1 ? 0 : shot_.stepOf(moves_.column[m])];
-      const Vec3d v = motions_->velocity(hits_.instance[hit], worldFromSensor * placeOf(hit));
+      const double time = shot_.duration > 0 ? double{beams_.time[moves_.beam[m]]} : 0;
+      const Vec3d v = of(hit, worldFromSensor * placeOf(hit), time);
       const Pose& given = shot_.deskew ? shot_.worldFromSensor.front() : worldFromSensor;
       const Vec3d own = transposed(toMatrix(given.rotation)) * v;
       return static_cast<float>(axis == 'x' ? own.x : axis == 'y' ? own.y : own.z);

@@ -66,6 +66,11 @@ class Returns {
   std::uint32_t number(std::size_t row) const { return onePerBeam() ? 0 : number_[row]; }
   // Index into Hits, or kNoHit.
   std::uint32_t hit(std::size_t row) const { return onePerBeam() ? static_cast<std::uint32_t>(row) : hit_[row]; }
+  // Of the thing that a row is of; 0: none. Needs the channel Instance.
+  std::uint32_t instanceOf(std::size_t row, const Hits& hits) const {
+    if (!instance.empty()) return instance[row];
+    return hit(row) == kNoHit ? 0 : hits.instance[hit(row)];
+  }
   Cause cause(std::size_t row) const { return cause_.empty() ? Cause::Surface : cause_[row]; }
 
   void remove(std::size_t row) { range[row] = kMiss; }

@@ -1,6 +1,8 @@
 #include "sense/thing_motions.h"
 
 #include <algorithm>
+#include <iterator>
+#include <string_view>
 
 namespace scanmill {
 
@@ -8,24 +10,42 @@ namespace {
 
 constexpr double kMoment = 0.01;  // s, of a revolution in which all stands still
 
+// How far a place on a triangle moves from one moment of an animation to another: by its barycentric coordinates.
+Vec3d carried(const Mesh& now, const Mesh& next, std::uint32_t primitive, const Vec3d& place) {
+  const auto corner = [&](const Mesh& mesh, int k) { return Vec3d(mesh.positions[mesh.triangles[primitive][k]]); };
+  const Vec3d a = corner(now, 1) - corner(now, 0);
+  const Vec3d b = corner(now, 2) - corner(now, 0);
+  const Vec3d normal = cross(a, b);
+  const double area = dot(normal, normal);
+  if (!(area > 0)) return {};
+  const Vec3d p = place - corner(now, 0);
+  const double v = dot(cross(p, b), normal) / area;
+  const double w = dot(cross(a, p), normal) / area;
+  const auto moved = [&](int k) { return corner(next, k) - corner(now, k); };
+  return moved(0) * (1 - v - w) + moved(1) * v + moved(2) * w;
+}
+
 }  // namespace
 
 bool ThingMotions::areToldOf(const Scene& scene, const ScanLayout& layout) {
   if (!scene.moves()) return false;
   for (std::size_t c = 0; c < kColumnCount; ++c) {
-    if (layout.columns.has(c) && kColumns[c].name.starts_with("velocity_")) return true;
+    const std::string_view name = kColumns[c].name;
+    if (layout.columns.has(c) && (name.starts_with("velocity_") || name.starts_with("flow_"))) return true;
   }
   const std::vector<SemanticClass>& classes = scene.ontology.classes;
   return layout.columns.has(kLabel) &&
          std::any_of(classes.begin(), classes.end(), [](const SemanticClass& c) { return c.movingOf.has_value(); });
 }
 
-ThingMotions::ThingMotions(const Scene& scene, const Shot& shot) {
+ThingMotions::ThingMotions(const Scene& scene, const Shot& shot)
+    : scene_(scene), time_(shot.time), duration_(shot.duration), untilNext_(shot.untilNext) {
   for (const SemanticClass& c : scene.ontology.classes) {
     if (c.movingOf) movingClasses_.emplace(*c.movingOf, c.id);
   }
   const double duration = shot.duration > 0 ? shot.duration : kMoment;
-  for (const Instance& i : scene.instances) {
+  for (std::uint32_t index = 0; index < scene.instances.size(); ++index) {
+    const Instance& i = scene.instances[index];
     // What an animation alone moves has a class that moves, and the velocity of its place.
     if (i.animation == nullptr && (i.movement == nullptr || !i.movement->moves())) continue;
     const Affine from = i.worldFromMeshAt(shot.time);
@@ -39,7 +59,9 @@ ThingMotions::ThingMotions(const Scene& scene, const Shot& shot) {
     const Motion motion{middle(from.translation, to.translation), change(from.translation, to.translation),
                         changing * inverse(between)};
     for (std::uint32_t object = 1; object <= scene.meshes[i.mesh].objects; ++object) {
-      things_.emplace(instanceId(i.firstInstanceId, object), motion);
+      const std::uint32_t thing = instanceId(i.firstInstanceId, object);
+      things_.emplace(thing, motion);
+      instances_.emplace(thing, index);
     }
   }
 }
@@ -55,6 +77,39 @@ Vec3d ThingMotions::velocity(std::uint32_t thing, const Vec3d& place) const {
   if (found == things_.end()) return {};
   const Motion& m = found->second;
   return m.ofPivot + m.perMetre * (place - m.pivot);
+}
+
+Vec3d ThingMotions::flow(std::uint32_t thing, std::uint32_t primitive, const Vec3d& place, double time) const {
+  const auto [first, last] = instances_.equal_range(thing);
+  if (first == last) return {};
+  if (std::next(first) == last) return flowOf(scene_.instances[first->second], primitive, place, time);
+  // Of a thing of several objects, by that whose triangle of this number is nearest to the place.
+  const Instance* nearest = nullptr;
+  double least = 0;
+  for (auto own = first; own != last; ++own) {
+    const Instance& instance = scene_.instances[own->second];
+    const Mesh& mesh = scene_.meshes[instance.meshAt(time_ + duration_ / 2)];
+    if (primitive >= mesh.triangles.size()) continue;
+    const Affine worldFromMesh = instance.worldFromMeshAt(time_ + time);
+    const auto corner = [&](int k) { return worldFromMesh * Vec3d(mesh.positions[mesh.triangles[primitive][k]]); };
+    const double off = length(place - (corner(0) + corner(1) + corner(2)) * (1.0 / 3));
+    if (nearest != nullptr && off >= least) continue;
+    nearest = &instance;
+    least = off;
+  }
+  return nearest == nullptr ? Vec3d{} : flowOf(*nearest, primitive, place, time);
+}
+
+Vec3d ThingMotions::flowOf(const Instance& instance, std::uint32_t primitive, const Vec3d& place, double time) const {
+  const Affine worldFromMesh = instance.worldFromMeshAt(time_ + time);
+  const Affine then = instance.worldFromMeshAt(time_ + time + untilNext_);
+  Vec3d inMesh = inverse(worldFromMesh) * place;
+  const Mesh& now = scene_.meshes[instance.meshAt(time_ + duration_ / 2)];
+  const Mesh& next = scene_.meshes[instance.meshAt(time_ + duration_ / 2 + untilNext_)];
+  if (&now != &next && now.triangles.size() == next.triangles.size() && primitive < now.triangles.size()) {
+    inMesh = inMesh + carried(now, next, primitive, inMesh);
+  }
+  return then * inMesh - place;
 }
 
 }  // namespace scanmill

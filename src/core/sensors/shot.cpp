@@ -36,6 +36,16 @@ Motion readMotion(const Value* value) {
   return motion;
 }
 
+namespace {
+
+double untilNextFrame(const Trajectory& trajectory, std::uint32_t frame, double period) {
+  if (trajectory.frames() < 2) return period;
+  const std::uint32_t from = std::min(frame, trajectory.frames() - 2);
+  return trajectory.frameTime(from + 1) - trajectory.frameTime(from);
+}
+
+}  // namespace
+
 Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& trajectory, std::uint32_t frame,
               const Pose& vehicleFromSensor, const Motion& motion) {
   std::shared_ptr<const BeamTable> beams = beamsAt(table, trajectory.frameTime(frame));
@@ -56,6 +66,7 @@ Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& t
   shot.frame = frame;
   shot.time = trajectory.frameTime(frame);
   shot.duration = duration;
+  shot.untilNext = untilNextFrame(trajectory, frame, beams->period);
   shot.deskew = motion.deskew;
   shot.worldFromSensor.reserve(steps);
   for (std::uint64_t step = 0; step < steps; ++step) {

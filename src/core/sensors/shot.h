@@ -23,6 +23,8 @@ struct Shot {
   std::string sample;   // key of the sample, which names the files that are kept of the shot
   double time = 0;      // s since the start of the sequence, of column 0
   double duration = 0;  // s, over which objects of the scene move on; 0: they stand as at `time`
+  // s from `time` to the sequence's next frame; of its last one as long as before, of an only one a revolution.
+  double untilNext = 0;
   std::shared_ptr<const BeamTable> beams;
 
   // The pose at the start of each step of the revolution. With one entry the sensor stands still during the revolution.

@@ -534,6 +534,15 @@ TEST_F(SceneReader, objectsMoveWithTheirCopies) {
   EXPECT_EQ(scene.meshes.size(), 1u);
 }
 
+TEST_F(SceneReader, objectsFaceAWay) {
+  const Scene scene = read(std::string(kBox) +
+                           ", facing: -y, copies: {grid: {count: [2, 1, 1], spacing: [4, 0, 0]}}}\n" + kBox + "}\n");
+  ASSERT_EQ(scene.instances.size(), 3u);
+  EXPECT_EQ(scene.instances[1].facing, -kPi / 2);
+  EXPECT_FALSE(scene.instances[2].facing.has_value());
+  EXPECT_THAT(messageOf([&] { read(std::string(kBox) + ", facing: north}\n"); }), testing::HasSubstr("-x"));
+}
+
 TEST_F(SceneReader, aTownStandsAlone) {
   const auto refusal = [&](const std::string& objects) { return messageOf([&] { read(objects); }); };
   EXPECT_THAT(refusal("  - town: {length: 100}\n  - town: {length: 100}\n"), testing::HasSubstr("one a scene"));

@@ -76,6 +76,20 @@ TEST(ThingBoxes, HaveTheAxesOfThePlacedObject) {
   for (const std::size_t thing : {0u, 1u}) expectTight(scene, boxes, thing, 0, 1e-6);
 }
 
+// Only the axes change: the box is about the same triangles.
+TEST(ThingBoxes, FaceTheWayThatTheModelDoes) {
+  SceneBuilder builder = testBuilder();
+  const std::uint32_t mesh = builder.addMesh(boxMesh(builder, {2, 4, 1.5}, at(0.5, 0, 0.75)));
+  builder.place(mesh, turned(0.5, 0, 0, {1, 1, 1}, {10, 20, 3}), "car").facing = -kPi / 2;
+  const Scene scene = builder.finish();
+  const ThingBoxes boxes(scene);
+  EXPECT_TRUE(boxes.things()[0].headingKnown);
+  const OrientedBox box = boxes.at(0, 0);
+  expectNear(box.size, {4, 2, 1.5});
+  expectNear(toMatrix(box.worldFromBox.rotation).x, {std::cos(0.5 - kPi / 2), std::sin(0.5 - kPi / 2), 0});
+  expectTight(scene, boxes, 0, 0, 1e-5);
+}
+
 TEST(ThingBoxes, OfSeveralThingsInAFileCoverTheLeastGround) {
   SceneBuilder builder = testBuilder();
   Mesh mesh = meshOf(builder, "thing");

@@ -58,6 +58,52 @@ TEST(ThingMotions, TurnWithWhatTurns) {
   }
 }
 
+// Carried by the thing itself: exact on a circle too, where velocity times time is not.
+TEST(ThingMotions, FlowLeadsToTheSamePlaceOfTheSurface) {
+  constexpr double kRadius = 20;
+  constexpr double kSpeed = 10;
+  std::vector<Vec3d> circle;
+  for (int k = 0; k <= 720; ++k) {
+    circle.push_back({kRadius * std::cos(radians(0.5 * k)), kRadius * std::sin(radians(0.5 * k)), 0});
+  }
+  const auto path = std::make_shared<const Path>(circle);
+  const Scene scene = sceneOf(std::make_shared<Movement>(path, 0, kSpeed));
+  Shot shot = shotAtTime(1, 0.1);
+  shot.untilNext = 0.5;
+  const ThingMotions motions(scene, shot);
+  for (const double time : {0.0, 0.04, 0.1}) {
+    const Pose now = path->pose((1 + time) * kSpeed);
+    const Pose then = path->pose((1.5 + time) * kSpeed);
+    for (const Vec3d& own : {Vec3d{1, 0.5, 0.2}, Vec3d{-1, -1, 1}}) {
+      EXPECT_NEAR(length(now * own + motions.flow(2, 0, now * own, time) - then * own), 0, 1e-9);
+    }
+  }
+  EXPECT_EQ(motions.flow(1, 0, {10, 0, 0}, 0), Vec3d{}) << "it stands";
+  EXPECT_EQ(motions.flow(0, 0, {10, 0, 0}, 0), Vec3d{}) << "it is no thing";
+}
+
+// What an animation does to a triangle it does to the places on it.
+TEST(ThingMotions, FlowFollowsTheShape) {
+  SceneBuilder builder = testBuilder();
+  std::vector<std::uint32_t> moments;
+  for (const float height : {1.0f, 3.0f}) {
+    Mesh mesh = meshOf(builder, "thing");
+    mesh.positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, height}};
+    mesh.triangles = {{0, 1, 2}};
+    mesh.surfaceOf = {0};
+    moments.push_back(builder.addMesh(mesh));
+  }
+  builder.place(moments[0], at(5, 0, 0), "grows", {}, nullptr,
+                std::make_shared<const Animation>(Animation{moments, 2, 100}));
+  const Scene scene = builder.finish();
+  Shot shot = shotAtTime(0.2, 0);
+  shot.untilNext = 1;
+  const ThingMotions motions(scene, shot);
+  EXPECT_NEAR(length(motions.flow(1, 0, {5, 2, 1}, 0) - Vec3d{0, 0, 2}), 0, 1e-6) << "the corner that rises";
+  EXPECT_NEAR(length(motions.flow(1, 0, {5, 1, 0.5}, 0) - Vec3d{0, 0, 1}), 0, 1e-6);
+  EXPECT_NEAR(length(motions.flow(1, 0, {6, 0, 0}, 0)), 0, 1e-6);
+}
+
 TEST(ThingMotions, HaveTheClassesOfWhatMoves) {
   Scene scene = sceneOf(std::make_shared<Movement>(Vec3d{1, 0, 0}));
   const std::uint16_t still = scene.meshes[0].surfaces[0].semantic;

@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "methods/ray_tracing/options.h"
 #include "methods/ray_tracing/packet.h"
+#include "methods/ray_tracing/unobstructed.h"
 #include "methods/world/worlds.h"
 #include "scene/simplify.h"
 
@@ -21,11 +22,10 @@ namespace scanmill {
 namespace {
 
 constexpr double kRingWeight = 3.5;
-constexpr std::uint64_t kBytesPerTriangle = 150;      // measured: hierarchy, corners, records
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // measured: the scene's own mesh
 
 HierarchyOptions hierarchy(const RayTracingOptions& options) {
-  return {options.robust, options.quality, tieFilter, alphaTieFilter};
+  return {options.robust, options.quality, tieFilter, alphaTieFilter, thingFilter};
 }
 
 class RayTracing : public Method {
@@ -92,15 +92,11 @@ class RayTracing : public Method {
   }
 
   std::uint64_t memoryBytes() const override {
-    std::uint64_t triangles = 0;  // of the hierarchy: each baked copy, each instanced mesh once
-    for (const Instance& i : scene_.instances)
-      triangles += worlds_.instanced(i.mesh) ? 0 : scene_.meshes[i.mesh].triangles.size();
-    for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
-      triangles += worlds_.instanced(m) ? scene_.meshes[m].triangles.size() : 0;
-    }
     const std::uint64_t inScenes = original_.triangles() + (simplified_ ? scene_.triangles() : 0);
-    return triangles * kBytesPerTriangle + inScenes * kBytesPerSceneTriangle;
+    return worlds_.memoryBytes() + inScenes * kBytesPerSceneTriangle;
   }
+
+  const Worlds* worlds() const override { return simplified_ ? nullptr : &worlds_; }
 
  private:
   std::shared_ptr<const World> worldOf(const Shot& shot) const {

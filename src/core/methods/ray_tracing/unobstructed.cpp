@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "methods/world/resolve.h"
@@ -90,6 +91,16 @@ double angleOf(const Extent& extent, const ShotFrame& frame, double offset) {
   return angle;
 }
 
+// Of one ring: heads turn, and the rings of a column fire at almost the same time.
+std::uint32_t nearestBeam(const BeamTable& beams, const Vec3d& direction) {
+  const std::uint32_t first = beams.rings / 2 * beams.columns;
+  std::uint32_t nearest = first;
+  for (std::uint32_t beam = first; beam < first + beams.columns; ++beam) {
+    if (dot(beams.direction[beam], direction) > dot(beams.direction[nearest], direction)) nearest = beam;
+  }
+  return nearest;
+}
+
 }  // namespace
 
 // Lets rays through all that is not the thing, and what is cut out of it.
@@ -112,7 +123,7 @@ void thingFilter(const RTCFilterFunctionNArguments* a) {
   }
 }
 
-std::uint32_t Unobstructed::beamsOn(std::size_t thing, const Shot& shot, const BeamGrid& grid) const {
+Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const BeamGrid& grid) const {
   const BeamTable& beams = *shot.beams;
   const std::shared_ptr<const World> world =
       worlds_.near(shot.worldFromSensor.front().translation, shot.time, shot.duration);
@@ -141,7 +152,7 @@ std::uint32_t Unobstructed::beamsOn(std::size_t thing, const Shot& shot, const B
     rtcOccluded1(world->embree.get(), &context.embree, &ray);
     return ray.tfar < 0;
   };
-  std::uint32_t count = 0;
+  std::vector<std::pair<double, std::uint32_t>> firing;  // and the beam
   grid.forBeamsNear(direction, angle, [&](std::uint32_t beam) {
     const std::uint32_t column = beam % beams.columns;
     const std::size_t step = frame.rotation.size() == 1 ? 0 : shot.stepOf(column);
@@ -156,9 +167,12 @@ std::uint32_t Unobstructed::beamsOn(std::size_t thing, const Shot& shot, const B
     if (inside->enter < beams.minRange && blocked(o, d, inside->enter, beams.minRange, part)) return;
     const double from = std::max(inside->enter, beams.minRange);
     const double to = std::min(inside->leave, beams.maxRange);
-    if (from <= to && blocked(o, d, from, to, part)) ++count;
+    if (from <= to && blocked(o, d, from, to, part)) firing.emplace_back(time, beam);
   });
-  return count;
+  if (firing.empty()) return {0, nearestBeam(beams, direction)};
+  const auto middle = firing.begin() + static_cast<std::ptrdiff_t>(firing.size() / 2);
+  std::nth_element(firing.begin(), middle, firing.end());
+  return {static_cast<std::uint32_t>(firing.size()), middle->second};
 }
 
 }  // namespace scanmill

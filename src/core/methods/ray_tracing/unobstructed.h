@@ -22,9 +22,15 @@ class Unobstructed {
   // All must outlive it. `worlds`: of the scene that `boxes` are of, with thingFilter() for occlusions.
   Unobstructed(const Worlds& worlds, const ThingBoxes& boxes) : worlds_(worlds), boxes_(boxes) {}
 
-  // How many beams of a shot would meet the thing within the sensor's range, each by one ray along its axis. `grid`: of
-  // the shot's beams. Safe to call from several threads.
-  std::uint32_t beamsOn(std::size_t thing, const Shot& shot, const BeamGrid& grid) const;
+  struct View {
+    std::uint32_t beams = 0;  // that would meet the thing within the sensor's range
+    // Index of the one that fires in the middle of them; where there is none, of one that fires when the sensor looks
+    // into the direction in which the thing lies.
+    std::uint32_t middle = 0;
+  };
+  // Of a thing in a shot, by one ray along the axis of each beam. `grid`: of the shot's beams. Safe to call from
+  // several threads.
+  View of(std::size_t thing, const Shot& shot, const BeamGrid& grid) const;
 
  private:
   const Worlds& worlds_;

@@ -9,6 +9,8 @@ namespace {
 constexpr double kOriginGrid = 1024;        // m
 constexpr std::size_t kWorldsInMemory = 2;  // origins that a drive across a grid line needs at once, or revolutions
 
+constexpr std::uint64_t kBytesPerTriangle = 150;  // measured: hierarchy, corners, records
+
 }  // namespace
 
 Worlds::Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions& options)
@@ -19,6 +21,16 @@ Worlds::Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions
       moves_(scene.moves()),
       instanced_(instancedMeshes(scene, instancing)),
       shared_(buildSharedMeshes(device_.get(), scene, instanced_, options)) {}
+
+std::uint64_t Worlds::memoryBytes() const {
+  std::uint64_t triangles = 0;  // each baked copy, each instanced mesh once
+  for (const Instance& i : scene_.instances)
+    triangles += instanced_[i.mesh] ? 0 : scene_.meshes[i.mesh].triangles.size();
+  for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
+    triangles += instanced_[m] ? scene_.meshes[m].triangles.size() : 0;
+  }
+  return triangles * kBytesPerTriangle;
+}
 
 std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double time, double duration) const {
   const auto cell = [](double d) { return std::round(d / kOriginGrid) * kOriginGrid; };

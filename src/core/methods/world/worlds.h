@@ -2,6 +2,7 @@
 
 // Worlds near sensors, built when they are first needed.
 
+#include <cstdint>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -24,6 +25,8 @@ class Worlds {
   std::shared_ptr<const World> near(const Vec3d& sensor, double time, double duration) const;
   bool moves() const { return moves_; }
   bool instanced(std::size_t mesh) const { return instanced_[mesh]; }
+  // What a world takes with all that it shares with others.
+  std::uint64_t memoryBytes() const;
 
  private:
   const Scene& scene_;

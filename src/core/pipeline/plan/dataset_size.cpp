@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dataset/manifest.h"
+#include "dataset/objects.h"
 #include "dataset/sample_json.h"
 #include "dataset/shard.h"
 #include "formats/reasons_png.h"
@@ -17,6 +18,7 @@ constexpr double kWidest = -1.2345678901234567e-100;  // no number of a pose has
 constexpr double kManifestNotes = 4096;               // what the method has modelled, stages, hashes
 constexpr double kShardRecord = 300;                  // of the manifest
 constexpr double kSeparators = 64;                    // a record within its list
+constexpr std::uint64_t kUsualObjects = 1000;         // near the sensors of a sample, at most
 constexpr double kReserve = 10;                       // m; with twice the range: noise, and the way of a revolution
 
 double bytesOf(const std::string& text) {
@@ -27,6 +29,14 @@ std::string longestMethodName() {
   std::string longest;
   for (const MethodEntry& m : methods()) longest = m.name.size() > longest.size() ? std::string(m.name) : longest;
   return longest;
+}
+
+// What a sample's list of so many objects takes.
+double objectsBytes(const Plan& plan, std::uint64_t objects) {
+  constexpr double kObject = 700;  // without its views; names are longer than this leaves for them but rarely
+  constexpr double kView = 450;
+  if (!plan.pipeline().objects) return 0;
+  return static_cast<double>(objects) * (kObject + kView * static_cast<double>(plan.beams().size()));
 }
 
 // The sample whose descriptions are the longest: every beam meets every class, as often as it can.
@@ -52,6 +62,10 @@ SampleRecord longestSample(const Plan& plan, const Sequence& sequence, const Ont
     }
     for (const FormatChoice& f : pipeline.formats) {
       sample.members.push_back(sample.key + "." + memberSuffix(scan, f.format->suffix()));
+    }
+    if (pipeline.objects) {
+      std::map<std::uint16_t, ObjectCount>& counts = sample.objects.emplace();
+      for (const SemanticClass& c : ontology.classes) counts[c.id] = {UINT32_MAX, UINT32_MAX};
     }
     if (pipeline.layout.reasons) {
       for (const ReasonEntry& r : reasons()) scan.beamsPerReason[static_cast<std::uint8_t>(r.reason)] = scan.beams;
@@ -104,7 +118,7 @@ double manifestBytes(const Plan& plan, const Ontology& ontology) {
 
 }  // namespace
 
-double mostDatasetBytes(const Plan& plan, const Ontology& ontology) {
+double mostDatasetBytes(const Plan& plan, const Ontology& ontology, std::uint64_t things) {
   const Pipeline& pipeline = plan.pipeline();
   const std::vector<double> scans = scanBytes(plan);
   Manifest alone;
@@ -115,6 +129,10 @@ double mostDatasetBytes(const Plan& plan, const Ontology& ontology) {
   for (const Sequence& sequence : pipeline.sequences) {
     const SampleRecord sample = longestSample(plan, sequence, ontology);
     double bytes = static_cast<double>(ShardFile::memberBytes(sample.members[0].size(), sampleJson(sample).size()));
+    if (pipeline.objects) {
+      const auto length = static_cast<std::uint64_t>(objectsBytes(plan, things));
+      bytes += static_cast<double>(ShardFile::memberBytes(sample.key.size() + 1 + kObjectsSuffix.size(), length));
+    }
     for (std::size_t i = 0; i < scans.size(); ++i) {
       const auto length = static_cast<std::uint64_t>(scans[i]);
       bytes += static_cast<double>(ShardFile::memberBytes(sample.members[i + 1].size(), length));
@@ -132,6 +150,7 @@ double mostSampleBytes(const Plan& plan) {
   constexpr double kHeaders = 1536;       // of a tar member with a long name
   constexpr double kDescription = 16384;  // of a scan, in the sample's .json
   double bytes = kHeaders + kDescription * static_cast<double>(plan.beams().size());
+  if (plan.pipeline().objects) bytes += kHeaders + objectsBytes(plan, kUsualObjects);
   for (const double scan : scanBytes(plan)) bytes += scan + kHeaders;
   return bytes;
 }

@@ -2,14 +2,18 @@
 
 // How large a dataset can become, known before the first ray.
 
+#include <cstdint>
+
 #include "pipeline/plan/plan.h"
 
 namespace scanmill {
 
-// Upper bound of the bytes of shards and manifest, whatever the beams meet. `ontology`: of the scenes.
-double mostDatasetBytes(const Plan& plan, const Ontology& ontology);
+// Upper bound of the bytes of shards and manifest, whatever the beams meet. `ontology`: of the scenes; `things`: that
+// they have at most, where samples list them.
+double mostDatasetBytes(const Plan& plan, const Ontology& ontology, std::uint64_t things = 0);
 
-// Upper bound of the bytes of a sample in its shard, but for classes of very many or very long names.
+// Upper bound of the bytes of a sample in its shard, but for classes of very many or very long names, and for more than
+// a thousand objects where samples list them.
 double mostSampleBytes(const Plan& plan);
 
 }  // namespace scanmill

@@ -92,14 +92,19 @@ bool tellsMovingClasses(const Pipeline& pipeline) {
                      [](const SemanticClass& c) { return c.movingOf.has_value(); });
 }
 
-// A recording does not know how objects moved.
-void checkVelocities(const Pipeline& pipeline) {
+// A recording does not know where objects are, and how they move.
+void checkObjects(const Pipeline& pipeline) {
   if (pipeline.recording == nullptr) return;
-  for (std::size_t i = 0; i < kColumnCount; ++i) {
-    if (!pipeline.layout.columns.has(i) || !kColumns[i].name.starts_with("velocity_")) continue;
+  if (pipeline.objects) {
     throw InputError({pipeline.file.string()},
-                     fmt::format("a recording does not say how objects moved: leave the column {} out, or trace anew",
-                                 kColumns[i].name));
+                     "a recording does not know the boxes of objects: leave `output.objects` out, or trace anew");
+  }
+  for (std::size_t i = 0; i < kColumnCount; ++i) {
+    const std::string_view name = kColumns[i].name;
+    if (!pipeline.layout.columns.has(i) || !(name.starts_with("velocity_") || name.starts_with("flow_"))) continue;
+    throw InputError(
+        {pipeline.file.string()},
+        fmt::format("a recording does not say how objects moved: leave the column {} out, or trace anew", name));
   }
 }
 
@@ -205,12 +210,12 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   checkOntologies(pipeline_);
   checkMotion(pipeline_);
   checkRays(pipeline_);
-  checkVelocities(pipeline_);
+  checkObjects(pipeline_);
   for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
     channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.layout.columns);
     if (pipeline_.lightPaths(s) != nullptr) channels_ |= kLightChannels;
   }
-  if (tellsMovingClasses(pipeline_)) channels_ |= Channel::Instance;
+  if (pipeline_.objects || tellsMovingClasses(pipeline_)) channels_ |= Channel::Instance;
   if (pipeline_.layout.reasons) channels_ |= Channel::Material;  // tells mirrors and glass from what is dark
   traced_ = channels_ | kept;
   const std::uint64_t rays = pipeline_.raysPerFrame();
@@ -457,6 +462,11 @@ std::vector<std::string> Plan::modelled() const {
   for (const auto& [about, names] : ways) lines.push_back(fmt::format("way of {}: {}", fmt::join(names, ", "), about));
   if (pipeline_.recording == nullptr) lines.push_back(vehicleLine());
   lines.push_back(missesLine(pipeline_.layout));
+  if (pipeline_.recording == nullptr) {
+    lines.emplace_back(pipeline_.objects
+                           ? "objects: boxes, and visibility by one ray more for each beam that crosses a box"
+                           : "objects: left out (`output.objects: true` lists their boxes and how much is seen)");
+  }
   if (!columns.has(kRangeTrue)) {
     lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");
   }
@@ -487,8 +497,7 @@ std::uint64_t Plan::bytesInMemory(std::uint64_t scenes) const {
   return scenes + pipeline_.raysPerFrame() * kBeamBytes + framesInFlight() * bytesPerFrameInMemory() + kProgramBytes;
 }
 
-void Plan::checkMemory(const Method& method, const std::string& scene) const {
-  const std::uint64_t bytes = method.memoryBytes();
+void Plan::checkMemory(std::uint64_t bytes, const std::string& scene) const {
   const std::uint64_t needed = bytesInMemory(bytes);
   if (needed <= memoryLimitBytes()) return;
   throw InputError(

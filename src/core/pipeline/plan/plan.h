@@ -73,9 +73,9 @@ class Plan {
   std::size_t framesInFlight() const;
   // What the program takes with scenes of so many bytes, as methods hold them, and the frames in flight.
   std::uint64_t bytesInMemory(std::uint64_t scenes) const;
-  // Throws InputError where a scene, in the form that the method has made of it, and the frames in flight take more
-  // memory than there is. `scene`: what messages call it.
-  void checkMemory(const Method& method, const std::string& scene) const;
+  // Throws InputError where a scene of so many bytes, in the form that the method has made of it, and the frames in
+  // flight take more memory than there is. `scene`: what messages call it.
+  void checkMemory(std::uint64_t bytes, const std::string& scene) const;
 
  private:
   // Drives that follow from their scenes, by their sequences; found when the scenes are loaded.

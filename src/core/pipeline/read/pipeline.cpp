@@ -24,6 +24,8 @@
 //     formats: [pcd, {draco: {max_error_mm: 1}}]
 //     shard_mb: 256                  # or shard_samples: 100
 //     shuffle: false                 # true: neighbours in time need not share a shard
+//     reasons: false                 # true: an image of what became of each beam
+//     objects: false                 # true: boxes of things, and how much of each a sensor sees
 //   limits: {max_rays: 1e11}
 //   tradeoff: {...}                  # of `scanmill tradeoff`: see docs/keys.md
 //   repeatability: {...}             # of `scanmill repeatability`: see docs/keys.md
@@ -250,9 +252,10 @@ std::vector<MountedSensor> readSensors(Fields& fields) {
 
 void readOutput(const Value& value, Pipeline& pipeline) {
   Fields output(value, "output");
-  output.also({"layout", "columns", "formats", "shard_mb", "shard_samples", "shuffle", "reasons"}).finish();
+  output.also({"layout", "columns", "formats", "shard_mb", "shard_samples", "shuffle", "reasons", "objects"}).finish();
   pipeline.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
   pipeline.layout.reasons = output.boolean("reasons", false);
+  pipeline.objects = output.boolean("objects", false);
   if (const Value* list = output.find("columns")) {
     if (list->kind != Value::Kind::Sequence) throw InputError(list->where, "columns must be a list of names");
     pipeline.layout.columns = {};

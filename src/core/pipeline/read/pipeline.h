@@ -90,6 +90,7 @@ struct Pipeline {
   std::vector<Value> effectItems;                         // the list as the file has it, for studies that vary it
   ScanLayout layout;                                      // of the scans that are written
   std::vector<FormatChoice> formats;
+  bool objects = false;          // samples list the things near their sensors, see dataset/objects.h
   bool splitsBySeed = false;     // the splits part scenes by their seeds
   std::uint64_t shardBytes = 0;  // at most
   bool shuffled = false;         // samples are spread over the shards of their split at random

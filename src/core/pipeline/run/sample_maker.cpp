@@ -1,10 +1,12 @@
 #include "pipeline/run/sample_maker.h"
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "formats/reasons_png.h"
 #include "methods/depth_camera/depth_camera.h"
+#include "pipeline/run/object_sheet.h"
 #include "pipeline/run/run_records.h"
 
 namespace scanmill {
@@ -25,8 +27,9 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   // Only now: a scene or a method that cannot be used must not cost the recordings that --overwrite replaces.
   std::call_once(opened_, [&] { recorder_.open(keepHits_, keepPasses_, overwrite_); });
   recorder_.enter(address.sequence, ready->scene, *ready->method);
-  MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}}, ready->facts};
+  MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}, {}}, ready->facts};
   TraceAccount account;
+  std::optional<ObjectSheet> objects;
   std::unique_ptr<ShotBuffers> buffers = buffers_.take();
   for (const Shot& shot : plan_.shots(address.sequence, address.frame)) {
     const ShotSetup setup = setupOf(plan_, ready->scene, *ready->method, shot.sensor);
@@ -36,6 +39,11 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
       senseShot(setup, shot, buffers->hits, buffers->returns, buffers->scan);
     } else {
       account += runShot(setup, shot, *buffers, clock_);
+    }
+    if (ready->objects != nullptr) {
+      const StageTimer timer(clock_, "objects");
+      if (!objects) objects.emplace(*ready->objects, made.sample.key, shot.time);
+      objects->add(shot, pipeline.raysPerBeam(shot.sensor), buffers->hits, buffers->returns);
     }
     if (recorder_.recordsHits()) recorder_.writeHits(shot, buffers->hits);
     std::vector<ScanRecord>& scans = made.sample.scans;
@@ -49,6 +57,12 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
           {memberSuffix(scans.back(), kReasonsSuffix),
            encodeReasons(buffers->scan.reasonOfBeam, buffers->scan.rings, buffers->scan.columns)});
     }
+  }
+  if (objects) {
+    const SampleObjects listed = objects->finish();
+    made.sample.objects = listed.counts();
+    std::vector<Member>& members = made.sample.members;
+    members.insert(members.begin(), {std::string(kObjectsSuffix), objectsJson(listed, ready->scene.ontology)});
   }
   buffers_.give(std::move(buffers));
   scenes_.account(address.sequence, account);

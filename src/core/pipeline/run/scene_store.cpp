@@ -124,7 +124,10 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     ::malloc_trim(0);  // each thread would keep what it has given back of the scene before
     ready.scene = plan_.loadScene(own);
     ready.method = plan_.makeMethod(ready.scene);
-    plan_.checkMemory(*ready.method, "the scene of " + own.key());
+    if (pipeline.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);
+    const std::uint64_t bytes =
+        ready.method->memoryBytes() + (ready.objects == nullptr ? 0 : ready.objects->memoryBytes());
+    plan_.checkMemory(bytes, "the scene of " + own.key());
     ready.facts = std::make_shared<const SceneFacts>(SceneFacts{ready.method->modelled(), ready.scene.ontology});
     TraceAccount account;
     for (const Shot& shot : plan_.shots(sequence, 0)) account += ready.method->prepare(shot);
@@ -138,7 +141,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
       appendNew(more, lines);
     }
     const std::scoped_lock lock(mutex_);
-    largest_ = std::max(largest_, ready.method->memoryBytes());
+    largest_ = std::max(largest_, bytes);
     Told& told = told_[sceneOf_[sequence]];
     if (std::exchange(told.loaded, true)) return;  // it was here before
     told.ofScene = std::move(lines);

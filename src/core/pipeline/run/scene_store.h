@@ -15,6 +15,7 @@
 #include "methods/method.h"
 #include "pipeline/drive/scene_probe.h"
 #include "pipeline/plan/plan.h"
+#include "pipeline/run/object_sheet.h"
 #include "scene/scene.h"
 
 namespace scanmill {
@@ -30,7 +31,8 @@ struct ReadyScene {
   Scene scene;
   std::unique_ptr<Method> method;
   std::shared_ptr<const SceneFacts> facts;
-  std::optional<SceneProbe> probe;  // none for a recording
+  std::optional<SceneProbe> probe;        // none for a recording
+  std::unique_ptr<SceneObjects> objects;  // null where nobody asks for them
 };
 
 // Safe to use from several threads at once: those that need the same scene load it together.

@@ -180,6 +180,12 @@ std::string datasetPage(const DatasetReport& report) {
        "Things may have parts of different classes. These combinations are common here, hence no warning; "
        "instances with rarer ones are listed at the top of the page.",
        mixed});
+  sections.push_back(
+      {"objects", "How much is seen of objects",
+       fmt::format("Every object that the range of a sensor reaches, in {}: whether the scan has points of "
+                   "it, and how many of the beams that would meet it nothing else blocks.",
+                   pluralOf(report.objects.samples, "sample")),
+       objectsOverview(m, report.objects), true});
   sections.push_back({"distances", "Distances and intensities", read,
                       htmlFigures({ringPointsChart(s), ringSharesChart(s), rangesChart(s), intensitiesChart(s)}) +
                           htmlDetails("The figures of the rings", distancesOverview(s))});

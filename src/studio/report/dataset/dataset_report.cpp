@@ -87,6 +87,7 @@ class Examination {
     for (const std::string& fault : report_.shardFaults) sound.push_back(fault.empty());
     const std::vector<ScanPlace> shown = randomScans(manifest, sound, options_.samples, options_.seed);
     read(spread, shown);
+    countObjects(spread);
     count(spread);
     picture(shown);
     return std::move(report_);
@@ -123,6 +124,13 @@ class Examination {
       own.counts = countScan(scan, steps_, poses.empty() ? Mat3() : levelFromSensor(poses.front().rotation));
     }
     if (own.shown) own.scan = std::move(scan);
+  }
+
+  void countObjects(const std::vector<ScanPlace>& spread) {
+    std::vector<std::size_t> samples;
+    for (const ScanPlace& place : spread) samples.push_back(place.sample);
+    samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
+    report_.objects = scanmill::countObjects(folder_, report_.manifest, samples, faults_.scans);
   }
 
   // Of any format: nobody says which one a scan was read from.

@@ -11,6 +11,7 @@
 #include "dataset/manifest.h"
 #include "report/dataset/dataset_summary.h"
 #include "report/dataset/dataset_warnings.h"
+#include "report/dataset/object_counts.h"
 #include "viewer/image.h"
 
 namespace scanmill {
@@ -38,6 +39,7 @@ struct DatasetReport {
   std::vector<DatasetWarning> warnings;
   std::vector<PicturedScan> pictured;
   std::vector<PicturedScan> reasonImages;  // of the same scans, as far as they have them
+  ObjectCounts objects;                    // of the samples whose scans were read for figures
   std::string view;                        // HTML of the scans in 3D
   std::uint64_t seed = 0;
 };

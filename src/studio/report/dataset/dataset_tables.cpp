@@ -170,6 +170,36 @@ std::string reasonsOverview(const DatasetSummary& summary) {
   return any ? finished(table) : "";
 }
 
+std::string objectsOverview(const Manifest& manifest, const ObjectCounts& counts) {
+  if (counts.ofClass.empty()) return "";
+  const auto tableOf = [&](const char* first, const auto& addRows) {
+    HtmlTable table;
+    table.column(first);
+    table.column("views");
+    for (const char* step : kVisibilitySteps) table.column(step);
+    addRows([&](const std::string& name, const VisibilityCounts& own) {
+      const std::uint64_t all = std::accumulate(own.begin(), own.end(), std::uint64_t{0});
+      if (all == 0) return;
+      std::vector<HtmlCell> cells{{name}, wholeCell(all)};
+      for (const std::uint64_t count : own) cells.push_back(partCell(count, all));
+      table.row(std::move(cells));
+    });
+    return finished(table);
+  };
+  const std::string byClass = tableOf("class", [&](const auto& add) {
+    for (const auto& [id, own] : counts.ofClass) add(manifest.ontology.find(id)->name, own);
+  });
+  const std::string byDistance = tableOf("distance", [&](const auto& add) {
+    for (std::size_t i = 0; i < counts.ofDistance.size(); ++i) {
+      const double from = i == 0 ? 0 : kDistanceSteps[i - 1];
+      add(i < kDistanceSteps.size() ? fmt::format("{} to {} m", from, kDistanceSteps[i])
+                                    : fmt::format("from {} m", from),
+          counts.ofDistance[i]);
+    }
+  });
+  return byClass + byDistance;
+}
+
 std::string sensorsOverview(const Manifest& manifest, const DatasetSummary& summary) {
   HtmlTable table;
   for (const char* title :

@@ -7,6 +7,7 @@
 
 #include "dataset/manifest.h"
 #include "report/dataset/dataset_summary.h"
+#include "report/dataset/object_counts.h"
 
 namespace scanmill {
 
@@ -14,6 +15,8 @@ std::string classesOverview(const DatasetSummary& summary);
 std::string distancesOverview(const DatasetSummary& summary);
 // Why beams have returns or none, by sensor; empty where the dataset does not say.
 std::string reasonsOverview(const DatasetSummary& summary);
+// How much of the listed objects sensors see; empty where the dataset lists none.
+std::string objectsOverview(const Manifest& manifest, const ObjectCounts& counts);
 std::string sensorsOverview(const Manifest& manifest, const DatasetSummary& summary);
 std::string sequencesOverview(const DatasetSummary& summary);
 std::string splitsOverview(const DatasetSummary& summary);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "dataset/objects.h"
 #include "scan/scan.h"
 #include "scene/ontology.h"
 #include "sensors/beams.h"
@@ -31,10 +32,18 @@ struct ViewScan {
   std::string whyNoError{};                // what NaN means among errors: "no partner in the reference"; may be empty
 };
 
+// A thing near the sensors, as the sample lists it.
+struct ViewObject {
+  ObjectRecord record;
+  // m, world: the middle of its box in this frame and in those about it, in their order; empty for what stands.
+  std::vector<Vec3d> track;
+};
+
 struct ViewFrame {
   std::string key;
   std::vector<ViewScan> scans;
   std::vector<std::string> problems;  // a line for everything that could not be loaded
+  std::vector<ViewObject> objects{};  // empty where the dataset lists none
 };
 
 struct SceneChoice {

@@ -265,7 +265,58 @@ ViewFrame StoredFrames::load(std::size_t frame) const {
     }
     if (l.loaded) view.scans.push_back(std::move(l.scan));
   }
+  view.objects = objectsAbout(frame, view.problems);
   return view;
+}
+
+std::shared_ptr<const SampleObjects> StoredFrames::objectsOf(const std::string& key) const {
+  constexpr std::size_t kKept = 64;
+  const std::scoped_lock lock(objectsMutex_);
+  const auto known = std::find_if(objects_.begin(), objects_.end(), [&](const auto& o) { return o->key == key; });
+  if (known != objects_.end()) {
+    objects_.splice(objects_.begin(), objects_, known);
+    return objects_.front();
+  }
+  const std::optional<std::size_t> sample = first().find(key);
+  std::optional<SampleObjects> read = sample ? first().objects(*sample) : std::nullopt;
+  if (!read) return nullptr;
+  if (objects_.size() >= kKept) objects_.pop_back();
+  objects_.push_front(std::make_shared<const SampleObjects>(std::move(*read)));
+  return objects_.front();
+}
+
+// What the sample lists, with tracks over its neighbours in time.
+std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vector<std::string>& problems) const {
+  constexpr std::ptrdiff_t kNeighbours = 10;  // before and after
+  const std::string& key = keys().at(frame);
+  std::vector<ViewObject> all;
+  const auto sequence = sequences_.find(partsOfKey(key).sequence);
+  if (sequence == sequences_.end()) return all;
+  try {
+    const std::shared_ptr<const SampleObjects> own = objectsOf(key);
+    if (own == nullptr) return all;
+    for (const ObjectRecord& object : own->objects) all.push_back({object, {}});
+    if (std::none_of(all.begin(), all.end(), [](const ViewObject& o) { return o.record.moves; })) return all;
+    const std::vector<const SampleRecord*>& samples = sequence->second;
+    const auto at = std::find_if(samples.begin(), samples.end(), [&](const auto* s) { return s->key == key; });
+    const auto before = std::min(kNeighbours, at - samples.begin());
+    const auto after = std::min(kNeighbours + 1, samples.end() - at);
+    for (auto sample = at - before; sample != at + after; ++sample) {
+      const std::shared_ptr<const SampleObjects> listed = objectsOf((*sample)->key);
+      if (listed == nullptr) continue;
+      std::unordered_map<std::uint32_t, const ObjectRecord*> byId;
+      for (const ObjectRecord& object : listed->objects) byId.emplace(object.id, &object);
+      for (ViewObject& object : all) {
+        const auto there = byId.find(object.record.id);
+        if (object.record.moves && there != byId.end()) {
+          object.track.push_back(there->second->worldFromBox.translation);
+        }
+      }
+    }
+  } catch (const InputError& e) {
+    problems.emplace_back(e.what());
+  }
+  return all;
 }
 
 // Where the first of its scans that are shown was taken.

@@ -2,7 +2,9 @@
 
 // Loads frames whose scans are on disk.
 
+#include <list>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -44,12 +46,16 @@ class StoredFrames : public FrameSource {
   void addReferenceError(ViewScan& scan, const std::string& key) const;
   void nameScans(std::vector<Loading>& all) const;
   const Pose* poseOf(const SampleRecord& sample) const;
+  std::vector<ViewObject> objectsAbout(std::size_t frame, std::vector<std::string>& problems) const;
+  std::shared_ptr<const SampleObjects> objectsOf(const std::string& key) const;
 
   ViewInput input_;
   std::vector<Store> stores_;  // the one that is shown, then those that lie over it
   std::unique_ptr<const ScanStore> reference_;
   std::optional<Ontology> ontology_;
   std::unordered_map<std::string, std::vector<const SampleRecord*>> sequences_;  // samples in the order of their frames
+  mutable std::mutex objectsMutex_;
+  mutable std::list<std::shared_ptr<const SampleObjects>> objects_;  // lists of samples; those used last come first
 };
 
 }  // namespace scanmill

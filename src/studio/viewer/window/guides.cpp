@@ -41,6 +41,21 @@ void addTrack(LineSet& lines, std::span<const Vec3d> places, std::size_t current
   if (current < places.size()) addCircle(lines, places[current], kMarkRadius, color);
 }
 
+void addBox(LineSet& lines, const Affine& pose, const Vec3d& size, bool front, const Rgb& color) {
+  const auto corner = [&](int k) {
+    return pose * Vec3d{(k & 1 ? 0.5 : -0.5) * size.x, (k & 2 ? 0.5 : -0.5) * size.y, (k & 4 ? 0.5 : -0.5) * size.z};
+  };
+  for (int k = 0; k < 8; ++k) {
+    for (const int along : {1, 2, 4}) {
+      if ((k & along) == 0) lines.add(corner(k), corner(k | along), color);
+    }
+  }
+  if (!front) return;
+  const double nose = std::max(0.5, size.x / 4);  // m
+  const Vec3d low{size.x / 2, 0, -size.z / 2};
+  lines.add(pose * low, pose * (low + Vec3d{nose, 0, 0}), color);
+}
+
 double groundHeight(std::span<const Vec3f> points, const Affine& pose) {
   constexpr double kShare = 0.05;
   std::vector<double> heights;

@@ -28,6 +28,9 @@ void addRangeRings(LineSet& lines, const Vec3d& center, const Rgb& color);
 // Through the places, what lies behind place `current` darker; a small circle about that.
 void addTrack(LineSet& lines, std::span<const Vec3d> places, std::size_t current, const Rgb& color);
 
+// The edges of a box, whose frame has its origin in the box's middle, and a line that stands out of its front.
+void addBox(LineSet& lines, const Affine& pose, const Vec3d& size, bool front, const Rgb& color);
+
 // Height of the ground about a sensor: the 5th percentile of the finite points' z after `pose` (m); 0 without any.
 double groundHeight(std::span<const Vec3f> points, const Affine& pose);
 

@@ -39,6 +39,7 @@ struct ViewOptions {
   bool mesh = false;  // of the scene, faintly
   bool axes = true;   // of the sensors
   bool rangeRings = false;
+  bool boxes = true;  // of the objects that samples list
   bool trajectory = true;
   bool rangeImage = false;
   StripOrder stripOrder = StripOrder::Outward;  // of the range image

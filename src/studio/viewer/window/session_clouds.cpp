@@ -227,6 +227,7 @@ void ViewSession::State::applyFilter() {
       meshItem.showOnly(indices);
     }
   }
+  placeBoxes();
   instanceProblem.clear();
   for (const std::uint32_t id : aloneInstances) {
     const bool held = std::any_of(clouds.begin(), clouds.end(), [&](const ShownCloud& cloud) {

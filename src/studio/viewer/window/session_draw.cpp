@@ -262,6 +262,7 @@ void ViewSession::State::addLabels() {
       if (named.size() > 1) addLabel(stands, frame->scans[cloud.scan].sensor, false);
     }
   }
+  addBoxLabels();
   for (const Vec3d& end : ends) addLabel(end, "", true);
   if (!ends.empty() && (ends.size() == 2 || (measuring && hover))) {
     const Vec3d to = ends.size() == 2 ? ends[1] : hover->place;

@@ -172,6 +172,9 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return flip(options.axes, "axes");
     case KeyAction::ToggleRangeRings:
       return flip(options.rangeRings, "range rings");
+    case KeyAction::ToggleBoxes:
+      if (!frame || frame->objects.empty()) return say("the sample lists no objects (`output.objects: true`)");
+      return flip(options.boxes, "boxes of objects");
     case KeyAction::ToggleTrajectory:
       if (trajectory.size() < 2) return say("there is no trajectory");
       return flip(options.trajectory, "trajectory");

@@ -15,6 +15,7 @@ constexpr ItemId kAxesItem = 2;
 constexpr ItemId kRangeRingsItem = 3;
 constexpr ItemId kTrackItem = 4;
 constexpr ItemId kMeasureItem = 5;
+constexpr ItemId kBoxesItem = 6;
 constexpr ItemId cloudItem(std::size_t cloud) {
   return static_cast<ItemId>(100 + cloud);
 }

@@ -26,7 +26,10 @@ PickedThing ViewSession::State::pickedPoint(std::size_t k, std::size_t point) co
   PickedThing thing = describePoint(scan, cloud.scan, point, source->ontology());
   thing.place = cloud.canvasFromScan * Vec3d(scan.scan.position[point]);
   addBrief(thing, colorOf(cloud.view));
-  if (const auto instance = instanceOf(thing)) addInstance(thing, summaryOf(cloud, *instance), source->ontology());
+  if (const auto instance = instanceOf(thing)) {
+    addInstance(thing, summaryOf(cloud, *instance), source->ontology());
+    addObjectRows(thing, *instance);
+  }
   return thing;
 }
 

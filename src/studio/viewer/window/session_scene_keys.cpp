@@ -25,6 +25,8 @@ std::string ViewSession::State::sceneLacks(const KeyMeaning& meaning) const {
       return "a scene has no sensor to draw range rings about";
     case KeyAction::ToggleTrajectory:
       return "a scene has no trajectory: a dataset of it has";
+    case KeyAction::ToggleBoxes:
+      return "a scene has no list of objects: a dataset of it may have";
     case KeyAction::ToggleMesh:
       return "the scene's mesh is all that there is";
     case KeyAction::NextFrame:

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "viewer/color_map.h"
-#include "viewer/window/guides.h"
 #include "viewer/window/session_items.h"
 #include "viewer/window/session_state.h"
 
@@ -16,14 +15,6 @@ namespace {
 constexpr Rgb kRingColor{120, 130, 150};
 constexpr Rgb kTrackColor{255, 214, 64};
 constexpr Rgb kMeasureColor{255, 240, 90};
-
-void setLines(Canvas& canvas, ItemId item, const LineSet& lines, std::size_t viewCount, double width) {
-  canvas.setLines(item, lines.ends, lines.colors);
-  ItemLook look;
-  look.size = width;
-  look.views = (1U << viewCount) - 1;
-  canvas.setLook(item, look);
-}
 
 // Frames the box, then moves the camera aside and nearer until what is seen of it fills the picture: what is near takes
 // more room than what is far.
@@ -104,10 +95,10 @@ void ViewSession::State::placeGuides() {
   if (options.axes) {
     for (const ShownCloud& cloud : clouds) addAxes(axes, cloud.canvasFromScan, 1);
   }
-  setLines(canvas, kAxesItem, axes, viewCount(), 2);
+  setLines(kAxesItem, axes, 2);
   LineSet rings;
   if (options.rangeRings && !clouds.empty()) addRangeRings(rings, ground, kRingColor);
-  setLines(canvas, kRangeRingsItem, rings, viewCount(), 1);
+  setLines(kRangeRingsItem, rings, 1);
   LineSet track;
   if (options.trajectory && worldFromAnchor && trajectory.size() > 1) {
     std::vector<Vec3d> places;
@@ -119,15 +110,24 @@ void ViewSession::State::placeGuides() {
     }
     addTrack(track, places, current, kTrackColor);
   }
-  setLines(canvas, kTrackItem, track, viewCount(), 2);
+  setLines(kTrackItem, track, 2);
+  placeBoxes();
   itemsChanged = hudChanged = true;
   placeMeasure();
+}
+
+void ViewSession::State::setLines(ItemId item, const LineSet& lines, double width) {
+  canvas.setLines(item, lines.ends, lines.colors);
+  ItemLook look;
+  look.size = width;
+  look.views = (1U << viewCount()) - 1;
+  canvas.setLook(item, look);
 }
 
 void ViewSession::State::placeMeasure() {
   LineSet line;
   if (ends.size() == 2) line.add(ends[0], ends[1], kMeasureColor);
-  setLines(canvas, kMeasureItem, line, viewCount(), 2);
+  setLines(kMeasureItem, line, 2);
   itemsChanged = hudChanged = true;
 }
 

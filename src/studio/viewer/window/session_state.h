@@ -9,6 +9,7 @@
 #include "base/wall_timer.h"
 #include "viewer/window/class_filter.h"
 #include "viewer/window/draw_pace.h"
+#include "viewer/window/guides.h"
 #include "viewer/window/hud.h"
 #include "viewer/window/instance_summary.h"
 #include "viewer/window/mesh_coloring.h"
@@ -139,12 +140,21 @@ struct ViewSession::State {
   void placeMesh();
   void placeMeshLook();
   void placeMeasure();
+  void setLines(ItemId item, const LineSet& lines, double width);
   Affine canvasFromScan(const ViewScan& scan) const;
   void toggleWorld();
   OrbitCamera preset(View view) const;
   void setCamera(const OrbitCamera& newCamera);
   double farthest(const Vec3d& eye) const;
   double pointSize() const;
+
+  // session_boxes.cpp: objects that samples list
+  Affine canvasFromBox(const ObjectRecord& object) const;
+  const ObjectView* shownView(const ObjectRecord& object) const;  // by the sensor of the first scan; null: none
+  bool boxShown(const ObjectRecord& object) const;
+  void placeBoxes();
+  void addBoxLabels();
+  void addObjectRows(PickedThing& thing, std::uint32_t instance) const;
 
   // session_draw.cpp
   void refresh();  // HUD's panes, the views

@@ -23,6 +23,7 @@ enum class KeyAction {
   ToggleAxes,
   ToggleRangeRings,
   ToggleMesh,
+  ToggleBoxes,
   ToggleTrajectory,
   ToggleDepthEdges,
   ToggleLegends,

@@ -19,7 +19,7 @@ struct Counter {
       : boxes(scene), worlds(scene, Instancing::Auto, {.occlusionFilter = thingFilter}), unobstructed(worlds, boxes) {}
 
   std::uint32_t beamsOn(std::size_t thing, const Shot& shot) const {
-    return unobstructed.beamsOn(thing, shot, BeamGrid(*shot.beams));
+    return unobstructed.of(thing, shot, BeamGrid(*shot.beams)).beams;
   }
 
   ThingBoxes boxes;

@@ -117,9 +117,9 @@ TEST_F(PlanTest, ScenesAndFramesThatDoNotFitAreRefused) {
   const Plan fits = plan({});
   const Scene scene = fits.loadScene(fits.pipeline().sequences[0]);
   const std::unique_ptr<Method> method = fits.makeMethod(scene);
-  EXPECT_NO_THROW(fits.checkMemory(*method, "the yard"));
+  EXPECT_NO_THROW(fits.checkMemory(method->memoryBytes(), "the yard"));
   const MemoryLimit allowed((std::uint64_t{72} << 20) + method->memoryBytes());
-  EXPECT_THAT(messageOf<InputError>([&] { fits.checkMemory(*method, "the yard"); }),
+  EXPECT_THAT(messageOf<InputError>([&] { fits.checkMemory(method->memoryBytes(), "the yard"); }),
               AllOf(HasSubstr("yard.yaml: the yard takes about "), HasSubstr("allow more, or take a smaller scene")));
 }
 

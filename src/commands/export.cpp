@@ -1,0 +1,86 @@
+#include "exports/export.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <memory>
+#include <optional>
+
+#include "base/terminal.h"
+#include "commands/arguments.h"
+#include "commands/stop_signal.h"
+#include "pipeline/run/progress.h"
+
+namespace scanmill {
+
+namespace {
+
+std::string layoutLines() {
+  std::string lines;
+  for (const LayoutEntry& entry : layouts()) lines += fmt::format("  {:15} {}\n", entry.name, entry.summary);
+  return lines;
+}
+
+std::vector<std::string> listOf(const Arguments& parsed, const std::string& name) {
+  return parsed.options.count(name) == 0 ? std::vector<std::string>{}
+                                         : parsed.options[name].as<std::vector<std::string>>();
+}
+
+}  // namespace
+
+int runExport(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("export");
+  cxxopts::Options options = describe(command);
+  std::vector<std::string> names;
+  for (const LayoutEntry& entry : layouts()) names.emplace_back(entry.name);
+  options.add_options()("to", fmt::format("{}", fmt::join(names, ", ")), cxxopts::value<std::string>(), "LAYOUT")(
+      "o,out", "folder that is written", cxxopts::value<std::string>(), "DIR")(
+      "classes", "ontology in place of the layout's, as labels/*.yaml; its aliases say which class becomes which",
+      cxxopts::value<std::string>(),
+      "FILE")("sensor", "only this one; may be given again", cxxopts::value<std::vector<std::string>>(), "NAME")(
+      "split", "only this one; may be given again", cxxopts::value<std::vector<std::string>>(), "NAME")(
+      "resume", "go on with an export that was stopped")("quiet", "no progress")(
+      "threads", "of all work; 0: one for each core", cxxopts::value<int>()->default_value("0"), "N");
+  const Arguments parsed = parseArguments(
+      command, options, arguments,
+      "  scanmill export out/town --to semantic_kitti -o out/town_kitti\n"
+      "  scanmill export out/town --to mcap --split val -o out/town_val   # Foxglove, ROS 2\n\nlayouts:\n" +
+          layoutLines());
+  if (parsed.help) return 0;
+  ExportOptions chosen;
+  chosen.dataset = parsed.positional("DIR");
+  expectDataset(chosen.dataset, "export");
+  if (parsed.options.count("to") == 0) throw InputError("--to says in which layout:\n" + layoutLines());
+  chosen.layout = &requireLayout(parsed.options["to"].as<std::string>());
+  chosen.folder = folderOption(parsed, "out");
+  if (chosen.folder.empty()) throw InputError("-o DIR says which folder is written");
+  chosen.classes = folderOption(parsed, "classes");
+  chosen.sensors = listOf(parsed, "sensor");
+  chosen.splits = listOf(parsed, "split");
+  chosen.resume = parsed.options.count("resume") > 0;
+  chosen.stop = &stopSignal();
+  const ThreadLimit threads(parsed.options["threads"].as<int>());
+  std::optional<Progress> progress;
+  std::string stage;
+  std::uint64_t before = 0;
+  const bool quiet = parsed.options.count("quiet") > 0;
+  chosen.progress = [&](const char* doing, std::uint64_t done, std::uint64_t all) {
+    if (stage != doing) {
+      stage = doing;
+      before = 0;
+      progress.reset();
+      progress.emplace(stage, all, "frames", "frames", quiet);
+    }
+    progress->advance(done - before, static_cast<double>(done - before));
+    before = done;
+  };
+  const ExportSummary summary = exportDataset(chosen);
+  progress.reset();
+  for (const std::string& warning : summary.warnings) warn(warning);
+  const std::string there =
+      summary.resumedFrames == 0 ? std::string() : fmt::format(" ({} of them were there)", summary.resumedFrames);
+  printText("{} frames{} of {} sequences in {}\n", summary.frames, there, summary.sequences, chosen.folder.string());
+  return 0;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,49 @@
+#include "exports/class_map.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace scanmill {
+
+namespace {
+
+// By its own name or, where that is unknown there, by one of its aliases.
+const SemanticClass* counterpart(const SemanticClass& own, const Ontology& to) {
+  if (const SemanticClass* found = to.find(std::string_view(own.name))) return found;
+  for (const std::string& alias : own.aliases) {
+    if (const SemanticClass* found = to.find(std::string_view(alias))) return found;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+ClassMap::ClassMap(const Ontology& from, Ontology to) : target_(std::move(to)) {
+  std::uint16_t last = 0;
+  for (const SemanticClass& c : from.classes) last = std::max(last, c.id);
+  of_.assign(std::size_t{last} + 1, 0);
+  for (const SemanticClass& c : from.classes) {
+    const SemanticClass* found = counterpart(c, target_);
+    if (found == nullptr && c.movingOf) {
+      const SemanticClass* const still = from.find(*c.movingOf);
+      if (still != nullptr) found = counterpart(*still, target_);
+    }
+    if (found != nullptr) {
+      of_[c.id] = found->id;
+    } else if (c.id != 0) {
+      lost_.push_back(fmt::format("{} becomes unlabeled: {} has no such class", c.name, target_.name));
+    }
+  }
+}
+
+std::uint16_t ClassMap::ofMoving(std::uint16_t id) const {
+  const std::uint16_t own = of(id);
+  for (const SemanticClass& c : target_.classes) {
+    if (c.movingOf == own && own != 0) return c.id;
+  }
+  return own;
+}
+
+}  // namespace scanmill

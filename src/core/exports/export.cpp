@@ -1,0 +1,277 @@
+#include "exports/export.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/parallel.h"
+#include "config/resources.h"
+#include "config/version.h"
+#include "dataset/json_text.h"
+#include "dataset/sample_json.h"
+#include "dataset/sample_names.h"
+#include "dataset/scan_store.h"
+#include "dataset/shard_name.h"
+
+namespace scanmill {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kRecord = "scanmill_export.json";       // of what it was made of, once it is whole
+constexpr const char* kUnfinished = ".scanmill_export.json";  // the same while it is not
+
+// A frame, or a whole sequence.
+struct Unit {
+  std::size_t sequence = 0;
+  std::size_t frame = 0;
+  std::size_t frames = 1;
+};
+
+class Export {
+ public:
+  explicit Export(const ExportOptions& options)
+      : options_(options), layout_(options.layout->make()), store_(options.dataset), folder_(options.folder) {
+    if (store_.manifest() == nullptr || store_.folder() != options.dataset) {
+      throw InputError({options.dataset.string()}, "is no dataset's folder: export reads whole datasets");
+    }
+    plan_.dataset = options.dataset;
+    plan_.manifest = *store_.manifest();
+    chooseClasses();
+    chooseSensors();
+    chooseSequences();
+    layout_->check(plan_);
+  }
+
+  ExportSummary run() {
+    openFolder();
+    std::vector<Unit> units;
+    for (std::size_t s = 0; s < plan_.sequences.size(); ++s) {
+      const std::size_t frames = plan_.sequences[s].samples.size();
+      if (layout_->bySequence()) units.push_back({s, 0, frames});
+      for (std::size_t f = 0; f < frames && !layout_->bySequence(); ++f) units.push_back({s, f, 1});
+      summary_.frames += frames;
+    }
+    summary_.sequences = plan_.sequences.size();
+    const auto isThere = [&](const Unit& unit) {
+      const std::vector<fs::path> files = layout_->filesOf(plan_, unit.sequence, unit.frame);
+      return std::all_of(files.begin(), files.end(),
+                         [&](const fs::path& file) { return fs::exists(folder_.path() / file); });
+    };
+    const auto left = std::partition(units.begin(), units.end(), isThere);
+    for (auto unit = units.begin(); unit != left; ++unit) summary_.resumedFrames += unit->frames;
+    units.erase(units.begin(), left);
+    std::sort(units.begin(), units.end(), [](const Unit& a, const Unit& b) {
+      return std::tie(a.sequence, a.frame) < std::tie(b.sequence, b.frame);
+    });
+    if (layout_->checksSamples(plan_)) {
+      forUnits("checking", units, [&](const Unit& unit, const ReadSample& next) {
+        for (std::size_t f = 0; f < unit.frames; ++f) {
+          layout_->checkSample(plan_, next(unit.sequence, unit.frame + f));
+        }
+      });
+    }
+    beginFolder();
+    forUnits("writing", units, [&](const Unit& unit, const ReadSample& next) {
+      layout_->write(plan_, unit.sequence, unit.frame, next, folder_);
+    });
+    layout_->finish(
+        plan_, [this](std::size_t s, std::size_t f) { return store_.objects(plan_.sequences[s].samples[f]); }, folder_);
+    folder_.write(kRecord, record());
+    std::error_code ignored;
+    fs::remove(folder_.path() / kUnfinished, ignored);
+    syncFolder(folder_.path());
+    return std::move(summary_);
+  }
+
+ private:
+  void chooseClasses() {
+    const Ontology& own = plan_.manifest.ontology;
+    Ontology target = own;
+    if (!options_.classes.empty()) {
+      target = readOntology(options_.classes);
+    } else if (!options_.layout->labels.empty()) {
+      target = readOntology(resourceFolder() / "labels" / (std::string(options_.layout->labels) + ".yaml"));
+    }
+    plan_.classes = ClassMap(own, std::move(target));
+    std::set<std::uint16_t> used;
+    for (const SampleRecord& sample : plan_.manifest.samples) {
+      for (const ScanRecord& scan : sample.scans) {
+        for (const auto& [id, points] : scan.pointsPerClass) used.insert(id);
+      }
+    }
+    std::vector<std::string> lost;
+    for (const std::uint16_t id : used) {
+      const SemanticClass& c = *own.find(id);
+      if (id != 0 && plan_.classes.of(id) == 0 && (c.thing || !options_.layout->boxesAlone)) lost.push_back(c.name);
+    }
+    if (lost.empty()) return;
+    summary_.warnings.push_back(
+        fmt::format("{} has no class for {}: their {} (--classes FILE gives another ontology, whose aliases say which "
+                    "class becomes "
+                    "which)",
+                    plan_.classes.target().name, fmt::join(lost, ", "),
+                    options_.layout->boxesAlone ? "boxes are left out" : "points become unlabeled"));
+  }
+
+  void chooseSensors() {
+    const std::vector<SensorRecord>& all = plan_.manifest.sensors;
+    std::vector<std::string> names;
+    for (const SensorRecord& sensor : all) names.push_back(sensor.name);
+    for (const std::string& wanted : options_.sensors) {
+      const auto found = std::find(names.begin(), names.end(), wanted);
+      if (found == names.end()) {
+        throw InputError({options_.dataset.string()},
+                         fmt::format("has no sensor '{}'; it has {}", wanted, fmt::join(names, ", ")));
+      }
+    }
+    for (const SensorRecord& sensor : all) {
+      const std::vector<std::string>& wanted = options_.sensors;
+      if (wanted.empty() || std::find(wanted.begin(), wanted.end(), sensor.name) != wanted.end()) {
+        plan_.sensors.push_back(&sensor);
+      }
+    }
+    if (!options_.layout->oneSensor || plan_.sensors.size() < 2) return;
+    if (!options_.sensors.empty()) {
+      throw InputError(fmt::format("{} holds the scans of one sensor: name one with --sensor", options_.layout->name));
+    }
+    plan_.sensors.erase(plan_.sensors.begin() + 1, plan_.sensors.end());
+    summary_.warnings.push_back(
+        fmt::format("{} holds the scans of one sensor: those of '{}' are written (--sensor "
+                    "chooses another)",
+                    options_.layout->name, plan_.sensors.front()->name));
+  }
+
+  void chooseSequences() {
+    const std::vector<SampleRecord>& samples = plan_.manifest.samples;
+    std::set<std::string> splits;
+    for (const SampleRecord& sample : samples) splits.insert(sample.split);
+    for (const std::string& wanted : options_.splits) {
+      if (splits.contains(wanted)) continue;
+      throw InputError({options_.dataset.string()},
+                       fmt::format("has no split '{}'; it has {}", wanted, fmt::join(splits, ", ")));
+    }
+    std::map<std::string, std::size_t> known;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const bool left = !options_.splits.empty() && std::find(options_.splits.begin(), options_.splits.end(),
+                                                              samples[i].split) == options_.splits.end();
+      if (left) continue;
+      const std::string name = partsOfKey(samples[i].key).sequence;
+      const auto [own, isNew] = known.emplace(name.empty() ? samples[i].key : name, plan_.sequences.size());
+      if (isNew) plan_.sequences.push_back({own->first, samples[i].split, {}});
+      plan_.sequences[own->second].samples.push_back(i);
+    }
+    for (ExportSequence& sequence : plan_.sequences) {
+      std::stable_sort(sequence.samples.begin(), sequence.samples.end(), [&](std::size_t a, std::size_t b) {
+        const std::string frameA = partsOfKey(samples[a].key).frame;
+        const std::string frameB = partsOfKey(samples[b].key).frame;
+        return std::tuple(frameA.size(), frameA) < std::tuple(frameB.size(), frameB);
+      });
+    }
+  }
+
+  // What an export that is resumed must agree in.
+  std::string record() const {
+    OrderedJson json{{"program", {{"name", "scanmill"}, {"version", kVersion}}},
+                     {"layout", options_.layout->name},
+                     {"dataset", plan_.manifest.name},
+                     {"manifest_sha256", sha256(readFile(options_.dataset / kManifestName))},
+                     {"classes", ontologyJson(plan_.classes.target())}};
+    for (const SensorRecord* sensor : plan_.sensors) json["sensors"].push_back(sensor->name);
+    for (const ExportSequence& sequence : plan_.sequences) {
+      json["sequences"].push_back(
+          {{"name", sequence.name}, {"split", sequence.split}, {"frames", sequence.samples.size()}});
+    }
+    return layOut(json) + "\n";
+  }
+
+  void openFolder() const {
+    const fs::path& folder = folder_.path();
+    std::error_code failure;
+    if (!fs::exists(folder, failure)) return;
+    if (!fs::is_directory(folder, failure)) throw InputError({folder.string()}, "is no folder: name another with -o");
+    if (fs::exists(folder / kRecord, failure)) {
+      throw InputError({folder.string()}, "holds a whole export already: name another folder with -o");
+    }
+    if (fs::exists(folder / kUnfinished, failure)) {
+      if (!options_.resume) {
+        throw InputError({folder.string()}, "holds an unfinished export: --resume goes on with it");
+      }
+      if (readFile(folder / kUnfinished) == record()) return;
+      throw InputError({folder.string()},
+                       "holds an unfinished export of another dataset, with other options or by another version of "
+                       "this program: name another folder with -o");
+    }
+    if (!fs::is_empty(folder, failure) || failure) {
+      throw InputError({folder.string()}, "is not empty: name another folder with -o");
+    }
+  }
+
+  void beginFolder() const { folder_.write(kUnfinished, record()); }
+
+  ExportSample read(std::size_t sequence, std::size_t frame) const {
+    const std::size_t number = plan_.sequences[sequence].samples[frame];
+    ExportSample sample{&plan_.manifest.samples[number], sequence, frame, {}, store_.objects(number)};
+    std::vector<StoredScan> stored = store_.scans(number);
+    for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
+      const SensorRecord* const sensor = plan_.sensors[s];
+      const auto found = std::find_if(stored.begin(), stored.end(),
+                                      [&](const StoredScan& scan) { return scan.sensor == sensor->name; });
+      if (found == stored.end() || found->record == nullptr) {
+        throw InputError({options_.dataset.string()},
+                         fmt::format("the sample {} has no scan of the sensor '{}'", sample.record->key, sensor->name));
+      }
+      const auto record = std::find_if(
+          sample.record->scans.begin(), sample.record->scans.end(),
+          [&](const ScanRecord& r) { return r.sensor == sensor->name && r.method == found->record->method; });
+      sample.scans.push_back({&*record, sensor, s, store_.decode(number, *found)});
+    }
+    return sample;
+  }
+
+  // Calls work(unit, read) for all units. Frames count when they are read.
+  template <class Do>
+  void forUnits(const char* stage, const std::vector<Unit>& units, const Do& work) {
+    std::uint64_t all = 0;
+    std::uint64_t done = 0;
+    for (const Unit& unit : units) all += unit.frames;
+    std::mutex mutex;
+    const ReadSample readNext = [&](std::size_t sequence, std::size_t frame) {
+      if (options_.stop != nullptr && *options_.stop) throw Error("stopped: --resume goes on with what was written");
+      ExportSample sample = read(sequence, frame);
+      const std::scoped_lock lock(mutex);
+      done = std::min(done + 1, all);  // a layout may read a frame again
+      if (options_.progress) options_.progress(stage, done, all);
+      return sample;
+    };
+    parallelFor(units.size(), 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) work(units[i], readNext);
+    });
+  }
+
+  const ExportOptions& options_;
+  std::unique_ptr<Layout> layout_;
+  ScanStore store_;
+  ExportFolder folder_;
+  ExportPlan plan_;
+  ExportSummary summary_;
+};
+
+}  // namespace
+
+ExportSummary exportDataset(const ExportOptions& options) {
+  return Export(options).run();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,205 @@
+// The folders of KITTI's object benchmark (Geiger, Lenz and Urtasun, "Are we ready for Autonomous Driving? The KITTI
+// Vision Benchmark Suite", CVPR 2012; devkit_object/readme.txt):
+//
+//   training/velodyne/000000.bin   float32 x, y, z, reflectance a point
+//   training/label_2/000000.txt    a line for each object: type, truncation, occlusion, alpha, box in the image (px),
+//                                  height, width, length, place in the camera's frame (m), rotation about its y
+//   training/calib/000000.txt      P0 to P3, R0_rect, Tr_velo_to_cam, Tr_imu_to_velo
+//   training/image_2/000000.png    which loaders want: it is black, since there is no camera
+//   ImageSets/train.txt            the frames of each split; those of `test` are in testing/
+//
+// The camera stands in the sensor's origin, looks along its x axis and sees what KITTI's left colour camera does. As
+// there, objects are listed that the image shows. Frames are numbered through the sequences of a folder.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "exports/layout.h"
+#include "exports/little_endian.h"
+#include "images/images.h"
+
+namespace scanmill {
+
+namespace {
+
+// Of KITTI's camera 2 (px).
+constexpr int kWidth = 1242;
+constexpr int kHeight = 375;
+constexpr double kFocal = 721.5377;
+constexpr double kCenterX = 609.5593;
+constexpr double kCenterY = 172.854;
+constexpr double kNear = 0.1;  // m, in front of the camera
+
+constexpr std::size_t kMostFrames = 1'000'000;  // of six digits
+
+// Camera axes: x right, y down, z forward.
+Vec3d inCamera(const Vec3d& p) {
+  return {-p.y, -p.z, p.x};
+}
+
+struct ImageBox {
+  double left = INFINITY, top = INFINITY, right = -INFINITY, bottom = -INFINITY;
+
+  double area() const { return right > left && bottom > top ? (right - left) * (bottom - top) : 0; }
+  ImageBox within(double width, double height) const {
+    return {std::clamp(left, 0.0, width), std::clamp(top, 0.0, height), std::clamp(right, 0.0, width),
+            std::clamp(bottom, 0.0, height)};
+  }
+};
+
+// About the corners of a box (in the sensor's frame); edges that pass the camera are cut in front of it.
+ImageBox projected(const Pose& sensorFromBox, const Vec3d& size) {
+  std::array<Vec3d, 8> corners;
+  for (std::size_t k = 0; k < 8; ++k) {
+    corners[k] = inCamera(sensorFromBox * Vec3d{(k & 1 ? 0.5 : -0.5) * size.x, (k & 2 ? 0.5 : -0.5) * size.y,
+                                                (k & 4 ? 0.5 : -0.5) * size.z});
+  }
+  ImageBox box;
+  const auto add = [&](const Vec3d& p) {
+    const double u = kFocal * p.x / p.z + kCenterX;
+    const double v = kFocal * p.y / p.z + kCenterY;
+    box = {std::min(box.left, u), std::min(box.top, v), std::max(box.right, u), std::max(box.bottom, v)};
+  };
+  for (std::size_t k = 0; k < 8; ++k) {
+    if (corners[k].z >= kNear) add(corners[k]);
+    for (const std::size_t along : {1u, 2u, 4u}) {
+      const Vec3d& a = corners[k];
+      const Vec3d& b = corners[k ^ along];
+      if ((k & along) == 0 && (a.z < kNear) != (b.z < kNear)) add(a + (b - a) * ((kNear - a.z) / (b.z - a.z)));
+    }
+  }
+  return box;
+}
+
+// As the devkit has it: 0 fully visible, 1 partly occluded, 2 largely occluded.
+int occlusion(const ObjectView& view) {
+  const double visibility = view.visibility().value_or(0);
+  return visibility >= 0.8 ? 0 : visibility >= 0.4 ? 1 : 2;
+}
+
+double wrapped(double angle) {
+  return std::remainder(angle, 2 * kPi);
+}
+
+// Empty where the image does not show it.
+std::string labelOf(const std::string& type, const ObjectRecord& object, const ObjectView& view) {
+  const ImageBox whole = projected(view.sensorFromBox, object.size);
+  const ImageBox seen = whole.within(kWidth - 1, kHeight - 1);
+  const Vec3d bottom = inCamera(view.sensorFromBox * Vec3d{0, 0, -object.size.z / 2});
+  if (!(seen.area() > 0) || bottom.z < kNear) return {};
+  const Vec3d ahead = inCamera(toMatrix(view.sensorFromBox.rotation).x);
+  const double rotation = std::atan2(-ahead.z, ahead.x);
+  const double alpha = wrapped(rotation - std::atan2(bottom.x, bottom.z));
+  return fmt::format(
+      "{} {:.2f} {} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f}\n", type,
+      1 - seen.area() / whole.area(), occlusion(view), alpha, seen.left, seen.top, seen.right, seen.bottom,
+      object.size.z, object.size.y, object.size.x, bottom.x, bottom.y, bottom.z, rotation);
+}
+
+std::string calibration() {
+  std::string text;
+  for (int camera = 0; camera < 4; ++camera) {
+    text += fmt::format("P{}: {:.12e} 0 {:.12e} 0 0 {:.12e} {:.12e} 0 0 0 1 0\n", camera, kFocal, kCenterX, kFocal,
+                        kCenterY);
+  }
+  return text +
+         "R0_rect: 1 0 0 0 1 0 0 0 1\n"
+         "Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n"
+         "Tr_imu_to_velo: 1 0 0 0 0 1 0 0 0 0 1 0\n";
+}
+
+class Kitti : public Layout {
+ public:
+  void check(const ExportPlan& plan) const override {
+    std::size_t frames = 0;
+    for (const ExportSequence& sequence : plan.sequences) frames += sequence.samples.size();
+    if (frames > kMostFrames) {
+      throw InputError({plan.dataset.string()},
+                       fmt::format("has {} frames; KITTI's numbers have six digits: take fewer with --split", frames));
+    }
+    const auto listed = [&](std::size_t number) { return plan.manifest.samples[number].objects.has_value(); };
+    for (const ExportSequence& sequence : plan.sequences) {
+      if (std::all_of(sequence.samples.begin(), sequence.samples.end(), listed)) continue;
+      throw InputError({plan.dataset.string()},
+                       "lists no objects, and KITTI's labels are boxes: generate it with `output: {objects: true}`");
+    }
+  }
+
+  std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
+                                             std::size_t frame) const override {
+    const std::string number = fmt::format("{:06}", numberOf(plan, sequence, frame));
+    const std::filesystem::path folder = folderOf(plan.sequences[sequence]);
+    return {folder / "velodyne" / (number + ".bin"), folder / "label_2" / (number + ".txt"),
+            folder / "calib" / (number + ".txt"), folder / "image_2" / (number + ".png")};
+  }
+
+  void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
+             const ExportFolder& folder) const override {
+    const ExportSample sample = read(sequence, frame);
+    const Scan& scan = sample.scans.front().scan;
+    std::string points;
+    points.reserve(scan.size() * 16);
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (!isFinite(scan.position[i])) continue;
+      const Vec3f& p = scan.position[i];
+      for (const float value : {p.x, p.y, p.z}) putNumber(value, points);
+      putNumber(std::min(unitIntensity(sample.scans.front(), i), 1.0f), points);
+    }
+    std::string labels;
+    for (const ObjectRecord& object : sample.objects->objects) {
+      const SemanticClass& type = plan.classes.classOf(object.semantic);
+      for (const ObjectView& view : object.views) {
+        if (type.id == 0 || view.sensor != plan.sensors.front()->name || view.points == 0) continue;
+        labels += labelOf(type.name, object, view);
+      }
+    }
+    const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
+    folder.write(files[0], points);
+    folder.write(files[1], labels);
+    folder.write(files[2], calibration());
+    folder.write(files[3], image_);
+  }
+
+  void finish(const ExportPlan& plan, const ReadObjects&, const ExportFolder& folder) const override {
+    std::map<std::string, std::string> sets{{"train", ""}, {"val", ""}, {"test", ""}};
+    for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
+      for (std::size_t f = 0; f < plan.sequences[s].samples.size(); ++f) {
+        sets[plan.sequences[s].split] += fmt::format("{:06}\n", numberOf(plan, s, f));
+      }
+    }
+    sets["trainval"] = sets["train"] + sets["val"];
+    for (const auto& [split, frames] : sets)
+      folder.write(std::filesystem::path("ImageSets") / (split + ".txt"), frames);
+  }
+
+ private:
+  static const char* folderOf(const ExportSequence& sequence) {
+    return sequence.split == "test" ? "testing" : "training";
+  }
+
+  static std::size_t numberOf(const ExportPlan& plan, std::size_t sequence, std::size_t frame) {
+    std::size_t number = frame;
+    for (std::size_t s = 0; s < sequence; ++s) {
+      const bool same = std::string_view(folderOf(plan.sequences[s])) == folderOf(plan.sequences[sequence]);
+      number += same ? plan.sequences[s].samples.size() : 0;
+    }
+    return number;
+  }
+
+  std::string image_ = encodePng(std::vector<std::uint8_t>(std::size_t{3} * kWidth * kHeight).data(), kWidth, kHeight);
+};
+
+}  // namespace
+
+std::unique_ptr<Layout> makeKitti() {
+  return std::make_unique<Kitti>();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,215 @@
+// LAS 1.4, a file for each scan: "LAS Specification 1.4 - R15", American Society for Photogrammetry and Remote Sensing,
+// 2019. Point format 6, uncompressed:
+//
+//   X, Y, Z              in the world (m), in steps of 0.5 mm: 0.25 mm off along each axis at most. The file's
+//                        offset is the sensor's place, rounded to whole metres
+//   intensity            none to the sensor's full one become 0 to 65535; what is beyond is cut there
+//   return number and    columns `return` and `returns`, of which 15 is the most; where a scan lacks one it is counted,
+//   number of returns    and the header says so (global encoding, bit 3)
+//   classification       class ids of the ontology that is exported, up to 255, not ASPRS's own; their names are in the
+//                        record of the classification lookup
+//   synthetic            set: nobody measured these points
+//   GPS time             s since the start of the sequence: of the point where the scan has the column `time`, else of
+//                        the scan. Global encoding says GPS week time; of no week
+//   point source ID      1 for the first sensor that is exported, 2 for the second, and so on
+//   extra bytes          the other columns in their own types, and the intensity as it was: `intensity_f`
+//
+// The coordinate system is a local one, without a place on the earth. Misses are left out.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "exports/las_head.h"
+#include "exports/little_endian.h"
+#include "exports/scan_files.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kStep = 0.0005;  // m
+constexpr std::uint16_t kMostClass = 255;
+constexpr std::uint8_t kSynthetic = 1;  // bit of the classification's flags
+
+constexpr ColumnKey<columnIndex("returns")> kReturns;
+
+// Where the points of a scan lie in the world. Points of a deskewed scan are in the sensor's frame at the start of the
+// revolution. Others are in that at the time of their own column, of which the record knows the first and the last: the
+// sensor is taken to have moved evenly between them.
+class WorldPlaces {
+ public:
+  WorldPlaces(const ExportPlan& plan, const ExportScan& given)
+      : scan_(given.scan),
+        first_(given.record->worldFromSensor.front()),
+        last_(given.record->worldFromSensor.back()),
+        moves_(given.record->worldFromSensor.size() > 1 && !plan.manifest.deskewed),
+        knowsBeams_(knowsBeams(given.scan)) {
+    if (!moves_) return;
+    const BeamTable& beams = given.sensor->beams;
+    if (beams.listed != nullptr) {
+      starts_ = beams.listed->columnStarts(beams.columns);
+    } else {
+      for (std::uint32_t column = 0; column < beams.columns; ++column) starts_.push_back(beams.columnTime(column));
+    }
+  }
+
+  Vec3d of(std::size_t point) const {
+    const Vec3d own(scan_.position[point]);
+    return moves_ ? interpolate(first_, last_, shareOf(point)) * own : first_ * own;
+  }
+
+ private:
+  // Of the way from the first column to the last. Points that do not tell their column tell it by their time, to within
+  // the offset between the rings' firing times.
+  double shareOf(std::size_t point) const {
+    const double all = starts_.empty() ? 0 : starts_.back() - starts_.front();
+    if (!(all > 0)) return 0;
+    if (!knowsBeams_) return scan_[kTime].empty() ? 0 : (scan_[kTime][point] - starts_.front()) / all;
+    const std::size_t column = std::min<std::size_t>(keyOf(scan_, point).column, starts_.size() - 1);
+    return (starts_[column] - starts_.front()) / all;
+  }
+
+  const Scan& scan_;
+  Pose first_, last_;
+  bool moves_ = false;
+  bool knowsBeams_ = false;
+  std::vector<double> starts_;  // s since the start of the revolution, when each column fires
+};
+
+// The numbers of returns. Where there are no columns for them, a beam's points are counted: they are in order.
+class Returns {
+ public:
+  explicit Returns(const Scan& scan)
+      : scan_(scan), counts_((scan[kReturn].empty() || scan[kReturns].empty()) && knowsBeams(scan)) {
+    if (!counts_) return;
+    extent_ = extentOf(scan);
+    all_.assign(std::size_t{extent_.ring} * extent_.column, 0);
+    soFar_ = all_;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (isFinite(scan.position[i])) ++all_[beamOf(i)];
+    }
+  }
+
+  // Of each point that is no miss, to be called in their order: the number in the lower four bits, and how many returns
+  // there are in the upper ones.
+  std::uint8_t next(std::size_t point) {
+    std::uint32_t number = counts_ ? ++soFar_[beamOf(point)] : 1;
+    std::uint32_t all = counts_ ? all_[beamOf(point)] : 1;
+    if (!scan_[kReturn].empty()) number = scan_[kReturn][point];
+    if (!scan_[kReturns].empty()) all = scan_[kReturns][point];
+    number = std::clamp<std::uint32_t>(number, 1, LasPoints::kMostReturns);
+    all = std::clamp<std::uint32_t>(all, number, LasPoints::kMostReturns);
+    return static_cast<std::uint8_t>(number | all << 4);
+  }
+
+ private:
+  std::size_t beamOf(std::size_t point) const {
+    const PointKey key = keyOf(scan_, point);
+    return std::size_t{key.ring} * extent_.column + key.column;
+  }
+
+  const Scan& scan_;
+  bool counts_ = false;
+  PointKey extent_;
+  std::vector<std::uint32_t> all_, soFar_;  // points of each beam
+};
+
+class Las : public ScanFiles {
+ public:
+  Las() : ScanFiles("las") {}
+
+  void check(const ExportPlan& plan) const override {
+    for (const ExportSequence& sequence : plan.sequences) {
+      for (const std::size_t number : sequence.samples) checkClasses(plan, plan.manifest.samples[number]);
+    }
+  }
+
+ protected:
+  std::string bytesOf(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given) const override {
+    const Scan& scan = given.scan;
+    const WorldPlaces places(plan, given);
+    const ColumnSet columns = exportedColumns(plan, scan);
+    // Those that no field of the point format holds whole.
+    const ColumnSet extraColumns = columns.without(kLabel).without(kReturn).without(kReturns).without(kTime);
+    Returns returns(scan);
+    LasPoints points;
+    const Vec3d& sensor = given.record->worldFromSensor.front().translation;
+    points.step = kStep;
+    points.offset = {std::round(sensor.x), std::round(sensor.y), std::round(sensor.z)};
+    points.returnsAreMadeUp = !columns.has(kReturn) || !columns.has(kReturns);
+    std::string bytes;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (!isFinite(scan.position[i])) continue;
+      putPlace(plan, sample, given, places.of(i), points, bytes);
+      const float intensity = unitIntensity(given, i);
+      putNumber(static_cast<std::uint16_t>(intensity > 0 ? std::lround(std::min(intensity, 1.0f) * 65535) : 0), bytes);
+      const std::uint8_t numbers = returns.next(i);
+      putNumber(numbers, bytes);
+      putNumber(kSynthetic, bytes);
+      putNumber(static_cast<std::uint8_t>(scan[kLabel].empty() ? 0 : plan.classes.of(scan[kLabel][i])), bytes);
+      putNumber(std::uint8_t{0}, bytes);  // user data
+      putNumber(std::int16_t{0}, bytes);  // scan angle
+      putNumber(static_cast<std::uint16_t>(given.sensorNumber + 1), bytes);
+      putNumber(given.record->time + (scan[kTime].empty() ? 0 : double{scan[kTime][i]}), bytes);
+      visitTable(scan, [&](auto key, const auto& values) {
+        if (extraColumns.has(key)) putNumber(exported(plan.classes, key, values[i]), bytes);
+      });
+      ++points.byReturn[(numbers & 0x0F) - 1u];
+      ++points.count;
+    }
+    std::vector<LasExtra> extra;
+    forEachColumn([&](auto key) {
+      if (!extraColumns.has(key)) return;
+      extra.push_back({key.index == kIntensity.index ? "intensity_f" : key.row.name, key.row.type, key.row.unit});
+    });
+    return lasHead(points, extra, plan.classes.target()) + bytes;
+  }
+
+ private:
+  static void checkClasses(const ExportPlan& plan, const SampleRecord& sample) {
+    for (const ScanRecord& scan : sample.scans) {
+      const bool isExported = std::any_of(plan.sensors.begin(), plan.sensors.end(),
+                                          [&](const SensorRecord* sensor) { return sensor->name == scan.sensor; });
+      for (const auto& [id, points] : scan.pointsPerClass) {
+        const std::uint16_t own = plan.classes.of(id);
+        if (!isExported || points == 0 || own <= kMostClass) continue;
+        throw InputError({plan.dataset.string()},
+                         fmt::format("the sample {} has points of the class {}, whose id is {}; LAS holds ids up to "
+                                     "{}: give an ontology of smaller ids with --classes FILE",
+                                     sample.key, plan.classes.classOf(id).name, own, kMostClass));
+      }
+    }
+  }
+
+  // X, Y and Z. NaN fails the comparison too.
+  static void putPlace(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given, const Vec3d& place,
+                       LasPoints& points, std::string& bytes) {
+    const Vec3d exact = (place - points.offset) * (1 / kStep);
+    std::size_t axis = 0;
+    for (const double along : {exact.x, exact.y, exact.z}) {
+      if (!(std::fabs(along) < std::numeric_limits<std::int32_t>::max())) {
+        throw InputError({plan.dataset.string()},
+                         fmt::format("the sample {} has a point of the sensor '{}' more than 1000 km away; steps of "
+                                     "{} m from the sensor do not reach it: look at the scan with scanmill verify",
+                                     sample.record->key, given.sensor->name, kStep));
+      }
+      const auto steps = static_cast<std::int32_t>(std::lround(along));
+      putNumber(steps, bytes);
+      points.least[axis] = points.count == 0 ? steps : std::min(points.least[axis], steps);
+      points.greatest[axis] = points.count == 0 ? steps : std::max(points.greatest[axis], steps);
+      ++axis;
+    }
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Layout> makeLas() {
+  return std::make_unique<Las>();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,67 @@
+#include "exports/layout.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "config/fields.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::array<LayoutEntry, 7> kLayouts{{
+    {"semantic_kitti", "sequences/NN with velodyne, labels, calib, poses and times", "semantic_kitti", true, false,
+     makeSemanticKitti},
+    {"kitti", "KITTI's object benchmark: velodyne, label_2, calib, image_2, ImageSets", "kitti", true, true, makeKitti},
+    {"nuscenes", "nuScenes' tables, boxes, lidarseg and panoptic", "nuscenes", true, false, makeNuScenes},
+    {"las", "LAS 1.4, a file for each scan; all columns as extra bytes", "", false, false, makeLas},
+    {"ply", "PLY, a file for each scan, with labels and the classes' colours", "", false, false, makePly},
+    {"npz", "NumPy, a file for each scan, an array for each column", "", false, false, makeNpz},
+    {"mcap", "MCAP of ROS 2, a file for each sequence: PointCloud2, tf, markers of boxes", "", false, false, makeMcap},
+}};
+
+}  // namespace
+
+std::span<const LayoutEntry> layouts() {
+  return kLayouts;
+}
+
+const LayoutEntry& requireLayout(std::string_view name) {
+  std::vector<std::string> names;
+  for (const LayoutEntry& entry : kLayouts) {
+    if (entry.name == name) return entry;
+    names.emplace_back(entry.name);
+  }
+  throw InputError(fmt::format("no layout is called '{}'{}: there are {}", name, suggestion(std::string(name), names),
+                               fmt::join(names, ", ")));
+}
+
+const ScanRecord& onlyScanOf(const ExportPlan& plan, const SampleRecord& sample) {
+  const std::string& sensor = plan.sensors.front()->name;
+  const auto found = std::find_if(sample.scans.begin(), sample.scans.end(),
+                                  [&](const ScanRecord& scan) { return scan.sensor == sensor; });
+  if (found != sample.scans.end()) return *found;
+  throw InputError({plan.dataset.string()},
+                   fmt::format("the sample {} has no scan of the sensor '{}': name another with --sensor, or leave its "
+                               "split out with --split",
+                               sample.key, sensor));
+}
+
+void ExportFolder::write(const std::filesystem::path& name, std::string_view bytes) const {
+  writeFile(place(name), bytes);
+}
+
+std::filesystem::path ExportFolder::place(const std::filesystem::path& name) const {
+  const std::filesystem::path path = folder_ / name;
+  std::error_code failure;
+  std::filesystem::create_directories(path.parent_path(), failure);
+  if (failure) throw Error(fmt::format("{}: cannot be made: {}", path.parent_path().string(), failure.message()));
+  return path;
+}
+
+}  // namespace scanmill

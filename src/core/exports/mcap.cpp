@@ -1,0 +1,218 @@
+// A file of MCAP (mcap.dev, profile ros2) for each sequence, as Foxglove, the tools of MCAP and rosbag2 of ROS 2 read
+// it: train/street-s1-lane.mcap. Its topics:
+//
+//   /<sensor>/points  sensor_msgs/msg/PointCloud2           all columns of the scan, in the sensor's frame
+//   /tf               tf2_msgs/msg/TFMessage                map -> vehicle, at the start of each revolution
+//   /tf_static        tf2_msgs/msg/TFMessage                vehicle -> sensors, once
+//   /objects          visualization_msgs/msg/MarkerArray    boxes and their names in map, where the dataset lists them
+//
+// map is the dataset's world; the other frames have the sensors' names. Points are those of the scan: where the sensor
+// moves during the revolution and the dataset is not deskewed, each point is in the frame that the sensor had when its
+// column fired (field `time`), while /tf tells where that frame was when the revolution began. The misses of organised
+// scans stay, as NaN. Classes are in the fields `label` and `label_2`; the record of metadata "classes" names them, and
+// "scanmill" says what the file was made of.
+//
+// Time 0 of a sequence is the first second of 2020: a time of 0 has a meaning of its own in tf2.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "config/version.h"
+#include "exports/layout.h"
+#include "exports/mcap_file.h"
+#include "exports/ros_messages.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::int64_t kStart = 1'577'836'800'000'000'000;  // ns since 1970: 2020-01-01 00:00:00 UTC
+constexpr const char* kWorld = "map";
+constexpr const char* kVehicle = "vehicle";
+constexpr float kBoxOpacity = 0.4f;
+constexpr double kLetters = 0.5;  // m, height
+constexpr std::array<float, 4> kTextColor{1, 1, 1, 1};
+
+std::uint64_t timeOf(double seconds) {
+  return static_cast<std::uint64_t>(kStart + std::llround(seconds * 1e9));
+}
+
+// Names of ROS have letters, digits and '_', and do not begin with a digit
+// (design.ros2.org/articles/topic_and_service_names.html).
+std::string topicOf(const SensorRecord& sensor) {
+  std::string name = sensor.name;
+  for (char& c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  }
+  if (name.empty() || std::isdigit(static_cast<unsigned char>(name.front())) != 0) name.insert(0, "sensor_");
+  return "/" + name + "/points";
+}
+
+// How rosbag2 publishes a topic when it plays the file: reliably, and static transforms also for those who come later.
+// Numbers are those of ROS 2's middleware interface (rmw/types.h); periods are endless.
+McapMap publishing(bool forLatecomers) {
+  constexpr const char* kEndless = "{sec: 9223372036, nsec: 854775807}";
+  return {{"offered_qos_profiles",
+           fmt::format("- history: 1\n  depth: {}\n  reliability: 1\n  durability: {}\n  deadline: {}\n  lifespan: {}\n"
+                       "  liveliness: 1\n  liveliness_lease_duration: {}\n  avoid_ros_namespace_conventions: false\n",
+                       forLatecomers ? 1 : 10, forLatecomers ? 1 : 2, kEndless, kEndless, kEndless)}};
+}
+
+class Bag {
+ public:
+  Bag(const ExportPlan& plan, std::size_t sequence, const std::filesystem::path& path)
+      : plan_(plan), file_(path, "ros2", fmt::format("scanmill {}", kVersion)) {
+    // With this record, which Humble writes, later versions of rosbag2 take the above numbers for what they are.
+    file_.addMetadata("rosbag2", {{"ROS_DISTRO", "humble"}});
+    file_.addMetadata("scanmill", {{"dataset", plan.manifest.name},
+                                   {"sequence", plan.sequences[sequence].name},
+                                   {"split", plan.sequences[sequence].split},
+                                   {"deskewed", plan.manifest.deskewed ? "true" : "false"}});
+    McapMap classes;
+    for (const SemanticClass& c : plan.classes.target().classes) classes[std::to_string(c.id)] = c.name;
+    file_.addMetadata("classes", classes);
+    const std::uint16_t transforms = addSchema(transformsSchema());
+    mounts_ = addChannel(transforms, "/tf_static", true);
+    poses_ = addChannel(transforms, "/tf");
+    const std::uint16_t clouds = addSchema(pointCloudSchema());
+    for (const SensorRecord* sensor : plan.sensors) clouds_.push_back(addChannel(clouds, topicOf(*sensor)));
+  }
+
+  void add(ExportSample sample) {
+    if (sample.frame == 0) addMounts(timeOf(sample.scans.front().record->time));
+    std::set<std::uint64_t> known;  // sensors may start at different times
+    for (ExportScan& scan : sample.scans) {
+      const std::uint64_t time = timeOf(scan.record->time);
+      const Pose vehicle = scan.record->worldFromSensor.front() * inverse(scan.sensor->vehicleFromSensor);
+      if (known.insert(time).second) {
+        const RosTransform pose{time, kWorld, kVehicle, vehicle};
+        file_.addMessage(poses_, time, transformsMessage({&pose, 1}));
+      }
+      visitTable(scan.scan, [&](auto key, auto& values) {
+        if constexpr (key.row.display.colors == ColumnColors::Classes) {
+          for (auto& id : values) id = plan_.classes.of(id);
+        }
+      });
+      file_.addMessage(clouds_.at(scan.sensorNumber), time, pointCloudMessage(time, scan.sensor->name, scan.scan));
+    }
+    if (sample.objects) addObjects(*sample.objects);
+  }
+
+  void commit() { file_.commit(); }
+
+ private:
+  std::uint16_t addSchema(const RosSchema& schema) { return file_.addSchema(schema.name, "ros2msg", schema.text); }
+
+  std::uint16_t addChannel(std::uint16_t schema, const std::string& topic, bool forLatecomers = false) {
+    return file_.addChannel(schema, topic, "cdr", publishing(forLatecomers));
+  }
+
+  void addMounts(std::uint64_t time) {
+    std::vector<RosTransform> mounts;
+    for (const SensorRecord* sensor : plan_.sensors) {
+      mounts.push_back({time, kVehicle, sensor->name, sensor->vehicleFromSensor});
+    }
+    file_.addMessage(mounts_, time, transformsMessage(mounts));
+  }
+
+  void addObjects(const SampleObjects& objects) {
+    if (!objects_) objects_ = addChannel(addSchema(markersSchema()), "/objects");
+    std::vector<RosMarker> markers(1);
+    markers.front().action = RosMarker::Action::DeleteAll;
+    for (const ObjectRecord& object : objects.objects) {
+      const SemanticClass& semantic = plan_.classes.classOf(object.semantic);
+      RosMarker box;
+      box.shape = RosMarker::Shape::Cube;
+      box.nameSpace = semantic.name;
+      box.id = static_cast<std::int32_t>(object.id);  // those from 2^31 become negative: still different
+      box.pose = object.worldFromBox;
+      box.scale = object.size;
+      for (std::size_t i = 0; i < 3; ++i) box.color[i] = static_cast<float>(semantic.color[i]) / 255;
+      box.color[3] = kBoxOpacity;
+      RosMarker text;
+      text.shape = RosMarker::Shape::Text;
+      text.nameSpace = "name";
+      text.id = box.id;
+      text.pose.translation = object.worldFromBox.translation + Vec3d{0, 0, object.size.z / 2 + kLetters};
+      text.scale = {0, 0, kLetters};
+      text.color = kTextColor;
+      text.text = nameOf(object, semantic);
+      markers.push_back(std::move(box));
+      markers.push_back(std::move(text));
+    }
+    const std::uint64_t time = timeOf(objects.time);
+    file_.addMessage(*objects_, time, markersMessage(time, kWorld, markers));
+  }
+
+  // "car 7, 72 %": class, id and how much of it the exported sensor sees that sees most of it.
+  std::string nameOf(const ObjectRecord& object, const SemanticClass& semantic) const {
+    std::optional<double> visible;
+    for (const ObjectView& view : object.views) {
+      const bool exported = std::any_of(plan_.sensors.begin(), plan_.sensors.end(),
+                                        [&](const SensorRecord* sensor) { return sensor->name == view.sensor; });
+      const std::optional<double> share = exported ? view.visibility() : std::nullopt;
+      if (share && (!visible || *share > *visible)) visible = share;
+    }
+    const std::string name = fmt::format("{} {}", semantic.name, object.id);
+    return visible ? fmt::format("{}, {:.0f} %", name, 100 * *visible) : name;
+  }
+
+  const ExportPlan& plan_;
+  McapFile file_;
+  std::uint16_t mounts_ = 0;
+  std::uint16_t poses_ = 0;
+  std::vector<std::uint16_t> clouds_;       // by sensor
+  std::optional<std::uint16_t> objects_{};  // once there are some
+};
+
+class Mcap : public Layout {
+ public:
+  void check(const ExportPlan& plan) const override {
+    std::map<std::string, std::string> sensors;  // by topic
+    for (const SensorRecord* sensor : plan.sensors) {
+      if (sensor->name == kWorld || sensor->name == kVehicle) {
+        throw InputError({plan.dataset.string()},
+                         fmt::format("the sensor '{0}' has the name of a frame that is none of a sensor: MCAP's files "
+                                     "call the world '{1}' and the vehicle '{2}'. Choose other sensors with --sensor",
+                                     sensor->name, kWorld, kVehicle));
+      }
+      const auto [known, isNew] = sensors.emplace(topicOf(*sensor), sensor->name);
+      if (isNew) continue;
+      throw InputError({plan.dataset.string()},
+                       fmt::format("the sensors '{}' and '{}' would share the topic {}: choose one with --sensor",
+                                   known->second, sensor->name, known->first));
+    }
+  }
+
+  bool bySequence() const override { return true; }
+
+  std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence, std::size_t) const override {
+    const ExportSequence& own = plan.sequences[sequence];
+    return {std::filesystem::path(own.split) / (own.name + ".mcap")};
+  }
+
+  void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
+             const ExportFolder& folder) const override {
+    Bag bag(plan, sequence, folder.place(filesOf(plan, sequence, frame).front()));
+    for (std::size_t f = 0; f < plan.sequences[sequence].samples.size(); ++f) bag.add(read(sequence, f));
+    bag.commit();
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Layout> makeMcap() {
+  return std::make_unique<Mcap>();
+}
+
+}  // namespace scanmill

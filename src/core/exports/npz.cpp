@@ -1,0 +1,144 @@
+// NumPy's archives, a file for each scan (numpy.org/doc/stable/reference/generated/numpy.lib.format.html), which
+// numpy.load() reads without pickle. N points, or (rings * planes, columns) of an organised scan, whose misses stay as
+// NaN; P poses, one, or two where the sensor moves during the revolution: of its first and of its last column; M boxes:
+//
+//   xyz                float32 (N, 3)    in the sensor's frame (m)
+//   a column's name    (N,)              each of the scan's columns, in its own type; classes are the exported ones
+//   world_from_sensor  float64 (P, 4, 4) world point = matrix * sensor point
+//
+// and where the dataset lists objects, those whose boxes the sensor's range reaches:
+//
+//   boxes              float32 (M, 7)    in the frame of the points: middle x, y, z, length, width, height (m), yaw
+//   (rad) box_class          uint16 (M,) box_instance       uint32 (M,)       as in the column `instance` box_velocity
+//   float32 (M, 3)    over ground, along the sensor's axes at the start of the revolution (m/s) box_points uint32 (M,)
+//   how many points of the scan are the object's box_visibility     float32 (M,)      share of its beams that nothing
+//   blocks; NaN where it would get none
+
+#include <algorithm>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "exports/little_endian.h"
+#include "exports/npy.h"
+#include "exports/scan_files.h"
+#include "exports/zip_file.h"
+
+namespace scanmill {
+
+namespace {
+
+using Shape = std::vector<std::size_t>;
+using Files = std::vector<std::pair<std::string, std::string>>;
+
+constexpr const char* kFloat32 = "<f4";
+constexpr const char* kFloat64 = "<f8";
+constexpr const char* kUInt16 = "<u2";
+constexpr const char* kUInt32 = "<u4";
+
+constexpr const char* numpyType(ColumnType type) {
+  switch (type) {
+    case ColumnType::Float32:
+      return kFloat32;
+    case ColumnType::UInt8:
+      return "|u1";
+    case ColumnType::UInt16:
+      return kUInt16;
+    case ColumnType::UInt32:
+      return kUInt32;
+  }
+  return "";
+}
+
+void add(std::string_view name, const char* type, const Shape& shape, std::string_view bytes, Files& files) {
+  files.emplace_back(std::string(name) + ".npy", npyOf(type, shape, bytes));
+}
+
+void addPoints(const ExportPlan& plan, const Scan& scan, Files& files) {
+  Shape shape{scan.size()};
+  if (scan.organised) shape = {scan.height(), scan.width()};
+  Shape ofPositions = shape;
+  ofPositions.push_back(3);
+  std::string bytes;
+  for (const Vec3f& p : scan.position) {
+    for (const float coordinate : {p.x, p.y, p.z}) putNumber(coordinate, bytes);
+  }
+  add("xyz", kFloat32, ofPositions, bytes, files);
+  const ColumnSet columns = exportedColumns(plan, scan);
+  visitTable(scan, [&](auto key, const auto& values) {
+    if (!columns.has(key)) return;
+    bytes.clear();
+    for (const auto value : values) putNumber(exported(plan.classes, key, value), bytes);
+    add(key.row.name, numpyType(key.row.type), shape, bytes, files);
+  });
+}
+
+void addPoses(const ScanRecord& record, Files& files) {
+  std::string bytes;
+  for (const Pose& pose : record.worldFromSensor) {
+    const Mat3 r = toMatrix(pose.rotation);
+    const Vec3d& t = pose.translation;
+    for (const double value : {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z}) {
+      putNumber(value, bytes);
+    }
+    for (const double value : {0.0, 0.0, 0.0, 1.0}) putNumber(value, bytes);
+  }
+  add("world_from_sensor", kFloat64, {record.worldFromSensor.size(), 4, 4}, bytes, files);
+}
+
+void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const ExportScan& scan, Files& files) {
+  const Mat3 sensorFromWorld = transposed(toMatrix(scan.record->worldFromSensor.front().rotation));
+  std::size_t count = 0;
+  std::string boxes;
+  std::string classes;
+  std::string instances;
+  std::string velocities;
+  std::string points;
+  std::string visibilities;
+  for (const ObjectRecord& object : objects.objects) {
+    const auto view = std::find_if(object.views.begin(), object.views.end(),
+                                   [&](const ObjectView& v) { return v.sensor == scan.sensor->name; });
+    if (view == object.views.end()) continue;
+    ++count;
+    const Vec3d& middle = view->sensorFromBox.translation;
+    const double yaw = headingOf(view->sensorFromBox.rotation);
+    for (const double value : {middle.x, middle.y, middle.z, object.size.x, object.size.y, object.size.z, yaw}) {
+      putNumber(static_cast<float>(value), boxes);
+    }
+    putNumber(plan.classes.of(object.semantic), classes);
+    putNumber(object.id, instances);
+    const Vec3d velocity = sensorFromWorld * object.velocity;
+    for (const double value : {velocity.x, velocity.y, velocity.z}) putNumber(static_cast<float>(value), velocities);
+    putNumber(static_cast<std::uint32_t>(view->points), points);
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    putNumber(static_cast<float>(view->visibility().value_or(none)), visibilities);
+  }
+  add("boxes", kFloat32, {count, 7}, boxes, files);
+  add("box_class", kUInt16, {count}, classes, files);
+  add("box_instance", kUInt32, {count}, instances, files);
+  add("box_velocity", kFloat32, {count, 3}, velocities, files);
+  add("box_points", kUInt32, {count}, points, files);
+  add("box_visibility", kFloat32, {count}, visibilities, files);
+}
+
+class Npz : public ScanFiles {
+ public:
+  Npz() : ScanFiles("npz") {}
+
+ protected:
+  std::string bytesOf(const ExportPlan& plan, const ExportSample& sample, const ExportScan& scan) const override {
+    Files files;
+    addPoints(plan, scan.scan, files);
+    addPoses(*scan.record, files);
+    if (sample.objects) addBoxes(plan, *sample.objects, scan, files);
+    return zipOf(files);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Layout> makeNpz() {
+  return std::make_unique<Npz>();
+}
+
+}  // namespace scanmill

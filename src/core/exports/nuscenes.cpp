@@ -1,0 +1,254 @@
+// The layout of nuScenes (Caesar et al., "nuScenes: A multimodal dataset for autonomous driving", CVPR 2020) with the
+// labels of Panoptic nuScenes (Fong et al., RA-L 2022), which the devkit opens as version v1.0-trainval. Its schema,
+// and what the files hold, are described in docs/ and python-sdk/nuscenes/eval/ of github.com/nutonomy/nuscenes-devkit:
+//
+//   v1.0-trainval/*.json                               the tables, and splits.json
+//   samples/LIDAR_TOP/KEY__LIDAR_TOP__TIME.pcd.bin     float32 x, y, z, intensity, ring a point
+//   lidarseg/v1.0-trainval/TOKEN_lidarseg.bin          uint8 a point: its class
+//   panoptic/v1.0-trainval/TOKEN_panoptic.npz          uint16 a point: 1000 * class + instance
+//   maps/TOKEN.png, sweeps/LIDAR_TOP/                  a white map; nothing
+//
+// - The frame of points is that of the real LIDAR_TOP, x to the right, y forward, z up, so that models which were
+//   trained on it get what they know; calibrated_sensor says how the frame stands on the vehicle. Rings count from the
+//   lowest beam; they are 0 where the dataset does not know them. Intensities are whole numbers from 0 to 255, as that
+//   sensor gives them; what is brighter than 1 is 255, and without the column all are 0.
+// - Every frame is a key frame with a sample, however close the frames are; sweeps/ is empty.
+// - Each sequence is a scene with a log. The first is on 2020-01-01, each other on the day after, as times must differ
+//   from scene to scene. Times and ego_pose are those of the start of a revolution.
+// - sample_annotation has the listed objects that are things in labels/nuscenes.yaml, which nuScenes has boxes of, and
+//   that have a point at least. Boxes are where the beams meet them. visibility tells what the lidar sees of them.
+// - Instances count from 1 to 999 within a class and a scene, in the order of the dataset's own ids.
+// - splits.json names the scenes of each split, for newer versions of the devkit, which have names of their own for the
+//   splits of nuScenes (`train`, `val`, ...): so each split is also called `scanmill_train` and so forth.
+// - Without the column label there are no labels, without instance no panoptic ones, and without lists of objects no
+//   rows in sample_annotation and instance. The devkit refuses to read labels of a scan without points.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "base/error.h"
+#include "exports/layout.h"
+#include "exports/little_endian.h"
+#include "exports/npy.h"
+#include "exports/nuscenes_names.h"
+#include "exports/nuscenes_tables.h"
+#include "exports/zip_file.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::uint16_t kClassStep = 1000;   // of panoptic labels
+constexpr std::size_t kMostInstances = 999;  // of a class in a scene
+constexpr std::size_t kMostClasses = 65;     // 64 * 1000 + 999 is the last that 16 bits hold
+constexpr float kFullIntensity = 255;
+
+// What is told apart: a thing of a class of the target. Points of a thing's parts may have other classes.
+using Instance = std::pair<std::uint16_t, std::uint32_t>;
+
+Instance instanceOf(const ExportPlan& plan, const Scan& scan, std::size_t point) {
+  const SemanticClass& c = plan.classes.classOf(scan[kLabel].empty() ? std::uint16_t{0} : scan[kLabel][point]);
+  return {c.id, c.thing && !scan[kInstance].empty() ? scan[kInstance][point] : 0};
+}
+
+// Numbers the instances of scenes. The numbers are the same whichever frame is seen first: they need all of them.
+class InstanceNumbers {
+ public:
+  void add(const ExportPlan& plan, const ExportSample& sample) {
+    const Scan& scan = sample.scans.front().scan;
+    std::set<Instance> here;
+    for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
+      if (const Instance instance = instanceOf(plan, scan, i); instance.second != 0) here.insert(instance);
+    }
+    const std::scoped_lock lock(mutex_);
+    Scene& scene = scenes_[sample.sequence];
+    scene.frames.insert(sample.frame);
+    for (const auto& [category, id] : here) {
+      std::set<std::uint32_t>& ids = scene.ids[category];
+      ids.insert(id);
+      if (ids.size() <= kMostInstances) continue;
+      throw InputError(
+          {plan.dataset.string()},
+          fmt::format(
+              "the sample {} is of a sequence with more than {} instances of {}, and nuScenes numbers those of a "
+              "scene up to that: generate shorter sequences or fewer things, or leave the column instance out",
+              sample.record->key, kMostInstances, plan.classes.target().find(category)->name));
+    }
+  }
+
+  // Reads the frames that were not added yet, such as those that an earlier run has written. It does so without a lock:
+  // another thread may read the same ones.
+  std::map<Instance, std::uint16_t> of(const ExportPlan& plan, std::size_t sequence, const ReadSample& read) {
+    for (const std::size_t f : unknownFrames(sequence, plan.sequences[sequence].samples.size())) {
+      add(plan, read(sequence, f));
+    }
+    const std::scoped_lock lock(mutex_);
+    std::map<Instance, std::uint16_t> numbers;
+    for (const auto& [category, ids] : scenes_[sequence].ids) {
+      std::uint16_t number = 0;
+      for (const std::uint32_t id : ids) numbers[{category, id}] = ++number;
+    }
+    return numbers;
+  }
+
+ private:
+  struct Scene {
+    std::set<std::size_t> frames;
+    std::map<std::uint16_t, std::set<std::uint32_t>> ids;  // by class
+  };
+
+  std::vector<std::size_t> unknownFrames(std::size_t sequence, std::size_t frames) {
+    const std::scoped_lock lock(mutex_);
+    const std::set<std::size_t>& known = scenes_[sequence].frames;
+    std::vector<std::size_t> unknown;
+    for (std::size_t f = 0; f < frames && known.size() < frames; ++f) {
+      if (!known.contains(f)) unknown.push_back(f);
+    }
+    return unknown;
+  }
+
+  std::mutex mutex_;
+  std::map<std::size_t, Scene> scenes_;  // by sequence
+};
+
+// Of each ring, its number from the lowest beam on. Rings that do not lie on cones keep theirs.
+std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
+  std::vector<std::uint16_t> order(beams.rings);
+  std::iota(order.begin(), order.end(), std::uint16_t{0});
+  if (beams.listed != nullptr || beams.rosette || beams.elevation.size() != beams.rings) return order;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint16_t a, std::uint16_t b) { return beams.elevation[a] < beams.elevation[b]; });
+  std::vector<std::uint16_t> numbers(beams.rings);
+  for (std::size_t i = 0; i < order.size(); ++i) numbers[order[i]] = static_cast<std::uint16_t>(i);
+  return numbers;
+}
+
+// In LIDAR_TOP's frame: x to the right, y forward, z up.
+std::string pointsOf(const ExportScan& exported) {
+  const Scan& scan = exported.scan;
+  const std::vector<std::uint16_t> rings = ringsFromBelow(exported.sensor->beams);
+  std::string bytes;
+  bytes.reserve(scan.size() * 5 * sizeof(float));
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Vec3f& p = scan.position[i];
+    if (!isFinite(p)) continue;
+    const float strength = unitIntensity(exported, i);
+    const float intensity = strength > 0 ? std::round(std::min(strength, 1.0f) * kFullIntensity) : 0;
+    std::size_t ring = 0;
+    if (!scan[kRing].empty()) {
+      ring = scan[kRing][i];
+    } else if (scan.organised) {
+      ring = i / scan.columns % scan.rings;
+    }
+    if (ring < rings.size()) ring = rings[ring];
+    for (const float value : {-p.y, p.x, p.z, intensity, static_cast<float>(ring)}) putNumber(value, bytes);
+  }
+  return bytes;
+}
+
+class NuScenes : public Layout {
+ public:
+  void check(const ExportPlan& plan) const override {
+    checkClasses(plan);
+    for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
+      std::int64_t last = -1;
+      for (const std::size_t number : plan.sequences[s].samples) {
+        const SampleRecord& sample = plan.manifest.samples[number];
+        const ScanRecord& scan = onlyScanOf(plan, sample);
+        if (!(scan.time >= 0 && scan.time < kNuScenesDay)) {
+          throw InputError(
+              {plan.dataset.string()},
+              fmt::format("the sample {} is at {} s; scenes of nuScenes have a day each: split its sequence",
+                          sample.key, scan.time));
+        }
+        const std::int64_t time = nuScenesTime(s, scan);
+        if (time <= last) {
+          throw InputError(
+              {plan.dataset.string()},
+              fmt::format("the sample {}, at {} s, is not a microsecond after the one before it; samples of "
+                          "nuScenes are known by their times: give the frames of its sequence times",
+                          sample.key, scan.time));
+        }
+        last = time;
+      }
+    }
+  }
+
+  bool checksSamples(const ExportPlan& plan) const override { return isPanoptic(plan); }
+
+  void checkSample(const ExportPlan& plan, const ExportSample& sample) const override {
+    // Scenes are whole afterwards, and write() need not read any frame but its own.
+    numbers_.add(plan, sample);
+  }
+
+  std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
+                                             std::size_t frame) const override {
+    const SampleRecord& sample = plan.manifest.samples[plan.sequences[sequence].samples[frame]];
+    std::vector<std::filesystem::path> files{lidarTopFile(plan, sequence, frame)};
+    if (hasColumn(plan, "label")) files.push_back(lidarsegFile(plan, sample));
+    if (isPanoptic(plan)) files.push_back(panopticFile(plan, sample));
+    return files;
+  }
+
+  void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
+             const ExportFolder& folder) const override {
+    const ExportSample sample = read(sequence, frame);
+    const Scan& scan = sample.scans.front().scan;
+    folder.write(lidarTopFile(plan, sequence, frame), pointsOf(sample.scans.front()));
+    if (!hasColumn(plan, "label")) return;
+    std::map<Instance, std::uint16_t> numbers;
+    if (isPanoptic(plan)) {
+      numbers_.add(plan, sample);
+      numbers = numbers_.of(plan, sequence, read);
+    }
+    std::string classes;
+    std::string panoptic;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (!isFinite(scan.position[i])) continue;
+      const Instance instance = instanceOf(plan, scan, i);
+      putNumber(static_cast<std::uint8_t>(instance.first), classes);
+      const auto number = static_cast<std::uint16_t>(instance.second == 0 ? 0 : numbers[instance]);
+      putNumber(static_cast<std::uint16_t>(instance.first * kClassStep + number), panoptic);
+    }
+    folder.write(lidarsegFile(plan, *sample.record), classes);
+    if (!isPanoptic(plan)) return;
+    const std::pair<std::string, std::string> array{"data.npy", npyOf("<u2", {classes.size()}, panoptic)};
+    folder.write(panopticFile(plan, *sample.record), zipOf({&array, 1}));
+  }
+
+  void finish(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder) const override {
+    writeNuScenesTables(plan, read, folder);
+  }
+
+ private:
+  static bool isPanoptic(const ExportPlan& plan) { return hasColumn(plan, "label") && hasColumn(plan, "instance"); }
+
+  // The devkit counts points by class from 0 to the number of categories.
+  static void checkClasses(const ExportPlan& plan) {
+    const Ontology& target = plan.classes.target();
+    std::set<std::uint16_t> ids;
+    for (const SemanticClass& c : target.classes) ids.insert(c.id);
+    if (ids.size() <= kMostClasses && !ids.empty() && *ids.rbegin() == ids.size() - 1) return;
+    throw InputError(
+        fmt::format("the classes of {} must be numbered from 0 on without gaps, {} at most, to be nuScenes' "
+                    "categories: leave --classes out, or take labels/nuscenes.yaml with aliases of your own",
+                    target.name, kMostClasses));
+  }
+
+  mutable InstanceNumbers numbers_;
+};
+
+}  // namespace
+
+std::unique_ptr<Layout> makeNuScenes() {
+  return std::make_unique<NuScenes>();
+}
+
+}  // namespace scanmill

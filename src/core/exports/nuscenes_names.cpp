@@ -1,0 +1,66 @@
+#include "exports/nuscenes_names.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/hash.h"
+
+namespace scanmill {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::chrono::sys_days kFirstDay = std::chrono::year{2020} / 1 / 1;
+constexpr std::int64_t kMicroseconds = 1'000'000;  // of a second
+
+std::chrono::sys_days dayOf(std::size_t sequence) {
+  return kFirstDay + std::chrono::days(sequence);
+}
+
+// The devkit finds labels by the token of the scan that they are of.
+fs::path labelFile(const ExportPlan& plan, const SampleRecord& sample, std::string_view kind, std::string_view suffix) {
+  const std::string token = nuScenesToken(plan, "sample_data", sample.key);
+  return fs::path(kind) / kNuScenesVersion / fmt::format("{}_{}.{}", token, kind, suffix);
+}
+
+}  // namespace
+
+bool hasColumn(const ExportPlan& plan, std::string_view column) {
+  const std::vector<std::string>& columns = plan.manifest.columns;
+  return std::find(columns.begin(), columns.end(), column) != columns.end();
+}
+
+std::string nuScenesToken(const ExportPlan& plan, std::string_view table, std::string_view row) {
+  return sha256(fmt::format("{}\n{}\n{}", plan.manifest.name, table, row)).substr(0, 32);
+}
+
+std::int64_t nuScenesTime(std::size_t sequence, const ScanRecord& scan) {
+  const std::chrono::seconds midnight = dayOf(sequence).time_since_epoch();
+  return midnight.count() * kMicroseconds + std::llround(scan.time * kMicroseconds);
+}
+
+std::string nuScenesDate(std::size_t sequence) {
+  const std::chrono::year_month_day day = dayOf(sequence);
+  return fmt::format("{:04}-{:02}-{:02}", int{day.year()}, unsigned{day.month()}, unsigned{day.day()});
+}
+
+fs::path lidarTopFile(const ExportPlan& plan, std::size_t sequence, std::size_t frame) {
+  const SampleRecord& sample = plan.manifest.samples[plan.sequences[sequence].samples[frame]];
+  const std::int64_t time = nuScenesTime(sequence, onlyScanOf(plan, sample));
+  return fs::path("samples/LIDAR_TOP") / fmt::format("{}__LIDAR_TOP__{}.pcd.bin", sample.key, time);
+}
+
+fs::path lidarsegFile(const ExportPlan& plan, const SampleRecord& sample) {
+  return labelFile(plan, sample, "lidarseg", "bin");
+}
+
+fs::path panopticFile(const ExportPlan& plan, const SampleRecord& sample) {
+  return labelFile(plan, sample, "panoptic", "npz");
+}
+
+}  // namespace scanmill

@@ -1,0 +1,297 @@
+// Tables are lists of rows, which point to each other by tokens; docs/schema_nuscenes.md in
+// github.com/nutonomy/nuscenes-devkit describes their fields.
+
+#include "exports/nuscenes_tables.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+#include "dataset/json_text.h"
+#include "exports/grey_png.h"
+#include "exports/json_list_file.h"
+#include "exports/nuscenes_names.h"
+
+namespace scanmill {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// The axes of nuScenes' LIDAR_TOP, x to the right, y forward, z up, in those of the sensor, x forward, y left, z up: a
+// turn about z by -90 degrees.
+constexpr Quat kSensorFromLidarTop{0.70710678118654752440, 0, 0, -0.70710678118654752440};
+
+constexpr double kMoving = 0.2;         // m/s, of what is called moving
+constexpr std::uint32_t kMapSide = 64;  // pixels of 0.1 m, a square
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kAttributes{{
+    {"vehicle.moving", "it moves"},
+    {"vehicle.stopped", "it stands, but moves at another time of the scene"},
+    {"vehicle.parked", "it stands in the whole scene"},
+    {"cycle.with_rider", "it moves at any time of the scene"},
+    {"cycle.without_rider", "it stands in the whole scene"},
+    {"pedestrian.sitting_lying_down", "nobody is called so here"},
+    {"pedestrian.standing", "they stand, sit or lie"},
+    {"pedestrian.moving", "they move"},
+}};
+
+OrderedJson listOf(const Vec3d& v, const std::string& what) {
+  return finiteList({v.x, v.y, v.z}, what);
+}
+
+OrderedJson listOf(const Quat& q, const std::string& what) {
+  return finiteList({q.w, q.x, q.y, q.z}, what);
+}
+
+// nuScenes' four steps of visibility; an empty text where nothing is known of it.
+std::string visibilityToken(const std::optional<double>& visible) {
+  if (!visible) return "";
+  return *visible < 0.4 ? "1" : *visible < 0.6 ? "2" : *visible < 0.8 ? "3" : "4";
+}
+
+// What things do, by their category; empty for those of which nuScenes does not say it.
+std::string attributeOf(const std::string& category, const ObjectRecord& object) {
+  const bool moving = length(object.velocity) > kMoving;
+  if (category == "vehicle.bicycle" || category == "vehicle.motorcycle") {
+    return moving || object.moves ? "cycle.with_rider" : "cycle.without_rider";
+  }
+  if (category.starts_with("vehicle.")) {
+    return moving ? "vehicle.moving" : object.moves ? "vehicle.stopped" : "vehicle.parked";
+  }
+  if (category.starts_with("human.")) return moving ? "pedestrian.moving" : "pedestrian.standing";
+  return "";
+}
+
+class Tables {
+ public:
+  Tables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder)
+      : plan_(plan), read_(read), folder_(folder), sensor_(*plan.sensors.front()) {}
+
+  void write() {
+    addFixed();
+    for (std::size_t s = 0; s < plan_.sequences.size(); ++s) addScene(s);
+    for (auto& [ignored, table] : tables_) table.commit();
+    folder_.write(fs::path(kNuScenesVersion) / "splits.json", layOut(splits_) + "\n");
+    // All of the map is foreground, which says that anything may be anywhere.
+    folder_.write(mapFile(), greyPng(std::vector<std::uint8_t>(kMapSide * kMapSide, 255), kMapSide));
+    folder_.place("sweeps/LIDAR_TOP/");
+  }
+
+ private:
+  // The token of a row of a table.
+  std::string token(std::string_view kind, std::string_view name) const { return nuScenesToken(plan_, kind, name); }
+
+  void open(const std::string& name) {
+    tables_.try_emplace(name, folder_.place(fs::path(kNuScenesVersion) / (name + ".json")));
+  }
+  void add(const std::string& table, const OrderedJson& row) { tables_.at(table).add(scalarText(row)); }
+
+  std::string mapFile() const { return fmt::format("maps/{}.png", token("map", "")); }
+
+  // What is the same for all scenes.
+  void addFixed() {
+    for (const char* name : {"attribute", "calibrated_sensor", "category", "ego_pose", "instance", "log", "map",
+                             "sample", "sample_annotation", "sample_data", "scene", "sensor", "visibility"}) {
+      open(name);  // without rows it is there too
+    }
+    if (hasColumn(plan_, "label")) open("lidarseg");
+    if (hasColumn(plan_, "label") && hasColumn(plan_, "instance")) open("panoptic");
+    for (const auto& [name, description] : kAttributes) {
+      add("attribute", {{"token", token("attribute", name)}, {"name", name}, {"description", description}});
+    }
+    addCategories();
+    constexpr std::array<std::string_view, 5> kSteps{"0", "40", "60", "80", "100"};
+    for (std::size_t i = 0; i + 1 < kSteps.size(); ++i) {
+      add("visibility", {{"token", std::to_string(i + 1)},
+                         {"level", fmt::format("v{}-{}", kSteps[i], kSteps[i + 1])},
+                         {"description", fmt::format("between {} and {} % of the beams at the object meet it",
+                                                     kSteps[i], kSteps[i + 1])}});
+    }
+    add("sensor", {{"token", token("sensor", "")}, {"channel", "LIDAR_TOP"}, {"modality", "lidar"}});
+    const Pose& vehicleFromSensor = sensor_.vehicleFromSensor;
+    add("calibrated_sensor", {{"token", token("calibrated_sensor", "")},
+                              {"sensor_token", token("sensor", "")},
+                              {"translation", listOf(vehicleFromSensor.translation, sensor_.name)},
+                              {"rotation", listOf(vehicleFromSensor.rotation * kSensorFromLidarTop, sensor_.name)},
+                              {"camera_intrinsic", OrderedJson::array()}});
+    OrderedJson logs = OrderedJson::array();
+    for (const ExportSequence& sequence : plan_.sequences) logs.push_back(token("log", sequence.name));
+    add("map", {{"token", token("map", "")},
+                {"log_tokens", std::move(logs)},
+                {"category", "semantic_prior"},
+                {"filename", mapFile()}});
+  }
+
+  void addCategories() {
+    std::map<std::uint16_t, std::string> sources;  // the dataset's classes that become each
+    for (const SemanticClass& c : plan_.manifest.ontology.classes) {
+      std::string& names = sources[plan_.classes.of(c.id)];
+      names += (names.empty() ? "" : ", ") + c.name;
+    }
+    std::vector<SemanticClass> classes = plan_.classes.target().classes;
+    std::sort(classes.begin(), classes.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+    for (const SemanticClass& c : classes) {
+      const std::string& from = sources[c.id];
+      add("category", {{"token", categoryToken(c.id)},
+                       {"name", c.id == 0 ? "noise" : c.name},
+                       {"description", from.empty() ? "nothing in this dataset"
+                                                    : fmt::format("{}: {}", plan_.manifest.ontology.name, from)},
+                       {"index", c.id}});
+    }
+  }
+
+  std::string categoryToken(std::uint16_t id) const { return token("category", std::to_string(id)); }
+
+  void addScene(std::size_t s) {
+    const ExportSequence& sequence = plan_.sequences[s];
+    const std::vector<SampleRecord>& samples = plan_.manifest.samples;
+    const std::string name = fmt::format("scene-{:04}", s + 1);
+    const std::string scene = token("scene", sequence.name);
+    add("log", {{"token", token("log", sequence.name)},
+                {"logfile", sequence.name},
+                {"vehicle", "simulated"},
+                {"date_captured", nuScenesDate(s)},
+                {"location", plan_.manifest.name}});
+    add("scene", {{"token", scene},
+                  {"log_token", token("log", sequence.name)},
+                  {"nbr_samples", sequence.samples.size()},
+                  {"first_sample_token", token("sample", samples[sequence.samples.front()].key)},
+                  {"last_sample_token", token("sample", samples[sequence.samples.back()].key)},
+                  {"name", name},
+                  {"description", sequence.name}});
+    for (const std::string& split : {sequence.split, "scanmill_" + sequence.split}) splits_[split].push_back(name);
+    for (std::size_t f = 0; f < sequence.samples.size(); ++f) addSample(s, f, scene);
+    addAnnotations(s);
+    for (auto& [ignored, table] : tables_) table.flush();
+  }
+
+  void addSample(std::size_t s, std::size_t f, const std::string& scene) {
+    const ExportSequence& sequence = plan_.sequences[s];
+    const auto tokenAt = [&](std::string_view of, std::size_t frame) {
+      return frame < sequence.samples.size() ? token(of, plan_.manifest.samples[sequence.samples[frame]].key)
+                                             : std::string();  // before the first and behind the last
+    };
+    const SampleRecord& sample = plan_.manifest.samples[sequence.samples[f]];
+    const ScanRecord& scan = onlyScanOf(plan_, sample);
+    const std::int64_t time = nuScenesTime(s, scan);
+    add("sample", {{"token", tokenAt("sample", f)},
+                   {"timestamp", time},
+                   {"prev", tokenAt("sample", f - 1)},
+                   {"next", tokenAt("sample", f + 1)},
+                   {"scene_token", scene}});
+    const Pose worldFromVehicle = scan.worldFromSensor.front() * inverse(sensor_.vehicleFromSensor);
+    add("ego_pose", {{"token", tokenAt("ego_pose", f)},
+                     {"timestamp", time},
+                     {"rotation", listOf(worldFromVehicle.rotation, sample.key)},
+                     {"translation", listOf(worldFromVehicle.translation, sample.key)}});
+    add("sample_data", {{"token", tokenAt("sample_data", f)},
+                        {"sample_token", tokenAt("sample", f)},
+                        {"ego_pose_token", tokenAt("ego_pose", f)},
+                        {"calibrated_sensor_token", token("calibrated_sensor", "")},
+                        {"timestamp", time},
+                        {"fileformat", "pcd"},
+                        {"is_key_frame", true},
+                        {"height", 0},
+                        {"width", 0},
+                        {"filename", lidarTopFile(plan_, s, f).generic_string()},
+                        {"prev", tokenAt("sample_data", f - 1)},
+                        {"next", tokenAt("sample_data", f + 1)}});
+    // The devkit looks for labels by the token of the scan.
+    const std::string own = tokenAt("sample_data", f);
+    const auto addLabels = [&](const char* name, const fs::path& file) {
+      if (!tables_.contains(name)) return;
+      add(name, {{"token", own}, {"sample_data_token", own}, {"filename", file.generic_string()}});
+    };
+    addLabels("lidarseg", lidarsegFile(plan_, sample));
+    addLabels("panoptic", panopticFile(plan_, sample));
+  }
+
+  void addAnnotations(std::size_t s) {
+    struct Instance {
+      std::uint16_t category = 0;
+      std::size_t annotations = 0;
+      OrderedJson first;      // token
+      OrderedJson last;       // row, that does not know its next one yet
+      std::size_t place = 0;  // of that
+    };
+    const ExportSequence& sequence = plan_.sequences[s];
+    JsonListFile& annotations = tables_.at("sample_annotation");
+    std::map<std::uint32_t, Instance> instances;  // by the dataset's own ids
+    for (std::size_t f = 0; f < sequence.samples.size(); ++f) {
+      const std::optional<SampleObjects> all = read_(s, f);
+      if (!all) continue;
+      const SampleRecord& sample = plan_.manifest.samples[sequence.samples[f]];
+      for (const ObjectRecord& object : all->objects) {
+        const SemanticClass& category = plan_.classes.classOf(object.semantic);
+        const auto view = std::find_if(object.views.begin(), object.views.end(),
+                                       [&](const ObjectView& v) { return v.sensor == sensor_.name; });
+        if (!category.thing || view == object.views.end() || view->points == 0) continue;
+        OrderedJson row = annotation(s, sample, object, *view, category.name);
+        Instance& instance = instances[object.id];
+        if (instance.annotations++ == 0) {
+          instance.category = category.id;
+          instance.first = row["token"];
+        } else {
+          row["prev"] = instance.last["token"];
+          instance.last["next"] = row["token"];
+          annotations.set(instance.place, scalarText(instance.last));
+        }
+        instance.place = annotations.add(scalarText(row));
+        instance.last = std::move(row);
+      }
+    }
+    for (const auto& [id, instance] : instances) {
+      add("instance", {{"token", instanceToken(s, id)},
+                       {"category_token", categoryToken(instance.category)},
+                       {"nbr_annotations", instance.annotations},
+                       {"first_annotation_token", instance.first},
+                       {"last_annotation_token", instance.last["token"]}});
+    }
+  }
+
+  std::string instanceToken(std::size_t s, std::uint32_t id) const {
+    return token("instance", fmt::format("{} {}", plan_.sequences[s].name, id));
+  }
+
+  // The box is that at the time at which the beams meet it, where the vehicle's pose puts it, and so fits the points.
+  OrderedJson annotation(std::size_t s, const SampleRecord& sample, const ObjectRecord& object, const ObjectView& view,
+                         const std::string& category) const {
+    const std::string what = fmt::format("{}: object {}", sample.key, object.id);
+    const Pose worldFromBox = onlyScanOf(plan_, sample).worldFromSensor.front() * view.sensorFromBox;
+    OrderedJson attributes = OrderedJson::array();
+    if (const std::string name = attributeOf(category, object); !name.empty()) {
+      attributes.push_back(token("attribute", name));
+    }
+    return {{"token", token("sample_annotation", fmt::format("{} {}", sample.key, object.id))},
+            {"sample_token", token("sample", sample.key)},
+            {"instance_token", instanceToken(s, object.id)},
+            {"visibility_token", visibilityToken(view.visibility())},
+            {"attribute_tokens", std::move(attributes)},
+            {"translation", listOf(worldFromBox.translation, what)},
+            {"size", listOf(Vec3d{object.size.y, object.size.x, object.size.z}, what)},
+            {"rotation", listOf(worldFromBox.rotation, what)},
+            {"prev", ""},
+            {"next", ""},
+            {"num_lidar_pts", view.points},
+            {"num_radar_pts", 0}};
+  }
+
+  const ExportPlan& plan_;
+  const ReadObjects& read_;
+  const ExportFolder& folder_;
+  const SensorRecord& sensor_;
+  std::map<std::string, JsonListFile> tables_;
+  OrderedJson splits_ = OrderedJson::object();
+};
+
+}  // namespace
+
+void writeNuScenesTables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder) {
+  Tables(plan, read, folder).write();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,12 @@
+#pragma once
+
+// The tables of nuScenes. The layout is described in nuscenes.cpp.
+
+#include "exports/layout.h"
+
+namespace scanmill {
+
+// Writes all tables, splits.json, the map and the folders that may be empty.
+void writeNuScenesTables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder);
+
+}  // namespace scanmill

@@ -1,0 +1,131 @@
+// PLY, a file for each scan (Turk, "The PLY Polygon File Format", 1994; paulbourke.net/dataformats/ply), binary and
+// little-endian, as CloudCompare, MeshLab, Blender and Open3D open it:
+//
+//   comment dataset, sample, sensor, time of the scan (s), frame of the points, world_from_sensor (of the first column,
+//           of the last one too where the sensor moves), and a line `class ID NAME` for each class
+//   element vertex
+//     float x, y, z                in the sensor's frame (m)
+//     uchar red, green, blue       of the class; of a scan without classes grey, by the intensity
+//     the scan's columns           under their own names, in their own types
+//
+// Misses are left out. The order of the points is the scan's.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string_view>
+
+#include "exports/little_endian.h"
+#include "exports/scan_files.h"
+
+namespace scanmill {
+
+namespace {
+
+using Color = std::array<std::uint8_t, 3>;
+
+constexpr std::uint8_t kMiddleGrey = 128;  // of points that have neither class nor intensity
+
+constexpr std::string_view plyType(ColumnType type) {
+  switch (type) {
+    case ColumnType::Float32:
+      return "float";
+    case ColumnType::UInt8:
+      return "uchar";
+    case ColumnType::UInt16:
+      return "uint16";  // the same as ushort, which Open3D skips
+    case ColumnType::UInt32:
+      return "uint";
+  }
+  return {};
+}
+
+// A comment ends with its line, whatever a name holds.
+std::string oneLine(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return text;
+}
+
+std::string header(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given, std::size_t points) {
+  std::string text = fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment dataset {}\ncomment sample {}\ncomment sensor {}\ncomment time "
+      "{}\n"
+      "comment frame sensor: metres; x forward, y left, z up\n",
+      oneLine(plan.manifest.name), oneLine(sample.record->key), oneLine(given.sensor->name), given.record->time);
+  for (const Pose& pose : given.record->worldFromSensor) {
+    const Quat& q = pose.rotation;
+    const Vec3d& t = pose.translation;
+    text += fmt::format("comment world_from_sensor quaternion_wxyz {} {} {} {} translation {} {} {}\n", q.w, q.x, q.y,
+                        q.z, t.x, t.y, t.z);
+  }
+  for (const SemanticClass& c : plan.classes.target().classes) {
+    text += fmt::format("comment class {} {}\n", c.id, oneLine(c.name));
+  }
+  const ColumnSet columns = exportedColumns(plan, given.scan);
+  text += fmt::format(
+      "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\n",
+      points);
+  forEachColumn([&](auto key) {
+    if (columns.has(key)) text += fmt::format("property {} {}\n", plyType(key.row.type), key.row.name);
+  });
+  return text + "end_header\n";
+}
+
+class Colors {
+ public:
+  Colors(const ExportPlan& plan, const ExportScan& given) : classes_(plan.classes), given_(given), scan_(given.scan) {
+    for (const SemanticClass& c : plan.classes.target().classes) ofClass_.emplace(c.id, c.color);
+  }
+
+  Color of(std::size_t point) const {
+    if (!scan_[kLabel].empty()) return ofClass_.at(classes_.of(scan_[kLabel][point]));
+    std::uint8_t grey = kMiddleGrey;
+    if (!scan_[kIntensity].empty()) {
+      const float intensity = unitIntensity(given_, point);
+      grey = intensity > 0 ? static_cast<std::uint8_t>(std::min(intensity, 1.0f) * 255 + 0.5f) : std::uint8_t{0};
+    }
+    return {grey, grey, grey};
+  }
+
+ private:
+  const ClassMap& classes_;
+  const ExportScan& given_;
+  const Scan& scan_;
+  std::map<std::uint16_t, Color> ofClass_;
+};
+
+class Ply : public ScanFiles {
+ public:
+  Ply() : ScanFiles("ply") {}
+
+ protected:
+  std::string bytesOf(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given) const override {
+    const Scan& scan = given.scan;
+    const auto points =
+        static_cast<std::size_t>(std::count_if(scan.position.begin(), scan.position.end(), isFinite<float>));
+    std::string bytes = header(plan, sample, given, points);
+    const Colors colors(plan, given);
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const Vec3f& p = scan.position[i];
+      if (!isFinite(p)) continue;
+      for (const float coordinate : {p.x, p.y, p.z}) putNumber(coordinate, bytes);
+      for (const std::uint8_t part : colors.of(i)) putNumber(part, bytes);
+      visitTable(scan, [&](auto key, const auto& values) {
+        if (!values.empty()) putNumber(exported(plan.classes, key, values[i]), bytes);
+      });
+    }
+    return bytes;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Layout> makePly() {
+  return std::make_unique<Ply>();
+}
+
+}  // namespace scanmill

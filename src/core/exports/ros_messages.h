@@ -1,0 +1,53 @@
+#pragma once
+
+// Messages of ROS 2, as bytes and as the texts that define them.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/vec.h"
+#include "scan/scan.h"
+
+namespace scanmill {
+
+struct RosSchema {
+  std::string_view name;  // "sensor_msgs/msg/PointCloud2"
+  std::string text;       // its definition and those of all types in it
+};
+
+RosSchema pointCloudSchema();
+RosSchema transformsSchema();
+RosSchema markersSchema();
+
+// Where the frame `child` stands in the frame `parent`.
+struct RosTransform {
+  std::uint64_t time = 0;  // ns
+  std::string parent;
+  std::string child;
+  Pose parentFromChild;
+};
+
+// What viewers draw. It replaces the one of the same name space and id.
+struct RosMarker {
+  enum class Shape : std::int32_t { None = 0, Cube = 1, Text = 9 };
+  enum class Action : std::int32_t { Add = 0, DeleteAll = 3 };
+  Action action = Action::Add;
+  Shape shape = Shape::None;
+  std::string nameSpace;
+  std::int32_t id = 0;
+  Pose pose;                     // in the frame of all markers of a message
+  Vec3d scale;                   // m: of a cube its sides, of a text the height of its letters (z)
+  std::array<float, 4> color{};  // red, green, blue, opacity, 0 to 1
+  std::string text;
+};
+
+// The messages, serialised. Times are nanoseconds. They throw Error for what is larger than a message can be.
+std::string transformsMessage(std::span<const RosTransform> transforms);
+std::string markersMessage(std::uint64_t time, std::string_view frame, std::span<const RosMarker> markers);
+// Fields are x, y and z, then the scan's columns by their names. An organised scan keeps its misses and its height.
+std::string pointCloudMessage(std::uint64_t time, std::string_view frame, const Scan& scan);
+
+}  // namespace scanmill

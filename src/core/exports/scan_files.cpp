@@ -1,0 +1,41 @@
+#include "exports/scan_files.h"
+
+#include <fmt/core.h>
+
+#include "dataset/sample_names.h"
+
+namespace scanmill {
+
+// In lower case, as the dataset's own members are named.
+std::filesystem::path ScanFiles::fileOf(const SampleRecord& sample, const SensorRecord& sensor) const {
+  return std::filesystem::path(sample.split) / fmt::format("{}.{}.{}", sample.key, lowerCase(sensor.name), suffix_);
+}
+
+std::vector<std::filesystem::path> ScanFiles::filesOf(const ExportPlan& plan, std::size_t sequence,
+                                                      std::size_t frame) const {
+  const SampleRecord& sample = plan.manifest.samples[plan.sequences[sequence].samples[frame]];
+  std::vector<std::filesystem::path> files;
+  for (const SensorRecord* sensor : plan.sensors) files.push_back(fileOf(sample, *sensor));
+  return files;
+}
+
+void ScanFiles::write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
+                      const ExportFolder& folder) const {
+  const ExportSample sample = read(sequence, frame);
+  for (const ExportScan& scan : sample.scans) {
+    requireConsistent(scan.scan);
+    folder.write(fileOf(*sample.record, *scan.sensor), bytesOf(plan, sample, scan));
+  }
+}
+
+ColumnSet exportedColumns(const ExportPlan& plan, const Scan& scan) {
+  if (scan.size() > 0) return columnsOf(scan);
+  ColumnSet columns;
+  for (const std::string& name : plan.manifest.columns) {
+    const std::size_t index = columnIndex(name);
+    if (index < kColumnCount) columns.add(index);  // the position is in the list too
+  }
+  return columns;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,51 @@
+#pragma once
+
+// What layouts share that write a file for each scan: SPLIT/KEY.SENSOR.SUFFIX, "train/street-s1-lane-000000.top.las".
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "exports/layout.h"
+
+namespace scanmill {
+
+class ScanFiles : public Layout {
+ public:
+  explicit ScanFiles(std::string suffix) : suffix_(std::move(suffix)) {}
+
+  // One for each sensor that is exported, in their order.
+  std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
+                                             std::size_t frame) const override;
+  void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
+             const ExportFolder& folder) const override;
+
+ protected:
+  // The bytes of the file of one of the sample's scans.
+  virtual std::string bytesOf(const ExportPlan& plan, const ExportSample& sample, const ExportScan& scan) const = 0;
+
+ private:
+  std::filesystem::path fileOf(const SampleRecord& sample, const SensorRecord& sensor) const;
+
+  std::string suffix_;  // without a dot
+};
+
+// The columns that the file of a scan has besides the position: the scan's or, where that has no points, the dataset's.
+ColumnSet exportedColumns(const ExportPlan& plan, const Scan& scan);
+
+// The value of a column as it is exported: classes are those of the ontology that is exported.
+template <class Key>
+typename Key::Value exported(const ClassMap& classes, Key, typename Key::Value value) {
+  if constexpr (Key::row.display.colors == ColumnColors::Classes) {
+    static_assert(std::is_same_v<typename Key::Value, std::uint16_t>);
+    return classes.of(value);
+  } else {
+    return value;
+  }
+}
+
+}  // namespace scanmill

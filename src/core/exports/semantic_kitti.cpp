@@ -1,0 +1,187 @@
+// The folders of SemanticKITTI (Behley et al., "SemanticKITTI: A Dataset for Semantic Scene Understanding of LiDAR
+// Sequences", ICCV 2019; file formats on semantic-kitti.org/dataset.html and in github.com/PRBonn/semantic-kitti-api),
+// which are those of KITTI's odometry benchmark with labels beside them:
+//
+//   semantic-kitti.yaml                    classes, colours (blue, green, red) and splits, for the API's --config
+//   sequences/00/velodyne/000000.bin       float32 x, y, z, remission a point
+//   sequences/00/labels/000000.label       uint32 a point: class in the lower 16 bits, instance in the upper
+//   sequences/00/poses.txt                 12 numbers a line: pose of camera 0 relative to the first line
+//   sequences/00/calib.txt, times.txt
+//
+// There is no camera: camera 0 stands in the sensor's origin and looks along its x axis. Sequences are numbered in the
+// order of the dataset. What moves has the classes 252 to 259, where the dataset lists objects.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <set>
+
+#include "base/error.h"
+#include "exports/layout.h"
+#include "exports/little_endian.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::uint32_t kMostInstances = 32767;  // readers shift signed numbers
+constexpr std::size_t kMostSequences = 100;      // of two digits
+
+// Camera axes: x right, y down, z forward.
+const Quat kCameraFromSensor{0.5, 0.5, -0.5, 0.5};
+
+std::string twelve(const Pose& pose) {
+  const Mat3 r = toMatrix(pose.rotation);
+  const Vec3d& t = pose.translation;
+  return fmt::format("{:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e}", r.x.x,
+                     r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z);
+}
+
+std::filesystem::path sequenceFolder(std::size_t sequence) {
+  return std::filesystem::path("sequences") / fmt::format("{:02}", sequence);
+}
+
+class SemanticKitti : public Layout {
+ public:
+  void check(const ExportPlan& plan) const override {
+    if (plan.sequences.size() > kMostSequences) {
+      throw InputError({plan.dataset.string()},
+                       fmt::format("has {} sequences; SemanticKITTI's numbers have two digits, for {}: take fewer with "
+                                   "--split",
+                                   plan.sequences.size(), kMostSequences));
+    }
+  }
+
+  bool checksSamples(const ExportPlan& plan) const override {
+    const std::vector<std::string>& columns = plan.manifest.columns;
+    return std::find(columns.begin(), columns.end(), "instance") != columns.end();
+  }
+
+  void checkSample(const ExportPlan& plan, const ExportSample& sample) const override {
+    const std::vector<std::uint32_t>& ids = sample.scans.front().scan[kInstance];
+    const auto most = std::max_element(ids.begin(), ids.end());
+    if (most == ids.end() || *most <= kMostInstances) return;
+    throw InputError(
+        {plan.dataset.string()},
+        fmt::format("the sample {} has points of the instance {}; SemanticKITTI's labels hold ids up to {}: "
+                    "generate a scene of fewer things, or leave the column instance out",
+                    sample.record->key, *most, kMostInstances));
+  }
+
+  std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
+                                             std::size_t frame) const override {
+    const std::string name = fmt::format("{:06}", frame);
+    std::vector<std::filesystem::path> files{sequenceFolder(sequence) / "velodyne" / (name + ".bin")};
+    if (isLabelled(plan)) files.push_back(sequenceFolder(sequence) / "labels" / (name + ".label"));
+    return files;
+  }
+
+  void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
+             const ExportFolder& folder) const override {
+    const ExportSample sample = read(sequence, frame);
+    const Scan& scan = sample.scans.front().scan;
+    std::set<std::uint32_t> moving;
+    if (sample.objects) {
+      for (const ObjectRecord& object : sample.objects->objects) {
+        if (object.moves) moving.insert(object.id);
+      }
+    }
+    std::string points;
+    std::string labels;
+    points.reserve(scan.size() * 16);
+    labels.reserve(scan.size() * 4);
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (!isFinite(scan.position[i])) continue;
+      const Vec3f& p = scan.position[i];
+      for (const float value : {p.x, p.y, p.z}) putNumber(value, points);
+      putNumber(std::min(unitIntensity(sample.scans.front(), i), 1.0f), points);
+      if (scan[kLabel].empty()) continue;
+      const std::uint32_t instance = scan[kInstance].empty() ? 0 : scan[kInstance][i];
+      const std::uint16_t own = scan[kLabel][i];
+      const std::uint32_t label = moving.contains(instance) ? plan.classes.ofMoving(own) : plan.classes.of(own);
+      putNumber(label | instance << 16, labels);
+    }
+    const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
+    folder.write(files[0], points);
+    if (files.size() > 1) folder.write(files[1], labels);
+  }
+
+  void finish(const ExportPlan& plan, const ReadObjects&, const ExportFolder& folder) const override {
+    const Pose cameraFromSensor{kCameraFromSensor, {}};
+    for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
+      std::string poses;
+      std::string times;
+      const ScanRecord* first = nullptr;
+      for (const std::size_t number : plan.sequences[s].samples) {
+        const ScanRecord& scan = onlyScanOf(plan, plan.manifest.samples[number]);
+        if (first == nullptr) first = &scan;
+        const Pose moved = inverse(first->worldFromSensor.front()) * scan.worldFromSensor.front();
+        poses += twelve(cameraFromSensor * moved * inverse(cameraFromSensor)) + "\n";
+        times += fmt::format("{:.6e}\n", scan.time - first->time);
+      }
+      std::string calibration;
+      for (int camera = 0; camera < 4; ++camera) {
+        calibration += fmt::format("P{}: 1 0 0 0 0 1 0 0 0 0 1 0\n", camera);
+      }
+      calibration += fmt::format("Tr: {}\n", twelve(cameraFromSensor));
+      folder.write(sequenceFolder(s) / "poses.txt", poses);
+      folder.write(sequenceFolder(s) / "times.txt", times);
+      folder.write(sequenceFolder(s) / "calib.txt", calibration);
+    }
+    folder.write("semantic-kitti.yaml", configuration(plan));
+  }
+
+ private:
+  static bool isLabelled(const ExportPlan& plan) {
+    const std::vector<std::string>& columns = plan.manifest.columns;
+    return std::find(columns.begin(), columns.end(), "label") != columns.end();
+  }
+
+  // As the API's config/semantic-kitti.yaml: trained classes are those that points can have, in the order of their ids;
+  // what moves is trained as what stands. The split `val` is called `valid` there.
+  static std::string configuration(const ExportPlan& plan) {
+    std::string text = "# Of a simulated dataset, in the form of SemanticKITTI's configuration.\nname: \"" +
+                       plan.classes.target().name + "\"\nlabels:\n";
+    std::string colors;
+    std::string trained;
+    std::string back;
+    std::string ignored;
+    std::map<std::uint16_t, int> number;  // of each class that is trained
+    std::set<std::uint16_t> reached{0};
+    for (const SemanticClass& c : plan.manifest.ontology.classes) reached.insert(plan.classes.of(c.id));
+    for (const SemanticClass& c : plan.classes.target().classes) {
+      text += fmt::format("  {}: \"{}\"\n", c.id, c.name);
+      colors += fmt::format("  {}: [{}, {}, {}]\n", c.id, c.color[2], c.color[1], c.color[0]);
+      const std::uint16_t still = c.movingOf.value_or(c.id);
+      if (reached.contains(c.id) && !c.movingOf) {
+        const int next = static_cast<int>(number.size());
+        number.emplace(c.id, next);
+        back += fmt::format("  {}: {}\n", next, c.id);
+        ignored += fmt::format("  {}: {}\n", next, next == 0 ? "True" : "False");
+      }
+      const auto known = number.find(still);
+      trained += fmt::format("  {}: {}\n", c.id, known == number.end() ? 0 : known->second);
+    }
+    std::map<std::string, std::string> splits{{"train", ""}, {"valid", ""}, {"test", ""}};
+    for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
+      const std::string& split = plan.sequences[s].split;
+      splits[split == "val" ? "valid" : split] += fmt::format("\n    - {}", s);
+    }
+    text += "color_map:  # blue, green, red\n" + colors + "learning_map:\n" + trained + "learning_map_inv:\n" + back +
+            "learning_ignore:\n" + ignored + "split:\n";
+    for (const auto& [split, sequences] : splits) {
+      text += fmt::format("  {}:{}\n", split, sequences.empty() ? " []" : sequences);
+    }
+    return text;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Layout> makeSemanticKitti() {
+  return std::make_unique<SemanticKitti>();
+}
+
+}  // namespace scanmill

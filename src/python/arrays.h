@@ -1,0 +1,49 @@
+#pragma once
+
+// Scans as numpy arrays that own what the columns held: nothing is copied.
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scan/scan.h"
+
+namespace scanmill {
+
+template <class T>
+pybind11::array_t<T> arrayOf(std::vector<T>&& values, const std::vector<pybind11::ssize_t>& shape) {
+  auto kept = std::make_unique<std::vector<T>>(std::move(values));
+  T* const data = kept->data();
+  const pybind11::capsule owner(kept.release(), [](void* own) { delete static_cast<std::vector<T>*>(own); });
+  return pybind11::array_t<T>(shape, data, owner);
+}
+
+// `xyz`, float32 of (points, 3), and the columns, each under its name in its own type. Of an organised scan (planes *
+// rings, columns, 3), and likewise.
+inline pybind11::dict arraysOf(Scan&& scan) {
+  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+  std::vector<pybind11::ssize_t> shape;
+  if (scan.organised) {
+    shape = {static_cast<pybind11::ssize_t>(scan.height()), static_cast<pybind11::ssize_t>(scan.width())};
+  } else {
+    shape = {static_cast<pybind11::ssize_t>(scan.size())};
+  }
+  pybind11::dict arrays;
+  visitColumns(scan, [&]<class T>(std::string_view name, std::vector<T>& values) {
+    arrays[pybind11::str(std::string(name))] = arrayOf(std::move(values), shape);
+  });
+  shape.push_back(3);
+  auto kept = std::make_unique<std::vector<Vec3f>>(std::move(scan.position));
+  auto* const data = reinterpret_cast<float*>(kept->data());
+  const pybind11::capsule owner(kept.release(), [](void* own) { delete static_cast<std::vector<Vec3f>*>(own); });
+  pybind11::dict ordered;
+  ordered["xyz"] = pybind11::array_t<float>(shape, data, owner);
+  for (const auto& [name, values] : arrays) ordered[name] = values;
+  return ordered;
+}
+
+}  // namespace scanmill

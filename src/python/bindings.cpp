@@ -1,0 +1,256 @@
+// The extension module scanmill._core: datasets and simulation as numpy arrays. What people use is in scanmill/*.py,
+// whose docstrings tell shapes and units; _core.pyi has the types.
+
+#include <dlfcn.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "config/resources.h"
+#include "config/version.h"
+#include "dataset/json_text.h"
+#include "dataset/reader.h"
+#include "dataset/sample_json.h"
+#include "dataset/scan_store.h"
+#include "python/arrays.h"
+#include "python/simulator.h"
+
+namespace py = pybind11;
+
+namespace scanmill {
+
+namespace {
+
+// What comes with the package lies beside the module.
+void findResources() {
+  Dl_info here{};
+  if (::dladdr(reinterpret_cast<const void*>(&findResources), &here) == 0 || here.dli_fname == nullptr) return;
+  const std::filesystem::path share = std::filesystem::path(here.dli_fname).parent_path() / "share";
+  std::error_code ignored;
+  if (std::filesystem::is_directory(share, ignored)) ::setenv("SCANMILL_RESOURCES", share.c_str(), 0);
+}
+
+py::array_t<double> matricesOf(const std::vector<Pose>& poses) {
+  std::vector<double> values;
+  for (const Pose& pose : poses) {
+    const Mat3 r = toMatrix(pose.rotation);
+    const Vec3d& t = pose.translation;
+    values.insert(values.end(),
+                  {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z, 0, 0, 0, 1});
+  }
+  return arrayOf(std::move(values), {static_cast<py::ssize_t>(poses.size()), 4, 4});
+}
+
+// The table of a dataset's sensor, with its misses: rings x columns.
+py::object beamsOf(const ScanStore& store, const std::string& sensor, double time) {
+  const std::shared_ptr<const BeamTable> table = store.beams(sensor, time);
+  if (table == nullptr || table->direction.empty()) {
+    throw InputError({store.path().string()}, "no manifest tells the beams of the sensor '" + sensor + "'");
+  }
+  const auto rings = static_cast<py::ssize_t>(table->rings);
+  const auto columns = static_cast<py::ssize_t>(table->columns);
+  const auto copied = [&]<class T, class V>(const std::vector<V>& from) {
+    const auto* const first = reinterpret_cast<const T*>(from.data());
+    return arrayOf(std::vector<T>(first, first + 3 * from.size()), {rings, columns, 3});
+  };
+  py::dict beams;
+  beams["rings"] = table->rings;
+  beams["columns"] = table->columns;
+  beams["direction"] = copied.operator()<double>(table->direction);
+  if (!table->origin.empty()) beams["origin"] = copied.operator()<float>(table->origin);
+  if (!table->time.empty()) beams["time"] = arrayOf(std::vector<float>(table->time), {rings, columns});
+  return beams;
+}
+
+// Without the samples, which record() tells one by one.
+std::optional<std::string> manifestOf(const ScanStore& store) {
+  if (store.manifest() == nullptr) return {};
+  Manifest head = *store.manifest();
+  head.samples.clear();
+  for (ShardRecord& shard : head.shards) shard.samplesSha256.clear();
+  return toJson(head);
+}
+
+const SampleRecord* recordOf(const ScanStore& store, std::size_t sample) {
+  if (store.manifest() == nullptr) return nullptr;
+  const std::string& key = store.keys().at(sample);
+  const std::vector<SampleRecord>& all = store.manifest()->samples;
+  if (sample < all.size() && all[sample].key == key) return &all[sample];
+  const auto found = std::find_if(all.begin(), all.end(), [&](const SampleRecord& s) { return s.key == key; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+// A dense scan without points has no columns; they are given as empty arrays, so that programs need not ask.
+void addEmptyColumns(const std::vector<std::string>& names, py::dict& arrays) {
+  for (const std::string& name : names) {
+    const std::size_t index = columnIndex(name);
+    if (index == kColumnCount || arrays.contains(name.c_str())) continue;
+    forEachColumn([&](auto key) {
+      if (key.index == index) arrays[py::str(name)] = arrayOf(std::vector<typename decltype(key)::Value>(), {0});
+    });
+  }
+}
+
+py::dict readScan(const ScanStore& store, std::size_t sample, const std::string& sensor,
+                  const std::optional<std::vector<std::string>>& columns) {
+  Scan scan;
+  {
+    const py::gil_scoped_release released;
+    scan = store.decode(sample, store.scans(sample, sensor).front());
+    if (columns) {
+      std::vector<std::string> there =
+          scan.size() == 0 && store.manifest() != nullptr ? store.manifest()->columns : columnNames(scan);
+      there.erase(there.begin(), there.begin() + 3);  // x, y, z
+      for (const std::string& name : *columns) {
+        if (std::find(there.begin(), there.end(), name) != there.end()) continue;
+        throw InputError({store.path().string()}, "the scan of " + store.keys().at(sample) + " has no column '" + name +
+                                                      "'" + suggestion(name, there));
+      }
+      visitColumns(scan, [&](std::string_view name, auto& values) {
+        if (std::find(columns->begin(), columns->end(), name) == columns->end()) values.clear();
+      });
+      std::erase_if(scan.foreign, [](const ForeignColumn& column) {
+        return std::visit([](const auto& values) { return values.empty(); }, column.values);
+      });
+    }
+  }
+  const bool empty = scan.size() == 0;
+  py::dict arrays = arraysOf(std::move(scan));
+  if (empty && store.manifest() != nullptr) addEmptyColumns(store.manifest()->columns, arrays);
+  if (!empty || !columns) return arrays;
+  py::dict wanted;
+  wanted["xyz"] = arrays["xyz"];
+  for (const std::string& name : *columns) wanted[py::str(name)] = arrays[py::str(name)];
+  return wanted;
+}
+
+py::list simulate(const Simulator& simulator, const std::array<double, 4>& q, const std::array<double, 3>& t,
+                  double time, std::uint32_t frame) {
+  std::vector<SimulatedScan> scans;
+  {
+    const py::gil_scoped_release released;
+    const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(std::abs(norm - 1) < 1e-6)) throw InputError("rotation is no unit quaternion w, x, y, z");
+    scans = simulator.scan({{q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm}, {t[0], t[1], t[2]}}, time, frame);
+  }
+  py::list all;
+  for (SimulatedScan& own : scans) {
+    const bool empty = own.scan.size() == 0;
+    py::dict arrays = arraysOf(std::move(own.scan));
+    if (empty) addEmptyColumns(scanColumnNames(simulator.plan().columns()), arrays);
+    arrays["world_from_sensor"] = matricesOf(own.worldFromSensor);
+    all.append(std::move(arrays));
+  }
+  return all;
+}
+
+void defineStore(py::module_& module) {
+  py::class_<ScanStore>(module, "Store")
+      .def(py::init([](const std::string& path) {
+             const py::gil_scoped_release released;
+             return std::make_unique<ScanStore>(path);
+           }),
+           py::arg("path"))
+      .def_property_readonly("path", [](const ScanStore& s) { return s.path().string(); })
+      .def_property_readonly("keys", &ScanStore::keys)
+      .def_property_readonly("manifest", &manifestOf)
+      .def(
+          "record",
+          [](const ScanStore& s, std::size_t sample) -> std::optional<std::string> {
+            const SampleRecord* const record = recordOf(s, sample);
+            return record == nullptr ? std::nullopt : std::optional(sampleJson(*record));
+          },
+          py::arg("sample"))
+      .def(
+          "scans",
+          [](const ScanStore& s, std::size_t sample) {
+            std::vector<std::pair<std::string, std::string>> names;
+            for (const StoredScan& scan : s.scans(sample)) names.emplace_back(scan.sensor, scan.method);
+            return names;
+          },
+          py::arg("sample"))
+      .def("read", &readScan, py::arg("sample"), py::arg("sensor") = "", py::arg("columns") = py::none())
+      .def(
+          "objects",
+          [](const ScanStore& s, std::size_t sample) -> std::optional<std::string> {
+            const py::gil_scoped_release released;
+            const std::optional<SampleObjects> objects = s.objects(sample);
+            if (!objects) return {};
+            return objectsJson(*objects, s.manifest()->ontology);
+          },
+          py::arg("sample"))
+      .def("beams", &beamsOf, py::arg("sensor"), py::arg("time") = 0.0)
+      .def(
+          py::pickle([](const ScanStore& s) { return py::make_tuple(s.path().string()); },
+                     [](const py::tuple& state) { return std::make_unique<ScanStore>(state[0].cast<std::string>()); }));
+}
+
+void defineSimulator(py::module_& module) {
+  py::class_<Simulator>(module, "Simulator")
+      .def(py::init([](const std::string& pipeline, const std::string& folder) {
+             const py::gil_scoped_release released;
+             return std::make_unique<Simulator>(pipeline, folder);
+           }),
+           py::arg("pipeline"), py::arg("folder"))
+      .def_property_readonly("sensors",
+                             [](const Simulator& s) {
+                               std::vector<std::string> names;
+                               for (const MountedSensor& sensor : s.plan().pipeline().sensors)
+                                 names.push_back(sensor.name);
+                               return names;
+                             })
+      .def_property_readonly("sizes",
+                             [](const Simulator& s) {
+                               std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes;
+                               for (const auto& beams : s.plan().beams())
+                                 sizes.emplace_back(beams->rings, beams->columns);
+                               return sizes;
+                             })
+      .def_property_readonly("classes", [](const Simulator& s) { return layOut(ontologyJson(s.scene().ontology)); })
+      .def("scan", &simulate, py::arg("rotation"), py::arg("translation"), py::arg("time") = 0.0, py::arg("frame") = 0);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, module) {
+  findResources();
+  static const py::exception<Error> error(module, "Error", PyExc_RuntimeError);
+  static const py::exception<InputError> inputError(module, "InputError", PyExc_ValueError);
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const InputError& e) {
+      PyErr_SetString(inputError.ptr(), e.what());
+    } catch (const Error& e) {
+      PyErr_SetString(error.ptr(), e.what());
+    }
+  });
+  defineStore(module);
+  defineSimulator(module);
+  module.def(
+      "decode",
+      [](const std::string& name, const py::bytes& data) {
+        const std::string bytes = data;
+        Scan scan;
+        {
+          const py::gil_scoped_release released;
+          scan = decodeMember(name, bytes);
+        }
+        return arraysOf(std::move(scan));
+      },
+      py::arg("name"), py::arg("data"));
+  module.attr("resource_folder") = resourceFolder().string();
+  module.attr("__version__") = kVersion;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,76 @@
+"""Builds wheels of the package by CMake (PEP 517), with nothing but the standard library.
+
+`pip install .` calls build_wheel(); `pip install -e .` is not supported. What the extension needs besides Python is what
+`scripts/setup` installs. An existing build is used again where the environment variable SCANMILL_BUILD names its folder.
+"""
+
+import base64
+import hashlib
+import os
+import re
+import subprocess
+import sys
+import sysconfig
+import zipfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "src" / "python" / "scanmill"
+
+
+def get_requires_for_build_wheel(config_settings=None):
+    return []
+
+
+def version():
+    return re.search(r"project\(scanmill VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+
+
+def metadata():
+    return (
+        f"Metadata-Version: 2.1\nName: scanmill\nVersion: {version()}\n"
+        "Summary: Labelled LiDAR datasets from 3D scenes: read them as numpy arrays, and scan scenes from Python\n"
+        "License: Apache-2.0\nRequires-Python: >=3.9\nRequires-Dist: numpy\n"
+    )
+
+
+def tag():
+    interpreter = "cp" + sysconfig.get_config_var("py_version_nodot")
+    platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+    return f"{interpreter}-{interpreter}-{platform}"
+
+
+def built():
+    """The folder into which CMake has installed the extension and what it loads."""
+    build = Path(os.environ.get("SCANMILL_BUILD", ROOT / "build" / "python"))
+    if not (build / "CMakeCache.txt").exists():
+        options = ["-DCMAKE_BUILD_TYPE=Release", "-DSCANMILL_STUDIO=OFF", "-DSCANMILL_TESTS=OFF", "-DSCANMILL_PYTHON=ON",
+                   f"-DPython_EXECUTABLE={sys.executable}"]
+        subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", *options], check=True)
+    subprocess.run(["cmake", "--build", build, "--target", "scanmill_python"], check=True)
+    staging = build / "wheel"
+    subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", staging], check=True)
+    return staging
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    staging = built()
+    files = {f"scanmill/{p.relative_to(PACKAGE).as_posix()}": p for p in sorted(PACKAGE.rglob("*")) if p.is_file()}
+    files = {name: path for name, path in files.items() if "__pycache__" not in name}
+    files.update({p.relative_to(staging).as_posix(): p for p in sorted(staging.rglob("*")) if p.is_file()})
+    info = f"scanmill-{version()}.dist-info"
+    texts = {
+        f"{info}/METADATA": metadata(),
+        f"{info}/WHEEL": f"Wheel-Version: 1.0\nGenerator: scanmill\nRoot-Is-Purelib: false\nTag: {tag()}\n",
+        f"{info}/LICENSE": (ROOT / "LICENSE").read_text(),
+    }
+    name = f"scanmill-{version()}-{tag()}.whl"
+    record = []
+    with zipfile.ZipFile(Path(wheel_directory) / name, "w", zipfile.ZIP_DEFLATED) as wheel:
+        for where, data in [(n, p.read_bytes()) for n, p in files.items()] + [(n, t.encode()) for n, t in texts.items()]:
+            digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+            record.append(f"{where},sha256={digest},{len(data)}")
+            wheel.writestr(where, data)
+        record.append(f"{info}/RECORD,,")
+        wheel.writestr(f"{info}/RECORD", "\n".join(record) + "\n")
+    return name

@@ -1,0 +1,49 @@
+"""Labelled LiDAR datasets: read them as numpy arrays, and scan scenes from Python.
+
+    import scanmill
+    dataset = scanmill.open("out/quickstart")
+    scan = dataset[0].scan()
+    scan.xyz, scan.label                                    # float32 (N, 3) in m, uint16 (N,)
+
+    scene = scanmill.load_scene("town", seed=3)
+    scan = scene.scan(scanmill.sensor("os1_128"), pose={"position": [0, 0, 2]})
+
+scanmill.augment changes samples at random, scanmill.torch has datasets and batches for PyTorch. What is wrong with a
+file or an argument raises InputError, a ValueError; work that failed raises Error, a RuntimeError.
+"""
+
+from ._core import Error, InputError, __version__, resource_folder
+from .batch import pad_batch
+from .dataset import Dataset, Sample, decode, open_dataset as open
+from .geometry import points_in_box, pose_matrix
+from .objects import Objects
+from .ontology import Ontology
+from .range_image import Projection, beam_projection, range_image, spherical_projection
+from .samples import SampleReader
+from .scan import Scan
+from .simulate import Scene, load_scene, sensor
+
+__all__ = [
+    "Dataset",
+    "Error",
+    "InputError",
+    "Objects",
+    "Ontology",
+    "Projection",
+    "Sample",
+    "SampleReader",
+    "Scan",
+    "Scene",
+    "__version__",
+    "beam_projection",
+    "decode",
+    "load_scene",
+    "open",
+    "pad_batch",
+    "points_in_box",
+    "pose_matrix",
+    "range_image",
+    "resource_folder",
+    "sensor",
+    "spherical_projection",
+]

@@ -1,0 +1,227 @@
+"""Augmentation: random changes of samples that keep points, boxes and poses in agreement.
+
+A sample is a dictionary, such as ScanDataset gives and Scan.arrays() returns, with any of
+  xyz                           float32 (N, 3), m; and columns of the points under their names, (N,)
+  boxes                         (M, 7): x, y, z, length, width, height, yaw; and figures of the boxes under names that
+                                begin with `box_`, (M, ...), of which `box_velocity` (M, 3) is a vector
+  world_from_sensor             float64 (4, 4), which is kept such that points stay where they are in the world
+and texts, which are left alone. Transforms take a sample and a generator of random numbers, and return another sample;
+neither the one that they were given nor its arrays change. Points are dense: use scan.dense() before.
+
+What says where the noise-free point lay (range_true, azimuth) moves along with flips, turns and scales; noise that is
+added here leaves it alone. ring and column stay those of the beam.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from typing import Any, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import InputError
+
+Sample = dict[str, Any]
+Transform = Callable[[Sample, np.random.Generator], Sample]
+Index = Union[int, str]
+
+VECTORS = ("velocity", "flow")  # columns NAME_x, NAME_y, NAME_z
+
+
+def generator(seed: int, index: Index, epoch: int = 0, position: int = 0) -> np.random.Generator:
+    """Random numbers with an address: the same for the same four figures, whoever asks, and whenever.
+
+    `index` is the number of a sample, or its key; `position` tells several uses for one sample apart.
+    """
+    if isinstance(index, str):
+        index = int.from_bytes(hashlib.blake2b(index.encode(), digest_size=8).digest(), "little")
+    return np.random.default_rng([seed, epoch, index, position])
+
+
+class Compose:
+    """Transforms one after the other.
+
+    compose(sample, index, epoch) gives the same for the same seed, index and epoch, whichever worker calls it. Each
+    transform has random numbers of its own, so that taking one out does not change what the others before it do.
+    """
+
+    def __init__(self, transforms: Sequence[Transform], seed: int = 0) -> None:
+        """`seed` is 0 or more."""
+        self.transforms = list(transforms)
+        self.seed = seed
+
+    def __call__(self, sample: Sample, index: Index, epoch: int = 0) -> Sample:
+        for position, transform in enumerate(self.transforms):
+            sample = transform(sample, generator(self.seed, index, epoch, position))
+        return sample
+
+
+class Flip:
+    """Mirrors one horizontal axis, "x" or "y": flipping y swaps left and right."""
+
+    def __init__(self, axis: str = "y", probability: float = 0.5) -> None:
+        if axis not in ("x", "y"):
+            raise InputError(f"Flip mirrors x or y, not '{axis}'")
+        self.axis = axis
+        self.probability = _share("probability", probability)
+
+    def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
+        if rng.random() >= self.probability:
+            return dict(sample)
+        mirror = np.diag([-1.0, 1, 1] if self.axis == "x" else [1.0, -1, 1])
+        return _moved(sample, mirror)
+
+
+class Turn:
+    """Turns about the vertical axis of the sensor by an angle between two (rad), each as likely as any other."""
+
+    def __init__(self, low: float = -np.pi, high: float = np.pi) -> None:
+        self.low, self.high = _interval("Turn", low, high)
+
+    def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
+        angle = rng.uniform(self.low, self.high)
+        c, s = np.cos(angle), np.sin(angle)
+        return _moved(sample, np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]]))
+
+
+class Scale:
+    """Makes everything larger by one factor between two, boxes, velocities and ranges included."""
+
+    def __init__(self, low: float = 0.95, high: float = 1.05) -> None:
+        self.low, self.high = _interval("Scale", low, high)
+        if self.low <= 0:
+            raise InputError("Scale wants factors above 0")
+
+    def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
+        return _moved(sample, np.eye(3), rng.uniform(self.low, self.high))
+
+
+class Jitter:
+    """Moves each coordinate of each point by normal noise of a standard deviation `sigma`, at most by `clip` (m).
+
+    Boxes stay; points may come to lie outside by up to `clip` along each axis.
+    """
+
+    def __init__(self, sigma: float = 0.01, clip: float = 0.05) -> None:
+        if not (sigma >= 0 and clip >= 0):
+            raise InputError("Jitter wants sigma and clip of 0 or more")
+        self.sigma, self.clip = sigma, clip
+
+    def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
+        xyz = _xyz(sample)
+        noise = np.clip(rng.normal(0, self.sigma, xyz.shape), -self.clip, self.clip)
+        return {**sample, "xyz": (xyz + noise).astype(xyz.dtype)}
+
+
+class DropPoints:
+    """Leaves out points at random: a share between 0 and `most` of them, another one for each sample."""
+
+    def __init__(self, most: float = 0.2) -> None:
+        self.most = _share("most", most)
+
+    def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
+        count = len(_xyz(sample))
+        keep = rng.random(count) >= rng.uniform(0, self.most)
+        return {name: values[keep] if _of_points(name, values, count) else values for name, values in sample.items()}
+
+
+class RingErrors:
+    """Fixed errors of each laser, as of a unit that is badly calibrated: all points of a ring are farther by one length
+    and higher by one angle, which are normal with the standard deviations `range_sigma` (m) and `elevation_sigma`
+    (rad).
+
+    Wants the column `ring`, and an orientation in which z is the sensor's axis. Boxes stay.
+    """
+
+    def __init__(self, range_sigma: float = 0.02, elevation_sigma: float = 0.0) -> None:
+        if not (range_sigma >= 0 and elevation_sigma >= 0):
+            raise InputError("RingErrors wants standard deviations of 0 or more")
+        self.range_sigma, self.elevation_sigma = range_sigma, elevation_sigma
+
+    def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
+        xyz = _xyz(sample)
+        if "ring" not in sample:
+            raise InputError("RingErrors needs the column `ring`")
+        ring = np.asarray(sample["ring"], np.int64)
+        # A row for each ring, so that a ring's errors do not depend on which rings have points.
+        errors = rng.normal(size=(int(ring.max(initial=0)) + 1, 2)) * [self.range_sigma, self.elevation_sigma]
+        farther, higher = errors[ring].T
+        x, y, z = xyz.astype(np.float64).T
+        flat = np.hypot(x, y)
+        distance = np.hypot(flat, z)
+        longer = np.maximum(distance + farther, 0)
+        elevation = np.arctan2(z, flat) + higher
+        # Of a point on the axis the azimuth does not matter.
+        out = longer * np.cos(elevation) / np.where(flat > 0, flat, 1)
+        moved = np.column_stack([x * out, y * out, longer * np.sin(elevation)])
+        return {**sample, "xyz": moved.astype(xyz.dtype)}
+
+
+def _share(name: str, value: float) -> float:
+    if not 0 <= value <= 1:
+        raise InputError(f"{name} must be 0 to 1, not {value}")
+    return value
+
+
+def _interval(name: str, low: float, high: float) -> tuple[float, float]:
+    if not low <= high:
+        raise InputError(f"{name} wants the lower figure first, not {low} and {high}")
+    return low, high
+
+
+def _xyz(sample: Sample) -> NDArray[Any]:
+    xyz: NDArray[Any] = sample["xyz"]
+    if xyz.ndim != 2:
+        raise InputError("augmentation wants dense points (N, 3): use scan.dense() before")
+    return xyz
+
+
+def _of_points(name: str, values: Any, count: int) -> bool:
+    """Whether an entry of a sample is a figure of its `count` points."""
+    if name.startswith("box") or name == "world_from_sensor" or not isinstance(values, np.ndarray) or values.ndim == 0:
+        return False
+    if len(values) != count:
+        raise InputError(f"'{name}' has {len(values)} entries, and there are {count} points")
+    return True
+
+
+def _turned(angles: NDArray[Any], rotation: NDArray[np.float64]) -> NDArray[Any]:
+    """Angles (rad, from x towards y) of directions that a matrix turns or mirrors, in their type."""
+    own = np.asarray(angles, np.float64)
+    x, y = rotation[:2, :2] @ np.stack([np.cos(own), np.sin(own)])
+    return np.arctan2(y, x).astype(angles.dtype)
+
+
+def _moved(sample: Sample, rotation: NDArray[np.float64], scale: float = 1.0) -> Sample:
+    """The sample after all points p become scale * rotation * p; the matrix (3, 3) turns or mirrors and keeps z."""
+    xyz = _xyz(sample)
+    matrix = scale * rotation
+    out = {**sample, "xyz": (xyz.astype(np.float64) @ matrix.T).astype(xyz.dtype)}
+    for name in VECTORS:
+        axes = [f"{name}_{axis}" for axis in "xyz"]
+        there = [axis in sample for axis in axes]
+        if all(there):
+            vectors = np.stack([sample[axis] for axis in axes], axis=-1).astype(np.float64) @ matrix.T
+            out.update({axis: vectors[:, i].astype(sample[axis].dtype) for i, axis in enumerate(axes)})
+        elif any(there):
+            raise InputError(f"the columns {', '.join(axes)} are needed together")
+    if "azimuth" in sample:
+        out["azimuth"] = _turned(sample["azimuth"], rotation)
+    if "range_true" in sample:
+        out["range_true"] = (sample["range_true"] * scale).astype(sample["range_true"].dtype)
+    if "boxes" in sample:
+        boxes = np.array(sample["boxes"], np.float64)
+        boxes[:, :3] = boxes[:, :3] @ matrix.T
+        boxes[:, 3:6] *= scale
+        boxes[:, 6] = _turned(boxes[:, 6], rotation)
+        out["boxes"] = boxes.astype(sample["boxes"].dtype)
+    if "box_velocity" in sample:
+        velocity = sample["box_velocity"]
+        out["box_velocity"] = (velocity.astype(np.float64) @ matrix.T).astype(velocity.dtype)
+    if "world_from_sensor" in sample:
+        inverse = np.eye(4)
+        inverse[:3, :3] = rotation.T / scale
+        out["world_from_sensor"] = sample["world_from_sensor"] @ inverse
+    return out

@@ -1,0 +1,31 @@
+"""Arrays of different lengths in one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import InputError
+
+
+def pad_batch(arrays: Sequence[NDArray[Any]], fill: float = 0) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    """Arrays (N_i, ...) as one of (B, Nmax, ...), and a mask bool (B, Nmax) that says which entries are theirs.
+
+    `fill` stands behind the end of the shorter ones. Raises InputError for an empty list, and where the arrays differ
+    in more than their lengths.
+    """
+    if not len(arrays):
+        raise InputError("a batch has at least one array")
+    first = arrays[0]
+    if any(a.shape[1:] != first.shape[1:] or a.dtype != first.dtype for a in arrays):
+        raise InputError("the arrays of a batch have the same type, and the same shape but for their length")
+    longest = max(len(a) for a in arrays)
+    out = np.full((len(arrays), longest, *first.shape[1:]), fill, first.dtype)
+    mask = np.zeros((len(arrays), longest), bool)
+    for row, own, a in zip(out, mask, arrays):
+        row[: len(a)] = a
+        own[: len(a)] = True
+    return out, mask

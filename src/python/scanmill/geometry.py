@@ -1,0 +1,153 @@
+"""Poses as matrices, and boxes.
+
+A matrix a_from_b of (4, 4), float64, turns points of the frame b into points of the frame a. Frames are right-handed
+with x forward, y left, z up. Lengths are metres, angles radians; quaternions are w, x, y, z.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._core import InputError
+from .words import require_known
+
+Pose = Union[ArrayLike, Mapping[str, Any]]
+
+# Angles, in the order of their rotations, and the axes from the first of which to the second they turn.
+TURNS = {"yaw_deg": (0, 1), "pitch_deg": (2, 0), "roll_deg": (1, 2)}
+POSE_KEYS = ("position", *TURNS, "rotation")
+
+# How far a matrix that a user gives may be from a rotation: single precision passes, a scale of 1.001 does not.
+ROTATION_TOLERANCE = 1e-5
+
+
+def matrix_of(rotation: ArrayLike, translation: ArrayLike) -> NDArray[np.float64]:
+    """Matrices (..., 4, 4) of quaternions (..., 4) of any length, and translations (..., 3) in m."""
+    q = np.asarray(rotation, np.float64)
+    q = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    w, x, y, z = np.moveaxis(q, -1, 0)
+    matrix = np.zeros((*q.shape[:-1], 4, 4))
+    matrix[..., 0, 0] = 1 - 2 * (y * y + z * z)
+    matrix[..., 0, 1] = 2 * (x * y - w * z)
+    matrix[..., 0, 2] = 2 * (x * z + w * y)
+    matrix[..., 1, 0] = 2 * (x * y + w * z)
+    matrix[..., 1, 1] = 1 - 2 * (x * x + z * z)
+    matrix[..., 1, 2] = 2 * (y * z - w * x)
+    matrix[..., 2, 0] = 2 * (x * z - w * y)
+    matrix[..., 2, 1] = 2 * (y * z + w * x)
+    matrix[..., 2, 2] = 1 - 2 * (x * x + y * y)
+    matrix[..., :3, 3] = translation
+    matrix[..., 3, 3] = 1
+    return matrix
+
+
+def quaternion_of(matrix: ArrayLike) -> NDArray[np.float64]:
+    """The unit quaternion (4,) of the rotation of one matrix, (3, 3) or (4, 4)."""
+    m = np.asarray(matrix, np.float64)[:3, :3]
+    # Row k is 4 q[k] q; the row of the largest component loses no digits.
+    rows = np.array(
+        [
+            [1 + m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
+            [m[2, 1] - m[1, 2], 1 + m[0, 0] - m[1, 1] - m[2, 2], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]],
+            [m[0, 2] - m[2, 0], m[0, 1] + m[1, 0], 1 - m[0, 0] + m[1, 1] - m[2, 2], m[1, 2] + m[2, 1]],
+            [m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], 1 - m[0, 0] - m[1, 1] + m[2, 2]],
+        ]
+    )
+    q: NDArray[np.float64] = rows[np.argmax(np.diagonal(rows))]
+    return q / np.linalg.norm(q)
+
+
+def pose_matrix(pose: Pose) -> NDArray[np.float64]:
+    """The matrix (4, 4) of a pose: such a matrix, or a map as pipelines have it.
+
+    The map has any of `position` [x, y, z] (m), `yaw_deg`, `pitch_deg`, `roll_deg`, and in place of these angles
+    `rotation` [w, x, y, z]. A positive pitch looks down. Raises InputError for what is no pose.
+    """
+    if isinstance(pose, Mapping):
+        return _matrix_of_map(pose)
+    try:
+        matrix = np.array(pose, np.float64)
+    except (TypeError, ValueError):
+        raise InputError("a pose is a matrix of 4 x 4 numbers, or a map with position, yaw_deg and so on") from None
+    if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
+        raise InputError(f"a pose is a matrix of 4 x 4 finite numbers, not an array of {matrix.shape}")
+    rotation = matrix[:3, :3]
+    skew = np.abs(rotation @ rotation.T - np.eye(3)).max()
+    if skew > ROTATION_TOLERANCE or np.linalg.det(rotation) < 0:
+        raise InputError("the upper left 3 x 3 numbers of a pose must be a rotation, without scale and mirroring")
+    if np.abs(matrix[3] - [0, 0, 0, 1]).max() > ROTATION_TOLERANCE:
+        raise InputError("the last row of a pose must be 0, 0, 0, 1: translations are the last column")
+    return matrix
+
+
+def _numbers(pose: Mapping[str, Any], key: str, default: list[float]) -> NDArray[np.float64]:
+    """What the map has under a key, as many finite numbers as `default`."""
+    try:
+        values = np.asarray(pose.get(key, default), np.float64)
+    except (TypeError, ValueError):
+        values = np.empty(0)
+    if values.shape != (len(default),) or not np.isfinite(values).all():
+        raise InputError(f"pose: {key} must be {len(default)} finite numbers, not {pose[key]!r}")
+    return values
+
+
+def _matrix_of_map(pose: Mapping[str, Any]) -> NDArray[np.float64]:
+    for key in pose:
+        require_known("key of a pose", key, POSE_KEYS)
+    position = _numbers(pose, "position", [0.0, 0.0, 0.0])
+    if "rotation" in pose:
+        if any(key in pose for key in TURNS):
+            raise InputError("pose: rotation and yaw_deg, pitch_deg or roll_deg exclude each other")
+        rotation = _numbers(pose, "rotation", [1.0, 0.0, 0.0, 0.0])
+        if not np.linalg.norm(rotation) > 0:
+            raise InputError("pose: rotation must be a quaternion w, x, y, z of non-zero length")
+        return matrix_of(rotation, position)
+    matrix = np.eye(4)
+    for key, (i, j) in TURNS.items():
+        (angle,) = np.deg2rad(_numbers({key: [pose[key]]} if key in pose else {}, key, [0.0]))
+        turn = np.eye(4)
+        turn[i, i] = turn[j, j] = np.cos(angle)
+        turn[j, i] = np.sin(angle)
+        turn[i, j] = -turn[j, i]
+        matrix = matrix @ turn
+    matrix[:3, 3] = position
+    return matrix
+
+
+def between(first: ArrayLike, last: ArrayLike, share: ArrayLike) -> NDArray[np.float64]:
+    """Poses (..., 4, 4) between two of (4, 4), for shares (...) of the way: rotations turn evenly by the shorter way,
+    translations lie on a straight line."""
+    first, last = np.asarray(first, np.float64), np.asarray(last, np.float64)
+    t = np.asarray(share, np.float64)[..., np.newaxis]
+    a, b = quaternion_of(first), quaternion_of(last)
+    cosine = float(a @ b)
+    if cosine < 0:
+        b, cosine = -b, -cosine
+    rotation = (1 - t) * a + t * b
+    if cosine < 1 - 1e-8:  # nearer rotations divide by nearly 0, and the straight line is as good
+        angle = np.arccos(cosine)
+        rotation = (np.sin((1 - t) * angle) * a + np.sin(t * angle) * b) / np.sin(angle)
+    return matrix_of(rotation, first[:3, 3] + (last[:3, 3] - first[:3, 3]) * t)
+
+
+def transformed(matrix: ArrayLike, xyz: NDArray[Any]) -> NDArray[np.float64]:
+    """Points (..., 3) by one matrix (4, 4), or by one each (..., 4, 4), in float64."""
+    m = np.asarray(matrix, np.float64)
+    return np.einsum("...ij,...j->...i", m[..., :3, :3], np.asarray(xyz, np.float64)) + m[..., :3, 3]
+
+
+def points_in_box(xyz: NDArray[Any], box: ArrayLike, margin: float = 0.0) -> NDArray[np.bool_]:
+    """Which of the points (..., 3) lie in a box [x, y, z, length, width, height, yaw] of their frame, as bool (...).
+
+    `margin` (m) is added on all sides. Misses, which are NaN, lie in no box.
+    """
+    x, y, z, length, width, height, yaw = np.asarray(box, np.float64)
+    ahead, left, up = np.moveaxis(np.asarray(xyz, np.float64) - [x, y, z], -1, 0)
+    along = ahead * np.cos(yaw) + left * np.sin(yaw)
+    across = left * np.cos(yaw) - ahead * np.sin(yaw)
+    inside = (np.abs(along) <= length / 2 + margin) & (np.abs(across) <= width / 2 + margin)
+    return inside & (np.abs(up) <= height / 2 + margin)

@@ -1,0 +1,91 @@
+"""Classes of a dataset or a scene, and tables to look labels up in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import InputError
+from .words import advice
+
+# One train id: the name of a class, or names of classes that share it.
+Group = Union[str, Sequence[str]]
+
+LABELS = 65536  # values that a label may have
+
+
+class Ontology:
+    """The classes that labels stand for. Class 0 is always "unlabeled".
+
+    Attributes, with K classes in the order of the ontology:
+      name    of the ontology
+      ids     uint16 (K,), as in the column `label`
+      names   K strings
+      colors  uint8 (K, 3): red, green, blue
+      things  bool (K,): whether the class is countable, so that its objects have instance ids
+    """
+
+    def __init__(self, classes: Mapping[str, Any]) -> None:
+        """From the part `ontology` of a manifest."""
+        self.name: str = classes["name"]
+        listed = classes["classes"]
+        self.ids: NDArray[np.uint16] = np.array([c["id"] for c in listed], np.uint16)
+        self.names: tuple[str, ...] = tuple(c["name"] for c in listed)
+        self.colors: NDArray[np.uint8] = np.array([c["color"] for c in listed], np.uint8).reshape(-1, 3)
+        self.things: NDArray[np.bool_] = np.array([c["thing"] for c in listed], bool)
+        self._ids: dict[str, int] = {}
+        for c in listed:
+            for alias in c.get("aliases", []):
+                self._ids.setdefault(alias, c["id"])
+        self._ids.update((c["name"], c["id"]) for c in listed)
+        self._names = {c["id"]: c["name"] for c in listed}
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __repr__(self) -> str:
+        return f"<Ontology {self.name}: {len(self)} classes>"
+
+    def id_of(self, name: str) -> int:
+        """The id of the class with this name or alias. Raises InputError, with the nearest name, where there is
+        none."""
+        if name not in self._ids:
+            raise InputError(f"the ontology {self.name} has no class '{name}'{advice(name, self.names)}")
+        return self._ids[name]
+
+    def name_of(self, class_id: int) -> str:
+        """The name of the class with this id. Raises InputError where there is none."""
+        if int(class_id) not in self._names:
+            raise InputError(f"the ontology {self.name} has no class {class_id}")
+        return self._names[int(class_id)]
+
+    def train_ids(self, groups: Sequence[Group] | None = None, ignore: int = 255) -> NDArray[Any]:
+        """A table (65536,) from labels to train ids, so that table[scan.label] are the classes that a network learns.
+
+        Train ids count from 0 in the order of `groups`: names (or aliases) of classes, or lists of names that become
+        one. Without `groups`, all classes but "unlabeled" in the order of the ontology. All other labels become
+        `ignore`. The table is uint8 where `ignore` is below 256, else uint16. Raises InputError for an unknown name,
+        one that is given twice, and for train ids that reach `ignore`.
+        """
+        wanted = [name for name, i in zip(self.names, self.ids) if i != 0] if groups is None else list(groups)
+        if not len(wanted) <= ignore < LABELS:
+            raise InputError(f"ignore must be {len(wanted)} to {LABELS - 1}: {len(wanted)} train ids count from 0")
+        table = np.full(LABELS, ignore, np.uint8 if ignore < 256 else np.uint16)
+        seen: set[int] = set()
+        for train_id, group in enumerate(wanted):
+            for name in [group] if isinstance(group, str) else group:
+                class_id = self.id_of(name)
+                if class_id in seen:
+                    raise InputError(f"the class '{self.name_of(class_id)}' has two train ids")
+                seen.add(class_id)
+                table[class_id] = train_id
+        return table
+
+    def palette(self) -> NDArray[np.uint8]:
+        """A table (65536, 3) from labels to red, green, blue; black where there is no class."""
+        table = np.zeros((LABELS, 3), np.uint8)
+        table[self.ids] = self.colors
+        return table

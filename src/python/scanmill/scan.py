@@ -1,0 +1,207 @@
+"""One scan: what a sensor reports in one revolution."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._core import InputError
+from .geometry import between, transformed
+from .words import advice
+
+AXES = ("x", "y", "z")
+
+
+def channel(arrays: Mapping[str, Any], name: str) -> NDArray[Any]:
+    """A figure of each point: "x", "y", "z" or "range" (m, from the sensor's origin) of `xyz`, or a column.
+
+    Raises InputError, with the nearest name, where there is no such figure.
+    """
+    if name in AXES:
+        return arrays["xyz"][..., AXES.index(name)]
+    if name == "range":
+        return np.linalg.norm(arrays["xyz"], axis=-1)
+    if name in arrays and name != "xyz":
+        return np.asarray(arrays[name])
+    columns = [key for key, values in arrays.items() if isinstance(values, np.ndarray) and key != "xyz"]
+    raise InputError(f"the points have no '{name}'{advice(name, [*AXES, 'range', *columns])}")
+
+
+def stacked(arrays: Mapping[str, Any], channels: Sequence[str]) -> NDArray[np.float32]:
+    """Figures of each point side by side, float32 (..., k); see channel()."""
+    if isinstance(channels, str):
+        raise InputError(f"channels are a list of names, not '{channels}'")
+    shape = arrays["xyz"].shape[:-1]
+    out = np.empty((*shape, len(channels)), np.float32)
+    for i, name in enumerate(channels):
+        out[..., i] = channel(arrays, name)
+    return out
+
+
+def chosen(which: ArrayLike, count: int) -> NDArray[np.int64]:
+    """The indices of `count` entries that a mask (count,) or a list of indices, empty ones too, choose."""
+    wanted = np.asarray(which)
+    return np.arange(count)[wanted if wanted.size else wanted.astype(np.int64)]
+
+
+class Scan:
+    """The points of one revolution.
+
+    A dense scan has its N points in the order of firing, and shapes below are (N,). An organised one is an image of
+    (planes * rings, columns) with NaN positions where a beam has no return; plane n holds the (n + 1)th return of each
+    beam.
+
+    Columns are attributes and items: scan.label, scan["label"]; `return` is an item alone, since Python has the word
+    for itself. docs/keys.md lists them with their units.
+
+    Attributes besides:
+      xyz                float32 (..., 3) in m, in the sensor's frame: x forward, y left, z up
+      names              the names of the columns
+      sensor, method     empty where the file does not tell
+      start_time         s since the start of the sequence, when column 0 fires
+      world_from_sensor  float64 (4, 4), the pose at the start of the revolution; None where the file does not tell
+      poses              float64 (P, 4, 4): that pose, and where the sensor moves the one at the revolution's end; None
+                         likewise
+      rings, columns     of the sensor; 0 where unknown
+    """
+
+    def __init__(
+        self,
+        arrays: Mapping[str, NDArray[Any]],
+        *,
+        sensor: str = "",
+        method: str = "",
+        start_time: float = 0.0,
+        poses: NDArray[np.float64] | None = None,
+        deskewed: bool = False,
+        column_starts: NDArray[Any] | None = None,
+        rings: int = 0,
+        columns: int = 0,
+    ) -> None:
+        """`arrays` holds `xyz` and the columns. `column_starts` (C,) are the times (s) since the start of the
+        revolution at which the columns fire."""
+        self._arrays: dict[str, NDArray[Any]] = dict(arrays)
+        self.sensor = sensor
+        self.method = method
+        self.start_time = start_time
+        self.poses = poses
+        self.deskewed = deskewed
+        self.column_starts = column_starts
+        self.rings = rings
+        self.columns = columns
+
+    @property
+    def xyz(self) -> NDArray[np.float32]:
+        return self._arrays["xyz"]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(name for name in self._arrays if name != "xyz")
+
+    @property
+    def organised(self) -> bool:
+        return self.xyz.ndim == 3
+
+    @property
+    def range(self) -> NDArray[np.float32]:
+        """Distances (...) of the points from the sensor's origin, m."""
+        return channel(self._arrays, "range")
+
+    @property
+    def world_from_sensor(self) -> NDArray[np.float64] | None:
+        return None if self.poses is None else self.poses[0]
+
+    def __len__(self) -> int:
+        """How many points there are; misses of an organised scan do not count."""
+        return int(np.isfinite(self.xyz[..., 0]).sum()) if self.organised else len(self.xyz)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self._arrays:
+            raise InputError(f"the scan has no column '{name}'{advice(name, self._arrays)}")
+        return self._arrays[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._arrays
+
+    def __getattr__(self, name: str) -> NDArray[Any]:
+        arrays = self.__dict__.get("_arrays", {})
+        if name not in arrays:
+            raise AttributeError(f"the scan has no column '{name}'{advice(name, arrays)}")
+        return arrays[name]
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.names]
+
+    def __repr__(self) -> str:
+        shape = " x ".join(str(n) for n in self.xyz.shape[:-1])
+        return f"<Scan {self.sensor}: {shape}, {', '.join(self.names)}>"
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """`xyz` and the columns in a new dictionary; the arrays are not copied."""
+        return dict(self._arrays)
+
+    def points(self, channels: Sequence[str] = ("x", "y", "z", "intensity")) -> NDArray[np.float32]:
+        """Figures of each point side by side, float32 (N, k) with N = len(scan); misses are left out.
+
+        Channels are "x", "y", "z", "range" and names of columns. Instance ids above 2^24 are rounded by float32.
+        """
+        return stacked(self.dense().arrays(), channels)
+
+    def dense(self) -> Scan:
+        """The scan without misses, with points in the order of the image; a dense scan itself.
+
+        `ring`, `column` and, where there are several planes, `return` follow from the place in the image.
+        """
+        if not self.organised:
+            return self
+        height, width = self.xyz.shape[:2]
+        rings = self.rings or height
+        row, column = np.indices((height, width))
+        places = {"ring": (row % rings).astype(np.uint16), "column": column.astype(np.uint16)}
+        if height > rings:
+            places["return"] = (row // rings + 1).astype(np.uint8)
+        hit = np.isfinite(self.xyz[..., 0])
+        return self._with({name: values[hit] for name, values in {**self._arrays, **places}.items()})
+
+    def select(self, which: ArrayLike) -> Scan:
+        """The points of a dense scan that a mask (N,) or indices choose. Raises InputError for an organised scan."""
+        if self.organised:
+            raise InputError("points of an organised scan cannot be selected: use scan.dense().select(...)")
+        points = chosen(which, len(self.xyz))
+        return self._with({name: values[points] for name, values in self._arrays.items()})
+
+    def world_xyz(self) -> NDArray[np.float64]:
+        """The points in the world's frame, float64 (..., 3) in m.
+
+        Points of a sensor that moves during its revolution are in its frame at the time of their own column, unless the
+        dataset is deskewed; the sensor is taken to have moved evenly from its first pose to its last. Raises InputError
+        where the pose is not known, or where this needs the column `column` or `time` and the scan has neither.
+        """
+        if self.poses is None:
+            raise InputError("where the sensor stood is not known: a single file has no pose")
+        if len(self.poses) == 1 or self.deskewed or self.xyz.size == 0:
+            return transformed(self.poses[0], self.xyz)
+        if self.column_starts is None:
+            raise InputError("when the columns fired is not known: a moving sensor's points cannot be placed")
+        starts = np.asarray(self.column_starts, np.float64)
+        all_columns = starts[-1] - starts[0]
+        if not all_columns > 0:
+            return transformed(self.poses[0], self.xyz)
+        shares = (starts - starts[0]) / all_columns
+        if self.organised or "column" in self:
+            matrices = between(self.poses[0], self.poses[-1], shares)
+            column = np.arange(self.xyz.shape[1]) if self.organised else np.minimum(self["column"], len(starts) - 1)
+            return transformed(matrices[column], self.xyz)
+        if "time" not in self:
+            raise InputError("the sensor moves: points are placed in the world by the column `column` or `time`")
+        own = (self["time"].astype(np.float64) - starts[0]) / all_columns
+        return transformed(between(self.poses[0], self.poses[-1], own), self.xyz)
+
+    def _with(self, arrays: Mapping[str, NDArray[Any]]) -> Scan:
+        other = Scan.__new__(Scan)
+        other.__dict__.update(self.__dict__)
+        other._arrays = dict(arrays)
+        return other

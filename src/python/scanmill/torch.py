@@ -1,0 +1,203 @@
+"""Datasets and batches for PyTorch. The only module that needs torch.
+
+    from scanmill.torch import ScanDataset, collate_padded
+    loader = DataLoader(ScanDataset("out/town", "train"), batch_size=4, collate_fn=collate_padded, num_workers=4)
+
+Both datasets give dictionaries of numpy arrays (scanmill.samples.SampleReader says of what), which are collated to
+tensors. uint16 becomes int32 and uint32 becomes int64, since torch has no such types.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import torch
+import torch.utils.data
+from numpy.typing import NDArray
+
+from ._core import InputError
+from .augment import generator
+from .batch import pad_batch
+from .dataset import Dataset, Path, open_dataset
+from .range_image import beam_projection, range_image
+from .samples import SampleReader
+from .shards import Reading, Shards, Source
+
+Batch = dict[str, Any]
+
+_KINDS = {np.dtype(np.uint16): np.int32, np.dtype(np.uint32): np.int64, np.dtype(np.uint64): np.int64}
+
+
+def tensor(values: NDArray[Any]) -> torch.Tensor:
+    """An array as a tensor; of types that torch lacks, in the next larger one that it has."""
+    return torch.from_numpy(np.ascontiguousarray(values, _KINDS.get(values.dtype, values.dtype)))
+
+
+class _Epoch:
+    """A number that workers see change, those that live on from epoch to epoch too."""
+
+    def __init__(self) -> None:
+        self._shared = torch.zeros(1, dtype=torch.int64).share_memory_()
+
+    def set(self, epoch: int) -> None:
+        self._shared[0] = epoch
+
+    def get(self) -> int:
+        return int(self._shared[0])
+
+
+class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
+    """One scan of each sample of a dataset, by its number."""
+
+    def __init__(self, source: Dataset | Path, split: str | None = None, **reading: Any) -> None:
+        """`source` is a dataset, or the path of one. `reading` are the keys of SampleReader: sensor, columns,
+        train_ids, boxes, min_points, transform. Raises InputError for an unknown split."""
+        dataset = source if isinstance(source, Dataset) else open_dataset(source)
+        self.dataset = dataset if split is None else dataset.split(split)
+        self.reader = SampleReader(**reading)
+        self._epoch = _Epoch()
+
+    def set_epoch(self, epoch: int) -> None:
+        """What the transform's random numbers follow from, besides the sample. Workers see it from their next sample
+        on."""
+        self._epoch.set(epoch)
+
+    def __len__(self) -> int:
+        return len(self.dataset)
+
+    def __getitem__(self, index: int) -> dict[str, Any]:
+        return self.reader(self.dataset[int(index)], self._epoch.get())
+
+
+class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
+    """The scans of shards, read from front to back: for disks and networks that are slow at anything else.
+
+    The ranks of torch.distributed and the workers of the loader share the shards, each reader whole ones; where there
+    are fewer shards than readers, they share the samples. Every sample is seen once an epoch over all ranks and
+    workers, so that ranks may see different numbers of them: gradients are then synchronised in the context of
+    torch.distributed.algorithms.join.Join.
+    """
+
+    def __init__(
+        self,
+        source: Source,
+        split: str | None = None,
+        *,
+        shuffle: int = 0,
+        seed: int = 0,
+        rank: int | None = None,
+        world_size: int | None = None,
+        **reading: Any,
+    ) -> None:
+        """`source` is a dataset, the path of one or of a shard, or a list of shards' paths.
+
+        `shuffle` is 0 for the shards' own order. Above, shards are shuffled, and samples are drawn at random from so
+        many that wait (which costs no memory); order and drawing follow from seed and epoch. `rank` and `world_size`
+        are those of torch.distributed where it runs. `reading` is as of ScanDataset. Raises InputError where there are
+        no shards.
+        """
+        if shuffle < 0 or seed < 0:
+            raise InputError("shuffle and seed are 0 or more")
+        self.shards = Shards(source, split)
+        self.shuffle, self.seed = shuffle, seed
+        self.rank, self.world_size = _place_among_ranks(rank, world_size)
+        self.reader = SampleReader(**reading)
+        self._epoch = _Epoch()
+
+    def set_epoch(self, epoch: int) -> None:
+        """Another order, and other random numbers of the transform, from the next iteration on."""
+        self._epoch.set(epoch)
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        worker = torch.utils.data.get_worker_info()
+        workers, number = (worker.num_workers, worker.id) if worker is not None else (1, 0)
+        epoch = self._epoch.get()
+        reading = Reading(
+            self.shards,
+            readers=self.world_size * workers,
+            reader=number * self.world_size + self.rank,  # the first shards go to different ranks
+            shuffle=self.shuffle,
+            rng=lambda position: generator(self.seed, 0, epoch, position),
+        )
+        for sample in reading:
+            yield self.reader(sample, epoch)
+
+
+def _place_among_ranks(rank: int | None, world_size: int | None) -> tuple[int, int]:
+    if (rank is None) != (world_size is None):
+        raise InputError("rank and world_size are given together")
+    if rank is None or world_size is None:
+        distributed = torch.distributed
+        if distributed.is_available() and distributed.is_initialized():
+            return distributed.get_rank(), distributed.get_world_size()
+        return 0, 1
+    if not 0 <= rank < world_size:
+        raise InputError(f"rank {rank} is not one of {world_size}")
+    return rank, world_size
+
+
+def _shared_names(samples: Sequence[dict[str, Any]]) -> list[str]:
+    names = list(samples[0])
+    if any(set(sample) != set(names) for sample in samples):
+        raise InputError("the samples of a batch have different columns")
+    return names
+
+
+def collate_padded(samples: Sequence[dict[str, Any]], ignore: int = 255) -> Batch:
+    """A batch of B scans, padded to the longest of them.
+
+    Points: `xyz` float32 (B, N, 3), columns (B, N), `mask` bool (B, N), which is False where a scan has no such point.
+    Boxes, where there are: `boxes` (B, M, 7), `box_...` (B, M, ...), `box_mask` bool (B, M). `world_from_sensor` is
+    float64 (B, 4, 4), texts are lists. `target` is padded by `ignore`, the value that the table of train ids has for
+    what is not learned; all else by 0.
+    """
+    batch: Batch = {}
+    for name in _shared_names(samples):
+        values = [sample[name] for sample in samples]
+        if isinstance(values[0], str):
+            batch[name] = values
+        elif name == "world_from_sensor":
+            batch[name] = torch.stack([tensor(v) for v in values])
+        else:
+            padded, mask = pad_batch(values, ignore if name == "target" else 0)
+            batch[name] = tensor(padded)
+            if name in ("xyz", "boxes"):
+                batch["mask" if name == "xyz" else "box_mask"] = tensor(mask)
+    return batch
+
+
+class CollateRangeImages:
+    """Makes batches of B range images of rings x columns pixels, by the columns `ring` and `column`.
+
+    `image` float32 (B, k, rings, columns) has a channel for each of `channels`, 0 where a beam has no return; `mask`
+    bool (B, rings, columns) says where it has one; `target` int64 (B, rings, columns), where samples have it, is
+    `ignore` where it has none. `index` int64 (B, rings, columns) is the number of the point in its sample, -1 for none.
+    Boxes, poses and texts are as of collate_padded().
+    """
+
+    def __init__(
+        self,
+        rings: int,
+        columns: int,
+        channels: Sequence[str] = ("range", "x", "y", "z", "intensity"),
+        ignore: int = 255,
+    ) -> None:
+        self.rings, self.columns = rings, columns
+        self.channels = list(channels)
+        self.ignore = ignore
+
+    def __call__(self, samples: Sequence[dict[str, Any]]) -> Batch:
+        whole = ("key", "sensor", "world_from_sensor")
+        rest = [{k: v for k, v in sample.items() if k in whole or k.startswith("box")} for sample in samples]
+        batch = collate_padded(rest)
+        projections = [beam_projection(sample, self.rings, self.columns) for sample in samples]
+        images = [range_image(sample, self.rings, self.columns, self.channels) for sample in samples]
+        batch["image"] = tensor(np.stack(images))
+        batch["index"] = tensor(np.stack([p.index for p in projections]))
+        batch["mask"] = batch["index"] >= 0
+        if "target" in _shared_names(samples):
+            targets = [p.image(sample["target"], self.ignore) for p, sample in zip(projections, samples)]
+            batch["target"] = tensor(np.stack(targets))
+        return batch

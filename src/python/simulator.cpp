@@ -1,0 +1,42 @@
+#include "python/simulator.h"
+
+#include <utility>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+namespace {
+
+Pipeline pipelineOf(const std::string& text, const std::filesystem::path& folder) {
+  Pipeline pipeline = readPipelineText(text, folder / "simulation.yaml");
+  if (pipeline.sequences.size() != 1) throw InputError("a simulation has one scene with one seed and one trajectory");
+  if (pipeline.method.automatic) throw InputError("a simulation needs a method by its name, not `auto`");
+  return pipeline;
+}
+
+}  // namespace
+
+Simulator::Simulator(const std::string& pipeline, const std::filesystem::path& folder)
+    : plan_(pipelineOf(pipeline, folder)),
+      scene_(plan_.loadScene(plan_.pipeline().sequences.front())),
+      method_(plan_.makeMethod(scene_)) {
+  plan_.checkMemory(method_->memoryBytes(), "the scene");
+}
+
+std::vector<SimulatedScan> Simulator::scan(const Pose& worldFromVehicle, double time, std::uint32_t frame) const {
+  std::vector<SimulatedScan> scans;
+  for (Shot& shot : plan_.shots(0, 0)) {
+    shot.frame = frame;
+    shot.time = time;
+    shot.beams = beamsAt(plan_.beams()[shot.sensor], time);
+    shot.worldFromSensor = {worldFromVehicle * plan_.pipeline().sensors[shot.sensor].vehicleFromSensor};
+    ShotBuffers buffers;
+    StageClock clock({"trace", "effects"});
+    runShot(setupOf(plan_, scene_, *method_, shot.sensor), shot, buffers, clock);
+    scans.push_back({std::move(buffers.scan), std::move(shot.worldFromSensor)});
+  }
+  return scans;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,172 @@
+// Datasets on disk, exported as a whole.
+
+#include "exports/export.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "dataset/scan_store.h"
+#include "tests/core/dataset/fixture.h"
+
+namespace scanmill {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+std::map<std::string, std::string> filesIn(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file())
+      files[entry.path().lexically_relative(folder).generic_string()] = readFile(entry.path());
+  }
+  return files;
+}
+
+class Exports : public testing::Test {
+ protected:
+  Exports() {
+    Manifest manifest = testManifest();
+    PackedDataset dataset(folder_.path() / "data", false, 1'000'000);
+    for (std::uint32_t i = 0; i < 6; ++i) {
+      const std::string key = fmt::format("street-s{}-lane-00000{}", i / 3 + 1, i % 3);
+      dataset.add(testSample(manifest, i, key, i < 3 ? "train" : "val"));
+    }
+    dataset.finish(manifest);
+  }
+
+  ExportOptions options(const std::string& layout, const std::string& out) const {
+    ExportOptions options;
+    options.dataset = folder_.path() / "data";
+    options.layout = &requireLayout(layout);
+    options.folder = folder_.path() / out;
+    return options;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Exports, EveryLayoutWritesTheSameBytesWhateverTheThreads) {
+  for (const LayoutEntry& entry : layouts()) {
+    if (entry.name == "kitti") continue;  // needs a list of objects
+    SCOPED_TRACE(entry.name);
+    std::map<std::string, std::string> first;
+    for (const int threads : {1, 2}) {
+      const ThreadLimit limit(threads);
+      const std::string out = fmt::format("{}{}", entry.name, threads);
+      const ExportSummary summary = exportDataset(options(std::string(entry.name), out));
+      EXPECT_EQ(summary.frames, 6u);
+      EXPECT_EQ(summary.sequences, 2u);
+      const auto files = filesIn(folder_.path() / out);
+      EXPECT_TRUE(files.contains("scanmill_export.json"));
+      EXPECT_FALSE(files.contains(".scanmill_export.json"));
+      EXPECT_GE(files.size(), 3u);
+      if (first.empty()) first = files;
+      EXPECT_EQ(files, first);
+    }
+  }
+}
+
+TEST_F(Exports, StoppedOnesAreResumedToTheSameBytes) {
+  for (const LayoutEntry& entry : layouts()) {
+    if (entry.name == "kitti") continue;
+    SCOPED_TRACE(entry.name);
+    const std::string name(entry.name);
+    exportDataset(options(name, name + "_whole"));
+    std::atomic<bool> stop = false;
+    ExportOptions cut = options(name, name + "_cut");
+    cut.stop = &stop;
+    cut.progress = [&](const char* stage, std::uint64_t done, std::uint64_t) {
+      stop = std::string(stage) == "writing" && done >= 2;
+    };
+    EXPECT_THAT(messageOf<Error>([&] { exportDataset(cut); }), HasSubstr("--resume"));
+    EXPECT_FALSE(fs::exists(cut.folder / "scanmill_export.json"));
+    ExportOptions again = options(name, name + "_cut");
+    EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("--resume"));
+    again.resume = true;
+    const ExportSummary summary = exportDataset(again);
+    EXPECT_GE(summary.resumedFrames, 2u);
+    EXPECT_LT(summary.resumedFrames, 6u);
+    EXPECT_EQ(filesIn(cut.folder), filesIn(folder_.path() / (name + "_whole")));
+  }
+}
+
+TEST_F(Exports, WhatIsThereIsNeverWrittenOver) {
+  exportDataset(options("ply", "out"));
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", "out")); }), HasSubstr("holds a whole export"));
+  folder_.write("notes/mine.txt", "mine");
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", "notes")); }), HasSubstr("is not empty"));
+  folder_.write("other/.scanmill_export.json", "of something else");
+  ExportOptions other = options("ply", "other");
+  other.resume = true;
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(other); }), HasSubstr("another dataset"));
+}
+
+TEST_F(Exports, ClassesThatTheLayoutLacksAreNamed) {
+  const ExportSummary own = exportDataset(options("ply", "ply"));
+  EXPECT_THAT(own.warnings, testing::IsEmpty());
+  const auto file = folder_.write("mine.yaml",
+                                  "name: mine\nclasses:\n  - {id: 0, name: unlabeled, color: [0, 0, 0]}\n"
+                                  "  - {id: 3, name: ways, color: [9, 9, 9], aliases: [street]}\n");
+  ExportOptions mapped = options("npz", "npz");
+  mapped.classes = file;
+  const ExportSummary summary = exportDataset(mapped);
+  ASSERT_EQ(summary.warnings.size(), 1u);
+  EXPECT_THAT(summary.warnings[0], testing::AllOf(HasSubstr("mine has no class for car"), HasSubstr("--classes")));
+}
+
+TEST_F(Exports, SensorsAndSplitsAreChosenByName) {
+  ExportOptions one = options("ply", "rear");
+  one.sensors = {"Rear"};
+  one.splits = {"val"};
+  EXPECT_EQ(exportDataset(one).frames, 3u);
+  for (const auto& [name, bytes] : filesIn(one.folder)) EXPECT_EQ(name.find("top"), std::string::npos) << name;
+  const ExportSummary first = exportDataset(options("semantic_kitti", "kitti"));
+  EXPECT_THAT(testing::PrintToString(first.warnings), HasSubstr("those of 'top' are written"));
+  ExportOptions wrong = options("ply", "no");
+  wrong.sensors = {"front"};
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(wrong); }), HasSubstr("it has top, Rear"));
+  wrong = options("ply", "no");
+  wrong.splits = {"test"};
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(wrong); }), HasSubstr("it has train, val"));
+  EXPECT_FALSE(fs::exists(wrong.folder));
+  EXPECT_THAT(messageOf<InputError>([&] { requireLayout("semantickitti"); }), HasSubstr("semantic_kitti"));
+}
+
+TEST_F(Exports, WhatDoesNotFitLeavesNoFile) {
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("kitti", "no")); }), HasSubstr("objects: true"));
+  EXPECT_FALSE(fs::exists(folder_.path() / "no"));
+}
+
+TEST(ClassMaps, GoByNamesAndAliasesOfBoth) {
+  const Ontology from{"from",
+                      "",
+                      {{0, "unlabeled", {}, false, {}},
+                       {4, "car", {}, true, {}},
+                       {5, "lorry", {}, true, {"truck"}},
+                       {6, "moving_car", {}, true, {}, 4},
+                       {7, "tree", {}, true, {}}}};
+  const Ontology to{"to",
+                    "",
+                    {{0, "unlabeled", {}, false, {}},
+                     {10, "vehicle", {}, true, {"car"}},
+                     {11, "truck", {}, true, {}},
+                     {20, "moving-vehicle", {}, true, {}, 10}}};
+  const ClassMap map(from, to);
+  EXPECT_EQ(map.of(4), 10);
+  EXPECT_EQ(map.of(5), 11);
+  EXPECT_EQ(map.of(6), 10) << "what moves is what it is, where the target does not tell";
+  EXPECT_EQ(map.ofMoving(4), 20);
+  EXPECT_EQ(map.ofMoving(5), 11);
+  EXPECT_EQ(map.of(7), 0);
+  EXPECT_EQ(map.of(999), 0);
+  EXPECT_THAT(testing::PrintToString(map.lost()), HasSubstr("tree becomes unlabeled"));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,297 @@
+#include <cstring>
+#include <map>
+
+#include "tests/core/exports/nuscenes_world.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+class NuScenesLayout : public NuScenesWorld {
+ protected:
+  // Moves the points of each object into its box.
+  static void fillBoxes(ExportSample& sample) {
+    Scan& scan = sample.scans.front().scan;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      for (const ObjectRecord& object : sample.objects->objects) {
+        if (scan[kInstance][i] != object.id) continue;
+        const auto inside = [&](std::size_t step) { return 0.98 * (static_cast<double>(i * step % 101) / 100 - 0.5); };
+        const Vec3d& size = object.size;
+        const Vec3d p{size.x * inside(7), size.y * inside(13), size.z * inside(29)};
+        scan.position[i] = static_cast<Vec3f>(object.views.front().sensorFromBox * p);
+      }
+    }
+  }
+
+  std::string bytesOf(const std::filesystem::path& file) const { return readFile(folder_.path() / file); }
+
+  static std::string listOf(const std::vector<Vec3d>& points) {
+    std::string text;
+    for (const Vec3d& p : points) text += fmt::format("[{}, {}, {}], ", p.x, p.y, p.z);
+    return "np.array([" + text + "])";
+  }
+};
+
+// Through calibrated_sensor and ego_pose, points are where the sensor saw them in the world; in the file the x axis
+// points to the right and y forward, as the sensor of nuScenes has it.
+TEST_F(NuScenesLayout, PointsComeBackThroughTheCalibration) {
+  write(*layout_);
+  const Scan own = scan(0, 1);
+  std::vector<Vec3d> inSensor;
+  std::vector<Vec3d> inWorld;
+  for (const Vec3f& p : own.position) {
+    inSensor.push_back(static_cast<Vec3d>(p));
+    inWorld.push_back(plan_.manifest.samples[1].scans[0].worldFromSensor[0] * inSensor.back());
+  }
+  readTables("sensor = " + listOf(inSensor) + "\nworld = " + listOf(inWorld) + R"(
+data = table['sample_data'][1]
+points = points_of(data)
+assert len(points) == 308
+assert np.array_equal(points[:, 0], -sensor[:, 1].astype(np.float32))
+assert np.array_equal(points[:, 1], sensor[:, 0].astype(np.float32))
+assert np.array_equal(points[:, 2], sensor[:, 2].astype(np.float32))
+ego, calibration = ego_and_sensor(data)
+own = np.c_[points[:, :3], np.ones(len(points))] @ (ego @ calibration).T
+assert np.abs(own[:, :3] - world).max() < 1e-5
+# As of the real car, which has the sensor's x axis to its right: here it is turned to the left by 0.1 rad more.
+assert np.allclose(calibration[:3, 0], [np.sin(0.1), -np.cos(0.1), 0])
+assert np.allclose(calibration[:3, 1], [np.cos(0.1), np.sin(0.1), 0])
+assert np.allclose(calibration[:3, 3], [1.2, 0, 1.9])
+)");
+}
+
+TEST_F(NuScenesLayout, IntensitiesAreBytesAndRingsCountFromBelow) {
+  SensorRecord& sensor = plan_.manifest.sensors[0];
+  sensor.beams.elevation = {0.2, 0.1, -0.3, 0.0};
+  const auto change = [](ExportSample& changed) {
+    std::vector<float>& intensity = changed.scans[0].scan[kIntensity];
+    intensity[0] = 0.5f;
+    intensity[1] = 1.5f;
+    intensity[2] = -0.1f;
+    intensity[3] = std::numeric_limits<float>::quiet_NaN();
+  };
+  writeFrame(*layout_, 0, 0, change);
+  const std::string bytes = bytesOf(layout_->filesOf(plan_, 0, 0)[0]);
+  const Scan own = scan(0, 0);
+  ASSERT_EQ(bytes.size(), own.size() * 20);
+  const float wanted[] = {128, 255, 0, 0};  // 127.5 is rounded
+  const float fromBelow[] = {3, 2, 0, 1};
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    float values[5];
+    std::memcpy(values, bytes.data() + 20 * i, 20);
+    ASSERT_EQ(values[3], i < 4 ? wanted[i] : std::round(255 * own[kIntensity][i]));
+    ASSERT_EQ(values[4], fromBelow[own[kRing][i]]);
+  }
+}
+
+// What get_sample_data() gives, against the points themselves. Where the box is at the sample's time does not matter,
+// nor what other sensors see of it.
+TEST_F(NuScenesLayout, BoxesHoldTheirPointsAndNoOthers) {
+  write(*layout_);
+  for (const std::size_t s : {0u, 1u}) {
+    for (const std::size_t f : {0u, 1u}) writeFrame(*layout_, s, f, fillBoxes);
+  }
+  layout_->finish(
+      plan_,
+      [&](std::size_t s, std::size_t f) {
+        SampleObjects all = objects(s, f);
+        for (ObjectRecord& object : all.objects) {
+          object.worldFromBox.translation.x += 30;
+          object.views.insert(object.views.begin(), ObjectView{"rear", 0, {}, 5, 1, 100});
+        }
+        return std::optional(all);
+      },
+      folder());
+  const std::string printed = readTables(R"(
+boxes = 0
+for data in table['sample_data']:
+    points, label = points_of(data)[:, :3].astype(float), lidarseg_of(data)
+    assert len(label) == len(points) == 308
+    for a, middle, axes, half in boxes_of(data):
+        inside = (np.abs((points - middle) @ axes) <= half + 1e-5).all(axis=1)
+        category = get('category', get('instance', a['instance_token'])['category_token'])['index']
+        assert np.array_equal(inside, label == category), a['category_name']
+        assert inside.sum() > 50
+        boxes += 1
+print(boxes, 'boxes')
+)");
+  EXPECT_THAT(printed, HasSubstr("8 boxes"));
+}
+
+// label = 1000 * class + instance, and 0 for what cannot be counted: buildings are things here, static.manmade is not.
+TEST_F(NuScenesLayout, PanopticLabelsAreClassAndInstance) {
+  write(*layout_, true);
+  for (const std::size_t s : {0u, 1u}) {
+    for (const std::size_t f : {0u, 1u}) {
+      writeFrame(
+          *layout_, s, f,
+          [](ExportSample& changed) {
+            Scan& scan = changed.scans[0].scan;
+            for (std::size_t i = 0; i < scan.size(); ++i) {
+              if (scan[kInstance][i] == 0 && isFinite(scan.position[i])) scan[kInstance][i] = 3;
+            }
+          },
+          true);
+    }
+  }
+  readTables(R"(
+for data in table['sample_data']:
+    points, label, panoptic = points_of(data), lidarseg_of(data), panoptic_of(data)
+    assert panoptic.dtype == np.uint16
+    assert len(points) == len(label) == len(panoptic) == 360 - 4   # the misses are left out
+    assert np.isfinite(points).all()
+    assert np.array_equal(panoptic // 1000, label)
+    assert set(panoptic) == {28000, 17001, 2001}, set(panoptic)
+    assert (panoptic == 17001).sum() == 72
+)");
+}
+
+// Ids of towns are large. Each has the same number in all frames, whichever of them are written, and in which order.
+TEST_F(NuScenesLayout, InstancesAreNumberedOverTheFramesOfAScene) {
+  const auto change = [&](ExportSample& changed) {
+    if (changed.sequence != 0) return;
+    Scan& scan = changed.scans[0].scan;
+    std::fill(scan[kInstance].begin(), scan[kInstance].end(), 0);
+    std::fill(scan[kLabel].begin(), scan[kLabel].end(), classId("car"));
+    const std::vector<std::uint32_t> ids = changed.frame == 0
+                                               ? std::vector<std::uint32_t>{90'000, 5, 70'000}
+                                               : std::vector<std::uint32_t>{80'000, 70'000, 4'000'000'000};
+    for (std::size_t i = 0; i < 3; ++i) scan[kInstance][i] = ids[i];
+    scan[kLabel][2] = classId("truck");  // 70000 has points of two classes in all
+  };
+  writeFrame(*layout_, 0, 0, change);
+  writeFrame(*layout_, 0, 1, change);
+  const std::vector<std::filesystem::path> first = layout_->filesOf(plan_, 0, 0);
+  const std::vector<std::filesystem::path> second = layout_->filesOf(plan_, 0, 1);
+  // Cars: 5, 70000 (of frame 1), 80000, 90000; trucks: 70000 and the last.
+  python(fmt::format(R"(
+found = [np.load(folder / file)['data'][:4].tolist() for file in ('{}', '{}')]
+assert found == [[17004, 17001, 23001, 17000], [17003, 17002, 23002, 17000]], found
+)",
+                     first[2].string(), second[2].string()));
+  const std::string bytes = bytesOf(second[2]);
+  const std::unique_ptr<Layout> resumed = makeNuScenes();
+  writeFrame(*resumed, 0, 1, change);
+  EXPECT_EQ(bytesOf(second[2]), bytes);
+  const std::unique_ptr<Layout> checked = makeNuScenes();
+  ExportSample later = sample(0, 1);
+  change(later);
+  checked->checkSample(plan_, later);
+  writeFrame(*checked, 0, 1, change);
+  EXPECT_EQ(bytesOf(second[2]), bytes);
+}
+
+TEST_F(NuScenesLayout, RefusesMoreInstancesThanThePanopticLabelsHold) {
+  ASSERT_TRUE(layout_->checksSamples(plan_));
+  const auto withCars = [&](std::size_t frame, std::uint32_t firstId, std::size_t count) {
+    ExportSample full = sample(0, frame);
+    Scan& scan = full.scans[0].scan;
+    for (std::size_t i = 0; i < count; ++i) {
+      scan.position.push_back({1, 2, 3});
+      for (auto* column : {&scan[kIntensity], &scan[kTime], &scan[kRangeTrue]}) column->push_back(0);
+      for (auto* column : {&scan[kLabel], &scan[kRing], &scan[kColumn]}) column->push_back(0);
+      scan[kLabel].back() = classId("car");
+      scan[kInstance].push_back(firstId + static_cast<std::uint32_t>(i));
+    }
+    return full;
+  };
+  // With the car 7 these are 999 of one class, and as many of another sequence do not count.
+  layout_->checkSample(plan_, withCars(0, 1000, 998));
+  layout_->checkSample(plan_, withCars(1, 1000, 998));
+  ExportSample other = withCars(0, 5000, 900);
+  other.sequence = 1;
+  layout_->checkSample(plan_, other);
+  expectInputError([&] { layout_->checkSample(plan_, withCars(1, 1000, 999)); },
+                   {"street-s1-lane-000001", "999", "vehicle.car"});
+}
+
+TEST_F(NuScenesLayout, RefusesWhatNuScenesCannotTellApart) {
+  layout_->check(plan_);
+  const ExportPlan whole = plan_;
+  plan_.manifest.samples[3].scans[0].time = 4e-7;
+  expectInputError([&] { layout_->check(plan_); }, {"street-s2-lane-000001", "microsecond"});
+  plan_.manifest.samples[3].scans[0].time = 86400;
+  expectInputError([&] { layout_->check(plan_); }, {"street-s2-lane-000001", "86400 s", "a day"});
+  plan_.manifest.samples[3].scans.clear();
+  expectInputError([&] { layout_->check(plan_); }, {"street-s2-lane-000001", "'top'"});
+  plan_.manifest.samples = whole.manifest.samples;
+  plan_.classes = ClassMap(plan_.manifest.ontology, plan_.manifest.ontology);  // whose ids have gaps
+  expectInputError([&] { layout_->check(plan_); }, {"scanmill", "without gaps", "labels/nuscenes.yaml"});
+}
+
+TEST_F(NuScenesLayout, WritesLabelsThatThereAre) {
+  std::erase(plan_.manifest.columns, "instance");
+  writeFrame(*layout_, 0, 0, [](ExportSample& changed) { changed.scans[0].scan[kInstance].clear(); });
+  EXPECT_EQ(layout_->filesOf(plan_, 0, 0).size(), 2u);
+  EXPECT_EQ(bytesOf(layout_->filesOf(plan_, 0, 0)[1]).size(), 308u);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "panoptic"));
+  std::erase(plan_.manifest.columns, "label");
+  for (std::size_t s = 0; s < 2; ++s) {
+    for (std::size_t f = 0; f < 2; ++f) {
+      writeFrame(*layout_, s, f, [](ExportSample& changed) {
+        Scan bare;
+        bare.position = changed.scans[0].scan.position;
+        changed.scans[0].scan = bare;
+      });
+    }
+  }
+  std::filesystem::remove_all(folder_.path() / "lidarseg");
+  layout_->finish(
+      plan_, [&](std::size_t s, std::size_t f) { return objects(s, f); }, folder());
+  readTables(R"(
+assert 'lidarseg' not in names and 'panoptic' not in names
+points = points_of(table['sample_data'][0])
+assert len(points) == 308 and (points[:, 3:] == 0).all() and (points[:, :2] != 0).any()
+)");
+}
+
+// Of several returns the second plane of an organised scan has the same rings again.
+TEST_F(NuScenesLayout, RowsOfOrganisedScansAreRings) {
+  const auto change = [](ExportSample& changed) {
+    Scan image;
+    image.rings = 4;
+    image.columns = 3;
+    image.planes = 2;
+    image.organised = true;
+    image.position.assign(24, Vec3f{3, 4, 5});
+    image.position[5].y = std::numeric_limits<float>::quiet_NaN();
+    image[kLabel].assign(24, 0);
+    image[kInstance].assign(24, 0);
+    changed.scans[0].scan = image;
+  };
+  writeFrame(*layout_, 0, 0, change);
+  const std::string bytes = bytesOf(layout_->filesOf(plan_, 0, 0)[0]);
+  ASSERT_EQ(bytes.size(), 23u * 20);
+  for (std::size_t i = 0; i < 23; ++i) {
+    float ring = 0;
+    std::memcpy(&ring, bytes.data() + 20 * i + 16, 4);
+    EXPECT_EQ(ring, "00011222333000111222333"[i] - '0');
+  }
+}
+
+TEST_F(NuScenesLayout, TheSameDatasetGivesTheSameBytes) {
+  const auto all = [&] {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path())) {
+      if (entry.is_regular_file()) files[entry.path().string()] = readFile(entry.path());
+    }
+    return files;
+  };
+  write(*layout_);
+  const std::map<std::string, std::string> once = all();
+  EXPECT_EQ(once.size(), 4u * 3 + 15 + 1 + 1);  // files of frames, tables, splits and the map
+  write(*makeNuScenes());
+  EXPECT_EQ(all(), once);
+}
+
+TEST_F(NuScenesLayout, ScansMayBeEmpty) {
+  writeFrame(*layout_, 1, 1, [](ExportSample& changed) { changed.scans[0].scan = Scan(); });
+  const std::vector<std::filesystem::path> files = layout_->filesOf(plan_, 1, 1);
+  EXPECT_EQ(bytesOf(files[0]).size(), 0u);
+  EXPECT_EQ(bytesOf(files[1]).size(), 0u);
+  python(fmt::format("assert np.load(folder / '{}')['data'].shape == (0,)\n", files[2].string()));
+}
+
+}  // namespace
+}  // namespace scanmill

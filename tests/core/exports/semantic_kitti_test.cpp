@@ -1,0 +1,133 @@
+#include <fmt/core.h>
+
+#include <cstring>
+
+#include "tests/core/exports/export_world.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+class SemanticKittiLayout : public ExportWorld {
+ protected:
+  SemanticKittiLayout() { use("semantic_kitti"); }
+  std::unique_ptr<Layout> layout_ = makeSemanticKitti();
+};
+
+// Read as its API does: numpy.fromfile, 16 bits each of class and instance.
+TEST_F(SemanticKittiLayout, PointsAndLabelsAreThoseOfTheScan) {
+  write(*layout_);
+  const std::string printed = python(R"(
+total = 0
+for sequence in ['00', '01']:
+    for frame in range(2):
+        at = folder / 'sequences' / sequence
+        points = np.fromfile(at / 'velodyne' / ('%06d.bin' % frame), dtype=np.float32).reshape(-1, 4)
+        label = np.fromfile(at / 'labels' / ('%06d.label' % frame), dtype=np.uint32)
+        assert len(points) == len(label) == 308, len(points)
+        semantic, instance = label & 0xFFFF, label >> 16
+        assert set(semantic) == {50, 252, 30}, set(semantic)   # building, moving car, person
+        assert set(instance[semantic == 252]) == {7} and set(instance[semantic == 30]) == {9}
+        assert set(instance[semantic == 50]) == {0}
+        assert points[:, 3].min() >= 0 and points[:, 3].max() <= 1
+        total += len(points)
+print(total)
+)");
+  EXPECT_THAT(printed, HasSubstr("1232"));
+  const Scan own = scan(0, 1);
+  const std::string bytes = readFile(folder_.path() / "sequences/01/velodyne/000001.bin");
+  ASSERT_EQ(bytes.size(), own.size() * 16);
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    float values[4];
+    std::memcpy(values, bytes.data() + i * 16, 16);
+    ASSERT_EQ((Vec3f{values[0], values[1], values[2]}), own.position[i]);
+    ASSERT_EQ(values[3], own[kIntensity][i]);
+  }
+}
+
+// As the API's auxiliary/laserscan tools do: pose of the lidar = Tr^-1 * pose * Tr.
+TEST_F(SemanticKittiLayout, PosesAreTheSensorsOwn) {
+  write(*layout_);
+  const Pose moved =
+      inverse(vehicle(0) * plan_.sensors[0]->vehicleFromSensor) * vehicle(1) * plan_.sensors[0]->vehicleFromSensor;
+  const Mat3 r = toMatrix(moved.rotation);
+  const Vec3d& t = moved.translation;
+  python(fmt::format(R"(
+def matrix(numbers):
+    m = np.eye(4)
+    m[:3] = np.array(numbers, dtype=float).reshape(3, 4)
+    return m
+at = folder / 'sequences' / '00'
+calibration = dict(line.split(':') for line in (at / 'calib.txt').read_text().splitlines())
+assert sorted(calibration) == ['P0', 'P1', 'P2', 'P3', 'Tr']
+tr = matrix(calibration['Tr'].split())
+assert np.allclose(tr @ [1, 2, 3, 1], [-2, -3, 1, 1]), tr     # forward is the camera's z, left its -x, up its -y
+lines = (at / 'poses.txt').read_text().splitlines()
+assert len(lines) == 2
+poses = [np.linalg.inv(tr) @ matrix(line.split()) @ tr for line in lines]
+assert np.allclose(poses[0], np.eye(4))
+wanted = matrix([{}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}])
+assert np.allclose(poses[1], wanted, atol=1e-8), poses[1] - wanted
+assert np.allclose([float(x) for x in (at / 'times.txt').read_text().split()], [0, 0.1])
+)",
+                     r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z));
+}
+
+TEST_F(SemanticKittiLayout, MissesAreLeftOutAndWithoutAListNothingMoves) {
+  withObjects_ = false;
+  write(*layout_, true);
+  python(R"(
+label = np.fromfile(folder / 'sequences/00/labels/000000.label', dtype=np.uint32)
+points = np.fromfile(folder / 'sequences/00/velodyne/000000.bin', dtype=np.float32)
+assert len(label) * 4 == len(points) == 356 * 4 and np.isfinite(points).all()
+assert set(label & 0xFFFF) == {50, 10, 30}
+)");
+}
+
+TEST_F(SemanticKittiLayout, TheConfigurationNamesClassesAndSplits) {
+  write(*layout_);
+  const std::string text = readFile(folder_.path() / "semantic-kitti.yaml");
+  EXPECT_THAT(text, HasSubstr("  252: \"moving-car\"\n"));
+  EXPECT_THAT(text, HasSubstr("  train:\n    - 0\n"));
+  EXPECT_THAT(text, HasSubstr("  valid:\n    - 1\n"));
+  EXPECT_THAT(text, HasSubstr("  test: []\n"));
+  EXPECT_THAT(text, HasSubstr("  10: [245, 150, 100]\n")) << "blue, green, red";
+  const auto trained = [&](int id) {
+    const std::size_t map = text.find("learning_map:");
+    const std::size_t line = text.find(fmt::format("\n  {}: ", id), map);
+    return text.substr(text.find(": ", line) + 2, 3);
+  };
+  EXPECT_EQ(trained(10), trained(252));
+  EXPECT_EQ(trained(16).substr(0, 2), "0\n") << "nothing becomes a thing on rails";
+}
+
+// Remissions are parts of 1, whatever the sensor calls full.
+TEST_F(SemanticKittiLayout, BytesOfIntensityBecomeParts) {
+  plan_.manifest.sensors[0].fullIntensity = 255;
+  const ExportFolder folder(folder_.path());
+  const ReadSample read = [&](std::size_t s, std::size_t f) {
+    ExportSample own = sample(s, f);
+    for (float& value : own.scans[0].scan[kIntensity]) value = 51;
+    return own;
+  };
+  layout_->write(plan_, 0, 0, read, folder);
+  python(R"(
+points = np.fromfile(folder / 'sequences/00/velodyne/000000.bin', dtype=np.float32).reshape(-1, 4)
+assert (points[:, 3] == np.float32(0.2)).all()
+)");
+}
+
+TEST_F(SemanticKittiLayout, IdsThatDoNotFitAreRefused) {
+  ExportSample sample = this->sample(0, 1);
+  EXPECT_TRUE(layout_->checksSamples(plan_));
+  EXPECT_NO_THROW(layout_->checkSample(plan_, sample));
+  sample.scans[0].scan[kInstance][5] = 32768;
+  EXPECT_THAT(messageOf<InputError>([&] { layout_->checkSample(plan_, sample); }),
+              testing::AllOf(HasSubstr("street-s1-lane-000001"), HasSubstr("32768"), HasSubstr("32767")));
+  plan_.sequences.resize(101, plan_.sequences[0]);
+  EXPECT_THAT(messageOf<InputError>([&] { layout_->check(plan_); }), HasSubstr("101 sequences"));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,127 @@
+#include "exports/zip_file.h"
+
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <vector>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "exports/npy.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using Files = std::vector<std::pair<std::string, std::string>>;
+
+// Python's own modules are the independent readers: zipfile checks sizes and CRC-32.
+class ZipFile : public testing::Test {
+ protected:
+  void readBack(const std::string& bytes, const std::string& code) const {
+    const std::filesystem::path file = folder_.write("archive", bytes);
+    const std::filesystem::path script =
+        folder_.write("script.py", "import io, sys, zipfile\nimport numpy as np\nfile = sys.argv[1]\n" + code);
+    const std::filesystem::path out = folder_.path() / "out";
+    const std::string command =
+        fmt::format("/usr/bin/python3 '{}' '{}' > '{}' 2>&1", script.string(), file.string(), out.string());
+    EXPECT_EQ(std::system(command.c_str()), 0) << readFile(out);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ZipFile, HoldsItsFilesInOrder) {
+  std::string noise;  // does not shrink, and has all bytes
+  for (std::uint32_t i = 0, state = 1; i < 5000; ++i) {
+    state = state * 1664525 + 1013904223;
+    noise += static_cast<char>(state >> 24);
+  }
+  const Files files{{"empty", ""}, {"folder/zeros", std::string(3'000'000, '\0')}, {"größe.bin", noise}, {"a", "a"}};
+  const std::string archive = zipOf(files);
+  EXPECT_LT(archive.size(), 10'000u);
+  EXPECT_EQ(archive, zipOf(files));
+  const std::filesystem::path noiseFile = folder_.write("noise", noise);
+  readBack(archive, fmt::format(R"(
+with zipfile.ZipFile(file) as z:
+    assert z.testzip() is None
+    assert z.namelist() == ['empty', 'folder/zeros', 'größe.bin', 'a'], z.namelist()
+    assert z.read('empty') == b'' and z.read('a') == b'a'
+    assert z.read('folder/zeros') == bytes(3000000)
+    assert z.read('größe.bin') == open('{}', 'rb').read()
+    for info in z.infolist():
+        assert info.date_time == (1980, 1, 1, 0, 0, 0), info.date_time
+        assert info.extract_version == 20
+        assert info.compress_type == (zipfile.ZIP_DEFLATED if 'zeros' in info.filename else zipfile.ZIP_STORED)
+)",
+                                noiseFile.string()));
+}
+
+TEST_F(ZipFile, MayHoldNothing) {
+  readBack(zipOf({}), "assert zipfile.ZipFile(file).namelist() == []\n");
+}
+
+// The narrow fields of an archive hold numbers of files below 65535.
+TEST_F(ZipFile, HoldsMoreFilesThanTheFirstFormat) {
+  for (const std::size_t count : {std::size_t{65534}, std::size_t{65535}}) {
+    Files files;
+    for (std::size_t i = 0; i < count; ++i) files.emplace_back(std::to_string(i), std::to_string(i * 7));
+    const std::string archive = zipOf(files);
+    EXPECT_EQ(archive.find("PK\x06\x06") != std::string::npos, count >= 65535);
+    readBack(archive, fmt::format(R"(
+with zipfile.ZipFile(file) as z:
+    assert z.namelist() == [str(i) for i in range({0})]
+    assert z.read(str({0} - 1)) == str(7 * ({0} - 1)).encode()
+)",
+                                  count));
+  }
+}
+
+TEST_F(ZipFile, RefusesNamesThatAreTooLong) {
+  const Files files{{std::string(65536, 'n'), ""}};
+  EXPECT_THAT(messageOf<Error>([&] { zipOf(files); }), testing::HasSubstr("65536 bytes"));
+}
+
+// numpy.load() itself reads the header.
+TEST_F(ZipFile, OfArraysIsNumPysNpz) {
+  std::string numbers;
+  for (int i = 0; i < 12; ++i) numbers += {static_cast<char>(i), 1};
+  const Files files{{"line.npy", npyOf("<u2", {12}, numbers)},
+                    {"table.npy", npyOf("<u2", {3, 4}, numbers)},
+                    {"bytes.npy", npyOf("|u1", {2, 3, 4}, numbers)},
+                    {"none.npy", npyOf("<f4", {0, 3}, "")},
+                    {"one.npy", npyOf("<f8", {}, std::string("\0\0\0\0\0\0\xf8\x3f", 8))},
+                    {"text.npy", npyOf("<U2", {1}, std::string("h\0\0\0i\0\0\0", 8))}};
+  readBack(zipOf(files), R"(
+with np.load(file) as z:
+    expected = np.arange(12) + 256
+    assert z['line'].dtype == np.uint16 and np.array_equal(z['line'], expected)
+    assert np.array_equal(z['table'], expected.reshape(3, 4)) and z['table'].flags['C_CONTIGUOUS']
+    assert z['bytes'].dtype == np.uint8 and z['bytes'].shape == (2, 3, 4) and z['bytes'][1, 2, 2] == 11
+    assert z['none'].dtype == np.float32 and z['none'].shape == (0, 3)
+    assert z['one'].shape == () and z['one'] == 1.5
+    assert z['text'].tolist() == ['hi']
+)");
+}
+
+TEST(Npy, ElementsBeginAtAMultipleOf64Bytes) {
+  for (const std::vector<std::size_t>& shape : {std::vector<std::size_t>{5}, {1, 5}, {1, 1, 1, 1, 1, 1, 1, 1, 5}}) {
+    const std::string file = npyOf("|u1", shape, "abcde");
+    EXPECT_EQ(file.size() % 64, 5u);
+    EXPECT_EQ(file[file.size() - 6], '\n');
+  }
+}
+
+TEST(Npy, RefusesBytesThatAreNotOfTheShape) {
+  EXPECT_THAT(messageOf<Error>([] {
+                npyOf("<f4", {2, 3}, "abc");
+              }),
+              testing::AllOf(testing::HasSubstr("3 bytes"), testing::HasSubstr("24")));
+  EXPECT_THAT(messageOf<Error>([] { npyOf("float", {1}, "abcd"); }), testing::HasSubstr("'float'"));
+}
+
+}  // namespace
+}  // namespace scanmill

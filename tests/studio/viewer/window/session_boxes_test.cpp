@@ -1,0 +1,96 @@
+// The objects that a sample lists: boxes, tracks, names.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/studio/viewer/window/session_world.h"
+#include "viewer/window/session_items.h"
+
+namespace scanmill {
+namespace {
+
+constexpr std::size_t kEdges = 12;
+
+// A car that is seen, with a front and a track, and a tree that is not.
+std::shared_ptr<FakeFrames> listedFrames() {
+  auto frames = std::make_shared<FakeFrames>(2);
+  ViewObject car;
+  car.record.id = 4711;
+  car.record.semantic = kFakeCar;
+  car.record.name = "estate";
+  car.record.moves = true;
+  car.record.worldFromBox = {{}, {10, 90, 1}};
+  car.record.size = {4, 2, 1.5};
+  car.record.velocity = {3, 4, 0};
+  ObjectView view;
+  view.sensor = "top";
+  view.sensorFromBox = {{}, {10, -10, -0.8}};
+  view.points = view.beams = 30;
+  view.beamsAlone = 60;
+  car.record.views = {view};
+  car.track = {{8, 90, 1}, {10, 90, 1}, {12, 90, 1}};
+  ViewObject tree;
+  tree.record.id = 5;
+  tree.record.semantic = kFakeTree;
+  tree.record.headingKnown = false;
+  tree.record.worldFromBox = {{}, {5, 110, 1}};
+  tree.record.size = {1, 1, 3};
+  frames->frames[0].objects = {car, tree};
+  return frames;
+}
+
+const FakeCanvas::Item& boxes(const SessionWorld& world) {
+  return world.canvas.items.at(kBoxesItem);
+}
+
+TEST(SessionBoxes, AreDrawnInTheColoursOfTheirClasses) {
+  SessionWorld world(listedFrames(), {.sample = "0"});
+  const auto& colors = boxes(world).colors;
+  ASSERT_EQ(colors.size(), kEdges + 1 + 2 + kEdges) << "two boxes, a front, a track of three places";
+  EXPECT_EQ(std::count(colors.begin(), colors.end(), kFakeCarColor), static_cast<long>(kEdges + 3));
+  EXPECT_EQ(std::count(colors.begin(), colors.end(), kFakeTreeColor), 0) << "nothing is seen of it: it is faint";
+  // As the points of its sensor lie: 10 m ahead and 10 m to the right of it.
+  Box car;
+  for (std::size_t i = 0; i < 2 * kEdges; ++i) car.add(Vec3d(boxes(world).places[i]));
+  EXPECT_NEAR(length(car.center() - Vec3d{10, -10, -0.8}), 0, 1e-5);
+  EXPECT_NEAR(length(car.high - car.low - Vec3d{4, 2, 1.5}), 0, 1e-5);
+}
+
+TEST(SessionBoxes, FollowKeysAndFilters) {
+  SessionWorld world(listedFrames(), {.sample = "0"});
+  const auto drawn = [&] { return boxes(world).colors.size(); };
+  const std::size_t all = drawn();
+  world.key("O");
+  EXPECT_EQ(drawn(), 0u);
+  world.key("O");
+  EXPECT_EQ(drawn(), all);
+  world.key("Right");
+  world.session->settle();
+  EXPECT_EQ(drawn(), 0u) << "the next sample lists nothing";
+  const SessionWorld cars(listedFrames(), {.sample = "0", .hidden = {"tree"}});
+  EXPECT_EQ(boxes(cars).colors.size(), kEdges + 3);
+  const SessionWorld alone(listedFrames(), {.sample = "0", .instances = {5}});
+  EXPECT_EQ(boxes(alone).colors.size(), kEdges);
+}
+
+TEST(SessionBoxes, PickingTellsTheObject) {
+  SessionWorld world(listedFrames(), {.sample = "0"});
+  const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72 + 70);
+  world.click(x, y);
+  const std::optional<PickedThing> thing = world.session->pick(x, y);
+  ASSERT_TRUE(thing.has_value());
+  const auto row = [&](const char* name) {
+    const auto found =
+        std::find_if(thing->rows.begin(), thing->rows.end(), [&](const auto& r) { return r.first == name; });
+    return found == thing->rows.end() ? std::string() : found->second;
+  };
+  EXPECT_EQ(row("object"), "estate");
+  EXPECT_EQ(row("box"), "4.00 x 2.00 x 1.50 m");
+  EXPECT_EQ(row("speed"), "5.00 m/s");
+  EXPECT_EQ(row("visible"), "50 % (30 of 60 beams)");
+}
+
+}  // namespace
+}  // namespace scanmill
