@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/hash.h"
 #include "dataset/reader.h"
 #include "dataset/recording.h"
 #include "dataset/sample_names.h"
@@ -65,7 +66,7 @@ const ScanRecord* recordOf(const SampleRecord* sample, const MemberName& name) {
 
 }  // namespace
 
-ScanStore::ScanStore(fs::path path) : path_(std::move(path)) {
+ScanStore::ScanStore(fs::path path, Digests digests) : digests_(digests), path_(std::move(path)) {
   std::error_code failure;
   const fs::file_status status = fs::status(path_, failure);
   if (!fs::exists(status)) {
@@ -237,7 +238,20 @@ std::optional<SampleObjects> ScanStore::objects(std::size_t sample) const {
     if (record == nullptr || !record->objects) return {};
     throw InputError({index.file().string()}, fmt::format("lacks the member {} that the manifest lists", name));
   }
-  return parseObjects(index.read(*member), name, manifest_->ontology);
+  const std::string bytes = index.read(*member);
+  requireUnchanged(samples_[sample], name, bytes);
+  return parseObjects(bytes, name, manifest_->ontology);
+}
+
+void ScanStore::requireUnchanged(const Sample& sample, const std::string& member, std::string_view bytes) const {
+  if (digests_ == Digests::Ignored || sample.record == nullptr || sample.record->xxh3.empty()) return;
+  const std::vector<std::string>& members = sample.record->members;
+  const auto found = std::find(members.begin(), members.end(), member);
+  if (found == members.end()) return;
+  if (xxh3(bytes) == sample.record->xxh3[static_cast<std::size_t>(found - members.begin())]) return;
+  throw InputError({shards_[sample.shard].file.string()},
+                   fmt::format("{} was changed since it was written: `scanmill regenerate {}` makes it again", member,
+                               folder_.string()));
 }
 
 std::string ScanStore::damage(std::size_t sample) const {
@@ -292,6 +306,7 @@ Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {
       continue;
     }
     const std::string bytes = index.read(*member);
+    requireUnchanged(samples_[sample], name, bytes);
     try {
       return decodeMember(name, bytes);
     } catch (const InputError& e) {

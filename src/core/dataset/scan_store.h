@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -29,10 +30,14 @@ struct StoredScan {
 
 class ScanStore {
  public:
+  // Whether members that are read are compared with the manifest's XXH3, where it states them. Those that differ are
+  // refused.
+  enum class Digests { Ignored, Compared };
+
   // Reads the manifest of a dataset, the directory of a shard, or a single scan. The manifest of a shard is looked for
   // beside and above it; a shard without one is read, too. Of a shard that was cut short, the members that are whole
   // are read. Throws InputError.
-  explicit ScanStore(std::filesystem::path path);
+  explicit ScanStore(std::filesystem::path path, Digests digests = Digests::Ignored);
   ScanStore(const ScanStore&) = delete;
   ScanStore& operator=(const ScanStore&) = delete;
 
@@ -89,6 +94,9 @@ class ScanStore {
   const ShardIndex& shard(std::size_t number) const;
   void openIndex(Shard& shard) const;  // the caller holds the lock
 
+  void requireUnchanged(const Sample& sample, const std::string& member, std::string_view bytes) const;
+
+  Digests digests_;
   std::filesystem::path path_;
   std::filesystem::path folder_;
   std::shared_ptr<const Manifest> manifest_;

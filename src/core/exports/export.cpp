@@ -42,7 +42,10 @@ struct Unit {
 class Export {
  public:
   explicit Export(const ExportOptions& options)
-      : options_(options), layout_(options.layout->make()), store_(options.dataset), folder_(options.folder) {
+      : options_(options),
+        layout_(options.layout->make()),
+        store_(options.dataset, ScanStore::Digests::Compared),
+        folder_(options.folder) {
     if (store_.manifest() == nullptr || store_.folder() != options.dataset) {
       throw InputError({options.dataset.string()}, "is no dataset's folder: export reads whole datasets");
     }

@@ -47,7 +47,7 @@ def chain(name, first, last, same):
     return rows
 for name in ('sample', 'sample_data', 'sample_annotation'):
     assert all(get(name, row['next'])['prev'] == row['token'] for row in table[name] if row['next'])
-assert [scene['name'] for scene in table['scene']] == ['scene-0001', 'scene-0002']
+assert [scene['name'] for scene in table['scene']] == ['scene-9001', 'scene-9002']
 assert [scene['description'] for scene in table['scene']] == ['street-s1-lane', 'street-s2-lane']
 times = []
 for scene in table['scene']:
@@ -103,7 +103,7 @@ assert 'car' in table['category'][17]['description']
 TEST_F(NuScenesTables, EgoPosesAreTheVehicles) {
   write(*layout_);
   const std::vector<StampedPose> poses =
-      readNuScenesPoses(folder_.path() / "v1.0-trainval/ego_pose.json", "scene-0002");
+      readNuScenesPoses(folder_.path() / "v1.0-trainval/ego_pose.json", "scene-9002");
   ASSERT_EQ(poses.size(), 2u);
   EXPECT_NEAR(poses[1].time - poses[0].time, 0.1, 1e-6);
   for (int frame = 0; frame < 2; ++frame) {
@@ -188,8 +188,8 @@ TEST_F(NuScenesTables, SplitsNameTheScenes) {
   write(*layout_);
   readTables(R"(
 splits = json.loads((root / 'splits.json').read_text())
-assert splits == {'train': ['scene-0001'], 'scanmill_train': ['scene-0001'],
-                  'val': ['scene-0002'], 'scanmill_val': ['scene-0002']}
+assert splits == {'train': ['scene-9001'], 'scanmill_train': ['scene-9001'],
+                  'val': ['scene-9002'], 'scanmill_val': ['scene-9002']}
 )");
 }
 

@@ -314,7 +314,7 @@ std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vecto
       }
     }
   } catch (const InputError& e) {
-    problems.emplace_back(e.what());
+    if (std::find(problems.begin(), problems.end(), e.what()) == problems.end()) problems.emplace_back(e.what());
   }
   return all;
 }

@@ -77,6 +77,7 @@ TEST(ViewSession, EveryKeyOfTheHelpDoesSomething) {
       nothing,
       {press({"less"}), press({"greater"}), [](SessionWorld& w) { w.key("Left", true); },
        [](SessionWorld& w) { w.key("Right", true); }}};
+  rows["O"] = {nothing, {press({"O"})}};
   rows["space"] = {nothing, {press({"space"})}};
   rows["( )"] = {nothing, {press({"parenleft"}), press({"parenright"})}};
   rows["[ ]"] = {press({"4"}), {press({"bracketleft"}), press({"bracketright"})}};
