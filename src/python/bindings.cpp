@@ -164,6 +164,15 @@ void defineStore(py::module_& module) {
       .def_property_readonly("path", [](const ScanStore& s) { return s.path().string(); })
       .def_property_readonly("keys", &ScanStore::keys)
       .def_property_readonly("manifest", &manifestOf)
+      .def_property_readonly("splits",
+                             [](const ScanStore& s) {
+                               std::vector<std::string> splits;
+                               for (std::size_t i = 0; i < s.keys().size(); ++i) {
+                                 const SampleRecord* const record = recordOf(s, i);
+                                 splits.push_back(record == nullptr ? std::string() : record->split);
+                               }
+                               return splits;
+                             })
       .def(
           "record",
           [](const ScanStore& s, std::size_t sample) -> std::optional<std::string> {
