@@ -9,6 +9,7 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
+#include "config/resources.h"
 #include "pipeline/run/progress.h"
 
 namespace scanmill {
@@ -35,9 +36,11 @@ int runExport(const std::vector<std::string>& arguments) {
   for (const LayoutEntry& entry : layouts()) names.emplace_back(entry.name);
   options.add_options()("to", fmt::format("{}", fmt::join(names, ", ")), cxxopts::value<std::string>(), "LAYOUT")(
       "o,out", "folder that is written", cxxopts::value<std::string>(), "DIR")(
-      "classes", "ontology in place of the layout's, as labels/*.yaml; its aliases say which class becomes which",
+      "classes",
+      "ontology in place of the layout's: a file, or a name of `scanmill list ontologies`; its aliases say which class "
+      "becomes which",
       cxxopts::value<std::string>(),
-      "FILE")("sensor", "only this one; may be given again", cxxopts::value<std::vector<std::string>>(), "NAME")(
+      "NAME")("sensor", "only this one; may be given again", cxxopts::value<std::vector<std::string>>(), "NAME")(
       "split", "only this one; may be given again", cxxopts::value<std::vector<std::string>>(), "NAME")(
       "resume", "go on with an export that was stopped")("quiet", "no progress")(
       "threads", "of all work; 0: one for each core", cxxopts::value<int>()->default_value("0"), "N");
@@ -54,7 +57,9 @@ int runExport(const std::vector<std::string>& arguments) {
   chosen.layout = &requireLayout(parsed.options["to"].as<std::string>());
   chosen.folder = folderOption(parsed, "out");
   if (chosen.folder.empty()) throw InputError("-o DIR says which folder is written");
-  chosen.classes = folderOption(parsed, "classes");
+  if (parsed.options.count("classes") > 0) {
+    chosen.classes = namedResource(parsed.options["classes"].as<std::string>(), "labels");
+  }
   chosen.sensors = listOf(parsed, "sensor");
   chosen.splits = listOf(parsed, "split");
   chosen.resume = parsed.options.count("resume") > 0;

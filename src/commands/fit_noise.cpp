@@ -19,8 +19,9 @@
 #include "commands/recorded_scans.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
-#include "config/fields.h"
 #include "config/file_kind.h"
+#include "config/resources.h"
+#include "config/value.h"
 #include "dataset/scan_source.h"
 #include "report/noise/noise_report.h"
 #include "report/page/report_folder.h"
@@ -31,14 +32,6 @@
 namespace scanmill {
 
 namespace {
-
-// A file, or the name of a preset that comes with the program.
-std::filesystem::path sensorFile(const std::string& name) {
-  Value value;
-  value.kind = Value::Kind::Scalar;
-  value.text = name;
-  return resolveResource(value, name, "pipelines/sensors");
-}
 
 void printGroups(const std::vector<PatchGroup>& groups, const std::string& first) {
   std::vector<std::vector<std::string>> rows{{first, "patches", "points", "sigma mm", "+-", "with step", "about planes",
@@ -88,8 +81,8 @@ int runFitNoise(const std::vector<std::string>& arguments) {
 
   if (parsed.options.count("input") == 0) throw InputError("SCAN is missing; see --help");
   const auto files = parsed.options["input"].as<std::vector<std::string>>();
-  const std::filesystem::path preset =
-      sensorFile(requiredText(parsed, "sensor", "the sensor that made the scans, such as os1_128"));
+  const std::filesystem::path preset = namedResource(
+      requiredText(parsed, "sensor", "the sensor that made the scans, such as os1_128"), "pipelines/sensors");
   const std::filesystem::path out = requiredFile(parsed, "the sensor file to write, such as fitted.yaml");
   const std::string report = folderOption(parsed, "report");
   const bool overwrite = parsed.options.count("overwrite") > 0;

@@ -8,6 +8,7 @@
 #include "base/scratch_folder.h"
 #include "config/fields.h"
 #include "dataset/manifest.h"
+#include "dataset/objects.h"
 #include "dataset/parts.h"
 #include "dataset/reader.h"
 #include "dataset/shard_index.h"
@@ -45,6 +46,11 @@ const AddFuzzTarget kManifest("manifest", [](std::string_view bytes) {
   const std::string text(bytes);
   digestProblem(text);
   parseManifest(text, "manifest.json");
+});
+
+const AddFuzzTarget kObjects("objects", [](std::string_view bytes) {
+  Ontology ontology{"fuzz", "", {{0, "unlabeled", {}, false, {}}, {20, "car", {}, true, {}}}};
+  parseObjects(bytes, "input.objects.json", ontology);
 });
 
 const AddFuzzTarget kParts("parts", [](std::string_view bytes) {

@@ -110,4 +110,11 @@ fs::path resolveResource(const Value& value, const std::string& name, const std:
   throw InputError(value.where, places + advice(name, folders, folders.back()));
 }
 
+fs::path namedResource(const std::string& name, const std::string& subfolder) {
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  value.text = name;
+  return resolveResource(value, name, subfolder);
+}
+
 }  // namespace scanmill

@@ -22,7 +22,7 @@ struct SensorRecord {
   std::string name;  // on the vehicle
   BeamTable beams;   // without its tables per beam: the manifest has the compact description
   Pose vehicleFromSensor;
-  double fullIntensity = 1;  // what stands for 1 in the column intensity: 255 where it has bytes
+  double intensityFullScale = 1;  // what stands for 1 in the column intensity: 255 where it has bytes
 };
 
 // One scan: a revolution of a sensor in a sample.

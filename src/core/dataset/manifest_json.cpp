@@ -136,7 +136,8 @@ OrderedJson sensorJson(const SensorRecord& sensor) {
     json["rosette"] = {
         {"angle", pair(b.rosette->angle)}, {"speed", pair(b.rosette->speed)}, {"phase", pair(b.rosette->phase)}};
   }
-  if (sensor.fullIntensity != 1) json["full_intensity"] = number(sensor.fullIntensity, "full_intensity");
+  if (sensor.intensityFullScale != 1)
+    json["intensity_full_scale"] = number(sensor.intensityFullScale, "intensity_full_scale");
   if (!b.originLeft.empty()) json["origin_left"] = finiteList(b.originLeft, sensor.name + ": origin_left");
   if (!b.originUp.empty()) json["origin_up"] = finiteList(b.originUp, sensor.name + ": origin_up");
   return json;

@@ -37,7 +37,7 @@ SensorRecord sensorOf(const JsonNode& node) {
   node.keys({"name", "model", "source", "vehicle_from_sensor", "rings", "columns", "period", "clockwise", "top_down",
              "min_range", "max_range", "first_azimuth", "field", "origin_offset", "origin_height", "elevation",
              "azimuth_offset", "firing_offset"},
-            {"origin_left", "origin_up", "beams", "rosette", "full_intensity"});
+            {"origin_left", "origin_up", "beams", "rosette", "intensity_full_scale"});
   SensorRecord sensor;
   sensor.name = node["name"].text();
   sensor.vehicleFromSensor = poseOf(node["vehicle_from_sensor"]);
@@ -68,7 +68,7 @@ SensorRecord sensorOf(const JsonNode& node) {
     };
     b.rosette = Rosette{pair("angle"), pair("speed"), pair("phase")};
   }
-  if (node.has("full_intensity")) sensor.fullIntensity = node["full_intensity"].number(1e-9);
+  if (node.has("intensity_full_scale")) sensor.intensityFullScale = node["intensity_full_scale"].number(1e-9);
   if (node.has("origin_left")) b.originLeft = node["origin_left"].numbers(b.rings);
   if (node.has("origin_up")) b.originUp = node["origin_up"].numbers(b.rings);
   return sensor;

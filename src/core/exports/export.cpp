@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/folder_lock.h"
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "config/resources.h"
@@ -31,6 +32,15 @@ namespace {
 
 constexpr const char* kRecord = "scanmill_export.json";       // of what it was made of, once it is whole
 constexpr const char* kUnfinished = ".scanmill_export.json";  // the same while it is not
+constexpr const char* kLock = ".scanmill_export.lock";
+
+// Whether this is the temporary name of a file (AtomicFile).
+bool isLeftover(const std::string& name) {
+  constexpr std::string_view kMark = ".partial-";
+  const std::size_t mark = name.rfind(kMark);
+  return mark != std::string::npos && name.size() > mark + kMark.size() &&
+         name.find_first_not_of("0123456789", mark + kMark.size()) == std::string::npos;
+}
 
 // A frame, or a whole sequence.
 struct Unit {
@@ -49,6 +59,10 @@ class Export {
     if (store_.manifest() == nullptr || store_.folder() != options.dataset) {
       throw InputError({options.dataset.string()}, "is no dataset's folder: export reads whole datasets");
     }
+    const fs::path within = fs::weakly_canonical(options.folder).lexically_relative(fs::canonical(options.dataset));
+    if (!within.empty() && *within.begin() != "..") {
+      throw InputError({options.folder.string()}, "lies in the dataset's own folder: name another with -o");
+    }
     plan_.dataset = options.dataset;
     plan_.manifest = *store_.manifest();
     chooseClasses();
@@ -58,7 +72,7 @@ class Export {
   }
 
   ExportSummary run() {
-    openFolder();
+    const bool isWhole = lookAtFolder();
     std::vector<Unit> units;
     for (std::size_t s = 0; s < plan_.sequences.size(); ++s) {
       const std::size_t frames = plan_.sequences[s].samples.size();
@@ -67,6 +81,10 @@ class Export {
       summary_.frames += frames;
     }
     summary_.sequences = plan_.sequences.size();
+    if (isWhole) {
+      summary_.resumedFrames = summary_.frames;
+      return std::move(summary_);
+    }
     const auto isThere = [&](const Unit& unit) {
       const std::vector<fs::path> files = layout_->filesOf(plan_, unit.sequence, unit.frame);
       return std::all_of(files.begin(), files.end(),
@@ -89,8 +107,9 @@ class Export {
     forUnits("writing", units, [&](const Unit& unit, const ReadSample& next) {
       layout_->write(plan_, unit.sequence, unit.frame, next, folder_);
     });
-    layout_->finish(
+    const std::vector<std::string> warnings = layout_->finish(
         plan_, [this](std::size_t s, std::size_t f) { return store_.objects(plan_.sequences[s].samples[f]); }, folder_);
+    summary_.warnings.insert(summary_.warnings.end(), warnings.begin(), warnings.end());
     folder_.write(kRecord, record());
     std::error_code ignored;
     fs::remove(folder_.path() / kUnfinished, ignored);
@@ -121,9 +140,8 @@ class Export {
     }
     if (lost.empty()) return;
     summary_.warnings.push_back(
-        fmt::format("{} has no class for {}: their {} (--classes FILE gives another ontology, whose aliases say which "
-                    "class becomes "
-                    "which)",
+        fmt::format("{} has no class for {}: their {} (--classes gives another ontology, whose aliases say which class "
+                    "becomes which)",
                     plan_.classes.target().name, fmt::join(lost, ", "),
                     options_.layout->boxesAlone ? "boxes are left out" : "points become unlabeled"));
   }
@@ -199,19 +217,21 @@ class Export {
     return layOut(json) + "\n";
   }
 
-  void openFolder() const {
+  // Whether it holds this very export already, which was to be resumed. Throws InputError where it must not be written.
+  bool lookAtFolder() const {
     const fs::path& folder = folder_.path();
     std::error_code failure;
-    if (!fs::exists(folder, failure)) return;
+    if (!fs::exists(folder, failure)) return false;
     if (!fs::is_directory(folder, failure)) throw InputError({folder.string()}, "is no folder: name another with -o");
     if (fs::exists(folder / kRecord, failure)) {
+      if (options_.resume && readFile(folder / kRecord) == record()) return true;
       throw InputError({folder.string()}, "holds a whole export already: name another folder with -o");
     }
     if (fs::exists(folder / kUnfinished, failure)) {
       if (!options_.resume) {
         throw InputError({folder.string()}, "holds an unfinished export: --resume goes on with it");
       }
-      if (readFile(folder / kUnfinished) == record()) return;
+      if (readFile(folder / kUnfinished) == record()) return false;
       throw InputError({folder.string()},
                        "holds an unfinished export of another dataset, with other options or by another version of "
                        "this program: name another folder with -o");
@@ -219,9 +239,18 @@ class Export {
     if (!fs::is_empty(folder, failure) || failure) {
       throw InputError({folder.string()}, "is not empty: name another folder with -o");
     }
+    return false;
   }
 
-  void beginFolder() const { folder_.write(kUnfinished, record()); }
+  void beginFolder() {
+    lock_ = std::make_unique<FolderLock>(folder_.path(), folder_.place(kLock));
+    std::vector<fs::path> leftovers;  // of a run that was killed
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
+      if (entry.is_regular_file() && isLeftover(entry.path().filename().string())) leftovers.push_back(entry.path());
+    }
+    for (const fs::path& leftover : leftovers) fs::remove(leftover);
+    folder_.write(kUnfinished, record());
+  }
 
   ExportSample read(std::size_t sequence, std::size_t frame) const {
     const std::size_t number = plan_.sequences[sequence].samples[frame];
@@ -267,6 +296,7 @@ class Export {
   std::unique_ptr<Layout> layout_;
   ScanStore store_;
   ExportFolder folder_;
+  std::unique_ptr<FolderLock> lock_;  // while it is written
   ExportPlan plan_;
   ExportSummary summary_;
 };

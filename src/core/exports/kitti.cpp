@@ -22,7 +22,6 @@
 
 #include "base/error.h"
 #include "exports/layout.h"
-#include "exports/little_endian.h"
 #include "images/images.h"
 
 namespace scanmill {
@@ -88,12 +87,22 @@ double wrapped(double angle) {
   return std::remainder(angle, 2 * kPi);
 }
 
+Vec3d bottomOf(const ObjectRecord& object, const ObjectView& view) {
+  return inCamera(view.sensorFromBox * Vec3d{0, 0, -object.size.z / 2});
+}
+
+// Whether the image shows a part of the box, whose middle is in front of the camera.
+bool isShown(const ObjectRecord& object, const ObjectView& view) {
+  const ImageBox seen = projected(view.sensorFromBox, object.size).within(kWidth - 1, kHeight - 1);
+  return seen.area() > 0 && bottomOf(object, view).z >= kNear;
+}
+
 // Empty where the image does not show it.
 std::string labelOf(const std::string& type, const ObjectRecord& object, const ObjectView& view) {
+  if (!isShown(object, view)) return {};
   const ImageBox whole = projected(view.sensorFromBox, object.size);
   const ImageBox seen = whole.within(kWidth - 1, kHeight - 1);
-  const Vec3d bottom = inCamera(view.sensorFromBox * Vec3d{0, 0, -object.size.z / 2});
-  if (!(seen.area() > 0) || bottom.z < kNear) return {};
+  const Vec3d bottom = bottomOf(object, view);
   const Vec3d ahead = inCamera(toMatrix(view.sensorFromBox.rotation).x);
   const double rotation = std::atan2(-ahead.z, ahead.x);
   const double alpha = wrapped(rotation - std::atan2(bottom.x, bottom.z));
@@ -124,12 +133,9 @@ class Kitti : public Layout {
       throw InputError({plan.dataset.string()},
                        fmt::format("has {} frames; KITTI's numbers have six digits: take fewer with --split", frames));
     }
-    const auto listed = [&](std::size_t number) { return plan.manifest.samples[number].objects.has_value(); };
-    for (const ExportSequence& sequence : plan.sequences) {
-      if (std::all_of(sequence.samples.begin(), sequence.samples.end(), listed)) continue;
-      throw InputError({plan.dataset.string()},
-                       "lists no objects, and KITTI's labels are boxes: generate it with `output: {objects: true}`");
-    }
+    if (listsObjects(plan)) return;
+    throw InputError({plan.dataset.string()},
+                     "lists no objects, and KITTI's labels are boxes: generate it with `output: {objects: true}`");
   }
 
   std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
@@ -143,43 +149,54 @@ class Kitti : public Layout {
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override {
     const ExportSample sample = read(sequence, frame);
-    const Scan& scan = sample.scans.front().scan;
-    std::string points;
-    points.reserve(scan.size() * 16);
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (!isFinite(scan.position[i])) continue;
-      const Vec3f& p = scan.position[i];
-      for (const float value : {p.x, p.y, p.z}) putNumber(value, points);
-      putNumber(std::min(unitIntensity(sample.scans.front(), i), 1.0f), points);
-    }
     std::string labels;
-    for (const ObjectRecord& object : sample.objects->objects) {
-      const SemanticClass& type = plan.classes.classOf(object.semantic);
-      for (const ObjectView& view : object.views) {
-        if (type.id == 0 || view.sensor != plan.sensors.front()->name || view.points == 0) continue;
-        labels += labelOf(type.name, object, view);
-      }
-    }
+    forSeen(plan, *sample.objects, [&](const std::string& type, const ObjectRecord& object, const ObjectView& view) {
+      labels += labelOf(type, object, view);
+    });
     const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
-    folder.write(files[0], points);
+    folder.write(files[0], velodynePoints(sample.scans.front()));
     folder.write(files[1], labels);
     folder.write(files[2], calibration());
     folder.write(files[3], image_);
   }
 
-  void finish(const ExportPlan& plan, const ReadObjects&, const ExportFolder& folder) const override {
+  std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects& read,
+                                  const ExportFolder& folder) const override {
     std::map<std::string, std::string> sets{{"train", ""}, {"val", ""}, {"test", ""}};
+    std::size_t all = 0;
+    std::size_t shown = 0;
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
       for (std::size_t f = 0; f < plan.sequences[s].samples.size(); ++f) {
         sets[plan.sequences[s].split] += fmt::format("{:06}\n", numberOf(plan, s, f));
+        forSeen(plan, *read(s, f), [&](const std::string&, const ObjectRecord& object, const ObjectView& view) {
+          ++all;
+          shown += isShown(object, view) ? 1 : 0;
+        });
       }
     }
     sets["trainval"] = sets["train"] + sets["val"];
     for (const auto& [split, frames] : sets)
       folder.write(std::filesystem::path("ImageSets") / (split + ".txt"), frames);
+    if (shown == all) return {};
+    return {
+        fmt::format("{} of {} boxes with points are outside of the camera's image, which looks ahead, and KITTI lists "
+                    "what that shows; all points are there",
+                    all - shown, all)};
   }
 
  private:
+  // The things of KITTI's types that the scan has points of, as the sensor sees them.
+  template <class Do>
+  static void forSeen(const ExportPlan& plan, const SampleObjects& objects, const Do& work) {
+    for (const ObjectRecord& object : objects.objects) {
+      const SemanticClass& type = plan.classes.classOf(object.semantic);
+      for (const ObjectView& view : object.views) {
+        if (type.id == 0 || view.sensor != plan.sensors.front()->name || view.points == 0) continue;
+        work(type.name, object, view);
+      }
+    }
+  }
+
   static const char* folderOf(const ExportSequence& sequence) {
     return sequence.split == "test" ? "testing" : "training";
   }

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "config/fields.h"
+#include "exports/little_endian.h"
 
 namespace scanmill {
 
@@ -39,6 +40,29 @@ const LayoutEntry& requireLayout(std::string_view name) {
   }
   throw InputError(fmt::format("no layout is called '{}'{}: there are {}", name, suggestion(std::string(name), names),
                                fmt::join(names, ", ")));
+}
+
+bool listsObjects(const ExportPlan& plan) {
+  const auto listed = [&](std::size_t number) { return plan.manifest.samples[number].objects.has_value(); };
+  return std::all_of(plan.sequences.begin(), plan.sequences.end(), [&](const ExportSequence& sequence) {
+    return std::all_of(sequence.samples.begin(), sequence.samples.end(), listed);
+  });
+}
+
+bool hasColumn(const ExportPlan& plan, std::string_view column) {
+  const std::vector<std::string>& columns = plan.manifest.columns;
+  return std::find(columns.begin(), columns.end(), column) != columns.end();
+}
+
+std::string velodynePoints(const ExportScan& given) {
+  std::string bytes;
+  bytes.reserve(given.scan.size() * 16);
+  for (std::size_t i = 0; i < given.scan.size(); ++i) {
+    const Vec3f& p = given.scan.position[i];
+    if (!isFinite(p)) continue;
+    for (const float value : {p.x, p.y, p.z, std::min(unitIntensity(given, i), 1.0f)}) putNumber(value, bytes);
+  }
+  return bytes;
 }
 
 const ScanRecord& onlyScanOf(const ExportPlan& plan, const SampleRecord& sample) {

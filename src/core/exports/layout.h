@@ -38,7 +38,7 @@ struct ExportScan {
 // more.
 inline float unitIntensity(const ExportScan& given, std::size_t point) {
   const std::vector<float>& values = given.scan[kIntensity];
-  return values.empty() ? 0.0f : static_cast<float>(values[point] / given.sensor->fullIntensity);
+  return values.empty() ? 0.0f : static_cast<float>(values[point] / given.sensor->intensityFullScale);
 }
 
 struct ExportSample {
@@ -58,6 +58,12 @@ struct ExportPlan {
   std::vector<ExportSequence> sequences;  // in the order of their first samples
 };
 
+// Whether the dataset lists the objects of every sample that is exported.
+bool listsObjects(const ExportPlan& plan);
+// Whether the dataset's scans have a column.
+bool hasColumn(const ExportPlan& plan, std::string_view column);
+// The points of KITTI's files velodyne/*.bin, without misses: x, y, z (m) and the part of 1 that comes back, float32.
+std::string velodynePoints(const ExportScan& given);
 // The scan of the first sensor that is exported, for layouts that hold one. Throws InputError where there is none.
 const ScanRecord& onlyScanOf(const ExportPlan& plan, const SampleRecord& sample);
 
@@ -97,8 +103,10 @@ class Layout {
                                                      std::size_t frame) const = 0;
   virtual void write(const ExportPlan&, std::size_t sequence, std::size_t frame, const ReadSample& read,
                      const ExportFolder& folder) const = 0;
-  // Once all units are there: what is of the whole dataset.
-  virtual void finish(const ExportPlan&, const ReadObjects&, const ExportFolder&) const {}
+  // Once all units are there: what is of the whole dataset. Returns what users should be warned of.
+  virtual std::vector<std::string> finish(const ExportPlan&, const ReadObjects&, const ExportFolder&) const {
+    return {};
+  }
 };
 
 struct LayoutEntry {

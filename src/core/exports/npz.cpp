@@ -6,13 +6,15 @@
 //   a column's name    (N,)              each of the scan's columns, in its own type; classes are the exported ones
 //   world_from_sensor  float64 (P, 4, 4) world point = matrix * sensor point
 //
-// and where the dataset lists objects, those whose boxes the sensor's range reaches:
+// and where the dataset lists objects, those whose boxes the sensor's range reaches, those without a point too:
 //
-//   boxes              float32 (M, 7)    in the frame of the points: middle x, y, z, length, width, height (m), yaw
-//   (rad) box_class          uint16 (M,) box_instance       uint32 (M,)       as in the column `instance` box_velocity
-//   float32 (M, 3)    over ground, along the sensor's axes at the start of the revolution (m/s) box_points uint32 (M,)
-//   how many points of the scan are the object's box_visibility     float32 (M,)      share of its beams that nothing
-//   blocks; NaN where it would get none
+//   boxes              float32 (M, 7)    x, y, z of the middle, length, width, height (m), yaw (rad), as points lie
+//   box_pose           float64 (M, 4, 4) sensor point = matrix * point in the box from its middle; pitch and roll too
+//   box_class          uint16 (M,)
+//   box_instance       uint32 (M,)       as in the column `instance`
+//   box_velocity       float32 (M, 3)    over ground, along the sensor's axes as the revolution begins (m/s)
+//   box_points         uint32 (M,)       how many points of the scan are the object's
+//   box_visibility     float32 (M,)      share of its beams that nothing blocks; NaN where it would get none
 
 #include <algorithm>
 #include <limits>
@@ -73,16 +75,19 @@ void addPoints(const ExportPlan& plan, const Scan& scan, Files& files) {
   });
 }
 
+// As a matrix, row by row.
+void putPose(const Pose& pose, std::string& bytes) {
+  const Mat3 r = toMatrix(pose.rotation);
+  const Vec3d& t = pose.translation;
+  for (const double value : {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z}) {
+    putNumber(value, bytes);
+  }
+  for (const double value : {0.0, 0.0, 0.0, 1.0}) putNumber(value, bytes);
+}
+
 void addPoses(const ScanRecord& record, Files& files) {
   std::string bytes;
-  for (const Pose& pose : record.worldFromSensor) {
-    const Mat3 r = toMatrix(pose.rotation);
-    const Vec3d& t = pose.translation;
-    for (const double value : {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z}) {
-      putNumber(value, bytes);
-    }
-    for (const double value : {0.0, 0.0, 0.0, 1.0}) putNumber(value, bytes);
-  }
+  for (const Pose& pose : record.worldFromSensor) putPose(pose, bytes);
   add("world_from_sensor", kFloat64, {record.worldFromSensor.size(), 4, 4}, bytes, files);
 }
 
@@ -90,6 +95,7 @@ void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const Export
   const Mat3 sensorFromWorld = transposed(toMatrix(scan.record->worldFromSensor.front().rotation));
   std::size_t count = 0;
   std::string boxes;
+  std::string poses;
   std::string classes;
   std::string instances;
   std::string velocities;
@@ -105,6 +111,7 @@ void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const Export
     for (const double value : {middle.x, middle.y, middle.z, object.size.x, object.size.y, object.size.z, yaw}) {
       putNumber(static_cast<float>(value), boxes);
     }
+    putPose(view->sensorFromBox, poses);
     putNumber(plan.classes.of(object.semantic), classes);
     putNumber(object.id, instances);
     const Vec3d velocity = sensorFromWorld * object.velocity;
@@ -114,6 +121,7 @@ void addBoxes(const ExportPlan& plan, const SampleObjects& objects, const Export
     putNumber(static_cast<float>(view->visibility().value_or(none)), visibilities);
   }
   add("boxes", kFloat32, {count, 7}, boxes, files);
+  add("box_pose", kFloat64, {count, 4, 4}, poses, files);
   add("box_class", kUInt16, {count}, classes, files);
   add("box_instance", kUInt32, {count}, instances, files);
   add("box_velocity", kFloat32, {count, 3}, velocities, files);

@@ -223,8 +223,11 @@ class NuScenes : public Layout {
     folder.write(panopticFile(plan, *sample.record), zipOf({&array, 1}));
   }
 
-  void finish(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder) const override {
+  std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects& read,
+                                  const ExportFolder& folder) const override {
     writeNuScenesTables(plan, read, folder);
+    if (listsObjects(plan)) return {};
+    return {"the dataset lists no objects, so that there are no boxes: generate it with `output: {objects: true}`"};
   }
 
  private:

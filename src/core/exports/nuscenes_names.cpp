@@ -30,11 +30,6 @@ fs::path labelFile(const ExportPlan& plan, const SampleRecord& sample, std::stri
 
 }  // namespace
 
-bool hasColumn(const ExportPlan& plan, std::string_view column) {
-  const std::vector<std::string>& columns = plan.manifest.columns;
-  return std::find(columns.begin(), columns.end(), column) != columns.end();
-}
-
 std::string nuScenesToken(const ExportPlan& plan, std::string_view table, std::string_view row) {
   return sha256(fmt::format("{}\n{}\n{}", plan.manifest.name, table, row)).substr(0, 32);
 }

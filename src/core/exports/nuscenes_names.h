@@ -15,9 +15,6 @@ namespace scanmill {
 inline constexpr std::string_view kNuScenesVersion = "v1.0-trainval";
 inline constexpr double kNuScenesDay = 86400;  // s, that each scene has to itself
 
-// Whether the dataset's scans have a column.
-bool hasColumn(const ExportPlan& plan, std::string_view column);
-
 // The key of a row of a table: 32 hexadecimal digits, the beginning of the SHA-256 of the dataset's name, the table's
 // and what the row stands for. So the same dataset always has the same tokens.
 std::string nuScenesToken(const ExportPlan& plan, std::string_view table, std::string_view row);

@@ -4,14 +4,16 @@
 #include "exports/nuscenes_tables.h"
 
 #include <fmt/core.h>
+#include <png.h>
 
 #include <algorithm>
 #include <array>
 #include <map>
 #include <utility>
+#include <vector>
 
+#include "base/error.h"
 #include "dataset/json_text.h"
-#include "exports/grey_png.h"
 #include "exports/json_list_file.h"
 #include "exports/nuscenes_names.h"
 
@@ -69,6 +71,22 @@ std::string attributeOf(const std::string& category, const ObjectRecord& object)
   return "";
 }
 
+// The mask of the map, in which all is foreground: anything may be anywhere.
+std::string mapMask() {
+  const std::vector<std::uint8_t> pixels(kMapSide * kMapSide, 255);
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = image.height = kMapSide;
+  image.format = PNG_FORMAT_GRAY;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
+  std::string bytes(size, '\0');
+  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
+    throw Error(fmt::format("a map cannot be written as a PNG: {}", image.message));
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
 class Tables {
  public:
   Tables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder)
@@ -79,8 +97,7 @@ class Tables {
     for (std::size_t s = 0; s < plan_.sequences.size(); ++s) addScene(s);
     for (auto& [ignored, table] : tables_) table.commit();
     folder_.write(fs::path(kNuScenesVersion) / "splits.json", layOut(splits_) + "\n");
-    // All of the map is foreground, which says that anything may be anywhere.
-    folder_.write(mapFile(), greyPng(std::vector<std::uint8_t>(kMapSide * kMapSide, 255), kMapSide));
+    folder_.write(mapFile(), mapMask());
     folder_.place("sweeps/LIDAR_TOP/");
   }
 

@@ -39,8 +39,33 @@ std::string twelve(const Pose& pose) {
                      r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z);
 }
 
-std::filesystem::path sequenceFolder(std::size_t sequence) {
-  return std::filesystem::path("sequences") / fmt::format("{:02}", sequence);
+// The numbers that SemanticKITTI's own sequences of a split have, which programs for training have built in; none of
+// other splits.
+std::vector<std::size_t> usualNumbers(const std::string& split) {
+  if (split == "train") return {0, 1, 2, 3, 4, 5, 6, 7, 9, 10};
+  if (split == "val") return {8};
+  if (split == "test") return {11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21};
+  return {};
+}
+
+// The number of each sequence: the first usual one of its split that is free, else the first that is no split's, else
+// any.
+std::vector<std::size_t> numbersOf(const ExportPlan& plan) {
+  constexpr std::size_t kFirstUnusual = 22;
+  std::set<std::size_t> taken;
+  std::vector<std::size_t> numbers;
+  for (const ExportSequence& sequence : plan.sequences) {
+    std::vector<std::size_t> wanted = usualNumbers(sequence.split);
+    for (std::size_t n = kFirstUnusual; n < kMostSequences; ++n) wanted.push_back(n);
+    for (std::size_t n = 0; n < kFirstUnusual; ++n) wanted.push_back(n);
+    numbers.push_back(*std::find_if(wanted.begin(), wanted.end(), [&](std::size_t n) { return !taken.contains(n); }));
+    taken.insert(numbers.back());
+  }
+  return numbers;
+}
+
+std::filesystem::path sequenceFolder(std::size_t number) {
+  return std::filesystem::path("sequences") / fmt::format("{:02}", number);
 }
 
 class SemanticKitti : public Layout {
@@ -54,10 +79,7 @@ class SemanticKitti : public Layout {
     }
   }
 
-  bool checksSamples(const ExportPlan& plan) const override {
-    const std::vector<std::string>& columns = plan.manifest.columns;
-    return std::find(columns.begin(), columns.end(), "instance") != columns.end();
-  }
+  bool checksSamples(const ExportPlan& plan) const override { return hasColumn(plan, "instance"); }
 
   void checkSample(const ExportPlan& plan, const ExportSample& sample) const override {
     const std::vector<std::uint32_t>& ids = sample.scans.front().scan[kInstance];
@@ -73,8 +95,9 @@ class SemanticKitti : public Layout {
   std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
                                              std::size_t frame) const override {
     const std::string name = fmt::format("{:06}", frame);
-    std::vector<std::filesystem::path> files{sequenceFolder(sequence) / "velodyne" / (name + ".bin")};
-    if (isLabelled(plan)) files.push_back(sequenceFolder(sequence) / "labels" / (name + ".label"));
+    const std::filesystem::path own = sequenceFolder(numbersOf(plan)[sequence]);
+    std::vector<std::filesystem::path> files{own / "velodyne" / (name + ".bin")};
+    if (hasColumn(plan, "label")) files.push_back(own / "labels" / (name + ".label"));
     return files;
   }
 
@@ -88,28 +111,23 @@ class SemanticKitti : public Layout {
         if (object.moves) moving.insert(object.id);
       }
     }
-    std::string points;
     std::string labels;
-    points.reserve(scan.size() * 16);
-    labels.reserve(scan.size() * 4);
-    for (std::size_t i = 0; i < scan.size(); ++i) {
+    for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
       if (!isFinite(scan.position[i])) continue;
-      const Vec3f& p = scan.position[i];
-      for (const float value : {p.x, p.y, p.z}) putNumber(value, points);
-      putNumber(std::min(unitIntensity(sample.scans.front(), i), 1.0f), points);
-      if (scan[kLabel].empty()) continue;
       const std::uint32_t instance = scan[kInstance].empty() ? 0 : scan[kInstance][i];
       const std::uint16_t own = scan[kLabel][i];
       const std::uint32_t label = moving.contains(instance) ? plan.classes.ofMoving(own) : plan.classes.of(own);
       putNumber(label | instance << 16, labels);
     }
     const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
-    folder.write(files[0], points);
+    folder.write(files[0], velodynePoints(sample.scans.front()));
     if (files.size() > 1) folder.write(files[1], labels);
   }
 
-  void finish(const ExportPlan& plan, const ReadObjects&, const ExportFolder& folder) const override {
+  std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects&,
+                                  const ExportFolder& folder) const override {
     const Pose cameraFromSensor{kCameraFromSensor, {}};
+    const std::vector<std::size_t> numbers = numbersOf(plan);
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
       std::string poses;
       std::string times;
@@ -126,19 +144,18 @@ class SemanticKitti : public Layout {
         calibration += fmt::format("P{}: 1 0 0 0 0 1 0 0 0 0 1 0\n", camera);
       }
       calibration += fmt::format("Tr: {}\n", twelve(cameraFromSensor));
-      folder.write(sequenceFolder(s) / "poses.txt", poses);
-      folder.write(sequenceFolder(s) / "times.txt", times);
-      folder.write(sequenceFolder(s) / "calib.txt", calibration);
+      folder.write(sequenceFolder(numbers[s]) / "poses.txt", poses);
+      folder.write(sequenceFolder(numbers[s]) / "times.txt", times);
+      folder.write(sequenceFolder(numbers[s]) / "calib.txt", calibration);
     }
     folder.write("semantic-kitti.yaml", configuration(plan));
+    if (!hasColumn(plan, "label") || listsObjects(plan)) return {};
+    return {
+        "the dataset lists no objects, so that what moves has the classes of what stands: generate it with "
+        "`output: {objects: true}` for those of what moves"};
   }
 
  private:
-  static bool isLabelled(const ExportPlan& plan) {
-    const std::vector<std::string>& columns = plan.manifest.columns;
-    return std::find(columns.begin(), columns.end(), "label") != columns.end();
-  }
-
   // As the API's config/semantic-kitti.yaml: trained classes are those that points can have, in the order of their ids;
   // what moves is trained as what stands. The split `val` is called `valid` there.
   static std::string configuration(const ExportPlan& plan) {
@@ -165,9 +182,10 @@ class SemanticKitti : public Layout {
       trained += fmt::format("  {}: {}\n", c.id, known == number.end() ? 0 : known->second);
     }
     std::map<std::string, std::string> splits{{"train", ""}, {"valid", ""}, {"test", ""}};
+    const std::vector<std::size_t> numbers = numbersOf(plan);
     for (std::size_t s = 0; s < plan.sequences.size(); ++s) {
       const std::string& split = plan.sequences[s].split;
-      splits[split == "val" ? "valid" : split] += fmt::format("\n    - {}", s);
+      splits[split == "val" ? "valid" : split] += fmt::format("\n    - {}", numbers[s]);
     }
     text += "color_map:  # blue, green, red\n" + colors + "learning_map:\n" + trained + "learning_map_inv:\n" + back +
             "learning_ignore:\n" + ignored + "split:\n";

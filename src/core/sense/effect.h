@@ -22,13 +22,13 @@ struct LightPaths;
 class Effect {
  public:
   virtual ~Effect() = default;
-  virtual Channels reads() const = 0;                    // columns of Hits that apply() looks at
-  virtual bool setsIntensity() const { return false; }   // fills Returns::power and Returns::intensity
-  virtual double fullIntensity() const { return 1; }     // what stands for 1 in the intensity that it sets
-  virtual bool needsIntensity() const { return false; }  // cannot run unless an earlier effect sets it
-  virtual bool setsSnr() const { return false; }         // fills Returns::snr
-  virtual bool needsSnr() const { return false; }        // cannot run unless an earlier effect sets it
-  virtual bool setsGain() const { return false; }        // fills Returns::gain, which means nothing without intensity
+  virtual Channels reads() const = 0;                      // columns of Hits that apply() looks at
+  virtual bool setsIntensity() const { return false; }     // fills Returns::power and Returns::intensity
+  virtual double intensityFullScale() const { return 1; }  // what stands for 1 in the intensity that it sets
+  virtual bool needsIntensity() const { return false; }    // cannot run unless an earlier effect sets it
+  virtual bool setsSnr() const { return false; }           // fills Returns::snr
+  virtual bool needsSnr() const { return false; }          // cannot run unless an earlier effect sets it
+  virtual bool setsGain() const { return false; }          // fills Returns::gain, which means nothing without intensity
   // How many rays sample the footprint of a beam.
   virtual std::uint32_t raysPerBeam() const { return 1; }
   // How rays go on behind glass and off mirrors; null: they do not.

@@ -56,6 +56,12 @@ class Resources : public testing::Test {
   Value root_;
 };
 
+TEST_F(Resources, OptionsNameFilesToo) {
+  EXPECT_EQ(relative(namedResource("semantic_kitti", "labels")), "share/labels/semantic_kitti.yaml");
+  EXPECT_EQ(relative(namedResource("own/town.yaml", "scenes")), "./own/town.yaml");
+  EXPECT_THAT(messageOf<InputError>([] { namedResource("semantic_kity", "labels"); }), HasSubstr("semantic_kitti"));
+}
+
 TEST_F(Resources, NamesOfTheProgramsFilesAreKnownEverywhere) {
   for (const std::string name : {"os1_128", "os1_128.yaml", "sensors/os1_128", "sensors/os1_128.yaml"}) {
     EXPECT_EQ(found(name, "pipelines/sensors"), "share/pipelines/sensors/os1_128.yaml");

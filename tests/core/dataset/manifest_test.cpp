@@ -145,15 +145,15 @@ TEST(Manifest, UnresolvedBeamsAreToldWhereThereAreAny) {
 // Counts of listed objects, and what the intensity calls full, where there are such.
 TEST(Manifest, ObjectsAndFullIntensitiesAreToldWhereTheyAre) {
   Manifest m = filledManifest();
-  EXPECT_THAT(toJson(m), Not(testing::AnyOf(HasSubstr("with_points"), HasSubstr("full_intensity"))));
-  m.sensors[0].fullIntensity = 255;
+  EXPECT_THAT(toJson(m), Not(testing::AnyOf(HasSubstr("with_points"), HasSubstr("intensity_full_scale"))));
+  m.sensors[0].intensityFullScale = 255;
   m.samples[0].objects = {{65535, {12, 7}}};
   m.samples[1].objects.emplace();
   const std::string text = toJson(m);
   const Manifest read = parseManifest(text, "manifest.json");
   EXPECT_EQ(toJson(read), text);
-  EXPECT_EQ(read.sensors[0].fullIntensity, 255);
-  EXPECT_EQ(read.sensors[1].fullIntensity, 1);
+  EXPECT_EQ(read.sensors[0].intensityFullScale, 255);
+  EXPECT_EQ(read.sensors[1].intensityFullScale, 1);
   EXPECT_EQ(read.samples[0].objects, m.samples[0].objects);
   EXPECT_TRUE(read.samples[1].objects.has_value());
   EXPECT_FALSE(read.samples[2].objects.has_value());
@@ -164,8 +164,8 @@ TEST(Manifest, ObjectsAndFullIntensitiesAreToldWhereTheyAre) {
   damaged["samples"][0]["objects"][0]["id"] = 5;
   EXPECT_THAT(refusal(damaged), HasSubstr("class 5 is not in ontology"));
   damaged = Json::parse(text);
-  damaged["sensors"][0]["full_intensity"] = 0;
-  EXPECT_THAT(refusal(damaged), HasSubstr("/sensors/0/full_intensity"));
+  damaged["sensors"][0]["intensity_full_scale"] = 0;
+  EXPECT_THAT(refusal(damaged), HasSubstr("/sensors/0/intensity_full_scale"));
 }
 
 Manifest chosenManifest() {
@@ -372,7 +372,7 @@ TEST(ManifestSchema, DescribesTheManifest) {
   Manifest manifest = chosenManifest();
   manifest.samples[0].scans[0].unresolved = 1;
   manifest.samples[0].objects = {{65535, {12, 7}}};
-  manifest.sensors[0].fullIntensity = 255;
+  manifest.sensors[0].intensityFullScale = 255;
   compare(schema, schema, Json::parse(toJson(manifest)), "");
 }
 

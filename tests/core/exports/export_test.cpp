@@ -9,6 +9,7 @@
 #include <map>
 
 #include "base/file.h"
+#include "base/folder_lock.h"
 #include "base/parallel.h"
 #include "dataset/scan_store.h"
 #include "tests/core/dataset/fixture.h"
@@ -101,6 +102,41 @@ TEST_F(Exports, StoppedOnesAreResumedToTheSameBytes) {
     EXPECT_LT(summary.resumedFrames, 6u);
     EXPECT_EQ(filesIn(cut.folder), filesIn(folder_.path() / (name + "_whole")));
   }
+}
+
+// Such as a run that was killed leaves: its temporary files go, those of others stay.
+TEST_F(Exports, ResumingCleansUpAndTellsWhenNothingIsLeft) {
+  std::atomic<bool> stop = false;
+  ExportOptions cut = options("ply", "out");
+  cut.stop = &stop;
+  cut.progress = [&](const char*, std::uint64_t done, std::uint64_t) { stop = done >= 2; };
+  EXPECT_THAT(messageOf<Error>([&] { exportDataset(cut); }), HasSubstr("--resume"));
+  folder_.write("out/train/x.ply.partial-4711", "half");
+  folder_.write("out/notes.partial-final", "mine");
+  ExportOptions again = options("ply", "out");
+  again.resume = true;
+  {
+    const FolderLock other(cut.folder, cut.folder / ".scanmill_export.lock");
+    EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("out"));
+  }
+  exportDataset(again);
+  auto files = filesIn(cut.folder);
+  EXPECT_EQ(files.count("train/x.ply.partial-4711"), 0u);
+  EXPECT_EQ(files.count("notes.partial-final"), 1u);
+  const ExportSummary whole = exportDataset(again);
+  EXPECT_EQ(whole.resumedFrames, 6u);
+  EXPECT_EQ(filesIn(cut.folder), files);
+  again.splits = {"val"};
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("holds a whole export"));
+}
+
+TEST_F(Exports, TheDatasetsOwnFolderIsNotWrittenInto) {
+  for (const char* inside : {"data", "data/ply", "data/../data/x/y"}) {
+    EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", inside)); }), HasSubstr("own folder"))
+        << inside;
+    EXPECT_FALSE(fs::exists(folder_.path() / "data/ply"));
+  }
+  EXPECT_NO_THROW(exportDataset(options("ply", "data_ply")));
 }
 
 TEST_F(Exports, WhatIsThereIsNeverWrittenOver) {

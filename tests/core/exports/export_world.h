@@ -146,8 +146,8 @@ class ExportWorld : public testing::Test {
     return sample;
   }
 
-  // Writes all units and what is of the whole dataset.
-  void write(const Layout& layout, bool organised = false) const {
+  // Writes all units and what is of the whole dataset. Gives what that warns of.
+  std::vector<std::string> write(const Layout& layout, bool organised = false) const {
     const ExportFolder folder(folder_.path());
     layout.check(plan_);
     const ReadSample read = [&](std::size_t s, std::size_t f) { return sample(s, f, organised); };
@@ -160,7 +160,7 @@ class ExportWorld : public testing::Test {
         }
       }
     }
-    layout.finish(
+    return layout.finish(
         plan_, [&](std::size_t s, std::size_t f) { return withObjects_ ? std::optional(objects(s, f)) : std::nullopt; },
         folder);
   }

@@ -91,6 +91,19 @@ TEST_F(KittiLayout, WhatIsBehindOrUnseenIsNotListed) {
   EXPECT_EQ(readFile(folder_.path() / "training/label_2/000000.txt"), "");
 }
 
+// Of the boxes with points, how many are not listed is told.
+TEST_F(KittiLayout, WhatTheImageLeavesOutIsCounted) {
+  EXPECT_THAT(write(*layout_), testing::IsEmpty());
+  const ReadObjects read = [&](std::size_t s, std::size_t f) {
+    SampleObjects own = objects(s, f);
+    if (s == 1) own.objects[0].views[0].sensorFromBox.translation.x *= -1;  // two frames
+    if (f == 1) own.objects[1].views[0].points = 0;                         // of each sequence one
+    return std::optional(own);
+  };
+  EXPECT_THAT(layout_->finish(plan_, read, ExportFolder(folder_.path())),
+              testing::ElementsAre(HasSubstr("2 of 6 boxes")));
+}
+
 // A box through which the image's plane passes has a finite box in the image, and is truncated.
 TEST_F(KittiLayout, WhatReachesBehindTheCameraIsCut) {
   const ExportFolder folder(folder_.path());

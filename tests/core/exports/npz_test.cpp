@@ -65,6 +65,9 @@ assert npz['box_instance'].tolist() == [7, 9] and npz['box_instance'].dtype == n
 assert npz['box_points'].tolist() == [72, 60] and npz['box_points'].dtype == np.uint32
 assert np.allclose(npz['box_visibility'], [0.72, 0.6]) and npz['box_visibility'].dtype == np.float32
 semantic = [npz['label'][npz['instance'] == id][0] for id in (7, 9)]
+own = npz['box_pose']
+assert own.shape == (2, 4, 4) and np.allclose(own[:, :3, 3], boxes[:, :3]) and np.allclose(own[:, 3], [0, 0, 0, 1])
+assert np.allclose(np.arctan2(own[:, 1, 0], own[:, 0, 0]), boxes[:, 6], atol=1e-6)
 assert npz['box_class'].tolist() == semantic and npz['box_class'].dtype == np.uint16
 )");
 }

@@ -207,10 +207,14 @@ while at < len(data):
     assert struct.unpack('>I', data[at + 8 + size:at + 12 + size])[0] == zlib.crc32(kind + body)
     chunks.append((kind, body))
     at += 12 + size
-assert [kind for kind, _ in chunks] == [b'IHDR', b'IDAT', b'IEND']
+kinds = [kind for kind, _ in chunks]
+assert kinds[0] == b'IHDR' and kinds[-1] == b'IEND', kinds
 assert struct.unpack('>IIBBBBB', chunks[0][1]) == (64, 64, 8, 0, 0, 0, 0)
-rows = np.frombuffer(zlib.decompress(chunks[1][1]), dtype=np.uint8).reshape(64, 65)
-assert (rows[:, 0] == 0).all() and (rows[:, 1:] == 255).all()
+rows = np.frombuffer(zlib.decompress(b''.join(body for kind, body in chunks if kind == b'IDAT')), np.uint8).reshape(64, 65)
+above = np.zeros(64, np.uint8)
+for row in rows:                          # the filters none, sub and up
+    above = {0: lambda r: r, 1: lambda r: np.cumsum(r, dtype=np.uint8), 2: lambda r: above + r}[row[0]](row[1:])
+    assert (above == 255).all()
 )");
 }
 

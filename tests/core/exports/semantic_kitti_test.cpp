@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <cstring>
+#include <set>
 
 #include "tests/core/exports/export_world.h"
 
@@ -20,7 +21,7 @@ TEST_F(SemanticKittiLayout, PointsAndLabelsAreThoseOfTheScan) {
   write(*layout_);
   const std::string printed = python(R"(
 total = 0
-for sequence in ['00', '01']:
+for sequence in ['00', '08']:
     for frame in range(2):
         at = folder / 'sequences' / sequence
         points = np.fromfile(at / 'velodyne' / ('%06d.bin' % frame), dtype=np.float32).reshape(-1, 4)
@@ -36,7 +37,7 @@ print(total)
 )");
   EXPECT_THAT(printed, HasSubstr("1232"));
   const Scan own = scan(0, 1);
-  const std::string bytes = readFile(folder_.path() / "sequences/01/velodyne/000001.bin");
+  const std::string bytes = readFile(folder_.path() / "sequences/08/velodyne/000001.bin");
   ASSERT_EQ(bytes.size(), own.size() * 16);
   for (std::size_t i = 0; i < own.size(); ++i) {
     float values[4];
@@ -76,7 +77,7 @@ assert np.allclose([float(x) for x in (at / 'times.txt').read_text().split()], [
 
 TEST_F(SemanticKittiLayout, MissesAreLeftOutAndWithoutAListNothingMoves) {
   withObjects_ = false;
-  write(*layout_, true);
+  EXPECT_THAT(write(*layout_, true), testing::ElementsAre(HasSubstr("objects: true")));
   python(R"(
 label = np.fromfile(folder / 'sequences/00/labels/000000.label', dtype=np.uint32)
 points = np.fromfile(folder / 'sequences/00/velodyne/000000.bin', dtype=np.float32)
@@ -90,7 +91,7 @@ TEST_F(SemanticKittiLayout, TheConfigurationNamesClassesAndSplits) {
   const std::string text = readFile(folder_.path() / "semantic-kitti.yaml");
   EXPECT_THAT(text, HasSubstr("  252: \"moving-car\"\n"));
   EXPECT_THAT(text, HasSubstr("  train:\n    - 0\n"));
-  EXPECT_THAT(text, HasSubstr("  valid:\n    - 1\n"));
+  EXPECT_THAT(text, HasSubstr("  valid:\n    - 8\n"));
   EXPECT_THAT(text, HasSubstr("  test: []\n"));
   EXPECT_THAT(text, HasSubstr("  10: [245, 150, 100]\n")) << "blue, green, red";
   const auto trained = [&](int id) {
@@ -102,9 +103,29 @@ TEST_F(SemanticKittiLayout, TheConfigurationNamesClassesAndSplits) {
   EXPECT_EQ(trained(16).substr(0, 2), "0\n") << "nothing becomes a thing on rails";
 }
 
+// Sequences beyond SemanticKITTI's own number of a split go on behind the last of all.
+TEST_F(SemanticKittiLayout, NumbersAreThoseOfTheSplitsThatProgramsKnow) {
+  const ExportSequence some = plan_.sequences[0];
+  plan_.sequences.clear();
+  for (int i = 0; i < 11; ++i) plan_.sequences.push_back(some);
+  for (const char* split : {"val", "test", "val", "night"}) {
+    plan_.sequences.push_back(some);
+    plan_.sequences.back().split = split;
+  }
+  std::string numbers;
+  for (std::size_t s = 0; s < plan_.sequences.size(); ++s) {
+    numbers += layout_->filesOf(plan_, s, 0).front().generic_string().substr(10, 2) + " ";
+  }
+  EXPECT_EQ(numbers, "00 01 02 03 04 05 06 07 09 10 22 08 11 23 24 ");
+  plan_.sequences.assign(100, some);
+  std::set<std::string> folders;
+  for (std::size_t s = 0; s < 100; ++s) folders.insert(layout_->filesOf(plan_, s, 0).front().generic_string());
+  EXPECT_EQ(folders.size(), 100u);
+}
+
 // Remissions are parts of 1, whatever the sensor calls full.
 TEST_F(SemanticKittiLayout, BytesOfIntensityBecomeParts) {
-  plan_.manifest.sensors[0].fullIntensity = 255;
+  plan_.manifest.sensors[0].intensityFullScale = 255;
   const ExportFolder folder(folder_.path());
   const ReadSample read = [&](std::size_t s, std::size_t f) {
     ExportSample own = sample(s, f);

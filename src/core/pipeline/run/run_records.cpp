@@ -72,7 +72,7 @@ Manifest startManifest(const Plan& plan, const DatasetPlan& planned) {
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     manifest.sensors.push_back({pipeline.sensors[s].name, *plan.beams()[s], pipeline.sensors[s].vehicleFromSensor});
     for (const auto& effect : pipeline.effectsOf(s)) {
-      if (effect->setsIntensity()) manifest.sensors.back().fullIntensity = effect->fullIntensity();
+      if (effect->setsIntensity()) manifest.sensors.back().intensityFullScale = effect->intensityFullScale();
     }
     BeamTable& beams = manifest.sensors.back().beams;  // the manifest holds the table per ring
     beams.direction = {};

@@ -6,7 +6,7 @@
 
 #include "formats/reasons_png.h"
 #include "methods/depth_camera/depth_camera.h"
-#include "pipeline/run/object_sheet.h"
+#include "pipeline/run/object_list.h"
 #include "pipeline/run/run_records.h"
 
 namespace scanmill {
@@ -29,7 +29,7 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   recorder_.enter(address.sequence, ready->scene, *ready->method);
   MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}, {}}, ready->facts};
   TraceAccount account;
-  std::optional<ObjectSheet> objects;
+  std::optional<ObjectList> objects;
   std::unique_ptr<ShotBuffers> buffers = buffers_.take();
   for (const Shot& shot : plan_.shots(address.sequence, address.frame)) {
     const ShotSetup setup = setupOf(plan_, ready->scene, *ready->method, shot.sensor);

@@ -15,7 +15,7 @@
 #include "methods/method.h"
 #include "pipeline/drive/scene_probe.h"
 #include "pipeline/plan/plan.h"
-#include "pipeline/run/object_sheet.h"
+#include "pipeline/run/object_list.h"
 #include "scene/scene.h"
 
 namespace scanmill {

@@ -128,7 +128,7 @@ class Intensity : public Effect {
     return Channel::Range | Channel::Material | Channels(Channel::Reflectance) | Channel::Incidence;
   }
   bool setsIntensity() const override { return true; }
-  double fullIntensity() const override { return o_.bytes ? 255 : 1; }
+  double intensityFullScale() const override { return o_.bytes ? 255 : 1; }
 
   bool powerOfRays(const Hits& hits, std::span<const Material> materials, std::vector<float>& power) const override {
     powerOf(hits, materials, power);

@@ -51,10 +51,9 @@ void ViewSession::State::placeBoxes() {
       const Rgb color = known == nullptr ? kUnknownClass : Rgb{known->color[0], known->color[1], known->color[2]};
       const ObjectView* const view = shownView(object);
       const bool seen = view != nullptr && view->points > 0;
-      const double away = length((canvasFromBox(object).translation - clouds.front().canvasFromScan.translation));
-      if (!seen && away > kUnseenWithin) continue;
-      addBox(lines, canvasFromBox(object), object.size, object.headingKnown,
-             seen ? color : mix(color, options.background, kFaint));
+      const Affine place = canvasFromBox(object);
+      if (!seen && length(place.translation - clouds.front().canvasFromScan.translation) > kUnseenWithin) continue;
+      addBox(lines, place, object.size, object.headingKnown, seen ? color : mix(color, options.background, kFaint));
       for (std::size_t i = 0; i + 1 < track.size(); ++i) {
         lines.add(canvasFromWorld * track[i], canvasFromWorld * track[i + 1], color);
       }
@@ -76,10 +75,8 @@ void ViewSession::State::addBoxLabels() {
   std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return std::get<0>(a) < std::get<0>(b); });
   if (seen.size() > kMostNames) seen.resize(kMostNames);
   for (const auto& [distance, object, view] : seen) {
-    const SemanticClass* const known =
-        source->ontology() == nullptr ? nullptr : source->ontology()->find(object->semantic);
     addLabel(canvasFromBox(*object) * Vec3d{0, 0, object->size.z / 2},
-             fmt::format("{} {}, {:.0f} %", known == nullptr ? "object" : known->name, object->id,
+             fmt::format("{} {}, {:.0f} %", className(source->ontology(), object->semantic), object->id,
                          100 * view->visibility().value_or(0)),
              false);
   }

@@ -2,6 +2,7 @@
 
 #include "pipeline/plan/dataset_size.h"
 
+#include "scene/thing_boxes.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
@@ -22,7 +23,8 @@ class DatasetSize : public Yard {
   // What plan says at most, over what is written.
   double excess(const std::vector<std::string>& overrides, const std::string& name) const {
     const Plan plan(readPipeline(pipeline_, overrides));
-    const double most = mostDatasetBytes(plan, plan.loadScene(plan.pipeline().sequences[0]).ontology);
+    const Scene scene = plan.loadScene(plan.pipeline().sequences[0]);
+    const double most = mostDatasetBytes(plan, scene.ontology, ThingBoxes(scene).things().size());
     const GenerateSummary made = run(overrides, name);
     EXPECT_EQ(made.manifest.columns, scanColumnNames(plan.columns()));
     return most / bytesIn(out(name));
@@ -58,6 +60,14 @@ TEST_F(DatasetSize, HoldsForLayoutsColumnsAndShards) {
   EXPECT_GE(
       excess({"output.layout=organised", "sensors.0.elevation_deg.top=60", "output.formats=[pcd, csv]"}, "misses"), 1);
   EXPECT_GE(excess({"output.columns=[]", "output.formats=[pcd: {encoding: binary}]"}, "positions"), 1);
+  // Where the list of objects is most of a sample: two sensors of few beams.
+  EXPECT_GE(excess({"output.objects=true", "output.columns=[]", "output.formats=[{draco: {max_error_mm: 50}}]",
+                    "sensors=[" + kTop +
+                        ", {name: a-sensor-with-a-long-name, columns: 4, rate_hz: 10, elevation_deg: "
+                        "[-10], range_m: [0.5, 100]}]",
+                    "sensors.0.columns=4"},
+                   "objects"),
+            1);
   EXPECT_GE(
       excess({"output.shard_mb=1", "trajectories.0.every_s=0.001", "trajectories.0.frames=60", "sensors.0.columns=1024",
               "scenes.0.seeds=[1, 2, 3]", "output.formats=[csv]", "splits={by: seed, train: [1], val: [2], test: [3]}"},

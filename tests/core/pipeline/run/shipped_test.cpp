@@ -128,9 +128,8 @@ std::map<std::string, std::string> shardsOf(const std::string& pipeline, std::ve
 }
 
 // The same pipeline gives the same bytes for ever, whatever becomes of the code. Who changes them on purpose, such as
-// by another street, writes the new digests here and says so in the changelog. Where there are two, the second was seen
-// on an AMD EPYC without AVX-512, whatever the instruction set that Embree was told to use there: a shard of three, and
-// not its first frames.
+// by another street, writes the new digests here and says so in the changelog. Where there are two, the second is what
+// an AMD EPYC without AVX-512 gives: a shard of three, and not its first frames.
 TEST(Shipped, BytesStayTheSame) {
   const std::map<std::string, std::string> street = shardsOf("street.yaml", {});
   EXPECT_EQ(street.at("test/test-000000.tar"), "b24e3f71b2e941f469eb3fe9abce8accec891644dc09049e18b04eb96992843f");

@@ -1,4 +1,4 @@
-#include "pipeline/run/object_sheet.h"
+#include "pipeline/run/object_list.h"
 
 #include <algorithm>
 #include <cmath>
@@ -108,31 +108,20 @@ std::shared_ptr<const BeamGrid> SceneObjects::gridOf(const std::shared_ptr<const
   return made;
 }
 
-ObjectSheet::ObjectSheet(const SceneObjects& objects, std::string key, double time) : objects_(objects) {
-  sample_.key = std::move(key);
-  sample_.time = time;
-  const ThingBoxes& boxes = objects.boxes();
-  for (std::size_t i = 0; i < boxes.things().size(); ++i) {
-    const Thing& thing = boxes.things()[i];
-    const OrientedBox box = boxes.at(i, time);
-    ObjectRecord record{
-        thing.id,           thing.semantic,          thing.name, {}, thing.moves, box.worldFromBox, box.size,
-        thing.headingKnown, boxes.velocity(i, time), {}};
-    std::copy_if(thing.parts.begin(), thing.parts.end(), std::back_inserter(record.parts),
-                 [](const std::string& part) { return !part.empty(); });
-    sample_.objects.push_back(std::move(record));
-  }
+ObjectList::ObjectList(const SceneObjects& objects, std::string key, double time)
+    : objects_(objects), key_(std::move(key)), time_(time), views_(objects.boxes().things().size()) {
+  boxes_.reserve(views_.size());
+  for (std::size_t i = 0; i < views_.size(); ++i) boxes_.push_back(objects.boxes().at(i, time));
 }
 
-void ObjectSheet::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits, const Returns& returns) {
+void ObjectList::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits, const Returns& returns) {
   const std::shared_ptr<const BeamGrid> grid = objects_.gridOf(shot.beams);
   const double reach = shot.beams->maxRange + grid->farthestOrigin();
   const std::unordered_map<std::uint32_t, Seen> seen = seenThings(hits, returns, raysPerBeam);
-  for (std::size_t i = 0; i < sample_.objects.size(); ++i) {
-    ObjectRecord& object = sample_.objects[i];
-    const auto own = seen.find(object.id);
-    const Vec3d sensor = inverse(object.worldFromBox) * shot.worldFromSensor.front().translation;
-    if (own == seen.end() && distanceTo(object.size, sensor) > reach) continue;
+  for (std::size_t i = 0; i < boxes_.size(); ++i) {
+    const auto own = seen.find(objects_.boxes().things()[i].id);
+    const Vec3d sensor = inverse(boxes_[i].worldFromBox) * shot.worldFromSensor.front().translation;
+    if (own == seen.end() && distanceTo(boxes_[i].size, sensor) > reach) continue;
     const Unobstructed::View alone = objects_.unobstructed().of(i, shot, *grid);
     ObjectView view;
     view.sensor = shot.sensorName;
@@ -148,14 +137,32 @@ void ObjectSheet::add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& h
       view.beams = own->second.beams;
       if (own->second.nearest < kMiss) view.nearestRange = own->second.nearest;
     }
-    object.views.push_back(std::move(view));
+    views_[i].push_back(std::move(view));
   }
 }
 
-SampleObjects ObjectSheet::finish() const {
-  SampleObjects reached{sample_.key, sample_.time, {}};
-  std::copy_if(sample_.objects.begin(), sample_.objects.end(), std::back_inserter(reached.objects),
-               [](const ObjectRecord& object) { return !object.views.empty(); });
+ObjectRecord ObjectList::recordOf(std::size_t thing) const {
+  const Thing& own = objects_.boxes().things()[thing];
+  ObjectRecord record;
+  record.id = own.id;
+  record.semantic = own.semantic;
+  record.name = own.name;
+  std::copy_if(own.parts.begin(), own.parts.end(), std::back_inserter(record.parts),
+               [](const std::string& part) { return !part.empty(); });
+  record.moves = own.moves;
+  record.worldFromBox = boxes_[thing].worldFromBox;
+  record.size = boxes_[thing].size;
+  record.headingKnown = own.headingKnown;
+  record.velocity = objects_.boxes().velocity(thing, time_);
+  record.views = views_[thing];
+  return record;
+}
+
+SampleObjects ObjectList::finish() const {
+  SampleObjects reached{key_, time_, {}};
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    if (!views_[i].empty()) reached.objects.push_back(recordOf(i));
+  }
   return reached;
 }
 

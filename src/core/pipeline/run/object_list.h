@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "dataset/objects.h"
 #include "methods/method.h"
@@ -46,10 +47,10 @@ class SceneObjects {
 };
 
 // Of one sample.
-class ObjectSheet {
+class ObjectList {
  public:
   // `time`: of the sample (s since the start of the sequence), at which the boxes are given.
-  ObjectSheet(const SceneObjects& objects, std::string key, double time);
+  ObjectList(const SceneObjects& objects, std::string key, double time);
 
   // Looks at all that is within the reach of a shot, whose hits need the channel Instance. The hits and returns are
   // those that the scan was made of. `raysPerBeam`: that were fired, each beam's axis first.
@@ -59,8 +60,13 @@ class ObjectSheet {
   SampleObjects finish() const;
 
  private:
+  ObjectRecord recordOf(std::size_t thing) const;
+
   const SceneObjects& objects_;
-  SampleObjects sample_;  // all things, as long as shots are added
+  std::string key_;
+  double time_;
+  std::vector<OrientedBox> boxes_;              // of all things
+  std::vector<std::vector<ObjectView>> views_;  // likewise
 };
 
 }  // namespace scanmill
