@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/terminal.h"
+#include "config/resources.h"
 #include "config/text.h"
 #include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
@@ -22,6 +23,12 @@ std::string Arguments::positional(const std::string& what) const {
   if (values.size() == 1) return values.front();
   throw InputError(values.empty() ? fmt::format("{} is missing; see --help", what)
                                   : fmt::format("one {} at a time, not also '{}'", what, values[1]));
+}
+
+std::filesystem::path Arguments::pipeline() const {
+  const std::string given = positional("PIPELINE");
+  std::error_code unknown;
+  return std::filesystem::exists(given, unknown) ? std::filesystem::path(given) : namedResource(given, "pipelines");
 }
 
 const Command& commandNamed(std::string_view name) {

@@ -4,6 +4,8 @@
 
 // Values such as --set 'seeds=[1,2]' and file names may hold commas: only a NUL, which no argument holds, parts a list.
 #define CXXOPTS_VECTOR_DELIMITER '\0'
+// std::regex would double the time that every subcommand takes to compile.
+#define CXXOPTS_NO_REGEX
 #include <cxxopts.hpp>
 #include <filesystem>
 #include <memory>
@@ -23,6 +25,8 @@ struct Arguments {
 
   // The one positional argument. Throws InputError that says what is missing.
   std::string positional(const std::string& what) const;
+  // The one positional argument where it is a pipeline: the file, or one that comes with the program by its name.
+  std::filesystem::path pipeline() const;
 };
 
 // Adds --help, parses and, if asked, prints the help with `examples`. Throws InputError for unknown options.

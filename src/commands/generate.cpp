@@ -169,7 +169,7 @@ int runGenerate(const std::vector<std::string>& arguments) {
                                           "  scanmill generate pipelines/street.yaml -o out/d --from-hits out/hits "
                                           "--set 'effects=[intensity]'\n");
   if (parsed.help) return 0;
-  const std::string file = parsed.positional("PIPELINE");
+  parsed.positional("PIPELINE");  // a missing one is told before all else
   if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty())
     throw InputError("-o DIR is missing: where should the dataset go?");
   const ResourceLimits limits(parsed);
@@ -177,7 +177,7 @@ int runGenerate(const std::vector<std::string>& arguments) {
   generateOptions.keepHits = folderOption(parsed, "keep-hits");
   generateOptions.keepPasses = folderOption(parsed, "keep-passes");
   const bool keeps = !generateOptions.keepHits.empty() || !generateOptions.keepPasses.empty();
-  Plan plan(readPipeline(file, pipelineOverrides(parsed), recordingOf(parsed)),
+  Plan plan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed), recordingOf(parsed)),
             keeps ? recordedChannels() : Channels{});
   generateOptions.folder = parsed.options["out"].as<std::string>();
   generateOptions.overwrite = parsed.options.count("overwrite") > 0;

@@ -147,7 +147,7 @@ int runPlan(const std::vector<std::string>& arguments) {
                                           "  scanmill plan pipelines/street.yaml --from-hits out/hits\n");
   if (parsed.help) return 0;
   const ResourceLimits limits(parsed);
-  const Plan plan(readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed), recordingOf(parsed)));
+  const Plan plan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed), recordingOf(parsed)));
   const Pipeline& pipeline = plan.pipeline();
   checkAutoChoice(pipeline);
   for (const std::string& line : vehicleWarnings(plan)) warn(line);
@@ -229,7 +229,7 @@ int runPlan(const std::vector<std::string>& arguments) {
     printText("\n");
     printUnlabeled(unlabeled);
     if (parsed.options.count("quick") == 0 && !pipeline.method.automatic) {
-      printFeatures(measured([&] { return readPipeline(parsed.positional("PIPELINE"), pipelineOverrides(parsed)); }));
+      printFeatures(measured([&] { return readPipeline(parsed.pipeline(), pipelineOverrides(parsed)); }));
     }
   }
   const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());

@@ -80,11 +80,11 @@ int runRepeatability(const std::vector<std::string>& arguments) {
                      "--set 'repeatability.methods=[ray_tracing, {depth_camera: {resolution: 512}}]'\n"
                      "  scanmill repeatability pipelines/street.yaml -o out/nearest --set trajectories.0.frames=3\n");
   if (parsed.help) return 0;
-  const std::string file = parsed.positional("PIPELINE");
+  parsed.positional("PIPELINE");  // a missing one is told before all else
   const std::filesystem::path folder = folderOption(parsed, "out");
   if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
   const ResourceLimits limits(parsed);
-  Pipeline pipeline = readPipeline(file, pipelineOverrides(parsed));
+  Pipeline pipeline = readPipeline(parsed.pipeline(), pipelineOverrides(parsed));
   const Channels channels = repeatabilityChannels(pipeline);
   const Plan plan(std::move(pipeline), channels);
   prepareReportFolder(folder, kResultFile, parsed.options.count("overwrite") > 0);

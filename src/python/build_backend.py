@@ -8,6 +8,7 @@ import base64
 import hashlib
 import os
 import re
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -15,7 +16,6 @@ import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGE = ROOT / "src" / "python" / "scanmill"
 
 
 def get_requires_for_build_wheel(config_settings=None):
@@ -41,7 +41,7 @@ def tag():
 
 
 def built():
-    """The folder into which CMake has installed the extension and what it loads."""
+    """The folder into which CMake has installed the package."""
     build = Path(os.environ.get("SCANMILL_BUILD", ROOT / "build" / "python"))
     if not (build / "CMakeCache.txt").exists():
         options = ["-DCMAKE_BUILD_TYPE=Release", "-DSCANMILL_STUDIO=OFF", "-DSCANMILL_TESTS=OFF", "-DSCANMILL_PYTHON=ON",
@@ -49,15 +49,14 @@ def built():
         subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", *options], check=True)
     subprocess.run(["cmake", "--build", build, "--target", "scanmill_python"], check=True)
     staging = build / "wheel"
+    shutil.rmtree(staging, ignore_errors=True)
     subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", staging], check=True)
-    return staging
+    return staging / "lib" / "python3" / "dist-packages"
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     staging = built()
-    files = {f"scanmill/{p.relative_to(PACKAGE).as_posix()}": p for p in sorted(PACKAGE.rglob("*")) if p.is_file()}
-    files = {name: path for name, path in files.items() if "__pycache__" not in name}
-    files.update({p.relative_to(staging).as_posix(): p for p in sorted(staging.rglob("*")) if p.is_file()})
+    files = {p.relative_to(staging).as_posix(): p for p in sorted(staging.rglob("*")) if p.is_file()}
     info = f"scanmill-{version()}.dist-info"
     texts = {
         f"{info}/METADATA": metadata(),

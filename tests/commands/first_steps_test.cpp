@@ -41,6 +41,10 @@ TEST_F(FirstSteps, NamesOfTheProgramsFilesWorkFromAnywhere) {
                 "  - {primitive: box, size: [1, 1, 1], class: car, material: brick}\n");
   EXPECT_EQ(scanmill({"info", at("named.yaml")}).code, 0);
   EXPECT_EQ(scanmill({"plan", pipeline_, "--set", "scenes.0.scene=named"}).code, 0);
+  EXPECT_EQ(scanmill({"plan", "street", "--quick"}).code, 0);
+  const Outcome missing = scanmill({"plan", "streat"});
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_THAT(missing.error, HasSubstr("did you mean 'street.yaml'?"));
 }
 
 // The pipeline that docs/guide.md gives for one's own scene does as it stands there, with the commands below it.

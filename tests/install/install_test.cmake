@@ -3,13 +3,7 @@
 #   cmake -DBUILD=... -DSOURCE=... -DWORK=... -DCOMPILER=... -DHEADERS=a.h,b.h -DPROGRAM=ON -P install_test.cmake
 # HEADERS: those that a program of others includes; PROGRAM: the program is installed too.
 
-function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  message("${output}")
-  if(NOT result EQUAL 0)
-    message(FATAL_ERROR "failed (${result}): ${ARGN}")
-  endif()
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/first)
