@@ -16,6 +16,7 @@
 #include "evaluate/auto/calibrate.h"
 #include "pipeline/plan/dataset_size.h"
 #include "pipeline/plan/feature_costs.h"
+#include "pipeline/plan/heading_warnings.h"
 #include "pipeline/plan/scene_shares.h"
 #include "pipeline/plan/warnings.h"
 #include "pipeline/plan/way_warnings.h"
@@ -183,6 +184,9 @@ int runPlan(const std::vector<std::string>& arguments) {
     for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
     for (const std::string& line : shareWarnings(scene)) warn(line);
     for (const std::string& line : ruleWarnings(scene)) rules.insert(line);
+    if (pipeline.objects) {
+      for (const std::string& line : headingWarnings(scene, ThingBoxes(scene))) warn(line);
+    }
     if (pipeline.recording == nullptr) {
       const SceneProbe probe(scene, method.get(), pipeline.method.entry);
       for (std::size_t k = i; k < pipeline.sequences.size() && pipeline.sequences[k].sameScene(s); ++k) {

@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "base/grouped.h"
-#include "config/resources.h"
 #include "pipeline/plan/own_vehicle.h"
 #include "scene/draft/usual_sizes.h"
 
@@ -39,13 +37,6 @@ struct Thing {
   std::uint16_t semantic = 0;
   std::uint32_t object = 0;  // see Surface::object
 };
-
-// A warning less is better than none of the rest where the file is missing.
-std::vector<draft::Concept> knownConcepts() {
-  const std::filesystem::path file = resourceFolder() / "labels/words.yaml";
-  std::error_code ignored;
-  return std::filesystem::exists(file, ignored) ? draft::readConcepts(file) : std::vector<draft::Concept>{};
-}
 
 std::vector<Thing> thingsIn(const Mesh& mesh) {
   std::vector<Thing> things(mesh.objects);
@@ -109,7 +100,7 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
 }
 
 std::vector<std::string> thingSizeWarnings(const Scene& scene) {
-  static const std::vector<draft::Concept> concepts = knownConcepts();
+  static const std::vector<draft::Concept> concepts = draft::knownConcepts();
   if (concepts.empty()) return {};
   const std::map<std::uint16_t, Between> usual = draft::usualSizes(concepts, scene.ontology);
   std::vector<std::vector<Thing>> things;

@@ -13,6 +13,7 @@
 #include "base/append_new.h"
 #include "base/memory.h"
 #include "base/tsan_order.h"
+#include "pipeline/plan/heading_warnings.h"
 #include "pipeline/plan/scene_shares.h"
 #include "pipeline/plan/warnings.h"
 #include "pipeline/plan/way_warnings.h"
@@ -140,6 +141,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
           shareWarnings(ready.scene), vehicleWarnings(plan_), driveWarnings(pipeline)}) {
       appendNew(more, lines);
     }
+    if (ready.objects != nullptr) appendNew(headingWarnings(ready.scene, ready.objects->boxes()), lines);
     const std::scoped_lock lock(mutex_);
     largest_ = std::max(largest_, bytes);
     Told& told = told_[sceneOf_[sequence]];

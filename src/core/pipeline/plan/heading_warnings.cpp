@@ -1,0 +1,60 @@
+#include "pipeline/plan/heading_warnings.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <set>
+
+#include "scene/draft/usual_sizes.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kWider = 1.1;     // times the length; towns' small cars and sheds of waste are nearly square
+constexpr double kDriving = 0.5;   // m/s
+constexpr double kAhead = 0.7071;  // cosine of 45 degrees
+constexpr std::size_t kMostLines = 5;
+constexpr double kTimes[] = {0, 1, 3, 10};  // s; what waits at first may drive later
+
+bool drivesSideways(const ThingBoxes& boxes, std::size_t thing) {
+  return std::any_of(std::begin(kTimes), std::end(kTimes), [&](double time) {
+    const Vec3d velocity = boxes.velocity(thing, time);
+    const double speed = length(velocity);
+    const Vec3d ahead = toMatrix(boxes.at(thing, time).worldFromBox.rotation).x;
+    return speed > kDriving && std::fabs(dot(velocity, ahead)) < kAhead * speed;
+  });
+}
+
+}  // namespace
+
+std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& boxes) {
+  const std::set<std::uint16_t> wheels = draft::classesWithWheels(draft::knownConcepts(), scene.ontology);
+  std::set<std::string> told;
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < boxes.things().size(); ++i) {
+    const Thing& thing = boxes.things()[i];
+    if (!thing.headingKnown || !wheels.contains(thing.semantic)) continue;
+    const Vec3d size = boxes.at(i, 0).size;
+    const bool isAcross = size.y > kWider * size.x;
+    if (!isAcross && !(thing.moves && drivesSideways(boxes, i))) continue;
+    const std::string name = thing.name.substr(0, thing.name.find('#'));
+    if (!told.insert(name).second) continue;
+    const std::string what =
+        isAcross ? fmt::format("is {:.3g} m wide and {:.3g} m long", size.y, size.x) : std::string("drives sideways");
+    lines.push_back(
+        fmt::format("scene {}: '{}', a {}, {}: boxes point along its x axis; `facing: -y`, or whichever way "
+                    "its model looks, turns them (`scanmill picture` shows them)",
+                    scene.name, name, scene.ontology.find(thing.semantic)->name, what));
+  }
+  if (lines.size() > kMostLines) {
+    const std::size_t more = lines.size() - kMostLines;
+    lines.resize(kMostLines);
+    lines.push_back(fmt::format("scene {}: boxes of {} more models lie across them", scene.name, more));
+  }
+  return lines;
+}
+
+}  // namespace scanmill
