@@ -1,0 +1,400 @@
+#!/usr/bin/env python3
+"""Trains a small network that labels LiDAR scans, and tells how well it does where it was not trained.
+
+    scripts/train_example.py out/training -o out/trained --judge village=out/village --judge real=/data/SemanticKITTI/sequences/08
+
+It learns on the split `train` of a dataset, keeps the weights that are best on `val`, and is judged on `test` and on each
+set that --judge names: a dataset of Scanmill's, or a folder of SemanticKITTI's (velodyne/*.bin beside labels/*.label) of
+scans that somebody recorded. OUT gets figures.json (intersection over union by class and the confusion of classes, of each
+set), a picture of scans with truth and answer, one of the confusion, and the weights.
+
+The network is a U-Net over range images (as in RangeNet++, Milioto et al., IROS 2019), small enough for two cores. All
+scans are projected by their angles, those of other programs and other sensors too. Wants Debian's python3-torch and
+python3-matplotlib, and the package scanmill (docs/python.md).
+"""
+
+import argparse
+import json
+import os
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+try:
+    import matplotlib
+    import numpy as np
+    import scanmill
+    import torch
+    from scanmill.augment import Compose, DropPoints, Flip, Scale, Turn
+    from scanmill.torch import ScanDataset
+    from torch import nn
+    from torch.nn import functional
+    from torch.utils.data import DataLoader, Dataset
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+except ImportError as error:
+    sys.exit(f"error: {error}: install python3-torch, python3-matplotlib and the package scanmill, as docs/training.md says")
+
+# What is learned: classes of Scanmill's ontology, and the ids of SemanticKITTI that mean the same.
+CLASSES = {
+    "road": (["road", "road_marking", "parking", "ground"], [40, 44, 49, 60]),
+    "sidewalk": (["sidewalk", "curb"], [48]),
+    "terrain": (["terrain"], [72]),
+    "building": (["building", "window", "structure"], [50, 52]),
+    "fence": (["fence", "wall"], [51]),
+    "vegetation": (["vegetation", "tree", "trunk"], [70, 71]),
+    "pole": (["pole", "traffic_sign", "traffic_light", "street_lamp"], [80, 81]),
+    "vehicle": (["car", "truck", "bus", "other_vehicle"], [10, 13, 16, 18, 20, 252, 256, 257, 258, 259]),
+    "person": (
+        ["pedestrian", "rider", "bicycle", "motorcycle"],
+        [11, 15, 30, 31, 32, 253, 254, 255],
+    ),
+}
+NAMES = list(CLASSES)
+COLORS = np.array(
+    [[128, 64, 128], [244, 35, 232], [152, 220, 110], [235, 180, 60], [215, 110, 60], [0, 130, 30], [250, 230, 0],
+     [40, 90, 255], [230, 20, 60]],
+    np.uint8,
+)  # fmt: skip
+IGNORE = 255
+
+
+class RecordedScans(Dataset):
+    """A folder of SemanticKITTI's: velodyne/NNNNNN.bin, float32 x, y, z, remission, and labels/NNNNNN.label, whose lower
+    16 bits are the class."""
+
+    def __init__(self, folder: Path) -> None:
+        self.table = np.full(65536, IGNORE, np.int64)
+        for train_id, (_, ids) in enumerate(CLASSES.values()):
+            self.table[ids] = train_id
+        self.scans = [s for s in sorted(folder.rglob("velodyne/*.bin")) if self.labels_of(s).exists()]
+        if not self.scans:
+            sys.exit(f"error: {folder} has no manifest.json, and no velodyne/*.bin with labels/*.label beside it")
+
+    @staticmethod
+    def labels_of(scan: Path) -> Path:
+        return scan.parent.parent / "labels" / f"{scan.stem}.label"
+
+    def __len__(self) -> int:
+        return len(self.scans)
+
+    def __getitem__(self, index: int) -> dict:
+        points = np.fromfile(self.scans[index], np.float32).reshape(-1, 4)
+        labels = np.fromfile(self.labels_of(self.scans[index]), np.uint32)
+        if len(labels) != len(points):
+            sys.exit(f"error: {self.scans[index]} has {len(points)} points and {len(labels)} labels")
+        keep = (points[:, :3] != 0).any(axis=1)
+        return {"xyz": points[keep, :3], "intensity": points[keep, 3], "target": self.table[labels[keep] & 0xFFFF]}
+
+
+class SimulatedScans(ScanDataset):
+    """A dataset of Scanmill's."""
+
+    def __init__(self, path: Path, split: str | None = None, augment: Sequence = (), seed: int = 0) -> None:
+        dataset = scanmill.open(path)
+        table = dataset.ontology.train_ids([names for names, _ in CLASSES.values()], IGNORE)
+        transform = Compose(augment, seed)
+        super().__init__(dataset, split, columns=["intensity"], train_ids=table, transform=transform)
+
+
+class Images:
+    """Collates scans to range images: float32 (B, 5, rings, columns) of range, x, y, z and intensity, each about 1, and
+    the classes int64 (B, rings, columns). Keeps the projection of each scan, which leads back from pixels to points."""
+
+    def __init__(self, rings: int, columns: int, elevation_deg: tuple[float, float]) -> None:
+        self.shape = rings, columns
+        self.elevation = np.radians(elevation_deg)
+
+    def __call__(self, samples: list[dict]) -> dict:
+        images, targets, projections = [], [], []
+        for sample in samples:
+            projection = scanmill.spherical_projection(sample, *self.shape, tuple(self.elevation))
+            xyz = sample["xyz"].astype(np.float32)
+            distance = np.linalg.norm(xyz, axis=1)
+            # What counts as bright differs from sensor to sensor, and so do their units.
+            bright = max(float(np.percentile(sample["intensity"], 95)), 1e-6) if len(distance) else 1.0
+            strength = np.sqrt(np.clip(sample["intensity"] / bright, 0, 1))
+            points = np.column_stack([np.log1p(distance) / 3, xyz / [20, 20, 2], strength]).astype(np.float32)
+            images.append(filled(projection.image(points).transpose(2, 0, 1).copy()))
+            targets.append(projection.image(sample["target"], IGNORE))
+            projections.append(projection)
+        return {
+            "image": torch.from_numpy(np.stack(images)),
+            "target": torch.from_numpy(np.stack(targets)),
+            "projections": projections,
+            "samples": samples,
+        }
+
+
+def filled(image: np.ndarray) -> np.ndarray:
+    """An image (k, rings, columns), in which rows between the sensor's rings are empty, with the row below or above in
+    such pixels: other sensors have other rings, and the network shall not learn those of one by heart."""
+    for step in (1, -1):
+        near = np.roll(image, step, axis=1)
+        near[:, 0 if step == 1 else -1] = 0
+        take = (image[0] == 0) & (near[0] > 0)
+        image[:, take] = near[:, take]
+    return image
+
+
+def convolution(inputs: int, outputs: int) -> nn.Sequential:
+    """3 x 3 pixels, which go on behind the left and the right edge: the image is a full turn."""
+    return nn.Sequential(
+        Turned(),
+        nn.Conv2d(inputs, outputs, 3, padding=(1, 0), bias=False),
+        nn.BatchNorm2d(outputs),
+    )
+
+
+class Turned(nn.Module):
+    """The last column again before the first, and the first behind the last."""
+
+    def forward(self, image: torch.Tensor) -> torch.Tensor:
+        return functional.pad(image, (1, 1, 0, 0), mode="circular")
+
+
+class Residual(nn.Module):
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.first, self.second = convolution(width, width), convolution(width, width)
+
+    def forward(self, image: torch.Tensor) -> torch.Tensor:
+        return functional.relu(image + self.second(functional.relu(self.first(image))))
+
+
+class Network(nn.Module):
+    """A U-Net of four levels: half the columns from each to the next, and half the rings from the second on. What comes
+    up is added to what went down."""
+
+    WIDTHS = [16, 32, 48, 64]
+    HALVES = [(1, 2), (2, 2), (2, 2)]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.stem = convolution(6, self.WIDTHS[0])
+        pairs = list(zip(self.WIDTHS, self.WIDTHS[1:]))
+        self.widen = nn.ModuleList([convolution(i, o) for i, o in pairs])
+        self.down = nn.ModuleList([Residual(o) for _, o in pairs])
+        self.narrow = nn.ModuleList([nn.Conv2d(o, i, 1) for i, o in pairs])
+        self.up = nn.ModuleList([Residual(i) for i, _ in pairs])
+        self.classify = nn.Conv2d(self.WIDTHS[0], len(CLASSES), 1)
+
+    def forward(self, image: torch.Tensor) -> torch.Tensor:
+        seen = (image[:, :1] > 0).float()
+        image = functional.relu(self.stem(torch.cat([image, seen], 1)))
+        levels = []
+        for widen, down, halves in zip(self.widen, self.down, self.HALVES):
+            levels.append(image)
+            image = down(functional.relu(widen(functional.max_pool2d(image, halves))))
+        for narrow, up, halves in zip(self.narrow[::-1], self.up[::-1], self.HALVES[::-1]):
+            image = up(levels.pop() + functional.interpolate(narrow(image), scale_factor=halves))
+        return self.classify(image)
+
+
+def vary_contrast(sample: dict, rng: np.random.Generator) -> dict:
+    """Another sensor's intensities: of more or less contrast."""
+    strength = np.clip(sample["intensity"], 0, None) ** rng.uniform(0.6, 1.6)
+    return {**sample, "intensity": strength.astype(np.float32)}
+
+
+def shift_height(sample: dict, rng: np.random.Generator) -> dict:
+    """Another vehicle: the sensor is up to 0.3 m higher or lower."""
+    return {**sample, "xyz": sample["xyz"] + np.float32([0, 0, rng.uniform(-0.3, 0.3)])}
+
+
+def confusion_of(network: nn.Module, scans: Dataset, images: Images) -> np.ndarray:
+    """How many points of each class (row) were taken for which (column), over all points of all scans. Points that no
+    pixel shows, behind others or outside of the window, have their pixel's answer or count as wrong for nobody."""
+    counts = np.zeros((len(CLASSES), len(CLASSES)), np.int64)
+    network.eval()
+    with torch.no_grad():
+        for batch in DataLoader(scans, collate_fn=images):
+            answer = network(batch["image"]).argmax(1).numpy().astype(np.int64)
+            for pixels, projection, sample in zip(answer, batch["projections"], batch["samples"]):
+                given = projection.points(pixels, IGNORE)
+                known = (given != IGNORE) & (sample["target"] != IGNORE)
+                pairs = sample["target"][known] * len(CLASSES) + given[known]
+                counts += np.bincount(pairs, minlength=counts.size).reshape(counts.shape)
+    return counts
+
+
+def figures_of(counts: np.ndarray) -> dict:
+    """Intersection over union of each class that the set has, their mean, and the share of points that are right."""
+    right = np.diag(counts)
+    union = counts.sum(0) + counts.sum(1) - right
+    present = counts.sum(1) > 0
+    iou = {name: float(right[i] / union[i]) for i, name in enumerate(NAMES) if present[i]}
+    return {
+        "miou": float(np.mean(list(iou.values()))) if iou else None,
+        "accuracy": float(right.sum() / max(counts.sum(), 1)),
+        "iou": iou,
+        "confusion": counts.tolist(),
+    }
+
+
+def train(network: Network, training: SimulatedScans, held_out: Dataset, images: Images, options: argparse.Namespace) -> dict:
+    """Trains for a number of steps of two scans each, and leaves the weights in the network that are best on held_out."""
+    weights = np.sqrt(1 / np.maximum(class_shares(training), 1e-4))
+    loss_of = nn.CrossEntropyLoss(torch.from_numpy(weights / weights.mean()).float(), ignore_index=IGNORE)
+    adam = torch.optim.AdamW(network.parameters(), weight_decay=1e-3)
+    # Rises over the first tenth of the steps and falls to nothing, as a cosine.
+    rate = torch.optim.lr_scheduler.OneCycleLR(adam, 4e-3, options.steps, pct_start=0.1)
+    order = torch.Generator().manual_seed(options.seed)
+    loader = DataLoader(training, batch_size=2, shuffle=True, drop_last=True, collate_fn=images, generator=order)
+    looks = {max(1, round(options.steps * share)) for share in (0.25, 0.5, 0.7, 0.85, 1)}
+    start, step, epoch, best, losses = time.monotonic(), 0, 0, -1.0, []
+    while step < options.steps:
+        training.set_epoch(epoch)
+        for batch in loader:
+            network.train()
+            adam.zero_grad()
+            loss = loss_of(network(batch["image"]), batch["target"])
+            loss.backward()
+            adam.step()
+            rate.step()
+            losses.append(loss.item())
+            step += 1
+            if step in looks:
+                now = figures_of(confusion_of(network, held_out, images))["miou"]
+                if now > best:
+                    best, kept = now, {name: value.clone() for name, value in network.state_dict().items()}
+                minutes = (time.monotonic() - start) / 60
+                left = minutes * (options.steps / step - 1)
+                loss_now = np.mean(losses[-50:])
+                print(f"step {step}, epoch {epoch}: loss {loss_now:.3f}, mean IoU of val {now:.1%}, {left:.1f} min left", flush=True)
+            if step == options.steps:
+                break
+        epoch += 1
+    network.load_state_dict(kept)
+    return {"scans": len(training), "epochs": epoch, "minutes": round((time.monotonic() - start) / 60, 1)}
+
+
+def class_shares(scans: SimulatedScans) -> np.ndarray:
+    """The share of points of each class, of up to 40 scans."""
+    chosen = np.linspace(0, len(scans) - 1, min(len(scans), 40)).astype(int)
+    counts = np.zeros(len(CLASSES))
+    for index in chosen:
+        target = scans[index]["target"]
+        counts += np.bincount(target[target != IGNORE], minlength=len(CLASSES))
+    return counts / max(counts.sum(), 1)
+
+
+def draw_scans(network: nn.Module, sets: dict, images: Images, path: Path) -> None:
+    """The middle scan of each set: its range, the truth, the answer."""
+    figure, axes = pyplot.subplots(3 * len(sets), 1, figsize=(14, 2.2 * len(sets) * 1.5), squeeze=False)
+    palette = np.vstack([COLORS, np.zeros((IGNORE + 1 - len(COLORS), 3), np.uint8)])
+    network.eval()
+    for number, (name, scans) in enumerate(sets.items()):
+        batch = images([scans[len(scans) // 2]])
+        with torch.no_grad():
+            answer = network(batch["image"])[0].argmax(0).numpy()
+        depth = batch["image"][0, 0].numpy()
+        answer[depth == 0] = IGNORE
+        rows = [("range", depth), ("truth", palette[batch["target"][0].numpy()]), ("answer", palette[answer])]
+        for axis, (title, picture) in zip(axes[3 * number : 3 * number + 3, 0], rows):
+            axis.imshow(picture, cmap="viridis", aspect="auto", interpolation="nearest")
+            axis.set_title(f"{name}: {title}", loc="left", fontsize=9)
+            axis.set_axis_off()
+    handles = [pyplot.Rectangle((0, 0), 1, 1, color=color / 255) for color in COLORS]
+    figure.legend(handles, NAMES, loc="lower center", ncol=len(NAMES), fontsize=9, frameon=False)
+    figure.tight_layout(rect=(0, 0.04, 1, 1))
+    figure.savefig(path, dpi=90)
+    pyplot.close(figure)
+
+
+def draw_confusion(results: dict, path: Path) -> None:
+    """For each set, which share of the points of a class (row) was taken for which (column)."""
+    figure, axes = pyplot.subplots(1, len(results), figsize=(5.2 * len(results), 4.8), squeeze=False)
+    for axis, (name, result) in zip(axes[0], results.items()):
+        counts = np.array(result["confusion"], float)
+        shares = counts / np.maximum(counts.sum(1, keepdims=True), 1)
+        axis.imshow(shares, cmap="Blues", vmin=0, vmax=1)
+        for row, column in np.argwhere(shares >= 0.01):
+            axis.text(column, row, f"{shares[row, column]:.0%}", ha="center", va="center", fontsize=7,
+                      color="white" if shares[row, column] > 0.5 else "black")  # fmt: skip
+        axis.set_xticks(range(len(NAMES)), NAMES, rotation=60, ha="right", fontsize=8)
+        axis.set_yticks(range(len(NAMES)), NAMES, fontsize=8)
+        axis.set_title(f"{name}: mean IoU {result['miou']:.1%}", fontsize=10)
+        axis.set_xlabel("taken for")
+    axes[0, 0].set_ylabel("is")
+    figure.tight_layout()
+    figure.savefig(path, dpi=90)
+    pyplot.close(figure)
+
+
+def table(results: dict) -> str:
+    """Mean and classes' IoU in percent, a line a set; a dash where a set has no such class."""
+    rows = [["", "mean", *NAMES]]
+    for name, result in results.items():
+        ious = [result["iou"].get(n) for n in NAMES]
+        rows.append([name, *("-" if v is None else f"{100 * v:.1f}" for v in [result["miou"], *ious])])
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    return "\n".join(
+        "  ".join(cell.ljust(w) if i == 0 else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths))) for row in rows
+    )
+
+
+def opened(text: str) -> tuple[str, Dataset]:
+    name, separator, path = text.partition("=")
+    if not separator:
+        sys.exit(f"error: --judge wants NAME=FOLDER, not '{text}'")
+    if not Path(path).exists():
+        sys.exit(f"error: --judge {name}: no folder {path}")
+    return name, SimulatedScans(path) if (Path(path) / "manifest.json").exists() else RecordedScans(Path(path))
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("dataset", help="a dataset of Scanmill's with the splits train, val and test")
+    parser.add_argument("-o", "--out", type=Path, required=True, help="folder for figures, pictures and weights")
+    parser.add_argument("--judge", action="append", default=[], metavar="NAME=FOLDER", help="another set to be judged on; can be repeated")
+    parser.add_argument("--steps", type=int, default=1500, help="of two scans each (1500)")
+    parser.add_argument("--rings", type=int, default=64, help="rows of the range image (64)")
+    parser.add_argument("--columns", type=int, default=512, help="its columns (512)")
+    parser.add_argument("--elevation", type=float, nargs=2, default=(-25, 3), metavar=("LOW", "HIGH"), help="its window, degrees (-25 3)")
+    parser.add_argument("--threads", type=int, default=os.cpu_count(), help="that the network uses (all)")
+    parser.add_argument("--seed", type=int, default=0, help="of weights, order and augmentation (0)")
+    options = parser.parse_args()
+    if options.rings % 4 or options.columns % 8 or min(options.rings, options.columns, options.steps) < 1:
+        parser.error("--rings is a multiple of 4, --columns one of 8, and --steps 1 or more: the network halves the image")
+    return options
+
+
+def main() -> None:
+    options = arguments()
+    torch.manual_seed(options.seed)
+    torch.set_num_threads(options.threads)
+    augment = [Flip("y"), Turn(), Scale(0.95, 1.05), shift_height, DropPoints(0.2), vary_contrast]
+    training = SimulatedScans(options.dataset, "train", augment, options.seed)
+    if len(training) < 2:
+        sys.exit(f"error: {options.dataset} has {len(training)} scan to learn from; a step takes two")
+    sets = {split: SimulatedScans(options.dataset, split) for split in ("val", "test")}
+    sets.update(opened(text) for text in options.judge)
+    images = Images(options.rings, options.columns, tuple(options.elevation))
+    options.out.mkdir(parents=True, exist_ok=True)
+    if any(options.out.iterdir()):
+        sys.exit(f"error: {options.out} is not empty: name another folder with -o")
+
+    network = Network()
+    size = sum(p.numel() for p in network.parameters())
+    print(f"{size} weights, {len(training)} scans to learn, {torch.get_num_threads()} threads", flush=True)
+    trained = train(network, training, sets.pop("val"), images, options)
+
+    results = {name: figures_of(confusion_of(network, scans, images)) for name, scans in sets.items()}
+    torch.save(network.state_dict(), options.out / "weights.pt")
+    settings = {k: str(v) if isinstance(v, Path) else v for k, v in vars(options).items()}
+    (options.out / "figures.json").write_text(
+        json.dumps({"settings": settings, "training": trained, "classes": NAMES, "sets": results}, indent=1) + "\n"
+    )
+    draw_scans(network, sets, images, options.out / "scans.png")
+    draw_confusion(results, options.out / "confusion.png")
+    print(table(results))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except scanmill.InputError as error:
+        sys.exit(f"error: {error}")

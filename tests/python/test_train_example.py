@@ -1,0 +1,85 @@
+"""scripts/train_example.py learns on a small dataset, and judges simulated and recorded scans alike."""
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+SCRIPT = Path(__file__).parents[2] / "scripts" / "train_example.py"
+DATASET = os.environ["SCANMILL_TEST_DATASET"]
+MISSING = [name for name in ("torch", "matplotlib") if importlib.util.find_spec(name) is None]
+
+
+def run(*arguments):
+    return subprocess.run([sys.executable, str(SCRIPT), *arguments], capture_output=True, text=True)
+
+
+@unittest.skipIf(MISSING, f"no {', '.join(MISSING)} here")
+class TrainExample(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def train(self, out, *more):
+        small = ["--rings", "24", "--columns", "192", "--elevation", "-20", "5", "--threads", "1"]
+        done = run(DATASET, "-o", str(self.folder / out), *small, *more)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout, json.loads((self.folder / out / "figures.json").read_text())
+
+    def test_learns_and_judges(self):
+        exported = self.folder / "kitti"
+        export = [os.environ["SCANMILL"], "export", DATASET, "--to", "semantic_kitti", "--split", "test", "-o"]
+        subprocess.run([*export, str(exported), "--quiet", "--sensor", "top"], check=True)
+        printed, figures = self.train("out", "--steps", "60", "--judge", f"same={exported}")
+        test, same = figures["sets"]["test"], figures["sets"]["same"]
+        # A network that has learned nothing takes all for one class, which gives it a ninth of the mean.
+        self.assertGreater(test["miou"], 0.25)
+        self.assertGreater(test["accuracy"], 0.7)
+        # The same scans as a folder of somebody else's: what differs is the rounding of Draco's positions, intensities
+        # above 1, which are cut, and the classes that SemanticKITTI has none for.
+        self.assertAlmostEqual(same["accuracy"], test["accuracy"], delta=0.02)
+        self.assertAlmostEqual(same["iou"]["road"], test["iou"]["road"], delta=0.05)
+        self.assertIn("mean", printed)
+        names = figures["classes"]
+        confusion = test["confusion"]
+        road = names.index("road")
+        union = sum(confusion[road]) + sum(row[road] for row in confusion) - confusion[road][road]
+        self.assertAlmostEqual(test["iou"]["road"], confusion[road][road] / union)
+        for name in ("scans.png", "confusion.png", "weights.pt"):
+            self.assertGreater((self.folder / "out" / name).stat().st_size, 10000, name)
+
+    def test_the_same_seed_learns_the_same(self):
+        _, first = self.train("first", "--steps", "4")
+        _, again = self.train("again", "--steps", "4")
+        _, other = self.train("other", "--steps", "4", "--seed", "1")
+        self.assertEqual(first["sets"], again["sets"])
+        self.assertNotEqual(first["sets"], other["sets"])
+
+    def test_bad_requests_are_named(self):
+        empty = self.folder / "empty"
+        empty.mkdir()
+        full = self.folder / "full"
+        full.mkdir()
+        (full / "mine.txt").write_text("mine")
+        for arguments, expected in [
+            ([str(empty), "-o", str(self.folder / "a")], "empty"),
+            ([DATASET, "-o", str(self.folder / "b"), "--judge", "real"], "NAME=FOLDER"),
+            ([DATASET, "-o", str(self.folder / "c"), "--judge", f"real={self.folder}/absent"], "no folder"),
+            ([DATASET, "-o", str(self.folder / "d"), "--judge", f"real={empty}"], "velodyne"),
+            ([DATASET, "-o", str(full)], "not empty"),
+            ([DATASET, "-o", str(self.folder / "e"), "--columns", "180"], "multiple"),
+        ]:
+            done = run(*arguments)
+            self.assertNotEqual(done.returncode, 0, arguments)
+            self.assertIn("error: ", done.stderr)
+            self.assertIn(expected, done.stderr)
+            self.assertNotIn("Traceback", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
