@@ -227,7 +227,7 @@ def figures_of(counts: np.ndarray) -> dict:
     present = counts.sum(1) > 0
     iou = {name: float(right[i] / union[i]) for i, name in enumerate(NAMES) if present[i]}
     return {
-        "miou": float(np.mean(list(iou.values()))) if iou else None,
+        "miou": float(np.mean(list(iou.values()))) if iou else 0.0,
         "accuracy": float(right.sum() / max(counts.sum(), 1)),
         "iou": iou,
         "confusion": counts.tolist(),
@@ -350,7 +350,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("dataset", help="a dataset of Scanmill's with the splits train, val and test")
     parser.add_argument("-o", "--out", type=Path, required=True, help="folder for figures, pictures and weights")
     parser.add_argument("--judge", action="append", default=[], metavar="NAME=FOLDER", help="another set to be judged on; can be repeated")
-    parser.add_argument("--steps", type=int, default=1500, help="of two scans each (1500)")
+    parser.add_argument("--steps", type=int, default=600, help="of two scans each (600)")
     parser.add_argument("--rings", type=int, default=64, help="rows of the range image (64)")
     parser.add_argument("--columns", type=int, default=512, help="its columns (512)")
     parser.add_argument("--elevation", type=float, nargs=2, default=(-25, 3), metavar=("LOW", "HIGH"), help="its window, degrees (-25 3)")

@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kWider = 1.1;     // times the length; towns' small cars and sheds of waste are nearly square
+constexpr double kWider = 1.1;     // times the length; what is square may look either way
 constexpr double kDriving = 0.5;   // m/s
 constexpr double kAhead = 0.7071;  // cosine of 45 degrees
 constexpr std::size_t kMostLines = 5;
@@ -31,7 +31,8 @@ bool drivesSideways(const ThingBoxes& boxes, std::size_t thing) {
 }  // namespace
 
 std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& boxes) {
-  const std::set<std::uint16_t> wheels = draft::classesWithWheels(draft::knownConcepts(), scene.ontology);
+  static const std::vector<draft::Concept> concepts = draft::knownConcepts();
+  const std::set<std::uint16_t> wheels = draft::classesWithWheels(concepts, scene.ontology);
   std::set<std::string> told;
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < boxes.things().size(); ++i) {
