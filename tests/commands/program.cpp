@@ -19,10 +19,13 @@ namespace scanmill {
 
 namespace {
 
-// The one that was built with these tests; scripts/sanitize names another.
+// scripts/sanitize names another program than the one that was built with these tests.
+const char* otherProgram() {
+  return std::getenv("SCANMILL_TESTED_PROGRAM");
+}
+
 std::string testedProgram() {
-  const char* other = std::getenv("SCANMILL_TESTED_PROGRAM");
-  return other != nullptr ? other : SCANMILL_PROGRAM;
+  return otherProgram() != nullptr ? otherProgram() : SCANMILL_PROGRAM;
 }
 
 }  // namespace
@@ -73,7 +76,8 @@ bool RunningProgram::running() {
 }
 
 Outcome RunningProgram::wait(double seconds) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  const double limit = otherProgram() != nullptr ? 10 * seconds : seconds;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit);
   while (!reap(false)) {
     if (std::chrono::steady_clock::now() > end) {
       outcome_.late = true;
