@@ -16,6 +16,8 @@ std::span<const Command> commands() {
       Command{"fit-noise", "SCAN... --sensor FILE|NAME -o FILE.yaml",
               "a real sensor's noise, measured on recorded scans, as effects of its sensor file", runFitNoise},
       Command{"fit-sensor", "SCAN... -o FILE.yaml", "a sensor's beams, recovered from recorded scans", runFitSensor},
+      Command{"compare", "REAL SIMULATED -o DIR",
+              "two sets of scans, and which features of local patches tell them apart, as a page", runCompare},
       Command{"draft", "ASSET... -o FILE.yaml",
               "a scene file of 3D files: units, axes, classes and materials are guessed, for you to check", runDraft},
       Command{"plan", "PIPELINE", "what a pipeline would do, what it leaves out and what its features cost", runPlan},

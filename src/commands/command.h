@@ -25,6 +25,7 @@ int runTradeoff(const std::vector<std::string>& arguments);
 int runRepeatability(const std::vector<std::string>& arguments);
 int runFitSensor(const std::vector<std::string>& arguments);
 int runFitNoise(const std::vector<std::string>& arguments);
+int runCompare(const std::vector<std::string>& arguments);
 int runDraft(const std::vector<std::string>& arguments);
 int runPlan(const std::vector<std::string>& arguments);
 int runExport(const std::vector<std::string>& arguments);

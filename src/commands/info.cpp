@@ -18,6 +18,8 @@
 #include "dataset/manifest.h"
 #include "dataset/reader.h"
 #include "dataset/recording.h"
+#include "formats/cloud_file.h"
+#include "imports/scan_folder.h"
 #include "pipeline/plan/scene_shares.h"
 #include "pipeline/plan/warnings.h"
 #include "pipeline/read/pipeline.h"
@@ -119,6 +121,14 @@ void printScan(const Scan& scan, const std::string& what) {
     add(name, index < kColumnCount ? kColumns[index].unit : "", [&](std::size_t i) { return values[i]; });
   });
   printText("{}", formatTable(rows));
+}
+
+void printScanFolder(const std::filesystem::path& folder, const ScanFolder& found) {
+  printText("{} recorded scans, layout {}{}\n", grouped(found.scans.size()), found.layout,
+            found.ontology ? ", labelled with the classes of " + found.ontology->name : "");
+  const FolderScan& middle = found.scans[found.scans.size() / 2];
+  printText("{} to {}; below, {}\n\n", found.scans.front().key, found.scans.back().key, middle.key);
+  printScan(readFolderScan(middle), middle.points.lexically_relative(std::filesystem::absolute(folder)).string());
 }
 
 void printShard(const std::filesystem::path& file) {
@@ -443,6 +453,7 @@ int runInfo(const std::vector<std::string>& arguments) {
                      "  scanmill info out/quickstart/train/train-000000.tar\n"
                      "  scanmill info scenes/street.yaml\n"
                      "  scanmill info pipelines/sensors/os1_128.yaml\n"
+                     "  scanmill info SemanticKITTI/sequences/08      # somebody's scans, a folder or one file\n"
                      "  scanmill info out/passes      # a recording, or one of its EXR images\n"
                      "  scanmill info model.glb       # names that labelling rules can match, sizes, animations\n"
                      "  scanmill info model.obj --unit 0.01 --up y\n");
@@ -461,6 +472,11 @@ int runInfo(const std::vector<std::string>& arguments) {
   } else if (suffix == "exr") {
     printExr(file);
   } else if (std::filesystem::is_directory(file)) {
+    const bool dataset = std::filesystem::exists(file / "manifest.json", failure);
+    if (const auto recorded = dataset ? std::nullopt : scanFolderIn(file)) {
+      printScanFolder(file, *recorded);
+      return 0;
+    }
     expectDataset(file, "info");
     printDataset(file);
   } else if (file.filename() == "manifest.json") {
@@ -471,6 +487,8 @@ int runInfo(const std::vector<std::string>& arguments) {
     printYaml(file, parsed.options["seed"].as<std::uint64_t>());
   } else if (formatBySuffix(suffix) != nullptr) {
     printScan(decodeMember(file.string(), readFile(file)), file.string());
+  } else if (suffix == "bin" || suffix == "npz") {
+    printScan(readCloud(file).scan, file.string());
   } else {
     printAsset(file, assetOptions(parsed));
     if (suffix == "glb" || suffix == "gltf") printClips(file);

@@ -20,7 +20,7 @@ ScanSource findScan(const std::filesystem::path& path, const std::string& sample
   ScanSource source;
   source.scan = store.decode(chosen, first);
   source.title = first.sensor.empty() ? key : key + ", " + lowerCase(first.sensor);
-  if (store.manifest() != nullptr) source.ontology = store.manifest()->ontology;
+  if (store.ontology() != nullptr) source.ontology = *store.ontology();
   return source;
 }
 

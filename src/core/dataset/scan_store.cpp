@@ -13,6 +13,7 @@
 #include "dataset/recording.h"
 #include "dataset/sample_names.h"
 #include "dataset/shard_name.h"
+#include "formats/cloud_file.h"
 #include "formats/format.h"
 
 namespace scanmill {
@@ -32,8 +33,9 @@ void requireDataset(const fs::path& folder) {
   }
   throw InputError({folder.string()},
                    fmt::format("is no dataset: it holds no {}, which `scanmill generate` writes last; "
-                               "a shard, .tar, or a single scan opens without",
-                               kManifestName));
+                               "a shard, .tar, or a single scan opens without, and folders of recorded scans: "
+                               "SemanticKITTI's, KITTI's, nuScenes', or files {}",
+                               kManifestName, scanSuffixes()));
 }
 
 // The manifest that lists the shard, in its folder or the one above; null where there is none.
@@ -73,32 +75,38 @@ ScanStore::ScanStore(fs::path path, Digests digests) : digests_(digests), path_(
     const bool absent = status.type() == fs::file_type::not_found;
     throw InputError({path_.string()}, absent ? "does not exist" : "cannot be read: " + failure.message());
   }
-  std::string suffix = path_.extension().string();
-  if (!suffix.empty()) suffix.erase(0, 1);
   if (fs::is_directory(status)) {
     openDataset();
-  } else if (suffix == "tar") {
+  } else if (path_.extension() == ".tar") {
     openShard();
   } else {
-    openSingle(suffix);
+    openSingle();
   }
 }
 
-void ScanStore::openSingle(const std::string& suffix) {
-  if (formatBySuffix(suffix) == nullptr) {
-    std::vector<std::string> known{".tar"};
-    for (const FormatEntry& f : formats()) known.push_back(fmt::format(".{}", f.suffix));
+void ScanStore::openSingle() {
+  const std::string suffix = path_.extension().string();
+  if (!isScan(path_)) {
     throw InputError({path_.string()},
-                     fmt::format("is neither a dataset's folder nor one of {}{}", fmt::join(known, ", "),
-                                 suffix == "yaml" ? "; pictures of scenes are `scanmill view "
-                                                    "SCENE.yaml --screenshot FILE.png`"
-                                                  : ""));
+                     fmt::format("is neither a dataset's folder nor one of .tar, {}{}", scanSuffixes(),
+                                 suffix == ".yaml" ? "; pictures of scenes are `scanmill view "
+                                                     "SCENE.yaml --screenshot FILE.png`"
+                                                   : ""));
   }
-  single_ = decodeMember(path_.string(), readFile(path_));
+  single_ = formatBySuffix(suffix.substr(1)) != nullptr ? decodeMember(path_.string(), readFile(path_))
+                                                        : readCloud(path_).scan;
+  ontology_ = ontologyBeside(path_);
   keys_.push_back(path_.filename().string());
 }
 
 void ScanStore::openDataset() {
+  std::error_code ignored;
+  if (!fs::exists(path_ / kManifestName, ignored) && !recordingIn(path_)) recorded_ = scanFolderIn(path_);
+  if (recorded_) {
+    ontology_ = recorded_->ontology;
+    for (const FolderScan& scan : recorded_->scans) addSample(scan.key, {});
+    return;
+  }
   requireDataset(path_);
   folder_ = path_;
   manifest_ = std::make_shared<const Manifest>(readManifest(path_));
@@ -156,6 +164,7 @@ std::optional<std::size_t> ScanStore::find(const std::string& key) const {
 
 std::vector<std::string> ScanStore::sensors() const {
   std::vector<std::string> names;
+  if (recorded_ && !recorded_->sensor.empty()) names.push_back(recorded_->sensor);
   const auto add = [&](const std::string& name) {
     if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   };
@@ -169,12 +178,26 @@ std::vector<std::string> ScanStore::sensors() const {
   return names;
 }
 
+const Ontology* ScanStore::ontology() const {
+  if (manifest_ != nullptr) return &manifest_->ontology;
+  return ontology_ ? &*ontology_ : nullptr;
+}
+
 const std::vector<std::string>& ScanStore::membersOf(const Sample& sample) const {
   return sample.members.empty() && sample.record != nullptr ? sample.record->members : sample.members;
 }
 
+StoredScan ScanStore::scanOfRecorded(std::size_t sample, const std::string& sensor) const {
+  if (!sensor.empty() && lowerCase(sensor) != lowerCase(recorded_->sensor)) {
+    throw InputError({path_.string()}, fmt::format("has no sensor '{}'{}", sensor,
+                                                   recorded_->sensor.empty() ? "" : "; it has " + recorded_->sensor));
+  }
+  return {recorded_->sensor, "", {recorded_->scans.at(sample).points.string()}, nullptr};
+}
+
 std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& sensor) const {
   if (single_) return {{}};
+  if (recorded_) return {scanOfRecorded(sample, sensor)};
   const Sample& own = samples_.at(sample);
   std::vector<StoredScan> all;
   std::vector<std::pair<std::string, std::string>> names;  // of sensor and method, as in members
@@ -255,14 +278,14 @@ void ScanStore::requireUnchanged(const Sample& sample, const std::string& member
 }
 
 std::string ScanStore::damage(std::size_t sample) const {
-  if (single_) return {};
+  if (single_ || recorded_) return {};
   const std::lock_guard lock(mutex_);
   const Shard& shard = shards_[samples_.at(sample).shard];
   return shard.index == nullptr ? std::string() : shard.index->damage();
 }
 
 std::vector<std::size_t> ScanStore::unreadableSamples() const {
-  if (single_) return {};
+  if (single_ || recorded_) return {};
   const std::lock_guard lock(mutex_);
   std::vector<bool> suspect;
   for (Shard& shard : shards_) {
@@ -293,6 +316,7 @@ std::vector<std::size_t> ScanStore::unreadableSamples() const {
 
 Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {
   if (single_) return *single_;
+  if (recorded_) return readFolderScan(recorded_->scans.at(sample));
   const ShardIndex& index = shard(samples_.at(sample).shard);
   std::string failures;
   for (const std::string& name : scan.members) {

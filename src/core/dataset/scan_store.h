@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads scans from a dataset's folder, a shard, or the file of one scan.
+// Reads scans from a dataset's folder, a shard, the file of one scan, or a folder of recorded scans.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +16,7 @@
 #include "dataset/manifest.h"
 #include "dataset/objects.h"
 #include "dataset/shard_index.h"
+#include "imports/scan_folder.h"
 #include "scan/scan.h"
 
 namespace scanmill {
@@ -34,7 +35,8 @@ class ScanStore {
   // refused.
   enum class Digests { Ignored, Compared };
 
-  // Reads the manifest of a dataset, the directory of a shard, or a single scan. The manifest of a shard is looked for
+  // Reads the manifest of a dataset, the directory of a shard, a single scan, or the list of the scans in a folder of
+  // those layouts that imports/scan_folder.h knows. The manifest of a shard is looked for
   // beside and above it; a shard without one is read, too. Of a shard that was cut short, the members that are whole
   // are read. Throws InputError.
   explicit ScanStore(std::filesystem::path path, Digests digests = Digests::Ignored);
@@ -44,7 +46,11 @@ class ScanStore {
   const std::filesystem::path& path() const { return path_; }
   bool single() const { return single_.has_value(); }
   const Manifest* manifest() const { return manifest_.get(); }  // null where there is none
-  std::filesystem::path folder() const { return folder_; }      // the manifest's
+  // The classes of the labels, by the manifest or the layout; null where they are unknown.
+  const Ontology* ontology() const;
+  // The name of the layout of recorded scans; empty of datasets, shards and single scans.
+  std::string_view layout() const { return recorded_ ? std::string_view(recorded_->layout) : std::string_view(); }
+  std::filesystem::path folder() const { return folder_; }  // the manifest's
   // The beam table of a sensor, with directions filled in; null where it is unknown. Any thread may call it.
   // `time`: of the scan (s), for sensors whose beams differ from one to the next.
   std::shared_ptr<const BeamTable> beams(const std::string& sensor, double time) const;
@@ -88,7 +94,8 @@ class ScanStore {
 
   void openDataset();
   void openShard();
-  void openSingle(const std::string& suffix);
+  void openSingle();
+  StoredScan scanOfRecorded(std::size_t sample, const std::string& sensor) const;
   void addSample(const std::string& key, Sample sample);
   const std::vector<std::string>& membersOf(const Sample& sample) const;
   const ShardIndex& shard(std::size_t number) const;
@@ -101,6 +108,8 @@ class ScanStore {
   std::filesystem::path folder_;
   std::shared_ptr<const Manifest> manifest_;
   std::optional<Scan> single_;
+  std::optional<ScanFolder> recorded_;
+  std::optional<Ontology> ontology_;  // of recorded scans
   std::vector<std::string> keys_;
   std::vector<Sample> samples_;  // as keys_
   std::unordered_map<std::string, std::size_t> byKey_;

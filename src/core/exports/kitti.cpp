@@ -154,7 +154,7 @@ class Kitti : public Layout {
       labels += labelOf(type, object, view);
     });
     const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
-    folder.write(files[0], velodynePoints(sample.scans.front()));
+    folder.write(files[0], velodynePoints(sample.scans.front(), velodyneOrder(sample.scans.front())));
     folder.write(files[1], labels);
     folder.write(files[2], calibration());
     folder.write(files[3], image_);

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <tuple>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -54,12 +56,37 @@ bool hasColumn(const ExportPlan& plan, std::string_view column) {
   return std::find(columns.begin(), columns.end(), column) != columns.end();
 }
 
-std::string velodynePoints(const ExportScan& given) {
-  std::string bytes;
-  bytes.reserve(given.scan.size() * 16);
-  for (std::size_t i = 0; i < given.scan.size(); ++i) {
-    const Vec3f& p = given.scan.position[i];
+std::vector<std::size_t> velodyneOrder(const ExportScan& given) {
+  const Scan& scan = given.scan;
+  struct Place {
+    std::int64_t down;  // of the ring
+    double azimuth;     // rad, from 0
+    std::size_t point;
+  };
+  const bool known = knowsBeams(scan) || !scan[kRing].empty();
+  std::vector<Place> places;
+  places.reserve(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Vec3f& p = scan.position[i];
     if (!isFinite(p)) continue;
+    const std::int64_t ring = !known ? 0 : scan.organised ? keyOf(scan, i).ring : scan[kRing][i];
+    const double azimuth = known ? std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) : 0;
+    places.push_back({given.sensor->beams.topDown ? ring : -ring, azimuth < 0 ? azimuth + 2 * kPi : azimuth, i});
+  }
+  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return std::tie(a.down, a.azimuth) < std::tie(b.down, b.azimuth);
+  });
+  std::vector<std::size_t> order;
+  order.reserve(places.size());
+  for (const Place& place : places) order.push_back(place.point);
+  return order;
+}
+
+std::string velodynePoints(const ExportScan& given, std::span<const std::size_t> order) {
+  std::string bytes;
+  bytes.reserve(order.size() * 16);
+  for (const std::size_t i : order) {
+    const Vec3f& p = given.scan.position[i];
     for (const float value : {p.x, p.y, p.z, std::min(unitIntensity(given, i), 1.0f)}) putNumber(value, bytes);
   }
   return bytes;

@@ -62,8 +62,12 @@ struct ExportPlan {
 bool listsObjects(const ExportPlan& plan);
 // Whether the dataset's scans have a column.
 bool hasColumn(const ExportPlan& plan, std::string_view column);
-// The points of KITTI's files velodyne/*.bin, without misses: x, y, z (m) and the part of 1 that comes back, float32.
-std::string velodynePoints(const ExportScan& given);
+// The scan's points, without misses, as KITTI's files order theirs, which some loaders find the rings by: ring after
+// ring from the top, each from straight ahead over the left round to there. In the scan's own order where it knows no
+// rings.
+std::vector<std::size_t> velodyneOrder(const ExportScan& given);
+// These points of KITTI's files velodyne/*.bin: x, y, z (m) and the part of 1 that comes back, float32.
+std::string velodynePoints(const ExportScan& given, std::span<const std::size_t> order);
 // The scan of the first sensor that is exported, for layouts that hold one. Throws InputError where there is none.
 const ScanRecord& onlyScanOf(const ExportPlan& plan, const SampleRecord& sample);
 

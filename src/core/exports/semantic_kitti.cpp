@@ -3,7 +3,7 @@
 // which are those of KITTI's odometry benchmark with labels beside them:
 //
 //   semantic-kitti.yaml                    classes, colours (blue, green, red) and splits, for the API's --config
-//   sequences/00/velodyne/000000.bin       float32 x, y, z, remission a point
+//   sequences/00/velodyne/000000.bin       float32 x, y, z, remission a point, ring after ring from the top
 //   sequences/00/labels/000000.label       uint32 a point: class in the lower 16 bits, instance in the upper
 //   sequences/00/poses.txt                 12 numbers a line: pose of camera 0 relative to the first line
 //   sequences/00/calib.txt, times.txt
@@ -112,15 +112,16 @@ class SemanticKitti : public Layout {
       }
     }
     std::string labels;
-    for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
-      if (!isFinite(scan.position[i])) continue;
+    const std::vector<std::size_t> order = velodyneOrder(sample.scans.front());
+    for (const std::size_t i : order) {
+      if (scan[kLabel].empty()) break;
       const std::uint32_t instance = scan[kInstance].empty() ? 0 : scan[kInstance][i];
       const std::uint16_t own = scan[kLabel][i];
       const std::uint32_t label = moving.contains(instance) ? plan.classes.ofMoving(own) : plan.classes.of(own);
       putNumber(label | instance << 16, labels);
     }
     const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
-    folder.write(files[0], velodynePoints(sample.scans.front()));
+    folder.write(files[0], velodynePoints(sample.scans.front(), order));
     if (files.size() > 1) folder.write(files[1], labels);
   }
 

@@ -10,9 +10,11 @@
 #include "config/text.h"
 #include "formats/format.h"
 #include "formats/las_reader.h"
+#include "formats/npz_reader.h"
 #include "formats/pcd_reader.h"
 #include "formats/ply_header.h"
 #include "formats/ply_reader.h"
+#include "formats/point_records.h"
 
 namespace scanmill {
 
@@ -33,6 +35,16 @@ bool isCloud(const std::filesystem::path& file) {
                       [](const PlyElement& e) { return (e.name == "face" || e.name == "tristrips") && e.count > 0; });
 }
 
+bool isScan(const std::filesystem::path& file) {
+  return numbersOfRecord(file) > 0 || lowerExtension(file) == ".npz" || isCloud(file);
+}
+
+std::string scanSuffixes() {
+  std::string list;
+  for (const FormatEntry& f : formats()) list += fmt::format(".{}, ", f.suffix);
+  return list + ".las, .ply, .bin, .pcd.bin, .npz";
+}
+
 Cloud readCloud(const std::filesystem::path& file) {
   const std::string suffix = lowerExtension(file);
   if (suffix == ".ply") return readPly(file);
@@ -43,9 +55,17 @@ Cloud readCloud(const std::filesystem::path& file) {
     cloud.scan = readPcd(bytes, file.string(), &cloud.origin);
     return cloud;
   }
+  if (suffix == ".npz") return {{}, readNpz(bytes, file.string())};
+  if (const std::size_t numbers = numbersOfRecord(file); numbers > 0) {
+    Cloud cloud{{}, readPointRecords(bytes, numbers, file.string())};
+    if (const auto labels = labelsBeside(file); !labels.empty()) {
+      addSemanticKittiLabels(readFile(labels), labels.string(), cloud.scan);
+    }
+    return cloud;
+  }
   const FormatEntry* const format = suffix.empty() ? nullptr : formatBySuffix(suffix.substr(1));
   if (format == nullptr) {
-    throw InputError({file.string()}, "is of no kind of clouds: .las, .ply, .pcd, .drc and .csv are read");
+    throw InputError({file.string()}, fmt::format("is no scan of a known kind: {} are read", scanSuffixes()));
   }
   const Value none;
   Fields options(none, "format");

@@ -36,14 +36,32 @@ for sequence in ['00', '08']:
 print(total)
 )");
   EXPECT_THAT(printed, HasSubstr("1232"));
+}
+
+// As in KITTI's own files: ring after ring from the top, each from straight ahead over the left round to there.
+TEST_F(SemanticKittiLayout, PointsFollowOneAnotherAsInKittisFiles) {
+  write(*layout_);
   const Scan own = scan(0, 1);
   const std::string bytes = readFile(folder_.path() / "sequences/08/velodyne/000001.bin");
+  const std::string labels = readFile(folder_.path() / "sequences/08/labels/000001.label");
   ASSERT_EQ(bytes.size(), own.size() * 16);
+  std::set<std::size_t> seen;
+  std::pair<int, double> before{-1, 0};
   for (std::size_t i = 0; i < own.size(); ++i) {
     float values[4];
+    std::uint32_t label = 0;
     std::memcpy(values, bytes.data() + i * 16, 16);
-    ASSERT_EQ((Vec3f{values[0], values[1], values[2]}), own.position[i]);
-    ASSERT_EQ(values[3], own[kIntensity][i]);
+    std::memcpy(&label, labels.data() + i * 4, 4);
+    const auto found = std::find(own.position.begin(), own.position.end(), Vec3f{values[0], values[1], values[2]});
+    ASSERT_NE(found, own.position.end());
+    const auto at = static_cast<std::size_t>(found - own.position.begin());
+    ASSERT_TRUE(seen.insert(at).second);
+    ASSERT_EQ(values[3], own[kIntensity][at]);
+    ASSERT_EQ(label >> 16, own[kInstance][at]);
+    const double azimuth = std::atan2(values[1], values[0]);
+    const std::pair<int, double> place{3 - own[kRing][at], azimuth < 0 ? azimuth + 2 * kPi : azimuth};
+    ASSERT_LE(before, place);  // ring 0 is the lowest
+    before = place;
   }
 }
 

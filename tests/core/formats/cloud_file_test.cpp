@@ -202,7 +202,7 @@ TEST_F(CloudFiles, PcdKeepsTheMillimetresOfAProjection) {
     EXPECT_EQ(cloud.scan.position[1].y, 12.5f);
     EXPECT_THAT(cloud.scan[kLabel], ElementsAre(7, 7));
   }
-  EXPECT_THAT(refused("a.xyz", "1 2 3"), HasSubstr("of no kind of clouds"));
+  EXPECT_THAT(refused("a.xyz", "1 2 3"), HasSubstr("no scan of a known kind"));
   EXPECT_FALSE(isCloud("a.glb"));
   EXPECT_TRUE(isCloud("a.LAS"));
 }

@@ -1,11 +1,10 @@
 #include "viewer/frames/frame_source.h"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "dataset/sample_names.h"
-#include "formats/format.h"
+#include "formats/cloud_file.h"
 #include "scene/scene.h"
 #include "viewer/frames/scene_lookup.h"
 #include "viewer/frames/stored_frames.h"
@@ -58,15 +57,13 @@ std::unique_ptr<FrameSource> openFrames(const ViewInput& input) {
     if (suffix == ".exr") {
       throw InputError({input.path.string()}, "is an image of passes or hits, not a scan: it is viewed by itself");
     }
-    if (suffix != ".tar" && (suffix.empty() || formatBySuffix(suffix.substr(1)) == nullptr)) {
-      std::vector<std::string> known{".tar"};
-      for (const FormatEntry& f : formats()) known.push_back(fmt::format(".{}", f.suffix));
+    if (suffix != ".tar" && !isScan(input.path)) {
       throw InputError(
           {input.path.string()},
           fmt::format(
-              "is neither a dataset's folder nor a shard or scan ({}) nor a scene (.yaml); of a model, `scanmill "
+              "is neither a dataset's folder nor a shard or scan (.tar, {}) nor a scene (.yaml); of a model, `scanmill "
               "draft` makes a scene",
-              fmt::join(known, ", ")));
+              scanSuffixes()));
     }
   }
   if (!input.scene.empty()) requireScene(input.scene);

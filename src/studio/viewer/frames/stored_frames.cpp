@@ -140,8 +140,8 @@ void StoredFrames::takeOntology() {
   }
   std::string owner;
   for (Store& s : stores_) {
-    if (s.scans->manifest() == nullptr) continue;
-    const Ontology& own = s.scans->manifest()->ontology;
+    if (s.scans->ontology() == nullptr) continue;
+    const Ontology& own = *s.scans->ontology();
     if (!ontology_) {
       ontology_ = own;
       owner = s.label;

@@ -1,0 +1,108 @@
+#include "study/compare/compare.h"
+
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/grouped.h"
+#include "base/terminal.h"
+#include "commands/arguments.h"
+#include "commands/stop_signal.h"
+#include "commands/table.h"
+#include "report/compare/compare_report.h"
+#include "report/page/report_folder.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kResultFile = "compare.json";
+constexpr const char* kPageFile = "index.html";
+constexpr std::size_t kMostScans = 1000;
+
+void printComparison(const SetComparison& comparison) {
+  std::vector<std::vector<std::string>> rows{
+      {"feature of a patch", "tells apart", "within real", "real", "simulated", "what moves it"}};
+  for (const Separation& s : comparison.features) {
+    const PatchFeature& f = kPatchFeatures[s.feature];
+    const double within = comparison.withinReal[s.feature];
+    rows.push_back({std::string(f.title), fmt::format("{:.3f}", s.strength),
+                    std::isnan(within) ? "-" : fmt::format("{:.3f}", within), figureText(s.realValue, f.factor, f.unit),
+                    figureText(s.simulatedValue, f.factor, f.unit), std::string(f.keys)});
+  }
+  printText("{}\n", formatTable(rows));
+  rows = {{"figure", "real", "simulated", "what moves it"}};
+  for (std::size_t i = 0; i < kSetFigureCount; ++i) {
+    const SetFigure& f = kSetFigures[i];
+    rows.push_back({std::string(f.title), figureText(comparison.real.figures[i], f.factor, f.unit),
+                    figureText(comparison.simulated.figures[i], f.factor, f.unit), std::string(f.keys)});
+  }
+  printText("{}\n", formatTable(rows));
+}
+
+}  // namespace
+
+int runCompare(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("compare");
+  cxxopts::Options options = describe(command);
+  options.add_options()("o,out", "folder of the page and the figures (made where absent)",
+                        cxxopts::value<std::string>(), "DIR")(
+      "scans", "at most so many scans of each set, evenly taken", cxxopts::value<std::size_t>()->default_value("20"),
+      "N")("sensor", "of datasets with several sensors (default: the first)", cxxopts::value<std::string>(), "NAME")(
+      "overwrite", "replace a comparison that is there already")("threads", "how many threads to use, 0 for all cores",
+                                                                 cxxopts::value<int>()->default_value("0"))(
+      "q,quiet", "one line in place of progress and tables");
+  const Arguments parsed =
+      parseArguments(command, options, arguments,
+                     "  scanmill compare SemanticKITTI/sequences/08 out/training -o out/compared\n"
+                     "  scanmill compare recorded_frames/ out/street -o out/compared --scans 50 --overwrite\n");
+  if (parsed.help) return 0;
+  const auto given = parsed.options.count("input") == 0 ? std::vector<std::string>()
+                                                        : parsed.options["input"].as<std::vector<std::string>>();
+  if (given.size() != 2) {
+    throw InputError(
+        fmt::format("compare takes two sets, REAL and SIMULATED, not {}: folders of recorded scans (files, "
+                    "SemanticKITTI's, KITTI's, nuScenes'), datasets, shards or single scans",
+                    given.size()));
+  }
+  const std::filesystem::path folder = folderOption(parsed, "out");
+  if (folder.empty()) throw InputError("-o DIR is missing: where should the page go?");
+  ScanSetOptions read;
+  read.scans = parsed.options["scans"].as<std::size_t>();
+  if (read.scans < 1 || read.scans > kMostScans) {
+    throw InputError(fmt::format("--scans must be from 1 to {}, not {}", kMostScans, read.scans));
+  }
+  if (parsed.options.count("sensor") > 0) read.sensor = parsed.options["sensor"].as<std::string>();
+  read.stop = &stopSignal();
+  const bool quiet = parsed.options.count("quiet") > 0;
+  const ResourceLimits limits(parsed);
+  prepareReportFolder(folder, kResultFile, parsed.options.count("overwrite") > 0);
+
+  Progress progress("compare", 2 * read.scans, "scans", "points", quiet);
+  ScanSet real = readScanSet(given[0], read, progress);
+  progress.setTotal(real.scans + read.scans);
+  ScanSet simulated = readScanSet(given[1], read, progress);
+  progress.say("telling them apart");
+  const SetComparison comparison = compareSets(std::move(real), std::move(simulated));
+  if (*read.stop) throw Error("stopped: nothing was written");
+
+  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  const std::string date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
+  beginReport(folder, kResultFile);
+  writeFile(folder / kPageFile, comparisonPage(comparison, date));
+  writeFile(folder / kResultFile, comparisonJson(comparison, date));
+  if (comparison.features.empty()) {
+    warn("no patches of one class or shape at like ranges are in both sets: nothing tells what differs");
+  }
+  if (!quiet) printComparison(comparison);
+  printText("{} points of {} and {} of {}: open {}\n", grouped(comparison.real.points), comparison.real.name,
+            grouped(comparison.simulated.points), comparison.simulated.name, (folder / kPageFile).string());
+  return 0;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,147 @@
+#include "formats/point_records.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "base/error.h"
+#include "config/text.h"
+
+namespace scanmill {
+
+static_assert(std::endian::native == std::endian::little, "records are read as they lie");
+
+namespace {
+
+constexpr float kFarthest = 1e5f;  // m
+
+template <class T>
+std::vector<T> valuesOf(std::string_view bytes) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  return values;
+}
+
+// The rings that points of one ring after another, each from straight ahead round to there, belong to; empty where the
+// order is none of that kind. A ring ends where the way round passes straight ahead after half a turn or more, so that
+// points which stand a little out of order there do not begin another.
+std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
+  constexpr std::size_t kFewest = 8, kMost = 256;
+  constexpr double kOrdered = 0.9;  // of the rings lie below the one before
+  std::vector<double> azimuth;
+  double way = 0;
+  for (const Vec3f& p : points) {
+    azimuth.push_back(std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)));
+    if (azimuth.size() > 1) way += std::remainder(azimuth.back() - azimuth[azimuth.size() - 2], 2 * kPi);
+  }
+  const double direction = way < 0 ? -1 : 1;
+  std::vector<std::uint16_t> rings;
+  std::vector<std::size_t> begins{0};
+  double turned = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i > 0) {
+      turned += direction * std::remainder(azimuth[i] - azimuth[i - 1], 2 * kPi);
+      const bool passes =
+          direction * azimuth[i - 1] < 0 && direction * azimuth[i] >= 0 && std::fabs(azimuth[i]) < kPi / 2;
+      if (passes && turned > kPi) {
+        begins.push_back(i);
+        turned = 0;
+      }
+    }
+    if (begins.size() > kMost) return {};
+    rings.push_back(static_cast<std::uint16_t>(begins.size() - 1));
+  }
+  if (begins.size() < kFewest) return {};
+  begins.push_back(points.size());
+  std::vector<double> elevations;  // of each ring, the median
+  for (std::size_t r = 0; r + 1 < begins.size(); ++r) {
+    std::vector<double> own;
+    for (std::size_t i = begins[r]; i < begins[r + 1]; ++i) {
+      const Vec3f& p = points[i];
+      own.push_back(
+          std::atan2(static_cast<double>(p.z), std::hypot(static_cast<double>(p.x), static_cast<double>(p.y))));
+    }
+    std::nth_element(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(own.size() / 2), own.end());
+    elevations.push_back(own[own.size() / 2]);
+  }
+  std::size_t falling = 0;
+  for (std::size_t r = 1; r < elevations.size(); ++r) falling += elevations[r] < elevations[r - 1] ? 1 : 0;
+  if (static_cast<double>(falling) < kOrdered * static_cast<double>(elevations.size() - 1)) return {};
+  return rings;
+}
+
+void requireOneEach(std::size_t labels, const Scan& scan, const std::string& what) {
+  if (labels != scan.size()) {
+    throw InputError({what}, fmt::format("has {} labels; its scan has {} points", labels, scan.size()));
+  }
+}
+
+}  // namespace
+
+std::size_t numbersOfRecord(const std::filesystem::path& file) {
+  if (lowerExtension(file) != ".bin") return 0;
+  return lowerExtension(file.stem()) == ".pcd" ? 5 : 4;
+}
+
+Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::string& what) {
+  const std::size_t size = numbers * sizeof(float);
+  const std::string record = numbers == 4 ? "x, y, z, intensity" : "x, y, z, intensity, ring";
+  if (bytes.size() % size != 0) {
+    throw InputError({what}, fmt::format("has {} bytes, which are no whole records of {} float32 ({})", bytes.size(),
+                                         numbers, record));
+  }
+  const std::vector<float> values = valuesOf<float>(bytes);
+  Scan scan;
+  std::uint32_t rings = 0;
+  for (std::size_t at = 0; at < values.size(); at += numbers) {
+    const Vec3f p{values[at], values[at + 1], values[at + 2]};
+    // Written so that NaN fails it too.
+    const auto near = [](float c) { return std::fabs(c) <= kFarthest; };
+    if (!near(p.x) || !near(p.y) || !near(p.z)) {
+      throw InputError({what}, fmt::format("point {} lies at {}, {}, {}: these are no records of {} float32 ({})",
+                                           at / numbers, p.x, p.y, p.z, numbers, record));
+    }
+    scan.position.push_back(p);
+    scan[kIntensity].push_back(values[at + 3]);
+    if (numbers < 5) continue;
+    const float ring = values[at + 4];
+    if (!(ring >= 0 && ring <= 65535) || ring != std::floor(ring)) {
+      throw InputError({what}, fmt::format("the ring of point {} is {}: no whole number from 0", at / numbers, ring));
+    }
+    scan[kRing].push_back(static_cast<std::uint16_t>(ring));
+  }
+  if (numbers < 5) scan[kRing] = ringsByOrder(scan.position);
+  for (const std::uint16_t ring : scan[kRing]) rings = std::max(rings, ring + 1u);
+  scan.rings = rings;
+  return scan;
+}
+
+void addSemanticKittiLabels(std::string_view bytes, const std::string& what, Scan& scan) {
+  if (bytes.size() % sizeof(std::uint32_t) != 0) throw InputError({what}, "is no list of uint32");
+  const std::vector<std::uint32_t> values = valuesOf<std::uint32_t>(bytes);
+  requireOneEach(values.size(), scan, what);
+  for (const std::uint32_t value : values) {
+    scan[kLabel].push_back(static_cast<std::uint16_t>(value & 0xffff));
+    scan[kInstance].push_back(value >> 16);
+  }
+}
+
+void addLidarsegLabels(std::string_view bytes, const std::string& what, Scan& scan) {
+  requireOneEach(bytes.size(), scan, what);
+  for (const char c : bytes) scan[kLabel].push_back(static_cast<unsigned char>(c));
+}
+
+std::filesystem::path labelsBeside(const std::filesystem::path& scan) {
+  const std::filesystem::path whole = std::filesystem::absolute(scan);
+  if (whole.parent_path().filename() != "velodyne") return {};
+  const std::filesystem::path file =
+      scan.parent_path() / ".." / "labels" / std::filesystem::path(scan.filename()).replace_extension(".label");
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(file, ignored) ? file.lexically_normal() : std::filesystem::path();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,116 @@
+// nuScenes (Caesar et al., CVPR 2020) with the labels of nuScenes-lidarseg, as its devkit reads them:
+//
+//   v1.0-mini/sample_data.json, sample.json, scene.json, lidarseg.json
+//   samples/LIDAR_TOP/*.pcd.bin      the key frames, which alone have labels
+//   lidarseg/v1.0-mini/*_lidarseg.bin
+//
+// The folder is the root or the one of the tables.
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "config/resources.h"
+#include "imports/scan_folder.h"
+
+namespace scanmill {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::string_view kRows = "sample_data.json";
+
+bool isThere(const fs::path& file) {
+  std::error_code ignored;
+  return fs::exists(file, ignored);
+}
+
+// Calls visit(row) for the rows of a table that `wanted` takes. Others are dropped while the text is read, since a
+// table of the whole dataset has millions.
+void readTable(const fs::path& file, const std::function<bool(const Json&)>& wanted,
+               const std::function<void(const Json&)>& visit) {
+  const auto keep = [&](int depth, Json::parse_event_t event, Json& value) {
+    return event != Json::parse_event_t::object_end || depth != 1 || !value.is_object() || wanted(value);
+  };
+  try {
+    const Json table = Json::parse(readFile(file), keep);
+    if (!table.is_array()) throw InputError({file.string()}, "is no table of nuScenes: a list belongs there");
+    for (const Json& row : table) visit(row);
+  } catch (const Json::exception& e) {
+    throw InputError({file.string()}, std::string("is no table of nuScenes: ") + e.what());
+  }
+}
+
+bool always(const Json&) {
+  return true;
+}
+
+bool isLidarKeyFrame(const Json& row) {
+  return row.value("is_key_frame", false) && row.value("filename", "").ends_with(".pcd.bin");
+}
+
+// The folder of the tables; empty where there is none. The first one whose scans are there, as a root may hold several.
+fs::path tablesIn(const fs::path& folder) {
+  if (isThere(folder / kRows)) return folder;
+  std::vector<fs::path> versions;
+  std::error_code failure;
+  for (const auto& entry : fs::directory_iterator(folder, failure)) {
+    if (entry.path().filename().string().starts_with("v1.0-") && isThere(entry.path() / kRows)) {
+      versions.push_back(entry.path());
+    }
+  }
+  std::sort(versions.begin(), versions.end());
+  return versions.empty() ? fs::path() : versions.front();
+}
+
+}  // namespace
+
+std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
+  const fs::path given = tablesIn(folder);
+  if (given.empty()) return {};
+  const fs::path tables = fs::absolute(given).lexically_normal();
+  const fs::path root = (tables.has_filename() ? tables : tables.parent_path()).parent_path();
+  std::map<std::string, std::string> sceneOf;  // of samples, by token
+  std::map<std::string, std::string> nameOf;   // of scenes
+  readTable(tables / "scene.json", always,
+            [&](const Json& row) { nameOf[row.at("token").get<std::string>()] = row.at("name").get<std::string>(); });
+  readTable(tables / "sample.json", always, [&](const Json& row) {
+    sceneOf[row.at("token").get<std::string>()] = row.at("scene_token").get<std::string>();
+  });
+  std::map<std::string, fs::path> labelsOf;  // of sample_data
+  if (isThere(tables / "lidarseg.json")) {
+    readTable(tables / "lidarseg.json", always, [&](const Json& row) {
+      labelsOf[row.at("sample_data_token").get<std::string>()] = root / row.at("filename").get<std::string>();
+    });
+  }
+  ScanFolder found{"nuscenes", "LIDAR_TOP", {}, {}};
+  std::size_t absent = 0;
+  readTable(tables / kRows, isLidarKeyFrame, [&](const Json& row) {
+    const fs::path points = root / row.at("filename").get<std::string>();
+    const std::string sample = row.at("sample_token").get<std::string>();
+    const auto labels = labelsOf.find(row.at("token").get<std::string>());
+    if (!isThere(points)) {
+      ++absent;
+      return;
+    }
+    const std::uint64_t time = row.at("timestamp").get<std::uint64_t>();  // us
+    found.scans.push_back({nameOf[sceneOf[sample]] + "-" + std::to_string(time), points,
+                           labels == labelsOf.end() ? fs::path() : labels->second});
+  });
+  if (found.scans.empty()) {
+    throw InputError({root.string()}, absent == 0 ? "has tables of nuScenes that list no scan of a lidar"
+                                                  : "has tables of nuScenes, but none of the scans that they list");
+  }
+  std::sort(found.scans.begin(), found.scans.end(),
+            [](const FolderScan& a, const FolderScan& b) { return a.key < b.key; });
+  if (!labelsOf.empty()) found.ontology = readOntology(namedResource("nuscenes", "labels"));
+  return found;
+}
+
+}  // namespace scanmill

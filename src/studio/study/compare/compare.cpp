@@ -1,0 +1,249 @@
+#include "study/compare/compare.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "base/parallel.h"
+#include "evaluate/roc.h"
+#include "exports/class_map.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kFewest = 50;  // patches of a group in a band, in either set
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// The group of each patch, by a number that means the same in both sets.
+using Groups = std::vector<std::uint16_t>;
+
+Groups groupsByKind(const Patches& patches) {
+  Groups groups;
+  for (const PatchKind kind : patches.kind) groups.push_back(static_cast<std::uint16_t>(kind));
+  return groups;
+}
+
+double medianOf(std::vector<float> values) {
+  if (values.empty()) return kNaN;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
+}
+
+double meanOf(std::vector<float> values) {
+  double sum = 0;
+  for (const float v : values) sum += static_cast<double>(v);
+  return values.empty() ? kNaN : sum / static_cast<double>(values.size());
+}
+
+// The values of a feature by group and band.
+using Strata = std::map<std::pair<std::uint16_t, std::size_t>, std::vector<float>>;
+
+template <class Wanted>
+Strata strataOf(const Patches& patches, const Groups& groups, std::size_t feature, const Wanted& wanted) {
+  Strata strata;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const float value = patches.value[feature][i];
+    if (std::isnan(value) || !wanted(i)) continue;
+    strata[{groups[i], comparedBandOf(static_cast<double>(patches.range[i]))}].push_back(value);
+  }
+  return strata;
+}
+
+// Adds up separations of bands.
+struct Sum {
+  Separation separation;
+  double weight = 0;
+  std::vector<float> real, simulated;
+
+  void add(const std::vector<float>& a, const std::vector<float>& b) {
+    const auto own = static_cast<double>(std::min(a.size(), b.size()));
+    const double area = rocArea(a, b);
+    separation.strength += own * std::fabs(area - 0.5);
+    separation.area += own * (area - 0.5);
+    weight += own;
+    separation.real += a.size();
+    separation.simulated += b.size();
+    real.insert(real.end(), a.begin(), a.end());
+    simulated.insert(simulated.end(), b.begin(), b.end());
+  }
+
+  Separation of(std::size_t feature) const {
+    Separation s = separation;
+    s.feature = feature;
+    s.strength /= weight;
+    s.area = 0.5 + (separation.area - 0.5) / weight;
+    const auto typical = kPatchFeatures[feature].mostlyZero ? meanOf : medianOf;
+    s.realValue = typical(real);
+    s.simulatedValue = typical(simulated);
+    return s;
+  }
+};
+
+struct Separated {
+  std::map<std::uint16_t, Sum> groups;
+  Sum all;
+};
+
+Separated separate(const Strata& a, const Strata& b) {
+  Separated result;
+  for (const auto& [stratum, values] : a) {
+    const auto other = b.find(stratum);
+    if (other == b.end() || values.size() < kFewest || other->second.size() < kFewest) continue;
+    result.groups[stratum.first].add(values, other->second);
+    result.all.add(values, other->second);
+  }
+  return result;
+}
+
+void sortByStrength(std::vector<Separation>& list) {
+  std::stable_sort(list.begin(), list.end(),
+                   [](const Separation& a, const Separation& b) { return a.strength > b.strength; });
+}
+
+double shareOf(const std::vector<std::uint64_t>& counts, std::size_t index, std::size_t all) {
+  return all == 0 ? 0 : static_cast<double>(counts[index]) / static_cast<double>(all);
+}
+
+void addRanges(SetComparison& result) {
+  const auto countsOf = [](const Patches& patches) {
+    std::vector<std::uint64_t> counts(kRangeBandCount, 0);
+    for (const float range : patches.range) ++counts[comparedBandOf(static_cast<double>(range))];
+    return counts;
+  };
+  const auto real = countsOf(result.real.patches), simulated = countsOf(result.simulated.patches);
+  for (std::size_t band = 0; band < kRangeBandCount; ++band) {
+    result.ranges.push_back({comparedBandName(band), shareOf(real, band, result.real.patches.size()),
+                             shareOf(simulated, band, result.simulated.patches.size())});
+  }
+}
+
+// `bandOf`: the row of a patch; beyond the last one where it has none.
+template <class BandOf>
+std::vector<IntensityRow> intensityRows(const SetComparison& result, const std::vector<std::string>& names,
+                                        const BandOf& bandOf) {
+  const auto medians = [&](const Patches& patches) {
+    std::vector<std::vector<float>> values(names.size());
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+      const float intensity = patches.of(Feature::Intensity)[i];
+      const std::size_t band = bandOf(patches, i);
+      if (!std::isnan(intensity) && band < names.size()) values[band].push_back(intensity);
+    }
+    std::vector<double> list;
+    for (auto& own : values) list.push_back(own.size() < kFewest ? kNaN : medianOf(std::move(own)));
+    return list;
+  };
+  const std::vector<double> real = medians(result.real.patches), simulated = medians(result.simulated.patches);
+  std::vector<IntensityRow> rows;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!std::isnan(real[i]) || !std::isnan(simulated[i])) rows.push_back({names[i], real[i], simulated[i]});
+  }
+  return rows;
+}
+
+void addIntensities(SetComparison& result) {
+  std::vector<std::string> bands;
+  for (std::size_t band = 0; band < kRangeBandCount; ++band) bands.push_back(comparedBandName(band));
+  result.intensityByRange = intensityRows(result, bands, [](const Patches& patches, std::size_t i) {
+    return comparedBandOf(static_cast<double>(patches.range[i]));
+  });
+  constexpr double kBand = 15;  // deg
+  result.intensityByIncidence = intensityRows(
+      result, {"to 15 deg", "15 to 30 deg", "30 to 45 deg", "45 to 60 deg", "60 to 75 deg", "75 to 90 deg"},
+      [](const Patches& patches, std::size_t i) {
+        const auto incidence = static_cast<double>(patches.incidence[i]);
+        return std::isnan(incidence) ? std::size_t{99} : static_cast<std::size_t>(degrees(incidence) / kBand);
+      });
+}
+
+// The patches' classes by the ontology of the first set, and the second set's classes that it does not have.
+std::pair<Groups, Groups> groupsByClass(const ScanSet& real, const ScanSet& simulated,
+                                        std::vector<std::string>& unknown) {
+  const ClassMap map(*simulated.ontology, *real.ontology);
+  Groups second;
+  std::set<std::uint16_t> lost;
+  for (const std::uint16_t label : simulated.patches.label) {
+    const SemanticClass& mapped = map.classOf(label);
+    second.push_back(mapped.movingOf.value_or(mapped.id));
+    if (second.back() == 0 && label != 0) lost.insert(label);
+  }
+  for (const std::uint16_t label : lost) {
+    const SemanticClass* const own = simulated.ontology->find(label);
+    if (own != nullptr) unknown.push_back(own->name);
+  }
+  // What moves is compared with what stands: whether it does is no property of a patch.
+  Groups first;
+  for (const std::uint16_t label : real.patches.label) {
+    const SemanticClass* const own = real.ontology->find(label);
+    first.push_back(own == nullptr ? std::uint16_t{0} : own->movingOf.value_or(own->id));
+  }
+  return {std::move(first), std::move(second)};
+}
+
+void addGroups(SetComparison& result, const Groups& real, const Groups& simulated,
+               const std::vector<Separated>& separated) {
+  std::map<std::uint16_t, std::pair<std::uint64_t, std::uint64_t>> counts;
+  for (const std::uint16_t group : real) ++counts[group].first;
+  for (const std::uint16_t group : simulated) ++counts[group].second;
+  for (const auto& [group, count] : counts) {
+    GroupComparison own;
+    const SemanticClass* const known = result.byClass ? result.real.ontology->find(group) : nullptr;
+    own.name = !result.byClass ? std::string(kPatchKinds[group]) : known == nullptr ? "unlabeled" : known->name;
+    own.realShare = static_cast<double>(count.first) / static_cast<double>(std::max<std::size_t>(1, real.size()));
+    own.simulatedShare =
+        static_cast<double>(count.second) / static_cast<double>(std::max<std::size_t>(1, simulated.size()));
+    for (std::size_t f = 0; f < kFeatureCount; ++f) {
+      const auto found = separated[f].groups.find(group);
+      if (found != separated[f].groups.end()) own.features.push_back(found->second.of(f));
+    }
+    sortByStrength(own.features);
+    result.groups.push_back(std::move(own));
+  }
+  std::stable_sort(result.groups.begin(), result.groups.end(), [](const GroupComparison& a, const GroupComparison& b) {
+    return std::max(a.realShare, a.simulatedShare) > std::max(b.realShare, b.simulatedShare);
+  });
+}
+
+}  // namespace
+
+SetComparison compareSets(ScanSet real, ScanSet simulated) {
+  SetComparison result;
+  result.real = std::move(real);
+  result.simulated = std::move(simulated);
+  result.byClass = result.real.labelled && result.simulated.labelled;
+  const Patches& a = result.real.patches;
+  const Patches& b = result.simulated.patches;
+  const auto [groupsA, groupsB] = result.byClass ? groupsByClass(result.real, result.simulated, result.unknown)
+                                                 : std::pair(groupsByKind(a), groupsByKind(b));
+  std::vector<Separated> separated(kFeatureCount);
+  result.withinReal.fill(kNaN);
+  parallelFor(kFeatureCount, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t f = first; f < last; ++f) {
+      // What has no class, or none that both sets know, may be anything.
+      const auto known = [&](const Groups& groups, std::size_t i) { return !result.byClass || groups[i] != 0; };
+      separated[f] = separate(strataOf(a, groupsA, f, [&](std::size_t i) { return known(groupsA, i); }),
+                              strataOf(b, groupsB, f, [&](std::size_t i) { return known(groupsB, i); }));
+      const auto scansOf = [&](std::uint32_t odd) {
+        return strataOf(a, groupsA, f, [&](std::size_t i) { return known(groupsA, i) && a.scan[i] % 2 == odd; });
+      };
+      const Separated within = separate(scansOf(0), scansOf(1));
+      if (within.all.weight > 0) result.withinReal[f] = within.all.of(f).strength;
+    }
+  });
+  for (std::size_t f = 0; f < kFeatureCount; ++f) {
+    if (separated[f].all.weight > 0) result.features.push_back(separated[f].all.of(f));
+  }
+  sortByStrength(result.features);
+  addGroups(result, groupsA, groupsB, separated);
+  addRanges(result);
+  addIntensities(result);
+  result.real.patches = {};
+  result.simulated.patches = {};
+  return result;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,297 @@
+#include "study/compare/patches.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+
+namespace scanmill {
+
+namespace {
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr std::size_t kFewest = 12;  // points of a patch's plane
+constexpr double kPlanar = 0.35;     // thickness over width: less is a plane
+constexpr double kLevel = 25;        // deg, of a plane that is level
+constexpr double kUpright = 65;      // deg, of one that is upright
+constexpr double kSteep = 0.5;       // cosine of 60 deg: offsets along the beam are told from what is met as steeply
+constexpr double kNear = 0.5, kNearShare = 0.1;  // m, and part of the range: points so near in range are of one thing
+
+struct Plane {
+  Vec3d middle, normal;  // the normal is a unit vector
+  double thickness = 0;  // m, standard deviation along the normal
+  double width = 0;      // m, the lesser of the two others
+};
+
+Plane planeOf(std::span<const Vec3d> points) {
+  Plane plane;
+  for (const Vec3d& p : points) plane.middle += p;
+  const auto count = static_cast<double>(points.size());
+  plane.middle = plane.middle * (1 / count);
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const Vec3d& p : points) {
+    const Vec3d d = p - plane.middle;
+    const Eigen::Vector3d v(d.x, d.y, d.z);
+    sum += v * v.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sum / count);
+  const auto deviation = [&](int i) { return std::sqrt(std::max(0.0, solver.eigenvalues()[i])); };
+  plane.thickness = deviation(0);
+  plane.width = deviation(1);
+  const Eigen::Vector3d n = solver.eigenvectors().col(0);
+  plane.normal = {n.x(), n.y(), n.z()};
+  return plane;
+}
+
+class PatchReader {
+ public:
+  PatchReader(const Scan& scan, const RangeGrid& grid) : scan_(scan), grid_(grid) {}
+
+  void add(std::uint32_t row, std::uint32_t column, std::uint32_t number, Patches& out) {
+    row_ = row;
+    column_ = column;
+    pixel_ = grid_.at(row, column);
+    range_ = grid_.range[pixel_];
+    const Vec3d place(scan_.position[grid_.point[pixel_]]);
+    for (std::vector<float>& values : out.value) values.push_back(kNone);
+    out.range.push_back(static_cast<float>(range_));
+    out.row.push_back(static_cast<std::uint16_t>(row));
+    const auto& labels = scan_[kLabel];
+    out.label.push_back(labels.empty() ? std::uint16_t{0} : labels[grid_.point[pixel_]]);
+    out.scan.push_back(number);
+    gatherWindow();
+    addShape(place, out);
+    addRing(out);
+    addRingsBeside(place, out);
+    if (!scan_[kIntensity].empty()) addIntensity(out);
+    if (grid_.knowsMisses) addMisses(out);
+    set(Feature::Returns, grid_.returns[pixel_], out);
+  }
+
+ private:
+  static void set(Feature feature, double value, Patches& out) { out.of(feature).back() = static_cast<float>(value); }
+
+  bool filled(std::uint32_t pixel) const { return pixel != RangeGrid::kNone && grid_.point[pixel] != RangeGrid::kNone; }
+  bool near(std::uint32_t pixel) const {
+    return filled(pixel) &&
+           std::fabs(static_cast<double>(grid_.range[pixel]) - range_) < std::max(kNear, kNearShare * range_);
+  }
+  Vec3d pointAt(std::uint32_t pixel) const { return Vec3d(scan_.position[grid_.point[pixel]]); }
+
+  // The pixels around, row by row; kNone beyond the grid's edges.
+  void gatherWindow() {
+    for (int dr = -kPatchRowReach; dr <= kPatchRowReach; ++dr) {
+      for (int dc = -kPatchReach; dc <= kPatchReach; ++dc) {
+        const std::int64_t row = std::int64_t{row_} + dr;
+        window_[indexOf(dr, dc)] = row < 0 || row >= grid_.rows
+                                       ? RangeGrid::kNone
+                                       : grid_.beside(static_cast<std::uint32_t>(row), column_, dc);
+      }
+    }
+  }
+  static std::size_t indexOf(int dr, int dc) {
+    return static_cast<std::size_t>((dr + kPatchRowReach) * kWide + dc + kPatchReach);
+  }
+  std::uint32_t at(int dr, int dc) const { return window_[indexOf(dr, dc)]; }
+
+  void addShape(const Vec3d& place, Patches& out) {
+    points_.clear();
+    for (const std::uint32_t pixel : window_) {
+      if (near(pixel)) points_.push_back(pointAt(pixel));
+    }
+    out.kind.push_back(PatchKind::Sparse);
+    out.incidence.push_back(kNone);
+    if (points_.size() < kFewest) return;
+    const Plane plane = planeOf(points_);
+    if (!(plane.width > 0)) return;
+    const double steepness = degrees(std::acos(std::min(1.0, std::fabs(plane.normal.z))));
+    set(Feature::Thickness, plane.thickness, out);
+    set(Feature::RelativeThickness, plane.thickness / plane.width, out);
+    set(Feature::Steepness, steepness, out);
+    out.incidence.back() =
+        static_cast<float>(std::acos(std::min(1.0, std::fabs(dot(plane.normal, place)) / length(place))));
+    const bool flat = plane.thickness < kPlanar * plane.width;
+    out.kind.back() = !flat                  ? PatchKind::Rough
+                      : steepness < kLevel   ? PatchKind::Level
+                      : steepness > kUpright ? PatchKind::Upright
+                                             : PatchKind::Slanted;
+  }
+
+  // Of the point's own ring.
+  void addRing(Patches& out) const {
+    constexpr int kFit = 3;
+    const auto rangeAt = [&](int dc) {
+      const std::uint32_t pixel = at(0, dc);
+      return filled(pixel) ? static_cast<double>(grid_.range[pixel]) : std::numeric_limits<double>::quiet_NaN();
+    };
+    double largest = -1;
+    for (const int side : {-1, 1}) largest = std::fmax(largest, std::fabs(rangeAt(side) - range_));
+    if (largest >= 0) set(Feature::Jump, largest / range_, out);
+    int jumps = 0, steps = 0;
+    bool smooth = true;
+    for (int dc = -kPatchReach; dc < kPatchReach; ++dc) {
+      const double step = std::fabs(rangeAt(dc + 1) - rangeAt(dc));
+      if (dc >= -kFit && dc < kFit) smooth &= step < kJump;  // false for NaN
+      if (std::isnan(step)) continue;
+      ++steps;
+      jumps += step > kJump ? 1 : 0;
+    }
+    if (steps >= kPatchReach) set(Feature::Jumps, jumps, out);
+    const double edge = rangeAt(1) - rangeAt(-1);
+    if (std::fabs(edge) >= kEdge) {
+      const double least = std::fmin(rangeAt(-1), rangeAt(1));
+      if (range_ >= least && range_ <= least + std::fabs(edge)) {
+        const double part = (range_ - least) / std::fabs(edge);
+        set(Feature::Mixed, std::min(part, 1 - part), out);
+      }
+    }
+    if (!smooth) return;
+    // Orthogonal polynomials over -3 to 3: 1, k and k^2 - 4, of the squares 7, 28 and 84.
+    double mean = 0, slope = 0, bend = 0;
+    for (int k = -kFit; k <= kFit; ++k) {
+      const double r = rangeAt(k) - range_;
+      mean += r / 7;
+      slope += r * k / 28;
+      bend += r * (k * k - 4) / 84;
+    }
+    double squares = 0;
+    for (int k = -kFit; k <= kFit; ++k) {
+      const double left = rangeAt(k) - range_ - mean - slope * k - bend * (k * k - 4);
+      squares += left * left;
+    }
+    set(Feature::RangeScatter, std::sqrt(squares / 4), out);
+  }
+
+  void addRingsBeside(const Vec3d& place, Patches& out) {
+    out.ringOffset.push_back(kNone);
+    if (!grid_.knowsRings) return;
+    constexpr int kOwn = 2;
+    constexpr std::size_t kFewestOwn = 4, kFewestBeside = 5;
+    points_.clear();
+    std::array<std::size_t, 2> beside{};
+    for (const int dr : {-1, 1}) {
+      for (int dc = -kPatchReach; dc <= kPatchReach; ++dc) {
+        if (!near(at(dr, dc))) continue;
+        points_.push_back(pointAt(at(dr, dc)));
+        ++beside[dr < 0 ? 0 : 1];
+      }
+    }
+    if (beside[0] < kFewestBeside || beside[1] < kFewestBeside) return;
+    const Plane plane = planeOf(points_);
+    if (!(plane.width > 0) || plane.thickness >= kPlanar * plane.width) return;
+    double sum = 0;
+    std::size_t count = 0;
+    for (int dc = -kOwn; dc <= kOwn; ++dc) {
+      if (!near(at(0, dc))) continue;
+      sum += dot(plane.normal, pointAt(at(0, dc)) - plane.middle);
+      ++count;
+    }
+    if (count < kFewestOwn) return;
+    const double outwards = dot(plane.normal, place) < 0 ? -1 : 1;
+    const double offset = outwards * sum / static_cast<double>(count);
+    const double across = std::fabs(dot(plane.normal, place)) / length(place);  // cosine of the incidence
+    if (across > kSteep) out.ringOffset.back() = static_cast<float>(offset / across);
+    set(Feature::RingOffset, std::fabs(offset), out);
+  }
+
+  // The mean intensity of the returns at one range in a row; none where there are fewer than 4, or some is dark.
+  std::optional<double> meanIntensity(int dr) const {
+    constexpr int kOwn = 2;
+    double sum = 0;
+    int count = 0;
+    for (int dc = -kOwn; dc <= kOwn; ++dc) {
+      if (!near(at(dr, dc))) continue;
+      sum += static_cast<double>(scan_[kIntensity][grid_.point[at(dr, dc)]]);
+      ++count;
+    }
+    if (count < 4 || !(sum > 0)) return {};
+    return sum / count;
+  }
+
+  void addIntensity(Patches& out) const {
+    const double own = static_cast<double>(scan_[kIntensity][grid_.point[pixel_]]);
+    set(Feature::Intensity, own, out);
+    double sum = 0;
+    int count = 0;
+    for (const int dc : {-2, -1, 1, 2}) {
+      if (!near(at(0, dc))) continue;
+      sum += static_cast<double>(scan_[kIntensity][grid_.point[at(0, dc)]]);
+      ++count;
+    }
+    if (count == 4 && sum > 0) set(Feature::IntensityScatter, std::fabs(4 * own / sum - 1), out);
+    if (!grid_.knowsRings) return;
+    const auto here = meanIntensity(0), above = meanIntensity(-1), below = meanIntensity(1);
+    if (!here || !above || !below) return;
+    out.ringGain.back() = static_cast<float>(std::log(*here / (0.5 * (*above + *below))));
+    set(Feature::RingGain, std::fabs(static_cast<double>(out.ringGain.back())), out);
+  }
+
+  void addMisses(Patches& out) const {
+    std::size_t beams = 0, missing = 0;
+    for (const std::uint32_t pixel : window_) {
+      if (pixel == RangeGrid::kNone) continue;
+      ++beams;
+      missing += filled(pixel) ? 0 : 1;
+    }
+    set(Feature::Missing, static_cast<double>(missing) / static_cast<double>(beams), out);
+    int single = 0;
+    constexpr int kAround = kPatchReach - 1;
+    for (int dc = -kAround; dc <= kAround; ++dc) {
+      if (at(0, dc) == RangeGrid::kNone || filled(at(0, dc)) || !filled(at(0, dc - 1)) || !filled(at(0, dc + 1)))
+        continue;
+      single += std::fabs(grid_.range[at(0, dc - 1)] - grid_.range[at(0, dc + 1)]) < static_cast<float>(kJump) ? 1 : 0;
+    }
+    set(Feature::SingleMissing, single / (2.0 * kAround + 1), out);
+  }
+
+  static constexpr int kWide = 2 * kPatchReach + 1;
+  static constexpr std::size_t kWindow = static_cast<std::size_t>(kWide) * (2 * kPatchRowReach + 1);
+
+  const Scan& scan_;
+  const RangeGrid& grid_;
+  std::uint32_t row_ = 0, column_ = 0;
+  std::size_t pixel_ = 0;
+  double range_ = 0;
+  std::array<std::uint32_t, kWindow> window_{};
+  std::vector<Vec3d> points_;
+};
+
+template <class T>
+void append(const std::vector<T>& more, std::vector<T>& all) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+}  // namespace
+
+void Patches::append(const Patches& more) {
+  for (std::size_t f = 0; f < kFeatureCount; ++f) scanmill::append(more.value[f], value[f]);
+  scanmill::append(more.range, range);
+  scanmill::append(more.incidence, incidence);
+  scanmill::append(more.ringOffset, ringOffset);
+  scanmill::append(more.ringGain, ringGain);
+  scanmill::append(more.row, row);
+  scanmill::append(more.label, label);
+  scanmill::append(more.kind, kind);
+  scanmill::append(more.scan, scan);
+}
+
+Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t number, std::size_t most) {
+  std::vector<std::size_t> pixels;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (grid.point[i] != RangeGrid::kNone) pixels.push_back(i);
+  }
+  Patches patches;
+  PatchReader reader(scan, grid);
+  const std::size_t count = std::min(most, pixels.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t pixel = pixels[k * pixels.size() / count];
+    patches.ringGain.push_back(kNone);
+    reader.add(static_cast<std::uint32_t>(pixel / grid.columns), static_cast<std::uint32_t>(pixel % grid.columns),
+               number, patches);
+  }
+  return patches;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,115 @@
+#pragma once
+
+// What a network sees first: figures of the patch of neighbouring returns about a point.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "scan/scan.h"
+#include "study/compare/range_grid.h"
+
+namespace scanmill {
+
+constexpr int kPatchReach = 4;     // columns to either side
+constexpr int kPatchRowReach = 2;  // rows above and below
+constexpr double kJump = 0.3;      // m, between neighbours: more is an edge
+constexpr double kEdge = 1.5;      // m, that mixed pixels are looked for at
+
+struct PatchFeature {
+  std::string_view name;   // of figures, in JSON
+  std::string_view title;  // for people
+  std::string_view unit;   // of shown values, `factor` times the stored ones
+  double factor;
+  bool mostlyZero;           // shown as a mean; others as a median
+  std::string_view meaning;  // a phrase
+  std::string_view keys;     // which of a pipeline's keys move it
+};
+
+enum class Feature : std::size_t {
+  RangeScatter,
+  Thickness,
+  RelativeThickness,
+  Steepness,
+  RingOffset,
+  Intensity,
+  IntensityScatter,
+  RingGain,
+  Missing,
+  SingleMissing,
+  Jump,
+  Jumps,
+  Mixed,
+  Returns,
+};
+
+inline constexpr auto kPatchFeatures = std::to_array<PatchFeature>({
+    {"range_scatter", "range scatter", "mm", 1000, false,
+     "deviation of the ranges of 7 neighbours in a ring from a parabola, where none jumps",
+     "effects range_noise (sigma_m, table), quantize; relief on rough surfaces"},
+    {"thickness", "thickness of surfaces", "mm", 1000, false,
+     "deviation of the points of 5 x 9 beams from their plane, those nearby in range alone",
+     "effects relief and range_noise; how finely the scene's models are made"},
+    {"relative_thickness", "relative thickness", "", 1, false,
+     "thickness over the lesser width of the same points: 0 a plane, 1 a ball",
+     "effects relief and range_noise; leaves and twigs of the scene's vegetation"},
+    {"steepness", "steepness", "deg", 1, false, "angle between the patch's normal and the vertical: 0 level, 90 a wall",
+     "the scene: slopes, what stands beside the road; the sensor's mount"},
+    {"ring_offset", "offset from the rings beside", "mm", 1000, false,
+     "distance of 5 neighbours' mean from the plane of the rings above and below",
+     "effects ring_bias (range_sigma_m, elevation_sigma_deg); relief"},
+    {"intensity", "intensity", "", 1, false, "intensity in units of the set's median",
+     "reflectances in labels/materials.yaml, effects intensity and reflectance_variation"},
+    {"intensity_scatter", "intensity scatter", "%", 100, false,
+     "difference of the intensity from the mean of the 4 neighbours in its ring, in parts of that",
+     "effects speckle (looks) and reflectance_variation"},
+    {"ring_gain", "gain against the rings beside", "%", 100, false,
+     "logarithm of the mean intensity of 5 neighbours over that of the rings above and below",
+     "effects ring_bias (gain_sigma)"},
+    {"missing", "missing beams", "%", 100, true, "share of the 5 x 9 beams without a return",
+     "effects dropout, detection and light_paths (glass, mirrors); dark and wet materials; gaps in the scene"},
+    {"single_missing", "single missing beams", "%", 100, true,
+     "share of the 7 beams around in the ring that are missing between two returns at one range",
+     "effects dropout (probability) and detection (noise)"},
+    {"jump", "largest jump beside", "%", 100, false,
+     "largest difference in range to the neighbours in the ring, over the range",
+     "the scene: vegetation, thin things; effects footprint and relief"},
+    {"jumps", "jumps around", "", 1, true,
+     "how many of the 8 steps between 9 neighbours in a ring are of more than 0.3 m",
+     "the scene: vegetation, thin things; effects footprint and light_paths"},
+    {"mixed", "mixed pixels", "", 1, true,
+     "where a point lies between two neighbours that are 1.5 m or more apart: 0 at one of them, 0.5 in the middle",
+     "effects footprint (rays)"},
+    {"returns", "returns of a beam", "", 1, true, "how many returns the beam has",
+     "effects detection (returns), footprint, light_paths and weather"},
+});
+inline constexpr std::size_t kFeatureCount = kPatchFeatures.size();
+
+// What a patch looks like, by its shape alone: for scans without labels.
+enum class PatchKind : std::uint8_t { Level, Upright, Slanted, Rough, Sparse };
+inline constexpr std::array<std::string_view, 5> kPatchKinds{"level", "upright", "slanted", "rough", "sparse"};
+
+// A row per patch.
+struct Patches {
+  std::array<std::vector<float>, kFeatureCount> value;  // NaN where a patch does not tell
+  std::vector<float> range;                             // m
+  std::vector<float> incidence;                         // rad, by the patch's plane; NaN without one
+  std::vector<float> ringOffset;     // m, along the beam: positive is farther away; NaN on grazing views
+  std::vector<float> ringGain;       // RingGain with its sign
+  std::vector<std::uint16_t> row;    // of the grid
+  std::vector<std::uint16_t> label;  // class id; 0 of scans without labels
+  std::vector<PatchKind> kind;
+  std::vector<std::uint32_t> scan;  // number of the scan in its set
+
+  std::size_t size() const { return range.size(); }
+  const std::vector<float>& of(Feature feature) const { return value[static_cast<std::size_t>(feature)]; }
+  std::vector<float>& of(Feature feature) { return value[static_cast<std::size_t>(feature)]; }
+  void append(const Patches& more);
+};
+
+// The patches about at most so many of a scan's points, evenly taken; the same for the same scan.
+Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t number, std::size_t most);
+
+}  // namespace scanmill

@@ -1,0 +1,365 @@
+#include "study/compare/scan_set.h"
+
+#include <fmt/core.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "dataset/scan_store.h"
+#include "study/compare/range_grid.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kHorizon = -1;  // deg
+constexpr std::size_t kLongRun = 10;
+constexpr double kGroundReach = 40;  // m
+constexpr double kCell = 0.5;        // m
+constexpr double kStep = 0.25;       // m: where heights within a cell differ by more, something stands there
+constexpr double kNearPoint = 5;     // m
+
+template <class T>
+double percentileOf(std::vector<T> values, double share) {
+  if (values.empty()) return kNaN;
+  const auto index = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + index, values.end());
+  return static_cast<double>(values[static_cast<std::size_t>(index)]);
+}
+
+// What is counted on one scan.
+struct ScanCounts {
+  std::uint64_t points = 0, near = 0;
+  std::uint64_t beams = 0, returns = 0;
+  std::uint64_t below = 0, missing = 0, inRuns = 0, single = 0;
+  double slope = kNaN, residual = kNaN;  // of the ground
+  std::vector<double> relief;            // m, of each cell
+  bool knowsRings = false, knowsMisses = false, labelled = false;
+  Patches patches;
+};
+
+void countBeams(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
+  for (std::uint32_t row = 0; row < grid.rows; ++row) {
+    double elevation = 0;
+    std::uint32_t filled = 0;
+    for (std::uint32_t c = 0; c < grid.columns; ++c) {
+      const std::uint32_t point = grid.point[grid.at(row, c)];
+      if (point == RangeGrid::kNone) continue;
+      const Vec3d p(scan.position[point]);
+      elevation += std::asin(p.z / length(p));
+      ++filled;
+      counts.near += length(p) < kNearPoint ? 1 : 0;
+    }
+    counts.beams += grid.columns;
+    counts.returns += filled;
+    counts.points += filled;
+    if (filled == 0 || degrees(elevation / filled) > kHorizon) continue;
+    counts.below += grid.columns;
+    // Runs, from the first return on, round to it again where the grid wraps.
+    std::uint32_t first = 0;
+    while (grid.point[grid.at(row, first)] == RangeGrid::kNone) ++first;
+    std::size_t run = 0;
+    const auto end = [&] {
+      counts.missing += run;
+      if (run > kLongRun) counts.inRuns += run;
+      if (run == 1) ++counts.single;
+      run = 0;
+    };
+    for (std::uint32_t k = 0; k < grid.columns; ++k) {
+      const std::uint32_t c = (first + k) % grid.columns;
+      if (c == 0 && !grid.wraps) end();
+      if (grid.point[grid.at(row, c)] == RangeGrid::kNone) {
+        ++run;
+      } else {
+        end();
+      }
+    }
+    end();
+  }
+}
+
+// z = a x + b y + c by least squares.
+Eigen::Vector3d levelPlane(const std::vector<Vec3d>& points) {
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const Vec3d& p : points) {
+    const Eigen::Vector3d row(p.x, p.y, 1);
+    squares += row * row.transpose();
+    right += row * p.z;
+  }
+  return squares.ldlt().solve(right);
+}
+
+double deviationFrom(const Eigen::Vector3d& plane, const std::vector<Vec3d>& points, double freedom) {
+  double squares = 0;
+  for (const Vec3d& p : points) {
+    const double left = p.z - plane[0] * p.x - plane[1] * p.y - plane[2];
+    squares += left * left;
+  }
+  return std::sqrt(squares / (static_cast<double>(points.size()) - freedom));
+}
+
+// The ground is what lies level below the sensor. A second plane goes through what is within half a metre of the first.
+void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
+  constexpr double kBelow = 0.3, kOff = 0.5;  // m
+  constexpr std::size_t kFewest = 200, kFewestInCell = 6;
+  constexpr double kFewestSpread = 0.05;  // m, of a cell's points in both directions
+  std::vector<Vec3d> points;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (grid.point[i] == RangeGrid::kNone) continue;
+    const Vec3d p(scan.position[grid.point[i]]);
+    if (p.z < -kBelow && std::hypot(p.x, p.y) < kGroundReach) points.push_back(p);
+  }
+  if (points.size() < kFewest) return;
+  // The first plane: what lies lowest in cells of 4 m.
+  std::map<std::pair<int, int>, Vec3d> lowest;
+  for (const Vec3d& p : points) {
+    const std::pair cell{static_cast<int>(std::floor(p.x / 4)), static_cast<int>(std::floor(p.y / 4))};
+    const auto [at, fresh] = lowest.emplace(cell, p);
+    if (!fresh && p.z < at->second.z) at->second = p;
+  }
+  std::vector<Vec3d> ground;
+  for (const auto& [cell, p] : lowest) ground.push_back(p);
+  if (ground.size() < 8) return;
+  Eigen::Vector3d plane = levelPlane(ground);
+  for (int round = 0; round < 3; ++round) {
+    ground.clear();
+    for (const Vec3d& p : points) {
+      if (std::fabs(p.z - plane[0] * p.x - plane[1] * p.y - plane[2]) < kOff) ground.push_back(p);
+    }
+    if (ground.size() < kFewest) return;
+    plane = levelPlane(ground);
+  }
+  std::map<std::pair<int, int>, std::vector<Vec3d>> cells;
+  for (const Vec3d& p : ground) {
+    cells[{static_cast<int>(std::floor(p.x / kCell)), static_cast<int>(std::floor(p.y / kCell))}].push_back(p);
+  }
+  std::erase_if(cells, [](const auto& cell) {
+    const auto lower = [](const Vec3d& a, const Vec3d& b) { return a.z < b.z; };
+    const auto [low, high] = std::minmax_element(cell.second.begin(), cell.second.end(), lower);
+    return high->z - low->z > kStep;
+  });
+  ground.clear();
+  for (const auto& [cell, own] : cells) ground.insert(ground.end(), own.begin(), own.end());
+  if (ground.size() < kFewest) return;
+  plane = levelPlane(ground);
+  counts.slope = std::hypot(plane[0], plane[1]);
+  counts.residual = deviationFrom(plane, ground, 3);
+  for (auto& [cell, own] : cells) {
+    if (own.size() < kFewestInCell) continue;
+    Vec3d middle;
+    for (const Vec3d& p : own) middle += p * (1 / static_cast<double>(own.size()));
+    Vec3d spread;
+    for (Vec3d& p : own) {
+      p = p - middle;
+      spread += Vec3d{p.x * p.x, p.y * p.y, 0} * (1 / static_cast<double>(own.size()));
+    }
+    if (std::sqrt(std::min(spread.x, spread.y)) < kFewestSpread) continue;  // on one ring: no plane
+    counts.relief.push_back(deviationFrom(levelPlane(own), own, 3));
+  }
+}
+
+ScanCounts countScan(const Scan& scan, std::uint32_t number, const ScanSetOptions& options) {
+  const RangeGrid grid = rangeGrid(scan);
+  ScanCounts counts;
+  counts.knowsRings = grid.knowsRings;
+  counts.knowsMisses = grid.knowsMisses;
+  counts.labelled = !scan[kLabel].empty();
+  countBeams(scan, grid, counts);
+  measureGround(scan, grid, counts);
+  counts.patches = patchesOf(scan, grid, number, options.patchesPerScan);
+  return counts;
+}
+
+// The deviation over rows of their median value on flat patches, without what chance gives: the rows' standard errors.
+// Both by medians, as where ground ends at a wall or a step, a row lies off for that reason.
+double spreadOverRows(const Patches& patches, const std::vector<float>& values) {
+  constexpr std::size_t kFewest = 30, kFewestRows = 4;
+  constexpr double kNormal = 1.4826;     // standard deviation over the median of distances from the median
+  constexpr double kOfMedian = kPi / 2;  // variance of a median over that of a mean
+  std::map<std::uint16_t, std::vector<float>> rows;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const bool flat = patches.kind[i] != PatchKind::Rough && patches.kind[i] != PatchKind::Sparse;
+    if (flat && !std::isnan(values[i])) rows[patches.row[i]].push_back(values[i]);
+  }
+  const auto spreadAbout = [](std::vector<float> list, double middle) {
+    for (float& v : list) v = static_cast<float>(std::fabs(static_cast<double>(v) - middle));
+    return kNormal * percentileOf(std::move(list), 0.5);
+  };
+  std::vector<float> medians;
+  double chance = 0;
+  for (const auto& [number, own] : rows) {
+    if (own.size() < kFewest) continue;
+    const double median = percentileOf(own, 0.5);
+    const double spread = spreadAbout(own, median);
+    medians.push_back(static_cast<float>(median));
+    chance += kOfMedian * spread * spread / static_cast<double>(own.size());
+  }
+  if (medians.size() < kFewestRows) return kNaN;
+  const double spread = spreadAbout(medians, percentileOf(medians, 0.5));
+  return std::sqrt(std::max(0.0, spread * spread - chance / static_cast<double>(medians.size())));
+}
+
+double& figure(ScanSet& set, std::string_view name) {
+  for (std::size_t i = 0; i < kSetFigureCount; ++i) {
+    if (kSetFigures[i].name == name) return set.figures[i];
+  }
+  throw Error(fmt::format("no figure '{}'", name));
+}
+
+double meanOf(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return values.empty() ? kNaN : sum / static_cast<double>(values.size());
+}
+
+std::vector<float> definedOf(const std::vector<float>& values) {
+  std::vector<float> defined;
+  for (const float v : values) {
+    if (!std::isnan(v)) defined.push_back(v);
+  }
+  return defined;
+}
+
+void addPatchFigures(ScanSet& set) {
+  const Patches& patches = set.patches;
+  figure(set, "median_range") = percentileOf(patches.range, 0.5);
+  std::uint64_t seen = 0, jumps = 0, edges = 0, mixed = 0;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    constexpr float kFarthest = 35, kApart = 0.1f;
+    const float jump = patches.of(Feature::Jump)[i];
+    if (patches.range[i] < kFarthest && !std::isnan(jump)) {
+      ++seen;
+      jumps += jump * patches.range[i] > 1 ? 1 : 0;
+    }
+    const float between = patches.of(Feature::Mixed)[i];
+    edges += std::isnan(between) ? 0 : 1;
+    mixed += between >= kApart ? 1 : 0;
+  }
+  const auto share = [](std::uint64_t part, std::uint64_t all) {
+    return all == 0 ? kNaN : static_cast<double>(part) / static_cast<double>(all);
+  };
+  figure(set, "jumps_1m") = share(jumps, seen);
+  figure(set, "mixed") = share(mixed, edges);
+  figure(set, "intensity_scatter") = percentileOf(definedOf(patches.of(Feature::IntensityScatter)), 0.5);
+  figure(set, "ring_offset") = spreadOverRows(patches, patches.ringOffset);
+  figure(set, "ring_gain") = spreadOverRows(patches, patches.ringGain);
+}
+
+// Adds up what was counted on the scans, in their order.
+ScanSet addUp(std::string name, std::vector<ScanCounts> all, std::optional<Ontology> ontology) {
+  ScanSet set;
+  set.name = std::move(name);
+  set.scans = static_cast<std::uint32_t>(all.size());
+  set.stored = all.size();
+  set.labelled = ontology.has_value() && !all.empty();
+  set.ontology = std::move(ontology);
+  set.figures.fill(kNaN);
+  ScanCounts sum;
+  std::vector<double> slopes, residuals;
+  for (ScanCounts& c : all) {
+    sum.points += c.points;
+    sum.near += c.near;
+    sum.beams += c.beams;
+    sum.returns += c.returns;
+    sum.below += c.below;
+    sum.missing += c.missing;
+    sum.inRuns += c.inRuns;
+    sum.single += c.single;
+    sum.relief.insert(sum.relief.end(), c.relief.begin(), c.relief.end());
+    if (!std::isnan(c.slope)) {
+      slopes.push_back(c.slope);
+      residuals.push_back(c.residual);
+    }
+    set.knowsRings &= c.knowsRings;
+    set.knowsMisses &= c.knowsMisses;
+    set.labelled &= c.labelled;
+    set.patches.append(c.patches);
+    c.patches = {};
+  }
+  set.points = sum.points;
+  const auto share = [](std::uint64_t part, std::uint64_t whole) {
+    return whole == 0 ? kNaN : static_cast<double>(part) / static_cast<double>(whole);
+  };
+  if (set.knowsMisses) {
+    figure(set, "returns") = share(sum.returns, sum.beams);
+    figure(set, "missing_below") = share(sum.missing, sum.below);
+    figure(set, "missing_in_runs") = share(sum.inRuns, sum.missing);
+    figure(set, "missing_single") = share(sum.single, sum.missing);
+  }
+  figure(set, "near") = share(sum.near, sum.points);
+  figure(set, "ground_slope") = meanOf(slopes);
+  figure(set, "ground_residual") = meanOf(residuals);
+  figure(set, "ground_relief") = percentileOf(sum.relief, 0.5);
+  figure(set, "ground_relief_90") = percentileOf(sum.relief, 0.9);
+  addPatchFigures(set);
+  std::vector<float>& intensity = set.patches.of(Feature::Intensity);
+  const double median = percentileOf(definedOf(intensity), 0.5);
+  for (float& value : intensity) value = median > 0 ? static_cast<float>(value / median) : value;
+  return set;
+}
+
+}  // namespace
+
+std::size_t comparedBandOf(double range) {
+  return static_cast<std::size_t>(std::upper_bound(kRangeBands.begin(), kRangeBands.end(), range) -
+                                  kRangeBands.begin());
+}
+
+std::string comparedBandName(std::size_t band) {
+  if (band == 0) return fmt::format("to {:g} m", kRangeBands[0]);
+  if (band == kRangeBands.size()) return fmt::format("beyond {:g} m", kRangeBands.back());
+  return fmt::format("{:g} to {:g} m", kRangeBands[band - 1], kRangeBands[band]);
+}
+
+ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology,
+                     const ScanSetOptions& options) {
+  std::vector<ScanCounts> all(scans.size());
+  parallelFor(scans.size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) all[i] = countScan(scans[i], static_cast<std::uint32_t>(i), options);
+  });
+  return addUp(std::move(name), std::move(all), std::move(ontology));
+}
+
+ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& options, Progress& progress) {
+  const ScanStore store(path);
+  const std::filesystem::path whole = std::filesystem::absolute(path).lexically_normal();
+  const std::string name = (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+  const std::size_t stored = store.keys().size();
+  if (stored == 0) throw InputError({path.string()}, "holds no scan");
+  const std::size_t count = std::min(options.scans, stored);
+  const std::string sensor = store.sensors().size() > 1 ? options.sensor : std::string();
+  std::vector<ScanCounts> all(count);
+  // A few scans at a time, so that progress shows and memory stays bounded.
+  const auto batch = static_cast<std::size_t>(std::max(1, threadCount()));
+  for (std::size_t start = 0; start < count; start += batch) {
+    const std::size_t size = std::min(batch, count - start);
+    parallelFor(size, 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t k = start + first; k < start + last; ++k) {
+        const std::size_t sample = k * stored / count;
+        const Scan scan = store.decode(sample, store.scans(sample, sensor).front());
+        all[k] = countScan(scan, static_cast<std::uint32_t>(k), options);
+      }
+    });
+    double points = 0;
+    for (std::size_t k = start; k < start + size; ++k) points += static_cast<double>(all[k].points);
+    progress.advance(size, points);
+    if (options.stop != nullptr && *options.stop) throw Error("stopped: nothing was written");
+  }
+  std::optional<Ontology> ontology;
+  if (store.ontology() != nullptr) ontology = *store.ontology();
+  ScanSet set = addUp(name, std::move(all), std::move(ontology));
+  set.stored = stored;
+  if (set.points == 0)
+    throw InputError({path.string()}, "holds scans without points alone: there is nothing to compare");
+  return set;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,101 @@
+#pragma once
+
+// What is measured on a set of scans by itself.
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pipeline/run/progress.h"
+#include "scan/scan.h"
+#include "scene/ontology.h"
+#include "study/compare/patches.h"
+
+namespace scanmill {
+
+// Figures of a whole set.
+struct SetFigure {
+  std::string_view name;   // in JSON
+  std::string_view title;  // for people
+  std::string_view unit;   // of shown values, `factor` times the stored ones
+  double factor;
+  std::string_view meaning;
+  std::string_view keys;  // which of a pipeline's keys move it
+};
+
+inline constexpr auto kSetFigures = std::to_array<SetFigure>({
+    {"returns", "beams that return", "%", 100, "of all beams of the sensor",
+     "the scene's openness; detection, dropout, light_paths; the sensor's mount"},
+    {"missing_below", "missing below the horizon", "%", 100,
+     "beams more than 1 deg below the horizon that have no return",
+     "dropout, detection, light_paths; dark and wet materials; the own vehicle; holes in the scene"},
+    {"missing_in_runs", "of these in runs", "%", 100, "in runs of more than 10 neighbours in a ring",
+     "materials (windows, dark paint), the own vehicle, holes in the scene: not dropout, whose beams are single"},
+    {"missing_single", "of these single", "%", 100, "between two returns", "dropout (probability), detection (noise)"},
+    {"near", "points within 5 m", "%", 100, "of all points", "the sensor's mount, the own vehicle, narrow streets"},
+    {"median_range", "median range", "m", 1, "of all points", "how near the scene's things stand; the sensor's mount"},
+    {"ground_slope", "slope of the ground", "%", 100, "of the plane through level patches within 40 m, mean over scans",
+     "the scene's ground"},
+    {"ground_residual", "ground about one plane", "mm", 1000,
+     "deviation of level patches within 40 m from that plane, mean over scans", "the scene's ground"},
+    {"ground_relief", "relief of the ground", "mm", 1000,
+     "deviation of heights in cells of 0.5 m about their own plane, median over cells", "effects relief, range_noise"},
+    {"ground_relief_90", "relief of rough ground", "mm", 1000, "the same, 90th percentile over cells",
+     "effects relief; the materials of the scene's ground"},
+    {"jumps_1m", "jumps of more than 1 m", "%", 100, "points within 35 m with such a jump to a neighbour in the ring",
+     "the scene: vegetation, thin things"},
+    {"mixed", "mixed pixels", "%", 100,
+     "edges of more than 1.5 m between two neighbours of a point that lies apart from both, by a tenth or more",
+     "effects footprint (rays)"},
+    {"intensity_scatter", "intensity scatter", "%", 100,
+     "median difference of a point from the mean of 4 neighbours in its ring",
+     "effects speckle, reflectance_variation"},
+    {"ring_offset", "fixed offsets of rings", "mm", 1000,
+     "deviation over rings of their median offset in range from the rings beside, on flat patches; without what chance "
+     "explains",
+     "effects ring_bias (range_sigma_m, elevation_sigma_deg)"},
+    {"ring_gain", "fixed gains of rings", "%", 100,
+     "deviation over rings of their median gain against the rings beside, on flat patches; without what chance "
+     "explains",
+     "effects ring_bias (gain_sigma)"},
+});
+inline constexpr std::size_t kSetFigureCount = kSetFigures.size();
+
+// Upper ends of the bands of range (m); the last one has none.
+inline constexpr std::array<double, 5> kRangeBands{5, 10, 20, 40, 80};
+inline constexpr std::size_t kRangeBandCount = kRangeBands.size() + 1;
+std::size_t comparedBandOf(double range);
+std::string comparedBandName(std::size_t band);
+
+struct ScanSet {
+  std::string name;          // the path's last part
+  std::uint32_t scans = 0;   // that were read
+  std::uint64_t stored = 0;  // that there are
+  std::uint64_t points = 0;  // of those that were read
+  bool knowsRings = true;    // of all scans
+  bool knowsMisses = true;   // of all scans
+  bool labelled = false;     // all scans have labels, and their classes are known
+  std::optional<Ontology> ontology{};
+  std::array<double, kSetFigureCount> figures{};  // NaN where the scans do not tell
+  Patches patches;                                // intensities in units of the set's median
+};
+
+struct ScanSetOptions {
+  std::string sensor;                  // of datasets with several; empty: the first
+  std::size_t scans = 20;              // at most, evenly taken
+  std::size_t patchesPerScan = 20000;  // at most
+  const std::atomic<bool>* stop = nullptr;
+};
+
+// Reads a set: whatever ScanStore opens (dataset/scan_store.h). Throws InputError, and Error where it is stopped.
+ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& options, Progress& progress);
+// The same of scans in memory.
+ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology,
+                     const ScanSetOptions& options);
+
+}  // namespace scanmill

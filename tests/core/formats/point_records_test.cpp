@@ -1,0 +1,69 @@
+#include "formats/point_records.h"
+
+#include <cmath>
+
+#include "base/error.h"
+#include "tests/support/message_of.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+std::string bytesOf(const std::vector<float>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)};
+}
+
+TEST(PointRecords, AreKnownByTheirNames) {
+  EXPECT_EQ(numbersOfRecord("velodyne/000000.bin"), 4u);
+  EXPECT_EQ(numbersOfRecord("x__LIDAR_TOP__1.pcd.bin"), 5u);
+  EXPECT_EQ(numbersOfRecord("a.pcd"), 0u);
+}
+
+// KITTI's order: ring after ring from the top, each once round from straight ahead, azimuths a little out of order.
+TEST(PointRecords, RingsOfKittiAreCountedByTheOrderOfPoints) {
+  constexpr int kRings = 64, kColumns = 500;
+  std::vector<float> values;
+  std::vector<std::uint16_t> rings;
+  for (int r = 0; r < kRings; ++r) {
+    for (int c = 0; c < kColumns; ++c) {
+      if ((r * 31 + c * 17) % 11 == 0) continue;  // lost
+      const double azimuth = 2 * kPi * (c + 0.3 * std::sin(7.0 * c)) / kColumns + 1e-3;
+      const double elevation = radians(2 - 26.0 * r / kRings);
+      for (const double v : {10 * std::cos(azimuth), 10 * std::sin(azimuth), 10 * std::tan(elevation), 0.5}) {
+        values.push_back(static_cast<float>(v));
+      }
+      rings.push_back(static_cast<std::uint16_t>(r));
+    }
+  }
+  const Scan scan = readPointRecords(bytesOf(values), 4, "a.bin");
+  EXPECT_EQ(scan.rings, 64u);
+  EXPECT_EQ(scan[kRing], rings);
+}
+
+TEST(PointRecords, AnotherOrderHasNoRings) {
+  std::vector<float> values;
+  for (int c = 0; c < 300; ++c) {
+    for (int r = 0; r < 16; ++r) {
+      for (const double v : {10 * std::cos(0.02 * c), 10 * std::sin(0.02 * c), -0.1 * r, 0.5}) {
+        values.push_back(static_cast<float>(v));
+      }
+    }
+  }
+  EXPECT_TRUE(readPointRecords(bytesOf(values), 4, "a.bin")[kRing].empty());
+  EXPECT_EQ(readPointRecords("", 4, "empty.bin").size(), 0u);
+}
+
+TEST(PointRecords, WhatAreNoneIsRefused) {
+  const auto refused = [](const std::vector<float>& values, std::size_t numbers) {
+    return messageOf([&] { readPointRecords(bytesOf(values), numbers, "a.bin"); });
+  };
+  EXPECT_THAT(refused({1, 2, 3}, 4), HasSubstr("a.bin: has 12 bytes, which are no whole records of 4 float32"));
+  EXPECT_THAT(refused({1, 2, NAN, 0}, 4), HasSubstr("point 0 lies at 1, 2, nan"));
+  EXPECT_THAT(refused({1, 2, 3, 0, 1, 1e7f, 0, 0}, 4), HasSubstr("point 1 lies at"));
+  EXPECT_THAT(refused({1, 2, 3, 0, 1.5f}, 5), HasSubstr("the ring of point 0 is 1.5"));
+  EXPECT_THAT(refused({1, 2, 3, 0, -1}, 5), HasSubstr("the ring of point 0 is -1"));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,207 @@
+#include "study/compare/compare.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/parallel.h"
+#include "tests/studio/study/compare/compare_scans.h"
+#include "tests/support/shared_data.h"
+
+namespace scanmill {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+ScanSet setOf(const Flaws& flaws, unsigned firstSeed, bool labelled = true, unsigned count = 2) {
+  return measureScans("set", flawedScans(flaws, firstSeed, count),
+                      labelled ? std::optional(testClasses()) : std::nullopt, {});
+}
+
+double figureOf(const ScanSet& set, std::string_view name) {
+  for (std::size_t i = 0; i < kSetFigureCount; ++i) {
+    if (kSetFigures[i].name == name) return set.figures[i];
+  }
+  ADD_FAILURE() << name;
+  return 0;
+}
+
+// 1.4826 times the median distance from the median, of what rings from `first` up to `end` differ by from the mean of
+// their neighbours.
+double spreadAgainstNeighbours(unsigned seed, std::size_t first, std::size_t end) {
+  const std::vector<double> own = ofRings(seed);
+  std::vector<double> differences;
+  for (std::size_t r = first; r < end; ++r) differences.push_back(own[r] - 0.5 * (own[r - 1] + own[r + 1]));
+  const auto median = [](std::vector<double> list) {
+    std::sort(list.begin(), list.end());
+    return list[(list.size() - 1) / 2];
+  };
+  const double middle = median(differences);
+  for (double& d : differences) d = std::fabs(d - middle);
+  return 1.4826 * median(differences);
+}
+
+TEST(Compare, ASetAgainstItselfDiffersInNothing) {
+  for (const bool labelled : {true, false}) {
+    const SetComparison same = compareSets(setOf({}, 1, labelled), setOf({}, 1, labelled));
+    EXPECT_EQ(same.byClass, labelled);
+    ASSERT_GE(same.features.size(), kFeatureCount - 1);
+    for (const Separation& s : same.features) {
+      EXPECT_EQ(s.strength, 0) << kPatchFeatures[s.feature].name;
+      EXPECT_EQ(s.area, 0.5);
+      EXPECT_EQ(s.realValue, s.simulatedValue);
+    }
+  }
+}
+
+TEST(Compare, TwoDrawsOfOneLawHardlyDiffer) {
+  const SetComparison alike = compareSets(setOf({}, 1), setOf({}, 11));
+  for (const Separation& s : alike.features) EXPECT_LT(s.strength, 0.05) << kPatchFeatures[s.feature].name;
+}
+
+struct Known {
+  const char* name;
+  Flaws flaws;
+  std::vector<Feature> first;  // one of these tells most
+  const char* key;             // is named as what moves it
+};
+void PrintTo(const Known& known, std::ostream* out) {
+  *out << known.name;
+}
+
+class FindsKnown : public testing::TestWithParam<Known> {};
+
+TEST_P(FindsKnown, AndNamesItFirst) {
+  const Known& known = GetParam();
+  for (const bool labelled : {true, false}) {
+    SCOPED_TRACE(labelled);
+    const SetComparison found = compareSets(setOf({}, 1, labelled), setOf(known.flaws, 11, labelled));
+    const Separation& first = found.features.front();
+    EXPECT_THAT(known.first, testing::Contains(static_cast<Feature>(first.feature)))
+        << kPatchFeatures[first.feature].name;
+    EXPECT_THAT(std::string(kPatchFeatures[first.feature].keys), HasSubstr(known.key));
+    EXPECT_GT(first.area, 0.5);
+    EXPECT_GT(first.strength, 5 * found.withinReal[first.feature]);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Compare, FindsKnown,
+    testing::Values(Known{"RangeNoise", {.sigma = 0.02}, {Feature::RangeScatter, Feature::Thickness}, "range_noise"},
+                    Known{"LostBeams", {.lost = 0.03}, {Feature::Missing, Feature::SingleMissing}, "dropout"},
+                    Known{"RingOffsets", {.ringOffset = 0.02}, {Feature::RingOffset}, "ring_bias"},
+                    Known{"RingGains", {.ringGain = 0.3}, {Feature::RingGain}, "ring_bias"},
+                    Known{"Speckle", {.speckle = 0.2}, {Feature::IntensityScatter}, "speckle"},
+                    Known{"MixedPixels", {.mixed = 0.8}, {Feature::Mixed}, "footprint"}),
+    [](const auto& known) { return std::string(known.param.name); });
+
+TEST(Compare, TheScaleOfIntensitiesIsNoDifference) {
+  const SetComparison found = compareSets(setOf({}, 1), setOf({.scale = 255}, 1));
+  for (const Separation& s : found.features) EXPECT_LT(s.strength, 1e-3) << kPatchFeatures[s.feature].name;
+}
+
+// Figures against the closed forms of the place.
+TEST(Compare, FiguresOfASetAreThoseOfThePlace) {
+  const ScanSet plain = setOf({}, 1);
+  EXPECT_EQ(figureOf(plain, "returns"), 1);
+  EXPECT_EQ(figureOf(plain, "missing_below"), 0);
+  EXPECT_LT(figureOf(plain, "ground_slope"), 1e-3);
+  EXPECT_LT(figureOf(plain, "ground_residual"), 0.03);
+  EXPECT_LT(figureOf(plain, "mixed"), 0.01);
+  EXPECT_LT(figureOf(plain, "ring_offset"), 0.001);
+  EXPECT_LT(figureOf(plain, "ring_gain"), 0.01);
+  // |z - mean of 4| of normal numbers: the median is 0.6745 sqrt(1 + 1/4) sigma.
+  EXPECT_NEAR(figureOf(plain, "intensity_scatter"), 0.6745 * std::sqrt(1.25) * 0.05, 0.003);
+
+  const ScanSet flawed = setOf({.lost = 0.04, .ringOffset = 0.03, .ringGain = 0.2, .mixed = 0.5}, 1);
+  EXPECT_NEAR(figureOf(flawed, "returns"), 0.96, 0.003);
+  EXPECT_NEAR(figureOf(flawed, "missing_below"), 0.04, 0.004);
+  EXPECT_NEAR(figureOf(flawed, "missing_single"), 0.96 * 0.96, 0.03);
+  EXPECT_EQ(figureOf(flawed, "missing_in_runs"), 0);
+  EXPECT_GT(figureOf(flawed, "mixed"), 0.15);
+  // A ring against the mean of those beside it: offsets show where the wall is met, gains everywhere.
+  EXPECT_NEAR(figureOf(flawed, "ring_offset"), 0.03 * spreadAgainstNeighbours(kOffsets, 1, 11), 0.01);
+  EXPECT_NEAR(figureOf(flawed, "ring_gain"), 0.2 * spreadAgainstNeighbours(kGains, 1, kTestRings - 1), 0.05);
+}
+
+// A long run is no drop-out of single beams.
+TEST(Compare, RunsOfMissingBeamsAreToldFromSingleOnes) {
+  std::vector<Scan> scans = flawedScans({}, 1, 1);
+  Scan& scan = scans.front();
+  Scan cut = scan;
+  cut.position.clear();
+  cut[kIntensity].clear();
+  cut[kLabel].clear();
+  cut[kRing].clear();
+  cut[kColumn].clear();
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (scan[kColumn][i] >= 700 || scan[kColumn][i] < 20) continue;  // a run of 40 across the seam
+    cut.position.push_back(scan.position[i]);
+    cut[kIntensity].push_back(scan[kIntensity][i]);
+    cut[kLabel].push_back(scan[kLabel][i]);
+    cut[kRing].push_back(scan[kRing][i]);
+    cut[kColumn].push_back(scan[kColumn][i]);
+  }
+  const ScanSet set = measureScans("cut", {cut}, {}, {});
+  EXPECT_NEAR(figureOf(set, "missing_below"), 40.0 / 720, 1e-9);
+  EXPECT_EQ(figureOf(set, "missing_in_runs"), 1);
+  EXPECT_EQ(figureOf(set, "missing_single"), 0);
+}
+
+TEST(Compare, ClassesMeetByTheirNamesAndAliases) {
+  Ontology other = testClasses();
+  other.classes[1].id = 40;
+  other.classes[2].id = 50;
+  other.classes[3] = {60, "lamp", {}, false, {}, {}};
+  std::vector<Scan> scans = flawedScans({}, 11);
+  for (Scan& scan : scans) {
+    for (std::uint16_t& label : scan[kLabel]) label = static_cast<std::uint16_t>(30 + 10 * label);
+  }
+  Ontology real = testClasses();
+  real.classes[2].aliases = {"facade"};
+  other.classes[2].name = "facade";
+  const SetComparison found =
+      compareSets(measureScans("a", flawedScans({}, 1), real, {}), measureScans("b", scans, other, {}));
+  ASSERT_TRUE(found.byClass);
+  EXPECT_THAT(found.unknown, ElementsAre("lamp"));
+  for (const GroupComparison& group : found.groups) {
+    if (group.name == "ground" || group.name == "wall") {
+      EXPECT_NEAR(group.realShare, group.simulatedShare, 0.02) << group.name;
+      EXPECT_FALSE(group.features.empty());
+    } else {
+      EXPECT_TRUE(group.features.empty()) << group.name;
+    }
+  }
+}
+
+TEST(Compare, IsTheSameWhateverTheThreads) {
+  std::string first;
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    const std::string json = comparisonJson(compareSets(setOf({}, 1), setOf({.sigma = 0.01}, 11)), "2026-01-01");
+    if (first.empty()) first = json;
+    EXPECT_EQ(json, first);
+  }
+  const nlohmann::json parsed = nlohmann::json::parse(first);
+  EXPECT_EQ(parsed["grouped_by"], "class");
+  EXPECT_EQ(parsed["features"].size(), kFeatureCount);
+  EXPECT_EQ(parsed["figures"].size(), kSetFigureCount);
+}
+
+// What was measured on the recording by other means (lidar/real_statistics.md): 82 % of the beams return, 7.9 % of
+// those below the horizon do not, of which half in runs of more than ten.
+TEST(Compare, FiguresOfARealRecordingAreKnown) {
+  SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128");
+  Progress progress("test", 3, "scans", "points", true);
+  const ScanSet set = readScanSet(sharedData() / "lidar/ouster_os1_128", {}, progress);
+  EXPECT_EQ(set.scans, 3u);
+  EXPECT_TRUE(set.knowsRings && set.knowsMisses);
+  EXPECT_NEAR(figureOf(set, "returns"), 0.82, 0.005);
+  EXPECT_NEAR(figureOf(set, "missing_below"), 0.079, 0.01);
+  EXPECT_NEAR(figureOf(set, "missing_in_runs"), 0.48, 0.05);
+}
+
+}  // namespace
+}  // namespace scanmill
