@@ -76,11 +76,12 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const Arguments parsed = parseArguments(
       command, options, arguments,
       "  scanmill fit-noise frames/*.pcd --sensor os1_128 -o my_os1.yaml\n"
+      "  scanmill fit-noise KITTI/2011_09_26_drive_0001_sync --sensor hdl_64e -o my_hdl.yaml\n"
       "  scanmill fit-noise frames/*.pcd --sensor my.yaml -o my_fitted.yaml --report out/noise --overwrite\n");
   if (parsed.help) return 0;
 
   if (parsed.options.count("input") == 0) throw InputError("SCAN is missing; see --help");
-  const auto files = parsed.options["input"].as<std::vector<std::string>>();
+  const auto files = scanFiles(parsed.options["input"].as<std::vector<std::string>>());
   const std::filesystem::path preset = namedResource(
       requiredText(parsed, "sensor", "the sensor that made the scans, such as os1_128"), "pipelines/sensors");
   const std::filesystem::path out = requiredFile(parsed, "the sensor file to write, such as fitted.yaml");
@@ -88,7 +89,6 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const bool overwrite = parsed.options.count("overwrite") > 0;
   const double most = parsed.options["max-incidence"].as<double>();
   if (!(most >= 1 && most <= 89)) throw InputError(fmt::format("--max-incidence must be from 1 to 89, not {}", most));
-  for (const std::string& file : files) expectScan(file);
   if (!report.empty()) prepareReportFolder(report, "index.html", overwrite);
   const ResourceLimits limits(parsed);
   const std::atomic<bool>& stop = stopSignal();

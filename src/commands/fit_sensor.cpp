@@ -27,13 +27,10 @@ int runFitSensor(const std::vector<std::string>& arguments) {
                                           "sensor's own frame.\n");
   if (parsed.help) return 0;
   if (parsed.options.count("input") == 0) throw InputError("SCAN is missing; see --help");
-  const auto files = parsed.options["input"].as<std::vector<std::string>>();
+  const auto files = scanFiles(parsed.options["input"].as<std::vector<std::string>>());
   const std::filesystem::path out = requiredFile(parsed, "the sensor file to write, such as my_sensor.yaml");
   std::vector<Scan> scans;
-  for (const std::string& file : files) {
-    expectScan(file);
-    scans.push_back(findScan(file, "", "").scan);
-  }
+  for (const std::string& file : files) scans.push_back(findScan(file, "", "").scan);
   const SensorFit fit = fitSensor(scans);
 
   printText("{} points of {} scans: {} rings x {} columns, {}\n", grouped(fit.points), files.size(), fit.rings,

@@ -2,11 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <vector>
-
 #include "base/error.h"
-#include "formats/format.h"
+#include "imports/scan_folder.h"
 
 namespace scanmill {
 
@@ -16,23 +13,21 @@ std::string requiredText(const Arguments& parsed, const std::string& option, con
   return text;
 }
 
-void expectScan(const std::string& file) {
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(file, ignored) ||
-      std::filesystem::exists(std::filesystem::path(file) / "manifest.json", ignored)) {
-    return;
+std::vector<std::string> scanFiles(const std::vector<std::string>& given) {
+  std::vector<std::string> files;
+  for (const std::string& file : given) {
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(file, ignored) ||
+        std::filesystem::exists(std::filesystem::path(file) / "manifest.json", ignored)) {
+      files.push_back(file);
+      continue;
+    }
+    const auto found = scanFolderIn(file);
+    if (!found)
+      throw InputError({file}, "is a folder that holds no scan: name the recorded frames' files or their folder");
+    for (const FolderScan& scan : found->scans) files.push_back(scan.points.string());
   }
-  std::vector<std::string> frames;
-  for (const auto& entry : std::filesystem::directory_iterator(file, ignored)) {
-    const std::string suffix = entry.path().extension().string();
-    if (suffix.size() > 1 && formatBySuffix(suffix.substr(1)) != nullptr) frames.push_back(entry.path().string());
-  }
-  if (frames.empty()) throw InputError({file}, "is a folder that holds no scan: name the recorded frames' files");
-  std::sort(frames.begin(), frames.end());
-  const std::string all =
-      (std::filesystem::path(file) / "*").string() + std::filesystem::path(frames[0]).extension().string();
-  throw InputError({file}, fmt::format("is a folder: name the scans in it, such as {} (all {}: {})", frames.front(),
-                                       frames.size(), all));
+  return files;
 }
 
 std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what) {

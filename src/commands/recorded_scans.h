@@ -4,13 +4,15 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "commands/arguments.h"
 
 namespace scanmill {
 
-// Throws InputError where the file is a folder of frames, which is no scan, and says how to name those in it.
-void expectScan(const std::string& file);
+// The files of the scans that are given, in place of the folders of recorded scans among them (imports/scan_folder.h).
+// Throws InputError for folders that hold none.
+std::vector<std::string> scanFiles(const std::vector<std::string>& given);
 
 // The text of an option; throws InputError, which says what it is for, where it is missing.
 std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& what);

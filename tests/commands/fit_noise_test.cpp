@@ -83,14 +83,13 @@ TEST_F(FitNoiseCommand, LooksAtTheReportsFolderBeforeTheWork) {
   EXPECT_EQ(readFile(at("report") + "/index.html"), "mine");
 }
 
-TEST_F(FitNoiseCommand, AFolderOfFramesIsToldToNameThem) {
-  const Outcome refused =
-      scanmill({"fit-noise", folder_.path().string(), "--sensor", at("wall.yaml"), "-o", at("a.yaml")});
-  expectRefused(refused, "wall0.pcd");
-  EXPECT_THAT(refused.error,
-              AllOf(HasSubstr("is a folder: name the scans in it"), HasSubstr("all 3"), Not(HasSubstr("overwrite"))));
+TEST_F(FitNoiseCommand, AFolderOfFramesStandsForThem) {
+  ASSERT_EQ(fit({"--sensor", at("wall.yaml"), "-o", at("a.yaml")}).code, 0);
+  const Outcome folder = scanmill({"fit-noise", at("."), "--sensor", at("wall.yaml"), "-o", at("b.yaml")});
+  ASSERT_EQ(folder.code, 0) << folder.error;
+  EXPECT_EQ(readFile(at("a.yaml")), readFile(at("b.yaml")));
   std::filesystem::create_directory(at("empty"));
-  expectRefused(scanmill({"fit-noise", at("empty"), "--sensor", at("wall.yaml"), "-o", at("a.yaml")}), "holds no scan");
+  expectRefused(scanmill({"fit-noise", at("empty"), "--sensor", at("wall.yaml"), "-o", at("c.yaml")}), "holds no scan");
 }
 
 TEST_F(FitNoiseCommand, NamesAnAbsentSensorOnce) {

@@ -33,8 +33,8 @@ class RunningProgram {
 
   void send(int signal) const;
   bool running();
-  // Kills it after so many seconds; a program that another build made (SCANMILL_TESTED_PROGRAM: with sanitizers) has ten
-  // times as many.
+  // Kills it after so many seconds; a program that another build made (SCANMILL_TESTED_PROGRAM: with sanitizers) has
+  // ten times as many.
   Outcome wait(double seconds = 60);
 
  private:

@@ -102,7 +102,8 @@ TEST_F(FindScan, BadFiles) {
   EXPECT_THAT(complaint(folder.write("scan.txt", "1 2 3")), HasSubstr(".tar, .pcd"));
   EXPECT_THAT(complaint(folder.write("scan.pcd", "")), HasSubstr("scan.pcd"));
   EXPECT_THAT(complaint(folder.write("scan.tar", "no tar at all")), HasSubstr("scan.tar"));
-  EXPECT_THAT(complaint(folder.path()), HasSubstr("manifest.json"));
+  EXPECT_THAT(complaint(folder.path()), HasSubstr("scan.pcd"));  // a folder of scans
+  EXPECT_THAT(complaint(folder.write("other/notes.txt", "none").parent_path()), HasSubstr("manifest.json"));
   writeMembers(folder.path() / "notes.tar", {{"a.txt", "x"}});
   EXPECT_THAT(complaint(folder.path() / "notes.tar"), HasSubstr("no sample"));
   std::filesystem::remove(dataset / manifest.shards.front().file);

@@ -139,8 +139,10 @@ class PatchReader {
       jumps += step > kJump ? 1 : 0;
     }
     if (steps >= kPatchReach) set(Feature::Jumps, jumps, out);
+    // Between two surfaces: leaves and twigs beside one another are none.
     const double edge = rangeAt(1) - rangeAt(-1);
-    if (std::fabs(edge) >= kEdge) {
+    const bool surfaces = std::fabs(rangeAt(-2) - rangeAt(-1)) < kJump && std::fabs(rangeAt(2) - rangeAt(1)) < kJump;
+    if (std::fabs(edge) >= kEdge && surfaces) {
       const double least = std::fmin(rangeAt(-1), rangeAt(1));
       if (range_ >= least && range_ <= least + std::fabs(edge)) {
         const double part = (range_ - least) / std::fabs(edge);

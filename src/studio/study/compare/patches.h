@@ -80,7 +80,7 @@ inline constexpr auto kPatchFeatures = std::to_array<PatchFeature>({
      "how many of the 8 steps between 9 neighbours in a ring are of more than 0.3 m",
      "the scene: vegetation, thin things; effects footprint and light_paths"},
     {"mixed", "mixed pixels", "", 1, true,
-     "where a point lies between two neighbours that are 1.5 m or more apart: 0 at one of them, 0.5 in the middle",
+     "where a point lies between two surfaces that are 1.5 m or more apart: 0 at one of them, 0.5 in the middle",
      "effects footprint (rays)"},
     {"returns", "returns of a beam", "", 1, true, "how many returns the beam has",
      "effects detection (returns), footprint, light_paths and weather"},

@@ -50,7 +50,7 @@ inline constexpr auto kSetFigures = std::to_array<SetFigure>({
     {"jumps_1m", "jumps of more than 1 m", "%", 100, "points within 35 m with such a jump to a neighbour in the ring",
      "the scene: vegetation, thin things"},
     {"mixed", "mixed pixels", "%", 100,
-     "edges of more than 1.5 m between two neighbours of a point that lies apart from both, by a tenth or more",
+     "edges of more than 1.5 m between two surfaces with a point that lies apart from both, by a tenth or more",
      "effects footprint (rays)"},
     {"intensity_scatter", "intensity scatter", "%", 100,
      "median difference of a point from the mean of 4 neighbours in its ring",

@@ -27,12 +27,30 @@ Vec3d originOf(const BeamTable& beams, std::size_t beam) {
   return beams.origin.empty() ? Vec3d{} : static_cast<Vec3d>(beams.origin[beam]);
 }
 
+// Where a scan has rings alone: the column of each point by its azimuth, about the axis of the scan's frame. How that
+// is turned against the sensor's is found later, from the points.
+Scan withColumns(const Scan& scan, const BeamTable& beams) {
+  Scan known = scan;
+  const double step = beams.field / (beams.fullTurn() ? beams.columns : std::max(beams.columns, 2u) - 1);
+  const double turn = 2 * kPi / step;  // columns
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const std::uint16_t ring = scan[kRing][i];
+    const double offset = ring < beams.azimuthOffset.size() ? beams.azimuthOffset[ring] : 0;
+    const Vec3f& p = scan.position[i];
+    const double azimuth = std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) - offset;
+    double column = std::round((azimuth - beams.firstAzimuth) / (beams.clockwise ? -step : step));
+    column -= std::floor(column / turn) * turn;
+    known[kColumn].push_back(static_cast<std::uint16_t>(std::min<double>(column, beams.columns - 1)));
+  }
+  return known;
+}
+
 // The first returns that have a position. Points of dense scans name their beams.
 std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, const Location& where) {
   if (!knowsBeams(scan)) {
     throw InputError(where,
-                     "has neither an organised layout (width columns x height rings) nor the columns ring and "
-                     "column: which beam made a point is not known");
+                     "has neither an organised layout (width columns x height rings) nor the column ring: which beam "
+                     "made a point is not known");
   }
   if (scan.organised && (scan.rings != beams.rings || scan.columns != beams.columns)) {
     throw InputError(where, fmt::format("has {} x {} beams, but the sensor {} has {} rings x {} columns: take the "
@@ -137,7 +155,8 @@ double tolerance(const BeamTable& beams) {
 RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::string& name) {
   const Location where{name};
   if (scan.size() == 0) throw InputError(where, "holds no point: there is no noise to measure");
-  const std::vector<BeamPoint> points = firstReturns(scan, beams, where);
+  const bool rings = !knowsBeams(scan) && !scan[kRing].empty() && beams.listed == nullptr && !beams.rosette;
+  const std::vector<BeamPoint> points = firstReturns(rings ? withColumns(scan, beams) : scan, beams, where);
   if (points.size() < kFewest) {
     throw InputError(where, fmt::format("holds {} returns: noise is measured from {} on", points.size(), kFewest));
   }

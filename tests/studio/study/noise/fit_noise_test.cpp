@@ -228,6 +228,22 @@ TEST(RangesAlong, TakesDenseScansByRingAndColumn) {
   EXPECT_THAT(messageOf([&] { rangesAlong(dense, *beams, "b.pcd"); }), AllOf(HasSubstr("b.pcd"), HasSubstr("ring")));
 }
 
+// Files of KITTI and nuScenes have rings and no columns.
+TEST(RangesAlong, FindColumnsByAzimuth) {
+  const auto beams = wallBeams();
+  const auto range = [&](std::size_t beam) { return wallRange(*beams, beam, 12, 0.2); };
+  Scan scan = noisyScan(beams, range, "[range_noise: {sigma_m: 0.01}, dropout: {probability: 0.3}]", 0, false);
+  const RecordedScan known = rangesAlong(scan, *beams, "a");
+  scan[kColumn].clear();
+  const RecordedScan found = rangesAlong(scan, *beams, "b");
+  ASSERT_EQ(found.returns, known.returns);
+  for (std::size_t beam = 0; beam < beams->size(); ++beam) {
+    ASSERT_EQ(std::isnan(found.range[beam]), std::isnan(known.range[beam]));
+    if (std::isnan(known.range[beam])) continue;
+    ASSERT_NEAR(found.range[beam], known.range[beam], 1e-5);
+  }
+}
+
 TEST(RangesAlong, RefuseWhatIsNoScanOfTheSensor) {
   const auto beams = wallBeams();
   const auto refusal = [&](const Scan& scan, const BeamTable& own) {
