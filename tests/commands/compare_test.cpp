@@ -16,17 +16,19 @@ class CompareCommand : public SmallWorld {
  protected:
   CompareCommand() {
     EXPECT_EQ(scanmill({"generate", pipeline_, "-o", at("plain"), "-q"}).code, 0);
-    EXPECT_EQ(scanmill({"generate", pipeline_, "-o", at("noisy"), "-q", "--set", "effects=[range_noise: {sigma_m: 0.05}]"})
-                  .code,
-              0);
+    EXPECT_EQ(
+        scanmill({"generate", pipeline_, "-o", at("noisy"), "-q", "--set", "effects=[range_noise: {sigma_m: 0.05}]"})
+            .code,
+        0);
   }
 };
 
 TEST_F(CompareCommand, WritesAPageAndFiguresThatNameTheDifference) {
   const Outcome made = scanmill({"compare", at("plain"), at("noisy"), "-o", at("out")});
   ASSERT_EQ(made.code, 0) << made.error;
-  EXPECT_THAT(made.out, AllOf(HasSubstr("range scatter"), HasSubstr("effects range_noise"), HasSubstr("beams that return"),
-                              HasSubstr("open " + at("out/index.html")), Not(HasSubstr("nan"))));
+  EXPECT_THAT(made.out,
+              AllOf(HasSubstr("range scatter"), HasSubstr("effects range_noise"), HasSubstr("beams that return"),
+                    HasSubstr("open " + at("out/index.html")), Not(HasSubstr("nan"))));
   const std::string page = readFile(at("out/index.html"));
   EXPECT_THAT(page, AllOf(HasSubstr("What a network would notice first"), HasSubstr("By class"), Not(HasSubstr("nan")),
                           Not(HasSubstr("http://www.w3.org/1999/xhtml\" src"))));
@@ -58,10 +60,12 @@ TEST_F(CompareCommand, FoldersThatOthersReadAreRead) {
 }
 
 TEST_F(CompareCommand, WrongUseIsToldAndNothingIsLost) {
-  expectRefused(scanmill({"compare", at("plain"), "-o", at("out")}), "compare takes two sets, REAL and SIMULATED, not 1");
+  expectRefused(scanmill({"compare", at("plain"), "-o", at("out")}),
+                "compare takes two sets, REAL and SIMULATED, not 1");
   expectRefused(scanmill({"compare", at("plain"), at("noisy")}), "-o DIR is missing");
   expectRefused(scanmill({"compare", at("plain"), at("absent"), "-o", at("out")}), "does not exist");
-  expectRefused(scanmill({"compare", at("plain"), at("noisy"), "-o", at("out"), "--scans", "0"}), "--scans must be from 1");
+  expectRefused(scanmill({"compare", at("plain"), at("noisy"), "-o", at("out"), "--scans", "0"}),
+                "--scans must be from 1");
   folder_.write("none/notes.txt", "none");
   expectRefused(scanmill({"compare", at("none"), at("noisy"), "-o", at("out")}), "is no dataset");
   folder_.write("damaged/velodyne/000000.bin", "abc");
