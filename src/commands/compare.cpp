@@ -53,9 +53,9 @@ int runCompare(const std::vector<std::string>& arguments) {
   options.add_options()("o,out", "folder of the page and the figures (made where absent)",
                         cxxopts::value<std::string>(), "DIR")(
       "scans", "at most so many scans of each set, evenly taken", cxxopts::value<std::size_t>()->default_value("20"),
-      "N")("sensor", "of datasets with several sensors (default: the first)", cxxopts::value<std::string>(), "NAME")(
-      "overwrite", "replace a comparison that is there already")("threads", "how many threads to use, 0 for all cores",
-                                                                 cxxopts::value<int>()->default_value("0"))(
+      "N")("sensor", "whose scans are taken of datasets with several sensors (default: the first)",
+           cxxopts::value<std::string>(), "NAME")("overwrite", "replace a comparison that is there already")(
+      "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"))(
       "q,quiet", "one line in place of progress and tables");
   const Arguments parsed =
       parseArguments(command, options, arguments,
@@ -87,6 +87,9 @@ int runCompare(const std::vector<std::string>& arguments) {
   ScanSet real = readScanSet(given[0], read, progress);
   progress.setTotal(real.scans + read.scans);
   ScanSet simulated = readScanSet(given[1], read, progress);
+  if (!read.sensor.empty() && !real.foundSensor && !simulated.foundSensor) {
+    throw InputError(fmt::format("--sensor {}: neither set has a sensor of this name", read.sensor));
+  }
   progress.say("telling them apart");
   const SetComparison comparison = compareSets(std::move(real), std::move(simulated));
   if (*read.stop) throw Error("stopped: nothing was written");
@@ -96,6 +99,7 @@ int runCompare(const std::vector<std::string>& arguments) {
   beginReport(folder, kResultFile);
   writeFile(folder / kPageFile, comparisonPage(comparison, date));
   writeFile(folder / kResultFile, comparisonJson(comparison, date));
+  for (const std::string& warning : comparison.warnings) warn(warning);
   if (comparison.features.empty()) {
     warn("no patches of one class or shape at like ranges are in both sets: nothing tells what differs");
   }

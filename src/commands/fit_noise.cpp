@@ -22,7 +22,6 @@
 #include "config/file_kind.h"
 #include "config/resources.h"
 #include "config/value.h"
-#include "dataset/scan_source.h"
 #include "report/noise/noise_report.h"
 #include "report/page/report_folder.h"
 #include "sensors/sensor.h"
@@ -81,7 +80,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   if (parsed.help) return 0;
 
   if (parsed.options.count("input") == 0) throw InputError("SCAN is missing; see --help");
-  const auto files = scanFiles(parsed.options["input"].as<std::vector<std::string>>());
+  const auto files = parsed.options["input"].as<std::vector<std::string>>();
   const std::filesystem::path preset = namedResource(
       requiredText(parsed, "sensor", "the sensor that made the scans, such as os1_128"), "pipelines/sensors");
   const std::filesystem::path out = requiredFile(parsed, "the sensor file to write, such as fitted.yaml");
@@ -102,12 +101,12 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const auto beams = makeBeams(sensor);
   withEffects(text, preset.string(), "effects: []\n");  // whether it can be written, before the work
   std::vector<RecordedScan> scans;
-  for (const std::string& file : files) {
-    scans.push_back(rangesAlong(findScan(file, "", "").scan, *beams, file));
-    scans.back().name = std::filesystem::path(file).filename().string();
+  forEachScan(files, [&](const Scan& scan, const std::string& name) {
+    scans.push_back(rangesAlong(scan, *beams, name));
+    scans.back().name = std::filesystem::path(name).filename().string();
     printFrame(scans.back());
     goOn();
-  }
+  });
   const std::vector<FlatPatch> patches = findFlatPatches(*beams, scans);
   goOn();
   const NoiseFit fit = fitNoise(*beams, scans, patches, {radians(most)});

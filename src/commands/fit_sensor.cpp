@@ -12,7 +12,6 @@
 #include "commands/arguments.h"
 #include "commands/command.h"
 #include "commands/recorded_scans.h"
-#include "dataset/scan_source.h"
 
 namespace scanmill {
 
@@ -27,13 +26,13 @@ int runFitSensor(const std::vector<std::string>& arguments) {
                                           "sensor's own frame.\n");
   if (parsed.help) return 0;
   if (parsed.options.count("input") == 0) throw InputError("SCAN is missing; see --help");
-  const auto files = scanFiles(parsed.options["input"].as<std::vector<std::string>>());
+  const auto files = parsed.options["input"].as<std::vector<std::string>>();
   const std::filesystem::path out = requiredFile(parsed, "the sensor file to write, such as my_sensor.yaml");
   std::vector<Scan> scans;
-  for (const std::string& file : files) scans.push_back(findScan(file, "", "").scan);
+  forEachScan(files, [&](const Scan& scan, const std::string&) { scans.push_back(scan); });
   const SensorFit fit = fitSensor(scans);
 
-  printText("{} points of {} scans: {} rings x {} columns, {}\n", grouped(fit.points), files.size(), fit.rings,
+  printText("{} points of {} scans: {} rings x {} columns, {}\n", grouped(fit.points), scans.size(), fit.rings,
             fit.columns,
             fit.field > 2 * kPi - 1e-9 ? std::string("a full turn") : fmt::format("{:.2f} deg", degrees(fit.field)));
   printText("half of the points lie within {:.4f} deg of their ring's elevation and {:.4f} deg of its azimuth\n",
@@ -52,7 +51,7 @@ int runFitSensor(const std::vector<std::string>& arguments) {
   }
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   const std::string yaml = sensorYaml(fit, fmt::format("fitted to {} points of {} scans, {:%Y-%m-%d}",
-                                                       grouped(fit.points), files.size(), fmt::gmtime(now)));
+                                                       grouped(fit.points), scans.size(), fmt::gmtime(now)));
   writeFile(out, yaml);
   printText("\n{}\nwrote {}: name it as `preset:` of a sensor; `scanmill fit-noise` measures its noise with it\n", yaml,
             out.string());

@@ -14,6 +14,7 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
+#include "commands/sweep.h"
 #include "commands/table.h"
 #include "dataset/dataset_folder.h"
 #include "dataset/folder_contents.h"
@@ -140,46 +141,21 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   return choice;
 }
 
-}  // namespace
+Plan planOf(const Arguments& parsed, const std::vector<std::string>& more) {
+  std::vector<std::string> overrides = pipelineOverrides(parsed);
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  const bool keeps = parsed.options.count("keep-hits") > 0 || parsed.options.count("keep-passes") > 0;
+  return Plan(readPipeline(parsed.pipeline(), overrides, recordingOf(parsed)), keeps ? recordedChannels() : Channels{});
+}
 
-int runGenerate(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("generate");
-  cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "folder of the dataset (made where absent)", cxxopts::value<std::string>(), "DIR")(
-      "overwrite", "replace a dataset, or recordings, that are there already")(
-      "resume", "go on with a dataset that was interrupted: the bytes are those of one that was not")(
-      "shards", "make only these shards, as in 0-9,12; `scanmill merge` ends the dataset",
-      cxxopts::value<std::string>(), "RANGES")("worker", "make every N-th shard, from the I-th on; for N processes",
-                                               cxxopts::value<std::string>(), "I")(
-      "workers", "how many such processes there are; or auto: each makes what no other does, the last one ends",
-      cxxopts::value<std::string>(), "N|auto")(
-      "keep-hits", "keep what the beams meet, to make scans again without tracing", cxxopts::value<std::string>(),
-      "DIR")("keep-passes", "keep the images that the method depth_camera draws", cxxopts::value<std::string>(), "DIR");
-  addRecordingOptions(options);
-  options.add_options()("q,quiet", "one line in place of progress and tables");
-  addPipelineOptions(options);
-  const Arguments parsed = parseArguments(command, options, arguments,
-                                          "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
-                                          "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
-                                          "--set 'scenes.0.seeds=[4,5]' --set splits=null\n"
-                                          "  scanmill generate pipelines/quickstart.yaml -o out/night --resume\n"
-                                          "  scanmill generate pipelines/street.yaml -o out/big --workers auto"
-                                          "    # on as many machines as share the folder\n"
-                                          "  scanmill generate pipelines/street.yaml -o out/c --keep-hits out/hits\n"
-                                          "  scanmill generate pipelines/street.yaml -o out/d --from-hits out/hits "
-                                          "--set 'effects=[intensity]'\n");
-  if (parsed.help) return 0;
-  parsed.positional("PIPELINE");  // a missing one is told before all else
-  if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty())
-    throw InputError("-o DIR is missing: where should the dataset go?");
-  const ResourceLimits limits(parsed);
+// Makes one dataset. `overrides`: besides those of --set.
+void generateOne(const Arguments& parsed, const std::vector<std::string>& overrides,
+                 const std::filesystem::path& folder) {
   GenerateOptions generateOptions;
   generateOptions.keepHits = folderOption(parsed, "keep-hits");
   generateOptions.keepPasses = folderOption(parsed, "keep-passes");
-  const bool keeps = !generateOptions.keepHits.empty() || !generateOptions.keepPasses.empty();
-  Plan plan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed), recordingOf(parsed)),
-            keeps ? recordedChannels() : Channels{});
-  generateOptions.folder = parsed.options["out"].as<std::string>();
+  Plan plan = planOf(parsed, overrides);
+  generateOptions.folder = folder;
   generateOptions.overwrite = parsed.options.count("overwrite") > 0;
   generateOptions.resume = parsed.options.count("resume") > 0;
   if (generateOptions.resume && generateOptions.overwrite) {
@@ -198,18 +174,74 @@ int runGenerate(const std::vector<std::string>& arguments) {
   // So that scripts can always say --resume.
   if (generateOptions.resume && wholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder)) {
     printText("{}: is whole, there is nothing to resume\n", generateOptions.folder.string());
-    return 0;
+    return;
   }
   const GenerateSummary summary = generate(plan, generateOptions);
   if (summary.whole && summary.shards == 0 && summary.resumedShards == 0) {
     printText("{}: is whole, there is nothing to make\n", generateOptions.folder.string());
-    return 0;
+    return;
   }
   for (const std::string& warning : summary.warnings) warn(warning);
   if (generateOptions.quiet) {
     printMade(summary, generateOptions);
   } else {
     printSummary(summary, generateOptions);
+  }
+}
+
+}  // namespace
+
+int runGenerate(const std::vector<std::string>& arguments) {
+  const Command& command = commandNamed("generate");
+  cxxopts::Options options = describe(command);
+  options.add_options()("o,out", "folder of the dataset (made where absent)", cxxopts::value<std::string>(), "DIR")(
+      "overwrite", "replace a dataset, or recordings, that are there already")(
+      "resume", "go on with a dataset that was interrupted: the bytes are those of one that was not")(
+      "shards", "make only these shards, as in 0-9,12; `scanmill merge` ends the dataset",
+      cxxopts::value<std::string>(), "RANGES")("worker", "make every N-th shard, from the I-th on; for N processes",
+                                               cxxopts::value<std::string>(), "I")(
+      "workers", "how many such processes there are; or auto: each makes what no other does, the last one ends",
+      cxxopts::value<std::string>(),
+      "N|auto")("keep-hits", "keep what the beams meet, to make scans again without tracing",
+                cxxopts::value<std::string>(), "DIR")(
+      "sweep", "a dataset for each value of the list, in DIR/KEY=VALUE, else alike; several times for all combinations",
+      cxxopts::value<std::vector<std::string>>(), "KEY=[A,B]")(
+      "keep-passes", "keep the images that the method depth_camera draws", cxxopts::value<std::string>(), "DIR");
+  addRecordingOptions(options);
+  options.add_options()("q,quiet", "one line in place of progress and tables");
+  addPipelineOptions(options);
+  const Arguments parsed = parseArguments(command, options, arguments,
+                                          "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
+                                          "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
+                                          "--set 'scenes.0.seeds=[4,5]' --set splits=null\n"
+                                          "  scanmill generate pipelines/quickstart.yaml -o out/night --resume\n"
+                                          "  scanmill generate pipelines/street.yaml -o out/big --workers auto"
+                                          "    # on as many machines as share the folder\n"
+                                          "  scanmill generate pipelines/street.yaml -o out/c --keep-hits out/hits\n"
+                                          "  scanmill generate pipelines/street.yaml -o out/d --from-hits out/hits "
+                                          "--set 'effects=[intensity]'\n"
+                                          "  scanmill generate quickstart -o out/sensors "
+                                          "--sweep 'sensors.0.preset=[hdl_64e, os1_128, vlp_16]'\n");
+  if (parsed.help) return 0;
+  parsed.positional("PIPELINE");  // a missing one is told before all else
+  if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty())
+    throw InputError("-o DIR is missing: where should the dataset go?");
+  const ResourceLimits limits(parsed);
+  const std::filesystem::path folder = parsed.options["out"].as<std::string>();
+  if (parsed.options.count("sweep") == 0) {
+    generateOne(parsed, {}, folder);
+    return 0;
+  }
+  if (parsed.options.count("keep-hits") > 0 || parsed.options.count("keep-passes") > 0) {
+    throw InputError(
+        "--sweep makes several datasets, whose recordings would be one: keep hits with the first alone, and "
+        "sweep effects with --from-hits");
+  }
+  const std::vector<SweepSet> sets = sweepSets(parsed.options["sweep"].as<std::vector<std::string>>());
+  for (const SweepSet& set : sets) planOf(parsed, set.overrides);  // all are sound before the first is made
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    printText("{}{} of {}: {}\n", i == 0 ? "" : "\n", i + 1, sets.size(), (folder / sets[i].folder).string());
+    generateOne(parsed, sets[i].overrides, folder / sets[i].folder);
   }
   return 0;
 }

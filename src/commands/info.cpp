@@ -18,6 +18,7 @@
 #include "dataset/manifest.h"
 #include "dataset/reader.h"
 #include "dataset/recording.h"
+#include "dataset/scan_store.h"
 #include "formats/cloud_file.h"
 #include "imports/scan_folder.h"
 #include "pipeline/plan/scene_shares.h"
@@ -127,8 +128,10 @@ void printScanFolder(const std::filesystem::path& folder, const ScanFolder& foun
   printText("{} recorded scans, layout {}{}\n", grouped(found.scans.size()), found.layout,
             found.ontology ? ", labelled with the classes of " + found.ontology->name : "");
   const FolderScan& middle = found.scans[found.scans.size() / 2];
-  printText("{} to {}; below, {}\n\n", found.scans.front().key, found.scans.back().key, middle.key);
-  printScan(readFolderScan(middle), middle.points.lexically_relative(std::filesystem::absolute(folder)).string());
+  printText("{}{}\n\n", found.scans.front().key,
+            found.scans.size() == 1 ? "" : fmt::format(" to {}; below, {}", found.scans.back().key, middle.key));
+  const std::filesystem::path whole = std::filesystem::absolute(middle.points);
+  printScan(readFolderScan(middle), whole.lexically_relative(std::filesystem::absolute(folder)).string());
 }
 
 void printShard(const std::filesystem::path& file) {
@@ -477,7 +480,7 @@ int runInfo(const std::vector<std::string>& arguments) {
       printScanFolder(file, *recorded);
       return 0;
     }
-    expectDataset(file, "info");
+    if (!dataset) const ScanStore refused(file);  // says what may be there
     printDataset(file);
   } else if (file.filename() == "manifest.json") {
     printDataset(file.parent_path());

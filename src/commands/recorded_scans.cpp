@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
-#include "imports/scan_folder.h"
+#include "dataset/scan_store.h"
 
 namespace scanmill {
 
@@ -13,21 +13,14 @@ std::string requiredText(const Arguments& parsed, const std::string& option, con
   return text;
 }
 
-std::vector<std::string> scanFiles(const std::vector<std::string>& given) {
-  std::vector<std::string> files;
-  for (const std::string& file : given) {
-    std::error_code ignored;
-    if (!std::filesystem::is_directory(file, ignored) ||
-        std::filesystem::exists(std::filesystem::path(file) / "manifest.json", ignored)) {
-      files.push_back(file);
-      continue;
+void forEachScan(const std::vector<std::string>& given,
+                 const std::function<void(const Scan&, const std::string&)>& visit) {
+  for (const std::string& path : given) {
+    const ScanStore store(path);
+    for (std::size_t i = 0; i < store.keys().size(); ++i) {
+      visit(store.decode(i, store.scans(i).front()), store.single() ? path : store.keys()[i]);
     }
-    const auto found = scanFolderIn(file);
-    if (!found)
-      throw InputError({file}, "is a folder that holds no scan: name the recorded frames' files or their folder");
-    for (const FolderScan& scan : found->scans) files.push_back(scan.points.string());
   }
-  return files;
 }
 
 std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what) {

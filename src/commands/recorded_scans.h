@@ -3,16 +3,19 @@
 // What commands that read recorded scans share.
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "commands/arguments.h"
+#include "scan/scan.h"
 
 namespace scanmill {
 
-// The files of the scans that are given, in place of the folders of recorded scans among them (imports/scan_folder.h).
-// Throws InputError for folders that hold none.
-std::vector<std::string> scanFiles(const std::vector<std::string>& given);
+// Calls visit(scan, name) for every scan of what is given: files, and all scans of folders of recorded scans, datasets
+// and shards, whose first sensor is taken. Throws InputError.
+void forEachScan(const std::vector<std::string>& given,
+                 const std::function<void(const Scan&, const std::string&)>& visit);
 
 // The text of an option; throws InputError, which says what it is for, where it is missing.
 std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& what);

@@ -66,6 +66,8 @@ TEST_F(CompareCommand, WrongUseIsToldAndNothingIsLost) {
   expectRefused(scanmill({"compare", at("plain"), at("absent"), "-o", at("out")}), "does not exist");
   expectRefused(scanmill({"compare", at("plain"), at("noisy"), "-o", at("out"), "--scans", "0"}),
                 "--scans must be from 1");
+  expectRefused(scanmill({"compare", at("plain"), at("noisy"), "-o", at("out"), "--sensor", "nosuch"}),
+                "neither set has a sensor of this name");
   folder_.write("none/notes.txt", "none");
   expectRefused(scanmill({"compare", at("none"), at("noisy"), "-o", at("out")}), "is no dataset");
   folder_.write("damaged/velodyne/000000.bin", "abc");

@@ -199,6 +199,11 @@ Scan readNpz(std::string_view bytes, const std::string& what) {
   std::vector<std::size_t> shape = positions->shape;
   shape.pop_back();
   for (const Array& array : arrays) {
+    const bool column = columnIndex(array.name) < kColumnCount;
+    if (column && array.shape != shape) {
+      throw InputError({what}, fmt::format("{} has the shape ({}), the points ({})", array.name,
+                                           fmt::join(array.shape, ", "), fmt::join(shape, ", ")));
+    }
     if (&array == &*positions || array.shape != shape || elementBytes(array.type) == 0) continue;
     const bool label = array.name == "labels" || array.name == "classes" || array.name == "semantic";
     addColumn(array, label ? "label" : std::string_view(array.name), what, scan);

@@ -26,11 +26,12 @@ HtmlCell shareCell(double share) {
   return {fmt::format("{:.1f} %", kPercent * share), share};
 }
 
-std::string featureTable(const SetComparison& comparison, const std::vector<Separation>& features) {
+// `within`: of all groups together.
+std::string featureTable(const SetComparison& comparison, const std::vector<Separation>& features, bool ofAll) {
   HtmlTable table;
   table.column("feature of a patch", "", true);
   table.column("tells apart", "mean over bands of range of |area under the ROC curve - 0.5|: 0 not at all, 0.5 surely");
-  table.column("within real", "the same between odd and even scans of the first set: what places differ in");
+  if (ofAll) table.column("within real", "the same between odd and even scans of the first set: what places differ in");
   table.column("area", "above 0.5 where the second set has the greater values");
   table.column("real", "median; mean of what is mostly zero");
   table.column("simulated", "median; mean of what is mostly zero");
@@ -38,15 +39,15 @@ std::string featureTable(const SetComparison& comparison, const std::vector<Sepa
   for (const Separation& s : features) {
     const PatchFeature& f = kPatchFeatures[s.feature];
     const double within = comparison.withinReal[s.feature];
-    table.row({{std::string(f.title), NAN, std::string(f.meaning)},
-               {fmt::format("{:.3f}", s.strength), s.strength,
-                fmt::format("{} and {} patches", grouped(s.real), grouped(s.simulated))},
-               {std::isnan(within) ? "-" : fmt::format("{:.3f}", within), within},
-               {fmt::format("{:.3f}", s.area), s.area},
-               cell(s.realValue, f.factor, f.unit),
-               cell(s.simulatedValue, f.factor, f.unit),
-               {std::string(f.keys)}},
-              std::isnan(within) || s.strength > 2 * within);
+    std::vector<HtmlCell> cells{{std::string(f.title), NAN, std::string(f.meaning)},
+                                {fmt::format("{:.3f}", s.strength), s.strength,
+                                 fmt::format("{} and {} patches", grouped(s.real), grouped(s.simulated))}};
+    if (ofAll) cells.push_back({std::isnan(within) ? "-" : fmt::format("{:.3f}", within), within});
+    cells.insert(cells.end(), {{fmt::format("{:.3f}", s.area), s.area},
+                               cell(s.realValue, f.factor, f.unit),
+                               cell(s.simulatedValue, f.factor, f.unit),
+                               {std::string(f.keys)}});
+    table.row(std::move(cells), ofAll && (std::isnan(within) || s.strength > 2 * within));
   }
   return table.html();
 }
@@ -54,7 +55,8 @@ std::string featureTable(const SetComparison& comparison, const std::vector<Sepa
 std::string featureChart(const SetComparison& comparison) {
   Chart chart;
   chart.title = "What tells the sets apart";
-  chart.note = "Single features of local patches, compared within classes or shapes and within bands of range.";
+  chart.note = fmt::format("Single features of local patches, compared within {} and bands of range.",
+                           comparison.byClass ? "classes" : "shapes");
   chart.x.title = "|area under the ROC curve - 0.5|";
   chart.x.low = 0;
   chart.x.high = 0.5;
@@ -92,7 +94,8 @@ std::string pairChart(const std::string& title, const std::string& note, const s
   ChartSeries real{.name = "real", .color = kReal, .mark = ChartMark::Bars};
   ChartSeries simulated{.name = "simulated", .color = kSimulated, .mark = ChartMark::Bars};
   for (const Pair& pair : pairs) {
-    // A row of its own for each, the name at the upper one.
+    // A row of its own for each, the name at the upper one, and an empty row before the next pair.
+    if (!chart.y.names.empty()) chart.y.names.emplace_back("");
     const auto place = static_cast<double>(chart.y.names.size());
     chart.y.names.push_back(pair.name);
     chart.y.names.emplace_back("");
@@ -150,9 +153,22 @@ std::string groupTable(const SetComparison& comparison) {
 std::string details(const SetComparison& comparison) {
   std::string html;
   for (const GroupComparison& group : comparison.groups) {
-    if (!group.features.empty()) html += htmlDetails(group.name, featureTable(comparison, group.features));
+    if (!group.features.empty()) html += htmlDetails(group.name, featureTable(comparison, group.features, false));
   }
   return html;
+}
+
+std::string definitions() {
+  HtmlTable table;
+  table.column("feature or figure", "", true);
+  table.column("what it is", "", true);
+  for (const PatchFeature& f : kPatchFeatures) table.row({{std::string(f.title)}, {std::string(f.meaning)}});
+  for (const SetFigure& f : kSetFigures) table.row({{std::string(f.title)}, {std::string(f.meaning)}});
+  return htmlDetails("What each is", table.html()) +
+         htmlParagraph(
+             "Shapes: the plane through a patch tells level (up to 25 deg), upright (from 65 deg) and slanted "
+             "ones; rough ones are thicker than 0.35 of their lesser width, sparse ones have fewer than 12 "
+             "points nearby in range.");
 }
 
 std::string setText(const ScanSet& set) {
@@ -194,9 +210,10 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
        fmt::format("A patch is 5 rings by 9 columns of neighbouring beams. Patches {} and one band of range are told "
                    "apart by one figure at a time. A figure of 0 says that it does not help; 0.5 that one patch is "
                    "enough. Highlighted rows differ by more than twice what the real scans differ in among "
-                   "themselves.{}",
+                   "themselves, where there are several; scans that follow one another closely make that too little. "
+                   "Areas of bands may lie on both sides of 0.5, and then add up to less than the figure.{}",
                    grouping, unknown),
-       htmlFigures({featureChart(comparison)}) + featureTable(comparison, comparison.features), true},
+       htmlFigures({featureChart(comparison)}) + featureTable(comparison, comparison.features, true), true},
       {"figures", "The sets as a whole", "Figures that depend on the place, too: compare like places.",
        figureTable(comparison), true},
       {"groups", comparison.byClass ? "By class" : "By shape", "",
@@ -209,10 +226,11 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
            {pairChart("Ranges", "", "share of the points (%)", ranges),
             pairChart("Intensity by range", "Medians.", "intensity / median", pairsOf(comparison.intensityByRange)),
             pairChart("Intensity by incidence", "Medians.", "intensity / median",
-                      pairsOf(comparison.intensityByIncidence))})}};
-  const std::string head =
-      htmlParagraph(fmt::format("Real: {}. Simulated: {}. {}, by Scanmill {}.", setText(comparison.real),
-                                setText(comparison.simulated), date, kVersion));
+                      pairsOf(comparison.intensityByIncidence))})},
+      {"definitions", "Definitions", "", definitions(), true}};
+  std::string head = htmlParagraph(fmt::format("Real: {}. Simulated: {}. {}, by Scanmill {}.", setText(comparison.real),
+                                               setText(comparison.simulated), date, kVersion));
+  for (const std::string& warning : comparison.warnings) head += htmlParagraph("Note: " + warning);
   return htmlPage(fmt::format("{} and {}", comparison.real.name, comparison.simulated.name), head, sections);
 }
 

@@ -1,5 +1,7 @@
 #include "study/compare/compare.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -160,28 +162,53 @@ void addIntensities(SetComparison& result) {
       });
 }
 
-// The patches' classes by the ontology of the first set, and the second set's classes that it does not have.
-std::pair<Groups, Groups> groupsByClass(const ScanSet& real, const ScanSet& simulated,
-                                        std::vector<std::string>& unknown) {
-  const ClassMap map(*simulated.ontology, *real.ontology);
-  Groups second;
+// The groups of both sets by the classes of one of them, and the other one's classes that it does not have.
+struct ClassGroups {
+  Groups own, other;
+  std::vector<std::string> unknown;
+};
+
+ClassGroups groupsByClassesOf(const ScanSet& owner, const ScanSet& other) {
+  const ClassMap map(*other.ontology, *owner.ontology);
+  ClassGroups groups;
   std::set<std::uint16_t> lost;
-  for (const std::uint16_t label : simulated.patches.label) {
+  // What moves is compared with what stands: whether it does is no property of a patch.
+  for (const std::uint16_t label : other.patches.label) {
     const SemanticClass& mapped = map.classOf(label);
-    second.push_back(mapped.movingOf.value_or(mapped.id));
-    if (second.back() == 0 && label != 0) lost.insert(label);
+    groups.other.push_back(mapped.movingOf.value_or(mapped.id));
+    if (groups.other.back() == 0 && label != 0) lost.insert(label);
   }
   for (const std::uint16_t label : lost) {
-    const SemanticClass* const own = simulated.ontology->find(label);
-    if (own != nullptr) unknown.push_back(own->name);
+    const SemanticClass* const own = other.ontology->find(label);
+    if (own != nullptr) groups.unknown.push_back(own->name);
   }
-  // What moves is compared with what stands: whether it does is no property of a patch.
-  Groups first;
-  for (const std::uint16_t label : real.patches.label) {
-    const SemanticClass* const own = real.ontology->find(label);
-    first.push_back(own == nullptr ? std::uint16_t{0} : own->movingOf.value_or(own->id));
+  for (const std::uint16_t label : owner.patches.label) {
+    const SemanticClass* const own = owner.ontology->find(label);
+    groups.own.push_back(own == nullptr ? std::uint16_t{0} : own->movingOf.value_or(own->id));
   }
-  return {std::move(first), std::move(second)};
+  return groups;
+}
+
+// The share of patches that have a counterpart of their class: 1 where both sets have each class as often.
+double overlapOf(const ClassGroups& groups) {
+  std::map<std::uint16_t, std::pair<double, double>> shares;
+  for (const std::uint16_t g : groups.own) shares[g].first += 1.0 / static_cast<double>(groups.own.size());
+  for (const std::uint16_t g : groups.other) shares[g].second += 1.0 / static_cast<double>(groups.other.size());
+  double overlap = 0;
+  for (const auto& [group, share] : shares) overlap += group == 0 ? 0 : std::min(share.first, share.second);
+  return overlap;
+}
+
+// Gives the groups of the real and of the simulated set.
+std::pair<Groups, Groups> groupsByClass(SetComparison& result) {
+  ClassGroups byReal = groupsByClassesOf(result.real, result.simulated);
+  ClassGroups bySimulated = groupsByClassesOf(result.simulated, result.real);
+  constexpr double kClearly = 1e-6;
+  const bool real = overlapOf(byReal) + kClearly >= overlapOf(bySimulated);
+  result.classes = real ? *result.real.ontology : *result.simulated.ontology;
+  result.unknown = real ? byReal.unknown : bySimulated.unknown;
+  if (real) return {std::move(byReal.own), std::move(byReal.other)};
+  return {std::move(bySimulated.other), std::move(bySimulated.own)};
 }
 
 void addGroups(SetComparison& result, const Groups& real, const Groups& simulated,
@@ -191,7 +218,7 @@ void addGroups(SetComparison& result, const Groups& real, const Groups& simulate
   for (const std::uint16_t group : simulated) ++counts[group].second;
   for (const auto& [group, count] : counts) {
     GroupComparison own;
-    const SemanticClass* const known = result.byClass ? result.real.ontology->find(group) : nullptr;
+    const SemanticClass* const known = result.byClass ? result.classes.find(group) : nullptr;
     own.name = !result.byClass ? std::string(kPatchKinds[group]) : known == nullptr ? "unlabeled" : known->name;
     own.realShare = static_cast<double>(count.first) / static_cast<double>(std::max<std::size_t>(1, real.size()));
     own.simulatedShare =
@@ -217,12 +244,17 @@ SetComparison compareSets(ScanSet real, ScanSet simulated) {
   result.byClass = result.real.labelled && result.simulated.labelled;
   const Patches& a = result.real.patches;
   const Patches& b = result.simulated.patches;
-  const auto [groupsA, groupsB] = result.byClass ? groupsByClass(result.real, result.simulated, result.unknown)
-                                                 : std::pair(groupsByKind(a), groupsByKind(b));
+  const auto [groupsA, groupsB] = result.byClass ? groupsByClass(result) : std::pair(groupsByKind(a), groupsByKind(b));
+  const ScanSet &first = result.real, &second = result.simulated;
+  if (first.knowsRings && second.knowsRings && first.rows != second.rows) {
+    result.warnings.push_back(fmt::format(
+        "{} has {} rings and {} {}: patches of unlike sensors differ by their beams first; compare scans of one sensor",
+        first.name, first.rows, second.name, second.rows));
+  }
   std::vector<Separated> separated(kFeatureCount);
   result.withinReal.fill(kNaN);
-  parallelFor(kFeatureCount, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t f = first; f < last; ++f) {
+  parallelFor(kFeatureCount, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
       // What has no class, or none that both sets know, may be anything.
       const auto known = [&](const Groups& groups, std::size_t i) { return !result.byClass || groups[i] != 0; };
       separated[f] = separate(strataOf(a, groupsA, f, [&](std::size_t i) { return known(groupsA, i); }),

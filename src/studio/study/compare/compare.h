@@ -44,10 +44,12 @@ struct IntensityRow {
 };
 
 struct SetComparison {
-  ScanSet real, simulated;           // without their patches
-  bool byClass = false;              // groups are classes; else shapes
-  std::vector<std::string> unknown;  // classes of the second set that the first one's ontology does not have
-  std::vector<Separation> features;  // over all groups, the strongest first
+  ScanSet real, simulated;            // without their patches
+  std::vector<std::string> warnings;  // what makes figures mean less than they say
+  bool byClass = false;               // groups are classes; else shapes
+  Ontology classes;                   // of the groups
+  std::vector<std::string> unknown;   // classes of one set that the other one's ontology does not have
+  std::vector<Separation> features;   // over all groups, the strongest first
   // Strengths between the odd and the even scans of the first set, by feature: what places differ in. NaN where there
   // is one scan.
   std::array<double, kFeatureCount> withinReal{};
@@ -56,7 +58,8 @@ struct SetComparison {
   std::vector<IntensityRow> intensityByRange, intensityByIncidence;
 };
 
-// `real` gives the classes, of which the second set's are those of the same name or alias; where one of the two has no
+// Classes of one set become those of the same name or alias in the other one's ontology: of the two ways the one that
+// leaves the sets more alike in their shares, which is that to the coarser classes. Where one of the sets has no
 // labels, groups are shapes.
 SetComparison compareSets(ScanSet real, ScanSet simulated);
 

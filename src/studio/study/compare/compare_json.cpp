@@ -22,6 +22,7 @@ OrderedJson setJson(const ScanSet& set) {
   json["scans"] = set.scans;
   json["scans_stored"] = set.stored;
   json["points"] = set.points;
+  json["rows"] = set.rows;
   json["knows_rings"] = set.knowsRings;
   json["knows_misses"] = set.knowsMisses;
   json["labelled"] = set.labelled;
@@ -59,6 +60,7 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
   json["real"] = setJson(comparison.real);
   json["simulated"] = setJson(comparison.simulated);
   json["grouped_by"] = comparison.byClass ? "class" : "shape";
+  json["warnings"] = comparison.warnings;
   json["unknown_classes"] = comparison.unknown;
   OrderedJson figures = OrderedJson::array();
   for (std::size_t i = 0; i < kSetFigureCount; ++i) {

@@ -63,13 +63,16 @@ inline constexpr auto kPatchFeatures = std::to_array<PatchFeature>({
     {"intensity", "intensity", "", 1, false, "intensity in units of the set's median",
      "reflectances in labels/materials.yaml, effects intensity and reflectance_variation"},
     {"intensity_scatter", "intensity scatter", "%", 100, false,
-     "difference of the intensity from the mean of the 4 neighbours in its ring, in parts of that",
+     "difference of the intensity from the mean of the 4 neighbours in its ring, in parts of that; whole numbers of a "
+     "low "
+     "median scatter by their rounding alone",
      "effects speckle (looks) and reflectance_variation"},
     {"ring_gain", "gain against the rings beside", "%", 100, false,
      "logarithm of the mean intensity of 5 neighbours over that of the rings above and below",
      "effects ring_bias (gain_sigma)"},
     {"missing", "missing beams", "%", 100, true, "share of the 5 x 9 beams without a return",
-     "effects dropout, detection and light_paths (glass, mirrors); dark and wet materials; gaps in the scene"},
+     "windows (light_paths), dark and wet materials (detection), the own vehicle, gaps in the scene; single ones: "
+     "dropout"},
     {"single_missing", "single missing beams", "%", 100, true,
      "share of the 7 beams around in the ring that are missing between two returns at one range",
      "effects dropout (probability) and detection (noise)"},

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "dataset/sample_names.h"
 #include "dataset/scan_store.h"
 #include "study/compare/range_grid.h"
 
@@ -41,6 +42,7 @@ struct ScanCounts {
   std::uint64_t below = 0, missing = 0, inRuns = 0, single = 0;
   double slope = kNaN, residual = kNaN;  // of the ground
   std::vector<double> relief;            // m, of each cell
+  std::uint32_t rows = 0;
   bool knowsRings = false, knowsMisses = false, labelled = false;
   Patches patches;
 };
@@ -169,6 +171,7 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) 
 ScanCounts countScan(const Scan& scan, std::uint32_t number, const ScanSetOptions& options) {
   const RangeGrid grid = rangeGrid(scan);
   ScanCounts counts;
+  counts.rows = grid.rows;
   counts.knowsRings = grid.knowsRings;
   counts.knowsMisses = grid.knowsMisses;
   counts.labelled = !scan[kLabel].empty();
@@ -278,6 +281,7 @@ ScanSet addUp(std::string name, std::vector<ScanCounts> all, std::optional<Ontol
       slopes.push_back(c.slope);
       residuals.push_back(c.residual);
     }
+    set.rows = c.rows;
     set.knowsRings &= c.knowsRings;
     set.knowsMisses &= c.knowsMisses;
     set.labelled &= c.labelled;
@@ -302,6 +306,7 @@ ScanSet addUp(std::string name, std::vector<ScanCounts> all, std::optional<Ontol
   addPatchFigures(set);
   std::vector<float>& intensity = set.patches.of(Feature::Intensity);
   const double median = percentileOf(definedOf(intensity), 0.5);
+  figure(set, "median_intensity") = median;
   for (float& value : intensity) value = median > 0 ? static_cast<float>(value / median) : value;
   return set;
 }
@@ -335,7 +340,10 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
   const std::size_t stored = store.keys().size();
   if (stored == 0) throw InputError({path.string()}, "holds no scan");
   const std::size_t count = std::min(options.scans, stored);
-  const std::string sensor = store.sensors().size() > 1 ? options.sensor : std::string();
+  const std::vector<std::string> sensors = store.sensors();
+  const bool found = std::any_of(sensors.begin(), sensors.end(),
+                                 [&](const std::string& own) { return lowerCase(own) == lowerCase(options.sensor); });
+  const std::string sensor = found || sensors.size() > 1 ? options.sensor : std::string();
   std::vector<ScanCounts> all(count);
   // A few scans at a time, so that progress shows and memory stays bounded.
   const auto batch = static_cast<std::size_t>(std::max(1, threadCount()));
@@ -357,6 +365,7 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
   if (store.ontology() != nullptr) ontology = *store.ontology();
   ScanSet set = addUp(name, std::move(all), std::move(ontology));
   set.stored = stored;
+  set.foundSensor = found;
   if (set.points == 0)
     throw InputError({path.string()}, "holds scans without points alone: there is nothing to compare");
   return set;

@@ -33,7 +33,9 @@ inline constexpr auto kSetFigures = std::to_array<SetFigure>({
      "the scene's openness; detection, dropout, light_paths; the sensor's mount"},
     {"missing_below", "missing below the horizon", "%", 100,
      "beams more than 1 deg below the horizon that have no return",
-     "dropout, detection, light_paths; dark and wet materials; the own vehicle; holes in the scene"},
+     "where in runs: windows (light_paths), dark and wet materials (detection), the own vehicle, holes in the scene; "
+     "where "
+     "single: dropout"},
     {"missing_in_runs", "of these in runs", "%", 100, "in runs of more than 10 neighbours in a ring",
      "materials (windows, dark paint), the own vehicle, holes in the scene: not dropout, whose beams are single"},
     {"missing_single", "of these single", "%", 100, "between two returns", "dropout (probability), detection (noise)"},
@@ -52,8 +54,11 @@ inline constexpr auto kSetFigures = std::to_array<SetFigure>({
     {"mixed", "mixed pixels", "%", 100,
      "edges of more than 1.5 m between two surfaces with a point that lies apart from both, by a tenth or more",
      "effects footprint (rays)"},
+    {"median_intensity", "median intensity", "", 1, "of all points, in the unit of the scans",
+     "what full scale means: effects intensity (model, gain, output); reflectances in labels/materials.yaml"},
     {"intensity_scatter", "intensity scatter", "%", 100,
-     "median difference of a point from the mean of 4 neighbours in its ring",
+     "median difference of a point from the mean of 4 neighbours in its ring; whole numbers of a low median scatter by "
+     "their rounding alone",
      "effects speckle, reflectance_variation"},
     {"ring_offset", "fixed offsets of rings", "mm", 1000,
      "deviation over rings of their median offset in range from the rings beside, on flat patches; without what chance "
@@ -77,6 +82,8 @@ struct ScanSet {
   std::uint32_t scans = 0;   // that were read
   std::uint64_t stored = 0;  // that there are
   std::uint64_t points = 0;  // of those that were read
+  std::uint32_t rows = 0;    // of the last scan's grid: the sensor's rings, where they are known
+  bool foundSensor = false;  // there is a sensor of the name that was asked for
   bool knowsRings = true;    // of all scans
   bool knowsMisses = true;   // of all scans
   bool labelled = false;     // all scans have labels, and their classes are known
@@ -86,7 +93,7 @@ struct ScanSet {
 };
 
 struct ScanSetOptions {
-  std::string sensor;                  // of datasets with several; empty: the first
+  std::string sensor;                  // its name; sets with one sensor alone may call it otherwise; empty: the first
   std::size_t scans = 20;              // at most, evenly taken
   std::size_t patchesPerScan = 20000;  // at most
   const std::atomic<bool>* stop = nullptr;

@@ -176,6 +176,36 @@ TEST(Compare, ClassesMeetByTheirNamesAndAliases) {
   }
 }
 
+// Posts are walls to one of the two: whichever comes first, walls are held against walls and posts.
+TEST(Compare, TheCoarserClassesHoldWhicheverSetComesFirst) {
+  Ontology coarse = testClasses();
+  coarse.classes.pop_back();
+  coarse.classes[2].aliases = {"post"};
+  std::vector<Scan> scans = flawedScans({}, 11);
+  for (Scan& scan : scans) {
+    for (std::uint16_t& label : scan[kLabel]) label = std::min<std::uint16_t>(label, 2);
+  }
+  const auto fine = [] { return measureScans("fine", flawedScans({}, 1), testClasses(), {}); };
+  const auto other = [&] { return measureScans("coarse", scans, coarse, {}); };
+  for (const SetComparison& found : {compareSets(fine(), other()), compareSets(other(), fine())}) {
+    ASSERT_TRUE(found.byClass);
+    EXPECT_TRUE(found.unknown.empty());
+    ASSERT_EQ(found.groups.size(), 2u);
+    for (const GroupComparison& group : found.groups) EXPECT_NEAR(group.realShare, group.simulatedShare, 0.02);
+  }
+}
+
+TEST(Compare, UnlikeSensorsAreToldOf) {
+  std::vector<Scan> halves = flawedScans({}, 11);
+  for (Scan& scan : halves) {
+    scan.rings = kTestRings / 2;
+    for (std::uint16_t& ring : scan[kRing]) ring = static_cast<std::uint16_t>(ring / 2);
+  }
+  const SetComparison found = compareSets(setOf({}, 1), measureScans("halves", halves, testClasses(), {}));
+  EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("set has 32 rings and halves 16")));
+  EXPECT_TRUE(compareSets(setOf({}, 1), setOf({}, 11)).warnings.empty());
+}
+
 TEST(Compare, IsTheSameWhateverTheThreads) {
   std::string first;
   for (const int threads : {1, 2}) {

@@ -1,0 +1,98 @@
+#include "commands/sweep.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "base/error.h"
+#include "config/flow_text.h"
+#include "config/value.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kMostSets = 1000;
+
+// What folders may be called everywhere: letters, digits, dots, plus, minus and underscores.
+std::string plainName(const std::string& text) {
+  constexpr std::size_t kLongest = 40;
+  std::string name;
+  for (const char c : text) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '+' || c == '-' || c == '_';
+    if (plain) {
+      name += c;
+    } else if (!name.empty() && name.back() != '-') {
+      name += '-';
+    }
+  }
+  while (!name.empty() && name.back() == '-') name.pop_back();
+  return name.empty() ? "none" : name.substr(0, kLongest);
+}
+
+// "preset" of sensors.0.preset; "effects.2" of effects.2.
+std::string shortKey(const std::string& key) {
+  const std::size_t dot = key.rfind('.');
+  if (dot == std::string::npos) return key;
+  const std::string last = key.substr(dot + 1);
+  const bool index = last.find_first_not_of("0123456789") == std::string::npos;
+  return index ? shortKey(key.substr(0, dot)) + "." + last : last;
+}
+
+struct Sweep {
+  std::string key;
+  std::vector<std::string> values;  // as YAML on one line
+};
+
+Sweep parseSweep(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const auto fail = [&](const std::string& why) {
+    throw InputError(fmt::format(
+        "--sweep is KEY=[A, B, ...], such as 'sensors.0.preset=[os1_128, hdl_64e]', not '{}'{}", text, why));
+  };
+  if (equals == 0 || equals == std::string::npos) fail("");
+  Sweep sweep{text.substr(0, equals), {}};
+  const Value list = parseYaml(text.substr(equals + 1), "--sweep " + sweep.key);
+  if (list.kind != Value::Kind::Sequence) fail(": no list");
+  if (list.items.empty()) fail(": the list is empty");
+  for (const Value& value : list.items) {
+    sweep.values.push_back(value.kind == Value::Kind::Null ? "null" : flowText(value));
+  }
+  return sweep;
+}
+
+}  // namespace
+
+std::vector<SweepSet> sweepSets(const std::vector<std::string>& sweeps) {
+  std::vector<SweepSet> sets{{}};
+  std::set<std::string> keys;
+  for (const std::string& text : sweeps) {
+    const Sweep sweep = parseSweep(text);
+    if (!keys.insert(sweep.key).second) throw InputError(fmt::format("--sweep {}: is given twice", sweep.key));
+    if (sets.size() * sweep.values.size() > kMostSets) {
+      throw InputError(fmt::format("--sweep: more than {} combinations", kMostSets));
+    }
+    std::vector<SweepSet> more;
+    for (const SweepSet& before : sets) {
+      for (const std::string& value : sweep.values) {
+        SweepSet set = before;
+        if (!set.folder.empty()) set.folder += ',';
+        set.folder += plainName(shortKey(sweep.key)) + "=" + plainName(value);
+        set.overrides.push_back(sweep.key + "=" + value);
+        more.push_back(std::move(set));
+      }
+    }
+    sets = std::move(more);
+  }
+  std::set<std::string> taken;
+  for (SweepSet& set : sets) {
+    std::string name = set.folder;
+    for (int number = 2; !taken.insert(name).second; ++number) name = fmt::format("{}_{}", set.folder, number);
+    set.folder = name;
+  }
+  return sets;
+}
+
+}  // namespace scanmill
