@@ -97,7 +97,7 @@ TEST_F(FirstSteps, FilesInTheWrongPlaceAreCalledByTheirName) {
   expectRefused(scanmill({"plan", changed("scene: scene.yaml", "scene: small.yaml")}), "this is a pipeline");
   expectRefused(scanmill({"verify", pipeline_}), "verify takes the folder of a dataset, not a file");
   expectRefused(scanmill({"verify", at(".")}), "verify takes the folder of a dataset: " + at("./manifest.json"));
-  expectRefused(scanmill({"info", at(".")}), "is not there");
+  expectRefused(scanmill({"info", at(".")}), "is no dataset");
   folder_.write("begun/.scanmill/plan", "{}");
   expectRefused(scanmill({"verify", at("begun")}),
                 "this one is unfinished: `scanmill generate PIPELINE -o " + at("begun"));
