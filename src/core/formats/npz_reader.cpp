@@ -158,6 +158,7 @@ void addColumn(const Array& array, std::string_view name, const std::string& wha
       if (key.index != index) return;
       using Value = typename decltype(key)::Value;
       column.clear();
+      column.reserve(values.size());
       for (std::size_t i = 0; i < values.size(); ++i) column.push_back(columnValue<Value>(values[i], name, i, {what}));
     });
   });

@@ -36,7 +36,7 @@ double medianOf(std::vector<float> values) {
   return static_cast<double>(*middle);
 }
 
-double meanOf(std::vector<float> values) {
+double meanOf(const std::vector<float>& values) {
   double sum = 0;
   for (const float v : values) sum += static_cast<double>(v);
   return values.empty() ? kNaN : sum / static_cast<double>(values.size());
@@ -79,9 +79,9 @@ struct Sum {
     s.feature = feature;
     s.strength /= weight;
     s.area = 0.5 + (separation.area - 0.5) / weight;
-    const auto typical = kPatchFeatures[feature].mostlyZero ? meanOf : medianOf;
-    s.realValue = typical(real);
-    s.simulatedValue = typical(simulated);
+    const bool mean = kPatchFeatures[feature].mostlyZero;
+    s.realValue = mean ? meanOf(real) : medianOf(real);
+    s.simulatedValue = mean ? meanOf(simulated) : medianOf(simulated);
     return s;
   }
 };
@@ -244,7 +244,9 @@ SetComparison compareSets(ScanSet real, ScanSet simulated) {
   result.byClass = result.real.labelled && result.simulated.labelled;
   const Patches& a = result.real.patches;
   const Patches& b = result.simulated.patches;
-  const auto [groupsA, groupsB] = result.byClass ? groupsByClass(result) : std::pair(groupsByKind(a), groupsByKind(b));
+  const std::pair<Groups, Groups> both =
+      result.byClass ? groupsByClass(result) : std::pair(groupsByKind(a), groupsByKind(b));
+  const Groups &groupsA = both.first, &groupsB = both.second;
   const ScanSet &first = result.real, &second = result.simulated;
   if (first.knowsRings && second.knowsRings && first.rows != second.rows) {
     result.warnings.push_back(fmt::format(
@@ -256,7 +258,7 @@ SetComparison compareSets(ScanSet real, ScanSet simulated) {
   parallelFor(kFeatureCount, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       // What has no class, or none that both sets know, may be anything.
-      const auto known = [&](const Groups& groups, std::size_t i) { return !result.byClass || groups[i] != 0; };
+      const auto known = [&](const Groups& own, std::size_t i) { return !result.byClass || own[i] != 0; };
       separated[f] = separate(strataOf(a, groupsA, f, [&](std::size_t i) { return known(groupsA, i); }),
                               strataOf(b, groupsB, f, [&](std::size_t i) { return known(groupsB, i); }));
       const auto scansOf = [&](std::uint32_t odd) {
