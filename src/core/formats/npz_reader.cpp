@@ -189,6 +189,7 @@ Scan readNpz(std::string_view bytes, const std::string& what) {
   });
   if (positions == arrays.end()) {
     std::vector<std::string> names;
+    names.reserve(arrays.size());
     for (const Array& a : arrays) names.push_back(a.name);
     throw InputError({what},
                      fmt::format("has no array `xyz` or `points` of shape (N, 3), (N, 4) or (rings, columns, 3); "
