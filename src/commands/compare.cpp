@@ -23,7 +23,7 @@ namespace {
 
 constexpr const char* kResultFile = "compare.json";
 constexpr const char* kPageFile = "index.html";
-constexpr std::size_t kMostScans = 1000;
+constexpr std::size_t kMostScans = 200;  // 2 MB each
 
 void printComparison(const SetComparison& comparison) {
   std::vector<std::vector<std::string>> rows{

@@ -75,7 +75,6 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const Arguments parsed = parseArguments(
       command, options, arguments,
       "  scanmill fit-noise frames/*.pcd --sensor os1_128 -o my_os1.yaml\n"
-      "  scanmill fit-noise KITTI/2011_09_26_drive_0001_sync --sensor hdl_64e -o my_hdl.yaml\n"
       "  scanmill fit-noise frames/*.pcd --sensor my.yaml -o my_fitted.yaml --report out/noise --overwrite\n");
   if (parsed.help) return 0;
 

@@ -2,10 +2,18 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "dataset/scan_store.h"
 
 namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kMostScans = 100;  // of a set: they are kept in memory
+
+}  // namespace
 
 std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& what) {
   std::string text = parsed.options.count(option) == 0 ? std::string() : parsed.options[option].as<std::string>();
@@ -17,7 +25,11 @@ void forEachScan(const std::vector<std::string>& given,
                  const std::function<void(const Scan&, const std::string&)>& visit) {
   for (const std::string& path : given) {
     const ScanStore store(path);
-    for (std::size_t i = 0; i < store.keys().size(); ++i) {
+    const std::size_t stored = store.keys().size();
+    const std::size_t count = std::min(stored, kMostScans);
+    if (count < stored) warn(fmt::format("{}: {} of its {} scans are taken, evenly", path, count, stored));
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t i = k * stored / count;
       visit(store.decode(i, store.scans(i).front()), store.single() ? path : store.keys()[i]);
     }
   }

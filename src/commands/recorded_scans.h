@@ -12,8 +12,8 @@
 
 namespace scanmill {
 
-// Calls visit(scan, name) for every scan of what is given: files, and all scans of folders of recorded scans, datasets
-// and shards, whose first sensor is taken. Throws InputError.
+// Calls visit(scan, name) for the scans of what is given: files, and folders of recorded scans, datasets and shards, of
+// which the first sensor and at most 100 scans are taken, evenly. Throws InputError.
 void forEachScan(const std::vector<std::string>& given,
                  const std::function<void(const Scan&, const std::string&)>& visit);
 

@@ -48,8 +48,6 @@ class ScanStore {
   const Manifest* manifest() const { return manifest_.get(); }  // null where there is none
   // The classes of the labels, by the manifest or the layout; null where they are unknown.
   const Ontology* ontology() const;
-  // The name of the layout of recorded scans; empty of datasets, shards and single scans.
-  std::string_view layout() const { return recorded_ ? std::string_view(recorded_->layout) : std::string_view(); }
   std::filesystem::path folder() const { return folder_; }  // the manifest's
   // The beam table of a sensor, with directions filled in; null where it is unknown. Any thread may call it.
   // `time`: of the scan (s), for sensors whose beams differ from one to the next.

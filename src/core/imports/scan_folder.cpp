@@ -1,7 +1,6 @@
 #include "imports/scan_folder.h"
 
 #include <algorithm>
-#include <array>
 
 #include "base/file.h"
 #include "formats/cloud_file.h"
@@ -10,16 +9,6 @@
 namespace scanmill {
 
 namespace fs = std::filesystem;
-
-std::span<const FolderLayout> folderLayouts() {
-  static constexpr std::array<FolderLayout, 3> kRows{{
-      {"nuscenes", "v1.0-mini/sample_data.json with samples/LIDAR_TOP/*.pcd.bin", readNuScenesFolder},
-      {"kitti", "sequences/00/velodyne/*.bin (SemanticKITTI), training/velodyne/*.bin, velodyne_points/data/*.bin",
-       readKittiFolder},
-      {"files", "files of scans in the folder, or in folders in it", readPlainFolder},
-  }};
-  return kRows;
-}
 
 std::vector<fs::path> filesIn(const fs::path& folder, bool (*wanted)(const fs::path&)) {
   std::vector<fs::path> files;
@@ -45,6 +34,8 @@ std::optional<ScanFolder> readPlainFolder(const fs::path& folder) {
   ScanFolder found{"files", "", {}, {}};
   const auto add = [&](const fs::path& from, const std::string& before) {
     for (const fs::path& file : filesIn(from, [](const fs::path& f) { return isScan(f); })) {
+      // Tables of reports lie in folders below others.
+      if (!before.empty() && file.extension() == ".csv") continue;
       found.scans.push_back({before + file.filename().string(), file, {}});
     }
   };
@@ -57,8 +48,9 @@ std::optional<ScanFolder> readPlainFolder(const fs::path& folder) {
 }
 
 std::optional<ScanFolder> scanFolderIn(const fs::path& folder) {
-  for (const FolderLayout& layout : folderLayouts()) {
-    if (auto found = layout.read(folder)) return found;
+  // The more special ones first.
+  for (const auto read : {readNuScenesFolder, readKittiFolder, readPlainFolder}) {
+    if (auto found = read(folder)) return found;
   }
   return {};
 }

@@ -1,13 +1,11 @@
 #pragma once
 
 // Folders of scans that somebody recorded, in the layouts of public datasets. Adding a layout is a new file and a row
-// in folderLayouts().
+// in scan_folder.cpp.
 
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "scan/scan.h"
@@ -22,22 +20,11 @@ struct FolderScan {
 };
 
 struct ScanFolder {
-  std::string layout;                // a row's name
+  std::string layout;                // "kitti"
   std::string sensor;                // "velodyne"; empty where the layout names none
   std::optional<Ontology> ontology;  // of its labels; none where the layout has no labels
   std::vector<FolderScan> scans;     // in the order of their keys
 };
-
-struct FolderLayout {
-  std::string_view name;
-  std::string_view looksLike;  // "sequences/00/velodyne/000000.bin"
-  // The scans of a folder of this layout; none where it is of another. Throws InputError where it is of this one and
-  // damaged.
-  std::optional<ScanFolder> (*read)(const std::filesystem::path& folder);
-};
-
-// The more special ones first.
-std::span<const FolderLayout> folderLayouts();
 
 // What the first layout that fits makes of a folder: a dataset's root, or a part of it such as one sequence. None where
 // it holds no scans. Throws InputError.
@@ -49,7 +36,8 @@ Scan readFolderScan(const FolderScan& scan);
 // The classes of the labels that readCloud() finds beside a scan; none where there are no labels.
 std::optional<Ontology> ontologyBeside(const std::filesystem::path& scan);
 
-// The readers of the rows, each in the file of its name.
+// The readers of the layouts: none where the folder is of another one. Throw InputError where it is of this one and
+// damaged.
 std::optional<ScanFolder> readNuScenesFolder(const std::filesystem::path& folder);
 std::optional<ScanFolder> readKittiFolder(const std::filesystem::path& folder);
 std::optional<ScanFolder> readPlainFolder(const std::filesystem::path& folder);

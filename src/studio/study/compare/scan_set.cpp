@@ -217,6 +217,10 @@ double& figure(ScanSet& set, std::string_view name) {
   throw Error(fmt::format("no figure '{}'", name));
 }
 
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? kNaN : static_cast<double>(part) / static_cast<double>(whole);
+}
+
 double meanOf(const std::vector<double>& values) {
   double sum = 0;
   for (const double v : values) sum += v;
@@ -246,9 +250,6 @@ void addPatchFigures(ScanSet& set) {
     edges += std::isnan(between) ? 0 : 1;
     mixed += between >= kApart ? 1 : 0;
   }
-  const auto share = [](std::uint64_t part, std::uint64_t all) {
-    return all == 0 ? kNaN : static_cast<double>(part) / static_cast<double>(all);
-  };
   figure(set, "jumps_1m") = share(jumps, seen);
   figure(set, "mixed") = share(mixed, edges);
   figure(set, "intensity_scatter") = percentileOf(definedOf(patches.of(Feature::IntensityScatter)), 0.5);
@@ -289,9 +290,6 @@ ScanSet addUp(std::string name, std::vector<ScanCounts> all, std::optional<Ontol
     c.patches = {};
   }
   set.points = sum.points;
-  const auto share = [](std::uint64_t part, std::uint64_t whole) {
-    return whole == 0 ? kNaN : static_cast<double>(part) / static_cast<double>(whole);
-  };
   if (set.knowsMisses) {
     figure(set, "returns") = share(sum.returns, sum.beams);
     figure(set, "missing_below") = share(sum.missing, sum.below);

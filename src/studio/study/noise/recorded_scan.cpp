@@ -27,14 +27,47 @@ Vec3d originOf(const BeamTable& beams, std::size_t beam) {
   return beams.origin.empty() ? Vec3d{} : static_cast<Vec3d>(beams.origin[beam]);
 }
 
+// The sensor's ring for each ring of a scan, which may count them from the other end, or leave out those without a
+// point: by the order of their elevations where there are as many, else by the nearest elevation.
+std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& beams) {
+  std::vector<std::vector<double>> elevations;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const std::uint16_t ring = scan[kRing][i];
+    if (ring >= elevations.size()) elevations.resize(ring + std::size_t{1});
+    const Vec3d p(scan.position[i]);
+    if (isFinite(p) && length(p) > 0) elevations[ring].push_back(std::asin(p.z / length(p)));
+  }
+  std::vector<std::pair<double, std::uint16_t>> own, known;  // elevation (rad) and ring
+  for (std::size_t r = 0; r < elevations.size(); ++r) {
+    std::vector<double>& e = elevations[r];
+    if (e.empty()) continue;
+    std::nth_element(e.begin(), e.begin() + static_cast<std::ptrdiff_t>(e.size() / 2), e.end());
+    own.emplace_back(e[e.size() / 2], static_cast<std::uint16_t>(r));
+  }
+  for (std::uint32_t r = 0; r < beams.rings; ++r) known.emplace_back(beams.elevation[r], static_cast<std::uint16_t>(r));
+  std::sort(own.begin(), own.end());
+  std::sort(known.begin(), known.end());
+  std::vector<std::uint16_t> rings(elevations.size(), 0);
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const auto nearer = [&](const auto& a, const auto& b) {
+      return std::fabs(a.first - own[i].first) < std::fabs(b.first - own[i].first);
+    };
+    const auto& match = own.size() == known.size() ? known[i] : *std::min_element(known.begin(), known.end(), nearer);
+    rings[own[i].second] = match.second;
+  }
+  return rings;
+}
+
 // Where a scan has rings alone: the column of each point by its azimuth, about the axis of the scan's frame. How that
 // is turned against the sensor's is found later, from the points.
 Scan withColumns(const Scan& scan, const BeamTable& beams) {
   Scan known = scan;
+  const std::vector<std::uint16_t> rings = ringsByElevation(scan, beams);
   const double step = beams.field / (beams.fullTurn() ? beams.columns : std::max(beams.columns, 2u) - 1);
   const double turn = 2 * kPi / step;  // columns
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    const std::uint16_t ring = scan[kRing][i];
+    const std::uint16_t ring = rings[scan[kRing][i]];
+    known[kRing][i] = ring;
     const double offset = ring < beams.azimuthOffset.size() ? beams.azimuthOffset[ring] : 0;
     const Vec3f& p = scan.position[i];
     const double azimuth = std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) - offset;

@@ -235,6 +235,7 @@ TEST(RangesAlong, FindColumnsByAzimuth) {
   Scan scan = noisyScan(beams, range, "[range_noise: {sigma_m: 0.01}, dropout: {probability: 0.3}]", 0, false);
   const RecordedScan known = rangesAlong(scan, *beams, "a");
   scan[kColumn].clear();
+  for (std::uint16_t& ring : scan[kRing]) ring = static_cast<std::uint16_t>(beams->rings - 1 - ring);  // from below
   const RecordedScan found = rangesAlong(scan, *beams, "b");
   ASSERT_EQ(found.returns, known.returns);
   for (std::size_t beam = 0; beam < beams->size(); ++beam) {
