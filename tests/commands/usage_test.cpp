@@ -106,7 +106,8 @@ TEST_F(Overrides, ExamplesOfGenerateWork) {
     const Outcome o = RunningProgram({"sh", "-c", command}, {"OUT=" + this->at("examples")}).wait();
     EXPECT_EQ(o.code, 0) << line << "\n" << o.error;
     EXPECT_THAT(o.out, HasSubstr("samples in")) << line;
-    for (std::size_t end = o.out.find("samples in"); end != std::string::npos; end = o.out.find("samples in", end + 1)) {
+    for (std::size_t end = o.out.find("samples in"); end != std::string::npos;
+         end = o.out.find("samples in", end + 1)) {
       ++datasets;
     }
     ++examples;
