@@ -5,8 +5,9 @@
 
 It learns on the split `train` of a dataset, keeps the weights that are best on `val`, and is judged on `test` and on each
 set that --judge names: a dataset of Scanmill's, or a folder of SemanticKITTI's (velodyne/*.bin beside labels/*.label) of
-scans that somebody recorded. OUT gets figures.json (intersection over union by class and the confusion of classes, of each
-set), a picture of scans with truth and answer, one of the confusion, and the weights.
+scans that somebody recorded, or a folder of such sets, as `generate --corruptions` and `--sweep` make it. OUT gets
+figures.json (intersection over union by class and the confusion of classes, of each set), a picture of scans with truth
+and answer, one of the confusion, and the weights.
 
 The network is a U-Net over range images (as in RangeNet++, Milioto et al., IROS 2019), small enough for two cores. All
 scans are projected by their angles, those of other programs and other sensors too. Wants Debian's python3-torch and
@@ -53,6 +54,7 @@ CLASSES = {
     ),
 }
 NAMES = list(CLASSES)
+PICTURED = 8  # sets, the first ones
 COLORS = np.array(
     [[128, 64, 128], [244, 35, 232], [152, 220, 110], [235, 180, 60], [215, 110, 60], [0, 130, 30], [250, 230, 0],
      [40, 90, 255], [230, 20, 60]],
@@ -336,13 +338,32 @@ def table(results: dict) -> str:
     )
 
 
-def opened(text: str) -> tuple[str, Dataset]:
+def resilience(results: dict, name: str) -> dict:
+    """Of a folder that `generate --corruptions` made: for each corruption, the mean over its severities of the mean IoU, as
+    a part of that without corruption (the resilience rate of Robo3D, Kong et al., ICCV 2023), and the mean of these."""
+    prefix = f"{name}/corruption="
+    clean = results.get(prefix + "null", {}).get("miou")
+    if not clean:
+        return {}
+    kinds: dict = {}
+    for key, result in results.items():
+        if key.startswith(prefix) and key != prefix + "null":
+            kinds.setdefault(key[len(prefix) :].rpartition("-")[0], []).append(result["miou"] / clean)
+    rates = {kind: float(np.mean(values)) for kind, values in kinds.items()}
+    return {**rates, "mean": float(np.mean(list(rates.values())))} if rates else {}
+
+
+def opened(text: str) -> dict[str, Dataset]:
+    """The set that an option --judge names, or all of those in the folder that it names, as NAME/FOLDER."""
     name, separator, path = text.partition("=")
     if not separator:
         sys.exit(f"error: --judge wants NAME=FOLDER, not '{text}'")
     if not Path(path).exists():
         sys.exit(f"error: --judge {name}: no folder {path}")
-    return name, SimulatedScans(path) if (Path(path) / "manifest.json").exists() else RecordedScans(Path(path))
+    if (Path(path) / "manifest.json").exists():
+        return {name: SimulatedScans(path)}
+    within = {f"{name}/{m.parent.name}": SimulatedScans(m.parent) for m in sorted(Path(path).glob("*/manifest.json"))}
+    return within or {name: RecordedScans(Path(path))}
 
 
 def arguments() -> argparse.Namespace:
@@ -371,7 +392,8 @@ def main() -> None:
     if len(training) < 2:
         sys.exit(f"error: {options.dataset} has {len(training)} scan to learn from; a step takes two")
     sets = {split: SimulatedScans(options.dataset, split) for split in ("val", "test")}
-    sets.update(opened(text) for text in options.judge)
+    for text in options.judge:
+        sets.update(opened(text))
     images = Images(options.rings, options.columns, tuple(options.elevation))
     options.out.mkdir(parents=True, exist_ok=True)
     if any(options.out.iterdir()):
@@ -384,13 +406,20 @@ def main() -> None:
 
     results = {name: figures_of(confusion_of(network, scans, images)) for name, scans in sets.items()}
     torch.save(network.state_dict(), options.out / "weights.pt")
+    judged = [text.partition("=")[0] for text in options.judge]
+    rates = {name: found for name in judged if (found := resilience(results, name))}
     settings = {k: str(v) if isinstance(v, Path) else v for k, v in vars(options).items()}
     (options.out / "figures.json").write_text(
-        json.dumps({"settings": settings, "training": trained, "classes": NAMES, "sets": results}, indent=1) + "\n"
+        json.dumps({"settings": settings, "training": trained, "classes": NAMES, "sets": results, "resilience": rates}, indent=1) + "\n"
     )
-    draw_scans(network, sets, images, options.out / "scans.png")
-    draw_confusion(results, options.out / "confusion.png")
+    shown = list(sets)[:PICTURED]
+    draw_scans(network, {name: sets[name] for name in shown}, images, options.out / "scans.png")
+    draw_confusion({name: results[name] for name in shown}, options.out / "confusion.png")
     print(table(results))
+    for name, kinds in rates.items():
+        print(f"{name}: what is left of the mean IoU, in percent")
+        for kind, rate in kinds.items():
+            print(f"  {kind:16} {100 * rate:5.1f}")
 
 
 if __name__ == "__main__":

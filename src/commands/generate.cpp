@@ -205,39 +205,47 @@ int runGenerate(const std::vector<std::string>& arguments) {
       "N|auto")("keep-hits", "keep what the beams meet, to make scans again without tracing",
                 cxxopts::value<std::string>(), "DIR")(
       "sweep", "a dataset for each value of the list, in DIR/KEY=VALUE, else alike; several times for all combinations",
-      cxxopts::value<std::vector<std::string>>(), "KEY=[A,B]")(
+      cxxopts::value<std::vector<std::string>>(),
+      "KEY=[A,B]")("corruptions",
+                   "a dataset for each of `scanmill list corruptions` in each severity, and one without any, likewise")(
       "keep-passes", "keep the images that the method depth_camera draws", cxxopts::value<std::string>(), "DIR");
   addRecordingOptions(options);
   options.add_options()("q,quiet", "one line in place of progress and tables");
   addPipelineOptions(options);
-  const Arguments parsed = parseArguments(command, options, arguments,
-                                          "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
-                                          "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
-                                          "--set 'scenes.0.seeds=[4,5]' --set splits=null\n"
-                                          "  scanmill generate pipelines/quickstart.yaml -o out/night --resume\n"
-                                          "  scanmill generate pipelines/street.yaml -o out/big --workers auto"
-                                          "    # on as many machines as share the folder\n"
-                                          "  scanmill generate pipelines/street.yaml -o out/c --keep-hits out/hits\n"
-                                          "  scanmill generate pipelines/street.yaml -o out/d --from-hits out/hits "
-                                          "--set 'effects=[intensity]'\n"
-                                          "  scanmill generate quickstart -o out/sensors "
-                                          "--sweep 'sensors.0.preset=[hdl_64e, os1_128, vlp_16]'\n");
+  const Arguments parsed =
+      parseArguments(command, options, arguments,
+                     "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
+                     "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
+                     "--set 'scenes.0.seeds=[4,5]' --set splits=null\n"
+                     "  scanmill generate pipelines/quickstart.yaml -o out/night --resume\n"
+                     "  scanmill generate pipelines/street.yaml -o out/big --workers auto"
+                     "    # on as many machines as share the folder\n"
+                     "  scanmill generate pipelines/street.yaml -o out/c --keep-hits out/hits\n"
+                     "  scanmill generate pipelines/street.yaml -o out/d --from-hits out/hits "
+                     "--set 'effects=[intensity]'\n"
+                     "  scanmill generate quickstart -o out/sensors "
+                     "--sweep 'sensors.0.preset=[hdl_64e, os1_128, vlp_16]'\n"
+                     "  scanmill generate quickstart -o out/fog --set 'corruption={fog: heavy}'\n");
   if (parsed.help) return 0;
   parsed.positional("PIPELINE");  // a missing one is told before all else
   if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty())
     throw InputError("-o DIR is missing: where should the dataset go?");
   const ResourceLimits limits(parsed);
   const std::filesystem::path folder = parsed.options["out"].as<std::string>();
-  if (parsed.options.count("sweep") == 0) {
+  std::vector<std::string> sweeps;
+  if (parsed.options.count("sweep") > 0) sweeps = parsed.options["sweep"].as<std::vector<std::string>>();
+  if (parsed.options.count("corruptions") > 0) sweeps.push_back(corruptionSweep());
+  if (sweeps.empty()) {
     generateOne(parsed, {}, folder);
     return 0;
   }
   if (parsed.options.count("keep-hits") > 0 || parsed.options.count("keep-passes") > 0) {
     throw InputError(
-        "--sweep makes several datasets, whose recordings would be one: keep hits with the first alone, and "
+        "--sweep and --corruptions make several datasets, whose recordings would be one: keep hits with the first "
+        "alone, and "
         "sweep effects with --from-hits");
   }
-  const std::vector<SweepSet> sets = sweepSets(parsed.options["sweep"].as<std::vector<std::string>>());
+  const std::vector<SweepSet> sets = sweepSets(sweeps);
   for (const SweepSet& set : sets) planOf(parsed, set.overrides);  // all are sound before the first is made
   for (std::size_t i = 0; i < sets.size(); ++i) {
     printText("{}{} of {}: {}\n", i == 0 ? "" : "\n", i + 1, sets.size(), (folder / sets[i].folder).string());

@@ -10,6 +10,7 @@
 #include "config/resources.h"
 #include "formats/format.h"
 #include "methods/method.h"
+#include "pipeline/read/corruption.h"
 #include "scan/columns.h"
 #include "scene/material.h"
 #include "scene/ontology.h"
@@ -91,6 +92,12 @@ Rows sensorRows() {
   return rows;
 }
 
+Rows corruptionRows() {
+  Rows rows;
+  for (const std::string& name : corruptionNames()) rows.push_back({name, corruptionSummary(name)});
+  return rows;
+}
+
 Rows ontologyRows() {
   Rows rows;
   for (const auto& file : yamlFiles(resourceFolder() / "labels")) {
@@ -127,6 +134,7 @@ int runList(const std::vector<std::string>& arguments) {
       {"methods", [] { return entryRows(methods()); }},
       {"sensors", sensorRows},
       {"effects", [] { return entryRows(effects()); }},
+      {"corruptions", corruptionRows},
       {"formats", [] { return entryRows(formats()); }},
       {"columns", columnRows},
       {"ontologies", ontologyRows},

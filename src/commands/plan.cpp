@@ -135,6 +135,15 @@ FeatureCosts measured(const std::function<Pipeline()>& reread) {
   return costs;
 }
 
+// What kind of place the seed has drawn.
+std::string placeOf(const Scene& scene) {
+  std::string words = scene.about;
+  for (const DrawnValue& draw : scene.draws) {
+    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", draw.key, draw.value);
+  }
+  return words;
+}
+
 }  // namespace
 
 int runPlan(const std::vector<std::string>& arguments) {
@@ -177,7 +186,7 @@ int runPlan(const std::vector<std::string>& arguments) {
     const auto method = pipeline.method.automatic ? nullptr : plan.makeMethod(scene);
     scenes.push_back({name, grouped(scene.triangles()), grouped(scene.placedTriangles()),
                       grouped(scene.instances.size()), grouped(scene.things()), grouped(scene.materials.size()),
-                      grouped(scene.dropped.total()), scene.about});
+                      grouped(scene.dropped.total()), placeOf(scene)});
     for (const std::string& line : damageWarnings(scene)) warn(line);
     for (const std::string& line : sizeWarnings(scene)) warn(line);
     for (const std::string& line : thingSizeWarnings(scene)) warn(line);

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "config/flow_text.h"
 #include "config/value.h"
+#include "pipeline/read/corruption.h"
 
 namespace scanmill {
 
@@ -93,6 +94,14 @@ std::vector<SweepSet> sweepSets(const std::vector<std::string>& sweeps) {
     set.folder = name;
   }
   return sets;
+}
+
+std::string corruptionSweep() {
+  std::string values = "null";
+  for (const std::string& name : corruptionNames()) {
+    for (const std::string& severity : severities()) values += fmt::format(", {{{}: {}}}", name, severity);
+  }
+  return fmt::format("corruption=[{}]", values);
 }
 
 }  // namespace scanmill

@@ -16,4 +16,7 @@ struct SweepSet {
 // 1000 combinations.
 std::vector<SweepSet> sweepSets(const std::vector<std::string>& sweeps);
 
+// The sweep over no corruption and all that come with the program, see pipeline/read/corruption.h.
+std::string corruptionSweep();
+
 }  // namespace scanmill

@@ -198,6 +198,18 @@ void defineStore(py::module_& module) {
             return objectsJson(*objects, s.manifest()->ontology);
           },
           py::arg("sample"))
+      .def(
+          "voxels",
+          [](const ScanStore& s, std::size_t sample, const std::string& sensor) -> std::optional<py::bytes> {
+            std::optional<std::string> bytes;
+            {
+              const py::gil_scoped_release released;
+              bytes = s.voxels(sample, sensor);
+            }
+            if (!bytes) return {};
+            return py::bytes(*bytes);
+          },
+          py::arg("sample"), py::arg("sensor") = "")
       .def("beams", &beamsOf, py::arg("sensor"), py::arg("time") = 0.0)
       .def(
           py::pickle([](const ScanStore& s) { return py::make_tuple(s.path().string()); },

@@ -1,5 +1,6 @@
 #include "python/simulator.h"
 
+#include <memory>
 #include <utility>
 
 #include "base/error.h"
@@ -26,14 +27,15 @@ Simulator::Simulator(const std::string& pipeline, const std::filesystem::path& f
 
 std::vector<SimulatedScan> Simulator::scan(const Pose& worldFromVehicle, double time, std::uint32_t frame) const {
   std::vector<SimulatedScan> scans;
+  const std::shared_ptr<const FrameSettings> settings = plan_.settings(0, frame);
   for (Shot& shot : plan_.shots(0, 0)) {
     shot.frame = frame;
     shot.time = time;
     shot.beams = beamsAt(plan_.beams()[shot.sensor], time);
-    shot.worldFromSensor = {worldFromVehicle * plan_.pipeline().sensors[shot.sensor].vehicleFromSensor};
+    shot.worldFromSensor = {worldFromVehicle * settings->sensors[shot.sensor].vehicleFromSensor};
     ShotBuffers buffers;
     StageClock clock({"trace", "effects"});
-    runShot(setupOf(plan_, scene_, *method_, shot.sensor), shot, buffers, clock);
+    runShot(setupOf(plan_, *settings, scene_, *method_, shot.sensor), shot, buffers, clock);
     scans.push_back({std::move(buffers.scan), std::move(shot.worldFromSensor)});
   }
   return scans;

@@ -69,58 +69,6 @@ class Generate : public SmallWorld {
   }
 };
 
-// Each set is what --set alone makes, and its samples bear the same keys as the others'.
-TEST_F(Generate, ASweepMakesASetForEachCombination) {
-  const std::vector<std::string> sweep{"generate",  pipeline_,    "-o",
-                                       at("sweep"), "--sweep",    "effects=[[], [range_noise: {sigma_m: 0.02}]]",
-                                       "--sweep",   "seed=[3, 4]"};
-  const Outcome made = scanmill(sweep);
-  ASSERT_EQ(made.code, 0) << made.error;
-  const std::vector<std::pair<std::string, std::vector<std::string>>> expected{
-      {"effects=none,seed=3", {"effects=[]", "seed=3"}},
-      {"effects=none,seed=4", {"effects=[]", "seed=4"}},
-      {"effects=range_noise-sigma_m-0.02,seed=3", {"effects=[range_noise: {sigma_m: 0.02}]", "seed=3"}},
-      {"effects=range_noise-sigma_m-0.02,seed=4", {"effects=[range_noise: {sigma_m: 0.02}]", "seed=4"}}};
-  std::vector<std::string> keys;
-  for (const auto& [name, overrides] : expected) {
-    EXPECT_THAT(made.out, HasSubstr("of 4: " + at("sweep/" + name) + "\n"));
-    ASSERT_EQ(scanmill({"generate", pipeline_, "-o", at("alone"), "--overwrite", "-q", "--set", overrides[0], "--set",
-                        overrides[1]})
-                  .code,
-              0);
-    const Manifest own = readManifest(at("sweep/" + name)), alone = readManifest(at("alone"));
-    ASSERT_EQ(own.shards.size(), alone.shards.size());
-    for (std::size_t i = 0; i < own.shards.size(); ++i) EXPECT_EQ(own.shards[i].sha256, alone.shards[i].sha256);
-    EXPECT_THAT(own.pipelineText, HasSubstr("# --set seed="));
-    std::vector<std::string> names;
-    for (const SampleRecord& sample : own.samples) names.push_back(sample.key);
-    if (keys.empty()) keys = names;
-    EXPECT_EQ(names, keys);
-  }
-  std::vector<std::string> again = sweep;
-  again.emplace_back("--resume");
-  const Outcome whole = scanmill(again);
-  EXPECT_EQ(whole.code, 0);
-  EXPECT_THAT(whole.out, HasSubstr("effects=none,seed=4: is whole, there is nothing to resume"));
-}
-
-TEST_F(Generate, AWrongSweepMakesNothing) {
-  const auto swept = [&](const std::string& sweep) {
-    return scanmill({"generate", pipeline_, "-o", at("sweep"), "--sweep", sweep});
-  };
-  expectRefused(swept("seed"), "--sweep is KEY=[A, B, ...]");
-  expectRefused(swept("seed=3"), "no list");
-  expectRefused(swept("seed=[]"), "the list is empty");
-  expectRefused(swept("seed=[1"), "--sweep seed");
-  expectRefused(swept("sed=[1, 2]"), "sed");
-  expectRefused(swept("method=[ray_tracing, nothing]"), "nothing");  // before the first is made
-  expectRefused(scanmill({"generate", pipeline_, "-o", at("sweep"), "--sweep", "seed=[1]", "--sweep", "seed=[2]"}),
-                "is given twice");
-  expectRefused(scanmill({"generate", pipeline_, "-o", at("sweep"), "--sweep", "seed=[1]", "--keep-hits", at("hits")}),
-                "--from-hits");
-  EXPECT_FALSE(std::filesystem::exists(at("sweep")));
-}
-
 TEST_F(Generate, TellsWhatWasMadeAndVerifies) {
   const Outcome made = scanmill({"generate", pipeline_, "-o", at("out")});
   EXPECT_EQ(made.code, 0) << made.error;

@@ -45,6 +45,22 @@ class Samples(DatasetTest):
             self.assertEqual(f"{sample.sequence}-{sample.frame:06d}", sample.key)
             self.assertEqual(sample.time, recorded["scans"][0]["time"])
             self.assertEqual(sample.sensors, list(dict.fromkeys(scan["sensor"] for scan in recorded["scans"])))
+            self.assertEqual(recorded["draws"], {"effects.1.range_noise.sigma_m": "0.02"})
+            self.assertEqual(sample.draws, {"effects.1.range_noise.sigma_m": 0.02})
+
+    def test_have_voxels_about_each_sensor(self):
+        voxels = self.dataset[1].voxels()
+        self.assertEqual(set(voxels), {"label", "input", "invalid", "unseen", "low", "size"})
+        self.assertEqual(voxels["label"].shape, (40, 20, 8))
+        exact = self.dataset[1].scan()
+        cells = np.floor((exact.xyz - voxels["low"]) / voxels["size"]).astype(int)
+        inside = ((cells >= 0) & (cells < voxels["label"].shape)).all(axis=1)
+        held = np.zeros(voxels["label"].shape, bool)
+        held[tuple(cells[inside].T)] = True
+        # Voxels lie a 2048th of their edge lower than floor() takes them to.
+        self.assertLess((held != voxels["input"]).mean(), 0.002)
+        self.assertGreater((voxels["label"] > 0).mean(), 0.01)
+        self.assertNotEqual(self.dataset[1].voxels("rear")["input"].sum(), voxels["input"].sum())
 
     def test_splits_and_sequences_hold_each_sample_once(self):
         for parts in (self.dataset.splits, self.dataset.sequences):

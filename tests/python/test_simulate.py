@@ -56,6 +56,8 @@ class Simulation(unittest.TestCase):
         first = self.scene.scan(LIDAR, HERE, effects=noise, frame=3)
         with ThreadPoolExecutor(4) as pool:
             scans = list(pool.map(lambda _: self.scene.scan(LIDAR, HERE, effects=noise, frame=3), range(8)))
+        drawn = [{"range_noise": {"sigma_m": {"choice": [0.02], "per": "frame"}}}]
+        scans.append(self.scene.scan(LIDAR, HERE, effects=drawn, frame=3))
         for scan in [*scans, scanmill.load_scene("primitives").scan(LIDAR, HERE, effects=noise, frame=3)]:
             np.testing.assert_array_equal(scan.xyz, first.xyz)
 

@@ -53,6 +53,17 @@ class TrainExample(unittest.TestCase):
         for name in ("scans.png", "confusion.png", "weights.pt"):
             self.assertGreater((self.folder / "out" / name).stat().st_size, 10000, name)
 
+    def test_a_folder_of_sets_is_judged_set_by_set(self):
+        for name in ("corruption=null", "corruption=fog-light", "corruption=fog-heavy", "corruption=lost_rings-light"):
+            (self.folder / "sets").mkdir(exist_ok=True)
+            (self.folder / "sets" / name).symlink_to(DATASET)
+        printed, figures = self.train("out", "--steps", "8", "--judge", f"robust={self.folder / 'sets'}")
+        rates = figures["resilience"]["robust"]
+        self.assertEqual(set(rates), {"fog", "lost_rings", "mean"})
+        for rate in rates.values():  # all are the same set
+            self.assertAlmostEqual(rate, 1)
+        self.assertIn("robust/corruption=fog-heavy", printed)
+
     def test_the_same_seed_learns_the_same(self):
         _, first = self.train("first", "--steps", "4")
         _, again = self.train("again", "--steps", "4")

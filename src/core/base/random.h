@@ -32,6 +32,8 @@ enum class Purpose : std::uint16_t {
   RandomWay = 18,
   Placement = 19,
   Shuffle = 20,
+  Distribution = 21,
+  LostRings = 22,
   Speckle = 256,  // and the seven after it: four looks each
   Test = 99,
 };

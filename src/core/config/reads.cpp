@@ -5,6 +5,7 @@
 #include <charconv>
 #include <limits>
 
+#include "config/distribution.h"
 #include "config/fields.h"
 #include "config/text.h"
 
@@ -27,6 +28,12 @@ std::string found(const Value& value) {
 }
 
 [[noreturn]] void refuse(const Value& value, std::string_view what, const std::string& expected, bool isText = false) {
+  if (isDistribution(value)) {
+    throw InputError(value.where, fmt::format("{} cannot be drawn at random: sensors' `mount` and `effects`, the "
+                                              "pipeline's `effects` and a scene's `objects` can (docs/keys.md); "
+                                              "`--sweep` makes a dataset for each of some values",
+                                              what));
+  }
   const bool misquoted = !isText && value.kind == Value::Kind::Scalar && value.quoted;
   throw InputError(value.where, fmt::format("{} must be {}, not {}{}", what, expected, found(value),
                                             misquoted ? " in quotes, which is text" : ""));

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "config/distribution.h"
 #include "scan/reasons.h"
 #include "scene/ontology.h"
 #include "sensors/beams.h"
@@ -29,7 +30,8 @@ struct SensorRecord {
 struct ScanRecord {
   std::string sensor;
   std::string method;
-  double time = 0;                    // s since the start of the sequence
+  double time = 0;                             // s since the start of the sequence
+  std::optional<Pose> vehicleFromSensor = {};  // where that differs from sequence to sequence
   std::vector<Pose> worldFromSensor;  // at the start of the revolution, and of its last step where the sensor moves
   std::uint64_t beams = 0;
   std::uint64_t points = 0;
@@ -38,6 +40,11 @@ struct ScanRecord {
   std::uint32_t instances = 0;  // distinct, in view
   ReasonCounts beamsPerReason;  // of all beams; empty where the pipeline does not ask for reasons
 };
+
+// Where the sensor of a scan was mounted.
+inline const Pose& mountOf(const SensorRecord& sensor, const ScanRecord& scan) {
+  return scan.vehicleFromSensor ? *scan.vehicleFromSensor : sensor.vehicleFromSensor;
+}
 
 // What stands behind the sample's key and a dot in the name of a scan's member in one format: "top.ray_tracing.pcd", in
 // lower case.
@@ -59,6 +66,7 @@ struct SampleRecord {
   std::vector<std::string> xxh3 = {};  // of each member's bytes; empty in earlier manifests
   // By class, of what the member `<key>.objects.json` lists; none where the pipeline asks for no objects.
   std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
+  std::vector<DrawnValue> draws = {};  // for keys of the scene's file and of the pipeline
 };
 
 struct ShardRecord {

@@ -41,9 +41,12 @@ OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontol
   OrderedJson json{{"sensor", scan.sensor},
                    {"method", scan.method},
                    {"time", finite(scan.time, key + ": time")},
-                   {"world_from_sensor", std::move(poses)},
-                   {"beams", scan.beams},
-                   {"points", scan.points}};
+                   {"world_from_sensor", std::move(poses)}};
+  if (scan.vehicleFromSensor) {
+    json["vehicle_from_sensor"] = poseJson(*scan.vehicleFromSensor, key + ": vehicle_from_sensor");
+  }
+  json["beams"] = scan.beams;
+  json["points"] = scan.points;
   if (scan.unresolved > 0) json["unresolved"] = scan.unresolved;
   json["instances"] = scan.instances;
   json["points_per_class"] = std::move(classes);
@@ -150,6 +153,10 @@ OrderedJson listOf(const Records& records, const Make& make) {
   return list;
 }
 
+void addDraws(const SampleRecord& sample, OrderedJson& json) {
+  for (const DrawnValue& draw : sample.draws) json["draws"][draw.key] = draw.value;
+}
+
 OrderedJson sampleEntry(const SampleRecord& s, const Manifest& m) {
   OrderedJson sample{{"key", s.key}, {"split", s.split}, {"shard", s.shard}, {"members", s.members}};
   if (!s.xxh3.empty()) sample["xxh3"] = s.xxh3;
@@ -163,6 +170,7 @@ OrderedJson sampleEntry(const SampleRecord& s, const Manifest& m) {
                          {"with_points", count.withPoints}};
     });
   }
+  addDraws(s, sample);
   return sample;
 }
 
@@ -214,6 +222,7 @@ OrderedJson sampleObject(const SampleRecord& sample) {
   OrderedJson json{{"key", sample.key}, {"sequence", parts.sequence}, {"frame", parts.frame}, {"split", sample.split}};
   if (!sample.scans.empty()) json["time"] = finite(sample.scans.front().time, sample.key + ": time");
   json["scans"] = listOf(sample.scans, [&](const ScanRecord& scan) { return scanJson(scan, sample.key, nullptr); });
+  addDraws(sample, json);
   return json;
 }
 

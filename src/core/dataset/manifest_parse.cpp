@@ -113,7 +113,7 @@ std::map<std::uint16_t, ObjectCount> objectCountsOf(const JsonNode& node, const 
 
 ScanRecord scanOf(const JsonNode& node, const Manifest& manifest) {
   node.keys({"sensor", "method", "time", "world_from_sensor", "beams", "points", "instances", "points_per_class"},
-            {"unresolved", "reasons"});
+            {"unresolved", "reasons", "vehicle_from_sensor"});
   ScanRecord scan;
   scan.sensor = node["sensor"].text();
   if (std::none_of(manifest.sensors.begin(), manifest.sensors.end(),
@@ -124,6 +124,7 @@ ScanRecord scanOf(const JsonNode& node, const Manifest& manifest) {
   scan.time = node["time"].number();
   node["world_from_sensor"].forEach([&](const JsonNode& pose) { scan.worldFromSensor.push_back(poseOf(pose)); });
   if (scan.worldFromSensor.empty()) node["world_from_sensor"].fail("has no pose");
+  if (node.has("vehicle_from_sensor")) scan.vehicleFromSensor = poseOf(node["vehicle_from_sensor"]);
   scan.beams = node["beams"].integer<std::uint64_t>();
   scan.points = node["points"].integer<std::uint64_t>();
   if (node.has("unresolved")) scan.unresolved = node["unresolved"].integer<std::uint64_t>(1, scan.beams);
@@ -156,7 +157,7 @@ ShardRecord shardOf(const JsonNode& node) {
 }
 
 SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
-  node.keys({"key", "split", "shard", "members", "scans"}, {"xxh3", "objects"});
+  node.keys({"key", "split", "shard", "members", "scans"}, {"xxh3", "objects", "draws"});
   SampleRecord sample;
   sample.key = node["key"].text();
   if (sample.key.empty() || sample.key.find_first_of("./") != std::string::npos) {
@@ -192,6 +193,11 @@ SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
   }
   node["scans"].forEach([&](const JsonNode& item) { sample.scans.push_back(scanOf(item, manifest)); });
   if (node.has("objects")) sample.objects = objectCountsOf(node["objects"], manifest.ontology);
+  if (node.has("draws")) {
+    node["draws"].forEachEntry([&](const std::string& key, const JsonNode& value) {
+      sample.draws.push_back({key, value.text()});
+    });
+  }
   return sample;
 }
 

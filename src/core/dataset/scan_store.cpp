@@ -13,6 +13,7 @@
 #include "dataset/recording.h"
 #include "dataset/sample_names.h"
 #include "dataset/shard_name.h"
+#include "dataset/voxels.h"
 #include "formats/cloud_file.h"
 #include "formats/format.h"
 
@@ -264,6 +265,21 @@ std::optional<SampleObjects> ScanStore::objects(std::size_t sample) const {
   const std::string bytes = index.read(*member);
   requireUnchanged(samples_[sample], name, bytes);
   return parseObjects(bytes, name, manifest_->ontology);
+}
+
+std::optional<std::string> ScanStore::voxels(std::size_t sample, const std::string& sensor) const {
+  if (single_ || recorded_) return {};
+  const StoredScan scan = scans(sample, sensor).front();
+  ScanRecord named;
+  named.sensor = scan.sensor;
+  named.method = scan.method;
+  const std::string name = keys_.at(sample) + "." + memberSuffix(named, kVoxelsSuffix);
+  const ShardIndex& index = shard(samples_.at(sample).shard);
+  const ShardMember* const member = index.find(name);
+  if (member == nullptr) return {};
+  std::string bytes = index.read(*member);
+  requireUnchanged(samples_[sample], name, bytes);
+  return bytes;
 }
 
 void ScanStore::requireUnchanged(const Sample& sample, const std::string& member, std::string_view bytes) const {

@@ -69,6 +69,9 @@ class ScanStore {
   // The things near the sensors of a sample; none where the dataset lists no objects. Any thread may call it. Throws
   // InputError where the list is damaged.
   std::optional<SampleObjects> objects(std::size_t sample) const;
+  // The bytes of the member with the voxels about a sensor, see dataset/voxels.h; none where the dataset has none. Any
+  // thread may call it. Throws InputError where the member is damaged.
+  std::optional<std::string> voxels(std::size_t sample, const std::string& sensor) const;
   // What is wrong with the sample's shard, although the sample itself may be whole. Empty where nothing is known to be
   // wrong, and where the shard cannot be opened at all. Any thread may call it.
   std::string damage(std::size_t sample) const;

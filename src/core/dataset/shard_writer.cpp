@@ -60,7 +60,7 @@ void ShardWriter::add(const Sample& sample) {
   if (sample.split != part_.shard.split) {
     refuse(sample, fmt::format("it is of the split {}, the shard of {}", sample.split, part_.shard.split));
   }
-  SampleRecord record{sample.key, sample.split, 0, sample.scans, {}, {}, sample.objects};
+  SampleRecord record{sample.key, sample.split, 0, sample.scans, {}, {}, sample.objects, sample.draws};
   const std::string json = sampleJson(record);
   std::vector<std::string_view> contents{json};
   record.members.push_back(fmt::format("{}.{}", sample.key, kJsonSuffix));

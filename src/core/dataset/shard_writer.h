@@ -26,7 +26,9 @@ struct Sample {
   std::string split;
   std::vector<ScanRecord> scans;
   std::vector<Member> members;
-  std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};  // see SampleRecord
+  // See SampleRecord.
+  std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
+  std::vector<DrawnValue> draws = {};
 };
 
 // What a manifest says of one shard and its samples (SampleRecord::shard is 0).

@@ -19,6 +19,7 @@
 #include "dataset/sample_json.h"
 #include "dataset/scan_check.h"
 #include "dataset/shard_name.h"
+#include "dataset/voxels.h"
 #include "formats/reasons_png.h"
 
 namespace scanmill {
@@ -112,6 +113,7 @@ class ShardCheck {
     }
     if (name == objectsMember(sample.key)) return checkObjects(name, bytes, sample);
     if (name.ends_with(std::string(".") + std::string(kReasonsSuffix))) return checkReasons(name, bytes, sample);
+    if (name.ends_with(std::string(".") + std::string(kVoxelsSuffix))) return checkVoxels(name, bytes);
     try {
       checkDecoded(name, decodeMember(name, bytes), sample);
     } catch (const std::exception& error) {
@@ -155,6 +157,17 @@ class ShardCheck {
     }
     for (const std::string& text : checkScan(scan, *record, manifest_, maxError)) {
       problem(fmt::format("{}: {}", name, text));
+    }
+  }
+
+  void checkVoxels(const std::string& name, std::string_view bytes) {
+    try {
+      const ScanVoxels voxels = decodeVoxels(bytes, name);
+      const auto known = [&](std::uint16_t id) { return id == 0 || manifest_.ontology.find(id) != nullptr; };
+      const auto unknown = std::find_if_not(voxels.label.begin(), voxels.label.end(), known);
+      if (unknown != voxels.label.end()) problem(fmt::format("{}: the ontology has no class {}", name, *unknown));
+    } catch (const InputError& error) {
+      problem(error.what());
     }
   }
 

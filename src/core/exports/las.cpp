@@ -24,8 +24,8 @@
 
 #include "base/error.h"
 #include "exports/las_head.h"
-#include "exports/little_endian.h"
 #include "exports/scan_files.h"
+#include "formats/little_endian.h"
 
 namespace scanmill {
 

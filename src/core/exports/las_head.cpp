@@ -6,7 +6,7 @@
 #include <fmt/core.h>
 
 #include "config/version.h"
-#include "exports/little_endian.h"
+#include "formats/little_endian.h"
 
 namespace scanmill {
 

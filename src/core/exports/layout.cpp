@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "config/fields.h"
-#include "exports/little_endian.h"
+#include "formats/little_endian.h"
 
 namespace scanmill {
 

@@ -89,11 +89,11 @@ class Bag {
   }
 
   void add(ExportSample sample) {
-    if (sample.frame == 0) addMounts(timeOf(sample.scans.front().record->time));
+    if (sample.frame == 0) addMounts(sample);
     std::set<std::uint64_t> known;  // sensors may start at different times
     for (ExportScan& scan : sample.scans) {
       const std::uint64_t time = timeOf(scan.record->time);
-      const Pose vehicle = scan.record->worldFromSensor.front() * inverse(scan.sensor->vehicleFromSensor);
+      const Pose vehicle = scan.record->worldFromSensor.front() * inverse(mountOf(*scan.sensor, *scan.record));
       if (known.insert(time).second) {
         const RosTransform pose{time, kWorld, kVehicle, vehicle};
         file_.addMessage(poses_, time, transformsMessage({&pose, 1}));
@@ -117,10 +117,11 @@ class Bag {
     return file_.addChannel(schema, topic, "cdr", publishing(forLatecomers));
   }
 
-  void addMounts(std::uint64_t time) {
+  void addMounts(const ExportSample& sample) {
+    const std::uint64_t time = timeOf(sample.scans.front().record->time);
     std::vector<RosTransform> mounts;
-    for (const SensorRecord* sensor : plan_.sensors) {
-      mounts.push_back({time, kVehicle, sensor->name, sensor->vehicleFromSensor});
+    for (const ExportScan& scan : sample.scans) {
+      mounts.push_back({time, kVehicle, scan.sensor->name, mountOf(*scan.sensor, *scan.record)});
     }
     file_.addMessage(mounts_, time, transformsMessage(mounts));
   }

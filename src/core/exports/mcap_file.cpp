@@ -21,7 +21,7 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "exports/little_endian.h"
+#include "formats/little_endian.h"
 
 namespace scanmill {
 

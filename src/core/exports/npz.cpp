@@ -21,10 +21,10 @@
 #include <string_view>
 #include <utility>
 
-#include "exports/little_endian.h"
-#include "exports/npy.h"
 #include "exports/scan_files.h"
-#include "exports/zip_file.h"
+#include "formats/little_endian.h"
+#include "formats/npy.h"
+#include "formats/zip_file.h"
 
 namespace scanmill {
 

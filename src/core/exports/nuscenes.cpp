@@ -35,11 +35,11 @@
 
 #include "base/error.h"
 #include "exports/layout.h"
-#include "exports/little_endian.h"
-#include "exports/npy.h"
 #include "exports/nuscenes_names.h"
 #include "exports/nuscenes_tables.h"
-#include "exports/zip_file.h"
+#include "formats/little_endian.h"
+#include "formats/npy.h"
+#include "formats/zip_file.h"
 
 namespace scanmill {
 

@@ -132,12 +132,6 @@ class Tables {
                                                      kSteps[i], kSteps[i + 1])}});
     }
     add("sensor", {{"token", token("sensor", "")}, {"channel", "LIDAR_TOP"}, {"modality", "lidar"}});
-    const Pose& vehicleFromSensor = sensor_.vehicleFromSensor;
-    add("calibrated_sensor", {{"token", token("calibrated_sensor", "")},
-                              {"sensor_token", token("sensor", "")},
-                              {"translation", listOf(vehicleFromSensor.translation, sensor_.name)},
-                              {"rotation", listOf(vehicleFromSensor.rotation * kSensorFromLidarTop, sensor_.name)},
-                              {"camera_intrinsic", OrderedJson::array()}});
     OrderedJson logs = OrderedJson::array();
     for (const ExportSequence& sequence : plan_.sequences) logs.push_back(token("log", sequence.name));
     add("map", {{"token", token("map", "")},
@@ -176,6 +170,12 @@ class Tables {
                 {"vehicle", "simulated"},
                 {"date_captured", nuScenesDate(s)},
                 {"location", plan_.manifest.name}});
+    const Pose& vehicleFromSensor = mountOf(sensor_, onlyScanOf(plan_, samples[sequence.samples.front()]));
+    add("calibrated_sensor", {{"token", token("calibrated_sensor", sequence.name)},
+                              {"sensor_token", token("sensor", "")},
+                              {"translation", listOf(vehicleFromSensor.translation, sensor_.name)},
+                              {"rotation", listOf(vehicleFromSensor.rotation * kSensorFromLidarTop, sensor_.name)},
+                              {"camera_intrinsic", OrderedJson::array()}});
     add("scene", {{"token", scene},
                   {"log_token", token("log", sequence.name)},
                   {"nbr_samples", sequence.samples.size()},
@@ -203,7 +203,7 @@ class Tables {
                    {"prev", tokenAt("sample", f - 1)},
                    {"next", tokenAt("sample", f + 1)},
                    {"scene_token", scene}});
-    const Pose worldFromVehicle = scan.worldFromSensor.front() * inverse(sensor_.vehicleFromSensor);
+    const Pose worldFromVehicle = scan.worldFromSensor.front() * inverse(mountOf(sensor_, scan));
     add("ego_pose", {{"token", tokenAt("ego_pose", f)},
                      {"timestamp", time},
                      {"rotation", listOf(worldFromVehicle.rotation, sample.key)},
@@ -211,7 +211,7 @@ class Tables {
     add("sample_data", {{"token", tokenAt("sample_data", f)},
                         {"sample_token", tokenAt("sample", f)},
                         {"ego_pose_token", tokenAt("ego_pose", f)},
-                        {"calibrated_sensor_token", token("calibrated_sensor", "")},
+                        {"calibrated_sensor_token", token("calibrated_sensor", sequence.name)},
                         {"timestamp", time},
                         {"fileformat", "pcd"},
                         {"is_key_frame", true},

@@ -17,8 +17,8 @@
 #include <map>
 #include <string_view>
 
-#include "exports/little_endian.h"
 #include "exports/scan_files.h"
+#include "formats/little_endian.h"
 
 namespace scanmill {
 

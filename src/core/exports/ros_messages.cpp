@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "exports/little_endian.h"
+#include "formats/little_endian.h"
 
 namespace scanmill {
 

@@ -20,7 +20,7 @@
 
 #include "base/error.h"
 #include "exports/layout.h"
-#include "exports/little_endian.h"
+#include "formats/little_endian.h"
 
 namespace scanmill {
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "config/distribution.h"
 #include "config/value.h"
 #include "scene/lanes.h"
 #include "scene/material.h"
@@ -109,6 +110,7 @@ struct Scene {
   std::filesystem::path file;
   bool procedural = false;         // some of it depends on the seed
   std::string about;               // what kind of place the seed has drawn, in words; empty where none has
+  std::vector<DrawnValue> draws;   // what the seed has drawn for keys of its file
   std::vector<ShareBound> shares;  // that its town asks for
   Ontology ontology;
   std::vector<Material> materials;  // index 0 is the default material
@@ -152,6 +154,9 @@ Scene readScene(const std::filesystem::path& path, const SceneOptions& options);
 // The ways through the first town of a scene file with this seed, in the world's frame. No geometry is made. Throws
 // InputError with the place. Absent where the scene has no town.
 std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std::uint64_t seed);
+
+// The keys of a scene file that seeds draw values for, with values as long as any. Throws InputError with the place.
+std::vector<DrawnValue> longestSceneDraws(const std::filesystem::path& path);
 
 // Reads no more of it than which ontology it names, and that. Throws InputError with the place.
 Ontology readSceneOntology(const std::filesystem::path& path);

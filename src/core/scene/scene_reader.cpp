@@ -53,6 +53,7 @@
 #include <map>
 #include <optional>
 
+#include "config/distribution.h"
 #include "config/file_kind.h"
 #include "config/text.h"
 #include "formats/cloud_file.h"
@@ -395,14 +396,33 @@ class SceneReader {
   bool random_ = false;
 };
 
+// The scene's objects with what the seed draws for their keys.
+Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& draws) {
+  const Value* objects = root.find("objects");
+  if (objects == nullptr) return {};
+  if (const Value* perFrame = findDrawnPerFrame(*objects)) {
+    throw InputError(perFrame->where,
+                     "`per: frame`: a scene's objects are the same in all frames, leave it out to draw for each seed");
+  }
+  return withDraws(*objects, "objects", {.seed = seed}, draws);
+}
+
 }  // namespace
+
+std::vector<DrawnValue> longestSceneDraws(const std::filesystem::path& path) {
+  const Value root = readYaml(path);
+  std::vector<DrawnValue> draws;
+  if (const Value* objects = root.find("objects")) addLongestDraws(*objects, "objects", draws);
+  return draws;
+}
 
 std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std::uint64_t seed) {
   const Value root = readYaml(path);
   expectKind(root, FileKind::Scene);
-  const Value* objects = root.find("objects");
+  std::vector<DrawnValue> draws;
+  const Value objects = objectsOf(root, seed, draws);
   std::uint64_t before = 0;
-  for (const Value& object : objects == nullptr ? std::vector<Value>{} : objects->items) {
+  for (const Value& object : objects.items) {
     Fields f(object, "object");
     const std::string kind = SceneReader::kindOf(f, object.where);
     if (kind == "town") {
@@ -439,17 +459,20 @@ Scene readScene(const std::filesystem::path& path, const SceneOptions& options) 
   const std::filesystem::path assets = f.optionalPath("assets").value_or(std::filesystem::path());
   std::vector<Rule> rules;
   if (const Value* value = f.find("rules")) rules = readRules(*value);
-  const Value& objects = f.require("objects");
-  if (objects.kind != Value::Kind::Sequence || objects.items.empty()) {
-    throw InputError(objects.where, "objects must be a list of at least one object");
+  const Value& listed = f.require("objects");
+  if (listed.kind != Value::Kind::Sequence || listed.items.empty()) {
+    throw InputError(listed.where, "objects must be a list of at least one object");
   }
+  std::vector<DrawnValue> draws;
+  const Value objects = objectsOf(root, options.seed, draws);
 
   SceneBuilder builder(name, options.seed, readOntology(ontology), readMaterials(materials, options.wavelengthNm));
   SceneReader reader(builder, options, std::move(rules), assets);
   for (const Value& object : objects.items) reader.readObject(object);
   Scene scene = builder.finish();
   scene.file = path;
-  scene.procedural = reader.procedural();
+  scene.procedural = reader.procedural() || !draws.empty();
+  scene.draws = std::move(draws);
   return scene;
 }
 

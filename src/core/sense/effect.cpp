@@ -71,7 +71,9 @@ std::span<const EffectEntry> effects() {
        2, makeDetection},
       {"dropout", "returns that are not reported: too faint, or lost at random",
        "threshold: 0, least power that is reported, 1 is white at the reference range; "
-       "probability: 0, share lost at random",
+       "probability: 0, share lost at random; "
+       "things: false, true: only returns of things are lost at random; "
+       "rings: 0, share of the rings that report nothing, drawn once per sensor",
        2, makeDropOut},
       {"range_noise", "Gaussian error of the range along the beam",
        "sigma_m: 0 m, constant part; "

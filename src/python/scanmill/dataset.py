@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import operator
 import os
@@ -227,6 +228,13 @@ class Sample:
         return 0.0 if self.record is None else self.record["time"]
 
     @cached_property
+    def draws(self) -> dict[str, Any]:
+        """What was drawn at random for this sample, by the key in the pipeline or the scene's file, as
+        "effects.1.weather.rate_mm_h": numbers as float, all else as YAML text. Empty where nothing was."""
+        drawn = {} if self.record is None else self.record.get("draws", {})
+        return {key: _number_or_text(value) for key, value in drawn.items()}
+
+    @cached_property
     def sensors(self) -> list[str]:
         """The names of the sensors that have a scan."""
         return list(dict.fromkeys(sensor for sensor, _ in self.dataset.store.scans(self._number)))
@@ -278,6 +286,17 @@ class Sample:
             raise InputError(f"the sample '{self.key}' has no sensor '{name}'{advice(name, self.poses)}")
         return Objects(listed, name, self.poses[name][0])
 
+    def voxels(self, sensor: str | None = None) -> dict[str, NDArray[Any]] | None:
+        """What stands in the voxels about a sensor (the first one where it is None), in the frame of its points, and what
+        its scan has of them: `label` uint16 (X, Y, Z), 0 where it is empty; `input`, `invalid` and `unseen` bool likewise;
+        `low` float64 (3,) in m, the corner with the least coordinates; `size` float64 () in m. None where the dataset
+        has no voxels (`output.voxels`). Raises InputError for an unknown sensor."""
+        archive = self.dataset.store.voxels(self._number, sensor or "")
+        if archive is None:
+            return None
+        with np.load(io.BytesIO(archive), allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+
     def object_list(self) -> list[dict[str, Any]] | None:
         """All things near any of the sensors, as KEY.objects.json lists them (docs/objects.schema.json); None where the
         dataset lists no objects."""
@@ -290,6 +309,13 @@ class Sample:
     def _record_of(self, sensor: str, method: str) -> dict[str, Any] | None:
         scans = [] if self.record is None else self.record["scans"]
         return next((s for s in scans if s["sensor"] == sensor and s["method"] == method), None)
+
+
+def _number_or_text(value: str) -> float | str:
+    try:
+        return float(value)
+    except ValueError:
+        return value
 
 
 def _poses_of(scan: Mapping[str, Any]) -> NDArray[np.float64]:

@@ -142,6 +142,25 @@ TEST(Manifest, UnresolvedBeamsAreToldWhereThereAreAny) {
   }
 }
 
+// Values that were drawn, and mounts that differ from sequence to sequence, where there are such.
+TEST(Manifest, DrawsAndMountsOfScansAreToldWhereTheyAre) {
+  Manifest m = filledManifest();
+  EXPECT_THAT(toJson(m), Not(HasSubstr("draws")));
+  EXPECT_EQ(mountOf(m.sensors[0], m.samples[0].scans[0]), m.sensors[0].vehicleFromSensor);
+  m.samples[1].draws = {{"effects.0", "{weather: {kind: fog}}"}, {"objects.0.town.length", "253.25"}};
+  m.samples[1].scans[0].vehicleFromSensor = Pose{{}, {1, 2, 3}};
+  const std::string text = toJson(m);
+  const Manifest read = parseManifest(text, "manifest.json");
+  EXPECT_EQ(toJson(read), text);
+  EXPECT_TRUE(read.samples[0].draws.empty());
+  EXPECT_EQ(read.samples[1].draws, m.samples[1].draws);
+  EXPECT_EQ(mountOf(m.sensors[0], read.samples[1].scans[0]), *m.samples[1].scans[0].vehicleFromSensor);
+  EXPECT_THAT(sampleJson(read.samples[1]), HasSubstr("253.25"));
+  Json damaged = Json::parse(text);
+  damaged["samples"][1]["draws"]["effects.0"] = 3;
+  EXPECT_THAT(refusal(damaged), HasSubstr("/samples/1/draws/effects.0"));
+}
+
 // Counts of listed objects, and what the intensity calls full, where there are such.
 TEST(Manifest, ObjectsAndFullIntensitiesAreToldWhereTheyAre) {
   Manifest m = filledManifest();

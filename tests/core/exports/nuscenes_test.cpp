@@ -61,6 +61,19 @@ assert np.allclose(calibration[:3, 3], [1.2, 0, 1.9])
 )");
 }
 
+// A scene has the mount of its sequence, and the vehicle stands where it stood.
+TEST_F(NuScenesLayout, MountsMayDifferFromSequenceToSequence) {
+  for (SampleRecord& sample : plan_.manifest.samples) sample.scans[0].vehicleFromSensor = Pose{{}, {0, 0, 1.5}};
+  write(*layout_);
+  const Vec3d& at = plan_.manifest.samples[1].scans[0].worldFromSensor[0].translation;
+  readTables("at = " + listOf({at}) + R"(
+assert len(table['calibrated_sensor']) == len(table['scene'])
+ego, calibration = ego_and_sensor(table['sample_data'][1])
+assert np.allclose(calibration[:3, 3], [0, 0, 1.5])
+assert np.abs((ego @ calibration)[:3, 3] - at[0]).max() < 1e-9
+)");
+}
+
 TEST_F(NuScenesLayout, IntensitiesAreBytesAndRingsCountFromBelow) {
   SensorRecord& sensor = plan_.manifest.sensors[0];
   sensor.beams.elevation = {0.2, 0.1, -0.3, 0.0};

@@ -7,6 +7,7 @@
 #include "dataset/objects.h"
 #include "dataset/sample_json.h"
 #include "dataset/shard.h"
+#include "dataset/voxels.h"
 #include "formats/reasons_png.h"
 #include "pipeline/plan/shard_jobs.h"
 
@@ -48,6 +49,11 @@ SampleRecord longestSample(const Plan& plan, const Sequence& sequence, const Ont
   sample.key = sequence.key(sequence.frames);
   sample.split = sequence.split;
   sample.members.push_back(sample.key + ".json");
+  if (pipeline.recording == nullptr) sample.draws = longestSceneDraws(sequence.sceneFile);
+  if (pipeline.drawn != nullptr) {
+    const std::vector<DrawnValue> more = pipeline.drawn->longestDraws();
+    sample.draws.insert(sample.draws.end(), more.begin(), more.end());
+  }
   for (std::size_t s = 0; s < plan.beams().size(); ++s) {
     ScanRecord scan;
     scan.sensor = pipeline.sensors[s].name;
@@ -71,6 +77,8 @@ SampleRecord longestSample(const Plan& plan, const Sequence& sequence, const Ont
       for (const ReasonEntry& r : reasons()) scan.beamsPerReason[static_cast<std::uint8_t>(r.reason)] = scan.beams;
       sample.members.push_back(sample.key + "." + memberSuffix(scan, kReasonsSuffix));
     }
+    if (pipeline.voxels) sample.members.push_back(sample.key + "." + memberSuffix(scan, kVoxelsSuffix));
+    if (pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) scan.vehicleFromSensor = pose;
     sample.scans.push_back(std::move(scan));
   }
   return sample;
@@ -90,6 +98,7 @@ std::vector<double> scanBytes(const Plan& plan) {
     if (plan.pipeline().layout.reasons) {
       bytes.push_back(static_cast<double>(mostReasonsBytes(beams->rings, beams->columns)));
     }
+    if (plan.pipeline().voxels) bytes.push_back(static_cast<double>(mostVoxelsBytes(*plan.pipeline().voxels)));
   }
   return bytes;
 }

@@ -35,6 +35,17 @@ void checkMotion(const Pipeline& pipeline) {
                                method->name, firstMethodThat(&MethodCapabilities::motion).name));
 }
 
+// Whether rays of a sensor go on behind what they meet, in any sequence.
+bool anyLightPaths(const Pipeline& pipeline, std::size_t sensor) {
+  if (pipeline.lightPaths(sensor) != nullptr) return true;
+  if (pipeline.drawn == nullptr || pipeline.recording != nullptr) return false;
+  const auto& cases = pipeline.drawn->cases();
+  return std::any_of(cases.begin(), cases.end(), [&](const SensorDraw& one) {
+    const auto& effects = one.effects[sensor].effects;
+    return std::any_of(effects.begin(), effects.end(), [](const auto& e) { return e->lightPaths() != nullptr; });
+  });
+}
+
 // What effects ask of the method.
 void checkRays(const Pipeline& pipeline) {
   const MethodEntry* const method = methodOf(pipeline);
@@ -47,7 +58,7 @@ void checkRays(const Pipeline& pipeline) {
   };
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     want(pipeline.raysPerBeam(s) > 1, &MethodCapabilities::footprints, "footprint", "fires one ray a beam");
-    want(pipeline.lightPaths(s) != nullptr, &MethodCapabilities::transmission, "light_paths",
+    want(anyLightPaths(pipeline, s), &MethodCapabilities::transmission, "light_paths",
          "ends rays at what they meet first");
   }
 }
@@ -98,6 +109,11 @@ void checkObjects(const Pipeline& pipeline) {
   if (pipeline.objects) {
     throw InputError({pipeline.file.string()},
                      "a recording does not know the boxes of objects: leave `output.objects` out, or trace anew");
+  }
+  if (pipeline.voxels) {
+    throw InputError({pipeline.file.string()},
+                     "a recording does not know what stands where no beam went: leave `output.voxels` out, or trace "
+                     "anew");
   }
   for (std::size_t i = 0; i < kColumnCount; ++i) {
     const std::string_view name = kColumns[i].name;
@@ -183,6 +199,13 @@ void checkBeams(const Recording& recording, const MountedSensor& sensor, const B
   }
 }
 
+std::string voxelsLine(const Pipeline& pipeline) {
+  if (!pipeline.voxels) return "voxels: left out (`output.voxels: true` labels what stands about the sensors)";
+  const VoxelGrid& grid = *pipeline.voxels;
+  return fmt::format("voxels: {} x {} x {} of {:g} m about each sensor, by the area of triangles in them",
+                     grid.counts[0], grid.counts[1], grid.counts[2], grid.size);
+}
+
 std::string missesLine(const ScanLayout& layout) {
   if (layout.organised) return "misses: kept, as NaN";
   const bool beamKnown = layout.columns.has(kRing) && layout.columns.has(kColumn);
@@ -213,8 +236,9 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
   checkObjects(pipeline_);
   for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
     channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.layout.columns);
-    if (pipeline_.lightPaths(s) != nullptr) channels_ |= kLightChannels;
+    if (anyLightPaths(pipeline_, s)) channels_ |= kLightChannels;
   }
+  addDrawnChannels();
   if (pipeline_.objects || tellsMovingClasses(pipeline_)) channels_ |= Channel::Instance;
   if (pipeline_.layout.reasons) channels_ |= Channel::Material;  // tells mirrors and glass from what is dark
   traced_ = channels_ | kept;
@@ -250,10 +274,36 @@ Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
     footprints_.push_back(
         raysPerBeam == 1 ? nullptr : std::make_shared<const Footprint>(makeFootprint(*beams_.back(), raysPerBeam)));
   }
-  traceOwnVehicle();
+  readOwnVehicle();
+  std::vector<Pose> mounts;
+  for (const MountedSensor& sensor : pipeline_.sensors) mounts.push_back(sensor.vehicleFromSensor);
+  settings_ = settingsOf(pipeline_, traceOwnVehicle(mounts));
+  checkDraws();
 }
 
-void Plan::traceOwnVehicle() {
+// What the effects read, in all cases of what is drawn.
+void Plan::addDrawnChannels() {
+  if (pipeline_.drawn == nullptr) return;
+  for (const SensorDraw& one : pipeline_.drawn->cases()) {
+    for (const SensorEffects& effects : one.effects) {
+      channels_ |= channelsFor(effects.effects, pipeline_.layout.columns);
+    }
+  }
+}
+
+// Ends alone do not tell how drawn numbers go together: what is drawn for each sequence is made once.
+void Plan::checkDraws() const {
+  if (pipeline_.drawn == nullptr) return;
+  const auto check = [&](const SensorDraw& one) {
+    for (std::size_t s = 0; s < beams_.size(); ++s) {
+      for (const auto& effect : one.effects[s].effects) effect->check(*beams_[s]);
+    }
+  };
+  for (const SensorDraw& one : pipeline_.drawn->cases()) check(one);
+  for (std::size_t s = 0; s < pipeline_.sequences.size(); ++s) check(pipeline_.drawn->draw(pipeline_, s, 0));
+}
+
+void Plan::readOwnVehicle() {
   if (pipeline_.vehicle.empty()) return;
   if (pipeline_.recording != nullptr) {
     throw InputError({pipeline_.file.string()},
@@ -263,19 +313,32 @@ void Plan::traceOwnVehicle() {
   SceneOptions options;
   options.ontology = pipeline_.ontology;
   options.wavelengthNm = pipeline_.wavelengthNm;
-  const Scene scene = readScene(pipeline_.vehicle, options);
-  for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
+  vehicle_ = std::make_shared<const Scene>(readScene(pipeline_.vehicle, options));
+}
+
+VehicleHits Plan::traceOwnVehicle(const std::vector<Pose>& mounts) const {
+  if (vehicle_ == nullptr) return nullptr;
+  auto hits = std::make_shared<std::vector<Hits>>();
+  for (std::size_t s = 0; s < mounts.size(); ++s) {
     const BeamTable& rays = footprints_[s] == nullptr ? *beams_[s] : *footprints_[s]->rays;
-    vehicles_.push_back(traceVehicle(scene, rays, pipeline_.sensors[s].vehicleFromSensor));
+    hits->push_back(traceVehicle(*vehicle_, rays, mounts[s]));
   }
+  return hits;
+}
+
+std::shared_ptr<const FrameSettings> Plan::settings(std::size_t sequence, std::uint32_t frame) const {
+  if (pipeline_.drawn == nullptr) return {std::shared_ptr<const FrameSettings>(), &settings_};
+  return drawn_->of(pipeline_, sequence, frame, settings_.vehicles,
+                    [&](const std::vector<Pose>& mounts) { return traceOwnVehicle(mounts); });
 }
 
 std::string Plan::vehicleLine() const {
-  if (vehicles_.empty()) return "own vehicle: left out (`vehicle: vehicle` puts a car of boxes under the sensors)";
+  if (vehicle_ == nullptr) return "own vehicle: left out (`vehicle: vehicle` puts a car of boxes under the sensors)";
   std::string shares;
-  for (std::size_t s = 0; s < vehicles_.size(); ++s) {
-    const std::string of = vehicles_.size() > 1 ? fmt::format(" of '{}'", pipeline_.sensors[s].name) : "";
-    shares += fmt::format("{}{:.1f} % of the rays{}", s > 0 ? ", " : "", 100 * blockedShare(vehicles_[s]), of);
+  const std::vector<Hits>& vehicles = *settings_.vehicles;
+  for (std::size_t s = 0; s < vehicles.size(); ++s) {
+    const std::string of = vehicles.size() > 1 ? fmt::format(" of '{}'", pipeline_.sensors[s].name) : "";
+    shares += fmt::format("{}{:.1f} % of the rays{}", s > 0 ? ", " : "", 100 * blockedShare(vehicles[s]), of);
   }
   return fmt::format("own vehicle: {}, in the way of {}", pipeline_.vehicle.filename().string(), shares);
 }
@@ -371,9 +434,14 @@ void Plan::requireOneRay() const {
     throw InputError({pipeline_.file.string()},
                      "kept hits and passes are of the scene alone: keep none, or leave out `vehicle`");
   }
+  if (pipeline_.drawn != nullptr && pipeline_.drawn->drawsMounts()) {
+    throw InputError({pipeline_.file.string()},
+                     "kept hits and passes are of sensors that are mounted alike in all sequences: keep none, or draw "
+                     "no mount");
+  }
   bool one = true;
   for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
-    one = one && pipeline_.raysPerBeam(s) == 1 && pipeline_.lightPaths(s) == nullptr;
+    one = one && pipeline_.raysPerBeam(s) == 1 && !anyLightPaths(pipeline_, s);
   }
   if (!one) {
     throw InputError(
@@ -417,11 +485,12 @@ std::vector<Shot> Plan::shots(std::size_t sequence, std::uint32_t frame) const {
   const Sequence& own = pipeline_.sequences[sequence];
   const std::string sample = own.key(frame);
   const std::shared_ptr<const Trajectory> driven = pipeline_.recording != nullptr ? nullptr : drive(sequence);
+  const std::shared_ptr<const FrameSettings> set = settings(sequence, frame);
   std::vector<Shot> shots;
   for (std::size_t s = 0; s < beams_.size(); ++s) {
     Shot shot = pipeline_.recording != nullptr
                     ? recordedShot(sample, frame, s)
-                    : makeShot(beams_[s], *driven, frame, pipeline_.sensors[s].vehicleFromSensor, pipeline_.motion);
+                    : makeShot(beams_[s], *driven, frame, set->sensors[s].vehicleFromSensor, pipeline_.motion);
     shot.sample = sample;
     shot.seed = pipeline_.seed;
     shot.scene = static_cast<std::uint32_t>(sequence);
@@ -453,6 +522,10 @@ std::vector<std::string> Plan::modelled() const {
   }
   addLabelLines(pipeline_, lines);
   addEffectLines(pipeline_, lines);
+  if (pipeline_.drawn != nullptr) {
+    const std::vector<std::string> drawn = pipeline_.drawn->lines();
+    lines.insert(lines.end(), drawn.begin(), drawn.end());
+  }
   lines.push_back(motionLine(pipeline_));
   std::map<std::string, std::set<std::string>> ways;  // and whose they are
   for (const Sequence& s : pipeline_.sequences) {
@@ -467,6 +540,7 @@ std::vector<std::string> Plan::modelled() const {
                            ? "objects: boxes, and visibility by one ray more for each beam that crosses a box"
                            : "objects: left out (`output.objects: true` lists their boxes and how much is seen)");
   }
+  if (pipeline_.recording == nullptr) lines.push_back(voxelsLine(pipeline_));
   if (!columns.has(kRangeTrue)) {
     lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");
   }
@@ -484,7 +558,9 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   const std::uint64_t perRay = 4 + (traced_.has(Channel::Normal) ? 12 : 0) + 20 + 8;
   const std::uint64_t perReturn = kReturnBytes + (3 + 2 * pipeline_.formats.size()) * perPoint;
   const std::uint64_t reported = perReturn * pipeline_.mostReturns() * pipeline_.beamsPerFrame();
-  return perRay * pipeline_.raysPerFrame() * pipeline_.mostMet() + reported;
+  constexpr std::uint64_t kVoxelBytes = 20;  // labels, areas, flags, and the archive of them
+  const std::uint64_t voxels = pipeline_.voxels ? kVoxelBytes * pipeline_.voxels->voxels() : 0;
+  return perRay * pipeline_.raysPerFrame() * pipeline_.mostMet() + reported + voxels * pipeline_.sensors.size();
 }
 
 std::size_t Plan::framesInFlight() const {

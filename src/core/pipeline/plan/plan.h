@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "dataset/manifest.h"
+#include "pipeline/plan/frame_settings.h"
 #include "pipeline/read/pipeline.h"
 #include "scan/channels.h"
 #include "scene/scene.h"
@@ -36,8 +37,11 @@ class Plan {
   // The rays of a sensor's beams; null where each fires one.
   const Footprint* footprint(std::size_t sensor) const { return footprints_[sensor].get(); }
 
-  // What the rays of a sensor meet of the own vehicle; null: there is none.
-  const Hits* vehicle(std::size_t sensor) const { return vehicles_.empty() ? nullptr : &vehicles_[sensor]; }
+  // How the sensors stand and what runs on their scans, in the first frame of the first sequence; where nothing is
+  // drawn, in all.
+  const FrameSettings& settings() const { return settings_; }
+  // In a certain frame. Throws InputError where what is drawn cannot be.
+  std::shared_ptr<const FrameSettings> settings(std::size_t sequence, std::uint32_t frame) const;
 
   // Loads the scene of a sequence; textures only where a channel needs them. Of a recording: what scans need of its
   // scene, which is its classes and materials.
@@ -85,7 +89,11 @@ class Plan {
   };
   void findDrives(const Sequence& sequence, const Scene& scene) const;
 
-  void traceOwnVehicle();
+  // Of the sensors mounted so.
+  VehicleHits traceOwnVehicle(const std::vector<Pose>& mounts) const;
+  void readOwnVehicle();
+  void addDrawnChannels();
+  void checkDraws() const;
   std::string vehicleLine() const;
   Scene recordedScene(const Sequence& sequence) const;
   Shot recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const;
@@ -96,7 +104,9 @@ class Plan {
   Channels traced_;    // and recordings
   std::vector<std::shared_ptr<const BeamTable>> beams_;
   std::vector<std::shared_ptr<const Footprint>> footprints_;  // likewise; null: one ray a beam
-  std::vector<Hits> vehicles_;                                // likewise; empty: no own vehicle
+  std::shared_ptr<const Scene> vehicle_;                      // null: no own vehicle
+  FrameSettings settings_;
+  std::unique_ptr<DrawnSettings> drawn_ = std::make_unique<DrawnSettings>();
   std::unique_ptr<Drives> drives_ = std::make_unique<Drives>();
 };
 

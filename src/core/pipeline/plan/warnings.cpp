@@ -217,8 +217,9 @@ std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
 std::vector<std::string> vehicleWarnings(const Plan& plan) {
   std::vector<std::string> lines;
   for (std::size_t s = 0; s < plan.beams().size(); ++s) {
-    if (plan.vehicle(s) == nullptr) continue;
-    const double share = blockedShare(*plan.vehicle(s));
+    const Hits* const vehicle = plan.settings().sensors[s].vehicle;
+    if (vehicle == nullptr) continue;
+    const double share = blockedShare(*vehicle);
     if (share < kMostBlocked) continue;
     const MountedSensor& sensor = plan.pipeline().sensors[s];
     const Vec3d& at = sensor.vehicleFromSensor.translation;

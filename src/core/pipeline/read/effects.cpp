@@ -3,12 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "config/fields.h"
 #include "config/flow_text.h"
 #include "config/named_options.h"
 
@@ -31,34 +31,8 @@ bool meansNone(const NamedOptions& item) {
   return item.options.kind == Value::Kind::Scalar && item.options.text == "none";
 }
 
-// The classes of a pipeline's scenes, read once somebody asks.
-class Classes {
- public:
-  explicit Classes(const Pipeline& pipeline) : pipeline_(pipeline) {}
-
-  // Null: a recording that has no ontology.
-  const Ontology* find() {
-    if (!read_) {
-      if (!pipeline_.ontology.empty()) {
-        ontology_ = readOntology(pipeline_.ontology);
-      } else if (pipeline_.recording != nullptr) {
-        if (!pipeline_.recording->ontology.classes.empty()) ontology_ = pipeline_.recording->ontology;
-      } else {
-        ontology_ = readSceneOntology(pipeline_.sequences.front().sceneFile);
-      }
-      read_ = true;
-    }
-    return ontology_ ? &*ontology_ : nullptr;
-  }
-
- private:
-  const Pipeline& pipeline_;
-  bool read_ = false;
-  std::optional<Ontology> ontology_;
-};
-
 // Puts the id of a class in place of its name, and refuses an id that no class has.
-void resolveLabel(Value& label, Classes& classes) {
+void resolveLabel(Value& label, const EffectClasses& classes) {
   if (label.kind != Value::Kind::Scalar) return;
   const Ontology* const ontology = classes.find();
   const bool number =
@@ -77,7 +51,7 @@ void resolveLabel(Value& label, Classes& classes) {
                                ontology->name, id));
 }
 
-void resolveLabels(NamedOptions& named, const EffectEntry& entry, Classes& classes) {
+void resolveLabels(NamedOptions& named, const EffectEntry& entry, const EffectClasses& classes) {
   if (entry.keys.find("label: ") == std::string_view::npos) return;
   for (Value::Entry& option : named.options.entries) {
     if (option.key == "label") resolveLabel(option.value, classes);
@@ -85,7 +59,7 @@ void resolveLabels(NamedOptions& named, const EffectEntry& entry, Classes& class
 }
 
 // Adds what the items name, which hold no word `sensor` any more.
-void addEffects(const std::vector<Value>& items, Classes& classes, std::vector<MadeEffect>& made) {
+void addEffects(const std::vector<Value>& items, const EffectClasses& classes, std::vector<MadeEffect>& made) {
   for (const Value& item : items) {
     NamedOptions named = readNamed(item, "an effect");
     const EffectEntry& entry = requireEffect(named.name, named.where);
@@ -96,39 +70,13 @@ void addEffects(const std::vector<Value>& items, Classes& classes, std::vector<M
                                    "numbers",
                                    named.name, other->where.file, other->where.line));
     }
-    if (meansNone(named)) {
-      throw InputError(named.options.where,
-                       fmt::format("`{}: none` leaves an effect of the sensor's own out, but the list does not name "
-                                   "`sensor`: remove the item",
-                                   named.name));
-    }
+    if (meansNone(named)) continue;  // of a list that names no `sensor`
     resolveLabels(named, entry, classes);
     Fields options(named.options, "effect " + named.name);
     options.alsoDescribed(entry.keys).finish();
     made.push_back({&entry, named.where, entry.make(options),
                     named.options.kind == Value::Kind::Null ? "" : flowText(named.options)});
   }
-}
-
-// The sensor's own item with the keys of another one in place of its own.
-Value merged(const NamedOptions& own, const NamedOptions& change) {
-  Value options = own.options;
-  options.where = change.options.where;
-  if (options.kind == Value::Kind::Null) options.kind = change.options.kind;
-  for (const Value::Entry& entry : change.options.entries) {
-    const auto old = std::find_if(options.entries.begin(), options.entries.end(),
-                                  [&](const Value::Entry& e) { return e.key == entry.key; });
-    if (old != options.entries.end()) {
-      old->value = entry.value;
-    } else {
-      options.entries.push_back(entry);
-    }
-  }
-  Value item;
-  item.kind = Value::Kind::Map;
-  item.where = change.where;
-  item.entries.push_back({own.name, std::move(options)});
-  return item;
 }
 
 // Several echoes are chosen from: unless the list says how, the strongest is reported.
@@ -189,7 +137,7 @@ void checkIsList(const Value& own) {
 }
 
 // The lists in the sensors' files are checked whether or not they are used.
-void checkSensorEffects(const Pipeline& pipeline, Classes& classes) {
+void checkSensorEffects(const Pipeline& pipeline, const EffectClasses& classes) {
   for (const MountedSensor& sensor : pipeline.sensors) {
     const Value* own = sensor.description.find("effects");
     if (own == nullptr) continue;
@@ -200,13 +148,18 @@ void checkSensorEffects(const Pipeline& pipeline, Classes& classes) {
 }
 
 std::vector<Value> effectItems(const Value& list) {
-  if (list.kind == Value::Kind::Sequence) return list.items;
+  if (list.kind == Value::Kind::Null) return {};
+  if (list.kind == Value::Kind::Sequence) {
+    std::vector<Value> items = list.items;
+    std::erase_if(items, [](const Value& item) { return item.kind == Value::Kind::Scalar && item.text == "none"; });
+    return items;
+  }
   if (meansSensor(list)) return {list};
   throw InputError(list.where,
                    "effects must be a list such as [intensity]; for none write [], for each sensor's own `sensor`");
 }
 
-SensorEffects makeEffects(const std::vector<Value>& items, Classes& classes) {
+SensorEffects makeEffects(const std::vector<Value>& items, const EffectClasses& classes) {
   std::vector<MadeEffect> made;
   addEffects(items, classes, made);
   return inOrder(std::move(made));
@@ -252,7 +205,7 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
                                    "out",
                                    change.name));
     }
-    expanded[index] = merged(readNamed(own->items[index], "an effect"), change);
+    expanded[index] = withKeysOf(readNamed(own->items[index], "an effect"), change);
   }
   for (std::size_t i = owned; i-- > 0;) {
     if (out[i]) expanded.erase(expanded.begin() + static_cast<std::ptrdiff_t>(i));
@@ -260,15 +213,50 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
   return expanded;
 }
 
-SensorEffects readSensorEffects(const Value& list, const Pipeline& pipeline, const MountedSensor& sensor) {
-  Classes classes(pipeline);
+Value withKeysOf(const NamedOptions& own, const NamedOptions& change) {
+  Value options = own.options;
+  options.where = change.options.where;
+  if (options.kind == Value::Kind::Null) options.kind = change.options.kind;
+  for (const Value::Entry& entry : change.options.entries) {
+    const auto old = std::find_if(options.entries.begin(), options.entries.end(),
+                                  [&](const Value::Entry& e) { return e.key == entry.key; });
+    if (old != options.entries.end()) {
+      old->value = entry.value;
+    } else {
+      options.entries.push_back(entry);
+    }
+  }
+  Value item;
+  item.kind = Value::Kind::Map;
+  item.where = change.where;
+  item.entries.push_back({own.name, std::move(options)});
+  return item;
+}
+
+EffectClasses::EffectClasses(const Pipeline& pipeline) : ontologyFile_(pipeline.ontology) {
+  if (!ontologyFile_.empty()) return;
+  if (pipeline.recording == nullptr) {
+    sceneFile_ = pipeline.sequences.front().sceneFile;
+  } else if (!pipeline.recording->ontology.classes.empty()) {
+    ontology_ = pipeline.recording->ontology;
+  }
+}
+
+const Ontology* EffectClasses::find() const {
+  std::call_once(read_, [&] {
+    if (!ontologyFile_.empty()) ontology_ = readOntology(ontologyFile_);
+    if (!sceneFile_.empty()) ontology_ = readSceneOntology(sceneFile_);
+  });
+  return ontology_ ? &*ontology_ : nullptr;
+}
+
+SensorEffects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor) {
   return makeEffects(sensorEffectItems(effectItems(list), sensor), classes);
 }
 
-void readEffects(Fields& fields, Pipeline& pipeline) {
-  Classes classes(pipeline);
+void readEffects(const Value* list, Pipeline& pipeline) {
+  const EffectClasses classes(pipeline);
   checkSensorEffects(pipeline, classes);
-  const Value* list = fields.find("effects");
   if (list == nullptr) return;
   pipeline.effectItems = effectItems(*list);
   const std::vector<Value>& items = pipeline.effectItems;

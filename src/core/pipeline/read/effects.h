@@ -7,20 +7,43 @@
 //   effects: [sensor, {footprint: {rays: 61}}, light_paths, {speckle: none}]
 //
 // Beside `sensor`, an item that the sensor's own list has too changes the keys that it names, `none` leaves it out, and
-// any other is added. The key `label` of an effect is a class, by its id or its name.
+// any other is added. An item `none` is no effect, as a choice among effects may have it. The key `label` of an effect
+// is a class, by its id or its name.
 
-#include "config/fields.h"
+#include <mutex>
+#include <optional>
+
+#include "config/named_options.h"
+#include "config/value.h"
 #include "pipeline/read/pipeline.h"
 
 namespace scanmill {
 
-// Fills effectItems, effects and effectEntries, or the sensors' own where the list says `sensor`. All else of the
+// The classes of a pipeline's scenes, read once somebody asks. Safe to ask from several threads.
+class EffectClasses {
+ public:
+  explicit EffectClasses(const Pipeline& pipeline);
+
+  // Null: a recording that has no ontology. Throws InputError.
+  const Ontology* find() const;
+
+ private:
+  std::filesystem::path ontologyFile_, sceneFile_;  // one of them; neither: the recording's own
+  mutable std::once_flag read_;
+  mutable std::optional<Ontology> ontology_;
+};
+
+// `list`: the key `effects`, null where it is absent. Fills effectItems, effects and effectEntries, or the sensors' own
+// where the list says `sensor`. All else of the
 // pipeline that effects depend on is read already: sequences, sensors, ontology. The sensors' own lists are checked
 // whether or not they are used. Throws InputError.
-void readEffects(Fields& fields, Pipeline& pipeline);
+void readEffects(const Value* list, Pipeline& pipeline);
 
-// The effects of one of the pipeline's sensors, with `list` as the key `effects`. Throws InputError.
-SensorEffects readSensorEffects(const Value& list, const Pipeline& pipeline, const MountedSensor& sensor);
+// The effects of a sensor, with `list` as the key `effects`; Null: none. Throws InputError.
+SensorEffects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor);
+
+// An effect with the keys of another of its name in place of its own, as an item of a list.
+Value withKeysOf(const NamedOptions& own, const NamedOptions& change);
 
 // The items of such a list with the sensor's own in place of the word `sensor`, as maps of one pair or names. Throws
 // InputError.

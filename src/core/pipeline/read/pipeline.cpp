@@ -17,6 +17,7 @@
 //   motion: none                     # none | per_column | {steps: 360, deskew: false}
 //   method: ray_tracing              # or {ray_tracing: {...}}, or auto: see docs/keys.md
 //   effects: [sensor, {footprint: {rays: 61}}]   # see pipeline/read/effects.h
+//   corruption: {fog: heavy}         # see pipeline/read/corruption.h
 //   splits: {by: seed, train: 0.8, val: 0.1, test: 0.1}
 //   output:
 //     layout: dense                  # or organised
@@ -25,6 +26,7 @@
 //     shard_mb: 256                  # or shard_samples: 100
 //     shuffle: false                 # true: neighbours in time need not share a shard
 //     reasons: false                 # true: an image of what became of each beam
+//     voxels: false                  # {size:, from:, to:} or true: what stands about each sensor, and what it sees
 //     objects: false                 # true: boxes of things, and how much of each a sensor sees
 //   limits: {max_rays: 1e11}
 //   tradeoff: {...}                  # of `scanmill tradeoff`: see docs/keys.md
@@ -35,7 +37,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <cmath>
 #include <set>
 
 #include "base/file.h"
@@ -43,6 +47,8 @@
 #include "config/named_options.h"
 #include "config/waypoints.h"
 #include "dataset/split.h"
+#include "pipeline/read/corruption.h"
+#include "pipeline/read/drawn_sensors.h"
 #include "pipeline/read/effects.h"
 
 namespace scanmill {
@@ -218,7 +224,25 @@ void checkSensors(Pipeline& pipeline, const Recording& recording, const Value& l
   }
 }
 
-std::vector<MountedSensor> readSensors(Fields& fields) {
+}  // namespace
+
+Pose readMount(const Value& mount) {
+  if (mount.kind == Value::Kind::Null) return {};
+  Fields fields(mount, "mount");
+  const Pose pose = fields.pose();
+  fields.finish();
+  checkedPosition(pose.translation, mount.where);
+  return pose;
+}
+
+namespace {
+
+// `written`: gets what the file says; the sensors get what is drawn for the first sequence.
+std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, DrawnSensors::Written& written) {
+  std::vector<DrawnValue> ignored;
+  const auto drawn = [&](const Value& value, std::size_t sensor, const char* key) {
+    return withDraws(value, fmt::format("sensors.{}.{}", sensor, key), {.seed = seed}, ignored);
+  };
   std::vector<MountedSensor> sensors;
   for (const Value& item : requireList(fields, "sensors").items) {
     Fields own(item, "sensor");
@@ -237,12 +261,13 @@ std::vector<MountedSensor> readSensors(Fields& fields) {
         throw InputError(item.where, fmt::format("two sensors are named '{}'", sensor.name));
       }
     }
-    if (const Value* mount = own.find("mount")) {
-      Fields pose(*mount, "mount");
-      sensor.vehicleFromSensor = pose.pose();
-      pose.finish();
-      checkedPosition(sensor.vehicleFromSensor.translation, mount->where);
+    written.descriptions.push_back(sensor.description);
+    for (Value::Entry& entry : sensor.description.entries) {
+      if (entry.key == "effects") entry.value = drawn(entry.value, sensors.size(), "effects");
     }
+    const Value* mount = own.find("mount");
+    written.mounts.push_back(mount == nullptr ? Value{} : *mount);
+    sensor.vehicleFromSensor = readMount(drawn(written.mounts.back(), sensors.size(), "mount"));
     sensor.size = sensorSize(sensor.description);
     sensors.push_back(std::move(sensor));
   }
@@ -250,12 +275,42 @@ std::vector<MountedSensor> readSensors(Fields& fields) {
   return sensors;
 }
 
+// {size: 0.2, from: [0, -25.6, -2], to: [51.2, 25.6, 4.4]}, which are the defaults.
+VoxelGrid readVoxels(const Value& value) {
+  VoxelGrid grid;
+  Fields fields(value, "voxels");
+  fields.also({"size", "from", "to"}).finish();
+  grid.size = fields.number("size", {0.01, 100}, grid.size);
+  grid.low = fields.vec3("from", grid.low);
+  const Vec3d high = fields.vec3("to", {51.2, 25.6, 4.4});
+  const std::array<double, 3> lengths{high.x - grid.low.x, high.y - grid.low.y, high.z - grid.low.z};
+  double all = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double count = std::round(lengths[axis] / grid.size);
+    if (count < 1 || std::abs(count * grid.size - lengths[axis]) > 1e-6 * grid.size * count) {
+      throw InputError(value.where, fmt::format("voxels: {:g} m along {} are no whole number of voxels of {:g} m",
+                                                lengths[axis], "xyz"[axis], grid.size));
+    }
+    all *= count;
+    constexpr double kMost = 64e6;
+    if (all > kMost) throw InputError(value.where, "voxels: more than 64 million of them: take larger ones, or fewer");
+    grid.counts[axis] = static_cast<std::uint32_t>(count);
+  }
+  return grid;
+}
+
 void readOutput(const Value& value, Pipeline& pipeline) {
   Fields output(value, "output");
-  output.also({"layout", "columns", "formats", "shard_mb", "shard_samples", "shuffle", "reasons", "objects"}).finish();
+  output.also({"layout", "columns", "formats", "shard_mb", "shard_samples", "shuffle", "reasons", "objects", "voxels"})
+      .finish();
   pipeline.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
   pipeline.layout.reasons = output.boolean("reasons", false);
   pipeline.objects = output.boolean("objects", false);
+  if (const Value* voxels = output.find("voxels"); voxels != nullptr && voxels->kind == Value::Kind::Map) {
+    pipeline.voxels = readVoxels(*voxels);
+  } else if (output.boolean("voxels", false)) {
+    pipeline.voxels = VoxelGrid();
+  }
   if (const Value* list = output.find("columns")) {
     if (list->kind != Value::Kind::Sequence) throw InputError(list->where, "columns must be a list of names");
     pipeline.layout.columns = {};
@@ -379,6 +434,12 @@ std::uint32_t Pipeline::mostReturns() const {
     std::uint32_t ofSensor = met;
     for (const auto& effect : effectsOf(s)) ofSensor = effect->mostReturns(ofSensor);
     most = std::max(most, ofSensor);
+    if (drawn == nullptr) continue;
+    for (const SensorDraw& one : drawn->cases()) {
+      std::uint32_t ofCase = met;
+      for (const auto& effect : one.effects[s].effects) ofCase = effect->mostReturns(ofCase);
+      most = std::max(most, ofCase);
+    }
   }
   return most;
 }
@@ -400,14 +461,15 @@ Pipeline pipelineOf(const Value& root, std::string text, const std::filesystem::
   Fields fields(root, "pipeline");
   fields
       .also({"name", "seed", "labels", "wavelength_nm", "scenes", "trajectories", "sensors", "vehicle", "motion",
-             "method", "effects", "splits", "output", "limits", "tradeoff", "repeatability"})
+             "method", "effects", "corruption", "splits", "output", "limits", "tradeoff", "repeatability"})
       .finish();
   pipeline.name = fields.text("name", file.stem().string());
   pipeline.seed = static_cast<std::uint64_t>(fields.integer("seed", 0, std::int64_t{1} << 62, 1));
   pipeline.ontology = fields.optionalResource("labels", "labels").value_or("");
   pipeline.vehicle = fields.optionalResource("vehicle", "scenes").value_or("");
   pipeline.wavelengthNm = std::stoi(fields.choice("wavelength_nm", {"850", "905", "1064"}, "905"));
-  pipeline.sensors = readSensors(fields);
+  DrawnSensors::Written written;
+  pipeline.sensors = readSensors(fields, pipeline.seed, written);
   Periods periods{0, 0};
   for (const MountedSensor& sensor : pipeline.sensors) {
     const double period = 1.0 / Fields(sensor.description, "sensor").number("rate_hz", {1e-3, 1e6}, 10);
@@ -431,7 +493,16 @@ Pipeline pipelineOf(const Value& root, std::string text, const std::filesystem::
     pipeline.method = {automatic ? nullptr : &requireMethod(method.name, method.where), method.options,
                        automatic && pipeline.recording == nullptr};
   }
-  readEffects(fields, pipeline);
+  const Value* effects = fields.find("effects");
+  if (effects != nullptr) written.effects = *effects;
+  if (const Value* corruption = fields.find("corruption")) {
+    written.effects = withCorruption(written.effects, *corruption);
+    effects = &written.effects;
+  }
+  std::vector<DrawnValue> ignored;
+  const Value firstEffects = withDraws(written.effects, "effects", {.seed = pipeline.seed}, ignored);
+  readEffects(effects == nullptr ? nullptr : &firstEffects, pipeline);
+  if (DrawnSensors::draws(written)) pipeline.drawn = std::make_shared<const DrawnSensors>(std::move(written), pipeline);
   readOutput(fields.require("output"), pipeline);
   std::vector<SequenceName> names;
   for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectoryName});

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@
 #include "dataset/recording.h"
 #include "formats/format.h"
 #include "methods/method.h"
+#include "scene/voxel_grid.h"
 #include "sense/sense.h"
 #include "sensors/sensor.h"
 #include "sensors/shot.h"
@@ -36,7 +38,7 @@ struct MountedSensor {
   std::string name;
   Value description;  // preset and own keys merged
   SensorSize size;
-  Pose vehicleFromSensor;
+  Pose vehicleFromSensor = {};
   std::shared_ptr<SensorEffects> ownEffects;  // in place of the pipeline's, where that says `sensor`; else null
 };
 
@@ -72,6 +74,8 @@ struct FormatChoice {
   std::unique_ptr<Format> format;
 };
 
+class DrawnSensors;
+
 struct Pipeline {
   std::string name;
   std::filesystem::path file;
@@ -82,6 +86,8 @@ struct Pipeline {
   int wavelengthNm = 905;
   std::vector<Sequence> sequences;
   std::vector<MountedSensor> sensors;
+  std::shared_ptr<const DrawnSensors> drawn;  // null: sensors and effects are the same in all sequences; else those
+                                              // here are of the first frame of the first one
   Motion motion;
   MethodChoice method;
   std::vector<std::unique_ptr<Effect>> effects;   // in the order in which they run; none where sensors have their own
@@ -90,11 +96,12 @@ struct Pipeline {
   std::vector<Value> effectItems;                         // the list as the file has it, for studies that vary it
   ScanLayout layout;                                      // of the scans that are written
   std::vector<FormatChoice> formats;
-  bool objects = false;          // samples list the things near their sensors, see dataset/objects.h
-  bool splitsBySeed = false;     // the splits part scenes by their seeds
-  std::uint64_t shardBytes = 0;  // at most
-  bool shuffled = false;         // samples are spread over the shards of their split at random
-  std::size_t shardSamples = 0;  // in each shard; 0: follows from shardBytes
+  std::optional<VoxelGrid> voxels;  // about each sensor, that samples have beside scans, see dataset/voxels.h
+  bool objects = false;             // samples list the things near their sensors, see dataset/objects.h
+  bool splitsBySeed = false;        // the splits part scenes by their seeds
+  std::uint64_t shardBytes = 0;     // at most
+  bool shuffled = false;            // samples are spread over the shards of their split at random
+  std::size_t shardSamples = 0;     // in each shard; 0: follows from shardBytes
   double maxRays = 0;
 
   // The keys of the studies, which read them themselves. Null where absent.
@@ -117,6 +124,9 @@ struct Pipeline {
   std::uint32_t mostReturns() const;                       // of a beam
   std::string methodName() const;                          // that made, or makes, the hits
 };
+
+// A pose on the vehicle; Null: its origin. Throws InputError.
+Pose readMount(const Value& mount);
 
 // Whether an effect sets the intensity; either an effect of every sensor does, or none.
 bool setsIntensity(const Pipeline& pipeline);

@@ -7,14 +7,20 @@
 namespace scanmill {
 
 ShotSetup setupOf(const Plan& plan, const Scene& scene, const Method& method, std::size_t sensor) {
+  return setupOf(plan, plan.settings(), scene, method, sensor);
+}
+
+ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& scene, const Method& method,
+                  std::size_t sensor) {
+  const SensorSetting& own = settings.sensors[sensor];
   return {method,
           scene.materials,
           plan.channels(),
-          plan.pipeline().effectsOf(sensor),
+          own.effects,
           plan.pipeline().layout,
           plan.footprint(sensor),
-          plan.vehicle(sensor),
-          plan.pipeline().lightPaths(sensor),
+          own.vehicle,
+          own.paths,
           ThingMotions::areToldOf(scene, plan.pipeline().layout) ? &scene : nullptr};
 }
 

@@ -31,8 +31,10 @@ struct ShotSetup {
   const Scene* moving = nullptr;         // the scene, if points tell how objects of it move
 };
 
-// As the plan says of this sensor.
+// As the plan says of this sensor; with its settings of a certain frame, which must outlive the setup.
 ShotSetup setupOf(const Plan& plan, const Scene& scene, const Method& method, std::size_t sensor);
+ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& scene, const Method& method,
+                  std::size_t sensor);
 
 // Memory that goes from shot to shot.
 struct ShotBuffers {

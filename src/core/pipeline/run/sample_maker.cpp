@@ -1,5 +1,6 @@
 #include "pipeline/run/sample_maker.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -8,8 +9,21 @@
 #include "methods/depth_camera/depth_camera.h"
 #include "pipeline/run/object_list.h"
 #include "pipeline/run/run_records.h"
+#include "pipeline/run/voxel_view.h"
 
 namespace scanmill {
+
+namespace {
+
+// Ordered by their keys.
+std::vector<DrawnValue> allDraws(const Scene& scene, const FrameSettings& settings) {
+  std::vector<DrawnValue> draws = scene.draws;
+  draws.insert(draws.end(), settings.draws.begin(), settings.draws.end());
+  std::sort(draws.begin(), draws.end(), [](const DrawnValue& a, const DrawnValue& b) { return a.key < b.key; });
+  return draws;
+}
+
+}  // namespace
 
 SampleMaker::SampleMaker(const Plan& plan, std::filesystem::path keepHits, std::filesystem::path keepPasses,
                          bool overwrite, std::function<void(const Sequence&)> loading)
@@ -28,11 +42,13 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   std::call_once(opened_, [&] { recorder_.open(keepHits_, keepPasses_, overwrite_); });
   recorder_.enter(address.sequence, ready->scene, *ready->method);
   MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}, {}}, ready->facts};
+  const std::shared_ptr<const FrameSettings> settings = plan_.settings(address.sequence, address.frame);
+  made.sample.draws = allDraws(ready->scene, *settings);
   TraceAccount account;
   std::optional<ObjectList> objects;
   std::unique_ptr<ShotBuffers> buffers = buffers_.take();
   for (const Shot& shot : plan_.shots(address.sequence, address.frame)) {
-    const ShotSetup setup = setupOf(plan_, ready->scene, *ready->method, shot.sensor);
+    const ShotSetup setup = setupOf(plan_, *settings, ready->scene, *ready->method, shot.sensor);
     if (recorder_.recordsPasses()) {
       account += drawAndRecord(*ready, shot, buffers->hits);
       const StageTimer timer(clock_, "effects");
@@ -48,15 +64,11 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
     if (recorder_.recordsHits()) recorder_.writeHits(shot, buffers->hits);
     std::vector<ScanRecord>& scans = made.sample.scans;
     scans.push_back(recordOf(shot, buffers->hits, buffers->scan, pipeline.methodName()));
-    const StageTimer timer(clock_, "encode");
-    for (const FormatChoice& f : pipeline.formats) {
-      made.sample.members.push_back({memberSuffix(scans.back(), f.format->suffix()), f.format->encode(buffers->scan)});
+    if (pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
+      scans.back().vehicleFromSensor = settings->sensors[shot.sensor].vehicleFromSensor;
     }
-    if (pipeline.layout.reasons) {
-      made.sample.members.push_back(
-          {memberSuffix(scans.back(), kReasonsSuffix),
-           encodeReasons(buffers->scan.reasonOfBeam, buffers->scan.rings, buffers->scan.columns)});
-    }
+    addFormats(buffers->scan, made.sample);
+    if (ready->voxels != nullptr) addVoxels(*ready->voxels, shot, *buffers, made.sample);
   }
   if (objects) {
     const SampleObjects listed = objects->finish();
@@ -68,6 +80,28 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   scenes_.account(address.sequence, account);
   scenes_.leave(address.sequence);
   return made;
+}
+
+// Of the scan that the sample's last record is of.
+void SampleMaker::addFormats(const Scan& scan, Sample& sample) {
+  const StageTimer timer(clock_, "encode");
+  const Pipeline& pipeline = plan_.pipeline();
+  for (const FormatChoice& f : pipeline.formats) {
+    sample.members.push_back({memberSuffix(sample.scans.back(), f.format->suffix()), f.format->encode(scan)});
+  }
+  if (pipeline.layout.reasons) {
+    sample.members.push_back({memberSuffix(sample.scans.back(), kReasonsSuffix),
+                              encodeReasons(scan.reasonOfBeam, scan.rings, scan.columns)});
+  }
+}
+
+void SampleMaker::addVoxels(const SceneVoxels& voxels, const Shot& shot, const ShotBuffers& buffers, Sample& sample) {
+  const StageTimer timer(clock_, "voxels");
+  const Pipeline& pipeline = plan_.pipeline();
+  VoxelLabels labels = voxels.labels(*pipeline.voxels, shot.worldFromSensor.front(), shot.time);
+  sample.members.push_back({memberSuffix(sample.scans.back(), kVoxelsSuffix),
+                            encodeVoxels(viewVoxels(*pipeline.voxels, std::move(labels), shot,
+                                                    pipeline.raysPerBeam(shot.sensor), buffers.hits, buffers.scan))});
 }
 
 // Passes that are recorded are drawn first, and the hits are sampled from them.

@@ -46,6 +46,8 @@ class SampleMaker {
   StageSeconds stageSeconds() const;
 
  private:
+  void addFormats(const Scan& scan, Sample& sample);
+  void addVoxels(const SceneVoxels& voxels, const Shot& shot, const ShotBuffers& buffers, Sample& sample);
   TraceAccount drawAndRecord(const ReadyScene& ready, const Shot& shot, Hits& hits);
 
   const Plan& plan_;

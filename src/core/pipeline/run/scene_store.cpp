@@ -126,8 +126,10 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     ready.scene = plan_.loadScene(own);
     ready.method = plan_.makeMethod(ready.scene);
     if (pipeline.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);
-    const std::uint64_t bytes =
-        ready.method->memoryBytes() + (ready.objects == nullptr ? 0 : ready.objects->memoryBytes());
+    if (pipeline.voxels) ready.voxels = std::make_unique<SceneVoxels>(ready.scene);
+    const std::uint64_t bytes = ready.method->memoryBytes() +
+                                (ready.objects == nullptr ? 0 : ready.objects->memoryBytes()) +
+                                (ready.voxels == nullptr ? 0 : ready.voxels->memoryBytes());
     plan_.checkMemory(bytes, "the scene of " + own.key());
     ready.facts = std::make_shared<const SceneFacts>(SceneFacts{ready.method->modelled(), ready.scene.ontology});
     TraceAccount account;

@@ -17,6 +17,7 @@
 #include "pipeline/plan/plan.h"
 #include "pipeline/run/object_list.h"
 #include "scene/scene.h"
+#include "scene/voxels.h"
 
 namespace scanmill {
 
@@ -33,6 +34,7 @@ struct ReadyScene {
   std::shared_ptr<const SceneFacts> facts;
   std::optional<SceneProbe> probe;        // none for a recording
   std::unique_ptr<SceneObjects> objects;  // null where nobody asks for them
+  std::unique_ptr<SceneVoxels> voxels;    // likewise
 };
 
 // Safe to use from several threads at once: those that need the same scene load it together.

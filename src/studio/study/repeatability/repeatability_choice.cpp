@@ -37,7 +37,7 @@ std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) 
     if (level.name.empty()) throw InputError(item.where, "a noise level's name is empty");
     const Value& effects = fields.require("effects");
     for (const MountedSensor& sensor : pipeline.sensors)
-      level.own.push_back(readSensorEffects(effects, pipeline, sensor));
+      level.own.push_back(readSensorEffects(effects, EffectClasses(pipeline), sensor));
     const bool twice =
         std::any_of(levels.begin(), levels.end(), [&](const NoiseLevel& l) { return l.name == level.name; });
     if (twice) throw InputError(item.where, fmt::format("two noise levels are named '{}'", level.name));

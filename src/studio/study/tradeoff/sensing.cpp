@@ -41,7 +41,7 @@ SensorEffects changed(const Pipeline& pipeline, const MountedSensor& sensor, con
       list.items.push_back(parseYaml(change->second, "study"));
     }
   }
-  return readSensorEffects(list, pipeline, sensor);
+  return readSensorEffects(list, EffectClasses(pipeline), sensor);
 }
 
 // How a sensor is scanned in one setting.

@@ -105,7 +105,7 @@ TEST_F(OwnVehicle, TheShippedOneStandsUnderItsSensor) {
   const Plan plan(readPipeline(pipeline_, {"vehicle=vehicle",
                                            "sensors=[{name: top, preset: hdl_64e, mount: {position: "
                                            "[0, 0, 1.73]}}]"}));
-  const Hits& hits = *plan.vehicle(0);
+  const Hits& hits = *plan.settings().sensors[0].vehicle;
   std::size_t lowest = 0;
   for (std::size_t ray = 0; ray < hits.rays(); ++ray) lowest += hits.hit(ray) && ray >= 56u * hits.columns ? 1 : 0;
   const double share = static_cast<double>(lowest) / (8.0 * hits.columns);

@@ -29,6 +29,46 @@ TEST(DropOut, NeighboursAreLostIndependently) {
   EXPECT_NEAR(static_cast<double>(pairs), n * 0.09, 5 * std::sqrt(n * 0.09 * 0.91));
 }
 
+// A share of the rings, to the nearest number; the same in all frames, others of another sensor or seed; more of them
+// are those and others.
+TEST(DropOut, RingsAreLostAsAWhole) {
+  const auto rings = [](World world, double share) {
+    const Returns returns = run(world, {"dropout: {rings: " + std::to_string(share) + "}"});
+    std::vector<std::uint32_t> silent;
+    for (std::uint32_t ring = 0; ring < 64; ++ring) {
+      const auto first = returns.range.begin() + ring * 16;
+      const auto gone = std::count(first, first + 16, kMiss);
+      EXPECT_TRUE(gone == 0 || gone == 16) << ring;
+      if (gone == 16) silent.push_back(ring);
+    }
+    return silent;
+  };
+  World world = makeWorld(64, 16);
+  const auto quarter = rings(world, 0.25);
+  const auto half = rings(world, 0.5);
+  EXPECT_EQ(quarter.size(), 16U);
+  EXPECT_EQ(half.size(), 32U);
+  EXPECT_TRUE(std::includes(half.begin(), half.end(), quarter.begin(), quarter.end()));
+  EXPECT_EQ(rings(world, 0.007).size(), 0U);
+  EXPECT_EQ(rings(world, 1).size(), 64U);
+  world.shot.frame += 5;
+  EXPECT_EQ(rings(world, 0.25), quarter);
+  world.shot.sensor += 1;
+  EXPECT_NE(rings(world, 0.25), quarter);
+}
+
+TEST(DropOut, OnlyThingsAreLostWhereItSaysSo) {
+  World world = makeWorld(64, 64);
+  world.hits.instance.assign(world.hits.size(), 0);
+  for (std::size_t b = 0; b < world.hits.size(); b += 2) world.hits.instance[b] = 7;
+  const Returns some = run(world, {"dropout: {probability: 0.75, things: true}"});
+  const Returns all = run(world, {"dropout: {probability: 0.75}"});
+  for (std::size_t b = 0; b < world.hits.size(); ++b) {
+    EXPECT_EQ(some.range[b], b % 2 == 0 ? all.range[b] : world.hits.range[b]);
+  }
+  EXPECT_THAT(refusal("dropout: {things: true, rings: 0.5}"), testing::HasSubstr("give probability"));
+}
+
 TEST(DropOut, CertaintiesAreExact) {
   const World world = makeRaggedWorld(16, 100);
   EXPECT_EQ(run(world, {"dropout: {probability: 0}"}).range, world.hits.range);

@@ -1,4 +1,4 @@
-#include "exports/zip_file.h"
+#include "formats/zip_file.h"
 
 #include <archive.h>
 #include <archive_entry.h>

@@ -2,7 +2,7 @@
 // of a header, the header as the text of a Python dictionary, padded so that the elements begin at a multiple of 64
 // bytes, and the elements.
 
-#include "exports/npy.h"
+#include "formats/npy.h"
 
 #include <fmt/core.h>
 
@@ -10,7 +10,7 @@
 #include <cstdint>
 
 #include "base/error.h"
-#include "exports/little_endian.h"
+#include "formats/little_endian.h"
 
 namespace scanmill {
 

@@ -1,4 +1,4 @@
-#include "exports/zip_file.h"
+#include "formats/zip_file.h"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "exports/npy.h"
+#include "formats/npy.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

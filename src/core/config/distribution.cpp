@@ -1,0 +1,258 @@
+#include "config/distribution.h"
+
+#define XXH_INLINE_ALL
+#include <fmt/core.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/math/special_functions/erf.hpp>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "config/fields.h"
+#include "config/flow_text.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::array kKinds{std::string_view("uniform"), std::string_view("normal"), std::string_view("choice")};
+constexpr double kMostDeviations = 4;
+
+// Two numbers, the first below the second.
+Range readInterval(const Value& value, std::string_view what) {
+  const std::vector<double> ends = readNumbers(value, what);
+  if (ends.size() == 2 && ends[0] < ends[1]) return {ends[0], ends[1]};
+  throw InputError(value.where, fmt::format("{} must be [least, most], the first below the second", what));
+}
+
+// The share of a normal distribution that lies below so many standard deviations, and the inverse.
+double shareBelow(double deviations) {
+  return std::erfc(-deviations / std::numbers::sqrt2) / 2;
+}
+
+double deviationsAt(double share) {
+  return -std::numbers::sqrt2 * boost::math::erfc_inv(2 * share);
+}
+
+struct Normal {
+  double mean = 0;
+  double deviation = 1;
+  Range ends{0, 0};  // beyond which nothing is drawn
+};
+
+Normal readNormal(Fields& fields) {
+  const Value& value = fields.require("normal");
+  const std::vector<double> given = readNumbers(value, "normal");
+  if (given.size() != 2 || given[1] <= 0) {
+    throw InputError(value.where, "normal must be [mean, standard deviation], the latter above 0");
+  }
+  const double mean = given[0];
+  const double deviation = given[1];
+  Range ends{mean - kMostDeviations * deviation, mean + kMostDeviations * deviation};
+  if (const Value* within = fields.find("within")) {
+    const Range bounds = readInterval(*within, "within");
+    ends = {std::max(ends.low, bounds.low), std::min(ends.high, bounds.high)};
+    if (ends.low >= ends.high) {
+      throw InputError(within->where, fmt::format("nothing of the distribution lies within: [{:g}, {:g}] is more than "
+                                                  "{:g} standard deviations from the mean",
+                                                  bounds.low, bounds.high, kMostDeviations));
+    }
+  }
+  return {mean, deviation, ends};
+}
+
+double drawNormal(const Normal& normal, double random) {
+  const double low = shareBelow((normal.ends.low - normal.mean) / normal.deviation);
+  const double high = shareBelow((normal.ends.high - normal.mean) / normal.deviation);
+  return std::clamp(normal.mean + normal.deviation * deviationsAt(low + (high - low) * random), normal.ends.low,
+                    normal.ends.high);
+}
+
+Value scalar(const Value& distribution, std::string text) {
+  Value value = distribution;
+  value.kind = Value::Kind::Scalar;
+  value.text = std::move(text);
+  value.entries = {};
+  return value;
+}
+
+// The integers that a choice with "..." between two of them means; empty where it is a list of items.
+std::vector<PlacedInteger> readSpan(const Value& list) {
+  if (list.kind != Value::Kind::Sequence || list.items.empty()) {
+    throw InputError(list.where, "choice must be a list with at least one item");
+  }
+  const bool spans = std::any_of(list.items.begin(), list.items.end(), [](const Value& item) {
+    return item.kind == Value::Kind::Scalar && !item.quoted && item.text == "...";
+  });
+  constexpr std::int64_t kMost = 1'000'000'000'000;
+  return spans ? readIntegers(list, "choice", -kMost, kMost) : std::vector<PlacedInteger>{};
+}
+
+// The item where the distribution stood.
+Value itemOf(const Value& distribution, const Value& list, std::size_t index) {
+  Value item = list.items[index];
+  item.keyLine = distribution.keyLine;
+  item.keyColumn = distribution.keyColumn;
+  return item;
+}
+
+Value drawChoice(const Value& distribution, const Value& list, double random) {
+  const auto pick = [&](std::size_t count) {
+    return std::min(static_cast<std::size_t>(random * static_cast<double>(count)), count - 1);
+  };
+  const std::vector<PlacedInteger> span = readSpan(list);
+  if (!span.empty()) return scalar(distribution, std::to_string(span[pick(span.size())].value));
+  return itemOf(distribution, list, pick(list.items.size()));
+}
+
+bool isPerFrame(Fields& fields) {
+  return fields.choice("per", {"sequence", "frame"}, "sequence") == "frame";
+}
+
+// The keys of a distribution, of which one says what kind it is.
+Fields fieldsOf(const Value& value) {
+  Fields fields(value, "distribution");
+  fields.also({"uniform", "normal", "choice", "within", "per"}).finish();
+  const auto kinds =
+      std::count_if(kKinds.begin(), kKinds.end(), [&](std::string_view kind) { return fields.has(kind); });
+  if (kinds != 1) throw InputError(value.where, "a distribution is one of uniform, normal and choice");
+  if (const Value* within = fields.find("within"); within != nullptr && !fields.has("normal")) {
+    throw InputError(within->where, "within cuts off a normal distribution, not others");
+  }
+  isPerFrame(fields);
+  return fields;
+}
+
+Value draw(Fields& fields, double random) {
+  const Value& value = fields.value();
+  if (fields.has("normal")) return scalar(value, fmt::format("{}", drawNormal(readNormal(fields), random)));
+  if (fields.has("choice")) return drawChoice(value, fields.require("choice"), random);
+  const Range ends = readInterval(fields.require("uniform"), "uniform");
+  return scalar(value, fmt::format("{}", std::clamp(std::lerp(ends.low, ends.high, random), ends.low, ends.high)));
+}
+
+// The end of a distribution that is its turn in a case; what is left of the case's number is for those within a choice.
+Value endOf(const Value& value, std::size_t& number) {
+  Fields fields = fieldsOf(value);
+  const std::size_t which = number;
+  if (!fields.has("choice")) {
+    const Range ends =
+        fields.has("normal") ? readNormal(fields).ends : readInterval(fields.require("uniform"), "uniform");
+    return scalar(value, fmt::format("{}", which % 2 == 0 ? ends.low : ends.high));
+  }
+  const Value& list = fields.require("choice");
+  const std::vector<PlacedInteger> span = readSpan(list);
+  if (!span.empty()) {
+    const auto [low, high] =
+        std::minmax_element(span.begin(), span.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
+    return scalar(value, std::to_string(which % 2 == 0 ? low->value : high->value));
+  }
+  number = which / list.items.size();
+  return itemOf(value, list, which % list.items.size());
+}
+
+double randomOf(const std::string& key, RandomAddress address) {
+  address.beam = XXH32(key.data(), key.size(), 0);
+  address.purpose = Purpose::Distribution;
+  return uniform(randomBlock(address)[0]);
+}
+
+// Applies a function to all that a value holds directly.
+template <class Do>
+void forEachWithin(const Value& value, const Do& apply) {
+  for (const Value& item : value.items) apply(item);
+  for (const Value::Entry& entry : value.entries) apply(entry.value);
+}
+
+std::size_t countDistributions(const Value& value) {
+  std::size_t count = isDistribution(value) ? 1 : 0;
+  forEachWithin(value, [&](const Value& part) { count += countDistributions(part); });
+  return count;
+}
+
+}  // namespace
+
+bool isDistribution(const Value& value) {
+  return value.kind == Value::Kind::Map && std::any_of(value.entries.begin(), value.entries.end(), [](const auto& e) {
+           return std::find(kKinds.begin(), kKinds.end(), e.key) != kKinds.end();
+         });
+}
+
+bool holdsDistribution(const Value& value) {
+  bool holds = isDistribution(value);
+  forEachWithin(value, [&](const Value& part) { holds = holds || holdsDistribution(part); });
+  return holds;
+}
+
+const Value* findDrawnPerFrame(const Value& value) {
+  if (isDistribution(value)) {
+    Fields fields = fieldsOf(value);
+    if (isPerFrame(fields)) return &value;
+  }
+  const Value* found = nullptr;
+  forEachWithin(value, [&](const Value& part) { found = found == nullptr ? findDrawnPerFrame(part) : found; });
+  return found;
+}
+
+Value withDraws(const Value& value, const std::string& key, const RandomAddress& address,
+                std::vector<DrawnValue>& draws) {
+  if (isDistribution(value)) {
+    Value one = value;
+    RandomAddress own = address;
+    for (own.number = 0; isDistribution(one); own.number = (own.number + 1) % 16) {  // an item of a choice may be one
+      Fields fields = fieldsOf(one);
+      own.frame = isPerFrame(fields) ? address.frame : 0;
+      one = draw(fields, randomOf(key, own));
+    }
+    std::vector<DrawnValue> within;  // told with what they are within
+    one = withDraws(one, key, address, within);
+    draws.push_back({key, flowText(one)});
+    return one;
+  }
+  const std::string before = key.empty() ? "" : key + ".";
+  Value copy = value;
+  for (std::size_t i = 0; i < copy.items.size(); ++i) {
+    copy.items[i] = withDraws(value.items[i], before + std::to_string(i), address, draws);
+  }
+  for (Value::Entry& entry : copy.entries) {
+    entry.value = withDraws(entry.value, before + entry.key, address, draws);
+  }
+  return copy;
+}
+
+void addLongestDraws(const Value& value, const std::string& key, std::vector<DrawnValue>& draws) {
+  if (isDistribution(value)) {
+    // A distribution is longer than the text of its numbers, each of which has no more than 24 characters.
+    constexpr std::size_t kNumber = 24;
+    draws.push_back({key, std::string(flowText(value).size() + kNumber * countDistributions(value), '0')});
+    return;
+  }
+  const std::string before = key.empty() ? "" : key + ".";
+  for (std::size_t i = 0; i < value.items.size(); ++i) {
+    addLongestDraws(value.items[i], before + std::to_string(i), draws);
+  }
+  for (const Value::Entry& entry : value.entries) addLongestDraws(entry.value, before + entry.key, draws);
+}
+
+std::size_t countCases(const Value& value) {
+  std::size_t within = 1;
+  forEachWithin(value, [&](const Value& part) { within = std::max(within, countCases(part)); });
+  if (!isDistribution(value)) return within;
+  Fields fields = fieldsOf(value);
+  if (!fields.has("choice")) return 2;
+  const Value& list = fields.require("choice");
+  return readSpan(list).empty() ? list.items.size() * within : 2;
+}
+
+Value withCase(const Value& value, std::size_t number) {
+  Value copy = value;
+  while (isDistribution(copy)) copy = endOf(copy, number);
+  for (Value& item : copy.items) item = withCase(item, number);
+  for (Value::Entry& entry : copy.entries) entry.value = withCase(entry.value, number);
+  return copy;
+}
+
+}  // namespace scanmill

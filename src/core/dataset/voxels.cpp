@@ -1,0 +1,124 @@
+#include "dataset/voxels.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+#include "formats/little_endian.h"
+#include "formats/npy.h"
+#include "formats/npz_arrays.h"
+#include "formats/zip_file.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kUInt16 = "<u2";
+constexpr const char* kFloat64 = "<f8";
+constexpr const char* kBool = "|b1";
+
+// The arrays of an archive by their names.
+class VoxelArrays {
+ public:
+  VoxelArrays(std::string_view bytes, const std::string& what) : what_(what), arrays_(readNpzArrays(bytes, what)) {}
+
+  const NpyArray& of(std::string_view name, std::string_view type, std::size_t dimensions) const {
+    const auto found = std::find_if(arrays_.begin(), arrays_.end(), [&](const NpyArray& a) { return a.name == name; });
+    if (found == arrays_.end()) fail(fmt::format("has no array `{}`", name));
+    if (found->type != type || found->shape.size() != dimensions) {
+      fail(fmt::format("{} is of the type {} with {} dimensions, not {} with {}", name, found->type,
+                       found->shape.size(), type, dimensions));
+    }
+    return *found;
+  }
+
+  std::vector<double> numbers(std::string_view name, std::size_t dimensions, std::size_t count) const {
+    const NpyArray& array = of(name, kFloat64, dimensions);
+    std::vector<double> values(array.bytes.size() / sizeof(double));
+    if (values.size() != count) fail(fmt::format("{} has {} numbers, not {}", name, values.size(), count));
+    std::memcpy(values.data(), array.bytes.data(), array.bytes.size());
+    if (!std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) {
+      fail(fmt::format("{} is not finite", name));
+    }
+    return values;
+  }
+
+  std::vector<std::uint8_t> flags(std::string_view name, const std::vector<std::size_t>& shape,
+                                  std::size_t voxels) const {
+    const NpyArray& array = of(name, kBool, shape.size());
+    if (array.shape != shape || array.bytes.size() != voxels) fail(fmt::format("{} is not as large as label", name));
+    std::vector<std::uint8_t> flags(array.bytes.begin(), array.bytes.end());
+    if (std::any_of(flags.begin(), flags.end(), [](std::uint8_t f) { return f > 1; })) {
+      fail(fmt::format("{} has values besides 0 and 1", name));
+    }
+    return flags;
+  }
+
+  [[noreturn]] void fail(const std::string& why) const { throw InputError({what_}, why); }
+
+ private:
+  std::string what_;
+  std::vector<NpyArray> arrays_;
+};
+
+}  // namespace
+
+std::string encodeVoxels(const ScanVoxels& voxels) {
+  const VoxelGrid& grid = voxels.grid;
+  const std::vector<std::size_t> shape{grid.counts[0], grid.counts[1], grid.counts[2]};
+  std::vector<std::pair<std::string, std::string>> files;
+  const auto add = [&](std::string_view name, const char* type, const std::vector<std::size_t>& of,
+                       std::string_view bytes) {
+    files.emplace_back(std::string(name) + ".npy", npyOf(type, of, bytes));
+  };
+  const auto addFlags = [&](std::string_view name, const std::vector<std::uint8_t>& flags) {
+    add(name, kBool, shape, {reinterpret_cast<const char*>(flags.data()), flags.size()});
+  };
+  add("label", kUInt16, shape, {reinterpret_cast<const char*>(voxels.label.data()), 2 * voxels.label.size()});
+  addFlags("input", voxels.input);
+  addFlags("invalid", voxels.invalid);
+  addFlags("unseen", voxels.unseen);
+  std::string low;
+  for (const double value : {grid.low.x, grid.low.y, grid.low.z}) putNumber(value, low);
+  add("low", kFloat64, {3}, low);
+  std::string size;
+  putNumber(grid.size, size);
+  add("size", kFloat64, {}, size);
+  return zipOf(files);
+}
+
+ScanVoxels decodeVoxels(std::string_view bytes, const std::string& what) {
+  const VoxelArrays arrays(bytes, what);
+  ScanVoxels voxels;
+  voxels.grid.size = arrays.numbers("size", 0, 1).front();
+  if (!(voxels.grid.size > 0)) arrays.fail("size is not above 0");
+  const std::vector<double> low = arrays.numbers("low", 1, 3);
+  voxels.grid.low = {low[0], low[1], low[2]};
+  const NpyArray& label = arrays.of("label", kUInt16, 3);
+  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
+  if (std::any_of(label.shape.begin(), label.shape.end(), [](std::size_t n) { return n == 0 || n > kMost; }) ||
+      label.bytes.size() / 2 > kMost) {
+    arrays.fail("label has no voxels, or more than 2^32");
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    voxels.grid.counts[axis] = static_cast<std::uint32_t>(label.shape[axis]);
+  }
+  voxels.label.resize(voxels.grid.voxels());
+  std::memcpy(voxels.label.data(), label.bytes.data(), label.bytes.size());
+  voxels.input = arrays.flags("input", label.shape, voxels.label.size());
+  voxels.invalid = arrays.flags("invalid", label.shape, voxels.label.size());
+  voxels.unseen = arrays.flags("unseen", label.shape, voxels.label.size());
+  return voxels;
+}
+
+std::uint64_t mostVoxelsBytes(const VoxelGrid& grid) {
+  const std::uint64_t plain = std::uint64_t{grid.voxels()} * (sizeof(std::uint16_t) + 3);
+  return plain + plain / 100 + 4096;  // deflate leaves what does not shrink as it is
+}
+
+}  // namespace scanmill

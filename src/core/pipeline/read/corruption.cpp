@@ -1,0 +1,83 @@
+#include "pipeline/read/corruption.h"
+
+#include <algorithm>
+
+#include "config/distribution.h"
+#include "config/fields.h"
+#include "config/named_options.h"
+#include "config/resources.h"
+#include "pipeline/read/effects.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kFolder = "pipelines/corruptions";
+
+// The file's effects for each severity, all of which are lists.
+Value readCorruption(const std::filesystem::path& file) {
+  Value root = readYaml(file);
+  Fields fields(root, "corruption");
+  fields.also({"summary", "light", "moderate", "heavy"}).finish();
+  fields.text("summary");
+  for (const std::string& severity : severities()) {
+    const Value& list = fields.require(severity);
+    if (list.kind != Value::Kind::Sequence || list.items.empty()) {
+      throw InputError(list.where, severity + " must be a list of effects with their keys");
+    }
+    for (const Value& item : list.items) readNamed(item, "an effect");
+  }
+  return root;
+}
+
+}  // namespace
+
+const std::vector<std::string>& severities() {
+  static const std::vector<std::string> kSeverities{"light", "moderate", "heavy"};
+  return kSeverities;
+}
+
+Value withCorruption(const Value& effects, const Value& corruption) {
+  const NamedOptions named = readNamed(corruption, "corruption");
+  if (named.options.kind != Value::Kind::Scalar) {
+    throw InputError(corruption.where, "corruption is a name and its severity, such as {fog: heavy}");
+  }
+  Value options = corruption;
+  options.entries = {{"severity", named.options}};
+  const std::string severity = Fields(options, "corruption " + named.name).choice("severity", severities(), "");
+  const Value file = readCorruption(resolveResource(corruption, named.name, kFolder));
+  Value list = effects;
+  if (list.kind != Value::Kind::Sequence) {
+    list.items = list.kind == Value::Kind::Null ? std::vector<Value>{} : std::vector<Value>{effects};
+    list.kind = Value::Kind::Sequence;
+    if (effects.kind == Value::Kind::Null) list.where = corruption.where;
+  }
+  for (const Value& item : file.find(severity)->items) {
+    const NamedOptions change = readNamed(item, "an effect");
+    const auto own = std::find_if(list.items.begin(), list.items.end(), [&](const Value& other) {
+      return !isDistribution(other) && readNamed(other, "an effect").name == change.name;
+    });
+    if (own == list.items.end()) {
+      list.items.push_back(item);
+    } else {
+      *own = withKeysOf(readNamed(*own, "an effect"), change);
+    }
+  }
+  return list;
+}
+
+std::vector<std::string> corruptionNames() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(resourceFolder() / kFolder)) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string corruptionSummary(const std::string& name) {
+  const Value root = readCorruption(namedResource(name, kFolder));
+  return root.find("summary")->text;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,150 @@
+#include "pipeline/read/drawn_sensors.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "config/fields.h"
+#include "config/flow_text.h"
+#include "pipeline/read/effects.h"
+
+namespace scanmill {
+
+namespace {
+
+Value* effectsIn(Value& description) {
+  const auto entry = std::find_if(description.entries.begin(), description.entries.end(),
+                                  [](const Value::Entry& e) { return e.key == "effects"; });
+  return entry == description.entries.end() ? nullptr : &entry->value;
+}
+
+// Applies a function to each distribution within a value that is not within another.
+void forEachDistribution(const Value& value, const std::string& key,
+                         const std::function<void(const std::string&, const Value&)>& visit) {
+  if (isDistribution(value)) return visit(key, value);
+  for (std::size_t i = 0; i < value.items.size(); ++i) {
+    forEachDistribution(value.items[i], fmt::format("{}.{}", key, i), visit);
+  }
+  for (const Value::Entry& entry : value.entries) forEachDistribution(entry.value, key + "." + entry.key, visit);
+}
+
+std::uint32_t raysPerBeam(const SensorEffects& effects) {
+  std::uint32_t rays = 1;
+  for (const auto& effect : effects.effects) rays = std::max(rays, effect->raysPerBeam());
+  return rays;
+}
+
+// What stands for 1 in the intensity; 0: no effect sets it.
+double fullScale(const SensorEffects& effects) {
+  for (const auto& effect : effects.effects) {
+    if (effect->setsIntensity()) return effect->intensityFullScale();
+  }
+  return 0;
+}
+
+}  // namespace
+
+bool DrawnSensors::draws(const Written& written) {
+  return holdsDistribution(written.effects) ||
+         std::any_of(written.mounts.begin(), written.mounts.end(), holdsDistribution) ||
+         std::any_of(written.descriptions.begin(), written.descriptions.end(), [](const Value& description) {
+           const Value* effects = description.find("effects");
+           return effects != nullptr && holdsDistribution(*effects);
+         });
+}
+
+DrawnSensors::DrawnSensors(Written written, const Pipeline& pipeline)
+    : written_(std::move(written)), classes_(std::make_shared<const EffectClasses>(pipeline)) {
+  std::size_t cases = 1;
+  forEachKey([&](const std::string& key, const Value& value) {
+    cases = std::max(cases, countCases(value));
+    const Value* perFrame = findDrawnPerFrame(value);
+    drawsPerFrame_ = drawsPerFrame_ || perFrame != nullptr;
+    if (!key.ends_with(".mount") || !holdsDistribution(value)) return;
+    drawsMounts_ = true;
+    if (perFrame == nullptr) return;
+    throw InputError(perFrame->where,
+                     "`per: frame`: a sensor stays where it is mounted all along a sequence, leave it out to draw for "
+                     "each sequence");
+  });
+  for (std::size_t number = 0; number < cases; ++number) {
+    cases_.push_back(made(pipeline, [&](const Value& value, const std::string& /*key*/,
+                                        std::vector<DrawnValue>& /*draws*/) { return withCase(value, number); }));
+  }
+  checkCases();
+}
+
+// The scans of a dataset have the same columns, in the same units, and each beam fires the same rays.
+void DrawnSensors::checkCases() const {
+  for (const SensorDraw& one : cases_) {
+    for (std::size_t s = 0; s < one.effects.size(); ++s) {
+      const SensorEffects& first = cases_.front().effects[s];
+      const SensorEffects& other = one.effects[s];
+      const bool rays = raysPerBeam(other) == raysPerBeam(first);
+      if (rays && fullScale(other) == fullScale(first)) continue;
+      throw InputError(
+          written_.effects.where,
+          fmt::format("what is drawn of the effects changes {} of '{}', which all scans of a dataset have "
+                      "in common: take the same in all cases, or make a dataset of each with --sweep",
+                      rays ? "whether there is an intensity, or its unit," : "how many rays a beam fires",
+                      Fields(written_.descriptions[s], "sensor").text("model", fmt::format("sensor {}", s))));
+    }
+  }
+}
+
+template <class Visit>
+void DrawnSensors::forEachKey(const Visit& visit) const {
+  for (std::size_t s = 0; s < written_.mounts.size(); ++s) {
+    visit(fmt::format("sensors.{}.mount", s), written_.mounts[s]);
+    if (const Value* own = written_.descriptions[s].find("effects")) visit(fmt::format("sensors.{}.effects", s), *own);
+  }
+  visit(std::string("effects"), written_.effects);
+}
+
+// `change`: gives what a value is in this draw, from the value, its key and the list of draws to add to.
+template <class Change>
+SensorDraw DrawnSensors::made(const Pipeline& pipeline, const Change& change) const {
+  SensorDraw drawn;
+  const Value effects = change(written_.effects, "effects", drawn.draws);
+  for (std::size_t s = 0; s < written_.mounts.size(); ++s) {
+    drawn.mounts.push_back(readMount(change(written_.mounts[s], fmt::format("sensors.{}.mount", s), drawn.draws)));
+    MountedSensor sensor;
+    sensor.name = pipeline.sensors[s].name;
+    sensor.description = written_.descriptions[s];
+    if (Value* own = effectsIn(sensor.description)) {
+      *own = change(*own, fmt::format("sensors.{}.effects", s), drawn.draws);
+    }
+    drawn.effects.push_back(readSensorEffects(effects, *classes_, sensor));
+  }
+  return drawn;
+}
+
+SensorDraw DrawnSensors::draw(const Pipeline& pipeline, std::size_t sequence, std::uint32_t frame) const {
+  const RandomAddress address{.seed = pipeline.seed, .scene = static_cast<std::uint32_t>(sequence), .frame = frame};
+  return made(pipeline, [&](const Value& value, const std::string& key, std::vector<DrawnValue>& draws) {
+    return withDraws(value, key, address, draws);
+  });
+}
+
+std::vector<DrawnValue> DrawnSensors::longestDraws() const {
+  std::vector<DrawnValue> draws;
+  forEachKey([&](const std::string& key, const Value& value) { addLongestDraws(value, key, draws); });
+  return draws;
+}
+
+std::vector<std::string> DrawnSensors::lines() const {
+  std::vector<std::string> lines;
+  forEachKey([&](const std::string& key, const Value& value) {
+    forEachDistribution(value, key, [&](const std::string& place, const Value& distribution) {
+      lines.push_back(fmt::format("drawn for each {}: {} {}",
+                                  findDrawnPerFrame(distribution) == nullptr ? "sequence" : "frame", place,
+                                  flowText(distribution)));
+    });
+  });
+  return lines;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,185 @@
+#include "pipeline/run/voxel_view.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kBeams = 1024;  // that a thread takes at a time
+
+// What beams do in a voxel.
+constexpr std::uint8_t kEnds = 1;
+constexpr std::uint8_t kPasses = 2;
+
+// Several threads mark the same voxels, whose marks only grow.
+void mark(std::uint8_t& voxel, std::uint8_t what) {
+  const std::atomic_ref<std::uint8_t> marks(voxel);
+  if ((marks.load(std::memory_order_relaxed) & what) == 0) marks.fetch_or(what, std::memory_order_relaxed);
+}
+
+// Marks the voxels that a ray leaves before its length (m), and the one that it ends in (Amanatides and Woo, "A fast
+// voxel traversal algorithm for ray tracing", Eurographics 1987). `origin` (m) and `direction` (unit): in the grid's
+// frame.
+void walk(const VoxelGrid& grid, const Vec3d& origin, const Vec3d& direction, double length,
+          std::vector<std::uint8_t>& marks) {
+  if (const auto end = grid.at(origin + direction * length)) mark(marks[*end], kEnds);
+  const Vec3d o = grid.inVoxels(origin);
+  const std::array<double, 3> from{o.x, o.y, o.z};
+  const std::array<double, 3> step{direction.x / grid.size, direction.y / grid.size, direction.z / grid.size};
+  double enters = 0;  // m
+  double leaves = length;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double side = grid.counts[axis];
+    if (step[axis] == 0) {
+      if (!(from[axis] >= 0 && from[axis] < side)) return;
+      continue;
+    }
+    const double low = -from[axis] / step[axis];
+    const double high = (side - from[axis]) / step[axis];
+    enters = std::max(enters, std::min(low, high));
+    leaves = std::min(leaves, std::max(low, high));
+  }
+  if (!(enters < leaves)) return;
+  std::array<std::int64_t, 3> at{};
+  std::array<std::int64_t, 3> towards{};
+  std::array<std::int64_t, 3> stride{std::int64_t{grid.counts[1]} * grid.counts[2], grid.counts[2], 1};
+  std::array<double, 3> next{};  // m, where the ray crosses the next face
+  std::array<double, 3> apart{};
+  std::int64_t voxel = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto last = std::int64_t{grid.counts[axis]} - 1;
+    at[axis] =
+        std::clamp(static_cast<std::int64_t>(std::floor(from[axis] + step[axis] * enters)), std::int64_t{0}, last);
+    voxel += at[axis] * stride[axis];
+    towards[axis] = step[axis] < 0 ? -1 : 1;
+    const double face = static_cast<double>(at[axis] + (step[axis] < 0 ? 0 : 1));
+    next[axis] = step[axis] == 0 ? std::numeric_limits<double>::infinity() : (face - from[axis]) / step[axis];
+    apart[axis] = std::abs(1 / step[axis]);
+  }
+  for (;;) {
+    const std::size_t axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
+    if (next[axis] > length) return;
+    mark(marks[static_cast<std::size_t>(voxel)], kPasses);
+    at[axis] += towards[axis];
+    if (at[axis] < 0 || at[axis] >= grid.counts[axis]) return;
+    voxel += towards[axis] * stride[axis];
+    next[axis] += apart[axis];
+  }
+}
+
+// How far each beam's axis goes (m); 0 where nothing is known of it.
+std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits) {
+  std::vector<double> lengths(hits.size());
+  for (std::size_t beam = 0; beam < hits.size(); ++beam) {
+    const std::size_t axis = beam * raysPerBeam;
+    const bool blocked = !hits.pathOfRay.empty() && hits.pathOfRay[axis] == RayPath::OwnVehicle;
+    if (hits.hit(axis)) {
+      lengths[beam] = hits.range[axis];
+    } else if (!blocked && !std::binary_search(hits.unresolved.begin(), hits.unresolved.end(), axis)) {
+      lengths[beam] = shot.beams->maxRange;
+    }
+  }
+  for (std::size_t ray = hits.size() * raysPerBeam; ray < hits.rays(); ++ray) {
+    if (hits.pathOfRay[ray] != RayPath::ThroughGlass) continue;
+    double& length = lengths[hits.beamOfRay[ray]];
+    length = std::max(length, double{hits.range[ray]});
+  }
+  return lengths;
+}
+
+// What the beams do in each voxel.
+std::vector<std::uint8_t> marksOf(const VoxelGrid& grid, const Shot& shot, std::uint32_t raysPerBeam,
+                                  const Hits& hits) {
+  const BeamTable& beams = *shot.beams;
+  const Pose& front = shot.worldFromSensor.front();
+  const Mat3 frontFromWorld = transposed(toMatrix(front.rotation));
+  std::vector<Affine> gridFromStep;  // where the sensor is, subtracted first: it may be far from the world's origin
+  for (const Pose& pose : shot.worldFromSensor) {
+    gridFromStep.push_back(
+        {frontFromWorld * toMatrix(pose.rotation), frontFromWorld * (pose.translation - front.translation)});
+  }
+  const std::vector<double> lengths = lengthsOf(shot, raysPerBeam, hits);
+  std::vector<std::uint8_t> marks(grid.voxels());
+  parallelFor(lengths.size(), kBeams, [&](std::size_t first, std::size_t last) {
+    for (std::size_t beam = first; beam < last; ++beam) {
+      if (!(lengths[beam] > 0)) continue;
+      const Affine& place = gridFromStep[shot.stepOf(static_cast<std::uint32_t>(beam % beams.columns))];
+      const Vec3d origin = beams.origin.empty() ? Vec3d{} : Vec3d(beams.origin[beam]);
+      walk(grid, place * origin, place.linear * beams.direction[beam], lengths[beam], marks);
+    }
+  });
+  return marks;
+}
+
+// Calls visit(index) for the voxels that share a face with one.
+template <class Visit>
+void forEachNeighbor(const VoxelGrid& grid, std::size_t voxel, const Visit& visit) {
+  std::size_t rest = voxel;
+  std::size_t stride = 1;
+  for (const std::size_t axis : {2u, 1u, 0u}) {
+    const std::size_t at = rest % grid.counts[axis];
+    if (at > 0) visit(voxel - stride);
+    if (at + 1 < grid.counts[axis]) visit(voxel + stride);
+    rest /= grid.counts[axis];
+    stride *= grid.counts[axis];
+  }
+}
+
+// The empty voxels that a way leads to.
+std::vector<std::uint8_t> openOf(const VoxelGrid& grid, const std::vector<std::uint8_t>& solid,
+                                 const std::vector<std::uint8_t>& marks) {
+  std::vector<std::uint8_t> open(solid.size());
+  std::vector<std::uint32_t> onward;
+  const auto reach = [&](std::size_t voxel) {
+    if (solid[voxel] != 0 || open[voxel] != 0) return;
+    open[voxel] = 1;
+    onward.push_back(static_cast<std::uint32_t>(voxel));
+  };
+  for (std::size_t voxel = 0; voxel < solid.size(); ++voxel) {
+    if ((marks[voxel] & kPasses) == 0) continue;
+    reach(voxel);
+    while (!onward.empty()) {
+      const std::size_t from = onward.back();
+      onward.pop_back();
+      forEachNeighbor(grid, from, reach);
+    }
+  }
+  return open;
+}
+
+}  // namespace
+
+ScanVoxels viewVoxels(const VoxelGrid& grid, VoxelLabels labels, const Shot& shot, std::uint32_t raysPerBeam,
+                      const Hits& hits, const Scan& scan) {
+  const std::size_t count = grid.voxels();
+  ScanVoxels voxels{grid, std::move(labels.label), std::vector<std::uint8_t>(count), std::vector<std::uint8_t>(count),
+                    std::vector<std::uint8_t>(count)};
+  for (const Vec3f& point : scan.position) {
+    if (const auto voxel = grid.at(Vec3d(point))) voxels.input[*voxel] = 1;
+  }
+  const std::vector<std::uint8_t> marks = marksOf(grid, shot, raysPerBeam, hits);
+  std::vector<std::uint8_t> solid(count);
+  for (std::size_t i = 0; i < count; ++i) solid[i] = voxels.label[i] != 0 ? 1 : 0;
+  for (const std::uint32_t voxel : labels.unlabeled) solid[voxel] = 1;
+  const std::vector<std::uint8_t> open = openOf(grid, solid, marks);
+  for (std::size_t i = 0; i < count; ++i) {
+    voxels.unseen[i] = marks[i] == 0 ? 1 : 0;
+    bool known = marks[i] != 0 || open[i] != 0;
+    if (!known && solid[i] != 0)
+      forEachNeighbor(grid, i, [&](std::size_t other) { known = known || open[other] != 0; });
+    voxels.invalid[i] = known ? 0 : 1;
+  }
+  for (const std::uint32_t voxel : labels.unlabeled) voxels.invalid[voxel] = 1;
+  return voxels;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,128 @@
+#pragma once
+
+// A triangle cut along the faces of voxels.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "base/vec.h"
+
+namespace scanmill {
+
+// Voxels [low, high) along x, y and z.
+struct VoxelRange {
+  std::array<std::int64_t, 3> low{};
+  std::array<std::int64_t, 3> high{};
+};
+
+// A convex polygon in a plane.
+class TrianglePiece {
+ public:
+  // Without a corner.
+  TrianglePiece() {}  // leaves the corners as they are: there are many pieces
+  explicit TrianglePiece(const std::array<Vec3d, 3>& corners) {
+    for (const Vec3d& corner : corners) add({corner.x, corner.y, corner.z});
+  }
+
+  bool empty() const { return count_ == 0; }
+
+  // How far it reaches along an axis.
+  std::array<double, 2> extent(std::size_t axis) const {
+    std::array<double, 2> reach{INFINITY, -INFINITY};
+    for (std::size_t i = 0; i < count_; ++i) {
+      reach[0] = std::min(reach[0], corners_[i][axis]);
+      reach[1] = std::max(reach[1], corners_[i][axis]);
+    }
+    return reach;
+  }
+
+  double area() const {
+    const auto fromFirst = [&](std::size_t i) {
+      return Vec3d{corners_[i][0] - corners_[0][0], corners_[i][1] - corners_[0][1], corners_[i][2] - corners_[0][2]};
+    };
+    Vec3d sum;
+    for (std::size_t i = 2; i < count_; ++i) sum += cross(fromFirst(i - 1), fromFirst(i));
+    return length(sum) / 2;
+  }
+
+  // Parts it at a plane square to an axis into what lies below the plane and what does not (Sutherland and Hodgman,
+  // "Reentrant polygon clipping", Communications of the ACM 17 (1974)). What lies in the plane is not below.
+  void split(std::size_t axis, double plane, TrianglePiece& below, TrianglePiece& above) const {
+    below.count_ = above.count_ = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Corner& from = corners_[i];
+      const Corner& to = corners_[i + 1 < count_ ? i + 1 : 0];
+      const bool fromBelow = from[axis] < plane;
+      (fromBelow ? below : above).add(from);
+      if (fromBelow == (to[axis] < plane)) continue;
+      const double part = (plane - from[axis]) / (to[axis] - from[axis]);
+      Corner cut;
+      for (std::size_t k = 0; k < 3; ++k) cut[k] = from[k] + (to[k] - from[k]) * part;
+      cut[axis] = plane;
+      below.add(cut);
+      above.add(cut);
+    }
+  }
+
+ private:
+  using Corner = std::array<double, 3>;
+
+  // A triangle that six planes have cut has nine corners. Rounding can bend one that is next to nothing wide, and more
+  // cuts would then give more corners: those that find no room are left out of an area of next to nothing.
+  static constexpr std::size_t kMostCorners = 12;
+
+  void add(const Corner& corner) {
+    if (count_ < kMostCorners) corners_[count_++] = corner;
+  }
+
+  std::array<Corner, kMostCorners> corners_;
+  std::size_t count_ = 0;
+};
+
+// Cuts a piece along the axes from `Axis` on, and calls visit(voxel, area) for each voxel of the range that any of its
+// area lies in. Along the axes before it lies in one voxel, that of `voxel`.
+template <std::size_t Axis, class Visit>
+void cutPiece(const TrianglePiece& piece, const VoxelRange& range, std::array<std::int64_t, 3>& voxel,
+              const Visit& visit) {
+  if constexpr (Axis == 3) {
+    const double area = piece.area();
+    if (area > 0) visit(voxel, area);
+  } else {
+    const auto [least, most] = piece.extent(Axis);
+    const auto low = static_cast<double>(range.low[Axis]);
+    const auto high = static_cast<double>(range.high[Axis]);
+    if (!(most >= low) || !(least < high)) return;
+    const auto first = static_cast<std::int64_t>(std::floor(std::max(least, low)));
+    const auto last = static_cast<std::int64_t>(std::floor(std::min(most, high)));
+    voxel[Axis] = first;
+    if (first == last && least >= low) return cutPiece<Axis + 1>(piece, range, voxel, visit);
+    TrianglePiece rest = piece;
+    TrianglePiece below;
+    TrianglePiece above;
+    if (least < low) {
+      piece.split(Axis, low, below, above);
+      rest = above;
+    }
+    for (std::int64_t at = first; at < range.high[Axis] && !rest.empty(); ++at) {
+      voxel[Axis] = at;
+      if (at == last) return cutPiece<Axis + 1>(rest, range, voxel, visit);
+      rest.split(Axis, static_cast<double>(at + 1), below, above);
+      if (!below.empty()) cutPiece<Axis + 1>(below, range, voxel, visit);
+      std::swap(rest, above);
+    }
+  }
+}
+
+// Calls visit(voxel, area) for each voxel of a range that any of a triangle's area lies in, with that area, in the
+// order of their indices. Coordinates are counted in voxels: voxel i of an axis is [i, i + 1). What touches a voxel
+// without having area in it is not in it.
+template <class Visit>
+void forEachPiece(const std::array<Vec3d, 3>& corners, const VoxelRange& range, const Visit& visit) {
+  std::array<std::int64_t, 3> voxel{};
+  cutPiece<0>(TrianglePiece(corners), range, voxel, visit);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,137 @@
+// Datasets of which sensors' mounts, effects and scenes are drawn at random.
+
+#include <set>
+
+#include "pipeline/read/drawn_sensors.h"
+#include "tests/core/pipeline/small_world.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string kSeeds = "scenes.0.seeds=[1, 2, 3]";
+const std::string kHeight = "sensors.0.mount.position.2={uniform: [1.2, 2.4]}";
+const std::string kNoise = "effects=[{range_noise: {sigma_m: {uniform: [0.01, 0.2], per: frame}}}]";
+
+class Drawn : public Yard {
+ protected:
+  std::string refusal(const std::vector<std::string>& overrides) const {
+    return messageOf([&] { Plan(readPipeline(pipeline_, overrides)); });
+  }
+  static std::string drawOf(const SampleRecord& sample, const std::string& key) {
+    for (const DrawnValue& draw : sample.draws) {
+      if (draw.key == key) return draw.value;
+    }
+    return "";
+  }
+};
+
+// Each sample tells what was drawn: the same in all frames of a sequence, unless it is drawn for each frame.
+TEST_F(Drawn, SamplesTellWhatWasDrawn) {
+  const Manifest m = sound({kSeeds, kHeight, kNoise});
+  ASSERT_EQ(m.samples.size(), 12U);
+  std::set<std::string> heights;
+  std::set<std::string> sigmas;
+  for (const SampleRecord& sample : m.samples) {
+    ASSERT_EQ(sample.draws.size(), 2U);
+    heights.insert(drawOf(sample, "sensors.0.mount.position.2"));
+    sigmas.insert(drawOf(sample, "effects.0.range_noise.sigma_m"));
+    EXPECT_EQ(drawOf(sample, "sensors.0.mount.position.2"),
+              fmt::format("{}", mountOf(m.sensors[0], sample.scans[0]).translation.z));
+  }
+  EXPECT_EQ(heights.size(), 3U);
+  EXPECT_EQ(sigmas.size(), 12U);
+  EXPECT_THAT(m.modelled, Contains(HasSubstr("drawn for each sequence: sensors.0.mount.position.2 {uniform")));
+  EXPECT_THAT(m.modelled, Contains(HasSubstr("drawn for each frame: effects.0.range_noise.sigma_m")));
+}
+
+// The points of a drawn scan are those of a pipeline with the drawn values written into it: ranges on the floor follow
+// from the height, errors from the standard deviation.
+TEST_F(Drawn, ScansAreThoseOfTheDrawnValues) {
+  const Manifest m = sound({kSeeds, kHeight, kNoise}, "drawn");
+  const Bytes drawn = members("drawn");
+  for (const std::size_t i : {0U, 6U, 11U}) {
+    std::vector<std::string> written{kSeeds, "effects=[range_noise: {sigma_m: 0}]"};
+    for (const DrawnValue& draw : m.samples[i].draws) written.push_back(draw.key + "=" + draw.value);
+    const std::string name = fmt::format("written{}", i);
+    sound(written, name);
+    const std::string member = m.samples[i].members.back();
+    EXPECT_EQ(members(name).at(member), drawn.at(member));
+  }
+}
+
+TEST_F(Drawn, BytesAreTheSameOnAnyNumberOfThreads) {
+  const std::vector<std::string> overrides{kSeeds, kHeight, kNoise, "vehicle=vehicle"};
+  {
+    const ThreadLimit one(1);
+    run(overrides, "one");
+  }
+  const ThreadLimit four(4);
+  run(overrides, "four");
+  EXPECT_EQ(shards("one"), shards("four"));
+}
+
+// A choice among effects: weather in some sequences, none in others; and all cases count for what is modelled.
+TEST_F(Drawn, EffectsMayBeDrawn) {
+  const Manifest m =
+      sound({"scenes.0.seeds=[1, ..., 12]", "trajectories.0.frames=1",
+             "effects=[intensity, {choice: [none, {dropout: {probability: 1}}, {dropout: {threshold: 1e-9}}]}]"});
+  std::map<std::string, int> counts;
+  for (const SampleRecord& sample : m.samples) {
+    const std::string value = drawOf(sample, "effects.1");
+    ++counts[value];
+    EXPECT_EQ(sample.scans[0].points == 0, value == "{dropout: {probability: 1}}") << value;
+  }
+  EXPECT_EQ(counts.size(), 3U);
+}
+
+// What a scene's file draws is told, too; the scene is the one with the drawn values.
+TEST_F(Drawn, ScenesMayDraw) {
+  std::string scene = yardScene();
+  scene.replace(scene.find("size: [4, 2, 1.5]"), 17, "size: [4, {uniform: [1.5, 3]}, 1.5]");
+  folder_.write("scenes/yard.yaml", scene);
+  const Manifest m = sound({kSeeds});
+  std::set<std::string> widths;
+  for (const SampleRecord& sample : m.samples) widths.insert(drawOf(sample, "objects.3.size.1"));
+  EXPECT_EQ(widths.size(), 3U);
+  scene.replace(scene.find("{uniform: [1.5, 3]}"), 19, "{uniform: [1.5, 3], per: frame}");
+  folder_.write("scenes/yard.yaml", scene);
+  EXPECT_THAT(messageOf([&] { run({kSeeds}, "other"); }), AllOf(HasSubstr("yard.yaml:"), HasSubstr("per: frame")));
+}
+
+// A sweep leaves what is drawn elsewhere as it was.
+TEST_F(Drawn, ValuesDoNotDependOnOtherKeys) {
+  const Manifest a = sound({kSeeds, kHeight}, "a");
+  const Manifest b = sound({kSeeds, kHeight, kNoise, "trajectories.0.speed=10"}, "b");
+  for (std::size_t i = 0; i < a.samples.size(); ++i) {
+    EXPECT_EQ(drawOf(a.samples[i], "sensors.0.mount.position.2"), drawOf(b.samples[i], "sensors.0.mount.position.2"));
+  }
+  const Manifest other = sound({kSeeds, kHeight, "seed=4"}, "other");
+  EXPECT_NE(drawOf(a.samples[0], "sensors.0.mount.position.2"), drawOf(other.samples[0], "sensors.0.mount.position.2"));
+}
+
+// The ends of what may be drawn are checked before the first ray, whether or not they will be met.
+TEST_F(Drawn, RefusesWhatMightNotWork) {
+  EXPECT_THAT(refusal({"effects=[{range_noise: {sigma_m: {normal: [0.1, 0.03]}}}]"}), HasSubstr("sigma_m must be"));
+  EXPECT_THAT(refusal({"effects=[{footprint: {rays: {choice: [7, 19]}}}, intensity]"}), HasSubstr("rays a beam fires"));
+  EXPECT_THAT(refusal({"effects=[{choice: [none, intensity]}]"}), HasSubstr("whether there is an intensity"));
+  EXPECT_THAT(refusal({"effects=[{intensity: {output: {choice: [float, u8]}}}]"}), HasSubstr("its unit"));
+  EXPECT_THAT(refusal({"sensors.0.mount.position.2={uniform: [1, 2], per: frame}"}), HasSubstr("per: frame"));
+  EXPECT_THAT(refusal({"sensors.0.columns={choice: [64, 128]}"}), HasSubstr("cannot be drawn at random"));
+  EXPECT_THAT(refusal({"effects=[{choice: [{speckle: {looks: 2}}, none]}, {quantise: {step_m: 1}}]"}),
+              HasSubstr("quantize"));
+  GenerateOptions options;
+  options.folder = out("kept");
+  options.keepHits = out("hits");
+  options.quiet = true;
+  EXPECT_THAT(messageOf([&] { generate(Plan(readPipeline(pipeline_, {kHeight})), options); }),
+              HasSubstr("draw no mount"));
+}
+
+}  // namespace
+}  // namespace scanmill

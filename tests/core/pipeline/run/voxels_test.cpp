@@ -1,0 +1,104 @@
+// Datasets with voxels about their sensors.
+
+#include "dataset/voxels.h"
+
+#include <algorithm>
+
+#include "tests/core/pipeline/small_world.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+
+const std::string kVoxels = "output.voxels={size: 0.5, from: [-45, -30, -2.5], to: [45, 30, 2.5]}";
+
+class Voxels : public Yard {
+ protected:
+  std::map<std::string, ScanVoxels> voxels(const std::string& name = "out") const {
+    std::map<std::string, ScanVoxels> found;
+    for (const auto& [member, bytes] : members(name)) {
+      if (member.ends_with(".voxels.npz")) found[member] = decodeVoxels(bytes, member);
+    }
+    return found;
+  }
+};
+
+// The yard's walls and cars are where the scene has them, as seen from a vehicle that drives along x.
+TEST_F(Voxels, HoldWhatStandsThere) {
+  const Manifest m = sound({kVoxels});
+  const auto found = voxels();
+  ASSERT_EQ(found.size(), m.samples.size());
+  const std::uint16_t wall = m.ontology.require("wall", {}).id;
+  const std::uint16_t car = m.ontology.require("car", {}).id;
+  const std::uint16_t ground = m.ontology.require("ground", {}).id;
+  for (const SampleRecord& sample : m.samples) {
+    const ScanVoxels& v = found.at(sample.key + ".top.ray_tracing.voxels.npz");
+    const Vec3d eye = sample.scans[0].worldFromSensor[0].translation;
+    const auto at = [&](double x, double y, double z) { return *v.grid.at(Vec3d{x, y, z} - eye); };
+    EXPECT_EQ(v.label[at(30.01, 0, 1)], wall);
+    EXPECT_EQ(v.label[at(0, 20.01, 1)], wall);
+    EXPECT_EQ(v.label[at(8, 5, 1.49)], car);
+    EXPECT_EQ(v.label[at(0, 0, 0.01)], ground);
+    EXPECT_EQ(v.label[at(0, 0, 1)], 0) << "air";
+    EXPECT_TRUE(v.invalid[at(8, 5, 0.75)]) << "within the car";
+    EXPECT_FALSE(v.unseen[at(eye.x + 1, 0, 1.8)]) << "in front of the sensor";
+  }
+}
+
+// Noise-free points lie where something stands, and are seen.
+TEST_F(Voxels, PointsLieInVoxelsThatAreSeenAndNotEmpty) {
+  sound({kVoxels});
+  for (const auto& [name, v] : voxels()) {
+    std::size_t points = 0;
+    for (std::size_t i = 0; i < v.input.size(); ++i) {
+      if (v.input[i] == 0) continue;
+      ++points;
+      EXPECT_NE(v.label[i], 0);
+      EXPECT_EQ(v.unseen[i], 0);
+      EXPECT_EQ(v.invalid[i], 0);
+    }
+    EXPECT_GT(points, 50U);
+  }
+}
+
+TEST_F(Voxels, AreTheSameOnAnyNumberOfThreadsAndLeaveScansAsTheyAre) {
+  {
+    const ThreadLimit one(1);
+    run({kVoxels}, "one");
+  }
+  const ThreadLimit four(4);
+  run({kVoxels}, "four");
+  EXPECT_EQ(shards("one"), shards("four"));
+  run({}, "without");
+  const Bytes with = members("one");
+  for (const auto& [member, bytes] : members("without")) EXPECT_EQ(with.at(member), bytes);
+}
+
+TEST_F(Voxels, AreCheckedByVerify) {
+  sound({kVoxels});
+  EXPECT_THAT(readManifest(out()).modelled, Contains(HasSubstr("voxels: 180 x 120 x 10 of 0.5 m")));
+  sound({"output.voxels=false"}, "none");
+  EXPECT_THAT(readManifest(out("none")).modelled, Contains(HasSubstr("voxels: left out")));
+}
+
+TEST_F(Voxels, KeysAreChecked) {
+  const auto refusal = [&](const std::string& keys) {
+    return messageOf([&] { readPipeline(pipeline_, {"output.voxels=" + keys}); });
+  };
+  const VoxelGrid kitti = *readPipeline(pipeline_, {"output.voxels=true"}).voxels;
+  EXPECT_EQ(kitti, VoxelGrid());
+  EXPECT_EQ(kitti.voxels(), 256U * 256 * 32);
+  EXPECT_FALSE(readPipeline(pipeline_, {"output.voxels=false"}).voxels.has_value());
+  EXPECT_THAT(refusal("{size: 0.3}"), HasSubstr("no whole number of voxels"));
+  EXPECT_THAT(refusal("{size: 0}"), HasSubstr("size"));
+  EXPECT_THAT(refusal("{to: [-1, 25.6, 4.4]}"), HasSubstr("along x"));
+  EXPECT_THAT(refusal("{size: 0.02, from: [-50, -50, -50], to: [50, 50, 50]}"), HasSubstr("64 million"));
+  EXPECT_THAT(refusal("{sise: 1}"), AllOf(HasSubstr("sise"), HasSubstr("size")));
+  EXPECT_THAT(refusal("maybe"), HasSubstr("voxels"));
+}
+
+}  // namespace
+}  // namespace scanmill
