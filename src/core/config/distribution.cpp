@@ -1,8 +1,6 @@
 #include "config/distribution.h"
 
-#define XXH_INLINE_ALL
 #include <fmt/core.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/hash.h"
 #include "config/fields.h"
 #include "config/flow_text.h"
 
@@ -155,7 +154,7 @@ Value endOf(const Value& value, std::size_t& number) {
 }
 
 double randomOf(const std::string& key, RandomAddress address) {
-  address.beam = XXH32(key.data(), key.size(), 0);
+  address.beam = static_cast<std::uint32_t>(std::stoul(xxh3(key).substr(0, 8), nullptr, 16));
   address.purpose = Purpose::Distribution;
   return uniform(randomBlock(address)[0]);
 }

@@ -32,14 +32,15 @@ FrameSettings settingsOf(const Pipeline& pipeline, VehicleHits vehicles) {
   return settings;
 }
 
-FrameSettings DrawnSettings::joined(SensorDraw drawn, VehicleHits vehicles) {
+FrameSettings DrawnSettings::joined(const Pipeline& pipeline, SensorDraw drawn, VehicleHits vehicles) {
   FrameSettings settings;
   settings.drawn = std::move(drawn);
   settings.vehicles = std::move(vehicles);
   settings.draws = settings.drawn.draws;
   for (std::size_t s = 0; s < settings.drawn.mounts.size(); ++s) {
     const auto& effects = settings.drawn.effects[s].effects;
-    settings.sensors.push_back({settings.drawn.mounts[s], effects, pathsOf(effects), vehicleOf(settings.vehicles, s)});
+    const LightPaths* const paths = pipeline.recording == nullptr ? pathsOf(effects) : nullptr;
+    settings.sensors.push_back({settings.drawn.mounts[s], effects, paths, vehicleOf(settings.vehicles, s)});
   }
   return settings;
 }

@@ -53,7 +53,7 @@ class DrawnSettings {
     SensorDraw drawn = sensors.draw(pipeline, sequence, frame);
     kept.sequence = sequence;
     if (kept.vehicles == nullptr) kept.vehicles = sensors.drawsMounts() ? traceVehicles(drawn.mounts) : vehicles;
-    auto settings = std::make_shared<const FrameSettings>(joined(std::move(drawn), kept.vehicles));
+    auto settings = std::make_shared<const FrameSettings>(joined(pipeline, std::move(drawn), kept.vehicles));
     if (!sensors.drawsPerFrame()) kept.whole = settings;
     keep(std::move(kept));
     return settings;
@@ -66,7 +66,7 @@ class DrawnSettings {
     std::shared_ptr<const FrameSettings> whole;  // null where frames differ
   };
 
-  static FrameSettings joined(SensorDraw drawn, VehicleHits vehicles);
+  static FrameSettings joined(const Pipeline& pipeline, SensorDraw drawn, VehicleHits vehicles);
   Kept find(std::size_t sequence);
   void keep(Kept kept);
 

@@ -124,6 +124,15 @@ void checkObjects(const Pipeline& pipeline) {
   }
 }
 
+// Points of a sensor that moves lie in the frames of their columns, voxels in one.
+void checkVoxels(const Pipeline& pipeline) {
+  const bool skewed = pipeline.motion.kind != MotionKind::None && !pipeline.motion.deskew;
+  if (!pipeline.voxels || !skewed || pipeline.layout.organised || pipeline.layout.columns.has(kColumn)) return;
+  throw InputError(pipeline.motion.where,
+                   "output.voxels: which voxels points of a moving sensor lie in follows from their columns: name "
+                   "`column` in output.columns, or say `motion: {steps: per_column, deskew: true}`");
+}
+
 // The sensors' own effects that the pipeline leaves out: `speckle: none`.
 std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
   std::vector<std::string> names;
@@ -139,7 +148,8 @@ void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
   for (std::size_t s = 0; s < (own ? pipeline.sensors.size() : 1); ++s) {
     const std::string of = own ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
     const auto entries = pipeline.effectEntriesOf(s);
-    if (entries.empty()) lines.push_back(fmt::format("effects{}: none, the scans are noise-free", of));
+    if (entries.empty() && pipeline.drawn == nullptr)
+      lines.push_back(fmt::format("effects{}: none, the scans are noise-free", of));
     for (std::size_t e = 0; e < entries.size(); ++e) {
       const EffectEntry* const entry = entries[e];
       const Effect& effect = *pipeline.effectsOf(s)[e];
@@ -230,10 +240,15 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
 }
 
 Plan::Plan(Pipeline pipeline, Channels kept) : pipeline_(std::move(pipeline)) {
+  if (pipeline_.recording != nullptr && pipeline_.drawn != nullptr && pipeline_.drawn->drawsMounts()) {
+    throw InputError({pipeline_.file.string()},
+                     "what was recorded cannot be moved: draw no `mount` of a sensor, or trace anew");
+  }
   checkOntologies(pipeline_);
   checkMotion(pipeline_);
   checkRays(pipeline_);
   checkObjects(pipeline_);
+  checkVoxels(pipeline_);
   for (std::size_t s = 0; s < pipeline_.sensors.size(); ++s) {
     channels_ |= channelsFor(pipeline_.effectsOf(s), pipeline_.layout.columns);
     if (anyLightPaths(pipeline_, s)) channels_ |= kLightChannels;
@@ -524,6 +539,7 @@ std::vector<std::string> Plan::modelled() const {
   addEffectLines(pipeline_, lines);
   if (pipeline_.drawn != nullptr) {
     const std::vector<std::string> drawn = pipeline_.drawn->lines();
+    lines.emplace_back("what is drawn at random: above as the first frame has it, else as the samples tell");
     lines.insert(lines.end(), drawn.begin(), drawn.end());
   }
   lines.push_back(motionLine(pipeline_));

@@ -51,6 +51,7 @@ class WayCheck {
         own_(plan.pipeline().sequences[sequence]),
         probe_(probe),
         drive_(plan.drive(sequence)),
+        settings_(plan.settings(sequence, 0)),
         bounds_(probe.scene().bounds()) {
     for (const Instance& i : probe.scene().instances) {
       if (!i.moves()) continue;
@@ -77,7 +78,7 @@ class WayCheck {
   void say(const std::string& text) { lines_.push_back(fmt::format("sequence {}: {}", own_.key(), text)); }
 
   Vec3d sensorAt(std::size_t sensor, std::uint32_t frame) const {
-    return (drive_->pose(frame, 0) * plan_.pipeline().sensors[sensor].vehicleFromSensor).translation;
+    return (drive_->pose(frame, 0) * settings_->sensors[sensor].vehicleFromSensor).translation;
   }
 
   // To the scene's box (m).
@@ -208,7 +209,7 @@ class WayCheck {
   void checkWalls() {
     const std::vector<Pose> poses = posesOnWay();
     std::vector<Vec3d> places{{0, 0, kBody}};  // of the vehicle
-    for (const MountedSensor& s : plan_.pipeline().sensors) places.push_back(s.vehicleFromSensor.translation);
+    for (const SensorSetting& s : settings_->sensors) places.push_back(s.vehicleFromSensor.translation);
     std::vector<SceneProbe::Ray> rays;
     std::vector<double> far;
     for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
@@ -243,6 +244,7 @@ class WayCheck {
   const Sequence& own_;
   const SceneProbe& probe_;
   std::shared_ptr<const Trajectory> drive_;
+  std::shared_ptr<const FrameSettings> settings_;
   Box bounds_;
   std::set<std::uint32_t> moving_;  // instances
   std::vector<std::string> lines_;

@@ -30,6 +30,11 @@ Value readCorruption(const std::filesystem::path& file) {
   return root;
 }
 
+// Whether an effect keeps its other keys: not one that is left out or drawn, nor another kind of weather.
+bool addsTo(const Value& own, const Value& change) {
+  return own.kind != Value::Kind::Scalar && !isDistribution(own) && change.find("kind") == nullptr;
+}
+
 }  // namespace
 
 const std::vector<std::string>& severities() {
@@ -46,6 +51,11 @@ Value withCorruption(const Value& effects, const Value& corruption) {
   options.entries = {{"severity", named.options}};
   const std::string severity = Fields(options, "corruption " + named.name).choice("severity", severities(), "");
   const Value file = readCorruption(resolveResource(corruption, named.name, kFolder));
+  if (isDistribution(effects)) {
+    throw InputError(effects.where,
+                     "effects are drawn as a whole, which a corruption cannot be added to: write a list "
+                     "whose items are drawn, or leave out one of both");
+  }
   Value list = effects;
   if (list.kind != Value::Kind::Sequence) {
     list.items = list.kind == Value::Kind::Null ? std::vector<Value>{} : std::vector<Value>{effects};
@@ -59,6 +69,8 @@ Value withCorruption(const Value& effects, const Value& corruption) {
     });
     if (own == list.items.end()) {
       list.items.push_back(item);
+    } else if (!addsTo(readNamed(*own, "an effect").options, change.options)) {
+      *own = item;
     } else {
       *own = withKeysOf(readNamed(*own, "an effect"), change);
     }

@@ -23,7 +23,8 @@ namespace scanmill {
 const std::vector<std::string>& severities();
 
 // The list `effects` with what the corruption does: an effect that the list names has the corruption's keys in place of
-// its own, any other is added. The list may be Null, or the word `sensor`. Throws InputError.
+// its own, or is the corruption's where it was left out, drawn, or another kind of weather; any other is added. The
+// list may be Null, or the word `sensor`. Throws InputError.
 Value withCorruption(const Value& effects, const Value& corruption);
 
 // Of those that come with the program, in order.

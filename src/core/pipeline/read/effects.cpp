@@ -131,6 +131,11 @@ SensorEffects inOrder(std::vector<MadeEffect> made) {
   return ordered;
 }
 
+std::vector<Value> withoutNone(std::vector<Value> items) {
+  std::erase_if(items, [](const Value& item) { return item.kind == Value::Kind::Scalar && item.text == "none"; });
+  return items;
+}
+
 void checkIsList(const Value& own) {
   if (own.kind == Value::Kind::Sequence) return;
   throw InputError(own.where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
@@ -143,16 +148,14 @@ void checkSensorEffects(const Pipeline& pipeline, const EffectClasses& classes) 
     if (own == nullptr) continue;
     checkIsList(*own);
     std::vector<MadeEffect> made;
-    addEffects(own->items, classes, made);
+    addEffects(withoutNone(own->items), classes, made);
   }
 }
 
 std::vector<Value> effectItems(const Value& list) {
   if (list.kind == Value::Kind::Null) return {};
   if (list.kind == Value::Kind::Sequence) {
-    std::vector<Value> items = list.items;
-    std::erase_if(items, [](const Value& item) { return item.kind == Value::Kind::Scalar && item.text == "none"; });
-    return items;
+    return withoutNone(list.items);
   }
   if (meansSensor(list)) return {list};
   throw InputError(list.where,
@@ -178,7 +181,8 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
                                               sensor.name));
   }
   checkIsList(*own);
-  std::vector<Value> expanded = own->items;
+  const std::vector<Value> owns = withoutNone(own->items);
+  std::vector<Value> expanded = owns;
   const std::size_t owned = expanded.size();
   std::vector<bool> changed(owned, false);
   std::vector<bool> out(owned, false);
@@ -188,7 +192,7 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
     const NamedOptions change = readNamed(item, "an effect");
     requireEffect(change.name, change.where);
     std::size_t index = 0;
-    while (index < owned && readNamed(own->items[index], "an effect").name != change.name) ++index;
+    while (index < owned && readNamed(owns[index], "an effect").name != change.name) ++index;
     if (index == owned) {
       if (!meansNone(change)) expanded.push_back(item);
       continue;
@@ -205,7 +209,7 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
                                    "out",
                                    change.name));
     }
-    expanded[index] = withKeysOf(readNamed(own->items[index], "an effect"), change);
+    expanded[index] = withKeysOf(readNamed(owns[index], "an effect"), change);
   }
   for (std::size_t i = owned; i-- > 0;) {
     if (out[i]) expanded.erase(expanded.begin() + static_cast<std::ptrdiff_t>(i));

@@ -88,18 +88,19 @@ std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const
       lengths[beam] = shot.beams->maxRange;
     }
   }
-  for (std::size_t ray = hits.size() * raysPerBeam; ray < hits.rays(); ++ray) {
+  // Of several rays of a beam it is not told which went on.
+  const std::size_t end = raysPerBeam == 1 ? hits.rays() : 0;
+  for (std::size_t ray = hits.size(); ray < end; ++ray) {
     if (hits.pathOfRay[ray] != RayPath::ThroughGlass) continue;
     double& length = lengths[hits.beamOfRay[ray]];
+    if (length == 0) continue;
     length = std::max(length, double{hits.range[ray]});
   }
   return lengths;
 }
 
-// What the beams do in each voxel.
-std::vector<std::uint8_t> marksOf(const VoxelGrid& grid, const Shot& shot, std::uint32_t raysPerBeam,
-                                  const Hits& hits) {
-  const BeamTable& beams = *shot.beams;
+// From the sensor's frame in each step of the revolution to the grid's.
+std::vector<Affine> gridFromSteps(const Shot& shot) {
   const Pose& front = shot.worldFromSensor.front();
   const Mat3 frontFromWorld = transposed(toMatrix(front.rotation));
   std::vector<Affine> gridFromStep;  // where the sensor is, subtracted first: it may be far from the world's origin
@@ -107,6 +108,31 @@ std::vector<std::uint8_t> marksOf(const VoxelGrid& grid, const Shot& shot, std::
     gridFromStep.push_back(
         {frontFromWorld * toMatrix(pose.rotation), frontFromWorld * (pose.translation - front.translation)});
   }
+  return gridFromStep;
+}
+
+// Points of a sensor that moves lie in the frame of their own column, unless they are deskewed.
+std::vector<std::uint8_t> inputOf(const VoxelGrid& grid, const Shot& shot, const Scan& scan) {
+  const std::vector<Affine> gridFromStep = gridFromSteps(shot);
+  const bool skewed = gridFromStep.size() > 1 && !shot.deskew;
+  std::vector<std::uint8_t> input(grid.voxels());
+  for (std::size_t row = 0; row < scan.size(); ++row) {
+    Vec3d place(scan.position[row]);
+    if (skewed) {
+      const auto column =
+          scan.organised ? static_cast<std::uint32_t>(row % scan.columns) : std::uint32_t{scan[kColumn][row]};
+      place = gridFromStep[shot.stepOf(column)] * place;
+    }
+    if (const auto voxel = grid.at(place)) input[*voxel] = 1;
+  }
+  return input;
+}
+
+// What the beams do in each voxel.
+std::vector<std::uint8_t> marksOf(const VoxelGrid& grid, const Shot& shot, std::uint32_t raysPerBeam,
+                                  const Hits& hits) {
+  const BeamTable& beams = *shot.beams;
+  const std::vector<Affine> gridFromStep = gridFromSteps(shot);
   const std::vector<double> lengths = lengthsOf(shot, raysPerBeam, hits);
   std::vector<std::uint8_t> marks(grid.voxels());
   parallelFor(lengths.size(), kBeams, [&](std::size_t first, std::size_t last) {
@@ -161,11 +187,8 @@ std::vector<std::uint8_t> openOf(const VoxelGrid& grid, const std::vector<std::u
 ScanVoxels viewVoxels(const VoxelGrid& grid, VoxelLabels labels, const Shot& shot, std::uint32_t raysPerBeam,
                       const Hits& hits, const Scan& scan) {
   const std::size_t count = grid.voxels();
-  ScanVoxels voxels{grid, std::move(labels.label), std::vector<std::uint8_t>(count), std::vector<std::uint8_t>(count),
+  ScanVoxels voxels{grid, std::move(labels.label), inputOf(grid, shot, scan), std::vector<std::uint8_t>(count),
                     std::vector<std::uint8_t>(count)};
-  for (const Vec3f& point : scan.position) {
-    if (const auto voxel = grid.at(Vec3d(point))) voxels.input[*voxel] = 1;
-  }
   const std::vector<std::uint8_t> marks = marksOf(grid, shot, raysPerBeam, hits);
   std::vector<std::uint8_t> solid(count);
   for (std::size_t i = 0; i < count; ++i) solid[i] = voxels.label[i] != 0 ? 1 : 0;

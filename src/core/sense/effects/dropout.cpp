@@ -33,7 +33,10 @@ class DropOut : public Effect {
   bool needsIntensity() const override { return threshold_ > 0; }
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material>, Returns& returns) const override {
-    if (rings_ > 0) loseRings(shot, returns);
+    if (rings_ > 0) {
+      loseRings(shot, returns);
+      returns.noteLost(Reason::Dropped);
+    }
     change(hits, shot, returns);
   }
 

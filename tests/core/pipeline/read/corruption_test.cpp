@@ -19,6 +19,12 @@ TEST(Corruption, AddsEffectsOrChangesTheirKeys) {
   EXPECT_EQ(corrupted("sensor", "{fog: heavy}"), "[sensor, {weather: {kind: fog, severity: heavy}}]");
   EXPECT_EQ(corrupted("[{dropout: {threshold: 0.1, rings: 0.9}}, speckle]", "{lost_rings: heavy}"),
             "[{dropout: {threshold: 0.1, rings: 0.75}}, speckle]");
+  EXPECT_EQ(corrupted("[sensor, {dropout: none}]", "{lost_rings: light}"), "[sensor, {dropout: {rings: 0.25}}]");
+  EXPECT_EQ(corrupted("[{weather: {kind: rain, rate_mm_h: 5, wet: 0.6}}]", "{fog: light}"),
+            "[{weather: {kind: fog, severity: light}}]");
+  EXPECT_EQ(corrupted("[{dropout: {choice: [none, {rings: 0.5}]}}]", "{lost_rings: light}"),
+            "[{dropout: {rings: 0.25}}]");
+  EXPECT_THAT(messageOf([] { corrupted("{choice: [[intensity], []]}", "{fog: light}"); }), HasSubstr("as a whole"));
   EXPECT_EQ(corrupted("[{choice: [none, intensity]}]", "{lost_rings: light}"),
             "[{choice: [none, intensity]}, {dropout: {rings: 0.25}}]");
 }
@@ -28,11 +34,17 @@ TEST(Corruption, EveryOneHasThreeSeveritiesThatARealSensorTakes) {
   EXPECT_THAT(names, testing::IsSupersetOf(
                          {"crosstalk", "fog", "incomplete_echo", "lost_rings", "snow", "vibration", "wet_ground"}));
   const std::filesystem::path quickstart = std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines/quickstart.yaml";
+  const Pipeline clean = readPipeline(quickstart, {});
   for (const std::string& name : names) {
     EXPECT_FALSE(corruptionSummary(name).empty()) << name;
     for (const std::string& severity : severities()) {
       const Pipeline p = readPipeline(quickstart, {"corruption={" + name + ": " + severity + "}"});
-      EXPECT_FALSE(p.effectsOf(0).empty());
+      const auto options = [&](const Pipeline& of) {
+        std::string all;
+        for (const EffectEntry* entry : of.effectEntriesOf(0)) all += of.effectOptionsOf(0, entry->name) + "\n";
+        return all;
+      };
+      EXPECT_NE(options(p), options(clean)) << name;
     }
   }
 }

@@ -90,6 +90,48 @@ TEST_F(Drawn, EffectsMayBeDrawn) {
   EXPECT_EQ(counts.size(), 3U);
 }
 
+// Recorded hits are sensed as traced ones are, but for the rays that a recording does not hold.
+TEST_F(Drawn, RecordedHitsHaveDrawnEffects) {
+  const std::string lit = "effects=[intensity, {range_noise: {sigma_m: {uniform: [0.01, 0.2], per: frame}}}]";
+  GenerateOptions options;
+  options.folder = out("traced");
+  options.keepHits = out("hits");
+  options.quiet = true;
+  generate(Plan(readPipeline(pipeline_, {kSeeds, lit})), options);
+  const auto fromHits = [&](const std::vector<std::string>& overrides, const std::string& name) {
+    GenerateOptions again;
+    again.folder = out(name);
+    again.quiet = true;
+    generate(Plan(readPipeline(pipeline_, overrides,
+                               std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits)))),
+             again);
+  };
+  fromHits({kSeeds, lit}, "sensed");
+  EXPECT_EQ(members("sensed"), members("traced"));
+  fromHits({kSeeds, "effects=[intensity, light_paths, {range_noise: {sigma_m: {uniform: [0.01, 0.2]}}}]"}, "paths");
+  fromHits({kSeeds, "effects=[intensity, {range_noise: {sigma_m: {uniform: [0.01, 0.2]}}}]"}, "none");
+  std::map<std::string, std::uint64_t> points;
+  for (const char* name : {"paths", "none"}) {
+    for (const SampleRecord& sample : readManifest(out(name)).samples) points[name] += sample.scans[0].points;
+  }
+  EXPECT_EQ(points["paths"], points["none"]);
+  EXPECT_THAT(messageOf([&] { fromHits({kSeeds, kHeight}, "moved"); }), HasSubstr("mount"));
+}
+
+// A sensor's own effects may be drawn, too.
+TEST_F(Drawn, SensorsOwnEffectsMayBeDrawn) {
+  const Manifest m = sound({"scenes.0.seeds=[1, ..., 8]", "trajectories.0.frames=1", "effects=sensor",
+                            "sensors.0.effects=[{choice: [none, {dropout: {probability: 1}}]}]"});
+  int empty = 0;
+  for (const SampleRecord& sample : m.samples) {
+    const bool lost = drawOf(sample, "sensors.0.effects.0") != "none";
+    EXPECT_EQ(sample.scans[0].points == 0, lost);
+    empty += lost ? 1 : 0;
+  }
+  EXPECT_GT(empty, 0);
+  EXPECT_LT(empty, 8);
+}
+
 // What a scene's file draws is told, too; the scene is the one with the drawn values.
 TEST_F(Drawn, ScenesMayDraw) {
   std::string scene = yardScene();

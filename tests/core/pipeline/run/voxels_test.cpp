@@ -64,6 +64,35 @@ TEST_F(Voxels, PointsLieInVoxelsThatAreSeenAndNotEmpty) {
   }
 }
 
+// At 20 m/s, whatever frame the points are reported in.
+TEST_F(Voxels, PointsOfAMovingSensorLieWhereTheyWere) {
+  const auto inputs = [&](const std::string& motion, const std::string& name) {
+    sound({kVoxels, "motion=" + motion}, name);
+    std::vector<std::vector<std::uint8_t>> found;
+    for (const auto& [member, v] : voxels(name)) {
+      for (std::size_t i = 0; i < v.input.size(); ++i) {
+        if (v.input[i] != 0) {
+          EXPECT_NE(v.label[i], 0) << motion;
+          EXPECT_EQ(v.unseen[i], 0) << motion;
+        }
+      }
+      found.push_back(v.input);
+    }
+    return found;
+  };
+  const auto skewed = inputs("per_column", "skewed");
+  const auto deskewed = inputs("{steps: per_column, deskew: true}", "deskewed");
+  for (std::size_t i = 0; i < skewed.size(); ++i) {
+    std::size_t differ = 0;
+    for (std::size_t k = 0; k < skewed[i].size(); ++k) differ += skewed[i][k] != deskewed[i][k] ? 1 : 0;
+    EXPECT_LE(differ, 6U);  // single precision at the faces of voxels
+  }
+  EXPECT_THAT(messageOf([&] {
+                Plan(readPipeline(pipeline_, {kVoxels, "motion=per_column", "output.columns=[label]"}));
+              }),
+              HasSubstr("name `column`"));
+}
+
 TEST_F(Voxels, AreTheSameOnAnyNumberOfThreadsAndLeaveScansAsTheyAre) {
   {
     const ThreadLimit one(1);
