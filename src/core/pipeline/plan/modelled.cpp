@@ -1,0 +1,159 @@
+// What a plan says of itself: what is modelled, what is left out, and why.
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "config/named_options.h"
+#include "methods/light_paths.h"
+#include "pipeline/plan/own_vehicle.h"
+#include "pipeline/plan/plan.h"
+
+namespace scanmill {
+
+namespace {
+
+// The sensors' own effects that the pipeline leaves out: `speckle: none`.
+std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
+  std::vector<std::string> names;
+  for (const Value& item : pipeline.effectItems) {
+    const NamedOptions named = readNamed(item, "an effect");
+    if (named.options.kind == Value::Kind::Scalar && named.options.text == "none") names.push_back(named.name);
+  }
+  return names;
+}
+
+void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
+  const bool own = pipeline.sensors.front().ownEffects != nullptr;
+  for (std::size_t s = 0; s < (own ? pipeline.sensors.size() : 1); ++s) {
+    const std::string of = own ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
+    const auto entries = pipeline.effectEntriesOf(s);
+    if (entries.empty() && pipeline.drawn == nullptr)
+      lines.push_back(fmt::format("effects{}: none, the scans are noise-free", of));
+    for (std::size_t e = 0; e < entries.size(); ++e) {
+      const EffectEntry* const entry = entries[e];
+      const Effect& effect = *pipeline.effectsOf(s)[e];
+      if (pipeline.recording != nullptr && (effect.raysPerBeam() > 1 || effect.lightPaths() != nullptr)) {
+        lines.push_back(fmt::format("effect {}{}: left out, a recording holds one ray a beam", entry->name, of));
+        continue;
+      }
+      const std::string options = pipeline.effectOptionsOf(s, entry->name);
+      lines.push_back(
+          fmt::format("effect {}{}{}{}: {}", entry->name, of, options.empty() ? "" : " ", options, entry->summary));
+    }
+    for (const std::string& name : leftOutOf(pipeline)) {
+      lines.push_back(fmt::format("effect {}{}: left out, as the pipeline says", name, of));
+    }
+  }
+  for (const MountedSensor& sensor : pipeline.sensors) {
+    if (own || sensor.description.find("effects") == nullptr) continue;
+    lines.push_back(fmt::format("effects of the file of '{}': left out (`effects: sensor` takes them)", sensor.name));
+  }
+}
+
+// What another ontology than the scenes' makes of their classes.
+void addLabelLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
+  if (pipeline.ontology.empty() || pipeline.recording != nullptr) return;
+  const Ontology own = readOntology(pipeline.ontology);
+  std::set<std::string> told;
+  for (const Sequence& s : pipeline.sequences) {
+    const Ontology scenes = readSceneOntology(s.sceneFile);
+    if (!told.insert(scenes.name).second) continue;
+    for (const std::string& line : lostBetween(scenes, own)) {
+      lines.push_back(fmt::format("labels of {} in place of {}: {}", own.name, scenes.name, line));
+    }
+  }
+}
+
+std::string motionLine(const Pipeline& pipeline) {
+  if (pipeline.recording != nullptr) return "ego motion: as it was recorded";
+  switch (pipeline.motion.kind) {
+    case MotionKind::None:
+      return "ego motion: left out, each turn has one pose";
+    case MotionKind::PerColumn:
+      return "ego motion: a pose per column";
+    case MotionKind::Steps:
+      break;
+  }
+  return fmt::format("ego motion: {} poses a revolution", pipeline.motion.steps);
+}
+
+std::string voxelsLine(const Pipeline& pipeline) {
+  if (!pipeline.voxels) return "voxels: left out (`output.voxels: true` labels what stands about the sensors)";
+  const VoxelGrid& grid = *pipeline.voxels;
+  return fmt::format("voxels: {} x {} x {} of {:g} m about each sensor, by the area of triangles in them",
+                     grid.counts[0], grid.counts[1], grid.counts[2], grid.size);
+}
+
+std::string missesLine(const ScanLayout& layout) {
+  if (layout.organised) return "misses: kept, as NaN";
+  const bool beamKnown = layout.columns.has(kRing) && layout.columns.has(kColumn);
+  return fmt::format("misses: left out of the files; {}",
+                     beamKnown ? "ring and column tell the beam"
+                               : "name ring and column in output.columns to know the beam of a point");
+}
+
+}  // namespace
+
+std::string Plan::vehicleLine() const {
+  if (vehicle_ == nullptr) return "own vehicle: left out (`vehicle: vehicle` puts a car of boxes under the sensors)";
+  std::string shares;
+  const std::vector<Hits>& vehicles = *settings_.vehicles;
+  for (std::size_t s = 0; s < vehicles.size(); ++s) {
+    const std::string of = vehicles.size() > 1 ? fmt::format(" of '{}'", pipeline_.sensors[s].name) : "";
+    shares += fmt::format("{}{:.1f} % of the rays{}", s > 0 ? ", " : "", 100 * blockedShare(vehicles[s]), of);
+  }
+  return fmt::format("own vehicle: {}, in the way of {}", pipeline_.vehicle.filename().string(), shares);
+}
+
+std::vector<std::string> Plan::modelled() const {
+  const ColumnSet columns = pipeline_.layout.columns;
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("channels: {}", fmt::join(channelNames(traced_), ", ")));
+  std::string left;
+  for (const std::string& name : channelNames(Channels::all())) {
+    const auto asked = channelNames(traced_);
+    if (std::find(asked.begin(), asked.end(), name) == asked.end()) left += (left.empty() ? "" : ", ") + name;
+  }
+  if (!left.empty()) lines.push_back(fmt::format("channels left out, nothing reads them: {}", left));
+  if (columns.has(kIntensity) && !setsIntensity(pipeline_)) {
+    lines.emplace_back("intensity: left out, no effect sets it (add `effects: [intensity]`)");
+  }
+  if (columns.has(kPower) && !setsIntensity(pipeline_)) {
+    lines.emplace_back("power: left out, no effect sets it (add `effects: [intensity]`)");
+  }
+  if (!traced_.has(Channel::Reflectance)) {
+    lines.emplace_back("reflectance textures: left out, nothing reads the reflectance; only alpha is loaded");
+  }
+  addLabelLines(pipeline_, lines);
+  addEffectLines(pipeline_, lines);
+  if (pipeline_.drawn != nullptr) {
+    const std::vector<std::string> drawn = pipeline_.drawn->lines();
+    lines.emplace_back("what is drawn at random: above as the first frame has it, else as the samples tell");
+    lines.insert(lines.end(), drawn.begin(), drawn.end());
+  }
+  lines.push_back(motionLine(pipeline_));
+  std::map<std::string, std::set<std::string>> ways;  // and whose they are
+  for (const Sequence& s : pipeline_.sequences) {
+    const std::string about = s.trajectory == nullptr ? "" : s.trajectory->about();
+    if (!about.empty()) ways[about].insert(s.trajectoryName);
+  }
+  for (const auto& [about, names] : ways) lines.push_back(fmt::format("way of {}: {}", fmt::join(names, ", "), about));
+  if (pipeline_.recording == nullptr) lines.push_back(vehicleLine());
+  lines.push_back(missesLine(pipeline_.layout));
+  if (pipeline_.recording == nullptr) {
+    lines.emplace_back(pipeline_.objects
+                           ? "objects: boxes, and visibility by one ray more for each beam that crosses a box"
+                           : "objects: left out (`output.objects: true` lists their boxes and how much is seen)");
+  }
+  if (pipeline_.recording == nullptr) lines.push_back(voxelsLine(pipeline_));
+  if (!columns.has(kRangeTrue)) {
+    lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");
+  }
+  return lines;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,89 @@
+#include "pipeline/read/output.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "config/fields.h"
+#include "config/named_options.h"
+
+namespace scanmill {
+
+namespace {
+
+// {size: 0.2, from: [0, -25.6, -2], to: [51.2, 25.6, 4.4]}, which are the defaults.
+VoxelGrid readVoxels(const Value& value) {
+  VoxelGrid grid;
+  Fields fields(value, "voxels");
+  fields.also({"size", "from", "to"}).finish();
+  grid.size = fields.number("size", {0.01, 100}, grid.size);
+  grid.low = fields.vec3("from", grid.low);
+  const Vec3d high = fields.vec3("to", {51.2, 25.6, 4.4});
+  const std::array<double, 3> lengths{high.x - grid.low.x, high.y - grid.low.y, high.z - grid.low.z};
+  double all = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double count = std::round(lengths[axis] / grid.size);
+    if (count < 1 || std::abs(count * grid.size - lengths[axis]) > 1e-6 * grid.size * count) {
+      throw InputError(value.where, fmt::format("voxels: {:g} m along {} are no whole number of voxels of {:g} m",
+                                                lengths[axis], "xyz"[axis], grid.size));
+    }
+    all *= count;
+    constexpr double kMost = 64e6;
+    if (all > kMost) throw InputError(value.where, "voxels: more than 64 million of them: take larger ones, or fewer");
+    grid.counts[axis] = static_cast<std::uint32_t>(count);
+  }
+  return grid;
+}
+
+}  // namespace
+
+void readOutput(const Value& value, Pipeline& pipeline) {
+  Fields output(value, "output");
+  output.also({"layout", "columns", "formats", "shard_mb", "shard_samples", "shuffle", "reasons", "objects", "voxels"})
+      .finish();
+  pipeline.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
+  pipeline.layout.reasons = output.boolean("reasons", false);
+  pipeline.objects = output.boolean("objects", false);
+  if (const Value* voxels = output.find("voxels"); voxels != nullptr && voxels->kind == Value::Kind::Map) {
+    pipeline.voxels = readVoxels(*voxels);
+  } else if (output.boolean("voxels", false)) {
+    pipeline.voxels = VoxelGrid();
+  }
+  if (const Value* list = output.find("columns")) {
+    if (list->kind != Value::Kind::Sequence) throw InputError(list->where, "columns must be a list of names");
+    pipeline.layout.columns = {};
+    for (const Value& item : list->items) {
+      const std::string name = readText(item, "columns");
+      const std::size_t column = columnIndex(name);
+      if (column == kColumnCount) {
+        throw InputError(item.where, "unknown column '" + name + "'" + suggestion(name, allColumnNames()));
+      }
+      pipeline.layout.columns.add(column);
+    }
+  }
+  std::set<std::string> suffixes;
+  const Value& formats = output.require("formats");
+  if (formats.kind != Value::Kind::Sequence || formats.items.empty()) {
+    throw InputError(formats.where, "formats must be a list with at least one item");
+  }
+  for (const Value& item : formats.items) {
+    const NamedOptions named = readNamed(item, "a format");
+    const FormatEntry& entry = requireFormat(named.name, named.where);
+    Fields options(named.options, "format " + named.name);
+    options.alsoDescribed(entry.keys).finish();
+    pipeline.formats.push_back({&entry, entry.make(options)});
+    if (!suffixes.insert(std::string(entry.suffix)).second) {
+      throw InputError(named.where, fmt::format("two formats write '.{}' files", entry.suffix));
+    }
+  }
+  pipeline.shardBytes = static_cast<std::uint64_t>(output.number("shard_mb", {1, 1e6}, 256) * 1e6);
+  if (const Value* samples = output.find("shard_samples")) {
+    if (output.has("shard_mb")) throw InputError(samples->where, "give either shard_samples or shard_mb");
+    pipeline.shardSamples = static_cast<std::size_t>(output.integer("shard_samples", 1, 1'000'000'000));
+  }
+  pipeline.shuffled = output.boolean("shuffle", false);
+}
+
+}  // namespace scanmill
