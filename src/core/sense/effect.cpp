@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "sense/effects/makers.h"
@@ -97,6 +98,31 @@ std::span<const EffectEntry> effects() {
        5, makeAngularJitter},
   }};
   return kEffects;
+}
+
+std::uint32_t raysPerBeam(EffectList effects) {
+  std::uint32_t most = 1;
+  for (const auto& effect : effects) most = std::max(most, effect->raysPerBeam());
+  return most;
+}
+
+const LightPaths* lightPaths(EffectList effects) {
+  for (const auto& effect : effects) {
+    if (effect->lightPaths() != nullptr) return effect->lightPaths();
+  }
+  return nullptr;
+}
+
+std::uint32_t mostReturns(EffectList effects, std::uint32_t met) {
+  for (const auto& effect : effects) met = effect->mostReturns(met);
+  return met;
+}
+
+double intensityFullScale(EffectList effects) {
+  for (const auto& effect : effects) {
+    if (effect->setsIntensity()) return effect->intensityFullScale();
+  }
+  return 0;
 }
 
 const EffectEntry& requireEffect(std::string_view name, const Location& where) {

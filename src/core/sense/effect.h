@@ -58,6 +58,13 @@ struct EffectEntry {
   std::unique_ptr<Effect> (*make)(Fields& options);
 };
 
+// What the effects of a sensor together ask for.
+using EffectList = std::span<const std::unique_ptr<Effect>>;
+std::uint32_t raysPerBeam(EffectList effects);                     // 1 where none samples the footprint
+const LightPaths* lightPaths(EffectList effects);                  // null: rays end at what they meet first
+std::uint32_t mostReturns(EffectList effects, std::uint32_t met);  // of a beam, whose rays meet so many surfaces
+double intensityFullScale(EffectList effects);                     // what stands for 1; 0: none sets the intensity
+
 std::span<const EffectEntry> effects();
 const EffectEntry& requireEffect(std::string_view name, const Location& where);
 

@@ -9,13 +9,6 @@ namespace scanmill {
 
 namespace {
 
-const LightPaths* pathsOf(std::span<const std::unique_ptr<Effect>> effects) {
-  for (const auto& effect : effects) {
-    if (effect->lightPaths() != nullptr) return effect->lightPaths();
-  }
-  return nullptr;
-}
-
 const Hits* vehicleOf(const VehicleHits& vehicles, std::size_t sensor) {
   return vehicles == nullptr ? nullptr : &(*vehicles)[sensor];
 }
@@ -36,10 +29,9 @@ FrameSettings DrawnSettings::joined(const Pipeline& pipeline, SensorDraw drawn, 
   FrameSettings settings;
   settings.drawn = std::move(drawn);
   settings.vehicles = std::move(vehicles);
-  settings.draws = settings.drawn.draws;
   for (std::size_t s = 0; s < settings.drawn.mounts.size(); ++s) {
     const auto& effects = settings.drawn.effects[s].effects;
-    const LightPaths* const paths = pipeline.recording == nullptr ? pathsOf(effects) : nullptr;
+    const LightPaths* const paths = pipeline.recording == nullptr ? lightPaths(effects) : nullptr;
     settings.sensors.push_back({settings.drawn.mounts[s], effects, paths, vehicleOf(settings.vehicles, s)});
   }
   return settings;

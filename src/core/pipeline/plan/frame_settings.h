@@ -27,16 +27,15 @@ struct SensorSetting {
 
 struct FrameSettings {
   std::vector<SensorSetting> sensors;
-  std::vector<DrawnValue> draws;
 
-  // What they refer to, where it is not the pipeline's own.
+  // What they refer to, where it is not the pipeline's own, and what was drawn for that.
   SensorDraw drawn;
   std::shared_ptr<const std::vector<Hits>> vehicles;
 };
 
 using VehicleHits = std::shared_ptr<const std::vector<Hits>>;  // of each sensor; null: no vehicle
 
-// As the pipeline says, which must outlive what is returned, as its heap memory does when it is moved.
+// As the pipeline says. The effects are the pipeline's own, which must outlive what is returned; it may be moved.
 FrameSettings settingsOf(const Pipeline& pipeline, VehicleHits vehicles);
 
 // Settings of a pipeline that draws some. Those of the sequences that were used last are kept. Safe to use from several

@@ -37,10 +37,8 @@ bool anyLightPaths(const Pipeline& pipeline, std::size_t sensor) {
   if (pipeline.lightPaths(sensor) != nullptr) return true;
   if (pipeline.drawn == nullptr || pipeline.recording != nullptr) return false;
   const auto& cases = pipeline.drawn->cases();
-  return std::any_of(cases.begin(), cases.end(), [&](const SensorDraw& one) {
-    const auto& effects = one.effects[sensor].effects;
-    return std::any_of(effects.begin(), effects.end(), [](const auto& e) { return e->lightPaths() != nullptr; });
-  });
+  return std::any_of(cases.begin(), cases.end(),
+                     [&](const SensorDraw& one) { return lightPaths(one.effects[sensor].effects) != nullptr; });
 }
 
 // What effects ask of the method.

@@ -31,20 +31,6 @@ void forEachDistribution(const Value& value, const std::string& key,
   for (const Value::Entry& entry : value.entries) forEachDistribution(entry.value, key + "." + entry.key, visit);
 }
 
-std::uint32_t raysPerBeam(const SensorEffects& effects) {
-  std::uint32_t rays = 1;
-  for (const auto& effect : effects.effects) rays = std::max(rays, effect->raysPerBeam());
-  return rays;
-}
-
-// What stands for 1 in the intensity; 0: no effect sets it.
-double fullScale(const SensorEffects& effects) {
-  for (const auto& effect : effects.effects) {
-    if (effect->setsIntensity()) return effect->intensityFullScale();
-  }
-  return 0;
-}
-
 }  // namespace
 
 bool DrawnSensors::draws(const Written& written) {
@@ -83,8 +69,8 @@ void DrawnSensors::checkCases() const {
     for (std::size_t s = 0; s < one.effects.size(); ++s) {
       const SensorEffects& first = cases_.front().effects[s];
       const SensorEffects& other = one.effects[s];
-      const bool rays = raysPerBeam(other) == raysPerBeam(first);
-      if (rays && fullScale(other) == fullScale(first)) continue;
+      const bool rays = raysPerBeam(other.effects) == raysPerBeam(first.effects);
+      if (rays && intensityFullScale(other.effects) == intensityFullScale(first.effects)) continue;
       throw InputError(
           written_.effects.where,
           fmt::format("what is drawn of the effects changes {} of '{}', which all scans of a dataset have "

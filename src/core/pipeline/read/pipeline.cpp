@@ -294,8 +294,7 @@ std::string Sequence::key(std::uint32_t frame) const {
 }
 
 bool setsIntensity(const Pipeline& pipeline) {
-  const auto effects = pipeline.effectsOf(0);  // all sensors' do, or none's
-  return std::any_of(effects.begin(), effects.end(), [](const auto& effect) { return effect->setsIntensity(); });
+  return intensityFullScale(pipeline.effectsOf(0)) > 0;  // all sensors' do, or none's
 }
 
 std::span<const std::unique_ptr<Effect>> Pipeline::effectsOf(std::size_t sensor) const {
@@ -338,16 +337,11 @@ std::uint64_t Pipeline::raysPerFrame() const {
 }
 
 std::uint32_t Pipeline::raysPerBeam(std::size_t sensor) const {
-  std::uint32_t most = 1;
-  for (const auto& effect : effectsOf(sensor)) most = std::max(most, effect->raysPerBeam());
-  return recording == nullptr ? most : 1;
+  return recording == nullptr ? scanmill::raysPerBeam(effectsOf(sensor)) : 1;
 }
 
 const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
-  for (const auto& effect : effectsOf(sensor)) {
-    if (effect->lightPaths() != nullptr && recording == nullptr) return effect->lightPaths();
-  }
-  return nullptr;
+  return recording == nullptr ? scanmill::lightPaths(effectsOf(sensor)) : nullptr;
 }
 
 // Recorded hits are of one ray a beam. What `auto` will choose is not known yet.
@@ -363,14 +357,10 @@ std::uint32_t Pipeline::mostReturns() const {
   const std::uint32_t met = mostMet();
   std::uint32_t most = 1;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
-    std::uint32_t ofSensor = met;
-    for (const auto& effect : effectsOf(s)) ofSensor = effect->mostReturns(ofSensor);
-    most = std::max(most, ofSensor);
+    most = std::max(most, scanmill::mostReturns(effectsOf(s), met));
     if (drawn == nullptr) continue;
     for (const SensorDraw& one : drawn->cases()) {
-      std::uint32_t ofCase = met;
-      for (const auto& effect : one.effects[s].effects) ofCase = effect->mostReturns(ofCase);
-      most = std::max(most, ofCase);
+      most = std::max(most, scanmill::mostReturns(one.effects[s].effects, met));
     }
   }
   return most;

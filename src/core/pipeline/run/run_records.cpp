@@ -71,9 +71,8 @@ Manifest startManifest(const Plan& plan, const DatasetPlan& planned) {
   }
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     manifest.sensors.push_back({pipeline.sensors[s].name, *plan.beams()[s], pipeline.sensors[s].vehicleFromSensor});
-    for (const auto& effect : pipeline.effectsOf(s)) {
-      if (effect->setsIntensity()) manifest.sensors.back().intensityFullScale = effect->intensityFullScale();
-    }
+    const double fullScale = intensityFullScale(pipeline.effectsOf(s));
+    if (fullScale > 0) manifest.sensors.back().intensityFullScale = fullScale;
     BeamTable& beams = manifest.sensors.back().beams;  // the manifest holds the table per ring
     beams.direction = {};
     beams.origin = {};

@@ -18,7 +18,7 @@ namespace {
 // Ordered by their keys.
 std::vector<DrawnValue> allDraws(const Scene& scene, const FrameSettings& settings) {
   std::vector<DrawnValue> draws = scene.draws;
-  draws.insert(draws.end(), settings.draws.begin(), settings.draws.end());
+  draws.insert(draws.end(), settings.drawn.draws.begin(), settings.drawn.draws.end());
   std::sort(draws.begin(), draws.end(), [](const DrawnValue& a, const DrawnValue& b) { return a.key < b.key; });
   return draws;
 }

@@ -51,19 +51,6 @@ struct Sensing {
   ShotSetup setup;
 };
 
-std::uint32_t raysOf(const SensorEffects& effects) {
-  std::uint32_t rays = 1;
-  for (const auto& effect : effects.effects) rays = std::max(rays, effect->raysPerBeam());
-  return rays;
-}
-
-const LightPaths* pathsOf(const SensorEffects& effects) {
-  for (const auto& effect : effects.effects) {
-    if (effect->lightPaths() != nullptr) return effect->lightPaths();
-  }
-  return nullptr;
-}
-
 std::unique_ptr<Sensing> makeSensing(const Plan& plan, const Scene& scene, const Method& method, std::size_t sensor,
                                      const Changes& changes) {
   ScanLayout layout;
@@ -72,12 +59,12 @@ std::unique_ptr<Sensing> makeSensing(const Plan& plan, const Scene& scene, const
                                                 std::nullopt,
                                                 {method, scene.materials, {}, {}, layout}});
   const BeamTable& beams = *plan.beams()[sensor];
-  const std::uint32_t rays = raysOf(made->effects);
+  const std::uint32_t rays = raysPerBeam(made->effects.effects);
   if (rays > 1) made->footprint = makeFootprint(beams, rays);
   made->setup.effects = made->effects.effects;
   made->setup.channels = channelsFor(made->effects.effects, layout.columns);
   made->setup.footprint = made->footprint ? &*made->footprint : nullptr;
-  made->setup.paths = pathsOf(made->effects);
+  made->setup.paths = lightPaths(made->effects.effects);
   if (made->setup.paths != nullptr) made->setup.channels |= kLightChannels;
   return made;
 }
