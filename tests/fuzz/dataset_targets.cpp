@@ -12,6 +12,7 @@
 #include "dataset/parts.h"
 #include "dataset/reader.h"
 #include "dataset/shard_index.h"
+#include "dataset/voxels.h"
 #include "formats/format.h"
 #include "formats/reasons_png.h"
 #include "methods/field/cache.h"
@@ -52,6 +53,8 @@ const AddFuzzTarget kObjects("objects", [](std::string_view bytes) {
   Ontology ontology{"fuzz", "", {{0, "unlabeled", {}, false, {}}, {20, "car", {}, true, {}}}};
   parseObjects(bytes, "input.objects.json", ontology);
 });
+
+const AddFuzzTarget kVoxels("voxels", [](std::string_view bytes) { decodeVoxels(bytes, "input.voxels.npz"); });
 
 const AddFuzzTarget kParts("parts", [](std::string_view bytes) {
   const bool plan = kindOf(bytes, 2) == 0;

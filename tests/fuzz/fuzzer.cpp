@@ -14,7 +14,7 @@ const scanmill::FuzzTarget& chosen() {
     const auto found = scanmill::fuzzTargets().find(name == nullptr ? "" : name);
     if (found != scanmill::fuzzTargets().end()) return found->second;
     std::fputs("FUZZ_TARGET must be one of:", stderr);
-    for (const auto& [known, target] : scanmill::fuzzTargets()) std::fprintf(stderr, " %s", known.c_str());
+    for (const auto& known : scanmill::fuzzTargets()) std::fprintf(stderr, " %s", known.first.c_str());
     std::fputs("\n", stderr);
     std::exit(2);
   }();

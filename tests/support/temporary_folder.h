@@ -7,12 +7,14 @@
 #include <string>
 #include <string_view>
 
-// A folder that lives as long as the object.
+// A folder that lives as long as the object. Its name has no words: drafts of scenes guess from the names of folders.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "scanmill-test-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
+    unsigned number = static_cast<unsigned>(::getpid());
+    do {
+      path_ = std::filesystem::temp_directory_path() / ("scanmill-test-" + std::to_string(number++));
+    } while (!std::filesystem::create_directory(path_));
   }
   ~TemporaryFolder() {
     std::error_code ignored;
