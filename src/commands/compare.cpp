@@ -3,6 +3,7 @@
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -14,8 +15,13 @@
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
+#include "dataset/manifest.h"
+#include "dataset/shard_name.h"
+#include "pipeline/plan/dataset_plan.h"
+#include "pipeline/read/effects.h"
 #include "report/compare/compare_report.h"
 #include "report/page/report_folder.h"
+#include "study/compare/advice.h"
 
 namespace scanmill {
 
@@ -43,6 +49,31 @@ void printComparison(const SetComparison& comparison) {
                     figureText(comparison.simulated.figures[i], f.factor, f.unit), std::string(f.keys)});
   }
   printText("{}\n", formatTable(rows));
+  if (comparison.advice.empty()) return;
+  rows = {{"to try", "now", "try", "for"}};
+  for (const Advice& a : comparison.advice) {
+    rows.push_back({fmt::format("{} {}", a.effect, a.key), fmt::format("{:g}", a.now), fmt::format("{:g}", a.next),
+                    std::string(a.figure)});
+  }
+  printText("{}or all at once: --set '{}'\n\n", formatTable(rows), comparison.assignment);
+}
+
+// By the pipeline of the second set, where that is a dataset whose pipeline is found, and draws no effects.
+void advise(SetComparison& comparison, const std::filesystem::path& path, const std::string& sensor) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path / kManifestName, ignored)) return;
+  try {
+    const Plan plan = planOfDataset(readManifest(path), path, {});
+    const Pipeline& pipeline = plan.pipeline();
+    if (pipeline.drawn != nullptr) return;
+    const auto named = std::find_if(pipeline.sensors.begin(), pipeline.sensors.end(),
+                                    [&](const MountedSensor& s) { return s.name == sensor; });
+    const MountedSensor& own = named == pipeline.sensors.end() ? pipeline.sensors.front() : *named;
+    comparison.advice = adviceFor(comparison, sensorEffectItems(pipeline.effectItems, own));
+    if (!comparison.advice.empty()) comparison.assignment = assignmentOf(comparison.advice, pipeline.effectItems);
+  } catch (const InputError& error) {
+    warn(fmt::format("what to try is left out: {}", error.what()));
+  }
 }
 
 }  // namespace
@@ -91,7 +122,8 @@ int runCompare(const std::vector<std::string>& arguments) {
     throw InputError(fmt::format("--sensor {}: neither set has a sensor of this name", read.sensor));
   }
   progress.say("telling them apart");
-  const SetComparison comparison = compareSets(std::move(real), std::move(simulated));
+  SetComparison comparison = compareSets(std::move(real), std::move(simulated));
+  advise(comparison, given[1], read.sensor);
   if (*read.stop) throw Error("stopped: nothing was written");
 
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());

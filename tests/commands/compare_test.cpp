@@ -45,6 +45,25 @@ TEST_F(CompareCommand, WritesAPageAndFiguresThatNameTheDifference) {
   }
 }
 
+TEST_F(CompareCommand, SaysWhatToTryOfThePipeline) {
+  const auto generated = [&](const char* name, const std::string& effects) {
+    EXPECT_EQ(scanmill({"generate", pipeline_, "-o", at(name), "-q", "--overwrite", "--set", effects}).code, 0);
+  };
+  generated("fine", "effects=[range_noise: {sigma_m: 0.02}]");
+  generated("coarse", "effects=[intensity, {range_noise: {sigma_m: 0.08}}]");
+  const Outcome made = scanmill({"compare", at("fine"), at("coarse"), "-o", at("out")});
+  ASSERT_EQ(made.code, 0) << made.error;
+  EXPECT_THAT(made.out, AllOf(HasSubstr("range_noise sigma_m"), HasSubstr("--set 'effects=[intensity, {range_noise")));
+  EXPECT_THAT(readFile(at("out/index.html")), HasSubstr("What to try"));
+  const nlohmann::json result = nlohmann::json::parse(readFile(at("out/compare.json")));
+  EXPECT_EQ(result["advice"][0]["now"], 0.08);
+  EXPECT_NEAR(result["advice"][0]["try"], 0.02, 0.005);
+  // What it says can be given as it is, and brings the sets together.
+  generated("coarse", result["set"]);
+  ASSERT_EQ(scanmill({"compare", at("fine"), at("coarse"), "-o", at("again"), "-q"}).code, 0);
+  EXPECT_TRUE(nlohmann::json::parse(readFile(at("again/compare.json")))["advice"].empty());
+}
+
 TEST_F(CompareCommand, FoldersThatOthersReadAreRead) {
   for (const char* layout : {"semantic_kitti", "npz"}) {
     ASSERT_EQ(scanmill({"export", at("plain"), "--to", layout, "-o", at(layout)}).code, 0);

@@ -19,8 +19,8 @@ std::string found(const Value& value) {
       return "nothing";
     case Value::Kind::Sequence:
       return fmt::format("a list of {}", value.items.size());
-    case Value::Kind::Map:
-      return "a map";
+    case Value::Kind::Map:  // perhaps a distribution
+      return "a map" + (value.entries.empty() ? "" : suggestion(value.entries[0].key, {"uniform", "normal", "choice"}));
     case Value::Kind::Scalar:
       break;
   }

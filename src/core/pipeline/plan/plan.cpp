@@ -13,6 +13,7 @@
 #include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/recorded_method.h"
 #include "pipeline/plan/scene_shares.h"
+#include "scene/without.h"
 
 namespace scanmill {
 
@@ -295,7 +296,8 @@ Scene Plan::loadScene(const Sequence& sequence) const {
   options.textures = traced_.has(Channel::Reflectance);
   Scene scene = readSceneToShares(sequence.sceneFile, options);
   if (!sequence.moving) standStill(scene, 0);
-  findDrives(sequence, scene);
+  findDrives(sequence, scene);  // of the whole scene: the ways are the same whatever is taken out
+  takeOut(scene, sequence.without);
   return scene;
 }
 

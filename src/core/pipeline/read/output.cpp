@@ -24,6 +24,10 @@ VoxelGrid readVoxels(const Value& value) {
   const std::array<double, 3> lengths{high.x - grid.low.x, high.y - grid.low.y, high.z - grid.low.z};
   double all = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (lengths[axis] <= 0) {
+      throw InputError(value.where,
+                       fmt::format("voxels: `to` lies above `from` along x, y and z, not as along {}", "xyz"[axis]));
+    }
     const double count = std::round(lengths[axis] / grid.size);
     if (count < 1 || std::abs(count * grid.size - lengths[axis]) > 1e-6 * grid.size * count) {
       throw InputError(value.where, fmt::format("voxels: {:g} m along {} are no whole number of voxels of {:g} m",
@@ -46,8 +50,14 @@ void readOutput(const Value& value, Pipeline& pipeline) {
   pipeline.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
   pipeline.layout.reasons = output.boolean("reasons", false);
   pipeline.objects = output.boolean("objects", false);
-  if (const Value* voxels = output.find("voxels"); voxels != nullptr && voxels->kind == Value::Kind::Map) {
+  const Value* voxels = output.find("voxels");
+  if (voxels != nullptr && voxels->kind == Value::Kind::Map) {
     pipeline.voxels = readVoxels(*voxels);
+  } else if (voxels != nullptr && voxels->kind == Value::Kind::Scalar && voxels->text != "true" &&
+             voxels->text != "false") {
+    throw InputError(voxels->where,
+                     "voxels must be true, false or a grid such as {size: 0.2, from: [0, -25.6, -2], to: "
+                     "[51.2, 25.6, 4.4]}");
   } else if (output.boolean("voxels", false)) {
     pipeline.voxels = VoxelGrid();
   }

@@ -17,11 +17,11 @@
 #include "dataset/recording.h"
 #include "formats/format.h"
 #include "methods/method.h"
+#include "pipeline/read/sequences.h"
 #include "scene/voxel_grid.h"
 #include "sense/sense.h"
 #include "sensors/sensor.h"
 #include "sensors/shot.h"
-#include "sensors/trajectory.h"
 
 namespace scanmill {
 
@@ -40,27 +40,6 @@ struct MountedSensor {
   SensorSize size;
   Pose vehicleFromSensor = {};
   std::shared_ptr<SensorEffects> ownEffects;  // in place of the pipeline's, where that says `sensor`; else null
-};
-
-// One scene with one procedural seed, driven along one trajectory: the unit that splits never part.
-struct Sequence {
-  std::string scene;  // name of the scene file without its suffix, made fit for a key
-  std::filesystem::path sceneFile;
-  std::uint64_t sceneSeed = 1;
-  std::shared_ptr<const Trajectory> trajectory;  // null where the shots come from a recording
-  std::string trajectoryName;
-  std::uint32_t frames = 0;
-  std::string split;
-  bool moving = true;  // false: objects stand where they are when the drive begins
-
-  bool sameScene(const Sequence& other) const {
-    return scene == other.scene && sceneFile == other.sceneFile && sceneSeed == other.sceneSeed &&
-           moving == other.moving;
-  }
-  // At most so many frames, each in the middle of an equal part of the sequence.
-  std::vector<std::uint32_t> spreadFrames(std::uint32_t most) const;
-  std::string key() const;                     // "street-s1-lane"
-  std::string key(std::uint32_t frame) const;  // "street-s1-lane-000012"
 };
 
 struct MethodChoice {

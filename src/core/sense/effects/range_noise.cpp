@@ -130,7 +130,10 @@ std::unique_ptr<Effect> makeRangeNoise(Fields& options) {
   const bool constant = options.has("sigma_m") || options.has("sigma_per_m");
   if (const Value* table = options.find("table")) {
     if (constant) {
-      throw InputError(table->where, "effect range_noise: give either a table or sigma_m and sigma_per_m");
+      throw InputError(
+          table->where,
+          "effect range_noise: give either a table or sigma_m and sigma_per_m (beside `sensor`, `table: null` "
+          "leaves out the sensor's own table)");
     }
     sigma = readTable(*table);
   }

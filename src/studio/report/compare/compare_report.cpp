@@ -126,6 +126,29 @@ std::string figureTable(const SetComparison& comparison) {
   return table.html();
 }
 
+std::string adviceTable(const SetComparison& comparison) {
+  if (comparison.advice.empty()) return {};
+  HtmlTable table;
+  table.column("effect", "", true);
+  table.column("key", "", true);
+  table.column("now");
+  table.column("try");
+  table.column("what tells of it", "", true);
+  table.column("real");
+  table.column("simulated");
+  for (const Advice& a : comparison.advice) {
+    table.row({{std::string(a.effect)},
+               {std::string(a.key)},
+               {fmt::format("{:g}", a.now), a.now},
+               {fmt::format("{:g}", a.next), a.next},
+               {std::string(a.figure)},
+               cell(a.real, 1, a.unit),
+               cell(a.simulated, 1, a.unit)});
+  }
+  return table.html() + htmlParagraph("All of it, as an option of scanmill generate:") +
+         htmlCode(fmt::format("--set '{}'", comparison.assignment));
+}
+
 std::string groupTable(const SetComparison& comparison) {
   constexpr std::size_t kShown = 3;
   HtmlTable table;
@@ -214,6 +237,14 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
                    "Areas of bands may lie on both sides of 0.5, and then add up to less than the figure.{}",
                    grouping, unknown),
        htmlFigures({featureChart(comparison)}) + featureTable(comparison, comparison.features, true), true},
+      {"advice", "What to try",
+       comparison.advice.empty() ? "Nothing: the second set is no dataset whose pipeline is at hand, its effects have "
+                                   "no key that scales what "
+                                   "differs, or nothing of that differs by a tenth."
+                                 : "Values of the second set's pipeline that would make these figures alike, if they "
+                                   "alone moved them. Generate, "
+                                   "compare again, and judge by the rows above.",
+       adviceTable(comparison)},
       {"figures", "The sets as a whole", "Figures that depend on the place, too: compare like places.",
        figureTable(comparison), true},
       {"groups", comparison.byClass ? "By class" : "By shape", "",

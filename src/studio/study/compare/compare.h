@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "study/compare/scan_set.h"
@@ -43,6 +44,16 @@ struct IntensityRow {
   double real = 0, simulated = 0;  // NaN where there are too few patches
 };
 
+// A value to try in the pipeline of the second set, see study/compare/advice.h.
+struct Advice {
+  std::string_view effect, key;    // of the pipeline's effects
+  std::string_view figure;         // that tells of it: a title of kPatchFeatures or kSetFigures
+  double real = 0, simulated = 0;  // the figure, as it is shown
+  std::string_view unit;           // of it
+  double now = 0;                  // the key's value
+  double next = 0;                 // one that would make the figures alike, if it alone moved them
+};
+
 struct SetComparison {
   ScanSet real, simulated;            // without their patches
   std::vector<std::string> warnings;  // what makes figures mean less than they say
@@ -56,6 +67,8 @@ struct SetComparison {
   std::vector<GroupComparison> groups;  // the largest first
   std::vector<BandComparison> ranges;
   std::vector<IntensityRow> intensityByRange, intensityByIncidence;
+  std::vector<Advice> advice;  // none where the second set is no dataset whose pipeline is at hand
+  std::string assignment;      // an argument of --set that follows all advice; empty: none
 };
 
 // Classes of one set become those of the same name or alias in the other one's ontology: of the two ways the one that

@@ -82,6 +82,12 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
     features.push_back(std::move(own));
   }
   json["features"] = std::move(features);
+  OrderedJson advice = OrderedJson::array();
+  for (const Advice& a : comparison.advice) {
+    advice.push_back({{"effect", a.effect}, {"key", a.key}, {"figure", a.figure}, {"now", a.now}, {"try", a.next}});
+  }
+  json["advice"] = std::move(advice);
+  json["set"] = comparison.assignment;
   OrderedJson groups = OrderedJson::array();
   for (const GroupComparison& group : comparison.groups) {
     OrderedJson own;

@@ -122,6 +122,8 @@ TEST_F(Voxels, KeysAreChecked) {
   EXPECT_EQ(kitti.voxels(), 256U * 256 * 32);
   EXPECT_FALSE(readPipeline(pipeline_, {"output.voxels=false"}).voxels.has_value());
   EXPECT_THAT(refusal("{size: 0.3}"), HasSubstr("no whole number of voxels"));
+  EXPECT_THAT(refusal("{from: [0, 20, 0], to: [10, -20, 4]}"), HasSubstr("`to` lies above `from`"));
+  EXPECT_THAT(refusal("0.2"), HasSubstr("voxels must be true, false or a grid such as"));
   EXPECT_THAT(refusal("{size: 0}"), HasSubstr("size"));
   EXPECT_THAT(refusal("{to: [-1, 25.6, 4.4]}"), HasSubstr("along x"));
   EXPECT_THAT(refusal("{size: 0.02, from: [-50, -50, -50], to: [50, 50, 50]}"), HasSubstr("64 million"));

@@ -1,0 +1,178 @@
+#include "pipeline/read/sequences.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "base/error.h"
+#include "config/waypoints.h"
+#include "scene/scene.h"
+
+namespace scanmill {
+
+namespace {
+
+using Trajectories = std::vector<std::shared_ptr<const Trajectory>>;
+
+// The first `along` of a list of trajectories; null where there is none.
+const Value* followsLane(const Value& list) {
+  for (const Value& item : list.items) {
+    if (const Value* along = item.find("along")) return along;
+  }
+  return nullptr;
+}
+
+// `lanes`: of the scene's town, where one of them follows it, which sways by its seed; else null.
+Trajectories readTrajectories(const Value& list, const Periods& periods, const SceneLanes* lanes = nullptr,
+                              std::uint64_t seed = 0) {
+  if (list.kind != Value::Kind::Sequence || list.items.empty()) {
+    throw InputError(list.where, "trajectories must be a list with at least one item");
+  }
+  Trajectories trajectories;
+  std::set<std::string> names;
+  const auto add = [&](const Value& item, const std::string& fallback, std::uint32_t drive) {
+    auto trajectory = std::make_shared<const Trajectory>(
+        readTrajectory(item, fallback, periods.first, lanes, seed, drive, periods.longest));
+    if (trajectory->name().empty()) {
+      throw InputError(item.where, "a trajectory's name becomes part of file names: it is empty");
+    }
+    if (!names.insert(keyPart(trajectory->name())).second) {
+      throw InputError(item.where, fmt::format("two trajectories are named '{}'", trajectory->name()));
+    }
+    trajectories.push_back(std::move(trajectory));
+  };
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    const std::uint32_t drives = countDrives(list.items[i]);
+    for (std::uint32_t drive = 0; drive < drives; ++drive) add(list.items[i], fmt::format("t{}", i), drive);
+  }
+  return trajectories;
+}
+
+std::vector<std::uint64_t> readSeeds(const Value* value) {
+  if (value == nullptr) return {1};
+  constexpr std::int64_t kMost = 1'000'000'000'000;
+  const std::vector<PlacedInteger> listed =
+      value->kind == Value::Kind::Sequence
+          ? readIntegers(*value, "seeds", 0, kMost)
+          : std::vector<PlacedInteger>{{readInteger(*value, "seeds", 0, kMost), value->where}};
+  std::vector<std::uint64_t> seeds;
+  std::set<std::int64_t> known;
+  for (const PlacedInteger& seed : listed) {
+    if (!known.insert(seed.value).second) {
+      throw InputError(seed.where, fmt::format("seed {} stands twice: both sequences would be the same", seed.value));
+    }
+    seeds.push_back(static_cast<std::uint64_t>(seed.value));
+  }
+  if (seeds.empty()) throw InputError(value->where, "seeds must name at least one seed");
+  return seeds;
+}
+
+std::vector<Value> readWithout(const Value* value) {
+  if (value == nullptr || value->kind == Value::Kind::Null) return {};
+  const bool words = value->kind == Value::Kind::Sequence &&
+                     std::all_of(value->items.begin(), value->items.end(),
+                                 [](const Value& item) { return item.kind == Value::Kind::Scalar; });
+  if (!words) {
+    throw InputError(value->where,
+                     "without must be a list of classes, names of objects and instance ids, such as "
+                     "[car, 17]");
+  }
+  return value->items;
+}
+
+}  // namespace
+
+// Lower-case letters, digits, '-' and '_': sample keys must hold no dot and no slash.
+std::string keyPart(std::string text) {
+  for (char& c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) == 0 && c != '_' && c != '-') c = '_';
+    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return text;
+}
+
+const Value& requireList(Fields& fields, std::string_view key) {
+  const Value& value = fields.require(key);
+  if (value.kind != Value::Kind::Sequence || value.items.empty()) {
+    throw InputError(value.where, fmt::format("{} must be a list with at least one item", key));
+  }
+  return value;
+}
+
+std::vector<Sequence> readSequences(Fields& fields, const Periods& periods) {
+  const Value* shared = fields.find("trajectories");
+  if (shared != nullptr && followsLane(*shared) == nullptr) readTrajectories(*shared, periods);
+  std::vector<Sequence> sequences;
+  std::set<std::string> keys;
+  for (const Value& item : requireList(fields, "scenes").items) {
+    Fields scene(item, "scene");
+    scene.also({"scene", "seeds", "moving", "without", "trajectories"}).finish();
+    const std::filesystem::path file = scene.resource("scene", "scenes");
+    const std::vector<std::uint64_t> seeds = readSeeds(scene.find("seeds"));
+    const bool moving = scene.boolean("moving", true);
+    const std::vector<Value> without = readWithout(scene.find("without"));
+    const Value* own = scene.find("trajectories");
+    const Value* list = own == nullptr ? shared : own;
+    if (list == nullptr) throw InputError(item.where, "no trajectories, neither here nor for the whole pipeline");
+    const Value* along = followsLane(*list);
+    Trajectories trajectories = along != nullptr ? Trajectories{} : readTrajectories(*list, periods);
+    for (const std::uint64_t seed : seeds) {
+      if (along != nullptr) {
+        const std::optional<SceneLanes> lanes = readSceneLanes(file, seed);
+        if (!lanes) {
+          throw InputError(along->where, fmt::format("`along` means the lanes of the scene's town, and {} has no town: "
+                                                     "give waypoints",
+                                                     file.string()));
+        }
+        trajectories = readTrajectories(*list, periods, &*lanes, seed);
+      }
+      for (const auto& trajectory : trajectories) {
+        sequences.push_back(
+            {keyPart(file.stem().string()), file, seed, trajectory, trajectory->name(), trajectory->frames(), ""});
+        sequences.back().moving = moving;
+        sequences.back().without = without;
+        if (!keys.insert(sequences.back().key()).second) {
+          throw InputError(item.where, fmt::format("the sequence '{}' stands twice", sequences.back().key()));
+        }
+      }
+    }
+  }
+  return sequences;
+}
+
+std::vector<Sequence> recordedSequences(const Recording& recording) {
+  std::vector<Sequence> sequences;
+  for (const RecordedSequence& s : recording.sequences) {
+    sequences.push_back({s.scene, {}, s.seed, nullptr, s.trajectory, s.frames, ""});
+  }
+  return sequences;
+}
+
+bool Sequence::sameScene(const Sequence& other) const {
+  return scene == other.scene && sceneFile == other.sceneFile && sceneSeed == other.sceneSeed &&
+         moving == other.moving &&
+         std::equal(without.begin(), without.end(), other.without.begin(), other.without.end(),
+                    [](const Value& a, const Value& b) { return a.text == b.text && a.quoted == b.quoted; });
+}
+
+std::vector<std::uint32_t> Sequence::spreadFrames(std::uint32_t most) const {
+  std::vector<std::uint32_t> spread;
+  const std::uint64_t count = std::min(most, frames);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    spread.push_back(static_cast<std::uint32_t>((i * 2 + 1) * frames / (count * 2)));
+  }
+  return spread;
+}
+
+std::string Sequence::key() const {
+  return fmt::format("{}-s{}-{}", scene, sceneSeed, keyPart(trajectoryName));
+}
+
+std::string Sequence::key(std::uint32_t frame) const {
+  return fmt::format("{}-{:06}", key(), frame);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,147 @@
+#include "study/compare/advice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "config/flow_text.h"
+#include "config/named_options.h"
+
+namespace scanmill {
+namespace {
+
+// A figure that grows as a power of a key's value, as far as the key alone makes it.
+struct Mover {
+  std::string_view figure;  // a name of kPatchFeatures, of kSetFigures or of both
+  double least;             // of the figure, as it is shown: what is lower in both sets is chance
+  std::string_view effect, key;
+  double power;
+  double low, high;    // values that the effect takes
+  bool whole = false;  // it takes whole numbers alone
+};
+
+constexpr Mover kMovers[] = {
+    {"ring_offset", 1, "ring_bias", "range_sigma_m", 1, 0, 10},
+    {"ring_gain", 1, "ring_bias", "gain_sigma", 1, 0, 2},
+    // Speckle of n looks scatters by 1 / sqrt(n).
+    {"intensity_scatter", 1, "speckle", "looks", -2, 1, 30, true},
+    {"range_scatter", 1, "range_noise", "sigma_m", 1, 0, 10},
+    {"single_missing", 0.05, "dropout", "probability", 1, 0, 1},
+};
+
+std::optional<double> numberIn(const Value& options, std::string_view key) {
+  const Value* value = options.kind == Value::Kind::Map ? options.find(key) : nullptr;
+  if (value == nullptr) return {};
+  double number = 0;
+  const char* const end = value->text.data() + value->text.size();
+  const auto [stop, error] = std::from_chars(value->text.data(), end, number);
+  if (value->kind != Value::Kind::Scalar || error != std::errc() || stop != end || !(number > 0)) return std::nullopt;
+  return number;
+}
+
+struct Shown {
+  double real = 0, simulated = 0;
+  std::string_view title, unit;
+
+  double ratio() const { return real / simulated; }
+};
+
+std::optional<Shown> ofPatches(const SetComparison& comparison, std::string_view name) {
+  for (const Separation& s : comparison.features) {
+    const PatchFeature& f = kPatchFeatures[s.feature];
+    if (f.name == name) return Shown{s.realValue * f.factor, s.simulatedValue * f.factor, f.title, f.unit};
+  }
+  return {};
+}
+
+std::optional<Shown> ofSets(const SetComparison& comparison, std::string_view name) {
+  for (std::size_t i = 0; i < kSetFigureCount; ++i) {
+    const SetFigure& f = kSetFigures[i];
+    if (f.name != name) continue;
+    return Shown{comparison.real.figures[i] * f.factor, comparison.simulated.figures[i] * f.factor, f.title, f.unit};
+  }
+  return {};
+}
+
+// The figure of the sets, which chance is taken out of; that of patches where they have none. None where both are there
+// and one of them asks for more, the other for less: then something else moves them.
+std::optional<Shown> shown(const SetComparison& comparison, const Mover& mover) {
+  const std::optional<Shown> sets = ofSets(comparison, mover.figure);
+  const std::optional<Shown> patches = ofPatches(comparison, mover.figure);
+  const auto known = [](const std::optional<Shown>& s) { return s && s->real > 0 && s->simulated > 0; };
+  if (known(sets) && known(patches) && (sets->ratio() > 1) != (patches->ratio() > 1)) return {};
+  const std::optional<Shown>& figure = sets ? sets : patches;
+  return known(figure) ? figure : std::nullopt;
+}
+
+double rounded(double value) {
+  return std::stod(fmt::format("{:.2g}", value));
+}
+
+Value scalar(std::string text) {
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  value.text = std::move(text);
+  return value;
+}
+
+Value map(std::string key, Value of) {
+  Value value;
+  value.kind = Value::Kind::Map;
+  value.entries.push_back({std::move(key), std::move(of)});
+  return value;
+}
+
+}  // namespace
+
+std::vector<Advice> adviceFor(const SetComparison& comparison, const std::vector<Value>& own) {
+  constexpr double kAlike = 1.1;
+  std::vector<Advice> advice;
+  for (const Mover& mover : kMovers) {
+    const auto item = std::find_if(own.begin(), own.end(),
+                                   [&](const Value& v) { return readNamed(v, "an effect").name == mover.effect; });
+    const std::optional<Shown> figure = shown(comparison, mover);
+    if (item == own.end() || !figure || std::max(figure->real, figure->simulated) < mover.least) continue;
+    const std::optional<double> now = numberIn(readNamed(*item, "an effect").options, mover.key);
+    const double ratio = figure->ratio();
+    if (!now || std::max(ratio, 1 / ratio) < kAlike) continue;
+    const double exact = std::clamp(*now * std::pow(ratio, mover.power), mover.low, mover.high);
+    const double next = mover.whole ? std::round(exact) : rounded(exact);
+    if (next == *now) continue;
+    advice.push_back(
+        {mover.effect, mover.key, figure->title, figure->real, figure->simulated, figure->unit, *now, next});
+  }
+  return advice;
+}
+
+std::string assignmentOf(const std::vector<Advice>& advice, const std::vector<Value>& items) {
+  Value list;
+  list.kind = Value::Kind::Sequence;
+  list.items = items;
+  for (const Advice& a : advice) {
+    Value number = scalar(fmt::format("{:g}", a.next));
+    const auto item = std::find_if(list.items.begin(), list.items.end(),
+                                   [&](const Value& v) { return readNamed(v, "an effect").name == a.effect; });
+    if (item == list.items.end()) {
+      // The sensor's own: an item beside `sensor` changes the key that it names.
+      list.items.push_back(map(std::string(a.effect), map(std::string(a.key), std::move(number))));
+      continue;
+    }
+    Value options = readNamed(*item, "an effect").options;
+    options.kind = Value::Kind::Map;
+    const auto entry = std::find_if(options.entries.begin(), options.entries.end(),
+                                    [&](const Value::Entry& e) { return e.key == a.key; });
+    if (entry == options.entries.end()) {
+      options.entries.push_back({std::string(a.key), std::move(number)});
+    } else {
+      entry->value = std::move(number);
+    }
+    *item = map(std::string(a.effect), std::move(options));
+  }
+  return "effects=" + flowText(list);
+}
+
+}  // namespace scanmill

@@ -1,0 +1,106 @@
+#include "scene/without.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scene/thing_boxes.h"
+#include "tests/support/message_of.h"
+#include "tests/support/test_scene.h"
+
+namespace scanmill {
+namespace {
+
+std::vector<Value> items(const std::string& list) {
+  return parseYaml(list, "list").items;
+}
+
+// Two boxes, each a thing of its own, on a plate that is none.
+Mesh twoOnAPlate(SceneBuilder& builder) {
+  Mesh mesh = meshOf(builder, "ground");
+  appendPlane(mesh, 0, {}, 20, 20);
+  for (const std::uint32_t object : {1u, 2u}) {
+    Surface surface = builder.surface("thing", "grey");
+    surface.object = object;
+    mesh.surfaces.push_back(surface);
+    appendBox(mesh, static_cast<std::uint16_t>(object), at(object * 4.0, 0, 1), {1, 1, 2});
+  }
+  mesh.objects = 2;
+  return mesh;
+}
+
+std::vector<std::uint32_t> idsOf(const Scene& scene) {
+  std::vector<std::uint32_t> ids;
+  const ThingBoxes boxes(scene);
+  for (const Thing& thing : boxes.things()) ids.push_back(thing.id);
+  return ids;
+}
+
+// Copies of a mesh share it; what one of them loses the others keep.
+TEST(Without, AThingOfASharedMesh) {
+  SceneBuilder builder = testBuilder();
+  const std::uint32_t mesh = builder.addMesh(twoOnAPlate(builder));
+  builder.place(mesh, {}, "first");
+  builder.place(mesh, at(0, 30, 0), "second");
+  Scene scene = builder.finish();
+  ASSERT_EQ(idsOf(scene), (std::vector<std::uint32_t>{1, 2, 3, 4}));
+  const std::uint64_t before = scene.placedTriangles();
+  takeOut(scene, items("[3]"));
+  EXPECT_EQ(idsOf(scene), (std::vector<std::uint32_t>{1, 2, 4}));
+  EXPECT_EQ(scene.placedTriangles(), before - 12);
+  takeOut(scene, items("[1, 2]"));
+  EXPECT_EQ(idsOf(scene), (std::vector<std::uint32_t>{4}));
+  EXPECT_EQ(scene.instances.size(), 2u) << "the plates stay";
+}
+
+TEST(Without, AClassInAllMeshes) {
+  SceneBuilder builder = testBuilder();
+  const std::uint32_t mesh = builder.addMesh(twoOnAPlate(builder));
+  builder.place(mesh, {}, "first");
+  builder.place(mesh, at(0, 30, 0), "second");
+  Scene scene = builder.finish();
+  takeOut(scene, items("[thing]"));
+  EXPECT_TRUE(idsOf(scene).empty());
+  EXPECT_EQ(scene.placedTriangles(), 4u);
+  takeOut(scene, items("[ground]"));
+  EXPECT_TRUE(scene.instances.empty());
+}
+
+TEST(Without, ObjectsByTheirName) {
+  SceneBuilder builder = testBuilder();
+  const std::uint32_t mesh = builder.addMesh(twoOnAPlate(builder));
+  builder.place(mesh, {}, "first");
+  builder.place(mesh, at(0, 30, 0), "17");
+  Scene scene = builder.finish();
+  takeOut(scene, items("[first]"));
+  EXPECT_EQ(idsOf(scene), (std::vector<std::uint32_t>{3, 4}));
+  takeOut(scene, items("['17']"));
+  EXPECT_TRUE(scene.instances.empty()) << "a number in quotes is a name";
+}
+
+TEST(Without, AThingInEveryMomentOfItsAnimation) {
+  SceneBuilder builder = testBuilder();
+  const auto walk = std::make_shared<Animation>();
+  for (int i = 0; i < 3; ++i) walk->meshes.push_back(builder.addMesh(twoOnAPlate(builder)));
+  builder.place(walk->meshes[0], {}, "walker");
+  Scene scene = builder.finish();
+  scene.instances[0].animation = walk;
+  takeOut(scene, items("[2]"));
+  EXPECT_EQ(idsOf(scene), (std::vector<std::uint32_t>{1}));
+  ASSERT_EQ(scene.instances.size(), 1u);
+  for (const double time : {0.0, 0.4, 0.7}) {
+    EXPECT_EQ(scene.meshes[scene.instances[0].meshAt(time)].triangles.size(), 14u) << time;
+  }
+}
+
+TEST(Without, NothingThatIsNotThere) {
+  SceneBuilder builder = testBuilder();
+  builder.place(builder.addMesh(twoOnAPlate(builder)), {}, "first");
+  Scene scene = builder.finish();
+  EXPECT_THAT(messageOf([&] { takeOut(scene, items("[9]")); }), testing::HasSubstr("list:1:2"));
+  EXPECT_THAT(messageOf([&] { takeOut(scene, items("[0]")); }), testing::HasSubstr("has the instance id 0"));
+  EXPECT_THAT(messageOf([&] { takeOut(scene, items("[frist]")); }), testing::HasSubstr("did you mean 'first'"));
+  EXPECT_EQ(idsOf(scene), (std::vector<std::uint32_t>{1, 2}));
+}
+
+}  // namespace
+}  // namespace scanmill
