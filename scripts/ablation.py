@@ -10,7 +10,7 @@ and ablation.png; what was interrupted goes on where it was when called again.
 
 Columns of the table: the mean IoU in percent on `own`, towns made as those that were learned, and on each set; what was
 lost by leaving out, with its standard error, which follows from the seeds (a loss below two of these may be chance); and
-the time that the scans took. Wants what train_example.py wants, and the program scanmill built (scripts/build).
+the time that the scans took. Wants what train_example.py wants, and the program scanmill, built or installed.
 """
 
 import argparse
@@ -32,6 +32,8 @@ except ImportError as error:
     sys.exit(f"error: {error}: install python3-torch, python3-matplotlib and the package scanmill, as docs/training.md says")
 
 ROOT = Path(__file__).resolve().parent.parent
+BUILT = ROOT / "build/release/scanmill"
+PROGRAM = str(BUILT) if BUILT.exists() else "scanmill"
 BASE = "everything"
 SCENE = ["relief", "reflectance_variation", "light_paths"]
 # Intensities as of a plain simulator: the cosine of the incidence over the square of the range.
@@ -60,7 +62,7 @@ VARIANTS = {
 # Two columns of beams a pixel of the range image are enough; towns of the splits of training.yaml.
 COMMON = ["--set", "sensors.0.columns=1024", "--set", "scenes.0.seeds=[1, ..., 28]"]
 SPLITS = ["--set", "splits={by: seed, train: [1, ..., 24], val: [25, 26], test: [27, 28]}"]
-HELD_OUT = [*COMMON, "--set", "scenes.0.seeds=[29, ..., 32]", "--set", "splits=null"]
+HELD_OUT = ["--set", "scenes.0.seeds=[29, ..., 32]", "--set", "splits=null"]
 
 
 def generated(folder: Path, options: list[str]) -> float:
@@ -69,7 +71,7 @@ def generated(folder: Path, options: list[str]) -> float:
     if not note.exists():
         start = time.monotonic()
         resume = ["--resume"] if folder.exists() else []
-        command = [ROOT / "build/release/scanmill", "generate", ROOT / "pipelines/training.yaml", "-o", folder]
+        command = [PROGRAM, "generate", ROOT / "pipelines/training.yaml", "-o", folder]
         subprocess.run([*command, *resume, *options], check=True, stdout=subprocess.DEVNULL)
         scans = len(json.loads((folder / "manifest.json").read_text())["samples"])
         note.write_text(f"{(time.monotonic() - start) / scans:.3f}")
@@ -156,6 +158,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--judge", action="append", default=[], metavar="NAME=FOLDER", help="another set to be judged on; can be repeated")
     parser.add_argument("--seeds", type=int, default=3, help="networks of each kind (3)")
     parser.add_argument("--steps", type=int, default=400, help="of two scans each (400)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="of the pipeline, such as another sensor; can be repeated")
     parser.add_argument("--only", nargs="+", choices=list(VARIANTS)[1:], default=list(VARIANTS)[1:], help="what to leave out")
     options = parser.parse_args()
     if options.seeds < 1:
@@ -167,12 +170,13 @@ def main() -> None:
     options = arguments()
     names = [BASE, *options.only]
     folders = {name: options.out / "sets" / name.replace(" ", "_") for name in names}
+    own = [word for assignment in options.set for word in ("--set", assignment)]
     seconds = {}
     for name, folder in folders.items():
         print(f"scans: {name}", flush=True)
-        seconds[name] = generated(folder, [*COMMON, *SPLITS, *VARIANTS[name]])
+        seconds[name] = generated(folder, [*COMMON, *SPLITS, *own, *VARIANTS[name]])
     held_out = options.out / "sets/held_out"
-    generated(held_out, HELD_OUT)
+    generated(held_out, [*COMMON, *own, *HELD_OUT])
     judge = [f"held_out={held_out}", *options.judge]
 
     jobs = [(seed, name) for seed in range(options.seeds) for name in names]
