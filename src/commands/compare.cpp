@@ -49,30 +49,41 @@ void printComparison(const SetComparison& comparison) {
                     figureText(comparison.simulated.figures[i], f.factor, f.unit), std::string(f.keys)});
   }
   printText("{}\n", formatTable(rows));
-  if (comparison.advice.empty()) return;
+  if (comparison.advice.empty()) {
+    printText("to try: nothing. {}\n\n", comparison.unadvised);
+    return;
+  }
   rows = {{"to try", "now", "try", "for"}};
   for (const Advice& a : comparison.advice) {
-    rows.push_back({fmt::format("{} {}", a.effect, a.key), fmt::format("{:g}", a.now), fmt::format("{:g}", a.next),
-                    std::string(a.figure)});
+    rows.push_back(
+        {fmt::format("{} {}", a.effect, a.key), fmt::format("{:g}", a.now), nextText(a), std::string(a.figure)});
   }
-  printText("{}or all at once: --set '{}'\n\n", formatTable(rows), comparison.assignment);
+  printText("{}or all at once, beside the options that made the set: --set '{}'\n\n", formatTable(rows),
+            comparison.assignment);
 }
 
-// By the pipeline of the second set, where that is a dataset whose pipeline is found, and draws no effects.
-void advise(SetComparison& comparison, const std::filesystem::path& path, const std::string& sensor) {
+// By the pipeline of the second set, where it has one. `file`: where that lay; empty: it is looked for.
+void advise(SetComparison& comparison, const std::filesystem::path& path, const std::string& sensor,
+            const std::filesystem::path& file) {
+  const auto none = [&](std::string why) { comparison.unadvised = std::move(why); };
   std::error_code ignored;
-  if (!std::filesystem::exists(path / kManifestName, ignored)) return;
+  if (!std::filesystem::exists(path / kManifestName, ignored)) return none("The second set is no dataset's folder.");
+  const bool unlike = comparison.real.knowsRings && comparison.simulated.knowsRings &&
+                      comparison.real.rows != comparison.simulated.rows;
+  if (unlike) return none("The sensors are not alike.");
   try {
-    const Plan plan = planOfDataset(readManifest(path), path, {});
+    const Plan plan = planOfDataset(readManifest(path), path, file);
     const Pipeline& pipeline = plan.pipeline();
-    if (pipeline.drawn != nullptr) return;
+    if (pipeline.drawn != nullptr) return none("The second set's mounts or effects are drawn at random.");
     const auto named = std::find_if(pipeline.sensors.begin(), pipeline.sensors.end(),
                                     [&](const MountedSensor& s) { return s.name == sensor; });
     const MountedSensor& own = named == pipeline.sensors.end() ? pipeline.sensors.front() : *named;
     comparison.advice = adviceFor(comparison, sensorEffectItems(pipeline.effectItems, own));
-    if (!comparison.advice.empty()) comparison.assignment = assignmentOf(comparison.advice, pipeline.effectItems);
+    if (comparison.advice.empty()) return none("No key of the second set's effects scales what differs by a tenth.");
+    comparison.assignment = assignmentOf(comparison.advice, pipeline.effectItems);
   } catch (const InputError& error) {
-    warn(fmt::format("what to try is left out: {}", error.what()));
+    none(fmt::format("The files of the second set's pipeline are not found: name it with --pipeline FILE ({}).",
+                     error.what()));
   }
 }
 
@@ -85,7 +96,9 @@ int runCompare(const std::vector<std::string>& arguments) {
                         cxxopts::value<std::string>(), "DIR")(
       "scans", "at most so many scans of each set, evenly taken", cxxopts::value<std::size_t>()->default_value("20"),
       "N")("sensor", "whose scans are taken of datasets with several sensors (default: the first)",
-           cxxopts::value<std::string>(), "NAME")("overwrite", "replace a comparison that is there already")(
+           cxxopts::value<std::string>(),
+           "NAME")("pipeline", "of SIMULATED, for what to try; default: looked for near the dataset",
+                   cxxopts::value<std::string>(), "FILE")("overwrite", "replace a comparison that is there already")(
       "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"))(
       "q,quiet", "one line in place of progress and tables");
   const Arguments parsed =
@@ -123,7 +136,8 @@ int runCompare(const std::vector<std::string>& arguments) {
   }
   progress.say("telling them apart");
   SetComparison comparison = compareSets(std::move(real), std::move(simulated));
-  advise(comparison, given[1], read.sensor);
+  advise(comparison, given[1], read.sensor,
+         parsed.options.count("pipeline") > 0 ? parsed.options["pipeline"].as<std::string>() : "");
   if (*read.stop) throw Error("stopped: nothing was written");
 
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());

@@ -193,6 +193,7 @@ int runPlan(const std::vector<std::string>& arguments) {
     for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
     for (const std::string& line : shareWarnings(scene)) warn(line);
     for (const std::string& line : ruleWarnings(scene)) rules.insert(line);
+    for (const std::string& line : withoutWarnings(scene)) rules.insert(line);
     if (pipeline.objects) {
       for (const std::string& line : headingWarnings(scene, ThingBoxes(scene))) warn(line);
     }

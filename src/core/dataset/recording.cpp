@@ -74,6 +74,7 @@ std::string indexJson(const Recording& r) {
                          {"trajectory", s.trajectory},
                          {"frames", s.frames},
                          {"materials", s.materials}});
+    if (!s.without.empty()) sequences.back()["without"] = s.without;
   }
   OrderedJson tables = OrderedJson::array();
   for (const std::vector<Material>& table : r.materials) {
@@ -119,7 +120,7 @@ std::string fileOf(const JsonNode& node) {
 }
 
 RecordedSequence sequenceOf(const JsonNode& node, std::size_t tables) {
-  node.keys({"scene", "trajectory", "frames"}, {"seed", "materials"});
+  node.keys({"scene", "trajectory", "frames"}, {"seed", "materials", "without"});
   RecordedSequence s;
   s.scene = node["scene"].text();
   s.trajectory = node["trajectory"].text();
@@ -131,6 +132,9 @@ RecordedSequence sequenceOf(const JsonNode& node, std::size_t tables) {
   s.frames = node["frames"].integer<std::uint32_t>(1, 10'000'000);
   if (node.has("seed")) s.seed = node["seed"].integer<std::uint64_t>();
   if (node.has("materials")) s.materials = node["materials"].integer<std::uint32_t>();
+  if (node.has("without")) {
+    node["without"].forEach([&](const JsonNode& item) { s.without.push_back(item.text()); });
+  }
   if (s.materials >= std::max<std::size_t>(tables, 1))
     node["materials"].fail(fmt::format("there are {} tables", tables));
   return s;

@@ -51,7 +51,8 @@ struct RecordedSequence {
   std::uint64_t seed = 1;
   std::string trajectory;
   std::uint32_t frames = 0;
-  std::uint32_t materials = 0;  // index into Recording::materials
+  std::uint32_t materials = 0;            // index into Recording::materials
+  std::vector<std::string> without = {};  // what was taken out of the scene, as YAML has it: "car", "17"
 };
 
 struct RecordedSensor {

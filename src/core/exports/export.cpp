@@ -254,7 +254,7 @@ class Export {
 
   ExportSample read(std::size_t sequence, std::size_t frame) const {
     const std::size_t number = plan_.sequences[sequence].samples[frame];
-    ExportSample sample{&plan_.manifest.samples[number], sequence, frame, {}, store_.objects(number)};
+    ExportSample sample{&plan_.manifest.samples[number], sequence, frame, {}, store_.objects(number), {}};
     std::vector<StoredScan> stored = store_.scans(number);
     for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
       const SensorRecord* const sensor = plan_.sensors[s];
@@ -268,6 +268,12 @@ class Export {
           sample.record->scans.begin(), sample.record->scans.end(),
           [&](const ScanRecord& r) { return r.sensor == sensor->name && r.method == found->record->method; });
       sample.scans.push_back({&*record, sensor, s, store_.decode(number, *found)});
+    }
+    if (layout_->readsVoxels()) {
+      const std::string& sensor = plan_.sensors.front()->name;
+      const std::optional<std::string> bytes = store_.voxels(number, sensor);
+      if (bytes)
+        sample.voxels = decodeVoxels(*bytes, sample.record->key + "." + sensor + "." + std::string(kVoxelsSuffix));
     }
     return sample;
   }

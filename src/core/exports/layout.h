@@ -15,6 +15,7 @@
 
 #include "dataset/manifest.h"
 #include "dataset/objects.h"
+#include "dataset/voxels.h"
 #include "exports/class_map.h"
 #include "scan/scan.h"
 
@@ -47,6 +48,7 @@ struct ExportSample {
   std::size_t frame = 0;                 // in the sequence, from 0
   std::vector<ExportScan> scans;         // of the sensors that are exported, in their order
   std::optional<SampleObjects> objects;  // none where the dataset lists none
+  std::optional<ScanVoxels> voxels;      // about the first sensor; none where there are none, or the layout reads none
 };
 
 // What is exported.
@@ -62,6 +64,8 @@ struct ExportPlan {
 bool listsObjects(const ExportPlan& plan);
 // Whether the dataset's scans have a column.
 bool hasColumn(const ExportPlan& plan, std::string_view column);
+// Whether every sample that is exported has voxels about the first sensor that is.
+bool hasVoxels(const ExportPlan& plan);
 // The scan's points, without misses, as KITTI's files order theirs, which some loaders find the rings by: ring after
 // ring from the top, each from straight ahead over the left round to there. In the scan's own order where it knows no
 // rings.
@@ -99,6 +103,9 @@ class Layout {
   // Whether values of samples may not fit. Then checkSample() sees all that are to be written before any is.
   virtual bool checksSamples(const ExportPlan&) const { return false; }
   virtual void checkSample(const ExportPlan&, const ExportSample&) const {}
+
+  // Whether ExportSample::voxels are wanted.
+  virtual bool readsVoxels() const { return false; }
 
   // A unit of work is one frame, or one sequence where its frames share a file.
   virtual bool bySequence() const { return false; }

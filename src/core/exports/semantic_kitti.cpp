@@ -5,6 +5,7 @@
 //   semantic-kitti.yaml                    classes, colours (blue, green, red) and splits, for the API's --config
 //   sequences/00/velodyne/000000.bin       float32 x, y, z, remission a point, ring after ring from the top
 //   sequences/00/labels/000000.label       uint32 a point: class in the lower 16 bits, instance in the upper
+//   sequences/00/voxels/000000.*           where the dataset has voxels, see exports/semantic_kitti_voxels.h
 //   sequences/00/poses.txt                 12 numbers a line: pose of camera 0 relative to the first line
 //   sequences/00/calib.txt, times.txt
 //
@@ -20,6 +21,7 @@
 
 #include "base/error.h"
 #include "exports/layout.h"
+#include "exports/semantic_kitti_voxels.h"
 #include "formats/little_endian.h"
 
 namespace scanmill {
@@ -98,8 +100,14 @@ class SemanticKitti : public Layout {
     const std::filesystem::path own = sequenceFolder(numbersOf(plan)[sequence]);
     std::vector<std::filesystem::path> files{own / "velodyne" / (name + ".bin")};
     if (hasColumn(plan, "label")) files.push_back(own / "labels" / (name + ".label"));
+    if (hasVoxels(plan)) {
+      for (const char* kind : {".bin", ".label", ".invalid", ".occluded"})
+        files.push_back(own / "voxels" / (name + kind));
+    }
     return files;
   }
+
+  bool readsVoxels() const override { return true; }
 
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override {
@@ -122,7 +130,13 @@ class SemanticKitti : public Layout {
     }
     const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
     folder.write(files[0], velodynePoints(sample.scans.front(), order));
-    if (files.size() > 1) folder.write(files[1], labels);
+    if (hasColumn(plan, "label")) folder.write(files[1], labels);
+    if (!sample.voxels || !hasVoxels(plan)) return;
+    const VoxelFiles voxels = semanticKittiVoxels(*sample.voxels, plan.classes);
+    auto file = files.end() - 4;
+    for (const std::string* bytes : {&voxels.bin, &voxels.label, &voxels.invalid, &voxels.occluded}) {
+      folder.write(*file++, *bytes);
+    }
   }
 
   std::vector<std::string> finish(const ExportPlan& plan, const ReadObjects&,

@@ -104,6 +104,16 @@ struct RuleUse {
   std::uint64_t decided = 0;  // to which it gave a class or a material, or which it dropped
 };
 
+// Of a scene that things were taken out of (scene/without.h), what it was with them. How it is traced follows from
+// this, so that all other hits stay what they were to the last bit.
+struct WholeScene {
+  Box bounds;  // m, in the world's frame at the time 0
+  bool moves = false;
+  std::uint64_t placedTriangles = 0;
+  std::vector<std::uint64_t> copies;  // of each mesh: how many instances place it
+  std::vector<std::string> absent;    // classes that were to be taken out, of which it has nothing
+};
+
 struct Scene {
   std::string name;
   std::uint64_t seed = 0;
@@ -119,12 +129,14 @@ struct Scene {
   Dropped dropped;
   std::map<UnlabeledPart, std::uint64_t> unlabeled;  // triangles to which no rule gives a class
   std::vector<RuleUse> rules;                        // in the order of their places
+  std::shared_ptr<const WholeScene> whole;           // null: nothing was taken out of it
 
-  bool moves() const;                     // some instance does
-  std::uint64_t triangles() const;        // of the meshes, each counted once
-  std::uint64_t placedTriangles() const;  // of the instances
-  std::uint32_t things() const;           // how many instance ids are given
-  Box bounds() const;                     // in the world's frame at the time 0, m
+  bool moves() const;                         // some instance does
+  std::uint64_t triangles() const;            // of the meshes, each counted once
+  std::uint64_t placedTriangles() const;      // of the instances
+  std::uint32_t things() const;               // how many instance ids are given
+  Box bounds() const;                         // in the world's frame at the time 0, m; of the whole scene
+  std::vector<std::uint64_t> copies() const;  // of each mesh: how many instances place it
 };
 
 // The instance id of an object (see Surface::object) of a mesh that is placed with this first id. Stuff has the id 0.

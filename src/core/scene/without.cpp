@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <functional>
-#include <set>
+#include <map>
+#include <optional>
 #include <string>
 
 #include "base/error.h"
 #include "config/fields.h"
+#include "config/text.h"
 
 namespace scanmill {
 namespace {
@@ -34,12 +36,13 @@ bool holds(const Mesh& mesh, std::uint32_t object) {
 }
 
 // Of the instances that have a part of the thing: their meshes, which others may share, are copied without it.
-bool takeOutThing(Scene& scene, std::uint32_t id) {
+bool takeOutThing(Scene& scene, std::uint32_t id, WholeScene& whole) {
   bool found = false;
   const auto less = [&](std::uint32_t mesh, std::uint32_t object) {
     Mesh rest = scene.meshes[mesh];
     drop(rest, [&](const Surface& surface) { return surface.object == object; });
     scene.meshes.push_back(std::move(rest));
+    whole.copies.push_back(whole.copies[mesh]);
     return static_cast<std::uint32_t>(scene.meshes.size() - 1);
   };
   for (Instance& instance : scene.instances) {
@@ -77,35 +80,69 @@ bool takeOutNamed(Scene& scene, const std::string& name) {
   return std::erase_if(scene.instances, [&](const Instance& i) { return i.name == name || objectOf(i) == name; }) > 0;
 }
 
+// The integer that a number without quotes is.
+std::optional<std::uint32_t> idOf(const Value& item) {
+  const bool digits = !item.text.empty() && item.text.find_first_not_of("0123456789") == std::string::npos;
+  if (item.quoted || !digits || item.text.size() > 9) return {};
+  return static_cast<std::uint32_t>(std::stoul(item.text));
+}
+
+[[noreturn]] void refuse(const Scene& scene, const Value& item) {
+  std::map<std::string, std::size_t> objects;  // with the number of their copies
+  for (const Instance& instance : scene.instances) ++objects[objectOf(instance)];
+  std::vector<std::string> names;
+  for (const auto& [name, copies] : objects) names.push_back(name);
+  for (const SemanticClass& c : scene.ontology.classes) names.push_back(c.name);
+  std::string hint = nearest(item.text, names);
+  const auto own = objects.find(item.text.substr(0, item.text.find('#')));
+  if (own != objects.end()) {
+    hint = own->second > 1 ? fmt::format(" ('{0}' has the copies {0}#1 to {0}#{1})", own->first, own->second)
+                           : fmt::format(" ('{}' has no copies)", own->first);
+  } else if (!item.text.empty() && item.text.find_first_not_of("+-.0123456789xX") == std::string::npos) {
+    hint = " (an instance id is a whole number above 0, without quotes)";
+  } else if (!hint.empty()) {
+    hint = fmt::format(" (did you mean '{}'?)", hint);
+  } else {
+    hint = "; names and ids stand in the objects of samples (output.objects)";
+  }
+  throw InputError(item.where,
+                   fmt::format("without: {} is neither a class of the ontology '{}' nor the name of an object "
+                               "of the scene '{}'{}",
+                               quotedForMessage(item.text), scene.ontology.name, scene.name, hint));
+}
+
 }  // namespace
 
 void takeOut(Scene& scene, const std::vector<Value>& what) {
   if (what.empty()) return;
-  std::set<std::string> names;
-  for (const Instance& instance : scene.instances) names.insert(objectOf(instance));
+  auto whole = std::make_shared<WholeScene>();
+  if (scene.whole != nullptr) {
+    *whole = *scene.whole;
+  } else {
+    *whole = {scene.bounds(), scene.moves(), scene.placedTriangles(), scene.copies(), {}};
+  }
   for (const Value& item : what) {
-    const bool number = !item.quoted && !item.text.empty() &&
-                        item.text.find_first_not_of("0123456789") == std::string::npos && item.text.size() < 10;
-    if (number) {
-      if (takeOutThing(scene, static_cast<std::uint32_t>(std::stoul(item.text)))) continue;
+    if (const std::optional<std::uint32_t> id = idOf(item)) {
+      if (takeOutThing(scene, *id, *whole)) continue;
       throw InputError(item.where,
                        fmt::format("without: no thing of the scene '{}' with the seed {} has the instance id {}",
                                    scene.name, scene.seed, item.text));
     }
+    std::size_t dropped = 0;
     const SemanticClass* semantic = scene.ontology.find(item.text);
     if (semantic != nullptr) {
       for (Mesh& mesh : scene.meshes) {
+        const std::size_t before = mesh.triangles.size();
         drop(mesh, [&](const Surface& surface) { return surface.semantic == semantic->id; });
+        dropped += before - mesh.triangles.size();
       }
     }
-    if (takeOutNamed(scene, item.text) || semantic != nullptr) continue;
-    std::vector<std::string> known(names.begin(), names.end());
-    for (const SemanticClass& c : scene.ontology.classes) known.push_back(c.name);
-    throw InputError(item.where, fmt::format("without: '{}' is neither a class of the ontology '{}' nor the name of an "
-                                             "object of the scene '{}'{}",
-                                             item.text, scene.ontology.name, scene.name, suggestion(item.text, known)));
+    const bool named = takeOutNamed(scene, item.text);
+    if (semantic == nullptr && !named) refuse(scene, item);
+    if (!named && dropped == 0) whole->absent.push_back(item.text);
   }
   std::erase_if(scene.instances, [&](const Instance& instance) { return isEmpty(scene, instance); });
+  scene.whole = std::move(whole);
 }
 
 }  // namespace scanmill

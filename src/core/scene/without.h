@@ -10,8 +10,9 @@
 namespace scanmill {
 
 // Each item of `what` names what goes: a number the thing with this instance id; a word the objects of this name, with
-// all their copies, or the triangles of this class. All other instances keep their ids. Throws an InputError at an
-// item's place where it is neither a class of the scene's ontology nor in the scene.
+// all their copies, and the triangles of this class. All other things keep their ids, and all that else is traced stays
+// what it was to the last bit. Throws an InputError at an item's place
+// where it is neither a class of the scene's ontology nor in the scene.
 void takeOut(Scene& scene, const std::vector<Value>& what);
 
 }  // namespace scanmill

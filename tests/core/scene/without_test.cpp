@@ -99,7 +99,30 @@ TEST(Without, NothingThatIsNotThere) {
   EXPECT_THAT(messageOf([&] { takeOut(scene, items("[9]")); }), testing::HasSubstr("list:1:2"));
   EXPECT_THAT(messageOf([&] { takeOut(scene, items("[0]")); }), testing::HasSubstr("has the instance id 0"));
   EXPECT_THAT(messageOf([&] { takeOut(scene, items("[frist]")); }), testing::HasSubstr("did you mean 'first'"));
+  EXPECT_THAT(messageOf([&] { takeOut(scene, items("[-1]")); }), testing::HasSubstr("a whole number above 0"));
+  EXPECT_THAT(messageOf([&] { takeOut(scene, items("['first#2']")); }), testing::HasSubstr("'first' has no copies"));
   EXPECT_EQ(idsOf(scene), (std::vector<std::uint32_t>{1, 2}));
+  EXPECT_EQ(scene.whole, nullptr);
+  takeOut(scene, items("[other]"));
+  EXPECT_EQ(scene.whole->absent, (std::vector<std::string>{"other"}));
+}
+
+// What decides how the rest is traced.
+TEST(Without, TheWholeSceneIsRemembered) {
+  SceneBuilder builder = testBuilder();
+  const std::uint32_t mesh = builder.addMesh(twoOnAPlate(builder));
+  builder.place(mesh, {}, "first");
+  builder.place(mesh, at(0, 900, 0), "second");
+  Scene scene = builder.finish();
+  const Box before = scene.bounds();
+  const std::uint64_t triangles = scene.placedTriangles();
+  takeOut(scene, items("[3]"));
+  takeOut(scene, items("[second]"));
+  EXPECT_EQ(scene.instances.size(), 1u);
+  EXPECT_EQ(length(scene.bounds().high - before.high), 0);
+  EXPECT_EQ(scene.whole->placedTriangles, triangles);
+  EXPECT_EQ(scene.whole->copies.size(), scene.meshes.size());
+  EXPECT_EQ(scene.whole->copies[0], 2u);
 }
 
 }  // namespace

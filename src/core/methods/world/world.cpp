@@ -232,10 +232,10 @@ DeviceHandle makeDevice() {
 }
 
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing) {
-  std::vector<std::uint64_t> copies(scene.meshes.size());
-  for (const Instance& instance : scene.instances) ++copies[instance.mesh];
-  const bool large = scene.placedTriangles() > kFlattenedTriangles;
-  const bool moves = scene.moves();
+  const WholeScene* const whole = scene.whole.get();
+  const std::vector<std::uint64_t> copies = whole != nullptr ? whole->copies : scene.copies();
+  const bool large = (whole != nullptr ? whole->placedTriangles : scene.placedTriangles()) > kFlattenedTriangles;
+  const bool moves = whole != nullptr ? whole->moves : scene.moves();
   std::vector<bool> instanced(scene.meshes.size());
   for (std::size_t m = 0; m < instanced.size(); ++m) {
     instanced[m] =

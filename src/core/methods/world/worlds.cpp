@@ -18,7 +18,7 @@ Worlds::Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions
       options_(options),
       anchor_(scene.bounds().empty() ? Vec3d{} : scene.bounds().center()),
       device_(makeDevice()),
-      moves_(scene.moves()),
+      moves_(scene.whole != nullptr ? scene.whole->moves : scene.moves()),
       instanced_(instancedMeshes(scene, instancing)),
       shared_(buildSharedMeshes(device_.get(), scene, instanced_, options)) {}
 

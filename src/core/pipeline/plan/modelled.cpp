@@ -8,6 +8,7 @@
 #include <set>
 
 #include "config/named_options.h"
+#include "config/flow_text.h"
 #include "methods/light_paths.h"
 #include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/plan.h"
@@ -135,6 +136,15 @@ std::vector<std::string> Plan::modelled() const {
     lines.emplace_back("what is drawn at random: above as the first frame has it, else as the samples tell");
     lines.insert(lines.end(), drawn.begin(), drawn.end());
   }
+  std::set<std::string> takenOut;
+  for (const Sequence& s : pipeline_.sequences) {
+    if (s.without.empty()) continue;
+    Value list;
+    list.kind = Value::Kind::Sequence;
+    list.items = s.without;
+    takenOut.insert(fmt::format("taken out of {}: {}", s.scene, flowText(list)));
+  }
+  lines.insert(lines.end(), takenOut.begin(), takenOut.end());
   lines.push_back(motionLine(pipeline_));
   std::map<std::string, std::set<std::string>> ways;  // and whose they are
   for (const Sequence& s : pipeline_.sequences) {

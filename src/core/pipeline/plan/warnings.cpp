@@ -1,6 +1,7 @@
 #include "pipeline/plan/warnings.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -148,6 +149,12 @@ std::vector<std::string> unlabeledWarnings(const Scene& scene) {
       "scene {}: no rule gives a class to {} triangles of {}{}: their points are unlabeled (`scanmill plan` "
       "lists them)",
       scene.name, grouped(triangles), *files.begin(), more)};
+}
+
+std::vector<std::string> withoutWarnings(const Scene& scene) {
+  if (scene.whole == nullptr || scene.whole->absent.empty()) return {};
+  return {fmt::format("{}: nothing is taken out of {}, of which there is nothing", scene.file.string(),
+                      fmt::join(scene.whole->absent, ", "))};
 }
 
 std::vector<std::string> ruleWarnings(const Scene& scene) {

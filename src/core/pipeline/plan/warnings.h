@@ -27,6 +27,9 @@ std::vector<std::string> unlabeledWarnings(const Scene& scene);
 // class are one, though their nodes are many.
 std::vector<std::string> ruleWarnings(const Scene& scene);
 
+// A line where classes were to be taken out that the scene does not have (scene/without.h).
+std::vector<std::string> withoutWarnings(const Scene& scene);
+
 // The seeds of a scene of which nothing follows from a seed: its sequences differ in nothing.
 std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& sequence, const Scene& scene);
 

@@ -259,7 +259,7 @@ Pipeline pipelineOf(const Value& root, std::string text, const std::filesystem::
   }
   if (pipeline.recording != nullptr) {
     checkSensors(pipeline, *pipeline.recording, fields.require("sensors"));
-    pipeline.sequences = recordedSequences(*pipeline.recording);
+    pipeline.sequences = recordedSequences(*pipeline.recording, fields);
   } else {
     pipeline.sequences = readSequences(fields, periods);
   }

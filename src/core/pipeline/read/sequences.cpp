@@ -1,12 +1,14 @@
 #include "pipeline/read/sequences.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
 #include <set>
 
 #include "base/error.h"
+#include "config/flow_text.h"
 #include "config/waypoints.h"
 #include "scene/scene.h"
 
@@ -69,6 +71,11 @@ std::vector<std::uint64_t> readSeeds(const Value* value) {
   return seeds;
 }
 
+bool sameItems(const std::vector<Value>& a, const std::vector<Value>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Value& one, const Value& other) { return flowText(one) == flowText(other); });
+}
+
 std::vector<Value> readWithout(const Value* value) {
   if (value == nullptr || value->kind == Value::Kind::Null) return {};
   const bool words = value->kind == Value::Kind::Sequence &&
@@ -77,7 +84,7 @@ std::vector<Value> readWithout(const Value* value) {
   if (!words) {
     throw InputError(value->where,
                      "without must be a list of classes, names of objects and instance ids, such as "
-                     "[car, 17]");
+                     "[car, 17]; each value of a sweep is such a list: [[], [car]]");
   }
   return value->items;
 }
@@ -143,19 +150,35 @@ std::vector<Sequence> readSequences(Fields& fields, const Periods& periods) {
   return sequences;
 }
 
-std::vector<Sequence> recordedSequences(const Recording& recording) {
+std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fields) {
   std::vector<Sequence> sequences;
   for (const RecordedSequence& s : recording.sequences) {
     sequences.push_back({s.scene, {}, s.seed, nullptr, s.trajectory, s.frames, ""});
+    const std::string list = fmt::format("[{}]", fmt::join(s.without, ", "));
+    sequences.back().without = parseYaml(list, recording.folder.string()).items;
+  }
+  // What was met cannot be taken out later.
+  const Value* scenes = fields.find("scenes");
+  if (scenes == nullptr) return sequences;
+  for (const Value& scene : scenes->items) {
+    const Value* value = scene.find("without");
+    const std::vector<Value> asked = readWithout(value);
+    const Value* name = scene.find("scene");
+    for (const Sequence& s : sequences) {
+      const bool own = name != nullptr && keyPart(std::filesystem::path(name->text).stem().string()) == s.scene;
+      if (value == nullptr || !own || sameItems(asked, s.without)) continue;
+      throw InputError(
+          value->where,
+          fmt::format("{} was recorded with {}: what its beams met cannot be changed; leave out `without`",
+                      recording.folder.string(), s.without.empty() ? "all things" : "other things taken out"));
+    }
   }
   return sequences;
 }
 
 bool Sequence::sameScene(const Sequence& other) const {
   return scene == other.scene && sceneFile == other.sceneFile && sceneSeed == other.sceneSeed &&
-         moving == other.moving &&
-         std::equal(without.begin(), without.end(), other.without.begin(), other.without.end(),
-                    [](const Value& a, const Value& b) { return a.text == b.text && a.quoted == b.quoted; });
+         moving == other.moving && sameItems(without, other.without);
 }
 
 std::vector<std::uint32_t> Sequence::spreadFrames(std::uint32_t most) const {

@@ -49,6 +49,8 @@ const Value& requireList(Fields& fields, std::string_view key);
 
 // One for each scene, seed and trajectory. Throws InputError.
 std::vector<Sequence> readSequences(Fields& fields, const Periods& periods);
-std::vector<Sequence> recordedSequences(const Recording& recording);
+// Those of a recording. Throws InputError where the pipeline takes other things out of its scenes than were taken out
+// when it was made.
+std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fields);
 
 }  // namespace scanmill

@@ -6,6 +6,7 @@
 
 #include "base/append_new.h"
 #include "base/parallel.h"
+#include "config/flow_text.h"
 #include "config/version.h"
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
@@ -28,7 +29,8 @@ void Recorder::enter(std::size_t sequence, const Scene& scene, const Method& met
   if (entered_.contains(sequence)) return;
   const Sequence& own = plan_.pipeline().sequences[sequence];
   Entered& entered = entered_[sequence];
-  entered.record = {own.scene, own.sceneSeed, own.trajectoryName, own.frames, 0};
+  entered.record = {own.scene, own.sceneSeed, own.trajectoryName, own.frames, 0, {}};
+  for (const Value& item : own.without) entered.record.without.push_back(flowText(item));
   entered.materials = scene.materials;
   for (Material& material : entered.materials) material.texture.reset();
   entered.modelled = method.modelled();

@@ -140,7 +140,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     for (const auto& more :
          {damageWarnings(ready.scene), sizeWarnings(ready.scene), thingSizeWarnings(ready.scene),
           ruleWarnings(ready.scene), unlabeledWarnings(ready.scene), seedWarnings(pipeline, own, ready.scene),
-          shareWarnings(ready.scene), vehicleWarnings(plan_), driveWarnings(pipeline)}) {
+          shareWarnings(ready.scene), withoutWarnings(ready.scene), vehicleWarnings(plan_), driveWarnings(pipeline)}) {
       appendNew(more, lines);
     }
     if (ready.objects != nullptr) appendNew(headingWarnings(ready.scene, ready.objects->boxes()), lines);

@@ -140,12 +140,14 @@ std::string adviceTable(const SetComparison& comparison) {
     table.row({{std::string(a.effect)},
                {std::string(a.key)},
                {fmt::format("{:g}", a.now), a.now},
-               {fmt::format("{:g}", a.next), a.next},
+               {nextText(a), a.next},
                {std::string(a.figure)},
                cell(a.real, 1, a.unit),
                cell(a.simulated, 1, a.unit)});
   }
-  return table.html() + htmlParagraph("All of it, as an option of scanmill generate:") +
+  return table.html() +
+         htmlParagraph(
+             "All of it, as an option beside those of the command that made the set; it is for all sensors:") +
          htmlCode(fmt::format("--set '{}'", comparison.assignment));
 }
 
@@ -213,6 +215,11 @@ std::string figureText(double value, double factor, std::string_view unit) {
   return fmt::format("{:.3g}{}{}", value * factor, unit.empty() ? "" : " ", unit);
 }
 
+std::string nextText(const Advice& advice) {
+  return fmt::format("{:g}{}", advice.next,
+                     advice.isEnd ? advice.next > advice.now ? " (the most)" : " (the least)" : "");
+}
+
 std::string comparisonPage(const SetComparison& comparison, const std::string& date) {
   std::vector<Pair> ranges, shares;
   for (const BandComparison& band : comparison.ranges) {
@@ -238,12 +245,10 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
                    grouping, unknown),
        htmlFigures({featureChart(comparison)}) + featureTable(comparison, comparison.features, true), true},
       {"advice", "What to try",
-       comparison.advice.empty() ? "Nothing: the second set is no dataset whose pipeline is at hand, its effects have "
-                                   "no key that scales what "
-                                   "differs, or nothing of that differs by a tenth."
-                                 : "Values of the second set's pipeline that would make these figures alike, if they "
-                                   "alone moved them. Generate, "
-                                   "compare again, and judge by the rows above.",
+       comparison.advice.empty()
+           ? comparison.unadvised
+           : "Values of the second set's pipeline that would make these figures alike, if they alone moved them. "
+             "Generate, compare again, and judge by the rows above.",
        adviceTable(comparison)},
       {"figures", "The sets as a whole", "Figures that depend on the place, too: compare like places.",
        figureTable(comparison), true},

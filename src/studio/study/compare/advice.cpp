@@ -108,11 +108,12 @@ std::vector<Advice> adviceFor(const SetComparison& comparison, const std::vector
     const std::optional<double> now = numberIn(readNamed(*item, "an effect").options, mover.key);
     const double ratio = figure->ratio();
     if (!now || std::max(ratio, 1 / ratio) < kAlike) continue;
-    const double exact = std::clamp(*now * std::pow(ratio, mover.power), mover.low, mover.high);
-    const double next = mover.whole ? std::round(exact) : rounded(exact);
+    const double exact = *now * std::pow(ratio, mover.power);
+    const double within = std::clamp(exact, mover.low, mover.high);
+    const double next = mover.whole ? std::round(within) : rounded(within);
     if (next == *now) continue;
-    advice.push_back(
-        {mover.effect, mover.key, figure->title, figure->real, figure->simulated, figure->unit, *now, next});
+    advice.push_back({mover.effect, mover.key, figure->title, figure->real, figure->simulated, figure->unit, *now, next,
+                      within != exact});
   }
   return advice;
 }

@@ -52,6 +52,7 @@ struct Advice {
   std::string_view unit;           // of it
   double now = 0;                  // the key's value
   double next = 0;                 // one that would make the figures alike, if it alone moved them
+  bool isEnd = false;              // `next` is the most or the least that the key takes, which is not enough
 };
 
 struct SetComparison {
@@ -67,8 +68,9 @@ struct SetComparison {
   std::vector<GroupComparison> groups;  // the largest first
   std::vector<BandComparison> ranges;
   std::vector<IntensityRow> intensityByRange, intensityByIncidence;
-  std::vector<Advice> advice;  // none where the second set is no dataset whose pipeline is at hand
-  std::string assignment;      // an argument of --set that follows all advice; empty: none
+  std::vector<Advice> advice;
+  std::string assignment;  // an argument of --set that follows all advice; empty: none
+  std::string unadvised;   // why there is no advice, a sentence; empty where there is some
 };
 
 // Classes of one set become those of the same name or alias in the other one's ontology: of the two ways the one that

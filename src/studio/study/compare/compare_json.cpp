@@ -88,6 +88,7 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
   }
   json["advice"] = std::move(advice);
   json["set"] = comparison.assignment;
+  json["unadvised"] = comparison.unadvised;
   OrderedJson groups = OrderedJson::array();
   for (const GroupComparison& group : comparison.groups) {
     OrderedJson own;

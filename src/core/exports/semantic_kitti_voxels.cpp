@@ -1,0 +1,60 @@
+#include "exports/semantic_kitti_voxels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/little_endian.h"
+
+namespace scanmill {
+namespace {
+
+std::string packed(const std::vector<std::uint8_t>& flags) {
+  std::string bytes((flags.size() + 7) / 8, '\0');
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    if (flags[i] != 0) bytes[i / 8] = static_cast<char>(static_cast<unsigned char>(bytes[i / 8]) | 0x80u >> i % 8);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels) {
+  const VoxelGrid& grid = voxels.grid;
+  const Vec3d sensor = grid.inVoxels({});
+  const auto in = [](double along, std::uint32_t count) { return along >= 0 && along < count; };
+  const auto isOccluded = [&](const Vec3d& middle) {
+    const Vec3d way = sensor - middle;
+    const double steps = std::max({std::fabs(way.x), std::fabs(way.y), std::fabs(way.z)});
+    const Vec3d step = way * (1 / steps);
+    Vec3d place = middle;
+    for (double left = steps - 1; left > 0; --left) {  // to the voxel of the sensor, which stands in nobody's way
+      place += step;
+      // The grid is convex: a line that leaves it does not come back.
+      if (!in(place.x, grid.counts[0]) || !in(place.y, grid.counts[1]) || !in(place.z, grid.counts[2])) return false;
+      const std::size_t i = grid.index(static_cast<std::uint32_t>(place.x), static_cast<std::uint32_t>(place.y),
+                                       static_cast<std::uint32_t>(place.z));
+      if (voxels.label[i] != 0 || voxels.input[i] != 0) return true;
+    }
+    return false;
+  };
+  std::vector<std::uint8_t> occluded(grid.voxels(), 0);
+  for (std::uint32_t x = 0; x < grid.counts[0]; ++x) {
+    for (std::uint32_t y = 0; y < grid.counts[1]; ++y) {
+      for (std::uint32_t z = 0; z < grid.counts[2]; ++z) {
+        occluded[grid.index(x, y, z)] = isOccluded({x + 0.5, y + 0.5, z + 0.5}) ? 1 : 0;
+      }
+    }
+  }
+  return occluded;
+}
+
+VoxelFiles semanticKittiVoxels(const ScanVoxels& voxels, const ClassMap& classes) {
+  VoxelFiles files;
+  files.bin = packed(voxels.input);
+  for (const std::uint16_t label : voxels.label) putNumber(label == 0 ? label : classes.of(label), files.label);
+  files.invalid = packed(voxels.invalid);
+  files.occluded = packed(occludedVoxels(voxels));
+  return files;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,176 @@
+#include "exports/semantic_kitti_voxels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <random>
+
+#include "tests/core/exports/export_world.h"
+
+namespace scanmill {
+namespace {
+
+ScanVoxels emptyGrid(const std::array<std::uint32_t, 3>& counts, const Vec3d& low) {
+  ScanVoxels voxels;
+  voxels.grid = {1, low, counts};
+  voxels.label.resize(voxels.grid.voxels());
+  for (auto* flags : {&voxels.input, &voxels.invalid, &voxels.unseen}) flags->resize(voxels.grid.voxels());
+  return voxels;
+}
+
+template <class Visit>
+void forVoxels(const VoxelGrid& grid, const Visit& visit) {
+  for (std::uint32_t x = 0; x < grid.counts[0]; ++x) {
+    for (std::uint32_t y = 0; y < grid.counts[1]; ++y) {
+      for (std::uint32_t z = 0; z < grid.counts[2]; ++z) visit(x, y, z, grid.index(x, y, z));
+    }
+  }
+}
+
+// All behind a wall, and nothing before it.
+TEST(OccludedVoxels, OfAWallAreThoseBehindIt) {
+  ScanVoxels voxels = emptyGrid({20, 30, 8}, {0, -15, -2});
+  forVoxels(voxels.grid, [&](std::uint32_t x, auto, auto, std::size_t i) { voxels.label[i] = x == 7 ? 50 : 0; });
+  const std::vector<std::uint8_t> occluded = occludedVoxels(voxels);
+  forVoxels(voxels.grid, [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, std::size_t i) {
+    // Lines that come from beside the grid or above it pass the wall where there is no grid.
+    const double share = 7.5 / (x + 0.5);
+    const double wallY = (y - 14.5) * share, wallZ = (z - 1.5) * share;
+    if (std::fabs(wallY) > 14 || wallZ < -1 || wallZ > 5) return;
+    EXPECT_EQ(occluded[i], x > 7 ? 1 : 0) << x << " " << y << " " << z;
+  });
+}
+
+// Against lines that are followed in small steps: where no voxel about such a line is full, none is in the way, and
+// where a line goes through the middle of something large, that is.
+TEST(OccludedVoxels, FollowLinesOfSight) {
+  ScanVoxels voxels = emptyGrid({40, 40, 16}, {-20, -20, -8});
+  std::mt19937 random(5);
+  for (int box = 0; box < 12; ++box) {
+    const auto from = [&](std::uint32_t count) { return static_cast<std::uint32_t>(random() % (count - 4)); };
+    const std::uint32_t x = from(40), y = from(40), z = from(16);
+    if (std::abs(static_cast<int>(x) - 18) < 5 && std::abs(static_cast<int>(y) - 18) < 5) continue;  // about the sensor
+    for (std::uint32_t i = 0; i < 64; ++i) {
+      voxels.input[voxels.grid.index(x + i / 16, y + i / 4 % 4, z + i % 4)] = 1;
+    }
+  }
+  const auto isFull = [&](const Vec3d& p) {
+    const auto in = [](double value, std::uint32_t count) { return value >= 0 && value < count; };
+    return in(p.x, 40) && in(p.y, 40) && in(p.z, 16) &&
+           voxels.input[voxels.grid.index(static_cast<std::uint32_t>(p.x), static_cast<std::uint32_t>(p.y),
+                                          static_cast<std::uint32_t>(p.z))] != 0;
+  };
+  const std::vector<std::uint8_t> occluded = occludedVoxels(voxels);
+  const Vec3d sensor = voxels.grid.inVoxels({});
+  std::size_t clear = 0, hidden = 0;
+  forVoxels(voxels.grid, [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, std::size_t i) {
+    const Vec3d middle{x + 0.5, y + 0.5, z + 0.5};
+    const double distance = length(middle - sensor);
+    int most = 0;  // full voxels about the line
+    for (double along = 0; along < distance; along += 0.2) {
+      const Vec3d p = sensor + (middle - sensor) * (along / distance);
+      int full = 0;
+      for (int around = 0; around < 27; ++around) {
+        full += isFull(p + Vec3d{around / 9 - 1.0, around / 3 % 3 - 1.0, around % 3 - 1.0}) ? 1 : 0;
+      }
+      most = std::max(most, full);
+    }
+    if (most == 0) {
+      ++clear;
+      EXPECT_EQ(occluded[i], 0) << x << " " << y << " " << z;
+    } else if (most == 27 && !isFull(middle)) {
+      ++hidden;
+      EXPECT_EQ(occluded[i], 1) << x << " " << y << " " << z;
+    }
+  });
+  EXPECT_GT(clear, 5000u);
+  EXPECT_GT(hidden, 100u);
+}
+
+TEST(OccludedVoxels, AreMirroredWithTheirGrid) {
+  ScanVoxels voxels = emptyGrid({24, 24, 8}, {-12, -12, -4});
+  ScanVoxels mirrored = voxels;
+  std::mt19937 random(3);
+  forVoxels(voxels.grid, [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, std::size_t i) {
+    const std::uint16_t label = random() % 20 == 0 ? 1 : 0;
+    voxels.label[i] = label;
+    mirrored.label[voxels.grid.index(23 - x, y, z)] = label;
+  });
+  // Places that are cut between two voxels fall to the upper one, so that few of them differ.
+  const std::vector<std::uint8_t> own = occludedVoxels(voxels), other = occludedVoxels(mirrored);
+  std::size_t differ = 0, all = 0;
+  forVoxels(voxels.grid, [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, std::size_t i) {
+    differ += own[i] != other[voxels.grid.index(23 - x, y, z)] ? 1 : 0;
+    all += own[i];
+  });
+  EXPECT_GT(all, 500u);
+  EXPECT_LT(differ, voxels.grid.voxels() / 50);
+}
+
+class VoxelExport : public ExportWorld {
+ protected:
+  VoxelExport() {
+    use("semantic_kitti");
+    voxels_ = emptyGrid({6, 5, 4}, {0, -2.5, -2});
+    std::mt19937 random(1);
+    for (std::size_t i = 0; i < voxels_.grid.voxels(); ++i) {
+      voxels_.label[i] = random() % 3 == 0 ? classId("building") : random() % 5 == 0 ? classId("car") : 0;
+      voxels_.input[i] = random() % 2;
+      voxels_.invalid[i] = random() % 4 == 0;
+    }
+  }
+  ScanVoxels voxels_;
+};
+
+// Unpacked as the API does: by numpy, the highest bit first, x slowest.
+TEST_F(VoxelExport, IsReadAsTheApiDoes) {
+  const VoxelFiles files = semanticKittiVoxels(voxels_, plan_.classes);
+  writeFile(folder_.path() / "a.bin", files.bin);
+  writeFile(folder_.path() / "a.label", files.label);
+  writeFile(folder_.path() / "a.invalid", files.invalid);
+  writeFile(folder_.path() / "a.occluded", files.occluded);
+  std::string input, label;
+  for (std::size_t i = 0; i < voxels_.grid.voxels(); ++i) {
+    input += voxels_.input[i] != 0 ? '1' : '0';
+    label += voxels_.label[i] == 0 ? '0' : voxels_.label[i] == classId("car") ? 'c' : 'b';
+  }
+  const std::string printed = python(R"(
+def flags(name):
+    return np.unpackbits(np.fromfile(folder / name, np.uint8))[:120].reshape(6, 5, 4)
+label = np.fromfile(folder / 'a.label', np.uint16).reshape(6, 5, 4)
+assert set(np.unique(label)) == {0, 10, 50}, np.unique(label)
+print(''.join(map(str, flags('a.bin').ravel())))
+print(''.join({0: '0', 10: 'c', 50: 'b'}[int(i)] for i in label.ravel()))
+assert flags('a.invalid').sum() > 10 and flags('a.occluded').sum() > 10
+)");
+  EXPECT_EQ(printed, input + "\n" + label + "\n");
+}
+
+TEST_F(VoxelExport, FilesAreThereWhereEverySampleHasVoxels) {
+  const std::unique_ptr<Layout> layout = makeSemanticKitti();
+  for (SampleRecord& sample : plan_.manifest.samples) {
+    EXPECT_EQ(layout->filesOf(plan_, 0, 0).size(), 2u) << "the last one has none yet";
+    sample.members = {sample.key + ".json", sample.key + ".top.ray_tracing.voxels.npz"};
+  }
+  const std::vector<std::filesystem::path> files = layout->filesOf(plan_, 1, 1);
+  ASSERT_EQ(files.size(), 6u);
+  EXPECT_EQ(files[2], "sequences/08/voxels/000001.bin");
+  EXPECT_EQ(files[5], "sequences/08/voxels/000001.occluded");
+  plan_.sensors = {&plan_.manifest.sensors[1]};
+  EXPECT_EQ(layout->filesOf(plan_, 1, 1).size(), 2u) << "the other sensor has none";
+  const ExportFolder folder(folder_.path());
+  plan_.sensors = {&plan_.manifest.sensors[0]};
+  layout->write(
+      plan_, 1, 1,
+      [&](std::size_t s, std::size_t f) {
+        ExportSample read = sample(s, f);
+        read.voxels = voxels_;
+        return read;
+      },
+      folder);
+  EXPECT_EQ(readFile(folder_.path() / files[2]), semanticKittiVoxels(voxels_, plan_.classes).bin);
+  EXPECT_EQ(readFile(folder_.path() / files[3]).size(), 240u);
+}
+
+}  // namespace
+}  // namespace scanmill
