@@ -27,13 +27,14 @@ std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels) {
     const double steps = std::max({std::fabs(way.x), std::fabs(way.y), std::fabs(way.z)});
     const Vec3d step = way * (1 / steps);
     Vec3d place = middle;
-    for (double left = steps - 1; left > 0; --left) {  // to the voxel of the sensor, which stands in nobody's way
+    const int before = static_cast<int>(std::ceil(steps)) - 1;  // the sensor's own voxel, which is in nobody's way
+    for (int i = 0; i < before; ++i) {
       place += step;
       // The grid is convex: a line that leaves it does not come back.
       if (!in(place.x, grid.counts[0]) || !in(place.y, grid.counts[1]) || !in(place.z, grid.counts[2])) return false;
-      const std::size_t i = grid.index(static_cast<std::uint32_t>(place.x), static_cast<std::uint32_t>(place.y),
-                                       static_cast<std::uint32_t>(place.z));
-      if (voxels.label[i] != 0 || voxels.input[i] != 0) return true;
+      const std::size_t voxel = grid.index(static_cast<std::uint32_t>(place.x), static_cast<std::uint32_t>(place.y),
+                                           static_cast<std::uint32_t>(place.z));
+      if (voxels.label[voxel] != 0 || voxels.input[voxel] != 0) return true;
     }
     return false;
   };

@@ -91,6 +91,7 @@ std::optional<std::uint32_t> idOf(const Value& item) {
   std::map<std::string, std::size_t> objects;  // with the number of their copies
   for (const Instance& instance : scene.instances) ++objects[objectOf(instance)];
   std::vector<std::string> names;
+  names.reserve(objects.size() + scene.ontology.classes.size());
   for (const auto& [name, copies] : objects) names.push_back(name);
   for (const SemanticClass& c : scene.ontology.classes) names.push_back(c.name);
   std::string hint = nearest(item.text, names);

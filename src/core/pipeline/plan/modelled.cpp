@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include "config/named_options.h"
 #include "config/flow_text.h"
+#include "config/named_options.h"
 #include "methods/light_paths.h"
 #include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/plan.h"
