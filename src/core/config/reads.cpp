@@ -19,8 +19,11 @@ std::string found(const Value& value) {
       return "nothing";
     case Value::Kind::Sequence:
       return fmt::format("a list of {}", value.items.size());
-    case Value::Kind::Map:  // perhaps a distribution
-      return "a map" + (value.entries.empty() ? "" : suggestion(value.entries[0].key, {"uniform", "normal", "choice"}));
+    case Value::Kind::Map: {
+      const std::string near =
+          value.entries.empty() ? "" : nearest(value.entries[0].key, {"uniform", "normal", "choice"});
+      return near.empty() ? "a map" : fmt::format("a map (did you mean '{}'?)", near);
+    }
     case Value::Kind::Scalar:
       break;
   }

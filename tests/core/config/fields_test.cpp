@@ -99,6 +99,8 @@ TEST(ReadText, TakesScalarsOnly) {
   EXPECT_EQ(readText(yaml("12"), "t"), "12");
   EXPECT_EQ(readText(yaml("''"), "t"), "");
   EXPECT_EQ(messageOf([] { readText(yaml("{a: 1}"), "t"); }), "pipelines/x.yaml:1:1: t must be text, not a map");
+  EXPECT_THAT(messageOf([] { readNumber(yaml("{unifrom: [0, 1]}"), "n"); }),
+              testing::HasSubstr("not a map (did you mean 'uniform'?)"));
   EXPECT_THAT(messageOf([] { readText(yaml("~"), "t"); }), HasSubstr("t must be text, not nothing"));
 }
 
