@@ -54,7 +54,7 @@ void printComparison(const SetComparison& comparison) {
     return;
   }
   rows = {{"to try", "now", "try", "for"}};
-  for (const Advice& a : comparison.advice) {
+  for (const KeyChange& a : comparison.advice) {
     rows.push_back(
         {fmt::format("{} {}", a.effect, a.key), fmt::format("{:g}", a.now), nextText(a), std::string(a.figure)});
   }

@@ -136,7 +136,7 @@ std::string adviceTable(const SetComparison& comparison) {
   table.column("what tells of it", "", true);
   table.column("real");
   table.column("simulated");
-  for (const Advice& a : comparison.advice) {
+  for (const KeyChange& a : comparison.advice) {
     table.row({{std::string(a.effect)},
                {std::string(a.key)},
                {fmt::format("{:g}", a.now), a.now},
@@ -215,7 +215,7 @@ std::string figureText(double value, double factor, std::string_view unit) {
   return fmt::format("{:.3g}{}{}", value * factor, unit.empty() ? "" : " ", unit);
 }
 
-std::string nextText(const Advice& advice) {
+std::string nextText(const KeyChange& advice) {
   return fmt::format("{:g}{}", advice.next,
                      advice.isEnd ? advice.next > advice.now ? " (the most)" : " (the least)" : "");
 }

@@ -10,7 +10,7 @@ namespace scanmill {
 std::string comparisonPage(const SetComparison& comparison, const std::string& date);
 
 // The value to try: "0.07", "30 (the most)".
-std::string nextText(const Advice& advice);
+std::string nextText(const KeyChange& advice);
 
 // "12.3 mm" of a stored value; "-" where there is none.
 std::string figureText(double value, double factor, std::string_view unit);

@@ -97,9 +97,9 @@ Value map(std::string key, Value of) {
 
 }  // namespace
 
-std::vector<Advice> adviceFor(const SetComparison& comparison, const std::vector<Value>& own) {
+std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& own) {
   constexpr double kAlike = 1.1;
-  std::vector<Advice> advice;
+  std::vector<KeyChange> advice;
   for (const Mover& mover : kMovers) {
     const auto item = std::find_if(own.begin(), own.end(),
                                    [&](const Value& v) { return readNamed(v, "an effect").name == mover.effect; });
@@ -118,11 +118,11 @@ std::vector<Advice> adviceFor(const SetComparison& comparison, const std::vector
   return advice;
 }
 
-std::string assignmentOf(const std::vector<Advice>& advice, const std::vector<Value>& items) {
+std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector<Value>& items) {
   Value list;
   list.kind = Value::Kind::Sequence;
   list.items = items;
-  for (const Advice& a : advice) {
+  for (const KeyChange& a : advice) {
     Value number = scalar(fmt::format("{:g}", a.next));
     const auto item = std::find_if(list.items.begin(), list.items.end(),
                                    [&](const Value& v) { return readNamed(v, "an effect").name == a.effect; });

@@ -12,10 +12,10 @@ namespace scanmill {
 
 // `own`: the effects that the simulated sensor has, as sensorEffectItems() gives them. Of effects that it lacks, of
 // keys that are lists or drawn at random, and of figures that differ by less than a tenth, nothing is said.
-std::vector<Advice> adviceFor(const SetComparison& comparison, const std::vector<Value>& own);
+std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& own);
 
 // An argument of --set that follows all of the advice: "effects=[sensor, ring_bias: {gain_sigma: 0.07}]". `items`: the
 // pipeline's list as its file has it.
-std::string assignmentOf(const std::vector<Advice>& advice, const std::vector<Value>& items);
+std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector<Value>& items);
 
 }  // namespace scanmill

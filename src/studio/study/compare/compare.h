@@ -45,7 +45,7 @@ struct IntensityRow {
 };
 
 // A value to try in the pipeline of the second set, see study/compare/advice.h.
-struct Advice {
+struct KeyChange {
   std::string_view effect, key;    // of the pipeline's effects
   std::string_view figure;         // that tells of it: a title of kPatchFeatures or kSetFigures
   double real = 0, simulated = 0;  // the figure, as it is shown
@@ -68,7 +68,7 @@ struct SetComparison {
   std::vector<GroupComparison> groups;  // the largest first
   std::vector<BandComparison> ranges;
   std::vector<IntensityRow> intensityByRange, intensityByIncidence;
-  std::vector<Advice> advice;
+  std::vector<KeyChange> advice;
   std::string assignment;  // an argument of --set that follows all advice; empty: none
   std::string unadvised;   // why there is no advice, a sentence; empty where there is some
 };

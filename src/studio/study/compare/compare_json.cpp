@@ -83,7 +83,7 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
   }
   json["features"] = std::move(features);
   OrderedJson advice = OrderedJson::array();
-  for (const Advice& a : comparison.advice) {
+  for (const KeyChange& a : comparison.advice) {
     advice.push_back({{"effect", a.effect}, {"key", a.key}, {"figure", a.figure}, {"now", a.now}, {"try", a.next}});
   }
   json["advice"] = std::move(advice);

@@ -28,24 +28,24 @@ const std::string kOwn =
 
 // What each key should be is known: what the first set has, of which the second has four times as much. Followed, the
 // advice leaves less than half of the way, as a ratio.
-TEST(Advice, LeadsToTheValueThatMadeTheOtherSet) {
+TEST(CompareAdvice, LeadsToTheValueThatMadeTheOtherSet) {
   const Flaws real{.sigma = 0.005, .ringOffset = 0.02, .ringGain = 0.075, .speckle = 0.2};
   const Flaws simulated{.sigma = 0.02, .ringOffset = 0.08, .ringGain = 0.3, .speckle = 0.05};
-  const std::vector<Advice> advice = adviceFor(compared(real, simulated), items(kOwn));
+  const std::vector<KeyChange> advice = adviceFor(compared(real, simulated), items(kOwn));
   for (const auto& [key, right] : std::map<std::string_view, double>{
            {"sigma_m", 0.005}, {"range_sigma_m", 0.02}, {"gain_sigma", 0.075}, {"looks", 30.0 / 16}}) {
-    const auto found = std::find_if(advice.begin(), advice.end(), [&](const Advice& a) { return a.key == key; });
+    const auto found = std::find_if(advice.begin(), advice.end(), [&](const KeyChange& a) { return a.key == key; });
     ASSERT_NE(found, advice.end()) << key;
     EXPECT_LT(std::fabs(std::log(found->next / right)), std::fabs(std::log(found->now / right)) / 2) << key;
   }
 }
 
-TEST(Advice, IsNoneWhereNothingDiffers) {
+TEST(CompareAdvice, IsNoneWhereNothingDiffers) {
   EXPECT_THAT(adviceFor(compared({}, {}), items(kOwn)), testing::IsEmpty());
 }
 
 // Effects that are absent, keys that are lists, tables or distributions.
-TEST(Advice, IsNoneWhereNoNumberScalesIt) {
+TEST(CompareAdvice, IsNoneWhereNoNumberScalesIt) {
   const SetComparison differ = compared({.sigma = 0.005, .speckle = 0.2}, {.sigma = 0.02, .speckle = 0.05});
   EXPECT_THAT(adviceFor(differ, {}), testing::IsEmpty());
   EXPECT_THAT(
@@ -53,9 +53,9 @@ TEST(Advice, IsNoneWhereNoNumberScalesIt) {
       testing::IsEmpty());
 }
 
-TEST(Advice, IsAnOptionForThePipelinesOwnList) {
-  const std::vector<Advice> advice{{"ring_bias", "gain_sigma", "", 1, 2, "", 0.3, 0.15},
-                                   {"relief", "strength", "", 1, 2, "", 1, 0.5}};
+TEST(CompareAdvice, IsAnOptionForThePipelinesOwnList) {
+  const std::vector<KeyChange> advice{{"ring_bias", "gain_sigma", "", 1, 2, "", 0.3, 0.15},
+                                      {"relief", "strength", "", 1, 2, "", 1, 0.5}};
   EXPECT_EQ(assignmentOf(advice, items("[sensor, relief, light_paths]")),
             "effects=[sensor, {relief: {strength: 0.5}}, light_paths, {ring_bias: {gain_sigma: 0.15}}]");
   EXPECT_EQ(assignmentOf(advice, items("[ring_bias: {range_sigma_m: 0.1, gain_sigma: 0.3}, relief: {strength: 1}]")),
