@@ -29,7 +29,7 @@ try:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 except ImportError as error:
-    sys.exit(f"error: {error}: install python3-torch, python3-matplotlib and the package scanmill, as docs/training.md says")
+    sys.exit(f"error: {error}: install python3-torch, python3-matplotlib and the package scanmill, as docs/training.md says, for {sys.executable}")
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILT = ROOT / "build/release/scanmill"
@@ -164,7 +164,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--seeds", type=int, default=3, help="networks of each kind (3)")
     parser.add_argument("--steps", type=int, default=400, help="of two scans each (400)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="of the pipeline, such as another sensor; can be repeated")
-    parser.add_argument("--only", nargs="+", choices=list(VARIANTS)[1:], default=list(VARIANTS)[1:], help="what to leave out")
+    parser.add_argument("--only", nargs="+", metavar="NAME", choices=list(VARIANTS)[1:], default=list(VARIANTS)[1:], help="what to leave out, each on its own: '" + "', '".join(list(VARIANTS)[1:]) + "' (all)")
     options = parser.parse_args()
     if options.seeds < 1:
         parser.error("--seeds is 1 or more")

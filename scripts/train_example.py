@@ -36,7 +36,7 @@ try:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 except ImportError as error:
-    sys.exit(f"error: {error}: install python3-torch, python3-matplotlib and the package scanmill, as docs/training.md says")
+    sys.exit(f"error: {error}: install python3-torch, python3-matplotlib and the package scanmill, as docs/training.md says, for {sys.executable}")
 
 # What is learned: classes of Scanmill's ontology, and the ids of SemanticKITTI that mean the same.
 CLASSES = {
