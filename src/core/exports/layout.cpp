@@ -56,16 +56,12 @@ bool hasColumn(const ExportPlan& plan, std::string_view column) {
   return std::find(columns.begin(), columns.end(), column) != columns.end();
 }
 
-bool hasVoxels(const ExportPlan& plan) {
+bool hasVoxels(const ExportPlan& plan, std::size_t sequence, std::size_t frame) {
+  const SampleRecord& sample = plan.manifest.samples[plan.sequences[sequence].samples[frame]];
+  const std::string ofSensor = sample.key + "." + plan.sensors.front()->name + ".";
   const std::string suffix = "." + std::string(kVoxelsSuffix);
-  return std::all_of(plan.sequences.begin(), plan.sequences.end(), [&](const ExportSequence& sequence) {
-    return std::all_of(sequence.samples.begin(), sequence.samples.end(), [&](std::size_t number) {
-      const SampleRecord& sample = plan.manifest.samples[number];
-      const std::string ofSensor = sample.key + "." + plan.sensors.front()->name + ".";
-      return std::any_of(sample.members.begin(), sample.members.end(), [&](const std::string& member) {
-        return member.starts_with(ofSensor) && member.ends_with(suffix);
-      });
-    });
+  return std::any_of(sample.members.begin(), sample.members.end(), [&](const std::string& member) {
+    return member.starts_with(ofSensor) && member.ends_with(suffix);
   });
 }
 

@@ -64,8 +64,8 @@ struct ExportPlan {
 bool listsObjects(const ExportPlan& plan);
 // Whether the dataset's scans have a column.
 bool hasColumn(const ExportPlan& plan, std::string_view column);
-// Whether every sample that is exported has voxels about the first sensor that is.
-bool hasVoxels(const ExportPlan& plan);
+// Whether the sample of a frame has voxels about the first sensor that is exported.
+bool hasVoxels(const ExportPlan& plan, std::size_t sequence, std::size_t frame);
 // The scan's points, without misses, as KITTI's files order theirs, which some loaders find the rings by: ring after
 // ring from the top, each from straight ahead over the left round to there. In the scan's own order where it knows no
 // rings.

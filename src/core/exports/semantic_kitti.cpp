@@ -100,7 +100,7 @@ class SemanticKitti : public Layout {
     const std::filesystem::path own = sequenceFolder(numbersOf(plan)[sequence]);
     std::vector<std::filesystem::path> files{own / "velodyne" / (name + ".bin")};
     if (hasColumn(plan, "label")) files.push_back(own / "labels" / (name + ".label"));
-    if (hasVoxels(plan)) {
+    if (hasVoxels(plan, sequence, frame)) {
       for (const char* kind : {".bin", ".label", ".invalid", ".occluded"})
         files.push_back(own / "voxels" / (name + kind));
     }
@@ -131,7 +131,7 @@ class SemanticKitti : public Layout {
     const std::vector<std::filesystem::path> files = filesOf(plan, sequence, frame);
     folder.write(files[0], velodynePoints(sample.scans.front(), order));
     if (hasColumn(plan, "label")) folder.write(files[1], labels);
-    if (!sample.voxels || !hasVoxels(plan)) return;
+    if (!sample.voxels || !hasVoxels(plan, sequence, frame)) return;
     const VoxelFiles voxels = semanticKittiVoxels(*sample.voxels, plan.classes);
     auto file = files.end() - 4;
     for (const std::string* bytes : {&voxels.bin, &voxels.label, &voxels.invalid, &voxels.occluded}) {

@@ -51,14 +51,14 @@ std::uint32_t Scene::things() const {
   return last;
 }
 
-// The corners of each mesh's box are placed, not its vertices: a million copies cost a million boxes. The result holds
-// every vertex, and is tight where meshes are not turned.
 std::vector<std::uint64_t> Scene::copies() const {
   std::vector<std::uint64_t> counts(meshes.size());
   for (const Instance& instance : instances) ++counts[instance.mesh];
   return counts;
 }
 
+// The corners of each mesh's box are placed, not its vertices: a million copies cost a million boxes. The result holds
+// every vertex, and is tight where meshes are not turned.
 Box Scene::bounds() const {
   if (whole != nullptr) return whole->bounds;
   std::vector<Box> meshBounds;
