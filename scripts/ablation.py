@@ -60,6 +60,8 @@ VARIANTS = {
     "footprint": effects("sensor", "{footprint: none}", *SCENE),
     "glass": effects("sensor", *SCENE[:2]),
     "ring errors": effects("sensor", "{ring_bias: none}", *SCENE),
+    "gains of rings": effects("sensor", "{ring_bias: {gain_sigma: 0}}", *SCENE),
+    "ranges and elevations of rings": effects("sensor", "{ring_bias: {range_sigma_m: 0, elevation_sigma_deg: 0}}", *SCENE),
     "relief": effects("sensor", *SCENE[1:]),
     "variation of reflectance": effects("sensor", SCENE[0], SCENE[2]),
     "calibrated reflectivity": effects("sensor", f"{{{PLAIN}}}", *SCENE),

@@ -9,6 +9,10 @@ scans that somebody recorded, or a folder of such sets, as `generate --corruptio
 figures.json (intersection over union by class and the confusion of classes, of each set), a picture of scans with truth
 and answer, one of the confusion, and the weights.
 
+    scripts/train_example.py out/training -o out/judged --weights out/trained/weights.pt --judge rain=out/rain
+
+learns nothing, and judges by the weights that are there.
+
 The network is a U-Net over range images (as in RangeNet++, Milioto et al., IROS 2019), small enough for two cores. All
 scans are projected by their angles, those of other programs and other sensors too. Wants Debian's python3-torch and
 python3-matplotlib, and the package scanmill (docs/python.md).
@@ -17,6 +21,7 @@ python3-matplotlib, and the package scanmill (docs/python.md).
 import argparse
 import json
 import os
+import pickle
 import sys
 import time
 from collections.abc import Sequence
@@ -55,6 +60,7 @@ CLASSES = {
 }
 NAMES = list(CLASSES)
 PICTURED = 8  # sets, the first ones
+IMAGE = {"rings": 64, "columns": 512, "elevation": (-25.0, 3.0)}  # how scans are shown to the network
 COLORS = np.array(
     [[128, 64, 128], [244, 35, 232], [152, 220, 110], [235, 180, 60], [215, 110, 60], [0, 130, 30], [250, 230, 0],
      [40, 90, 255], [230, 20, 60]],
@@ -299,8 +305,8 @@ def draw_scans(network: nn.Module, sets: dict, images: Images, path: Path) -> No
             axis.imshow(picture, cmap="viridis", aspect="auto", interpolation="nearest")
             axis.set_title(f"{name}: {title}", loc="left", fontsize=9)
             axis.set_axis_off()
-    handles = [pyplot.Rectangle((0, 0), 1, 1, color=color / 255) for color in COLORS]
-    figure.legend(handles, NAMES, loc="lower center", ncol=len(NAMES), fontsize=9, frameon=False)
+    handles = [pyplot.Rectangle((0, 0), 1, 1, color=color / 255) for color in [*COLORS, np.zeros(3)]]
+    figure.legend(handles, [*NAMES, "not judged"], loc="lower center", ncol=len(handles), fontsize=9, frameon=False)
     figure.tight_layout(rect=(0, 0.04, 1, 1))
     figure.savefig(path, dpi=90)
     pyplot.close(figure)
@@ -366,18 +372,33 @@ def opened(text: str) -> dict[str, Dataset]:
     return within or {name: RecordedScans(Path(path))}
 
 
+def read_weights(path: Path) -> dict:
+    """A file weights.pt: "network", the weights by name, and "image", the values of IMAGE that they learned by, as JSON."""
+    try:
+        learned = torch.load(path, weights_only=True)  # runs no code that somebody put into the file
+        Network().load_state_dict(learned["network"])
+        return {"network": learned["network"], "image": json.loads(learned["image"])}
+    except (OSError, RuntimeError, KeyError, TypeError, ValueError, EOFError, pickle.UnpicklingError) as error:
+        sys.exit(f"error: --weights {path}: not the weights.pt of a run of this script: {str(error).splitlines()[0] if str(error) else error!r}")
+
+
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("dataset", help="a dataset of Scanmill's with the splits train, val and test")
     parser.add_argument("-o", "--out", type=Path, required=True, help="folder for figures, pictures and weights")
     parser.add_argument("--judge", action="append", default=[], metavar="NAME=FOLDER", help="another set to be judged on; can be repeated")
+    parser.add_argument("--weights", type=Path, metavar="FILE", help="judge by the weights.pt of an earlier run, and learn nothing")
     parser.add_argument("--steps", type=int, default=600, help="of two scans each (600)")
-    parser.add_argument("--rings", type=int, default=64, help="rows of the range image (64)")
-    parser.add_argument("--columns", type=int, default=512, help="its columns (512)")
-    parser.add_argument("--elevation", type=float, nargs=2, default=(-25, 3), metavar=("LOW", "HIGH"), help="its window, degrees (-25 3)")
+    parser.add_argument("--rings", type=int, help="rows of the range image (64, or as the weights learned)")
+    parser.add_argument("--columns", type=int, help="its columns (512, or as the weights learned)")
+    parser.add_argument("--elevation", type=float, nargs=2, metavar=("LOW", "HIGH"), help="its window, degrees (-25 3, or as the weights learned)")
     parser.add_argument("--threads", type=int, default=os.cpu_count(), help="that the network uses (all)")
     parser.add_argument("--seed", type=int, default=0, help="of weights, order and augmentation (0)")
     options = parser.parse_args()
+    options.learned = read_weights(options.weights) if options.weights else {"image": IMAGE}
+    for name, value in options.learned["image"].items():
+        if getattr(options, name) is None:
+            setattr(options, name, value)
     if options.rings % 4 or options.columns % 8 or min(options.rings, options.columns, options.steps) < 1:
         parser.error("--rings is a multiple of 4, --columns one of 8, and --steps 1 or more: the network halves the image")
     return options
@@ -388,8 +409,8 @@ def main() -> None:
     torch.manual_seed(options.seed)
     torch.set_num_threads(options.threads)
     augment = [Flip("y"), Turn(), Scale(0.95, 1.05), shift_height, DropPoints(0.2), vary_contrast]
-    training = SimulatedScans(options.dataset, "train", augment, options.seed)
-    if len(training) < 2:
+    training = None if options.weights else SimulatedScans(options.dataset, "train", augment, options.seed)
+    if training is not None and len(training) < 2:
         sys.exit(f"error: {options.dataset} has {len(training)} scan to learn from; a step takes two")
     sets = {split: SimulatedScans(options.dataset, split) for split in ("val", "test")}
     for text in options.judge:
@@ -400,15 +421,24 @@ def main() -> None:
         sys.exit(f"error: {options.out} is not empty: name another folder with -o")
 
     network = Network()
-    size = sum(p.numel() for p in network.parameters())
-    print(f"{size} weights, {len(training)} scans to learn, {torch.get_num_threads()} threads", flush=True)
-    trained = train(network, training, sets.pop("val"), images, options)
+    held_out = sets.pop("val")
+    trained = {}
+    if training is None:
+        network.load_state_dict(options.learned["network"])
+    else:
+        size = sum(p.numel() for p in network.parameters())
+        print(f"{size} weights, {len(training)} scans to learn, {torch.get_num_threads()} threads", flush=True)
+        trained = train(network, training, held_out, images, options)
+        image = {name: getattr(options, name) for name in IMAGE}
+        torch.save({"network": network.state_dict(), "image": json.dumps(image)}, options.out / "weights.pt")
 
-    results = {name: figures_of(confusion_of(network, scans, images)) for name, scans in sets.items()}
-    torch.save(network.state_dict(), options.out / "weights.pt")
+    results = {}
+    for name, scans in sets.items():
+        print(f"judging {name}: {len(scans)} scans", flush=True)
+        results[name] = figures_of(confusion_of(network, scans, images))
     judged = [text.partition("=")[0] for text in options.judge]
     rates = {name: found for name in judged if (found := resilience(results, name))}
-    settings = {k: str(v) if isinstance(v, Path) else v for k, v in vars(options).items()}
+    settings = {k: str(v) if isinstance(v, Path) else v for k, v in vars(options).items() if k != "learned"}
     (options.out / "figures.json").write_text(
         json.dumps({"settings": settings, "training": trained, "classes": NAMES, "sets": results, "resilience": rates}, indent=1) + "\n"
     )

@@ -15,13 +15,9 @@
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
 #include "commands/table.h"
-#include "dataset/manifest.h"
-#include "dataset/shard_name.h"
-#include "pipeline/plan/dataset_plan.h"
-#include "pipeline/read/effects.h"
 #include "report/compare/compare_report.h"
 #include "report/page/report_folder.h"
-#include "study/compare/advice.h"
+#include "study/compare/key_changes.h"
 
 namespace scanmill {
 
@@ -60,31 +56,6 @@ void printComparison(const SetComparison& comparison) {
   }
   printText("{}or all at once, beside the options that made the set: --set '{}'\n\n", formatTable(rows),
             comparison.assignment);
-}
-
-// By the pipeline of the second set, where it has one. `file`: where that lay; empty: it is looked for.
-void advise(SetComparison& comparison, const std::filesystem::path& path, const std::string& sensor,
-            const std::filesystem::path& file) {
-  const auto none = [&](std::string why) { comparison.unadvised = std::move(why); };
-  std::error_code ignored;
-  if (!std::filesystem::exists(path / kManifestName, ignored)) return none("The second set is no dataset's folder.");
-  const bool unlike = comparison.real.knowsRings && comparison.simulated.knowsRings &&
-                      comparison.real.rows != comparison.simulated.rows;
-  if (unlike) return none("The sensors are not alike.");
-  try {
-    const Plan plan = planOfDataset(readManifest(path), path, file);
-    const Pipeline& pipeline = plan.pipeline();
-    if (pipeline.drawn != nullptr) return none("The second set's mounts or effects are drawn at random.");
-    const auto named = std::find_if(pipeline.sensors.begin(), pipeline.sensors.end(),
-                                    [&](const MountedSensor& s) { return s.name == sensor; });
-    const MountedSensor& own = named == pipeline.sensors.end() ? pipeline.sensors.front() : *named;
-    comparison.advice = adviceFor(comparison, sensorEffectItems(pipeline.effectItems, own));
-    if (comparison.advice.empty()) return none("No key of the second set's effects scales what differs by a tenth.");
-    comparison.assignment = assignmentOf(comparison.advice, pipeline.effectItems);
-  } catch (const InputError& error) {
-    none(fmt::format("The files of the second set's pipeline are not found: name it with --pipeline FILE ({}).",
-                     error.what()));
-  }
 }
 
 }  // namespace
@@ -136,8 +107,8 @@ int runCompare(const std::vector<std::string>& arguments) {
   }
   progress.say("telling them apart");
   SetComparison comparison = compareSets(std::move(real), std::move(simulated));
-  advise(comparison, given[1], read.sensor,
-         parsed.options.count("pipeline") > 0 ? parsed.options["pipeline"].as<std::string>() : "");
+  addKeyChanges(comparison, given[1], read.sensor,
+                parsed.options.count("pipeline") > 0 ? parsed.options["pipeline"].as<std::string>() : "");
   if (*read.stop) throw Error("stopped: nothing was written");
 
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());

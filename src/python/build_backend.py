@@ -40,6 +40,20 @@ def tag():
     return f"{interpreter}-{interpreter}-{platform}"
 
 
+def check_interpreter(build):
+    """Stops where the build's extension is for another Python than the one that shall import it."""
+    cache = (build / "CMakeCache.txt").read_text()
+    found = re.search(r"^PYTHON_MODULE_EXTENSION:\w+=(.*)$", cache, re.MULTILINE)
+    wanted = sysconfig.get_config_var("EXT_SUFFIX")
+    if not found:
+        sys.exit(f"error: {build} was configured without the Python package: -DSCANMILL_PYTHON=ON (scripts/build does it), or "
+                 "unset SCANMILL_BUILD, and the extension is built anew")
+    if found[1] != wanted:
+        sys.exit(f"error: {build} has the extension for another Python ({found[1]}) than {sys.executable} ({wanted}): make the "
+                 "environment with the Python of the build, such as /usr/bin/python3, or unset SCANMILL_BUILD, and the "
+                 "extension is built for this one")
+
+
 def built():
     """The folder into which CMake has installed the package."""
     build = Path(os.environ.get("SCANMILL_BUILD", ROOT / "build" / "python"))
@@ -47,6 +61,7 @@ def built():
         options = ["-DCMAKE_BUILD_TYPE=Release", "-DSCANMILL_STUDIO=OFF", "-DSCANMILL_TESTS=OFF", "-DSCANMILL_PYTHON=ON",
                    f"-DPython_EXECUTABLE={sys.executable}"]
         subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", *options], check=True)
+    check_interpreter(build)
     subprocess.run(["cmake", "--build", build, "--target", "scanmill_python"], check=True)
     staging = build / "wheel"
     shutil.rmtree(staging, ignore_errors=True)

@@ -71,6 +71,17 @@ class TrainExample(unittest.TestCase):
         self.assertEqual(first["sets"], again["sets"])
         self.assertNotEqual(first["sets"], other["sets"])
 
+    def test_weights_that_are_there_judge_as_they_did(self):
+        _, learned = self.train("learned", "--steps", "8")
+        weights = self.folder / "learned" / "weights.pt"
+        done = run(DATASET, "-o", str(self.folder / "judged"), "--weights", str(weights), "--threads", "1", "--judge", f"again={DATASET}")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        judged = json.loads((self.folder / "judged" / "figures.json").read_text())
+        self.assertEqual(judged["sets"]["test"], learned["sets"]["test"])
+        self.assertIn("again", judged["sets"])
+        self.assertEqual(judged["training"], {})
+        self.assertFalse((self.folder / "judged" / "weights.pt").exists())
+
     def test_bad_requests_are_named(self):
         empty = self.folder / "empty"
         empty.mkdir()
@@ -84,6 +95,8 @@ class TrainExample(unittest.TestCase):
             ([DATASET, "-o", str(self.folder / "d"), "--judge", f"real={empty}"], "velodyne"),
             ([DATASET, "-o", str(full)], "not empty"),
             ([DATASET, "-o", str(self.folder / "e"), "--columns", "180"], "multiple"),
+            ([DATASET, "-o", str(self.folder / "f"), "--weights", str(self.folder / "absent.pt")], "absent.pt"),
+            ([DATASET, "-o", str(self.folder / "g"), "--weights", str(full / "mine.txt")], "mine.txt"),
         ]:
             done = run(*arguments)
             self.assertNotEqual(done.returncode, 0, arguments)

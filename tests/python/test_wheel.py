@@ -9,6 +9,8 @@ import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "src" / "python"))
+import build_backend  # noqa: E402
 
 USE = """
 import sys, scanmill
@@ -25,9 +27,6 @@ if len(sys.argv) > 2:
 @unittest.skipUnless("SCANMILL_BUILD" in os.environ, "SCANMILL_BUILD does not name a build with the extension")
 class Wheel(unittest.TestCase):
     def test_holds_all_that_it_needs(self):
-        sys.path.insert(0, str(ROOT / "src" / "python"))
-        import build_backend
-
         with tempfile.TemporaryDirectory() as folder:
             name = build_backend.build_wheel(folder)
             wheel = Path(folder) / name
@@ -43,6 +42,14 @@ class Wheel(unittest.TestCase):
             environment["PYTHONPATH"] = str(Path(folder) / "site")
             subprocess.run([sys.executable, "-c", USE, folder] + ([dataset] if dataset else []), cwd="/",
                            env=environment, check=True)
+
+    def test_a_build_for_another_python_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for cache, expected in [("PYTHON_MODULE_EXTENSION:INTERNAL=.cpython-27-none.so", "another Python"),
+                                    ("CMAKE_BUILD_TYPE:STRING=Release", "without the Python package")]:
+                (Path(folder) / "CMakeCache.txt").write_text(cache + "\n")
+                with self.assertRaisesRegex(SystemExit, expected):
+                    build_backend.check_interpreter(Path(folder))
 
 
 if __name__ == "__main__":

@@ -204,9 +204,11 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
 std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
   std::vector<std::string> lines;
   std::set<std::string> told;
+  std::size_t turning = 0;
   std::vector<std::string> straight;
   for (const Sequence& s : pipeline.sequences) {
     if (s.trajectory == nullptr) continue;
+    if (s.trajectory->turns()) ++turning;
     if (s.trajectory->turns() == 0) straight.push_back(s.key());
     const std::string doubt = s.trajectory->doubt();
     if (!doubt.empty() && told.insert(s.trajectoryName).second) {
@@ -214,10 +216,10 @@ std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
     }
   }
   if (straight.empty()) return lines;
-  const std::size_t more = straight.size() - 1;
-  lines.push_back(
-      fmt::format("{}{}: `along: turns` goes straight on: their towns have no side road to turn out of or into",
-                  straight.front(), more == 0 ? "" : fmt::format(" and {} more sequences", more)));
+  lines.push_back(fmt::format(
+      "{} of {} drives with `along: turns` go straight on, {}{}: their towns have no side road to turn out of "
+      "or into; other seeds may have one",
+      straight.size(), turning, straight.front(), straight.size() > 1 ? " the first" : ""));
   return lines;
 }
 

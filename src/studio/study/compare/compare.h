@@ -44,7 +44,7 @@ struct IntensityRow {
   double real = 0, simulated = 0;  // NaN where there are too few patches
 };
 
-// A value to try in the pipeline of the second set, see study/compare/advice.h.
+// A value to try in the pipeline of the second set, see study/compare/key_changes.h.
 struct KeyChange {
   std::string_view effect, key;    // of the pipeline's effects
   std::string_view figure;         // that tells of it: a title of kPatchFeatures or kSetFigures

@@ -1,4 +1,4 @@
-#include "study/compare/advice.h"
+#include "study/compare/key_changes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "study/compare/advice.h"
+#include "study/compare/key_changes.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,13 @@
 #include <cmath>
 #include <optional>
 
+#include "base/error.h"
 #include "config/flow_text.h"
 #include "config/named_options.h"
+#include "dataset/manifest.h"
+#include "dataset/shard_name.h"
+#include "pipeline/plan/dataset_plan.h"
+#include "pipeline/read/effects.h"
 
 namespace scanmill {
 namespace {
@@ -143,6 +148,33 @@ std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector
     *item = map(std::string(a.effect), std::move(options));
   }
   return "effects=" + flowText(list);
+}
+
+void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simulated, const std::string& sensor,
+                   const std::filesystem::path& pipeline) {
+  const auto none = [&](std::string why) { comparison.unadvised = std::move(why); };
+  std::error_code ignored;
+  if (!std::filesystem::exists(simulated / kManifestName, ignored))
+    return none("The second set is no dataset's folder.");
+  const bool unlike = comparison.real.knowsRings && comparison.simulated.knowsRings &&
+                      comparison.real.rows != comparison.simulated.rows;
+  if (unlike) return none("The sensors are not alike.");
+  try {
+    const Plan plan = planOfDataset(readManifest(simulated), simulated, pipeline);
+    const Pipeline& read = plan.pipeline();
+    if (read.drawn != nullptr) return none("The second set's mounts or effects are drawn at random.");
+    const auto named = std::find_if(read.sensors.begin(), read.sensors.end(),
+                                    [&](const MountedSensor& s) { return s.name == sensor; });
+    const MountedSensor& own = named == read.sensors.end() ? read.sensors.front() : *named;
+    comparison.advice = adviceFor(comparison, sensorEffectItems(read.effectItems, own));
+    if (comparison.advice.empty()) return none("No key of the second set's effects scales what differs by a tenth.");
+    comparison.assignment = assignmentOf(comparison.advice, read.effectItems);
+  } catch (const InputError& error) {
+    none(
+        fmt::format("The second set's pipeline cannot be read: {}. Where its files lie elsewhere, name it with "
+                    "--pipeline FILE.",
+                    error.what()));
+  }
 }
 
 }  // namespace scanmill
