@@ -1,8 +1,12 @@
 #include "pipeline/plan/warnings.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "pipeline/read/pipeline.h"
 #include "scene/scene.h"
 
 namespace scanmill {
@@ -54,6 +58,18 @@ TEST(RuleWarnings, NameRulesThatDecideNothing) {
   EXPECT_THAT(ruleWarnings(scene),
               ElementsAre(AllOf(HasSubstr("s.yaml:4"), HasSubstr("node: Wal"), HasSubstr("matches nothing")),
                           AllOf(HasSubstr("s.yaml:5"), HasSubstr("material: brick"), HasSubstr("7"))));
+}
+
+TEST(DriveWarnings, CountTheDrivesThatCannotTurn) {
+  const Pipeline pipeline =
+      readPipeline(SCANMILL_SOURCE_DIR "/pipelines/training.yaml", {"scenes.0.seeds=[1, 2, 3, 4]", "splits=null"});
+  const auto& sequences = pipeline.sequences;
+  const auto straight =
+      std::count_if(sequences.begin(), sequences.end(), [](const Sequence& s) { return s.trajectory->turns() == 0; });
+  ASSERT_GT(straight, 0);
+  ASSERT_LT(straight, 4);
+  EXPECT_THAT(driveWarnings(pipeline),
+              testing::Contains(HasSubstr(fmt::format("{} of 4 drives with `along: turns`", straight))));
 }
 
 // A bus of 12 cm and a tree of 2 km have a wrong unit; what is within three times the usual may be meant.
