@@ -73,7 +73,7 @@ struct CanvasEvent {
     Close,   // the window is closed by its frame: the last event
   };
   Kind kind = Kind::Tick;
-  std::string key;   // X's name of its symbol: "a", "A", "Left", "Return"
+  std::string key;   // what it types: "a", "A", "[", " "; or its name where it types nothing: "Left", "Return", "F1"
   std::string text;  // what it types, UTF-8; may be empty
   int x = 0;         // px, the pointer; may lie outside while a button is down
   int y = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
-// The interface of libscanmill_viewer.so, in which VTK draws on an X window, or on EGL without one (base/module.h).
+// The interface of libscanmill_viewer.so, in which VTK draws on a window of GLFW, or on EGL without one
+// (base/module.h).
 
 #include <memory>
 #include <string>
@@ -14,7 +15,7 @@ class CanvasModule {
  public:
   static constexpr ModuleFile kFile{
       "libscanmill_viewer.so", "nothing can be shown by VTK",
-      "install VTK, EGL and X11 (on Debian the packages libvtk9-dev, libegl-dev and libx11-dev)"};
+      "install VTK, EGL and GLFW (on Debian the packages libvtk9-dev, libegl-dev and libglfw3-dev)"};
   virtual ~CanvasModule() = default;
   // See openWindow() and openOffscreen().
   virtual std::unique_ptr<Canvas> openWindow(const std::string& title, int width, int height) const = 0;

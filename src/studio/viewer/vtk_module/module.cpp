@@ -1,4 +1,4 @@
-// libscanmill_viewer.so: canvases on an X window, or on EGL without one, behind the interface of
+// libscanmill_viewer.so: canvases on a window of GLFW, or on EGL without one, behind the interface of
 // viewer/canvas/canvas_interface.h.
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@
 #include "gpu/opengl_module/gl_window.h"
 #include "viewer/canvas/canvas_interface.h"
 #include "viewer/vtk_module/canvas_scene.h"
-#include "viewer/vtk_module/x_window.h"
+#include "viewer/vtk_module/glfw_window.h"
 
 VTK_MODULE_INIT(vtkRenderingOpenGL2)
 
@@ -44,7 +44,7 @@ decltype(auto) told(const Work& work) {
 
 class VtkCanvas final : public Canvas {
  public:
-  VtkCanvas(std::unique_ptr<XWindow> window, std::unique_ptr<EglContext> context, int width, int height)
+  VtkCanvas(std::unique_ptr<GlfwWindow> window, std::unique_ptr<EglContext> context, int width, int height)
       : window_(std::move(window)),
         context_(std::move(context)),
         scene_(std::make_unique<CanvasScene>(width, height)),
@@ -53,7 +53,7 @@ class VtkCanvas final : public Canvas {
   ~VtkCanvas() override {
     Quiet quiet;
     if (window_ != nullptr) {
-      window_->tryMakeCurrent();
+      window_->makeCurrent();
     } else {
       context_->tryMakeCurrent();
     }
@@ -175,7 +175,7 @@ class VtkCanvas final : public Canvas {
     });
   }
 
-  std::unique_ptr<XWindow> window_;      // of a window
+  std::unique_ptr<GlfwWindow> window_;   // of a window
   std::unique_ptr<EglContext> context_;  // of an image without one
   std::unique_ptr<CanvasScene> scene_;
   std::string device_;
@@ -185,7 +185,7 @@ class VtkCanvasModule final : public CanvasModule {
  public:
   std::unique_ptr<Canvas> openWindow(const std::string& title, int width, int height) const override {
     return open([&] {
-      return std::make_unique<VtkCanvas>(std::make_unique<XWindow>(title, width, height), nullptr, width, height);
+      return std::make_unique<VtkCanvas>(std::make_unique<GlfwWindow>(title, width, height), nullptr, width, height);
     });
   }
 

@@ -210,29 +210,29 @@ struct ImageSession::State {
 
   bool key(const std::string& name) {
     changed = true;
-    if (help && isAmong(name, {"Up", "Down", "KP_Up", "KP_Down"})) {
+    if (help && isAmong(name, {"Up", "Down"})) {
       const auto page = static_cast<double>(helpPages(hud).page);
       scrollHelp(name.ends_with("Up") ? -page : page);
-    } else if (isAmong(name, {"Right", "bracketright", "KP_Right"})) {
+    } else if (isAmong(name, {"Right", "]"})) {
       stepPlane(1);
-    } else if (isAmong(name, {"Left", "bracketleft", "KP_Left"})) {
+    } else if (isAmong(name, {"Left", "["})) {
       stepPlane(-1);
-    } else if (isAmong(name, {"Page_Down", "Next", "period"})) {
+    } else if (isAmong(name, {"Page_Down", "."})) {
       stepImage(1);
-    } else if (isAmong(name, {"Page_Up", "Prior", "comma"})) {
+    } else if (isAmong(name, {"Page_Up", ","})) {
       stepImage(-1);
-    } else if (name == "less") {
+    } else if (name == "<") {
       goTo(0);
-    } else if (isAmong(name, {"greater", "End"})) {
+    } else if (isAmong(name, {">", "End"})) {
       goTo(images.files.size() - 1);
-    } else if (name == "space") {
+    } else if (name == " ") {
       togglePlaying();
-    } else if (isAmong(name, {"Home", "KP_Home"})) {
+    } else if (name == "Home") {
       pane.showWhole();
       pictureChanged = true;
     } else if (name == "k") {
       legends = !legends;
-    } else if (isAmong(name, {"h", "question"})) {
+    } else if (isAmong(name, {"h", "?"})) {
       help = !help;
       hud.helpFirst = 0;
     } else if (name == "Escape") {

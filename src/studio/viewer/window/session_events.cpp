@@ -109,7 +109,7 @@ void ViewSession::State::scrollHelp(double lines) {
 }
 
 void ViewSession::State::key(const CanvasEvent& event) {
-  if (help && (event.key == "Up" || event.key == "Down" || event.key == "KP_Up" || event.key == "KP_Down")) {
+  if (help && (event.key == "Up" || event.key == "Down")) {
     const auto page = static_cast<double>(helpPages(hudState).page);
     return scrollHelp(event.key.ends_with("Up") ? -page : page);
   }
@@ -309,7 +309,7 @@ void ViewSession::State::promptKey(const CanvasEvent& event) {
     prompt.reset();
   } else if (event.key == "BackSpace") {
     removeLast(*prompt);
-  } else if (event.key == "Return" || event.key == "KP_Enter") {
+  } else if (event.key == "Return") {
     if (prompt->empty()) return prompt.reset();
     try {
       goTo(findFrame(*source, *prompt), 1);

@@ -45,19 +45,19 @@ TEST(SessionScale, StaysOverFramesUntilTheColoursChange) {
   world.key("Right");
   world.session->settle();
   EXPECT_EQ(colorsOn(world), rangeColors(frames[2].scans[0].scan, 2, 10));
-  world.key("bracketleft");
+  world.key("[");
   EXPECT_EQ(colorsOn(world), rangeColors(frames[2].scans[0].scan, 2, 5));
-  world.key("bracketright");
-  world.key("bracketright");
+  world.key("]");
+  world.key("]");
   EXPECT_EQ(colorsOn(world), rangeColors(frames[2].scans[0].scan, 2, 20));
   world.key("Left");
   world.session->settle();
   EXPECT_EQ(colorsOn(world), rangeColors(frames[1].scans[0].scan, 2, 20));
   const auto held = colorsOn(world);
-  world.key("backslash");
+  world.key("\\");
   const auto automatic = colorsOn(world);
   EXPECT_NE(automatic, held);
-  world.key("braceright");
+  world.key("}");
   EXPECT_NE(colorsOn(world), automatic);
   world.key("5");
   world.key("4");
@@ -181,8 +181,8 @@ TEST(SessionHints, ClassesWithoutNamesAreSaidOnce) {
 TEST(SessionPlaying, AsFastAsTheyLoadLeavesNoFrameOut) {
   auto frames = std::make_shared<FakeFrames>(40);
   SessionWorld world(frames, {.sample = "0"});
-  for (int i = 0; i < 5; ++i) world.key("parenright");
-  world.key("space");
+  for (int i = 0; i < 5; ++i) world.key(")");
+  world.key(" ");
   const auto& places = [&]() -> const std::vector<Vec3f>& { return world.canvas.items.at(firstCloud(world)).places; };
   std::size_t at = 0;
   for (int i = 0; i < 10000 && at + 1 < 12; ++i) {

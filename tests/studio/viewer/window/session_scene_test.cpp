@@ -64,8 +64,8 @@ TEST_F(SceneViewer, ColoursGoInARing) {
 }
 
 TEST_F(SceneViewer, SaysWhatMeansNothing) {
-  for (const char* name : {"4", "plus", "minus", "r", "t", "m", "Right", "Page_Up", "greater", "space", "g", "l", "s",
-                           "Tab", "n", "w", "i", "I"}) {
+  for (const char* name :
+       {"4", "+", "-", "r", "t", "m", "Right", "Page_Up", ">", " ", "g", "l", "s", "Tab", "n", "w", "i", "I"}) {
     const auto session = open();
     const std::vector<Rgba> before = canvas_.overlay;
     const std::size_t items = canvas_.items.size();

@@ -1,0 +1,335 @@
+#include "viewer/vtk_module/glfw_window.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <X11/Xlib.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <deque>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "gpu/device.h"
+
+namespace scanmill {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Kind = CanvasEvent::Kind;
+
+constexpr double kDoubleClick = 0.4;  // s
+constexpr double kSamePlace = 4;      // px
+
+// GLFW's handler of errors knows no window; of windows there is one at a time.
+std::string& complaint() {
+  static std::string text;
+  return text;
+}
+
+void keepComplaint(int /*code*/, const char* text) {
+  if (complaint().empty()) complaint() = text;
+}
+
+// It must not return: Xlib would end the program by itself, by way of the destructors of what is in use.
+int endProgram(Display*) {
+  constexpr std::string_view kMessage = "error: the connection to the X server, and with it the window, is lost\n";
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
+  std::_Exit(1);
+}
+
+void connect() {
+  complaint().clear();
+  glfwSetErrorCallback(keepComplaint);
+  // Mesa tells by a warning that the server has no graphics card, and goes on without one.
+  ::setenv("EGL_LOG_LEVEL", "fatal", 0);
+  XSetIOErrorHandler(endProgram);
+  if (glfwInit() == GLFW_TRUE) return;
+  const char* const name = std::getenv("DISPLAY");
+  constexpr std::string_view kInstead = "or take a picture without one: --screenshot FILE.png";
+  if (name == nullptr || *name == '\0') {
+    throw NoDisplay(fmt::format("there is no display for a window: DISPLAY is not set; set it, {}", kInstead));
+  }
+  throw NoDisplay(
+      fmt::format("there is no display for a window: the X server {} (DISPLAY) does not answer or lets nobody in ({}); "
+                  "set DISPLAY, {}",
+                  name, complaint(), kInstead));
+}
+
+GLFWwindow* create(const std::string& title, int width, int height) {
+  constexpr std::array<std::pair<int, int>, 3> kVersions{{{4, 5}, {4, 3}, {3, 2}}};
+  for (const auto& [major, minor] : kVersions) {
+    glfwDefaultWindowHints();
+    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+    glfwWindowHint(GLFW_FOCUS_ON_SHOW, GLFW_TRUE);
+    glfwWindowHint(GLFW_ALPHA_BITS, 0);  // the desktop would shine through
+    glfwWindowHint(GLFW_DEPTH_BITS, 0);  // VTK draws to a framebuffer of its own
+    glfwWindowHint(GLFW_STENCIL_BITS, 0);
+    glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, major);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, minor);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHintString(GLFW_X11_CLASS_NAME, "Scanmill");
+    glfwWindowHintString(GLFW_X11_INSTANCE_NAME, "scanmill");
+    complaint().clear();
+    if (GLFWwindow* const window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr)) return window;
+  }
+  throw NoDevice(fmt::format("there is no OpenGL 3.2 for a window on this display: {}", complaint()));
+}
+
+// The names of keys that type nothing; without num lock those of the number pad mean what is printed below their
+// digits.
+std::string_view nameOf(int key, bool numLock) {
+  if (!numLock && key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) {
+    constexpr std::array<std::string_view, 10> kPad{"", "End",   "Down", "Page_Down", "Left",
+                                                    "", "Right", "Home", "Up",        "Page_Up"};
+    return kPad[static_cast<std::size_t>(key - GLFW_KEY_KP_0)];
+  }
+  constexpr std::array<std::string_view, 12> kFunction{"F1", "F2", "F3", "F4",  "F5",  "F6",
+                                                       "F7", "F8", "F9", "F10", "F11", "F12"};
+  if (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12) return kFunction[static_cast<std::size_t>(key - GLFW_KEY_F1)];
+  switch (key) {
+    case GLFW_KEY_ESCAPE:
+      return "Escape";
+    case GLFW_KEY_ENTER:
+    case GLFW_KEY_KP_ENTER:
+      return "Return";
+    case GLFW_KEY_TAB:
+      return "Tab";
+    case GLFW_KEY_BACKSPACE:
+      return "BackSpace";
+    case GLFW_KEY_RIGHT:
+      return "Right";
+    case GLFW_KEY_LEFT:
+      return "Left";
+    case GLFW_KEY_UP:
+      return "Up";
+    case GLFW_KEY_DOWN:
+      return "Down";
+    case GLFW_KEY_PAGE_UP:
+      return "Page_Up";
+    case GLFW_KEY_PAGE_DOWN:
+      return "Page_Down";
+    case GLFW_KEY_HOME:
+      return "Home";
+    case GLFW_KEY_END:
+      return "End";
+    default:
+      return "";
+  }
+}
+
+std::string utf8(unsigned codepoint) {
+  std::string text;
+  if (codepoint < 0x80) return {static_cast<char>(codepoint)};
+  const int more = codepoint < 0x800 ? 1 : codepoint < 0x10000 ? 2 : 3;
+  constexpr std::array<unsigned, 4> kFirst{0, 0xC0, 0xE0, 0xF0};
+  text += static_cast<char>(kFirst[static_cast<std::size_t>(more)] | codepoint >> 6 * more);
+  for (int i = more - 1; i >= 0; --i) text += static_cast<char>(0x80 | (codepoint >> 6 * i & 0x3F));
+  return text;
+}
+
+}  // namespace
+
+struct GlfwWindow::State {
+  GLFWwindow* window = nullptr;
+  std::deque<CanvasEvent> events;
+  int width = 0;
+  int height = 0;
+  int x = 0;
+  int y = 0;
+  bool shift = false;
+  bool control = false;
+  CanvasEvent lastPress;
+  double pressedAt = 0;  // s
+  int clicks = 0;        // of the last press
+
+  ~State() {
+    if (window != nullptr) glfwDestroyWindow(window);
+    glfwTerminate();
+  }
+
+  static State& of(GLFWwindow* of) { return *static_cast<State*>(glfwGetWindowUserPointer(of)); }
+
+  CanvasEvent plain(Kind kind) const {
+    CanvasEvent event;
+    event.kind = kind;
+    event.x = x;
+    event.y = y;
+    event.width = width;
+    event.height = height;
+    event.shift = shift;
+    event.control = control;
+    return event;
+  }
+
+  // Of a run of moves or sizes the last counts.
+  void add(CanvasEvent event) {
+    const bool replaces = event.kind == Kind::Move || event.kind == Kind::Resize || event.kind == Kind::Redraw;
+    if (replaces && !events.empty() && events.back().kind == event.kind) events.pop_back();
+    events.push_back(std::move(event));
+  }
+
+  void modifiers(int mods) {
+    shift = (mods & GLFW_MOD_SHIFT) != 0;
+    control = (mods & GLFW_MOD_CONTROL) != 0;
+  }
+
+  // Keys that type something come by typed(), in their keyboard's layout; with control they type nothing.
+  void key(int code, int scan, int mods) {
+    modifiers(mods);
+    std::string name(nameOf(code, (mods & GLFW_MOD_NUM_LOCK) != 0));
+    if (const char* const letter = control ? glfwGetKeyName(code, scan) : nullptr; name.empty() && letter != nullptr) {
+      name = letter;
+    }
+    if (name.empty()) return;
+    CanvasEvent event = plain(Kind::Key);
+    event.key = std::move(name);
+    add(std::move(event));
+  }
+
+  void typed(unsigned codepoint) {
+    CanvasEvent event = plain(Kind::Key);
+    event.key = event.text = utf8(codepoint);
+    add(std::move(event));
+  }
+
+  void button(int code, bool down, int mods) {
+    constexpr std::array<int, 3> kNumbers{1, 3, 2};  // left, right, middle
+    if (code < 0 || code >= static_cast<int>(kNumbers.size())) return;
+    modifiers(mods);
+    CanvasEvent event = plain(down ? Kind::Down : Kind::Up);
+    event.button = kNumbers[static_cast<std::size_t>(code)];
+    if (down) {
+      const double now = glfwGetTime();
+      const bool again = clicks == 1 && event.button == lastPress.button && now - pressedAt <= kDoubleClick &&
+                         std::abs(x - lastPress.x) <= kSamePlace && std::abs(y - lastPress.y) <= kSamePlace;
+      clicks = again ? 2 : 1;
+      pressedAt = now;
+      lastPress = event;
+    }
+    event.clicks = std::max(clicks, 1);
+    add(std::move(event));
+  }
+
+  void listen() {
+    glfwSetWindowUserPointer(window, this);
+    glfwSetInputMode(window, GLFW_LOCK_KEY_MODS, GLFW_TRUE);
+    glfwSetKeyCallback(window, [](GLFWwindow* from, int code, int scan, int action, int mods) {
+      if (action != GLFW_RELEASE) return of(from).key(code, scan, mods);
+      // What X says of a modifier's own release is how it was before.
+      const auto held = [&](int left, int right) {
+        return glfwGetKey(from, left) == GLFW_PRESS || glfwGetKey(from, right) == GLFW_PRESS;
+      };
+      of(from).shift = held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+      of(from).control = held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+    });
+    glfwSetCharCallback(window, [](GLFWwindow* from, unsigned codepoint) { of(from).typed(codepoint); });
+    glfwSetCursorPosCallback(window, [](GLFWwindow* from, double atX, double atY) {
+      State& s = of(from);
+      s.x = static_cast<int>(atX);
+      s.y = static_cast<int>(atY);
+      s.add(s.plain(Kind::Move));
+    });
+    glfwSetMouseButtonCallback(window, [](GLFWwindow* from, int code, int action, int mods) {
+      of(from).button(code, action == GLFW_PRESS, mods);
+    });
+    glfwSetScrollCallback(window, [](GLFWwindow* from, double, double amount) {
+      State& s = of(from);
+      CanvasEvent event = s.plain(Kind::Wheel);
+      event.amount = amount;
+      if (amount != 0) s.add(std::move(event));
+    });
+    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* from, int newWidth, int newHeight) {
+      State& s = of(from);
+      if (newWidth < 1 || newHeight < 1 || (newWidth == s.width && newHeight == s.height)) return;
+      s.width = newWidth;
+      s.height = newHeight;
+      s.add(s.plain(Kind::Resize));
+    });
+    glfwSetWindowRefreshCallback(window, [](GLFWwindow* from) { of(from).add(of(from).plain(Kind::Redraw)); });
+    glfwSetWindowCloseCallback(window, [](GLFWwindow* from) { of(from).add(of(from).plain(Kind::Close)); });
+  }
+};
+
+GlfwWindow::GlfwWindow(const std::string& title, int width, int height) : state_(std::make_unique<State>()) {
+  constexpr int kLargest = 32767;  // X's numbers have 16 bits
+  constexpr int kLeastWidth = 160;
+  constexpr int kLeastHeight = 120;
+  if (width < 1 || height < 1 || width > kLargest || height > kLargest) {
+    throw std::invalid_argument(fmt::format("a window of {} x {} pixels cannot be made", width, height));
+  }
+  connect();
+  state_->window = create(title, width, height);
+  glfwSetWindowSizeLimits(state_->window, std::min(width, kLeastWidth), std::min(height, kLeastHeight), GLFW_DONT_CARE,
+                          GLFW_DONT_CARE);
+  glfwGetFramebufferSize(state_->window, &state_->width, &state_->height);
+  glfwMakeContextCurrent(state_->window);
+  state_->listen();
+  check();
+}
+
+GlfwWindow::~GlfwWindow() = default;
+
+void GlfwWindow::makeCurrent() noexcept {
+  glfwMakeContextCurrent(state_->window);
+}
+
+void GlfwWindow::present() {
+  glfwPollEvents();  // notices a lost connection, on which Mesa would go round for long
+  glfwSwapBuffers(state_->window);
+}
+
+void GlfwWindow::resize(int width, int height) {
+  glfwSetWindowSize(state_->window, width, height);
+  glfwPollEvents();
+}
+
+void GlfwWindow::check() {
+  if (const std::string text = std::exchange(complaint(), {}); !text.empty()) throw std::runtime_error(text);
+}
+
+void GlfwWindow::run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handler) {
+  State& s = *state_;
+  const std::chrono::milliseconds tick(tickMilliseconds);
+  glfwShowWindow(s.window);
+  glfwPollEvents();
+  s.events.clear();
+  if (!handler(s.plain(Kind::Resize))) return;
+  // Hands out one event; false where the handler, or the window, is at its end.
+  const auto next = [&] {
+    const CanvasEvent event = std::move(s.events.front());
+    s.events.pop_front();
+    const bool more = handler(event);
+    check();
+    return more && event.kind != Kind::Close;
+  };
+  Clock::time_point due = Clock::now() + tick;
+  for (;;) {
+    glfwPollEvents();
+    // A tick that is due goes before further events, or a moving mouse could keep it away for ever.
+    while ((tickMilliseconds <= 0 || Clock::now() < due) && !s.events.empty()) {
+      if (!next()) return;
+    }
+    if (tickMilliseconds > 0 && Clock::now() >= due) {
+      if (!handler(s.plain(Kind::Tick))) return;
+      check();
+      due = std::max(due + tick, Clock::now());  // those missed are not made up for
+      if (!s.events.empty() && !next()) return;  // at least one event between two ticks
+      continue;
+    }
+    if (tickMilliseconds <= 0) {
+      glfwWaitEvents();
+    } else {
+      glfwWaitEventsTimeout(std::max(std::chrono::duration<double>(due - Clock::now()).count(), 1e-4));
+    }
+  }
+}
+
+}  // namespace scanmill
