@@ -46,12 +46,6 @@ std::vector<std::string> assetsOf(const Arguments& parsed) {
   return parsed.options["input"].as<std::vector<std::string>>();
 }
 
-std::filesystem::path ontologyFile(const std::string& name) {
-  const std::filesystem::path own = resourceFolder() / "labels" / (name + ".yaml");
-  std::error_code error;
-  return std::filesystem::exists(own, error) ? own : std::filesystem::path(name);
-}
-
 double longestEdge(const Box& box) {
   const Vec3d size = box.empty() ? Vec3d{} : box.high - box.low;
   return std::max({size.x, size.y, size.z});
@@ -145,7 +139,7 @@ int runDraft(const std::vector<std::string>& arguments) {
     }
   }
   const std::string ontologyName = parsed.options["ontology"].as<std::string>();
-  const Ontology ontology = readOntology(ontologyFile(ontologyName));
+  const Ontology ontology = readOntology(namedResource(ontologyName, "labels"));
   const std::vector<draft::Concept> concepts = draft::readConcepts(
       parsed.options.count("words") > 0 ? std::filesystem::path(parsed.options["words"].as<std::string>())
                                         : resourceFolder() / "labels/words.yaml");

@@ -101,9 +101,10 @@ int runPicture(const std::vector<std::string>& arguments) {
       "rings x columns instead of a view: straight ahead in the middle, left on the left, the rings shifted by their "
       "azimuth offsets")("sensor-order", "of a range image: columns as the sensor orders them, nothing shifted")(
       "over", "a further scan to draw over it, found like the first; each gets a colour (may be repeated)",
-      cxxopts::value<std::vector<std::string>>(),
-      "DATASET|SHARD|SCAN")("ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)",
-                            cxxopts::value<std::string>(), "FILE");
+      cxxopts::value<std::vector<std::string>>(), "DATASET|SHARD|SCAN")(
+      "ontology",
+      "names and colours of the classes, in place of the dataset's: a file, or a name of `scanmill list ontologies`",
+      cxxopts::value<std::string>(), "FILE");
   const Arguments parsed = parseArguments(
       command, options, arguments,
       "  scanmill picture out/quickstart -o street.png\n"
@@ -154,14 +155,14 @@ int runPicture(const std::vector<std::string>& arguments) {
     }
     SceneOptions plain;
     plain.textures = false;
-    plain.ontology = textOption(parsed, "ontology");
+    plain.ontology = ontologyOption(parsed);
     const Image sheet = drawContactSheet(readScene(file, plain));
     writeFile(out, encodePng(sheet));
     printText("{}: {} x {}, a cell for each object of {}\n", out.string(), sheet.width, sheet.height, file.string());
     return 0;
   }
   ScanSource source = findScan(file, textOption(parsed, "sample"), textOption(parsed, "sensor"));
-  if (const auto ontology = textOption(parsed, "ontology"); !ontology.empty()) {
+  if (const auto ontology = ontologyOption(parsed); !ontology.empty()) {
     source.ontology = readOntology(ontology);
   }
   const Ontology* ontology = source.ontology ? &*source.ontology : nullptr;

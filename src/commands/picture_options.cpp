@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "config/fields.h"
+#include "config/resources.h"
 #include "dataset/recording.h"
 #include "viewer/picture.h"
 
@@ -77,8 +78,13 @@ bool isExr(const std::filesystem::path& file) {
   return file.extension() == ".exr";
 }
 
+std::filesystem::path ontologyOption(const Arguments& parsed) {
+  const std::string given = textOption(parsed, "ontology");
+  return given.empty() ? std::filesystem::path() : namedResource(given, "labels");
+}
+
 std::optional<Ontology> ontologyOfExr(const std::filesystem::path& file, const Arguments& parsed) {
-  if (const auto given = textOption(parsed, "ontology"); !given.empty()) return readOntology(given);
+  if (const auto given = ontologyOption(parsed); !given.empty()) return readOntology(given);
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   if (const auto kind = recordingIn(folder)) {
     Ontology recorded = readRecording(folder, *kind).ontology;

@@ -38,6 +38,8 @@ struct PictureSize {
 PictureSize readPictureSize(const std::string& text);
 
 bool isExr(const std::filesystem::path& file);
+// Of --ontology: a file, or a name of `scanmill list ontologies`. Empty where it is not given.
+std::filesystem::path ontologyOption(const Arguments& parsed);
 // Of --ontology, else of the recording that the image lies in.
 std::optional<Ontology> ontologyOfExr(const std::filesystem::path& file, const Arguments& parsed);
 // Throws InputError where `folder` is a recording: its images are looked at one by one.

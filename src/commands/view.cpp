@@ -220,7 +220,7 @@ void viewImages(const std::filesystem::path& path, const Arguments& parsed, cons
     }
   }
   std::optional<Ontology> classes;
-  if (const auto given = textOption(parsed, "ontology"); !given.empty()) classes = readOntology(given);
+  if (const auto given = ontologyOption(parsed); !given.empty()) classes = readOntology(given);
   ImageList images = openImages(path, textOption(parsed, "sample"), std::move(classes));
   const std::unique_ptr<Canvas> canvas = openCanvas(path, size, outputs.window());
   ImageSession session(std::move(images), *canvas, textOption(parsed, "plane"), hasOption(parsed, "bare"),
@@ -304,7 +304,9 @@ void addOptions(cxxopts::Options& options) {
                             "DATASET|SHARD|SCAN")(
       "scene", "the scene that was scanned, in place of the one that the dataset names", text(), "FILE")(
       "seed", "of a procedural scene that is viewed by itself (default: 1)", cxxopts::value<std::uint64_t>(), "N")(
-      "ontology", "names and colours of the classes, in place of the dataset's (labels/*.yaml)", text(), "FILE")(
+      "ontology",
+      "names and colours of the classes, in place of the dataset's: a file, or a name of `scanmill list ontologies`",
+      text(), "FILE|NAME")(
       "color",
       fmt::format("{}; the first that the scan has where not given; once per view", fmt::join(colorNames(), ", ")),
       list(), "WHAT")(
@@ -312,7 +314,7 @@ void addOptions(cxxopts::Options& options) {
       "LOW,HIGH")("layout", fmt::format("{}: how the scans of a sample are shown", fmt::join(kLayoutNames, ", ")),
                   text(), "NAME")("camera",
                                   fmt::format("{}, or YAW,PITCH,DISTANCE[,X,Y,Z] in deg and m, such as 30,20,25; of a "
-                                              "scene by itself X,Y,Z count from its middle",
+                                              "scene by itself X,Y,Z are its own coordinates, as --pick prints them",
                                               fmt::join(kViewNames, ", ")),
                                   text(),
                                   "WHERE")("plane", "of an EXR image: the first where not given", text(), "NAME")(
@@ -373,7 +375,7 @@ int runView(const std::vector<std::string>& arguments) {
   for (const std::string& other : listOption(parsed, "over")) input.over.emplace_back(other);
   input.reference = textOption(parsed, "reference");
   input.sensor = textOption(parsed, "sensor");
-  input.ontology = textOption(parsed, "ontology");
+  input.ontology = ontologyOption(parsed);
   input.scene = textOption(parsed, "scene");
   if (hasOption(parsed, "seed")) {
     input.seed = parsed.options["seed"].as<std::uint64_t>();

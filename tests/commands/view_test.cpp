@@ -56,6 +56,7 @@ TEST_F(View, PicturesOfDatasets) {
   expectPicture({at("a"), "--sample", "2", "--camera", "above", "--rings", "--range-image", "--mesh"});
   expectPicture({at("a"), "--color", "class", "--color", "range", "--background", "white"});
   expectPicture({at("a"), "--color", "class", "--color", "range", "--scale", "0,20"});
+  expectPicture({at("a"), "--ontology", "semantic_kitti", "--hide", "other-ground"});
   expectPicture({at("a"), "--over", at("a"), "--layout", "overlay"});
   expectPicture({at("a"), "--over", at("a"), "--layout", "split", "--color", "height"});
   expectPicture({at("a"), "--reference", at("a"), "--color", "error"});
@@ -171,6 +172,7 @@ TEST_F(View, BadInputIsRefusedWithAdvice) {
       {{at("a"), "--background", "1,2,300"}, "R,G,B"},
       {{at("a"), "--hide", "car", "--only", "car"}, "exclude each other"},
       {{at("a"), "--hide", "lorry"}, "lorry"},
+      {{at("a"), "--ontology", "semantic_kit"}, "did you mean 'semantic_kitti.yaml'"},
       {{at("a"), "--sample", "17"}, "17"},
       {{at("a"), "--sample", "nowhere"}, "nowhere"},
       {{at("a"), "--sensor", "bottom"}, "bottom"},

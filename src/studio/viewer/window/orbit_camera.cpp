@@ -125,8 +125,9 @@ void OrbitCamera::moveBy(const Affine& newFromOld) {
 }
 
 std::string OrbitCamera::text() const {
-  std::string out = fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", degrees(yaw), degrees(pitch), distance,
-                                target.x, target.y, target.z);
+  const auto millimetres = [](double m) { return std::round(m * 1000) / 1000 + 0.0; };
+  std::string out = fmt::format("{:.6g},{:.6g},{:.6g},{:.12g},{:.12g},{:.12g}", degrees(yaw), degrees(pitch), distance,
+                                millimetres(target.x), millimetres(target.y), millimetres(target.z));
   if (focal != kUsualFocal) out += fmt::format(",{:.6g}", focal);
   if (orthographic) out += ",ortho";
   return out;
@@ -157,9 +158,11 @@ OrbitCamera presetCamera(View view) {
   return camera;
 }
 
-OrbitCamera parseCamera(const std::string& text) {
+CameraChoice parseCamera(const std::string& text) {
+  constexpr double kFarthestPlace = 1e8;  // m: coordinates of the earth's grids are within
   for (std::size_t i = 0; i < kViewNames.size(); ++i) {
-    if (kViewNames[i] == text) return presetCamera(static_cast<View>(i));
+    const auto view = static_cast<View>(i);
+    if (kViewNames[i] == text) return {presetCamera(view), view};
   }
   constexpr std::string_view kOrtho = ",ortho";
   std::string_view rest = text;
@@ -187,13 +190,15 @@ OrbitCamera parseCamera(const std::string& text) {
   camera.distance = values[2];
   if (values.size() >= 6) {
     camera.target = {values[3], values[4], values[5]};
-    if (within(camera.target) != camera.target) refuse(text);
+    for (std::size_t i = 3; i < 6; ++i) {
+      if (std::abs(values[i]) > kFarthestPlace) refuse(text);
+    }
   }
   if (values.size() == 7) {
     camera.focal = values[6];
     if (!(camera.focal >= 0.05 && camera.focal <= 20)) refuse(text);
   }
-  return camera;
+  return {camera, std::nullopt, values.size() >= 6};
 }
 
 }  // namespace scanmill

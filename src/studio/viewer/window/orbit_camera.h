@@ -2,6 +2,7 @@
 
 // The camera that a person turns about a place.
 
+#include <optional>
 #include <string>
 
 #include "base/vec.h"
@@ -34,8 +35,8 @@ struct OrbitCamera {
   void frame(const Box& box);
   // The same view in a frame that is turned and moved; of a turn only that about z counts.
   void moveBy(const Affine& newFromOld);
-  // "yaw,pitch,distance,x,y,z" in degrees and metres, and ",focal" and ",ortho" where they are not as usual: what
-  // parseCamera() reads again.
+  // "yaw,pitch,distance,x,y,z" in degrees and metres (of places the millimetres), and ",focal" and ",ortho" where they
+  // are not as usual: what parseCamera() reads again.
   std::string text() const;
   bool operator==(const OrbitCamera&) const = default;
 };
@@ -43,8 +44,15 @@ struct OrbitCamera {
 // The cameras of makeCamera(), for the same picture; Driver turns about a place ahead.
 OrbitCamera presetCamera(View view);
 
+// What a person asks for.
+struct CameraChoice {
+  OrbitCamera camera = presetCamera(View::Chase);
+  std::optional<View> view = View::Chase;  // by its name
+  bool placed = false;                     // the target was given; else it is whatever is in the middle
+};
+
 // "chase", "driver", "above", or YAW,PITCH,DISTANCE[,X,Y,Z[,FOCAL]][,ortho] in degrees and metres. Throws InputError
 // that says so.
-OrbitCamera parseCamera(const std::string& text);
+CameraChoice parseCamera(const std::string& text);
 
 }  // namespace scanmill

@@ -12,8 +12,7 @@ ViewSession::State::State(std::shared_ptr<const FrameSource> frames, Canvas& dra
     : source(std::move(frames)),
       canvas(drawnOn),
       options(chosen),
-      camera(chosen.camera),
-      cameraGiven(!(chosen.camera == presetCamera(View::Chase))),
+      camera(chosen.camera.camera),
       loader(source),
       filter(chosen.hidden, chosen.only, source->ontology()),
       aloneInstances(chosen.instances.begin(), chosen.instances.end()) {

@@ -210,7 +210,7 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::TurnAbout:
       return turnAbout();
     case KeyAction::ResetView:
-      return setCamera(cameraGiven || !source->isScene() ? options.camera : preset(View::Chase));
+      return setCamera(firstCamera());
     case KeyAction::NextFrame:
       return stepBy(1);
     case KeyAction::PreviousFrame:
@@ -333,7 +333,7 @@ void ViewSession::State::savePicture() {
   hudChanged = true;
   flush(true);
   try {
-    say(fmt::format("saved {}; its camera: {}", saveViewPicture(canvas.read()), camera.text()));
+    say(fmt::format("saved {}; its camera: {}", saveViewPicture(canvas.read()), cameraText()));
   } catch (const Error& e) {
     say(e.what());
     warn(e.what());

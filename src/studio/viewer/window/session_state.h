@@ -144,6 +144,10 @@ struct ViewSession::State {
   Affine canvasFromScan(const ViewScan& scan) const;
   void toggleWorld();
   OrbitCamera preset(View view) const;
+  // What was asked for; of a scene that is not there yet it may be another.
+  OrbitCamera firstCamera() const;
+  // For --camera.
+  std::string cameraText() const;
   void setCamera(const OrbitCamera& newCamera);
   double farthest(const Vec3d& eye) const;
   double pointSize() const;
@@ -191,8 +195,7 @@ struct ViewSession::State {
   Canvas& canvas;
   ViewOptions options;  // as they are now
   OrbitCamera camera;
-  bool cameraGiven = false;  // else a scene is shown whole
-  bool sceneFramed = false;  // that has been done
+  bool sceneFramed = false;  // a scene's first camera has been set, which wants its box
   FrameLoader loader;
   WallTimer clock;
   DrawPace pace;

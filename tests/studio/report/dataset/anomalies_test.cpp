@@ -194,7 +194,7 @@ TEST_F(AnomaliesInStreets, WarningsNameTheThingAndShowIt) {
   // The camera sees the whole of it, as a good part of the picture.
   const std::size_t from = size.command.find("--camera=") + 9;
   const ViewCamera camera =
-      parseCamera(size.command.substr(from, size.command.find(' ', from) - from)).camera(1600, 900);
+      parseCamera(size.command.substr(from, size.command.find(' ', from) - from)).camera.camera(1600, 900);
   double low = 1e9, high = -1e9;
   for (int corner = 0; corner < 8; ++corner) {
     const Box& b = car.bestBox;

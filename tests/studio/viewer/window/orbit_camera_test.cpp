@@ -178,7 +178,7 @@ TEST(OrbitCamera, ItsTextIsReadAgain) {
   std::vector<OrbitCamera> cameras{presetCamera(View::Chase), presetCamera(View::Driver), presetCamera(View::Above)};
   for (int i = 0; i < 100; ++i) cameras.push_back(randomCamera(random));
   for (const OrbitCamera& camera : cameras) {
-    const OrbitCamera again = parseCamera(camera.text());
+    const OrbitCamera again = parseCamera(camera.text()).camera;
     EXPECT_NEAR(std::remainder(again.yaw - camera.yaw, 2 * kPi), 0, 1e-5) << camera.text();
     EXPECT_NEAR(again.pitch, camera.pitch, 1e-5);
     EXPECT_NEAR(again.distance, camera.distance, 1e-5 * camera.distance);
@@ -187,6 +187,17 @@ TEST(OrbitCamera, ItsTextIsReadAgain) {
     EXPECT_EQ(again.orthographic, camera.orthographic);
     EXPECT_EQ(again.text(), camera.text());
   }
+}
+
+TEST(OrbitCamera, TextsSayWhatTheyName) {
+  EXPECT_EQ(parseCamera("above").view, View::Above);
+  EXPECT_FALSE(parseCamera("above").placed);
+  EXPECT_FALSE(parseCamera("30,20,25").view.has_value());
+  EXPECT_FALSE(parseCamera("30,20,25,ortho").placed);
+  const CameraChoice grid = parseCamera("30,20,25,691234.125,5334567.25,512.5");  // metres of a grid of the earth
+  EXPECT_TRUE(grid.placed);
+  EXPECT_EQ(grid.camera.target, (Vec3d{691234.125, 5334567.25, 512.5}));
+  EXPECT_EQ(parseCamera(grid.camera.text()).camera.target, grid.camera.target);
 }
 
 TEST(OrbitCamera, WrongTextsAreRefusedWithAnExample) {

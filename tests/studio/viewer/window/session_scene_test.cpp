@@ -3,12 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <string>
 
 #include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
+#include "viewer/frames/view_mesh.h"
 #include "viewer/window/hud.h"
 #include "viewer/window/session_items.h"
 
@@ -61,6 +63,54 @@ TEST_F(SceneViewer, ColoursGoInARing) {
   open({.colors = {ColorBy("instance")}});
   EXPECT_EQ(colors(), byInstance);
   EXPECT_THAT(messageOf([&] { open({.colors = {ColorBy("time")}}); }), testing::HasSubstr("a scene has no time"));
+}
+
+// However large it is: what the most of it is in fills the picture, and nothing of that is outside.
+TEST_F(SceneViewer, NamedViewsShowItWhole) {
+  for (const int houses : {1, 30}) {
+    std::string scene = kWallScene;
+    for (int i = 0; i < houses; ++i) {
+      scene += "  - {primitive: box, size: [9, 12, 7], class: building, material: brick, position: [" +
+               std::to_string(31 * i) + ", " + std::to_string(100 + 7 * i) + ", 3]}\n";
+    }
+    const std::filesystem::path file = folder_.write("houses.yaml", scene);
+    const Box core = loadViewMesh(file, 1, 0).core;
+    for (const View view : {View::Chase, View::Above}) {
+      ViewSession session(openFrames({.path = file}), canvas_, {.camera = {presetCamera(view), view}});
+      session.settle();
+      const ViewCamera& camera = canvas_.views().at(0).camera;
+      Box shown;
+      for (int corner = 0; corner < 8; ++corner) {
+        const Projected p =
+            camera.project({corner & 1 ? core.high.x : core.low.x, corner & 2 ? core.high.y : core.low.y,
+                            corner & 4 ? core.high.z : core.low.z});
+        shown.add(Vec3d{p.x, p.y, 0});
+      }
+      EXPECT_GE(std::min(shown.low.x, shown.low.y), 0) << houses;
+      EXPECT_LE(shown.high.x, 800) << houses;
+      EXPECT_LE(shown.high.y, 600) << houses;
+      EXPECT_GT(std::max((shown.high.x - shown.low.x) / 800, (shown.high.y - shown.low.y) / 600), 0.7) << houses;
+    }
+  }
+}
+
+// What a pick says of a place, a camera takes: that place is in the middle then.
+TEST_F(SceneViewer, CamerasAimAtThePlacesOfPicks) {
+  const auto session = open({.camera = parseCamera("10,40,15,15,100,1.75")});  // the middle of the car's roof
+  const auto picked = session->pick(400, 300);
+  ASSERT_TRUE(picked.has_value());
+  EXPECT_THAT(picked->heading, testing::HasSubstr("car"));
+  const ViewCamera camera = canvas_.views().at(0).camera;
+  EXPECT_NEAR(camera.project(picked->place).x, 400.5, 0.1) << "of the pixel's middle";
+  for (const auto& [row, expected] : {std::pair("world x", 15.0), {"world y", 100.0}, {"world z", 1.75}}) {
+    const auto found = std::ranges::find(picked->rows, row, [](const auto& r) { return r.first; });
+    ASSERT_NE(found, picked->rows.end()) << row;
+    EXPECT_NEAR(std::stod(found->second), expected, 0.03) << row;  // half a pixel
+  }
+  key(*session, "F1");
+  EXPECT_NE(canvas_.views().at(0).camera.project(picked->place).x, 400);
+  key(*session, "Home");
+  EXPECT_NEAR(canvas_.views().at(0).camera.project(picked->place).x, camera.project(picked->place).x, 1e-6);
 }
 
 TEST_F(SceneViewer, SaysWhatMeansNothing) {
