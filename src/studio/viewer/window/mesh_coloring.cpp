@@ -54,6 +54,15 @@ Legend instanceLegend(const ViewMesh& mesh) {
   return legend;
 }
 
+Legend objectLegend(const ViewMesh& mesh) {
+  Legend legend;
+  if (mesh.parts.empty()) return legend;
+  legend.entries.push_back(
+      {fmt::format("{} object{}, a colour each", grouped(mesh.parts.size()), mesh.parts.size() == 1 ? "" : "s"),
+       instanceColor(1), -1, mesh.size()});
+  return legend;
+}
+
 // The most frequent first.
 Legend materialLegend(const ViewMesh& mesh) {
   const std::vector<std::uint64_t> triangles = countEach(mesh.material);
@@ -92,6 +101,10 @@ Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {
     case MeshColor::Instance:
       paint([&](std::size_t t) { return instanceColor(mesh.instance[t]); });
       coloring.legend = instanceLegend(mesh);
+      break;
+    case MeshColor::Object:
+      paint([&](std::size_t t) { return instanceColor(mesh.part[t] + 1); });
+      coloring.legend = objectLegend(mesh);
       break;
     case MeshColor::Material:
       paint([&](std::size_t t) { return materialColor(mesh.material[t]); });

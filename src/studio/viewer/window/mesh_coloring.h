@@ -10,8 +10,9 @@
 
 namespace scanmill {
 
-enum class MeshColor { Class, Instance, Material, Reflectance };
-constexpr std::array<std::string_view, 4> kMeshColorNames{"class", "instance", "material", "reflectance"};
+// Object: the placed object and the node of its file.
+enum class MeshColor { Class, Instance, Object, Material, Reflectance };
+constexpr std::array<std::string_view, 5> kMeshColorNames{"class", "instance", "object", "material", "reflectance"};
 
 // One colour per triangle. The legend counts triangles.
 Coloring colorMesh(const ViewMesh& mesh, MeshColor by);

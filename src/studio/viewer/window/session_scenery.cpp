@@ -19,33 +19,24 @@ constexpr Rgb kMeasureColor{255, 240, 90};
 // Frames the box, then moves the camera aside and nearer until what is seen of it fills the picture: what is near takes
 // more room than what is far.
 void fillWith(OrbitCamera& camera, const Box& box, int width, int height) {
-  constexpr int kSteps = 40;
+  constexpr int kSteps = 16;
   constexpr double kFilled = 0.9;
-  // The part of the picture that the box takes, about its middle; none where some of it is behind the camera.
-  const auto centred = [&]() -> std::optional<double> {
+  camera.frame(box);
+  for (int step = 0; step < kSteps; ++step) {
     const ViewCamera view = camera.camera(width, height);
-    double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9, nearest = 1e9;
+    double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
     for (int corner = 0; corner < 8; ++corner) {
       const Projected p = view.project({corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
                                         corner & 4 ? box.high.z : box.low.z});
-      if (!(p.depth >= view.nearest)) return {};
-      nearest = std::min(nearest, p.depth);
+      if (!(p.depth >= view.nearest)) return;
       left = std::min(left, p.x);
       right = std::max(right, p.x);
       top = std::min(top, p.y);
       bottom = std::max(bottom, p.y);
     }
-    // What is nearer than the target moves farther than it.
-    const double part = camera.orthographic ? 0.5 : std::clamp(nearest / camera.distance, 0.0, 1.0) / 2;
-    camera.pan((width - left - right) * part, (height - top - bottom) * part, width, height);
-    // As far as it still is from its middle, it reaches over an edge.
-    return std::max((right - left + std::abs(width - left - right)) / width,
-                    (bottom - top + std::abs(height - top - bottom)) / height);
-  };
-  camera.frame(box);
-  for (int step = 0; step < kSteps; ++step) {
-    const double share = centred().value_or(2) / kFilled;
-    camera.distance *= std::clamp(std::sqrt(share), 0.8, 1.25);
+    camera.pan((width - left - right) / 2, (height - top - bottom) / 2, width, height);
+    const double share = std::max((right - left) / width, (bottom - top) / height) / kFilled;
+    camera.distance *= std::clamp(share, 0.8, 1.25);
   }
 }
 
