@@ -29,7 +29,10 @@ try:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 except ImportError as error:
-    sys.exit(f"error: {error}: install python3-torch, python3-matplotlib and the package scanmill, as docs/training.md says, for {sys.executable}")
+    sys.exit(f"error: {error}: {sys.executable} lacks what this wants; docs/training.md makes an environment that has it, whose Python is "
+             "~/.venvs/scanmill/bin/python")  # fmt: skip
+
+from train_example import opened
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILT = ROOT / "build/release/scanmill"
@@ -160,7 +163,7 @@ def draw(sets: dict, path: Path) -> None:
 
 
 def arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False)
     parser.add_argument("-o", "--out", type=Path, required=True, help="folder for datasets, runs, table and picture")
     parser.add_argument("--judge", action="append", default=[], metavar="NAME=FOLDER", help="another set to be judged on; can be repeated")
     parser.add_argument("--seeds", type=int, default=3, help="networks of each kind (3)")
@@ -175,6 +178,11 @@ def arguments() -> argparse.Namespace:
 
 def main() -> None:
     options = arguments()
+    foreign = [f.name for f in options.out.glob("*") if f.name not in ("sets", "runs", "ablation.json", "ablation.png")]
+    if foreign:
+        sys.exit(f"error: {options.out} holds {foreign[0]}, which no ablation made: name another folder with -o")
+    for text in options.judge:
+        opened(text)  # says what is wrong before anything is made
     names = [BASE, *options.only]
     folders = {name: options.out / "sets" / name.replace(" ", "_") for name in names}
     own = [word for assignment in options.set for word in ("--set", assignment)]
@@ -205,6 +213,8 @@ def main() -> None:
     (options.out / "ablation.json").write_text(json.dumps(report, indent=1) + "\n")
     draw(sets, options.out / "ablation.png")
     print(table(sets))
+    if options.seeds == 1:
+        print("one network of each kind: no error is known, and differences of a few points may be chance")
 
 
 if __name__ == "__main__":

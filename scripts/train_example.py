@@ -11,7 +11,7 @@ and answer, one of the confusion, and the weights.
 
     scripts/train_example.py out/training -o out/judged --weights out/trained/weights.pt --judge rain=out/rain
 
-learns nothing, and judges by the weights that are there.
+learns nothing, and judges by the weights that are there: on the sets of --judge, or on `test` where there are none.
 
 The network is a U-Net over range images (as in RangeNet++, Milioto et al., IROS 2019), small enough for two cores. All
 scans are projected by their angles, those of other programs and other sensors too. Wants Debian's python3-torch and
@@ -41,7 +41,8 @@ try:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 except ImportError as error:
-    sys.exit(f"error: {error}: install python3-torch, python3-matplotlib and the package scanmill, as docs/training.md says, for {sys.executable}")
+    sys.exit(f"error: {error}: {sys.executable} lacks what this wants; docs/training.md makes an environment that has it, whose Python is "
+             "~/.venvs/scanmill/bin/python")  # fmt: skip
 
 # What is learned: classes of Scanmill's ontology, and the ids of SemanticKITTI that mean the same.
 CLASSES = {
@@ -59,7 +60,7 @@ CLASSES = {
     ),
 }
 NAMES = list(CLASSES)
-PICTURED = 8  # sets, the first ones
+PICTURED = 12  # sets
 IMAGE = {"rings": 64, "columns": 512, "elevation": (-25.0, 3.0)}  # how scans are shown to the network
 COLORS = np.array(
     [[128, 64, 128], [244, 35, 232], [152, 220, 110], [235, 180, 60], [215, 110, 60], [0, 130, 30], [250, 230, 0],
@@ -264,11 +265,13 @@ def train(network: Network, training: SimulatedScans, held_out: Dataset, images:
             rate.step()
             losses.append(loss.item())
             step += 1
+            minutes = (time.monotonic() - start) / 60
+            if step not in looks and step % max(1, options.steps // 24) == 0:
+                print(f"step {step}: loss {np.mean(losses[-50:]):.3f}, {minutes * (options.steps / step - 1):.1f} min left", flush=True)
             if step in looks:
                 now = figures_of(confusion_of(network, held_out, images))["miou"]
                 if now > best:
                     best, kept = now, {name: value.clone() for name, value in network.state_dict().items()}
-                minutes = (time.monotonic() - start) / 60
                 left = minutes * (options.steps / step - 1)
                 loss_now = np.mean(losses[-50:])
                 print(f"step {step}, epoch {epoch}: loss {loss_now:.3f}, mean IoU of val {now:.1%}, {left:.1f} min left", flush=True)
@@ -359,6 +362,19 @@ def resilience(results: dict, name: str) -> dict:
     return {**rates, "mean": float(np.mean(list(rates.values())))} if rates else {}
 
 
+def severity(name: str) -> tuple:
+    """What sets of corruptions are ordered by: that without any first, then by name, and from light to heavy."""
+    kind, separator, degree = name.rpartition("-")
+    known = ["light", "moderate", "heavy"]
+    return (not name.endswith("=null"), *((kind, known.index(degree)) if separator and degree in known else (name, 0)))
+
+
+def pictured(names: list[str]) -> list[str]:
+    """At most PICTURED sets; of each corruption the heaviest."""
+    chosen = [n for n in names if not n.endswith(("-light", "-moderate"))]
+    return chosen[:PICTURED]
+
+
 def opened(text: str) -> dict[str, Dataset]:
     """The set that an option --judge names, or all of those in the folder that it names, as NAME/FOLDER."""
     name, separator, path = text.partition("=")
@@ -368,22 +384,25 @@ def opened(text: str) -> dict[str, Dataset]:
         sys.exit(f"error: --judge {name}: no folder {path}")
     if (Path(path) / "manifest.json").exists():
         return {name: SimulatedScans(path)}
-    within = {f"{name}/{m.parent.name}": SimulatedScans(m.parent) for m in sorted(Path(path).glob("*/manifest.json"))}
+    folders = sorted((m.parent for m in Path(path).glob("*/manifest.json")), key=lambda folder: severity(folder.name))
+    within = {f"{name}/{folder.name}": SimulatedScans(folder) for folder in folders}
     return within or {name: RecordedScans(Path(path))}
 
 
 def read_weights(path: Path) -> dict:
     """A file weights.pt: "network", the weights by name, and "image", the values of IMAGE that they learned by, as JSON."""
+    if not path.exists():
+        sys.exit(f"error: --weights {path}: there is no such file")
     try:
         learned = torch.load(path, weights_only=True)  # runs no code that somebody put into the file
         Network().load_state_dict(learned["network"])
         return {"network": learned["network"], "image": json.loads(learned["image"])}
-    except (OSError, RuntimeError, KeyError, TypeError, ValueError, EOFError, pickle.UnpicklingError) as error:
-        sys.exit(f"error: --weights {path}: not the weights.pt of a run of this script: {str(error).splitlines()[0] if str(error) else error!r}")
+    except (OSError, RuntimeError, KeyError, TypeError, ValueError, EOFError, pickle.UnpicklingError):
+        sys.exit(f"error: --weights {path}: is not the weights.pt of a run of this script")
 
 
 def arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False)
     parser.add_argument("dataset", help="a dataset of Scanmill's with the splits train, val and test")
     parser.add_argument("-o", "--out", type=Path, required=True, help="folder for figures, pictures and weights")
     parser.add_argument("--judge", action="append", default=[], metavar="NAME=FOLDER", help="another set to be judged on; can be repeated")
@@ -401,6 +420,8 @@ def arguments() -> argparse.Namespace:
             setattr(options, name, value)
     if options.rings % 4 or options.columns % 8 or min(options.rings, options.columns, options.steps) < 1:
         parser.error("--rings is a multiple of 4, --columns one of 8, and --steps 1 or more: the network halves the image")
+    if options.elevation[0] >= options.elevation[1]:
+        parser.error("--elevation is LOW HIGH, such as -25 3")
     return options
 
 
@@ -412,7 +433,8 @@ def main() -> None:
     training = None if options.weights else SimulatedScans(options.dataset, "train", augment, options.seed)
     if training is not None and len(training) < 2:
         sys.exit(f"error: {options.dataset} has {len(training)} scan to learn from; a step takes two")
-    sets = {split: SimulatedScans(options.dataset, split) for split in ("val", "test")}
+    splits = ("val", "test") if training is not None else () if options.judge else ("test",)
+    sets = {split: SimulatedScans(options.dataset, split) for split in splits}
     for text in options.judge:
         sets.update(opened(text))
     images = Images(options.rings, options.columns, tuple(options.elevation))
@@ -421,20 +443,19 @@ def main() -> None:
         sys.exit(f"error: {options.out} is not empty: name another folder with -o")
 
     network = Network()
-    held_out = sets.pop("val")
     trained = {}
     if training is None:
         network.load_state_dict(options.learned["network"])
     else:
         size = sum(p.numel() for p in network.parameters())
         print(f"{size} weights, {len(training)} scans to learn, {torch.get_num_threads()} threads", flush=True)
-        trained = train(network, training, held_out, images, options)
+        trained = train(network, training, sets.pop("val"), images, options)
         image = {name: getattr(options, name) for name in IMAGE}
         torch.save({"network": network.state_dict(), "image": json.dumps(image)}, options.out / "weights.pt")
 
     results = {}
-    for name, scans in sets.items():
-        print(f"judging {name}: {len(scans)} scans", flush=True)
+    for number, (name, scans) in enumerate(sets.items(), 1):
+        print(f"judging set {number} of {len(sets)}, {name}: {len(scans)} scans", flush=True)
         results[name] = figures_of(confusion_of(network, scans, images))
     judged = [text.partition("=")[0] for text in options.judge]
     rates = {name: found for name in judged if (found := resilience(results, name))}
@@ -442,7 +463,9 @@ def main() -> None:
     (options.out / "figures.json").write_text(
         json.dumps({"settings": settings, "training": trained, "classes": NAMES, "sets": results, "resilience": rates}, indent=1) + "\n"
     )
-    shown = list(sets)[:PICTURED]
+    shown = pictured(list(sets))
+    if len(shown) < len(sets):
+        print(f"the pictures show {len(shown)} of {len(sets)} sets: {', '.join(shown)}")
     draw_scans(network, {name: sets[name] for name in shown}, images, options.out / "scans.png")
     draw_confusion({name: results[name] for name in shown}, options.out / "confusion.png")
     print(table(results))

@@ -25,6 +25,21 @@ std::string Arguments::positional(const std::string& what) const {
                                   : fmt::format("one {} at a time, not also '{}'", what, values[1]));
 }
 
+std::filesystem::path Arguments::fileOrName(const std::string& what,
+                                            std::initializer_list<std::string_view> folders) const {
+  const std::string given = positional(what);
+  std::error_code unknown;
+  if (std::filesystem::exists(given, unknown)) return given;
+  for (const std::string_view folder : folders) {
+    try {
+      return namedResource(given, std::string(folder));
+    } catch (const InputError&) {
+      continue;  // whoever opens it says that it is not there
+    }
+  }
+  return given;
+}
+
 std::filesystem::path Arguments::pipeline() const {
   const std::string given = positional("PIPELINE");
   std::error_code unknown;

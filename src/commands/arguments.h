@@ -8,6 +8,7 @@
 #define CXXOPTS_NO_REGEX
 #include <cxxopts.hpp>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ struct Arguments {
 
   // The one positional argument. Throws InputError that says what is missing.
   std::string positional(const std::string& what) const;
+  // The one positional argument where it may be a file that comes with the program: what is there, else the file of
+  // this name in the first of the program's folders that has one, else what was given.
+  std::filesystem::path fileOrName(const std::string& what, std::initializer_list<std::string_view> folders) const;
   // The one positional argument where it is a pipeline: the file, or one that comes with the program by its name.
   std::filesystem::path pipeline() const;
 };

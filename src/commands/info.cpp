@@ -461,7 +461,8 @@ int runInfo(const std::vector<std::string>& arguments) {
                      "  scanmill info model.glb       # names that labelling rules can match, sizes, animations\n"
                      "  scanmill info model.obj --unit 0.01 --up y\n");
   if (parsed.help) return 0;
-  const std::filesystem::path file = parsed.positional("FILE|DIR");
+  const std::filesystem::path file =
+      parsed.fileOrName("FILE|DIR", {"scenes", "pipelines/sensors", "pipelines", "labels"});
   std::string suffix = file.extension().string();
   if (!suffix.empty()) suffix.erase(0, 1);
   std::error_code failure;

@@ -116,7 +116,7 @@ int runPicture(const std::vector<std::string>& arguments) {
       "  scanmill picture out/passes/street-s1-lane-000010.top.0.front.exr -o passes.png\n"
       "  scanmill picture scenes/town.yaml -o sheet.png   # a cell for each object, with its size and classes\n");
   if (parsed.help) return 0;
-  const std::filesystem::path file = parsed.positional("DATASET|SHARD|SCAN|EXR|SCENE");
+  const std::filesystem::path file = parsed.fileOrName("DATASET|SHARD|SCAN|EXR|SCENE", {"scenes"});
   if (parsed.options.count("out") == 0) throw InputError("-o FILE is missing: where should the picture go?");
   const std::filesystem::path out = parsed.options["out"].as<std::string>();
   if (out.extension() != ".png") throw InputError({out.string()}, "pictures are PNG: let the name end in .png");

@@ -358,7 +358,7 @@ int runView(const std::vector<std::string>& arguments) {
                          keyHelp());
   if (parsed.help) return 0;
   ViewInput input;
-  input.path = parsed.positional("DATASET|SHARD|SCAN|EXR|SCENE");
+  input.path = parsed.fileOrName("DATASET|SHARD|SCAN|EXR|SCENE", {"scenes"});
   const bool offscreen = hasOption(parsed, "screenshot") || hasOption(parsed, "turntable") || hasOption(parsed, "pick");
   const PictureSize size = hasOption(parsed, "size") ? readPictureSize(textOption(parsed, "size"))
                            : offscreen               ? PictureSize{1600, 900}

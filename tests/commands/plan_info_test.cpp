@@ -170,6 +170,13 @@ TEST_F(Tell, InfoOnEveryKindOfFile) {
               AllOf(HasSubstr("3 triangles"), HasSubstr("Shed_Roof"), HasSubstr("planks"), HasSubstr("material")));
 }
 
+TEST_F(Tell, InfoKnowsWhatComesWithTheProgramByItsName) {
+  EXPECT_THAT(scanmill({"info", "vlp_16"}).out, HasSubstr("16 rings"));
+  EXPECT_THAT(scanmill({"info", "pipelines/sensors/vlp_16.yaml"}).out, HasSubstr("16 rings"));
+  EXPECT_THAT(scanmill({"info", "vehicle"}).out, HasSubstr("ontology scanmill"));
+  EXPECT_THAT(scanmill({"info", "absent"}).error, HasSubstr("absent"));
+}
+
 TEST_F(Tell, InfoNamesTheReturnsOfAnImage) {
   Scan scan;
   scan.rings = 2;

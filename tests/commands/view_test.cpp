@@ -56,6 +56,8 @@ TEST_F(View, PicturesOfDatasets) {
   expectPicture({at("a"), "--sample", "2", "--camera", "above", "--rings", "--range-image", "--mesh"});
   expectPicture({at("a"), "--color", "class", "--color", "range", "--background", "white"});
   expectPicture({at("a"), "--color", "class", "--color", "range", "--scale", "0,20"});
+  expectPicture({"vehicle", "--ontology", "semantic_kitti"});
+  expectPicture({"scenes/vehicle.yaml"});
   expectPicture({at("a"), "--ontology", "semantic_kitti", "--hide", "other-ground"});
   expectPicture({at("a"), "--over", at("a"), "--layout", "overlay"});
   expectPicture({at("a"), "--over", at("a"), "--layout", "split", "--color", "height"});

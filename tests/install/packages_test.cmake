@@ -38,7 +38,7 @@ file(TOUCH ${root}/var/lib/dpkg/status)
 set(dpkg_here ${dpkg} --root=${root} --force-depends --force-script-chrootless)
 run(${dpkg_here} --install ${packages})
 foreach(file usr/bin/scanmill usr/lib/libscanmill.a usr/share/man/man1/scanmill.1
-             usr/share/bash-completion/completions/scanmill)
+             usr/share/bash-completion/completions/scanmill usr/share/doc/scanmill/copyright usr/share/doc/scanmill/docs/guide.md)
   if(NOT EXISTS ${root}/${file})
     message(FATAL_ERROR "the packages have no ${file}")
   endif()
@@ -46,6 +46,7 @@ endforeach()
 run(${root}/usr/bin/scanmill generate street -o ${WORK}/dataset --set trajectories.0.frames=1 --set scenes.0.seeds=[1]
     --set splits=null --quiet)
 run(${root}/usr/bin/scanmill verify ${WORK}/dataset)
+run(${root}/usr/bin/scanmill info vlp_16)
 run(bash -c "source ${root}/usr/share/bash-completion/completions/scanmill && COMP_WORDS=(scanmill export --res) && COMP_CWORD=2 && _scanmill && echo \"[\${COMPREPLY[*]}]\"")
 if(NOT output MATCHES "\\[--resume\\]")
   message(FATAL_ERROR "completion gives ${output}")
@@ -58,7 +59,7 @@ if(man)
   endif()
 endif()
 if(PYTHON)
-  run(env PYTHONPATH=${root}/usr/lib/python3/dist-packages PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -c
+  run(env -u PYTHONDONTWRITEBYTECODE PYTHONPATH=${root}/usr/lib/python3/dist-packages /usr/bin/python3 -c
       "import scanmill; assert scanmill.__file__.startswith('${root}'); print(len(scanmill.open('${WORK}/dataset')[0].scan().xyz))")
 endif()
 

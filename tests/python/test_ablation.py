@@ -10,6 +10,7 @@ import unittest
 from pathlib import Path
 
 SCRIPT = Path(__file__).parents[2] / "scripts" / "ablation.py"
+sys.path.insert(0, str(SCRIPT.parent))  # it takes the sets of --judge as train_example.py does
 MISSING = [name for name in ("torch", "matplotlib") if importlib.util.find_spec(name) is None]
 
 
@@ -49,6 +50,18 @@ class Ablation(unittest.TestCase):
             self.assertEqual(ablation.VARIANTS[name][1], f"effects=[sensor, {', '.join(kept)}]")
         self.assertIn("{footprint: none}", ablation.VARIANTS["footprint"][1])
         self.assertIn("{ring_bias: none}", ablation.VARIANTS["ring errors"][1])
+
+    def test_mistakes_are_told_before_anything_is_made(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for more, expected in [(["--judge", f"real={folder}/absent"], "no folder"), (["--judge", folder], "NAME=FOLDER")]:
+                done = subprocess.run([sys.executable, SCRIPT, "-o", f"{folder}/out", *more], capture_output=True, text=True)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn(expected, done.stderr)
+                self.assertFalse(Path(folder, "out").exists())
+            Path(folder, "manifest.json").write_text("{}")
+            done = subprocess.run([sys.executable, SCRIPT, "-o", folder], capture_output=True, text=True)
+            self.assertIn("manifest.json", done.stderr)
+            self.assertEqual([f.name for f in Path(folder).iterdir()], ["manifest.json"])
 
     def test_goes_on_where_it_was(self):
         with tempfile.TemporaryDirectory() as folder:

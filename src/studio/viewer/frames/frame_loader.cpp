@@ -42,7 +42,7 @@ ViewFrame loadFrame(const FrameSource& source, std::size_t frame) {
 
 ViewMesh loadMesh(const SceneChoice& scene) {
   try {
-    return loadViewMesh(scene.file, scene.seed, scene.time);
+    return loadViewMesh(scene.file, scene.seed, scene.time, scene.ontology);
   } catch (const std::exception& e) {
     ViewMesh mesh;
     mesh.problem = e.what();

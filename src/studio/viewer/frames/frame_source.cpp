@@ -19,13 +19,13 @@ namespace {
 class SceneFrames : public FrameSource {
  public:
   explicit SceneFrames(const ViewInput& input)
-      : file_(input.path), seed_(input.seed.value_or(1)), keys_{input.path.filename().string()} {
+      : choice_{input.path, input.seed.value_or(1), 0, input.ontology}, keys_{input.path.filename().string()} {
     if (!input.over.empty() || !input.reference.empty() || !input.sensor.empty() || !input.scene.empty()) {
-      throw InputError({file_.string()},
+      throw InputError({input.path.string()},
                        "is a scene: --over, --reference, --sensor and --scene belong to a dataset, a shard or a scan");
     }
-    requireScene(file_);
-    ontology_ = input.ontology.empty() ? readSceneOntology(file_) : readOntology(input.ontology);
+    requireScene(input.path);
+    ontology_ = input.ontology.empty() ? readSceneOntology(input.path) : readOntology(input.ontology);
   }
 
   std::string title() const override { return keys_.front(); }
@@ -34,11 +34,10 @@ class SceneFrames : public FrameSource {
   bool isScene() const override { return true; }
   ViewFrame load(std::size_t frame) const override { return {keys_.at(frame), {}, {}}; }
   std::vector<Pose> trajectory(std::size_t) const override { return {}; }
-  std::optional<SceneChoice> scene(std::size_t, std::string&) const override { return SceneChoice{file_, seed_, 0}; }
+  std::optional<SceneChoice> scene(std::size_t, std::string&) const override { return choice_; }
 
  private:
-  fs::path file_;
-  std::uint64_t seed_;
+  SceneChoice choice_;
   std::vector<std::string> keys_;
   std::optional<Ontology> ontology_;
 };

@@ -49,7 +49,8 @@ struct ViewFrame {
 struct SceneChoice {
   std::filesystem::path file;
   std::uint64_t seed = 1;
-  double time = 0;  // s since the drive began: where its moving objects are shown
+  double time = 0;                   // s since the drive began: where its moving objects are shown
+  std::filesystem::path ontology{};  // in place of its own; empty: its own
   bool operator==(const SceneChoice&) const = default;
 };
 

@@ -208,10 +208,12 @@ ViewMesh makeViewMesh(const Scene& scene) {
   return view;
 }
 
-ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, double time) {
+ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, double time,
+                      const std::filesystem::path& ontology) {
   try {
     SceneOptions options;
     options.seed = seed;
+    options.ontology = ontology;
     options.textures = false;
     Scene scene = readSceneToShares(file, options);
     const bool moves = scene.moves();

@@ -45,8 +45,9 @@ constexpr std::uint64_t kMostViewTriangles = 30'000'000;
 ViewMesh makeViewMesh(const Scene& scene);
 
 // Reads a scene without its textures and makes its mesh, moving objects where they are at a time (s since the drive
-// began). Faults of the scene do not throw: `problem` names them.
-ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, double time = 0);
+// began). `ontology`: in place of the scene's own. Faults of the scene do not throw: `problem` names them.
+ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, double time = 0,
+                      const std::filesystem::path& ontology = {});
 
 struct MeshHit {
   std::size_t triangle = 0;

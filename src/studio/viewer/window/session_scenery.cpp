@@ -172,7 +172,12 @@ void ViewSession::State::toggleWorld() {
 OrbitCamera ViewSession::State::preset(View view) const {
   OrbitCamera chosen = presetCamera(view);
   if (source->isScene()) {
-    if (mesh) fillWith(chosen, mesh->core, canvas.width(), canvas.height());
+    // From above all of it has room, unless something is far away from all the rest.
+    constexpr double kFarAway = 3;
+    if (!mesh) return chosen;
+    const auto longest = [](const Box& box) { return box.empty() ? 0 : length(box.high - box.low); };
+    const bool whole = view == View::Above && longest(mesh->bounds) < kFarAway * longest(mesh->core);
+    fillWith(chosen, whole ? mesh->bounds : mesh->core, canvas.width(), canvas.height());
   } else if (world && worldFromAnchor) {
     chosen.moveBy(canvasFromWorld * toAffine(*worldFromAnchor));
   }

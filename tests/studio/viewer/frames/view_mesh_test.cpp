@@ -227,6 +227,21 @@ TEST(LoadViewMesh, ReadsAScene) {
   EXPECT_NE(loadViewMesh(street, 2).corners, first.corners);
 }
 
+TEST(LoadViewMesh, TakesTheClassesOfAnotherOntology) {
+  const std::string source = SCANMILL_SOURCE_DIR;
+  const ViewMesh own = loadViewMesh(source + "/scenes/street.yaml", 1);
+  const ViewMesh other = loadViewMesh(source + "/scenes/street.yaml", 1, 0, source + "/labels/semantic_kitti.yaml");
+  ASSERT_EQ(other.size(), own.size());
+  EXPECT_EQ(other.ontology.name, "semantic_kitti");
+  const std::uint16_t road = own.ontology.find("road")->id;
+  const std::uint16_t roadThere = other.ontology.find("road")->id;
+  ASSERT_NE(road, roadThere);
+  for (std::size_t t = 0; t < own.size(); ++t) {
+    if (own.semantic[t] != road) continue;
+    ASSERT_EQ(other.semantic[t], roadThere) << t;
+  }
+}
+
 TEST(LoadViewMesh, ABadSceneIsAProblem) {
   const TemporaryFolder folder;
   EXPECT_THAT(loadViewMesh(folder.path() / "none.yaml", 1).problem, HasSubstr("none.yaml"));
