@@ -47,11 +47,11 @@ def check_interpreter(build):
     wanted = sysconfig.get_config_var("EXT_SUFFIX")
     if not found:
         sys.exit(f"error: {build} was configured without the Python package: -DSCANMILL_PYTHON=ON (scripts/build does it), or "
-                 "unset SCANMILL_BUILD, and the extension is built anew")
+                 "name a new folder by SCANMILL_BUILD, in which it is built")
     if found[1] != wanted:
         sys.exit(f"error: {build} has the extension for another Python ({found[1]}) than {sys.executable} ({wanted}): make the "
-                 "environment with the Python of the build, such as /usr/bin/python3, or unset SCANMILL_BUILD, and the "
-                 "extension is built for this one")
+                 "environment with the Python of the build, such as /usr/bin/python3, or name a new folder by SCANMILL_BUILD, in "
+                 "which the extension is built for this one")
 
 
 def built():

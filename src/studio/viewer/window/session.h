@@ -30,7 +30,7 @@ struct ViewOptions {
   std::vector<ColorBy> colors{};      // of the views; absent: what colorScan() takes
   std::optional<ScaleRange> scale{};  // of the views whose colours are numbers; absent: follows from the values
   ViewLayout layout = ViewLayout::One;
-  CameraChoice camera{};  // of a scene by itself a view by its name shows it whole, and a target is in its coordinates
+  CameraChoice camera{};  // of a scene by itself a view by its name is framed, and a target is in its coordinates
   std::string sample{};   // key or index; empty: the middle one, or the first that can be read
   double pointSize = 0;   // px; 0: what suits the canvas
   Rgb background{13, 15, 20};
