@@ -317,8 +317,12 @@ def draw_scans(network: nn.Module, sets: dict, images: Images, path: Path) -> No
 
 def draw_confusion(results: dict, path: Path) -> None:
     """For each set, which share of the points of a class (row) was taken for which (column)."""
-    figure, axes = pyplot.subplots(1, len(results), figsize=(5.2 * len(results), 4.8), squeeze=False)
-    for axis, (name, result) in zip(axes[0], results.items()):
+    columns = min(len(results), 3)
+    rows = -(-len(results) // columns)
+    figure, axes = pyplot.subplots(rows, columns, figsize=(5.2 * columns, 4.8 * rows), squeeze=False)
+    for axis in axes.flat[len(results) :]:
+        axis.set_axis_off()
+    for axis, (name, result) in zip(axes.flat, results.items()):
         counts = np.array(result["confusion"], float)
         shares = counts / np.maximum(counts.sum(1, keepdims=True), 1)
         axis.imshow(shares, cmap="Blues", vmin=0, vmax=1)
@@ -329,7 +333,8 @@ def draw_confusion(results: dict, path: Path) -> None:
         axis.set_yticks(range(len(NAMES)), NAMES, fontsize=8)
         axis.set_title(f"{name}: mean IoU {result['miou']:.1%}", fontsize=10)
         axis.set_xlabel("taken for")
-    axes[0, 0].set_ylabel("is")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("is")
     figure.tight_layout()
     figure.savefig(path, dpi=90)
     pyplot.close(figure)
