@@ -240,7 +240,7 @@ TEST_F(View, HelpNamesOptionsAndKeys) {
   const Outcome o = scanmill({"view", "--help"});
   EXPECT_EQ(o.code, 0);
   EXPECT_THAT(o.out, AllOf(HasSubstr("--screenshot"), HasSubstr("--turntable"), HasSubstr("--pick"),
-                           HasSubstr("Page_Down"), HasSubstr("colour by the next")));
+                           HasSubstr("Page_Down"), HasSubstr("by the next column")));
 }
 
 TEST(ViewPage, ListsEveryKey) {

@@ -25,7 +25,7 @@ class ColorBy {
   explicit ColorBy(std::string name) : name_(std::move(name)) {}
   explicit ColorBy(const Column& column) : ColorBy(std::string(titleOf(column))) {}
   const std::string& name() const { return name_; }
-  auto operator<=>(const ColorBy&) const = default;
+  auto operator<=>(const ColorBy&) const = default;  // NOLINT(modernize-use-nullptr): nobody writes one
 
   static std::string_view titleOf(const Column& column) {
     return column.display.title.empty() ? column.name : column.display.title;

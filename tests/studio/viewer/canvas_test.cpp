@@ -90,6 +90,17 @@ ItemLook sized(double size) {
   return look;
 }
 
+// An image over a rectangle.
+Overlay overlayOf(ImageId image, const PixelRect& rect, const Rgba& tint = {255, 255, 255, 255}) {
+  const auto left = static_cast<float>(rect.left);
+  const auto top = static_cast<float>(rect.top);
+  const auto right = static_cast<float>(rect.left + rect.width);
+  const auto bottom = static_cast<float>(rect.top + rect.height);
+  return {{{left, top, 0, 0, tint}, {right, top, 1, 0, tint}, {right, bottom, 1, 1, tint}, {left, bottom, 0, 1, tint}},
+          {0, 1, 2, 0, 2, 3},
+          {{rect, image, 0, 6}}};
+}
+
 Rgb colorOf(std::size_t k) {
   return {static_cast<std::uint8_t>(40 + k % 200), static_cast<std::uint8_t>(40 + k / 200), 77};
 }
@@ -322,7 +333,7 @@ TEST(Canvas, LinesHaveTheirColorsAndWidths) {
   EXPECT_NEAR(static_cast<double>(countOf(image, kBlue)), 240, 8);
 }
 
-TEST(Canvas, TheOverlayIsExactAndCutOff) {
+TEST(Canvas, AnImageOfTheOverlayIsExactAndCutOff) {
   CANVAS_OR_SKIP(canvas, 70, 50);
   setView(canvas);
   setOnePoint(canvas, 1, {10, 0, 0}, kRed, sized(9));
@@ -333,7 +344,8 @@ TEST(Canvas, TheOverlayIsExactAndCutOff) {
   }
   pixels[0] = {200, 100, 0, 128};
   const Image before = drawn(canvas);
-  canvas.setOverlay(80, 90, pixels);
+  canvas.setImage(4, 80, 90, pixels);
+  canvas.setOverlay(overlayOf(4, {0, 0, 80, 90}));
   Image image = drawn(canvas);
   for (int y = 0; y < 50; ++y) {
     for (int x = 0; x < 70; ++x) {
@@ -343,13 +355,33 @@ TEST(Canvas, TheOverlayIsExactAndCutOff) {
     }
   }
   EXPECT_NEAR(image.at(0, 0)[0], 200 * 0.5 + 13 * 0.5, 2);
-  canvas.setOverlay(2, 1, std::vector<Rgba>{{1, 2, 3, 255}, {4, 5, 6, 255}});
-  image = drawn(canvas);
-  EXPECT_EQ(image.at(1, 0), (Rgb{4, 5, 6}));
-  EXPECT_EQ(image.at(2, 0), kNight);
-  EXPECT_EQ(image.at(0, 1), kNight);
-  canvas.setOverlay(0, 0, {});
+  canvas.setOverlay({});
   EXPECT_EQ(drawn(canvas).pixels, before.pixels);
+}
+
+// Enlarged pixels are squares, colours multiply, clips cut, and later parts lie over earlier ones.
+TEST(Canvas, PartsOfTheOverlayAreTintedClippedAndInOrder) {
+  CANVAS_OR_SKIP(canvas, 70, 50);
+  setView(canvas);
+  canvas.setImage(1, 2, 1, std::vector<Rgba>{{250, 10, 20, 255}, {30, 60, 251, 255}});
+  canvas.setImage(2, 1, 1, std::vector<Rgba>{{255, 255, 255, 255}});
+  Overlay overlay = overlayOf(1, {10, 5, 40, 20});
+  overlay.parts[0].clip = {10, 5, 40, 10};
+  const Overlay tinted = overlayOf(2, {12, 6, 3, 3}, {10, 240, 30, 255});
+  const auto before = static_cast<std::uint32_t>(overlay.vertices.size());
+  overlay.vertices.insert(overlay.vertices.end(), tinted.vertices.begin(), tinted.vertices.end());
+  for (const std::uint32_t corner : tinted.corners) overlay.corners.push_back(before + corner);
+  overlay.parts.push_back({tinted.parts[0].clip, 2, 6, 6});
+  canvas.setOverlay(overlay);
+  const Image image = drawn(canvas);
+  for (int y = 0; y < 50; ++y) {
+    for (int x = 0; x < 70; ++x) {
+      const bool over = x >= 12 && x < 15 && y >= 6 && y < 9;
+      const bool within = x >= 10 && x < 50 && y >= 5 && y < 15;
+      const Rgb expected = over ? kGreen : within ? (x < 30 ? kRed : kBlue) : kNight;
+      ASSERT_EQ(image.at(x, y), expected) << x << ", " << y;
+    }
+  }
 }
 
 TEST(Canvas, DepthEdgesDarkenWhatLiesBehindAndNothingElse) {
@@ -470,7 +502,8 @@ TEST(Canvas, TheSameCallsGiveTheSamePicture) {
     faint.opacity = 0.3;
     canvas.setTriangles(2, wall(11, 3), std::vector{kGreen, kBlue});
     canvas.setLook(2, faint);
-    canvas.setOverlay(3, 2, std::vector<Rgba>(6, Rgba{1, 2, 3, 99}));
+    canvas.setImage(1, 1, 1, std::vector<Rgba>{{1, 2, 3, 99}});
+    canvas.setOverlay(overlayOf(1, {0, 0, 3, 2}));
     return drawn(canvas);
   };
   CANVAS_OR_SKIP(canvas, 160, 120);
@@ -505,6 +538,8 @@ TEST(Canvas, WrongUseIsTold) {
   EXPECT_THAT(messageOf<Error>([&] { canvas.showOnly(1, std::vector<std::uint32_t>{0, 3}); }), HasSubstr("ascend"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.showOnly(1, std::vector<std::uint32_t>{1, 1}); }), HasSubstr("ascend"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.setLook(7, {}); }), HasSubstr("no item 7"));
+  EXPECT_THAT(messageOf<Error>([&] { canvas.setOverlay(overlayOf(9, {0, 0, 3, 3})); }), HasSubstr("overlay"));
+  EXPECT_THAT(messageOf<Error>([&] { canvas.setImage(9, 2, 2, std::vector<Rgba>(3)); }), HasSubstr("3 pixels"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.resize(0, 5); }), HasSubstr("0 x 5"));
   EXPECT_THAT(messageOf<Error>([&] { canvas.run(10, [](const CanvasEvent&) { return true; }); }),
               HasSubstr("without a window"));

@@ -114,7 +114,10 @@ TEST(CanvasWindow, ShowsWhatItReads) {
   XDisplay server;
   const auto canvas = openWindow("Scanmill", 400, 300);
   addDot(*canvas, 31);
-  canvas->setOverlay(20, 10, std::vector<Rgba>(200, Rgba{9, 200, 9, 255}));
+  canvas->setImage(1, 1, 1, std::vector<Rgba>{{9, 200, 9, 255}});
+  const Rgba white{255, 255, 255, 255};
+  canvas->setOverlay(
+      {{{0, 0, 0, 0, white}, {20, 0, 1, 0, white}, {0, 20, 0, 1, white}}, {0, 1, 2}, {{{0, 0, 20, 10}, 1, 0, 3}}});
   Image screen;
   act({"mousemove", "600", "440"});  // the pointer would be in the picture
   watch(*canvas, [&](int) {

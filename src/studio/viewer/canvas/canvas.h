@@ -30,6 +30,7 @@ class NoDisplay : public Error {
 constexpr std::size_t kCanvasViews = 8;  // at once
 
 using ItemId = std::uint32_t;              // a number of the caller's choice
+using ImageId = std::uint32_t;             // of images, another one
 using Rgba = std::array<std::uint8_t, 4>;  // sRGB, alpha not premultiplied
 
 struct PixelRect {
@@ -58,6 +59,27 @@ struct ItemLook {
   double opacity = 1;       // 0 to 1
   std::uint32_t views = 1;  // bit k: drawn in view k
   bool lit = true;          // triangles are shaded by a light at the eye
+};
+
+// What lies over the views, as panels and their text are made of: triangles, each of which multiplies its colours with
+// an image's. Later ones lie over earlier ones.
+struct OverlayVertex {
+  float x = 0;  // px of the canvas
+  float y = 0;
+  float u = 0;  // of the image: 0 to 1, from its left and upper edge
+  float v = 0;
+  Rgba color{};
+};
+struct OverlayPart {
+  PixelRect clip;     // px of the canvas: nothing is drawn outside
+  ImageId image = 0;  // that setImage() has been given
+  std::size_t first = 0;
+  std::size_t count = 0;  // of Overlay::corners, three a triangle
+};
+struct Overlay {
+  std::vector<OverlayVertex> vertices;
+  std::vector<std::uint32_t> corners;  // into `vertices`
+  std::vector<OverlayPart> parts;
 };
 
 struct CanvasEvent {
@@ -93,6 +115,8 @@ class Canvas {
   virtual std::string device() const = 0;  // what draws, for reports
   virtual int width() const = 0;           // px
   virtual int height() const = 0;
+  // How many times as many pixels as usual a display has for its letters: 2 for the densest; 1 without a window.
+  virtual double scale() const = 0;
   virtual void resize(int width, int height) = 0;
   // Sets the rectangles that are drawn, at most kCanvasViews, none over another. What none covers is black.
   virtual void setViews(std::span<const CanvasView> views) = 0;
@@ -108,9 +132,11 @@ class Canvas {
   virtual void showAll(ItemId item) = 0;
   virtual void setLook(ItemId item, const ItemLook& look) = 0;
   virtual void drop(ItemId item) = 0;  // does nothing where there is no such item
-  // An image over the whole canvas, above everything, the upper row first, kept until the next. It is not stretched:
-  // what it has too much is cut off on the right and at the bottom. 0 x 0 takes it away.
-  virtual void setOverlay(int width, int height, std::span<const Rgba> pixels) = 0;
+  // An image that overlays may show, the upper row first; it replaces one that is there. Where it is enlarged, its
+  // pixels stay squares.
+  virtual void setImage(ImageId image, int width, int height, std::span<const Rgba> pixels) = 0;
+  // Lies above everything until the next.
+  virtual void setOverlay(Overlay overlay) = 0;
   // Draws. Of every item of points only so many are drawn, spread over it, for speed while something moves; 0: all.
   virtual void render(std::uint64_t mostPoints = 0) = 0;
   virtual Image read() = 0;  // what was last drawn

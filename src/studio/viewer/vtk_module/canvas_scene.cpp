@@ -166,16 +166,16 @@ void CanvasScene::remove(Item& item) {
   }
 }
 
-void CanvasScene::setOverlay(int width, int height, std::span<const Rgba> pixels) {
-  if (width <= 0 || height <= 0) {
-    overlay_.clear();
-    return;
-  }
+void CanvasScene::setImage(ImageId image, int width, int height, std::span<const Rgba> pixels) {
   checkSize(width, height);
   if (pixels.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
-    throw std::invalid_argument(fmt::format("{} pixels are no {} x {} of an overlay", pixels.size(), width, height));
+    throw std::invalid_argument(fmt::format("{} pixels are no image of {} x {}", pixels.size(), width, height));
   }
-  overlay_.set(window_, width, height, pixels);
+  overlay_.setImage(window_, image, width, height, pixels);
+}
+
+void CanvasScene::setOverlay(Overlay overlay) {
+  overlay_.set(std::move(overlay));
 }
 
 // VTK draws the views to one framebuffer, where they stay, and copies them to another; there the overlay is laid over.

@@ -17,7 +17,7 @@
 #include "viewer/canvas/canvas.h"
 #include "viewer/vtk_module/depth_edges.h"
 #include "viewer/vtk_module/item.h"
-#include "viewer/vtk_module/overlay.h"
+#include "viewer/vtk_module/overlay_painter.h"
 #include "viewer/vtk_module/view_renderer.h"
 
 namespace scanmill {
@@ -42,7 +42,8 @@ class CanvasScene {
   void show(ItemId item, std::optional<std::vector<std::uint32_t>> indices);
   void setLook(ItemId item, const ItemLook& look);
   void drop(ItemId item);
-  void setOverlay(int width, int height, std::span<const Rgba> pixels);
+  void setImage(ImageId image, int width, int height, std::span<const Rgba> pixels);
+  void setOverlay(Overlay overlay);
 
   void draw(std::uint64_t mostPoints);
   // Reads width * height pixels, the upper row first.
@@ -64,7 +65,7 @@ class CanvasScene {
   std::vector<CanvasView> views_;
   std::map<ItemId, std::unique_ptr<Item>> items_;
   DepthEdges edges_;
-  Overlay overlay_;
+  OverlayPainter overlay_;
   bool drawn_ = false;  // the window's framebuffer holds the views as they are
   std::uint64_t drawnPoints_ = 0;
   bool pictured_ = false;  // there is a picture of the canvas's size

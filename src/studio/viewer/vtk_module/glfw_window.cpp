@@ -281,6 +281,12 @@ void GlfwWindow::makeCurrent() noexcept {
   glfwMakeContextCurrent(state_->window);
 }
 
+double GlfwWindow::scale() const {
+  float across = 1;
+  glfwGetWindowContentScale(state_->window, &across, nullptr);
+  return across;
+}
+
 void GlfwWindow::present() {
   glfwPollEvents();  // notices a lost connection, on which Mesa would go round for long
   glfwSwapBuffers(state_->window);

@@ -22,6 +22,7 @@ class GlfwWindow {
   GlfwWindow& operator=(const GlfwWindow&) = delete;
 
   void makeCurrent() noexcept;
+  double scale() const;  // see Canvas
   // Shows what was drawn to the context's own framebuffer.
   void present();
   // Asks for another size. Whoever manages the windows may give it or not: an event tells.

@@ -65,6 +65,7 @@ class VtkCanvas final : public Canvas {
   std::string device() const override { return device_; }
   int width() const override { return scene_->width(); }
   int height() const override { return scene_->height(); }
+  double scale() const override { return window_ != nullptr ? window_->scale() : 1; }
 
   void resize(int width, int height) override {
     change([&] {
@@ -109,8 +110,12 @@ class VtkCanvas final : public Canvas {
     change([&] { scene_->drop(item); });
   }
 
-  void setOverlay(int width, int height, std::span<const Rgba> pixels) override {
-    change([&] { scene_->setOverlay(width, height, pixels); });
+  void setImage(ImageId image, int width, int height, std::span<const Rgba> pixels) override {
+    change([&] { scene_->setImage(image, width, height, pixels); });
+  }
+
+  void setOverlay(Overlay overlay) override {
+    change([&] { scene_->setOverlay(std::move(overlay)); });
   }
 
   void render(std::uint64_t mostPoints) override {

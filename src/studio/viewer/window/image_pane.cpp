@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
-
-#include "viewer/color_map.h"
 
 namespace scanmill {
 
@@ -71,21 +68,19 @@ std::pair<int, int> ImagePane::roomPixelOf(int column, int row) const {
           static_cast<int>(std::floor((row + 0.5 - centerY_) * scaleY() + roomHeight_ / 2.0))};
 }
 
-Image ImagePane::draw(const Image& image) const {
-  Image out(roomWidth_, roomHeight_, kBackground);
-  std::vector<int> columns(static_cast<std::size_t>(roomWidth_));
-  for (int x = 0; x < roomWidth_; ++x) {
-    columns[static_cast<std::size_t>(x)] = static_cast<int>(std::floor(columnAt(x + 0.5)));
-  }
-  for (int y = 0; y < roomHeight_; ++y) {
-    const int row = static_cast<int>(std::floor(rowAt(y + 0.5)));
-    if (row < 0 || row >= image.height) continue;
-    for (int x = 0; x < roomWidth_; ++x) {
-      const int column = columns[static_cast<std::size_t>(x)];
-      if (column >= 0 && column < image.width) out.at(x, y) = image.at(column, row);
-    }
-  }
-  return out;
+ImagePane::Seen ImagePane::seen() const {
+  const double left = std::max(columnAt(0), 0.0);
+  const double top = std::max(rowAt(0), 0.0);
+  const double right = std::min(columnAt(roomWidth_), static_cast<double>(width_));
+  const double bottom = std::min(rowAt(roomHeight_), static_cast<double>(height_));
+  const auto x = [&](double column) {
+    return static_cast<int>(std::lround((column - centerX_) * scaleX() + roomWidth_ / 2.0));
+  };
+  const auto y = [&](double row) {
+    return static_cast<int>(std::lround((row - centerY_) * scaleY() + roomHeight_ / 2.0));
+  };
+  return {{left / width_, top / height_, right / width_, bottom / height_},
+          {x(left), y(top), std::max(x(right) - x(left), 1), std::max(y(bottom) - y(top), 1)}};
 }
 
 }  // namespace scanmill

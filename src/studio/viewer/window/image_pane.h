@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "viewer/image.h"
+#include "viewer/panels/parts.h"
 
 namespace scanmill {
 
@@ -23,8 +23,12 @@ class ImagePane {
   std::optional<std::pair<int, int>> pixelAt(double x, double y) const;
   // Pixel of the room over the middle of an image's pixel; may lie outside.
   std::pair<int, int> roomPixelOf(int column, int row) const;
-  // The room's picture: each pixel is that of the image that lies there.
-  Image draw(const Image& image) const;
+  // The part of the image that is seen, in shares of its sides, and where it stands, px of the room.
+  struct Seen {
+    ImagePart part;
+    PixelRect rect;
+  };
+  Seen seen() const;
 
  private:
   double scaleX() const { return fit_ * zoom_; }

@@ -9,9 +9,11 @@
 #include "base/error.h"
 #include "base/wall_timer.h"
 #include "viewer/color_map.h"
+#include "viewer/panels/parts.h"
+#include "viewer/panels/rooms.h"
+#include "viewer/panels/toolkit.h"
 #include "viewer/pass_picture.h"
-#include "viewer/window/hud.h"
-#include "viewer/window/hud_parts.h"
+#include "viewer/scale_ticks.h"
 #include "viewer/window/image_pane.h"
 #include "viewer/window/save_picture.h"
 
@@ -38,14 +40,19 @@ bool isAmong(const std::string& name, std::initializer_list<const char*> names) 
   return std::any_of(names.begin(), names.end(), [&](const char* n) { return name == n; });
 }
 
+constexpr ImageId kImage = 2;
+
 }  // namespace
 
 struct ImageSession::State {
-  State(ImageList all, Canvas& drawnOn, const std::string& wanted, bool bare, bool still)
-      : images(std::move(all)), canvas(drawnOn), index(images.first) {
-    hud.bare = bare;
-    hud.still = still;
-    hud.frames = images.files.size();
+  State(ImageList all, Canvas& drawnOn, const std::string& wanted, bool bareOne, bool stillOne)
+      : images(std::move(all)),
+        canvas(drawnOn),
+        toolkit(drawnOn,
+                stillOne ? letterOfPicture(drawnOn.width(), drawnOn.height()) : letterOfWindow(drawnOn.scale())),
+        bare(bareOne),
+        still(stillOne),
+        index(images.first) {
     load();
     if (wanted.empty()) return;
     std::vector<std::string> names;
@@ -70,11 +77,11 @@ struct ImageSession::State {
     if (target == index) return;
     const std::string name = planes[plane].name;
     index = target;
-    hud.problems.clear();
+    problems.clear();
     try {
       load();
     } catch (const Error& e) {
-      hud.problems = {e.what()};
+      problems = {e.what()};
       warn(e.what());
       planes = {PassPlane{name, Image(1, 1, kBackground), [](int, int) { return std::string(); }, "", {}}};
     }
@@ -100,64 +107,105 @@ struct ImageSession::State {
 
   void togglePlaying() {
     if (images.files.size() == 1) return notice("there is one image only");
-    hud.playing = !hud.playing;
+    playing = !playing;
     lastStep = clock.seconds();
-    if (hud.playing && index + 1 == images.files.size()) goTo(0);
+    if (playing && index + 1 == images.files.size()) goTo(0);
   }
 
-  // Pixel of what is drawn of the image, of which there is one per pixel of the canvas.
-  std::optional<std::pair<double, double>> roomAt(int x, int y) const {
-    if (!hud.picture) return {};
-    const auto pixel = imagePixelAt(layout.picture, hud.picture->image, x, y);
-    if (!pixel) return {};
-    return std::pair(pixel->first + 0.5, pixel->second + 0.5);
-  }
-
+  // `x` and `y`: px of the canvas.
   void zoom(double steps, int x, int y) {
     constexpr double kStep = 1.25;
-    const auto at = roomAt(x, y);
-    const double middleX = hud.picture ? hud.picture->image.width / 2.0 : 0;
-    const double middleY = hud.picture ? hud.picture->image.height / 2.0 : 0;
-    pane.zoomAt(std::pow(kStep, std::clamp(steps, -20.0, 20.0)), at ? at->first : middleX, at ? at->second : middleY);
-    pictureChanged = true;
+    pane.zoomAt(std::pow(kStep, std::clamp(steps, -20.0, 20.0)), x - room.left, y - room.top);
+    changed = true;
   }
 
   void show() {
     const PassPlane& p = planes[plane];
-    hud.title = images.files.size() > 1 ? images.title + ": " + images.names[index] : images.title;
-    hud.key = images.names[index];
-    hud.frame = images.files.size() > 1 ? std::optional(index) : std::nullopt;
-    hud.summary =
-        fmt::format("{} ({} of {}), {} x {}", p.name, plane + 1, planes.size(), p.image.width, p.image.height);
-    hud.panes.clear();
-    if (legends && (p.legend.scale || !p.legend.entries.empty())) hud.panes.emplace_back().legend = p.legend;
-    if (hud.width != canvas.width() || hud.height != canvas.height()) pictureChanged = true;
-    hud.width = canvas.width();
-    hud.height = canvas.height();
-    hud.help = help;
-    hud.keys = help ? imageKeys() : std::vector<std::pair<std::string, std::string>>{};
-    if (pictureChanged) {
-      if (!hud.picture) hud.picture.emplace();
-      const HudFrame frame = frameOf(hud);
-      pane.place(p.image.width, p.image.height, frame.body.width, frame.body.height - frame.pictureCaption.height);
-      hud.picture = HudStrip{pane.draw(p.image), {}, p.note};
-      pictureChanged = false;
+    PanelNeeds needs;
+    needs.letter = toolkit.letter();
+    needs.row = toolkit.row();
+    needs.title = !bare;
+    needs.bar = !bare && !still;
+    needs.side = !bare && legends && (p.legend.scale || !p.legend.entries.empty());
+    rooms = roomsOf(canvas.width(), canvas.height(), needs);
+    room = rooms.body;
+    const int caption = bare || p.note.empty() ? 0 : static_cast<int>(std::lround(1.5 * toolkit.letter()));
+    if (2 * caption < room.height) {
+      room.top += caption;
+      room.height -= caption;
     }
-    layout = layoutHud(hud);
-    point();
-    drawn = drawHud(hud);
+    pane.place(p.image.width, p.image.height, room.width, room.height);
+    if (pictureChanged) toolkit.setImage(kImage, p.image);
+    pictureChanged = false;
     CanvasView view;
-    view.rect = {0, 0, hud.width, hud.height};
+    view.rect = {0, 0, canvas.width(), canvas.height()};
     view.background = kBackground;
     canvas.setViews({&view, 1});
-    canvas.setOverlay(hud.width, hud.height, drawn.pixels);
+    runPanels();
+    runPanels();  // now all sizes are known
     canvas.render();
     changed = false;
   }
 
+  void runPanels() {
+    toolkit.frame([&] { drawPanels(); });
+    helpScroll = 0;
+  }
+
+  void drawPanels() {
+    const PassPlane& p = planes[plane];
+    const bool several = images.files.size() > 1;
+    if (!bare) {
+      titleRow(rooms.title, several ? images.title + ": " + images.names[index] : images.title,
+               fmt::format("{} ({} of {}), {} x {}", p.name, plane + 1, planes.size(), p.image.width, p.image.height));
+    }
+    std::optional<std::pair<double, double>> mark;
+    Rgb under{};
+    if (const auto pixel = pixelAt(pointerX, pointerY); pixel && overImage && !help) {
+      under = image().at(pixel->first, pixel->second);
+      const auto [x, y] = pane.roomPixelOf(pixel->first, pixel->second);
+      mark = std::pair(room.left + x + 0.5, room.top + y + 0.5);
+    }
+    panelAt("##image", rooms.body, false, [&] {
+      if (room.top > rooms.body.top) words(p.note);
+      ImagePane::Seen seen = pane.seen();
+      seen.rect.left += room.left;
+      seen.rect.top += room.top;
+      overImage = imageAt(kImage, seen.rect, seen.part, bare ? std::nullopt : mark);
+    });
+    if (bare) return;
+    panelAt("##side", rooms.side, !still, [&] {
+      section(p.legend.scale           ? scaleTitle(p.legend)
+              : p.legend.title.empty() ? p.name
+                                       : p.legend.title,
+              still, [&] {
+                ScaleRange range;
+                if (p.legend.scale) {
+                  scaleBar(p.legend, true, range);
+                } else {
+                  legendRows(p.legend, {}, false, still);
+                }
+              });
+    });
+    if (mark) tip(p.name, under, *valuesAt(pointerX, pointerY));
+    if (still) return;
+    FrameBar bar;
+    bar.frame = index;
+    bar.frames = images.files.size();
+    bar.key = images.names[index];
+    bar.playing = playing;
+    const FrameBarUse use = frameBar(rooms.bar, bar);
+    if (use.play) togglePlaying();
+    if (use.frame) {
+      playing = false;
+      goTo(*use.frame);
+    }
+    if (messages(rooms.body, problems, notices)) problems.clear();
+    if (help && !helpWindow(imageKeys(), helpScroll)) help = false;
+  }
+
   std::optional<std::pair<int, int>> pixelAt(int x, int y) const {
-    const auto at = roomAt(x, y);
-    return at ? pane.pixelAt(at->first, at->second) : std::nullopt;
+    return room.contains(x, y) ? pane.pixelAt(x - room.left + 0.5, y - room.top + 0.5) : std::nullopt;
   }
 
   std::optional<std::vector<std::pair<std::string, std::string>>> valuesAt(int x, int y) const {
@@ -177,42 +225,18 @@ struct ImageSession::State {
     return rows;
   }
 
-  void point() {
-    hud.tip.reset();
-    hud.picture->mark.reset();
-    const auto pixel = pixelAt(pointerX, pointerY);
-    if (!pixel || help) return;
-    const HudRegion* const over = regionAt(drawn, pointerX, pointerY);
-    if (over != nullptr && over->part != HudPart::Picture) return;
-    hud.picture->mark = pane.roomPixelOf(pixel->first, pixel->second);
-    HudTip tip;
-    tip.x = pointerX;
-    tip.y = pointerY;
-    tip.heading = planes[plane].name;
-    tip.color = image().at(pixel->first, pixel->second);
-    tip.rows = *valuesAt(pointerX, pointerY);
-    hud.tip = std::move(tip);
-  }
-
   void notice(const std::string& text) {
     constexpr double kSeconds = 4;
-    hud.notices = {text};
+    notices = {text};
     noticeUntil = clock.seconds() + kSeconds;
-    changed = true;
-  }
-
-  void scrollHelp(double lines) {
-    const auto last = static_cast<double>(helpPages(hud).lastFirst);
-    hud.helpFirst =
-        static_cast<std::size_t>(std::clamp(static_cast<double>(hud.helpFirst) + std::round(lines), 0.0, last));
     changed = true;
   }
 
   bool key(const std::string& name) {
     changed = true;
     if (help && isAmong(name, {"Up", "Down"})) {
-      const auto page = static_cast<double>(helpPages(hud).page);
-      scrollHelp(name.ends_with("Up") ? -page : page);
+      constexpr double kRows = 10;
+      helpScroll += name == "Up" ? -kRows : kRows;
     } else if (isAmong(name, {"Right", "]"})) {
       stepPlane(1);
     } else if (isAmong(name, {"Left", "["})) {
@@ -234,7 +258,6 @@ struct ImageSession::State {
       legends = !legends;
     } else if (isAmong(name, {"h", "?"})) {
       help = !help;
-      hud.helpFirst = 0;
     } else if (name == "Escape") {
       if (!help) notice("q quits");
       help = false;
@@ -251,42 +274,8 @@ struct ImageSession::State {
     return true;
   }
 
-  void press(const CanvasEvent& event) {
-    dragging = sliding = false;
-    const HudRegion* const over = regionAt(drawn, event.x, event.y);
-    if (over == nullptr) return;
-    switch (over->part) {
-      case HudPart::Picture:
-        dragging = true;
-        break;
-      case HudPart::Slider:
-        sliding = true;
-        slider = over->rect;
-        hud.playing = false;
-        goTo(sliderFrame(slider, images.files.size(), event.x));
-        break;
-      case HudPart::PlayButton:
-        togglePlaying();
-        break;
-      case HudPart::Help:
-        help = !help;
-        hud.helpFirst = 0;
-        break;
-      case HudPart::Problem:
-        hud.problems.clear();
-        break;
-      default:
-        break;
-    }
-    changed = true;
-  }
-
   void move(const CanvasEvent& event) {
-    if (sliding) goTo(sliderFrame(slider, images.files.size(), event.x));
-    if (dragging) {
-      pane.moveBy(event.x - pointerX, event.y - pointerY);
-      pictureChanged = true;
-    }
+    if (dragging) pane.moveBy(event.x - pointerX, event.y - pointerY);
     pointerX = event.x;
     pointerY = event.y;
     changed = true;
@@ -295,30 +284,34 @@ struct ImageSession::State {
   void tick() {
     constexpr double kImageSeconds = 0.5;
     const double now = clock.seconds();
-    if (!hud.notices.empty() && now > noticeUntil) {
-      hud.notices.clear();
+    if (!notices.empty() && now > noticeUntil) {
+      notices.clear();
       changed = true;
     }
-    if (!hud.playing || now - lastStep < kImageSeconds) return;
+    if (!playing || now - lastStep < kImageSeconds) return;
     goTo(index + 1);
-    hud.playing = index + 1 < images.files.size();
+    playing = index + 1 < images.files.size();
     changed = true;
   }
 
   ImageList images;
   Canvas& canvas;
+  Toolkit toolkit;
+  bool bare;
+  bool still;
   std::size_t index = 0;
   std::vector<PassPlane> planes;
   std::size_t plane = 0;
   ImagePane pane;
-  HudState hud;
-  HudLayout layout;
-  Hud drawn;
+  PanelRooms rooms;
+  PixelRect room;  // of the image
+  std::vector<std::string> problems, notices;
+  bool playing = false;
   bool legends = true;
   bool help = false;
+  double helpScroll = 0;  // rows, of the next picture
+  bool overImage = false;
   bool dragging = false;
-  bool sliding = false;
-  PixelRect slider;
   bool changed = true;
   bool pictureChanged = true;
   int pointerX = -1, pointerY = -1;
@@ -341,18 +334,19 @@ bool ImageSession::handle(const CanvasEvent& event) {
       if (!s.key(event.key)) return false;
       break;
     case CanvasEvent::Kind::Move:
+      s.toolkit.take(event);
       s.move(event);
       break;
     case CanvasEvent::Kind::Down:
-      s.press(event);
-      break;
     case CanvasEvent::Kind::Up:
-      s.dragging = s.sliding = false;
-      break;
     case CanvasEvent::Kind::Wheel:
-      if (!std::isfinite(event.amount)) break;
+      s.toolkit.take(event);
+      s.runPanels();
+      s.dragging = event.kind == CanvasEvent::Kind::Down && s.overImage && !s.help;
       s.changed = true;
-      s.help ? s.scrollHelp(-3 * event.amount) : s.zoom(event.amount, event.x, event.y);
+      if (event.kind == CanvasEvent::Kind::Wheel && s.overImage && !s.help && std::isfinite(event.amount)) {
+        s.zoom(event.amount, event.x, event.y);
+      }
       break;
     case CanvasEvent::Kind::Resize:
     case CanvasEvent::Kind::Redraw:
@@ -368,7 +362,7 @@ bool ImageSession::handle(const CanvasEvent& event) {
 }
 
 void ImageSession::settle() {
-  state_->hud.notices.clear();
+  state_->notices.clear();
   state_->show();
 }
 

@@ -15,7 +15,9 @@ ViewSession::State::State(std::shared_ptr<const FrameSource> frames, Canvas& dra
       camera(chosen.camera.camera),
       loader(source),
       filter(chosen.hidden, chosen.only, source->ontology()),
-      aloneInstances(chosen.instances.begin(), chosen.instances.end()) {
+      aloneInstances(chosen.instances.begin(), chosen.instances.end()),
+      toolkit(canvas,
+              chosen.still ? letterOfPicture(canvas.width(), canvas.height()) : letterOfWindow(canvas.scale())) {
   for (std::size_t v = 0; v < std::min(options.colors.size(), colors.size()); ++v) colors[v] = options.colors[v];
   for (std::size_t v = 0; v < scales.size(); ++v) {
     if (options.scale && v < options.colors.size() && isNumeric(options.colors[v])) scales[v] = options.scale;

@@ -329,7 +329,6 @@ void ViewSession::State::cycleColor(int step) {
 
 void ViewSession::State::makeStrip() {
   strip.reset();
-  hudState.strip.reset();
   stripProblem.clear();
   hudChanged = true;
   if (!options.rangeImage || clouds.empty()) return;
@@ -347,7 +346,7 @@ void ViewSession::State::makeStrip() {
     const std::vector<Rgb> colored = overlaid() ? stripColors(viewed, contextOf(viewed)) : std::vector<Rgb>{};
     strip = makeRangeStrip(viewed.scan, overlaid() ? colored : cloud.coloring.colors, shown, options.stripOrder,
                            viewed.beams.get());
-    hudState.strip = HudStrip{strip->image, {}, {}};
+    toolkit.setImage(kStripImage, strip->image);
   } catch (const InputError& e) {
     stripProblem = e.what();
   }

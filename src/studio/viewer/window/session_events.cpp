@@ -32,27 +32,35 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
     case CanvasEvent::Kind::Close:
       return false;
     case CanvasEvent::Kind::Key:
-      prompt ? promptKey(event) : key(event);
+      if (toolkit.hasKeys()) {
+        toolkit.take(event);
+        runPanels();
+      } else {
+        prompt ? promptKey(event) : key(event);
+      }
       break;
     case CanvasEvent::Kind::Down:
-      press(event);
-      break;
     case CanvasEvent::Kind::Up:
-      release(event);
-      break;
-    case CanvasEvent::Kind::Move:
-      moveTo(event);
-      break;
     case CanvasEvent::Kind::Wheel:
-      if (help) {
-        scrollHelp(std::isfinite(event.amount) ? -3 * event.amount : 0);
+      // Panels first: what they hold is not the views'.
+      toolkit.take(event);
+      runPanels();
+      hudChanged = true;
+      if (event.kind == CanvasEvent::Kind::Up) {
+        release(event);
+      } else if (toolkit.hasPointer()) {
         break;
-      }
-      if (const HudRegion* over = regionAt(hud, event.x, event.y); over == nullptr && std::isfinite(event.amount)) {
+      } else if (event.kind == CanvasEvent::Kind::Down) {
+        press(event);
+      } else if (std::isfinite(event.amount)) {
         OrbitCamera zoomed = camera;
         zoomed.zoom(std::clamp(event.amount, -20.0, 20.0));
         setCamera(zoomed);
       }
+      break;
+    case CanvasEvent::Kind::Move:
+      toolkit.take(event);
+      moveTo(event);
       break;
     case CanvasEvent::Kind::Resize:
       viewsChanged = true;
@@ -69,7 +77,7 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
   const bool passing = event.kind == CanvasEvent::Kind::Move || event.kind == CanvasEvent::Kind::Wheel;
   if (!passing || clock.seconds() - lastPicture > std::max(kBetweenPictures, pictureSeconds)) {
     flush(false);
-    for (const std::string& problem : hudState.problems) warn(problem);  // each once
+    for (const std::string& problem : problems()) warn(problem);  // each once
     for (const std::string& text : hints) warn(text);
   }
   return true;
@@ -101,17 +109,12 @@ void ViewSession::State::tick() {
   if (partial && !playing && drag.button == 0 && now - lastChange > rest) flush(true);
 }
 
-void ViewSession::State::scrollHelp(double lines) {
-  const auto last = static_cast<double>(helpPages(hudState).lastFirst);
-  hudState.helpFirst =
-      static_cast<std::size_t>(std::clamp(static_cast<double>(hudState.helpFirst) + std::round(lines), 0.0, last));
-  hudChanged = true;
-}
-
 void ViewSession::State::key(const CanvasEvent& event) {
   if (help && (event.key == "Up" || event.key == "Down")) {
-    const auto page = static_cast<double>(helpPages(hudState).page);
-    return scrollHelp(event.key.ends_with("Up") ? -page : page);
+    constexpr double kRows = 10;
+    helpScroll += event.key == "Up" ? -kRows : kRows;
+    hudChanged = true;
+    return;
   }
   const auto meaning = keyMeaning(event.key, event.shift);
   if (!meaning) return;
@@ -275,7 +278,6 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return savePicture();
     case KeyAction::ToggleHelp:
       help = !help;
-      hudState.helpFirst = 0;
       hudChanged = hoverChanged = true;
       return;
     case KeyAction::Escape:

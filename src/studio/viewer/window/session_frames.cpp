@@ -105,9 +105,9 @@ void ViewSession::State::adopt(std::shared_ptr<const ViewFrame> loaded) {
     }
   }
   seeking = false;
-  hudState.damaged = source->damaged();
-  hudState.damaged.insert(hudState.damaged.end(), unreadable.begin(), unreadable.end());
-  std::sort(hudState.damaged.begin(), hudState.damaged.end());
+  damaged = source->damaged();
+  damaged.insert(damaged.end(), unreadable.begin(), unreadable.end());
+  std::sort(damaged.begin(), damaged.end());
   hintAtNames();
   hover.reset();
   pinned.reset();

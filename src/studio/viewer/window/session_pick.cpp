@@ -106,10 +106,14 @@ std::optional<PickedThing> ViewSession::State::pickMesh(const SightLine& line) c
 
 std::optional<PickedThing> ViewSession::State::pickStrip(int x, int y) const {
   if (!strip) return {};
-  const auto pixel = imagePixelAt(layout.strip, strip->image, x, y);
-  if (!pixel) return {};
-  const auto index = static_cast<std::size_t>(pixel->second) * static_cast<std::size_t>(strip->image.width) +
-                     static_cast<std::size_t>(pixel->first);
+  const PixelRect rect = stripRect();
+  if (!rect.contains(x, y)) return {};
+  const auto pixelIn = [](int place, int pixels, int shown) {
+    return static_cast<std::size_t>(static_cast<std::int64_t>(place) * pixels / shown);
+  };
+  const Image& image = strip->image;
+  const std::size_t index = pixelIn(y - rect.top, image.height, rect.height) * static_cast<std::size_t>(image.width) +
+                            pixelIn(x - rect.left, image.width, rect.width);
   const std::uint32_t point = strip->pointAt[index];
   if (point == kNoPoint) return {};
   return pickedPoint(stripCloud, point);
@@ -119,11 +123,10 @@ void ViewSession::State::updateHover() {
   hoverChanged = false;
   std::optional<PickedThing> found;
   if (drag.button == 0 && pointerX >= 0 && !help) {
-    const HudRegion* const region = regionAt(hud, pointerX, pointerY);
-    if (region == nullptr) {
-      found = pick(pointerX, pointerY);
-    } else if (region->part == HudPart::Strip) {
+    if (overStrip) {
       found = pickStrip(pointerX, pointerY);
+    } else if (!toolkit.hasPointer()) {
+      found = pick(pointerX, pointerY);
     }
   }
   const bool same = found.has_value() == hover.has_value() &&

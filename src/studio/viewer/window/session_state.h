@@ -7,10 +7,12 @@
 #include <set>
 
 #include "base/wall_timer.h"
+#include "viewer/panels/parts.h"
+#include "viewer/panels/rooms.h"
+#include "viewer/panels/toolkit.h"
 #include "viewer/window/class_filter.h"
 #include "viewer/window/draw_pace.h"
 #include "viewer/window/guides.h"
-#include "viewer/window/hud.h"
 #include "viewer/window/instance_summary.h"
 #include "viewer/window/mesh_coloring.h"
 #include "viewer/window/picking.h"
@@ -65,7 +67,20 @@ struct PointerDrag {
   int downX = 0, downY = 0;  // px
   int x = 0, y = 0;
   bool moved = false;
-  std::optional<HudRegion> slider;
+};
+
+// One of the views side by side.
+struct ViewPane {
+  std::string caption;  // what is shown: "top, ray_tracing"; written where there are several
+  Legend legend;
+  bool active = false;  // what keys change
+  std::string message;  // why nothing is to be seen
+};
+
+// What colours mean, in all views where they mean the same.
+struct LegendBlock {
+  Legend legend;
+  std::vector<std::size_t> views;
 };
 
 struct ViewSession::State {
@@ -77,7 +92,6 @@ struct ViewSession::State {
   void key(const CanvasEvent& event);
   void act(const KeyMeaning& meaning);
   void escape();
-  void scrollHelp(double lines);
   void promptKey(const CanvasEvent& event);
   void savePicture();
 
@@ -88,7 +102,6 @@ struct ViewSession::State {
 
   // session_pointer.cpp
   void press(const CanvasEvent& event);
-  void pressRegion(const HudRegion& region, const CanvasEvent& event);
   void release(const CanvasEvent& event);
   void moveTo(const CanvasEvent& event);
   void click(int x, int y);
@@ -161,15 +174,29 @@ struct ViewSession::State {
   void addObjectRows(PickedThing& thing, std::uint32_t instance) const;
 
   // session_draw.cpp
-  void refresh();  // HUD's panes, the views
+  void refresh();  // what colours mean, the views
   void flush(bool whole);
-  void composeHud();
   void addLabels();
   void addLabel(const Vec3d& spot, const std::string& text, bool mark);
-  void completeClasses(Legend& legend) const;
-  void joinLegends();
-  void addMessages();
+  std::string title() const;
   std::string summary() const;
+
+  // session_legends.cpp
+  void completeClasses(Legend& legend) const;
+  void collectLegends();
+  void addMessages();
+  bool isHidden(const LegendEntry& entry) const;
+  void pressLegend(const LegendEntry& entry, bool alone);
+
+  // session_panels.cpp: by Dear ImGui
+  void runPanels();
+  void drawPanels();
+  void drawMenus();
+  void drawLegends(bool ofScales);
+  void drawStrip();
+  void drawFrameBar();
+  void drawPrompt();
+  void drawTips();
   void say(const std::string& text, double seconds = 4);
   void hint(const std::string& text);
 
@@ -179,13 +206,13 @@ struct ViewSession::State {
   PickedThing pickedPoint(std::size_t cloud, std::size_t point) const;
   std::optional<PickedThing> pickMesh(const SightLine& line) const;
   std::optional<PickedThing> pickStrip(int x, int y) const;
+  PixelRect stripRect() const;  // of its image
   PickedThing inFull(PickedThing thing) const;
   bool isShown(const PickedThing& thing) const;
   void updateHover();
 
   // session_tip.cpp: what is told of it, and its instance
-  void addTips();
-  HudTip tipOf(const PickedThing& thing) const;
+  Rgb colorOf(const PickedThing& thing) const;
   std::optional<std::uint32_t> instanceOf(const PickedThing& thing) const;  // none: of no instance
   const InstanceSummary& summaryOf(const ShownCloud& cloud, std::uint32_t instance) const;
   void lightInstance();
@@ -261,9 +288,14 @@ struct ViewSession::State {
   std::optional<KeyAction> acting;  // of the key that is being obeyed
   std::string busy;
 
-  HudState hudState;
-  HudLayout layout;
-  Hud hud;
+  Toolkit toolkit;
+  PanelRooms rooms;
+  std::vector<ViewPane> panes;
+  std::vector<LegendBlock> legends;
+  std::vector<PanelLabel> labels;
+  std::vector<std::size_t> damaged;  // frames that cannot be shown; ascending
+  bool overStrip = false;            // the pointer is over the range image
+  double helpScroll = 0;             // rows, of the next picture
   std::vector<CanvasView> views;
   bool viewsChanged = true;  // cameras, rectangles
   bool itemsChanged = true;  // points, lines, triangles

@@ -7,51 +7,14 @@
 
 namespace scanmill {
 
-HudTip ViewSession::State::tipOf(const PickedThing& thing) const {
-  HudTip tip;
-  tip.heading = thing.heading;
-  tip.rows = thing.rows;
-  tip.alarm = thing.alarm;
+Rgb ViewSession::State::colorOf(const PickedThing& thing) const {
   for (const ShownCloud& cloud : clouds) {
-    if (cloud.scan != thing.scan || thing.point >= cloud.coloring.colors.size()) continue;
-    tip.color = cloud.coloring.colors[thing.point];
-    tip.pane = cloud.view;
-    break;
-  }
-  if (thing.scan == kNoScan && mesh && thing.point < mesh->size()) {
-    tip.color = meshColoring.colors[thing.point];
-  }
-  return tip;
-}
-
-// A few rows beside the pointer, all of what was clicked in a corner.
-void ViewSession::State::addTips() {
-  hudState.tip.reset();
-  hudState.docked.reset();
-  if (hudState.strip) hudState.strip->mark.reset();
-  if (help) return;
-  if (pinned) {
-    HudTip docked = tipOf(*pinned);
-    for (const CanvasView& view : views) {
-      const Projected p = view.camera.project(pinned->place);
-      if (!(p.depth >= view.camera.nearest)) continue;
-      if (!(p.x >= 0 && p.y >= 0 && p.x < view.rect.width && p.y < view.rect.height)) continue;
-      docked.keepClear.emplace_back(view.rect.left + static_cast<int>(p.x), view.rect.top + static_cast<int>(p.y));
+    if (cloud.scan == thing.scan && thing.point < cloud.coloring.colors.size()) {
+      return cloud.coloring.colors[thing.point];
     }
-    hudState.docked = std::move(docked);
   }
-  const bool told = pinned && hover && pinned->scan == hover->scan && pinned->point == hover->point;
-  if (hover && !told && !measuring) {
-    HudTip tip = tipOf(*hover);
-    tip.rows = hover->brief;
-    tip.x = pointerX;
-    tip.y = pointerY;
-    hudState.tip = std::move(tip);
-  }
-  const std::optional<PickedThing>& thing = hover ? hover : pinned;
-  if (thing && strip && thing->scan == clouds[stripCloud].scan) {
-    hudState.strip->mark = strip->place(thing->point);
-  }
+  if (thing.scan == kNoScan && mesh && thing.point < mesh->size()) return meshColoring.colors[thing.point];
+  return kNoValue;
 }
 
 std::optional<std::uint32_t> ViewSession::State::instanceOf(const PickedThing& thing) const {

@@ -1,139 +1,118 @@
 #include "viewer/window/view_keys.h"
 
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <array>
 
+#include "viewer/coloring.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {
 
 namespace {
 
-struct KeyRow {
-  std::string_view key;
-  KeyAction action;
-};
-
-constexpr KeyRow kKeys[] = {
-    {"c", KeyAction::NextColor},
-    {"C", KeyAction::PreviousColor},
-    {"[", KeyAction::LowerHighEnd},
-    {"]", KeyAction::RaiseHighEnd},
-    {"{", KeyAction::LowerLowEnd},
-    {"}", KeyAction::RaiseLowEnd},
-    {"\\", KeyAction::AutomaticScale},
-    {"+", KeyAction::LargerPoints},
-    {"=", KeyAction::LargerPoints},
-    {"-", KeyAction::SmallerPoints},
-    {"b", KeyAction::NextBackground},
-    {"a", KeyAction::ToggleAxes},
-    {"A", KeyAction::ShowAllClasses},
-    {"x", KeyAction::InstanceAlone},
-    {"r", KeyAction::ToggleRangeRings},
-    {"m", KeyAction::ToggleMesh},
-    {"O", KeyAction::ToggleBoxes},
-    {"t", KeyAction::ToggleTrajectory},
-    {"e", KeyAction::ToggleDepthEdges},
-    {"k", KeyAction::ToggleLegends},
-    {"o", KeyAction::ToggleProjection},
-    {"F1", KeyAction::ChaseView},
-    {"F2", KeyAction::DriverView},
-    {"F3", KeyAction::AboveView},
-    {"v", KeyAction::NextPreset},
-    {"f", KeyAction::TurnAbout},
-    {"Home", KeyAction::ResetView},
-    {"Right", KeyAction::NextFrame},
-    {".", KeyAction::NextFrame},
-    {"Left", KeyAction::PreviousFrame},
-    {",", KeyAction::PreviousFrame},
-    {"Page_Down", KeyAction::TenFramesOn},
-    {"Page_Up", KeyAction::TenFramesBack},
-    {"<", KeyAction::FirstFrame},
-    {">", KeyAction::LastFrame},
-    {"End", KeyAction::LastFrame},
-    {" ", KeyAction::Play},
-    {"(", KeyAction::Slower},
-    {")", KeyAction::Faster},
-    {"g", KeyAction::GoTo},
-    {"l", KeyAction::ToggleOverlay},
-    {"s", KeyAction::ToggleSplit},
-    {"Tab", KeyAction::NextView},
-    {"n", KeyAction::NextScan},
-    {"w", KeyAction::ToggleWorld},
-    {"d", KeyAction::Measure},
-    {"i", KeyAction::ToggleRangeImage},
-    {"I", KeyAction::ToggleStripOrder},
-    {"P", KeyAction::SavePicture},
-    {"h", KeyAction::ToggleHelp},
-    {"?", KeyAction::ToggleHelp},
-    {"Escape", KeyAction::Escape},
-    {"q", KeyAction::Quit},
-};
-
-constexpr std::array<std::string_view, 10> kDigits{"1", "2", "3", "4", "5", "6", "7", "8", "9", "0"};
+std::vector<ViewCommand> listCommands() {
+  using A = KeyAction;
+  std::vector<ViewCommand> all{
+      {"Frames", {A::NextFrame}, "next", {"Right", "."}},
+      {"Frames", {A::PreviousFrame}, "previous", {"Left", ","}},
+      {"Frames", {A::TenFramesOn}, "ten on", {"Page_Down"}},
+      {"Frames", {A::TenFramesBack}, "ten back", {"Page_Up"}},
+      {"Frames", {A::FirstFrame}, "first", {"<", "shift + Left"}},
+      {"Frames", {A::LastFrame}, "last", {">", "shift + Right", "End"}},
+      {"Frames", {A::Play}, "play, pause", {" "}},
+      {"Frames", {A::Slower}, "play slower", {"("}},
+      {"Frames", {A::Faster}, "play faster", {")"}},
+      {"Frames", {A::GoTo}, "go to a key or index", {"g"}},
+      {"Scans", {A::NextScan}, "next of the sample", {"n"}},
+      {"Scans", {A::ToggleOverlay}, "all over one another, each in a colour", {"l"}},
+      {"Scans", {A::ToggleSplit}, "side by side, or one in several colours", {"s"}},
+      {"Scans", {A::NextView}, "next view that colours are chosen for", {"Tab"}},
+      {"Scans", {A::ToggleRangeImage}, "range image", {"i"}},
+      {"Scans", {A::ToggleStripOrder}, "range image outward, or as the sensor orders it", {"I"}},
+  };
+  constexpr std::array<const char*, 10> kDigits{"1", "2", "3", "4", "5", "6", "7", "8", "9", "0"};
+  for (std::size_t i = 0; i < kDigits.size(); ++i) {
+    all.push_back({"Colours", {A::ColorByNumber, i}, "by " + colorNames()[i], {kDigits[i]}});
+  }
+  const std::vector<ViewCommand> more{
+      {"Colours", {A::NextColor}, "by the next column", {"c"}},
+      {"Colours", {A::PreviousColor}, "by the previous column", {"C"}},
+      {"Colours", {A::LowerHighEnd}, "halve the scale's upper end", {"["}},
+      {"Colours", {A::RaiseHighEnd}, "double the scale's upper end", {"]"}},
+      {"Colours", {A::LowerLowEnd}, "lower the scale's lower end", {"{"}},
+      {"Colours", {A::RaiseLowEnd}, "raise the scale's lower end", {"}"}},
+      {"Colours", {A::AutomaticScale}, "the scale that the values give", {"\\"}},
+      {"Show", {A::ShowAllClasses}, "all classes and instances", {"A"}},
+      {"Show", {A::InstanceAlone}, "the instance that is pointed at alone", {"x"}},
+      {"Show", {A::ToggleLegends}, "what colours mean", {"k"}},
+      {"Show", {A::ToggleMesh}, "mesh of the scene", {"m"}},
+      {"Show", {A::ToggleBoxes}, "boxes of objects", {"O"}},
+      {"Show", {A::ToggleTrajectory}, "trajectory", {"t"}},
+      {"Show", {A::ToggleAxes}, "axes of the sensors: x red, y green, z blue", {"a"}},
+      {"Show", {A::ToggleRangeRings}, "range rings on the ground", {"r"}},
+      {"Show", {A::ToggleDepthEdges}, "dark depth edges", {"e"}},
+      {"Show", {A::LargerPoints}, "larger points", {"+", "="}},
+      {"Show", {A::SmallerPoints}, "smaller points", {"-"}},
+      {"Show", {A::NextBackground}, "background dark, grey, white", {"b"}},
+      {"Camera", {A::ChaseView}, "chase", {"F1"}},
+      {"Camera", {A::DriverView}, "driver's", {"F2"}},
+      {"Camera", {A::AboveView}, "from above", {"F3"}},
+      {"Camera", {A::NextPreset}, "the next of these", {"v"}},
+      {"Camera", {A::ResetView}, "the first view again", {"Home"}},
+      {"Camera", {A::TurnAbout}, "turn about what is pointed at", {"f"}},
+      {"Camera", {A::ToggleProjection}, "perspective, orthographic", {"o"}},
+      {"Camera", {A::ToggleWorld}, "stand in the world, follow the sensor", {"w"}},
+      {"Tools", {A::Measure}, "distance between two clicks", {"d"}},
+      {"Tools", {A::SavePicture}, "save a picture", {"P"}},
+      {"Tools", {A::ToggleHelp}, "keys", {"h", "?"}},
+      {"Tools", {A::Quit}, "quit", {"q"}},
+      {"", {A::Escape}, "close what is open: help, distance, pin, instance alone", {"Escape"}},
+  };
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
 
 }  // namespace
 
+const std::vector<ViewCommand>& viewCommands() {
+  static const std::vector<ViewCommand> all = listCommands();
+  return all;
+}
+
 std::optional<KeyMeaning> keyMeaning(std::string_view key, bool shift) {
-  if (shift && key == "Left") return KeyMeaning{KeyAction::FirstFrame};
-  if (shift && key == "Right") return KeyMeaning{KeyAction::LastFrame};
-  for (const KeyRow& row : kKeys) {
-    if (row.key == key) return KeyMeaning{row.action};
-  }
-  for (std::size_t i = 0; i < kDigits.size(); ++i) {
-    if (kDigits[i] == key) return KeyMeaning{KeyAction::ColorByNumber, i};
+  const std::string shifted = "shift + " + std::string(key);
+  for (const bool exact : {true, false}) {
+    for (const ViewCommand& command : viewCommands()) {
+      for (const std::string& own : command.keys) {
+        if (exact ? shift && own == shifted : own == key) return command.meaning;
+      }
+    }
   }
   return {};
 }
 
+std::string keysText(const ViewCommand& command) {
+  std::vector<std::string> names = command.keys;
+  std::replace(names.begin(), names.end(), std::string(" "), std::string("space"));
+  return fmt::format("{}", fmt::join(names, " or "));
+}
+
 std::vector<std::pair<std::string, std::string>> viewKeys() {
-  std::string colors;
-  for (std::size_t i = 0; i < kDigits.size(); ++i) colors += (i == 0 ? "" : ", ") + colorNames()[i];
-  return {
+  std::vector<std::pair<std::string, std::string>> rows{
       {"left drag", "turn"},
       {"right drag, shift + left drag", "move"},
       {"wheel", "nearer, farther"},
-      {"click", "pin what lies there; in the legend: hide or show"},
-      {"double click, shift + click in the legend", "show that alone"},
-      {"Right, Left (. ,)", "next, previous frame"},
-      {"Page_Down, Page_Up", "ten frames on, back"},
-      {"< > (shift + Left, Right)", "first, last frame"},
-      {"space", "play, pause"},
-      {"( )", "play slower, faster"},
-      {"g", "go to a sample by its key or index"},
-      {"c, C", "colour by the next, previous column"},
-      {"1 2 3 4 5 6 7 8 9 0", "colour by " + colors},
-      {"[ ]", "upper end of the scale: half, twice of it"},
-      {"{ }", "lower end of the scale: lower, higher"},
-      {"\\", "the scale that the values give"},
-      {"A", "show all classes and instances"},
-      {"x", "the instance that is pointed at alone, all again"},
-      {"+ -", "larger, smaller points"},
-      {"b", "background dark, grey, white"},
-      {"a", "axes of the sensors: x red, y green, z blue"},
-      {"r", "range rings on the ground"},
-      {"t", "trajectory"},
-      {"m", "mesh of the scene"},
-      {"O", "boxes of objects, with class, id and visible share"},
-      {"e", "dark depth edges"},
-      {"k", "legends (what colours mean)"},
-      {"o", "perspective, orthographic"},
-      {"F1 F2 F3", "chase, driver's, from above"},
-      {"v", "the next of these views"},
-      {"f, double click", "look at what is pointed at, and turn about it"},
-      {"Home", "the first view again"},
-      {"n", "next scan of the sample"},
-      {"l", "overlay: all scans of the sample in colours of their own"},
-      {"s", "split: scans, or colours of one scan, side by side"},
-      {"Tab", "the view that c acts on"},
-      {"w", "stand in the world, follow the sensor"},
-      {"i", "range image"},
-      {"I", "range image: looking outward, as the sensor orders it"},
-      {"d", "distance: between two clicks"},
-      {"P", "save a picture"},
-      {"h", "these keys; Up, Down or the wheel: more of them"},
-      {"Escape", "close what is open: help, distance, pin, instance alone"},
-      {"q", "quit"},
+      {"click", "pin what lies there; among what colours mean: hide or show"},
+      {"double click, shift + click", "turn about what lies there; among what colours mean: show that alone"},
   };
+  for (const ViewCommand& command : viewCommands()) {
+    const std::string menu(command.menu);
+    rows.emplace_back(keysText(command), menu.empty() ? command.label : menu + ": " + command.label);
+  }
+  return rows;
 }
 
 }  // namespace scanmill

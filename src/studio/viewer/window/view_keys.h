@@ -1,10 +1,12 @@
 #pragma once
 
-// What the viewer's keys mean.
+// The viewer's commands: its menus, its keys and its help.
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace scanmill {
 
@@ -65,7 +67,20 @@ struct KeyMeaning {
   std::size_t number = 0;  // of ColorByNumber: into colorNames()
 };
 
-// By X's name of the key's symbol; none for a key that does nothing.
+// What a menu has, or, without a menu, a key alone.
+struct ViewCommand {
+  std::string_view menu;
+  KeyMeaning meaning;
+  std::string label;
+  std::vector<std::string> keys;  // what they type: "c"; or their names: "Left"; "shift + Left"
+};
+// In the menus' order.
+const std::vector<ViewCommand>& viewCommands();
+
+// None for a key that does nothing.
 std::optional<KeyMeaning> keyMeaning(std::string_view key, bool shift);
+
+// "space", "F1 or v": as menus and help write them.
+std::string keysText(const ViewCommand& command);
 
 }  // namespace scanmill

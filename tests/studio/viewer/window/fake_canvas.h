@@ -3,6 +3,8 @@
 // A canvas in memory: remembers what it was given and draws points as plain squares, the same on every machine.
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -29,9 +31,11 @@ class FakeCanvas : public Canvas {
   std::string device() const override { return "none"; }
   int width() const override { return width_; }
   int height() const override { return height_; }
+  double scale() const override { return 1; }
   void resize(int width, int height) override {
     width_ = width;
     height_ = height;
+    painted_.clear();
   }
   void setViews(std::span<const CanvasView> views) override {
     for (const CanvasView& v : views) {
@@ -62,10 +66,18 @@ class FakeCanvas : public Canvas {
   }
   void setLook(ItemId item, const ItemLook& look) override { itemOf(item).look = look; }
   void drop(ItemId item) override { items.erase(item); }
-  void setOverlay(int width, int height, std::span<const Rgba> pixels) override {
-    require(pixels.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height), "an overlay's pixels");
-    overlayWidth = width;
-    overlay.assign(pixels.begin(), pixels.end());
+  void setImage(ImageId image, int width, int height, std::span<const Rgba> pixels) override {
+    require(pixels.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height), "an image's pixels");
+    images_[image] = {width, height, {pixels.begin(), pixels.end()}};
+  }
+  void setOverlay(Overlay overlay) override {
+    for (const std::uint32_t corner : overlay.corners) require(corner < overlay.vertices.size(), "a corner's vertex");
+    for (const OverlayPart& part : overlay.parts) {
+      require(part.first + part.count <= overlay.corners.size() && part.count % 3 == 0, "a part's corners");
+      require(images_.contains(part.image), "a part's image");
+    }
+    overlay_ = std::move(overlay);
+    painted_.clear();
   }
   void render(std::uint64_t mostPoints) override {
     ++renders;
@@ -75,12 +87,9 @@ class FakeCanvas : public Canvas {
   Image read() override {
     Image image(width_, height_, {});
     for (std::size_t v = 0; v < views_.size(); ++v) drawView(image, v);
-    for (std::size_t i = 0; i < overlay.size(); ++i) {
-      const auto x = static_cast<int>(i % static_cast<std::size_t>(overlayWidth));
-      const auto y = static_cast<int>(i / static_cast<std::size_t>(overlayWidth));
-      if (!image.contains(x, y)) continue;
-      const Rgba& o = overlay[i];
-      image.at(x, y) = mix(image.at(x, y), {o[0], o[1], o[2]}, o[3] / 255.0);
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+      const Rgba& o = overlay()[i];
+      image.pixels[i] = mix(image.pixels[i], {o[0], o[1], o[2]}, o[3] / 255.0);
     }
     return image;
   }
@@ -104,9 +113,23 @@ class FakeCanvas : public Canvas {
     return ids;
   }
 
+  // What lies over the views, a pixel each of the canvas: alpha 0 where nothing does.
+  const std::vector<Rgba>& overlay() const {
+    if (painted_.empty()) {
+      painted_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), Rgba{});
+      for (const OverlayPart& part : overlay_.parts) {
+        for (std::size_t i = part.first; i < part.first + part.count; i += 3) paint(part, i);
+      }
+    }
+    return painted_;
+  }
+  bool isOverlay(int x, int y, const Rgb& color) const {
+    const Rgba& o =
+        overlay()[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+    return o[3] == 255 && Rgb{o[0], o[1], o[2]} == color;
+  }
+
   std::map<ItemId, Item> items;
-  std::vector<Rgba> overlay;
-  int overlayWidth = 0;
   int renders = 0;
   std::uint64_t lastMost = 0;
 
@@ -158,9 +181,63 @@ class FakeCanvas : public Canvas {
     }
   }
 
+  struct Picture {
+    int width = 0;
+    int height = 0;
+    std::vector<Rgba> pixels;
+  };
+
+  // A triangle over what is there, by the pixels' middles.
+  void paint(const OverlayPart& part, std::size_t first) const {
+    const auto corner = [&](std::size_t k) -> const OverlayVertex& {
+      return overlay_.vertices[overlay_.corners[first + k]];
+    };
+    const OverlayVertex& a = corner(0);
+    const OverlayVertex& b = corner(1);
+    const OverlayVertex& c = corner(2);
+    const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    if (area == 0) return;
+    const Picture& image = images_.at(part.image);
+    const int left = std::max(static_cast<int>(std::min({a.x, b.x, c.x})), std::max(part.clip.left, 0));
+    const int top = std::max(static_cast<int>(std::min({a.y, b.y, c.y})), std::max(part.clip.top, 0));
+    const int right =
+        std::min({static_cast<int>(std::max({a.x, b.x, c.x})) + 1, part.clip.left + part.clip.width, width_});
+    const int bottom =
+        std::min({static_cast<int>(std::max({a.y, b.y, c.y})) + 1, part.clip.top + part.clip.height, height_});
+    for (int y = top; y < bottom; ++y) {
+      for (int x = left; x < right; ++x) {
+        const double px = x + 0.5;
+        const double py = y + 0.5;
+        const double inB = ((px - a.x) * (c.y - a.y) - (py - a.y) * (c.x - a.x)) / area;
+        const double inC = ((b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x)) / area;
+        const double inA = 1 - inB - inC;
+        if (inA < 0 || inB < 0 || inC < 0) continue;
+        const auto between = [&](double ofA, double ofB, double ofC) { return inA * ofA + inB * ofB + inC * ofC; };
+        const auto texel = [](double share, int size) {
+          return std::clamp(static_cast<int>(share * size), 0, size - 1);
+        };
+        const auto u = static_cast<std::size_t>(texel(between(a.u, b.u, c.u), image.width));
+        const auto v = static_cast<std::size_t>(texel(between(a.v, b.v, c.v), image.height));
+        const Rgba& texture = image.pixels[v * static_cast<std::size_t>(image.width) + u];
+        std::array<double, 4> color{};
+        for (std::size_t k = 0; k < 4; ++k) color[k] = between(a.color[k], b.color[k], c.color[k]) * texture[k] / 255;
+        Rgba& under =
+            painted_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+        const double alpha = color[3] / 255;
+        for (std::size_t k = 0; k < 3; ++k) {
+          under[k] = static_cast<std::uint8_t>(std::lround(color[k] * alpha + under[k] * (1 - alpha)));
+        }
+        under[3] = static_cast<std::uint8_t>(std::lround(255 * (alpha + under[3] / 255.0 * (1 - alpha))));
+      }
+    }
+  }
+
   int width_;
   int height_;
   std::vector<CanvasView> views_;
+  std::map<ImageId, Picture> images_;
+  Overlay overlay_;
+  mutable std::vector<Rgba> painted_;  // empty: not yet
 };
 
 }  // namespace scanmill

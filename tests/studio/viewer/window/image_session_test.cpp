@@ -85,6 +85,8 @@ TEST_F(ImageViewer, ValuesAreThoseOfThePixel) {
     CanvasEvent wheel;
     wheel.kind = CanvasEvent::Kind::Wheel;
     wheel.amount = zoom;
+    wheel.x = 320;
+    wheel.y = 240;
     session.handle(wheel);
     session.settle();
     std::set<std::string> seen;

@@ -168,7 +168,7 @@ TEST(SessionPicking, IsRenewedUnderAPointerAtRest) {
   const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72 + 70);
   const auto settled = [&] {
     world.session->settle();
-    return world.canvas.overlay;
+    return world.canvas.overlay();
   };
   world.pointer(Kind::Move, x, y);
   const auto before = settled();
@@ -339,9 +339,9 @@ TEST(SessionStrip, IsLinkedBothWays) {
   world.session->settle();
   const auto partOf = [&](bool below) {
     const auto edge =
-        world.canvas.overlay.begin() + static_cast<std::ptrdiff_t>(view.top + view.height) * SessionWorld::kWidth;
-    return below ? std::vector<Rgba>(edge, world.canvas.overlay.end())
-                 : std::vector<Rgba>(world.canvas.overlay.begin(), edge);
+        world.canvas.overlay().begin() + static_cast<std::ptrdiff_t>(view.top + view.height) * SessionWorld::kWidth;
+    return below ? std::vector<Rgba>(edge, world.canvas.overlay().end())
+                 : std::vector<Rgba>(world.canvas.overlay().begin(), edge);
   };
   const auto strip = partOf(true);
   const auto space = partOf(false);

@@ -13,6 +13,7 @@
 #include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
+#include "viewer/window/view_keys.h"
 
 namespace scanmill {
 namespace {
@@ -33,101 +34,115 @@ class CurrentFolder {
   std::filesystem::path before_;
 };
 
-// Each row of the help, done: something on the canvas changes, or the viewer closes.
-TEST(ViewSession, EveryKeyOfTheHelpDoesSomething) {
+// Each command by each of its keys: something on the canvas changes, or the viewer closes.
+TEST(ViewSession, EveryKeyDoesSomething) {
   using Do = std::function<void(SessionWorld&)>;
   const CurrentFolder folder;
-  bool open = true;
-  const auto press = [&](std::vector<std::string> keys) -> Do {
-    return [keys, &open](SessionWorld& w) {
-      for (const std::string& k : keys) open = w.key(k) && open;
+  const auto press = [](std::vector<std::string> keys) -> Do {
+    return [keys](SessionWorld& w) {
+      for (const std::string& k : keys) w.key(k);
     };
   };
-  const auto point = [](SessionWorld& w) { return w.pixelOf(firstCloud(w), 3 * 72); };
-  std::map<std::string, std::pair<Do, std::vector<Do>>> rows;  // what goes before, and what each key does
-  const Do nothing = [](SessionWorld&) {};
-  rows["left drag"] = {nothing, {[](SessionWorld& w) { w.drag(300, 300, 40, 20); }}};
-  rows["right drag, shift + left drag"] = {
-      nothing,
-      {[](SessionWorld& w) { w.drag(300, 300, 40, 20, 3); }, [](SessionWorld& w) { w.drag(300, 300, 40, 20, 2); },
-       [](SessionWorld& w) { w.drag(300, 300, 40, 20, 1, true); }}};
-  rows["wheel"] = {nothing, {[](SessionWorld& w) { w.wheel(1); }, [](SessionWorld& w) { w.wheel(-2); }}};
-  rows["click"] = {nothing,
-                   {[&](SessionWorld& w) { w.click(point(w).first, point(w).second); },
-                    [](SessionWorld& w) {
-                      const auto at = w.inOverlay(kFakeCarColor);
-                      ASSERT_TRUE(at);
-                      w.click(at->first, at->second);
-                    }}};
-  rows["double click, shift + click in the legend"] = {nothing,
-                                                       {[](SessionWorld& w) {
-                                                          const auto at = w.inOverlay(kFakeCarColor);
-                                                          ASSERT_TRUE(at);
-                                                          w.click(at->first, at->second);
-                                                          w.pointer(Kind::Down, at->first, at->second, 1, false, 2);
-                                                        },
-                                                        [](SessionWorld& w) {
-                                                          const auto at = w.inOverlay(kFakeCarColor);
-                                                          ASSERT_TRUE(at);
-                                                          w.click(at->first, at->second, true);
-                                                        }}};
-  rows["Right, Left (. ,)"] = {nothing, {press({"Right"}), press({"Left"}), press({"."}), press({","})}};
-  rows["Page_Down, Page_Up"] = {nothing, {press({"Page_Down"}), press({"Page_Up"})}};
-  rows["< > (shift + Left, Right)"] = {nothing,
-                                       {press({"<"}), press({">"}), [](SessionWorld& w) { w.key("Left", true); },
-                                        [](SessionWorld& w) { w.key("Right", true); }}};
-  rows["O"] = {nothing, {press({"O"})}};
-  rows["space"] = {nothing, {press({" "})}};
-  rows["( )"] = {nothing, {press({"("}), press({")"})}};
-  rows["[ ]"] = {press({"4"}), {press({"["}), press({"]"})}};
-  rows["{ }"] = {press({"4"}), {press({"{"}), press({"}"})}};
-  rows["\\"] = {press({"4", "["}), {press({"\\"})}};
-  rows["g"] = {nothing, {press({"g"})}};
-  rows["c, C"] = {nothing, {press({"c"}), press({"C"})}};
-  rows["1 2 3 4 5 6 7 8 9 0"] = {press({"9"}),
-                                 {press({"1"}), press({"2"}), press({"3"}), press({"4"}), press({"5"}), press({"6"}),
-                                  press({"7"}), press({"8"}), press({"0"})}};
-  rows["A"] = {[](SessionWorld& w) {
-                 const auto at = w.inOverlay(kFakeCarColor);
-                 ASSERT_TRUE(at);
-                 w.click(at->first, at->second);
-               },
-               {press({"A"})}};
-  rows["+ -"] = {nothing, {press({"+"}), press({"-"}), press({"="})}};
-  for (const char* key :
-       {"b", "a", "r", "t", "m", "e", "k", "o", "v", "n", "l", "s", "Tab", "w", "i", "I", "d", "P", "h"}) {
-    rows[key] = {nothing, {press({key})}};
-  }
-  rows["F1 F2 F3"] = {[](SessionWorld& w) { w.wheel(3); }, {press({"F1"}), press({"F2"}), press({"F3"})}};
-  rows["f, double click"] = {
-      [&](SessionWorld& w) { w.pointer(Kind::Move, point(w).first, point(w).second); },
-      {press({"f"}), [&](SessionWorld& w) { w.pointer(Kind::Down, point(w).first, point(w).second, 1, false, 2); }}};
-  rows["Home"] = {[](SessionWorld& w) { w.wheel(3); }, {press({"Home"})}};
-  const auto car = [](SessionWorld& w) { return w.pixelOf(firstCloud(w), 3 * 72 + 70); };
-  rows["x"] = {[&](SessionWorld& w) { w.pointer(Kind::Move, car(w).first, car(w).second); }, {press({"x"})}};
-  rows["Escape"] = {press({"h"}), {press({"Escape"})}};
-  rows["q"] = {nothing, {press({"q"})}};
-
-  std::size_t known = 0;
-  for (const auto& [keys, what] : viewKeys()) {
-    SCOPED_TRACE(keys + ": " + what);
-    ASSERT_TRUE(rows.contains(keys));
-    ++known;
-    for (const Do& act : rows[keys].second) {
+  const auto pointAt = [](std::size_t point) -> Do {
+    return [point](SessionWorld& w) {
+      const auto [x, y] = w.pixelOf(firstCloud(w), point);
+      w.pointer(Kind::Move, x, y);
+    };
+  };
+  const Do nearer = [](SessionWorld& w) { w.wheel(3); };
+  // What must be so before a key has something to do.
+  std::map<std::string, Do> before;
+  for (const char* key : {"[", "]", "{", "}"}) before[key] = press({"4"});
+  before["\\"] = press({"4", "["});
+  before["1"] = press({"9"});
+  before["A"] = [](SessionWorld& w) {
+    const auto at = w.inOverlay(kFakeCarColor);
+    ASSERT_TRUE(at);
+    w.click(at->first, at->second);
+  };
+  for (const char* key : {"F1", "F2", "F3", "Home"}) before[key] = nearer;
+  before["f"] = pointAt(3 * 72);
+  before["x"] = pointAt(3 * 72 + 70);
+  before["Escape"] = press({"h"});
+  for (const ViewCommand& command : viewCommands()) {
+    for (const std::string& key : command.keys) {
+      SCOPED_TRACE(key + ": " + command.label);
       SessionWorld world(3, kMethods);
-      open = true;
-      rows[keys].first(world);
+      if (before.contains(key)) before[key](world);
       world.session->settle();
-      const std::string before = world.drawn();
-      act(world);
-      // Neighbouring frames are loaded in the background.
+      const std::string was = world.drawn();
+      const bool shift = key.starts_with("shift + ");
+      const bool open = world.key(shift ? key.substr(8) : key, shift);
       const std::string now = world.drawn();
-      world.session->settle();
-      EXPECT_TRUE(!open || now != before || world.drawn() != before);
-      EXPECT_EQ(open, keys != "q");
+      world.session->settle();  // neighbouring frames are loaded in the background
+      EXPECT_TRUE(!open || now != was || world.drawn() != was);
+      EXPECT_EQ(open, command.meaning.action != KeyAction::Quit);
     }
   }
-  EXPECT_EQ(known, rows.size());
+}
+
+TEST(ViewSession, EveryGestureDoesSomething) {
+  using Do = std::function<void(SessionWorld&)>;
+  const auto atCar = [](const std::function<void(SessionWorld&, int, int)>& act) -> Do {
+    return [act](SessionWorld& w) {
+      const auto at = w.inOverlay(kFakeCarColor);
+      ASSERT_TRUE(at);
+      act(w, at->first, at->second);
+    };
+  };
+  const std::vector<Do> gestures{
+      [](SessionWorld& w) { w.drag(300, 300, 40, 20); },
+      [](SessionWorld& w) { w.drag(300, 300, 40, 20, 3); },
+      [](SessionWorld& w) { w.drag(300, 300, 40, 20, 2); },
+      [](SessionWorld& w) { w.drag(300, 300, 40, 20, 1, true); },
+      [](SessionWorld& w) { w.wheel(1); },
+      [](SessionWorld& w) { w.wheel(-2); },
+      [](SessionWorld& w) {
+        const auto [x, y] = w.pixelOf(firstCloud(w), 3 * 72);
+        w.click(x, y);
+      },
+      [](SessionWorld& w) {
+        const auto [x, y] = w.pixelOf(firstCloud(w), 3 * 72);
+        w.pointer(Kind::Down, x, y, 1, false, 2);
+      },
+      atCar([](SessionWorld& w, int x, int y) { w.click(x, y); }),
+      atCar([](SessionWorld& w, int x, int y) { w.click(x, y, true); }),
+      atCar([](SessionWorld& w, int x, int y) {
+        w.click(x, y);
+        w.pointer(Kind::Down, x, y, 1, false, 2);
+      }),
+  };
+  for (std::size_t i = 0; i < gestures.size(); ++i) {
+    SessionWorld world(3, kMethods);
+    const std::string was = world.drawn();
+    gestures[i](world);
+    world.session->settle();
+    EXPECT_NE(world.drawn(), was) << i;
+  }
+}
+
+// What a menu has is what its key does.
+TEST(ViewSession, MenusDoWhatKeysDo) {
+  SessionWorld byKey(3);
+  byKey.key("F3");
+  byKey.session->settle();
+  SessionWorld byMenu(3);
+  byMenu.pointer(Kind::Move, 1, 1);
+  const auto press = [&](int x, int y) {
+    byMenu.click(x, y);
+    byMenu.session->settle();
+  };
+  bool found = false;
+  for (int x = 10; x < 500 && !found; x += 12) {
+    press(x, 10);
+    for (int y = 30; y < 220 && !found; y += 8) {
+      press(x + 20, y);
+      found = byMenu.session->camera() == byKey.session->camera();
+      if (!found) press(x, 10);
+    }
+    byMenu.key("Escape");
+  }
+  EXPECT_TRUE(found) << "Camera: from above";
 }
 
 TEST(ViewSession, EscapeClosesWhatIsOpenAndNeverTheViewer) {
@@ -353,11 +368,11 @@ TEST(ViewSession, AnEmptyScanSaysSo) {
     for (int x = 300; x < SessionWorld::kWidth - 100; ++x) {
       const std::size_t pixel =
           static_cast<std::size_t>(view.rect.top + y) * SessionWorld::kWidth + static_cast<std::size_t>(x);
-      if (world.canvas.overlay[pixel][3] > 0) ++written;
+      if (world.canvas.overlay()[pixel][3] > 0) ++written;
     }
   }
   EXPECT_GT(written, 200);
-  for (const auto& [keys, what] : viewKeys()) world.key(keys.substr(0, keys.find_first_of(" ,")));
+  for (const ViewCommand& command : viewCommands()) world.key(command.keys.front());
 }
 
 TEST(ViewSession, StandsInTheWorldOrFollowsTheSensor) {

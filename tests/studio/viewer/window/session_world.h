@@ -62,8 +62,8 @@ struct SessionWorld {
   void wheel(double amount) {
     CanvasEvent event;
     event.kind = CanvasEvent::Kind::Wheel;
-    event.x = kWidth / 2;
-    event.y = kHeight / 2;
+    event.x = canvas.width() / 2;
+    event.y = canvas.height() / 2;
     event.amount = amount;
     send(event);
   }
@@ -77,13 +77,12 @@ struct SessionWorld {
     return {view.rect.left + static_cast<int>(std::floor(p.x)), view.rect.top + static_cast<int>(std::floor(p.y))};
   }
 
-  // A pixel of the overlay that has exactly this colour: a legend's sample of it.
+  // A pixel of the overlay that has exactly this colour, as have its neighbours: a legend's sample of it.
   std::optional<std::pair<int, int>> inOverlay(const Rgb& color) const {
-    for (std::size_t i = 0; i < canvas.overlay.size(); ++i) {
-      const Rgba& o = canvas.overlay[i];
-      if (o[3] == 255 && Rgb{o[0], o[1], o[2]} == color) {
-        const auto width = static_cast<std::size_t>(canvas.overlayWidth);
-        return std::pair(static_cast<int>(i % width), static_cast<int>(i / width));
+    for (int y = 1; y + 1 < canvas.height(); ++y) {
+      for (int x = 1; x + 1 < canvas.width(); ++x) {
+        const auto is = [&](int right, int down) { return canvas.isOverlay(x + right, y + down, color); };
+        if (is(0, 0) && is(1, 0) && is(-1, 0) && is(0, 1) && is(0, -1)) return std::pair(x, y);
       }
     }
     return {};
@@ -109,7 +108,7 @@ struct SessionWorld {
       for (const Rgb& c : item.colors) out << int{c[0]} << int{c[1]} << int{c[2]};
       out << '\n';
     }
-    out << std::string(reinterpret_cast<const char*>(canvas.overlay.data()), canvas.overlay.size() * sizeof(Rgba));
+    out << std::string(reinterpret_cast<const char*>(canvas.overlay().data()), canvas.overlay().size() * sizeof(Rgba));
     return out.str();
   }
 

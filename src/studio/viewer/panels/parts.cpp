@@ -1,0 +1,434 @@
+#include "viewer/panels/parts.h"
+
+#include <fmt/core.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "base/grouped.h"
+#include "viewer/color_map.h"
+#include "viewer/scale_ticks.h"
+
+namespace scanmill {
+
+void words(const std::string& text) {
+  ImGui::TextUnformatted(text.data(), text.data() + text.size());
+}
+
+namespace {
+
+constexpr Rgb kAlarm{240, 72, 60};
+constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
+                                    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav;
+constexpr ImGuiWindowFlags kMessage = kFixed | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing;
+
+ImU32 packed(const Rgb& c, int alpha = 255) {
+  return IM_COL32(c[0], c[1], c[2], alpha);
+}
+
+float letter() {
+  return ImGui::GetFontSize();
+}
+
+ImVec2 sizeOf(const std::string& text, float wrap = -1) {
+  return ImGui::CalcTextSize(text.data(), text.data() + text.size(), false, wrap);
+}
+
+void dimWords(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+  words(text);
+  ImGui::PopStyleColor();
+}
+
+void wrappedWords(const std::string& text) {
+  ImGui::PushTextWrapPos(0);
+  words(text);
+  ImGui::PopTextWrapPos();
+}
+
+// The beginning of a text that fits, with "..." where something is missing.
+std::string fitted(const std::string& text, float width) {
+  if (sizeOf(text).x <= width) return text;
+  const float dots = sizeOf("...").x;
+  std::size_t kept = text.size();
+  const auto inLetter = [&](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80; };
+  // Halves first: texts may be of any length.
+  while (kept > 64 && sizeOf(text.substr(0, kept / 2)).x > width) kept /= 2;
+  while (kept > 0 && (sizeOf(text.substr(0, kept)).x + dots > width || (kept < text.size() && inLetter(kept)))) --kept;
+  return text.substr(0, kept) + "...";
+}
+
+void place(const PixelRect& rect) {
+  ImGui::SetNextWindowPos({static_cast<float>(rect.left), static_cast<float>(rect.top)});
+  ImGui::SetNextWindowSize({static_cast<float>(rect.width), static_cast<float>(rect.height)});
+}
+
+void swatch(const ImVec2& at, const Rgb& color, bool filled) {
+  const float side = std::floor(letter() * 0.75F);
+  const ImVec2 corner{std::floor(at.x), std::floor(at.y + (letter() - side) / 2)};
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(corner, {corner.x + side, corner.y + side}, packed(filled ? color : mix(color, kNoValue, 0.4)));
+  if (filled) return;
+  const float edge = std::max(std::floor(side / 6), 1.0F);
+  list.AddRectFilled({corner.x + edge, corner.y + edge}, {corner.x + side - edge, corner.y + side - edge},
+                     ImGui::GetColorU32(ImGuiCol_WindowBg, 1000));
+}
+
+struct LegendRow {
+  std::string name;
+  std::string count;
+  Rgb color{};
+  enum class Look { Shown, Absent, Partly, Hidden } look = Look::Shown;
+};
+
+// True: it was pressed.
+bool legendRow(int id, const LegendRow& row, bool clickable, float width) {
+  using Look = LegendRow::Look;
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  bool pressed = false;
+  ImGui::PushID(id);
+  if (clickable) {
+    ImGui::InvisibleButton("row", {std::max(width, 1.0F), letter() + 2});
+    pressed = ImGui::IsItemActivated();
+    if (ImGui::IsItemHovered()) {
+      ImGui::GetWindowDrawList()->AddRectFilled({at.x - 2, at.y}, {at.x + width, at.y + letter() + 2},
+                                                ImGui::GetColorU32(ImGuiCol_HeaderHovered), 3);
+    }
+  } else {
+    ImGui::Dummy({std::max(width, 1.0F), letter() + 2});
+  }
+  ImGui::PopID();
+  swatch({at.x, at.y + 1}, row.color, row.look == Look::Shown || row.look == Look::Absent);
+  const ImU32 color = ImGui::GetColorU32(row.look == Look::Shown ? ImGuiCol_Text : ImGuiCol_TextDisabled);
+  const float count = row.count.empty() ? 0 : sizeOf(row.count).x + letter() * 0.5F;
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const float left = at.x + letter() * 1.25F;
+  const std::string name = fitted(row.name, width - letter() * 1.25F - count);
+  list.AddText({left, at.y + 1}, color, name.data(), name.data() + name.size());
+  if (row.look == Look::Hidden) {
+    list.AddLine({left, at.y + 1 + letter() * 0.55F}, {left + sizeOf(name).x, at.y + 1 + letter() * 0.55F}, color);
+  }
+  if (count > 0) {
+    list.AddText({at.x + width - count + letter() * 0.5F, at.y + 1}, ImGui::GetColorU32(ImGuiCol_TextDisabled),
+                 row.count.data(), row.count.data() + row.count.size());
+  }
+  return pressed;
+}
+
+}  // namespace
+
+void panelAt(const char* name, const PixelRect& rect, bool scrolls, const std::function<void()>& body) {
+  if (rect.width < 1 || rect.height < 1) return;
+  place(rect);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+  const ImGuiWindowFlags still = scrolls ? 0 : ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
+  if (ImGui::Begin(name, nullptr, kFixed | still)) body();
+  ImGui::End();
+  ImGui::PopStyleVar(3);
+}
+
+void titleRow(const PixelRect& rect, const std::string& left, const std::string& right) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {letter() * 0.6F, (static_cast<float>(rect.height) - letter()) / 2});
+  panelAt("##title", rect, false, [&] {
+    const float room = ImGui::GetContentRegionAvail().x;
+    const std::string shown = fitted(left, room);
+    words(shown);
+    const float wide = sizeOf(right).x;
+    if (wide + sizeOf(shown).x + letter() > room) return;
+    ImGui::SameLine(ImGui::GetCursorPosX() + room - wide);
+    dimWords(right);
+  });
+  ImGui::PopStyleVar();
+}
+
+void section(const std::string& title, bool still, const std::function<void()>& body) {
+  ImGui::PushID(title.c_str());
+  if (still) {
+    dimWords(title);
+    body();
+    ImGui::Dummy({1, letter() * 0.4F});
+  } else if (ImGui::CollapsingHeader(title.c_str(), ImGuiTreeNodeFlags_DefaultOpen)) {
+    body();
+  }
+  ImGui::PopID();
+}
+
+void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float away = letter() * 0.5F;
+  const auto right = static_cast<float>(within.left + within.width);
+  for (const PanelLabel& label : labels) {
+    const ImVec2 at{static_cast<float>(label.x), static_cast<float>(label.y)};
+    if (label.mark) {
+      list.AddCircle(at, letter() * 0.45F, packed({0, 0, 0}), 0, letter() * 0.25F);
+      list.AddCircle(at, letter() * 0.45F, packed({255, 255, 255}), 0, letter() * 0.12F);
+    }
+    if (label.text.empty()) continue;
+    const std::string text = fitted(label.text, static_cast<float>(within.width) - 2 * away);
+    const ImVec2 size = sizeOf(text);
+    // On the other side of the mark where it would leave the canvas.
+    float x = at.x + 2 * away;
+    if (x + size.x + away > right) x = std::max(at.x - 2 * away - size.x, away);
+    float y = at.y - away - size.y;
+    if (y < static_cast<float>(within.top) + away) y = at.y + 2 * away;
+    list.AddRectFilled({x - 3, y - 1}, {x + size.x + 3, y + size.y + 1}, packed(kBackground, 200), 3);
+    list.AddText({std::floor(x), std::floor(y)}, packed({255, 255, 255}), text.data(), text.data() + text.size());
+  }
+}
+
+void drawCaption(const PixelRect& view, const std::string& text, bool active) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const ImVec2 corner{static_cast<float>(view.left), static_cast<float>(view.top)};
+  const ImVec2 end{corner.x + static_cast<float>(view.width), corner.y + static_cast<float>(view.height)};
+  const float inset = letter() * 0.5F;
+  if (active) list.AddRect(corner, end, ImGui::GetColorU32(ImGuiCol_CheckMark), 0, 0, std::max(letter() / 8, 2.0F));
+  const std::string shown = fitted(text, static_cast<float>(view.width) - 4 * inset);
+  if (text.empty() || static_cast<float>(view.height) < 3 * letter()) return;
+  const ImVec2 at{corner.x + inset, corner.y + inset};
+  const ImVec2 size = sizeOf(shown);
+  list.AddRectFilled(at, {at.x + size.x + 2 * inset, at.y + size.y + inset}, ImGui::GetColorU32(ImGuiCol_WindowBg), 4);
+  list.AddText({at.x + inset, at.y + inset / 2}, ImGui::GetColorU32(ImGuiCol_Text), shown.data(),
+               shown.data() + shown.size());
+}
+
+void drawMessage(const PixelRect& view, const std::string& text) {
+  constexpr float kLarge = 1.5F;
+  const float size = letter() * kLarge;
+  const float room = std::min(static_cast<float>(view.width) - 4 * size, 40 * size);
+  if (text.empty() || room < size) return;
+  const ImVec2 extent = ImGui::GetFont()->CalcTextSizeA(size, room, room, text.data(), text.data() + text.size());
+  const ImVec2 at{std::floor(static_cast<float>(view.left) + (static_cast<float>(view.width) - extent.x) / 2),
+                  std::floor(static_cast<float>(view.top) + (static_cast<float>(view.height) - extent.y) / 2)};
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddRectFilled({at.x - size, at.y - size / 2}, {at.x + extent.x + size, at.y + extent.y + size / 2},
+                     ImGui::GetColorU32(ImGuiCol_WindowBg), size / 3);
+  list.AddText(ImGui::GetFont(), size, at, ImGui::GetColorU32(ImGuiCol_Text), text.data(), text.data() + text.size(),
+               room);
+}
+
+LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, bool still) {
+  using Look = LegendRow::Look;
+  LegendUse use;
+  const auto isHidden = [&](std::size_t i) { return i < hidden.size() && hidden[i]; };
+  std::uint64_t points = 0;
+  std::size_t gone = 0;
+  for (std::size_t i = 0; i < legend.entries.size(); ++i) {
+    points += legend.entries[i].points;
+    gone += isHidden(i) ? 1 : 0;
+  }
+  const auto count = [&](std::uint64_t n) { return points > 0 ? grouped(n) : std::string(); };
+  const float width = ImGui::GetContentRegionAvail().x;
+  if (clickable && !still && legend.entries.size() > 1) {
+    const Look look = gone == 0 ? Look::Shown : gone < legend.entries.size() ? Look::Partly : Look::Hidden;
+    const ImVec4 text = ImGui::GetStyleColorVec4(ImGuiCol_Text);
+    const auto byte = [](float share) { return static_cast<std::uint8_t>(std::lround(share * 255)); };
+    use.all = legendRow(-1, {"all", count(points), {byte(text.x), byte(text.y), byte(text.z)}, look}, true, width);
+  }
+  const float high = letter() + 2 + ImGui::GetStyle().ItemSpacing.y;
+  const float room = ImGui::GetContentRegionAvail().y;
+  const auto absent = [&](const LegendEntry& entry) { return points > 0 && entry.points == 0; };
+  std::size_t left = legend.entries.size();  // to be written
+  if (still) left -= static_cast<std::size_t>(std::ranges::count_if(legend.entries, absent));
+  auto lines = still ? static_cast<std::size_t>(std::max(room / high, 0.0F)) : left;
+  if (lines < left && lines > 0) --lines;  // for the count of the others
+  for (std::size_t i = 0; i < legend.entries.size() && lines > 0; ++i) {
+    const LegendEntry& entry = legend.entries[i];
+    if (still && absent(entry)) continue;
+    --lines;
+    --left;
+    const Look look = isHidden(i) ? Look::Hidden : absent(entry) ? Look::Absent : Look::Shown;
+    if (legendRow(static_cast<int>(i), {entry.name, count(entry.points), entry.color, look}, clickable, width)) {
+      use.entry = i;
+    }
+  }
+  if (left > 0) dimWords(fmt::format("+ {} more", left));
+  return use;
+}
+
+bool scaleBar(const Legend& legend, bool still, ScaleRange& range) {
+  constexpr int kSteps = 64;
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x;
+  const float high = std::floor(letter() * 0.9F);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  for (int i = 0; i < kSteps; ++i) {
+    const ImU32 from = packed(viridis(static_cast<double>(i) / kSteps));
+    const ImU32 to = packed(viridis(static_cast<double>(i + 1) / kSteps));
+    list.AddRectFilledMultiColor({at.x + width * static_cast<float>(i) / kSteps, at.y},
+                                 {at.x + width * static_cast<float>(i + 1) / kSteps, at.y + high}, from, to, to, from);
+  }
+  for (const auto& [share, figure] : scaleTicks(legend)) {
+    const float x = at.x + width * static_cast<float>(share);
+    const float wide = sizeOf(figure).x;
+    list.AddLine({x, at.y + high}, {x, at.y + high + 3}, ImGui::GetColorU32(ImGuiCol_Text));
+    list.AddText({std::clamp(x - wide / 2, at.x, at.x + width - wide), at.y + high + 3},
+                 ImGui::GetColorU32(ImGuiCol_Text), figure.c_str());
+  }
+  ImGui::Dummy({1, high + letter() + 4});
+  if (legend.unknown > 0) {
+    std::string text = "no value";
+    if (!legend.whyUnknown.empty()) text += fmt::format(" ({})", legend.whyUnknown);
+    legendRow(-2, {text, grouped(legend.unknown), kNoValue, LegendRow::Look::Shown}, false, width);
+  }
+  if (still) return false;
+  float ends[2] = {static_cast<float>(legend.low), static_cast<float>(legend.high)};
+  const auto speed = static_cast<float>(std::max(legend.high - legend.low, 1e-6) / 200);
+  ImGui::SetNextItemWidth(width);
+  if (!ImGui::DragFloat2("##ends", ends, speed, 0, 0, "%.4g")) return false;
+  if (!std::isfinite(ends[0]) || !std::isfinite(ends[1]) || !(ends[0] < ends[1])) return false;
+  range = {ends[0], ends[1]};
+  return true;
+}
+
+void heading(const std::string& text, const Rgb& color) {
+  swatch(ImGui::GetCursorScreenPos(), color, true);
+  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + letter() * 1.25F);
+  words(text);
+}
+
+void valueRows(const char* id, const NamedValues& rows, const std::string& alarm) {
+  if (rows.empty() || !ImGui::BeginTable(id, 2, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_NoSavedSettings))
+    return;
+  ImGui::TableSetupColumn("name");
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch);
+  for (const auto& [name, value] : rows) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    dimWords(name);
+    ImGui::TableNextColumn();
+    const bool warns = !alarm.empty() && name == alarm;
+    if (warns) ImGui::PushStyleColor(ImGuiCol_Text, packed(kAlarm));
+    wrappedWords(value);
+    if (warns) ImGui::PopStyleColor();
+  }
+  ImGui::EndTable();
+}
+
+void tip(const std::string& title, const Rgb& color, const NamedValues& rows, const std::string& alarm) {
+  ImGui::BeginTooltip();
+  heading(title, color);
+  for (const auto& [name, value] : rows) {
+    dimWords(name);
+    ImGui::SameLine(letter() * 7);
+    if (name == alarm) ImGui::PushStyleColor(ImGuiCol_Text, packed(kAlarm));
+    words(value);
+    if (name == alarm) ImGui::PopStyleColor();
+  }
+  ImGui::EndTooltip();
+}
+
+bool imageAt(ImageId image, const PixelRect& rect, const ImagePart& part,
+             const std::optional<std::pair<double, double>>& mark) {
+  ImGui::SetCursorScreenPos({static_cast<float>(rect.left), static_cast<float>(rect.top)});
+  ImGui::Image(textureOf(image), {static_cast<float>(rect.width), static_cast<float>(rect.height)},
+               {static_cast<float>(part.left), static_cast<float>(part.top)},
+               {static_cast<float>(part.right), static_cast<float>(part.bottom)});
+  const bool over = ImGui::IsItemHovered();
+  if (mark) {
+    const ImVec2 at{static_cast<float>(mark->first), static_cast<float>(mark->second)};
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.AddCircle(at, letter() * 0.4F, packed({0, 0, 0}), 0, letter() * 0.25F);
+    list.AddCircle(at, letter() * 0.4F, packed({255, 255, 255}), 0, letter() * 0.12F);
+  }
+  return over;
+}
+
+FrameBarUse frameBar(const PixelRect& rect, const FrameBar& bar) {
+  FrameBarUse use;
+  panelAt("##frames", rect, false, [&] {
+    if (bar.frames > 1) {
+      if (ImGui::Button(bar.playing ? "Pause" : "Play", {letter() * 4, 0})) use.play = true;
+      ImGui::SameLine();
+      const float narrow = ImGui::GetContentRegionAvail().x;
+      ImGui::SetNextItemWidth(narrow < letter() * 30 ? narrow : narrow * 0.45F);
+      int at = static_cast<int>(bar.frame);
+      const int last = static_cast<int>(bar.frames) - 1;
+      if (ImGui::SliderInt("##frame", &at, 0, last, "", ImGuiSliderFlags_AlwaysClamp)) {
+        use.frame = static_cast<std::size_t>(std::clamp(at, 0, last));
+      }
+      const ImVec2 low = ImGui::GetItemRectMin();
+      const ImVec2 high = ImGui::GetItemRectMax();
+      const float grab = ImGui::GetStyle().GrabMinSize / 2 + 2;
+      for (const std::size_t damaged : bar.damaged) {
+        const float share = static_cast<float>(damaged) / static_cast<float>(std::max(last, 1));
+        const float x = low.x + grab + share * (high.x - low.x - 2 * grab);
+        ImGui::GetWindowDrawList()->AddRectFilled({x - 1, low.y}, {x + 1, high.y}, packed(kAlarm));
+      }
+      ImGui::SameLine();
+      ImGui::AlignTextToFramePadding();
+      words(fmt::format("{} / {}   {}", bar.frame, last, bar.key));
+      ImGui::SameLine();
+      dimWords(bar.playing ? bar.speed : "");
+    }
+    if (!bar.busy.empty()) {
+      if (bar.frames > 1) ImGui::SameLine();
+      ImGui::AlignTextToFramePadding();
+      dimWords(bar.busy);
+    }
+  });
+  return use;
+}
+
+bool messages(const PixelRect& within, const std::vector<std::string>& problems,
+              const std::vector<std::string>& notices) {
+  const float margin = letter() * 0.5F;
+  const float wide = std::min(static_cast<float>(within.width) - 2 * margin, letter() * 36);
+  float bottom = static_cast<float>(within.top + within.height) - margin;
+  if (wide < letter()) return false;
+  bool closed = false;
+  const auto box = [&](const char* name, const std::vector<std::string>& texts, bool warns) {
+    constexpr std::size_t kMost = 6;
+    if (texts.empty()) return;
+    ImGui::SetNextWindowPos({static_cast<float>(within.left) + margin, bottom}, ImGuiCond_Always, {0, 1});
+    ImGui::SetNextWindowSizeConstraints({1, 1}, {wide, static_cast<float>(within.height) * 0.6F});
+    if (warns) ImGui::PushStyleColor(ImGuiCol_Border, packed(kAlarm));
+    ImGui::Begin(name, nullptr, kMessage | (warns ? 0 : ImGuiWindowFlags_NoInputs));
+    ImGui::PushTextWrapPos(wide - 2 * margin);
+    for (std::size_t i = 0; i < std::min(texts.size(), kMost); ++i) words(texts[i]);
+    if (texts.size() > kMost) words(fmt::format("+ {} more", texts.size() - kMost));
+    ImGui::PopTextWrapPos();
+    if (warns && ImGui::IsWindowHovered() && ImGui::IsMouseClicked(0)) closed = true;
+    bottom -= ImGui::GetWindowHeight() + margin;
+    ImGui::End();
+    if (warns) ImGui::PopStyleColor();
+  };
+  box("##problems", problems, true);
+  box("##notices", notices, false);
+  return closed;
+}
+
+bool helpWindow(const NamedValues& keys, double scroll) {
+  const ImVec2 all = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({all.x / 2, all.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
+  ImGui::SetNextWindowSize({std::min(letter() * 44, all.x), std::min(letter() * 48, all.y * 0.9F)});
+  ImGui::SetNextWindowFocus();
+  bool open = true;
+  if (ImGui::Begin("Keys", &open,
+                   ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
+                       ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav)) {
+    if (scroll != 0) ImGui::SetScrollY(ImGui::GetScrollY() + static_cast<float>(scroll) * letter());
+    if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_NoSavedSettings | ImGuiTableFlags_RowBg)) {
+      ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthStretch, 0.3F);
+      ImGui::TableSetupColumn("does", ImGuiTableColumnFlags_WidthStretch, 0.7F);
+      for (const auto& [key, does] : keys) {
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_CheckMark));
+        wrappedWords(key);
+        ImGui::PopStyleColor();
+        ImGui::TableNextColumn();
+        wrappedWords(does);
+      }
+      ImGui::EndTable();
+    }
+  }
+  ImGui::End();
+  return open;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,90 @@
+#include "viewer/panels/rooms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+namespace scanmill {
+
+namespace {
+
+int columnsFor(const PixelRect& body, int parts) {
+  constexpr double kPleasing = 1.4;  // width over height
+  int best = 1;
+  double bestStray = 1e9;
+  for (int columns = 1; columns <= parts; ++columns) {
+    if (parts % columns != 0) continue;
+    const int rows = parts / columns;
+    const double shape = (static_cast<double>(body.width) / columns) / (static_cast<double>(body.height) / rows);
+    const double stray = std::abs(std::log(shape / kPleasing));
+    if (stray < bestStray - 1e-9) {
+      bestStray = stray;
+      best = columns;
+    }
+  }
+  return best;
+}
+
+std::pair<int, int> part(int from, int length, int parts, int index, int gap) {
+  const auto edge = [&](int i) { return static_cast<int>(static_cast<std::int64_t>(length + gap) * i / parts); };
+  return {from + edge(index), std::max(edge(index + 1) - edge(index) - gap, 1)};
+}
+
+}  // namespace
+
+PanelRooms roomsOf(int width, int height, const PanelNeeds& needs) {
+  constexpr double kSideLetters = 17;
+  constexpr double kLeastLetters = 30;  // of a canvas that has room for a side
+  PanelRooms rooms;
+  PixelRect body{0, 0, std::max(width, 1), std::max(height, 1)};
+  const int row = std::min(static_cast<int>(std::lround(needs.row)), body.height / 4);
+  if (needs.title && row > 0) {
+    rooms.title = {0, 0, body.width, row};
+    body.top = row;
+    body.height -= row;
+  }
+  if (needs.bar && row > 0) {
+    const int high = std::min(static_cast<int>(std::lround(needs.row * 1.5)), body.height / 3);
+    rooms.bar = {0, body.top + body.height - high, body.width, high};
+    body.height -= high;
+  }
+  if (needs.stripHeight > 0) {
+    int caption = static_cast<int>(std::lround(needs.letter * 1.5));
+    const int image = std::clamp(needs.stripHeight, 1, std::max(body.height / 2, 1));
+    if (caption + image > body.height * 2 / 3) caption = 0;
+    const int high = std::min(caption + image, body.height - 1);
+    rooms.strip = {0, body.top + body.height - high, body.width, high};
+    body.height -= high;
+  }
+  if (needs.side && width >= needs.letter * kLeastLetters) {
+    const int wide = static_cast<int>(std::lround(needs.letter * kSideLetters));
+    rooms.side = {width - wide, body.top, wide, body.height};
+    body.width -= wide;
+  }
+  rooms.body = body;
+  return rooms;
+}
+
+int stripHeight(int imageHeight, int width, int height) {
+  constexpr double kFlattest = 1.0 / 7;  // height over width of an image that is to be read
+  constexpr double kMostShare = 0.2;     // of the canvas's height
+  const int wanted = std::max(static_cast<int>(std::min(width * kFlattest, height * kMostShare)), 1);
+  return imageHeight <= 0 || imageHeight > wanted ? wanted : wanted / imageHeight * imageHeight;
+}
+
+std::vector<PixelRect> partsOf(const PixelRect& body, std::size_t count, int gap) {
+  const int parts = static_cast<int>(count);
+  const int columns = columnsFor(body, parts);
+  const int rows = parts / columns;
+  if (body.width < 16 * columns || body.height < 16 * rows) gap = 0;
+  std::vector<PixelRect> rects;
+  for (int i = 0; i < parts; ++i) {
+    const auto [left, width] = part(body.left, body.width, columns, i % columns, gap);
+    const auto [top, height] = part(body.top, body.height, rows, i / columns, gap);
+    rects.push_back({left, top, width, height});
+  }
+  return rects;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,238 @@
+#include "viewer/panels/toolkit.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "viewer/color_map.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr ImageId kFontImage = 1;
+
+// Of Debian's packages fonts-inter and fonts-dejavu-core; without either, the letters that Dear ImGui carries.
+constexpr std::array<const char*, 2> kFonts{"/usr/share/fonts/opentype/inter/Inter-Regular.otf",
+                                            "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"};
+
+constexpr std::pair<std::string_view, ImGuiKey> kKeys[] = {{"Tab", ImGuiKey_Tab},
+                                                           {"Left", ImGuiKey_LeftArrow},
+                                                           {"Right", ImGuiKey_RightArrow},
+                                                           {"Up", ImGuiKey_UpArrow},
+                                                           {"Down", ImGuiKey_DownArrow},
+                                                           {"Page_Up", ImGuiKey_PageUp},
+                                                           {"Page_Down", ImGuiKey_PageDown},
+                                                           {"Home", ImGuiKey_Home},
+                                                           {"End", ImGuiKey_End},
+                                                           {"BackSpace", ImGuiKey_Backspace},
+                                                           {"Return", ImGuiKey_Enter},
+                                                           {"Escape", ImGuiKey_Escape}};
+
+ImVec4 colorOf(const Rgb& c, float alpha = 1) {
+  return {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255, alpha};
+}
+
+void addFont(ImFontAtlas& atlas, double letter) {
+  static const ImWchar kLetters[] = {0x20, 0xFF, 0x370, 0x3FF, 0x2010, 0x2026, 0x2190, 0x2193, 0x25B2, 0x25C0, 0};
+  const auto size = static_cast<float>(std::round(letter));
+  for (const char* file : kFonts) {
+    std::error_code failure;
+    if (std::filesystem::exists(file, failure) && atlas.AddFontFromFileTTF(file, size, nullptr, kLetters)) return;
+  }
+  ImFontConfig config;
+  config.SizePixels = size;
+  atlas.AddFontDefault(&config);
+}
+
+}  // namespace
+
+struct Toolkit::State {
+  Canvas& canvas;
+  ImGuiContext* context;
+  int clicks = 1;
+  std::vector<ImGuiKey> pressed;  // until the next frame
+};
+
+Toolkit::Toolkit(Canvas& canvas, double letter)
+    : state_(std::make_unique<State>(State{canvas, ImGui::CreateContext(), 1, {}})) {
+  ImGui::SetCurrentContext(state_->context);
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  io.LogFilename = nullptr;
+  io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
+  io.ConfigInputTextCursorBlink = false;
+  io.DeltaTime = 1.0F / 60;
+  for (const auto& [name, key] : kKeys) io.KeyMap[key] = key;
+  addFont(*io.Fonts, letter);
+  unsigned char* pixels = nullptr;
+  int width = 0;
+  int height = 0;
+  io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+  std::vector<Rgba> atlas(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::memcpy(atlas.data(), pixels, atlas.size() * sizeof(Rgba));
+  canvas.setImage(kFontImage, width, height, atlas);
+  io.Fonts->SetTexID(textureOf(kFontImage));
+  ImGuiStyle& style = ImGui::GetStyle();
+  style.ScaleAllSizes(static_cast<float>(letter / 14));
+  style.WindowRounding = style.PopupRounding = style.ChildRounding = static_cast<float>(letter / 3);
+  style.FrameRounding = style.GrabRounding = style.ScrollbarRounding = static_cast<float>(letter / 4);
+  style.AntiAliasedLinesUseTex = false;
+  style.WindowMenuButtonPosition = ImGuiDir_None;
+  suit(kBackground);
+}
+
+Toolkit::~Toolkit() {
+  ImGui::DestroyContext(state_->context);
+}
+
+double Toolkit::letter() const {
+  ImGui::SetCurrentContext(state_->context);
+  return ImGui::GetIO().Fonts->Fonts.front()->FontSize;
+}
+
+double Toolkit::row() const {
+  return letter() + 2.0 * ImGui::GetStyle().FramePadding.y;
+}
+
+void Toolkit::suit(const Rgb& background) {
+  constexpr int kBright = 3 * 150;
+  ImGui::SetCurrentContext(state_->context);
+  const bool light = background[0] + background[1] + background[2] > kBright;
+  ImVec4* colors = ImGui::GetStyle().Colors;
+  light ? ImGui::StyleColorsLight() : ImGui::StyleColorsDark();
+  const Rgb panel = light ? Rgb{246, 247, 249} : kPanel;
+  const Rgb raised = light ? Rgb{226, 230, 236} : Rgb{42, 47, 58};
+  const Rgb accent = light ? Rgb{20, 104, 196} : Rgb{98, 168, 255};
+  colors[ImGuiCol_Text] = colorOf(light ? Rgb{28, 32, 38} : kText);
+  colors[ImGuiCol_TextDisabled] = colorOf(light ? Rgb{104, 110, 120} : Rgb{152, 157, 168});
+  colors[ImGuiCol_WindowBg] = colorOf(panel, 0.97F);
+  colors[ImGuiCol_PopupBg] = colorOf(panel, 0.97F);
+  colors[ImGuiCol_MenuBarBg] = colorOf(panel);
+  colors[ImGuiCol_Border] = colorOf(light ? Rgb{200, 205, 213} : Rgb{66, 72, 86});
+  colors[ImGuiCol_FrameBg] = colors[ImGuiCol_Button] = colors[ImGuiCol_TitleBg] = colors[ImGuiCol_TitleBgActive] =
+      colors[ImGuiCol_TableHeaderBg] = colorOf(raised);
+  colors[ImGuiCol_Header] = colorOf(raised, 0.8F);
+  colors[ImGuiCol_HeaderHovered] = colors[ImGuiCol_ButtonHovered] = colors[ImGuiCol_FrameBgHovered] =
+      colorOf(accent, 0.35F);
+  colors[ImGuiCol_HeaderActive] = colors[ImGuiCol_ButtonActive] = colors[ImGuiCol_FrameBgActive] =
+      colorOf(accent, 0.6F);
+  colors[ImGuiCol_SliderGrab] = colors[ImGuiCol_SliderGrabActive] = colors[ImGuiCol_CheckMark] =
+      colors[ImGuiCol_PlotLines] = colorOf(accent);
+}
+
+void Toolkit::take(const CanvasEvent& event) {
+  using Kind = CanvasEvent::Kind;
+  ImGui::SetCurrentContext(state_->context);
+  ImGuiIO& io = ImGui::GetIO();
+  if (event.kind == Kind::Move || event.kind == Kind::Down || event.kind == Kind::Up || event.kind == Kind::Wheel) {
+    io.MousePos = {static_cast<float>(event.x), static_cast<float>(event.y)};
+    io.KeyShift = event.shift;
+    io.KeyCtrl = event.control;
+  }
+  if (event.kind == Kind::Down || event.kind == Kind::Up) {
+    constexpr std::array<int, 4> kButtons{0, 0, 2, 1};
+    io.MouseDown[kButtons[static_cast<std::size_t>(std::clamp(event.button, 1, 3))]] = event.kind == Kind::Down;
+    state_->clicks = event.clicks;
+  }
+  if (event.kind == Kind::Wheel && std::isfinite(event.amount)) io.MouseWheel += static_cast<float>(event.amount);
+  if (event.kind != Kind::Key) return;
+  for (const auto& [name, key] : kKeys) {
+    if (name != event.key) continue;
+    io.KeysDown[key] = true;
+    state_->pressed.push_back(key);
+    return;
+  }
+  if (io.WantTextInput) io.AddInputCharactersUTF8(event.text.c_str());
+}
+
+void Toolkit::frame(const std::function<void()>& panels) {
+  ImGui::SetCurrentContext(state_->context);
+  ImGuiIO& io = ImGui::GetIO();
+  io.DisplaySize = {static_cast<float>(state_->canvas.width()), static_cast<float>(state_->canvas.height())};
+  ImGui::NewFrame();
+  panels();
+  ImGui::Render();
+  for (const ImGuiKey key : std::exchange(state_->pressed, {})) io.KeysDown[key] = false;
+
+  static_assert(sizeof(ImDrawVert) == sizeof(OverlayVertex) &&
+                offsetof(ImDrawVert, col) == offsetof(OverlayVertex, color));
+  const ImDrawData& drawn = *ImGui::GetDrawData();
+  Overlay overlay;
+  overlay.vertices.resize(static_cast<std::size_t>(drawn.TotalVtxCount));
+  overlay.corners.reserve(static_cast<std::size_t>(drawn.TotalIdxCount));
+  std::size_t before = 0;
+  for (int k = 0; k < drawn.CmdListsCount; ++k) {
+    const ImDrawList& list = *drawn.CmdLists[k];
+    std::memcpy(static_cast<void*>(overlay.vertices.data() + before), list.VtxBuffer.Data,
+                static_cast<std::size_t>(list.VtxBuffer.size_in_bytes()));
+    for (const ImDrawCmd& command : list.CmdBuffer) {
+      OverlayPart part;
+      part.first = overlay.corners.size();
+      part.count = command.ElemCount;
+      part.image = static_cast<ImageId>(reinterpret_cast<std::uintptr_t>(command.GetTexID()));
+      const ImVec4& clip = command.ClipRect;
+      const int left = std::max(static_cast<int>(clip.x), 0);
+      const int top = std::max(static_cast<int>(clip.y), 0);
+      part.clip = {left, top, std::min(static_cast<int>(clip.z), state_->canvas.width()) - left,
+                   std::min(static_cast<int>(clip.w), state_->canvas.height()) - top};
+      for (unsigned i = 0; i < command.ElemCount; ++i) {
+        const ImDrawIdx index = list.IdxBuffer[static_cast<int>(command.IdxOffset + i)];
+        overlay.corners.push_back(static_cast<std::uint32_t>(before + command.VtxOffset + index));
+      }
+      overlay.parts.push_back(part);
+    }
+    before += static_cast<std::size_t>(list.VtxBuffer.Size);
+  }
+  state_->canvas.setOverlay(std::move(overlay));
+}
+
+bool Toolkit::hasPointer() const {
+  ImGui::SetCurrentContext(state_->context);
+  return ImGui::GetIO().WantCaptureMouse;
+}
+
+bool Toolkit::hasKeys() const {
+  ImGui::SetCurrentContext(state_->context);
+  return ImGui::GetIO().WantTextInput;
+}
+
+int Toolkit::clicks() const {
+  return state_->clicks;
+}
+
+bool Toolkit::shift() const {
+  ImGui::SetCurrentContext(state_->context);
+  return ImGui::GetIO().KeyShift;
+}
+
+void Toolkit::setImage(ImageId image, const Image& picture) {
+  std::vector<Rgba> pixels;
+  pixels.reserve(picture.pixels.size());
+  for (const Rgb& c : picture.pixels) pixels.push_back({c[0], c[1], c[2], 255});
+  state_->canvas.setImage(image, picture.width, picture.height, pixels);
+}
+
+void* textureOf(ImageId image) {
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): a number where it wants a pointer
+  return reinterpret_cast<void*>(std::uintptr_t{image});
+}
+
+double letterOfWindow(double scale) {
+  constexpr double kLetter = 15;
+  return std::clamp(std::round(kLetter * scale), 10.0, 60.0);
+}
+
+double letterOfPicture(int width, int height) {
+  return std::clamp(std::round(std::min(width / 16.0 * 9, static_cast<double>(height)) / 56), 10.0, 90.0);
+}
+
+}  // namespace scanmill

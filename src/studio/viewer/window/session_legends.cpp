@@ -1,0 +1,129 @@
+// What colours mean: the rows of classes, scales and scans, and what a click on them does.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "base/grouped.h"
+#include "viewer/color_map.h"
+#include "viewer/window/session_state.h"
+
+namespace scanmill {
+
+namespace {
+
+bool isOfClasses(const Legend& legend) {
+  return !legend.entries.empty() &&
+         std::ranges::all_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
+}
+
+bool meansTheSame(const Legend& a, const Legend& b) {
+  if (a.title != b.title) return false;
+  if (a.scale || b.scale) {
+    return a.scale == b.scale && a.low == b.low && a.high == b.high && a.power == b.power && a.held == b.held;
+  }
+  return isOfClasses(a) && isOfClasses(b);
+}
+
+LegendEntry* entryOf(Legend& legend, std::int64_t id) {
+  const auto found = std::ranges::find(legend.entries, id, &LegendEntry::id);
+  return found == legend.entries.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+// So that rows stay where they are from frame to frame.
+void ViewSession::State::completeClasses(Legend& legend) const {
+  if (!isOfClasses(legend)) return;
+  for (const std::uint16_t id : presentClasses) {
+    if (entryOf(legend, id) != nullptr) continue;
+    legend.entries.push_back({className(source->ontology(), id), classColor(source->ontology(), id), id, 0});
+  }
+  std::ranges::sort(legend.entries, {}, &LegendEntry::id);
+}
+
+// What means the same in several views is said once, with the counts of the view that keys act on.
+void ViewSession::State::collectLegends() {
+  legends.clear();
+  for (std::size_t v = 0; v < panes.size() && options.legends; ++v) {
+    const Legend& own = panes[v].legend;
+    if (!own.scale && own.entries.empty()) continue;
+    const auto same =
+        std::ranges::find_if(legends, [&](const LegendBlock& block) { return meansTheSame(block.legend, own); });
+    if (same == legends.end()) {
+      legends.push_back({own, {v}});
+      continue;
+    }
+    same->views.push_back(v);
+    same->legend.unknown += own.unknown;
+    for (const LegendEntry& entry : own.entries) {
+      if (entryOf(same->legend, entry.id) == nullptr) same->legend.entries.push_back(entry);
+    }
+  }
+  for (auto& [legend, shownIn] : legends) {
+    if (shownIn.size() < 2) continue;
+    Legend active;
+    if (activeView && std::ranges::find(shownIn, *activeView) != shownIn.end()) {
+      active = panes[*activeView].legend;
+      legend.unknown = active.unknown;
+    }
+    for (LegendEntry& entry : legend.entries) {
+      const LegendEntry* const counted = entryOf(active, entry.id);
+      entry.points = counted == nullptr ? 0 : counted->points;
+    }
+    if (!legend.scale) std::ranges::sort(legend.entries, {}, &LegendEntry::id);
+  }
+}
+
+bool ViewSession::State::isHidden(const LegendEntry& entry) const {
+  if (entry.id < 0) return false;
+  if (overlaid()) return hiddenScans.contains(frame->scans[static_cast<std::size_t>(entry.id)].name);
+  return !filter.shows(static_cast<std::uint16_t>(entry.id));
+}
+
+void ViewSession::State::pressLegend(const LegendEntry& entry, bool alone) {
+  if (entry.id < 0) return;
+  if (overlaid()) {
+    const auto chosen = static_cast<std::size_t>(entry.id);
+    if (alone) {
+      hiddenScans.clear();
+      for (std::size_t s = 0; s < frame->scans.size(); ++s) {
+        if (s != chosen) hiddenScans.insert(frame->scans[s].name);
+      }
+    } else if (hiddenScans.erase(frame->scans[chosen].name) == 0) {
+      hiddenScans.insert(frame->scans[chosen].name);
+    }
+  } else if (const auto id = static_cast<std::uint16_t>(entry.id); alone) {
+    filter.showOnly(id);
+  } else {
+    filter.toggle(id);
+  }
+  applyFilter();
+}
+
+// Why nothing is to be seen.
+void ViewSession::State::addMessages() {
+  if (!frame || source->isScene()) return;
+  if (frame->scans.empty()) {
+    std::string& message = panes.front().message;
+    message = frame->key + " cannot be shown";
+    for (const std::string& problem : frame->problems) message += "\n" + problem;
+    return;
+  }
+  for (std::size_t v = 0; v < panes.size(); ++v) {
+    std::uint64_t finite = 0;
+    std::uint64_t visible = 0;
+    for (const ShownCloud& cloud : clouds) {
+      if (cloud.view != v) continue;
+      finite += cloud.finite;
+      visible += cloud.visible;
+    }
+    if (visible > 0) continue;
+    std::string& message = panes[v].message;
+    message = finite == 0 ? "no points: the scan is empty"
+                          : fmt::format("no point is shown: the filter hides all {}", grouped(finite));
+    if (finite > 0 && !options.still) message += "\nA shows them";
+  }
+}
+
+}  // namespace scanmill

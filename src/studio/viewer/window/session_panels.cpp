@@ -1,0 +1,206 @@
+// Menus and panels. They call what keys call.
+
+#include <fmt/core.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "base/grouped.h"
+#include "viewer/picture.h"
+#include "viewer/scale_ticks.h"
+#include "viewer/window/session_state.h"
+
+namespace scanmill {
+
+// Once over all panels: what was pressed is done.
+void ViewSession::State::runPanels() {
+  toolkit.suit(options.background);
+  toolkit.frame([&] { drawPanels(); });
+  helpScroll = 0;
+}
+
+void ViewSession::State::drawPanels() {
+  overStrip = false;
+  drawLabels(labels, {0, rooms.body.top, canvas.width(), canvas.height() - rooms.body.top});
+  for (std::size_t v = 0; v < std::min(panes.size(), views.size()); ++v) {
+    drawMessage(views[v].rect, panes[v].message);
+    if (panes.size() > 1 && !options.bare) drawCaption(views[v].rect, panes[v].caption, panes[v].active);
+  }
+  if (options.bare) return;
+  options.still ? titleRow(rooms.title, title(), summary()) : drawMenus();
+  panelAt("##side", rooms.side, !options.still, [&] {
+    drawLegends(true);
+    if (pinned) {
+      section("Point", options.still, [&] {
+        heading(pinned->heading, colorOf(*pinned));
+        valueRows("point", pinned->rows, pinned->alarm);
+      });
+    }
+    drawLegends(false);
+  });
+  drawStrip();
+  if (!options.still) {
+    drawFrameBar();
+    std::vector<std::string> said;
+    for (const ViewNotice& notice : notices) said.push_back(notice.text);
+    if (messages(rooms.body, problems(), said)) {  // those of the frame stay
+      colorProblem.clear();
+      meshProblem.clear();
+      stripProblem.clear();
+      instanceProblem.clear();
+      hudChanged = true;
+    }
+    if (prompt) drawPrompt();
+    if (help && !helpWindow(viewKeys(), helpScroll)) help = false;
+  }
+  drawTips();
+}
+
+void ViewSession::State::drawMenus() {
+  if (!ImGui::BeginMainMenuBar()) return;
+  std::string_view open;
+  bool drawn = false;
+  for (const ViewCommand& command : viewCommands()) {
+    if (command.menu.empty()) continue;
+    if (command.menu != open) {
+      if (drawn) ImGui::EndMenu();
+      open = command.menu;
+      drawn = ImGui::BeginMenu(open.data());
+    }
+    if (!drawn) continue;
+    const std::string lacks = source->isScene() ? sceneLacks(command.meaning) : "";
+    if (ImGui::MenuItem(command.label.c_str(), keysText(command).c_str(), false, lacks.empty())) act(command.meaning);
+  }
+  if (drawn) ImGui::EndMenu();
+  const std::string text = fmt::format("{}   {}", title(), summary());
+  const float wide = ImGui::CalcTextSize(text.c_str()).x;
+  const float left = static_cast<float>(canvas.width()) - wide - ImGui::GetFontSize();
+  ImGui::SameLine(std::max(left, ImGui::GetCursorPosX() + ImGui::GetFontSize()));
+  ImGui::TextUnformatted(title().c_str());
+  ImGui::SameLine();
+  ImGui::TextDisabled("%s", summary().c_str());
+  ImGui::EndMainMenuBar();
+}
+
+// Scales, or rows.
+void ViewSession::State::drawLegends(bool ofScales) {
+  const bool choose = !options.still && !overlaid() && !clouds.empty();
+  const auto blocks = legends;  // what is pressed changes them
+  for (const LegendBlock& block : blocks) {
+    const Legend& legend = block.legend;
+    if (legend.scale != ofScales) continue;
+    std::string name = legend.scale ? scaleTitle(legend) : legend.title;
+    if (blocks.size() > 1) name = fmt::format("{}: {}", panes[block.views.front()].caption, name);
+    section(name, options.still, [&] {
+      if (legend.scale) {
+        ScaleRange range;
+        if (!scaleBar(legend, !choose, range)) return;
+        for (const std::size_t view : block.views) {
+          scales[view] = range;
+          recolor(view);
+        }
+        return;
+      }
+      std::vector<bool> hidden;
+      for (const LegendEntry& entry : legend.entries) hidden.push_back(isHidden(entry));
+      const bool clickable =
+          std::ranges::any_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
+      const LegendUse use = legendRows(legend, hidden, clickable, options.still);
+      if (use.all) act({KeyAction::ShowAllClasses});
+      if (use.entry) pressLegend(legend.entries[*use.entry], toolkit.shift() || toolkit.clicks() == 2);
+    });
+  }
+}
+
+PixelRect ViewSession::State::stripRect() const {
+  const int caption = static_cast<int>(std::lround(toolkit.letter() * 1.5));
+  PixelRect rect = rooms.strip;
+  if (rect.height > 2 * caption) {
+    rect.top += caption;
+    rect.height -= caption;
+  }
+  return rect;
+}
+
+void ViewSession::State::drawStrip() {
+  if (!strip || rooms.strip.height < 1) return;
+  const PixelRect rect = stripRect();
+  std::optional<std::pair<double, double>> mark;
+  const std::optional<PickedThing>& thing = hover ? hover : pinned;
+  if (thing && thing->scan == clouds[stripCloud].scan) {
+    const auto [column, row] = strip->place(thing->point);
+    mark = std::pair(rect.left + (column + 0.5) * rect.width / strip->image.width,
+                     rect.top + (row + 0.5) * rect.height / strip->image.height);
+  }
+  std::string caption = frame->scans[clouds[stripCloud].scan].name + ": " + describeStrip(*strip, options.stripOrder);
+  if (!options.still) {
+    caption += options.stripOrder == StripOrder::Outward ? " (I: as the sensor orders it)" : " (I: looking outward)";
+  }
+  bool pressed = false;
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, ImGui::GetFontSize() * 0.2F});
+  panelAt("##strip", rooms.strip, false, [&] {
+    ImGui::SetCursorPosX(ImGui::GetFontSize() * 0.5F);
+    if (rect.top > rooms.strip.top) ImGui::TextDisabled("%s", caption.c_str());
+    overStrip = imageAt(kStripImage, rect, {}, mark);
+    pressed = overStrip && ImGui::IsMouseClicked(0);
+  });
+  ImGui::PopStyleVar();
+  if (!pressed) return;
+  if (auto picked = pickStrip(pointerX, pointerY)) {
+    OrbitCamera turned = camera;
+    turned.lookAt(picked->place);
+    setCamera(turned);
+    pinned = inFull(std::move(*picked));
+  }
+}
+
+void ViewSession::State::drawFrameBar() {
+  FrameBar bar;
+  bar.frame = wanted;
+  bar.frames = source->keys().size();
+  bar.key = source->keys()[wanted];
+  bar.speed = speedText();
+  bar.busy = busy;
+  bar.playing = playing;
+  bar.damaged = damaged;
+  const FrameBarUse use = frameBar(rooms.bar, bar);
+  if (use.play) togglePlaying();
+  if (use.frame && *use.frame != wanted) {
+    playing = false;
+    goTo(*use.frame, *use.frame > wanted ? 1 : -1);
+  }
+}
+
+void ViewSession::State::drawPrompt() {
+  constexpr std::size_t kMost = 12;
+  const float letter = ImGui::GetFontSize();
+  const float middle = static_cast<float>(rooms.body.left) + static_cast<float>(rooms.body.width) / 2;
+  ImGui::SetNextWindowPos({middle, static_cast<float>(rooms.body.top) + letter * 3}, ImGuiCond_Always, {0.5F, 0});
+  ImGui::SetNextWindowSize({letter * 28, 0});
+  ImGui::Begin("Go to sample", nullptr,
+               ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
+  ImGui::TextDisabled("a key, a part of one, or #index from 0; Tab completes");
+  ImGui::TextUnformatted(fmt::format("> {}|", *prompt).c_str());
+  ImGui::Separator();
+  std::size_t found = 0;
+  std::optional<std::string> chosen;
+  for (const std::string& key : source->keys()) {
+    if (key.find(*prompt) == std::string::npos) continue;
+    if (found++ < kMost && ImGui::Selectable(key.c_str())) chosen = key;
+  }
+  if (found > kMost) ImGui::TextDisabled("and %s more", grouped(found - kMost).c_str());
+  if (found == 0) ImGui::TextDisabled("no key holds this; an index counts from 0");
+  ImGui::End();
+  if (!chosen) return;
+  prompt.reset();
+  goTo(findFrame(*source, *chosen), 1);
+}
+
+// A few rows beside the pointer.
+void ViewSession::State::drawTips() {
+  const bool told = pinned && hover && pinned->scan == hover->scan && pinned->point == hover->point;
+  if (hover && !told && !measuring && !help) tip(hover->heading, colorOf(*hover), hover->brief, hover->alarm);
+}
+
+}  // namespace scanmill

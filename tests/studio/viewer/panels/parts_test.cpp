@@ -1,0 +1,279 @@
+// Panels on a canvas in memory: what is seen, and what a press means.
+
+#include "viewer/panels/parts.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "tests/studio/viewer/window/fake_canvas.h"
+#include "viewer/color_map.h"
+
+namespace scanmill {
+namespace {
+
+constexpr Rgb kRoad{200, 30, 40};
+constexpr Rgb kCar{30, 60, 220};
+constexpr Rgb kTree{20, 190, 60};
+
+class Panels : public testing::Test {
+ protected:
+  void draw(const std::function<void()>& panels) {
+    for (int i = 0; i < 2; ++i) toolkit_.frame(panels);
+  }
+  void event(CanvasEvent::Kind kind, int x, int y, double amount = 0) {
+    CanvasEvent event;
+    event.kind = kind;
+    event.x = x;
+    event.y = y;
+    event.button = 1;
+    event.amount = amount;
+    toolkit_.take(event);
+  }
+  std::ptrdiff_t count(const Rgb& color, const PixelRect& rect = {0, 0, kWidth, kHeight}) const {
+    std::ptrdiff_t found = 0;
+    for (int y = rect.top; y < rect.top + rect.height; ++y) {
+      for (int x = rect.left; x < rect.left + rect.width; ++x) found += canvas_.isOverlay(x, y, color) ? 1 : 0;
+    }
+    return found;
+  }
+  std::ptrdiff_t written() const {
+    return std::ranges::count_if(canvas_.overlay(), [](const Rgba& o) { return o[3] != 0; });
+  }
+
+  static Legend classes() {
+    Legend legend;
+    legend.title = "class";
+    legend.entries = {{"road", kRoad, 1, 123456}, {"car", kCar, 6, 789}, {"tree", kTree, 9, 0}};
+    return legend;
+  }
+
+  static constexpr int kWidth = 500;
+  static constexpr int kHeight = 300;
+  FakeCanvas canvas_{kWidth, kHeight};
+  Toolkit toolkit_{canvas_, 15};
+};
+
+TEST_F(Panels, AreNowhereWhereNothingIsSaid) {
+  draw([] {});
+  EXPECT_EQ(written(), 0);
+  event(CanvasEvent::Kind::Move, 30, 30);
+  draw([] {});
+  EXPECT_FALSE(toolkit_.hasPointer());
+}
+
+TEST_F(Panels, StandWhereTheyShallAndHaveThePointerThere) {
+  const PixelRect rect{100, 50, 200, 100};
+  const auto panel = [&] { panelAt("panel", rect, true, [] { words("word"); }); };
+  draw(panel);
+  EXPECT_EQ(written(), 200 * 100);
+  for (const auto& [x, y, inside] : {std::tuple(101, 51, true), std::tuple(298, 148, true), std::tuple(98, 60, false),
+                                     std::tuple(200, 152, false)}) {
+    event(CanvasEvent::Kind::Move, x, y);
+    draw(panel);
+    EXPECT_EQ(toolkit_.hasPointer(), inside) << x << ", " << y;
+  }
+}
+
+// Each entry has a sample of its colour, filled while it is shown; a press on its row says which it was.
+TEST_F(Panels, RowsOfALegendShowAndTell) {
+  std::vector<bool> hidden{false, true, false};
+  LegendUse use;
+  const auto panel = [&] {
+    panelAt("panel", {0, 0, 300, 300}, true, [&] {
+      const LegendUse now = legendRows(classes(), hidden, true, false);
+      if (now.all || now.entry) use = now;
+    });
+  };
+  draw(panel);
+  const auto filled = count(kRoad);
+  EXPECT_GT(filled, 80);
+  EXPECT_EQ(count(kTree), filled) << "of this frame there are none, but it is not hidden";
+  EXPECT_EQ(count(kCar), 0);
+  hidden.clear();
+  draw(panel);
+  for (const auto& [color, entry] : {std::pair(kRoad, 0u), std::pair(kCar, 1u), std::pair(kTree, 2u)}) {
+    int x = -1;
+    int y = -1;
+    for (int row = 0; row < 300 && y < 0; ++row) {
+      for (int column = 0; column < 300 && y < 0; ++column) {
+        if (canvas_.isOverlay(column, row, color)) {
+          x = column + 60;  // the whole row counts
+          y = row + 4;
+        }
+      }
+    }
+    ASSERT_GE(y, 0);
+    use = {};
+    event(CanvasEvent::Kind::Down, x, y);
+    toolkit_.frame(panel);
+    EXPECT_EQ(use.entry, entry);
+    event(CanvasEvent::Kind::Up, x, y);
+    toolkit_.frame(panel);
+  }
+  use = {};
+  event(CanvasEvent::Kind::Down, 40, 15);
+  toolkit_.frame(panel);
+  EXPECT_TRUE(use.all);
+}
+
+// In a picture nothing can be scrolled to: what has no room is counted, and what the frame lacks is left out.
+TEST_F(Panels, PicturesNameWhatThereIsRoomFor) {
+  Legend many;
+  for (int i = 0; i < 40; ++i) {
+    many.entries.push_back({"class", {static_cast<std::uint8_t>(60 + i), 10, 200}, i, i % 2 == 0 ? 10u : 0u});
+  }
+  const auto shown = [&](int height) {
+    draw([&] { panelAt("panel", {0, 0, 300, height}, false, [&] { legendRows(many, {}, false, true); }); });
+    int found = 0;
+    for (const LegendEntry& entry : many.entries) {
+      const bool seen = count(entry.color) > 20;
+      EXPECT_FALSE(seen && entry.points == 0);
+      found += seen ? 1 : 0;
+    }
+    return found;
+  };
+  const int few = shown(100);
+  EXPECT_GE(few, 2);
+  EXPECT_LE(few, 5);
+  EXPECT_GT(shown(200), few);
+}
+
+// From left to right the colours of the map, at its whole width.
+TEST_F(Panels, AScaleHasTheColoursOfTheMap) {
+  Legend legend;
+  legend.title = "range (m)";
+  legend.scale = true;
+  legend.high = 50;
+  ScaleRange range;
+  draw([&] { panelAt("panel", {0, 0, 400, 200}, true, [&] { scaleBar(legend, true, range); }); });
+  int row = 0;
+  while (row < 100 && !canvas_.isOverlay(200, row, canvas_.read().at(200, row))) ++row;
+  const Image image = canvas_.read();
+  const auto difference = [](const Rgb& a, const Rgb& b) {
+    return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
+  };
+  // Where the bar is: from the first to the last pixel of a row that is far from the panel's own colour.
+  int best = 0;
+  for (int y = 5; y < 60; ++y) {
+    int close = 0;
+    for (int x = 12; x < 388; ++x) close += difference(image.at(x, y), viridis((x - 8.5) / 383.0)) < 12 ? 1 : 0;
+    best = std::max(best, close);
+  }
+  EXPECT_GT(best, 340) << "of 376 pixels";
+}
+
+TEST_F(Panels, TheSliderGivesEveryFrame) {
+  FrameBar bar;
+  bar.frames = 12;
+  bar.key = "street-s1-lane-000012";
+  bar.damaged = {5};
+  std::set<std::size_t> seen{0};
+  const auto panel = [&] {
+    const FrameBarUse use = frameBar({0, 260, kWidth, 40}, bar);
+    if (use.frame) {
+      seen.insert(*use.frame);
+      bar.frame = *use.frame;
+    }
+  };
+  draw(panel);
+  event(CanvasEvent::Kind::Down, 80, 278);
+  toolkit_.frame(panel);
+  for (int x = 60; x < kWidth; x += 3) {
+    event(CanvasEvent::Kind::Move, x, 278);
+    toolkit_.frame(panel);
+  }
+  event(CanvasEvent::Kind::Up, kWidth - 1, 278);
+  toolkit_.frame(panel);
+  EXPECT_EQ(seen.size(), 12u);
+  EXPECT_EQ(*seen.rbegin(), 11u);
+}
+
+TEST_F(Panels, MessagesAreReadAndClickedAway) {
+  std::vector<std::string> problems{"shard.tar: is damaged"};
+  bool closed = false;
+  const auto panel = [&] { closed = messages({0, 0, kWidth, kHeight}, problems, {"saved"}) || closed; };
+  draw(panel);
+  const auto both = written();
+  EXPECT_GT(both, 1000);
+  event(CanvasEvent::Kind::Down, 30, kHeight - 20);
+  toolkit_.frame(panel);
+  EXPECT_TRUE(closed);
+  problems.clear();
+  draw(panel);
+  EXPECT_LT(written(), both);
+}
+
+// Light panels on light pictures, dark ones on dark: words stand out either way (W3C, WCAG 2.1: a contrast of 4.5).
+TEST_F(Panels, WordsStandOutOnEveryBackground) {
+  const auto luminance = [](const Rgb& c) {
+    const auto linear = [](double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); };
+    return 0.2126 * linear(c[0] / 255.0) + 0.7152 * linear(c[1] / 255.0) + 0.0722 * linear(c[2] / 255.0);
+  };
+  for (const Rgb& background : {Rgb{13, 15, 20}, Rgb{104, 108, 116}, Rgb{255, 255, 255}}) {
+    toolkit_.suit(background);
+    draw([&] { panelAt("panel", {0, 0, 300, 100}, true, [] { words("HHHHHHHHHHHHHH"); }); });
+    double darkest = 1;
+    double lightest = 0;
+    for (int y = 0; y < 40; ++y) {
+      for (int x = 0; x < 150; ++x) {
+        const double l = luminance(canvas_.read().at(x, y));
+        darkest = std::min(darkest, l);
+        lightest = std::max(lightest, l);
+      }
+    }
+    EXPECT_GT((lightest + 0.05) / (darkest + 0.05), 4.5);
+    EXPECT_EQ(luminance(canvas_.read().at(250, 80)) > 0.5, background[0] > 200);
+  }
+}
+
+TEST_F(Panels, HelpIsScrolledAndClosed) {
+  NamedValues keys;
+  for (int i = 0; i < 80; ++i) keys.emplace_back("k" + std::to_string(i), "does something");
+  draw([&] { helpWindow(keys, 0); });
+  const auto first = canvas_.overlay();
+  toolkit_.frame([&] { helpWindow(keys, 10); });
+  draw([&] { helpWindow(keys, 0); });
+  EXPECT_NE(canvas_.overlay(), first);
+  toolkit_.frame([&] { helpWindow(keys, -100); });
+  draw([&] { helpWindow(keys, 0); });
+  EXPECT_EQ(canvas_.overlay(), first);
+}
+
+// Whatever is said, in whatever room.
+TEST_F(Panels, AnyTextAndAnySizeWillDo) {
+  const std::string texts[] = {"",
+                               "%s %n",
+                               std::string(3000, 'x'),
+                               "\xff\xfe\x80",
+                               "Stra\xc3\x9f"
+                               "e \xe4\xb8\xad",
+                               "a\nb##c"};
+  for (const int width : {64, 200, 900}) {
+    canvas_.resize(width, 64 + width / 3);
+    for (const std::string& text : texts) {
+      const PixelRect all{0, 0, canvas_.width(), canvas_.height()};
+      Legend legend = classes();
+      legend.entries[0].name = text;
+      EXPECT_NO_THROW(draw([&] {
+        titleRow({0, 0, width, 20}, text, text);
+        drawLabels({{-5, 3, text, true}, {1e9, 0, text, true}, {10, 10, text, false}}, all);
+        drawCaption(all, text, true);
+        drawMessage(all, text);
+        panelAt("side", {width / 2, 0, width / 2, 60}, true, [&] {
+          legendRows(legend, {}, true, false);
+          heading(text, kRoad);
+          valueRows("rows", {{text, text}, {"name", text}}, text);
+        });
+        tip(text, kCar, {{text, text}}, text);
+        messages(all, {text, text}, std::vector<std::string>(9, text));
+        helpWindow({{text, text}}, 0);
+      })) << width;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace scanmill
