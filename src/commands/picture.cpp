@@ -13,6 +13,7 @@
 #include "commands/arguments.h"
 #include "commands/picture_options.h"
 #include "config/text.h"
+#include "dataset/recording.h"
 #include "dataset/scan_source.h"
 #include "scene/scene.h"
 #include "viewer/contact_sheet.h"
@@ -86,8 +87,9 @@ int runPicture(const std::vector<std::string>& arguments) {
   cxxopts::Options options = describe(command);
   const auto text = [](const char* fallback) { return cxxopts::value<std::string>()->default_value(fallback); };
   options.add_options()("o,out", "the picture, a PNG", cxxopts::value<std::string>(), "FILE")(
-      "sample", "key or index of a sample; the middle one where not given", cxxopts::value<std::string>(), "KEY")(
-      "sensor", "sensor on the vehicle; the first where not given", cxxopts::value<std::string>(), "NAME")(
+      "sample", "key or index of a sample, the middle one where not given; a part of the name of a recording's image",
+      cxxopts::value<std::string>(),
+      "KEY")("sensor", "sensor on the vehicle; the first where not given", cxxopts::value<std::string>(), "NAME")(
       "color", fmt::format("{}; the first that the scan has where not given", fmt::join(colorNames(), ", ")),
       cxxopts::value<std::string>(), "WHAT")("view", fmt::format("{}", fmt::join(kViewNames, ", ")), text("chase"),
                                              "NAME")("size", "width and height in pixels", text("1600x900"), "WxH")(
@@ -114,9 +116,10 @@ int runPicture(const std::vector<std::string>& arguments) {
       "  scanmill picture out/ray_tracing --over out/nearest -o rings.png --view above --zoom 3\n"
       "  scanmill picture out/quickstart -o car.png --sample street-s1-lane-000009 --at 6.5,-2.7,-1 --within 2.5\n"
       "  scanmill picture out/passes/street-s1-lane-000010.top.0.front.exr -o passes.png\n"
+      "  scanmill picture out/passes -o passes.png --sample 000010\n"
       "  scanmill picture scenes/town.yaml -o sheet.png   # a cell for each object, with its size and classes\n");
   if (parsed.help) return 0;
-  const std::filesystem::path file = parsed.fileOrName("DATASET|SHARD|SCAN|EXR|SCENE", {"scenes"});
+  const std::filesystem::path file = parsed.fileOrName("DATASET|SHARD|SCAN|EXR|RECORDING|SCENE", {"scenes"});
   if (parsed.options.count("out") == 0) throw InputError("-o FILE is missing: where should the picture go?");
   const std::filesystem::path out = parsed.options["out"].as<std::string>();
   if (out.extension() != ".png") throw InputError({out.string()}, "pictures are PNG: let the name end in .png");
@@ -131,16 +134,16 @@ int runPicture(const std::vector<std::string>& arguments) {
   picture.height = size.height;
   picture.zoom = numberWithin(parsed, "zoom", 1 / kMostFactor, kMostFactor);
   picture.closeUp = readCloseUp(parsed);
-  picture.splats.size = numberWithin(parsed, "point-size", 1 / kMostFactor, kMostFactor);
-  picture.splats.depthEdges = parsed.options.count("flat") == 0;
+  picture.pointSize = numberWithin(parsed, "point-size", 1 / kMostFactor, kMostFactor);
+  picture.depthEdges = parsed.options.count("flat") == 0;
 
-  refuseRecording(file);
-  if (isExr(file)) {
+  if (isExr(file) || recordingIn(file)) {
     if (picture.closeUp) throw InputError({file.string()}, "is an image: --at is for scans, in which there are places");
-    const std::optional<Ontology> classes = ontologyOfExr(file, parsed);
-    const Image image = drawExr(file, classes ? &*classes : nullptr, picture.width);
+    const ImageList images = imagesOption(file, parsed);
+    const std::filesystem::path& shown = images.files[images.first];
+    const Image image = drawExr(shown, images.ontology ? &*images.ontology : nullptr, picture.width);
     writeFile(out, encodePng(image));
-    printText("{}: {} x {}, {}\n", out.string(), image.width, image.height, file.filename().string());
+    printText("{}: {} x {}, {}\n", out.string(), image.width, image.height, shown.filename().string());
     return 0;
   }
   if (const std::string kind = lowerExtension(file); kind == ".yaml" || kind == ".yml") {

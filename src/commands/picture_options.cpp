@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "config/fields.h"
 #include "config/resources.h"
-#include "dataset/recording.h"
 #include "viewer/picture.h"
 
 namespace scanmill {
@@ -83,20 +82,10 @@ std::filesystem::path ontologyOption(const Arguments& parsed) {
   return given.empty() ? std::filesystem::path() : namedResource(given, "labels");
 }
 
-std::optional<Ontology> ontologyOfExr(const std::filesystem::path& file, const Arguments& parsed) {
-  if (const auto given = ontologyOption(parsed); !given.empty()) return readOntology(given);
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  if (const auto kind = recordingIn(folder)) {
-    Ontology recorded = readRecording(folder, *kind).ontology;
-    if (!recorded.classes.empty()) return recorded;
-  }
-  return {};
-}
-
-void refuseRecording(const std::filesystem::path& folder) {
-  if (const auto kind = recordingIn(folder)) {
-    throw InputError({folder.string()}, fmt::format("is a recording of {}: name one of its EXR images", nameOf(*kind)));
-  }
+ImageList imagesOption(const std::filesystem::path& path, const Arguments& parsed) {
+  std::optional<Ontology> classes;
+  if (const auto given = ontologyOption(parsed); !given.empty()) classes = readOntology(given);
+  return openImages(path, textOption(parsed, "sample"), std::move(classes));
 }
 
 }  // namespace scanmill

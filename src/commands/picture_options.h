@@ -3,15 +3,14 @@
 // Options that commands which make pictures have in common.
 
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "commands/arguments.h"
-#include "scene/ontology.h"
 #include "viewer/coloring.h"
+#include "viewer/frames/image_list.h"
 
 namespace scanmill {
 
@@ -40,9 +39,7 @@ PictureSize readPictureSize(const std::string& text);
 bool isExr(const std::filesystem::path& file);
 // Of --ontology: a file, or a name of `scanmill list ontologies`. Empty where it is not given.
 std::filesystem::path ontologyOption(const Arguments& parsed);
-// Of --ontology, else of the recording that the image lies in.
-std::optional<Ontology> ontologyOfExr(const std::filesystem::path& file, const Arguments& parsed);
-// Throws InputError where `folder` is a recording: its images are looked at one by one.
-void refuseRecording(const std::filesystem::path& folder);
+// The EXR images of a file or of a recording's folder: --sample says which is first, --ontology what classes mean.
+ImageList imagesOption(const std::filesystem::path& path, const Arguments& parsed);
 
 }  // namespace scanmill

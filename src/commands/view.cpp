@@ -219,9 +219,7 @@ void viewImages(const std::filesystem::path& path, const Arguments& parsed, cons
                        fmt::format("is shown as images: --{} is for scans; --plane chooses what is shown", option));
     }
   }
-  std::optional<Ontology> classes;
-  if (const auto given = ontologyOption(parsed); !given.empty()) classes = readOntology(given);
-  ImageList images = openImages(path, textOption(parsed, "sample"), std::move(classes));
+  ImageList images = imagesOption(path, parsed);
   const std::unique_ptr<Canvas> canvas = openCanvas(path, size, outputs.window());
   ImageSession session(std::move(images), *canvas, textOption(parsed, "plane"), hasOption(parsed, "bare"),
                        !outputs.window());
@@ -258,8 +256,10 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
                 bool overwrite) {
   const std::shared_ptr<const FrameSource> source = openFrames(input);
   const std::vector<std::filesystem::path> old = turntableBefore(outputs.turntable, overwrite);
+  auto loader = std::make_unique<FrameLoader>(source);
+  if (!source->keys().empty()) loader->want(findFrame(*source, view.sample), 1);  // while the canvas is opened
   const std::unique_ptr<Canvas> canvas = openCanvas(input.path, size, outputs.window());
-  ViewSession session(source, *canvas, view);
+  ViewSession session(source, std::move(loader), *canvas, view);
   if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });
   session.settle();
   session.check();

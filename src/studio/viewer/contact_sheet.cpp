@@ -16,7 +16,8 @@
 #include "base/extent_text.h"
 #include "scene/primitives.h"
 #include "viewer/canvas/canvas.h"
-#include "viewer/font.h"
+#include "viewer/panels/board.h"
+#include "viewer/panels/parts.h"
 #include "viewer/window/orbit_camera.h"
 
 namespace scanmill {
@@ -27,12 +28,9 @@ constexpr Rgb kPersonColor{250, 220, 60};
 constexpr Rgb kArrowColor{255, 70, 60};
 constexpr Rgb kNoClass{255, 0, 255};
 constexpr Rgb kCell{30, 33, 42};
-constexpr Rgb kGap{13, 15, 20};
-constexpr Rgb kText{225, 228, 235};
-constexpr Rgb kFaint{150, 155, 165};
 constexpr int kTextHeight = 66;   // px, of the three lines under a model
 constexpr int kTitleHeight = 34;  // px
-constexpr double kLetter = 1.5;   // px, see drawText()
+constexpr double kLetter = 15;    // px
 
 struct Model {
   std::string name;
@@ -90,6 +88,7 @@ void keepSome(std::vector<Model>& models) {
   order.resize(kMostSheetCells);
   std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   std::vector<Model> kept;
+  kept.reserve(order.size());
   for (const auto& [place, index] : order) kept.push_back(std::move(models[index]));
   models = std::move(kept);
 }
@@ -128,6 +127,7 @@ Shape shapeOf(const Scene& scene, const Model& model) {
     }
   }
   std::vector<std::pair<std::size_t, std::uint16_t>> order;
+  order.reserve(triangles.size());
   for (const auto& [semantic, count] : triangles) order.emplace_back(count, semantic);
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [count, semantic] : order) {
@@ -192,18 +192,16 @@ Image drawModel(Canvas& canvas, Shape shape, int width, int height) {
   return canvas.read();
 }
 
-void drawCaption(Image& sheet, int x, int y, int width, const Model& model, const Shape& shape) {
+void drawCaption(int x, int y, int width, const Model& model, const Shape& shape) {
   const double margin = 8;
   const double room = width - 2 * margin;
-  drawText(sheet, x + margin, y + 8, fitText(model.name, room, kLetter), kText, kLetter);
-  drawText(sheet, x + margin, y + 27, fitText(extentText(shape.box), room, kLetter), kFaint, kLetter);
+  wordsAt(x + margin, y + 6, room, model.name);
+  wordsAt(x + margin, y + 25, room, extentText(shape.box), true);
   double at = x + margin;
   for (const auto& [name, color] : shape.classes) {
-    const double wide = 14 + textWidth(name, kLetter) + 12;
-    if (at + wide > x + width) break;
-    fillRectangle(sheet, static_cast<int>(at), y + 46, 10, 10, color);
-    drawText(sheet, at + 14, y + 46, name, kText, kLetter);
-    at += wide;
+    const double left = x + width - margin - at;
+    if (left < 4 * kLetter) break;
+    at += namedColorAt(at, y + 44, left, name, color) + 12;
   }
 }
 
@@ -220,21 +218,29 @@ Image drawContactSheet(const Scene& scene) {
   const int rows = (static_cast<int>(models.size()) + columns - 1) / columns;
   constexpr int kBetween = 2;
   const int cellHeight = height + kTextHeight + kBetween;
-  Image sheet(columns * (width + kBetween) - kBetween, kTitleHeight + rows * cellHeight, kGap);
+  const int whole = columns * (width + kBetween) - kBetween;
+  const int high = kTitleHeight + rows * cellHeight;
   const std::string title =
       fmt::format("{}: {} object{}{}; yellow: {} m, arrow: +x", scene.name, all, all == 1 ? "" : "s",
                   models.size() == all ? "" : fmt::format(", {} of them here", models.size()), kPerson);
-  drawText(sheet, 8, 12, fitText(title, sheet.width - 16, kLetter), kText, kLetter);
+  PictureBoard sheet(whole, high, kLetter);
+  std::vector<Shape> shapes;
   const std::unique_ptr<Canvas> canvas = openOffscreen(width, height);
   for (std::size_t i = 0; i < models.size(); ++i) {
-    const int x = static_cast<int>(i) % columns * (width + kBetween);
-    const int y = kTitleHeight + static_cast<int>(i) / columns * cellHeight;
-    const Shape shape = shapeOf(scene, models[i]);
-    fillRectangle(sheet, x, y, width, cellHeight - kBetween, kCell);
-    paste(sheet, drawModel(*canvas, shape, width, height), x, y);
-    drawCaption(sheet, x, y + height, width, models[i], shape);
+    shapes.push_back(shapeOf(scene, models[i]));
+    sheet.setImage(static_cast<ImageId>(i), drawModel(*canvas, shapes.back(), width, height));
   }
-  return sheet;
+  return sheet.draw([&] {
+    titleRow({0, 0, whole, kTitleHeight}, title, "");
+    panelAt("##sheet", {0, kTitleHeight, whole, high - kTitleHeight}, false, [&] {
+      for (std::size_t i = 0; i < models.size(); ++i) {
+        const int x = static_cast<int>(i) % columns * (width + kBetween);
+        const int y = kTitleHeight + static_cast<int>(i) / columns * cellHeight;
+        imageAt(static_cast<ImageId>(i), {x, y, width, height}, {}, {});
+        drawCaption(x, y + height, width, models[i], shapes[i]);
+      }
+    });
+  });
 }
 
 }  // namespace scanmill

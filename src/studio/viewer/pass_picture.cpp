@@ -15,7 +15,8 @@
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
 #include "viewer/color_map.h"
-#include "viewer/font.h"
+#include "viewer/panels/board.h"
+#include "viewer/panels/parts.h"
 
 namespace scanmill {
 
@@ -37,7 +38,7 @@ struct Size {
   int height = 0;
 };
 
-constexpr double kCell = 2;         // of the text
+constexpr double kLetter = 18;      // px
 constexpr int kTitleHeight = 30;    // px
 constexpr int kCaptionHeight = 26;  // px, above each plane
 constexpr int kGap = 8;             // px
@@ -46,19 +47,13 @@ std::string captionOf(const Plane& plane) {
   return plane.note.empty() ? plane.name : fmt::format("{}, {}", plane.name, plane.note);
 }
 
-// Nearest pixel: an id must not be mixed with another.
-void drawPlane(Image& picture, const Plane& plane, const Size& from, int x, int y, const Size& to) {
-  drawText(picture, x, y + 7, fitText(captionOf(plane), to.width, kCell), kText, kCell);
-  for (int row = 0; row < to.height; ++row) {
-    const auto sourceRow = static_cast<std::size_t>(static_cast<std::int64_t>(row) * from.height / to.height);
-    for (int column = 0; column < to.width; ++column) {
-      const auto sourceColumn = static_cast<std::size_t>(static_cast<std::int64_t>(column) * from.width / to.width);
-      picture.at(x + column, y + kCaptionHeight + row) =
-          plane.color(sourceRow * static_cast<std::size_t>(from.width) + sourceColumn);
-    }
-  }
+Image imageOf(const Plane& plane, const Size& size) {
+  Image image(size.width, size.height, kBackground);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = plane.color(i);
+  return image;
 }
 
+// Enlarged or not, each pixel is one of the plane's: an id must not be mixed with another.
 Image drawPlanes(const std::vector<Plane>& planes, const Size& size, int across, int width, double stretch,
                  const std::string& title) {
   const int columns = std::min<int>(across, static_cast<int>(planes.size()));
@@ -67,16 +62,20 @@ Image drawPlanes(const std::vector<Plane>& planes, const Size& size, int across,
   const double scale = static_cast<double>(tileWidth) / size.width;
   const int tileHeight = std::clamp(static_cast<int>(std::lround(size.height * scale * stretch)), 1, 8192);
   const int rowHeight = kCaptionHeight + tileHeight + kGap;
-  Image picture(width, kTitleHeight + rows * rowHeight, kBackground);
-  fillRectangle(picture, 0, 0, width, kTitleHeight, kPanel);
-  drawText(picture, kGap, 8, fitText(title, width - 2 * kGap, kCell), kText, kCell);
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    const int column = static_cast<int>(i) % columns;
-    const int row = static_cast<int>(i) / columns;
-    drawPlane(picture, planes[i], size, kGap + column * (tileWidth + kGap), kTitleHeight + row * rowHeight,
-              {tileWidth, tileHeight});
-  }
-  return picture;
+  const int height = kTitleHeight + rows * rowHeight;
+  PictureBoard board(width, height, kLetter);
+  for (std::size_t i = 0; i < planes.size(); ++i) board.setImage(static_cast<ImageId>(i), imageOf(planes[i], size));
+  return board.draw([&] {
+    titleRow({0, 0, width, kTitleHeight}, title, "");
+    panelAt("##planes", {0, kTitleHeight, width, height - kTitleHeight}, false, [&] {
+      for (std::size_t i = 0; i < planes.size(); ++i) {
+        const int x = kGap + static_cast<int>(i) % columns * (tileWidth + kGap);
+        const int y = kTitleHeight + static_cast<int>(i) / columns * rowHeight;
+        wordsAt(x, y + 4, tileWidth, captionOf(planes[i]));
+        imageAt(static_cast<ImageId>(i), {x, y + kCaptionHeight, tileWidth, tileHeight}, {}, {});
+      }
+    });
+  });
 }
 
 struct Span {
@@ -278,6 +277,7 @@ std::vector<LegendEntry> entriesOf(const std::vector<Id>& ids, const std::vector
     if (std::isfinite(distance[i])) ++seen[ids[i]];
   }
   std::vector<LegendEntry> entries;
+  entries.reserve(seen.size());
   for (const auto& [id, pixels] : seen) entries.push_back({nameOf(id), colorOf(id), std::int64_t{id}, pixels});
   std::stable_sort(entries.begin(), entries.end(),
                    [](const LegendEntry& a, const LegendEntry& b) { return a.points > b.points; });

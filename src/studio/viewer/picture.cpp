@@ -3,14 +3,20 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 
 #include "base/error.h"
 #include "base/grouped.h"
 #include "methods/method.h"
 #include "viewer/color_map.h"
-#include "viewer/legend.h"
+#include "viewer/panels/board.h"
+#include "viewer/panels/parts.h"
+#include "viewer/panels/rooms.h"
+#include "viewer/scale_ticks.h"
 
 namespace scanmill {
 
@@ -65,6 +71,71 @@ std::string titleWithPoints(const std::string& title, std::ptrdiff_t points) {
 // After the colours of the methods; from Okabe and Ito's palette ("Color universal design", 2008).
 constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
 
+// A point covers so much of the world as the gap between neighbouring beams, which grows with the range. `unit` is a
+// pixel of a picture 850 pixels high. px.
+double pointDiameter(double range, double scale, double factor, double unit) {
+  constexpr double kWorldDiameter = 0.05;      // m
+  constexpr double kDiameterPerMetre = 0.003;  // rad; beams 0.2 degrees apart nearly touch
+  constexpr double kLeast = 1.3;               // units
+  constexpr double kMost = 16;                 // units
+  return factor * std::clamp((kWorldDiameter + kDiameterPerMetre * range) * scale, kLeast * unit, kMost * unit);
+}
+
+// Of points on a pixel and of equal depth the first is seen.
+void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>& points, const std::vector<Rgb>& colors,
+                const PictureOptions& options) {
+  constexpr double kMostDiameter = 200;  // px
+  CanvasView view;
+  view.rect = body;
+  view.camera = makeCamera(options.view, body.width, body.height, options.zoom, options.closeUp);
+  view.background = kBackground;
+  view.depthEdges = options.depthEdges;
+  view.farthest = 2 * view.camera.nearest;
+  const double unit = std::max(body.height / 850.0, 0.5);
+  struct Item {
+    std::vector<Vec3f> points;
+    std::vector<Rgb> colors;
+  };
+  std::map<int, Item> items;  // by their size, px
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!isFinite(points[i])) continue;
+    const Projected p = view.camera.project(Vec3d(points[i]));
+    if (!(p.depth >= view.camera.nearest)) continue;
+    view.farthest = std::max(view.farthest, p.depth * 1.01);
+    const double size = pointDiameter(length(Vec3d(points[i])), p.scale, options.pointSize, unit);
+    Item& item = items[static_cast<int>(std::lround(std::clamp(size, 1.0, kMostDiameter)))];
+    item.points.push_back(points[i]);
+    item.colors.push_back(colors[i]);
+  }
+  canvas.setViews({&view, 1});
+  for (const auto& [size, item] : items) {
+    canvas.setPoints(static_cast<ItemId>(size), item.points, item.colors);
+    ItemLook look;
+    look.size = size;
+    canvas.setLook(static_cast<ItemId>(size), look);
+  }
+}
+
+// Points beside what their colours mean.
+Image drawBoard(const std::vector<Vec3f>& points, const std::vector<Rgb>& colors, const PictureOptions& options,
+                const Legend& legend, const std::string& left, const std::string& right, const std::string& message) {
+  const PanelNeeds needs = needsOfPicture(options.width, options.height, legend.scale || !legend.entries.empty());
+  const PanelRooms rooms = roomsOf(options.width, options.height, needs);
+  PictureBoard board(options.width, options.height, needs.letter);
+  drawPoints(board.canvas(), rooms.body, points, colors, options);
+  return board.draw([&] {
+    titleRow(rooms.title, left, right);
+    panelAt("##side", rooms.side, false, [&] {
+      section(legend.scale ? scaleTitle(legend) : legend.title, true, [&] {
+        ScaleRange range;
+        legend.scale ? static_cast<void>(scaleBar(legend, true, range))
+                     : static_cast<void>(legendRows(legend, {}, false, true));
+      });
+    });
+    drawMessage(rooms.body, message);
+  });
+}
+
 }  // namespace
 
 Rgb overlayColor(std::size_t scan) {
@@ -85,14 +156,7 @@ Image drawOverlay(const std::vector<NamedScan>& scans, const PictureOptions& opt
     colors.resize(points.size(), color);
   }
   keepShown(points, options.closeUp);
-  const PictureLayout layout = layoutPicture(options.width, options.height, legend);
-  const int bodyHeight = layout.bottom - layout.top;
-  Image image(options.width, options.height, kBackground);
-  const ViewCamera camera = makeCamera(options.view, options.width, bodyHeight, options.zoom, options.closeUp);
-  paste(image, drawSplats(points, colors, camera, options.width, bodyHeight, options.splats), 0, layout.top);
-  drawTitle(image, layout, title, viewOf(options));
-  drawLegend(image, layout, legend);
-  return image;
+  return drawBoard(points, colors, options, legend, title, viewOf(options), "");
 }
 
 Image drawPicture(Scan scan, const Ontology* ontology, const PictureOptions& options, const std::string& title) {
@@ -105,17 +169,41 @@ Image drawColored(Scan scan, const Coloring& coloring, const PictureOptions& opt
   keepShown(scan.position, options.closeUp);
   const std::ptrdiff_t points = countShown(scan.position, {});
   const Legend legend = points == 0 ? Legend{} : coloring.legend;
-  const PictureLayout layout = layoutPicture(options.width, options.height, legend);
-  const int bodyHeight = layout.bottom - layout.top;
-  Image image(options.width, options.height, kBackground);
-  const ViewCamera camera = makeCamera(options.view, options.width, bodyHeight, options.zoom, options.closeUp);
-  paste(image, drawSplats(scan.position, coloring.colors, camera, options.width, bodyHeight, options.splats), 0,
-        layout.top);
-  drawTitle(image, layout, titleWithPoints(title, points),
-            fmt::format("{}, {}", viewOf(options), coloring.legend.title));
-  drawLegend(image, layout, legend);
-  if (points == 0) drawNotice(image, layout, "no points");
-  return image;
+  return drawBoard(scan.position, coloring.colors, options, legend, titleWithPoints(title, points),
+                   fmt::format("{}, {}", viewOf(options), coloring.legend.title), points == 0 ? "no points" : "");
+}
+
+Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
+                     const std::string& title, StripOrder order) {
+  constexpr ImageId kStrip = 1;
+  constexpr double kReadableWidth = 1600;
+  constexpr double kReadableShare = 1.0 / 7;  // height over width
+  const Coloring coloring = colorScan(scan, colorBy, ontology);
+  const Legend& legend = coloring.legend;
+  const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {}, order);
+  const auto steps = [](double wanted, int size) {
+    return std::clamp(static_cast<int>(std::ceil(wanted / size)), 1, std::max(kMostPictureSide / size, 1));
+  };
+  const int width = strip.image.width * steps(kReadableWidth, strip.image.width);
+  const int height = strip.image.height * steps(width * kReadableShare, strip.image.height);
+  const double letter = letterOfPicture(width, width);
+  const PixelRect top{0, 0, width, static_cast<int>(std::lround(1.5 * letter))};
+  const PixelRect body{0, top.height, width, height};
+  const PixelRect below{0, top.height + height, width, legendTableHeight(legend, width, letter)};
+  PictureBoard board(width, below.top + below.height, letter);
+  board.setImage(kStrip, strip.image);
+  const bool empty =
+      std::none_of(scan.position.begin(), scan.position.end(), [](const Vec3f& p) { return isFinite(p); });
+  return board.draw([&] {
+    titleRow(top, fmt::format("{}, {}", title, describeStrip(strip, order)),
+             fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top", legend.title));
+    panelAt("##strip", body, false, [&] { imageAt(kStrip, body, {}, {}); });
+    panelAt("##legend", below, false, [&] {
+      ScaleRange range;
+      legend.scale ? static_cast<void>(scaleBar(legend, true, range)) : legendTable(legend);
+    });
+    if (empty) drawMessage(body, "no points");
+  });
 }
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// A scan as a picture, without a display.
+// A scan as a picture, without a display. All of it wants a device as openOffscreen() does, and throws Error.
 
 #include <optional>
 #include <string>
@@ -10,7 +10,6 @@
 #include "scene/ontology.h"
 #include "viewer/coloring.h"
 #include "viewer/image.h"
-#include "viewer/splats.h"
 #include "viewer/view_camera.h"
 #include "viewer/window/range_strip.h"
 
@@ -27,7 +26,8 @@ struct PictureOptions {
   int height = 900;
   double zoom = 1;
   std::optional<CloseUp> closeUp;  // absent: everything; present: only the points that its ball holds
-  SplatStyle splats;
+  double pointSize = 1;            // factor
+  bool depthEdges = true;          // points behind a nearer surface are darkened (eye-dome lighting)
 };
 
 // The scan seen from outside. `title` says what it is; points and colours are named beside it. An empty scan gives a
@@ -49,7 +49,7 @@ Image drawOverlay(const std::vector<NamedScan>& scans, const PictureOptions& opt
 // The scan as its beams look: a row per ring, the highest beams on top, and a pixel per beam, see makeRangeStrip().
 // Pixels are enlarged in whole steps until the image is readable. Of two points on a pixel the nearer wins.
 // Throws InputError where the scan is not organised and lacks ring or column, or is too large for a picture.
-Image drawRangeImage(const Scan& scan, const Ontology* ontology, std::optional<ColorBy> colorBy,
+Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
                      const std::string& title, StripOrder order = StripOrder::Sensor);
 
 }  // namespace scanmill

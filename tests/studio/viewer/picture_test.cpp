@@ -14,7 +14,7 @@
 #include "tests/support/shared_data.h"
 #include "tests/support/test_scene.h"
 #include "viewer/color_map.h"
-#include "viewer/legend.h"
+#include "viewer/panels/rooms.h"
 
 namespace scanmill {
 
@@ -94,38 +94,33 @@ TEST(Picture, ShowsTheClassesThatAreThere) {
   EXPECT_EQ(count(drawPicture(smallScan(), &ontology, intensity, "a scan"), {255, 0, 0}), 0);
 }
 
-// Title and legend keep out of the scan's part, which is exactly what drawSplats() gives.
-TEST(Picture, LegendAndTitleStayBesideTheScan) {
+// Where the scan is seen of a picture with a legend.
+PixelRect bodyOf(const Image& image) {
+  return roomsOf(image.width, image.height, needsOfPicture(image.width, image.height, true)).body;
+}
+
+// Each point is drawn where its camera says, and nothing of the points is beside the scan's part.
+TEST(Picture, PointsAreWhereTheCameraSeesThem) {
   const Ontology ontology = colorful();
   const Scan scan = smallScan();
   for (const View view : {View::Driver, View::Above, View::Chase}) {
     PictureOptions options = small();
     options.view = view;
+    options.depthEdges = false;
+    options.pointSize = 3;
     const Image image = drawPicture(scan, &ontology, options, "a scan with a long title");
-    const Coloring coloring = colorScan(scan, {}, &ontology);
-    const PictureLayout layout = layoutPicture(options.width, options.height, coloring.legend);
-    const int height = layout.bottom - layout.top;
-    const Image alone = drawSplats(scan.position, coloring.colors, makeCamera(view, options.width, height, 1),
-                                   options.width, height, options.splats);
-    ASSERT_LT(layout.top, options.height / 4);
-    ASSERT_GT(layout.bottom, options.height * 3 / 5 - 1);
-    EXPECT_TRUE(std::equal(alone.pixels.begin(), alone.pixels.end(),
-                           image.pixels.begin() + std::ptrdiff_t{layout.top} * image.width));
-  }
-}
-
-TEST(Picture, LegendOfManyClassesIsCut) {
-  Legend legend;
-  for (int i = 0; i < 500; ++i) legend.entries.push_back({"class_" + std::to_string(i), {255, 0, 0}});
-  for (const auto& [width, height] : {std::pair{64, 64}, std::pair{640, 360}, std::pair{200, 900}}) {
-    const PictureLayout layout = layoutPicture(width, height, legend);
-    EXPECT_GE(layout.bottom, height * 3 / 5);
-    EXPECT_GT(layout.bottom, layout.top);
-    Image image(width, height, kBackground);
-    drawLegend(image, layout, legend);
-    EXPECT_EQ(
-        std::count(image.pixels.begin(), image.pixels.begin() + std::ptrdiff_t{layout.bottom} * width, kBackground),
-        std::ptrdiff_t{layout.bottom} * width);
+    const PixelRect body = bodyOf(image);
+    const ViewCamera camera = makeCamera(view, body.width, body.height, 1);
+    int seen = 0;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const Projected p = camera.project(Vec3d(scan.position[i]));
+      if (!(p.depth > camera.nearest) || p.x < 2 || p.y < 2 || p.x > body.width - 2 || p.y > body.height - 2) continue;
+      const Rgb there = image.at(body.left + static_cast<int>(p.x), body.top + static_cast<int>(p.y));
+      EXPECT_TRUE(there == (Rgb{255, 0, 0}) || there == (Rgb{0, 255, 0})) << i;
+      ++seen;
+    }
+    EXPECT_GT(seen, view == View::Driver ? 10 : 100);
+    EXPECT_LT(body.width, image.width) << "what colours mean stands beside it";
   }
 }
 
@@ -173,6 +168,11 @@ TEST(Png, ReadsBackAsWritten) {
   EXPECT_EQ(wrong, 0);
 }
 
+// The first row below the title.
+int topOf(const Image& image) {
+  return static_cast<int>(std::lround(1.5 * letterOfPicture(image.width, image.width)));
+}
+
 TEST(RangeImage, HasAPixelPerBeam) {
   const Ontology ontology = colorful();
   const Scan scan = smallScan();
@@ -180,16 +180,16 @@ TEST(RangeImage, HasAPixelPerBeam) {
   const int stepX = image.width / 90;
   ASSERT_EQ(image.width, stepX * 90);
   ASSERT_GE(image.width, 1600);
-  const PictureLayout layout = layoutAround(image.width, 8, colorScan(scan, ColorBy("class"), &ontology).legend);
+  const int top = topOf(image);
   int bodyHeight = 0;
-  while (image.at(stepX * 50, layout.top + bodyHeight) == Rgb{255, 0, 0}) ++bodyHeight;
+  while (image.at(stepX * 50, top + bodyHeight) == Rgb{255, 0, 0}) ++bodyHeight;
   const int stepY = bodyHeight / 8;
   ASSERT_EQ(bodyHeight, stepY * 8);
   for (int ring = 0; ring < 8; ++ring) {
     for (int column = 0; column < 90; ++column) {
       const Rgb expected = column < 10 ? Rgb{0, 255, 0} : Rgb{255, 0, 0};
-      EXPECT_EQ(image.at(column * stepX, layout.top + ring * stepY), expected);
-      EXPECT_EQ(image.at(column * stepX + stepX - 1, layout.top + ring * stepY + stepY - 1), expected);
+      EXPECT_EQ(image.at(column * stepX, top + ring * stepY), expected);
+      EXPECT_EQ(image.at(column * stepX + stepX - 1, top + ring * stepY + stepY - 1), expected);
     }
   }
 }
@@ -207,7 +207,7 @@ TEST(RangeImage, HighBeamsAreOnTop) {
   const Image up = drawRangeImage(scan, &ontology, ColorBy("class"), "up");
   for (Vec3f& p : scan.position) p.z = -p.z;
   const Image down = drawRangeImage(scan, &ontology, ColorBy("class"), "down");
-  const int top = layoutAround(up.width, 1, colorScan(scan, ColorBy("class"), &ontology).legend).top;
+  const int top = topOf(up);
   EXPECT_EQ(up.at(5, top), (Rgb{0, 255, 0}));
   EXPECT_EQ(down.at(5, top), (Rgb{255, 0, 0}));
 }
@@ -219,7 +219,7 @@ TEST(RangeImage, OrganisedScanNeedsNoColumns) {
   scan.columns = 3;
   scan.position = {{5, 0, 1}, {NAN, NAN, NAN}, {5, 1, 1}, {5, 0, -1}, {5, 0, -1}, {5, 1, -1}};
   const Image image = drawRangeImage(scan, nullptr, ColorBy("range"), "organised");
-  const int top = layoutAround(image.width, 1, colorScan(scan, ColorBy("range"), nullptr).legend).top;
+  const int top = topOf(image);
   const int step = image.width / 3;
   EXPECT_NE(image.at(0, top), kBackground);
   EXPECT_EQ(image.at(step, top), kBackground) << "a miss";
@@ -255,8 +255,8 @@ TEST(Picture, OverlaidScansHaveColoursOfTheirOwn) {
   PictureOptions options = small();
   options.view = View::Above;
   options.zoom = 4;
-  options.splats.size = 4;
-  options.splats.depthEdges = false;
+  options.pointSize = 4;
+  options.depthEdges = false;
   const Rgb first = overlayColor(0);
   const Rgb second = overlayColor(1);
   const Image alone = drawOverlay({near}, options, "one");
@@ -338,7 +338,7 @@ PictureOptions closeUpOf(const Vec3f& at, double within, View view) {
   PictureOptions options = small();
   options.view = view;
   options.closeUp = CloseUp{Vec3d(at), within};
-  options.splats.depthEdges = false;
+  options.depthEdges = false;
   return options;
 }
 
@@ -357,23 +357,25 @@ TEST(Picture, CloseUpLeavesOutWhatIsFarther) {
         drawOverlay({{"one", aroundPlace(at)}, {"two", aroundPlace({0, 0, 0})}}, closeUpOf(at, 1, view), "overlay");
     const Image alone = drawOverlay({{"one", aroundPlace(at)}}, closeUpOf(at, 1, view), "overlay");
     EXPECT_GT(count(over, overlayColor(0)), 50);
-    const PictureLayout layout = layoutPicture(480, 270, {"", {{"one", {}}}});
-    EXPECT_TRUE(std::equal(over.pixels.begin() + layout.top * 480, over.pixels.begin() + layout.bottom * 480,
-                           alone.pixels.begin() + layout.top * 480))
-        << "the second scan has nothing there";
+    const PixelRect body = bodyOf(over);
+    int different = 0;
+    for (int y = body.top; y < body.top + body.height; ++y) {
+      for (int x = body.left; x < body.left + body.width; ++x) different += over.at(x, y) != alone.at(x, y) ? 1 : 0;
+    }
+    EXPECT_EQ(different, 0) << "the second scan has nothing there";
   }
 }
 
-// Where the pixels of this colour have their middle, in the scan's part of a picture with a one-row legend.
+// Where the pixels of this colour have their middle, from the middle of the scan's part.
 Vec2d middleOf(const Image& image, const Rgb& color) {
-  const PictureLayout layout = layoutPicture(image.width, image.height, {"", {{"one", {}}}});
+  const PixelRect body = bodyOf(image);
   Vec2d sum;
   double pixels = 0;
-  for (int y = layout.top; y < layout.bottom; ++y) {
-    for (int x = 0; x < image.width; ++x) {
+  for (int y = body.top; y < body.top + body.height; ++y) {
+    for (int x = body.left; x < body.left + body.width; ++x) {
       if (image.at(x, y) != color) continue;
-      sum.x += x + 0.5 - image.width / 2.0;
-      sum.y += y + 0.5 - (layout.top + layout.bottom) / 2.0;
+      sum.x += x + 0.5 - body.left - body.width / 2.0;
+      sum.y += y + 0.5 - body.top - body.height / 2.0;
       ++pixels;
     }
   }
@@ -390,7 +392,8 @@ TEST(Picture, CloseUpHasThePlaceInTheMiddle) {
   for (const View view : {View::Driver, View::Above, View::Chase}) {
     for (const Image& image : {drawPicture(scan, &ontology, closeUpOf(at, 0.5, view), "one"),
                                drawOverlay({{"one", scan}}, closeUpOf(at, 0.5, view), "one")}) {
-      const Rgb color = image.at(240, 130);
+      const PixelRect body = bodyOf(image);
+      const Rgb color = image.at(body.left + body.width / 2, body.top + body.height / 2);
       ASSERT_NE(color, kBackground);
       const Vec2d middle = middleOf(image, color);
       EXPECT_NEAR(middle.x, 0, 0.5);
@@ -408,7 +411,7 @@ TEST(Picture, CloseUpOfHalfTheRadiusIsTwiceAsLarge) {
     scan.position = {at + right};
     const auto offset = [&](double within) {
       PictureOptions options = closeUpOf(at, within, view);
-      options.splats.size = 0.5;
+      options.pointSize = 0.5;
       return middleOf(drawOverlay({{"one", scan}}, options, "one"), overlayColor(0)).x;
     };
     EXPECT_NEAR(offset(0.5), 2 * offset(1), 1);

@@ -70,7 +70,7 @@ std::string drawErrors(const TrueShot& truth, const Hits& tested) {
   options.width = 1200;
   options.height = 675;
   options.zoom = 1.6;
-  options.splats.depthEdges = false;
+  options.depthEdges = false;
   const std::string title = fmt::format("{}, {}", truth.shot.sample, truth.shot.sensorName);
   return encodePng(drawColored(std::move(scan), coloring, options, title));
 }

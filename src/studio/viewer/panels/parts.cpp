@@ -250,6 +250,39 @@ LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool
   return use;
 }
 
+namespace {
+
+constexpr double kTableLetters = 12;  // of a column
+constexpr double kTableRow = 1.5;     // letters
+
+int columnsOf(const Legend& legend, double width, double letters) {
+  const auto fitting = static_cast<int>(width / (kTableLetters * letters));
+  return std::clamp(fitting, 1, std::max(static_cast<int>(legend.entries.size()), 1));
+}
+
+}  // namespace
+
+int legendTableHeight(const Legend& legend, int width, double letterHeight) {
+  if (legend.scale) return static_cast<int>(std::lround(5 * letterHeight));
+  const int columns = columnsOf(legend, width, letterHeight);
+  const int rows = (static_cast<int>(legend.entries.size()) + columns - 1) / columns;
+  return rows == 0 ? 0 : static_cast<int>(std::lround((rows * kTableRow + 1) * letterHeight));
+}
+
+void legendTable(const Legend& legend) {
+  const ImVec2 from = ImGui::GetWindowPos();
+  const float width = ImGui::GetWindowWidth();
+  const int columns = columnsOf(legend, width, letter());
+  const int rows = (static_cast<int>(legend.entries.size()) + columns - 1) / columns;
+  for (int i = 0; i < static_cast<int>(legend.entries.size()); ++i) {
+    const LegendEntry& entry = legend.entries[static_cast<std::size_t>(i)];
+    const int column = i / rows;
+    const int row = i % rows;
+    namedColorAt(from.x + letter() * (0.5 + kTableLetters * column), from.y + letter() * (0.5 + kTableRow * row),
+                 letter() * (kTableLetters - 1), entry.name, entry.color);
+  }
+}
+
 bool scaleBar(const Legend& legend, bool still, ScaleRange& range) {
   constexpr int kSteps = 64;
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -283,6 +316,19 @@ bool scaleBar(const Legend& legend, bool still, ScaleRange& range) {
   if (!std::isfinite(ends[0]) || !std::isfinite(ends[1]) || !(ends[0] < ends[1])) return false;
   range = {ends[0], ends[1]};
   return true;
+}
+
+double wordsAt(double x, double y, double width, const std::string& text, bool dim) {
+  ImGui::SetCursorScreenPos({static_cast<float>(x), static_cast<float>(y)});
+  const std::string shown = fitted(text, static_cast<float>(width));
+  dim ? dimWords(shown) : words(shown);
+  return sizeOf(shown).x;
+}
+
+double namedColorAt(double x, double y, double width, const std::string& name, const Rgb& color) {
+  swatch({static_cast<float>(x), static_cast<float>(y)}, color, true);
+  const double before = letter() * 1.25;
+  return before + wordsAt(x + before, y, width - before, name);
 }
 
 void heading(const std::string& text, const Rgb& color) {
@@ -324,6 +370,9 @@ void tip(const std::string& title, const Rgb& color, const NamedValues& rows, co
 
 bool imageAt(ImageId image, const PixelRect& rect, const ImagePart& part,
              const std::optional<std::pair<double, double>>& mark) {
+  const ImVec2 corner = ImGui::GetWindowPos();
+  const ImVec2 size = ImGui::GetWindowSize();
+  ImGui::PushClipRect(corner, {corner.x + size.x, corner.y + size.y}, false);  // to the panel's edge
   ImGui::SetCursorScreenPos({static_cast<float>(rect.left), static_cast<float>(rect.top)});
   ImGui::Image(textureOf(image), {static_cast<float>(rect.width), static_cast<float>(rect.height)},
                {static_cast<float>(part.left), static_cast<float>(part.top)},
@@ -335,6 +384,7 @@ bool imageAt(ImageId image, const PixelRect& rect, const ImagePart& part,
     list.AddCircle(at, letter() * 0.4F, packed({0, 0, 0}), 0, letter() * 0.25F);
     list.AddCircle(at, letter() * 0.4F, packed({255, 255, 255}), 0, letter() * 0.12F);
   }
+  ImGui::PopClipRect();
   return over;
 }
 

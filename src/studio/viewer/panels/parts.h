@@ -45,10 +45,17 @@ struct LegendUse {
   bool all = false;                  // the row of all was
 };
 LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, bool still);
+// The same in as many columns as fit, for a picture; px of the whole.
+void legendTable(const Legend& legend);
+int legendTableHeight(const Legend& legend, int width, double letter);
 // The scale, and, where it can be changed, its ends; true: they were.
 bool scaleBar(const Legend& legend, bool still, ScaleRange& range);
 
 void words(const std::string& text);
+// At a pixel of the canvas, as much as fits into `width` pixels; returns how wide it is. With a sample of a colour.
+double wordsAt(double x, double y, double width, const std::string& text, bool dim = false);
+double namedColorAt(double x, double y, double width, const std::string& name, const Rgb& color);
+
 // Names and values; the row `alarm` warns.
 void valueRows(const char* id, const NamedValues& rows, const std::string& alarm = "");
 void heading(const std::string& text, const Rgb& color);

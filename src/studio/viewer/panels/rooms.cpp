@@ -33,6 +33,24 @@ std::pair<int, int> part(int from, int length, int parts, int index, int gap) {
 
 }  // namespace
 
+double letterOfWindow(double scale) {
+  constexpr double kLetter = 15;
+  return std::clamp(std::round(kLetter * scale), 10.0, 60.0);
+}
+
+double letterOfPicture(int width, int height) {
+  return std::clamp(std::round(std::min(width / 16.0 * 9, static_cast<double>(height)) / 56), 10.0, 90.0);
+}
+
+PanelNeeds needsOfPicture(int width, int height, bool side) {
+  PanelNeeds needs;
+  needs.letter = letterOfPicture(width, height);
+  needs.row = std::round(1.5 * needs.letter);
+  needs.side = side;
+  needs.bar = false;
+  return needs;
+}
+
 PanelRooms roomsOf(int width, int height, const PanelNeeds& needs) {
   constexpr double kSideLetters = 17;
   constexpr double kLeastLetters = 30;  // of a canvas that has room for a side

@@ -17,6 +17,13 @@ struct PanelNeeds {
   int stripHeight = 0;  // px: of the range image, without its caption; 0: none
 };
 
+// Letters, px: in a window on a display of this scale (see Canvas), and in a picture of this size.
+double letterOfWindow(double scale);
+double letterOfPicture(int width, int height);
+
+// Of a picture with a title and, where asked for, what colours mean.
+PanelNeeds needsOfPicture(int width, int height, bool side);
+
 // What is not there is empty; the body never is.
 struct PanelRooms {
   PixelRect title, side, strip, bar, body;

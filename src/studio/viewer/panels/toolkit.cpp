@@ -18,7 +18,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr ImageId kFontImage = 1;
+constexpr ImageId kFontImage = 0xFFFFFFFF;
 
 // Of Debian's packages fonts-inter and fonts-dejavu-core; without either, the letters that Dear ImGui carries.
 constexpr std::array<const char*, 2> kFonts{"/usr/share/fonts/opentype/inter/Inter-Regular.otf",
@@ -224,15 +224,6 @@ void Toolkit::setImage(ImageId image, const Image& picture) {
 void* textureOf(ImageId image) {
   // NOLINTNEXTLINE(performance-no-int-to-ptr): a number where it wants a pointer
   return reinterpret_cast<void*>(std::uintptr_t{image});
-}
-
-double letterOfWindow(double scale) {
-  constexpr double kLetter = 15;
-  return std::clamp(std::round(kLetter * scale), 10.0, 60.0);
-}
-
-double letterOfPicture(int width, int height) {
-  return std::clamp(std::round(std::min(width / 16.0 * 9, static_cast<double>(height)) / 56), 10.0, 90.0);
 }
 
 }  // namespace scanmill

@@ -47,8 +47,4 @@ class Toolkit {
 // An image as Dear ImGui names it.
 void* textureOf(ImageId image);
 
-// px: of a window on such a display, and of a picture of that size.
-double letterOfWindow(double scale);
-double letterOfPicture(int width, int height);
-
 }  // namespace scanmill

@@ -8,12 +8,13 @@
 
 namespace scanmill {
 
-ViewSession::State::State(std::shared_ptr<const FrameSource> frames, Canvas& drawnOn, const ViewOptions& chosen)
+ViewSession::State::State(std::shared_ptr<const FrameSource> frames, std::unique_ptr<FrameLoader> frameLoader,
+                          Canvas& drawnOn, const ViewOptions& chosen)
     : source(std::move(frames)),
       canvas(drawnOn),
       options(chosen),
       camera(chosen.camera.camera),
-      loader(source),
+      loader(std::move(frameLoader)),
       filter(chosen.hidden, chosen.only, source->ontology()),
       aloneInstances(chosen.instances.begin(), chosen.instances.end()),
       toolkit(canvas,
@@ -38,8 +39,12 @@ ViewSession::State::State(std::shared_ptr<const FrameSource> frames, Canvas& dra
   wantFrame(firstWanted, 1);
 }
 
-ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canvas, const ViewOptions& options)
-    : state_(std::make_unique<State>(std::move(source), canvas, options)) {}
+ViewSession::ViewSession(const std::shared_ptr<const FrameSource>& source, Canvas& canvas, const ViewOptions& options)
+    : ViewSession(source, std::make_unique<FrameLoader>(source), canvas, options) {}
+
+ViewSession::ViewSession(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader, Canvas& canvas,
+                         const ViewOptions& options)
+    : state_(std::make_unique<State>(std::move(source), std::move(loader), canvas, options)) {}
 
 ViewSession::~ViewSession() = default;
 
@@ -49,9 +54,9 @@ bool ViewSession::handle(const CanvasEvent& event) {
 
 void ViewSession::settle() {
   State& s = *state_;
-  while (s.at != s.wanted) s.adopt(s.loader.wait(s.wanted));  // what cannot be read leads to another one
+  while (s.at != s.wanted) s.adopt(s.loader->wait(s.wanted));  // what cannot be read leads to another one
   if (s.meshOn() && s.meshWanted) {
-    auto loaded = s.loader.waitMesh(*s.meshWanted);
+    auto loaded = s.loader->waitMesh(*s.meshWanted);
     if (loaded != s.mesh) s.takeMesh(std::move(loaded));
   }
   s.busy.clear();

@@ -66,7 +66,10 @@ struct PickedThing {
 class ViewSession {
  public:
   // Throws InputError where an option names what there is not (a sample, a class, a column of no scan).
-  ViewSession(std::shared_ptr<const FrameSource> source, Canvas& canvas, const ViewOptions& options);
+  ViewSession(const std::shared_ptr<const FrameSource>& source, Canvas& canvas, const ViewOptions& options);
+  // The same, by a loader that has begun before there was a canvas.
+  ViewSession(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader, Canvas& canvas,
+              const ViewOptions& options);
   ~ViewSession();
   ViewSession(const ViewSession&) = delete;
   ViewSession& operator=(const ViewSession&) = delete;

@@ -100,7 +100,7 @@ void ViewSession::State::tick() {
     notices.erase(expired, notices.end());
     hudChanged = true;
   }
-  if (std::string loading = loader.busy(); loading != busy) {
+  if (std::string loading = loader->busy(); loading != busy) {
     busy = std::move(loading);
     hudChanged = true;
   }

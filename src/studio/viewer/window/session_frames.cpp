@@ -15,7 +15,7 @@ void ViewSession::State::goTo(std::size_t target, int step) {
 
 void ViewSession::State::wantFrame(std::size_t target, int step) {
   wanted = std::min(target, source->keys().size() - 1);
-  loader.want(wanted, step);
+  loader->want(wanted, step);
   hudChanged = true;
   takeWhatIsLoaded();
 }
@@ -81,10 +81,10 @@ void ViewSession::State::hintAtNames() {
 
 void ViewSession::State::takeWhatIsLoaded() {
   if (!at || *at != wanted) {
-    if (auto loaded = loader.frame(wanted)) adopt(std::move(loaded));
+    if (auto loaded = loader->frame(wanted)) adopt(std::move(loaded));
   }
   if (meshOn() && meshWanted) {
-    auto loaded = loader.mesh(*meshWanted);
+    auto loaded = loader->mesh(*meshWanted);
     if (loaded && loaded != mesh) takeMesh(std::move(loaded));
   }
 }
@@ -138,7 +138,7 @@ void ViewSession::State::wantMesh() {
     return;
   }
   meshWanted = choice;
-  loader.wantMesh(*choice);
+  loader->wantMesh(*choice);
   takeWhatIsLoaded();
 }
 

@@ -84,7 +84,8 @@ struct LegendBlock {
 };
 
 struct ViewSession::State {
-  State(std::shared_ptr<const FrameSource> frames, Canvas& drawnOn, const ViewOptions& chosen);
+  State(std::shared_ptr<const FrameSource> frames, std::unique_ptr<FrameLoader> frameLoader, Canvas& drawnOn,
+        const ViewOptions& chosen);
 
   // session_events.cpp
   bool handle(const CanvasEvent& event);
@@ -223,7 +224,7 @@ struct ViewSession::State {
   ViewOptions options;  // as they are now
   OrbitCamera camera;
   bool sceneFramed = false;  // a scene's first camera has been set, which wants its box
-  FrameLoader loader;
+  std::unique_ptr<FrameLoader> loader;
   WallTimer clock;
   DrawPace pace;
 
