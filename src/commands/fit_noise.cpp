@@ -139,8 +139,8 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   if (!report.empty()) {
     const NoiseComparison comparison = compareNoise(*beams, scans, patches, fit, effects);
     goOn();
-    for (const NoiseChart& chart : noiseCharts(fit, comparison)) {
-      writeFile(std::filesystem::path(report) / (chart.name + ".svg"), chart.svg);
+    for (const Chart& chart : noiseCharts(fit, comparison)) {
+      writeFile(std::filesystem::path(report) / (chart.name + ".svg"), drawSvg(chart));
     }
     writeFile(std::filesystem::path(report) / "index.html", noiseReport(fit, comparison, beams->model, effects, date));
   }

@@ -4,7 +4,9 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 
 #include "base/error.h"
@@ -25,6 +27,15 @@ namespace scanmill {
 namespace {
 
 constexpr const char* kResultFile = "repeatability.json";
+
+// A fitness (m²) in cm², with as many decimals as `like` needs for three digits.
+std::string squareCentimetres(double fitness, double like) {
+  constexpr double kSquareCentimetres = 1e4;  // a square metre
+  constexpr int kMostDecimals = 4;            // less is rounding
+  const double size = std::log10(std::max(like * kSquareCentimetres, 1e-9));
+  return fmt::format("{:.{}f}", fitness * kSquareCentimetres,
+                     std::clamp(2 - static_cast<int>(std::floor(size)), 0, kMostDecimals));
+}
 
 std::string fitnessText(const FitnessSpread& spread) {
   if (spread.count == 0) return "-";
@@ -55,12 +66,11 @@ void printResult(const Repeatability& result, const std::string& date) {
 // The figures last: where they stand, all the rest does.
 void writeResult(const Repeatability& result, const std::string& date, const std::filesystem::path& folder) {
   writeFile(folder / "repeatability.csv", repeatabilityCsv(result));
-  writeFile(folder / "fitness.svg", repeatabilityRegisteredSvg(result, 0));
-  writeFile(folder / "fitness_without_icp.svg", repeatabilityUnmovedSvg(result, 0));
-  writeFile(folder / "points.svg", repeatabilityPointsSvg(result, 0));
+  std::vector<Chart> charts = repeatabilityCharts(result, 0);
   if (result.levels.size() > 1) {
-    writeFile(folder / "noise_levels.svg", repeatabilityLevelsSvg(result, result.views.front()));
+    for (Chart& chart : repeatabilityViewCharts(result, result.views.front())) charts.push_back(std::move(chart));
   }
+  for (const Chart& chart : charts) writeFile(folder / (chart.name + ".svg"), drawSvg(chart));
   writeFile(folder / "index.html", repeatabilityReport(result, date));
   writeFile(folder / kResultFile, repeatabilityJson(result));
 }

@@ -29,7 +29,8 @@ TEST_F(CompareCommand, WritesAPageAndFiguresThatNameTheDifference) {
   EXPECT_THAT(made.out,
               AllOf(HasSubstr("range scatter"), HasSubstr("effects range_noise"), HasSubstr("beams that return"),
                     HasSubstr("open " + at("out/index.html")), Not(HasSubstr("nan"))));
-  const std::string page = readFile(at("out/index.html"));
+  std::string page = readFile(at("out/index.html"));
+  page.resize(page.find("<script>"));  // what follows is the library that draws the charts
   EXPECT_THAT(page, AllOf(HasSubstr("What a network would notice first"), HasSubstr("By class"), Not(HasSubstr("nan")),
                           Not(HasSubstr("http://www.w3.org/1999/xhtml\" src"))));
   const nlohmann::json result = nlohmann::json::parse(readFile(at("out/compare.json")));

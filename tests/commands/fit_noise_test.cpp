@@ -48,7 +48,7 @@ TEST_F(FitNoiseCommand, WritesASensorThatPipelinesTake) {
   EXPECT_THAT(text, testing::StartsWith(kWallSensor));
   EXPECT_THAT(text,
               AllOf(HasSubstr("# The stagger."), HasSubstr("wall0.pcd"), Not(HasSubstr(folder_.path().string()))));
-  EXPECT_THAT(readFile(at("report") + "/index.html"), AllOf(HasSubstr("<svg"), HasSubstr("wall watcher")));
+  EXPECT_THAT(readFile(at("report") + "/index.html"), AllOf(HasSubstr("<canvas"), HasSubstr("wall watcher")));
 
   folder_.write("own.yaml",
                 "scenes: [{scene: primitives}]\n"

@@ -241,6 +241,11 @@ class ChartDrawing {
 
 }  // namespace
 
+bool hasPoints(const Chart& chart) {
+  return std::any_of(chart.series.begin(), chart.series.end(),
+                     [](const ChartSeries& s) { return std::any_of(s.points.begin(), s.points.end(), isDrawn); });
+}
+
 std::string drawSvg(const Chart& chart) {
   return ChartDrawing(chart).draw();
 }

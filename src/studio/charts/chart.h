@@ -1,7 +1,7 @@
 #pragma once
 
-// Draws charts as SVG. Text stays text, no display is needed, and a browser opens them without a network. Every member
-// has an initialiser, so that users may name just those that they mean.
+// Charts, which are drawn as SVG files for papers, and as JSON by the script of a page (report/page/charts.js). Every
+// member has an initialiser, so that users may name just those that they mean.
 
 #include <cstddef>
 #include <optional>
@@ -48,6 +48,7 @@ struct ChartSeries {
 };
 
 struct Chart {
+  std::string name{};  // of its file, and of its place in a page
   std::string title{};
   std::string note{};  // stands below the title: what is shown, on which data
   ChartAxis x{}, y{};
@@ -59,7 +60,14 @@ struct Chart {
   int height = 480;      // pixels
 };
 
-// Draws a whole SVG document, light or dark as the reader prefers. Without any finite point it says "no data".
+// Whether any point can be drawn.
+bool hasPoints(const Chart& chart);
+
+// Draws a whole SVG document, light or dark as the reader prefers. Text stays text. Without any finite point it says
+// "no data".
 std::string drawSvg(const Chart& chart);
+
+// The JSON that charts.js reads: {stacked, x, y, series}. Values that are not finite are null.
+std::string chartJson(const Chart& chart);
 
 }  // namespace scanmill

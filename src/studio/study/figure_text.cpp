@@ -10,19 +10,6 @@ namespace scanmill {
 
 namespace {
 
-// Three significant digits, never an exponent.
-std::string threeDigits(double value) {
-  if (!std::isfinite(value)) return std::isnan(value) ? "unknown" : "unlimited";
-  const double size = std::abs(value);
-  if (size == 0) return "0";
-  const int before = static_cast<int>(std::floor(std::log10(size))) + 1;
-  std::string text = fmt::format("{:.{}f}", value, std::clamp(3 - before, 0, 9));
-  if (text.find('.') == std::string::npos) return text;
-  while (text.back() == '0') text.pop_back();
-  if (text.back() == '.') text.pop_back();
-  return text;
-}
-
 struct Scale {
   double factor;
   const char* unit;
@@ -38,6 +25,18 @@ std::string scaled(double value, const std::array<Scale, n>& scales) {
 }
 
 }  // namespace
+
+std::string threeDigits(double value) {
+  if (!std::isfinite(value)) return std::isnan(value) ? "unknown" : "unlimited";
+  const double size = std::abs(value);
+  if (size == 0) return "0";
+  const int before = static_cast<int>(std::floor(std::log10(size))) + 1;
+  std::string text = fmt::format("{:.{}f}", value, std::clamp(3 - before, 0, 9));
+  if (text.find('.') == std::string::npos) return text;
+  while (text.back() == '0') text.pop_back();
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
 
 std::string metresText(double metres) {
   if (metres == 0) return "0";

@@ -8,6 +8,7 @@
 
 namespace scanmill {
 
+std::string threeDigits(double value);    // "0.0123", "12345"; never an exponent
 std::string metresText(double metres);    // "0", "46.4 mm", "1.23 m"
 std::string secondsText(double seconds);  // "350 µs", "2.9 ms", "1.2 s"
 std::string amountText(double amount);    // "950", "45.3 k", "1.28 M"

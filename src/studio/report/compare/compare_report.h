@@ -15,4 +15,6 @@ std::string nextText(const KeyChange& advice);
 // "12.3 mm" of a stored value; "-" where there is none.
 std::string figureText(double value, double factor, std::string_view unit);
 
+extern const std::string_view kCompareTemplate;  // compare.html
+
 }  // namespace scanmill

@@ -8,7 +8,7 @@
 
 #include "charts/chart.h"
 #include "config/version.h"
-#include "report/page/report_html.h"
+#include "report/page/page.h"
 
 namespace scanmill {
 
@@ -30,8 +30,8 @@ void addWithError(ChartSeries& series, double x, double y, double error, const s
   series.details.push_back(detail);
 }
 
-std::string sigmaChart(const NoiseFit& fit) {
-  Chart chart;
+Chart sigmaChart(const NoiseFit& fit) {
+  Chart chart{.name = "range_noise"};
   chart.title = "Range noise";
   chart.note = fmt::format(
       "Flat patches up to {:.0f}° from their normals; bars: standard errors of a bootstrap over patches. Without the "
@@ -58,13 +58,13 @@ std::string sigmaChart(const NoiseFit& fit) {
     line.points.push_back({range, fit.sigmaAt(range) * kMillimetres});
   }
   chart.series = {line, planes, measured};
-  return drawSvg(chart);
+  return chart;
 }
 
 // Bars of the noise of each group.
-std::string groupChart(const std::vector<PatchGroup>& groups, const std::string& title, const std::string& note,
-                       const std::string& axis) {
-  Chart chart;
+Chart groupChart(const std::vector<PatchGroup>& groups, const char* name, const std::string& title,
+                 const std::string& note, const std::string& axis) {
+  Chart chart{.name = name};
   chart.title = title;
   chart.note = note;
   chart.x.title = axis;
@@ -77,25 +77,25 @@ std::string groupChart(const std::vector<PatchGroup>& groups, const std::string&
                  fmt::format("{} patches", group.patches));
   }
   chart.series = {bars};
-  return drawSvg(chart);
+  return chart;
 }
 
-std::string incidenceChart(const NoiseFit& fit) {
+Chart incidenceChart(const NoiseFit& fit) {
   return groupChart(
-      fit.incidences, "Range noise against incidence",
+      fit.incidences, "incidence", "Range noise against incidence",
       "All ranges that the fit uses. The wider the beam's footprint lies along the beam, the more a rough "
       "surface spreads the ranges; steep and grazing views are of different places, too.",
       "angle between beam and normal");
 }
 
-std::string intensityChart(const NoiseFit& fit) {
-  return groupChart(fit.intensities, "Range noise against intensity",
+Chart intensityChart(const NoiseFit& fit) {
+  return groupChart(fit.intensities, "intensity", "Range noise against intensity",
                     "Fifths of the patches that the fit uses, by the median intensity of each.",
                     "intensity, as recorded");
 }
 
-std::string dropOutChart(const NoiseFit& fit) {
-  Chart chart;
+Chart dropOutChart(const NoiseFit& fit) {
+  Chart chart{.name = "drop_out"};
   chart.title = "Drop-out";
   chart.note =
       "Beams without a return, of those whose neighbours returned from the patch's plane; bars: standard errors.";
@@ -113,11 +113,11 @@ std::string dropOutChart(const NoiseFit& fit) {
   }
   model.points = {{0, 100 * fit.dropOut.share()}, {fit.measuredUpTo() * 1.05, 100 * fit.dropOut.share()}};
   chart.series = {model, measured};
-  return drawSvg(chart);
+  return chart;
 }
 
-std::string densityChart(const NoiseFit& fit) {
-  Chart chart;
+Chart densityChart(const NoiseFit& fit) {
+  Chart chart{.name = "density"};
   chart.title = "Point density";
   chart.note = "Medians of the patches in each band, whose angles of incidence differ from band to band.";
   chart.x.title = "range (m)";
@@ -134,7 +134,7 @@ std::string densityChart(const NoiseFit& fit) {
     measured.details.push_back(fmt::format("{}: measured / expected {:.3f}", band.name, band.densityRatio));
   }
   chart.series = {expected, measured};
-  return drawSvg(chart);
+  return chart;
 }
 
 std::vector<Vec2d> histogram(const std::vector<double>& values, double reach, int bins) {
@@ -151,7 +151,7 @@ std::vector<Vec2d> histogram(const std::vector<double>& values, double reach, in
   return points;
 }
 
-std::string residualChart(const ResidualComparison& comparison) {
+Chart residualChart(const ResidualComparison& comparison) {
   constexpr int kBins = 41;
   Chart chart;
   chart.title = fmt::format("Range residuals on patches {} from their normals", comparison.name);
@@ -169,11 +169,11 @@ std::string residualChart(const ResidualComparison& comparison) {
   ChartSeries simulated = seriesOf("simulated", 1, ChartMark::Line);
   simulated.points = histogram(comparison.simulated.residuals, reach, kBins);
   chart.series = {recorded, simulated};
-  return drawSvg(chart);
+  return chart;
 }
 
-std::string fitnessChart(const NoiseComparison& comparison) {
-  Chart chart;
+Chart fitnessChart(const NoiseComparison& comparison) {
+  Chart chart{.name = "fitness"};
   chart.title = "Registration fitness between successive scans";
   chart.note =
       "Clouds of the flat patches, each moved onto the one before by the planes of both: root of the mean squared "
@@ -195,133 +195,95 @@ std::string fitnessChart(const NoiseComparison& comparison) {
     add(exact, pair.exact);
   }
   chart.series = {recorded, simulated, exact};
-  return drawSvg(chart);
+  return chart;
 }
 
-std::string millimetres(double metres) {
-  return fmt::format("{:.2f}", metres * kMillimetres);
-}
-
-std::string tableOf(const std::vector<PatchGroup>& groups, const std::string& first) {
-  HtmlTable table;
-  table.column(first);
-  table.column("left out", "why the fit does not use it");
-  table.column("range (m)", "mean");
-  table.column("patches");
-  table.column("sigma (mm)", "standard deviation of the range, the step left out, and its standard error");
-  table.column("with step", "mm, the range's rounding to its step included");
-  table.column("about planes", "mm, offsets between rings, bends and motion included, the step left out");
-  table.column("spread", "of the patches' own deviations over what equal ones would have");
-  table.column("drop-out (%)", "beams without a return, of those whose neighbours returned from the plane");
-  table.column("points/m²");
-  table.column("expected", "by the beam table: points/m² / ratio");
-  table.column("ratio", "measured / expected, median of the patches' own");
+// What no patch tells is null.
+Json groupsJson(const std::vector<PatchGroup>& groups, const char* by) {
+  Json rows = Json::array();
   for (const PatchGroup& g : groups) {
-    const auto measured = [](bool any, std::string text, double value, std::string hint = {}) {
-      return any ? HtmlCell{std::move(text), value, std::move(hint)} : HtmlCell{"-"};
-    };
-    const bool any = g.patches > 0;
-    table.row(
-        {{g.name, g.low},
-         {g.leftOut},
-         measured(any, fmt::format("{:.1f}", g.range), g.range),
-         {std::to_string(g.patches), static_cast<double>(g.patches), fmt::format("{} points", g.points)},
-         measured(any, millimetres(g.sigma) + " ± " + millimetres(g.error), g.sigma),
-         measured(any, millimetres(g.withStep), g.withStep),
-         measured(any, millimetres(g.planeSigma), g.planeSigma),
-         measured(any, fmt::format("{:.2f}", g.unevenness), g.unevenness),
-         measured(g.dropOut.of > 0, fmt::format("{:.2f} ± {:.2f}", 100 * g.dropOut.share(), 100 * g.dropOut.error),
-                  g.dropOut.share(), fmt::format("{} of {}", g.dropOut.lost, g.dropOut.of)),
-         measured(g.density > 0, fmt::format("{:.0f}", g.density), g.density),
-         measured(g.density > 0, fmt::format("{:.0f}", g.expectedDensity), g.expectedDensity),
-         measured(g.density > 0, fmt::format("{:.3f}", g.densityRatio), g.densityRatio)},
-        g.leftOut.empty());
+    Json row{{"name", g.name}, {"left_out", g.leftOut}, {"patches", g.patches}, {"points", g.points}};
+    row["strong"] = g.leftOut.empty();
+    if (g.patches > 0) {
+      row.update({{"range", g.range},
+                  {"sigma", kMillimetres * g.sigma},
+                  {"error", kMillimetres * g.error},
+                  {"with_step", kMillimetres * g.withStep},
+                  {"plane_sigma", kMillimetres * g.planeSigma},
+                  {"unevenness", g.unevenness}});
+    }
+    if (g.dropOut.of > 0) {
+      row.update({{"drop_out", 100 * g.dropOut.share()},
+                  {"drop_out_error", 100 * g.dropOut.error},
+                  {"lost", g.dropOut.lost},
+                  {"of", g.dropOut.of}});
+    }
+    if (g.density > 0) {
+      row.update({{"density", g.density}, {"expected_density", g.expectedDensity}, {"density_ratio", g.densityRatio}});
+    }
+    rows.push_back(std::move(row));
   }
-  return table.html();
+  return {{"by", by}, {"rows", std::move(rows)}};
 }
 
-HtmlCell motionCell(const PlaneMotion& motion) {
+Json motionJson(const PlaneMotion& motion) {
   const Vec3d& t = motion.targetFromSource.translation;
-  const std::string hint =
-      fmt::format("[{:.3f}, {:.3f}, {:.3f}] m, {} patches on planes", t.x, t.y, t.z, motion.matched);
-  if (!motion.failure.empty()) return {"did not converge: " + motion.failure, INFINITY, hint};
-  return {fmt::format("{:.3f} ± {:.3f}", length(t), motion.error), length(t), hint};
+  return {{"x", t.x},
+          {"y", t.y},
+          {"z", t.z},
+          {"length", length(t)},
+          {"error", motion.error},
+          {"matched", motion.matched},
+          {"failure_text", motion.failure}};
 }
 
-std::string fitnessTableText(const NoiseComparison& comparison) {
-  HtmlTable table;
-  for (const char* title : {"pair", "recorded motion (m)", "simulated motion (m)", "recorded (m²)", "simulated (m²)",
-                            "simulated without effects (m²)"}) {
-    table.column(title);
-  }
-  const auto cell = [](const std::optional<double>& value) {
-    return value ? HtmlCell{fmt::format("{:.6f}", *value), *value} : HtmlCell{"-"};
-  };
-  for (const FitnessComparison& p : comparison.fitness) {
-    table.row({{p.pair},
-               motionCell(p.recordedMotion),
-               motionCell(p.simulatedMotion),
-               cell(p.recorded),
-               cell(p.simulated),
-               cell(p.exact)});
-  }
-  return htmlParagraph(
-             "How the sensor moved between two scans is found by matching their flat patches plane on plane, not point "
-             "on point: the beams' rings move with the sensor and would hold it still. The search starts from all "
-             "horizontal shifts up to 3 m. The clouds are moved so, and not registered any further; where a motion did "
-             "not converge there is no fitness.") +
-         table.html();
+Json fitnessJson(const std::optional<double>& fitness) {
+  return fitness ? Json(*fitness) : Json();
 }
 
 }  // namespace
 
-std::vector<NoiseChart> noiseCharts(const NoiseFit& fit, const NoiseComparison& comparison) {
-  std::vector<NoiseChart> charts{{"range_noise", sigmaChart(fit)},
-                                 {"drop_out", dropOutChart(fit)},
-                                 {"density", densityChart(fit)},
-                                 {"incidence", incidenceChart(fit)}};
+std::vector<Chart> noiseCharts(const NoiseFit& fit, const NoiseComparison& comparison) {
+  std::vector<Chart> charts{sigmaChart(fit), dropOutChart(fit), densityChart(fit), incidenceChart(fit)};
   for (const ResidualComparison& c : comparison.residuals) {
-    charts.push_back({fmt::format("residuals_{}", charts.size() - 3), residualChart(c)});
+    charts.push_back(residualChart(c));
+    charts.back().name = fmt::format("residuals_{}", charts.size() - 4);
   }
-  if (!comparison.fitness.empty()) charts.push_back({"fitness", fitnessChart(comparison)});
+  if (!comparison.fitness.empty()) charts.push_back(fitnessChart(comparison));
   return charts;
 }
 
 std::string noiseReport(const NoiseFit& fit, const NoiseComparison& comparison, const std::string& sensor,
                         const std::string& effects, const std::string& date) {
-  const std::string head = htmlParagraph(
-      fmt::format("Measured on {}, {}, by Scanmill {}. {} of {} beams returned ({:.1f} %). Range step: {}.",
-                  fmt::join(fit.files, ", "), date, kVersion, fit.returns, fit.beams,
-                  100.0 * static_cast<double>(fit.returns) / static_cast<double>(std::max<std::uint64_t>(1, fit.beams)),
-                  fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * kMillimetres) : "none found"));
-  std::string beyond;
-  for (const std::string& line : beyondMeasured(fit)) beyond += " " + line;
-  std::vector<std::string> residuals;
-  for (const ResidualComparison& c : comparison.residuals) residuals.push_back(residualChart(c));
-  std::vector<HtmlSection> sections{
-      {"model", "The model",
-       "What the sensor's file says from now on, and pipelines take by `effects: sensor`." + beyond, htmlCode(effects)},
-      {"range", "By range",
-       fmt::format(
-           "A flat patch is {} rings by {} columns of neighbouring beams, coloured like a chessboard: one colour "
-           "is tested for lying on a plane, the other is measured, so that the choice of the patches does not "
-           "change what is measured. Highlighted rows are what the fit uses.",
-           kPatchRings, kPatchColumns),
-       htmlFigures({sigmaChart(fit), dropOutChart(fit), densityChart(fit)}) + tableOf(fit.bands, "range")},
-      {"incidence", "By incidence",
-       "Patches at the ranges that the fit uses. The rows' mean ranges differ, too: noise that grows from row to row "
-       "may "
-       "be that of the range.",
-       htmlFigures({incidenceChart(fit)}) + tableOf(fit.incidences, "incidence")},
-      {"intensity", "By intensity", "",
-       fit.intensities.empty() ? std::string()
-                               : htmlFigures({intensityChart(fit)}) + tableOf(fit.intensities, "intensity")},
-      {"simulated", "Recorded and simulated",
-       "The planes of the same patches, seen by the same beams, with the effects above.",
-       htmlFigures(residuals) + (comparison.fitness.empty()
-                                     ? std::string()
-                                     : htmlFigures({fitnessChart(comparison)}) + fitnessTableText(comparison))}};
-  return htmlPage(fmt::format("Noise of {}", sensor), head, sections);
+  const auto beams = static_cast<double>(std::max<std::uint64_t>(1, fit.beams));
+  Json page{{"title", "Noise of " + sensor},
+            {"files", fit.files},
+            {"date", date},
+            {"version", kVersion},
+            {"returns", fit.returns},
+            {"beams", fit.beams},
+            {"percent", 100 * static_cast<double>(fit.returns) / beams},
+            {"beyond", beyondMeasured(fit)},
+            {"effects", effects},
+            {"patch_rings", kPatchRings},
+            {"patch_columns", kPatchColumns},
+            {"bands", groupsJson(fit.bands, "range")},
+            {"incidences", groupsJson(fit.incidences, "incidence")},
+            {"intensities", groupsJson(fit.intensities, "intensity")}};
+  if (fit.step > 0) page["step_mm"] = kMillimetres * fit.step;
+  page["charts"] = chartValues(noiseCharts(fit, comparison));
+  page["charts"]["intensity"] = chartValues(intensityChart(fit));
+  for (const ResidualComparison& c : comparison.residuals) page["residuals"].push_back(chartValues(residualChart(c)));
+  for (const FitnessComparison& p : comparison.fitness) {
+    page["pairs"].push_back({{"pair", p.pair},
+                             {"recorded_motion", motionJson(p.recordedMotion)},
+                             {"simulated_motion", motionJson(p.simulatedMotion)},
+                             {"recorded", fitnessJson(p.recorded)},
+                             {"simulated", fitnessJson(p.simulated)},
+                             {"exact", fitnessJson(p.exact)}});
+  }
+  page["compared"] = !comparison.residuals.empty() || !comparison.fitness.empty();
+  return fillPage(kNoiseTemplate, std::move(page));
 }
 
 }  // namespace scanmill

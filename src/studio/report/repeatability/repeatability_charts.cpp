@@ -46,10 +46,8 @@ ChartAxis logAxis(const std::string& title) {
   return axis;
 }
 
-Chart fitnessAxes(const std::string& title, const std::string& note) {
-  Chart chart;
-  chart.title = title;
-  chart.note = note;
+Chart fitnessAxes(const char* name, const std::string& title, const std::string& note) {
+  Chart chart{.name = name, .title = title, .note = note};
   chart.x = logAxis("distance to the object (m)");
   chart.y = logAxis("fitness: mean squared distance (m²)");
   return chart;
@@ -67,11 +65,12 @@ std::string at(const RepeatedPlace& place) {
   return fmt::format("{:.3g} m", place.distance);
 }
 
-std::string drawFitness(const Repeatability& result, std::size_t method, OfLevels when, const std::string& title) {
-  Chart chart =
-      fitnessAxes(title, fmt::format("Noise {} on both scans; {} scans of each pose, all ordered pairs. Bars: "
-                                     "standard deviation.",
-                                     result.levels[result.reference], result.scans));
+Chart fitnessChart(const Repeatability& result, std::size_t method, OfLevels when, const char* name,
+                   const char* title) {
+  Chart chart = fitnessAxes(name, title,
+                            fmt::format("Noise {} on both scans; {} scans of each pose, all ordered pairs. Bars: "
+                                        "standard deviation.",
+                                        result.levels[result.reference], result.scans));
   for (const RepeatedView& view : result.views) {
     if (view.method != method) continue;
     ChartSeries series = line(view.name, chart.series.size());
@@ -80,22 +79,11 @@ std::string drawFitness(const Repeatability& result, std::size_t method, OfLevel
     }
     chart.series.push_back(std::move(series));
   }
-  return drawSvg(chart);
+  return chart;
 }
 
-}  // namespace
-
-std::string repeatabilityRegisteredSvg(const Repeatability& result, std::size_t method) {
-  return drawFitness(result, method, &LevelFitness::registered, "Fitness after ICP against distance");
-}
-
-std::string repeatabilityUnmovedSvg(const Repeatability& result, std::size_t method) {
-  return drawFitness(result, method, &LevelFitness::unmoved, "Fitness without ICP against distance");
-}
-
-std::string repeatabilityPointsSvg(const Repeatability& result, std::size_t method) {
-  Chart chart;
-  chart.title = "Points against distance";
+Chart pointsChart(const Repeatability& result, std::size_t method) {
+  Chart chart{.name = "points", .title = "Points against distance"};
   chart.note = fmt::format("Within {:g} m of the object's box; noise {}. Points fall as 1 / distance².", result.margin,
                            result.levels[result.reference]);
   chart.x = logAxis("distance to the object (m)");
@@ -111,12 +99,11 @@ std::string repeatabilityPointsSvg(const Repeatability& result, std::size_t meth
     }
     chart.series.push_back(std::move(series));
   }
-  return drawSvg(chart);
+  return chart;
 }
 
-std::string repeatabilityShareSvg(const Repeatability& result, std::size_t method) {
-  Chart chart;
-  chart.title = "What ICP leaves of the fitness";
+Chart shareChart(const Repeatability& result, std::size_t method) {
+  Chart chart{.name = "share", .title = "What ICP leaves of the fitness"};
   chart.note =
       "Fitness after ICP by that without, on the pairs that ICP moved. The poses are the same: ICP has nothing to "
       "find, but the fewer points there are, the more of their noise its six degrees of freedom fit.";
@@ -150,11 +137,11 @@ std::string repeatabilityShareSvg(const Repeatability& result, std::size_t metho
     n *= 1.1;
   }
   chart.series.push_back(std::move(pairs));
-  return drawSvg(chart);
+  return chart;
 }
 
-std::string repeatabilityLevelsSvg(const Repeatability& result, const RepeatedView& view) {
-  Chart chart;
+Chart levelsChart(const Repeatability& result, const RepeatedView& view) {
+  Chart chart{.name = "noise_levels"};
   chart.title = fmt::format("{}: {} against other noise", view.name, result.levels[result.reference]);
   chart.note = fmt::format(
       "Scans with noise {0} moved by ICP onto scans with the noise below, by distance; marks without a line: onto "
@@ -178,12 +165,12 @@ std::string repeatabilityLevelsSvg(const Repeatability& result, const RepeatedVi
     chart.series.push_back(std::move(others));
     chart.series.push_back(std::move(itself));
   }
-  return drawSvg(chart);
+  return chart;
 }
 
-std::string repeatabilityWithinSvg(const Repeatability& result, const RepeatedView& view) {
-  Chart chart =
-      fitnessAxes(fmt::format("{}: both scans with the same noise", view.name), "After ICP. Bars: standard deviation.");
+Chart withinChart(const Repeatability& result, const RepeatedView& view) {
+  Chart chart = fitnessAxes("within", fmt::format("{}: both scans with the same noise", view.name),
+                            "After ICP. Bars: standard deviation.");
   for (std::size_t level = 0; level < result.levels.size(); ++level) {
     ChartSeries series = line(result.levels[level], level);
     for (const RepeatedPlace* place : byDistance(view)) {
@@ -191,11 +178,24 @@ std::string repeatabilityWithinSvg(const Repeatability& result, const RepeatedVi
     }
     chart.series.push_back(std::move(series));
   }
-  return drawSvg(chart);
+  return chart;
 }
 
-std::string repeatabilityMethodsSvg(const Repeatability& result, const std::string& view) {
-  Chart chart = fitnessAxes(fmt::format("{}: methods", view),
+}  // namespace
+
+std::vector<Chart> repeatabilityCharts(const Repeatability& result, std::size_t method) {
+  return {fitnessChart(result, method, &LevelFitness::registered, "fitness", "Fitness after ICP against distance"),
+          fitnessChart(result, method, &LevelFitness::unmoved, "fitness_without_icp",
+                       "Fitness without ICP against distance"),
+          pointsChart(result, method), shareChart(result, method)};
+}
+
+std::vector<Chart> repeatabilityViewCharts(const Repeatability& result, const RepeatedView& view) {
+  return {levelsChart(result, view), withinChart(result, view)};
+}
+
+Chart repeatabilityMethods(const Repeatability& result, const std::string& view) {
+  Chart chart = fitnessAxes("methods", fmt::format("{}: methods", view),
                             fmt::format("After ICP; noise {} on both scans.", result.levels[result.reference]));
   for (const RepeatedView& own : result.views) {
     if (own.name != view) continue;
@@ -205,7 +205,7 @@ std::string repeatabilityMethodsSvg(const Repeatability& result, const std::stri
     }
     chart.series.push_back(std::move(series));
   }
-  return drawSvg(chart);
+  return chart;
 }
 
 }  // namespace scanmill

@@ -46,8 +46,8 @@ TEST(NoiseReport, IsWholeWhereTheMotionIsNotFound) {
                            "[range_noise: {sigma_m: 0.012}, dropout: {probability: 0.02}, quantize: {step_m: 0.008}]"),
                  *beams);
   EXPECT_THAT(noiseReport(compared.fit, compared.comparison, "a <sensor>", compared.effects, "today"),
-              AllOf(HasSubstr("a &lt;sensor&gt;"), HasSubstr("<svg"), HasSubstr("recorded"), HasSubstr("</html>"),
-                    HasSubstr("did not converge:"), Not(HasSubstr("nan"))));
+              AllOf(HasSubstr("a &lt;sensor&gt;"), HasSubstr("<canvas class=\"plot\""), HasSubstr("recorded"),
+                    HasSubstr("</html>"), HasSubstr("did not converge:"), Not(HasSubstr("nan"))));
 }
 
 }  // namespace

@@ -1,0 +1,190 @@
+#include "report/page/page.h"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <regex>
+#include <sstream>
+
+#include "base/base64.h"
+#include "base/hash.h"
+#include "charts/svg_text.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr int kHalfRow = 900;  // pixels: a chart that is no wider stands beside another
+constexpr int kAround = 80;    // pixels of a chart's height: its title, note and legend
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\n");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\n") + 1 - first);
+}
+
+// Between " | ".
+std::vector<std::string> partsOf(const std::string& line) {
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at != std::string::npos;) {
+    const std::size_t end = line.find(" | ", at);
+    parts.push_back(trimmed(line.substr(at, end - at)));
+    at = end == std::string::npos ? end : end + 3;
+  }
+  parts.resize(4);
+  return parts;
+}
+
+std::string attribute(const char* name, const std::string& value) {
+  return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, value);
+}
+
+// Figures are sorted by their value, not by its text.
+std::string orderOf(const std::string& cell) {
+  static const std::regex figure(R"(\{\{([^{}#^/:!>&]+(/[^{}:]+)?):[^{}]*\}\})");
+  std::smatch found;
+  return std::regex_search(cell, found, figure) ? fmt::format(" data-v=\"{{{{{}:.9g}}}}\"", found[1].str()) : "";
+}
+
+// The Mustache of a table.
+std::string tableTemplate(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line, rows, groups, heads, cells, repeated, group;
+  int columns = 0, inGroup = 0;
+  const auto endGroup = [&] {
+    if (inGroup > 0) groups += fmt::format("<th colspan=\"{}\">{}</th>", inGroup, group);
+    inGroup = 0;
+  };
+  const auto all = [&](const std::string& more) { groups += more, heads += more, cells += more; };
+  while (std::getline(lines, line)) {
+    line = trimmed(line);
+    if (line.empty()) continue;
+    if (rows.empty()) {
+      rows = line;
+    } else if (line.starts_with("== ")) {
+      endGroup();
+      group = line.substr(3);
+    } else if (line.starts_with("+ ")) {
+      endGroup();
+      repeated = line.substr(2);
+      all("{{#" + repeated + "}}");
+    } else if (line == "-") {
+      endGroup();
+      all("{{/" + repeated + "}}");
+      group.clear();
+    } else {
+      std::vector<std::string> parts = partsOf(line);
+      const bool words = parts[0].starts_with("< ");
+      const std::string kind = words ? " class=\"words\"" : "";
+      heads +=
+          fmt::format("<th{}{}>{}</th>", kind, attribute("title", parts[2]), words ? parts[0].substr(2) : parts[0]);
+      const std::string hint = parts[3].empty() ? "" : fmt::format(" title=\"{}\"", parts[3]);
+      cells += fmt::format("<td{}{}{}>{}</td>", kind, words ? "" : orderOf(parts[1]), hint, parts[1]);
+      if (columns++ == 0)
+        cells += "{{#failure}}<td class=\"why\" colspan=\"100\">not measured: {{failure}}</td>{{/failure}}{{^failure}}";
+      ++inGroup;
+    }
+  }
+  endGroup();
+  const bool grouped = text.find("\n==") != std::string::npos;
+  return fmt::format(
+      "{{{{#{0}:any}}}}<div class=\"scroller\"><p class=\"hint\">Scroll sideways for more columns \xE2\x86\x92</p>"
+      "<div class=\"table\" tabindex=\"0\"><table><thead>{1}<tr class=\"columns\">{2}</tr></thead><tbody>\n"
+      "{{{{#{0}}}}}<tr{{{{#strong}}}} class=\"strong\"{{{{/strong}}}}>{3}{{{{/failure}}}}</tr>\n{{{{/{0}}}}}"
+      "</tbody></table></div></div>{{{{/{0}:any}}}}",
+      rows, grouped ? "<tr class=\"groups\">" + groups + "</tr>" : "", heads, cells);
+}
+
+std::string figuresTemplate(const std::string& text) {
+  std::istringstream names(text);
+  std::string name, figures;
+  while (names >> name) figures += fmt::format("{{{{#charts.{0}}}}}{{{{>chart}}}}{{{{/charts.{0}}}}}", name);
+  return "<div class=\"figures\">" + figures + "</div>";
+}
+
+// As a Content-Security-Policy names a script that may run: its SHA-256, in base64 (W3C, CSP level 3, 2.3.1).
+std::string scriptSource(const std::string& script) {
+  const std::string hex = sha256(script);
+  std::string bytes;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
+    unsigned value = 0;
+    std::from_chars(hex.data() + i, hex.data() + i + 2, value, 16);
+    bytes += static_cast<char>(value);
+  }
+  return fmt::format(" 'sha256-{}'", base64(bytes));
+}
+
+// Moves each <template id="name">text</template> from the body to `values`.
+std::string withoutPartials(std::string body, Json& values) {
+  constexpr std::string_view kBegin = "<template id=\"", kEnd = "</template>\n";
+  for (std::size_t at = body.find(kBegin); at != std::string::npos; at = body.find(kBegin)) {
+    const std::size_t name = at + kBegin.size(), text = body.find("\">\n", name), end = body.find(kEnd, text);
+    values[body.substr(name, text - name)] = body.substr(text + 3, end - text - 3);
+    body.erase(at, end + kEnd.size() - at);
+  }
+  return body;
+}
+
+// Links to the headings that a page has.
+std::string navigation(const std::string& body) {
+  constexpr std::string_view kHeading = "<h2 id=\"";
+  std::string links;
+  for (std::size_t at = body.find(kHeading); at != std::string::npos; at = body.find(kHeading, at + 1)) {
+    const std::size_t id = at + kHeading.size(), title = body.find("\">", id) + 2;
+    links += fmt::format("<a href=\"#{}\">{}</a>\n", body.substr(id, title - 2 - id),
+                         body.substr(title, body.find("</h2>", title) - title));
+  }
+  return links;
+}
+
+}  // namespace
+
+std::string fillPage(std::string_view body, Json values, const PageExtras& extras) {
+  const TextEscape escape = [](const std::string& text) { return escapeXml(text); };
+  values["chart"] = kChartFigure;
+  std::string filled = fillTemplate(withoutPartials(std::string(body), values), values, escape,
+                                    {{"table", tableTemplate}, {"figures", figuresTemplate}});
+  constexpr std::string_view kNavigation = "<nav></nav>";
+  const std::size_t nav = filled.find(kNavigation);
+  if (nav != std::string::npos) filled.insert(nav + 5, navigation(filled));
+  Json layout{{"title", values["title"]}, {"css", std::string(kPageStyle) + extras.css}, {"body", std::move(filled)}};
+  std::vector<std::string> scripts{std::string(kPageScript)};
+  if (layout["body"].get_ref<const std::string&>().find("<canvas class=\"plot\"") != std::string::npos) {
+    scripts.insert(scripts.end(), {std::string(kChartLibrary), std::string(kChartScript)});
+  }
+  scripts.insert(scripts.end(), extras.scripts.begin(), extras.scripts.end());
+  std::string sources;
+  for (const std::string& script : scripts) sources += scriptSource(script);
+  layout["sources"] = sources;
+  layout["libraries"] = scripts.size() > 1;
+  layout["scripts"] = std::move(scripts);
+  return fillTemplate(std::string(kPageLayout), layout, escape);
+}
+
+Json chartValues(const Chart& chart) {
+  if (!hasPoints(chart)) return {};
+  return {{"title", chart.title},           {"note", chart.note},
+          {"y_title", chart.y.title},       {"height", chart.height - kAround},
+          {"wide", chart.width > kHalfRow}, {"json", scriptJson(chartJson(chart))}};
+}
+
+Json chartValues(const std::vector<Chart>& charts) {
+  Json values;
+  for (const Chart& chart : charts) values[chart.name] = chartValues(chart);
+  return values;
+}
+
+// "<" stands in strings alone, where an escape says the same.
+std::string scriptJson(const std::string& json) {
+  std::string safe;
+  safe.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      safe += "\\u003c";
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,76 @@
+#include "report/page/page.h"
+
+#include <gmock/gmock.h>
+
+#include "base/error.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::string filled(const char* body, Json values) {
+  values["title"] = "a <page>";
+  const std::string page = fillPage(body, std::move(values));
+  return page.substr(page.find("<body>"));
+}
+
+TEST(Page, IsOneFileThatRunsItsOwnScriptsOnly) {
+  const std::string page = fillPage("", {{"title", "a <page>"}}, {"b{}", {"let x = '</>' < 1;"}});
+  EXPECT_THAT(page, HasSubstr("<h1>a &lt;page&gt;</h1>"));
+  EXPECT_THAT(page, HasSubstr("default-src 'none'; script-src 'sha256-"));
+  EXPECT_THAT(page, HasSubstr("<script>let x = '</>' < 1;</script>"));
+  EXPECT_THAT(page, HasSubstr("b{}</style>"));
+  for (const char* words : {"http://", "https://", "<link", "@import", "url(", " src=", "unsafe-eval"}) {
+    EXPECT_THAT(page, Not(HasSubstr(words)));
+  }
+}
+
+TEST(Page, LinksToItsHeadingsAndUsesItsPieces) {
+  const std::string page = filled(
+      "<template id=\"piece\">\n<i>{{word}}</i>\n</template>\n<nav></nav>{{#a:any}}<h2 id=\"a\">A &amp; "
+      "B</h2>{{/a:any}}"
+      "{{#b:any}}<h2 id=\"b\">B</h2>{{/b:any}}{{>piece}}",
+      {{"a", {1}}, {"b", Json::array()}, {"word", "<w>"}});
+  EXPECT_THAT(page, HasSubstr("<nav><a href=\"#a\">A &amp; B</a>\n</nav>"));
+  EXPECT_THAT(page, HasSubstr("<i>&lt;w&gt;</i>"));
+  EXPECT_THAT(page, Not(HasSubstr("template")));
+}
+
+TEST(Page, ATableHasGroupsRepeatedColumnsHintsAndFailures) {
+  const Json rows{{{"name", "one"}, {"seconds", 0.0125}, {"strong", true}, {"of", {{{"hits", 1}}, Json::object()}}},
+                  {{"name", "two"}, {"failure", "<no>"}}};
+  const std::string page = filled(
+      "{{#table}}\nrows\nname | {{name}}\n== time & more\n< a scan | {{seconds:s}}!\nits | {{seconds:s}} | hint | "
+      "{{seconds}} s\n+ of\n== {{title}}\nhits | {{hits:.1f}}\n-\n{{/table}}",
+      {{"rows", rows}, {"of", {{{"title", "a"}}, {{"title", "b"}}}}});
+  EXPECT_THAT(page, HasSubstr("<tr class=\"groups\"><th colspan=\"1\"></th><th colspan=\"2\">time & more</th>"
+                              "<th colspan=\"1\">a</th><th colspan=\"1\">b</th></tr>"));
+  EXPECT_THAT(page, HasSubstr("<th>name</th><th class=\"words\">a scan</th><th title=\"hint\">its</th><th>hits</th>"
+                              "<th>hits</th>"));
+  EXPECT_THAT(page, HasSubstr("<tr class=\"strong\"><td>one</td><td class=\"words\">12.5 ms!</td>"
+                              "<td data-v=\"0.0125\" title=\"0.0125 s\">12.5 ms</td><td data-v=\"1\">1.0</td>"
+                              "<td data-v=\"\"></td></tr>"));
+  EXPECT_THAT(page, HasSubstr("<tr><td>two</td><td class=\"why\" colspan=\"100\">not measured: &lt;no&gt;</td></tr>"));
+  EXPECT_THAT(filled("{{#table}}\nrows\nname | {{name}}\n{{/table}}", {{"rows", Json::array()}}),
+              Not(HasSubstr("<table")));
+}
+
+TEST(Page, ChartsAreThereWhereTheyHavePoints) {
+  Chart chart{.name = "one", .title = "</script>"};
+  chart.series.push_back({.name = "<s>", .points = {{1, 2}}});
+  const std::string page =
+      filled("{{#figures}}one none{{/figures}}", {{"charts", chartValues({chart, Chart{.name = "none"}})}});
+  EXPECT_THAT(page, HasSubstr("<b>&lt;/script&gt;</b>"));
+  EXPECT_THAT(page, HasSubstr("\"name\":\"\\u003cs>\""));
+  EXPECT_EQ(page.find("<canvas"), page.rfind("<canvas"));
+  EXPECT_THAT(filled("", {}), Not(HasSubstr("Chart.js")));
+}
+
+TEST(Page, AWrongTemplateIsAnError) {
+  EXPECT_THROW(fillPage("{{#open}}", {{"title", "t"}}), Error);
+}
+
+}  // namespace
+}  // namespace scanmill
