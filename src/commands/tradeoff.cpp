@@ -165,14 +165,12 @@ void writeStudy(const Study& study, const std::filesystem::path& folder) {
   beginReport(folder, kStudyFile);
   for (std::size_t i = 0; i < study.pictures.size(); ++i) writeFile(folder / pictureFile(i), study.pictures[i].png);
   writeFile(folder / "tradeoff.csv", toCsv(study));
-  const auto writeChart = [&](const char* name, const std::string& svg) {
-    if (!svg.empty()) writeFile(folder / name, svg);
-  };
-  writeChart("pareto.svg", paretoSvg(study));
-  writeChart("errors_by_range.svg", rangeErrorByRange(study));
-  writeChart("errors_by_incidence.svg", rangeErrorByIncidence(study));
-  writeChart("encodings.svg", encodingsChart(study));
-  writeChart("rings.svg", ringsChart(study));
+  for (const Chart& chart : studyCharts(study)) {
+    const bool file = std::find(kStudyFiles.begin(), kStudyFiles.end(), chart.name) != kStudyFiles.end();
+    if (file && (hasPoints(chart) || chart.name == "pareto")) {
+      writeFile(folder / (chart.name + ".svg"), drawSvg(chart));
+    }
+  }
   writeFile(folder / "index.html", studyReport(study));
   writeFile(folder / kStudyFile, toJson(study));
 }

@@ -29,6 +29,12 @@
     return power * [1, 2, 5, 10].find(factor => factor * power >= least * (1 - 1e-9));
   };
 
+  // The next of 1, 2 and 5 times a power of ten below a logarithm; of -log, above.
+  const niceLog = log => {
+    const power = Math.floor(log + 1e-9), stops = [0, Math.log10(2), Math.log10(5)];
+    return power + Math.max(...stops.filter(stop => power + stop <= log + 1e-9));
+  };
+
   // An axis with all that it must hold: places on it, its ends, and its ticks.
   class Axis {
     constructor(axis, values, fromZero) {
@@ -45,6 +51,7 @@
         low = fromZero && low === 0 ? 0 : low - pad;
         high += pad;
         if (zero) low = Math.max(low, 0);
+        if (this.log) [low, high] = [niceLog(low), -niceLog(-high)];
         if (given[0] !== undefined && given[0] <= Math.min(...finite)) low = given[0];
         if (given[1] !== undefined && given[1] >= Math.max(...finite)) high = given[1];
       }
@@ -125,6 +132,10 @@
       const rank = set => set.first ? 0 : set.strong ? 1 : 2;
       const taken = marks.filter(m => m.set.type !== 'bar' && m.element.options.radius > 0)
         .map(({element: e}) => [e.x - e.options.radius, e.y - e.options.radius, e.x + e.options.radius, e.y + e.options.radius]);
+      // The boxes of the parts of the lines that are emphasised, staircases: rather not under text.
+      const lines = chart.data.datasets.flatMap((set, s) => !set.strong || !set.showLine || !chart.isDatasetVisible(s) ? [] :
+        chart.getDatasetMeta(s).data.slice(1).map((e, i) => [e, chart.getDatasetMeta(s).data[i]])
+          .map(([a, b]) => [Math.min(a.x, b.x), Math.min(a.y, b.y), Math.max(a.x, b.x) + 1, Math.max(a.y, b.y) + 1]));
       const overlaps = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
       ctx.textBaseline = 'middle';
       ctx.lineJoin = 'round';
@@ -134,16 +145,19 @@
         const half = ctx.measureText(text).width / 2, off = bar ? 3 : element.options.radius + 3;
         const sides = bar ? [lying ? [1, 0] : [0, -1]] : [[1, 0], [-1, 0], [0, -1], [0, 1], [1, -1], [1, 1], [-1, -1], [-1, 1]];
         const reaches = bar ? [0] : set.first || set.strong ? [0, 10, 22, 36] : [0, 8];
-        let place;
+        let place, second;
         for (const [dx, dy, more] of reaches.flatMap(more => sides.map(side => [...side, more]))) {
           const x = element.x + dx * (off + more + half), y = element.y + dy * (off + more + 7);
           const box = [x - half, y - 7, x + half, y + 7];
           const inside = box[0] >= area.left && box[2] <= area.right + (bar ? 8 : 0) && box[1] >= area.top - 2 && box[3] <= area.bottom;
-          if (inside && !taken.some(other => overlaps(box, other))) {
+          if (!inside || taken.some(other => overlaps(box, other))) continue;
+          second ??= {x, y, box, more};
+          if (!lines.some(other => overlaps(box, other))) {
             place = {x, y, box, more};
             break;
           }
         }
+        place ??= second;
         if (!place) continue;
         taken.push(place.box);
         if (place.more > 8) {

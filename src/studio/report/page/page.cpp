@@ -14,8 +14,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kHalfRow = 900;  // pixels: a chart that is no wider stands beside another
-constexpr int kAround = 80;    // pixels of a chart's height: its title, note and legend
+constexpr int kHalfRow = 870;  // pixels: a chart that is no wider stands beside another
+constexpr int kAround = 60;    // pixels of a chart's height: its title, note and legend
 
 std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\n");

@@ -1,231 +1,274 @@
 #include "report/tradeoff/report.h"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "base/base64.h"
 #include "base/short_text.h"
-#include "charts/svg_text.h"
 #include "pipeline/read/pipeline.h"
-#include "report/page/report_html.h"
+#include "report/page/page.h"
 #include "report/tradeoff/report_charts.h"
 #include "report/tradeoff/report_figures.h"
-#include "report/tradeoff/report_tables.h"
 #include "study/figure_text.h"
-#include "study/tradeoff/study.h"
 #include "study/tradeoff/study_figures.h"
 
 namespace scanmill {
 
 namespace {
 
+constexpr std::size_t kMostColumns = 6;
+
+std::string quoted(const std::string& word) {
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
 std::string shellWord(const std::string& word) {
   const bool plain = !word.empty() && word.find_first_not_of(
                                           "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
                                           "0123456789_./-=") == std::string::npos;
-  if (plain) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
+  return plain ? word : quoted(word);
 }
 
-// The pipeline as the user named it; a study that a program made need not know its file.
-std::string pipelineWord(const Study& study) {
-  return study.pipelineFile.empty() ? "PIPELINE.yaml" : shellWord(study.pipelineFile);
-}
-
-std::string command(const Study& study) {
-  std::string text = fmt::format("scanmill tradeoff {} -o out/tradeoff", pipelineWord(study));
-  if (study.budgetGiven && study.budgetSeconds > 0) {
-    text += fmt::format(" --budget {:g}", static_cast<double>(study.budgetSeconds) / 60);
+// The figures of the file with what follows from them; spreads of nothing are left out.
+Json errorsJson(Json errors, const GroupErrors& e) {
+  for (const char* spread : {"range_m", "intensity", "nearest_to_m", "nearest_from_m"}) {
+    if (errors.at(spread).at("count") == 0) errors.erase(spread);
   }
-  for (const std::string& assignment : overridesIn(study.pipelineText)) text += " --set " + shellWord(assignment);
-  return text;
+  errors.update({{"labels", e.labels()},
+                 {"classes", e.classAgreed()},
+                 {"instances", e.instanceAgreed()},
+                 {"miss_rate", e.missRate()}});
+  if (e.bothHit + e.falseNegatives > 0) errors["false_negative_share"] = falseNegativeShare(e);
+  if (e.nearestTo.count + e.nearestFrom.count > 0) errors["hausdorff_m"] = e.hausdorff();
+  return errors;
 }
 
-// A dataset of the same pipeline, by a setting.
-std::string generateCommand(const Study& study, const Setting& setting) {
-  std::string text =
-      fmt::format("scanmill generate {} -o {}", pipelineWord(study), shellWord("out/" + study.pipelineName));
-  for (const std::string& assignment : overridesIn(study.pipelineText)) {
-    const bool replaced = assignment.starts_with("method") || assignment.starts_with("tradeoff");
-    if (!replaced) text += " --set " + shellWord(assignment);
+// Of the group with this name; empty where it has no beams.
+Json groupJson(const Json& groups, const std::vector<ErrorGroup>& own, const std::string& name) {
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if (own[i].name == name && own[i].errors.beams > 0) return errorsJson(groups[i].at("errors"), own[i].errors);
   }
-  return text + " " + setArgument(setting);
+  return Json::object();
 }
 
-// What was measured, as terms and their values.
-std::string facts(const Study& study) {
-  std::string out;
-  const auto fact = [&](const char* name, const std::string& value) {
-    if (!value.empty()) out += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, escapeXml(value));
-  };
-  const StudyScene& s = study.scene;
-  if (!s.key.empty()) {
-    fact("Scene", fmt::format("{}, {} triangles{}{}", s.key, amountText(static_cast<double>(s.triangles)),
-                              s.frames.empty()       ? ""
-                              : s.frames.size() == 1 ? ", scanned at frame "
-                                                     : ", scanned at frames ",
-                              fmt::join(s.frames, ", ")));
-  }
-  for (const std::string& sensor : study.sensors) fact("Sensor", sensor);
-  if (study.shots > 0) {
-    fact("Scans", fmt::format("{} of {} beams, timed at least {}{}", pluralOf(study.shots, "scan"),
-                              amountText(static_cast<double>(study.beamsPerShot)),
-                              study.repeats == 1 ? "once" : fmt::format("{} times", study.repeats),
-                              study.shots == 1 ? "" : " each"));
-  }
-  const std::size_t measured = measuredSettings(study).size();
-  fact("Settings",
-       fmt::format("{} measured{}", measured,
-                   measured == study.settings.size() ? std::string()
-                                                     : fmt::format(", {} not", study.settings.size() - measured)));
-  fact("Machine", study.machine.processor.empty()
-                      ? std::string()
-                      : fmt::format("{}, {}", study.machine.processor,
-                                    pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread")));
-  fact("OpenGL", study.machine.renderer);
-  fact("Date",
-       fmt::format("{}{}", study.date, study.seconds > 0 ? fmt::format(", in {}", shortTime(study.seconds)) : ""));
-  fact("Program", study.programVersion.empty() ? "" : "Scanmill " + study.programVersion);
-  out += fmt::format("<dt>Command</dt><dd><code>{}</code></dd>\n", escapeXml(command(study)));
-  return fmt::format("<dl class=\"facts\">\n{}</dl>\n", out);
-}
+// The rows of the tables, of what the file says of each setting.
+class StudyPage {
+ public:
+  explicit StudyPage(const Study& study)
+      : study_(study), file_(parseJson(toJson(study), "tradeoff.json")), page_(file_) {}
 
-std::string recommendation(const Study& study) {
-  std::string cards;
-  for (const Advice& a : advise(study)) {
-    std::string use;
-    for (const SettingResult& s : study.settings) {
-      if (s.setting.name == a.setting) use = fmt::format("<p><code>{}</code></p>\n", escapeXml(setArgument(s.setting)));
+  Json values() {
+    facts();
+    settings();
+    places();
+    classes();
+    stages();
+    rings();
+    use();
+    page_["charts"] = chartValues(studyCharts(study_));
+    return std::move(page_);
+  }
+
+ private:
+  const BeamErrors& errors(std::size_t i) const { return study_.settings[i].measured.errors; }
+  const Json& errorsOf(std::size_t i) const { return file_["settings"][i]["measured"]["errors"]; }
+  const std::string& nameOf(std::size_t i) const { return study_.settings[i].setting.name; }
+
+  void facts() {
+    const std::size_t measured = measuredSettings(study_).size();
+    page_.update({{"title", "Speed against accuracy: " + study_.pipelineName},
+                  {"scene_frames", study_.scene.frames.size() == 1 ? "frame" : "frames"},
+                  {"timed", fmt::format("{}{}", study_.repeats == 1 ? "once" : fmt::format("{} times", study_.repeats),
+                                        study_.shots == 1 ? "" : " each")},
+                  {"measured_settings", measured},
+                  {"failed_settings", study_.settings.size() - measured},
+                  {"duration", study_.seconds > 0 ? shortTime(study_.seconds) : ""},
+                  {"pipeline_word", study_.pipelineFile.empty() ? "PIPELINE.yaml" : shellWord(study_.pipelineFile)},
+                  {"dataset_word", shellWord("out/" + study_.pipelineName)}});
+    if (study_.budgetGiven && study_.budgetSeconds > 0) {
+      page_["budget_minutes"] = static_cast<double>(study_.budgetSeconds) / 60;
     }
-    cards += fmt::format("<div class=\"card{}\"><p class=\"need\">{}</p>\n{}{}{}</div>\n",
-                         a.setting.empty() ? " none" : "", escapeXml(a.setting.empty() ? a.need : a.need + ":"),
-                         a.setting.empty() ? "" : fmt::format("<h3>{}</h3>\n", escapeXml(a.setting)),
-                         htmlParagraph(a.text), use);
-  }
-  return cards.empty() ? "" : fmt::format("<div class=\"cards\">\n{}</div>\n", cards);
-}
-
-std::string details(const std::string& summary, const std::string& body) {
-  return body.empty() ? "" : fmt::format("<details><summary>{}</summary>\n{}</details>\n", escapeXml(summary), body);
-}
-
-// A heading for an empty chart helps nobody.
-std::string figuresIf(bool any, const std::vector<std::string>& svgs) {
-  return any ? htmlFigures(svgs) : "";
-}
-
-std::string pictures(const Study& study) {
-  std::string out;
-  for (const ErrorPicture& p : study.pictures) {
-    if (p.png.empty()) continue;
-    const std::string caption = escapeXml(p.title == p.setting ? p.title : fmt::format("{}: {}", p.setting, p.title));
-    out += fmt::format(
-        "<figure class=\"picture\"><img src=\"data:image/png;base64,{0}\" alt=\"{1}\">"
-        "<figcaption>{1}</figcaption></figure>\n",
-        base64(p.png), caption);
-  }
-  return out.empty() ? "" : fmt::format("<div class=\"figures\">\n{}</div>\n", out);
-}
-
-std::string leftOut(const Study& study) {
-  std::string items;
-  for (const std::string& line : study.left) items += fmt::format("<li>{}</li>\n", escapeXml(line));
-  return items.empty() ? "" : fmt::format("<ul>\n{}</ul>\n", items);
-}
-
-std::string again(const Study& study) {
-  std::string out = htmlCode(command(study));
-  const std::vector<std::size_t> measured = measuredSettings(study);
-  if (!measured.empty()) {
-    const std::vector<Advice> advice = advise(study);
-    const auto named = std::find_if(advice.begin(), advice.end(), [](const Advice& a) { return !a.setting.empty(); });
-    const Setting* picked = &study.settings[measured.front()].setting;
-    for (const std::size_t i : measured) {
-      if (named != advice.end() && study.settings[i].setting.name == named->setting)
-        picked = &study.settings[i].setting;
+    for (const std::string& assignment : overridesIn(study_.pipelineText)) {
+      page_["overrides"].push_back({{"word", shellWord(assignment)}});
+      const bool replaced = assignment.starts_with("method") || assignment.starts_with("tradeoff");
+      if (!replaced) page_["kept_overrides"].push_back(page_["overrides"].back());
     }
-    out +=
-        htmlParagraph("To use a setting, put what follows `method=` into the pipeline as `method:`, or say it once:");
-    out += htmlCode(generateCommand(study, *picked));
-    out += htmlParagraph(
-        "To have the cheapest one that is good enough chosen, on a sample of the pipeline's own scans, ask for it "
-        "there:");
-    out += htmlCode("method: {auto: {max_error: {p99: 2cm, miss_rate: 0.1%, labels: 99.5%}}}");
-    out += details("How to use each setting", assignmentsTable(study));
+    for (const ErrorPicture& p : study_.pictures) {
+      if (p.png.empty()) continue;
+      const std::string caption = p.title == p.setting ? p.title : fmt::format("{}: {}", p.setting, p.title);
+      page_["shown_pictures"].push_back({{"caption", caption}, {"png", base64(p.png)}});
+    }
+    for (Json& r : page_["sensing"]) {
+      if (r["failure"] == "") r["other_class"] = r["both"].get<std::uint64_t>() - r["same_class"].get<std::uint64_t>();
+    }
   }
-  if (!study.pipelineText.empty()) out += details("The pipeline", htmlCode(study.pipelineText));
-  return out;
-}
+
+  void settings() {
+    const std::optional<std::size_t> base = tracingDefault(study_);
+    std::vector<std::size_t> front = rangeFront(study_);
+    for (const std::size_t i : wrongFront(study_)) front.push_back(i);
+    page_["settings"] = Json::array();
+    for (std::size_t i = 0; i < study_.settings.size(); ++i) {
+      const SettingResult& s = study_.settings[i];
+      Json row = file_["settings"][i];
+      row["argument"] = setArgument(s.setting);
+      if (s.failure.empty()) {
+        row.update(row["measured"]);
+        row["all"] = errorsJson(row["errors"]["all"], s.measured.errors.all);
+        if (const GroupErrors* away = awayFromEdges(s.measured.errors); away != nullptr && away->range.count > 0) {
+          row["away"]["range_m"]["p99"] = away->range.p99;
+        }
+        row["beams_per_s"] = beamsPerSecond(study_, s);
+        const double own = s.measured.cost.scanSeconds;
+        const double its = base ? study_.settings[*base].measured.cost.scanSeconds : 0;
+        if (own > 0 && its > 0) row["times_tracing"] = own / its;
+        row["strong"] = std::find(front.begin(), front.end(), i) != front.end();
+        if (s.measured.cloud.to.count + s.measured.cloud.from.count == 0) row.erase("cloud");
+      }
+      row.erase("measured");
+      page_["settings"].push_back(std::move(row));
+    }
+  }
+
+  void places() {
+    std::vector<std::string> names;
+    page_["places"] = Json::array();
+    for (const std::size_t i : measuredSettings(study_)) {
+      for (const ErrorGroup& g : errors(i).byPlace) {
+        if (g.errors.beams == 0 || std::find(names.begin(), names.end(), g.name) != names.end()) continue;
+        names.push_back(g.name);
+        page_["places"].push_back({{"title", placeText(g.name)}});
+      }
+    }
+    for (const std::size_t i : measuredSettings(study_)) {
+      Json row{{"name", nameOf(i)}, {"places", Json::array()}};
+      for (const std::string& name : names) {
+        row["places"].push_back(groupJson(errorsOf(i)["by_place"], errors(i).byPlace, name));
+      }
+      page_["by_place"].push_back(std::move(row));
+    }
+  }
+
+  void classes() {
+    const std::vector<std::size_t> shown = shownSettings(study_, kMostColumns);
+    std::vector<std::pair<std::string, std::uint64_t>> names;
+    for (const std::size_t i : shown) {
+      page_["shown"].push_back({{"name", nameOf(i)}});
+      for (const ErrorGroup& g : errors(i).byClass) {
+        const bool known = std::any_of(names.begin(), names.end(), [&](const auto& c) { return c.first == g.name; });
+        if (!known && g.errors.beams > 0) names.emplace_back(g.name, g.errors.beams);
+      }
+    }
+    std::stable_sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    for (const auto& [name, beams] : names) {
+      Json row{{"name", name}, {"beams", beams}, {"shown", Json::array()}};
+      for (const std::size_t i : shown) {
+        row["shown"].push_back(groupJson(errorsOf(i)["by_class"], errors(i).byClass, name));
+      }
+      page_["classes"].push_back(std::move(row));
+    }
+  }
+
+  // Methods have different stages.
+  void stages() {
+    const auto timed = [&](double seconds) {
+      if (seconds <= 0) return Json::object();
+      return Json{{"stage_s", seconds}, {"stage_beams_per_s", static_cast<double>(study_.beamsPerShot) / seconds}};
+    };
+    const std::vector<std::size_t> rows = settingsByMethod(study_, kReportRows);
+    page_["methods"] = Json::array();
+    for (const std::string& method : methodsOf(study_)) {
+      std::vector<std::size_t> own;
+      std::copy_if(rows.begin(), rows.end(), std::back_inserter(own),
+                   [&](std::size_t i) { return study_.settings[i].setting.method == method; });
+      std::vector<std::string> names;
+      Json table{{"stages", Json::array()}, {"rows", Json::array()}};
+      for (const std::size_t i : own) {
+        for (const auto& [stage, seconds] : study_.settings[i].measured.cost.stages) {
+          if (seconds <= 0 || std::find(names.begin(), names.end(), stage) != names.end()) continue;
+          names.push_back(stage);
+          table["stages"].push_back({{"title", wordsOf(stage)}, {"hint", "summed over the threads that work on it"}});
+        }
+      }
+      for (const auto& entry : study_.commonStages) {
+        table["stages"].push_back({{"title", entry.first + ", one thread"}, {"hint", "the same whatever the setting"}});
+      }
+      for (const std::size_t i : own) {
+        const Cost& cost = study_.settings[i].measured.cost;
+        Json row{{"name", nameOf(i)}, {"setup_s", cost.setupSeconds}, {"stages", Json::array()}};
+        if (cost.scanSeconds > 0) {
+          row["scan_s"] = cost.scanSeconds;
+          row["beams_per_s"] = beamsPerSecond(study_, study_.settings[i]);
+        }
+        for (const std::string& stage : names) {
+          row["stages"].push_back(timed(cost.stages.contains(stage) ? cost.stages.at(stage) : 0));
+        }
+        for (const auto& entry : study_.commonStages) row["stages"].push_back(timed(entry.second));
+        table["rows"].push_back(std::move(row));
+      }
+      page_["methods"].push_back(std::move(table));
+    }
+  }
+
+  void rings() {
+    std::map<std::uint32_t, std::size_t> counts;
+    const std::vector<std::pair<std::string, const RingFit*>> fits = ringFits(study_);
+    for (const auto& [name, fit] : fits) {
+      for (const RingTiming& t : fit->timings) counts[t.rings] = 0;
+    }
+    for (const auto& entry : counts) page_["ring_counts"].push_back({{"rings", entry.first}});
+    for (const auto& [name, fit] : fits) {
+      Json row{{"name", name},
+               {"fixed_s", fit->fixedSeconds},
+               {"per_ring_s", fit->secondsPerRing},
+               {"off_percent", 100 * fit->largestResidual},
+               {"ring_counts", Json::array()}};
+      for (const auto& entry : counts) {
+        const auto timing = std::find_if(fit->timings.begin(), fit->timings.end(),
+                                         [&](const RingTiming& t) { return t.rings == entry.first; });
+        row["ring_counts"].push_back(timing == fit->timings.end() ? Json::object()
+                                                                  : Json{{"scan_s", timing->scanSeconds}});
+      }
+      page_["ring_fits"].push_back(std::move(row));
+    }
+  }
+
+  // What is advised, and how to take it.
+  void use() {
+    for (const Advice& a : advise(study_)) {
+      Json card{{"need", a.need}, {"setting", a.setting}, {"text", a.text}, {"argument", ""}};
+      for (const SettingResult& s : study_.settings) {
+        if (s.setting.name == a.setting) card["argument"] = setArgument(s.setting);
+      }
+      if (!page_.contains("picked") && card["argument"] != "") page_["picked"] = card["argument"];
+      page_["advice"].push_back(std::move(card));
+    }
+    for (const Json& row : page_["settings"]) {
+      if (row["failure"] != "") continue;
+      page_["assignments"].push_back({{"setting", row["setting"]}, {"argument", row["argument"]}});
+      if (!page_.contains("picked")) page_["picked"] = row["argument"];
+    }
+  }
+
+  const Study& study_;
+  const Json file_;
+  Json page_;
+};
 
 }  // namespace
 
+std::string setArgument(const Setting& setting) {
+  return "--set " + quoted(setting.assignment());
+}
+
 std::string studyReport(const Study& study) {
-  const bool any = !measuredSettings(study).empty();
-  const std::string alone = study.sensing.empty() ? ""
-                                                  : " Every beam is one ray that ends at the first surface, whatever "
-                                                    "the pipeline's effects: what footprint, glass and weather change "
-                                                    "stands further down.";
-  std::vector<HtmlSection> sections;
-  sections.push_back(
-      {"advice", "Which setting to take",
-       "Ratios hold on this scene, this sensor and this machine; errors are against ray tracing in double "
-       "precision, beam by beam." +
-           alone,
-       recommendation(study)});
-  sections.push_back(
-      {"speed", "Speed against error",
-       "A mark is a setting. To the right is faster, down is better; the staircase is what can be had, without steps "
-       "of less than 5 % in time, which are noise. Range errors below 10 \xC2\xB5m count as exact: single precision "
-       "resolves no more at 100 m.",
-       figuresIf(any, {rangeFrontChart(study)}) + figuresIf(any, {wrongFrontChart(study)})});
-  sections.push_back({"settings", "All settings",
-                      "Click a heading to sort. Rows with a coloured ground lie on a front of one of the charts above; "
-                      "point at a name or a figure for more.",
-                      settingsTable(study), true});
-  sections.push_back({"range", "Error against range and incidence",
-                      "Each method with its defaults and at its fastest, or settings on the fronts above. Gaps: too "
-                      "little was hit there. In the last row, the nearest point may be of any band and any beam.",
-                      htmlFigures({rangeErrorByRange(study), rangeErrorByIncidence(study), wrongByRange(study),
-                                   wrongByIncidence(study), nearestByRange(study), nearestByIncidence(study)})});
-  sections.push_back(
-      {"edges", "At edges and away from edges",
-       "A beam lies at an edge where its neighbours meet another thing, or the range steps.",
-       htmlFigures({rangeErrorByPlace(study), wrongByPlace(study)}) + details("The figures", placesTable(study))});
-  sections.push_back(
-      {"classes", "Classes",
-       "The most frequent first. A beam belongs to the class that it hits in truth, or, where in truth it "
-       "hits nothing, to the one that the setting hits. False negatives: only the truth hits; false "
-       "positives: only the setting does.",
-       htmlFigures({wrongByClass(study), falseNegativesByClass(study)}) + details("The figures", classesTable(study))});
-  sections.push_back(
-      {"things", "Thin and small things", "", htmlFigures({recallByThickness(study), recallByLength(study)})});
-  sections.push_back({"stages", "Stages",
-                      "In the tables, a method's own stages are summed over the threads that work on them; effects and "
-                      "encoding were timed on one thread and take the same whatever the setting.",
-                      figuresIf(any, {stagesChart(study)}) + stagesTables(study)});
-  sections.push_back({"encodings", "Encodings",
-                      "Encoding is part of the trade: what a scan takes on disk, and what it loses.",
-                      htmlFigures({encodingsChart(study)}) + encodingsTable(study)});
-  sections.push_back({"sensing", "Footprint, glass and weather",
-                      "What leaving parts of the sensor's physics out costs: the nearest return of each beam against "
-                      "the truth in the first row, by ray tracing, without the noise of ranges and angles.",
-                      sensingTable(study)});
-  sections.push_back({"rings", "Rings", "What a scan costs whatever its size, and what each ring adds.",
-                      htmlFigures({ringsChart(study)}) + ringsTable(study)});
-  sections.push_back({"pictures", "Where beams err",
-                      "The scan's points, coloured by their error. Click a picture to enlarge it.", pictures(study)});
-  sections.push_back({"left", "What was left out", "", leftOut(study)});
-  sections.push_back({"again", "Again, and in a pipeline", "", again(study)});
-  std::string head =
-      htmlParagraph("Each way of making a scan, measured on one scene: what it takes, and how it errs.", "lead");
-  if (study.settings.empty()) head += htmlParagraph("No setting was measured.");
-  return htmlPage("Speed against accuracy: " + study.pipelineName, head + facts(study), sections);
+  return fillPage(kTradeoffTemplate, StudyPage(study).values());
 }
 
 }  // namespace scanmill

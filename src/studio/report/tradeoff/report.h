@@ -3,6 +3,7 @@
 // The report of a trade-off study.
 
 #include <string>
+#include <string_view>
 
 #include "study/tradeoff/study.h"
 
@@ -10,5 +11,10 @@ namespace scanmill {
 
 // The page index.html, with charts, tables and pictures; it needs no other file and no network.
 std::string studyReport(const Study& study);
+
+// "--set 'method={particle: {refine: none}}'", quoted for a shell.
+std::string setArgument(const Setting& setting);
+
+extern const std::string_view kTradeoffTemplate;  // tradeoff.html
 
 }  // namespace scanmill

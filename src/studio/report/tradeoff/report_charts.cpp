@@ -1,13 +1,13 @@
 #include "report/tradeoff/report_charts.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
+#include <map>
 
-#include "charts/chart.h"
 #include "report/tradeoff/report_figures.h"
 #include "study/figure_text.h"
 #include "study/tradeoff/study_figures.h"
@@ -17,49 +17,53 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostLines = 6, kMostClasses = 30;
-constexpr int kHalfWidth = 575;  // pixels of charts that stand side by side
+constexpr int kWide = 1160, kHalf = 575;  // pixels of charts that stand alone and side by side
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-const std::string kRangeError = "range error that 99 % of the beams stay below";
-const std::string kNearest = "mean distance from true points to the setting's nearest";
-const std::string kWrongBeams = "false negatives, false positives and wrongly labelled beams";
+constexpr double kSmallStage = 0.03;  // of a scan's time: less joins the rest
+const std::string kRest = "the rest";
 
 using Groups = std::vector<ErrorGroup> BeamErrors::*;
-using Error = std::function<double(const GroupErrors&)>;
 
-ChartAxis metresAxis(const std::string& title) {
-  return {.title = title, .scale = AxisScale::Log, .unit = "m", .zero = "exact"};
+// An error that charts show, on a logarithmic axis.
+struct Measure {
+  const char* title;
+  const char* unit;  // "m" or "%"
+  std::function<double(const GroupErrors&)> of;
+
+  ChartAxis axis(const char* more = "") const {
+    return {.title = std::string(title) + more,
+            .scale = AxisScale::Log,
+            .unit = unit,
+            .zero = *unit == 'm' ? "exact" : "none"};
+  }
+  std::string text(double value) const {
+    return *unit != 'm' ? shareText(value) : value == 0 ? "exact" : metresText(value);
+  }
+};
+
+const Measure kRangeError{"range error that 99 % of the beams stay below", "m", rangeP99};
+const Measure kNearest{"mean distance from true points to the setting's nearest", "m", nearestMean};
+const Measure kWrong{"false negatives, false positives and wrongly labelled beams", "%",
+                     [](const GroupErrors& e) { return e.beams == 0 ? kNone : wrongShare(e); }};
+const Measure kFalseNegatives{
+    "beams that hit the class in truth and nothing by the setting", "%",
+    [](const GroupErrors& e) { return e.bothHit + e.falseNegatives == 0 ? kNone : falseNegativeShare(e); }};
+
+const BeamErrors& errorsOf(const Study& study, std::size_t setting) {
+  return study.settings[setting].measured.errors;
 }
 
-ChartAxis sharesAxis(const std::string& title) {
-  return {.title = title, .scale = AxisScale::Log, .unit = "%", .zero = "none"};
-}
-
-double noBeams(const GroupErrors& e, double value) {
-  return e.beams == 0 ? kNone : value;
-}
-double rangeErrorOf(const GroupErrors& e) {
-  return rangeP99(e);
-}
-double nearestOf(const GroupErrors& e) {
-  return nearestMean(e);
-}
-double wrongOf(const GroupErrors& e) {
-  return noBeams(e, wrongShare(e));
-}
-double falseNegativesOf(const GroupErrors& e) {
-  return e.bothHit + e.falseNegatives == 0 ? kNone : falseNegativeShare(e);
-}
-
-const ErrorGroup* groupNamed(const std::vector<ErrorGroup>& groups, const std::string& name) {
+// Of the group with this name.
+double errorOf(const std::vector<ErrorGroup>& groups, const std::string& name, const Measure& measure) {
   const auto found = std::find_if(groups.begin(), groups.end(), [&](const ErrorGroup& g) { return g.name == name; });
-  return found == groups.end() ? nullptr : &*found;
+  return found == groups.end() ? kNone : measure.of(found->errors);
 }
 
 // Those with beams, in their order.
 std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings, Groups groups) {
   std::vector<std::string> names;
   for (const std::size_t i : settings) {
-    for (const ErrorGroup& g : study.settings[i].measured.errors.*groups) {
+    for (const ErrorGroup& g : errorsOf(study, i).*groups) {
       const bool known = std::find(names.begin(), names.end(), g.name) != names.end();
       if (g.errors.beams > 0 && !known) names.push_back(g.name);
     }
@@ -67,16 +71,11 @@ std::vector<std::string> groupNames(const Study& study, const std::vector<std::s
   return names;
 }
 
-std::string valueText(double value, const std::string& unit) {
-  return unit == "m" ? value == 0 ? "exact" : metresText(value) : shareText(value);
-}
-
 // So that equal values do not cover each other: where the k-th of `count` series lies beside its place.
 double beside(std::size_t k, std::size_t count, double step) {
   return (static_cast<double>(k) - (static_cast<double>(count) - 1) / 2) * step;
 }
 
-// What a mark of a setting says when pointed at.
 std::string settingDetail(const Study& study, const SettingResult& s) {
   const GroupErrors& e = s.measured.errors.all;
   return fmt::format(
@@ -92,10 +91,9 @@ std::string shortName(const Setting& setting) {
 }
 
 std::string sceneNote(const Study& study) {
-  std::string sensors;
-  for (const std::string& s : study.sensors) sensors += (sensors.empty() ? "" : "; ") + s;
-  return fmt::format("{}; {}; {}, {}", study.scene.key.empty() ? study.pipelineName : study.scene.key, sensors,
-                     study.machine.processor, pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"));
+  return fmt::format("{}; {}; {}, {}", study.scene.key.empty() ? study.pipelineName : study.scene.key,
+                     fmt::join(study.sensors, "; "), study.machine.processor,
+                     pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"));
 }
 
 // The staircase that no setting gets past, but for steps too small to tell from the noise of time.
@@ -104,38 +102,39 @@ ChartSeries frontLine(const std::vector<Vec2d>& front, const std::vector<Vec2d>&
                    .color = 6,
                    .mark = ChartMark::Line,
                    .emphasised = true};
-  double slowest = front.front().x, worst = front.front().y;
+  double slowest = front.front().x, before = front.front().y;
   for (const Vec2d& p : all) {
     if (p.x > 0) slowest = std::min(slowest, p.x);
-    worst = std::max(worst, p.y);
+    before = std::max(before, p.y);
   }
-  double before = worst;
   for (const Vec2d& p : front) {
-    line.points.push_back({p.x, before});
-    line.points.push_back(p);
+    line.points.insert(line.points.end(), {{p.x, before}, p});
     before = p.y;
   }
   line.points.push_back({slowest, before});
   return line;
 }
 
-std::string frontChart(const Study& study, Chart chart, const Error& error, const std::vector<std::size_t>& front) {
-  const std::vector<std::string> methods = methodsOf(study);
+Chart frontChart(const Study& study, Chart chart, const Measure& measure, const std::vector<std::size_t>& front) {
+  chart.x = {.title = "beams a second (to the right is better)", .scale = AxisScale::Log};
+  chart.y = measure.axis(" (lower is better)");
+  chart.height = 560;
+  const std::vector<std::size_t> measured = measuredSettings(study);
   std::vector<Vec2d> all, onFront;
   const auto place = [&](std::size_t i) {
-    return Vec2d{beamsPerSecond(study, study.settings[i]), error(study.settings[i].measured.errors.all)};
+    return Vec2d{beamsPerSecond(study, study.settings[i]), measure.of(errorsOf(study, i).all)};
   };
-  for (const std::size_t i : measuredSettings(study)) {
+  for (const std::size_t i : measured) {
     if (std::isfinite(place(i).y)) all.push_back(place(i));
   }
   for (const std::size_t i : front) onFront.push_back(place(i));
   if (!onFront.empty()) chart.series.push_back(frontLine(onFront, all));
   for (const bool emphasised : {true, false}) {
-    for (const std::string& method : methods) {
+    for (const std::string& method : methodsOf(study)) {
       ChartSeries byDefault{.name = wordsOf(method), .color = methodColor(study, method), .emphasised = emphasised};
       ChartSeries others = byDefault;
       byDefault.labelsFirst = true;
-      for (const std::size_t i : measuredSettings(study)) {
+      for (const std::size_t i : measured) {
         const SettingResult& s = study.settings[i];
         const bool on = std::find(front.begin(), front.end(), i) != front.end();
         if (s.setting.method != method || on != emphasised) continue;
@@ -144,214 +143,292 @@ std::string frontChart(const Study& study, Chart chart, const Error& error, cons
         series.labels.push_back(shortName(s.setting));
         series.details.push_back(settingDetail(study, s));
       }
-      chart.series.push_back(std::move(byDefault));
-      chart.series.push_back(std::move(others));
+      chart.series.insert(chart.series.end(), {byDefault, others});
     }
   }
-  chart.x = {.title = "beams a second (to the right is better)", .scale = AxisScale::Log};
-  return drawSvg(chart);
+  return chart;
 }
 
-std::string rangeChart(const Study& study, int width, int height) {
-  Chart chart{.title = "Speed against range error", .note = sceneNote(study)};
-  chart.y = metresAxis(kRangeError + " (lower is better)");
-  chart.width = width;
-  chart.height = height;
-  return frontChart(study, std::move(chart), rangeErrorOf, rangeFront(study));
-}
-
-std::vector<std::size_t> colorsOf(const Study& study, const std::vector<std::size_t>& settings) {
-  std::vector<std::string> methods;
-  methods.reserve(settings.size());
-  for (const std::size_t i : settings) methods.push_back(study.settings[i].setting.method);
-  return settingColors(study, methods);
-}
+// Some settings and their colours.
+struct Shown {
+  explicit Shown(const Study& study) : settings(shownSettings(study, kMostLines)) {
+    std::vector<std::string> methods;
+    for (const std::size_t i : settings) methods.push_back(study.settings[i].setting.method);
+    colors = settingColors(study, methods);
+  }
+  std::vector<std::size_t> settings, colors;
+};
 
 // A line per shown setting over bands.
-std::string bandChart(const Study& study, const std::string& title, const std::string& bands, Groups groups,
-                      const ChartAxis& y, const Error& error) {
-  const std::vector<std::size_t> shown = shownSettings(study, kMostLines);
-  const std::vector<std::size_t> colors = colorsOf(study, shown);
-  Chart chart{.title = title, .x = {.title = bands, .names = groupNames(study, shown, groups)}, .y = y};
-  chart.width = kHalfWidth;
+Chart bandChart(const Study& study, Chart chart, const char* bands, Groups groups, const Measure& measure) {
+  const Shown shown(study);
+  chart.x = {.title = bands, .names = groupNames(study, shown.settings, groups)};
+  chart.y = measure.axis();
+  chart.width = kHalf;
   chart.height = 400;
-  if (chart.x.names.empty()) return "";
-  for (std::size_t k = 0; k < shown.size(); ++k) {
-    const SettingResult& s = study.settings[shown[k]];
-    ChartSeries series{.name = s.setting.name, .color = colors[k], .mark = ChartMark::LineAndDots};
+  for (std::size_t k = 0; k < shown.settings.size(); ++k) {
+    const std::string& name = study.settings[shown.settings[k]].setting.name;
+    ChartSeries series{.name = name, .color = shown.colors[k], .mark = ChartMark::LineAndDots};
     for (std::size_t b = 0; b < chart.x.names.size(); ++b) {
-      const ErrorGroup* group = groupNamed(s.measured.errors.*groups, chart.x.names[b]);
-      const double value = group == nullptr ? kNone : error(group->errors);
-      series.points.push_back({static_cast<double>(b) + beside(k, shown.size(), 0.09), value});
-      series.details.push_back(fmt::format("{}\n{}: {}", s.setting.name, chart.x.names[b], valueText(value, y.unit)));
+      const double value = errorOf(errorsOf(study, shown.settings[k]).*groups, chart.x.names[b], measure);
+      series.points.push_back({static_cast<double>(b) + beside(k, shown.settings.size(), 0.09), value});
+      series.details.push_back(fmt::format("{}\n{}: {}", name, chart.x.names[b], measure.text(value)));
     }
     chart.series.push_back(std::move(series));
   }
-  return drawSvg(chart);
+  return chart;
 }
 
-std::string recallChart(const Study& study, const std::string& title, const std::string& sizes,
-                        std::vector<SizeRecall> BeamErrors::*recall) {
-  const std::vector<std::size_t> shown = shownSettings(study, kMostLines);
-  const std::vector<std::size_t> colors = colorsOf(study, shown);
-  Chart chart{.title = title, .note = "things of which at least one beam is met, of those that a true beam meets"};
+Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vector<SizeRecall> BeamErrors::*recall) {
+  const Shown shown(study);
+  chart.note = "things of which at least one beam is met, of those that a true beam meets";
   chart.x.title = sizes;
   chart.y = {.title = "things found", .unit = "%", .high = 1};
-  chart.width = kHalfWidth;
+  chart.width = kHalf;
   chart.height = 390;
-  if (shown.empty()) return "";
   std::vector<std::size_t> bands;
-  const std::vector<SizeRecall>& first = study.settings[shown.front()].measured.errors.*recall;
-  for (std::size_t b = 0; b < first.size(); ++b) {
-    if (first[b].things == 0) continue;
-    bands.push_back(b);
-    chart.x.names.push_back(fmt::format("{} ({})", first[b].name, first[b].things));
+  if (!shown.settings.empty()) {
+    const std::vector<SizeRecall>& first = errorsOf(study, shown.settings.front()).*recall;
+    for (std::size_t b = 0; b < first.size(); ++b) {
+      if (first[b].things == 0) continue;
+      bands.push_back(b);
+      chart.x.names.push_back(fmt::format("{} ({})", first[b].name, first[b].things));
+    }
   }
-  if (bands.empty()) return "";
-  for (std::size_t k = 0; k < shown.size(); ++k) {
-    const SettingResult& s = study.settings[shown[k]];
-    const std::vector<SizeRecall>& own = s.measured.errors.*recall;
-    ChartSeries series{.name = s.setting.name, .color = colors[k], .mark = ChartMark::LineAndDots};
+  for (std::size_t k = 0; k < shown.settings.size(); ++k) {
+    const std::string& name = study.settings[shown.settings[k]].setting.name;
+    const std::vector<SizeRecall>& own = errorsOf(study, shown.settings[k]).*recall;
+    ChartSeries series{.name = name, .color = shown.colors[k], .mark = ChartMark::LineAndDots};
     for (std::size_t at = 0; at < bands.size(); ++at) {
-      const SizeRecall* band = bands[at] < own.size() ? &own[bands[at]] : nullptr;
-      const bool any = band != nullptr && band->things > 0;
-      const double found = any ? static_cast<double>(band->thingsFound) / static_cast<double>(band->things) : kNone;
-      series.points.push_back({static_cast<double>(at) + beside(k, shown.size(), 0.09), found});
-      series.details.push_back(any ? fmt::format("{}\n{}: {} of {} things, {} of {} beams", s.setting.name, band->name,
-                                                 band->thingsFound, band->things, band->beamsFound, band->beams)
-                                   : "");
+      const SizeRecall band = bands[at] < own.size() ? own[bands[at]] : SizeRecall{};
+      const double found =
+          band.things > 0 ? static_cast<double>(band.thingsFound) / static_cast<double>(band.things) : kNone;
+      series.points.push_back({static_cast<double>(at) + beside(k, shown.settings.size(), 0.09), found});
+      series.details.push_back(fmt::format("{}\n{}: {} of {} things, {} of {} beams", name, band.name, band.thingsFound,
+                                           band.things, band.beamsFound, band.beams));
     }
     chart.series.push_back(std::move(series));
   }
-  return drawSvg(chart);
+  return chart;
 }
 
 // A row per setting, a dot per place.
-std::string placeChart(const Study& study, const std::string& title, const ChartAxis& x, const Error& error) {
+Chart placeChart(const Study& study, Chart chart, const Measure& measure) {
   const std::vector<std::size_t> rows = settingsByMethod(study, kReportRows);
   const std::vector<std::string> places = groupNames(study, rows, &BeamErrors::byPlace);
-  if (places.empty()) return "";
-  Chart chart{.title = title, .x = x};
+  chart.x = measure.axis();
+  chart.width = kHalf;
+  chart.height = 130 + 20 * static_cast<int>(rows.size());
   for (const std::size_t i : rows) chart.y.names.push_back(study.settings[i].setting.name);
   for (std::size_t k = 0; k < places.size(); ++k) {
     ChartSeries series{.name = placeText(places[k]), .color = k + 3};  // not those of methods
     for (std::size_t row = 0; row < rows.size(); ++row) {
-      const SettingResult& s = study.settings[rows[row]];
-      const ErrorGroup* group = groupNamed(s.measured.errors.byPlace, places[k]);
-      const double value = group == nullptr ? kNone : error(group->errors);
+      const double value = errorOf(errorsOf(study, rows[row]).byPlace, places[k], measure);
       series.points.push_back({value, static_cast<double>(row) + beside(k, places.size(), 0.2)});
-      series.details.push_back(fmt::format("{}\n{}: {}", s.setting.name, series.name, valueText(value, x.unit)));
+      series.details.push_back(fmt::format("{}\n{}: {}", chart.y.names[row], series.name, measure.text(value)));
     }
     chart.series.push_back(std::move(series));
   }
-  chart.width = kHalfWidth;
-  chart.height = 130 + 20 * static_cast<int>(rows.size());
-  return drawSvg(chart);
+  return chart;
 }
 
 // A row per class, the most frequent first, a dot per shown setting.
-std::string classChart(const Study& study, const std::string& title, const std::string& x, const Error& error) {
-  const std::vector<std::size_t> shown = shownSettings(study, kMostLines);
-  const std::vector<std::size_t> colors = colorsOf(study, shown);
-  if (shown.empty()) return "";
-  std::vector<std::string> names = groupNames(study, shown, &BeamErrors::byClass);
+Chart classChart(const Study& study, Chart chart, const Measure& measure) {
+  const Shown shown(study);
+  std::vector<std::string> names = groupNames(study, shown.settings, &BeamErrors::byClass);
   const auto beams = [&](const std::string& name) {
-    std::uint64_t most = 0;
-    for (const std::size_t i : shown) {
-      const ErrorGroup* group = groupNamed(study.settings[i].measured.errors.byClass, name);
-      if (group != nullptr) most = std::max(most, group->errors.beams);
-    }
+    double most = 0;
+    const Measure count{"", "", [](const GroupErrors& e) { return static_cast<double>(e.beams); }};
+    for (const std::size_t i : shown.settings) most = std::fmax(most, errorOf(errorsOf(study, i).byClass, name, count));
     return most;
   };
   std::stable_sort(names.begin(), names.end(), [&](const auto& a, const auto& b) { return beams(a) > beams(b); });
   if (names.size() > kMostClasses) names.resize(kMostClasses);
-  if (names.empty()) return "";
-  Chart chart{.title = title, .x = sharesAxis(x), .y = {.names = names}};
-  std::string spotless;
-  for (std::size_t k = 0; k < shown.size(); ++k) {
-    const SettingResult& s = study.settings[shown[k]];
-    ChartSeries series{.name = s.setting.name, .color = colors[k]};
+  std::vector<std::string> spotless;
+  for (std::size_t k = 0; k < shown.settings.size(); ++k) {
+    const std::string& name = study.settings[shown.settings[k]].setting.name;
+    ChartSeries series{.name = name, .color = shown.colors[k]};
     for (std::size_t row = 0; row < names.size(); ++row) {
-      const ErrorGroup* group = groupNamed(s.measured.errors.byClass, names[row]);
-      const double value = group == nullptr ? kNone : error(group->errors);
-      series.points.push_back({value, static_cast<double>(row) + beside(k, shown.size(), 0.11)});
-      series.details.push_back(fmt::format("{}\n{}: {}", s.setting.name, names[row], shareText(value)));
+      const double value = errorOf(errorsOf(study, shown.settings[k]).byClass, names[row], measure);
+      series.points.push_back({value, static_cast<double>(row) + beside(k, shown.settings.size(), 0.11)});
+      series.details.push_back(fmt::format("{}\n{}: {}", name, names[row], shareText(value)));
     }
     const bool errs = std::any_of(series.points.begin(), series.points.end(), [](const Vec2d& p) { return p.x > 0; });
     if (errs) {
       chart.series.push_back(std::move(series));
     } else {
-      spotless += (spotless.empty() ? "" : ", ") + s.setting.name;
+      spotless.push_back(name);
     }
   }
-  if (chart.series.empty()) return "";
-  if (!spotless.empty()) chart.note = fmt::format("none in any class: {}", spotless);
-  chart.width = kHalfWidth;
+  if (!spotless.empty()) chart.note = fmt::format("none in any class: {}", fmt::join(spotless, ", "));
+  chart.x = measure.axis();
+  chart.y.names = names;
+  chart.width = kHalf;
   chart.height = 170 + 27 * static_cast<int>(names.size());
-  return drawSvg(chart);
+  return chart;
+}
+
+// By stage, of a scan's time.
+std::map<std::string, double> sharesOfStages(const Cost& cost) {
+  if (cost.stages.empty() || cost.scanSeconds <= 0) return {{"trace", 1}};
+  double sum = 0;
+  for (const auto& [stage, seconds] : cost.stages) sum += seconds;
+  std::map<std::string, double> shares = cost.stages;
+  for (auto& [stage, seconds] : shares) seconds /= std::max(sum, cost.scanSeconds);
+  return shares;
+}
+
+Chart stagesChart(const Study& study) {
+  constexpr std::array<std::size_t, 7> kBarColors{0, 1, 2, 3, 4, 5, 7};
+  const std::vector<std::size_t> rows = settingsByMethod(study, kReportRows);
+  Chart chart{.name = "stages",
+              .title = "Where a scan's time goes",
+              .note =
+                  "median time of a scan, split as the method accounts for it; stages that run on several threads "
+                  "at once share the time by what each takes in all",
+              .x = {.title = "time a scan", .unit = "s"},
+              .stacked = true,
+              .width = kWide,
+              .height = 130 + 22 * static_cast<int>(rows.size())};
+  std::vector<std::string> stages;  // those that matter to any of the settings, and the rest
+  for (const std::size_t i : rows) {
+    chart.y.names.push_back(study.settings[i].setting.name);
+    for (const auto& [stage, share] : sharesOfStages(study.settings[i].measured.cost)) {
+      const bool known = std::find(stages.begin(), stages.end(), stage) != stages.end();
+      if (share >= kSmallStage && !known) stages.push_back(stage);
+    }
+  }
+  stages.push_back(kRest);
+  for (std::size_t k = 0; k < stages.size(); ++k) {
+    ChartSeries series{.name = wordsOf(stages[k]),
+                       .color = stages[k] == kRest ? 6 : kBarColors[k % kBarColors.size()],
+                       .mark = ChartMark::Bars};
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      const double scan = study.settings[rows[row]].measured.cost.scanSeconds;
+      const std::map<std::string, double> own = sharesOfStages(study.settings[rows[row]].measured.cost);
+      const auto secondsOf = [&](const std::string& stage) { return own.contains(stage) ? own.at(stage) * scan : 0; };
+      double seconds = secondsOf(stages[k]);
+      if (stages[k] == kRest) {
+        seconds = scan;
+        for (const std::string& stage : stages) seconds -= secondsOf(stage);
+        seconds = std::max(seconds, 0.0);
+      }
+      series.points.push_back({seconds, static_cast<double>(row)});
+      series.labels.push_back(k + 1 == stages.size() ? secondsText(scan) : "");
+      series.details.push_back(
+          fmt::format("{}\n{}: {} of {}", chart.y.names[row], stages[k], secondsText(seconds), secondsText(scan)));
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return chart;
+}
+
+Chart encodingsChart(const Study& study) {
+  Chart chart{.name = "encodings",
+              .title = "Encodings: size against speed",
+              .note = "one thread; beside each the largest error of a position, measured by decoding",
+              .x = {.title = "bytes a point (to the left is better)", .scale = AxisScale::Log},
+              .y = {.title = "points encoded a second (higher is better)", .scale = AxisScale::Log},
+              .width = kWide,
+              .height = 420};
+  for (const EncodingResult& e : study.encodings) {
+    if (!e.failure.empty()) continue;
+    auto series = std::find_if(chart.series.begin(), chart.series.end(),
+                               [&](const ChartSeries& s) { return s.name == e.format; });
+    if (series == chart.series.end()) {
+      series = chart.series.insert(series, {.name = e.format, .color = chart.series.size() % 7});
+    }
+    const std::string error = e.largestError == 0 ? "no error" : metresText(e.largestError);
+    series->points.push_back({e.bytesPerPoint, e.encodePointsPerSecond});
+    series->labels.push_back(fmt::format("{}: {}", e.name, error));
+    series->details.push_back(fmt::format("{}\n{:.2f} bytes a point, {} points/s encoded, {} points/s decoded\n{}",
+                                          e.name, e.bytesPerPoint, amountText(e.encodePointsPerSecond),
+                                          amountText(e.decodePointsPerSecond), error));
+  }
+  return chart;
+}
+
+Chart ringsChart(const Study& study) {
+  constexpr int kSteps = 48;  // of a line
+  Chart chart{
+      .name = "rings",
+      .title = "Time a scan against rings",
+      .note = "dots: measured; lines: a fixed cost and a cost per ring, fitted by least squares of relative errors",
+      .x = {.title = "rings of the sensor", .scale = AxisScale::Log},
+      .y = {.title = "time a scan", .scale = AxisScale::Log, .unit = "s"},
+      .width = kWide,
+      .height = 420};
+  const std::vector<std::pair<std::string, const RingFit*>> fits = ringFits(study);
+  // What has no method is not a method's colour.
+  std::vector<std::string> methods;
+  for (const auto& entry : fits) methods.push_back(entry.second->setting.method);
+  const std::vector<std::size_t> colors = settingColors(study, methods);
+  for (std::size_t k = 0; k < fits.size(); ++k) {
+    const auto& [name, fit] = fits[k];
+    if (fit->timings.empty()) continue;
+    ChartSeries dots{.name = name, .color = colors[k]};
+    ChartSeries line{.name = name, .color = colors[k], .mark = ChartMark::Line};
+    double least = fit->timings.front().rings, most = least;
+    for (const RingTiming& t : fit->timings) {
+      dots.points.push_back({static_cast<double>(t.rings), t.scanSeconds});
+      dots.details.push_back(fmt::format("{}\n{} rings: {}", name, t.rings, secondsText(t.scanSeconds)));
+      least = std::min<double>(least, t.rings);
+      most = std::max<double>(most, t.rings);
+    }
+    for (int i = 0; i <= kSteps; ++i) {
+      const double rings = least * std::pow(most / least, static_cast<double>(i) / kSteps);
+      const double seconds = fit->fixedSeconds + fit->secondsPerRing * rings;
+      line.points.push_back({rings, seconds > 0 ? seconds : kNone});
+    }
+    chart.series.insert(chart.series.end(), {line, dots});
+  }
+  return chart;
 }
 
 }  // namespace
 
-std::string paretoSvg(const Study& study) {
-  return rangeChart(study, 880, 540);
+std::vector<std::pair<std::string, const RingFit*>> ringFits(const Study& study) {
+  std::vector<std::pair<std::string, const RingFit*>> fits;
+  for (const RingFit& f : study.rings) fits.emplace_back(f.setting.name, &f);
+  if (study.showing) fits.emplace_back("drawing a picture of the scan", &*study.showing);
+  return fits;
 }
 
-std::string rangeFrontChart(const Study& study) {
-  return rangeChart(study, kReportWidth, 560);
-}
-
-std::string wrongFrontChart(const Study& study) {
-  Chart chart{.title = "Speed against wrong beams",
-              .note = "beams that only one of truth and setting hits, or whose class or instance differs"};
-  chart.y = sharesAxis(kWrongBeams + " (lower is better)");
-  chart.width = kReportWidth;
-  chart.height = 520;
-  return frontChart(study, std::move(chart), wrongOf, wrongFront(study));
-}
-
-std::string rangeErrorByRange(const Study& study) {
-  return bandChart(study, "Range error by range", "range", &BeamErrors::byRange, metresAxis(kRangeError), rangeErrorOf);
-}
-std::string wrongByRange(const Study& study) {
-  return bandChart(study, "Wrong beams by range", "range", &BeamErrors::byRange, sharesAxis(kWrongBeams), wrongOf);
-}
-std::string rangeErrorByIncidence(const Study& study) {
-  return bandChart(study, "Range error by incidence", "angle between beam and surface normal", &BeamErrors::byIncidence,
-                   metresAxis(kRangeError), rangeErrorOf);
-}
-std::string wrongByIncidence(const Study& study) {
-  return bandChart(study, "Wrong beams by incidence", "angle between beam and surface normal", &BeamErrors::byIncidence,
-                   sharesAxis(kWrongBeams), wrongOf);
-}
-std::string nearestByRange(const Study& study) {
-  return bandChart(study, "Distance to the nearest point, by range", "range", &BeamErrors::byRange,
-                   metresAxis(kNearest), nearestOf);
-}
-std::string nearestByIncidence(const Study& study) {
-  return bandChart(study, "Distance to the nearest point, by incidence", "angle between beam and surface normal",
-                   &BeamErrors::byIncidence, metresAxis(kNearest), nearestOf);
-}
-std::string recallByThickness(const Study& study) {
-  return recallChart(study, "Thin things found", "smallest side of the thing's box (how many things)",
-                     &BeamErrors::byThickness);
-}
-std::string recallByLength(const Study& study) {
-  return recallChart(study, "Small things found", "largest side of the thing's box (how many things)",
-                     &BeamErrors::byLength);
-}
-std::string rangeErrorByPlace(const Study& study) {
-  return placeChart(study, "Range error at edges and away from edges", metresAxis(kRangeError), rangeErrorOf);
-}
-std::string wrongByPlace(const Study& study) {
-  return placeChart(study, "Wrong beams at edges and away from edges", sharesAxis(kWrongBeams), wrongOf);
-}
-std::string wrongByClass(const Study& study) {
-  return classChart(study, "Wrong beams by class", kWrongBeams, wrongOf);
-}
-std::string falseNegativesByClass(const Study& study) {
-  return classChart(study, "False negatives by class", "beams that hit the class in truth and nothing by the setting",
-                    falseNegativesOf);
+std::vector<Chart> studyCharts(const Study& study) {
+  const char* const range = "range";
+  const char* const incidence = "angle between beam and surface normal";
+  const Groups byRange = &BeamErrors::byRange, byIncidence = &BeamErrors::byIncidence;
+  return {
+      frontChart(study,
+                 {.name = "pareto", .title = "Speed against range error", .note = sceneNote(study), .width = 880},
+                 kRangeError, rangeFront(study)),
+      frontChart(study,
+                 {.name = "wrong",
+                  .title = "Speed against wrong beams",
+                  .note = "beams that only one of truth and setting hits, or whose class or instance differs",
+                  .width = kWide},
+                 kWrong, wrongFront(study)),
+      bandChart(study, {.name = "errors_by_range", .title = "Range error by range"}, range, byRange, kRangeError),
+      bandChart(study, {.name = "errors_by_incidence", .title = "Range error by incidence"}, incidence, byIncidence,
+                kRangeError),
+      bandChart(study, {.name = "wrong_by_range", .title = "Wrong beams by range"}, range, byRange, kWrong),
+      bandChart(study, {.name = "wrong_by_incidence", .title = "Wrong beams by incidence"}, incidence, byIncidence,
+                kWrong),
+      bandChart(study, {.name = "nearest_by_range", .title = "Distance to the nearest point, by range"}, range, byRange,
+                kNearest),
+      bandChart(study, {.name = "nearest_by_incidence", .title = "Distance to the nearest point, by incidence"},
+                incidence, byIncidence, kNearest),
+      placeChart(study, {.name = "errors_by_place", .title = "Range error at edges and away from edges"}, kRangeError),
+      placeChart(study, {.name = "wrong_by_place", .title = "Wrong beams at edges and away from edges"}, kWrong),
+      classChart(study, {.name = "wrong_by_class", .title = "Wrong beams by class"}, kWrong),
+      classChart(study, {.name = "false_negatives_by_class", .title = "False negatives by class"}, kFalseNegatives),
+      recallChart(study, {.name = "things_by_thickness", .title = "Thin things found"},
+                  "smallest side of the thing's box (how many things)", &BeamErrors::byThickness),
+      recallChart(study, {.name = "things_by_length", .title = "Small things found"},
+                  "largest side of the thing's box (how many things)", &BeamErrors::byLength),
+      stagesChart(study),
+      encodingsChart(study),
+      ringsChart(study)};
 }
 
 }  // namespace scanmill

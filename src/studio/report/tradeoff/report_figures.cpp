@@ -1,7 +1,5 @@
 #include "report/tradeoff/report_figures.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -27,12 +25,6 @@ std::optional<std::size_t> ownColor(const std::string& method) {
 
 std::string placeText(const std::string& group) {
   return group == kAwayFromEdges ? "away from edges" : group == "edges" ? "at edges" : group;
-}
-
-std::string setArgument(const Setting& setting) {
-  std::string quoted;
-  for (const char c : setting.assignment()) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return fmt::format("--set '{}'", quoted);
 }
 
 std::size_t methodColor(const Study& study, const std::string& method) {

@@ -12,8 +12,6 @@ namespace scanmill {
 
 // The words for a group of BeamErrors::byPlace: "away from edges" or "at edges".
 std::string placeText(const std::string& group);
-// "--set 'method={particle: {refine: none}}'", quoted for a shell.
-std::string setArgument(const Setting& setting);
 
 // The settings that stand out, at most so many: the methods' defaults, the fastest of each method, the fronts of
 // study_figures.h. The result holds indices into Study::settings.
