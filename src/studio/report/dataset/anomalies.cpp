@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "report/page/page.h"
 #include "viewer/window/orbit_camera.h"
 
 namespace scanmill {
@@ -177,14 +178,6 @@ class AnomalySearch {
   std::set<std::uint16_t> uncounted_;
   std::vector<Anomaly> anomalies_;
 };
-
-std::string shellWord(const std::string& text) {
-  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./,:+@%";
-  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string quoted;
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return "'" + quoted + "'";
-}
 
 // From where the sensor stands, a little above, and near enough to fill a good part of the picture.
 OrbitCamera cameraOn(const Box& box) {

@@ -1,22 +1,18 @@
 #pragma once
 
-// Draws the charts of a dataset's report as SVG; a chart is empty where there is nothing to show.
+// The charts of a dataset's report.
 
 #include <string>
+#include <vector>
 
+#include "charts/chart.h"
 #include "dataset/manifest.h"
 #include "report/dataset/dataset_summary.h"
 
 namespace scanmill {
 
-std::string classPointsChart(const DatasetSummary& summary);
-std::string classObjectsChart(const DatasetSummary& summary);
-std::string splitSharesChart(const DatasetSummary& summary);  // shares of the classes, where there are several splits
-std::string ringPointsChart(const DatasetSummary& summary);   // points per ring of distance, by class
-std::string ringSharesChart(const DatasetSummary& summary);   // shares of the classes in each ring of distance
-std::string rangesChart(const DatasetSummary& summary);
-std::string intensitiesChart(const DatasetSummary& summary);
-std::string scanPointsChart(const Manifest& manifest);  // one scan after the other
+// All of them, by name; those without anything to show have no points.
+std::vector<Chart> datasetCharts(const Manifest& manifest, const DatasetSummary& summary);
 
 // A colour as "#rrggbb".
 std::string htmlColor(const Rgb& color);
@@ -28,5 +24,7 @@ struct DistanceRing {
   std::size_t first = 0, last = 0;  // steps, [first, last)
 };
 std::vector<DistanceRing> distanceRings(const DatasetSummary& summary);
+// Of points per step.
+std::uint64_t pointsIn(const std::vector<std::uint64_t>& ranges, const DistanceRing& ring);
 
 }  // namespace scanmill

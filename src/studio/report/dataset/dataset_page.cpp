@@ -4,213 +4,318 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
 #include <set>
 #include <string_view>
 
 #include "base/base64.h"
-#include "base/short_text.h"
-#include "charts/svg_text.h"
+#include "report/dataset/alike_lines.h"
 #include "report/dataset/dataset_charts.h"
 #include "report/dataset/dataset_report.h"
-#include "report/dataset/dataset_tables.h"
 #include "report/dataset/scan_view.h"
-#include "report/page/report_html.h"
-#include "study/figure_text.h"
+#include "report/page/page.h"
+#include "scan/columns.h"
 
 namespace scanmill {
 
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ClassSummary, name, id, points, scans, thing, objects, views, medianPoints,
+                                   pointsWithoutId)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SequenceSummary, name, scene, seed, trajectory, split, samples, scans, points,
+                                   seconds)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SplitSummary, name, samples, scans, points, shards, bytes)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ShardRecord, file, split, samples, bytes, sha256)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FormatRecord, name, suffix, maxErrorMetres)
+
 namespace {
 
-constexpr const char* kWarningCss = R"(
-.card.warn,.card.notes{margin:14px 0}
-.card.warn{border-left-color:var(--bad)}
-.card.warn h2,.card.notes h2{margin:0 0 4px;font-size:16px}.card.warn h2{color:var(--bad)}
-.card.warn li,.card.notes li{margin:3px 0}.card.warn details,.card.notes details{margin:2px 0}
-.card.warn pre,.card.notes pre{max-height:40vh;overflow:auto}
-)";
+constexpr std::size_t kMostRows = 2000;   // a browser shows more of them slowly
+constexpr std::size_t kMostPlaces = 200;  // are enough to find a cause
 
-std::string listOf(const std::vector<std::string>& lines) {
-  std::string items;
-  for (const std::string& line : lines) items += fmt::format("<li>{}</li>\n", escapeXml(line));
-  return items.empty() ? "" : fmt::format("<ul>\n{}</ul>\n", items);
-}
-
-// The first of them are enough to find the cause.
-std::string placesOf(const DatasetWarning& warning) {
-  constexpr std::size_t kMost = 200;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(warning.places.size(), kMost); ++i) text += warning.places[i] + "\n";
-  if (warning.places.size() > kMost) text += fmt::format("... and {} more\n", warning.places.size() - kMost);
-  if (warning.places.size() == 1) return fmt::format("<br><code>{}</code>", escapeXml(warning.places.front()));
-  return text.empty() ? "" : htmlDetails("Where", htmlCode(text));
-}
-
-std::string remarks(const DatasetReport& report, bool notes) {
-  std::string items;
-  std::size_t count = 0;
-  for (const DatasetWarning& w : report.warnings) {
-    if (w.note != notes) continue;
-    const std::string command = w.command.empty() ? "" : fmt::format("<code>{}</code>", escapeXml(w.command));
-    items += fmt::format("<li>{}{}{}</li>\n", escapeXml(w.text), placesOf(w), command);
-    ++count;
+std::string meaningOf(const std::string& name) {
+  const std::size_t axis = std::string_view("xyz").find(name);
+  if (name.size() == 1 && axis < 3) {
+    return fmt::format("m, sensor frame: {}", std::array{"forward", "left", "up"}[axis]);
   }
-  if (count == 0) return "";
-  return fmt::format("<div class=\"card {}\" id=\"{}\">\n<h2>{}</h2>\n<ul>\n{}</ul>\n</div>\n",
-                     notes ? "notes" : "warn", notes ? "notes" : "warnings",
-                     pluralOf(count, notes ? "note" : "warning"), items);
+  const std::size_t index = columnIndex(name);
+  if (index == kColumnCount) return "";
+  const Column& column = kColumns[index];
+  return fmt::format("{}{}{}", column.unit, column.unit.empty() ? "" : ", ", column.meaning);
 }
 
-// Methods tell these of every scene and seed; equal lines are there once. Where all differ, each is told whose it is:
-// they stand in the scenes' order.
-std::vector<std::string> modelledLines(const DatasetReport& report) {
-  constexpr std::array<std::string_view, 3> kOfScenes{"instancing", "alpha cut-outs", "reflectance textures"};
-  std::vector<std::string> scenes;
-  for (const SequenceSummary& s : report.summary.sequences) {
-    const std::string scene = fmt::format("{}, seed {}", s.scene, s.seed);
-    if (s.scene.empty()) return report.manifest.modelled;
-    if (std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) scenes.push_back(scene);
+// The values of the template dataset.html.
+class DatasetPage {
+ public:
+  explicit DatasetPage(const DatasetReport& report) : report_(report), m_(report.manifest), s_(report.summary) {}
+
+  Json values() {
+    facts();
+    remarks();
+    next();
+    pictures();
+    classes();
+    objects();
+    rings();
+    reasons();
+    sensors();
+    scenes();
+    parts();
+    page_["charts"] = chartValues(datasetCharts(m_, s_));
+    return std::move(page_);
   }
-  const auto topicOf = [](const std::string& line) { return line.substr(0, line.find(": ")); };
-  std::map<std::string, std::size_t> lines, next;
-  for (const std::string& line : report.manifest.modelled) ++lines[topicOf(line)];
-  std::vector<std::string> named;
-  for (const std::string& line : report.manifest.modelled) {
-    const std::string topic = topicOf(line);
-    const bool ofScenes = lines[topic] > 1 && lines[topic] == scenes.size() &&
-                          std::find(kOfScenes.begin(), kOfScenes.end(), topic) != kOfScenes.end();
-    named.push_back(ofScenes ? fmt::format("{} ({})", line, scenes[next[topic]++]) : line);
-  }
-  return named;
-}
 
-std::string titleOf(const DatasetReport& report) {
-  const std::string& name = report.manifest.name;
-  return "Dataset " + (report.folder.empty() || report.folder == name ? name : name + " (" + report.folder + ")");
-}
-
-std::string facts(const DatasetReport& report) {
-  const Manifest& m = report.manifest;
-  const DatasetSummary& s = report.summary;
-  std::string out;
-  const auto fact = [&](const char* name, const std::string& value) {
-    if (!value.empty()) out += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, escapeXml(value));
-  };
-  std::uint64_t bytes = 0;
-  for (const ShardRecord& shard : m.shards) bytes += shard.bytes;
-  std::vector<std::string> splits, sensors;
-  std::set<std::string> methods;
-  for (const SplitSummary& split : s.splits) splits.push_back(fmt::format("{} {}", split.name, split.samples));
-  for (const SensorRecord& r : m.sensors) sensors.push_back(fmt::format("{} ({})", r.name, r.beams.model));
-  for (const SensorSummary& r : s.sensors) methods.insert(r.methods.begin(), r.methods.end());
-  const double hits = s.beams == 0 ? 0 : static_cast<double>(s.points) / static_cast<double>(s.beams);
-  fact("Samples", fmt::format("{}{}", s.samples,
-                              splits.size() > 1 ? fmt::format(": {}", fmt::join(splits, ", ")) : std::string()));
-  fact("Scans", fmt::format("{}, {} points of {} beams ({})", s.scans, amountText(static_cast<double>(s.points)),
-                            amountText(static_cast<double>(s.beams)), shareText(hits)));
-  fact("Size", fmt::format("{} in {}", shortBytes(static_cast<double>(bytes)), pluralOf(m.shards.size(), "shard")));
-  fact("Sensors", fmt::format("{}", fmt::join(sensors, ", ")));
-  fact("Method", fmt::format("{}", fmt::join(methods, ", ")));
-  if (m.chosen) fact("Chosen", fmt::format("{}: {}", m.chosen->setting, m.chosen->why));
-  fact(
-      "Layout",
-      fmt::format("{}{}", m.organised ? "organised: misses are kept, without a position" : "dense: misses are left out",
-                  m.deskewed ? "; deskewed" : ""));
-  fact("Classes", fmt::format("ontology {}{}", m.ontology.name,
-                              m.ontology.source.empty() ? "" : fmt::format(" ({})", m.ontology.source)));
-  fact("Made by", fmt::format("Scanmill {}, seed {}", m.programVersion, m.seed));
-  fact("Read for this page",
-       s.scansRead == s.scans
-           ? std::string("all scans")
-           : fmt::format("{} of {}{}", s.scansRead, pluralOf(s.scans, "scan"),
-                         s.scansChosen < s.scans ? ", spread evenly; what needs points is of these" : ""));
-  return fmt::format("<dl class=\"facts\">\n{}</dl>\n", out);
-}
-
-// As high as wide pixels make them legible.
-std::string reasonImages(const DatasetReport& report) {
-  std::string out;
-  for (const PicturedScan& scan : report.reasonImages) {
-    const std::string caption =
-        escapeXml(fmt::format("{} ({}), a row per ring and a column per column", scan.title, scan.split));
-    out += fmt::format(
-        "<figure class=\"picture\"><img style=\"width:100%;height:220px;image-rendering:pixelated\" "
-        "src=\"data:image/png;base64,{0}\" alt=\"{1}\"><figcaption>{1}</figcaption></figure>\n",
-        base64(scan.pictures.front().second), caption);
-  }
-  return out;
-}
-
-std::string pictures(const DatasetReport& report) {
-  std::string out;
-  for (const PicturedScan& scan : report.pictured) {
-    for (const auto& [color, png] : scan.pictures) {
-      const std::string caption = escapeXml(fmt::format("{} ({}), by {}", scan.title, scan.split, color));
-      out += fmt::format(
-          "<figure class=\"picture\"><img src=\"data:image/png;base64,{0}\" alt=\"{1}\">"
-          "<figcaption>{1}</figcaption></figure>\n",
-          base64(png), caption);
+ private:
+  void facts() {
+    const std::string& folder = report_.folder;
+    std::uint64_t bytes = 0;
+    for (const ShardRecord& shard : m_.shards) bytes += shard.bytes;
+    std::set<std::string> methods;
+    for (const SensorSummary& r : s_.sensors) methods.insert(r.methods.begin(), r.methods.end());
+    page_ = {{"title", "Dataset " + (folder.empty() || folder == m_.name ? m_.name : m_.name + " (" + folder + ")")},
+             {"samples", s_.samples},
+             {"several_splits", s_.splits.size() > 1},
+             {"scans", s_.scans},
+             {"points", s_.points},
+             {"beams", s_.beams},
+             {"bytes", bytes},
+             {"shard_count", m_.shards.size()},
+             {"methods", methods},
+             {"organised", m_.organised},
+             {"deskewed", m_.deskewed},
+             {"ontology", {{"name", m_.ontology.name}, {"source", m_.ontology.source}}},
+             {"program", m_.programVersion},
+             {"seed", m_.seed},
+             {"all_read", s_.scansRead == s_.scans},
+             {"chosen_few", s_.scansChosen < s_.scans},
+             {"scans_read", s_.scansRead},
+             {"points_read", s_.pointsRead},
+             {"labelled", s_.labelled},
+             {"view", report_.view},
+             {"picture_seed", report_.seed},
+             {"hashed", report_.hashed},
+             {"modelled", alikeLines(m_.modelled)},
+             {"pipeline_sha256", m_.pipelineSha256},
+             {"pipeline_text", m_.pipelineText}};
+    if (m_.chosen) page_["chosen"] = {{"setting", m_.chosen->setting}, {"why", m_.chosen->why}};
+    for (const SplitSummary& s : s_.splits) page_["split_texts"].push_back(fmt::format("{} {}", s.name, s.samples));
+    for (const SensorRecord& r : m_.sensors) {
+      page_["sensor_texts"].push_back(fmt::format("{} ({})", r.name, r.beams.model));
     }
   }
-  return out.empty() ? "" : fmt::format("<div class=\"figures\">\n{}</div>\n", out);
-}
+
+  void remarks() {
+    for (const DatasetWarning& w : report_.warnings) {
+      Json remark{{"text", w.text}, {"command", w.command}};
+      if (w.places.size() == 1) {
+        remark["place"] = w.places.front();
+      } else if (!w.places.empty()) {
+        const std::size_t shown = std::min(w.places.size(), kMostPlaces);
+        remark["places"] = std::vector<std::string>(w.places.begin(), w.places.begin() + static_cast<long>(shown));
+        remark["more_places"] = w.places.size() - shown;
+      }
+      Json& card = page_[w.note ? "notes" : "warnings"];
+      card["remarks"].push_back(std::move(remark));
+      card["count"] = card["remarks"].size();
+    }
+  }
+
+  // What decides which commands help; the template has the commands.
+  void next() {
+    const auto holds = [&](const char* split) {
+      return std::any_of(s_.splits.begin(), s_.splits.end(),
+                         [&](const SplitSummary& s) { return s.name == split && s.samples > 0; });
+    };
+    const auto command = std::find_if(report_.warnings.begin(), report_.warnings.end(),
+                                      [](const DatasetWarning& w) { return !w.command.empty(); });
+    page_.update({{"path", shellWord(report_.path)},
+                  {"damaged", std::any_of(report_.shardFaults.begin(), report_.shardFaults.end(),
+                                          [](const std::string& fault) { return !fault.empty(); })},
+                  {"looks", command == report_.warnings.end() ? "" : command->command},
+                  {"first_sample", m_.samples.empty() ? "" : shellWord(m_.samples.front().key)},
+                  {"validated", holds("train") && (holds("val") || holds("test"))},
+                  {"one_sequence", s_.sequences.size() < 2},
+                  {"has_objects", !report_.objects.ofClass.empty()}});
+  }
+
+  void pictures() {
+    for (const PicturedScan& scan : report_.pictured) {
+      for (const auto& [color, png] : scan.pictures) {
+        page_["pictured"].push_back(
+            {{"caption", fmt::format("{} ({}), by {}", scan.title, scan.split, color)}, {"png", base64(png)}});
+      }
+    }
+    for (const PicturedScan& scan : report_.reasonImages) {
+      page_["reason_images"].push_back(
+          {{"caption", fmt::format("{} ({}), a row per ring and a column per column", scan.title, scan.split)},
+           {"png", base64(scan.pictures.front().second)}});
+    }
+  }
+
+  void classes() {
+    page_["all_points"] = s_.points;
+    page_["class_splits"] = page_["instance_columns"] = page_["classes"] = Json::array();
+    for (const SplitSummary& s : s_.splits) {
+      if (s.samples > 0 && s_.splits.size() > 1) page_["class_splits"].push_back({{"name", s.name}});
+    }
+    if (s_.instanced && s_.labelled) page_["instance_columns"].push_back(Json::object());
+    for (const ClassSummary& c : s_.classes) {
+      if (c.points == 0) continue;
+      Json row = c;
+      row["class_splits"] = Json::array();
+      for (const Json& split : page_["class_splits"]) {
+        const auto own = c.pointsOfSplit.find(split["name"]);
+        row["class_splits"].push_back({{"points", own == c.pointsOfSplit.end() ? 0 : own->second}});
+      }
+      if (!c.thing && c.objects == 0) row["objects"] = row["views"] = nullptr;
+      if (c.views == 0) row["medianPoints"] = nullptr;
+      row["instance_columns"] = page_["instance_columns"];
+      page_["classes"].push_back(std::move(row));
+    }
+    std::map<std::string, std::uint64_t> mixed;
+    for (const MixedInstance& m : s_.mixed) {
+      if (!m.usual) continue;
+      std::vector<std::string> names;
+      for (const ClassSummary& c : s_.classes) {
+        if (m.pointsOfClass.contains(c.id)) names.push_back(c.name);
+      }
+      ++mixed[fmt::format("{}", fmt::join(names, ", "))];
+    }
+    for (const auto& [name, count] : mixed) page_["mixed"].push_back({{"name", name}, {"count", count}});
+  }
+
+  void objects() {
+    if (report_.objects.ofClass.empty()) return;
+    page_["object_samples"] = report_.objects.samples;
+    for (const char* step : kVisibilitySteps) page_["visibility"].push_back({{"title", step}});
+    Json classes{{"by", "class"}, {"rows", Json::array()}}, distances{{"by", "distance"}, {"rows", Json::array()}};
+    const auto add = [](Json& table, const std::string& name, const VisibilityCounts& counts) {
+      Json row{{"name", name}, {"views", std::accumulate(counts.begin(), counts.end(), std::uint64_t{0})}};
+      for (const std::uint64_t part : counts) row["visibility"].push_back({{"part", part}});
+      if (row["views"] > 0) table["rows"].push_back(std::move(row));
+    };
+    for (const auto& [id, own] : report_.objects.ofClass) add(classes, m_.ontology.find(id)->name, own);
+    for (std::size_t i = 0; i <= kDistanceSteps.size(); ++i) {
+      const double from = i == 0 ? 0 : kDistanceSteps[i - 1];
+      add(distances,
+          i < kDistanceSteps.size() ? fmt::format("{} to {} m", from, kDistanceSteps[i])
+                                    : fmt::format("from {} m", from),
+          report_.objects.ofDistance[i]);
+    }
+    page_["objects"] = {classes, distances};
+  }
+
+  void rings() {
+    page_["several_sensors"] = page_["rings"] = Json::array();
+    for (const SensorSummary& s : s_.sensors) {
+      if (s_.sensors.size() > 1) page_["several_sensors"].push_back({{"name", s.name}});
+    }
+    for (const DistanceRing& ring : distanceRings(s_)) {
+      std::uint64_t points = 0;
+      Json row{{"name", ring.name}, {"several_sensors", Json::array()}};
+      for (const SensorSummary& s : s_.sensors) {
+        const std::uint64_t own = pointsIn(s.ranges, ring);
+        points += own;
+        Json cell = Json::object();
+        if (s.scansRead > 0) cell["a_scan"] = static_cast<double>(own) / static_cast<double>(s.scansRead);
+        if (s_.sensors.size() > 1) row["several_sensors"].push_back(std::move(cell));
+      }
+      row["points"] = points;
+      page_["rings"].push_back(std::move(row));
+    }
+  }
+
+  void reasons() {
+    for (const SensorSummary& s : s_.sensors) {
+      if (!s.beamsPerReason.empty()) page_["reason_sensors"].push_back({{"name", s.name}});
+    }
+    for (const ReasonEntry& r : scanmill::reasons()) {
+      Json row{{"name", r.name}, {"color", htmlColor(r.color)}, {"meaning", r.meaning}};
+      std::uint64_t found = 0;
+      for (const SensorSummary& s : s_.sensors) {
+        if (s.beamsPerReason.empty()) continue;
+        std::uint64_t all = 0;
+        for (const auto& entry : s.beamsPerReason) all += entry.second;
+        const auto own = s.beamsPerReason.find(static_cast<std::uint8_t>(r.reason));
+        const std::uint64_t beams = own == s.beamsPerReason.end() ? 0 : own->second;
+        row["reason_sensors"].push_back({{"beams", beams}, {"all_beams", all}});
+        found += beams;
+      }
+      if (found > 0) page_["reasons"].push_back(std::move(row));
+    }
+  }
+
+  void sensors() {
+    for (std::size_t i = 0; i < m_.sensors.size(); ++i) {
+      const SensorRecord& s = m_.sensors[i];
+      const SensorSummary& sum = s_.sensors[i];
+      const BeamTable& b = s.beams;
+      const Quat& q = s.vehicleFromSensor.rotation;
+      const Vec3d& t = s.vehicleFromSensor.translation;
+      Json row{{"name", s.name},
+               {"model", b.model},
+               {"rings", b.rings},
+               {"columns", b.columns},
+               {"least_range", b.minRange},
+               {"most_range", b.maxRange},
+               {"field", degrees(b.field)},
+               {"period", b.period},
+               {"x", t.x},
+               {"y", t.y},
+               {"z", t.z},
+               // The inverse of fromYawPitchRoll().
+               {"yaw", degrees(std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))) + 0.0},
+               {"pitch", degrees(std::asin(std::clamp(2 * (q.w * q.y - q.z * q.x), -1.0, 1.0))) + 0.0},
+               {"roll", degrees(std::atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y))) + 0.0},
+               {"own_methods", sum.methods},
+               {"scans", sum.scans},
+               {"points", sum.points},
+               {"beams", sum.beams},
+               {"source", b.source}};
+      const auto ends = std::minmax_element(b.elevation.begin(), b.elevation.end());
+      if (!b.elevation.empty()) row.update({{"lowest", degrees(*ends.first)}, {"highest", degrees(*ends.second)}});
+      page_["sensors"].push_back(std::move(row));
+    }
+  }
+
+  void scenes() {
+    page_["all_samples"] = s_.samples;
+    page_["splits"] = s_.splits;
+    list("sequences", s_.sequences);
+  }
+
+  template <class Rows>
+  void list(const char* name, const Rows& rows) {
+    page_[name] = Json::array();
+    for (std::size_t i = 0; i < std::min(rows.size(), kMostRows); ++i) page_[name].push_back(rows[i]);
+    page_[std::string("more_") + name] = rows.size() - page_[name].size();
+  }
+
+  void parts() {
+    constexpr std::size_t kHashShown = 12;
+    list("shards", m_.shards);
+    for (std::size_t i = 0; i < page_["shards"].size(); ++i) {
+      page_["shards"][i].update(
+          {{"sha256_begin", m_.shards[i].sha256.substr(0, kHashShown)}, {"fault", report_.shardFaults[i]}});
+    }
+    for (const std::string& c : m_.columns) page_["columns"].push_back({{"name", c}, {"meaning", meaningOf(c)}});
+    page_["formats"] = m_.formats;
+  }
+
+  const DatasetReport& report_;
+  const Manifest& m_;
+  const DatasetSummary& s_;
+  Json page_;
+};
 
 }  // namespace
 
 std::string datasetPage(const DatasetReport& report) {
-  const Manifest& m = report.manifest;
-  const DatasetSummary& s = report.summary;
-  const std::string read =
-      s.scansRead == s.scans ? "All scans were read." : fmt::format("{} of {} scans were read.", s.scansRead, s.scans);
-  std::vector<HtmlSection> sections;
-  sections.push_back({"pictures", "Pictures",
-                      fmt::format("Random samples (seed {}), from behind and above the sensor. Click a picture to "
-                                  "enlarge it.",
-                                  report.seed),
-                      pictures(report)});
-  sections.push_back({"view", "In 3D", "The same scans, in the sensor's frame: x forward, y left, z up.", report.view});
-  sections.push_back(
-      {"classes", "Classes",
-       s.labelled ? "Points and scans are of the whole dataset; classes without points are left out. " + read : "",
-       s.labelled ? htmlFigures({classPointsChart(s), splitSharesChart(s), classObjectsChart(s)}) + classesOverview(s)
-                  : htmlParagraph("The scans have no class labels."),
-       true});
-  const std::string mixed = mixedInstances(s);
-  sections.push_back(
-      {"instances", "Instances of several classes",
-       "Things may have parts of different classes. These combinations are common here, hence no warning; "
-       "instances with rarer ones are listed at the top of the page.",
-       mixed});
-  sections.push_back(
-      {"objects", "How much is seen of objects",
-       fmt::format("Every object that the range of a sensor reaches, in {}: whether the scan has points of "
-                   "it, and how many of the beams that would meet it nothing else blocks.",
-                   pluralOf(report.objects.samples, "sample")),
-       objectsOverview(m, report.objects), true});
-  sections.push_back({"distances", "Distances and intensities", read,
-                      htmlFigures({ringPointsChart(s), ringSharesChart(s), rangesChart(s), intensitiesChart(s)}) +
-                          htmlDetails("The figures of the rings", distancesOverview(s))});
-  sections.push_back({"reasons", "For every beam a reason",
-                      "What the nearest return of each beam comes from, or why it has none; of all scans.",
-                      reasonsOverview(s) + reasonImages(report), true});
-  sections.push_back({"sensors", "Sensors", "", sensorsOverview(m, s) + htmlFigures({scanPointsChart(m)}), true});
-  sections.push_back({"sequences", "Scenes and sequences",
-                      "A sequence is one scene with one seed, driven along one trajectory; whole sequences share a "
-                      "split.",
-                      sequencesOverview(s), true});
-  sections.push_back({"splits", "Splits", "", splitsOverview(s)});
-  sections.push_back({"shards", "Shards",
-                      report.hashed ? "Sizes and SHA-256 were compared with the manifest's."
-                                    : "Sizes were compared with the manifest's; `scanmill verify` compares the bytes.",
-                      shardsOverview(m, report.shardFaults), true});
-  sections.push_back({"format", "Columns and formats", "", columnsOverview(m) + formatsOverview(m)});
-  sections.push_back({"modelled", "What was modelled", "", listOf(modelledLines(report))});
-  sections.push_back({"pipeline", "Pipeline", "",
-                      htmlParagraph("SHA-256 " + m.pipelineSha256, "small") +
-                          htmlDetails("The pipeline's text, overrides as comments", htmlCode(m.pipelineText))});
-  HtmlExtras extras;
-  if (!report.view.empty()) extras = scanViewExtras();
-  extras.css += kWarningCss;
-  return htmlPage(titleOf(report), remarks(report, false) + remarks(report, true) + facts(report), sections, extras);
+  PageExtras extras{.css = std::string(kDatasetStyle)};
+  if (!report.view.empty()) {
+    extras.css += kScanViewStyle;
+    extras.scripts = {std::string(kThreeScript), std::string(kOrbitScript), std::string(kScanViewScript)};
+  }
+  return fillPage(kDatasetTemplate, DatasetPage(report).values(), extras);
 }
 
 }  // namespace scanmill

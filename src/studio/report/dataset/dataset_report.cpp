@@ -73,6 +73,7 @@ class Examination {
       : folder_(folder), options_(options) {
     report_.manifest = readManifest(folder);
     report_.folder = nameOf(folder);
+    report_.path = folder.string();
     report_.seed = options.seed;
   }
 

@@ -32,6 +32,7 @@ struct PicturedScan {
 
 struct DatasetReport {
   std::string folder;  // the name of the dataset's folder
+  std::string path;    // the folder as it was named
   Manifest manifest;
   DatasetSummary summary;
   std::vector<std::string> shardFaults;  // one per shard of the manifest; empty where the shard is sound
@@ -40,7 +41,7 @@ struct DatasetReport {
   std::vector<PicturedScan> pictured;
   std::vector<PicturedScan> reasonImages;  // of the same scans, as far as they have them
   ObjectCounts objects;                    // of the samples whose scans were read for figures
-  std::string view;                        // HTML of the scans in 3D
+  std::string view;                        // the scans in 3D, as scanView() writes them
   std::uint64_t seed = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 
+#include "report/dataset/alike_lines.h"
 #include "report/dataset/anomalies.h"
 #include "study/figure_text.h"
 
@@ -89,15 +90,16 @@ class Warnings {
     if (!none.empty()) {
       const auto known = std::count_if(sum_.classes.begin(), sum_.classes.end(),
                                        [](const ClassSummary& c) { return c.id != 0 && c.known; });
-      add(fmt::format("No points of {} of the ontology's {} classes: {}.", none.size(), known, fmt::join(none, ", ")));
+      add(fmt::format("No points of {} of the ontology's {} classes: {}.", none.size(), known,
+                      fmt::join(alikeLines(none), ", ")));
       list_.back().note = true;  // few scenes have all of them
     }
     const auto few = classesWhere([&](const ClassSummary& c) {
       return c.id != 0 && c.points > 0 && shareOf(c.points, sum_.points) < kFewClassPoints;
     });
-    if (!few.empty()) add(fmt::format("Fewer than 1 in 10,000 points each: {}.", fmt::join(few, ", ")));
+    if (!few.empty()) add(fmt::format("Fewer than 1 in 10,000 points each: {}.", fmt::join(alikeLines(few), ", ")));
     const auto unknown = classesWhere([](const ClassSummary& c) { return !c.known; });
-    if (!unknown.empty()) add(fmt::format("The ontology does not know: {}.", fmt::join(unknown, ", ")));
+    if (!unknown.empty()) add(fmt::format("The ontology does not know: {}.", fmt::join(alikeLines(unknown), ", ")));
     for (const ClassSummary& c : sum_.classes) {
       if (c.id != 0 || c.points <= fromNothing()) continue;
       add(fmt::format("{} of the points are unlabelled, in {}.", shareText(shareOf(c.points, sum_.points)),
@@ -128,7 +130,8 @@ class Warnings {
         const auto names = classesWhere([&](const ClassSummary& c) {
           return c.id != 0 && c.pointsOfSplit.contains(here) && !c.pointsOfSplit.contains(absent);
         });
-        if (!names.empty()) add(fmt::format("In {} but not in {}: {}.", here, absent, fmt::join(names, ", ")));
+        if (!names.empty())
+          add(fmt::format("In {} but not in {}: {}.", here, absent, fmt::join(alikeLines(names), ", ")));
       };
       only(train->name, other.name);
       only(other.name, train->name);
@@ -164,26 +167,29 @@ class Warnings {
     return *std::find_if(sum_.classes.begin(), sum_.classes.end(), [&](const ClassSummary& c) { return c.id == id; });
   }
 
+  // Things of one class that are found for one reason are one warning, with the others below the first: a tree may have
+  // fifty baubles.
   void things() {
     if (!sum_.instanced || !sum_.labelled) return;
-    constexpr std::size_t kMost = 20;  // on their own; the others are listed
     const std::vector<Anomaly> anomalies = findAnomalies(sum_);
     std::map<std::uint16_t, std::size_t> withId;
     for (const Anomaly& a : anomalies) withId[sum_.things[a.thing].mostClass] += a.like ? 0 : 1;
-    std::vector<std::string> more;
-    for (std::size_t i = 0; i < anomalies.size(); ++i) {
-      const ThingSummary& thing = sum_.things[anomalies[i].thing];
-      const std::string text = anomalies[i].like ? sizeText(anomalies[i]) : idText(thing, withId[thing.mostClass]);
+    std::map<std::pair<std::uint16_t, std::optional<std::uint16_t>>, std::size_t> warningOf;
+    for (const Anomaly& anomaly : anomalies) {
+      const ThingSummary& thing = sum_.things[anomaly.thing];
+      const auto [at, first] = warningOf.try_emplace({thing.mostClass, anomaly.like}, list_.size());
       const std::string command = viewCommand(folder_, thing, sum_.sensors.size() > 1);
-      if (i < kMost) {
-        add(text);
+      if (first) {
+        add(anomaly.like ? sizeText(anomaly) : idText(thing, withId[thing.mostClass]));
         list_.back().command = command;
       } else {
-        more.push_back(fmt::format("{}  {}", text, command));
+        list_[at->second].places.push_back(fmt::format("instance {} of {}: {}", thing.id, thing.sequence, command));
       }
     }
-    if (!more.empty())
-      add(fmt::format("{} more likely to have the wrong class.", pluralOf(more.size(), "thing")), more);
+    for (const auto& [key, at] : warningOf) {
+      if (const std::size_t more = list_[at].places.size(); more > 0)
+        list_[at].text += fmt::format(" And {} more.", more);
+    }
   }
 
   std::string idText(const ThingSummary& thing, std::size_t likeIt) const {

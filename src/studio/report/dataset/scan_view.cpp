@@ -11,38 +11,18 @@
 
 #include "base/base64.h"
 #include "report/dataset/scan_thinning.h"
+#include "report/page/page.h"
 #include "viewer/color_map.h"
 
 namespace scanmill {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr const char* kThreeLicence = R"(/*
-three.js, https://threejs.org: Debian's package libjs-three. The following holds for this script alone.
-
-The MIT License
-Copyright (c) 2010-2019 three.js authors
-
-Permission is hereby granted, free of charge, to any person obtaining a copy of this software and associated
-documentation files (the "Software"), to deal in the Software without restriction, including without limitation the
-rights to use, copy, modify, merge, publish, distribute, sublicense, and/or sell copies of the Software, and to permit
-persons to whom the Software is furnished to do so, subject to the following conditions:
-
-The above copyright notice and this permission notice shall be included in all copies or substantial portions of the
-Software.
-
-THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING BUT NOT LIMITED TO THE
-WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE AUTHORS OR
-COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR
-OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE.
-*/
-)";
+using OrderedJson = nlohmann::ordered_json;
 
 // Little-endian, whatever this machine is.
 template <class Number>
-Json column(const std::vector<std::uint32_t>& numbers) {
+OrderedJson column(const std::vector<std::uint32_t>& numbers) {
   std::string bytes;
   bytes.reserve(numbers.size() * sizeof(Number));
   for (const std::uint32_t n : numbers) {
@@ -52,7 +32,7 @@ Json column(const std::vector<std::uint32_t>& numbers) {
 }
 
 // As narrow as they allow.
-Json narrowColumn(const std::vector<std::uint32_t>& numbers) {
+OrderedJson narrowColumn(const std::vector<std::uint32_t>& numbers) {
   const std::uint32_t most = numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end());
   return most < 1u << 8    ? column<std::uint8_t>(numbers)
          : most < 1u << 16 ? column<std::uint16_t>(numbers)
@@ -69,11 +49,11 @@ class ViewData {
     json_["shown"] = points_.size();
   }
 
-  Json made() {
+  OrderedJson made() {
     positions();
     classes();
     instances();
-    json_["values"] = Json::array();
+    json_["values"] = OrderedJson::array();
     visitTable(scan_, [&](auto key, const auto& values) {
       if (!key.row.display.inReport) return;
       const std::string_view unit = key.row.display.unit == "deg" ? "\xC2\xB0" : key.row.display.unit;
@@ -114,7 +94,7 @@ class ViewData {
       if (isFinite(scan_.position[i])) ++counts[scan_[kLabel][i]];
     }
     std::map<std::uint16_t, std::uint32_t> indexOf;
-    Json classes = Json::array();
+    OrderedJson classes = OrderedJson::array();
     for (const auto& [id, count] : counts) {
       const SemanticClass* known = ontology_.find(id);
       indexOf.emplace(id, static_cast<std::uint32_t>(indexOf.size()));
@@ -133,7 +113,7 @@ class ViewData {
     if (scan_[kInstance].empty()) return;
     std::map<std::uint32_t, std::uint32_t> indexOf;
     for (const std::size_t i : points_) indexOf.emplace(scan_[kInstance][i], 0);
-    Json ids = Json::array(), colors = Json::array();
+    OrderedJson ids = OrderedJson::array(), colors = OrderedJson::array();
     std::uint32_t next = 0;
     for (auto& [id, index] : indexOf) {
       index = next++;
@@ -172,7 +152,7 @@ class ViewData {
       const double v = factor * static_cast<double>(values[i]);
       places.push_back(static_cast<std::uint32_t>(std::isfinite(v) ? std::round((v - low) / step) : kNone));
     }
-    Json made = narrowColumn(places);
+    OrderedJson made = narrowColumn(places);
     made.update({{"name", name}, {"unit", unit}, {"whole", whole}, {"low", low}, {"step", step}});
     json_["values"].push_back(std::move(made));
   }
@@ -180,61 +160,20 @@ class ViewData {
   const Scan& scan_;
   const Ontology& ontology_;
   std::vector<std::size_t> points_;  // indices into the scan
-  Json json_;
+  OrderedJson json_;
 };
-
-// JSON that a <script> element can hold: "<" stands in strings alone, where an escape says the same.
-std::string inScript(const Json& json) {
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char c : text) {
-    if (c == '<') {
-      safe += "\\u003c";
-    } else {
-      safe += c;
-    }
-  }
-  return safe;
-}
 
 }  // namespace
 
 std::string scanView(const std::vector<ViewedScan>& scans, const Ontology& ontology) {
   if (scans.empty()) return "";
   constexpr int kMapColors = 64;
-  Json data;
+  OrderedJson data;
   for (int i = 0; i < kMapColors; ++i) data["viridis"].push_back(viridis(static_cast<double>(i) / (kMapColors - 1)));
   data["background"] = kBackground;
   data["none"] = kNoValue;
   for (const ViewedScan& viewed : scans) data["scans"].push_back(ViewData(viewed, ontology).made());
-  return fmt::format(
-      R"(<div class="scanview" id="scanview">
-<div class="bar">
-<label>Scan <select id="sv-scan"></select></label>
-<label>Colour <select id="sv-color"></select></label>
-<label>Points <input type="range" id="sv-size" min="1" max="8" step="0.5" value="2.5"></label>
-<button type="button" id="sv-reset">Reset view</button>
-<button type="button" id="sv-above">From above</button>
-</div>
-<p class="small" id="sv-thinned"></p>
-<div class="stage"><canvas id="sv-canvas" tabindex="0" aria-label="Points in 3D"></canvas><div id="sv-scale"></div>
-<div id="sv-point" aria-live="polite"></div><p id="sv-nothing" hidden></p></div>
-<div class="classes" id="sv-classes"></div>
-<p class="small">Drag turns, the right button (or shift) moves, the wheel zooms once the picture was clicked. Point at a
-point to read it, click to keep it. A click on a class hides it, a double click shows it alone.</p>
-<p class="small">Drawn by three.js, Copyright 2010-2019 three.js authors, MIT licence (its text is in this file).</p>
-<noscript><p>Scripts are switched off: only the pictures show the scans.</p></noscript>
-</div>
-<script type="application/json" id="scan-data">{}</script>
-)",
-      inScript(data));
-}
-
-HtmlExtras scanViewExtras() {
-  return {std::string(kScanViewStyle),
-          {kThreeLicence + std::string(kThreeScript), kThreeLicence + std::string(kOrbitScript),
-           std::string(kScanViewScript)}};
+  return scriptJson(data.dump(-1, ' ', false, OrderedJson::error_handler_t::replace));
 }
 
 }  // namespace scanmill

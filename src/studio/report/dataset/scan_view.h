@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "report/page/report_html.h"
 #include "scan/scan.h"
 #include "scene/ontology.h"
 
@@ -21,23 +20,21 @@ struct ViewedScan {
 // At most so many points of a scan are shown: below 65536, so that indices take 16 bits.
 inline constexpr std::size_t kMostViewedPoints = 60'000;
 
-// The HTML of the view with its data in it; empty without scans. The page needs scanViewExtras(), too.
-//
-// The data are JSON: {viridis: [[r, g, b] ...], scans: [{title, points, shown, box: {low, step}, position, classes,
-// class, instances, instance, values}]}. `position` and each column are {type, data}: base64 of little-endian "u8",
-// "u16" or "u32", three a point for positions: coordinate = low + step * number (m). `class` and `instance` are indices
-// into `classes` ({id, name, color, points of the whole scan}) and `instances` ({ids, colors}); `values` are further
-// columns, {name, unit, whole, low, step, type, data}, in which 65535 stands for no number unless all are `whole`.
-// Columns that the scan lacks are left out. A scan with more points than kMostViewedPoints is thinned by
-// pointsToView().
+// The JSON that scan_view.js draws, as a <script> element can hold it; empty without scans: {viridis: [[r, g, b] ...],
+// scans: [{title, points, shown, box: {low, step}, position, classes, class, instances, instance, values}]}. `position`
+// and each column are {type, data}: base64 of little-endian "u8", "u16" or "u32", three a point for positions:
+// coordinate = low + step * number (m). `class` and `instance` are indices into `classes` ({id, name, color, points of
+// the whole scan}) and `instances` ({ids, colors}); `values` are further columns, {name, unit, whole, low, step, type,
+// data}, in which 65535 stands for no number unless all are `whole`. Columns that the scan lacks are left out. A scan
+// with more points than kMostViewedPoints is thinned by pointsToView().
 std::string scanView(const std::vector<ViewedScan>& scans, const Ontology& ontology);
 
-HtmlExtras scanViewExtras();
-
 // The texts of files that CMake puts into the program.
-extern const std::string_view kThreeScript;     // three.js
-extern const std::string_view kOrbitScript;     // its OrbitControls
-extern const std::string_view kScanViewScript;  // scan_view.js
-extern const std::string_view kScanViewStyle;   // scan_view.css
+extern const std::string_view kThreeScript;      // three.js
+extern const std::string_view kOrbitScript;      // its OrbitControls
+extern const std::string_view kScanViewScript;   // scan_view.js
+extern const std::string_view kScanViewStyle;    // scan_view.css
+extern const std::string_view kDatasetTemplate;  // dataset.html
+extern const std::string_view kDatasetStyle;     // dataset.css
 
 }  // namespace scanmill

@@ -194,7 +194,7 @@
     };
     if (series.mark === 'bars') {
       const value = lying ? axes.x : axes.y;
-      return {...set, type: 'bar', order: 2, base: value.log ? value.min : 0, backgroundColor: series.points.map((_, i) => series.fills?.[i] ?? colour),
+      return {...set, type: 'bar', order: 2, ...value.log && {base: value.min}, backgroundColor: series.points.map((_, i) => series.fills?.[i] ?? colour),
         borderWidth: 0, categoryPercentage: 0.78, barPercentage: 0.95, maxBarThickness: 26};
     }
     const line = series.mark !== 'dots', radius = series.mark === 'line' ? 0 : (series.strong ? 6.5 : 4.5) * (series.color % 6 ? 1.2 : 1);

@@ -173,6 +173,14 @@ Json chartValues(const std::vector<Chart>& charts) {
   return values;
 }
 
+std::string shellWord(const std::string& word, bool quote) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./,:+@%=";
+  if (!quote && !word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted;
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return "'" + quoted + "'";
+}
+
 // "<" stands in strings alone, where an escape says the same.
 std::string scriptJson(const std::string& json) {
   std::string safe;

@@ -41,6 +41,9 @@ Json chartValues(const Chart& chart);
 // The same of several, by their names.
 Json chartValues(const std::vector<Chart>& charts);
 
+// A word of a command for a shell, in quotes where it needs them; `quote`: always.
+std::string shellWord(const std::string& word, bool quote = false);
+
 // JSON that a <script> element can hold.
 std::string scriptJson(const std::string& json);
 

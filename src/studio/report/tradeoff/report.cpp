@@ -22,19 +22,6 @@ namespace {
 
 constexpr std::size_t kMostColumns = 6;
 
-std::string quoted(const std::string& word) {
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
-std::string shellWord(const std::string& word) {
-  const bool plain = !word.empty() && word.find_first_not_of(
-                                          "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
-                                          "0123456789_./-=") == std::string::npos;
-  return plain ? word : quoted(word);
-}
-
 // The figures of the file with what follows from them; spreads of nothing are left out.
 Json errorsJson(Json errors, const GroupErrors& e) {
   for (const char* spread : {"range_m", "intensity", "nearest_to_m", "nearest_from_m"}) {
@@ -264,7 +251,7 @@ class StudyPage {
 }  // namespace
 
 std::string setArgument(const Setting& setting) {
-  return "--set " + quoted(setting.assignment());
+  return "--set " + shellWord(setting.assignment(), true);
 }
 
 std::string studyReport(const Study& study) {

@@ -1,15 +1,14 @@
-#include <fmt/core.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "base/short_text.h"
 #include "evaluate/limits.h"
 #include "methods/method.h"
 #include "study/figure_text.h"
+#include "study/text_template.h"
 #include "study/tradeoff/study.h"
 #include "study/tradeoff/study_figures.h"
 
@@ -20,48 +19,118 @@ namespace {
 constexpr double kSameTime = 0.10;     // of times: two measurements of the same work differ by as much
 constexpr double kSameShare = 1e-5;    // of beams: one in a hundred thousand decides nothing
 constexpr double kLittleGain = 1.5;    // times as fast: less is seldom worth an error
+constexpr double kNotableEdges = 3;    // times as large as without edges: then the error away from them is told
 constexpr std::size_t kMostNamed = 6;  // settings in one sentence
 
 struct Need {
-  std::string name;
-  std::string limits;   // in words
-  std::string holding;  // after "the fastest" and "about as fast as any"
-  ErrorLimits asked;
+  const char* name;
+  const char* limits;  // in words; empty: none
+  std::optional<double> p95{}, p99{}, missRate{}, labels{};
+
+  ErrorLimits asked() const {
+    ErrorLimits allowed;
+    allowed.p95 = p95;
+    allowed.p99 = p99;
+    allowed.missRate = missRate;
+    allowed.labels = labels;
+    return allowed;
+  }
 };
+const std::array<Need, 4> kNeeds{{
+    {.name = "exact ranges and labels",
+     .limits = "99 % of the ranges within 1 mm, 99.99 % of the labels and all but 0.01 % of the beams",
+     .p99 = 1e-3,
+     .missRate = 1e-4,
+     .labels = 0.9999},
+    {.name = "centimetres",
+     .limits = "99 % of the ranges within 2 cm, 99.5 % of the labels and all but 0.2 % of the beams",
+     .p99 = 0.02,
+     .missRate = 2e-3,
+     .labels = 0.995},
+    {.name = "a decimetre for 95 % of the beams",
+     .limits = "95 % of the ranges within 10 cm, 95 % of the labels and all but 1 % of the beams",
+     .p95 = 0.1,
+     .missRate = 0.01,
+     .labels = 0.95},
+    {.name = "speed at any price", .limits = ""},
+}};
 
-std::vector<Need> needs() {
-  std::vector<Need> list(4);
-  list[0].name = "exact ranges and labels";
-  list[0].limits = "99 % of the ranges within 1 mm, 99.99 % of the labels and all but 0.01 % of the beams";
-  list[0].asked.p99 = 1e-3;
-  list[0].asked.labels = 0.9999;
-  list[0].asked.missRate = 1e-4;
-  list[1].name = "centimetres";
-  list[1].limits = "99 % of the ranges within 2 cm, 99.5 % of the labels and all but 0.2 % of the beams";
-  list[1].asked.p99 = 0.02;
-  list[1].asked.labels = 0.995;
-  list[1].asked.missRate = 2e-3;
-  list[2].name = "a decimetre for 95 % of the beams";
-  list[2].limits = "95 % of the ranges within 10 cm, 95 % of the labels and all but 1 % of the beams";
-  list[2].asked.p95 = 0.1;
-  list[2].asked.labels = 0.95;
-  list[2].asked.missRate = 0.01;
-  list[3].name = "speed at any price";
-  list[3].limits = "no limit at all";
-  for (Need& need : list) need.holding = " that keeps " + need.limits;
-  list[3].holding = " of all";
-  return list;
-}
+// What is said, and where: a sentence stands in the advice of its kind if the fact is there, in this order.
+struct Sentence {
+  const char* kind;
+  const char* fact;
+  const char* text;
+};
+constexpr const char* kTake = "take";          // a setting that answers a need
+constexpr const char* kUnbeaten = "unbeaten";  // a method that answers none, but has a setting that nothing beats
+constexpr const char* kBeaten = "beaten";      // a method that answers none
+constexpr const char* kUnheld = "unheld";      // a need that nothing answers
+constexpr const char* kSlow = "slow";          // settings of methods that do answer one
+constexpr const char* kAny = "any";            // what is said of every setting that may be taken
+constexpr auto kSentences = std::to_array<Sentence>({
+    {kTake, "alone", "Only this setting was measured. "},
+    {kTake, "no_trade_fastest",
+     "Take it whatever you need: of {{measured}} settings it is the fastest, none is more exact{{#limits}}, and it "
+     "keeps "
+     "{{limits}}{{/limits}}. "},
+    {kTake, "no_trade",
+     "Take it whatever you need: of {{measured}} settings none is more exact{{#limits}}, and it keeps "
+     "{{limits}}{{/limits}}, and none is notably faster. The fastest, {{fastest_name}}, is {{#gain:any}}{{gain:.0f}} "
+     "%{{/gain:any}}{{^gain:any}}less than 1 %{{/gain:any}} faster, and times within 10 % count as equal. "},
+    {kTake, "every_need",
+     "Take it whatever you need: of {{measured}} settings none is notably faster, and it keeps {{limits}}. "},
+    {kTake, "fastest", "The fastest{{#limits}} that keeps {{limits}}{{/limits}}{{^limits}} of all{{/limits}}: "},
+    {kTake, "as_fast",
+     "About as fast as any{{#limits}} that keeps {{limits}}{{/limits}}{{^limits}} of all{{/limits}} (times within 10 % "
+     "count as equal): "},
+    {kUnbeaten, "name", "It answers none of the needs above, but nothing beats {{name}} in everything: "},
+    {kAny, "name",
+     "{{rate:amount}} beams a second{{#same_speed}}, about as fast as {{base}}{{/same_speed}}{{#faster}}, "
+     "{{faster:factor}} x as fast as {{base}}{{/faster}}{{#slower}}, {{slower:factor}} x slower than "
+     "{{base}}{{/slower}}. "},
+    {kAny, "no_hits", "No beam hits what it should"},
+    {kAny, "exact", "99 % of the ranges are exact"},
+    {kAny, "p99",
+     "95 % of the ranges {{#p95}}lie within {{p95:m}}{{/p95}}{{^p95}}are exact{{/p95}}, 99 % within {{p99:m}}"},
+    {kAny, "there_p99", " (there: {{there_p99}})"},
+    {kAny, "name",
+     ", {{labels:share}} of the labels agree{{#there_labels}} (there: {{there_labels:share}}){{/there_labels}}, "},
+    {kAny, "name",
+     "{{misses:share}} of the beams are false negatives or positives{{#there_misses}} (there: "
+     "{{there_misses:share}}){{/there_misses}}."},
+    {kAny, "away_exact", " Away from edges 99 % are exact."},
+    {kAny, "away", " Away from edges 99 % lie within {{away:m}}."},
+    {kAny, "name", " Set-up takes {{setup_s:s}}, memory {{memory:bytes}}."},
+    {kAny, "gives_up_nothing", " It gives up nothing that was measured."},
+    {kAny, "little_gain", " That is little speed for what it gives up."},
+    {kAny, "refused",
+     " The pipeline refuses {{method}} as it is, for it has a footprint, light_paths or objects that move: leave them "
+     "out (`footprint: none` beside `sensor`, `moving: false` beside the scene) to take it."},
+    {kBeaten, "name",
+     "{{name}} is {{#times}}{{times:factor}} x slower than{{/times}}{{^times}}no faster than{{/times}} {{better}}"
+     "{{#losses:any}} and less exact ({{losses:join}}){{/losses:any}}{{^losses:any}} and no more exact{{/losses:any}}: "
+     "no "
+     "reason to take it here."},
+    {kBeaten, "away_exact", " Away from edges 99 % are exact."},
+    {kBeaten, "away", " Away from edges 99 % lie within {{away:m}}."},
+    {kBeaten, "settings",
+     " The same holds for each of its {{settings}} settings: another is as fast or faster, and as exact or more."},
+    {kUnbeaten, "software", " OpenGL ran on the processor here; measure again where there is a graphics card."},
+    {kBeaten, "software", " OpenGL ran on the processor here; measure again where there is a graphics card."},
+    {kUnheld, "name", "No setting that was measured keeps {{limits}}. The nearest is {{name}}: {{breaks}}."},
+    {kSlow, "slow",
+     "Slower than another setting, and no more exact: {{#slow}}{{#next}}; {{/next}}{{name}} ({{times:factor}} x slower "
+     "than {{better}}, {{#losses:any}}less{{/losses:any}}{{^losses:any}}no more{{/losses:any}} exact){{/slow}}"
+     "{{#more:any}}; and {{more}} more{{/more:any}}."},
+});
+constexpr const char* kBase = "ray tracing with defaults";
 
-bool rangesWorse(const GroupErrors& a, const GroupErrors& b) {
-  const double mine = rangeP99(a), its = rangeP99(b);
-  return mine > its + kExactRange || std::isnan(mine) > std::isnan(its);
-}
-bool labelsWorse(const GroupErrors& a, const GroupErrors& b) {
-  return a.labels() < b.labels() - kSameShare;
-}
-bool missesWorse(const GroupErrors& a, const GroupErrors& b) {
-  return a.missRate() > b.missRate() + kSameShare;
+std::string said(const char* kind, const char* other, const Json& facts) {
+  std::string text;
+  for (const Sentence& s : kSentences) {
+    if ((s.kind == kind || s.kind == other) && facts.contains(s.fact)) text += fillTemplate(s.text, facts);
+  }
+  return text;
 }
 
 std::string p99Text(const GroupErrors& e) {
@@ -69,45 +138,23 @@ std::string p99Text(const GroupErrors& e) {
   return p99 == 0 ? "exact" : std::isnan(p99) ? "unknown" : metresText(p99);
 }
 
-std::string capitalised(std::string text) {
-  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
-  return text;
-}
-
-// "For exact ranges and labels, for centimetres, and for speed at any price".
-std::string forNeeds(const std::vector<Need>& asked) {
-  std::string text;
-  for (std::size_t i = 0; i < asked.size(); ++i) {
-    text += (i == 0 ? "For " : i + 1 < asked.size() ? ", for " : ", and for ") + asked[i].name;
-  }
-  return text;
-}
-
-class Adviser {
+// Which settings stand out. Settings are indices into Study::settings.
+class Comparison {
  public:
-  explicit Adviser(const Study& study)
-      : study_(study),
-        measured_(measuredSettings(study)),
-        candidates_(study.candidates()),
-        base_(tracingDefault(study)) {
-    if (measured_.empty()) return;
-    fastest_ = fastestOf(measured_);
-    mostExact_ = mostExact();
+  explicit Comparison(const Study& of)
+      : study(of), measured(measuredSettings(of)), candidates(of.candidates()), base(tracingDefault(of)) {
+    if (measured.empty()) return;
+    fastest = fastestOf(measured);
+    mostExact = mostExactOf(measured);
   }
 
-  std::vector<Advice> advise() {
-    if (measured_.empty()) return {};
-    answerNeeds();
-    judgeMethods();
-    nameDominated();
-    return std::move(advice_);
-  }
-
- private:
-  const SettingResult& result(std::size_t i) const { return study_.settings[i]; }
+  const SettingResult& result(std::size_t i) const { return study.settings[i]; }
   const std::string& nameOf(std::size_t i) const { return result(i).setting.name; }
   const GroupErrors& errors(std::size_t i) const { return result(i).measured.errors.all; }
   double seconds(std::size_t i) const { return result(i).measured.cost.scanSeconds; }
+  double timesAsLong(std::size_t i, std::size_t other) const {
+    return seconds(other) > 0 ? seconds(i) / seconds(other) : 1;
+  }
 
   std::size_t fastestOf(const std::vector<std::size_t>& settings) const {
     return *std::min_element(settings.begin(), settings.end(),
@@ -116,109 +163,38 @@ class Adviser {
   // Times that differ by less are equal.
   bool notablyFaster(std::size_t i, std::size_t other) const { return seconds(i) * (1 + kSameTime) < seconds(other); }
 
-  std::string baseName() const { return "ray tracing with defaults"; }
-
-  // "2.1 x slower than ray tracing with defaults"; empty where that was not measured, or is this.
-  std::string comparedSpeed(std::size_t i) const {
-    if (!base_ || *base_ == i || seconds(i) <= 0 || seconds(*base_) <= 0) return "";
-    const double faster = seconds(*base_) / seconds(i);
-    if (std::abs(faster - 1) <= kSameTime) return fmt::format("about as fast as {}", baseName());
-    return faster > 1 ? fmt::format("{} x as fast as {}", factorText(faster), baseName())
-                      : fmt::format("{} x slower than {}", factorText(1 / faster), baseName());
+  bool rangesWorse(std::size_t i, std::size_t other) const {
+    const double mine = rangeP99(errors(i)), its = rangeP99(errors(other));
+    return mine > its + kExactRange || std::isnan(mine) > std::isnan(its);
   }
-
-  // With what ray tracing with defaults has in brackets, where that is better.
-  std::string accuracy(std::size_t i) const {
-    const GroupErrors& e = errors(i);
-    const GroupErrors* there = base_ && *base_ != i ? &errors(*base_) : nullptr;
-    const auto better = [&](bool worse, const std::string& text) {
-      return worse ? fmt::format(" (there: {})", text) : std::string();
-    };
-    const double p99 = rangeP99(e);
-    const std::string ranges =
-        std::isnan(p99) ? "no beam hits what it should"
-        : p99 == 0      ? std::string("99 % of the ranges are exact")
-                        : fmt::format("95 % of the ranges {}, 99 % within {}",
-                                 e.range.p95 < kExactRange ? "are exact" : "lie within " + metresText(e.range.p95),
-                                      metresText(p99));
-    return fmt::format(
-        "{}{}, {} of the labels agree{}, {} of the beams are false negatives or positives{}", ranges,
-        better(there != nullptr && rangesWorse(e, *there), there == nullptr ? "" : p99Text(*there)),
-        shareText(e.labels()),
-        better(there != nullptr && labelsWorse(e, *there), there == nullptr ? "" : shareText(there->labels())),
-        shareText(e.missRate()),
-        better(there != nullptr && missesWorse(e, *there), there == nullptr ? "" : shareText(there->missRate())));
+  bool labelsWorse(std::size_t i, std::size_t other) const {
+    return errors(i).labels() < errors(other).labels() - kSameShare;
   }
-
-  // Silhouettes decide the p99 of most shortcuts: what is there away from them?
-  std::string awayText(std::size_t i) const {
-    constexpr double kNotable = 3;
-    const GroupErrors* group = awayFromEdges(result(i).measured.errors);
-    if (group == nullptr || group->range.count == 0) return "";
-    const double away = rangeP99(*group);
-    if (!(rangeP99(errors(i)) > kNotable * away)) return "";
-    return away == 0 ? " Away from edges 99 % are exact."
-                     : fmt::format(" Away from edges 99 % lie within {}.", metresText(away));
+  bool missesWorse(std::size_t i, std::size_t other) const {
+    return errors(i).missRate() > errors(other).missRate() + kSameShare;
   }
-
-  std::string described(std::size_t i) const {
-    const std::string speed = comparedSpeed(i);
-    const Cost& cost = result(i).measured.cost;
-    return fmt::format("{} beams a second{}. {}.{} Set-up takes {}, memory {}.{}",
-                       amountText(beamsPerSecond(study_, result(i))), speed.empty() ? "" : ", " + speed,
-                       capitalised(accuracy(i)), awayText(i), secondsText(cost.setupSeconds),
-                       shortBytes(static_cast<double>(cost.memoryBytes)), judged(i) + refusedText(i));
+  bool worse(std::size_t i, std::size_t other) const {
+    return rangesWorse(i, other) || labelsWorse(i, other) || missesWorse(i, other);
   }
-
-  std::string refusedText(std::size_t i) const {
-    const std::string& method = result(i).setting.method;
-    if (std::find(study_.refused.begin(), study_.refused.end(), method) == study_.refused.end()) return "";
-    return fmt::format(
-        " The pipeline refuses {} as it is, for it has a footprint, light_paths or objects that move: leave them out "
-        "(`footprint: none` beside `sensor`, `moving: false` beside the scene) to take it.",
-        method);
-  }
-
-  // In what `i` is worse than `other`: "ranges (p99 46 mm against 0)".
-  std::vector<std::string> worse(std::size_t i, std::size_t other) const {
-    const GroupErrors &a = errors(i), &b = errors(other);
-    std::vector<std::string> list;
-    if (rangesWorse(a, b)) list.push_back(fmt::format("p99 of the ranges {} against {}", p99Text(a), p99Text(b)));
-    if (labelsWorse(a, b)) {
-      list.push_back(fmt::format("{} of the labels against {}", shareText(a.labels()), shareText(b.labels())));
-    }
-    if (missesWorse(a, b)) {
-      list.push_back(
-          fmt::format("{} false negatives or positives against {}", shareText(a.missRate()), shareText(b.missRate())));
-    }
-    return list;
-  }
+  // As fast or faster, and worse in nothing.
+  bool beats(std::size_t i, std::size_t other) const { return !notablyFaster(other, i) && !worse(i, other); }
 
   // Another that is as fast or faster and worse in nothing, and better in something: the fastest such.
   std::optional<std::size_t> dominator(std::size_t i) const {
     std::optional<std::size_t> best;
-    for (const std::size_t other : measured_) {
-      if (other == i || !beats(other, i)) continue;
-      if (!notablyFaster(other, i) && worse(i, other).empty()) continue;
+    for (const std::size_t other : measured) {
+      if (other == i || !beats(other, i) || (!notablyFaster(other, i) && !worse(i, other))) continue;
       if (!best || seconds(other) < seconds(*best)) best = other;
     }
     return best;
   }
 
-  // Is it worth what it gives up?
-  std::string judged(std::size_t i) const {
-    if (!base_ || *base_ == i || seconds(i) <= 0) return "";
-    if (worse(i, *base_).empty()) return " It gives up nothing that was measured.";
-    const double faster = seconds(*base_) / seconds(i);
-    return faster > 1 && faster < kLittleGain ? " That is little speed for what it gives up." : "";
-  }
-
   // Of settings that are as fast as the fastest of them: defaults if they are among them, then the most exact.
   std::size_t plainest(const std::vector<std::size_t>& settings) const {
-    const std::size_t fastest = fastestOf(settings);
-    std::size_t best = fastest;
+    const std::size_t first = fastestOf(settings);
+    std::size_t best = first;
     for (const std::size_t i : settings) {
-      if (notablyFaster(fastest, i)) continue;
+      if (notablyFaster(first, i)) continue;
       const bool mine = isDefault(result(i).setting), its = isDefault(result(best).setting);
       if (mine != its ? mine : moreExact(errors(i), errors(best))) best = i;
     }
@@ -230,184 +206,212 @@ class Adviser {
   }
 
   // Of those that err least, as far as that decides anything, the plainest.
-  std::size_t mostExact() const {
-    double least = wrongShare(errors(measured_.front()));
-    for (const std::size_t i : measured_) least = std::min(least, wrongShare(errors(i)));
+  std::size_t mostExactOf(const std::vector<std::size_t>& settings) const {
+    double least = 1;
+    for (const std::size_t i : settings) least = std::min(least, wrongShare(errors(i)));
     std::vector<std::size_t> few, exact;
-    for (const std::size_t i : measured_) {
+    for (const std::size_t i : settings) {
       if (wrongShare(errors(i)) <= least + kSameShare) few.push_back(i);
     }
     for (const std::size_t i : few) {
-      const bool beaten =
-          std::any_of(few.begin(), few.end(), [&](std::size_t other) { return rangesWorse(errors(i), errors(other)); });
-      if (!beaten) exact.push_back(i);
+      if (std::none_of(few.begin(), few.end(), [&](std::size_t other) { return rangesWorse(i, other); })) {
+        exact.push_back(i);
+      }
     }
     return plainest(exact.empty() ? few : exact);
   }
 
-  struct Answer {
-    std::size_t setting;
-    std::vector<Need> needs;
-    bool fastest;  // of those that hold
-  };
-
-  void answerNeeds() {
-    // Where the most exact setting is as fast as any, nothing is to be had for an error.
-    const bool noTrade = !notablyFaster(fastest_, mostExact_);
-    std::vector<Answer> answers;
-    std::vector<Advice> unheld;
-    std::size_t asked = 0;
-    for (Need& need : needs()) {
-      ++asked;
-      std::vector<std::size_t> holding;
-      for (std::size_t c = 0; c < candidates_.size(); ++c) {
-        if (broken(candidates_[c], need.asked).empty()) holding.push_back(measured_[c]);
-      }
-      if (holding.empty()) {
-        const std::size_t nearest = nearestToHolding(candidates_, need.asked);
-        unheld.push_back(
-            {"For " + need.name, "",
-             fmt::format("No setting that was measured keeps {}. The nearest is {}: {}.", need.limits,
-                         nameOf(measured_[nearest]), fmt::join(broken(candidates_[nearest], need.asked), "; "))});
-        continue;
-      }
-      const bool exactHolds = std::find(holding.begin(), holding.end(), mostExact_) != holding.end();
-      const std::size_t setting = noTrade && exactHolds ? mostExact_ : plainest(holding);
-      const auto same =
-          std::find_if(answers.begin(), answers.end(), [&](const Answer& a) { return a.setting == setting; });
-      if (same != answers.end()) {
-        same->needs.push_back(std::move(need));
-      } else {
-        answers.push_back({setting, {std::move(need)}, seconds(setting) <= seconds(fastestOf(holding))});
-      }
-    }
-    for (const Answer& answer : answers) {
-      winners_.push_back(answer.setting);
-      const std::string lead = noTrade && answer.setting == mostExact_
-                                   ? noTradeText(answer)
-                                   : fastestText(answer, answer.needs.size() == asked);
-      advice_.push_back({answer.needs.size() == asked ? "For every need" : forNeeds(answer.needs),
-                         nameOf(answer.setting), lead + described(answer.setting)});
-    }
-    advice_.insert(advice_.end(), unheld.begin(), unheld.end());
-  }
-
-  std::string fastestText(const Answer& answer, bool everyNeed) const {
-    if (everyNeed) {
-      return fmt::format("Take it whatever you need: of {} settings none is notably faster, and it keeps {}. ",
-                         measured_.size(), answer.needs.front().limits);
-    }
-    const std::string within = fmt::format("About as fast as any{} (times within {:.0f} % count as equal)",
-                                           answer.needs.front().holding, 100 * kSameTime);
-    return (answer.fastest ? "The fastest" + answer.needs.front().holding : within) + ": ";
-  }
-
-  std::string noTradeText(const Answer& answer) const {
-    if (measured_.size() == 1) return "Only this setting was measured. ";
-    const std::string limits =
-        answer.needs.front().asked.labels ? fmt::format(", and it keeps {}", answer.needs.front().limits) : "";
-    if (fastest_ == answer.setting) {
-      return fmt::format("Take it whatever you need: of {} settings it is the fastest, none is more exact{}. ",
-                         measured_.size(), limits);
-    }
-    const double faster = seconds(fastest_) > 0 ? seconds(answer.setting) / seconds(fastest_) - 1 : 0;
-    return fmt::format(
-        "Take it whatever you need: of {} settings none is more exact{}, and none is notably faster. The fastest, {}, "
-        "is {} faster, and times within {:.0f} % count as equal. ",
-        measured_.size(), limits, nameOf(fastest_),
-        faster < 0.01 ? std::string("less than 1 %") : fmt::format("{:.0f} %", 100 * faster), 100 * kSameTime);
-  }
-
-  // Of a method that answers no need: is there a reason to take it at all?
-  void judgeMethods() {
-    for (const std::string& method : methodsOf(study_)) {
-      const auto ofMethod = [&](std::size_t i) { return result(i).setting.method == method; };
-      std::vector<std::size_t> own, undominated;
-      std::copy_if(measured_.begin(), measured_.end(), std::back_inserter(own), ofMethod);
-      if (own.empty() || std::any_of(winners_.begin(), winners_.end(), ofMethod)) continue;
-      std::copy_if(own.begin(), own.end(), std::back_inserter(undominated),
-                   [&](std::size_t i) { return !dominator(i); });
-      judged_.push_back(method);
-      const std::string need = fmt::format("Whether to take {}", method);
-      if (!undominated.empty()) {
-        const std::size_t best = fastestOf(undominated);
-        advice_.push_back({need, nameOf(best),
-                           fmt::format("It answers none of the needs above, but nothing beats {} in everything: {}{}",
-                                       nameOf(best), described(best), graphicsRemark(method))});
-        continue;
-      }
-      const auto byDefault =
-          std::find_if(own.begin(), own.end(), [&](std::size_t i) { return isDefault(result(i).setting); });
-      const std::size_t shown = byDefault != own.end() ? *byDefault : fastestOf(own);
-      const bool byBase =
-          base_ && beats(*base_, shown) && (notablyFaster(*base_, shown) || !worse(shown, *base_).empty());
-      const std::size_t better = byBase ? *base_ : *dominator(shown);
-      const std::vector<std::string> losses = worse(shown, better);
-      const double slower = seconds(better) > 0 ? seconds(shown) / seconds(better) : 1;
-      advice_.push_back(
-          {need, "",
-           fmt::format(
-               "{} {} {}{}: no reason to take it here.{}{}{}", nameOf(shown),
-               notablyFaster(better, shown) ? fmt::format("is {} x slower than", factorText(slower))
-                                            : "is no faster than",
-               base_ && better == *base_ ? baseName() : nameOf(better),
-               losses.empty() ? " and no more exact" : fmt::format(" and less exact ({})", fmt::join(losses, ", ")),
-               losses.empty() ? "" : awayText(shown),
-               own.size() == 1 ? ""
-                               : fmt::format(" The same holds for each of its {} settings: another is as fast "
-                                             "or faster, and as exact or more.",
-                                             own.size()),
-               graphicsRemark(method))});
-    }
-  }
-
-  // As fast or faster, and worse in nothing.
-  bool beats(std::size_t i, std::size_t other) const { return !notablyFaster(other, i) && worse(i, other).empty(); }
-
-  // The figures of a method that draws say little where no graphics card drew.
-  std::string graphicsRemark(const std::string& method) const {
-    const bool software = study_.machine.renderer.find("llvmpipe") != std::string::npos ||
-                          study_.machine.renderer.find("softpipe") != std::string::npos;
-    const MethodEntry* entry = findMethod(method);
-    if (entry == nullptr || !entry->can.passes || !software) return "";
-    return " OpenGL ran on the processor here; measure again where there is a graphics card.";
-  }
-
-  // Of the methods that do answer a need: the settings that nobody needs. What is as fast as its better is not named:
-  // it might be as good on another day.
-  void nameDominated() {
-    std::vector<std::string> named;
-    std::size_t count = 0;
-    for (const std::size_t i : measured_) {
-      if (std::find(judged_.begin(), judged_.end(), result(i).setting.method) != judged_.end()) continue;
-      const std::optional<std::size_t> by = dominator(i);
-      if (!by || !notablyFaster(*by, i) || std::find(winners_.begin(), winners_.end(), i) != winners_.end()) continue;
-      ++count;
-      if (named.size() == kMostNamed) continue;
-      const double slower = seconds(*by) > 0 ? seconds(i) / seconds(*by) : 1;
-      named.push_back(fmt::format("{} ({} x slower than {}, {})", nameOf(i), factorText(slower), nameOf(*by),
-                                  worse(i, *by).empty() ? "no more exact" : "less exact"));
-    }
-    if (named.empty()) return;
-    if (count > named.size()) named.push_back(fmt::format("and {} more", count - named.size()));
-    advice_.push_back({"What not to take", "",
-                       fmt::format("Slower than another setting, and no more exact: {}.", fmt::join(named, "; "))});
-  }
-
-  const Study& study_;
-  std::vector<std::size_t> measured_;
-  std::vector<Candidate> candidates_;
-  std::optional<std::size_t> base_;
-  std::size_t fastest_ = 0, mostExact_ = 0;
-  std::vector<std::size_t> winners_;
-  std::vector<std::string> judged_;  // methods
-  std::vector<Advice> advice_;
+  const Study& study;
+  std::vector<std::size_t> measured;
+  std::vector<Candidate> candidates;
+  std::optional<std::size_t> base;
+  std::size_t fastest = 0, mostExact = 0;
 };
+
+// What the sentences of a setting ask for. `there` is what ray tracing with defaults has, where that is better.
+Json factsOf(const Comparison& c, std::size_t i) {
+  const GroupErrors& e = c.errors(i);
+  const Cost& cost = c.result(i).measured.cost;
+  const std::string& method = c.result(i).setting.method;
+  Json facts{
+      {"name", c.nameOf(i)},           {"method", method},           {"base", kBase},
+      {"measured", c.measured.size()}, {"labels", e.labels()},       {"misses", e.missRate()},
+      {"setup_s", cost.setupSeconds},  {"memory", cost.memoryBytes}, {"rate", beamsPerSecond(c.study, c.result(i))}};
+  const double p99 = rangeP99(e);
+  if (std::isnan(p99)) {
+    facts["no_hits"] = true;
+  } else if (p99 == 0) {
+    facts["exact"] = true;
+  } else {
+    facts["p99"] = p99;
+    facts["p95"] = e.range.p95 < kExactRange ? Json() : Json(e.range.p95);
+  }
+  // Silhouettes decide the p99 of most shortcuts: what is there away from them?
+  const GroupErrors* group = awayFromEdges(c.result(i).measured.errors);
+  if (group != nullptr && group->range.count > 0 && p99 > kNotableEdges * rangeP99(*group)) {
+    facts[rangeP99(*group) == 0 ? "away_exact" : "away"] = rangeP99(*group);
+  }
+  const MethodEntry* entry = findMethod(method);
+  for (const char* renderer : {"llvmpipe", "softpipe"}) {
+    const bool software = c.study.machine.renderer.find(renderer) != std::string::npos;
+    if (software && entry != nullptr && entry->can.passes) facts["software"] = true;
+  }
+  const std::vector<std::string>& refused = c.study.refused;
+  if (std::find(refused.begin(), refused.end(), method) != refused.end()) facts["refused"] = true;
+  if (!c.base || *c.base == i) return facts;
+  const GroupErrors& there = c.errors(*c.base);
+  if (c.rangesWorse(i, *c.base)) facts["there_p99"] = p99Text(there);
+  if (c.labelsWorse(i, *c.base)) facts["there_labels"] = there.labels();
+  if (c.missesWorse(i, *c.base)) facts["there_misses"] = there.missRate();
+  if (c.seconds(i) <= 0 || c.seconds(*c.base) <= 0) return facts;
+  const double faster = c.seconds(*c.base) / c.seconds(i);
+  facts[std::abs(faster - 1) <= kSameTime ? "same_speed"
+        : faster > 1                      ? "faster"
+                                          : "slower"] = faster > 1 ? faster : 1 / faster;
+  if (!c.worse(i, *c.base)) {
+    facts["gives_up_nothing"] = true;
+  } else if (faster > 1 && faster < kLittleGain) {
+    facts["little_gain"] = true;
+  }
+  return facts;
+}
+
+// In what `i` is worse than `better`, and how much slower.
+Json beatenFacts(const Comparison& c, std::size_t i, std::size_t better) {
+  const GroupErrors &a = c.errors(i), &b = c.errors(better);
+  const Json values{{"p99", p99Text(a)},        {"its_p99", p99Text(b)},  {"labels", a.labels()},
+                    {"its_labels", b.labels()}, {"misses", a.missRate()}, {"its_misses", b.missRate()}};
+  Json facts{{"name", c.nameOf(i)}, {"better", c.nameOf(better)}, {"losses", Json::array()}};
+  const auto add = [&](bool loses, const char* text) {
+    if (loses) facts["losses"].push_back(fillTemplate(text, values));
+  };
+  add(c.rangesWorse(i, better), "p99 of the ranges {{p99}} against {{its_p99}}");
+  add(c.labelsWorse(i, better), "{{labels:share}} of the labels against {{its_labels:share}}");
+  add(c.missesWorse(i, better), "{{misses:share}} false negatives or positives against {{its_misses:share}}");
+  if (c.notablyFaster(better, i)) facts["times"] = c.timesAsLong(i, better);
+  return facts;
+}
+
+struct Answer {
+  std::size_t setting;
+  std::vector<const Need*> needs;
+  bool fastest;  // of those that hold
+};
+
+// "For exact ranges and labels, for centimetres, and for speed at any price".
+std::string heading(const Answer& answer) {
+  if (answer.needs.size() == kNeeds.size()) return "For every need";
+  std::string text;
+  for (std::size_t i = 0; i < answer.needs.size(); ++i) {
+    text += (i == 0                        ? "For "
+             : i + 1 < answer.needs.size() ? ", for "
+                                           : ", and for ") +
+            std::string(answer.needs[i]->name);
+  }
+  return text;
+}
+
+Advice adviceTo(const Comparison& c, const Answer& answer, bool noTrade) {
+  Json facts = factsOf(c, answer.setting);
+  facts["limits"] = answer.needs.front()->limits;
+  const bool every = answer.needs.size() == kNeeds.size();
+  if (!noTrade || answer.setting != c.mostExact) {
+    facts[every ? "every_need" : answer.fastest ? "fastest" : "as_fast"] = true;
+  } else if (c.measured.size() == 1) {
+    facts["alone"] = true;
+  } else if (c.fastest == answer.setting) {
+    facts["no_trade_fastest"] = true;
+  } else {
+    const double gain = 100 * (c.timesAsLong(answer.setting, c.fastest) - 1);
+    facts.update({{"no_trade", true}, {"fastest_name", c.nameOf(c.fastest)}, {"gain", gain < 1 ? 0 : gain}});
+  }
+  return {heading(answer), c.nameOf(answer.setting), said(kTake, kAny, facts)};
+}
+
+// Of a method that answers no need: is there a reason to take it at all?
+Advice judge(const Comparison& c, const std::string& method, const std::vector<std::size_t>& own) {
+  const std::string need = "Whether to take " + method;
+  std::vector<std::size_t> unbeaten;
+  std::copy_if(own.begin(), own.end(), std::back_inserter(unbeaten), [&](std::size_t i) { return !c.dominator(i); });
+  if (!unbeaten.empty()) {
+    const std::size_t best = c.fastestOf(unbeaten);
+    return {need, c.nameOf(best), said(kUnbeaten, kAny, factsOf(c, best))};
+  }
+  const auto byDefault =
+      std::find_if(own.begin(), own.end(), [&](std::size_t i) { return isDefault(c.result(i).setting); });
+  const std::size_t shown = byDefault != own.end() ? *byDefault : c.fastestOf(own);
+  const bool byBase = c.base && c.beats(*c.base, shown) && (c.notablyFaster(*c.base, shown) || c.worse(shown, *c.base));
+  const std::size_t better = byBase ? *c.base : *c.dominator(shown);
+  Json facts = factsOf(c, shown);
+  facts.update(beatenFacts(c, shown, better));
+  if (c.base && better == *c.base) facts["better"] = kBase;
+  if (facts["losses"].empty()) facts.erase("away"), facts.erase("away_exact");
+  if (own.size() > 1) facts["settings"] = own.size();
+  return {need, "", said(kBeaten, kBeaten, facts)};
+}
 
 }  // namespace
 
 std::vector<Advice> advise(const Study& study) {
-  return Adviser(study).advise();
+  const Comparison c(study);
+  if (c.measured.empty()) return {};
+  // Where the most exact setting is as fast as any, nothing is to be had for an error.
+  const bool noTrade = !c.notablyFaster(c.fastest, c.mostExact);
+  std::vector<Answer> answers;
+  std::vector<Advice> advice, unheld;
+  for (const Need& need : kNeeds) {
+    std::vector<std::size_t> holding;
+    for (std::size_t k = 0; k < c.candidates.size(); ++k) {
+      if (broken(c.candidates[k], need.asked()).empty()) holding.push_back(c.measured[k]);
+    }
+    if (holding.empty()) {
+      const std::size_t nearest = nearestToHolding(c.candidates, need.asked());
+      std::string breaks;
+      for (const std::string& limit : broken(c.candidates[nearest], need.asked())) {
+        breaks += (breaks.empty() ? "" : "; ") + limit;
+      }
+      unheld.push_back({std::string("For ") + need.name, "",
+                        said(kUnheld, kUnheld,
+                             {{"limits", need.limits}, {"name", c.nameOf(c.measured[nearest])}, {"breaks", breaks}})});
+      continue;
+    }
+    const bool exactHolds = std::find(holding.begin(), holding.end(), c.mostExact) != holding.end();
+    const std::size_t setting = noTrade && exactHolds ? c.mostExact : c.plainest(holding);
+    const auto same =
+        std::find_if(answers.begin(), answers.end(), [&](const Answer& a) { return a.setting == setting; });
+    if (same != answers.end()) {
+      same->needs.push_back(&need);
+    } else {
+      answers.push_back({setting, {&need}, c.seconds(setting) <= c.seconds(c.fastestOf(holding))});
+    }
+  }
+  for (const Answer& answer : answers) advice.push_back(adviceTo(c, answer, noTrade));
+  advice.insert(advice.end(), unheld.begin(), unheld.end());
+
+  // Settings of methods that answer a need, but that nobody needs. What is as fast as its better is not named: it might
+  // be as good on another day.
+  Json slow = Json::array();
+  for (const std::string& method : methodsOf(study)) {
+    const auto ofMethod = [&](std::size_t i) { return c.result(i).setting.method == method; };
+    std::vector<std::size_t> own;
+    std::copy_if(c.measured.begin(), c.measured.end(), std::back_inserter(own), ofMethod);
+    const bool answering =
+        std::any_of(answers.begin(), answers.end(), [&](const Answer& a) { return ofMethod(a.setting); });
+    if (!own.empty() && !answering) advice.push_back(judge(c, method, own));
+    for (const std::size_t i : own) {
+      const std::optional<std::size_t> by = c.dominator(i);
+      const bool taken = std::any_of(answers.begin(), answers.end(), [&](const Answer& a) { return a.setting == i; });
+      if (!answering || taken || !by || !c.notablyFaster(*by, i)) continue;
+      slow.push_back(beatenFacts(c, i, *by));
+      slow.back()["next"] = slow.size() > 1;
+    }
+  }
+  if (!slow.empty()) {
+    const std::size_t more = slow.size() - std::min(slow.size(), kMostNamed);
+    slow.erase(slow.begin() + static_cast<std::ptrdiff_t>(slow.size() - more), slow.end());
+    advice.push_back({"What not to take", "", said(kSlow, kSlow, {{"slow", slow}, {"more", more}})});
+  }
+  return advice;
 }
 
 }  // namespace scanmill

@@ -2,7 +2,7 @@
 
 #include "base/file.h"
 #include "dataset/objects.h"
-#include "report/dataset/dataset_tables.h"
+#include "report/dataset/dataset_report.h"
 #include "tests/studio/report/dataset/made_dataset.h"
 
 namespace scanmill {
@@ -47,11 +47,16 @@ TEST(ObjectCounts, AreByClassDistanceAndVisibility) {
   EXPECT_EQ(counts.ofDistance[1], (VisibilityCounts{0, 2, 0, 0, 0}));
   EXPECT_EQ(counts.ofDistance[3], (VisibilityCounts{2, 0, 0, 0, 0}));
   EXPECT_EQ(counts.ofDistance[kDistanceSteps.size()], (VisibilityCounts{0, 0, 0, 2, 0}));
-  const std::string table = objectsOverview(manifest, counts);
+  DatasetReport report;
+  report.manifest = manifest;
+  report.shardFaults.resize(manifest.shards.size());
+  report.summary.sensors.resize(manifest.sensors.size());
+  EXPECT_EQ(datasetPage(report).find("id=\"objects\""), std::string::npos);
+  report.objects = counts;
+  const std::string page = datasetPage(report), table = page.substr(page.find("id=\"objects\""));
   EXPECT_NE(table.find("car"), std::string::npos);
   EXPECT_NE(table.find("30 to 50 m"), std::string::npos);
   EXPECT_EQ(table.find("50 to 80 m"), std::string::npos) << "nothing stands there";
-  EXPECT_TRUE(objectsOverview(manifest, {}).empty());
 
   // What is damaged is a fault, not an end.
   const std::string shard = (folder.path() / "data" / manifest.shards[0].file).string();

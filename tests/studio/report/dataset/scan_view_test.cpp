@@ -7,20 +7,14 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
-#include "base/process.h"
 #include "report/dataset/dataset_report.h"
 #include "tests/studio/report/dataset/made_dataset.h"
+#include "tests/studio/report/page/browser.h"
 
 namespace scanmill {
 namespace {
 
 using Json = nlohmann::json;
-
-Json dataIn(const std::string& html) {
-  const std::string mark = "id=\"scan-data\">";
-  const std::size_t begin = html.find(mark) + mark.size();
-  return Json::parse(html.substr(begin, html.find("</script>", begin) - begin));
-}
 
 std::vector<std::uint32_t> numbersIn(const Json& column) {
   const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -54,7 +48,7 @@ Scan largeScan(std::size_t count) {
 
 TEST(ScanView, PointsComeBackWithinHalfAStep) {
   const Scan scan = largeScan(5000);
-  const Json made = dataIn(scanView({{"a", scan}}, testManifest().ontology)).at("scans").at(0);
+  const Json made = Json::parse(scanView({{"a", scan}}, testManifest().ontology)).at("scans").at(0);
   EXPECT_EQ(made.at("points"), 5000);
   EXPECT_EQ(made.at("shown"), 5000);
   const std::vector<std::uint32_t> places = numbersIn(made.at("position")), classes = numbersIn(made.at("class")),
@@ -88,7 +82,7 @@ TEST(ScanView, LargeScansAreThinned) {
   Scan scan = largeScan(150'000);
   scan.position[10] = {NAN, NAN, NAN};
   for (std::uint32_t& id : scan[kInstance]) id %= 30;  // none of them small
-  const Json made = dataIn(scanView({{"a", scan}}, testManifest().ontology)).at("scans").at(0);
+  const Json made = Json::parse(scanView({{"a", scan}}, testManifest().ontology)).at("scans").at(0);
   EXPECT_EQ(made.at("points"), 149'999);
   EXPECT_EQ(made.at("shown"), kMostViewedPoints);
   std::uint64_t counted = 0;
@@ -101,11 +95,11 @@ TEST(ScanView, LargeScansAreThinned) {
 TEST(ScanView, WhatIsMissingIsLeftOut) {
   Scan scan;
   scan.position = {{1, 2, 3}};
-  const Json made = dataIn(scanView({{"a", scan}}, Ontology())).at("scans").at(0);
+  const Json made = Json::parse(scanView({{"a", scan}}, Ontology())).at("scans").at(0);
   EXPECT_FALSE(made.contains("class") || made.contains("instance"));
   EXPECT_TRUE(made.at("values").empty());
   EXPECT_EQ(made.at("box").at("low"), Json({1.0, 2.0, 3.0}));
-  EXPECT_EQ(dataIn(scanView({{"a", Scan()}}, Ontology())).at("scans").at(0).at("shown"), 0);
+  EXPECT_EQ(Json::parse(scanView({{"a", Scan()}}, Ontology())).at("scans").at(0).at("shown"), 0);
   EXPECT_EQ(scanView({}, Ontology()), "");
 }
 
@@ -115,8 +109,9 @@ TEST(ScanView, NamesCannotEndTheData) {
   Scan scan;
   scan.position = {{1, 2, 3}};
   scan[kLabel] = {7};
-  const std::string html = scanView({{"</SCRIPT>", scan}}, ontology);
-  const Json data = dataIn(html);
+  const std::string text = scanView({{"</SCRIPT>", scan}}, ontology);
+  EXPECT_EQ(text.find('<'), std::string::npos);
+  const Json data = Json::parse(text);
   EXPECT_EQ(data.at("scans").at(0).at("title"), "</SCRIPT>");
   EXPECT_EQ(data.at("scans").at(0).at("classes").at(0).at("name"), "</script><!--\xEF\xBF\xBD");
 }
@@ -134,37 +129,7 @@ class InBrowser : public testing::Test {
     page_ = folder_.write("page.html", datasetPage(report_)).string();
   }
 
-  // The <body ...> of the page once its scripts have run.
-  std::string body(const std::vector<std::string>& flags) {
-    std::vector<std::string> command{"chromium",
-                                     "--headless=new",
-                                     "--no-sandbox",
-                                     "--disable-quic",
-                                     "--no-first-run",
-                                     "--disable-background-networking",
-                                     "--disable-component-update",
-                                     "--disable-sync",
-                                     "--window-size=1200,2400",
-                                     "--virtual-time-budget=5000",
-                                     "--dump-dom",
-                                     "--user-data-dir=" + (folder_.path() / "profile").string()};
-    command.insert(command.end(), flags.begin(), flags.end());
-    command.push_back("file://" + page_ + "#test");
-    Process browser(command, {{"HOME", folder_.path().string()}});
-    browser.closeInput();
-    std::string dom;
-    while (const auto line = browser.readLine(120)) dom += *line + "\n";
-    browser.wait(60);
-    const std::size_t begin = dom.find("<body");
-    return begin == std::string::npos ? "" : dom.substr(begin, dom.find('>', begin) - begin);
-  }
-
-  static std::string attribute(const std::string& body, const std::string& name) {
-    const std::string mark = "data-" + name + "=\"";
-    const std::size_t begin = body.find(mark);
-    if (begin == std::string::npos) return "absent";
-    return body.substr(begin + mark.size(), body.find('"', begin + mark.size()) - begin - mark.size());
-  }
+  std::string body(const std::vector<std::string>& flags) { return bodyInBrowser(folder_.path(), page_, flags); }
 
   TemporaryFolder folder_;
   DatasetReport report_;
@@ -173,29 +138,29 @@ class InBrowser : public testing::Test {
 
 TEST_F(InBrowser, DrawsHidesAndPicks) {
   const std::string body = this->body({"--use-angle=swiftshader", "--enable-unsafe-swiftshader"});
-  if (attribute(body, "scan-view") == "unavailable") GTEST_SKIP() << "this Chromium has no WebGL";
-  ASSERT_EQ(attribute(body, "scan-view"), "ready") << body;
-  EXPECT_EQ(attribute(body, "test-points"), "25");
-  EXPECT_EQ(attribute(body, "test-class"), "road");
-  EXPECT_EQ(attribute(body, "test-left"), "5");
-  EXPECT_GE(std::stoi(attribute(body, "test-before")), 20);
-  EXPECT_EQ(attribute(body, "test-hidden"), "0");
-  EXPECT_EQ(attribute(body, "test-other"), "5");  // the road is hidden in the other scan too
-  EXPECT_EQ(attribute(body, "test-again"), attribute(body, "test-before"));
-  EXPECT_EQ(attribute(body, "test-alone"), "20");
-  EXPECT_EQ(attribute(body, "test-all"), "25");
+  if (dataOf(body, "scan-view") == "unavailable") GTEST_SKIP() << "this Chromium has no WebGL";
+  ASSERT_EQ(dataOf(body, "scan-view"), "ready") << body;
+  EXPECT_EQ(dataOf(body, "test-points"), "25");
+  EXPECT_EQ(dataOf(body, "test-class"), "road");
+  EXPECT_EQ(dataOf(body, "test-left"), "5");
+  EXPECT_GE(std::stoi(dataOf(body, "test-before")), 20);
+  EXPECT_EQ(dataOf(body, "test-hidden"), "0");
+  EXPECT_EQ(dataOf(body, "test-other"), "5");  // the road is hidden in the other scan too
+  EXPECT_EQ(dataOf(body, "test-again"), dataOf(body, "test-before"));
+  EXPECT_EQ(dataOf(body, "test-alone"), "20");
+  EXPECT_EQ(dataOf(body, "test-all"), "25");
   // x to the right, y up: 10 m are 0.21 of half the height of 90 m * tan(55 degrees / 2).
-  EXPECT_EQ(attribute(body, "test-above"), "0.21,0.00 0.00,0.21");
+  EXPECT_EQ(dataOf(body, "test-above"), "0.21,0.00 0.00,0.21");
   // The point that is nearest to the eye, behind and above the sensor: the first of the road, and what it is.
-  const std::string wanted = attribute(body, "test-wanted");
-  EXPECT_LT(std::stod(attribute(body, "test-offset")), 0.01);
-  EXPECT_EQ(attribute(body, "test-picked"), wanted);
-  EXPECT_EQ(attribute(body, "test-clicked"), wanted);
+  const std::string wanted = dataOf(body, "test-wanted");
+  EXPECT_LT(std::stod(dataOf(body, "test-offset")), 0.01);
+  EXPECT_EQ(dataOf(body, "test-picked"), wanted);
+  EXPECT_EQ(dataOf(body, "test-clicked"), wanted);
   EXPECT_EQ(wanted, "class road\nno instance\nx 3.00  y 0.00  z -1.50 m\nintensity 0\nring 0\nrange 3.35 m");
 }
 
 TEST_F(InBrowser, SaysSoWithoutWebGl) {
-  EXPECT_EQ(attribute(body({"--disable-3d-apis", "--disable-gpu"}), "scan-view"), "unavailable");
+  EXPECT_EQ(dataOf(body({"--disable-3d-apis", "--disable-gpu"}), "scan-view"), "unavailable");
 }
 
 }  // namespace
