@@ -12,6 +12,8 @@
 
 namespace scanmill {
 
+inline constexpr std::size_t kChartColors = 8;  // in the palette
+
 enum class AxisScale { Linear, Log };
 
 struct ChartAxis {
@@ -62,6 +64,9 @@ struct Chart {
 
 // Whether any point can be drawn.
 bool hasPoints(const Chart& chart);
+
+// A number as an axis with this unit writes it: "0.001", "10 k", "1 M"; "10 µm"; "0.1 %".
+std::string axisNumber(double value, const std::string& unit);
 
 // Draws a whole SVG document, light or dark as the reader prefers. Text stays text. Without any finite point it says
 // "no data".

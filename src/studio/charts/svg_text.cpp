@@ -20,7 +20,6 @@ constexpr std::array<int, 95> kWidths{278,  278, 355, 556, 556, 889, 667, 191, 3
 constexpr double kOtherFonts = 1.12;  // DejaVu Sans and Verdana are wider than Helvetica
 constexpr double kBold = 1.07;
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
-constexpr std::string_view kEllipsis = "\xE2\x80\xA6";
 
 struct Character {
   std::size_t bytes = 1;
@@ -103,18 +102,6 @@ std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, dou
     }
   }
   return lines;
-}
-
-std::string fitSvgText(std::string_view text, double fontSize, double width) {
-  if (svgTextWidth(text, fontSize) <= width) return std::string(text);
-  const double room = width - svgTextWidth(kEllipsis, fontSize);
-  std::size_t kept = 0;
-  while (kept < text.size()) {
-    const std::size_t next = kept + characterAt(text, kept).bytes;
-    if (svgTextWidth(text.substr(0, next), fontSize) > room) break;
-    kept = next;
-  }
-  return std::string(text.substr(0, kept)) + std::string(kEllipsis);
 }
 
 std::string svgNumber(double value) {

@@ -21,9 +21,6 @@ double svgTextWidth(std::string_view text, double fontSize, bool bold = false);
 // has no lines.
 std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, double width, bool bold = false);
 
-// The text, or as much of its beginning as fits into `width` pixels with an ellipsis.
-std::string fitSvgText(std::string_view text, double fontSize, double width);
-
 // A number with at most two decimals, without trailing zeros.
 std::string svgNumber(double value);
 

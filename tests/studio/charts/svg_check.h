@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "charts/chart_marks.h"
 #include "charts/svg_text.h"
 
 namespace scanmill {
@@ -135,8 +134,16 @@ inline double tickPlace(const std::string& svg, const std::string& text, const s
   return 0;
 }
 
-inline std::vector<ChartBox> labelBoxes(const std::string& svg) {
-  std::vector<ChartBox> boxes;
+struct LabelBox {
+  double left, top, right, bottom;
+  bool overlaps(const LabelBox& o) const {
+    return left < o.right && o.left < right && top < o.bottom && o.top < bottom;
+  }
+};
+
+inline std::vector<LabelBox> labelBoxes(const std::string& svg) {
+  constexpr double kLabelFont = 11.5;
+  std::vector<LabelBox> boxes;
   for (const SvgElement& e : elementsOf(svg, "label")) {
     const double width = svgTextWidth(e.text, kLabelFont, e.attributes.at("class").ends_with("strong"));
     const std::string& anchor = e.attributes.at("text-anchor");

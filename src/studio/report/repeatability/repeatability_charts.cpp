@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "charts/chart.h"
-#include "charts/chart_style.h"
 #include "report/repeatability/repeatability_report.h"
 #include "study/repeatability/repeatability.h"
 
