@@ -10,7 +10,6 @@
 
 #include "base/error.h"
 #include "methods/field/build.h"
-#include "methods/field/cache.h"
 #include "methods/march/march.h"
 #include "methods/particle/shape.h"
 #include "methods/world/worlds.h"
@@ -18,7 +17,6 @@
 #include "tests/benchmarks/timing.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/street.h"
-#include "tests/support/temporary_folder.h"
 
 namespace scanmill {
 namespace {
@@ -48,7 +46,7 @@ Place placeAt(double x, bool lists) {
   return {world, shapeOf(options, sensor - world->origin, scene, kRange)};
 }
 
-// A whole field, and what moving it by a metre takes; reading it from the disk.
+// A whole field, and what moving it by a metre takes.
 void field(benchmark::State& state, bool lists) {
   const Place here = placeAt(-20, lists);
   const Place there = placeAt(-19, lists);
@@ -57,9 +55,6 @@ void field(benchmark::State& state, bool lists) {
   std::shared_ptr<const DistanceField> built;
   std::vector<double> build;
   std::vector<double> update;
-  std::vector<double> load;
-  const TemporaryFolder folder;
-  const FieldCache cache(folder.path(), "street");
   for (auto _ : state) {
     counts = {};
     moved = {};
@@ -73,8 +68,6 @@ void field(benchmark::State& state, bool lists) {
                        }
                      }) /
                      10);
-    cache.store(*built, here.world->origin);
-    load.push_back(secondsOf([&] { benchmark::DoNotOptimize(cache.find(here.shape, here.world->origin)); }));
   }
   state.counters["MB"] = static_cast<double>(built->bytes()) * 1e-6;
   state.counters["full_bricks"] = built->fullBricks();
@@ -82,7 +75,6 @@ void field(benchmark::State& state, bool lists) {
   state.counters["distances/s"] = static_cast<double>(counts.distances) / median(build);
   state.counters["update_ms"] = 1e3 * median(update);
   state.counters["update_of_build"] = median(update) / median(build);
-  state.counters["load_ms"] = 1e3 * median(load);
 }
 BENCHMARK_CAPTURE(field, nearest, false)->UseManualTime()->Iterations(5)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(field, lists, true)->UseManualTime()->Iterations(5)->Unit(benchmark::kMillisecond);
@@ -91,7 +83,7 @@ BENCHMARK_CAPTURE(field, lists, true)->UseManualTime()->Iterations(5)->Unit(benc
 // (of the device's where it flies there).
 void scan(benchmark::State& state, const std::string& options) {
   const Shot shot = streetShot(streetBeams(state.range(0)), -20);
-  const auto particle = methodOf("particle", street(), "{cache: none, " + options + "}");
+  const auto particle = methodOf("particle", street(), "{" + options + "}");
   const auto tracing = rayTracing(street());
   Hits hits;
   TraceAccount account;

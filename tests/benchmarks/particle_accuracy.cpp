@@ -44,7 +44,7 @@ const std::vector<ParticleSetting> kParticleSettings{
 };
 
 std::unique_ptr<Method> particleOf(const Scene& scene, const std::string& options) {
-  return methodOf("particle", scene, "{cache: none, backend: cpu, " + options + "}");
+  return methodOf("particle", scene, "{backend: cpu, " + options + "}");
 }
 
 double percent(std::uint64_t part, std::uint64_t whole) {

@@ -101,7 +101,7 @@ TEST_F(Generate, ThreadsAndSeedsDoWhatTheySay) {
 TEST_F(Generate, AutoTakesASettingAndSaysWhich) {
   const std::string automatic =
       "method={auto: {max_error: {p99: 1 mm, miss_rate: 0.1%, labels: 99%}, settings: [{particle: {refine: none, "
-      "voxel_m: 0.5, cache: none}}, {ray_tracing: {packet: [1, 16]}}]}}";
+      "voxel_m: 0.5}}, {ray_tracing: {packet: [1, 16]}}]}}";
   const Outcome made = scanmill({"generate", pipeline_, "-o", at("auto"), "--set", automatic});
   ASSERT_EQ(made.code, 0) << made.error;
   EXPECT_THAT(made.out, HasSubstr("method: auto takes ray_tracing packet="));

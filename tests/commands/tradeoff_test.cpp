@@ -28,8 +28,8 @@ class Tradeoff : public SmallWorld {
     study_ =
         folder_
             .write("study.yaml", readFile(pipeline_) +
-                                     "tradeoff: {settings: [ray_tracing, {particle: {refine: none, voxel_m: 0.5, "
-                                     "cache: none}}, {particle: {field: scene, voxel_m: 0.001, cache: none}}], "
+                                     "tradeoff: {settings: [ray_tracing, {particle: {refine: none, voxel_m: 0.5}}, "
+                                     "{particle: {field: scene, voxel_m: 0.001}}], "
                                      "encodings: [pcd, {draco: {max_error_mm: [1, 20]}}], rings: [2, 4, 8], shots: "
                                      "2, repeats: 1}\n")
             .string();
@@ -52,7 +52,7 @@ TEST_F(Tradeoff, WritesTablesChartsAndAReport) {
   const Outcome made = scanmill({"tradeoff", study_, "-o", at("out")});
   ASSERT_EQ(made.code, 0) << made.error;
   EXPECT_THAT(made.out, AllOf(HasSubstr("scene-s1-drive: 2 scans of 512 beams"), HasSubstr("beams/s"),
-                              HasSubstr("particle refine=none voxel_m=0.5 cache=none"), HasSubstr("failed: "),
+                              HasSubstr("particle refine=none voxel_m=0.5"), HasSubstr("failed: "),
                               HasSubstr("2 rings"), HasSubstr("bytes/point"), HasSubstr("draco max_error_mm=20"),
                               HasSubstr("3 settings in "), HasSubstr("open " + at("out/index.html"))));
   EXPECT_THAT(made.out, AllOf(Not(HasSubstr("nan")), Not(HasSubstr("inf ")), Not(ContainsRegex(":\\s*\n\n")),

@@ -15,7 +15,6 @@
 #include "dataset/voxels.h"
 #include "formats/format.h"
 #include "formats/reasons_png.h"
-#include "methods/field/cache.h"
 #include "passes/exr/hits_exr.h"
 #include "passes/exr/pass_exr.h"
 #include "tests/fuzz/target.h"
@@ -74,34 +73,6 @@ const AddFuzzTarget kExr("exr", [](std::string_view bytes) {
   } else {
     readPasses(file, passesIn(file));
   }
-});
-
-// A field as it was stored but for some bytes: the input is a list of places (three bytes) and of what is there.
-const AddFuzzTarget kCache("cache", [](std::string_view bytes) {
-  static const ScratchFolder folder;
-  static const FieldCache cache(folder.path(), sha256("some scene"));
-  static const FieldShape shape = [] {
-    FieldShape s;
-    s.voxel = 0.1;
-    s.levels = {{{-1, 0, 1}, {1, 2, 1}}};
-    s.reach = 3;
-    DistanceField field;
-    field.shape = s;
-    field.levels.push_back({{1, 2, 3}, 0.5f, s.levels[0].bricks, 0});
-    field.table.resize(s.levels[0].size());
-    cache.store(field, {});
-    return s;
-  }();
-  static const std::filesystem::path file = std::filesystem::directory_iterator(folder.path())->path();
-  static const std::string stored = readFile(file);
-  std::string changed = stored;
-  for (; bytes.size() >= 4; bytes.remove_prefix(4)) {
-    std::size_t at = 0;
-    for (const char c : bytes.substr(0, 3)) at = at * 256 + static_cast<unsigned char>(c);
-    changed[at % changed.size()] = bytes[3];
-  }
-  writeFile(file, changed);
-  if ((cache.find(shape, {}) != nullptr) != (changed == stored)) throw std::logic_error("trusts a changed field");
 });
 
 }  // namespace

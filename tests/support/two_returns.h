@@ -124,7 +124,6 @@ inline const MethodEntry& twoReturns() {
       .can = {.severalHits = true, .footprints = true, .mostReturns = 2, .motion = true},
       .color = {10, 200, 90},
       .autoSettings = "",
-      .cacheOption = "",
       .make = makeTwoReturns};
   return kEntry;
 }

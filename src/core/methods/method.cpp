@@ -26,7 +26,6 @@ constexpr std::array kMethods{
                 .can = {.footprints = true, .transmission = true, .motion = true, .moving = true, .reference = true},
                 .color = {235, 40, 40},
                 .autoSettings = "- ray_tracing\n- {ray_tracing: {simplify: [0.5, 0.25]}}\n",
-                .cacheOption = "",
                 .make = makeRayTracing},
     MethodEntry{
         .name = "depth_camera",
@@ -44,7 +43,6 @@ constexpr std::array kMethods{
         .color = {80, 165, 255},
         .autoSettings =
             "- depth_camera\n- {depth_camera: {resolution: [512, 1024]}}\n- {depth_camera: {sampling: nearest}}\n",
-        .cacheOption = "",
         .make = makeDepthCamera},
     MethodEntry{.name = "particle",
                 .summary = "one particle per beam flies through a distance field, on the processor or a GPU",
@@ -57,14 +55,12 @@ constexpr std::array kMethods{
                     "cone_mrad: 0 mrad, half of the angle in which a beam meets things (normal, none); "
                     "steps: 512, a particle's budget; "
                     "backend: auto, cpu or gl; "
-                    "cache: auto, none or a folder, where fields are kept from run to run; "
                     "smallest_m: none, m, the smallest ball that every beam through its middle meets (normal, none); "
                     "smallest_within_m: 30 m, so far from the sensor",
                 .can = {.footprints = true, .motion = true, .openGl = true},
                 .color = {255, 190, 40},
                 .autoSettings = "- particle\n- {particle: {refine: [normal, none]}}\n- {particle: {refine: [normal, "
                                 "none], voxel_m: 0.2}}\n",
-                .cacheOption = "cache",
                 .make = makeParticle},
 };
 

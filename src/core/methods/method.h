@@ -70,9 +70,6 @@ struct MethodEntry {
   // Those of its settings that `method: auto` chooses from where the pipeline names none: a YAML list as readSettings()
   // takes it (evaluate/settings.h).
   std::string_view autoSettings;
-  // The option that names the folder where it keeps what it has built from run to run; "none" there makes it build
-  // anew. Empty: it keeps nothing.
-  std::string_view cacheOption;
   // `options` is the method's own map in the pipeline; finish() is called by the maker. The scene must outlive it.
   std::unique_ptr<Method> (*make)(const Scene& scene, Fields& options);
 };

@@ -24,19 +24,6 @@ const Value& requireItems(const Value& list, const std::string& what) {
 
 }  // namespace
 
-MethodChoice builtAnew(MethodChoice choice) {
-  const std::string key(choice.entry->cacheOption);
-  if (key.empty()) return choice;
-  choice.options.kind = Value::Kind::Map;
-  std::vector<Value::Entry>& entries = choice.options.entries;
-  auto cache = std::find_if(entries.begin(), entries.end(), [&](const Value::Entry& e) { return e.key == key; });
-  if (cache == entries.end()) cache = entries.insert(entries.end(), {key, {}});
-  if (cache->value.kind != Value::Kind::Null) return choice;
-  cache->value.kind = Value::Kind::Scalar;
-  cache->value.text = "none";
-  return choice;
-}
-
 std::vector<Value> expandLists(const Value& options, const std::string& what) {
   std::vector<Value> all{options};
   for (std::size_t e = 0; e < options.entries.size(); ++e) {

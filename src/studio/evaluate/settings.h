@@ -30,10 +30,6 @@ struct MethodSetting {
   MethodChoice choice;
 };
 
-// The choice as it is measured: the particle method builds its distance field anew, unless the options name a cache,
-// for a field that an earlier run has kept would hide what building it takes.
-MethodChoice builtAnew(MethodChoice choice);
-
 // One map for every choice of one item from each of the map's lists; the choice from the last list changes first.
 // `what` names the map in messages. Throws InputError.
 std::vector<Value> expandLists(const Value& options, const std::string& what);

@@ -16,9 +16,6 @@ TEST(Methods, RowsSayWhatTheirMethodsCan) {
     EXPECT_EQ(&requireMethod(entry.name, {}), &entry);
     EXPECT_EQ(methodOf(entry.name, nothing)->depthCamera() != nullptr, entry.can.passes) << entry.name;
     EXPECT_TRUE(colors.insert(entry.color).second) << entry.name << " looks like another";
-    if (!entry.cacheOption.empty()) {
-      EXPECT_NE(entry.keys.find(std::string(entry.cacheOption) + ": "), std::string_view::npos) << entry.name;
-    }
   }
   EXPECT_EQ(findMethod("lidar"), nullptr);
 }

@@ -218,7 +218,7 @@ TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
   for (const SizeRecall& size : rays.errors.byThickness) EXPECT_EQ(size.thingsFound, size.things) << size.name;
 
   const auto coarse = [&] {
-    return methodOf("particle", scene, "{cache: none, backend: cpu, refine: none, voxel_m: 0.4, voxels: 64}");
+    return methodOf("particle", scene, "{backend: cpu, refine: none, voxel_m: 0.4, voxels: 64}");
   };
   const Measurement particles = measure(coarse, scene, shots, options);
   EXPECT_GT(particles.errors.all.range.median, 0.01);
@@ -338,7 +338,7 @@ TEST(Measure, ErrorsDoNotDependOnThreads) {
   const auto run = [&](int threads) {
     const ThreadLimit limit(threads);
     const std::vector<TrueShot> shots = trueShots(scene, twoShots(), options);
-    const auto make = [&] { return methodOf("particle", scene, "{cache: none, backend: cpu, voxel_m: 0.2}"); };
+    const auto make = [&] { return methodOf("particle", scene, "{backend: cpu, voxel_m: 0.2}"); };
     return measure(make, scene, shots, options);
   };
   const Measurement one = run(1);

@@ -108,24 +108,13 @@ TEST(ReadSettings, EveryWrongTextHasItsPlaceAndAWayOut) {
                    {"f.yaml:1:", "more than 500 settings"});
 }
 
-TEST(BuiltAnew, OnlyParticlesWithoutACacheOfTheirOwnChange) {
-  for (const auto& [item, options] : {std::pair{"ray_tracing", "{}"},
-                                      {"particle", "{cache: none}"},
-                                      {"{particle: {steps: 99}}", "{steps: 99, cache: none}"},
-                                      {"{particle: {cache: auto}}", "{cache: auto}"},
-                                      {"{particle: {cache: }}", "{cache: none}"},
-                                      {"{depth_camera: {resolution: 512}}", "{resolution: 512}"}}) {
-    EXPECT_EQ(flowText(builtAnew(settingsIn(fmt::format("[{}]", item))[0].choice).options), options);
-  }
-}
-
 class SettingOfYard : public Yard {};
 
 // What --set makes of a setting is the method that was measured.
 TEST_F(SettingOfYard, AnAssignmentGivesTheSameMethod) {
   const std::vector<MethodSetting> settings = settingsIn(
       "[ray_tracing, {ray_tracing: {packet: 1, robust: false, bvh: [low, high]}}, {ray_tracing: {simplify: 0.5}}, "
-      "{particle: {refine: [triangle, none], voxel_m: 0.5, cache: none}}]");
+      "{particle: {refine: [triangle, none], voxel_m: 0.5}}]");
   for (const MethodSetting& s : settings) {
     SCOPED_TRACE(s.setting.assignment());
     const Plan plan(readPipeline(pipeline_, {s.setting.assignment()}));

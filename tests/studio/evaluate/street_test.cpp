@@ -120,7 +120,7 @@ TEST_F(Street, WhatIntensityIsMadeOfIsTheSameOnFlatSurfaces) {
 
 // docs/particle.md has the whole table; tests/benchmarks/particle_accuracy.cpp makes it.
 Hits flownOver(const Scene& scene, const Shot& shot, const std::string& options) {
-  return traced(*methodOf("particle", scene, "{cache: none, backend: cpu, " + options + "}"), shot);
+  return traced(*methodOf("particle", scene, "{backend: cpu, " + options + "}"), shot);
 }
 
 TEST_F(Street, ParticlesThatMeetTrianglesSeeWhatRaysSee) {

@@ -1,7 +1,6 @@
 #include "methods/particle/field_store.h"
 
 #include <algorithm>
-#include <string>
 
 #include "base/memory.h"
 
@@ -26,10 +25,7 @@ const ParticleOptions& checked(const Scene& scene, const ParticleOptions& option
 }  // namespace
 
 FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options)
-    : options_(checked(scene, options)),
-      bounds_(scene.bounds()),
-      worlds_(scene, Instancing::Never, {}),
-      cache_(options.cache, options.cache.empty() ? std::string() : geometryHash(scene)) {}
+    : options_(checked(scene, options)), bounds_(scene.bounds()), worlds_(scene, Instancing::Never, {}) {}
 
 FieldStore::Place FieldStore::around(const Vec3d& sensor, double range, StageClock& clock) const {
   Place place;
@@ -54,30 +50,13 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
   }
   const auto before =
       std::find_if(fields_.begin(), fields_.end(), [&](const Known& known) { return known.world == world; });
-  std::shared_ptr<const DistanceField> made =
-      make(*world, shape, before == fields_.end() ? nullptr : before->field.get(), clock);
+  const WallTimer timer;
+  const DistanceField* moved = before == fields_.end() ? nullptr : before->field.get();
+  std::shared_ptr<const DistanceField> made = buildField(*world, shape, moved);
+  clock.add(moved == nullptr ? "field_build" : "field_update", timer.seconds());
   if (fields_.size() >= kFieldsInMemory) fields_.pop_back();
   fields_.push_front({world, std::move(made)});
   return fields_.front().field;
-}
-
-// The caller holds mutex_.
-std::shared_ptr<const DistanceField> FieldStore::make(const World& world, const FieldShape& shape,
-                                                      const DistanceField* before, StageClock& clock) const {
-  const WallTimer timer;
-  if (before != nullptr) {
-    std::shared_ptr<const DistanceField> moved = buildField(world, shape, before);
-    clock.add("field_update", timer.seconds());
-    return moved;
-  }
-  if (std::shared_ptr<const DistanceField> found = cache_.find(shape, world.origin)) {
-    clock.add("field_load", timer.seconds());
-    return found;
-  }
-  std::shared_ptr<const DistanceField> built = buildField(world, shape, nullptr);
-  clock.add("field_build", timer.seconds());
-  cache_.store(*built, world.origin);
-  return built;
 }
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// The fields of a run: built, taken from disk, or moved along with the sensor.
+// The fields of a run: built, or moved along with the sensor.
 
 #include <list>
 #include <memory>
@@ -8,7 +8,6 @@
 
 #include "base/stage_clock.h"
 #include "methods/field/build.h"
-#include "methods/field/cache.h"
 #include "methods/field/distance_field.h"
 #include "methods/particle/shape.h"
 #include "methods/world/worlds.h"
@@ -28,8 +27,8 @@ class FieldStore {
     bool whole;  // nothing of the scene lies outside of the box
   };
   // Around a sensor (m), reaching `range` (m) far where the options do not say otherwise. Safe to call from several
-  // threads: one waits while another builds. The seconds of building a field, of moving one along with the sensor or of
-  // loading one are added to the stage "field_build", "field_update" or "field_load" of `clock`.
+  // threads: one waits while another builds. The seconds of building a field, or of moving one along with the sensor,
+  // are added to the stage "field_build" or "field_update" of `clock`.
   Place around(const Vec3d& sensor, double range, StageClock& clock) const;
 
  private:
@@ -40,13 +39,10 @@ class FieldStore {
 
   std::shared_ptr<const DistanceField> fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape,
                                                StageClock& clock) const;
-  std::shared_ptr<const DistanceField> make(const World& world, const FieldShape& shape, const DistanceField* before,
-                                            StageClock& clock) const;
 
   ParticleOptions options_;
   Box bounds_;  // m, world
   Worlds worlds_;
-  FieldCache cache_;
   mutable std::mutex mutex_;
   mutable std::list<Known> fields_;  // the last one first
 };

@@ -13,7 +13,6 @@
 
 #include "base/error.h"
 #include "config/text.h"
-#include "methods/field/cache.h"
 
 namespace scanmill {
 
@@ -54,33 +53,6 @@ constexpr std::pair<const char*, Refine> kRefines[] = {
 
 bool isWord(const Value* value, std::string_view word) {
   return value != nullptr && value->kind == Value::Kind::Scalar && value->text == word;
-}
-
-// What YAML's older readers take for yes or no.
-bool isYesOrNo(const Value& value) {
-  if (value.kind != Value::Kind::Scalar) return false;
-  const std::string word = lowerCase(value.text);
-  constexpr std::string_view kWords[] = {"yes", "no", "true", "false", "on", "off"};
-  return std::find(std::begin(kWords), std::end(kWords), word) != std::end(kWords);
-}
-
-std::filesystem::path readCacheFolder(Fields& fields) {
-  const Value* value = fields.find("cache");
-  if (value == nullptr || isWord(value, "auto")) return defaultCacheFolder();
-  if (isWord(value, "none")) return {};
-  if (isYesOrNo(*value)) {
-    throw InputError(value->where,
-                     fmt::format("cache: '{}' is neither auto, none nor a folder: give one of these (a folder of that "
-                                 "name is ./{})",
-                                 value->text, value->text));
-  }
-  std::filesystem::path folder = fields.path("cache");
-  std::error_code ignored;
-  if (std::filesystem::exists(folder, ignored) && !std::filesystem::is_directory(folder, ignored)) {
-    throw InputError(value->where,
-                     fmt::format("cache: '{}' is not a folder: give auto, none or a folder", folder.string()));
-  }
-  return folder;
 }
 
 std::uint32_t readVoxels(Fields& fields, std::uint32_t fallback) {
@@ -218,7 +190,6 @@ ParticleOptions readParticleOptions(Fields& fields) {
   options.cone = fields.number("cone_mrad", {0, 20}, 0) * 1e-3;
   options.steps = static_cast<std::uint32_t>(fields.integer("steps", 16, 65535, options.steps));
   options.backend = named(fields, "backend", kBackends, options.backend);
-  options.cache = readCacheFolder(fields);
   const Value* smallest = fields.find("smallest_m");
   const Value* within = fields.find("smallest_within_m");
   wish.smallest = fields.number("smallest_m", {1e-3, 100}, 0);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 
 #include "config/fields.h"
@@ -21,15 +20,14 @@ struct ParticleOptions {
   std::uint32_t voxels = 256;                                   // across each level
   std::uint32_t levels = 0;                                     // 0: as many as the sensor's range takes
   enum class Refine { None, ByNormal, ByTriangle } refine = Refine::ByTriangle;
-  double cone = 0;              // rad, half of the angle of the cone in which a particle meets things
-  std::uint32_t steps = 512;    // that a particle may take
-  std::filesystem::path cache;  // folder; empty: none
-  double smallest = 0;          // m, smallest_m; 0: not asked for
-  Location where;               // of what chose the voxels, for messages
+  double cone = 0;            // rad, half of the angle of the cone in which a particle meets things
+  std::uint32_t steps = 512;  // that a particle may take
+  double smallest = 0;        // m, smallest_m; 0: not asked for
+  Location where;             // of what chose the voxels, for messages
 };
 
 // {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, cone_mrad: 0, steps: 512, backend: auto,
-//  cache: auto, smallest_m: 0.3, smallest_within_m: 30}
+//  smallest_m: 0.3, smallest_within_m: 30}
 //
 // smallest_m and smallest_within_m choose `voxels` and, unless voxel_m is given, `voxel`: the defaults where these are
 // fine enough, else such that smallestSeen(options, smallest_within_m) is at most smallest_m. Throws InputError where

@@ -157,8 +157,7 @@ class Calibrator {
       progress_.say(row.setting.setting.name);
       if (row.failure.empty() && (index == 0 || !erring(row))) {
         try {
-          const Measurement m =
-              measure([&] { return makeMethod(builtAnew(row.setting.choice), scene); }, scene, truth, options);
+          const Measurement m = measure([&] { return makeMethod(row.setting.choice, scene); }, scene, truth, options);
           sums_[s].setup += m.cost.setupSeconds;
           sums_[s].perBeam += m.cost.scanSeconds / beams;
           ++sums_[s].scenes;

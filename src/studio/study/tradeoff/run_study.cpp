@@ -132,7 +132,7 @@ class StudyRun {
             for (const Shot& shot : first) method->trace(shot, measureOptions_.channels, hits);
           };
           at->second.first = secondsOf([&] {
-            method = makeMethod(builtAnew(s.choice), scene_);
+            method = makeMethod(s.choice, scene_);
             method->prepare(first.front());
             traceAll();
           });
@@ -180,8 +180,7 @@ class StudyRun {
       progress_.say(s.setting.name);
       SettingResult result{s.setting, {}, {}};
       try {
-        result.measured =
-            measure([&] { return makeMethod(builtAnew(s.choice), scene_); }, scene_, truth_, measureOptions_);
+        result.measured = measure([&] { return makeMethod(s.choice, scene_); }, scene_, truth_, measureOptions_);
       } catch (const Error& error) {
         checkStopped();
         result.failure = error.what();
@@ -228,7 +227,7 @@ class StudyRun {
   void timeRings(const MethodSetting& setting, std::uint32_t rings, RingFit& fit) {
     Shot shot = truth_.front().shot;
     shot.beams = withRings(*shot.beams, rings);
-    const auto method = makeMethod(builtAnew(setting.choice), scene_);
+    const auto method = makeMethod(setting.choice, scene_);
     method->prepare(shot);
     Hits hits;
     method->trace(shot, measureOptions_.channels, hits);
@@ -312,7 +311,7 @@ class StudyRun {
       progress_.say(fmt::format("picture of {}", s.setting.name));
       try {
         Hits hits;
-        makeMethod(builtAnew(s.choice), scene_)->trace(truth_.front().shot, kErrorChannels, hits);
+        makeMethod(s.choice, scene_)->trace(truth_.front().shot, kErrorChannels, hits);
         study_.pictures.push_back({s.setting.name, s.setting.name, options_.drawErrors(truth_.front(), hits)});
       } catch (const Error& error) {
         study_.left.push_back(fmt::format("picture of {}: {}", s.setting.name, error.what()));

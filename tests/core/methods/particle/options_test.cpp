@@ -11,11 +11,9 @@
 
 #include "base/random.h"
 #include "config/value.h"
-#include "methods/field/cache.h"
 #include "methods/march/march.h"
 #include "methods/particle/shape.h"
 #include "tests/support/message_of.h"
-#include "tests/support/temporary_folder.h"
 
 namespace scanmill {
 namespace {
@@ -38,12 +36,11 @@ TEST(ParticleOptions, Defaults) {
   EXPECT_EQ(options.refine, Refine::ByTriangle);
   EXPECT_EQ(options.cone, 0);
   EXPECT_EQ(options.steps, 512u);
-  EXPECT_EQ(options.cache, defaultCacheFolder());
 }
 
 TEST(ParticleOptions, EveryKeyIsRead) {
-  const ParticleOptions options = optionsOf(
-      "field: scene, voxel_m: 0.25, levels: 1, refine: none, cone_mrad: 3, steps: 16, backend: gl, cache: none");
+  const ParticleOptions options =
+      optionsOf("field: scene, voxel_m: 0.25, levels: 1, refine: none, cone_mrad: 3, steps: 16, backend: gl");
   EXPECT_EQ(options.backend, ParticleOptions::Backend::Gl);
   EXPECT_EQ(options.extent, ParticleOptions::Extent::Scene);
   EXPECT_EQ(options.voxel, 0.25);
@@ -51,19 +48,8 @@ TEST(ParticleOptions, EveryKeyIsRead) {
   EXPECT_EQ(options.refine, Refine::None);
   EXPECT_DOUBLE_EQ(options.cone, 0.003);
   EXPECT_EQ(options.steps, 16u);
-  EXPECT_TRUE(options.cache.empty());
   EXPECT_EQ(optionsOf("voxels: 64").voxels, 64u);
-  EXPECT_EQ(optionsOf("refine: normal, backend: cpu, field: sensor, levels: auto, cache: auto").refine,
-            Refine::ByNormal);
-}
-
-TEST(ParticleOptions, TheCacheIsRelativeToTheFileThatNamesIt) {
-  EXPECT_EQ(optionsOf("cache: fields", "/some/where/p.yaml").cache, "/some/where/fields");
-  EXPECT_EQ(optionsOf("cache: /fields", "/some/where/p.yaml").cache, "/fields");
-  const TemporaryFolder folder;
-  folder.write("taken", "text");
-  expectInputError([&] { optionsOf("cache: taken", (folder.path() / "p.yaml").string()); },
-                   {"p.yaml:1:", "cache", "is not a folder"});
+  EXPECT_EQ(optionsOf("refine: normal, backend: cpu, field: sensor, levels: auto").refine, Refine::ByNormal);
 }
 
 TEST(ParticleOptions, RefusesWhatIsOutOfRange) {
@@ -87,6 +73,7 @@ TEST(ParticleOptions, RefusesWhatIsOutOfRange) {
       {"smallest_m: 0", {"smallest_m"}},
       {"refine: none, smallest_within_m: 30", {"smallest_within_m", "give smallest_m too"}},
       {"smallest_m: 1, smallest_within_m: 0", {"smallest_within_m"}},
+      {"cache: auto", {"unknown key \'cache\'"}},
       {"voxel: 0.1", {"unknown key 'voxel'", "did you mean"}},
   };
   for (const auto& [yaml, words] : wrong) {
@@ -118,14 +105,6 @@ TEST(ParticleOptions, RefusesWhatHasNoEffect) {
                             "field: scene, refine: normal, smallest_m: 0.3"}) {
     EXPECT_NO_THROW(optionsOf(right)) << right;
   }
-}
-
-TEST(ParticleOptions, TheCacheIsNeitherYesNorNo) {
-  for (const char* word : {"yes", "no", "true", "false", "on", "off", "No", "TRUE"}) {
-    expectInputError([&] { optionsOf(std::string("cache: ") + word); },
-                     {"p.yaml:1:9", std::string("cache: '") + word, "auto, none"});
-  }
-  EXPECT_EQ(optionsOf("cache: ./no", "/some/where/p.yaml").cache.lexically_normal(), "/some/where/no");
 }
 
 // Of the key that chose the voxels, so that what is too large for a machine is told where it stands.

@@ -20,12 +20,10 @@
 namespace scanmill {
 namespace {
 
-// Without the disk's cache, and on the processor where nothing else is said.
+// On the processor where nothing else is said.
 std::unique_ptr<Method> particle(const Scene& scene, const std::string& options = "") {
   const bool backend = options.find("backend") != std::string::npos;
-  return methodOf(
-      "particle", scene,
-      "{cache: none" + std::string(backend ? "" : ", backend: cpu") + (options.empty() ? "" : ", ") + options + "}");
+  return methodOf("particle", scene, "{" + std::string(backend ? "" : "backend: cpu, ") + options + "}");
 }
 
 Hits flown(const Scene& scene, const Shot& shot, const std::string& options = "") {

@@ -266,7 +266,7 @@ TEST(CheckField, IsAskedWhenAMethodIsMade) {
     builder.place(builder.addMesh(ground), {}, "ground");
     return builder.finish();
   }();
-  expectInputError([&] { methodOf("particle", scene, "{field: scene, cache: none, backend: cpu, voxel_m: 0.001}"); },
+  expectInputError([&] { methodOf("particle", scene, "{field: scene, backend: cpu, voxel_m: 0.001}"); },
                    {"voxel_m: ", "or more, or field: sensor"});
 }
 

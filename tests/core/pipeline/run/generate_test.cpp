@@ -288,7 +288,7 @@ TEST_F(IncidenceTest, MissesHaveNone) {
 }
 
 TEST_F(IncidenceTest, IsTheSameOfEveryMethodWithinItsAccuracy) {
-  sound({kColumns, "method={particle: {cache: none}}"}, "particle");
+  sound({kColumns, "method=particle"}, "particle");
   EXPECT_EQ(shareWithin(1e-3, "particle", ".pcd"), 1);
   SKIP_WITHOUT_GL();
   sound({kColumns, "method=depth_camera"}, "camera");

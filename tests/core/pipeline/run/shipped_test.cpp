@@ -209,7 +209,7 @@ TEST(Shipped, TruckTownByTheDepthCamera) {
 TEST(Shipped, StreetByParticles) {
   const std::vector<std::string> overrides{"scenes.0.seeds=[1]", "splits=", "trajectories.0.frames=2"};
   std::vector<std::string> particles = overrides;
-  particles.emplace_back("method={particle: {cache: none}}");
+  particles.emplace_back("method=particle");
   const Manifest flown = generateLabelled("street.yaml", particles, 10);
   EXPECT_EQ(flown.samples.front().scans.front().method, "particle");
   EXPECT_GT(flown.samples.front().scans.front().instances, 5u);
@@ -220,7 +220,7 @@ TEST(Shipped, TruckTownByParticles) {
   SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
   ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
   expectAlike(generateLabelled("truck_town.yaml", {"trajectories.0.frames=1"}, 4),
-              generateLabelled("truck_town.yaml", {"trajectories.0.frames=1", "method={particle: {cache: none}}"}, 4));
+              generateLabelled("truck_town.yaml", {"trajectories.0.frames=1", "method=particle"}, 4));
 }
 
 TEST(Shipped, StreetByBlender) {

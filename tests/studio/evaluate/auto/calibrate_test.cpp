@@ -22,8 +22,8 @@ using testing::IsEmpty;
 // What nothing exceeds.
 constexpr const char* kAnything = "max_error: {max: 1000 m}";
 // Two settings of the processor: one exact, one coarse.
-constexpr const char* kTwo = "settings: [ray_tracing, {particle: {refine: none, voxel_m: 0.5, cache: none}}]";
-constexpr const char* kTooLarge = "{particle: {field: scene, voxel_m: 0.001, cache: none}}";
+constexpr const char* kTwo = "settings: [ray_tracing, {particle: {refine: none, voxel_m: 0.5}}]";
+constexpr const char* kTooLarge = "{particle: {field: scene, voxel_m: 0.001}}";
 
 MethodSetting named(const std::string& name) {
   return {{name, "ray_tracing", "{}"}, {&requireMethod("ray_tracing", {}), {}, false}};

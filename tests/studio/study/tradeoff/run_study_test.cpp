@@ -15,9 +15,9 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::SizeIs;
 
-constexpr const char* kCoarse = "{particle: {refine: none, voxel_m: 0.5, cache: none}}";
+constexpr const char* kCoarse = "{particle: {refine: none, voxel_m: 0.5}}";
 // Ten thousands of millions of voxels.
-constexpr const char* kTooLarge = "{particle: {field: scene, voxel_m: 0.001, cache: none}}";
+constexpr const char* kTooLarge = "{particle: {field: scene, voxel_m: 0.001}}";
 
 class RunStudy : public Yard {
  protected:
