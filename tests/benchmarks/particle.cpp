@@ -50,29 +50,23 @@ Place placeAt(double x, bool lists) {
 void field(benchmark::State& state, bool lists) {
   const Place here = placeAt(-20, lists);
   const Place there = placeAt(-19, lists);
-  BuildCounts counts;
-  BuildCounts moved;
   std::shared_ptr<const DistanceField> built;
   std::vector<double> build;
   std::vector<double> update;
   for (auto _ : state) {
-    counts = {};
-    moved = {};
-    build.push_back(secondsOf([&] { built = buildField(*here.world, here.shape, nullptr, &counts); }));
+    build.push_back(secondsOf([&] { built = buildField(*here.world, here.shape, nullptr); }));
     state.SetIterationTime(build.back());
     // Moves are of whole bricks of 0.8 m and more; averaged over ten metres.
     std::shared_ptr<const DistanceField> at = built;
     update.push_back(secondsOf([&] {
                        for (int metre = 1; metre <= 10; ++metre) {
-                         at = buildField(*here.world, placeAt(-20 + metre, lists).shape, at.get(), &moved);
+                         at = buildField(*here.world, placeAt(-20 + metre, lists).shape, at.get());
                        }
                      }) /
                      10);
   }
   state.counters["MB"] = static_cast<double>(built->bytes()) * 1e-6;
   state.counters["full_bricks"] = built->fullBricks();
-  state.counters["bricks"] = static_cast<double>(counts.bricks);
-  state.counters["distances/s"] = static_cast<double>(counts.distances) / median(build);
   state.counters["update_ms"] = 1e3 * median(update);
   state.counters["update_of_build"] = median(update) / median(build);
 }

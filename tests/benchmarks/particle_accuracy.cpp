@@ -40,7 +40,6 @@ const std::vector<ParticleSetting> kParticleSettings{
     {"none, 40 cm, whole scene", "refine: none, field: scene, voxel_m: 0.4"},
     {"none, 1 m, whole scene", "refine: none, field: scene, voxel_m: 1"},
     {"normal, 1 m, whole scene", "refine: normal, field: scene, voxel_m: 1"},
-    {"none, 10 cm, cone of 10 mrad", "refine: none, cone_mrad: 10"},
 };
 
 std::unique_ptr<Method> particleOf(const Scene& scene, const std::string& options) {

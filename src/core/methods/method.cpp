@@ -46,17 +46,13 @@ constexpr std::array kMethods{
         .make = makeDepthCamera},
     MethodEntry{.name = "particle",
                 .summary = "one particle per beam flies through a distance field, on the processor or a GPU",
-                .keys =
-                    "field: sensor or scene, levels around each sensor or one for the whole scene; "
-                    "voxel_m: 0.1 m, voxels of the finest level; "
-                    "voxels: 256, across each level around a sensor, 64 to 1024; "
-                    "levels: auto or 1 to 16, each twice as coarse as the one before; "
-                    "refine: triangle, normal or none, how hits are made exact; "
-                    "cone_mrad: 0 mrad, half of the angle in which a beam meets things (normal, none); "
-                    "steps: 512, a particle's budget; "
-                    "backend: auto, cpu or gl; "
-                    "smallest_m: none, m, the smallest ball that every beam through its middle meets (normal, none); "
-                    "smallest_within_m: 30 m, so far from the sensor",
+                .keys = "field: sensor or scene, levels around each sensor or one for the whole scene; "
+                        "voxel_m: 0.1 m, voxels of the finest level; "
+                        "voxels: 256, across each level around a sensor, 64 to 1024; "
+                        "levels: auto or 1 to 16, each twice as coarse as the one before; "
+                        "refine: triangle, normal or none, how hits are made exact; "
+                        "steps: 512, a particle's budget; "
+                        "backend: auto, cpu or gl",
                 .can = {.footprints = true, .motion = true, .openGl = true},
                 .color = {255, 190, 40},
                 .autoSettings = "- particle\n- {particle: {refine: [normal, none]}}\n- {particle: {refine: [normal, "

@@ -52,10 +52,8 @@ constexpr std::size_t kFew = 128;
 
 void BrickMaker::make(const BrickPlace& place, std::uint16_t* distance, std::uint32_t* word,
                       std::vector<std::uint32_t>& entries) {
-  made_.clear();
   listed_.clear();
   listBegin_ = 0;
-  firstWithHash_.fill(kNoWord);
   distance2_.fill(INFINITY);
   list_.fill(kNoWord);
   constexpr float kGathered = brick::kSeen + 0.01f;
@@ -111,38 +109,23 @@ void BrickMaker::fillWords(const std::uint16_t* distance, std::uint32_t* word) c
   }
 }
 
-// Ends the list under construction. The index among the brick's lists, of an equal one where there is one.
-std::uint32_t BrickMaker::addList() {
-  const auto begin = static_cast<std::uint32_t>(listBegin_);
-  const auto end = static_cast<std::uint32_t>(listed_.size());
-  const auto first = listed_.begin() + begin;
-  std::uint32_t hash = 0;
-  for (std::uint32_t i = begin; i < end; ++i) hash = (hash ^ listed_[i]) * 0x9E3779B1u;
-  std::uint32_t& firstList = firstWithHash_[hash >> 24];
-  for (std::uint32_t i = firstList; i != kNoWord; i = made_[i].next) {
-    const List& list = made_[i];
-    if (std::equal(first, listed_.end(), listed_.begin() + list.begin, listed_.begin() + list.end)) {
-      listed_.resize(begin);
-      return i;
-    }
-  }
-  made_.push_back({begin, end, firstList, kNoWord});
-  listBegin_ = end;
-  return firstList = static_cast<std::uint32_t>(made_.size() - 1);
+// Of the corner; ends the list under construction.
+void BrickMaker::addList(std::uint32_t corner) {
+  list_[corner] = static_cast<std::uint32_t>(listBegin_);
+  listed_.back() |= kLastOfList;
+  listBegin_ = listed_.size();
 }
 
-// In the order of the corners that first name them.
+// In the order of corners.
 void BrickMaker::placeLists(std::uint32_t* word, std::vector<std::uint32_t>& entries) {
   const std::size_t start = entries.size();
   for (int corner = 0; corner < kCornersPerBrick; ++corner) {
     if (word[corner] == kNoWord) continue;
-    List& list = made_[word[corner]];
-    if (list.word == kNoWord) {
-      list.word = static_cast<std::uint32_t>(entries.size() - start);
-      entries.insert(entries.end(), listed_.begin() + list.begin, listed_.begin() + list.end);
-      entries.back() |= kLastOfList;
-    }
-    word[corner] = list.word;
+    const std::uint32_t* entry = &listed_[word[corner]];
+    word[corner] = static_cast<std::uint32_t>(entries.size() - start);
+    do {
+      entries.push_back(*entry);
+    } while (*entry++ < kLastOfList);
   }
 }
 

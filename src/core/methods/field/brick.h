@@ -37,24 +37,13 @@ class BrickMaker {
   };
 
  private:
-  // A list of the brick under construction.
-  struct List {
-    std::uint32_t begin, end;  // in listed_
-    std::uint32_t next;        // with the same hash, or kNoWord
-    std::uint32_t word;        // kNoWord until a corner is given it
-  };
-  // Corners that may be near a triangle, along each axis.
-  struct Range {
-    int first, last;
-  };
-  using Ranges = std::array<Range, 3>;
   struct Listing {
     std::uint32_t corner, triangle;
   };
 
   // In brick.cpp.
   void sortTriangles();
-  std::uint32_t addList();
+  void addList(std::uint32_t corner);
   void fillWords(const std::uint16_t* distance, std::uint32_t* word) const;
   void placeLists(std::uint32_t* word, std::vector<std::uint32_t>& entries);
   void fillDistances(std::uint16_t* distance) const;
@@ -66,12 +55,9 @@ class BrickMaker {
 
   // In dense_brick.cpp.
   void makeDense(const BrickPlace& place);
-  bool amongCrowded(int block) const;
   bool makeBlock(const BrickPlace& place, int block);
   void searchBlock(const BrickPlace& place, int block);
   void scatter(const BrickPlace& place, std::uint32_t triangle);
-  void scatterSmall(const BrickPlace& place, std::uint32_t triangle, const TriangleCorners& corners,
-                    const Ranges& near);
   void sortListings();
   NearestFacet search(const BrickPlace& place, const Vec3f& point, float reach);
 
@@ -80,7 +66,8 @@ class BrickMaker {
   std::vector<std::uint32_t> triangles_;  // near the brick or the block, in the order of lists
   std::vector<std::uint64_t> order_;
 
-  // Of corners: the nearest triangle, and the index of the list; infinite and kNoWord where unknown or too far.
+  // Of corners: the nearest triangle, and where the list begins in listed_; infinite and kNoWord where unknown or too
+  // far.
   std::array<float, kBrickStride> distance2_{};
   std::array<std::uint32_t, kBrickStride> nearest_{};
   std::array<std::uint32_t, kBrickStride> list_{};
@@ -103,10 +90,8 @@ class BrickMaker {
   std::vector<Listing> listings_;
   std::vector<std::uint32_t> listingsByCorner_;
 
-  std::vector<List> made_;
   std::vector<std::uint32_t> listed_;
   std::size_t listBegin_ = 0;  // in listed_, of the list under construction
-  std::array<std::uint32_t, 256> firstWithHash_{};
 };
 
 // Shared by the parts of BrickMaker; lengths in voxels.

@@ -31,14 +31,14 @@ class Builder {
  public:
   Builder(const World& world, const FieldShape& shape, const DistanceField* before);
 
-  std::shared_ptr<const DistanceField> build(BuildCounts* counts);
+  std::shared_ptr<const DistanceField> build();
 
  private:
   BrickPlace placeOf(std::size_t level, const Corner& brick) const;
   Corner brickOf(std::size_t level, std::uint32_t entry) const;
   std::size_t levelOf(std::uint32_t entry) const;
   const std::uint32_t* entryBefore(std::size_t level, const Corner& brick) const;
-  void fillRow(std::size_t level, std::size_t row);
+  void fillRow(std::size_t level, std::size_t row, FacetCache& facets);
   void numberBricks();
   void makeBricks();
   void assemble();
@@ -50,7 +50,6 @@ class Builder {
   std::vector<std::uint32_t> keptBefore_;  // per entry, full ones only: see FullBrick
   std::vector<FullBrick> bricks_;
   std::vector<std::vector<std::uint32_t>> entries_;  // per full brick, its lists; of new ones
-  std::uint64_t kept_ = 0;
 };
 
 Builder::Builder(const World& world, const FieldShape& shape, const DistanceField* before)
@@ -96,7 +95,7 @@ const std::uint32_t* Builder::entryBefore(std::size_t level, const Corner& brick
 }
 
 // Which bricks of a row along x are empty, and how far they are from everything.
-void Builder::fillRow(std::size_t level, std::size_t row) {
+void Builder::fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
   const LevelBox& box = field_->shape.levels[level];
   const auto first = static_cast<std::uint32_t>(field_->levels[level].firstEntry + row * box.bricks[0]);
   std::uint32_t nearest = 0;
@@ -111,19 +110,22 @@ void Builder::fillRow(std::size_t level, std::size_t row) {
     keptBefore_[first + i] = kNew;
     float distance = kNothing;
     if (!world_.baked.triangles.empty()) {
-      const NearestTriangle found = nearestTriangle(world_, placeOf(level, brick), nearest);
+      const BrickPlace place = placeOf(level, brick);
+      facets.startBrick();
+      const float known2 = facets.of(world_.baked, nearest, place).distance2(0, 0, 0);
+      const NearestFacet found = nearestFacet(world_, place, {}, {known2, nearest}, facets);
       nearest = found.triangle;
-      distance = static_cast<float>(std::sqrt(found.distance2) * (1 - 1e-6));
+      distance = std::sqrt(found.distance2) * (1 - 1e-5f);  // for float32
     }
     entry = distance >= kEmptyBrick ? std::bit_cast<std::uint32_t>(distance) : kFullBrick;
   }
 }
 
 void Builder::numberBricks() {
-  constexpr std::uint64_t kMost = 0xFFFFFFFFu / kBrickStride;  // corners are counted in 32 bits
+  // Lanes find distances by offsets of 31 bits.
+  constexpr std::uint64_t kMost = 0x7FFFFFFFu / (kBrickStride * sizeof(std::uint16_t));
   for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
     std::uint32_t& entry = field_->table[i];
-    if (keptBefore_[i] != kNew) ++kept_;
     if (entry < kFullBrick) continue;
     if (bricks_.size() == kMost) {
       throw Error(
@@ -222,7 +224,7 @@ void Builder::assemble() {
   });
 }
 
-std::shared_ptr<const DistanceField> Builder::build(BuildCounts* counts) {
+std::shared_ptr<const DistanceField> Builder::build() {
   std::uint64_t entries = 0;
   for (const LevelBox& box : field_->shape.levels) entries += box.size();
   field_->table.resize(entries);
@@ -230,28 +232,21 @@ std::shared_ptr<const DistanceField> Builder::build(BuildCounts* counts) {
   for (std::size_t level = 0; level < field_->levels.size(); ++level) {
     const LevelBox& box = field_->shape.levels[level];
     parallelFor(std::size_t{box.bricks[1]} * box.bricks[2], 4, [&](std::size_t first, std::size_t last) {
-      for (std::size_t row = first; row < last; ++row) fillRow(level, row);
+      FacetCache facets;
+      for (std::size_t row = first; row < last; ++row) fillRow(level, row, facets);
     });
   }
   numberBricks();
   makeBricks();
   assemble();
-  if (counts != nullptr) {
-    *counts = {entries, kept_, world_.baked.triangles.empty() ? 0 : entries - kept_, 0};
-    for (std::size_t i = 0; i < bricks_.size(); ++i) {
-      if (bricks_[i].before != kNew) continue;
-      counts->distances += kCornersPerBrick;
-      if (!entries_.empty()) counts->listed += entries_[i].size();
-    }
-  }
   return std::move(field_);
 }
 
 }  // namespace
 
 std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
-                                                const DistanceField* before, BuildCounts* counts) {
-  return Builder(world, shape, before).build(counts);
+                                                const DistanceField* before) {
+  return Builder(world, shape, before).build();
 }
 
 }  // namespace scanmill

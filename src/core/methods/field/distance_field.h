@@ -97,11 +97,15 @@ struct DistanceField {
   // where it is farther than kListed or its list is empty.
   std::vector<std::uint32_t> word;
   // Triangles that meet the cube around a corner (kListedHalf), in ascending order of (instance id, triangle), the last
-  // marked by kLastOfList. Corners with the same list may share it.
+  // marked by kLastOfList; in the order of corners. Were equal lists of neighbours shared, fields would be 4 % smaller
+  // on the street and 7 % on truck_town.
   std::vector<std::uint32_t> lists;
 
   std::uint32_t fullBricks() const { return static_cast<std::uint32_t>(distance.size() / kBrickStride); }
-  std::uint64_t bytes() const;
+  std::uint64_t bytes() const {
+    const auto of = [](const auto& array) { return std::uint64_t{array.size()} * sizeof array[0]; };
+    return of(levels) + of(table) + of(distance) + of(word) + of(lists);
+  }
 };
 
 }  // namespace scanmill

@@ -74,25 +74,6 @@ Vec3d metresOf(const BrickPlace& place, const Vec3f& point) {
   return place.centre + Vec3d(point) * place.voxel;
 }
 
-struct CentreSearch {
-  const TriangleBlock& block;
-  const BrickPlace& place;
-  Ball ball;
-  NearestTriangle best;
-};
-
-bool nearCentre(RTCPointQueryFunctionArguments* arguments) {
-  auto& search = *static_cast<CentreSearch*>(arguments->userPtr);
-  const std::uint32_t triangle = search.block.global(arguments->geomID, arguments->primID);
-  if (!search.ball.meets(search.block, triangle)) return false;
-  const double distance2 = facetAt(search.block, triangle, search.place).distance2(0, 0, 0);
-  if (!(distance2 < search.best.distance2)) return false;
-  search.best = {distance2, triangle};
-  search.ball.shrink(std::sqrt(distance2) * search.place.voxel);
-  arguments->query->radius = search.ball.radius();
-  return true;
-}
-
 struct PointSearch {
   const TriangleBlock& block;
   const BrickPlace& place;
@@ -153,13 +134,6 @@ TriangleCorners cornersAt(const TriangleBlock& block, std::uint32_t triangle, co
   const Triangle& corners = block.corners[triangle];
   const auto corner = [&](int i) { return (Vec3d(block.vertices[corners[i]]) - place.centre) * perMetre; };
   return {corner(0), corner(1), corner(2)};
-}
-
-NearestTriangle nearestTriangle(const World& world, const BrickPlace& place, std::uint32_t guess) {
-  const double distance2 = facetAt(world.baked, guess, place).distance2(0, 0, 0);
-  CentreSearch search{world.baked, place, Ball(place.centre, std::sqrt(distance2) * place.voxel), {distance2, guess}};
-  runQuery(world, search.ball, nearCentre, &search);
-  return search.best;
 }
 
 NearestFacet nearestFacet(const World& world, const BrickPlace& place, const Vec3f& point, const NearestFacet& nearest,

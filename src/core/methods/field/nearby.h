@@ -27,15 +27,6 @@ inline Facet<double> facetAt(const TriangleBlock& block, std::uint32_t triangle,
   return facetOf(corners[0], corners[1], corners[2]);
 }
 
-struct NearestTriangle {
-  double distance2 = 0;  // voxels^2
-  std::uint32_t triangle = 0;
-};
-
-// The triangle nearest to a brick's centre, of a world that has triangles. `guess` is one of them: the nearer it is,
-// the shorter the search.
-NearestTriangle nearestTriangle(const World& world, const BrickPlace& place, std::uint32_t guess);
-
 constexpr std::uint32_t kNoTriangle = 0xFFFFFFFFu;
 
 struct NearestFacet {

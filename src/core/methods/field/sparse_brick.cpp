@@ -76,7 +76,7 @@ void BrickMaker::listBlock(int block) {
         listed_.push_back(candidateTriangles_[chunk * 32 + std::countr_zero(bits)]);
       }
     }
-    if (listed_.size() > listBegin_) list_[brick::cornerIndex(block, i)] = addList();
+    if (listed_.size() > listBegin_) addList(brick::cornerIndex(block, i));
   }
 }
 

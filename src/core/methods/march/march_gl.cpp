@@ -19,7 +19,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "gpu/compute.h"
-#include "methods/march/march_shader.h"
+#include "gpu/device.h"
 
 namespace scanmill {
 
@@ -34,22 +34,19 @@ struct MarchBlock {
   std::int32_t lastLevel;
   float perReach;
   float metres;
-  float hit;
-  float cone;
   std::uint32_t steps;
   std::uint32_t count;
-  std::uint32_t unused;
+  std::uint32_t unused[3];
 };
 static_assert(sizeof(MarchBlock) == 32);
 
-MarchBlock marchBlock(const DistanceField& field, const MarchOptions& options) {
+MarchBlock marchBlock(const DistanceField& field, std::uint32_t steps, std::size_t count) {
   MarchBlock block{};
   block.lastLevel = static_cast<std::int32_t>(field.levels.size()) - 1;
   block.perReach = 1.0f / field.shape.reach;
   block.metres = static_cast<float>(field.shape.voxel);
-  block.hit = options.hit;
-  block.cone = options.cone;
-  block.steps = options.steps;
+  block.steps = steps;
+  block.count = static_cast<std::uint32_t>(count);
   return block;
 }
 
@@ -99,22 +96,21 @@ class ComputeMarcher : public GlMarcher {
     for (ComputeBuffer* buffer : {&table_, &distances_, &words_, &lists_, &triangles_}) buffer->reserve(16);
   }
 
-  void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world,
-             const MarchOptions& options, const Particles& particles, HitRecords& records, StageClock& clock) override {
+  void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world, std::uint32_t steps,
+             const Particles& particles, HitRecords& records, StageClock& clock) override {
     const std::scoped_lock lock(mutex_);
-    records.resize(particles.size());
+    records.reset(particles.size());
     if (particles.size() == 0) return;
     upload(field, world, clock);
     for (std::size_t first = 0; first < particles.size(); first += slice_) {
       const std::size_t count = std::min<std::size_t>(slice_, particles.size() - first);
-      marchSlice(*field, options, particles, first, count, clock);
+      marchSlice(*field, steps, particles, first, count, clock);
       const StageTimer timer(clock, "read_back");
       readRecords(*field, records, first, count);
     }
   }
 
   std::string device() const override { return device_.name(); }
-  bool software() const override { return device_.software(); }
 
  private:
   static constexpr std::uint64_t kMostColumns = 14;
@@ -165,8 +161,8 @@ class ComputeMarcher : public GlMarcher {
     if (!array.empty()) buffer.hold(array);
   }
 
-  void marchSlice(const DistanceField& field, const MarchOptions& options, const Particles& particles,
-                  std::size_t first, std::size_t count, StageClock& clock) {
+  void marchSlice(const DistanceField& field, std::uint32_t steps, const Particles& particles, std::size_t first,
+                  std::size_t count, StageClock& clock) {
     const StageTimer timer(clock, "march");
     const Columns columns = columnsOf(particles, field.shape.lists);
     particles_.reserve(columns.size() * count * sizeof(float));
@@ -176,8 +172,7 @@ class ComputeMarcher : public GlMarcher {
       pieces.push_back({k * count * sizeof(float), std::as_bytes(std::span(*columns[k]).subspan(first, count))});
     }
     particles_.write(pieces);
-    MarchBlock block = marchBlock(field, options);
-    block.count = static_cast<std::uint32_t>(count);
+    const MarchBlock block = marchBlock(field, steps, count);
     programOf(field.shape.lists)
         .run(count, {&particles_, &records_}, std::as_bytes(std::span(&block, 1)),
              {{&levels_, Uint32x4},
@@ -230,7 +225,8 @@ class ComputeMarcher : public GlMarcher {
   std::vector<float> denominator_;
 };
 
-// Whether the kernel knows of a graphics card: loading OpenGL to ask would cost more than most scans.
+// Whether the kernel knows of a graphics card: loading OpenGL to ask would cost more than most scans, and
+// OpenGL on the processor is slower than its own lanes (docs/particle.md).
 bool kernelHasCard() {
   for (const std::string_view file : {"/dev/nvidiactl", "/dev/dxg"}) {
     if (std::filesystem::exists(file)) return true;
@@ -252,11 +248,11 @@ std::unique_ptr<GlMarcher> makeGlMarcher() {
   return makeGlMarcher(GlMarcherLimits{});
 }
 
-bool glHasHardware() {
+std::unique_ptr<GlMarcher> findGlMarcher() {
   try {
-    return kernelHasCard() && !ComputeDevice(kWords).software();
+    return kernelHasCard() || !namedDevice().empty() ? makeGlMarcher() : nullptr;
   } catch (const std::exception&) {
-    return false;
+    return nullptr;
   }
 }
 

@@ -1,11 +1,12 @@
 #pragma once
 
-// What a GlMarcher asks of its device at a time, for tests to make it smaller.
+// Inside of a GlMarcher: its shader, and what it asks of its device at a time, for tests to make it smaller.
 
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <string>
 
 #include "methods/march/march.h"
 
@@ -16,6 +17,15 @@ struct GlMarcherLimits {
   // Of a table; the device's own limit holds too.
   std::uint64_t tableBytes = std::numeric_limits<std::uint64_t>::max();
 };
+
+// The compute program that takes the steps of march_stream.h, for fields with lists or without; see gpu/compute.h.
+//
+// Storage buffers: 0 particles (float columns, in Particles' order), 1 hit records (uint columns: bits of the way,
+// triangle, outcome; with lists also the bits of a numerator and a denominator, whose quotient in m the way lacks).
+// Tables: 0 the field's levels (two uvec4 each: bits of the offset and the first entry, then the bricks), 1 its table,
+// 2 distances, 3 words, 4 lists, 5 triangles (three vec4 each: a corner and the two edges from it; m, relative to the
+// world's origin). Parameters: MarchBlock of march_gl.cpp.
+std::string marchShader(bool lists);
 
 std::unique_ptr<GlMarcher> makeGlMarcher(const GlMarcherLimits& limits);
 

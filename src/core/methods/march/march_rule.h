@@ -13,18 +13,6 @@ constexpr float kEmptyBend = 0.083334f;  // R >= kEmptyBrick, M = 4 sqrt(3)
 constexpr float kNamedBend = 0.26297f;   // R >= kNamed, M = sqrt(3) / 2
 constexpr float kListedBend = 0.78805f;  // R >= kListed, M = sqrt(3) / 2
 
-// Over-relaxation (Keinert, Schaefer, Korndoerfer, Ganse, Stamminger 2014, "Enhanced sphere tracing", section 3.1):
-// after a ball the particle looks so much farther, as a share of its stride. Where the balls then leave a gap it goes
-// back to where the first one ends.
-constexpr float kLeap = 0.3f;
-
-// Without lists: interpolated distances are up to 0.5 on a plane, but up to 0.624 where three walls meet at right
-// angles, and as far behind a plane as a particle may overstep. A particle that was so near to a surface and then moves
-// away has passed by an edge, or gone through the surface at one: it is a candidate for a grazing hit, where it was
-// nearest.
-constexpr float kGrazing = 0.63f;
-constexpr float kNever = 1e30f;  // voxels: the distance before there was a step, more than any
-
 // Share of a triangle by which it is larger than it is, so that rounding opens no cracks between triangles.
 constexpr float kSeam = 1e-5f;
 constexpr float kBehind = 0.25f;  // how far behind the particle a hit may lie, for it may have overstepped

@@ -1,25 +1,22 @@
-#include "methods/march/march_shader.h"
-
 #include <fmt/format.h>
 
 #include <bit>
 
 #include "methods/march/march.h"
+#include "methods/march/march_gl.h"
 #include "methods/march/march_rule.h"
 
 namespace scanmill {
 
 namespace {
 
-// What is `precise` is neither contracted nor reassociated: it has the bits that the processor finds. Divisions, which
-// GPUs round as they like, are left to the processor.
+// The steps of march_stream.h. What is `precise` is neither contracted nor reassociated: it has the bits that the
+// processor finds. Divisions, which GPUs round as they like, are left to the processor.
 constexpr const char* kCommon = R"(
 layout(std140, binding = 0) uniform MarchParameters {
   int lastLevel;
   float perReach;
   float metres;
-  float hit;
-  float cone;
   uint steps;
   uint count;
 };
@@ -126,52 +123,29 @@ float interpolate(Voxel v) {
 void invoke(uint i) {
   precise vec3 o = column3(0u, i);
   precise vec3 d = column3(3u, i);
-  precise float clear = particles[6u * count + i];
+  precise float way = particles[6u * count + i];
   precise float end = particles[7u * count + i];
-  precise float way = clear;
-  precise float last = kNever;
-  precise float lastWay = 0.0;
-  uint lastNearest = 0u;
   for (uint taken = 0u; taken < steps; ++taken) {
-    if (!(clear < end)) {
+    if (!(way < end)) {
       record(i, 0.0, 0u, kMiss + 4u * taken);
       return;
     }
     precise vec3 q = o + d * way;
     Voxel v = find(q);
     precise float ahead;
-    precise float back;
     precise float near = v.full ? distanceAt(v.nearest) * kDistanceStep : uintBitsToFloat(v.brick);
-    bool far = near > kNamed;
-    bool rests = false;
-    if (far) {
+    if (near > kNamed) {
       Chord chord = chordOf(near, v.full ? kNamedBend : kEmptyBend, v.full ? v.r : v.b, d);
       ahead = chord.across - chord.along;
-      back = chord.across + chord.along;
     } else {
       ahead = interpolate(v);
-      precise float rest = min(max(hit, cone * way * v.scale), kWidestHit);
-      rests = ahead <= rest;
-      back = 0.0;
+      if (ahead <= kRest) {
+        record(i, way, fetch(words, v.nearest), kHit + 4u * (taken + 1u));
+        return;
+      }
     }
-    precise float start = way - back * v.grow;
-    if (start > clear) {
-      way = clear;
-      continue;
-    }
-    precise float seen = far ? kNever : ahead;
-    bool grazes = last <= kGrazing && !(seen < last);
-    if (rests || grazes) {
-      record(i, rests ? way : lastWay, fetch(words, rests ? v.nearest : lastNearest),
-           (rests ? kHit : kGrazingOutcome) + 4u * (taken + 1u));
-      return;
-    }
-    last = seen;
-    lastWay = way;
-    lastNearest = v.nearest;
     precise float stride = ahead * v.grow;
-    clear = way + stride;
-    way = min(clear + stride * (far ? kLeap : 0.0), end);
+    way = way + stride;
   }
   record(i, 0.0, 0u, kExhausted + 4u * steps);
 }
@@ -195,7 +169,6 @@ void invoke(uint i) {
   precise vec3 w = column3(8u, i);
   precise vec3 reciprocal = column3(11u, i);
   precise vec3 side = mix(vec3(kFace), vec3(-kFace), lessThan(reciprocal, vec3(0.0)));
-  precise float clear = begin;
   precise float way = begin;
   uint taken = 0u;
   while (true) {
@@ -204,7 +177,7 @@ void invoke(uint i) {
     uint word = kNoWord;
     bool listed = false;
     while (!listed) {
-      if (taken >= steps || !(clear < end)) {
+      if (taken >= steps || !(way < end)) {
         record(i, 0.0, 0u, taken < steps ? kMiss + 4u * taken : kExhausted + 4u * steps);
         return;
       }
@@ -212,11 +185,10 @@ void invoke(uint i) {
       precise vec3 q = o + d * way;
       Voxel v = find(q);
       precise float near = v.full ? distanceAt(v.nearest) * kDistanceStep : uintBitsToFloat(v.brick);
-      bool far = near > kNamed;
       precise vec3 r = v.full ? v.r : v.b;
-      Chord chord = chordOf(near, v.full ? (far ? kNamedBend : kListedBend) : kEmptyBend, r, d);
+      Chord chord = chordOf(near, v.full ? (near > kNamed ? kNamedBend : kListedBend) : kEmptyBend, r, d);
       ahead = chord.across - chord.along;
-      precise float back = chord.across + chord.along;
+      grow = v.grow;
       if (v.full) {
         precise vec3 faces = (side - v.r) * reciprocal;
         precise float exit = min(faces.x, min(faces.y, faces.z));
@@ -227,20 +199,13 @@ void invoke(uint i) {
           precise float ball = near * near;
           listed = chord.square > ball || leaving > ball;
           ahead = exit;
-          back = 0.0;
         }
       }
-      precise float start = way - back * v.grow;
-      if (start > clear) {
-        way = clear;
-        listed = false;
-      } else if (listed) {
-        grow = v.grow;
+      if (listed) {
         word = fetch(words, v.nearest);
       } else {
-        precise float stride = ahead * v.grow;
-        clear = way + stride;
-        way = min(clear + stride * (far ? kLeap : 0.0), end);
+        precise float stride = ahead * grow;
+        way = way + stride;
       }
     }
     precise float voxel = metres * grow;
@@ -289,8 +254,8 @@ void invoke(uint i) {
       records[4u * count + i] = floatBitsToUint(bestDenominator);
       return;
     }
-    clear = way + ahead * grow;
-    way = min(clear, end);
+    precise float stride = ahead * grow;
+    way = way + stride;
   }
 }
 )";
@@ -310,15 +275,13 @@ std::string marchShader(bool lists) {
   std::string text =
       constantOf("kDistanceStep", kDistanceStep) + constantOf("kBrickStride", kBrickStride + 0u) +
       constantOf("kNoWord", kNoWord) + constantOf("kFullBrick", kFullBrick) + constantOf("kLastOfList", kLastOfList) +
-      constantOf("kNamed", kNamed) + constantOf("kListed", kListed) + constantOf("kWidestHit", kWidestHit) +
+      constantOf("kNamed", kNamed) + constantOf("kListed", kListed) + constantOf("kRest", kRest) +
       constantOf("kHit", static_cast<std::uint32_t>(Outcome::Hit)) +
       constantOf("kMiss", static_cast<std::uint32_t>(Outcome::Miss)) +
-      constantOf("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) +
-      constantOf("kGrazingOutcome", static_cast<std::uint32_t>(Outcome::Grazing)) +
-      constantOf("kEmptyBend", kEmptyBend) + constantOf("kNamedBend", kNamedBend) +
-      constantOf("kListedBend", kListedBend) + constantOf("kLeap", kLeap) + constantOf("kGrazing", kGrazing) +
-      constantOf("kNever", kNever) + constantOf("kSeam", kSeam) + constantOf("kBehind", kBehind) +
-      constantOf("kTie", kTie) + constantOf("kNudge", kNudge) + constantOf("kFace", kFace);
+      constantOf("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) + constantOf("kEmptyBend", kEmptyBend) +
+      constantOf("kNamedBend", kNamedBend) + constantOf("kListedBend", kListedBend) + constantOf("kSeam", kSeam) +
+      constantOf("kBehind", kBehind) + constantOf("kTie", kTie) + constantOf("kNudge", kNudge) +
+      constantOf("kFace", kFace);
   return text + kCommon + (lists ? kLists : kNearest);
 }
 

@@ -24,9 +24,9 @@ struct MarchJob {
   const DistanceField& field;
   const ShotFrame& frame;  // of the world's origin
   ParticleOptions::Refine refine;
-  MarchOptions march;
-  Box box;     // m, relative to the world's origin: where particles may march
-  bool whole;  // nothing of the scene lies outside of the box
+  std::uint32_t steps;  // that a particle may take
+  Box box;              // m, relative to the world's origin: where particles may march
+  bool whole;           // nothing of the scene lies outside of the box
 };
 
 // How many beams ended as neither hit nor miss, or as a hit that is not to be trusted.

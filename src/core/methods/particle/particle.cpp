@@ -10,8 +10,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <mutex>
+#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -44,18 +46,17 @@ std::vector<Tile> tilesOf(const BeamTable& beams) {
   return tiles;
 }
 
-MarchOptions marchOptions(const ParticleOptions& options) {
-  // A cone's radius per length, the same in voxels per voxel.
-  return {kRest, static_cast<float>(std::tan(options.cone)), options.steps};
-}
+// Where particles fly; Open and Asked until the first scan has told which of the two is faster.
+enum class FlyingBackend { Open, Asked, Processor, Device };
 
 class ParticleMethod : public Method {
  public:
   ParticleMethod(const Scene& scene, ParticleOptions options)
       : scene_(scene), options_(std::move(options)), fields_(scene, options_), materials_(compactMaterials(scene)) {
-    const bool wanted = options_.backend == ParticleOptions::Backend::Gl ||
-                        (options_.backend == ParticleOptions::Backend::Auto && glHasHardware());
-    if (wanted) gl_ = makeGlMarcher();
+    if (options_.backend == ParticleOptions::Backend::Gl) gl_ = makeGlMarcher();
+    if (options_.backend == ParticleOptions::Backend::Auto) gl_ = findGlMarcher();
+    const bool open = options_.backend == ParticleOptions::Backend::Auto && gl_ != nullptr;
+    backend_ = open ? FlyingBackend::Open : gl_ != nullptr ? FlyingBackend::Device : FlyingBackend::Processor;
   }
 
   TraceAccount prepare(const Shot& shot) const override {
@@ -70,11 +71,17 @@ class ParticleMethod : public Method {
     StageClock clock({"launch", "march", "resolve"});
     const FieldStore::Place place = placeOf(shot, clock);
     const ShotFrame frame = frameOf(shot, place.world->origin);
-    const MarchJob job{shot,      *place.world, *place.field, frame, options_.refine, marchOptions(options_),
-                       place.box, place.whole};
+    const MarchJob job{shot,           *place.world, *place.field, frame, options_.refine,
+                       options_.steps, place.box,    place.whole};
     const std::vector<Tile> tiles = tilesOf(beams);
-    const MarchCounts counts =
-        gl_ != nullptr ? marchOnDevice(job, place, tiles, hits, clock) : marchOnProcessor(job, tiles, hits, clock);
+    FlyingBackend open = FlyingBackend::Open;
+    if (backend_.compare_exchange_strong(open, FlyingBackend::Asked)) {
+      const WallTimer timer;
+      backend_ = fasterBackend(job, place, tiles, channels);
+      clock.add("backend_choice", timer.seconds());
+    }
+    const MarchCounts counts = backend_ == FlyingBackend::Device ? marchOnDevice(job, place, tiles, hits, clock)
+                                                                 : marchOnProcessor(job, tiles, hits, clock);
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
     return account(clock, shot, counts);
   }
@@ -99,7 +106,10 @@ class ParticleMethod : public Method {
     lines.emplace_back(any([](const Material& m) { return m.textured && m.texture != nullptr; })
                            ? "reflectance textures: modelled"
                            : "reflectance textures: left out, no material has one");
-    lines.push_back("particles fly on " + (gl_ != nullptr ? gl_->device() : std::string("the processor")));
+    lines.push_back(options_.backend == ParticleOptions::Backend::Auto && gl_ != nullptr
+                        ? "particles fly on " + gl_->device() +
+                              " or on the processor, whichever takes the first scan faster: both give the same bytes"
+                        : "particles fly on " + (gl_ != nullptr ? gl_->device() : std::string("the processor")));
     lines.emplace_back("transmission through glass, mirror images, motion of objects: left out");
     return lines;
   }
@@ -119,6 +129,34 @@ class ParticleMethod : public Method {
     return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
   }
 
+  // Traces a shot by both, twice each, since the first time uploads the field. A device that finds other hits than the
+  // processor is never taken, so that scans do not depend on what was chosen. Shots that come meanwhile fly on the
+  // processor, as they would beside later ones.
+  FlyingBackend fasterBackend(const MarchJob& job, const FieldStore::Place& place, std::span<const Tile> tiles,
+                              Channels channels) const {
+    Hits there;
+    Hits here;
+    double device = INFINITY;
+    double processor = INFINITY;
+    StageClock ignored({"launch", "march", "resolve"});
+    const auto empty = [&](Hits& hits) { hits.reset(job.shot.beams->rings, job.shot.beams->columns, channels); };
+    try {
+      for (int round = 0; round < 2; ++round) {
+        empty(there);
+        empty(here);
+        device = std::min(device, secondsOf([&] { marchOnDevice(job, place, tiles, there, ignored); }));
+        processor = std::min(processor, secondsOf([&] { marchOnProcessor(job, tiles, here, ignored); }));
+      }
+      if (there.range != here.range || there.instance != here.instance || there.primitive != here.primitive) {
+        throw Error(gl_->device() + " does not keep IEEE 754");
+      }
+    } catch (const Error& error) {
+      warn(fmt::format("particles fly on the processor: {}", error.what()));
+      return FlyingBackend::Processor;
+    }
+    return device < processor ? FlyingBackend::Device : FlyingBackend::Processor;
+  }
+
   MarchCounts marchOnProcessor(const MarchJob& job, std::span<const Tile> tiles, Hits& hits, StageClock& clock) const {
     MarchCounts counts;
     std::mutex mutex;
@@ -126,6 +164,7 @@ class ParticleMethod : public Method {
     parallelFor(pieces, 1, [&](std::size_t first, std::size_t last) {
       Particles particles;
       HitRecords records;
+      std::vector<std::uint32_t> all;
       MarchCounts mine;
       std::vector<std::uint32_t> unresolved;
       for (std::size_t p = first; p < last; ++p) {
@@ -133,12 +172,14 @@ class ParticleMethod : public Method {
         {
           const StageTimer timer(clock, "launch");
           particles.resize(some.size() * kPacket, job.field.shape.lists);
-          records.resize(particles.size());
+          records.reset(particles.size());
+          all.resize(particles.size());
+          std::iota(all.begin(), all.end(), 0u);
           launch(job, some, particles, 0);
         }
         {
           const StageTimer timer(clock, "march");
-          marchCpu(job.field, job.world.baked, job.march, particles, 0, particles.size(), records);
+          marchCpu(job.field, job.world.baked, job.steps, particles, all, records);
         }
         const StageTimer timer(clock, "resolve");
         mine += resolve(job, materials_, some, particles, records, 0, hits, unresolved);
@@ -159,10 +200,9 @@ class ParticleMethod : public Method {
     Particles particles;
     HitRecords records;
     particles.resize(tiles.size() * kPacket, job.field.shape.lists);
-    records.resize(particles.size());
     inPieces(pieces, clock, "launch",
              [&](std::size_t p) { launch(job, piece(p), particles, p * kTilesAtOnce * kPacket); });
-    gl_->march(place.field, place.world, job.march, particles, records, clock);
+    gl_->march(place.field, place.world, job.steps, particles, records, clock);
     MarchCounts counts;
     std::mutex mutex;
     inPieces(pieces, clock, "resolve", [&](std::size_t p) {
@@ -226,7 +266,8 @@ class ParticleMethod : public Method {
   ParticleOptions options_;
   FieldStore fields_;
   std::vector<CompactMaterial> materials_;
-  std::unique_ptr<GlMarcher> gl_;  // null: on the processor
+  std::unique_ptr<GlMarcher> gl_;  // null: none
+  mutable std::atomic<FlyingBackend> backend_;
 };
 
 }  // namespace

@@ -6,8 +6,7 @@
 
 namespace scanmill {
 
-// YAML: particle: {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, cone_mrad: 0, steps: 512,
-//                  backend: auto}
+// YAML: particle: {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: auto}
 std::unique_ptr<Method> makeParticle(const Scene& scene, Fields& options);
 
 }  // namespace scanmill

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -88,13 +87,15 @@ FieldShape aroundSensor(const ParticleOptions& options, const Vec3d& sensor, con
 struct Span {
   std::array<double, 3> first{}, bricks{};
 
-  bool fits() const {
+  // How many times too small voxels are for all of these; NaN where nothing can be said.
+  double excess() const {
     double all = 1;
+    double most = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-      if (!(std::fabs(first[k]) < kFarthestBrick && bricks[k] <= kMostBricksAcross)) return false;
+      most = std::max({most, std::fabs(first[k]) / kFarthestBrick, bricks[k] / kMostBricksAcross});
       all *= bricks[k];
     }
-    return all <= kMostBricks;
+    return std::max(std::cbrt(all / kMostBricks), most);
   }
 };
 
@@ -110,48 +111,29 @@ Span spanOf(const Box& box, double voxel) {
   return span;
 }
 
-// The finest voxel size of two digits that would do; infinite where none that may be asked for does.
-double voxelThatFits(ParticleOptions options, const Box& box, double memory) {
-  double tried = options.voxel;
-  while (tried <= kLargestVoxel) {
-    const double unit = std::pow(10.0, std::floor(std::log10(tried)) - 1);
-    options.voxel = std::min(std::ceil(tried / unit * (1 - 1e-9)) * unit, kLargestVoxel);
-    if (spanOf(box, options.voxel).fits() && fieldBytes(options, box) <= memory) return options.voxel;
-    tried *= 1.05;
-  }
-  return std::numeric_limits<double>::infinity();
-}
-
-// The most voxels across with which levels around a sensor do, of those that may be asked for.
-std::uint32_t voxelsThatFit(ParticleOptions options, const Box& box, double memory) {
-  while (options.voxels > kFewestVoxels && fieldBytes(options, box) > memory) options.voxels -= kVoxelsStep;
-  return options.voxels;
-}
-
-// What would do in place of a field that is too large.
-std::string adviceFor(const ParticleOptions& options, const Box& box, double memory) {
+// What would do in place of a field whose voxels are so many times too small, or levels have so many times too many.
+std::string adviceFor(const ParticleOptions& options, double times) {
   if (options.extent == ParticleOptions::Extent::Sensor) {
-    return fmt::format("choose voxels: {} or fewer", voxelsThatFit(options, box, memory));
+    const auto most = static_cast<std::uint32_t>(std::max(options.voxels / times, double{kFewestVoxels}));
+    return fmt::format("choose voxels: {} or fewer", most / kVoxelsStep * kVoxelsStep);
   }
-  ParticleOptions other = options;
-  other.voxel = voxelThatFits(options, box, memory);
-  if (std::isinf(other.voxel)) return "choose field: sensor";
-  const double smallest = smallestSeen(other, 0);
-  return fmt::format("choose voxel_m: {:g} or more{}, or field: sensor", other.voxel,
-                     options.smallest > 0 && options.smallest < smallest
-                         ? fmt::format(" and smallest_m: {:g} or more", smallest)
-                         : std::string());
+  const double voxel = options.voxel * times * 1.03;  // for the bricks around the scene
+  if (!(voxel <= kLargestVoxel)) return "choose field: sensor";
+  const double unit = std::pow(10.0, std::floor(std::log10(voxel)) - 1);
+  return fmt::format("choose voxel_m: {:g} or more, or field: sensor", std::ceil(voxel / unit) * unit);
 }
 
-// The bricks of a field of the whole scene.
+// The bricks of a field of the whole scene. `memory`: bytes that it may take, for advice.
 Span sceneSpan(const ParticleOptions& options, const Box& box, double memory) {
   const Span span = spanOf(box, options.voxel);
-  if (span.fits()) return span;
+  const double excess = span.excess();
+  if (excess <= 1) return span;
   const Vec3d size = box.high - box.low;
   throw InputError(options.where,
                    fmt::format("particle: a field of the whole scene, {:.4g} x {:.4g} x {:.4g} m, would have too many "
                                "bricks with voxels of {:g} m: {}",
-                               size.x, size.y, size.z, options.voxel, adviceFor(options, box, memory)));
+                               size.x, size.y, size.z, options.voxel,
+                               adviceFor(options, std::max(excess, std::sqrt(fieldBytes(options, box) / memory)))));
 }
 
 FieldShape aroundScene(const ParticleOptions& options, const Box& box) {
@@ -207,7 +189,7 @@ void checkField(const ParticleOptions& options, const Box& scene, double memory)
   throw InputError(options.where,
                    fmt::format("particle: the distance field would take about {}, but this process may take {}: "
                                "{}",
-                               memoryText(bytes), memoryText(memory), adviceFor(options, scene, memory)));
+                               memoryText(bytes), memoryText(memory), adviceFor(options, std::sqrt(bytes / memory))));
 }
 
 Box marchBox(const FieldShape& shape) {

@@ -7,6 +7,8 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <numeric>
+#include <span>
 #include <vector>
 
 #include "base/parallel.h"
@@ -140,14 +142,39 @@ inline void addParticle(const DistanceField& field, const Vec3d& origin, const V
 }
 
 // By marchCpu(), over all threads.
-inline HitRecords flown(const DistanceField& field, const TriangleBlock& triangles, const MarchOptions& options,
+inline HitRecords flown(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
                         const Particles& particles) {
   HitRecords records;
-  records.resize(particles.size());
+  records.reset(particles.size());
+  std::vector<std::uint32_t> all(particles.size());
+  std::iota(all.begin(), all.end(), 0u);
   parallelFor(particles.size(), 1000, [&](std::size_t first, std::size_t last) {
-    marchCpu(field, triangles, options, particles, first, last, records);
+    marchCpu(field, triangles, steps, particles, std::span(all).subspan(first, last - first), records);
   });
   return records;
+}
+
+struct HitRecord {
+  float way;
+  std::uint32_t triangle;
+  Outcome outcome;
+  std::uint32_t steps;
+
+  bool operator==(const HitRecord&) const = default;
+};
+
+inline HitRecord recordOf(const HitRecords& records, std::size_t i) {
+  return {records.way[i], records.triangle[i], records.outcomeOf(i), records.stepsOf(i)};
+}
+
+// Particle i alone.
+inline HitRecord flownAlone(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
+                            const Particles& particles, std::size_t i) {
+  HitRecords records;
+  records.reset(particles.size());
+  const auto which = static_cast<std::uint32_t>(i);
+  marchCpu(field, triangles, steps, particles, std::span(&which, 1), records);
+  return recordOf(records, i);
 }
 
 // Evenly over the sphere; case i of a stream.

@@ -1,0 +1,80 @@
+#include "methods/field/lookup.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace scanmill {
+
+namespace {
+
+// The level that serves a place: the least l with |coordinates| <= reach * 2^l, or the last one.
+int levelAt(const DistanceField& field, const Vec3f& place) {
+  const float most = std::max({std::fabs(place.x), std::fabs(place.y), std::fabs(place.z)});
+  const int last = static_cast<int>(field.levels.size()) - 1;
+  int level = 0;
+  for (float reach = field.shape.reach; level < last && most > reach; reach *= 2) ++level;
+  return level;
+}
+
+struct FieldPlace {
+  std::uint32_t brick;              // of DistanceField::table
+  std::array<std::uint32_t, 3> in;  // voxel in the brick
+  std::array<float, 3> f;           // place in the voxel, 0 to 1
+};
+
+FieldPlace placeIn(const DistanceField& field, const Vec3f& place) {
+  const FieldLevel& level = field.levels[static_cast<std::size_t>(levelAt(field, place))];
+  const float q[3] = {place.x, place.y, place.z};
+  FieldPlace found{};
+  std::uint32_t entry = level.firstEntry;
+  std::uint32_t bricks = 1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float u = std::max(q[k] * level.scale + level.offset[k], 0.0f);
+    const std::uint32_t corner = std::min(static_cast<std::uint32_t>(u), level.bricks[k] * kBrickVoxels - 1);
+    found.in[k] = corner % kBrickVoxels;
+    found.f[k] = u - static_cast<float>(corner);
+    entry += corner / kBrickVoxels * bricks;
+    bricks *= level.bricks[k];
+  }
+  found.brick = field.table[entry];
+  return found;
+}
+
+// In the arrays of full bricks.
+std::size_t cornerIndex(std::uint32_t brick, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  return std::size_t{brick - kFullBrick} * kBrickStride + (z * kBrickCorners + y) * kBrickCorners + x;
+}
+
+float mixed(float a, float b, float t) {
+  return a + (b - a) * t;
+}
+
+}  // namespace
+
+double voxelAt(const DistanceField& field, const Vec3f& place) {
+  return std::ldexp(field.shape.voxel, levelAt(field, place));
+}
+
+float distanceAt(const DistanceField& field, const Vec3f& place) {
+  const auto& [brick, in, f] = placeIn(field, place);
+  if (brick < kFullBrick) {
+    const auto off = [&](std::size_t k) { return static_cast<float>(in[k]) + f[k] - kHalfBrick; };
+    return std::bit_cast<float>(brick) - std::sqrt(off(0) * off(0) + off(1) * off(1) + off(2) * off(2));
+  }
+  const std::uint16_t* distance = &field.distance[cornerIndex(brick, in[0], in[1], in[2])];
+  const auto row = [&](int at) { return mixed(distance[at], distance[at + 1], f[0]); };
+  constexpr int kLayer = kBrickCorners * kBrickCorners;
+  const float below = mixed(row(0), row(kBrickCorners), f[1]);
+  const float above = mixed(row(kLayer), row(kLayer + kBrickCorners), f[1]);
+  return mixed(below, above, f[2]) * kDistanceStep;
+}
+
+std::uint32_t triangleAt(const DistanceField& field, const Vec3f& place) {
+  const auto& [brick, in, f] = placeIn(field, place);
+  if (brick < kFullBrick) return kNoWord;
+  const auto nearest = [&](std::size_t k) { return in[k] + (f[k] >= 0.5f ? 1 : 0); };
+  return field.word[cornerIndex(brick, nearest(0), nearest(1), nearest(2))];
+}
+
+}  // namespace scanmill
