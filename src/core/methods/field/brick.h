@@ -19,7 +19,8 @@ namespace scanmill {
 //
 // There are several ways to the same bytes. Where few triangles are near a brick, or near a block of it, each triangle
 // is compared with all corners there. Among leaves, where a block may have thousands, each triangle is compared only
-// with the few corners that list it, and the other corners search for their nearest triangle.
+// with the few corners that list it, and the other corners search for their nearest triangle: the street is built
+// in 1.3 to 2 s so, and else in 12 to 25.
 class BrickMaker {
  public:
   BrickMaker(const World& world, bool lists) : world_(world), lists_(lists) {}

@@ -69,7 +69,9 @@ struct FieldShape {
   std::vector<LevelBox> levels;  // finest first, 1 to kMaxLevels
   // Level l serves the points whose largest coordinate (field frame) is at most reach * 2^l; the last level serves all.
   float reach = 0;
-  bool lists = false;  // corners near surfaces name all triangles there, not the nearest one alone
+  // Corners near surfaces name all triangles there, not the nearest one alone. On the street that takes 40 MB beside
+  // 59, and of a million beams 28 get a wrong label, not 85,000.
+  bool lists = false;
 
   bool operator==(const FieldShape&) const = default;
 };

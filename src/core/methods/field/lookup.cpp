@@ -1,6 +1,7 @@
 #include "methods/field/lookup.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -57,24 +58,24 @@ double voxelAt(const DistanceField& field, const Vec3f& place) {
 }
 
 float distanceAt(const DistanceField& field, const Vec3f& place) {
-  const auto& [brick, in, f] = placeIn(field, place);
-  if (brick < kFullBrick) {
-    const auto off = [&](std::size_t k) { return static_cast<float>(in[k]) + f[k] - kHalfBrick; };
-    return std::bit_cast<float>(brick) - std::sqrt(off(0) * off(0) + off(1) * off(1) + off(2) * off(2));
+  const FieldPlace at = placeIn(field, place);
+  if (at.brick < kFullBrick) {
+    const auto off = [&](std::size_t k) { return static_cast<float>(at.in[k]) + at.f[k] - kHalfBrick; };
+    return std::bit_cast<float>(at.brick) - std::sqrt(off(0) * off(0) + off(1) * off(1) + off(2) * off(2));
   }
-  const std::uint16_t* distance = &field.distance[cornerIndex(brick, in[0], in[1], in[2])];
-  const auto row = [&](int at) { return mixed(distance[at], distance[at + 1], f[0]); };
+  const std::uint16_t* distance = &field.distance[cornerIndex(at.brick, at.in[0], at.in[1], at.in[2])];
+  const auto row = [&](int i) { return mixed(distance[i], distance[i + 1], at.f[0]); };
   constexpr int kLayer = kBrickCorners * kBrickCorners;
-  const float below = mixed(row(0), row(kBrickCorners), f[1]);
-  const float above = mixed(row(kLayer), row(kLayer + kBrickCorners), f[1]);
-  return mixed(below, above, f[2]) * kDistanceStep;
+  const float below = mixed(row(0), row(kBrickCorners), at.f[1]);
+  const float above = mixed(row(kLayer), row(kLayer + kBrickCorners), at.f[1]);
+  return mixed(below, above, at.f[2]) * kDistanceStep;
 }
 
 std::uint32_t triangleAt(const DistanceField& field, const Vec3f& place) {
-  const auto& [brick, in, f] = placeIn(field, place);
-  if (brick < kFullBrick) return kNoWord;
-  const auto nearest = [&](std::size_t k) { return in[k] + (f[k] >= 0.5f ? 1 : 0); };
-  return field.word[cornerIndex(brick, nearest(0), nearest(1), nearest(2))];
+  const FieldPlace at = placeIn(field, place);
+  if (at.brick < kFullBrick) return kNoWord;
+  const auto nearest = [&](std::size_t k) { return at.in[k] + (at.f[k] >= 0.5f ? 1 : 0); };
+  return field.word[cornerIndex(at.brick, nearest(0), nearest(1), nearest(2))];
 }
 
 }  // namespace scanmill

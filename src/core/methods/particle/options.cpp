@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "config/text.h"
 
 namespace scanmill {
 
@@ -49,10 +48,6 @@ constexpr std::pair<const char*, Extent> kExtents[] = {{"sensor", Extent::Sensor
 constexpr std::pair<const char*, Refine> kRefines[] = {
     {"none", Refine::None}, {"normal", Refine::ByNormal}, {"triangle", Refine::ByTriangle}};
 
-bool isWord(const Value* value, std::string_view word) {
-  return value != nullptr && value->kind == Value::Kind::Scalar && value->text == word;
-}
-
 std::uint32_t readVoxels(Fields& fields, std::uint32_t fallback) {
   const auto voxels = static_cast<std::uint32_t>(fields.integer("voxels", kFewestVoxels, kMostVoxels, fallback));
   if (voxels % kVoxelsStep != 0) {
@@ -68,14 +63,10 @@ std::uint32_t mostLevels(const ParticleOptions& options) {
   return options.levels == 0 ? kMaxLevels : options.levels;
 }
 
-// m, how far the sensor is off the field's centre, along each axis: half a brick of level 0.
-double offCentre(const ParticleOptions& options) {
-  return kHalfBrick * options.voxel;
-}
-
-// m from the sensor: so far do `level` and finer ones serve in all directions.
+// m from the sensor: so far do `level` and finer ones serve in all directions. Along each axis the sensor is up to half
+// a brick of level 0 off the field's centre.
 double servedRange(const ParticleOptions& options, std::uint32_t level) {
-  return levelReach(options, level) - offCentre(options);
+  return levelReach(options, level) - kHalfBrick * options.voxel;
 }
 
 }  // namespace
@@ -86,7 +77,7 @@ ParticleOptions readParticleOptions(Fields& fields) {
   options.voxel = fields.number("voxel_m", kVoxelRange, options.voxel);
   options.voxels = readVoxels(fields, options.voxels);
   const Value* levels = fields.find("levels");
-  if (levels != nullptr && !isWord(levels, "auto")) {
+  if (levels != nullptr && levels->text != "auto") {
     options.levels = static_cast<std::uint32_t>(fields.integer("levels", 1, kMaxLevels));
     if (options.extent == Extent::Scene && options.levels > 1) {
       throw InputError(levels->where,
