@@ -4,8 +4,8 @@
 // {{#name}}...{{/name}} stands for each item of a list, or where there is something, {{^name}}...{{/name}} where there
 // is nothing. Numbers have a format, behind a colon:
 //
-//   {{scan_s:s}}             2.9 ms; also m, bytes, amount (45.3 M), share (98.4 %), factor (2.1), count
-//                            (1,234,567) and digits (three of them, 0.0123)
+//   {{scan_s:s}}             2.9 ms; also m, bytes, amount (45.3 M), share (98.4 %), factor (2.1), count (1,234,567),
+//                            mm (12.34, without the unit) and digits (three of them, 0.0123)
 //   {{lost/beams:share}}     the share of two values
 //   {{size:.2f}}             any format of fmt's
 //   {{size:unit}}            12.3 mm, where the value `unit` is "mm"

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "charts/chart.h"
 #include "config/version.h"
@@ -12,17 +13,12 @@
 
 namespace scanmill {
 
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PatchGroup, name, leftOut, patches, points, range, sigma, error, withStep,
+                                   planeSigma, unevenness, density, expectedDensity, densityRatio)
+
 namespace {
 
 constexpr double kMillimetres = 1000;
-
-ChartSeries seriesOf(std::string name, std::size_t color, ChartMark mark) {
-  ChartSeries series;
-  series.name = std::move(name);
-  series.color = color;
-  series.mark = mark;
-  return series;
-}
 
 void addWithError(ChartSeries& series, double x, double y, double error, const std::string& detail) {
   series.points.push_back({x, y});
@@ -37,14 +33,12 @@ Chart sigmaChart(const NoiseFit& fit) {
       "Flat patches up to {:.0f}° from their normals; bars: standard errors of a bootstrap over patches. Without the "
       "range step of {:.3g} mm. About planes, offsets between rings, bends and the vehicle's motion add to it.",
       degrees(fit.mostIncidence), fit.step * kMillimetres);
-  chart.x.title = "range (m)";
-  chart.x.low = 0;
-  chart.y.title = "standard deviation (mm)";
-  chart.y.low = 0;
-  ChartSeries measured = seriesOf("measured", 0, ChartMark::Dots);
-  measured.emphasised = true;
-  ChartSeries planes = seriesOf("about planes", 2, ChartMark::Dots);
-  ChartSeries line = seriesOf(fit.linear ? "fitted: base + growth × range" : "fitted: table", 1, ChartMark::Line);
+  chart.x = {.title = "range (m)", .low = 0};
+  chart.y = {.title = "standard deviation (mm)", .low = 0};
+  ChartSeries measured{.name = "measured", .color = 0, .mark = ChartMark::Dots, .emphasised = true};
+  ChartSeries planes{.name = "about planes", .color = 2, .mark = ChartMark::Dots};
+  ChartSeries line{
+      .name = fit.linear ? "fitted: base + growth × range" : "fitted: table", .color = 1, .mark = ChartMark::Line};
   for (const PatchGroup& band : fit.bands) {
     if (!band.leftOut.empty()) continue;
     addWithError(measured, band.range, band.sigma * kMillimetres, band.error * kMillimetres,
@@ -68,9 +62,8 @@ Chart groupChart(const std::vector<PatchGroup>& groups, const char* name, const 
   chart.title = title;
   chart.note = note;
   chart.x.title = axis;
-  chart.y.title = "standard deviation (mm)";
-  chart.y.low = 0;
-  ChartSeries bars = seriesOf("measured", 0, ChartMark::Bars);
+  chart.y = {.title = "standard deviation (mm)", .low = 0};
+  ChartSeries bars{.name = "measured", .color = 0, .mark = ChartMark::Bars};
   for (const PatchGroup& group : groups) {
     chart.x.names.push_back(group.name);
     addWithError(bars, static_cast<double>(bars.points.size()), group.sigma * kMillimetres, group.error * kMillimetres,
@@ -99,13 +92,10 @@ Chart dropOutChart(const NoiseFit& fit) {
   chart.title = "Drop-out";
   chart.note =
       "Beams without a return, of those whose neighbours returned from the patch's plane; bars: standard errors.";
-  chart.x.title = "range (m)";
-  chart.x.low = 0;
-  chart.y.title = "share without a return (%)";
-  chart.y.low = 0;
-  ChartSeries measured = seriesOf("measured", 0, ChartMark::Dots);
-  measured.emphasised = true;
-  ChartSeries model = seriesOf("fitted: one share", 1, ChartMark::Line);
+  chart.x = {.title = "range (m)", .low = 0};
+  chart.y = {.title = "share without a return (%)", .low = 0};
+  ChartSeries measured{.name = "measured", .color = 0, .mark = ChartMark::Dots, .emphasised = true};
+  ChartSeries model{.name = "fitted: one share", .color = 1, .mark = ChartMark::Line};
   for (const PatchGroup& band : fit.bands) {
     if (!band.leftOut.empty()) continue;
     addWithError(measured, band.range, 100 * band.dropOut.share(), 100 * band.dropOut.error,
@@ -120,13 +110,10 @@ Chart densityChart(const NoiseFit& fit) {
   Chart chart{.name = "density"};
   chart.title = "Point density";
   chart.note = "Medians of the patches in each band, whose angles of incidence differ from band to band.";
-  chart.x.title = "range (m)";
-  chart.x.scale = AxisScale::Log;
-  chart.y.title = "returns per m² of surface";
-  chart.y.scale = AxisScale::Log;
-  ChartSeries expected = seriesOf("by the beam table", 1, ChartMark::LineAndDots);
-  ChartSeries measured = seriesOf("measured", 0, ChartMark::Dots);
-  measured.emphasised = true;
+  chart.x = {.title = "range (m)", .scale = AxisScale::Log};
+  chart.y = {.title = "returns per m² of surface", .scale = AxisScale::Log};
+  ChartSeries expected{.name = "by the beam table", .color = 1, .mark = ChartMark::LineAndDots};
+  ChartSeries measured{.name = "measured", .color = 0, .mark = ChartMark::Dots, .emphasised = true};
   for (const PatchGroup& band : fit.bands) {
     if (!band.leftOut.empty()) continue;
     expected.points.push_back({band.range, band.expectedDensity});
@@ -161,12 +148,11 @@ Chart residualChart(const ResidualComparison& comparison) {
       comparison.patches, comparison.recorded.deviation * kMillimetres, comparison.simulated.deviation * kMillimetres,
       comparison.recorded.planeDeviation * kMillimetres, comparison.simulated.planeDeviation * kMillimetres);
   chart.x.title = "range beyond the surface (mm)";
-  chart.y.title = "share of the returns (%)";
-  chart.y.low = 0;
+  chart.y = {.title = "share of the returns (%)", .low = 0};
   const double reach = 4 * std::max(comparison.recorded.deviation, comparison.simulated.deviation);
-  ChartSeries recorded = seriesOf("recorded", 0, ChartMark::Line);
+  ChartSeries recorded{.name = "recorded", .color = 0, .mark = ChartMark::Line};
   recorded.points = histogram(comparison.recorded.residuals, reach, kBins);
-  ChartSeries simulated = seriesOf("simulated", 1, ChartMark::Line);
+  ChartSeries simulated{.name = "simulated", .color = 1, .mark = ChartMark::Line};
   simulated.points = histogram(comparison.simulated.residuals, reach, kBins);
   chart.series = {recorded, simulated};
   return chart;
@@ -179,11 +165,10 @@ Chart fitnessChart(const NoiseComparison& comparison) {
       "Clouds of the flat patches, each moved onto the one before by the planes of both: root of the mean squared "
       "distance to the nearest point. Most of it is the beams' spacing, as the noise-free ones show.";
   chart.x.title = "pair of scans";
-  chart.y.title = "root of the fitness (mm)";
-  chart.y.low = 0;
-  ChartSeries recorded = seriesOf("recorded", 0, ChartMark::Bars);
-  ChartSeries simulated = seriesOf("simulated", 1, ChartMark::Bars);
-  ChartSeries exact = seriesOf("simulated without effects", 2, ChartMark::Bars);
+  chart.y = {.title = "root of the fitness (mm)", .low = 0};
+  ChartSeries recorded{.name = "recorded", .color = 0, .mark = ChartMark::Bars};
+  ChartSeries simulated{.name = "simulated", .color = 1, .mark = ChartMark::Bars};
+  ChartSeries exact{.name = "simulated without effects", .color = 2, .mark = ChartMark::Bars};
   for (const FitnessComparison& pair : comparison.fitness) {
     const double x = static_cast<double>(chart.x.names.size());
     chart.x.names.push_back(pair.pair);
@@ -198,28 +183,23 @@ Chart fitnessChart(const NoiseComparison& comparison) {
   return chart;
 }
 
-// What no patch tells is null.
+// What no patch tells is left out.
 Json groupsJson(const std::vector<PatchGroup>& groups, const char* by) {
   Json rows = Json::array();
   for (const PatchGroup& g : groups) {
-    Json row{{"name", g.name}, {"left_out", g.leftOut}, {"patches", g.patches}, {"points", g.points}};
+    Json row = g;
     row["strong"] = g.leftOut.empty();
-    if (g.patches > 0) {
-      row.update({{"range", g.range},
-                  {"sigma", kMillimetres * g.sigma},
-                  {"error", kMillimetres * g.error},
-                  {"with_step", kMillimetres * g.withStep},
-                  {"plane_sigma", kMillimetres * g.planeSigma},
-                  {"unevenness", g.unevenness}});
+    if (g.patches == 0) {
+      for (const char* key : {"range", "sigma", "error", "withStep", "planeSigma", "unevenness"}) row.erase(key);
+    }
+    if (!(g.density > 0)) {
+      for (const char* key : {"density", "expectedDensity", "densityRatio"}) row.erase(key);
     }
     if (g.dropOut.of > 0) {
       row.update({{"drop_out", 100 * g.dropOut.share()},
                   {"drop_out_error", 100 * g.dropOut.error},
                   {"lost", g.dropOut.lost},
                   {"of", g.dropOut.of}});
-    }
-    if (g.density > 0) {
-      row.update({{"density", g.density}, {"expected_density", g.expectedDensity}, {"density_ratio", g.densityRatio}});
     }
     rows.push_back(std::move(row));
   }

@@ -159,24 +159,39 @@ struct Shown {
   std::vector<std::size_t> settings, colors;
 };
 
-// A line per shown setting over bands.
-Chart bandChart(const Study& study, Chart chart, const char* bands, Groups groups, const Measure& measure) {
-  const Shown shown(study);
-  chart.x = {.title = bands, .names = groupNames(study, shown.settings, groups)};
-  chart.y = measure.axis();
+// What a setting has at a name, and what its mark says; NaN where there is nothing.
+using Figure = std::function<std::pair<double, std::string>(const BeamErrors& errors, std::size_t name)>;
+
+// A series per shown setting over the names of the x axis, or of the y axis where that has some.
+Chart settingsChart(const Study& study, const Shown& shown, Chart chart, ChartMark mark, double step,
+                    const Figure& figure) {
+  const bool lying = !chart.y.names.empty();
   chart.width = kHalf;
-  chart.height = 400;
   for (std::size_t k = 0; k < shown.settings.size(); ++k) {
     const std::string& name = study.settings[shown.settings[k]].setting.name;
-    ChartSeries series{.name = name, .color = shown.colors[k], .mark = ChartMark::LineAndDots};
-    for (std::size_t b = 0; b < chart.x.names.size(); ++b) {
-      const double value = errorOf(errorsOf(study, shown.settings[k]).*groups, chart.x.names[b], measure);
-      series.points.push_back({static_cast<double>(b) + beside(k, shown.settings.size(), 0.09), value});
-      series.details.push_back(fmt::format("{}\n{}: {}", name, chart.x.names[b], measure.text(value)));
+    ChartSeries series{.name = name, .color = shown.colors[k], .mark = mark};
+    for (std::size_t n = 0; n < (lying ? chart.y : chart.x).names.size(); ++n) {
+      const auto [value, detail] = figure(errorsOf(study, shown.settings[k]), n);
+      const double place = static_cast<double>(n) + beside(k, shown.settings.size(), step);
+      series.points.push_back(lying ? Vec2d{value, place} : Vec2d{place, value});
+      series.details.push_back(name + "\n" + detail);
     }
     chart.series.push_back(std::move(series));
   }
   return chart;
+}
+
+Chart bandChart(const Study& study, Chart chart, const char* bands, Groups groups, const Measure& measure) {
+  const Shown shown(study);
+  const std::vector<std::string> names = groupNames(study, shown.settings, groups);
+  chart.x = {.title = bands, .names = names};
+  chart.y = measure.axis();
+  chart.height = 400;
+  return settingsChart(study, shown, std::move(chart), ChartMark::LineAndDots, 0.09,
+                       [&](const BeamErrors& errors, std::size_t n) {
+                         const double value = errorOf(errors.*groups, names[n], measure);
+                         return std::pair(value, fmt::format("{}: {}", names[n], measure.text(value)));
+                       });
 }
 
 Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vector<SizeRecall> BeamErrors::*recall) {
@@ -184,32 +199,23 @@ Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vecto
   chart.note = "things of which at least one beam is met, of those that a true beam meets";
   chart.x.title = sizes;
   chart.y = {.title = "things found", .unit = "%", .high = 1};
-  chart.width = kHalf;
   chart.height = 390;
   std::vector<std::size_t> bands;
-  if (!shown.settings.empty()) {
-    const std::vector<SizeRecall>& first = errorsOf(study, shown.settings.front()).*recall;
-    for (std::size_t b = 0; b < first.size(); ++b) {
-      if (first[b].things == 0) continue;
-      bands.push_back(b);
-      chart.x.names.push_back(fmt::format("{} ({})", first[b].name, first[b].things));
-    }
+  for (std::size_t b = 0; !shown.settings.empty() && b < (errorsOf(study, shown.settings[0]).*recall).size(); ++b) {
+    const SizeRecall& first = (errorsOf(study, shown.settings[0]).*recall)[b];
+    if (first.things == 0) continue;
+    bands.push_back(b);
+    chart.x.names.push_back(fmt::format("{} ({})", first.name, first.things));
   }
-  for (std::size_t k = 0; k < shown.settings.size(); ++k) {
-    const std::string& name = study.settings[shown.settings[k]].setting.name;
-    const std::vector<SizeRecall>& own = errorsOf(study, shown.settings[k]).*recall;
-    ChartSeries series{.name = name, .color = shown.colors[k], .mark = ChartMark::LineAndDots};
-    for (std::size_t at = 0; at < bands.size(); ++at) {
-      const SizeRecall band = bands[at] < own.size() ? own[bands[at]] : SizeRecall{};
-      const double found =
-          band.things > 0 ? static_cast<double>(band.thingsFound) / static_cast<double>(band.things) : kNone;
-      series.points.push_back({static_cast<double>(at) + beside(k, shown.settings.size(), 0.09), found});
-      series.details.push_back(fmt::format("{}\n{}: {} of {} things, {} of {} beams", name, band.name, band.thingsFound,
-                                           band.things, band.beamsFound, band.beams));
-    }
-    chart.series.push_back(std::move(series));
-  }
-  return chart;
+  return settingsChart(
+      study, shown, std::move(chart), ChartMark::LineAndDots, 0.09, [&](const BeamErrors& errors, std::size_t n) {
+        const std::vector<SizeRecall>& own = errors.*recall;
+        const SizeRecall band = bands[n] < own.size() ? own[bands[n]] : SizeRecall{};
+        return std::pair(
+            band.things > 0 ? static_cast<double>(band.thingsFound) / static_cast<double>(band.things) : kNone,
+            fmt::format("{}: {} of {} things, {} of {} beams", band.name, band.thingsFound, band.things,
+                        band.beamsFound, band.beams));
+      });
 }
 
 // A row per setting, a dot per place.
@@ -244,27 +250,21 @@ Chart classChart(const Study& study, Chart chart, const Measure& measure) {
   };
   std::stable_sort(names.begin(), names.end(), [&](const auto& a, const auto& b) { return beams(a) > beams(b); });
   if (names.size() > kMostClasses) names.resize(kMostClasses);
-  std::vector<std::string> spotless;
-  for (std::size_t k = 0; k < shown.settings.size(); ++k) {
-    const std::string& name = study.settings[shown.settings[k]].setting.name;
-    ChartSeries series{.name = name, .color = shown.colors[k]};
-    for (std::size_t row = 0; row < names.size(); ++row) {
-      const double value = errorOf(errorsOf(study, shown.settings[k]).byClass, names[row], measure);
-      series.points.push_back({value, static_cast<double>(row) + beside(k, shown.settings.size(), 0.11)});
-      series.details.push_back(fmt::format("{}\n{}: {}", name, names[row], shareText(value)));
-    }
-    const bool errs = std::any_of(series.points.begin(), series.points.end(), [](const Vec2d& p) { return p.x > 0; });
-    if (errs) {
-      chart.series.push_back(std::move(series));
-    } else {
-      spotless.push_back(name);
-    }
-  }
-  if (!spotless.empty()) chart.note = fmt::format("none in any class: {}", fmt::join(spotless, ", "));
   chart.x = measure.axis();
   chart.y.names = names;
-  chart.width = kHalf;
   chart.height = 170 + 27 * static_cast<int>(names.size());
+  chart = settingsChart(study, shown, std::move(chart), ChartMark::Dots, 0.11,
+                        [&](const BeamErrors& errors, std::size_t n) {
+                          const double value = errorOf(errors.byClass, names[n], measure);
+                          return std::pair(value, fmt::format("{}: {}", names[n], shareText(value)));
+                        });
+  std::vector<std::string> spotless;
+  std::erase_if(chart.series, [&](const ChartSeries& s) {
+    const bool errs = std::any_of(s.points.begin(), s.points.end(), [](const Vec2d& p) { return p.x > 0; });
+    if (!errs) spotless.push_back(s.name);
+    return !errs;
+  });
+  if (!spotless.empty()) chart.note = fmt::format("none in any class: {}", fmt::join(spotless, ", "));
   return chart;
 }
 
