@@ -146,13 +146,13 @@ void titleRow(const PixelRect& rect, const std::string& left, const std::string&
   ImGui::PopStyleVar();
 }
 
-void section(const std::string& title, bool still, const std::function<void()>& body) {
+void section(const std::string& title, bool still, const std::function<void()>& body, bool open) {
   ImGui::PushID(title.c_str());
   if (still) {
     dimWords(title);
     body();
     ImGui::Dummy({1, letter() * 0.4F});
-  } else if (ImGui::CollapsingHeader(title.c_str(), ImGuiTreeNodeFlags_DefaultOpen)) {
+  } else if (ImGui::CollapsingHeader(title.c_str(), open ? ImGuiTreeNodeFlags_DefaultOpen : 0)) {
     body();
   }
   ImGui::PopID();
@@ -179,6 +179,15 @@ void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within) 
     list.AddRectFilled({x - 3, y - 1}, {x + size.x + 3, y + size.y + 1}, packed(kBackground, 200), 3);
     list.AddText({std::floor(x), std::floor(y)}, packed({255, 255, 255}), text.data(), text.data() + text.size());
   }
+}
+
+void drawOutline(const std::vector<Vec2d>& corners) {
+  if (corners.size() < 2) return;
+  std::vector<ImVec2> line;
+  line.reserve(corners.size());
+  for (const Vec2d& c : corners) line.emplace_back(static_cast<float>(c.x), static_cast<float>(c.y));
+  ImGui::GetForegroundDrawList()->AddPolyline(line.data(), static_cast<int>(line.size()),
+                                              ImGui::GetColorU32(ImGuiCol_CheckMark), ImDrawFlags_Closed, 2);
 }
 
 void drawCaption(const PixelRect& view, const std::string& text, bool active) {

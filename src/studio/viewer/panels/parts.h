@@ -24,7 +24,7 @@ void panelAt(const char* name, const PixelRect& rect, bool scrolls, const std::f
 // The row on top of a picture: what is shown, and dimly on the right what of it.
 void titleRow(const PixelRect& rect, const std::string& left, const std::string& right);
 // A part of a side: `body` is folded away by a click on the title, where anything can be clicked.
-void section(const std::string& title, bool still, const std::function<void()>& body);
+void section(const std::string& title, bool still, const std::function<void()>& body, bool open = true);
 
 // Words over the views.
 struct PanelLabel {
@@ -34,6 +34,8 @@ struct PanelLabel {
   bool mark = true;  // with a small ring at (x, y)
 };
 void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within);
+// A closed line over everything, px of the canvas.
+void drawOutline(const std::vector<Vec2d>& corners);
 // The name of a view among several.
 void drawCaption(const PixelRect& view, const std::string& text, bool active);
 // Why a view shows nothing, large in its middle.

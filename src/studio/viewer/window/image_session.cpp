@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/wall_timer.h"
 #include "viewer/color_map.h"
 #include "viewer/panels/parts.h"
@@ -14,8 +15,8 @@
 #include "viewer/panels/toolkit.h"
 #include "viewer/pass_picture.h"
 #include "viewer/scale_ticks.h"
+#include "viewer/window/free_file.h"
 #include "viewer/window/image_pane.h"
-#include "viewer/window/save_picture.h"
 
 namespace scanmill {
 
@@ -266,7 +267,9 @@ struct ImageSession::State {
     } else if (name == "P") {
       show();
       try {
-        notice("saved " + saveViewPicture(canvas.read()));
+        const std::filesystem::path file = freeFile("scanmill_view", ".png");
+        writeFile(file, encodePng(canvas.read()));
+        notice("saved " + file.string());
       } catch (const Error& e) {
         notice(e.what());
       }

@@ -30,10 +30,17 @@ std::vector<Vec2d> hullOf(std::vector<Vec2d> places) {
   return hull;
 }
 
-// Sides of the rectangle of least area, the longer one first: one of its sides lies along a side of the hull
+struct FlatBox {
+  Vec2d middle{0, 0};
+  Vec2d sides{0, 0};   // the longer one first
+  double heading = 0;  // rad, of the longer side
+};
+
+// The rectangle of least area, the longer one first: one of its sides lies along a side of the hull
 // (H. Freeman and R. Shapira, Comm. ACM 18, 1975).
-Vec2d smallestRectangle(const std::vector<Vec2d>& hull) {
-  Vec2d best{0, 0};
+FlatBox smallestRectangle(const std::vector<Vec2d>& hull) {
+  FlatBox best;
+  if (hull.size() == 1) best.middle = hull.front();
   double least = -1;
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Vec2d& from = hull[i];
@@ -41,44 +48,72 @@ Vec2d smallestRectangle(const std::vector<Vec2d>& hull) {
     const double side = std::hypot(to.x - from.x, to.y - from.y);
     if (!(side > 0)) continue;
     const Vec2d along{(to.x - from.x) / side, (to.y - from.y) / side};
-    double low = 0, high = 0, far = 0;
+    double low = 0, high = 0, far = 0;  // the hull lies to the left of its sides
     for (const Vec2d& p : hull) {
       const double x = p.x - from.x, y = p.y - from.y;
       low = std::min(low, x * along.x + y * along.y);
       high = std::max(high, x * along.x + y * along.y);
-      far = std::max(far, std::abs(y * along.x - x * along.y));
+      far = std::max(far, y * along.x - x * along.y);
     }
     const double area = (high - low) * far;
     if (least >= 0 && area >= least) continue;
     least = area;
-    best = {std::max(high - low, far), std::min(high - low, far)};
+    const double middle = (low + high) / 2;
+    best.middle = {from.x + middle * along.x - far / 2 * along.y, from.y + middle * along.y + far / 2 * along.x};
+    const bool turned = far > high - low;
+    best.heading = std::atan2(along.y, along.x) + (turned ? kPi / 2 : 0);
+    best.sides = turned ? Vec2d{far, high - low} : Vec2d{high - low, far};
   }
   return best;
+}
+
+InstanceSummary summaryOf(const Scan& scan, std::uint32_t instance, std::vector<std::uint32_t> points,
+                          const Affine& levelFromScan) {
+  InstanceSummary summary;
+  summary.id = instance;
+  std::map<std::uint16_t, std::uint64_t> classes;
+  std::vector<Vec2d> places;
+  places.reserve(points.size());
+  double low = 0, high = 0;
+  for (const std::uint32_t i : points) {
+    const Vec3d p = levelFromScan * Vec3d(scan.position[i]);
+    low = places.empty() ? p.z : std::min(low, p.z);
+    high = places.empty() ? p.z : std::max(high, p.z);
+    places.push_back({p.x, p.y});
+    if (!scan[kLabel].empty()) ++classes[scan[kLabel][i]];
+  }
+  summary.points = std::move(points);
+  summary.classes.assign(classes.begin(), classes.end());
+  std::stable_sort(summary.classes.begin(), summary.classes.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  const FlatBox flat = smallestRectangle(hullOf(std::move(places)));
+  summary.size = {flat.sides.x, flat.sides.y, high - low};
+  summary.levelFromBox = {toMatrix(fromYawPitchRoll(flat.heading, 0, 0)),
+                          {flat.middle.x, flat.middle.y, (low + high) / 2}};
+  return summary;
 }
 
 }  // namespace
 
 InstanceSummary summarizeInstance(const Scan& scan, std::uint32_t instance, const Affine& levelFromScan) {
-  InstanceSummary summary;
-  summary.id = instance;
-  std::map<std::uint16_t, std::uint64_t> classes;
-  std::vector<Vec2d> places;
-  double low = 0, high = 0;
+  std::vector<std::uint32_t> points;
   for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
-    if (scan[kInstance][i] != instance || !isFinite(scan.position[i])) continue;
-    const Vec3d p = levelFromScan * Vec3d(scan.position[i]);
-    low = places.empty() ? p.z : std::min(low, p.z);
-    high = places.empty() ? p.z : std::max(high, p.z);
-    places.push_back({p.x, p.y});
-    summary.points.push_back(static_cast<std::uint32_t>(i));
-    if (!scan[kLabel].empty()) ++classes[scan[kLabel][i]];
+    if (scan[kInstance][i] == instance && isFinite(scan.position[i])) points.push_back(static_cast<std::uint32_t>(i));
   }
-  summary.classes.assign(classes.begin(), classes.end());
-  std::stable_sort(summary.classes.begin(), summary.classes.end(),
-                   [](const auto& a, const auto& b) { return a.second > b.second; });
-  const Vec2d sides = smallestRectangle(hullOf(std::move(places)));
-  summary.size = {sides.x, sides.y, high - low};
-  return summary;
+  return summaryOf(scan, instance, std::move(points), levelFromScan);
+}
+
+std::vector<InstanceSummary> summarizeInstances(const Scan& scan, const Affine& levelFromScan) {
+  std::map<std::uint32_t, std::vector<std::uint32_t>> points;
+  for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
+    if (scan[kInstance][i] != 0 && isFinite(scan.position[i])) {
+      points[scan[kInstance][i]].push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  std::vector<InstanceSummary> all;
+  all.reserve(points.size());
+  for (auto& [id, own] : points) all.push_back(summaryOf(scan, id, std::move(own), levelFromScan));
+  return all;
 }
 
 }  // namespace scanmill

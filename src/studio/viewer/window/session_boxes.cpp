@@ -59,6 +59,7 @@ void ViewSession::State::placeBoxes() {
       }
     }
   }
+  placeInstanceBoxes(lines);
   setLines(kBoxesItem, lines, 1);
   itemsChanged = hudChanged = true;
 }

@@ -171,6 +171,8 @@ void ViewSession::State::flush(bool whole) {
     updateHover();
   }
   lightInstance();
+  placeBeam();
+  placeSelection();
   const bool sceneChanged = viewsChanged || itemsChanged;
   const bool overlayChanged = sceneChanged || hudChanged || lightChanged;
   if (overlayChanged) {

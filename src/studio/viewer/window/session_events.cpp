@@ -4,7 +4,8 @@
 
 #include <algorithm>
 
-#include "viewer/window/save_picture.h"
+#include "base/file.h"
+#include "viewer/window/free_file.h"
 #include "viewer/window/session_state.h"
 
 namespace scanmill {
@@ -176,7 +177,7 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::ToggleRangeRings:
       return flip(options.rangeRings, "range rings");
     case KeyAction::ToggleBoxes:
-      if (!frame || frame->objects.empty()) return say("the sample lists no objects (`output.objects: true`)");
+      if (frame && frame->objects.empty()) return flip(instanceBoxes, "boxes about instances' points");
       return flip(options.boxes, "boxes of objects");
     case KeyAction::ToggleTrajectory:
       if (trajectory.size() < 2) return say("there is no trajectory");
@@ -265,6 +266,9 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return toggleAlone();
     case KeyAction::Measure:
       return toggleMeasuring();
+    case KeyAction::SelectBox:
+    case KeyAction::SelectLasso:
+      return startSelecting(meaning.action == KeyAction::SelectBox ? Selecting::Box : Selecting::Lasso);
     case KeyAction::ToggleRangeImage:
       options.rangeImage = !options.rangeImage;
       viewsChanged = true;
@@ -294,6 +298,8 @@ void ViewSession::State::escape() {
     help = false;
   } else if (measuring || !ends.empty()) {
     toggleMeasuring();
+  } else if (selecting != Selecting::None || !selected.empty()) {
+    clearSelection();
   } else if (pinned) {
     pinned.reset();
   } else if (!aloneInstances.empty()) {
@@ -335,7 +341,9 @@ void ViewSession::State::savePicture() {
   hudChanged = true;
   flush(true);
   try {
-    say(fmt::format("saved {}; its camera: {}", saveViewPicture(canvas.read()), cameraText()));
+    const std::filesystem::path file = freeFile("scanmill_view", ".png");
+    writeFile(file, encodePng(canvas.read()));
+    say(fmt::format("saved {}; its camera: {}", file.string(), cameraText()));
   } catch (const Error& e) {
     say(e.what());
     warn(e.what());

@@ -112,6 +112,8 @@ void ViewSession::State::adopt(std::shared_ptr<const ViewFrame> loaded) {
   hover.reset();
   pinned.reset();
   lastSummary.reset();
+  instancesOf.reset();
+  clearSelection();
   ends.clear();
   measuring = false;
   worldFromAnchor.reset();

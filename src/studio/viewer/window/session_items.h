@@ -16,10 +16,12 @@ constexpr ItemId kRangeRingsItem = 3;
 constexpr ItemId kTrackItem = 4;
 constexpr ItemId kMeasureItem = 5;
 constexpr ItemId kBoxesItem = 6;
+constexpr ItemId kBeamItem = 7;
 constexpr ItemId cloudItem(std::size_t cloud) {
   return static_cast<ItemId>(100 + cloud);
 }
 constexpr ImageId kStripImage = 2;
+constexpr ItemId kSelectedItem = 1'000'001;
 constexpr ItemId kLitItem = 1'000'000;  // the points of the instance that is pointed at
 
 // An item that comes and goes. While it is not there, there is nothing to be changed on it: a canvas refuses that.

@@ -8,6 +8,7 @@
 #include "base/grouped.h"
 #include "viewer/picture.h"
 #include "viewer/scale_ticks.h"
+#include "viewer/window/picked_rows.h"
 #include "viewer/window/session_state.h"
 
 namespace scanmill {
@@ -36,9 +37,19 @@ void ViewSession::State::drawPanels() {
         valueRows("point", pinned->rows, pinned->alarm);
       });
     }
+    if (!selected.empty()) section("Selection", options.still, [&] { drawSelection(); });
     drawLegends(false);
+    if (!options.still && !clouds.empty()) {
+      if (!frame->scans[clouds.front().scan].scan[kInstance].empty()) {
+        section(
+            "Instances", false, [&] { drawInstances(); }, false);
+      }
+      section(
+          "Open", false, [&] { drawSources(); }, false);
+    }
   });
   drawStrip();
+  drawOutline(outline);
   if (!options.still) {
     drawFrameBar();
     std::vector<std::string> said;
@@ -195,6 +206,23 @@ void ViewSession::State::drawPrompt() {
   if (!chosen) return;
   prompt.reset();
   goTo(findFrame(*source, *chosen), 1);
+}
+
+// Datasets, sensors and methods of the sample.
+void ViewSession::State::drawSources() {
+  for (std::size_t s = 0; s < frame->scans.size(); ++s) {
+    const ViewScan& scan = frame->scans[s];
+    NamedValues rows{{"from", wholeName(scan, source->title())}, {"sensor", scan.sensor}, {"method", scan.method}};
+    rows.emplace_back("points", grouped(scan.scan.size()));
+    if (scan.scan.rings > 0) rows.emplace_back("beams", fmt::format("{} x {}", scan.scan.rings, scan.scan.columns));
+    if (scan.worldFromSensor) {
+      const Vec3d& place = scan.worldFromSensor->translation;
+      rows.emplace_back("stands at", fmt::format("{:.2f}, {:.2f}, {:.2f} m", place.x, place.y, place.z));
+    }
+    std::erase_if(rows, [](const auto& row) { return row.second.empty(); });
+    valueRows(fmt::format("open {}", s).c_str(), rows);
+    if (s + 1 < frame->scans.size()) ImGui::Separator();
+  }
 }
 
 // A few rows beside the pointer.

@@ -29,6 +29,8 @@ constexpr std::size_t kMostSplitViews = 4;
 constexpr std::array<double, 5> kPlaySpeeds{0.5, 1, 2, 5, 0};
 constexpr std::size_t kUsualSpeed = 1;
 
+enum class Selecting { None, Box, Lasso };
+
 enum class ScaleChange { LowerHigh, RaiseHigh, LowerLow, RaiseLow, Automatic };
 
 // A scan of the frame as an item of the canvas, in one of the views.
@@ -174,6 +176,21 @@ struct ViewSession::State {
   void addBoxLabels();
   void addObjectRows(PickedThing& thing, std::uint32_t instance) const;
 
+  // session_selection.cpp
+  void startSelecting(Selecting how);
+  void clearSelection();
+  void addToOutline(int x, int y);
+  void select();  // what lies in the outline
+  void placeSelection();
+  void drawSelection();
+  void saveSelection();
+
+  // session_instances.cpp
+  const std::vector<InstanceSummary>& instances();
+  void placeInstanceBoxes(LineSet& lines);
+  void drawInstances();
+  void placeBeam();
+
   // session_draw.cpp
   void refresh();  // what colours mean, the views
   void flush(bool whole);
@@ -198,6 +215,7 @@ struct ViewSession::State {
   void drawFrameBar();
   void drawPrompt();
   void drawTips();
+  void drawSources();
   void say(const std::string& text, double seconds = 4);
   void hint(const std::string& text);
 
@@ -218,6 +236,7 @@ struct ViewSession::State {
   const InstanceSummary& summaryOf(const ShownCloud& cloud, std::uint32_t instance) const;
   void lightInstance();
   void placeLight();
+  ItemLook edgeLook() const;  // of points that edge others, in the canvas's frame
 
   std::shared_ptr<const FrameSource> source;
   Canvas& canvas;
@@ -276,6 +295,15 @@ struct ViewSession::State {
   std::optional<InstancePlace> lit;  // as on the canvas
   CanvasItem litItem{canvas, kLitItem};
   double lastMove = 0;  // s, of the pointer
+  Selecting selecting = Selecting::None;
+  std::vector<Vec2d> outline;                                  // px, canvas
+  std::map<std::size_t, std::vector<std::uint32_t>> selected;  // points by scan of the frame, ascending
+  CanvasItem selectedItem{canvas, kSelectedItem};
+  bool instanceBoxes = false;  // about the points, where the sample lists no objects
+  std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf;
+  std::vector<InstanceSummary> allInstances;
+  std::vector<Vec3f> beamEnds;  // of the lines that join a beam's returns, as on the canvas
+  std::vector<Rgb> beamColors;
   bool measuring = false;
   std::vector<Vec3d> ends;  // of the measured distance, canvas's frame
   std::optional<std::string> prompt;

@@ -74,8 +74,8 @@ void ViewSession::State::lightInstance() {
   placeLight();
 }
 
-void ViewSession::State::placeLight() {
-  if (!lit || views.empty()) return;
+// Larger and a little farther away.
+ItemLook ViewSession::State::edgeLook() const {
   constexpr double kEdge = 1.5;                     // px on either side
   constexpr double kFarther = 1.03;                 // of the distance from the eye
   constexpr double kBehind = 0.2;                   // m, where there is no eye
@@ -89,12 +89,20 @@ void ViewSession::State::placeLight() {
     away.linear = {{kFarther, 0, 0}, {0, kFarther, 0}, {0, 0, kFarther}};
     away.translation = seenBy.eye * (1 - kFarther);
   }
+  look.canvasFromItem = away;
+  look.size = pointSize() + 2 * kEdge;
+  return look;
+}
+
+void ViewSession::State::placeLight() {
+  if (!lit || views.empty()) return;
+  ItemLook look = edgeLook();
+  const Affine away = look.canvasFromItem;
   for (const ShownCloud& cloud : clouds) {
     if (cloud.scan != lit->scan) continue;
     look.views |= 1U << cloud.view;
     look.canvasFromItem = away * cloud.canvasFromScan;
   }
-  look.size = pointSize() + 2 * kEdge;
   litItem.setLook(look);
 }
 

@@ -49,7 +49,7 @@ std::vector<ViewCommand> listCommands() {
       {"Show", {A::InstanceAlone}, "the instance that is pointed at alone", {"x"}},
       {"Show", {A::ToggleLegends}, "what colours mean", {"k"}},
       {"Show", {A::ToggleMesh}, "mesh of the scene", {"m"}},
-      {"Show", {A::ToggleBoxes}, "boxes of objects", {"O"}},
+      {"Show", {A::ToggleBoxes}, "boxes of objects, or about the points of instances", {"O"}},
       {"Show", {A::ToggleTrajectory}, "trajectory", {"t"}},
       {"Show", {A::ToggleAxes}, "axes of the sensors: x red, y green, z blue", {"a"}},
       {"Show", {A::ToggleRangeRings}, "range rings on the ground", {"r"}},
@@ -66,10 +66,12 @@ std::vector<ViewCommand> listCommands() {
       {"Camera", {A::ToggleProjection}, "perspective, orthographic", {"o"}},
       {"Camera", {A::ToggleWorld}, "stand in the world, follow the sensor", {"w"}},
       {"Tools", {A::Measure}, "distance between two clicks", {"d"}},
+      {"Tools", {A::SelectBox}, "select points by a box", {"u"}},
+      {"Tools", {A::SelectLasso}, "select points by a lasso", {"U"}},
       {"Tools", {A::SavePicture}, "save a picture", {"P"}},
       {"Tools", {A::ToggleHelp}, "keys", {"h", "?"}},
       {"Tools", {A::Quit}, "quit", {"q"}},
-      {"", {A::Escape}, "close what is open: help, distance, pin, instance alone", {"Escape"}},
+      {"", {A::Escape}, "close what is open: help, distance, selection, pin, instance alone", {"Escape"}},
   };
   all.insert(all.end(), more.begin(), more.end());
   return all;

@@ -54,6 +54,8 @@ enum class KeyAction {
   ShowAllClasses,
   InstanceAlone,
   Measure,
+  SelectBox,
+  SelectLasso,
   ToggleRangeImage,
   ToggleStripOrder,
   SavePicture,

@@ -45,10 +45,28 @@ TEST(InstanceSummary, ABoxHasItsSizeHoweverItIsTurned) {
       EXPECT_NEAR(summary.size.y, width, 1e-4);
       EXPECT_NEAR(summary.size.z, 1.5, 1e-4);
       EXPECT_EQ(summary.points.size(), box.own);
+      for (const std::uint32_t i : summary.points) {
+        const Vec3d p = inverse(summary.levelFromBox) * Vec3d(box.scan.position[i]);
+        EXPECT_LE(std::abs(p.x), length / 2 + 1e-4);
+        EXPECT_LE(std::abs(p.y), width / 2 + 1e-4);
+        EXPECT_LE(std::abs(p.z), 0.75 + 1e-4);
+      }
       ASSERT_EQ(summary.classes.size(), 2u);
       EXPECT_EQ(summary.classes[0], (std::pair<std::uint16_t, std::uint64_t>(3, 488)));
       EXPECT_EQ(summary.classes[1], (std::pair<std::uint16_t, std::uint64_t>(5, 20)));
     }
+  }
+}
+
+TEST(InstanceSummary, AllAtOnceAreAsOneByOne) {
+  const BoxScan box(4.5, 1.8, 1.5, 0.4);
+  const auto all = summarizeInstances(box.scan, {});
+  ASSERT_EQ(all.size(), 2u);
+  for (const InstanceSummary& one : all) {
+    const InstanceSummary alone = summarizeInstance(box.scan, one.id, {});
+    EXPECT_EQ(one.points, alone.points);
+    EXPECT_EQ(one.classes, alone.classes);
+    EXPECT_EQ(one.size, alone.size);
   }
 }
 
