@@ -30,6 +30,7 @@ void ViewSession::State::drawPanels() {
   if (options.bare) return;
   options.still ? titleRow(rooms.title, title(), summary()) : drawMenus();
   panelAt("##side", rooms.side, !options.still, [&] {
+    if (!options.still) drawColumns();
     drawLegends(true);
     if (pinned) {
       section("Point", options.still, [&] {
@@ -91,6 +92,34 @@ void ViewSession::State::drawMenus() {
   ImGui::SameLine();
   ImGui::TextDisabled("%s", summary().c_str());
   ImGui::EndMainMenuBar();
+}
+
+// What colours show: columns of the table, and those that it does not know, by their names.
+void ViewSession::State::drawColumns() {
+  std::vector<ColorBy> all;
+  std::string shown;
+  if (source->isScene()) {
+    for (const std::string_view name : kMeshColorNames) all.emplace_back(std::string(name));
+    shown = kMeshColorNames[static_cast<std::size_t>(meshColor)];
+  } else if (!clouds.empty() && !overlaid()) {
+    const std::size_t view = activeView.value_or(0);
+    const auto cloud = std::ranges::find(clouds, view, &ShownCloud::view);
+    if (cloud == clouds.end()) return;
+    const ViewScan& scan = frame->scans[cloud->scan];
+    for (const ColorBy& by : colorsOf(scan.scan)) {
+      if (hasColor(scan, by)) all.push_back(by);
+    }
+    shown = colorOf(view).name();
+  }
+  if (all.empty()) return;
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  if (!ImGui::BeginCombo("##columns", ("colours: " + shown).c_str())) return;
+  std::optional<ColorBy> chosen;
+  for (const ColorBy& by : all) {
+    if (ImGui::Selectable(by.name().c_str(), by.name() == shown)) chosen = by;
+  }
+  ImGui::EndCombo();
+  if (chosen) chooseColor(*chosen);
 }
 
 // Scales, or rows.

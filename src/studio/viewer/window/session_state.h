@@ -210,6 +210,7 @@ struct ViewSession::State {
   void runPanels();
   void drawPanels();
   void drawMenus();
+  void drawColumns();
   void drawLegends(bool ofScales);
   void drawStrip();
   void drawFrameBar();
