@@ -146,16 +146,20 @@ void titleRow(const PixelRect& rect, const std::string& left, const std::string&
   ImGui::PopStyleVar();
 }
 
-void section(const std::string& title, bool still, const std::function<void()>& body, bool open) {
+void section(const std::string& title, bool still, const std::function<void()>& body) {
   ImGui::PushID(title.c_str());
   if (still) {
     dimWords(title);
     body();
     ImGui::Dummy({1, letter() * 0.4F});
-  } else if (ImGui::CollapsingHeader(title.c_str(), open ? ImGuiTreeNodeFlags_DefaultOpen : 0)) {
+  } else if (ImGui::CollapsingHeader(title.c_str(), ImGuiTreeNodeFlags_DefaultOpen)) {
     body();
   }
   ImGui::PopID();
+}
+
+void folded(const std::string& title, const std::function<void()>& body) {
+  if (ImGui::CollapsingHeader(title.c_str())) body();
 }
 
 void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within) {
@@ -377,6 +381,13 @@ void tip(const std::string& title, const Rgb& color, const NamedValues& rows, co
   ImGui::EndTooltip();
 }
 
+void pointBox(const PixelRect& within, const std::function<void()>& body) {
+  ImGui::SetNextWindowPos({static_cast<float>(within.left) + 4, static_cast<float>(within.top) + 4});
+  ImGui::SetNextWindowSize({static_cast<float>(within.width) * 0.6F, 0});
+  if (ImGui::Begin("##point", nullptr, kMessage | ImGuiWindowFlags_NoInputs)) body();
+  ImGui::End();
+}
+
 bool imageAt(ImageId image, const PixelRect& rect, const ImagePart& part,
              const std::optional<std::pair<double, double>>& mark) {
   const ImVec2 corner = ImGui::GetWindowPos();
@@ -420,14 +431,14 @@ FrameBarUse frameBar(const PixelRect& rect, const FrameBar& bar) {
       }
       ImGui::SameLine();
       ImGui::AlignTextToFramePadding();
-      words(fmt::format("{} / {}   {}", bar.frame, last, bar.key));
+      words(fmt::format("#{} of {}   {}", bar.frame, bar.frames, bar.key));
       ImGui::SameLine();
       dimWords(bar.playing ? bar.speed : "");
     }
     if (!bar.busy.empty()) {
       if (bar.frames > 1) ImGui::SameLine();
       ImGui::AlignTextToFramePadding();
-      dimWords(bar.busy);
+      dimWords("loading " + bar.busy);
     }
   });
   return use;

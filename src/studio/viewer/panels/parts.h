@@ -24,7 +24,9 @@ void panelAt(const char* name, const PixelRect& rect, bool scrolls, const std::f
 // The row on top of a picture: what is shown, and dimly on the right what of it.
 void titleRow(const PixelRect& rect, const std::string& left, const std::string& right);
 // A part of a side: `body` is folded away by a click on the title, where anything can be clicked.
-void section(const std::string& title, bool still, const std::function<void()>& body, bool open = true);
+void section(const std::string& title, bool still, const std::function<void()>& body);
+// The same, folded away at first.
+void folded(const std::string& title, const std::function<void()>& body);
 
 // Words over the views.
 struct PanelLabel {
@@ -63,6 +65,9 @@ void valueRows(const char* id, const NamedValues& rows, const std::string& alarm
 void heading(const std::string& text, const Rgb& color);
 // Beside the pointer.
 void tip(const std::string& title, const Rgb& color, const NamedValues& rows, const std::string& alarm = "");
+
+// In the upper left corner of `within`; lets the pointer through.
+void pointBox(const PixelRect& within, const std::function<void()>& body);
 
 // An image of setImage() over a rectangle, whose part from (left, top) to (right, bottom), 0 to 1, is shown, with a
 // ring about `mark` (px of the canvas). True: the pointer is over it.

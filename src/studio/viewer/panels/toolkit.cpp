@@ -1,6 +1,7 @@
 #include "viewer/panels/toolkit.h"
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <array>
@@ -172,8 +173,11 @@ void Toolkit::frame(const std::function<void()>& panels) {
   std::size_t before = 0;
   for (int k = 0; k < drawn.CmdListsCount; ++k) {
     const ImDrawList& list = *drawn.CmdLists[k];
-    std::memcpy(static_cast<void*>(overlay.vertices.data() + before), list.VtxBuffer.Data,
-                static_cast<std::size_t>(list.VtxBuffer.size_in_bytes()));
+    const auto vertices = static_cast<std::size_t>(list.VtxBuffer.Size);
+    if (vertices > 0) {
+      std::memcpy(static_cast<void*>(overlay.vertices.data() + before), list.VtxBuffer.Data,
+                  vertices * sizeof(OverlayVertex));
+    }
     for (const ImDrawCmd& command : list.CmdBuffer) {
       OverlayPart part;
       part.first = overlay.corners.size();
@@ -190,7 +194,7 @@ void Toolkit::frame(const std::function<void()>& panels) {
       }
       overlay.parts.push_back(part);
     }
-    before += static_cast<std::size_t>(list.VtxBuffer.Size);
+    before += vertices;
   }
   state_->canvas.setOverlay(std::move(overlay));
 }
@@ -203,6 +207,13 @@ bool Toolkit::hasPointer() const {
 bool Toolkit::hasKeys() const {
   ImGui::SetCurrentContext(state_->context);
   return ImGui::GetIO().WantTextInput;
+}
+
+bool Toolkit::closeMenus() {
+  ImGui::SetCurrentContext(state_->context);
+  if (state_->context->OpenPopupStack.empty()) return false;
+  ImGui::ClosePopupToLevel(0, true);
+  return true;
 }
 
 int Toolkit::clicks() const {

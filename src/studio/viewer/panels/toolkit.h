@@ -32,6 +32,8 @@ class Toolkit {
   // As of the last frame: the pointer is over a panel or holds something of one; a text is being typed.
   bool hasPointer() const;
   bool hasKeys() const;
+  // Closes menus and lists that are open. False: none was.
+  bool closeMenus();
   // The button went down so many times at one place: 2 is a double click.
   int clicks() const;
   bool shift() const;

@@ -54,8 +54,13 @@ void addColumns(Rows& rows, const Scan& scan, std::size_t point) {
     rows.emplace_back(key.row.name, displayText(key.row, static_cast<double>(values[point])));
   });
   for (const ForeignColumn& column : scan.foreign) {
-    std::visit([&](const auto& values) { rows.emplace_back(column.name, fmt::format("{}", values[point])); },
-               column.values);
+    // Other programs have columns of names that we use, too.
+    const bool known = std::ranges::any_of(rows, [&](const auto& row) { return row.first == column.name; });
+    std::visit(
+        [&](const auto& values) {
+          rows.emplace_back(column.name + (known ? " (in the file)" : ""), fmt::format("{}", values[point]));
+        },
+        column.values);
   }
 }
 

@@ -294,6 +294,7 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
 
 void ViewSession::State::escape() {
   hudChanged = true;
+  if (toolkit.closeMenus()) return;
   if (help) {
     help = false;
   } else if (measuring || !ends.empty()) {

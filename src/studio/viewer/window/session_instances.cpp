@@ -61,7 +61,9 @@ void ViewSession::State::drawInstances() {
   const float high = ImGui::GetTextLineHeightWithSpacing() * kRows;
   if (!ImGui::BeginTable("instances", 4, kTable, {0, high})) return;
   ImGui::TableSetupScrollFreeze(0, 1);
-  for (const char* name : {"class", "id", "points", "box (m)"}) ImGui::TableSetupColumn(name);
+  for (const auto& [name, share] : {std::pair("class", 0.3F), {"id", 0.14F}, {"points", 0.2F}, {"box (m)", 0.36F}}) {
+    ImGui::TableSetupColumn(name, ImGuiTableColumnFlags_WidthStretch, share);
+  }
   ImGui::TableHeadersRow();
   std::vector<const InstanceSummary*> rows;
   for (const InstanceSummary& instance : instances()) rows.push_back(&instance);
@@ -92,14 +94,15 @@ void ViewSession::State::drawInstances() {
       ImGui::TableNextColumn();
       ImGui::PushID(static_cast<int>(instance.id));
       const std::string name = className(source->ontology(), classOf(instance)) + "##row";
-      if (ImGui::Selectable(name.c_str(), false, ImGuiSelectableFlags_SpanAllColumns)) chosen = &instance;
+      const bool marked = pinned && instanceOf(*pinned) == instance.id;
+      if (ImGui::Selectable(name.c_str(), marked, ImGuiSelectableFlags_SpanAllColumns)) chosen = &instance;
       ImGui::PopID();
       ImGui::TableNextColumn();
       ImGui::Text("%u", instance.id);
       ImGui::TableNextColumn();
       ImGui::Text("%zu", instance.points.size());
       ImGui::TableNextColumn();
-      ImGui::Text("%.1f x %.1f x %.1f", instance.size.x, instance.size.y, instance.size.z);
+      ImGui::Text("%.1f %.1f %.1f", instance.size.x, instance.size.y, instance.size.z);
     }
   }
   ImGui::EndTable();

@@ -39,15 +39,12 @@ void ViewSession::State::drawPanels() {
       });
     }
     if (!selected.empty()) section("Selection", options.still, [&] { drawSelection(); });
-    drawLegends(false);
     if (!options.still && !clouds.empty()) {
-      if (!frame->scans[clouds.front().scan].scan[kInstance].empty()) {
-        section(
-            "Instances", false, [&] { drawInstances(); }, false);
-      }
-      section(
-          "Open", false, [&] { drawSources(); }, false);
+      const bool known = !frame->scans[clouds.front().scan].scan[kInstance].empty();
+      if (known) folded("Instances", [&] { drawInstances(); });
+      folded("Scans", [&] { drawSources(); });
     }
+    drawLegends(false);
   });
   drawStrip();
   drawOutline(outline);
@@ -65,7 +62,45 @@ void ViewSession::State::drawPanels() {
     if (prompt) drawPrompt();
     if (help && !helpWindow(viewKeys(), helpScroll)) help = false;
   }
+  if (pinned && rooms.side.width == 0) {  // no room for a side
+    pointBox(rooms.body, [&] {
+      heading(pinned->heading, colorOf(*pinned));
+      valueRows("point", pinned->brief.empty() ? pinned->rows : pinned->brief, pinned->alarm);
+    });
+  }
   drawTips();
+}
+
+// Of what is switched on and off.
+bool ViewSession::State::isOn(KeyAction action) const {
+  switch (action) {
+    case KeyAction::ToggleMesh:
+      return meshOn();
+    case KeyAction::ToggleBoxes:
+      return frame && (frame->objects.empty() ? instanceBoxes : options.boxes);
+    case KeyAction::ToggleTrajectory:
+      return options.trajectory && trajectory.size() > 1;
+    case KeyAction::ToggleAxes:
+      return options.axes;
+    case KeyAction::ToggleRangeRings:
+      return options.rangeRings;
+    case KeyAction::ToggleDepthEdges:
+      return options.depthEdges;
+    case KeyAction::ToggleLegends:
+      return options.legends;
+    case KeyAction::ToggleRangeImage:
+      return options.rangeImage;
+    case KeyAction::ToggleOverlay:
+      return overlaid();
+    case KeyAction::ToggleSplit:
+      return options.layout == ViewLayout::Split;
+    case KeyAction::ToggleWorld:
+      return world;
+    case KeyAction::InstanceAlone:
+      return !aloneInstances.empty();
+    default:
+      return false;
+  }
 }
 
 void ViewSession::State::drawMenus() {
@@ -81,7 +116,8 @@ void ViewSession::State::drawMenus() {
     }
     if (!drawn) continue;
     const std::string lacks = source->isScene() ? sceneLacks(command.meaning) : "";
-    if (ImGui::MenuItem(command.label.c_str(), keysText(command).c_str(), false, lacks.empty())) act(command.meaning);
+    const bool on = isOn(command.meaning.action);
+    if (ImGui::MenuItem(command.label.c_str(), keysText(command).c_str(), on, lacks.empty())) act(command.meaning);
   }
   if (drawn) ImGui::EndMenu();
   const std::string text = fmt::format("{}   {}", title(), summary());
@@ -130,7 +166,9 @@ void ViewSession::State::drawLegends(bool ofScales) {
     const Legend& legend = block.legend;
     if (legend.scale != ofScales) continue;
     std::string name = legend.scale ? scaleTitle(legend) : legend.title;
-    if (blocks.size() > 1) name = fmt::format("{}: {}", panes[block.views.front()].caption, name);
+    if (blocks.size() > 1 && frame && frame->scans.size() > 1) {
+      name += ": " + panes[block.views.front()].caption;
+    }
     section(name, options.still, [&] {
       if (legend.scale) {
         ScaleRange range;
@@ -212,11 +250,13 @@ void ViewSession::State::drawFrameBar() {
 }
 
 void ViewSession::State::drawPrompt() {
-  constexpr std::size_t kMost = 12;
+  constexpr std::size_t kMost = 200;
   const float letter = ImGui::GetFontSize();
   const float middle = static_cast<float>(rooms.body.left) + static_cast<float>(rooms.body.width) / 2;
-  ImGui::SetNextWindowPos({middle, static_cast<float>(rooms.body.top) + letter * 3}, ImGuiCond_Always, {0.5F, 0});
-  ImGui::SetNextWindowSize({letter * 28, 0});
+  const auto wide = static_cast<float>(rooms.body.width);
+  const auto high = static_cast<float>(rooms.body.height);
+  ImGui::SetNextWindowPos({middle, static_cast<float>(rooms.body.top) + letter}, ImGuiCond_Always, {0.5F, 0});
+  ImGui::SetNextWindowSize({std::min(letter * 28, wide), std::min(letter * 22, high - 2 * letter)});
   ImGui::Begin("Go to sample", nullptr,
                ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);

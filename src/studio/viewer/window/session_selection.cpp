@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "base/file.h"
+#include "base/grouped.h"
 #include "formats/format.h"
 #include "viewer/window/free_file.h"
 #include "viewer/window/session_state.h"
@@ -69,6 +70,7 @@ void ViewSession::State::select() {
   const std::vector<Vec2d> around = std::move(outline);
   const auto view = viewAt(static_cast<int>(around.front().x), static_cast<int>(around.front().y));
   clearSelection();
+  notices.clear();  // what to do has been done
   if (!view) return;
   const CanvasView& in = views[*view];
   std::size_t count = 0;
@@ -125,7 +127,7 @@ void ViewSession::State::drawSelection() {
   for (const auto& [id, points] : counts) {
     legend.entries.push_back({className(source->ontology(), id), classColor(source->ontology(), id), id, points});
   }
-  valueRows("selection", {{"points", fmt::format("{}", count)}});
+  valueRows("selection", {{"points", grouped(count)}});
   legendRows(legend, {}, false, options.still);
   if (options.still) return;
   if (ImGui::Button("Save as PCD")) saveSelection();

@@ -210,6 +210,7 @@ struct ViewSession::State {
   void runPanels();
   void drawPanels();
   void drawMenus();
+  bool isOn(KeyAction action) const;
   void drawColumns();
   void drawLegends(bool ofScales);
   void drawStrip();
