@@ -73,7 +73,7 @@ std::string joined(const data* list) {
 
 class FormatContext : public kainjow::mustache::context<std::string> {
  public:
-  explicit FormatContext(const data* values) : context(values) {}
+  explicit FormatContext(const data* values) { context::push(values); }
 
   const data* get(const std::string& name) const override {
     const std::size_t colon = name.find(':');

@@ -81,6 +81,7 @@ std::vector<std::string> alikeLines(const std::vector<std::string>& lines) {
     }
   }
   std::vector<std::string> joinedLines;
+  joinedLines.reserve(groups.size());
   for (const std::vector<Line>& group : groups) joinedLines.push_back(joined(group));
   return joinedLines;
 }

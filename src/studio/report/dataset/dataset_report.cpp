@@ -129,6 +129,7 @@ class Examination {
 
   void countObjects(const std::vector<ScanPlace>& spread) {
     std::vector<std::size_t> samples;
+    samples.reserve(spread.size());
     for (const ScanPlace& place : spread) samples.push_back(place.sample);
     samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
     report_.objects = scanmill::countObjects(folder_, report_.manifest, samples, faults_.scans);

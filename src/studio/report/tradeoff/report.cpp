@@ -92,7 +92,8 @@ class StudyPage {
       page_["shown_pictures"].push_back({{"caption", caption}, {"png", base64(p.png)}});
     }
     for (Json& r : page_["sensing"]) {
-      if (r["failure"] == "") r["other_class"] = r["both"].get<std::uint64_t>() - r["same_class"].get<std::uint64_t>();
+      if (r["failure"].get_ref<const std::string&>().empty())
+        r["other_class"] = r["both"].get<std::uint64_t>() - r["same_class"].get<std::uint64_t>();
     }
   }
 
@@ -229,15 +230,15 @@ class StudyPage {
   // What is advised, and how to take it.
   void use() {
     for (const Advice& a : advise(study_)) {
-      Json card{{"need", a.need}, {"setting", a.setting}, {"text", a.text}, {"argument", ""}};
+      std::string argument;
       for (const SettingResult& s : study_.settings) {
-        if (s.setting.name == a.setting) card["argument"] = setArgument(s.setting);
+        if (s.setting.name == a.setting) argument = setArgument(s.setting);
       }
-      if (!page_.contains("picked") && card["argument"] != "") page_["picked"] = card["argument"];
-      page_["advice"].push_back(std::move(card));
+      if (!page_.contains("picked") && !argument.empty()) page_["picked"] = argument;
+      page_["advice"].push_back({{"need", a.need}, {"setting", a.setting}, {"text", a.text}, {"argument", argument}});
     }
     for (const Json& row : page_["settings"]) {
-      if (row["failure"] != "") continue;
+      if (!row["failure"].get_ref<const std::string&>().empty()) continue;
       page_["assignments"].push_back({{"setting", row["setting"]}, {"argument", row["argument"]}});
       if (!page_.contains("picked")) page_["picked"] = row["argument"];
     }

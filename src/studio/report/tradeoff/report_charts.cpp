@@ -361,6 +361,7 @@ Chart ringsChart(const Study& study) {
   const std::vector<std::pair<std::string, const RingFit*>> fits = ringFits(study);
   // What has no method is not a method's colour.
   std::vector<std::string> methods;
+  methods.reserve(fits.size());
   for (const auto& entry : fits) methods.push_back(entry.second->setting.method);
   const std::vector<std::size_t> colors = settingColors(study, methods);
   for (std::size_t k = 0; k < fits.size(); ++k) {
