@@ -24,6 +24,12 @@
     return plain(value / prefix[0]) + (prefix[1] + unit ? ' ' + prefix[1] + unit : '');
   }
 
+  // Lines of so many letters at most.
+  const wrapped = (text, most) => text.split(' ').reduce((lines, word) => {
+    const last = lines.at(-1);
+    return last && last.length + word.length < most ? [...lines.slice(0, -1), `${last} ${word}`] : [...lines, word];
+  }, []);
+
   const niceStep = least => {
     const power = 10 ** Math.floor(Math.log10(least));
     return power * [1, 2, 5, 10].find(factor => factor * power >= least * (1 - 1e-9));
@@ -290,18 +296,24 @@
       ...(k === 1 ? chart.series.flatMap(s => s.spans?.flat() ?? []) : [])];
     const axes = {x: new Axis(chart.x, values(0), bars && lying), y: new Axis(chart.y, values(1), bars && !lying)};
     const someStrong = chart.series.some(s => s.strong);
+    const letters = (canvas.parentElement.clientWidth - (lying ? 130 : 60)) / 7;  // that an axis' title has room for
     const scale = (axis, pixelsPerTick) => ({
       type: 'linear', bounds: 'data', offset: false, min: axis.min, max: axis.max, reverse: axis === axes.y && lying, stacked: chart.stacked,
-      title: {display: axis === axes.x && Boolean(axis.title), text: axis.title, color: c.muted, font: {...FONT, size: 12}},
+      title: {display: axis === axes.x && Boolean(axis.title), text: wrapped(axis.title ?? '', letters), color: c.muted, font: {...FONT, size: 12}},
       grid: {color: axis.names && axis === axes.x ? 'transparent' : c.grid, borderColor: c.axis, tickColor: c.axis, offset: false},
       ticks: {color: c.ink, font: FONT, autoSkip: axis === axes.x && !axis.names, maxRotation: axis.names ? 40 : 0, includeBounds: false,
         callback(value) {
-          const text = axis.text(value), room = this.chart.width < 560 ? 22 : 40;
-          return text.length > room ? text.slice(0, room - 1) + '…' : text;
+          // What names differ in often stands at their end.
+          const text = axis.text(value), room = this.chart.width < 450 ? 22 : this.chart.width < 700 ? 30 : 40;
+          return text.length > room ? text.slice(0, room - 11) + '…' + text.slice(-10) : text;
         }},
       afterBuildTicks: own => {
         const length = axis === axes.x ? own.chart.width - 60 : own.chart.height - 40;
-        own.ticks = axis.ticks(own.min, own.max, Math.max(2, length / pixelsPerTick)).map(value => ({value}));
+        const places = axis.ticks(own.min, own.max, Math.max(2, length / pixelsPerTick));
+        // The word for zero hides no number beside it.
+        const pixels = (length - (axis === axes.x && lying ? 110 : 0)) / (own.max - own.min), room = axis === axes.x ? 45 : 14;
+        const hides = v => places[0] < axis.band && v > places[0] && (v - places[0]) * pixels < room;
+        own.ticks = places.filter(v => !hides(v)).map(value => ({value}));
       },
     });
     Chart.getChart(canvas)?.destroy();
