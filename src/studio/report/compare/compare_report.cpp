@@ -90,7 +90,7 @@ std::string comparisonPage(const SetComparison& comparison, const std::string& d
   define(kSetFigures);
   for (Json& feature : page["features"]) {
     const Json& within = feature.at("strength_within_real");
-    feature["strong"] = within.is_null() || feature.at("strength") > 2 * within.get<double>();
+    feature["strong"] = !within.is_null() && feature.at("strength") > 2 * within.get<double>();
   }
   page["set_figures"] = Json::array();
   for (const Json& figure : page["figures"]) {
