@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "base/base64.h"
+#include "dataset/sample_json.h"
 #include "report/dataset/alike_lines.h"
 #include "report/dataset/dataset_charts.h"
 #include "report/dataset/dataset_report.h"
@@ -94,6 +95,7 @@ class DatasetPage {
              {"picture_seed", report_.seed},
              {"hashed", report_.hashed},
              {"modelled", alikeLines(m_.modelled)},
+             {"scene_lines", sceneLines()},
              {"pipeline_sha256", m_.pipelineSha256},
              {"pipeline_text", m_.pipelineText}};
     if (m_.chosen) page_["chosen"] = {{"setting", m_.chosen->setting}, {"why", m_.chosen->why}};
@@ -101,6 +103,42 @@ class DatasetPage {
     for (const SensorRecord& r : m_.sensors) {
       page_["sensor_texts"].push_back(fmt::format("{} ({})", r.name, r.beams.model));
     }
+  }
+
+  // The scenes in the order in which they are met from the first shard to the last; none where that is not known.
+  std::vector<std::string> scenesOfShards() const {
+    if (m_.pipelineText.find("shuffle") != std::string::npos) return {};  // the manifest has the order before that
+    std::map<std::string, std::uint32_t> first;                           // shards of sequences
+    for (const SampleRecord& sample : m_.samples) {
+      std::uint32_t& shard = first.try_emplace(partsOfKey(sample.key).sequence, sample.shard).first->second;
+      shard = std::min(shard, sample.shard);
+    }
+    std::vector<SequenceSummary> sequences = s_.sequences;
+    std::stable_sort(sequences.begin(), sequences.end(),
+                     [&](const SequenceSummary& a, const SequenceSummary& b) { return first[a.name] < first[b.name]; });
+    std::vector<std::string> scenes;
+    for (const SequenceSummary& s : sequences) {
+      if (s.scene.empty()) return {};
+      const std::string scene = fmt::format("{}, seed {}", s.scene, s.seed);
+      if (std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) scenes.push_back(scene);
+    }
+    return scenes;
+  }
+
+  // What methods say of every scene, and of which. The manifest has equal lines once: it is known where all differ.
+  std::vector<std::string> sceneLines() const {
+    const std::vector<std::string> scenes = scenesOfShards();
+    std::vector<std::string> found;
+    for (const std::string_view topic : {"instancing: ", "alpha cut-outs: ", "reflectance textures: "}) {
+      std::vector<std::string> lines;
+      for (const std::string& line : m_.modelled) {
+        const bool ofAll = line.find("nothing reads") != std::string::npos;
+        if (line.starts_with(topic) && !ofAll) lines.push_back(line);
+      }
+      if (lines.size() < 2 || lines.size() != scenes.size()) continue;
+      for (std::size_t i = 0; i < lines.size(); ++i) found.push_back(fmt::format("{}: {}", scenes[i], lines[i]));
+    }
+    return found;
   }
 
   void remarks() {
@@ -125,12 +163,9 @@ class DatasetPage {
       return std::any_of(s_.splits.begin(), s_.splits.end(),
                          [&](const SplitSummary& s) { return s.name == split && s.samples > 0; });
     };
-    const auto command = std::find_if(report_.warnings.begin(), report_.warnings.end(),
-                                      [](const DatasetWarning& w) { return !w.command.empty(); });
     page_.update({{"path", shellWord(report_.path)},
                   {"damaged", std::any_of(report_.shardFaults.begin(), report_.shardFaults.end(),
                                           [](const std::string& fault) { return !fault.empty(); })},
-                  {"looks", command == report_.warnings.end() ? "" : command->command},
                   {"first_sample", m_.samples.empty() ? "" : shellWord(m_.samples.front().key)},
                   {"validated", holds("train") && (holds("val") || holds("test"))},
                   {"one_sequence", s_.sequences.size() < 2},

@@ -172,6 +172,12 @@ TEST_F(MadeDataset, WhatWasModelledOfManyScenesIsOneLine) {
   const std::string page = datasetPage(examined(at()));
   EXPECT_TRUE(has(page, "<li>instancing: 94 to 277 objects (2 times)</li>"));
   EXPECT_TRUE(has(page, "<li>geometry: exact</li>"));
+  EXPECT_TRUE(has(page, "<li>street, seed 1: instancing: 277 objects</li>"));
+  EXPECT_TRUE(has(page, "<li>street, seed 2: instancing: 94 objects</li>"));
+  std::filesystem::remove_all(at());
+  manifest.modelled.push_back("instancing: 300 objects");  // of nobody knows which
+  writeMadeDataset(at(), samples_, manifest);
+  EXPECT_FALSE(has(datasetPage(examined(at())), "street, seed"));
 }
 
 // What is to be done follows from what the dataset lacks.
