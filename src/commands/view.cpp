@@ -257,7 +257,7 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
   const std::shared_ptr<const FrameSource> source = openFrames(input);
   const std::vector<std::filesystem::path> old = turntableBefore(outputs.turntable, overwrite);
   auto loader = std::make_unique<FrameLoader>(source);
-  if (!source->keys().empty()) loader->want(findFrame(*source, view.sample), 1);  // while the canvas is opened
+  if (!source->keys().empty()) loader->want(findFrame(*source, view.sample), 0);  // while the canvas is opened
   const std::unique_ptr<Canvas> canvas = openCanvas(input.path, size, outputs.window());
   ViewSession session(source, std::move(loader), *canvas, view);
   if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });

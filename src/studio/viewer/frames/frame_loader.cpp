@@ -215,9 +215,9 @@ void FrameLoader::want(std::size_t frame, int step) {
   const std::lock_guard lock(s.mutex);
   if (frame >= s.source->keys().size()) return;
   s.wanted = frame;
-  s.step = step < 0 ? -1 : 1;
+  s.step = (step > 0 ? 1 : 0) - (step < 0 ? 1 : 0);
   s.ahead = static_cast<std::int64_t>(frame);
-  s.readAheadDone = false;
+  s.readAheadDone = step == 0;
   s.work.notify_all();
 }
 

@@ -22,9 +22,9 @@ class FrameLoader {
   FrameLoader(const FrameLoader&) = delete;
   FrameLoader& operator=(const FrameLoader&) = delete;
 
-  // Asks for this frame next, and then for at most 64 frames after it in the direction of `step` (1 or -1), as long as
-  // they fit into half of the bytes that are kept: the other half is for frames that were seen. What was asked for
-  // before and is not begun is forgotten.
+  // Asks for this frame next, and then for at most 64 frames after it in the direction of `step` (1 or -1; 0: none), as
+  // long as they fit into half of the bytes that are kept: the other half is for frames that were seen. What was asked
+  // for before and is not begun is forgotten.
   void want(std::size_t frame, int step = 1);
   // The frame, or null while it is not loaded.
   std::shared_ptr<const ViewFrame> frame(std::size_t frame);

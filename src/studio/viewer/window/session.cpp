@@ -36,7 +36,7 @@ ViewSession::State::State(std::shared_ptr<const FrameSource> frames, std::unique
   classesKnown = !presentClasses.empty();
   seeking = options.sample.empty() && !source->isScene();
   firstWanted = findFrame(*source, options.sample);
-  wantFrame(firstWanted, 1);
+  wantFrame(firstWanted, 0);
 }
 
 ViewSession::ViewSession(const std::shared_ptr<const FrameSource>& source, Canvas& canvas, const ViewOptions& options)

@@ -87,6 +87,10 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
 void ViewSession::State::tick() {
   const double now = clock.seconds();  // before it: a frame that comes now is drawn once, however fast they play
   takeWhatIsLoaded();
+  if (!readsAhead && at == wanted && lastPicture > 0) {  // the first picture waits for nothing else
+    readsAhead = true;
+    loader->want(wanted, 1);
+  }
   if (playing && at == wanted && now - lastStep >= frameSeconds()) {
     if (wanted + 1 < source->keys().size()) {
       goTo(wanted + 1, 1);

@@ -253,6 +253,7 @@ struct ViewSession::State {
   std::optional<std::size_t> at;  // the frame that is shown
   std::shared_ptr<const ViewFrame> frame;
   std::vector<Pose> trajectory;
+  bool readsAhead = false;  // further frames are loaded
   bool playing = false;
   double lastStep = 0;                     // s
   double recordedSeconds = 0;              // between the last two frames, where one followed the other
