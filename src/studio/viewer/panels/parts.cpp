@@ -133,7 +133,8 @@ void panelAt(const char* name, const PixelRect& rect, bool scrolls, const std::f
 }
 
 void titleRow(const PixelRect& rect, const std::string& left, const std::string& right) {
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {letter() * 0.6F, (static_cast<float>(rect.height) - letter()) / 2});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
+                      {letter() * 0.6F, std::max(static_cast<float>(rect.height) - letter(), 0.0F) / 2});
   panelAt("##title", rect, false, [&] {
     const float room = ImGui::GetContentRegionAvail().x;
     const std::string shown = fitted(left, room);
@@ -312,7 +313,7 @@ bool scaleBar(const Legend& legend, bool still, ScaleRange& range) {
     const float x = at.x + width * static_cast<float>(share);
     const float wide = sizeOf(figure).x;
     list.AddLine({x, at.y + high}, {x, at.y + high + 3}, ImGui::GetColorU32(ImGuiCol_Text));
-    list.AddText({std::clamp(x - wide / 2, at.x, at.x + width - wide), at.y + high + 3},
+    list.AddText({std::max(std::min(x - wide / 2, at.x + width - wide), at.x), at.y + high + 3},
                  ImGui::GetColorU32(ImGuiCol_Text), figure.c_str());
   }
   ImGui::Dummy({1, high + letter() + 4});

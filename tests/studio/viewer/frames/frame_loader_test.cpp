@@ -106,6 +106,16 @@ TEST_F(Loader, ReadsAheadInTheDirectionOfStepping) {
   }
 }
 
+TEST_F(Loader, WithoutADirectionReadsNothingAhead) {
+  const std::size_t before = source->loaded().size();
+  FrameLoader loader(source);
+  loader.want(20, 0);
+  loader.wait(20);
+  EXPECT_EQ(loader.busy(), "");
+  loader.wait(3);  // its thread has had time for more
+  EXPECT_EQ(source->loaded().size(), before + 2);
+}
+
 TEST_F(Loader, ReadsAheadToTheEndAndNoFurther) {
   for (const auto& [start, step] : {std::pair{37u, 1}, std::pair{2u, -1}}) {
     const std::size_t before = source->loaded().size();
