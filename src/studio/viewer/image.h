@@ -30,12 +30,6 @@ struct Image {
 // From a to b, t from 0 to 1.
 Rgb mix(const Rgb& a, const Rgb& b, double t);
 
-// Fills the part of the rectangle that lies in the image.
-void fillRectangle(Image& image, int x, int y, int width, int height, const Rgb& color);
-
-// Copies `source` into `image` with its upper left corner at (x, y); what juts out is left out.
-void paste(Image& image, const Image& source, int x, int y);
-
 // 8 bit RGB. The same picture gives the same bytes: no clock is written.
 std::string encodePng(const Image& image);
 

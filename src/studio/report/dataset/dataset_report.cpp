@@ -47,8 +47,12 @@ PicturedScan pictureOf(const Manifest& manifest, const ScanPlace& place, const S
     options.width = kPictureWidth;
     options.height = kPictureHeight;
     options.colorBy = color;
-    pictured.pictures.emplace_back(color.name(),
-                                   encodePng(drawPicture(scan, &manifest.ontology, options, pictured.title)));
+    try {
+      pictured.pictures.emplace_back(color.name(),
+                                     encodePng(drawPicture(scan, &manifest.ontology, options, pictured.title)));
+    } catch (const Error& e) {
+      warn(std::string("the page has no pictures: ") + e.what());  // such as: no OpenGL; the figures need none
+    }
   }
   return pictured;
 }

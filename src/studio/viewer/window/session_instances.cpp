@@ -116,21 +116,23 @@ void ViewSession::State::drawInstances() {
 
 // Joins the returns of the beam that is pointed at, or was clicked.
 void ViewSession::State::placeBeam() {
-  if (!hudChanged && !itemsChanged) return;
+  const std::optional<PickedThing>& thing = hover ? hover : pinned;
+  std::optional<std::pair<std::size_t, std::size_t>> beam;
+  if (thing && thing->scan != kNoScan) beam.emplace(thing->scan, thing->point);
+  if (beam == beamOf && !itemsChanged) return;  // to look for returns costs a walk over the scan
+  beamOf = beam;
   constexpr Rgb kBeam{255, 220, 80};
   LineSet lines;
-  const std::optional<PickedThing>& thing = hover ? hover : pinned;
   for (const ShownCloud& cloud : clouds) {
-    if (!thing || cloud.scan != thing->scan) continue;
-    const std::vector<Vec3f> places = returnsOf(frame->scans[cloud.scan].scan, thing->point);
+    if (!beam || cloud.scan != beam->first) continue;
+    const std::vector<Vec3f> places = returnsOf(frame->scans[cloud.scan].scan, beam->second);
     for (std::size_t i = 0; i + 1 < places.size(); ++i) {
       lines.add(cloud.canvasFromScan * Vec3d(places[i]), cloud.canvasFromScan * Vec3d(places[i + 1]), kBeam);
     }
     break;
   }
-  if (lines.colors == beamColors && lines.ends == beamEnds) return;
-  beamColors = lines.colors;
-  beamEnds = lines.ends;
+  if (lines.colors.empty() && !beamDrawn) return;
+  beamDrawn = !lines.colors.empty();
   setLines(kBeamItem, lines, 2);
   lightChanged = true;
 }

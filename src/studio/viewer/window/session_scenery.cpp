@@ -43,6 +43,7 @@ void fillWith(OrbitCamera& camera, const Box& box, int width, int height) {
 }  // namespace
 
 void ViewSession::State::place() {
+  instancesOf.reset();  // their boxes lie in the canvas's frame
   if (source->isScene()) {
     canvasFromWorld = mesh ? Affine{{}, -mesh->origin} : Affine{};
   } else if (!worldFromAnchor) {

@@ -305,8 +305,8 @@ struct ViewSession::State {
   bool instanceBoxes = false;  // about the points, where the sample lists no objects
   std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf;
   std::vector<InstanceSummary> allInstances;
-  std::vector<Vec3f> beamEnds;  // of the lines that join a beam's returns, as on the canvas
-  std::vector<Rgb> beamColors;
+  std::optional<std::pair<std::size_t, std::size_t>> beamOf;  // scan and point whose beam's returns are joined
+  bool beamDrawn = false;
   bool measuring = false;
   std::vector<Vec3d> ends;  // of the measured distance, canvas's frame
   std::optional<std::string> prompt;

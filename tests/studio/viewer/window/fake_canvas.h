@@ -156,7 +156,11 @@ class FakeCanvas : public Canvas {
   void drawView(Image& image, std::size_t number) const {
     const CanvasView& view = views_[number];
     const PixelRect& rect = view.rect;
-    fillRectangle(image, rect.left, rect.top, rect.width, rect.height, view.background);
+    for (int y = std::max(rect.top, 0); y < std::min(rect.top + rect.height, height_); ++y) {
+      for (int x = std::max(rect.left, 0); x < std::min(rect.left + rect.width, width_); ++x) {
+        image.at(x, y) = view.background;
+      }
+    }
     std::vector<double> depths(image.pixels.size(), std::numeric_limits<double>::infinity());
     for (const ItemId id : pointItems()) {
       const Item& item = items.at(id);

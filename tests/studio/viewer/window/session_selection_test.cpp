@@ -127,14 +127,14 @@ TEST(SessionSelection, IsSavedAsPcd) {
 
 // Each edge of a box is as long as a side of what is measured of the instance.
 TEST(SessionInstances, HaveBoxesAboutTheirPoints) {
-  SessionWorld world(1);
+  SessionWorld world(3);
   const auto edges = [&] { return world.canvas.items.at(kBoxesItem).colors.size(); };
   EXPECT_EQ(edges(), 0u);
   world.key("O");
   EXPECT_EQ(edges(), 12u) << "the fake scan has one instance";
   const auto& item = world.canvas.items.at(kBoxesItem);
   EXPECT_EQ(item.colors.front(), kFakeCarColor);
-  const Scan& scan = world.frames->frames[0].scans[0].scan;
+  const Scan& scan = world.frames->frames[1].scans[0].scan;
   Box box;
   for (const Vec3f& p : item.places) box.add(Vec3d(p));
   for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -145,6 +145,17 @@ TEST(SessionInstances, HaveBoxesAboutTheirPoints) {
       EXPECT_LT(over, 1e-4);
     }
   }
+  // They go with the points.
+  const auto middle = [&] {
+    Box all;
+    for (const Vec3f& p : world.canvas.items.at(kBoxesItem).places) all.add(Vec3d(p));
+    return all.center();
+  };
+  const auto points = [&] { return world.canvas.items.at(firstCloud(world)).look.canvasFromItem.translation; };
+  const Vec3d before = middle() - points();
+  world.key("w");
+  EXPECT_GT(length(points()), 1);
+  EXPECT_NEAR(length(middle() - points() - before), 0, 1e-4);
   world.key("O");
   EXPECT_EQ(edges(), 0u);
 }
