@@ -266,6 +266,8 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
     surface.semantic = classes[i] ? classes[i]->id : std::uint16_t{0};
     surface.object = objects[i];
     surface.node = part.node;
+    surface.texture = part.texture;
+    if (parts[i].classRule != nullptr) surface.labelledBy = parts[i].classRule->where;
     mesh.surfaces.push_back(std::move(surface));
     names.push_back({labelling.file, part.material, part.texture, part.node});
     append(mesh, std::move(part), static_cast<std::uint16_t>(i), withUvs);

@@ -12,6 +12,7 @@
 #include <tuple>
 #include <vector>
 
+#include "base/error.h"
 #include "base/vec.h"
 #include "config/distribution.h"
 #include "config/value.h"
@@ -28,7 +29,10 @@ struct Surface {
   std::uint16_t material = 0;  // index into Scene::materials
   std::uint16_t semantic = 0;  // class id
   std::uint32_t object = 0;    // 0: stuff; n > 0: the n-th thing of this mesh (see Instance::firstInstanceId)
-  std::string node;            // name in the asset, for reports
+  // For reports: names in the asset, and the rule of the scene's file, or the key `class`, that gave the class; no file
+  // where none did.
+  std::string node, texture;
+  Location labelledBy;
 };
 
 using Triangle = std::array<std::uint32_t, 3>;

@@ -370,6 +370,7 @@ class SceneReader {
     surface.semantic = semantic.id;
     surface.object = semantic.thing ? 1 : 0;
     surface.material = builder_.material(f.text("material"), materialName.where);
+    surface.labelledBy = className.where;
     const std::string name = f.text("name", kind);
     const Copies copies = copiesOf(f);
     if (!copies.arrangement.materials().empty()) {

@@ -236,7 +236,7 @@ TEST(Simplify, TexturesStayWhereTheyAre) {
   paint.texture = std::make_shared<Texture>();
   Mesh ground;
   ground.name = "ground";
-  ground.surfaces.push_back({builder.addMaterial(paint), 1, 0, ""});
+  ground.surfaces.push_back({builder.addMaterial(paint), 1, 0, "", "", {}});
   appendPlane(ground, 0, {}, 8, 8, 32);
   for (const Vec3f& p : ground.positions) ground.uvs.push_back({p.x / 8, p.y / 8});
   const Scene fewer = simplified(sceneOf(builder, ground), 0.1);

@@ -36,32 +36,65 @@ std::string partName(const std::string& object, const std::string& node) {
   return node.empty() || same ? object : object + ": " + node;
 }
 
-// Names the parts of the scene, those without triangles left out. Gives each instance's parts by surface.
-std::vector<std::vector<std::uint32_t>> nameParts(const Scene& scene, std::vector<std::string>& parts) {
-  std::vector<std::vector<std::uint32_t>> partOf(scene.instances.size());
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const Instance& instance = scene.instances[i];
+// Numbers names as they come.
+class NameList {
+ public:
+  explicit NameList(std::vector<std::string>& names) : names_(names) {}
+  std::uint32_t number(const std::string& key, const std::string& name) {
+    const auto [known, added] = numbers_.emplace(key, static_cast<std::uint32_t>(names_.size()));
+    if (added) names_.push_back(name);
+    return known->second;
+  }
+  std::uint32_t number(const std::string& name) { return number(name, name); }
+
+ private:
+  std::vector<std::string>& names_;
+  std::map<std::string, std::uint32_t> numbers_;
+};
+
+// "line 9", of a file that the scene includes "walls.yaml, line 9".
+std::string shortPlace(const Scene& scene, const Location& where) {
+  const std::filesystem::path file = std::filesystem::path(where.file).filename();
+  return file == scene.file.filename() ? fmt::format("line {}", where.line)
+                                       : fmt::format("{}, line {}", file.string(), where.line);
+}
+
+// Lists the surfaces of the scene and what they name, objects without triangles left out. Gives the place of each
+// instance's first surface.
+std::vector<std::uint32_t> listSurfaces(const Scene& scene, ViewMesh& view) {
+  NameList textures(view.textures);
+  NameList rules(view.rules);
+  textures.number("", "no texture");
+  rules.number("", "no rule");
+  for (const RuleUse& use : scene.rules) {
+    rules.number(use.where.text(), fmt::format("{}: {} ({})", shortPlace(scene, use.where), use.gives, use.match));
+  }
+  std::vector<std::uint32_t> first;
+  first.reserve(scene.instances.size());
+  for (const Instance& instance : scene.instances) {
+    first.push_back(static_cast<std::uint32_t>(view.surfaces.size()));
     const Mesh& mesh = scene.meshes[instance.mesh];
     if (mesh.triangles.empty()) continue;
-    std::map<std::string_view, std::uint32_t> byNode;  // surfaces of one node are one part
+    std::map<std::string_view, std::uint32_t> partOf;  // surfaces of one node are one part
     for (const Surface& surface : mesh.surfaces) {
-      const auto [known, added] = byNode.emplace(surface.node, static_cast<std::uint32_t>(parts.size()));
-      if (added) parts.push_back(partName(instance.name, surface.node));
-      partOf[i].push_back(known->second);
+      const auto [part, added] = partOf.emplace(surface.node, static_cast<std::uint32_t>(view.parts.size()));
+      if (added) view.parts.push_back(partName(instance.name, surface.node));
+      const Location& by = surface.labelledBy;
+      view.surfaces.push_back({part->second, surface.material, textures.number(surface.texture),
+                               rules.number(by.text(), shortPlace(scene, by) + ": class")});
     }
   }
-  return partOf;
+  return first;
 }
 
 void fillTriangles(const Scene& scene, ViewMesh& view) {
   const std::vector<std::size_t> firstOf = firstTriangles(scene);
-  const std::vector<std::vector<std::uint32_t>> partOf = nameParts(scene, view.parts);
+  const std::vector<std::uint32_t> firstSurface = listSurfaces(scene, view);
   const std::size_t count = firstOf.back();
   view.corners.resize(3 * count);
   view.semantic.resize(count);
   view.instance.resize(count);
-  view.material.resize(count);
-  view.part.resize(count);
+  view.surface.resize(count);
   parallelFor(count, kTriangleGrain, [&](std::size_t first, std::size_t last) {
     auto owner =
         static_cast<std::size_t>(std::upper_bound(firstOf.begin(), firstOf.end(), first) - firstOf.begin()) - 1;
@@ -78,8 +111,7 @@ void fillTriangles(const Scene& scene, ViewMesh& view) {
         const Surface& surface = mesh.surfaces[mesh.surfaceOf[own]];
         view.semantic[t] = surface.semantic;
         view.instance[t] = instanceId(instance, surface);
-        view.material[t] = surface.material;
-        view.part[t] = partOf[owner][mesh.surfaceOf[own]];
+        view.surface[t] = firstSurface[owner] + mesh.surfaceOf[own];
       }
     }
   });

@@ -15,6 +15,15 @@
 
 namespace scanmill {
 
+// What the triangles of a surface have in common; indices into the lists of ViewMesh.
+struct ViewSurface {
+  std::uint32_t part = 0;
+  std::uint32_t material = 0;
+  std::uint32_t texture = 0;
+  std::uint32_t rule = 0;
+  bool operator==(const ViewSurface&) const = default;
+};
+
 struct ViewMesh {
   std::string name;
   // Why there is no mesh: the scene could not be read, or is too large. Then everything else is empty.
@@ -23,11 +32,15 @@ struct ViewMesh {
   std::vector<Vec3f> corners;           // m, along the world's axes; three for each triangle
   std::vector<std::uint16_t> semantic;  // of each triangle the class id
   std::vector<std::uint32_t> instance;  // of each triangle the instance id; 0 where it has none
-  std::vector<std::uint16_t> material;  // of each triangle an index into materials
-  std::vector<std::uint32_t> part;      // of each triangle an index into parts
-  std::vector<std::string> materials;
+  std::vector<std::uint32_t> surface;   // of each triangle an index into surfaces
+  std::vector<ViewSurface> surfaces;
   std::vector<std::string> parts;  // "hall: Wall.003": the placed object and the asset's node
-  std::vector<float> reflectance;  // of each material
+  std::vector<std::string> materials;
+  std::vector<float> reflectance;     // of each material
+  std::vector<std::string> textures;  // their names in the assets; the first stands for no texture
+  // What gave the class: "line 12: wall (node: Wall*)", a rule of the scene's file, or "line 30: class".
+  // The first stands for neither.
+  std::vector<std::string> rules;
   Ontology ontology;
   Box bounds;              // m, from `origin`
   Box core;                // m, from `origin`: where the most of it is
@@ -36,6 +49,7 @@ struct ViewMesh {
 
   static constexpr std::size_t kTrianglesPerBox = 256;
   std::size_t size() const { return semantic.size(); }
+  const ViewSurface& surfaceOf(std::size_t triangle) const { return surfaces[surface[triangle]]; }
 };
 
 constexpr std::uint64_t kMostViewTriangles = 30'000'000;

@@ -14,18 +14,9 @@ namespace scanmill {
 
 namespace {
 
-Rgb materialColor(std::uint16_t material) {
-  return instanceColor(material + 1u);  // 0 would be none
-}
-
-std::vector<std::uint64_t> countEach(const std::vector<std::uint16_t>& ids) {
-  std::vector<std::uint64_t> count(std::size_t{UINT16_MAX} + 1, 0);
-  for (const std::uint16_t id : ids) ++count[id];
-  return count;
-}
-
 Legend classLegend(const ViewMesh& mesh) {
-  const std::vector<std::uint64_t> triangles = countEach(mesh.semantic);
+  std::vector<std::uint64_t> triangles(std::size_t{UINT16_MAX} + 1, 0);
+  for (const std::uint16_t id : mesh.semantic) ++triangles[id];
   Legend legend;
   for (std::size_t id = 0; id < triangles.size(); ++id) {
     if (triangles[id] == 0) continue;
@@ -63,14 +54,15 @@ Legend objectLegend(const ViewMesh& mesh) {
   return legend;
 }
 
-// The most frequent first.
-Legend materialLegend(const ViewMesh& mesh) {
-  const std::vector<std::uint64_t> triangles = countEach(mesh.material);
+// Of what surfaces name. The most frequent first. `firstColor`: of the list's first name.
+Legend nameLegend(const ViewMesh& mesh, const std::vector<std::string>& names, std::uint32_t ViewSurface::*which,
+                  std::uint32_t firstColor) {
+  std::vector<std::uint64_t> triangles(names.size(), 0);
+  for (const std::uint32_t surface : mesh.surface) ++triangles[mesh.surfaces[surface].*which];
   Legend legend;
-  for (std::size_t id = 0; id < triangles.size(); ++id) {
-    if (triangles[id] == 0) continue;
-    legend.entries.push_back({id < mesh.materials.size() ? mesh.materials[id] : fmt::format("material {}", id),
-                              materialColor(static_cast<std::uint16_t>(id)), -1, triangles[id]});
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (triangles[i] == 0) continue;
+    legend.entries.push_back({names[i], instanceColor(firstColor + static_cast<std::uint32_t>(i)), -1, triangles[i]});
   }
   std::stable_sort(legend.entries.begin(), legend.entries.end(),
                    [](const LegendEntry& a, const LegendEntry& b) { return a.points > b.points; });
@@ -103,18 +95,23 @@ Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {
       coloring.legend = instanceLegend(mesh);
       break;
     case MeshColor::Object:
-      paint([&](std::size_t t) { return instanceColor(mesh.part[t] + 1); });
+      paint([&](std::size_t t) { return instanceColor(mesh.surfaceOf(t).part + 1); });
       coloring.legend = objectLegend(mesh);
       break;
     case MeshColor::Material:
-      paint([&](std::size_t t) { return materialColor(mesh.material[t]); });
-      coloring.legend = materialLegend(mesh);
+      paint([&](std::size_t t) { return instanceColor(mesh.surfaceOf(t).material + 1); });
+      coloring.legend = nameLegend(mesh, mesh.materials, &ViewSurface::material, 1);
+      break;
+    case MeshColor::Texture:
+      paint([&](std::size_t t) { return instanceColor(mesh.surfaceOf(t).texture); });
+      coloring.legend = nameLegend(mesh, mesh.textures, &ViewSurface::texture, 0);
+      break;
+    case MeshColor::Rule:
+      paint([&](std::size_t t) { return instanceColor(mesh.surfaceOf(t).rule); });
+      coloring.legend = nameLegend(mesh, mesh.rules, &ViewSurface::rule, 0);
       break;
     case MeshColor::Reflectance:
-      paint([&](std::size_t t) {
-        return mesh.material[t] < mesh.reflectance.size() ? viridis(double{mesh.reflectance[mesh.material[t]]})
-                                                          : kNoValue;
-      });
+      paint([&](std::size_t t) { return viridis(double{mesh.reflectance[mesh.surfaceOf(t).material]}); });
       coloring.legend = reflectanceLegend();
       break;
   }

@@ -201,21 +201,21 @@ PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const V
   thing.point = triangle;
   const std::uint16_t semantic = mesh.semantic[triangle];
   const std::uint32_t instance = mesh.instance[triangle];
-  const std::uint16_t material = mesh.material[triangle];
+  const ViewSurface& surface = mesh.surfaceOf(triangle);
   const std::string name = className(&mesh.ontology, semantic);
   thing.heading = instance == 0 ? name : fmt::format("{} {}", name, instance);
-  thing.rows.emplace_back("object", mesh.part[triangle] < mesh.parts.size() ? mesh.parts[mesh.part[triangle]] : "");
+  thing.rows.emplace_back("object", mesh.parts[surface.part]);
   thing.rows.emplace_back("class", fmt::format("{} ({})", name, semantic));
+  thing.rows.emplace_back("labelled by", mesh.rules[surface.rule]);
   thing.rows.emplace_back("instance", instance == 0 ? "none" : fmt::format("{}", instance));
-  if (material < mesh.materials.size()) thing.rows.emplace_back("material", mesh.materials[material]);
-  if (material < mesh.reflectance.size()) {
-    thing.rows.emplace_back("reflectance", fmt::format("{:.3g}", mesh.reflectance[material]));
-  }
+  thing.rows.emplace_back("material", mesh.materials[surface.material]);
+  thing.rows.emplace_back("reflectance", fmt::format("{:.3g}", mesh.reflectance[surface.material]));
+  thing.rows.emplace_back("texture", surface.texture == 0 ? "none" : mesh.textures[surface.texture]);
   thing.rows.emplace_back("world x", fmt::format("{:.3f} m", worldPlace.x));
   thing.rows.emplace_back("world y", fmt::format("{:.3f} m", worldPlace.y));
   thing.rows.emplace_back("world z", fmt::format("{:.3f} m", worldPlace.z));
   thing.rows.emplace_back("triangle", fmt::format("{} of {}", triangle, grouped(mesh.size())));
-  for (const char* row : {"object", "material", "reflectance"}) {
+  for (const char* row : {"object", "labelled by", "material", "reflectance"}) {
     if (const std::string value = valueIn(thing.rows, row); !value.empty()) thing.brief.emplace_back(row, value);
   }
   return thing;

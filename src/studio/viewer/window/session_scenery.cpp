@@ -149,7 +149,43 @@ void ViewSession::State::placeMesh() {
   if (source->isScene() && !sceneFramed) {
     sceneFramed = true;
     setCamera(firstCamera());
+    tellWhatEncloses();
   }
+}
+
+// A closed sky box about all the rest fills the picture, from within where the camera looks past the rest, or from
+// outside.
+void ViewSession::State::tellWhatEncloses() {
+  constexpr int kAcross = 7;
+  constexpr double kEnough = 0.5;  // of the lines of sight
+  const ViewCamera view = camera.camera(canvas.width(), canvas.height());
+  std::optional<std::size_t> first;  // triangle
+  int met = 0;
+  for (int line = 0; line < kAcross * kAcross; ++line) {
+    const double x = (line % kAcross + 0.5) * canvas.width() / kAcross;
+    const double y = (line / kAcross + 0.5) * canvas.height() / kAcross;
+    const auto thing = pickMesh(sightLine(view, x, y));
+    if (!thing) continue;
+    ++met;
+    if (!first) first = thing->point;
+    if (mesh->surfaceOf(thing->point).part != mesh->surfaceOf(*first).part) return;
+  }
+  if (met < kEnough * kAcross * kAcross) return;
+  const std::uint32_t part = mesh->surfaceOf(*first).part;
+  Box own, others;
+  for (std::size_t t = 0; t < mesh->size(); ++t) {
+    if (!meshShown.empty() && meshShown[t] == 0) continue;
+    Box& box = mesh->surfaceOf(t).part == part ? own : others;
+    for (std::size_t corner = 3 * t; corner < 3 * t + 3; ++corner) box.add(Vec3d(mesh->corners[corner]));
+  }
+  const auto within = [](const Vec3d& low, const Vec3d& high) {
+    return low.x <= high.x && low.y <= high.y && low.z <= high.z;
+  };
+  if (others.empty() || !within(own.low, others.low) || !within(others.high, own.high)) return;
+  hint(
+      fmt::format("nothing but '{}' is seen from here, which encloses all the rest: hide its class ({}), or look from "
+                  "another place",
+                  mesh->parts[part], className(&mesh->ontology, mesh->semantic[*first])));
 }
 
 void ViewSession::State::toggleWorld() {

@@ -154,6 +154,7 @@ struct ViewSession::State {
   void placeClouds();
   void placeGuides();
   void placeMesh();
+  void tellWhatEncloses();
   void placeMeshLook();
   void placeMeasure();
   void setLines(ItemId item, const LineSet& lines, double width);

@@ -22,7 +22,7 @@ Scene sceneOf(const std::vector<std::array<Vec3f, 3>>& triangles, const Vec3d& p
   Scene scene;
   scene.materials.resize(1);
   Mesh mesh;
-  for (std::uint32_t object = 1; object <= 3; ++object) mesh.surfaces.push_back({0, 1, 4 - object, ""});
+  for (std::uint32_t object = 1; object <= 3; ++object) mesh.surfaces.push_back({0, 1, 4 - object, "", "", {}});
   mesh.objects = 3;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     for (const Vec3f& corner : triangles[t]) mesh.positions.push_back(corner);

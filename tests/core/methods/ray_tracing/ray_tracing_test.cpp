@@ -359,7 +359,7 @@ TEST(RayTracing, AlphaLetsBeamsThrough) {
   texture->rgba = {255, 255, 255, 255, 255, 255, 255, 0};  // the left half is there, the right half is not
   leaf.texture = texture;
   Mesh curtain;
-  curtain.surfaces.push_back({builder.addMaterial(leaf), 2, 1, ""});
+  curtain.surfaces.push_back({builder.addMaterial(leaf), 2, 1, "", "", {}});
   appendQuad(curtain, 0, {5, 5, -5}, {5, -5, -5}, {5, -5, 5}, {5, 5, 5});
   curtain.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   builder.place(builder.addMesh(curtain), {}, "curtain");
@@ -392,7 +392,7 @@ TEST(RayTracing, TextureScalesReflectance) {
   paint.texture = texture;
   paint.textureMean = 0.5f;
   Mesh wall;
-  wall.surfaces.push_back({builder.addMaterial(paint), 1, 0, ""});
+  wall.surfaces.push_back({builder.addMaterial(paint), 1, 0, "", "", {}});
   appendQuad(wall, 0, {5, 5, -5}, {5, -5, -5}, {5, -5, 5}, {5, 5, 5});
   wall.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   builder.place(builder.addMesh(wall), {}, "wall");

@@ -63,10 +63,10 @@ void expectSame(const ViewMesh& view, const Scene& scene) {
       }
       ASSERT_EQ(view.semantic[t], surface.semantic);
       ASSERT_EQ(view.instance[t], instanceId(instance, surface));
-      ASSERT_EQ(view.materials[view.material[t]], scene.materials[surface.material].name);
-      ASSERT_EQ(view.reflectance[view.material[t]], scene.materials[surface.material].reflectance);
+      ASSERT_EQ(view.materials[view.surfaceOf(t).material], scene.materials[surface.material].name);
+      ASSERT_EQ(view.reflectance[view.surfaceOf(t).material], scene.materials[surface.material].reflectance);
       const bool same = instance.name.substr(0, instance.name.find('#')) == surface.node;
-      ASSERT_EQ(view.parts[view.part[t]],
+      ASSERT_EQ(view.parts[view.surfaceOf(t).part],
                 surface.node.empty() || same ? instance.name : instance.name + ": " + surface.node);
     }
   }
@@ -141,7 +141,8 @@ TEST(MakeViewMesh, TheSameWithAnyNumberOfThreads) {
   const ThreadLimit one(1);
   const ViewMesh single = makeViewMesh(scene);
   EXPECT_EQ(many.corners, single.corners);
-  EXPECT_EQ(many.part, single.part);
+  EXPECT_EQ(many.surface, single.surface);
+  EXPECT_EQ(many.surfaces, single.surfaces);
   EXPECT_EQ(many.instance, single.instance);
   EXPECT_EQ(many.origin, single.origin);
 }

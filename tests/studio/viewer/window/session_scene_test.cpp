@@ -12,6 +12,9 @@
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 #include "viewer/frames/view_mesh.h"
+#include "viewer/image.h"
+#include "viewer/window/mesh_coloring.h"
+#include "viewer/window/picked_rows.h"
 #include "viewer/window/session_items.h"
 
 namespace scanmill {
@@ -47,7 +50,7 @@ TEST_F(SceneViewer, ColoursGoInARing) {
                        canvas_.overlay().size() * sizeof(Rgba));
   };
   std::set<std::string> seen{overlay()};
-  for (int i = 0; i < 4; ++i) {
+  for (std::size_t i = 1; i < kMeshColorNames.size(); ++i) {
     key(*session, "c");
     EXPECT_TRUE(seen.insert(overlay()).second) << "the legend says what colours mean";
   }
@@ -57,7 +60,7 @@ TEST_F(SceneViewer, ColoursGoInARing) {
   const std::vector<Rgb> byInstance = colors();
   key(*session, "1");
   EXPECT_EQ(colors(), byClass);
-  for (int i = 0; i < 4; ++i) key(*session, "C");
+  for (std::size_t i = 1; i < kMeshColorNames.size(); ++i) key(*session, "C");
   EXPECT_EQ(colors(), byInstance);
   open({.colors = {ColorBy("instance")}});
   EXPECT_EQ(colors(), byInstance);
@@ -65,6 +68,65 @@ TEST_F(SceneViewer, ColoursGoInARing) {
   const std::vector<Rgb> byObject = colors();
   EXPECT_EQ(std::set<Rgb>(byObject.begin(), byObject.end()).size(), 2u) << "the road and the car";
   EXPECT_THAT(messageOf([&] { open({.colors = {ColorBy("time")}}); }), testing::HasSubstr("a scene has no time"));
+}
+
+// What names a surface in its file, and what labelled it.
+TEST_F(SceneViewer, APickNamesTextureAndRule) {
+  folder_.write("own.mtl", "newmtl plaster\nmap_Kd wall.png\nnewmtl steel\n");
+  folder_.write("wall.png", encodePng(Image(2, 2, {200, 190, 180})));
+  folder_.write("own.obj",
+                "mtllib own.mtl\nv 0 -4 0\nv 0 4 0\nv 0 4 4\nv 0 -4 4\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                "o left\nusemtl plaster\nf 1/1 2/2 3/3\no right\nusemtl steel\nf 1 3 4\n");
+  const std::filesystem::path file = folder_.write(
+      "own.yaml", "name: own\nontology: " SCANMILL_SOURCE_DIR "/labels/scanmill.yaml\nmaterials: " SCANMILL_SOURCE_DIR
+                  "/labels/materials.yaml\nobjects:\n  - file: own.obj\n    up: z\n    rules:\n"
+                  "      - {match: {texture: wall*}, class: building}\n"
+                  "      - {match: {node: right}, class: fence}\n"
+                  "  - {primitive: box, size: [1, 1, 1], class: car, material: metal_bare, position: [-3, 0, 0]}\n");
+  const ViewMesh mesh = loadViewMesh(file, 1);
+  ASSERT_EQ(mesh.problem, "");
+  std::set<std::string> texturesAndRules;
+  for (std::size_t t = 0; t < mesh.size(); ++t) {
+    const PickedThing thing = describeTriangle(mesh, t, {});
+    const auto row = [&](const std::string& name) {
+      return std::ranges::find(thing.rows, name, [](const auto& r) { return r.first; })->second;
+    };
+    texturesAndRules.insert(row("object") + " | " + row("texture") + " | " + row("labelled by"));
+  }
+  EXPECT_THAT(texturesAndRules, testing::UnorderedElementsAre(
+                                    "own: left | wall.png | line 8: building (texture: wall*)",
+                                    "own: right | none | line 9: fence (node: right)", "box | none | line 10: class"));
+  for (const auto& [by, colorsExpected] : {std::pair(MeshColor::Texture, 2), {MeshColor::Rule, 3}}) {
+    const Coloring coloring = colorMesh(mesh, by);
+    std::uint64_t counted = 0;
+    for (const LegendEntry& entry : coloring.legend.entries) counted += entry.points;
+    EXPECT_EQ(counted, mesh.size());
+    EXPECT_EQ(coloring.legend.entries.size(), static_cast<std::size_t>(colorsExpected));
+    EXPECT_EQ(std::set(coloring.colors.begin(), coloring.colors.end()).size(),
+              static_cast<std::size_t>(colorsExpected));
+  }
+}
+
+// A picture of nothing but the box about everything comes with a word; a ground that fills it, or a box whose class is
+// hidden, does not.
+TEST_F(SceneViewer, SaysThatASkyBoxHidesAllTheRest) {
+  const std::filesystem::path file = folder_.write(
+      "sky.yaml", std::string(kWallScene) +
+                      "  - {primitive: box, size: [4000, 4000, 4000], class: structure, material: asphalt, "
+                      "position: [5, 100, 0], name: dome}\n");
+  const auto hintsOf = [&](const std::filesystem::path& scene, const ViewOptions& options) {
+    ViewSession session(openFrames({.path = scene}), canvas_, options);
+    session.settle();
+    return session.hints();
+  };
+  for (const char* camera : {"0,-60,9,5,100,500", "30,30,4500,5,100,0"}) {  // up from within, and from outside
+    EXPECT_THAT(hintsOf(file, {.camera = parseCamera(camera)}),
+                testing::ElementsAre(testing::AllOf(testing::HasSubstr("'dome'"), testing::HasSubstr("(structure)"))))
+        << camera;
+  }
+  EXPECT_THAT(hintsOf(file, {.camera = parseCamera("10,40,15,15,100,1.75")}), testing::IsEmpty());
+  EXPECT_THAT(hintsOf(file, {.camera = parseCamera("0,-60,9,5,100,500"), .hidden = {"structure"}}), testing::IsEmpty());
+  EXPECT_THAT(hintsOf(folder_.path() / "wall.yaml", {.camera = parseCamera("0,89,3,-10,100,0")}), testing::IsEmpty());
 }
 
 // However large it is: what the most of it is in fills the picture, and nothing of that is outside.
