@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "evaluate/roc.h"
 #include "exports/class_map.h"
+#include "study/median.h"
 
 namespace scanmill {
 
@@ -27,13 +28,6 @@ Groups groupsByKind(const Patches& patches) {
   Groups groups;
   for (const PatchKind kind : patches.kind) groups.push_back(static_cast<std::uint16_t>(kind));
   return groups;
-}
-
-double medianOf(std::vector<float> values) {
-  if (values.empty()) return kNaN;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
 }
 
 double meanOf(const std::vector<float>& values) {
@@ -80,8 +74,8 @@ struct Sum {
     s.strength /= weight;
     s.area = 0.5 + (separation.area - 0.5) / weight;
     const bool mean = kPatchFeatures[feature].mostlyZero;
-    s.realValue = mean ? meanOf(real) : medianOf(real);
-    s.simulatedValue = mean ? meanOf(simulated) : medianOf(simulated);
+    s.realValue = mean ? meanOf(real) : medianOf(real, kNaN);
+    s.simulatedValue = mean ? meanOf(simulated) : medianOf(simulated, kNaN);
     return s;
   }
 };

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "study/median.h"
+
 namespace scanmill {
 
 namespace {
@@ -16,12 +18,6 @@ double azimuthOf(const Vec3f& p) {
 
 double elevationOf(const Vec3f& p) {
   return std::atan2(static_cast<double>(p.z), std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)));
-}
-
-double medianOf(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 class GridMaker {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "study/median.h"
 
 namespace scanmill {
 namespace {
@@ -24,13 +25,6 @@ struct Point {
 };
 
 using Rings = std::vector<std::vector<Point>>;
-
-// Sorts a part of the values.
-double medianOf(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double wrapped(double angle) {
   return std::remainder(angle, 2 * kPi);
