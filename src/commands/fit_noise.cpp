@@ -34,18 +34,16 @@ namespace {
 
 void printGroups(const std::vector<PatchGroup>& groups, const std::string& first) {
   std::vector<std::vector<std::string>> rows{{first, "patches", "points", "sigma mm", "+-", "with step", "about planes",
-                                              "lost", "of", "drop-out %", "+-", "points/m2", "expected", "ratio", ""}};
+                                              "lost", "of", "drop-out %", "+-", ""}};
   for (const PatchGroup& g : groups) {
     const auto figure = [](bool any, double value, int digits) {
       return any ? fmt::format("{:.{}f}", value, digits) : std::string("-");
     };
     const auto millimetres = [&](double metres) { return figure(g.patches > 0, 1000 * metres, 2); };
     const bool tested = g.dropOut.of > 0;
-    const bool dense = g.density > 0;
     rows.push_back({g.name, grouped(g.patches), grouped(g.points), millimetres(g.sigma), millimetres(g.error),
                     millimetres(g.withStep), millimetres(g.planeSigma), grouped(g.dropOut.lost), grouped(g.dropOut.of),
                     figure(tested, 100 * g.dropOut.share(), 2), figure(tested, 100 * g.dropOut.error, 2),
-                    figure(dense, g.density, 0), figure(dense, g.expectedDensity, 0), figure(dense, g.densityRatio, 3),
                     g.leftOut.empty() ? "" : "left out: " + g.leftOut});
   }
   printText("{}\n", formatTable(rows));
@@ -137,7 +135,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const std::string fitted = withEffects(text, preset.string(), effects);
   if (const auto beyond = beyondMeasured(fit); !beyond.empty()) warn(fmt::format("{}", fmt::join(beyond, " ")));
   if (!report.empty()) {
-    const NoiseComparison comparison = compareNoise(*beams, scans, patches, fit, effects);
+    const std::vector<ResidualComparison> comparison = compareNoise(*beams, scans, patches, fit, effects);
     goOn();
     for (const Chart& chart : noiseCharts(fit, comparison)) {
       writeFile(std::filesystem::path(report) / (chart.name + ".svg"), drawSvg(chart));

@@ -14,7 +14,7 @@
 namespace scanmill {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PatchGroup, name, leftOut, patches, points, range, sigma, error, withStep,
-                                   planeSigma, unevenness, density, expectedDensity, densityRatio)
+                                   planeSigma, unevenness)
 
 namespace {
 
@@ -106,24 +106,6 @@ Chart dropOutChart(const NoiseFit& fit) {
   return chart;
 }
 
-Chart densityChart(const NoiseFit& fit) {
-  Chart chart{.name = "density"};
-  chart.title = "Point density";
-  chart.note = "Medians of the patches in each band, whose angles of incidence differ from band to band.";
-  chart.x = {.title = "range (m)", .scale = AxisScale::Log};
-  chart.y = {.title = "returns per m² of surface", .scale = AxisScale::Log};
-  ChartSeries expected{.name = "by the beam table", .color = 1, .mark = ChartMark::LineAndDots};
-  ChartSeries measured{.name = "measured", .color = 0, .mark = ChartMark::Dots, .emphasised = true};
-  for (const PatchGroup& band : fit.bands) {
-    if (!band.leftOut.empty()) continue;
-    expected.points.push_back({band.range, band.expectedDensity});
-    measured.points.push_back({band.range, band.density});
-    measured.details.push_back(fmt::format("{}: measured / expected {:.3f}", band.name, band.densityRatio));
-  }
-  chart.series = {expected, measured};
-  return chart;
-}
-
 std::vector<Vec2d> histogram(const std::vector<double>& values, double reach, int bins) {
   std::vector<double> counts(static_cast<std::size_t>(bins), 0.0);
   for (const double v : values) {
@@ -158,31 +140,6 @@ Chart residualChart(const ResidualComparison& comparison) {
   return chart;
 }
 
-Chart fitnessChart(const NoiseComparison& comparison) {
-  Chart chart{.name = "fitness"};
-  chart.title = "Registration fitness between successive scans";
-  chart.note =
-      "Clouds of the flat patches, each moved onto the one before by the planes of both: root of the mean squared "
-      "distance to the nearest point. Most of it is the beams' spacing, as the noise-free ones show.";
-  chart.x.title = "pair of scans";
-  chart.y = {.title = "root of the fitness (mm)", .low = 0};
-  ChartSeries recorded{.name = "recorded", .color = 0, .mark = ChartMark::Bars};
-  ChartSeries simulated{.name = "simulated", .color = 1, .mark = ChartMark::Bars};
-  ChartSeries exact{.name = "simulated without effects", .color = 2, .mark = ChartMark::Bars};
-  for (const FitnessComparison& pair : comparison.fitness) {
-    const double x = static_cast<double>(chart.x.names.size());
-    chart.x.names.push_back(pair.pair);
-    const auto add = [&](ChartSeries& series, const std::optional<double>& fitness) {
-      if (fitness) series.points.push_back({x, std::sqrt(*fitness) * kMillimetres});
-    };
-    add(recorded, pair.recorded);
-    add(simulated, pair.simulated);
-    add(exact, pair.exact);
-  }
-  chart.series = {recorded, simulated, exact};
-  return chart;
-}
-
 // What no patch tells is left out.
 Json groupsJson(const std::vector<PatchGroup>& groups, const char* by) {
   Json rows = Json::array();
@@ -191,9 +148,6 @@ Json groupsJson(const std::vector<PatchGroup>& groups, const char* by) {
     row["strong"] = g.leftOut.empty();
     if (g.patches == 0) {
       for (const char* key : {"range", "sigma", "error", "withStep", "planeSigma", "unevenness"}) row.erase(key);
-    }
-    if (!(g.density > 0)) {
-      for (const char* key : {"density", "expectedDensity", "densityRatio"}) row.erase(key);
     }
     if (g.dropOut.of > 0) {
       row.update({{"drop_out", 100 * g.dropOut.share()},
@@ -206,35 +160,19 @@ Json groupsJson(const std::vector<PatchGroup>& groups, const char* by) {
   return {{"by", by}, {"rows", std::move(rows)}};
 }
 
-Json motionJson(const PlaneMotion& motion) {
-  const Vec3d& t = motion.targetFromSource.translation;
-  return {{"x", t.x},
-          {"y", t.y},
-          {"z", t.z},
-          {"length", length(t)},
-          {"error", motion.error},
-          {"matched", motion.matched},
-          {"failure_text", motion.failure}};
-}
-
-Json fitnessJson(const std::optional<double>& fitness) {
-  return fitness ? Json(*fitness) : Json();
-}
-
 }  // namespace
 
-std::vector<Chart> noiseCharts(const NoiseFit& fit, const NoiseComparison& comparison) {
-  std::vector<Chart> charts{sigmaChart(fit), dropOutChart(fit), densityChart(fit), incidenceChart(fit)};
-  for (const ResidualComparison& c : comparison.residuals) {
+std::vector<Chart> noiseCharts(const NoiseFit& fit, const std::vector<ResidualComparison>& comparison) {
+  std::vector<Chart> charts{sigmaChart(fit), dropOutChart(fit), incidenceChart(fit)};
+  for (const ResidualComparison& c : comparison) {
     charts.push_back(residualChart(c));
-    charts.back().name = fmt::format("residuals_{}", charts.size() - 4);
+    charts.back().name = fmt::format("residuals_{}", charts.size() - 3);
   }
-  if (!comparison.fitness.empty()) charts.push_back(fitnessChart(comparison));
   return charts;
 }
 
-std::string noiseReport(const NoiseFit& fit, const NoiseComparison& comparison, const std::string& sensor,
-                        const std::string& effects, const std::string& date) {
+std::string noiseReport(const NoiseFit& fit, const std::vector<ResidualComparison>& comparison,
+                        const std::string& sensor, const std::string& effects, const std::string& date) {
   const auto beams = static_cast<double>(std::max<std::uint64_t>(1, fit.beams));
   Json page{{"title", "Noise of " + sensor},
             {"files", fit.files},
@@ -253,16 +191,7 @@ std::string noiseReport(const NoiseFit& fit, const NoiseComparison& comparison, 
   if (fit.step > 0) page["step_mm"] = kMillimetres * fit.step;
   page["charts"] = chartValues(noiseCharts(fit, comparison));
   page["charts"]["intensity"] = chartValues(intensityChart(fit));
-  for (const ResidualComparison& c : comparison.residuals) page["residuals"].push_back(chartValues(residualChart(c)));
-  for (const FitnessComparison& p : comparison.fitness) {
-    page["pairs"].push_back({{"pair", p.pair},
-                             {"recorded_motion", motionJson(p.recordedMotion)},
-                             {"simulated_motion", motionJson(p.simulatedMotion)},
-                             {"recorded", fitnessJson(p.recorded)},
-                             {"simulated", fitnessJson(p.simulated)},
-                             {"exact", fitnessJson(p.exact)}});
-  }
-  page["compared"] = !comparison.residuals.empty() || !comparison.fitness.empty();
+  for (const ResidualComparison& c : comparison) page["residuals"].push_back(chartValues(residualChart(c)));
   return fillPage(kNoiseTemplate, std::move(page));
 }
 

@@ -13,12 +13,12 @@
 namespace scanmill {
 
 // The charts of the report that are files of their own, too.
-std::vector<Chart> noiseCharts(const NoiseFit& fit, const NoiseComparison& comparison);
+std::vector<Chart> noiseCharts(const NoiseFit& fit, const std::vector<ResidualComparison>& comparison);
 
 // The page index.html, which needs no other file: what was measured, the fitted model, and the recording beside its
 // simulation. `sensor` is the sensor's model, `effects` the text of effectsYaml().
-std::string noiseReport(const NoiseFit& fit, const NoiseComparison& comparison, const std::string& sensor,
-                        const std::string& effects, const std::string& date);
+std::string noiseReport(const NoiseFit& fit, const std::vector<ResidualComparison>& comparison,
+                        const std::string& sensor, const std::string& effects, const std::string& date);
 
 extern const std::string_view kNoiseTemplate;  // noise.html
 

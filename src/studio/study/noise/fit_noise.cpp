@@ -10,7 +10,8 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "study/noise/linear_fit.h"
+#include "study/linear_fit.h"
+#include "study/median.h"
 
 namespace scanmill {
 
@@ -23,13 +24,6 @@ constexpr double kGoodChiSquare = 3;  // per degree of freedom
 constexpr double kGoodMisfit = 0.1;   // relative: a line so near to all bands will do, however small their errors are
 
 using Patches = std::vector<const FlatPatch*>;
-
-double medianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double quantileOf(std::vector<double> values, double share) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -90,12 +84,8 @@ PatchGroup describe(const Patches& patches, std::string name, double low, double
   group.high = high;
   group.dropOut = dropOutOf(patches, 2 * stream);
   Patches measured;
-  std::vector<double> ranges, planes, variances, densities, ratios;
+  std::vector<double> ranges, planes, variances;
   for (const FlatPatch* p : patches) {
-    if (p->expectedDensity > 0 && p->density > 0) {
-      densities.push_back(p->density);
-      ratios.push_back(p->density / p->expectedDensity);
-    }
     if (p->freedom <= 0) continue;
     measured.push_back(p);
     group.points += p->residuals.size();
@@ -104,9 +94,6 @@ PatchGroup describe(const Patches& patches, std::string name, double low, double
     variances.push_back(p->squares / p->freedom);
   }
   group.patches = measured.size();
-  group.density = medianOf(densities);
-  group.densityRatio = medianOf(ratios);
-  group.expectedDensity = group.densityRatio > 0 ? group.density / group.densityRatio : 0;
   if (measured.empty()) return group;
   group.range = std::accumulate(ranges.begin(), ranges.end(), 0.0) / static_cast<double>(ranges.size());
   group.withStep = commonDeviation(measured);

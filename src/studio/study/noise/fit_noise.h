@@ -40,11 +40,6 @@ struct PatchGroup {
   double planeSigma = 0;     // m, the deviation about planes: ring offsets, bends and motion are included
   double unevenness = 0;     // how much wider the patches' variances spread than those of equal noise; 1 is no wider
   MeasuredShare dropOut;
-  double density = 0;       // returns per m^2, median
-  double densityRatio = 0;  // measured / expected by the beam table, median of the patches' own ratios
-  // density / densityRatio, so that the three belong together: the median of the patches' expected densities may be
-  // that of another patch.
-  double expectedDensity = 0;
   std::string leftOut;  // why the fit uses none of the band; empty where it does
 };
 

@@ -6,7 +6,8 @@
 #include <numeric>
 
 #include "base/parallel.h"
-#include "study/noise/linear_fit.h"
+#include "study/linear_fit.h"
+#include "study/median.h"
 
 namespace scanmill {
 
@@ -145,70 +146,6 @@ void countHoles(const BeamTable& beams, const Cells& cells, double deviation, Fl
     ++patch.enclosed;
     patch.holes += cell.returned ? 0u : 1u;
   }
-}
-
-double crossing(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
-  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-}
-
-// Andrew, "Another efficient algorithm for convex hulls in two dimensions", 1979. Counter-clockwise.
-std::vector<Vec2d> convexHull(std::vector<Vec2d> points) {
-  std::sort(points.begin(), points.end(),
-            [](const Vec2d& a, const Vec2d& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-  std::vector<Vec2d> hull;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t first = hull.size();
-    for (const Vec2d& p : points) {
-      while (hull.size() > first + 1 && crossing(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
-      hull.push_back(p);
-    }
-    hull.pop_back();
-    std::reverse(points.begin(), points.end());
-  }
-  return hull;
-}
-
-// Points per m^2 of what lies in the plane's own axes: the hull's area, of which points on its rim own a part only.
-// By Pick's theorem a lattice of one point per unit area has area = points - rim / 2 - 1.
-double densityOf(const std::vector<Vec2d>& points, std::size_t counted, std::size_t rim) {
-  const std::vector<Vec2d> hull = convexHull(points);
-  double twice = 0;
-  for (std::size_t i = 1; i + 1 < hull.size(); ++i) twice += crossing(hull[0], hull[i], hull[i + 1]);
-  const double inside = static_cast<double>(counted) - static_cast<double>(rim) / 2 - 1;
-  return twice > 0 ? inside / (twice / 2) : 0;
-}
-
-// Measured from where the returns lie, expected from where the window's beams meet the plane.
-void findDensities(const BeamTable& beams, const Cells& cells, FlatPatch& patch) {
-  const Vec3d normal = normalized(patch.plane);
-  const Vec3d first = normalized(cross(normal, std::abs(normal.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
-  const Vec3d second = cross(normal, first);
-  std::vector<Vec2d> seen;
-  std::vector<Vec2d> expected;
-  std::size_t rim = 0;
-  for (const Cell& cell : cells) {
-    const auto place = [&](double range) {
-      const Vec3d p = originOf(beams, cell.beam) + beams.direction[cell.beam] * range;
-      return Vec2d{dot(first, p), dot(second, p)};
-    };
-    expected.push_back(place(rangeOnPlane(beams, cell.beam, patch.plane)));
-    if (!cell.returned) continue;
-    seen.push_back(place(cell.range));
-    const bool edge =
-        cell.row == 0 || cell.row + 1 == kPatchRings || cell.column == 0 || cell.column + 1 == kPatchColumns;
-    rim += edge ? 1u : 0u;
-  }
-  constexpr std::size_t kRim = 2 * (kPatchRings + kPatchColumns) - 4;
-  if (seen.size() < 3) return;
-  patch.density = densityOf(seen, seen.size(), rim);
-  patch.expectedDensity = densityOf(expected, kCells, kRim);
-}
-
-double medianOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Patches are compared with those at about the same range, seen as steeply.
@@ -375,7 +312,6 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
     }
   }
   countHoles(beams, *cells, patch.testedPlaneDeviation, patch);
-  findDensities(beams, *cells, patch);
   return patch;
 }
 

@@ -58,10 +58,6 @@ struct FlatPatch {
   std::vector<double> residuals;  // m, about the lines, each divided by sqrt(1 - leverage): so all have one variance
   std::uint32_t enclosed = 0;     // beams whose neighbours returned from the plane
   std::uint32_t holes = 0;        // those of them that did not return
-
-  // Of both halves.
-  double density = 0;          // returns per m^2 of the plane
-  double expectedDensity = 0;  // by the beam table, if every beam returned
 };
 
 // The beams of a table as an image in which each ring is shifted by its azimuth offset, so that neighbours in the image

@@ -8,7 +8,8 @@
 #include <limits>
 
 #include "base/error.h"
-#include "study/noise/linear_fit.h"
+#include "study/linear_fit.h"
+#include "study/median.h"
 
 namespace scanmill {
 
@@ -39,10 +40,7 @@ std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& b
   }
   std::vector<std::pair<double, std::uint16_t>> own, known;  // elevation (rad) and ring
   for (std::size_t r = 0; r < elevations.size(); ++r) {
-    std::vector<double>& e = elevations[r];
-    if (e.empty()) continue;
-    std::nth_element(e.begin(), e.begin() + static_cast<std::ptrdiff_t>(e.size() / 2), e.end());
-    own.emplace_back(e[e.size() / 2], static_cast<std::uint16_t>(r));
+    if (!elevations[r].empty()) own.emplace_back(medianOf(elevations[r]), static_cast<std::uint16_t>(r));
   }
   for (std::uint32_t r = 0; r < beams.rings; ++r) known.emplace_back(beams.elevation[r], static_cast<std::uint16_t>(r));
   std::sort(own.begin(), own.end());
@@ -129,8 +127,7 @@ double medianAngle(const std::vector<BeamPoint>& points, const BeamTable& beams,
     const Vec3d& u = beams.direction[p.beam];
     angles.push_back(std::atan2(length(cross(ray, u)), dot(ray, u)));
   }
-  std::nth_element(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2), angles.end());
-  return angles[angles.size() / 2];
+  return medianOf(std::move(angles));
 }
 
 // Gauss and Newton on the six freedoms of a pose: what is to vanish is the part of each point's ray that is at right

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "study/linear_fit.h"
 
 namespace scanmill {
 
@@ -25,21 +26,16 @@ std::shared_ptr<const BeamTable> withRings(const BeamTable& beams, std::uint32_t
 }
 
 void fitRings(RingFit& fit) {
-  // Weighted normal equations of t = a + b n with weights 1 / t^2.
-  double w = 0, wn = 0, wnn = 0, wt = 0, wnt = 0;
+  std::vector<double> design, values;  // t = fixed + perRing * n, each divided by the measured t
   for (const RingTiming& t : fit.timings) {
     if (!(t.scanSeconds > 0)) throw Error("a scan that takes no time cannot be fitted");
-    const double weight = 1 / (t.scanSeconds * t.scanSeconds);
-    w += weight;
-    wn += weight * t.rings;
-    wnn += weight * t.rings * t.rings;
-    wt += weight * t.scanSeconds;
-    wnt += weight * t.rings * t.scanSeconds;
+    design.insert(design.end(), {1 / t.scanSeconds, t.rings / t.scanSeconds});
+    values.push_back(1);
   }
-  const double determinant = w * wnn - wn * wn;
-  if (!(determinant > 1e-12 * w * wnn)) throw Error("a fixed cost and a slope take at least two numbers of rings");
-  fit.secondsPerRing = (w * wnt - wn * wt) / determinant;
-  fit.fixedSeconds = (wt - fit.secondsPerRing * wn) / w;
+  const LinearFit line = fitLinear(design, 2, values);
+  if (line.rank < 2) throw Error("a fixed cost and a slope take at least two numbers of rings");
+  fit.fixedSeconds = line.coefficients[0];
+  fit.secondsPerRing = line.coefficients[1];
   fit.largestResidual = 0;
   for (const RingTiming& t : fit.timings) {
     const double modelled = fit.fixedSeconds + fit.secondsPerRing * t.rings;

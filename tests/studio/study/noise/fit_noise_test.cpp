@@ -14,7 +14,6 @@
 #include "base/random.h"
 #include "formats/format.h"
 #include "pipeline/plan/plan.h"
-#include "study/noise/linear_fit.h"
 #include "study/noise/noise_comparison.h"
 #include "study/noise/sensor_effects.h"
 #include "tests/studio/study/noise/noise_scans.h"
@@ -81,10 +80,6 @@ TEST_P(FitsNoise, FindsTheTruth) {
   EXPECT_NEAR(fit.step, truth.step, 1e-6);
   EXPECT_NEAR(fit.dropOut.share(), truth.dropOut, 4 * fit.dropOut.error + 1e-9);
   EXPECT_LT(fit.dropOut.error, 0.005);
-  for (const PatchGroup& band : fit.bands) {
-    if (!band.leftOut.empty()) continue;
-    EXPECT_NEAR(band.densityRatio, 1 - truth.dropOut, 0.06) << band.name;
-  }
 }
 
 // The floor, whose ranges alone change by metres within a patch.
@@ -279,63 +274,6 @@ TEST(RangeStep, IsNotSeenWhereThereIsNone) {
   }
 }
 
-TEST(FitLinear, LeavesOutWhatDependsOnOthers) {
-  // Value = 3 + 2 x; the third column is the sum of the others.
-  std::vector<double> design;
-  std::vector<double> values;
-  for (int x = 0; x < 6; ++x) {
-    design.insert(design.end(), {1, double(x), double(x + 1)});
-    values.push_back(3 + 2 * x + (x % 2 == 0 ? 0.5 : -0.5));
-  }
-  const LinearFit fit = fitLinear(design, 3, values);
-  EXPECT_EQ(fit.rank, 2u);
-  EXPECT_EQ(fit.freedom(), 4u);
-  EXPECT_EQ(fit.coefficients[2], 0);
-  // By hand: slope = sum (x - 2.5)(y - mean) / 17.5 = 2 - 1.5 / 17.5.
-  EXPECT_NEAR(fit.coefficients[1], 2 - 1.5 / 17.5, 1e-12);
-  EXPECT_NEAR(fit.coefficients[0], 8 - 2.5 * fit.coefficients[1], 1e-12);
-  double leverages = 0;
-  for (const double l : fit.leverages) leverages += l;
-  EXPECT_NEAR(leverages, 2, 1e-12);
-}
-
-// The rings move with the sensor: ICP on the points finds next to no motion here.
-TEST(CompareNoise, FindsHowTheSensorMoved) {
-  const auto beams = wallBeams();
-  for (const Pose& there : {Pose{}, Pose{fromYawPitchRoll(0.02, 0.004, -0.003), {0.28, -0.06, 0.02}},
-                            Pose{fromYawPitchRoll(-0.03, 0, 0), {1.9, 0.4, 0}}}) {
-    const std::vector<RecordedScan> scans = recordedOf(cornerScans(beams, there), *beams);
-    const std::vector<FlatPatch> patches = findFlatPatches(*beams, scans);
-    const NoiseFit fit = fitNoise(*beams, scans, patches);
-    const NoiseComparison comparison = compareNoise(*beams, scans, patches, fit, effectsYaml(fit, "today"));
-    ASSERT_EQ(comparison.fitness.size(), 1u);
-    const FitnessComparison& pair = comparison.fitness.front();
-    for (const PlaneMotion* motion : {&pair.recordedMotion, &pair.simulatedMotion}) {
-      EXPECT_EQ(motion->failure, "");
-      EXPECT_LT(length(motion->targetFromSource.translation - there.translation), 0.006);
-      EXPECT_NEAR(motion->targetFromSource.rotation.z, there.rotation.z, 5e-4);
-      EXPECT_LT(motion->error, 0.004);
-    }
-    ASSERT_TRUE(pair.recorded && pair.simulated && pair.exact);
-    EXPECT_NEAR(*pair.recorded / *pair.simulated, 1, 0.1);
-  }
-}
-
-TEST(RegisterPlanes, SaysWhenItCannotTell) {
-  // Pieces of a floor alone: nothing holds it sideways.
-  std::vector<PlanePiece> floor;
-  for (int x = -6; x <= 6; ++x) {
-    for (int y = -6; y <= 6; ++y) floor.push_back({{1.0 * x, 1.0 * y, -2}, {0, 0, -1}, 1});
-  }
-  EXPECT_THAT(registerPlanes(floor, floor).failure, HasSubstr("free"));
-  const std::vector<PlanePiece> few(floor.begin(), floor.begin() + 20);
-  EXPECT_THAT(registerPlanes(few, floor).failure, HasSubstr("fewer than"));
-  std::vector<PlanePiece> away = floor;
-  for (PlanePiece& p : away) p.center.z -= 40;
-  EXPECT_THAT(registerPlanes(away, floor).failure, HasSubstr("fewer than"));
-  EXPECT_NE(registerPlanes({}, {}).failure, "");
-}
-
 TEST(CompareNoise, SimulationLooksLikeARecordingThatWasSimulated) {
   const auto beams = wallBeams();
   const std::vector<RecordedScan> scans =
@@ -345,18 +283,11 @@ TEST(CompareNoise, SimulationLooksLikeARecordingThatWasSimulated) {
   const std::vector<FlatPatch> patches = findFlatPatches(*beams, scans);
   const NoiseFit fit = fitNoise(*beams, scans, patches);
   const std::string effects = effectsYaml(fit, "today");
-  const NoiseComparison comparison = compareNoise(*beams, scans, patches, fit, effects);
-  ASSERT_FALSE(comparison.residuals.empty());
-  for (const ResidualComparison& c : comparison.residuals) {
+  const std::vector<ResidualComparison> comparison = compareNoise(*beams, scans, patches, fit, effects);
+  ASSERT_FALSE(comparison.empty());
+  for (const ResidualComparison& c : comparison) {
     EXPECT_NEAR(c.recorded.deviation / c.simulated.deviation, 1, 0.06) << c.name;
     EXPECT_NEAR(c.recorded.planeDeviation / c.simulated.planeDeviation, 1, 0.06) << c.name;
-  }
-  ASSERT_EQ(comparison.fitness.size(), 1u);
-  for (const FitnessComparison& pair : comparison.fitness) {
-    // A wall and a floor hold nothing along both, and the wall turns by more than the search looks for.
-    EXPECT_NE(pair.recordedMotion.failure, "");
-    EXPECT_NE(pair.simulatedMotion.failure, "");
-    EXPECT_FALSE(pair.recorded || pair.simulated || pair.exact);
   }
 }
 
@@ -476,7 +407,6 @@ TEST(FitNoise, OfARealSensor) {
     EXPECT_GT(band.sigma, 0.003) << band.name;
     EXPECT_LT(band.sigma, 0.025) << band.name;
     EXPECT_LT(band.error, 0.1 * band.sigma) << band.name;
-    EXPECT_NEAR(band.densityRatio, 1, 0.05) << band.name;
   }
   EXPECT_GE(near, 3u);
   EXPECT_NEAR(fit.sigmaAt(9), 0.007, 0.002);
@@ -485,30 +415,12 @@ TEST(FitNoise, OfARealSensor) {
   const std::string effects = effectsYaml(fit, "today");
   EXPECT_THAT(effects, AllOf(HasSubstr("# Measured up to 28 m; beyond, up to 120 m, the last value is used."),
                              HasSubstr("# At 30-40 m the noise is 44 mm")));
-  // By the recording's own poses the vehicle moves by 0.246 and 0.253 m, of which the sum is surer than either.
-  const NoiseComparison comparison = compareNoise(*beams, recorded, findFlatPatches(*beams, recorded), fit, effects);
-  ASSERT_EQ(comparison.fitness.size(), 2u);
-  double way = 0;
-  for (const FitnessComparison& pair : comparison.fitness) {
-    ASSERT_TRUE(pair.recorded && pair.simulated && pair.exact) << pair.recordedMotion.failure;
-    const double moved = length(pair.recordedMotion.targetFromSource.translation);
-    EXPECT_NEAR(moved, 0.25, 0.035) << pair.pair;
-    EXPECT_NEAR(length(pair.simulatedMotion.targetFromSource.translation), moved, 0.005) << pair.pair;
-    way += moved;
-  }
-  EXPECT_NEAR(way, 0.498, 0.012);
 }
 
-// What a table says in one row does not contradict itself, whatever the medians are of.
-TEST(FitNoise, DensitiesOfARowBelongTogether) {
+TEST(FitNoise, LeavesOutGrazingViews) {
   const auto beams = wallBeams();
   const NoiseFit fit =
       fitOf(wallScans(beams, {9, 9.2, 16, 22}, "[range_noise: {sigma_m: 0.01}, dropout: {probability: 0.1}]"), *beams);
-  for (const auto* groups : {&fit.bands, &fit.incidences}) {
-    for (const PatchGroup& g : *groups) {
-      EXPECT_NEAR(g.density, g.densityRatio * g.expectedDensity, 1e-9 * g.density + 1e-12) << g.name;
-    }
-  }
   for (const PatchGroup& g : fit.incidences) EXPECT_EQ(g.leftOut.empty(), g.low < 60) << g.name;
 }
 

@@ -1,4 +1,4 @@
-#include "study/noise/linear_fit.h"
+#include "study/linear_fit.h"
 
 #include <cmath>
 
