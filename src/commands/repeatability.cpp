@@ -65,7 +65,6 @@ void printResult(const Repeatability& result, const std::string& date) {
 
 // The figures last: where they stand, all the rest does.
 void writeResult(const Repeatability& result, const std::string& date, const std::filesystem::path& folder) {
-  writeFile(folder / "repeatability.csv", repeatabilityCsv(result));
   std::vector<Chart> charts = repeatabilityCharts(result, 0);
   if (result.levels.size() > 1) {
     for (Chart& chart : repeatabilityViewCharts(result, result.views.front())) charts.push_back(std::move(chart));

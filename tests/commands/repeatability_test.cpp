@@ -30,8 +30,8 @@ TEST_F(RepeatabilityCommand, WritesAReportWithAllItsFiles) {
   const Outcome o = scanmill(arguments("out"));
   EXPECT_EQ(o.code, 0) << o.error;
   EXPECT_THAT(o.out, AllOf(HasSubstr("after ICP"), HasSubstr("scene drive"), HasSubstr("index.html")));
-  for (const char* name : {"repeatability.json", "repeatability.csv", "fitness.svg", "fitness_without_icp.svg",
-                           "points.svg", "noise_levels.svg", "index.html"}) {
+  for (const char* name : {"repeatability.json", "fitness.svg", "fitness_without_icp.svg", "points.svg",
+                           "noise_levels.svg", "index.html"}) {
     EXPECT_TRUE(std::filesystem::exists(at("out") + "/" + name)) << name;
   }
   EXPECT_THAT(readFile(at("out/index.html")), HasSubstr("</html>"));

@@ -101,44 +101,6 @@ Chart pointsChart(const Repeatability& result, std::size_t method) {
   return chart;
 }
 
-Chart shareChart(const Repeatability& result, std::size_t method) {
-  Chart chart{.name = "share", .title = "What ICP leaves of the fitness"};
-  chart.note =
-      "Fitness after ICP by that without, on the pairs that ICP moved. The poses are the same: ICP has nothing to "
-      "find, but the fewer points there are, the more of their noise its six degrees of freedom fit.";
-  chart.x = logAxis("points of a scan");
-  chart.y.title = "share";
-  chart.y.low = 0;
-  double most = 0;
-  for (const RepeatedView& view : result.views) {
-    if (view.method != method) continue;
-    ChartSeries series = line(view.name, chart.series.size());
-    series.mark = ChartMark::Dots;
-    for (const RepeatedPlace& place : view.places) {
-      for (std::size_t level = 0; level < result.levels.size(); ++level) {
-        const LevelFitness& cell = result.at(place, level, level);
-        // Only where ICP moved every pair are both means of the same pairs.
-        if (cell.registered.count < cell.pairs || !(cell.unmoved.mean > 0)) continue;
-        series.points.push_back({place.points[level].mean, cell.registered.mean / cell.unmoved.mean});
-        series.details.push_back(fmt::format("{}, noise {}: {:.3f}", at(place), result.levels[level],
-                                             cell.registered.mean / cell.unmoved.mean));
-        most = std::max(most, place.points[level].mean);
-      }
-    }
-    chart.series.push_back(std::move(series));
-  }
-  ChartSeries pairs = line("1 - 2 / points: pairs that stay together", chart.series.size());
-  pairs.mark = ChartMark::Line;
-  // Of the 3 coordinates of each of n differences a rigid motion can fit 6.
-  double n = 3;
-  while (n < 1.1 * most) {
-    pairs.points.push_back({n, 1 - 2 / n});
-    n *= 1.1;
-  }
-  chart.series.push_back(std::move(pairs));
-  return chart;
-}
-
 Chart levelsChart(const Repeatability& result, const RepeatedView& view) {
   Chart chart{.name = "noise_levels"};
   chart.title = fmt::format("{}: {} against other noise", view.name, result.levels[result.reference]);
@@ -186,7 +148,7 @@ std::vector<Chart> repeatabilityCharts(const Repeatability& result, std::size_t 
   return {fitnessChart(result, method, &LevelFitness::registered, "fitness", "Fitness after ICP against distance"),
           fitnessChart(result, method, &LevelFitness::unmoved, "fitness_without_icp",
                        "Fitness without ICP against distance"),
-          pointsChart(result, method), shareChart(result, method)};
+          pointsChart(result, method)};
 }
 
 std::vector<Chart> repeatabilityViewCharts(const Repeatability& result, const RepeatedView& view) {

@@ -12,8 +12,8 @@
 
 namespace scanmill {
 
-// Charts of the reference level with a line per view: the fitness with and without ICP (the paper's Figure 10), the
-// number of points (its Figure 13), and the fitness after ICP divided by the fitness before, of all levels.
+// Charts of the reference level with a line per view: the fitness with and without ICP (the paper's Figure 10), and the
+// number of points (its Figure 13).
 std::vector<Chart> repeatabilityCharts(const Repeatability& result, std::size_t method);
 // Charts of one view: the reference level against each level (the paper's Figure 11), and each level against itself.
 std::vector<Chart> repeatabilityViewCharts(const Repeatability& result, const RepeatedView& view);

@@ -85,7 +85,5 @@ Repeatability measureRepeatability(const Plan& plan, const RepeatabilityOptions&
 
 // The result as JSON; the same figures give the same bytes.
 std::string repeatabilityJson(const Repeatability& result);
-// The result as a table in CSV, a row per pose and pair of noise levels.
-std::string repeatabilityCsv(const Repeatability& result);
 
 }  // namespace scanmill

@@ -23,7 +23,7 @@ TEST_F(RepeatedScans, TheReportHoldsAllChartsAndIsSelfContained) {
       ++count;
     }
   }
-  EXPECT_EQ(count, 6u);
+  EXPECT_EQ(count, 5u);
   EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
   EXPECT_THAT(page, HasSubstr("wall ahead"));
 }

@@ -209,10 +209,6 @@ TEST_F(RepeatedScans, TablesHoldEveryFigure) {
   EXPECT_EQ(place["fitness_m2"][6]["target"], "4 cm");
   EXPECT_EQ(place["fitness_m2"][6]["registered"]["mean"].get<double>(),
             result.views[0].places[2].fitness[6].registered.mean);
-  const std::string csv = repeatabilityCsv(result);
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 3 * 16);
-  const auto commas = std::count(csv.begin(), csv.begin() + static_cast<std::ptrdiff_t>(csv.find('\n')), ',');
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), ','), commas * (1 + 3 * 16));
 }
 
 TEST_F(RepeatedScans, RefusesWhatItCannotCompare) {

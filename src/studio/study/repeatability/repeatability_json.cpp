@@ -1,6 +1,4 @@
-// repeatability.json and repeatability.csv.
-
-#include <fmt/core.h>
+// repeatability.json.
 
 #include <cmath>
 
@@ -47,19 +45,6 @@ OrderedJson placeJson(const Repeatability& result, const RepeatedPlace& place) {
   return json;
 }
 
-// In quotes where it holds a comma, a quote or a line break (RFC 4180).
-std::string csvCell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
-std::string csvSpread(const FitnessSpread& spread) {
-  if (spread.count == 0) return "0,,,,";
-  return fmt::format("{},{},{},{},{}", spread.count, spread.mean, spread.deviation, spread.low, spread.high);
-}
-
 }  // namespace
 
 std::string repeatabilityJson(const Repeatability& result) {
@@ -84,30 +69,6 @@ std::string repeatabilityJson(const Repeatability& result) {
         {{"method", result.methods[view.method]}, {"name", view.name}, {"places", std::move(places)}});
   }
   return layOut(json) + "\n";
-}
-
-std::string repeatabilityCsv(const Repeatability& result) {
-  std::string csv = "method,view,frame,object,distance_m,source_noise,target_noise,source_points,target_points";
-  for (const char* when : {"icp", "unmoved"}) {
-    for (const char* what : {"pairs", "mean_m2", "deviation_m2", "min_m2", "max_m2"}) {
-      csv += fmt::format(",{}_{}", when, what);
-    }
-  }
-  csv += "\n";
-  for (const RepeatedView& view : result.views) {
-    for (const RepeatedPlace& place : view.places) {
-      for (std::size_t source = 0; source < result.levels.size(); ++source) {
-        for (std::size_t target = 0; target < result.levels.size(); ++target) {
-          const LevelFitness& cell = result.at(place, source, target);
-          csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", csvCell(result.methods[view.method]),
-                             csvCell(view.name), place.frame, csvCell(place.object), place.distance,
-                             csvCell(result.levels[source]), csvCell(result.levels[target]), place.points[source].mean,
-                             place.points[target].mean, csvSpread(cell.registered), csvSpread(cell.unmoved));
-        }
-      }
-    }
-  }
-  return csv;
 }
 
 }  // namespace scanmill
