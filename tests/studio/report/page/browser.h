@@ -31,7 +31,7 @@ inline std::string bodyInBrowser(const std::filesystem::path& folder, const std:
                                    "--dump-dom",
                                    "--user-data-dir=" + (folder / "profile").string()};
   command.insert(command.end(), flags.begin(), flags.end());
-  command.push_back("file://" + page + "#test");
+  command.push_back("file://" + page);
   Process browser(command, {{"HOME", folder.string()}});
   browser.closeInput();
   std::string dom;
