@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -63,14 +62,6 @@ std::string nameOf(const std::filesystem::path& folder) {
   return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
-// What the reading of one place is for, and what came of it.
-struct Read {
-  bool counted = false, shown = false;
-  std::optional<ScanCounts> counts;
-  std::vector<std::string> mistakes;
-  std::optional<Scan> scan;  // where it is shown
-};
-
 class Examination {
  public:
   Examination(const std::filesystem::path& folder, const DatasetReportOptions& options)
@@ -91,44 +82,40 @@ class Examination {
     std::vector<bool> sound;
     for (const std::string& fault : report_.shardFaults) sound.push_back(fault.empty());
     const std::vector<ScanPlace> shown = randomScans(manifest, sound, options_.samples, options_.seed);
-    read(spread, shown);
+    countScans(spread);
     countObjects(spread);
-    count(spread);
+    findWarnings(spread);
     picture(shown);
     return std::move(report_);
   }
 
  private:
-  void read(const std::vector<ScanPlace>& spread, const std::vector<ScanPlace>& shown) {
-    std::vector<ScanPlace> sorted = shown;
-    std::sort(sorted.begin(), sorted.end());
-    std::set_union(spread.begin(), spread.end(), sorted.begin(), sorted.end(), std::back_inserter(places_));
-    reads_.resize(places_.size());
-    for (std::size_t k = 0; k < places_.size(); ++k) {
-      reads_[k].counted = std::binary_search(spread.begin(), spread.end(), places_[k]);
-      reads_[k].shown = std::binary_search(sorted.begin(), sorted.end(), places_[k]);
-    }
-    steps_ = rangeStepsFor(farthestRange(report_.manifest));
-    Progress progress("scans read", places_.size(), "scans", "points", options_.quiet);
+  const ScanRecord& recordOf(const ScanPlace& place) const {
+    return report_.manifest.samples[place.sample].scans[place.scan];
+  }
+
+  void countScans(const std::vector<ScanPlace>& spread) {
+    const RangeSteps steps = rangeStepsFor(farthestRange(report_.manifest));
+    std::vector<std::optional<ScanCounts>> counts(spread.size());
+    std::vector<std::vector<std::string>> mistakes(spread.size());
+    Progress progress("scans read", spread.size(), "scans", "points", options_.quiet);
     ScanReading reading;
     reading.stop = options_.stop;
     reading.advance = [&](std::uint64_t scans, std::uint64_t points) {
       progress.advance(scans, static_cast<double>(points));
     };
-    reading.take = [this](std::size_t k, Scan&& scan) { take(k, std::move(scan)); };
-    faults_.scans = readScans(folder_, report_.manifest, places_, reading);
-  }
-
-  void take(std::size_t k, Scan&& scan) {
-    const Manifest& manifest = report_.manifest;
-    const ScanRecord& record = manifest.samples[places_[k].sample].scans[places_[k].scan];
-    Read& own = reads_[k];
-    own.mistakes = checkScan(scan, record, manifest, largestError());
-    if (own.counted) {
-      const std::vector<Pose>& poses = record.worldFromSensor;
-      own.counts = countScan(scan, steps_, poses.empty() ? Mat3() : levelFromSensor(poses.front().rotation));
+    reading.take = [&](std::size_t k, Scan&& scan) {
+      mistakes[k] = checkScan(scan, recordOf(spread[k]), report_.manifest, largestError());
+      const std::vector<Pose>& poses = recordOf(spread[k]).worldFromSensor;
+      counts[k] = countScan(scan, steps, poses.empty() ? Mat3() : levelFromSensor(poses.front().rotation));
+    };
+    faults_.scans = readScans(folder_, report_.manifest, spread, reading);
+    for (std::size_t k = 0; k < spread.size(); ++k) {
+      for (const std::string& mistake : mistakes[k]) {
+        faults_.mistaken.push_back(fmt::format("{}: {}", titleOf(report_.manifest, spread[k]), mistake));
+      }
     }
-    if (own.shown) own.scan = std::move(scan);
+    report_.summary = summarise(report_.manifest, spread, counts, steps);
   }
 
   void countObjects(const std::vector<ScanPlace>& spread) {
@@ -146,19 +133,11 @@ class Examination {
     return error;
   }
 
-  void count(const std::vector<ScanPlace>& spread) {
-    std::vector<std::optional<ScanCounts>> counts;
-    for (std::size_t k = 0; k < places_.size(); ++k) {
-      for (const std::string& mistake : reads_[k].mistakes) {
-        faults_.mistaken.push_back(fmt::format("{}: {}", titleOf(report_.manifest, places_[k]), mistake));
-      }
-      if (reads_[k].counted) counts.push_back(std::move(reads_[k].counts));
-    }
+  void findWarnings(const std::vector<ScanPlace>& spread) {
     for (std::size_t i = 0; i < report_.shardFaults.size(); ++i) {
       if (report_.shardFaults[i].empty()) continue;
       faults_.shards.push_back(fmt::format("{} {}", report_.manifest.shards[i].file, report_.shardFaults[i]));
     }
-    report_.summary = summarise(report_.manifest, spread, counts, steps_);
     if (!spread.empty() && report_.summary.scansRead == 0) {
       const std::vector<std::string>& why = faults_.shards.empty() ? faults_.scans : faults_.shards;
       throw Error(
@@ -167,59 +146,47 @@ class Examination {
     report_.warnings = warningsOf(report_.summary, faults_, folder_);
   }
 
-  void picture(const std::vector<ScanPlace>& shown) {
-    std::vector<std::size_t> order;  // into reads_
-    for (const ScanPlace& place : shown) {
-      const auto k =
-          static_cast<std::size_t>(std::lower_bound(places_.begin(), places_.end(), place) - places_.begin());
-      if (reads_[k].scan) order.push_back(k);
-    }
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      const auto keyOf = [&](std::size_t k) { return report_.manifest.samples[places_[k].sample].key; };
-      return keyOf(a) < keyOf(b);
-    });
-    report_.pictured.resize(order.size());
-    Progress progress("pictures", order.size(), "scans", "scans", options_.quiet);
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      if (options_.stop != nullptr && *options_.stop) throw Error("stopped: nothing was written");
-      report_.pictured[i] = pictureOf(report_.manifest, places_[order[i]], *reads_[order[i]].scan);
-      progress.advance(1, 1);
-    }
+  // In the order of their keys. What cannot be read stands in the warnings, if figures were to be read of it, too.
+  void picture(std::vector<ScanPlace> shown) {
+    const auto keyOf = [&](const ScanPlace& place) { return report_.manifest.samples[place.sample].key; };
+    std::stable_sort(shown.begin(), shown.end(),
+                     [&](const ScanPlace& a, const ScanPlace& b) { return keyOf(a) < keyOf(b); });
+    std::vector<std::optional<Scan>> scans(shown.size());
+    ScanReading reading;
+    reading.stop = options_.stop;
+    reading.take = [&](std::size_t k, Scan&& scan) { scans[k] = std::move(scan); };
+    readScans(folder_, report_.manifest, shown, reading);
+    Progress progress("pictures", shown.size(), "scans", "scans", options_.quiet);
     std::vector<ViewedScan> viewed;
-    viewed.reserve(order.size());
-    for (const std::size_t k : order) {
-      viewed.push_back({titleOf(report_.manifest, places_[k]), std::move(*reads_[k].scan)});
+    for (std::size_t k = 0; k < shown.size(); ++k) {
+      if (options_.stop != nullptr && *options_.stop) throw Error("stopped: nothing was written");
+      progress.advance(1, 1);
+      if (!scans[k]) continue;
+      report_.pictured.push_back(pictureOf(report_.manifest, shown[k], *scans[k]));
+      viewed.push_back({titleOf(report_.manifest, shown[k]), std::move(*scans[k])});
+      readReasons(shown[k]);
     }
-    readReasons(order);
     report_.view = scanView(viewed, report_.manifest.ontology);
   }
 
-  // The images of reasons of the pictured scans. What cannot be read has been reported with the scan itself.
-  void readReasons(const std::vector<std::size_t>& order) {
-    const Manifest& manifest = report_.manifest;
-    for (const std::size_t k : order) {
-      const SampleRecord& sample = manifest.samples[places_[k].sample];
-      const ScanRecord& scan = sample.scans[places_[k].scan];
-      if (scan.beamsPerReason.empty()) continue;
-      try {
-        const ShardIndex shard(folder_ / manifest.shards[sample.shard].file, DamagedShard::ReadAsFarAsWhole);
-        const ShardMember* member = shard.find(sample.key + "." + memberSuffix(scan, kReasonsSuffix));
-        if (member == nullptr) continue;
-        std::string png = shard.read(*member);
-        decodeReasons(png, member->name);
-        report_.reasonImages.push_back({titleOf(manifest, places_[k]), sample.split, {{"reason", std::move(png)}}});
-      } catch (const InputError& error) {
-        faults_.scans.emplace_back(error.what());
-      }
+  // The image of a pictured scan's reasons.
+  void readReasons(const ScanPlace& place) {
+    const SampleRecord& sample = report_.manifest.samples[place.sample];
+    if (recordOf(place).beamsPerReason.empty()) return;
+    try {
+      const ShardIndex shard(folder_ / report_.manifest.shards[sample.shard].file, DamagedShard::ReadAsFarAsWhole);
+      const ShardMember* member = shard.find(sample.key + "." + memberSuffix(recordOf(place), kReasonsSuffix));
+      if (member == nullptr) return;
+      std::string png = shard.read(*member);
+      decodeReasons(png, member->name);
+      report_.reasonImages.push_back({titleOf(report_.manifest, place), sample.split, {{"reason", std::move(png)}}});
+    } catch (const InputError&) {  // the page has no such image
     }
   }
 
   std::filesystem::path folder_;
   DatasetReportOptions options_;
   DatasetReport report_;
-  RangeSteps steps_;
-  std::vector<ScanPlace> places_;  // all that are read, ascending
-  std::vector<Read> reads_;
   ReadingFaults faults_;
 };
 

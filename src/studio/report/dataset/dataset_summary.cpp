@@ -60,14 +60,9 @@ class Summing {
   Summing(const Manifest& manifest, const RangeSteps& steps) : manifest_(manifest) {
     sum_.steps = steps;
     for (const SemanticClass& c : manifest.ontology.classes) {
-      ClassSummary entry{c.id, c.name, classColor(&manifest.ontology, c.id), c.thing};
-      entry.ranges.assign(steps.count, 0);
-      classAt_[c.id] = sum_.classes.size();
-      sum_.classes.push_back(std::move(entry));
+      addClass(c.id, c.name, c.thing, true);
     }
-    for (const SensorRecord& s : manifest.sensors) {
-      sum_.sensors.push_back({s.name, {}, 0, 0, 0, 0, 0, 0, std::vector<std::uint64_t>(steps.count, 0), {}});
-    }
+    for (const SensorRecord& s : manifest.sensors) sensorEntry(s.name);
   }
 
   // All scans.
@@ -129,14 +124,15 @@ class Summing {
  private:
   using ObjectKey = std::pair<std::string, std::uint32_t>;  // sequence, id
 
+  void addClass(std::uint16_t id, const std::string& name, bool thing, bool known) {
+    classAt_[id] = sum_.classes.size();
+    sum_.classes.push_back({id, name, classColor(&manifest_.ontology, id), thing, known});
+    sum_.classes.back().ranges.assign(sum_.steps.count, 0);
+  }
+
   ClassSummary& classEntry(std::uint16_t id) {
-    const auto [at, added] = classAt_.try_emplace(id, sum_.classes.size());
-    if (added) {
-      ClassSummary entry{id, fmt::format("class {}", id), classColor(&manifest_.ontology, id), false, false};
-      entry.ranges.assign(sum_.steps.count, 0);
-      sum_.classes.push_back(std::move(entry));
-    }
-    return sum_.classes[at->second];
+    if (!classAt_.contains(id)) addClass(id, fmt::format("class {}", id), false, false);
+    return sum_.classes[classAt_.at(id)];
   }
 
   SequenceSummary& sequenceEntry(const std::string& name) {
@@ -151,7 +147,7 @@ class Summing {
 
   SensorSummary& sensorEntry(const std::string& name) {
     return entryNamed(sum_.sensors, name, [&] {
-      return SensorSummary{name, {}, 0, 0, 0, 0, 0, 0, std::vector<std::uint64_t>(sum_.steps.count, 0), {}, {}};
+      return SensorSummary{.name = name, .ranges = std::vector<std::uint64_t>(sum_.steps.count, 0)};
     });
   }
 
@@ -177,7 +173,6 @@ class Summing {
     }
     for (const auto& [reason, beams] : scan.beamsPerReason) sensor.beamsPerReason[reason] += beams;
     if (scan.points == 0) {
-      ++sensor.emptyScans;
       sum_.emptyScans.push_back(title);
     }
     if (scan.unresolved > 0) sum_.unresolvedScans.push_back(fmt::format("{}: {} beams", title, scan.unresolved));
@@ -186,11 +181,7 @@ class Summing {
 
   void findFewPoints() {
     std::map<std::string, double> medians;
-    for (SensorSummary& s : sum_.sensors) {
-      const double median = medianOf(pointsOfSensor_[s.name]);
-      s.medianPoints = static_cast<std::uint64_t>(median);
-      medians[s.name] = median;
-    }
+    for (const SensorSummary& s : sum_.sensors) medians[s.name] = medianOf(pointsOfSensor_[s.name]);
     for (const SampleRecord& sample : manifest_.samples) {
       for (const ScanRecord& scan : sample.scans) {
         const double median = medians[scan.sensor];

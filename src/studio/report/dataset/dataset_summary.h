@@ -39,12 +39,11 @@ struct ClassSummary {
 
 struct SensorSummary {
   std::string name;
-  std::vector<std::string> methods;
-  std::uint64_t scans = 0, points = 0, beams = 0, emptyScans = 0;
-  std::uint64_t medianPoints = 0;  // the median number of points of a scan
+  std::vector<std::string> methods{};
+  std::uint64_t scans = 0, points = 0, beams = 0;
   std::uint64_t scansRead = 0;
   std::vector<std::uint64_t> ranges;  // points per step, of the scans that were read
-  std::map<std::uint16_t, std::uint64_t> intensities;
+  std::map<std::uint16_t, std::uint64_t> intensities{};
   ReasonCounts beamsPerReason{};  // of the scans that have them
 };
 

@@ -2,6 +2,7 @@
 
 // Chooses which of a dataset's scans a report reads, and which it shows.
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -14,10 +15,7 @@ struct ScanPlace {
   std::size_t sample = 0;  // index into Manifest::samples
   std::size_t scan = 0;    // index into the sample's scans
 
-  bool operator==(const ScanPlace&) const = default;
-  bool operator<(const ScanPlace& other) const {
-    return sample != other.sample ? sample < other.sample : scan < other.scan;
-  }
+  auto operator<=>(const ScanPlace&) const = default;
 };
 
 // All scans, or `most` of them spread evenly over the dataset, ascending.

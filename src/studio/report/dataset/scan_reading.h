@@ -27,7 +27,7 @@ struct ScanReading {
   const std::atomic<bool>* stop = nullptr;  // true ends the reading with an Error
 };
 
-// Reads the scans at `places`, which must ascend. A scan in several formats is read from the most exact one that can be
+// Reads the scans at `places`. A scan in several formats is read from the most exact one that can be
 // decoded. The result says what could not be read, one line each with the shard: scans that are not in it or that
 // cannot be decoded, or a shard that is no tar.
 std::vector<std::string> readScans(const std::filesystem::path& folder, const Manifest& manifest,
