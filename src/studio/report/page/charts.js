@@ -2,7 +2,7 @@
 // Draws a page's charts with Chart.js, by the JSON that charts/chart_json.cpp writes. All axes are linear to Chart.js: logarithms
 // are taken here, so that zeros have a place beside a logarithmic axis, and ticks of any axis follow one rule when it is zoomed.
 (() => {
-  // M. Okabe and K. Ito, Color Universal Design, 2008, as charts/chart_style.cpp has them.
+  // M. Okabe and K. Ito, Color Universal Design, 2008, as charts/chart_svg.cpp has them.
   const LIGHT = ['#0072B2', '#D55E00', '#009E73', '#E69F00', '#CC79A7', '#56B4E9', '#1f2328', '#F0E442'];
   const DARK = ['#3D9BDC', '#E8762B', '#12B886', '#E69F00', '#CC79A7', '#7CC8F2', '#e6edf3', '#F0E442'];
   const DASHES = [[], [7, 3], [2.5, 3], [10, 3, 2, 3], [5, 2, 2, 2, 2, 2], [12, 4], [], [4, 4]];

@@ -125,15 +125,9 @@ class StudyPage {
   }
 
   void places() {
-    std::vector<std::string> names;
+    const std::vector<std::string> names = groupNames(study_, measuredSettings(study_), &BeamErrors::byPlace);
     page_["places"] = Json::array();
-    for (const std::size_t i : measuredSettings(study_)) {
-      for (const ErrorGroup& g : errors(i).byPlace) {
-        if (g.errors.beams == 0 || std::find(names.begin(), names.end(), g.name) != names.end()) continue;
-        names.push_back(g.name);
-        page_["places"].push_back({{"title", placeText(g.name)}});
-      }
-    }
+    for (const std::string& name : names) page_["places"].push_back({{"title", placeText(name)}});
     for (const std::size_t i : measuredSettings(study_)) {
       Json row{{"name", nameOf(i)}, {"places", Json::array()}};
       for (const std::string& name : names) {

@@ -22,8 +22,6 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSmallStage = 0.03;  // of a scan's time: less joins the rest
 const std::string kRest = "the rest";
 
-using Groups = std::vector<ErrorGroup> BeamErrors::*;
-
 // An error that charts show, on a logarithmic axis.
 struct Measure {
   const char* title;
@@ -57,18 +55,6 @@ const BeamErrors& errorsOf(const Study& study, std::size_t setting) {
 double errorOf(const std::vector<ErrorGroup>& groups, const std::string& name, const Measure& measure) {
   const auto found = std::find_if(groups.begin(), groups.end(), [&](const ErrorGroup& g) { return g.name == name; });
   return found == groups.end() ? kNone : measure.of(found->errors);
-}
-
-// Those with beams, in their order.
-std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings, Groups groups) {
-  std::vector<std::string> names;
-  for (const std::size_t i : settings) {
-    for (const ErrorGroup& g : errorsOf(study, i).*groups) {
-      const bool known = std::find(names.begin(), names.end(), g.name) != names.end();
-      if (g.errors.beams > 0 && !known) names.push_back(g.name);
-    }
-  }
-  return names;
 }
 
 // So that equal values do not cover each other: where the k-th of `count` series lies beside its place.

@@ -27,6 +27,17 @@ std::string placeText(const std::string& group) {
   return group == kAwayFromEdges ? "away from edges" : group == "edges" ? "at edges" : group;
 }
 
+std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings, Groups groups) {
+  std::vector<std::string> names;
+  for (const std::size_t i : settings) {
+    for (const ErrorGroup& g : study.settings[i].measured.errors.*groups) {
+      const bool known = std::find(names.begin(), names.end(), g.name) != names.end();
+      if (g.errors.beams > 0 && !known) names.push_back(g.name);
+    }
+  }
+  return names;
+}
+
 std::size_t methodColor(const Study& study, const std::string& method) {
   if (const std::optional<std::size_t> own = ownColor(method)) return *own;
   std::size_t others = 0;

@@ -13,6 +13,10 @@ namespace scanmill {
 // The words for a group of BeamErrors::byPlace: "away from edges" or "at edges".
 std::string placeText(const std::string& group);
 
+using Groups = std::vector<ErrorGroup> BeamErrors::*;
+// The names of the groups in which these settings have beams, in their order.
+std::vector<std::string> groupNames(const Study& study, const std::vector<std::size_t>& settings, Groups groups);
+
 // The settings that stand out, at most so many: the methods' defaults, the fastest of each method, the fronts of
 // study_figures.h. The result holds indices into Study::settings.
 std::vector<std::size_t> shownSettings(const Study& study, std::size_t most);
