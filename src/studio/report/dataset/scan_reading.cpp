@@ -70,12 +70,14 @@ std::vector<std::string> readScans(const fs::path& folder, const Manifest& manif
   std::map<std::uint32_t, std::vector<std::size_t>> wanted;  // of each shard: into `places`
   for (std::size_t k = 0; k < places.size(); ++k) wanted[manifest.samples[places[k].sample].shard].push_back(k);
   std::vector<std::string> problems;
-  for (const auto& [number, own] : wanted) {
-    const fs::path file = folder / manifest.shards[number].file;
+  for (const auto& entry : wanted) {
+    const std::string& name = manifest.shards[entry.first].file;
+    const std::vector<std::size_t>& own = entry.second;
+    const fs::path file = folder / name;
     const auto problem = [&](std::string_view text) {
       const std::string place = file.string() + ": ";
       if (text.starts_with(place)) text.remove_prefix(place.size());
-      problems.push_back(fmt::format("{}: {}", manifest.shards[number].file, text));
+      problems.push_back(fmt::format("{}: {}", name, text));
     };
     std::error_code failure;
     if (!fs::is_regular_file(file, failure)) continue;  // a shard's fault, and told as one

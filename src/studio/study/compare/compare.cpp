@@ -130,6 +130,7 @@ std::vector<IntensityRow> intensityRows(const SetComparison& result, const std::
       if (!std::isnan(intensity) && band < names.size()) values[band].push_back(intensity);
     }
     std::vector<double> list;
+    list.reserve(values.size());
     for (auto& own : values) list.push_back(own.size() < kFewest ? kNaN : medianOf(std::move(own)));
     return list;
   };

@@ -82,6 +82,7 @@ class GridMaker {
       row[r] = upwards ? static_cast<std::uint32_t>(row.size()) - 1 - r : r;
     }
     std::vector<std::uint32_t> places;  // of the rings that have points, from the top
+    places.reserve(filled.size());
     for (const std::uint32_t r : filled) places.push_back(row[r]);
     std::sort(places.begin(), places.end());
     for (std::size_t i = 0; i < sorted.size(); ++i) row[sorted[i]] = places[i];
