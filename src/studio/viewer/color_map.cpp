@@ -1,5 +1,7 @@
 #include "viewer/color_map.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,25 +30,16 @@ Rgb colorOfNumber(std::uint32_t number) {
 
 Rgb viridis(double t) {
   // Every 17th of the map's 256 colours.
-  static constexpr std::array<Rgb, 16> kSamples{{{0x44, 0x01, 0x54},
-                                                 {0x48, 0x1A, 0x6C},
-                                                 {0x47, 0x2F, 0x7D},
-                                                 {0x41, 0x44, 0x87},
-                                                 {0x39, 0x56, 0x8C},
-                                                 {0x31, 0x68, 0x8E},
-                                                 {0x2A, 0x78, 0x8E},
-                                                 {0x23, 0x88, 0x8E},
-                                                 {0x1F, 0x98, 0x8B},
-                                                 {0x22, 0xA8, 0x84},
-                                                 {0x35, 0xB7, 0x79},
-                                                 {0x54, 0xC5, 0x68},
-                                                 {0x7A, 0xD1, 0x51},
-                                                 {0xA5, 0xDB, 0x36},
-                                                 {0xD2, 0xE2, 0x1B},
-                                                 {0xFD, 0xE7, 0x25}}};
+  static constexpr std::array<std::uint32_t, 16> kSamples{0x440154, 0x481A6C, 0x472F7D, 0x414487, 0x39568C, 0x31688E,
+                                                          0x2A788E, 0x23888E, 0x1F988B, 0x22A884, 0x35B779, 0x54C568,
+                                                          0x7AD151, 0xA5DB36, 0xD2E21B, 0xFDE725};  // 0xRRGGBB
+  const auto sample = [](std::size_t i) {
+    return Rgb{static_cast<std::uint8_t>(kSamples[i] >> 16), static_cast<std::uint8_t>(kSamples[i] >> 8 & 0xFF),
+               static_cast<std::uint8_t>(kSamples[i] & 0xFF)};
+  };
   const double place = std::clamp(t, 0.0, 1.0) * (kSamples.size() - 1);
   const std::size_t low = std::min(static_cast<std::size_t>(place), kSamples.size() - 2);
-  return mix(kSamples[low], kSamples[low + 1], place - static_cast<double>(low));
+  return mix(sample(low), sample(low + 1), place - static_cast<double>(low));
 }
 
 Rgb instanceColor(std::uint32_t instance) {
@@ -60,6 +53,11 @@ Rgb classColor(const Ontology* ontology, std::uint16_t id) {
   const Rgb color = known->color;
   const double luma = 0.299 * color[0] + 0.587 * color[1] + 0.114 * color[2];
   return luma >= kDarkest ? color : mix(color, {255, 255, 255}, (kDarkest - luma) / (255 - luma));
+}
+
+std::string className(const Ontology* ontology, std::uint16_t id) {
+  const SemanticClass* known = ontology == nullptr ? nullptr : ontology->find(id);
+  return known == nullptr ? fmt::format("class {}", id) : known->name;
 }
 
 }  // namespace scanmill

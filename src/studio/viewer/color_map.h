@@ -1,8 +1,9 @@
 #pragma once
 
-// Colours for numbers, instances and classes.
+// Colours for numbers, instances and classes, and the names of these.
 
 #include <cstdint>
+#include <string>
 
 #include "scene/ontology.h"
 #include "viewer/image.h"
@@ -24,5 +25,8 @@ Rgb instanceColor(std::uint32_t instance);
 // The ontology's colour, lifted where it is too dark to be seen on the background. Without an ontology, or for a class
 // that it does not know, a colour that follows from the id.
 Rgb classColor(const Ontology* ontology, std::uint16_t id);
+
+// "car", or "class 10" where nobody knows its name.
+std::string className(const Ontology* ontology, std::uint16_t id);
 
 }  // namespace scanmill

@@ -60,9 +60,7 @@ Coloring byClass(const Scan& scan, const Ontology* ontology) {
     const std::uint64_t points = present[k];
     if (points == 0) continue;
     const auto id = static_cast<std::uint16_t>(k);
-    const SemanticClass* named = ontology == nullptr ? nullptr : ontology->find(id);
-    out.legend.entries.push_back(
-        {named == nullptr ? fmt::format("class {}", id) : named->name, colors[id], id, points});
+    out.legend.entries.push_back({className(ontology, id), colors[id], id, points});
   }
   return out;
 }

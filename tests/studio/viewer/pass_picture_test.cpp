@@ -46,8 +46,10 @@ std::size_t countOf(const Image& picture, const Rgb& color) {
 }
 
 TEST(PassPicture, EveryPlaneIsThereAndHalfOfItIsEmpty) {
+  const TemporaryFolder folder;
+  writePasses(folder.path() / "front.exr", halfAWall());
   const Ontology ontology = walls();
-  const Image picture = drawPasses(halfAWall(), &ontology, 600, "front");
+  const Image picture = drawExr(folder.path() / "front.exr", &ontology, 600);
   EXPECT_EQ(picture.width, 600);
   // Five planes side by side: (600 - 6 * 8) / 5 = 110 columns and half as many rows each, of which 20 / 40 are seen.
   const std::size_t half = 55 * 55;
@@ -60,11 +62,7 @@ TEST(PassPicture, EveryPlaneIsThereAndHalfOfItIsEmpty) {
 
 TEST(PassPicture, ReadsWhateverAnExrHolds) {
   const TemporaryFolder folder;
-  const PassImage image = halfAWall();
-  writePasses(folder.path() / "front.exr", image);
   const Ontology ontology = walls();
-  EXPECT_EQ(drawExr(folder.path() / "front.exr", &ontology, 600).pixels,
-            drawPasses(image, &ontology, 600, "front.exr").pixels);
   Hits hits;
   hits.reset(4, 64, Channel::Semantic | Channel::Incidence);
   std::fill(hits.range.begin(), hits.range.end(), 5.0f);
@@ -72,7 +70,7 @@ TEST(PassPicture, ReadsWhateverAnExrHolds) {
   std::fill(hits.incidence.begin(), hits.incidence.end(), 0.5f);
   writeHits(folder.path() / "hits.exr", hits);
   const Image picture = drawExr(folder.path() / "hits.exr", &ontology, 600);
-  EXPECT_EQ(picture.pixels, drawHits(hits, &ontology, 600, "hits.exr").pixels);
+  EXPECT_EQ(picture.width, 600);
   EXPECT_GT(countOf(picture, {200, 30, 40}), 584u * 70);
   folder.write("no.exr", "not an image");
   expectInputError([&] { drawExr(folder.path() / "no.exr", nullptr, 600); }, {"no.exr"});

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "base/error.h"
+#include "viewer/color_map.h"
 
 namespace scanmill {
 
@@ -49,11 +50,6 @@ std::string ClassFilter::text(const Ontology* ontology) const {
     out += (named++ == 0 ? "" : ", ") + className(ontology, id);
   }
   return out;
-}
-
-std::string className(const Ontology* ontology, std::uint16_t id) {
-  const SemanticClass* known = ontology == nullptr ? nullptr : ontology->find(id);
-  return known == nullptr ? fmt::format("class {}", id) : known->name;
 }
 
 }  // namespace scanmill

@@ -33,7 +33,4 @@ class ClassFilter {
   std::set<std::uint16_t> listed_;
 };
 
-// "car", or "class 10" where nobody knows its name.
-std::string className(const Ontology* ontology, std::uint16_t id);
-
 }  // namespace scanmill
