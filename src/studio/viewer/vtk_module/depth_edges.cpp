@@ -1,12 +1,25 @@
 #include "viewer/vtk_module/depth_edges.h"
 
+#include <vtkOpenGLShaderCache.h>
 #include <vtkOpenGLState.h>
+#include <vtkShaderProgram.h>
 #include <vtkTextureObject.h>
 #include <vtk_glew.h>
+
+#include <stdexcept>
 
 namespace scanmill {
 
 namespace {
+
+// One triangle that covers the viewport: VTK's own vtkOpenGLQuadHelper insists on shaders that use its texture
+// coordinates; these go by gl_FragCoord.
+constexpr const char* kVertex = R"(//VTK::System::Dec
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  gl_Position = vec4(corner, 0.0, 1.0);
+}
+)";
 
 // Boucheny's own form sums how much nearer each neighbour is, by the logarithms of the depths, which darkens every
 // slope that falls away from the eye, and a road most of all. Here the two neighbours on opposite sides are taken
@@ -52,8 +65,6 @@ constexpr double kUsualFocal = 800;
 
 }  // namespace
 
-DepthEdges::DepthEdges() : shader_(kFragment) {}
-
 void DepthEdges::darken(vtkOpenGLRenderWindow* window, const CanvasView& view, int height) {
   vtkOpenGLFramebufferObject* drawn = window->GetRenderFramebuffer();
   vtkTextureObject* depths = drawn->GetDepthAttachmentAsTextureObject();
@@ -77,7 +88,8 @@ void DepthEdges::darken(vtkOpenGLRenderWindow* window, const CanvasView& view, i
   state->vtkglEnable(GL_BLEND);
   state->vtkglBlendFunc(GL_ZERO, GL_SRC_COLOR);
 
-  vtkShaderProgram* program = shader_.ready(window);
+  vtkShaderProgram* program = window->GetShaderCache()->ReadyShaderProgram(kVertex, kFragment, "");
+  if (program == nullptr) throw std::runtime_error("a shader of the canvas cannot be built");
   depths->Activate();
   const int first[2] = {left, low};
   const int last[2] = {left + size[0] - 1, low + size[1] - 1};
@@ -89,7 +101,10 @@ void DepthEdges::darken(vtkOpenGLRenderWindow* window, const CanvasView& view, i
   program->SetUniform2i("last", last);
   program->SetUniform3f("lens", lens);
   program->SetUniformi("orthographic", view.camera.orthographic ? 1 : 0);
-  shader_.draw();
+  if (vertexArray_ == 0) glGenVertexArrays(1, &vertexArray_);
+  glBindVertexArray(vertexArray_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindVertexArray(0);
   depths->Deactivate();
 
   frame_->RemoveColorAttachment(0);
@@ -98,7 +113,8 @@ void DepthEdges::darken(vtkOpenGLRenderWindow* window, const CanvasView& view, i
 }
 
 void DepthEdges::release(vtkWindow* window) {
-  shader_.release();
+  if (vertexArray_ != 0) glDeleteVertexArrays(1, &vertexArray_);
+  vertexArray_ = 0;
   frame_->ReleaseGraphicsResources(window);
 }
 

@@ -9,21 +9,18 @@
 #include <vtkOpenGLRenderWindow.h>
 
 #include "viewer/canvas/canvas.h"
-#include "viewer/vtk_module/screen_shader.h"
 
 namespace scanmill {
 
 class DepthEdges {
  public:
-  DepthEdges();
-
   // Multiplies colours in the view's rectangle of a window `height` pixels high. Depths and the background stay as they
   // are.
   void darken(vtkOpenGLRenderWindow* window, const CanvasView& view, int height);
   void release(vtkWindow* window);
 
  private:
-  ScreenShader shader_;
+  unsigned vertexArray_ = 0;
   vtkNew<vtkOpenGLFramebufferObject> frame_;  // the window's colours without its depths, which are read
 };
 
