@@ -19,7 +19,7 @@ constexpr double kMostDistance = 1e4;    // m
 constexpr double kFarthestTarget = 1e5;  // m, along each axis
 constexpr double kUsualFocal = 1.15;
 
-// As makeCamera() measures pictures.
+// As wide an angle as a picture of 16 : 9 needs, whatever the shape.
 double sideOf(int width, int height) {
   return std::min(width / 16.0 * 9.0, static_cast<double>(height));
 }
@@ -56,7 +56,7 @@ Vec3d OrbitCamera::eye() const {
 }
 
 ViewCamera OrbitCamera::camera(int width, int height) const {
-  // An orthographic eye stands as far off as makeCamera()'s, so that nothing lies behind it.
+  // An orthographic eye stands above anything that a LiDAR reports, so that nothing lies behind it.
   constexpr double kOrthographicDistance = 1000;
   constexpr double kNearestShare = 0.05;  // of the distance; half a metre for the presets
   ViewCamera view;
@@ -139,7 +139,7 @@ OrbitCamera presetCamera(View view) {
     case View::Driver:
       camera.target = {10, 0, 0};
       camera.distance = 10;
-      camera.focal = 0.9;
+      camera.focal = 0.9;  // 89 degrees across
       break;
     case View::Above:
       camera.yaw = kPi / 2;  // y is up in the picture

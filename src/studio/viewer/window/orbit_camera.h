@@ -16,7 +16,7 @@ struct OrbitCamera {
   double yaw = 0;        // of the line of sight: 0 looks along x, counter-clockwise seen from above
   double pitch = 0;      // positive looks down, -pi/2 to pi/2
   double distance = 30;  // from the eye to the target
-  double focal = 1.15;   // of a pinhole, in units of the view's `side` (see makeCamera()); likewise how much an
+  double focal = 1.15;   // of a pinhole, in units of the height of a view of 16 : 9; likewise how much an
                          // orthographic camera shows at that distance
   bool orthographic = false;
 
