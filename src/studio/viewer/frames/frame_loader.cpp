@@ -40,16 +40,6 @@ ViewFrame loadFrame(const FrameSource& source, std::size_t frame) {
   }
 }
 
-ViewMesh loadMesh(const SceneChoice& scene) {
-  try {
-    return loadViewMesh(scene.file, scene.seed, scene.time, scene.ontology);
-  } catch (const std::exception& e) {
-    ViewMesh mesh;
-    mesh.problem = e.what();
-    return mesh;
-  }
-}
-
 }  // namespace
 
 struct FrameLoader::State {
@@ -163,7 +153,7 @@ struct FrameLoader::State {
       } else if (loadsMesh) {
         const SceneChoice scene = *wantedMesh;
         lock.unlock();
-        auto made = std::make_shared<const ViewMesh>(loadMesh(scene));
+        auto made = std::make_shared<const ViewMesh>(loadViewMesh(scene.file, scene.seed, scene.time, scene.ontology));
         lock.lock();
         mesh = std::move(made);
         meshScene = scene;

@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
+#include <cstring>
 
 #include "base/error.h"
 
@@ -13,35 +13,6 @@ namespace scanmill {
 namespace fs = std::filesystem;
 
 namespace {
-
-bool isDigit(char c) {
-  return std::isdigit(static_cast<unsigned char>(c)) != 0;
-}
-
-// "a.9.exr" before "a.10.exr".
-bool comesBefore(const std::string& a, const std::string& b) {
-  std::size_t i = 0;
-  std::size_t j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (!isDigit(a[i]) || !isDigit(b[j])) {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i;
-      ++j;
-      continue;
-    }
-    const auto digits = [](const std::string& text, std::size_t& at) {
-      while (at + 1 < text.size() && text[at] == '0' && isDigit(text[at + 1])) ++at;
-      const std::size_t begin = at;
-      while (at < text.size() && isDigit(text[at])) ++at;
-      return std::string_view(text).substr(begin, at - begin);
-    };
-    const std::string_view x = digits(a, i);
-    const std::string_view y = digits(b, j);
-    if (x.size() != y.size()) return x.size() < y.size();
-    if (x != y) return x < y;
-  }
-  return a.size() - i < b.size() - j || (i == a.size() && j == b.size() && a < b);
-}
 
 std::size_t findImage(const ImageList& list, const std::string& wanted) {
   if (wanted.empty()) return 0;
@@ -98,8 +69,9 @@ ImageList openImages(const fs::path& path, const std::string& wanted, std::optio
     if (entry.path().extension() == ".exr") list.files.push_back(entry.path());
   }
   if (list.files.empty()) throw InputError({path.string()}, "holds no EXR image: is the recording whole?");
+  // "a.9.exr" before "a.10.exr".
   std::sort(list.files.begin(), list.files.end(),
-            [](const fs::path& a, const fs::path& b) { return comesBefore(a.stem().string(), b.stem().string()); });
+            [](const fs::path& a, const fs::path& b) { return ::strverscmp(a.stem().c_str(), b.stem().c_str()) < 0; });
   for (const fs::path& file : list.files) list.names.push_back(file.stem().string());
   list.first = findImage(list, wanted);
   return list;
