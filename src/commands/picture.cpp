@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -29,21 +29,14 @@ constexpr double kMostFactor = 100;
 
 // X,Y,Z.
 Vec3d readPlace(const std::string& text) {
-  std::array<double, 3> value{};
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto read = std::from_chars(at, end, value[i]);
-    const bool followed = i < 2 ? read.ptr != end && *read.ptr == ',' : read.ptr == end;
-    if (read.ec != std::errc() || !followed || !(std::abs(value[i]) <= kFarthestPlace)) {
-      throw InputError(
-          fmt::format("--at is X,Y,Z in m in the sensor's frame (x forward, y left, z up), at most {} each, such as "
-                      "8,-3.5,-1, not '{}'",
-                      kFarthestPlace, text));
-    }
-    at = read.ptr + 1;
+  const auto place = readNumbers<double, 3>(text);
+  if (place && std::ranges::all_of(*place, [](double value) { return std::abs(value) <= kFarthestPlace; })) {
+    return {(*place)[0], (*place)[1], (*place)[2]};
   }
-  return {value[0], value[1], value[2]};
+  throw InputError(
+      fmt::format("--at is X,Y,Z in m in the sensor's frame (x forward, y left, z up), at most {} each, such as "
+                  "8,-3.5,-1, not '{}'",
+                  kFarthestPlace, text));
 }
 
 std::optional<CloseUp> readCloseUp(const Arguments& parsed) {

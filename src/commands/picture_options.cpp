@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "base/error.h"
 #include "config/fields.h"
@@ -56,16 +55,10 @@ double numberWithin(const Arguments& parsed, const std::string& option, double l
 }
 
 PictureSize readPictureSize(const std::string& text) {
-  PictureSize size;
-  const char* const end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, size.width);
-  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
-    const auto height = std::from_chars(width.ptr + 1, end, size.height);
-    const auto fits = [](int side) { return side >= kLeastPictureSide && side <= kMostPictureSide; };
-    if (height.ec == std::errc() && height.ptr == end && fits(size.width) && fits(size.height) &&
-        size.width * size.height <= kMostPicturePixels) {
-      return size;
-    }
+  const auto sides = readNumbers<int, 2>(text, 'x');
+  const auto fits = [](int side) { return side >= kLeastPictureSide && side <= kMostPictureSide; };
+  if (sides && std::ranges::all_of(*sides, fits) && (*sides)[0] * (*sides)[1] <= kMostPicturePixels) {
+    return {(*sides)[0], (*sides)[1]};
   }
   throw InputError(
       fmt::format("--size is WIDTHxHEIGHT in pixels, {} to {} each and {} million in all, such as 1600x900, "

@@ -2,7 +2,10 @@
 
 // Options that commands which make pictures have in common.
 
+#include <array>
+#include <charconv>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,6 +28,21 @@ ColorBy readColor(const std::string& word);
 std::string textOption(const Arguments& parsed, const std::string& option);
 std::vector<std::string> listOption(const Arguments& parsed, const std::string& option);
 bool hasOption(const Arguments& parsed, const std::string& option);
+
+// Numbers with a separator between them: "8,-3.5,-1". None where the text is anything else.
+template <class T, std::size_t kCount>
+std::optional<std::array<T, kCount>> readNumbers(std::string_view text, char separator = ',') {
+  std::array<T, kCount> values{};
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const auto read = std::from_chars(at, end, values[i]);
+    const bool followed = i + 1 < kCount ? read.ptr != end && *read.ptr == separator : read.ptr == end;
+    if (read.ec != std::errc() || !followed) return {};
+    at = read.ptr + 1;
+  }
+  return values;
+}
 
 // Of an option that has a value: a number within bounds, both included. Throws InputError.
 double numberWithin(const Arguments& parsed, const std::string& option, double least, double most);

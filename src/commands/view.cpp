@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 
@@ -38,51 +37,29 @@ Rgb readBackground(const std::string& text) {
   if (text == "dark") return kBackground;
   if (text == "grey") return {104, 108, 116};
   if (text == "white") return {255, 255, 255};
-  Rgb color{};
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto read = std::from_chars(at, end, color[i]);
-    const bool followed = i < 2 ? read.ptr != end && *read.ptr == ',' : read.ptr == end;
-    if (read.ec != std::errc() || !followed) {
-      throw InputError(
-          fmt::format("--background is dark, grey, white, or R,G,B from 0 to 255, such as 30,30,40, not '{}'", text));
-    }
-    at = read.ptr + 1;
-  }
-  return color;
+  if (const auto color = readNumbers<std::uint8_t, 3>(text)) return *color;
+  throw InputError(
+      fmt::format("--background is dark, grey, white, or R,G,B from 0 to 255, such as 30,30,40, not '{}'", text));
 }
 
 std::pair<int, int> readPixel(const std::string& text, const PictureSize& size) {
-  std::pair<int, int> pixel;
-  const char* const end = text.data() + text.size();
-  const auto x = std::from_chars(text.data(), end, pixel.first);
-  if (x.ec == std::errc() && x.ptr != end && *x.ptr == ',') {
-    const auto y = std::from_chars(x.ptr + 1, end, pixel.second);
-    const bool inside = pixel.first >= 0 && pixel.second >= 0 && pixel.first < size.width && pixel.second < size.height;
-    if (y.ec == std::errc() && y.ptr == end && inside) return pixel;
-  }
+  const auto pixel = readNumbers<int, 2>(text);
+  const auto within = [](int place, int side) { return place >= 0 && place < side; };
+  if (pixel && within((*pixel)[0], size.width) && within((*pixel)[1], size.height)) return {(*pixel)[0], (*pixel)[1]};
   throw InputError(
       fmt::format("--pick is X,Y: a pixel of the {} x {} picture, counted from the upper left corner, not '{}'",
                   size.width, size.height, text));
 }
 
 std::uint32_t readInstance(const std::string& text) {
-  std::uint32_t id = 0;
-  const char* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, id);
-  if (read.ec == std::errc() && read.ptr == end && id != 0) return id;
+  if (const auto id = readNumbers<std::uint32_t, 1>(text); id && id->front() != 0) return id->front();
   throw InputError(fmt::format("--instance is the number of an instance, from 1 on, such as 4711, not '{}'", text));
 }
 
 ScaleRange readScale(const std::string& text) {
-  ScaleRange scale;
-  const char* const end = text.data() + text.size();
-  const auto low = std::from_chars(text.data(), end, scale.low);
-  if (low.ec == std::errc() && low.ptr != end && *low.ptr == ',') {
-    const auto high = std::from_chars(low.ptr + 1, end, scale.high);
-    const bool whole = high.ec == std::errc() && high.ptr == end;
-    if (whole && std::isfinite(scale.low) && std::isfinite(scale.high) && scale.low < scale.high) return scale;
+  const auto ends = readNumbers<double, 2>(text);
+  if (ends && std::isfinite(ends->front()) && std::isfinite(ends->back()) && ends->front() < ends->back()) {
+    return {ends->front(), ends->back()};
   }
   throw InputError(
       fmt::format("--scale is LOW,HIGH: the values of the first and the last colour, such as 0,0.05, "
