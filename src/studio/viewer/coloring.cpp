@@ -39,28 +39,41 @@ ColorBy defaultFor(const Scan& scan) {
   return scan[kIntensity].empty() ? kByRange : kByIntensity;
 }
 
+// A colour for each id, and how many finite points have it.
+struct ColorOfId {
+  Rgb color{};
+  std::uint64_t points = 0;
+};
+
+// `idOf(i)` is the id of point i.
+template <class IdOf, class ColorOf>
+std::map<std::uint32_t, ColorOfId> paint(const Scan& scan, const IdOf& idOf, const ColorOf& colorOf,
+                                         std::vector<Rgb>& colors) {
+  std::map<std::uint32_t, ColorOfId> present;
+  colors.reserve(scan.size());
+  std::uint32_t last = 0;
+  ColorOfId* held = nullptr;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const std::uint32_t id = idOf(i);
+    if (held == nullptr || id != last) {  // neighbours mostly share their id
+      held = &present.try_emplace(id, ColorOfId{colorOf(id), 0}).first->second;
+      last = id;
+    }
+    colors.push_back(held->color);
+    held->points += isFinite(scan.position[i]) ? 1 : 0;
+  }
+  std::erase_if(present, [](const auto& entry) { return entry.second.points == 0; });
+  return present;
+}
+
 Coloring byClass(const Scan& scan, const Ontology* ontology) {
   Coloring out;
   out.legend.title = "class";
-  constexpr std::size_t kIds = std::size_t{1} << 16;
-  std::vector<std::uint64_t> present(kIds);
-  std::vector<bool> known(kIds);
-  std::vector<Rgb> colors(kIds);
-  out.colors.reserve(scan.size());
-  for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
-    const std::uint16_t id = scan[kLabel][i];
-    if (!known[id]) {
-      known[id] = true;
-      colors[id] = classColor(ontology, id);
-    }
-    out.colors.push_back(colors[id]);
-    present[id] += isFinite(scan.position[i]) ? 1 : 0;
-  }
-  for (std::size_t k = 0; k < kIds; ++k) {
-    const std::uint64_t points = present[k];
-    if (points == 0) continue;
-    const auto id = static_cast<std::uint16_t>(k);
-    out.legend.entries.push_back({className(ontology, id), colors[id], id, points});
+  const auto color = [&](std::uint32_t id) { return classColor(ontology, static_cast<std::uint16_t>(id)); };
+  for (const auto& [id, held] : paint(
+           scan, [&](std::size_t i) { return scan[kLabel][i]; }, color, out.colors)) {
+    out.legend.entries.push_back(
+        {className(ontology, static_cast<std::uint16_t>(id)), held.color, std::int64_t{id}, held.points});
   }
   return out;
 }
@@ -68,26 +81,13 @@ Coloring byClass(const Scan& scan, const Ontology* ontology) {
 Coloring byInstance(const Scan& scan) {
   Coloring out;
   out.legend.title = "instance";
-  std::map<std::uint32_t, std::uint64_t> present;
-  out.colors.reserve(scan.size());
-  std::uint64_t* count = &present[0];
-  std::uint32_t last = 0;
-  Rgb color = instanceColor(last);
-  for (std::size_t i = 0; i < scan[kInstance].size(); ++i) {
-    if (scan[kInstance][i] != last) {  // neighbours mostly share their instance
-      last = scan[kInstance][i];
-      color = instanceColor(last);
-      count = &present[last];
-    }
-    out.colors.push_back(color);
-    *count += isFinite(scan.position[i]) ? 1 : 0;
-  }
-  std::erase_if(present, [](const auto& entry) { return entry.first != 0 && entry.second == 0; });
-  const std::uint64_t none = present[0];
+  auto present = paint(
+      scan, [&](std::size_t i) { return scan[kInstance][i]; }, instanceColor, out.colors);
+  const std::uint64_t none = present[0].points;
   present.erase(0);
   if (!present.empty()) {
     std::uint64_t points = 0;
-    for (const auto& [id, held] : present) points += held;
+    for (const auto& [id, held] : present) points += held.points;
     out.legend.entries.push_back(
         {fmt::format("{} instance{}, a colour each", present.size(), present.size() == 1 ? "" : "s"),
          instanceColor(present.begin()->first), -1, points});
@@ -96,42 +96,21 @@ Coloring byInstance(const Scan& scan) {
   return out;
 }
 
-Coloring inOneColor(const Scan& scan, std::string title, std::string name, const Rgb& color) {
-  Coloring out;
-  out.colors.assign(scan.size(), color);
-  out.legend.title = std::move(title);
-  const auto points = std::count_if(scan.position.begin(), scan.position.end(), isFinite<float>);
-  out.legend.entries.push_back({std::move(name), color, -1, static_cast<std::uint64_t>(points)});
-  return out;
-}
-
-constexpr double kFirstReturn = 0.7;  // of the colour map
-
-Rgb returnColor(std::uint32_t number) {
-  return number == 1 ? viridis(kFirstReturn) : instanceColor(number);
-}
-
-std::uint32_t returnOf(const Scan& scan, std::size_t point) {
-  return scan[kReturn].empty() ? keyOf(scan, point).number + 1 : scan[kReturn][point];
-}
-
 // A colour each: the numbers are few, and no scale.
 Coloring byReturn(const Scan& scan) {
-  if (scan[kReturn].empty() && scan.planes == 1) {
-    return inOneColor(scan, "return", "first return (the only one)", viridis(kFirstReturn));
-  }
+  constexpr double kFirstReturn = 0.7;  // of the colour map
+  const bool single = scan[kReturn].empty() && scan.planes == 1;
+  const auto number = [&](std::size_t i) {
+    return single ? 1U : scan[kReturn].empty() ? keyOf(scan, i).number + 1U : scan[kReturn][i];
+  };
+  const auto color = [&](std::uint32_t of) { return of == 1 ? viridis(kFirstReturn) : instanceColor(of); };
   Coloring out;
   out.legend.title = "return";
-  std::map<std::uint32_t, std::uint64_t> present;
-  out.colors.reserve(scan.size());
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const std::uint32_t number = returnOf(scan, i);
-    out.colors.push_back(returnColor(number));
-    if (isFinite(scan.position[i])) ++present[number];
-  }
-  for (const auto& [number, points] : present) {
-    out.legend.entries.push_back(
-        {number == 0 ? "not known" : fmt::format("return {}", number), returnColor(number), -1, points});
+  for (const auto& [of, held] : paint(scan, number, color, out.colors)) {
+    const std::string name = single    ? "first return (the only one)"
+                             : of == 0 ? "not known"
+                                       : fmt::format("return {}", of);
+    out.legend.entries.push_back({name, held.color, -1, held.points});
   }
   return out;
 }
@@ -259,7 +238,6 @@ std::vector<std::string> namesInOrder() {
       if (figure.key == key) names.push_back(figure.by.name());
     }
   }
-  names.push_back(kByMethod.name());
   for (const Column& column : kColumns) {
     if (column.display.key == 0) names.emplace_back(ColorBy::titleOf(column));
   }
@@ -286,9 +264,8 @@ std::vector<ColorBy> colorsOf(const Scan& scan) {
   return colors;
 }
 
-bool hasColor(const Scan& scan, const ColorBy& by, bool errorKnown, bool methodKnown) {
+bool hasColor(const Scan& scan, const ColorBy& by, bool errorKnown) {
   if (by == kByRange || by == kByHeight || by == kByReturn) return true;
-  if (by == kByMethod) return methodKnown;
   if (by == kByError) return errorKnown || !scan[kRangeTrue].empty();
   const Column* const column = by.column();
   return column == nullptr ? foreignOf(scan, by) != nullptr : holds(scan, *column);
@@ -305,9 +282,6 @@ Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, cons
                     [&](std::size_t i) { return scan.position[i].z; });
   }
   if (by == kByError) return byError(scan, context);
-  if (by == kByMethod) {
-    return inOneColor(scan, "method", context.method.empty() ? "not known" : context.method, context.methodColor);
-  }
   if (by == kByReturn) return byReturn(scan);
   if (const Column* const column = by.column()) {
     if (!holds(scan, *column) && scan.size() > 0) failForColumn(scan, by, column->name);

@@ -19,7 +19,7 @@
 namespace scanmill {
 
 // What colours show, by its name: a column of the table (scan/columns.h; "class" for the label), a foreign column of
-// the scan, or one of the figures that follow from what is known of a point: range, height, error, method.
+// the scan, or one of the figures that follow from what is known of a point: range, height, error.
 class ColorBy {
  public:
   explicit ColorBy(std::string name) : name_(std::move(name)) {}
@@ -44,13 +44,12 @@ inline const ColorBy kByReturn{kReturn.row};
 inline const ColorBy kByRange{"range"};
 inline const ColorBy kByHeight{"height"};
 inline const ColorBy kByError{"error"};
-inline const ColorBy kByMethod{"method"};
 
 // The names of all but foreign columns. The first ten are those of the viewer's keys 1 to 9 and 0.
 const std::vector<std::string>& colorNames();
 
-// Whether the scan can be coloured so: `known` are errors and method, which a scan does not say of itself.
-bool hasColor(const Scan& scan, const ColorBy& by, bool errorKnown, bool methodKnown);
+// Whether the scan can be coloured so, where errors, which a scan does not say of itself, are known or not.
+bool hasColor(const Scan& scan, const ColorBy& by, bool errorKnown);
 
 // The names of colorNames(), then the scan's foreign columns.
 std::vector<ColorBy> colorsOf(const Scan& scan);
@@ -71,7 +70,7 @@ struct ScaleRange {
 
 // Colours by numbers, which have a scale.
 inline bool isNumeric(const ColorBy& by) {
-  return by != kByClass && by != kByInstance && by != kByReturn && by != kByMethod;
+  return by != kByClass && by != kByInstance && by != kByReturn;
 }
 
 // Either named colours or a scale from `low` to `high`.
@@ -96,10 +95,8 @@ struct Coloring {
 // What a scan does not say of itself.
 struct ColorContext {
   const Ontology* ontology = nullptr;
-  std::span<const float> error{};  // m, one per point; NaN: not known; empty: none
-  std::string errorTitle{};        // "distance to the reference (m)"; empty: "error (m)"
-  std::string method{};            // that made the scan; empty: not known
-  Rgb methodColor = kNoValue;
+  std::span<const float> error{};     // m, one per point; NaN: not known; empty: none
+  std::string errorTitle{};           // "distance to the reference (m)"; empty: "error (m)"
   std::string whyNoError{};           // what it means that an error is not known: "no partner in the reference"
   std::optional<ScaleRange> scale{};  // in place of the ends that follow from the values
 };

@@ -236,7 +236,7 @@ Image drawContactSheet(const Scene& scene) {
       for (std::size_t i = 0; i < models.size(); ++i) {
         const int x = static_cast<int>(i) % columns * (width + kBetween);
         const int y = kTitleHeight + static_cast<int>(i) / columns * cellHeight;
-        imageAt(static_cast<ImageId>(i), {x, y, width, height}, {}, {});
+        imageAt(static_cast<ImageId>(i), {x, y, width, height});
         drawCaption(x, y + height, width, models[i], shapes[i]);
       }
     });

@@ -251,7 +251,7 @@ Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int w
         const int x = kGap + i % columns * (tileWidth + kGap);
         const int y = kTitleHeight + i / columns * rowHeight;
         wordsAt(x, y + 4, tileWidth, plane.note.empty() ? plane.name : fmt::format("{}, {}", plane.name, plane.note));
-        imageAt(static_cast<ImageId>(i), {x, y + kCaptionHeight, tileWidth, tileHeight}, {}, {});
+        imageAt(static_cast<ImageId>(i), {x, y + kCaptionHeight, tileWidth, tileHeight});
       }
     });
   });

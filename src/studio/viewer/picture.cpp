@@ -197,7 +197,7 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
   return board.draw([&] {
     titleRow(top, fmt::format("{}, {}", title, describeStrip(strip, order)),
              fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top", legend.title));
-    panelAt("##strip", body, false, [&] { imageAt(kStrip, body, {}, {}); });
+    panelAt("##strip", body, false, [&] { imageAt(kStrip, body); });
     panelAt("##legend", below, false, [&] {
       ScaleRange range;
       legend.scale ? static_cast<void>(scaleBar(legend, true, range)) : legendTable(legend);

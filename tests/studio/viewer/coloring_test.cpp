@@ -219,22 +219,11 @@ TEST(ColorScan, WithoutAGivenErrorItIsThatOfTheRange) {
   EXPECT_NO_THROW(colorScan(Scan{}, ColorBy("error"), nullptr)) << "nothing to compare";
 }
 
-TEST(ColorScan, MethodIsOneColourAndName) {
-  const Scan scan = scanOf(3);
-  const Coloring c = colorScan(scan, ColorBy("method"), {.method = "particle", .methodColor = {1, 200, 3}});
-  EXPECT_EQ(c.legend.title, "method");
-  EXPECT_THAT(names(c.legend), testing::ElementsAre("particle"));
-  EXPECT_THAT(counts(c.legend), testing::ElementsAre(3));
-  EXPECT_THAT(c.colors, testing::Each(Rgb{1, 200, 3}));
-  EXPECT_THAT(names(colorScan(scan, ColorBy("method"), nullptr).legend), testing::ElementsAre("not known"));
-}
-
 TEST(ColorScan, EveryColouringHasAName) {
   EXPECT_EQ(ColorBy("height").name(), "height");
   EXPECT_EQ(ColorBy("return").name(), "return");
   EXPECT_EQ(ColorBy("incidence").name(), "incidence");
   EXPECT_EQ(ColorBy("error").name(), "error");
-  EXPECT_EQ(ColorBy("method").name(), "method");
 }
 
 TEST(ColorScan, DefaultIsTheBestThatTheScanHas) {

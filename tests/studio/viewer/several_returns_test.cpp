@@ -29,7 +29,7 @@ std::vector<Scan> layouts() {
 
 TEST(SeveralReturnsColors, TellTheReturn) {
   for (const Scan& scan : layouts()) {
-    EXPECT_TRUE(hasColor(scan, kByReturn, false, false));
+    EXPECT_TRUE(hasColor(scan, kByReturn, false));
     const Coloring coloring = colorScan(scan, kByReturn, nullptr);
     ASSERT_EQ(coloring.colors.size(), scan.size());
     const std::vector<LegendEntry>& entries = coloring.legend.entries;
@@ -51,7 +51,7 @@ TEST(SeveralReturnsColors, TellTheReturn) {
 TEST(SeveralReturnsColors, OfEveryKindAreThere) {
   for (const Scan& scan : layouts()) {
     for (const ColorBy& by : colorsOf(scan)) {
-      if (!hasColor(scan, by, false, false)) continue;
+      if (!hasColor(scan, by, false)) continue;
       EXPECT_EQ(colorScan(scan, by, nullptr).colors.size(), scan.size()) << by.name();
     }
   }

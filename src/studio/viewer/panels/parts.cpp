@@ -382,22 +382,12 @@ void tip(const std::string& title, const Rgb& color, const NamedValues& rows, co
   ImGui::EndTooltip();
 }
 
-void pointBox(const PixelRect& within, const std::function<void()>& body) {
-  ImGui::SetNextWindowPos({static_cast<float>(within.left) + 4, static_cast<float>(within.top) + 4});
-  ImGui::SetNextWindowSize({static_cast<float>(within.width) * 0.6F, 0});
-  if (ImGui::Begin("##point", nullptr, kMessage | ImGuiWindowFlags_NoInputs)) body();
-  ImGui::End();
-}
-
-bool imageAt(ImageId image, const PixelRect& rect, const ImagePart& part,
-             const std::optional<std::pair<double, double>>& mark) {
+bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair<double, double>>& mark) {
   const ImVec2 corner = ImGui::GetWindowPos();
   const ImVec2 size = ImGui::GetWindowSize();
   ImGui::PushClipRect(corner, {corner.x + size.x, corner.y + size.y}, false);  // to the panel's edge
   ImGui::SetCursorScreenPos({static_cast<float>(rect.left), static_cast<float>(rect.top)});
-  ImGui::Image(textureOf(image), {static_cast<float>(rect.width), static_cast<float>(rect.height)},
-               {static_cast<float>(part.left), static_cast<float>(part.top)},
-               {static_cast<float>(part.right), static_cast<float>(part.bottom)});
+  ImGui::Image(textureOf(image), {static_cast<float>(rect.width), static_cast<float>(rect.height)});
   const bool over = ImGui::IsItemHovered();
   if (mark) {
     const ImVec2 at{static_cast<float>(mark->first), static_cast<float>(mark->second)};
@@ -473,7 +463,7 @@ bool messages(const PixelRect& within, const std::vector<std::string>& problems,
   return closed;
 }
 
-bool helpWindow(const NamedValues& keys, double scroll) {
+bool helpWindow(const NamedValues& keys) {
   const ImVec2 all = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({all.x / 2, all.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
   ImGui::SetNextWindowSize({std::min(letter() * 44, all.x), std::min(letter() * 48, all.y * 0.9F)});
@@ -482,7 +472,6 @@ bool helpWindow(const NamedValues& keys, double scroll) {
   if (ImGui::Begin("Keys", &open,
                    ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
                        ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav)) {
-    if (scroll != 0) ImGui::SetScrollY(ImGui::GetScrollY() + static_cast<float>(scroll) * letter());
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_NoSavedSettings | ImGuiTableFlags_RowBg)) {
       ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthStretch, 0.3F);
       ImGui::TableSetupColumn("does", ImGuiTableColumnFlags_WidthStretch, 0.7F);

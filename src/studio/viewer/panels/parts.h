@@ -66,16 +66,9 @@ void heading(const std::string& text, const Rgb& color);
 // Beside the pointer.
 void tip(const std::string& title, const Rgb& color, const NamedValues& rows, const std::string& alarm = "");
 
-// In the upper left corner of `within`; lets the pointer through.
-void pointBox(const PixelRect& within, const std::function<void()>& body);
-
-// An image of setImage() over a rectangle, whose part from (left, top) to (right, bottom), 0 to 1, is shown, with a
-// ring about `mark` (px of the canvas). True: the pointer is over it.
-struct ImagePart {
-  double left = 0, top = 0, right = 1, bottom = 1;
-};
-bool imageAt(ImageId image, const PixelRect& rect, const ImagePart& part,
-             const std::optional<std::pair<double, double>>& mark);
+// An image of setImage() over a rectangle, of which the panel may show a part, with a ring about `mark` (px of the
+// canvas). True: the pointer is over it.
+bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair<double, double>>& mark = {});
 
 struct FrameBar {
   std::size_t frame = 0;
@@ -94,7 +87,7 @@ FrameBarUse frameBar(const PixelRect& rect, const FrameBar& bar);
 bool messages(const PixelRect& within, const std::vector<std::string>& problems,
               const std::vector<std::string>& notices);
 
-// Keys and what they do, over everything. `scroll`: rows, down positive. False: it was closed.
-bool helpWindow(const NamedValues& keys, double scroll);
+// Keys and what they do, over everything. False: it was closed.
+bool helpWindow(const NamedValues& keys);
 
 }  // namespace scanmill

@@ -152,7 +152,7 @@ void Toolkit::take(const CanvasEvent& event) {
     state_->pressed.push_back(key);
     return;
   }
-  if (io.WantTextInput) io.AddInputCharactersUTF8(event.text.c_str());
+  io.AddInputCharactersUTF8(event.text.c_str());
 }
 
 void Toolkit::frame(const std::function<void()>& panels) {

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "base/file.h"
 
 namespace scanmill {
 
@@ -15,6 +16,12 @@ std::filesystem::path freeFile(const std::string& name, const std::string& suffi
   }
   throw Error(fmt::format("{0}: {1}_000{2} to {1}_{3}{2} are there already: move some away", folder.string(), name,
                           suffix, kMost - 1));
+}
+
+std::filesystem::path savePictureOf(Canvas& canvas) {
+  const std::filesystem::path file = freeFile("scanmill_view", ".png");
+  writeFile(file, encodePng(canvas.read()));
+  return file;
 }
 
 }  // namespace scanmill

@@ -5,41 +5,39 @@
 #include <optional>
 #include <utility>
 
-#include "viewer/panels/parts.h"
+#include "viewer/canvas/canvas.h"
 
 namespace scanmill {
 
+// Places are pixels of the canvas.
 class ImagePane {
  public:
-  // Sizes in pixels. What is in the middle stays there.
-  void place(int imageWidth, int imageHeight, int roomWidth, int roomHeight);
-  // What lies at (x, y), px of the room, stays there. Not smaller than fits.
+  // What is in the middle stays there.
+  void place(int imageWidth, int imageHeight, const PixelRect& room);
+  // What lies at (x, y) stays there. Not smaller than fits.
   void zoomAt(double by, double x, double y);
-  // By px of the room; the middle of the room stays over the image.
+  // The middle of the room stays over the image.
   void moveBy(double right, double down);
   void showWhole();
 
-  // Column and row at a place of the room; none beside the image.
-  std::optional<std::pair<int, int>> pixelAt(double x, double y) const;
-  // Pixel of the room over the middle of an image's pixel; may lie outside.
-  std::pair<int, int> roomPixelOf(int column, int row) const;
-  // The part of the image that is seen, in shares of its sides, and where it stands, px of the room.
-  struct Seen {
-    ImagePart part;
-    PixelRect rect;
-  };
-  Seen seen() const;
+  // Column and row of the image; none beside it or outside of the room.
+  std::optional<std::pair<int, int>> pixelAt(int x, int y) const;
+  // The middle of an image's pixel; may lie outside.
+  std::pair<double, double> placeOf(int column, int row) const;
+  // The whole image; it may reach beyond the room.
+  PixelRect rect() const;
 
  private:
   double scaleX() const { return fit_ * zoom_; }
   double scaleY() const { return fit_ * zoom_ * upright_; }
-  double columnAt(double x) const { return centerX_ + (x - roomWidth_ / 2.0) / scaleX(); }
-  double rowAt(double y) const { return centerY_ + (y - roomHeight_ / 2.0) / scaleY(); }
-  double mostZoom() const;
+  double middleX() const { return room_.left + room_.width / 2.0; }
+  double middleY() const { return room_.top + room_.height / 2.0; }
+  double columnAt(double x) const { return centerX_ + (x - middleX()) / scaleX(); }
+  double rowAt(double y) const { return centerY_ + (y - middleY()) / scaleY(); }
   void keep();
 
   int width_ = 0, height_ = 0;
-  int roomWidth_ = 1, roomHeight_ = 1;
+  PixelRect room_;
   double fit_ = 1;      // px of the room per column when all is seen
   double upright_ = 1;  // rows are so much higher than columns are wide: flat images are stretched
   double zoom_ = 1;

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/file.h"
 #include "base/wall_timer.h"
 #include "viewer/color_map.h"
 #include "viewer/panels/parts.h"
@@ -32,7 +31,7 @@ std::vector<std::pair<std::string, std::string>> imageKeys() {
           {"Home", "the whole image"},
           {"k", "legend (what colours mean)"},
           {"P", "save a picture"},
-          {"h", "these keys; Up, Down or the wheel: more of them"},
+          {"h", "these keys"},
           {"Escape", "close what is open"},
           {"q", "quit"}};
 }
@@ -116,7 +115,7 @@ struct ImageSession::State {
   // `x` and `y`: px of the canvas.
   void zoom(double steps, int x, int y) {
     constexpr double kStep = 1.25;
-    pane.zoomAt(std::pow(kStep, std::clamp(steps, -20.0, 20.0)), x - room.left, y - room.top);
+    pane.zoomAt(std::pow(kStep, std::clamp(steps, -20.0, 20.0)), x, y);
     changed = true;
   }
 
@@ -129,13 +128,7 @@ struct ImageSession::State {
     needs.bar = !bare && !still;
     needs.side = !bare && legends && (p.legend.scale || !p.legend.entries.empty());
     rooms = roomsOf(canvas.width(), canvas.height(), needs);
-    room = rooms.body;
-    const int caption = bare || p.note.empty() ? 0 : static_cast<int>(std::lround(1.5 * toolkit.letter()));
-    if (2 * caption < room.height) {
-      room.top += caption;
-      room.height -= caption;
-    }
-    pane.place(p.image.width, p.image.height, room.width, room.height);
+    pane.place(p.image.width, p.image.height, rooms.body);
     if (pictureChanged) toolkit.setImage(kImage, p.image);
     pictureChanged = false;
     CanvasView view;
@@ -150,7 +143,6 @@ struct ImageSession::State {
 
   void runPanels() {
     toolkit.frame([&] { drawPanels(); });
-    helpScroll = 0;
   }
 
   void drawPanels() {
@@ -158,22 +150,17 @@ struct ImageSession::State {
     const bool several = images.files.size() > 1;
     if (!bare) {
       titleRow(rooms.title, several ? images.title + ": " + images.names[index] : images.title,
-               fmt::format("{} ({} of {}), {} x {}", p.name, plane + 1, planes.size(), p.image.width, p.image.height));
+               fmt::format("{}{}{} ({} of {}), {} x {}", p.name, p.note.empty() ? "" : ": ", p.note, plane + 1,
+                           planes.size(), p.image.width, p.image.height));
     }
     std::optional<std::pair<double, double>> mark;
     Rgb under{};
-    if (const auto pixel = pixelAt(pointerX, pointerY); pixel && overImage && !help) {
+    if (const auto pixel = pane.pixelAt(pointerX, pointerY); pixel && overImage && !help) {
       under = image().at(pixel->first, pixel->second);
-      const auto [x, y] = pane.roomPixelOf(pixel->first, pixel->second);
-      mark = std::pair(room.left + x + 0.5, room.top + y + 0.5);
+      mark = pane.placeOf(pixel->first, pixel->second);
     }
-    panelAt("##image", rooms.body, false, [&] {
-      if (room.top > rooms.body.top) words(p.note);
-      ImagePane::Seen seen = pane.seen();
-      seen.rect.left += room.left;
-      seen.rect.top += room.top;
-      overImage = imageAt(kImage, seen.rect, seen.part, bare ? std::nullopt : mark);
-    });
+    panelAt("##image", rooms.body, false,
+            [&] { overImage = imageAt(kImage, pane.rect(), bare ? std::nullopt : mark); });
     if (bare) return;
     panelAt("##side", rooms.side, !still, [&] {
       section(p.legend.scale           ? scaleTitle(p.legend)
@@ -202,15 +189,11 @@ struct ImageSession::State {
       goTo(*use.frame);
     }
     if (messages(rooms.body, problems, notices)) problems.clear();
-    if (help && !helpWindow(imageKeys(), helpScroll)) help = false;
-  }
-
-  std::optional<std::pair<int, int>> pixelAt(int x, int y) const {
-    return room.contains(x, y) ? pane.pixelAt(x - room.left + 0.5, y - room.top + 0.5) : std::nullopt;
+    if (help && !helpWindow(imageKeys())) help = false;
   }
 
   std::optional<std::vector<std::pair<std::string, std::string>>> valuesAt(int x, int y) const {
-    const auto pixel = pixelAt(x, y);
+    const auto pixel = pane.pixelAt(x, y);
     if (!pixel) return {};
     std::vector<std::pair<std::string, std::string>> rows;
     rows.emplace_back("pixel", fmt::format("{}, {}", pixel->first, pixel->second));
@@ -235,10 +218,7 @@ struct ImageSession::State {
 
   bool key(const std::string& name) {
     changed = true;
-    if (help && isAmong(name, {"Up", "Down"})) {
-      constexpr double kRows = 10;
-      helpScroll += name == "Up" ? -kRows : kRows;
-    } else if (isAmong(name, {"Right", "]"})) {
+    if (isAmong(name, {"Right", "]"})) {
       stepPlane(1);
     } else if (isAmong(name, {"Left", "["})) {
       stepPlane(-1);
@@ -267,9 +247,7 @@ struct ImageSession::State {
     } else if (name == "P") {
       show();
       try {
-        const std::filesystem::path file = freeFile("scanmill_view", ".png");
-        writeFile(file, encodePng(canvas.read()));
-        notice("saved " + file.string());
+        notice("saved " + savePictureOf(canvas).string());
       } catch (const Error& e) {
         notice(e.what());
       }
@@ -307,12 +285,10 @@ struct ImageSession::State {
   std::size_t plane = 0;
   ImagePane pane;
   PanelRooms rooms;
-  PixelRect room;  // of the image
   std::vector<std::string> problems, notices;
   bool playing = false;
   bool legends = true;
   bool help = false;
-  double helpScroll = 0;  // rows, of the next picture
   bool overImage = false;
   bool dragging = false;
   bool changed = true;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "methods/method.h"
 #include "viewer/picture.h"
 #include "viewer/window/session_items.h"
 #include "viewer/window/session_state.h"
@@ -14,37 +13,26 @@ namespace scanmill {
 
 namespace {
 
-// Methods have their own colours, whatever else the sample holds. A member's name may go on after the method's.
-Rgb methodColorOf(const std::string& method) {
-  for (const MethodEntry& entry : methods()) {
-    if (method.starts_with(entry.name)) return entry.color;
-  }
-  return overlayColor(methods().size());
-}
-
 // By class, else by range.
 std::vector<Rgb> stripColors(const ViewScan& viewed, const ColorContext& context) {
   return colorScan(viewed.scan, viewed.scan[kLabel].empty() ? kByRange : kByClass, context).colors;
 }
 
-ScaleRange changedScale(const Legend& legend, ScaleChange change) {
+ScaleRange changedScale(const Legend& legend, KeyAction change) {
   ScaleRange scale{legend.low, legend.high};
   const double span = scale.high > scale.low ? scale.high - scale.low : std::max(std::abs(scale.high), 1.0);
   switch (change) {
-    case ScaleChange::LowerHigh:
+    case KeyAction::LowerHighEnd:
       scale.high = scale.high > 0 && scale.high / 2 > scale.low ? scale.high / 2 : scale.low + span / 2;
       break;
-    case ScaleChange::RaiseHigh:
+    case KeyAction::RaiseHighEnd:
       scale.high = scale.high > 0 ? scale.high * 2 : scale.low + 2 * span;
       break;
-    case ScaleChange::LowerLow:  // what is never negative starts at 0
+    case KeyAction::LowerLowEnd:  // what is never negative starts at 0
       scale.low = scale.low >= 0 ? std::max(scale.low - span / 3, 0.0) : scale.low - span / 3;
       break;
-    case ScaleChange::RaiseLow:
+    default:
       scale.low += span / 4;
-      break;
-    case ScaleChange::Automatic:
-      break;
   }
   return scale;
 }
@@ -78,12 +66,11 @@ std::size_t ViewSession::State::shownScan() const {
 }
 
 ColorContext ViewSession::State::contextOf(const ViewScan& scan) const {
-  return {source->ontology(),         scan.error,      scan.errorTitle, scan.method,
-          methodColorOf(scan.method), scan.whyNoError, std::nullopt};
+  return {source->ontology(), scan.error, scan.errorTitle, scan.whyNoError, std::nullopt};
 }
 
 bool ViewSession::State::hasColor(const ViewScan& viewed, const ColorBy& by) const {
-  return scanmill::hasColor(viewed.scan, by, !viewed.error.empty(), !viewed.method.empty());
+  return scanmill::hasColor(viewed.scan, by, !viewed.error.empty());
 }
 
 // Without a choice: as colorScan() chooses, and in the second view of one scan something else.
@@ -268,7 +255,6 @@ void ViewSession::State::chooseColor(const ColorBy& by) {
       } catch (const InputError& e) {
         colorProblem = e.what();
       }
-      if (by == kByMethod) colorProblem = "the method that made the scan is not known";
       hudChanged = true;
       return;
     }
@@ -286,14 +272,14 @@ void ViewSession::State::chooseColor(const ColorBy& by) {
   }
 }
 
-void ViewSession::State::changeScale(ScaleChange change) {
+void ViewSession::State::changeScale(KeyAction change) {
   if (clouds.empty()) return;
   if (overlaid()) return say("the overlay has fixed colours: l closes it");
   std::string said;
   for (const std::size_t view : actedViews()) {
     const auto cloud = std::find_if(clouds.begin(), clouds.end(), [&](const ShownCloud& c) { return c.view == view; });
     if (cloud == clouds.end() || !cloud->coloring.legend.scale) continue;
-    if (change == ScaleChange::Automatic) {
+    if (change == KeyAction::AutomaticScale) {
       scales[view].reset();
     } else {
       scales[view] = changedScale(cloud->coloring.legend, change);
@@ -303,7 +289,7 @@ void ViewSession::State::changeScale(ScaleChange change) {
     said = fmt::format("{}: {:.3g} to {:.3g}", now.title, now.low, now.high);
   }
   if (said.empty()) return say("these colours have no scale; numbers have one, such as range (4)");
-  say(change == ScaleChange::Automatic ? said : said + "; \\ takes what the values give");
+  say(change == KeyAction::AutomaticScale ? said : said + "; \\ takes what the values give");
 }
 
 void ViewSession::State::cycleColor(int step) {

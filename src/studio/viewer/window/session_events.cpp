@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "base/file.h"
 #include "viewer/window/free_file.h"
 #include "viewer/window/session_state.h"
 
@@ -14,17 +13,6 @@ namespace {
 
 constexpr std::array<Rgb, 3> kBackgrounds{{{13, 15, 20}, {104, 108, 116}, {255, 255, 255}}};
 
-// The last letter of UTF-8 text, which may be several bytes long.
-void removeLast(std::string& text) {
-  while (!text.empty() && (static_cast<unsigned char>(text.back()) & 0xC0) == 0x80) text.pop_back();
-  if (!text.empty()) text.pop_back();
-}
-
-bool isPrintable(const std::string& text) {
-  return !text.empty() && std::none_of(text.begin(), text.end(),
-                                       [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
-}
-
 }  // namespace
 
 bool ViewSession::State::handle(const CanvasEvent& event) {
@@ -33,11 +21,12 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
     case CanvasEvent::Kind::Close:
       return false;
     case CanvasEvent::Kind::Key:
-      if (toolkit.hasKeys()) {
+      if (prompt || toolkit.hasKeys()) {
         toolkit.take(event);
         runPanels();
+        hudChanged = true;
       } else {
-        prompt ? promptKey(event) : key(event);
+        key(event);
       }
       break;
     case CanvasEvent::Kind::Down:
@@ -115,12 +104,6 @@ void ViewSession::State::tick() {
 }
 
 void ViewSession::State::key(const CanvasEvent& event) {
-  if (help && (event.key == "Up" || event.key == "Down")) {
-    constexpr double kRows = 10;
-    helpScroll += event.key == "Up" ? -kRows : kRows;
-    hudChanged = true;
-    return;
-  }
   const auto meaning = keyMeaning(event.key, event.shift);
   if (!meaning) return;
   acting = meaning->action;
@@ -128,12 +111,29 @@ void ViewSession::State::key(const CanvasEvent& event) {
   acting.reset();
 }
 
+// What is switched on and off, and its name.
+std::pair<bool*, const char*> ViewSession::State::switchOf(KeyAction action) {
+  switch (action) {
+    case KeyAction::ToggleAxes:
+      return {&options.axes, "axes"};
+    case KeyAction::ToggleRangeRings:
+      return {&options.rangeRings, "range rings"};
+    case KeyAction::ToggleBoxes:
+      if (frame && frame->objects.empty()) return {&instanceBoxes, "boxes about instances' points"};
+      return {&options.boxes, "boxes of objects"};
+    case KeyAction::ToggleTrajectory:
+      if (trajectory.size() < 2) return {};
+      return {&options.trajectory, "trajectory"};
+    case KeyAction::ToggleDepthEdges:
+      return {&options.depthEdges, "depth edges"};
+    case KeyAction::ToggleLegends:
+      return {&options.legends, "legends"};
+    default:
+      return {};
+  }
+}
+
 void ViewSession::State::act(const KeyMeaning& meaning) {
-  const auto flip = [&](bool& option, const char* name) {
-    option = !option;
-    placeGuides();
-    say(fmt::format("{} {}", name, option ? "on" : "off"));
-  };
   const auto setLayout = [&](ViewLayout wantedLayout) {
     options.layout = options.layout == wantedLayout ? ViewLayout::One : wantedLayout;
     activeView.reset();
@@ -149,6 +149,12 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
   if (source->isScene()) {
     if (const std::string why = sceneLacks(meaning); !why.empty()) return say(why);
   }
+  if (const auto [option, name] = switchOf(meaning.action); option != nullptr) {
+    *option = !*option;
+    placeGuides();
+    viewsChanged = true;
+    return say(fmt::format("{} {}", name, *option ? "on" : "off"));
+  }
   switch (meaning.action) {
     case KeyAction::NextColor:
       return cycleColor(1);
@@ -157,15 +163,11 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::ColorByNumber:
       return chooseColor(ColorBy(colorNames()[meaning.number]));
     case KeyAction::LowerHighEnd:
-      return changeScale(ScaleChange::LowerHigh);
     case KeyAction::RaiseHighEnd:
-      return changeScale(ScaleChange::RaiseHigh);
     case KeyAction::LowerLowEnd:
-      return changeScale(ScaleChange::LowerLow);
     case KeyAction::RaiseLowEnd:
-      return changeScale(ScaleChange::RaiseLow);
     case KeyAction::AutomaticScale:
-      return changeScale(ScaleChange::Automatic);
+      return changeScale(meaning.action);
     case KeyAction::LargerPoints:
       return resizePoints(1);
     case KeyAction::SmallerPoints:
@@ -176,30 +178,14 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       viewsChanged = hudChanged = true;
       return;
     }
-    case KeyAction::ToggleAxes:
-      return flip(options.axes, "axes");
-    case KeyAction::ToggleRangeRings:
-      return flip(options.rangeRings, "range rings");
-    case KeyAction::ToggleBoxes:
-      if (frame && frame->objects.empty()) return flip(instanceBoxes, "boxes about instances' points");
-      return flip(options.boxes, "boxes of objects");
     case KeyAction::ToggleTrajectory:
-      if (trajectory.size() < 2) return say("there is no trajectory");
-      return flip(options.trajectory, "trajectory");
+      return say("there is no trajectory");
     case KeyAction::ToggleMesh:
       options.mesh = !options.mesh;
       meshProblem.clear();
       hudChanged = true;
       if (options.mesh) wantMesh();
       return placeMesh();
-    case KeyAction::ToggleDepthEdges:
-      options.depthEdges = !options.depthEdges;
-      viewsChanged = hudChanged = true;
-      return say(options.depthEdges ? "depth edges on" : "depth edges off");
-    case KeyAction::ToggleLegends:
-      options.legends = !options.legends;
-      hudChanged = viewsChanged = true;
-      return say(options.legends ? "legends on" : "legends off");
     case KeyAction::ToggleProjection: {
       OrbitCamera other = camera;
       other.orthographic = !other.orthographic;
@@ -238,6 +224,8 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::Faster:
       return changeSpeed(1);
     case KeyAction::GoTo:
+      if (options.bare) return;  // there is no panel to type into
+      help = false;              // it would keep the keys
       prompt = "";
       hudChanged = true;
       return;
@@ -293,6 +281,12 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::Quit:
       quit = true;
       return;
+    case KeyAction::ToggleAxes:
+    case KeyAction::ToggleRangeRings:
+    case KeyAction::ToggleBoxes:
+    case KeyAction::ToggleDepthEdges:
+    case KeyAction::ToggleLegends:
+      return;  // switched above
   }
 }
 
@@ -316,39 +310,12 @@ void ViewSession::State::escape() {
   }
 }
 
-void ViewSession::State::promptKey(const CanvasEvent& event) {
-  hudChanged = true;
-  if (event.key == "Escape") {
-    prompt.reset();
-  } else if (event.key == "BackSpace") {
-    removeLast(*prompt);
-  } else if (event.key == "Return") {
-    if (prompt->empty()) return prompt.reset();
-    try {
-      goTo(findFrame(*source, *prompt), 1);
-      prompt.reset();
-    } catch (const InputError& e) {
-      say(e.what());
-    }
-  } else if (event.key == "Tab") {
-    for (const std::string& candidate : source->keys()) {
-      if (candidate.find(*prompt) == std::string::npos) continue;
-      prompt = candidate;
-      return;
-    }
-  } else if (constexpr std::size_t kLongest = 200; isPrintable(event.text) && prompt->size() < kLongest) {
-    *prompt += event.text;
-  }
-}
-
 void ViewSession::State::savePicture() {
   notices.clear();
   hudChanged = true;
   flush(true);
   try {
-    const std::filesystem::path file = freeFile("scanmill_view", ".png");
-    writeFile(file, encodePng(canvas.read()));
-    say(fmt::format("saved {}; its camera: {}", file.string(), cameraText()));
+    say(fmt::format("saved {}; its camera: {}", savePictureOf(canvas).string(), cameraText()));
   } catch (const Error& e) {
     say(e.what());
     warn(e.what());

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <imgui.h>
+#include <imgui_stdlib.h>
 
 #include <algorithm>
 
@@ -17,7 +18,6 @@ namespace scanmill {
 void ViewSession::State::runPanels() {
   toolkit.suit(options.background);
   toolkit.frame([&] { drawPanels(); });
-  helpScroll = 0;
 }
 
 void ViewSession::State::drawPanels() {
@@ -60,34 +60,17 @@ void ViewSession::State::drawPanels() {
       hudChanged = true;
     }
     if (prompt) drawPrompt();
-    if (help && !helpWindow(viewKeys(), helpScroll)) help = false;
-  }
-  if (pinned && rooms.side.width == 0) {  // no room for a side
-    pointBox(rooms.body, [&] {
-      heading(pinned->heading, colorOf(*pinned));
-      valueRows("point", pinned->brief.empty() ? pinned->rows : pinned->brief, pinned->alarm);
-    });
+    if (help && !helpWindow(viewKeys())) help = false;
   }
   drawTips();
 }
 
 // Of what is switched on and off.
-bool ViewSession::State::isOn(KeyAction action) const {
+bool ViewSession::State::isOn(KeyAction action) {
+  if (const bool* const option = switchOf(action).first) return *option;
   switch (action) {
     case KeyAction::ToggleMesh:
       return meshOn();
-    case KeyAction::ToggleBoxes:
-      return frame && (frame->objects.empty() ? instanceBoxes : options.boxes);
-    case KeyAction::ToggleTrajectory:
-      return options.trajectory && trajectory.size() > 1;
-    case KeyAction::ToggleAxes:
-      return options.axes;
-    case KeyAction::ToggleRangeRings:
-      return options.rangeRings;
-    case KeyAction::ToggleDepthEdges:
-      return options.depthEdges;
-    case KeyAction::ToggleLegends:
-      return options.legends;
     case KeyAction::ToggleRangeImage:
       return options.rangeImage;
     case KeyAction::ToggleOverlay:
@@ -219,7 +202,7 @@ void ViewSession::State::drawStrip() {
   panelAt("##strip", rooms.strip, false, [&] {
     ImGui::SetCursorPosX(ImGui::GetFontSize() * 0.5F);
     if (rect.top > rooms.strip.top) ImGui::TextDisabled("%s", caption.c_str());
-    overStrip = imageAt(kStripImage, rect, {}, mark);
+    overStrip = imageAt(kStripImage, rect, mark);
     pressed = overStrip && ImGui::IsMouseClicked(0);
   });
   ImGui::PopStyleVar();
@@ -259,9 +242,11 @@ void ViewSession::State::drawPrompt() {
   ImGui::SetNextWindowSize({std::min(letter * 28, wide), std::min(letter * 22, high - 2 * letter)});
   ImGui::Begin("Go to sample", nullptr,
                ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
-  ImGui::TextDisabled("a key, a part of one, or #index from 0; Tab completes");
-  ImGui::TextUnformatted(fmt::format("> {}|", *prompt).c_str());
+                   ImGuiWindowFlags_NoSavedSettings);
+  ImGui::TextDisabled("a key, a part of one, or #index from 0");
+  ImGui::SetNextItemWidth(-1);
+  if (!ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
+  const bool entered = ImGui::InputText("##key", &*prompt, ImGuiInputTextFlags_EnterReturnsTrue);
   ImGui::Separator();
   std::size_t found = 0;
   std::optional<std::string> chosen;
@@ -272,9 +257,15 @@ void ViewSession::State::drawPrompt() {
   if (found > kMost) ImGui::TextDisabled("and %s more", grouped(found - kMost).c_str());
   if (found == 0) ImGui::TextDisabled("no key holds this; an index counts from 0");
   ImGui::End();
+  if (entered) chosen = *prompt;
+  if (ImGui::IsKeyPressed(ImGuiKey_Escape) || (entered && prompt->empty())) return prompt.reset();
   if (!chosen) return;
-  prompt.reset();
-  goTo(findFrame(*source, *chosen), 1);
+  try {
+    goTo(findFrame(*source, *chosen), 1);
+    prompt.reset();
+  } catch (const InputError& e) {
+    say(e.what());
+  }
 }
 
 // Datasets, sensors and methods of the sample.

@@ -90,27 +90,12 @@ void ViewSession::State::select() {
   if (count == 0) say("no point lies within");
 }
 
-// Edged in white.
 void ViewSession::State::placeSelection() {
   if (selected.empty()) {
     if (selectedItem.there()) selectedItem.drop();
     return;
   }
-  if (!itemsChanged && !viewsChanged) return;
-  std::vector<Vec3f> places;
-  std::uint32_t seenIn = 0;
-  for (const ShownCloud& cloud : clouds) {
-    const auto own = selected.find(cloud.scan);
-    if (own == selected.end()) continue;
-    seenIn |= 1U << cloud.view;
-    for (const std::uint32_t i : own->second) {
-      places.push_back(Vec3f(cloud.canvasFromScan * Vec3d(frame->scans[cloud.scan].scan.position[i])));
-    }
-  }
-  if (itemsChanged) selectedItem.setPoints(places, std::vector<Rgb>(places.size(), Rgb{255, 255, 255}));
-  ItemLook look = edgeLook();
-  look.views = seenIn;
-  selectedItem.setLook(look);
+  if (itemsChanged || viewsChanged) edge(selectedItem, selected, itemsChanged);
 }
 
 void ViewSession::State::drawSelection() {

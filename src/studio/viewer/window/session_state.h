@@ -31,8 +31,6 @@ constexpr std::size_t kUsualSpeed = 1;
 
 enum class Selecting { None, Box, Lasso };
 
-enum class ScaleChange { LowerHigh, RaiseHigh, LowerLow, RaiseLow, Automatic };
-
 // A scan of the frame as an item of the canvas, in one of the views.
 struct ShownCloud {
   std::size_t scan = 0;
@@ -62,6 +60,9 @@ struct InstancePlace {
   std::uint32_t id = 0;
   bool operator==(const InstancePlace&) const = default;
 };
+
+// By scan of the frame, ascending.
+using PointsOfScans = std::map<std::size_t, std::vector<std::uint32_t>>;
 
 struct PointerDrag {
   int button = 0;  // 0: none
@@ -95,7 +96,7 @@ struct ViewSession::State {
   void key(const CanvasEvent& event);
   void act(const KeyMeaning& meaning);
   void escape();
-  void promptKey(const CanvasEvent& event);
+  std::pair<bool*, const char*> switchOf(KeyAction action);  // null: nothing is switched
   void savePicture();
 
   // session_scene_keys.cpp
@@ -140,7 +141,7 @@ struct ViewSession::State {
   std::size_t shownScan() const;  // of layout One
   Coloring colored(std::size_t scan, std::size_t view);
   std::optional<ScaleRange> scaleOf(std::size_t view);
-  void changeScale(ScaleChange change);
+  void changeScale(KeyAction change);
   ColorContext contextOf(const ViewScan& scan) const;
   ColorBy colorOf(std::size_t view) const;
   bool hasColor(const ViewScan& scan, const ColorBy& by) const;
@@ -211,7 +212,7 @@ struct ViewSession::State {
   void runPanels();
   void drawPanels();
   void drawMenus();
-  bool isOn(KeyAction action) const;
+  bool isOn(KeyAction action);
   void drawColumns();
   void drawLegends(bool ofScales);
   void drawStrip();
@@ -238,8 +239,8 @@ struct ViewSession::State {
   std::optional<std::uint32_t> instanceOf(const PickedThing& thing) const;  // none: of no instance
   const InstanceSummary& summaryOf(const ShownCloud& cloud, std::uint32_t instance) const;
   void lightInstance();
-  void placeLight();
-  ItemLook edgeLook() const;  // of points that edge others, in the canvas's frame
+  // Points by scan of the frame, once more in white so that they edge what they belong to. `anew`: other points.
+  void edge(CanvasItem& item, const PointsOfScans& points, bool anew);
 
   std::shared_ptr<const FrameSource> source;
   Canvas& canvas;
@@ -297,11 +298,12 @@ struct ViewSession::State {
   std::optional<PickedThing> pinned;
   mutable std::optional<std::pair<InstancePlace, InstanceSummary>> lastSummary;
   std::optional<InstancePlace> lit;  // as on the canvas
+  PointsOfScans litPoints;
   CanvasItem litItem{canvas, kLitItem};
   double lastMove = 0;  // s, of the pointer
   Selecting selecting = Selecting::None;
-  std::vector<Vec2d> outline;                                  // px, canvas
-  std::map<std::size_t, std::vector<std::uint32_t>> selected;  // points by scan of the frame, ascending
+  std::vector<Vec2d> outline;  // px, canvas
+  PointsOfScans selected;
   CanvasItem selectedItem{canvas, kSelectedItem};
   bool instanceBoxes = false;  // about the points, where the sample lists no objects
   std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf;
@@ -328,7 +330,6 @@ struct ViewSession::State {
   std::vector<PanelLabel> labels;
   std::vector<std::size_t> damaged;  // frames that cannot be shown; ascending
   bool overStrip = false;            // the pointer is over the range image
-  double helpScroll = 0;             // rows, of the next picture
   std::vector<CanvasView> views;
   bool viewsChanged = true;  // cameras, rectangles
   bool itemsChanged = true;  // points, lines, triangles

@@ -55,7 +55,7 @@ void ViewSession::State::lightInstance() {
     }
   }
   if (wantedLight == lit && !itemsChanged) {
-    if (viewsChanged) placeLight();
+    if (lit && viewsChanged) edge(litItem, litPoints, false);
     return;
   }
   // A scan that takes long to be drawn is not drawn again for every point that the pointer passes.
@@ -63,47 +63,44 @@ void ViewSession::State::lightInstance() {
   if (!itemsChanged && wholeSeconds > kQuick && moves) return;
   lit = wantedLight;
   lightChanged = true;
+  litPoints.clear();
   if (!lit) return litItem.drop();
-  const Scan& scan = frame->scans[cloud->scan].scan;
-  std::vector<Vec3f> places;
-  for (const std::uint32_t i : summaryOf(*cloud, lit->id).points) {
-    if (cloud->shown.empty() || cloud->shown[i] != 0) places.push_back(scan.position[i]);
-  }
-  constexpr Rgb kLight{255, 255, 255};
-  litItem.setPoints(places, std::vector<Rgb>(places.size(), kLight));
-  placeLight();
+  std::vector<std::uint32_t>& points = litPoints[lit->scan];
+  points = summaryOf(*cloud, lit->id).points;
+  std::erase_if(points, [&](std::uint32_t i) { return !cloud->shown.empty() && cloud->shown[i] == 0; });
+  edge(litItem, litPoints, true);
 }
 
 // Larger and a little farther away.
-ItemLook ViewSession::State::edgeLook() const {
-  constexpr double kEdge = 1.5;                     // px on either side
-  constexpr double kFarther = 1.03;                 // of the distance from the eye
-  constexpr double kBehind = 0.2;                   // m, where there is no eye
-  const ViewCamera& seenBy = views.front().camera;  // they all look from there
+void ViewSession::State::edge(CanvasItem& item, const PointsOfScans& points, bool anew) {
+  constexpr double kEdge = 1.5;      // px on either side
+  constexpr double kFarther = 1.03;  // of the distance from the eye
+  constexpr double kBehind = 0.2;    // m, where there is no eye
+  if (views.empty()) return;
+  std::vector<Vec3f> places;
   ItemLook look;
   look.views = 0;
-  Affine away;
-  if (seenBy.orthographic) {
-    away.translation = seenBy.forward * kBehind;
-  } else {
-    away.linear = {{kFarther, 0, 0}, {0, kFarther, 0}, {0, 0, kFarther}};
-    away.translation = seenBy.eye * (1 - kFarther);
-  }
-  look.canvasFromItem = away;
   look.size = pointSize() + 2 * kEdge;
-  return look;
-}
-
-void ViewSession::State::placeLight() {
-  if (!lit || views.empty()) return;
-  ItemLook look = edgeLook();
-  const Affine away = look.canvasFromItem;
-  for (const ShownCloud& cloud : clouds) {
-    if (cloud.scan != lit->scan) continue;
-    look.views |= 1U << cloud.view;
-    look.canvasFromItem = away * cloud.canvasFromScan;
+  for (const auto& [scan, own] : points) {
+    const ShownCloud* placed = nullptr;
+    for (const ShownCloud& cloud : clouds) {
+      if (cloud.scan != scan) continue;
+      placed = &cloud;
+      look.views |= 1U << cloud.view;
+    }
+    if (placed == nullptr || !anew) continue;
+    const std::vector<Vec3f>& all = frame->scans[scan].scan.position;
+    for (const std::uint32_t i : own) places.push_back(Vec3f(placed->canvasFromScan * Vec3d(all[i])));
   }
-  litItem.setLook(look);
+  if (anew) item.setPoints(places, std::vector<Rgb>(places.size(), Rgb{255, 255, 255}));
+  const ViewCamera& seenBy = views.front().camera;  // they all look from there
+  if (seenBy.orthographic) {
+    look.canvasFromItem.translation = seenBy.forward * kBehind;
+  } else {
+    look.canvasFromItem.linear = {{kFarther, 0, 0}, {0, kFarther, 0}, {0, 0, kFarther}};
+    look.canvasFromItem.translation = seenBy.eye * (1 - kFarther);
+  }
+  item.setLook(look);
 }
 
 }  // namespace scanmill

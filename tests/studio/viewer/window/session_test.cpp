@@ -271,6 +271,22 @@ TEST(ViewSession, GoesToAKeyOrAnIndex) {
   goes("", 4);
 }
 
+TEST(ViewSession, GoesToAKeyFromTheHelpToo) {
+  SessionWorld world(25);
+  world.key("h");
+  world.key("g");
+  world.type("7");
+  world.key("Return");
+  world.session->settle();
+  EXPECT_EQ(frameOn(world), 7u);
+}
+
+TEST(ViewSession, TypesNothingWhereThereAreNoPanels) {
+  SessionWorld world(25, {"ray_tracing"}, {.bare = true});
+  world.key("g");
+  EXPECT_FALSE(world.key("q"));
+}
+
 TEST(ViewSession, PlaysToTheEndAndStops) {
   SessionWorld world(4);
   world.key("<");
