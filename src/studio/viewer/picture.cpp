@@ -16,7 +16,6 @@
 #include "viewer/panels/board.h"
 #include "viewer/panels/parts.h"
 #include "viewer/panels/rooms.h"
-#include "viewer/scale_ticks.h"
 
 namespace scanmill {
 
@@ -125,13 +124,7 @@ Image drawBoard(const std::vector<Vec3f>& points, const std::vector<Rgb>& colors
   drawPoints(board.canvas(), rooms.body, points, colors, options);
   return board.draw([&] {
     titleRow(rooms.title, left, right);
-    panelAt("##side", rooms.side, false, [&] {
-      section(legend.scale ? scaleTitle(legend) : legend.title, true, [&] {
-        ScaleRange range;
-        legend.scale ? static_cast<void>(scaleBar(legend, true, range))
-                     : static_cast<void>(legendRows(legend, {}, false, true));
-      });
-    });
+    panelAt("##side", rooms.side, false, [&] { legendSection(legend, true); });
     drawMessage(rooms.body, message);
   });
 }
@@ -198,10 +191,7 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
     titleRow(top, fmt::format("{}, {}", title, describeStrip(strip, order)),
              fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top", legend.title));
     panelAt("##strip", body, false, [&] { imageAt(kStrip, body); });
-    panelAt("##legend", below, false, [&] {
-      ScaleRange range;
-      legend.scale ? static_cast<void>(scaleBar(legend, true, range)) : legendTable(legend);
-    });
+    panelAt("##legend", below, false, [&] { legendTable(legend); });
     if (empty) drawMessage(body, "no points");
   });
 }

@@ -284,6 +284,10 @@ int legendTableHeight(const Legend& legend, int width, double letterHeight) {
 }
 
 void legendTable(const Legend& legend) {
+  if (legend.scale) {
+    scaleBar(legend, true);
+    return;
+  }
   const ImVec2 from = ImGui::GetWindowPos();
   const float width = ImGui::GetWindowWidth();
   const int columns = columnsOf(legend, width, letter());
@@ -297,7 +301,7 @@ void legendTable(const Legend& legend) {
   }
 }
 
-bool scaleBar(const Legend& legend, bool still, ScaleRange& range) {
+std::optional<ScaleRange> scaleBar(const Legend& legend, bool still) {
   constexpr int kSteps = 64;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x;
@@ -322,14 +326,23 @@ bool scaleBar(const Legend& legend, bool still, ScaleRange& range) {
     if (!legend.whyUnknown.empty()) text += fmt::format(" ({})", legend.whyUnknown);
     legendRow(-2, {text, grouped(legend.unknown), kNoValue, LegendRow::Look::Shown}, false, width);
   }
-  if (still) return false;
+  if (still) return {};
   float ends[2] = {static_cast<float>(legend.low), static_cast<float>(legend.high)};
   const auto speed = static_cast<float>(std::max(legend.high - legend.low, 1e-6) / 200);
   ImGui::SetNextItemWidth(width);
-  if (!ImGui::DragFloat2("##ends", ends, speed, 0, 0, "%.4g")) return false;
-  if (!std::isfinite(ends[0]) || !std::isfinite(ends[1]) || !(ends[0] < ends[1])) return false;
-  range = {ends[0], ends[1]};
-  return true;
+  if (!ImGui::DragFloat2("##ends", ends, speed, 0, 0, "%.4g")) return {};
+  if (!std::isfinite(ends[0]) || !std::isfinite(ends[1]) || !(ends[0] < ends[1])) return {};
+  return ScaleRange{ends[0], ends[1]};
+}
+
+void legendSection(const Legend& legend, bool still) {
+  section(legend.scale ? scaleTitle(legend) : legend.title, still, [&] {
+    if (legend.scale) {
+      scaleBar(legend, true);
+    } else {
+      legendRows(legend, {}, false, still);
+    }
+  });
 }
 
 double wordsAt(double x, double y, double width, const std::string& text, bool dim) {

@@ -49,11 +49,13 @@ struct LegendUse {
   bool all = false;                  // the row of all was
 };
 LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, bool still);
-// The same in as many columns as fit, for a picture; px of the whole.
+// The same in as many columns as fit, or the scale, for a picture; px of the whole.
 void legendTable(const Legend& legend);
 int legendTableHeight(const Legend& legend, int width, double letter);
-// The scale, and, where it can be changed, its ends; true: they were.
-bool scaleBar(const Legend& legend, bool still, ScaleRange& range);
+// The scale, and, where it can be changed, its ends; gives those that were chosen.
+std::optional<ScaleRange> scaleBar(const Legend& legend, bool still);
+// One or the other in a section, where nothing of it can be pressed or changed.
+void legendSection(const Legend& legend, bool still);
 
 void words(const std::string& text);
 // At a pixel of the canvas, as much as fits into `width` pixels; returns how wide it is. With a sample of a colour.

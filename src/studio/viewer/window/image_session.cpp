@@ -13,7 +13,6 @@
 #include "viewer/panels/rooms.h"
 #include "viewer/panels/toolkit.h"
 #include "viewer/pass_picture.h"
-#include "viewer/scale_ticks.h"
 #include "viewer/window/free_file.h"
 #include "viewer/window/image_pane.h"
 
@@ -128,6 +127,12 @@ struct ImageSession::State {
     needs.bar = !bare && !still;
     needs.side = !bare && legends && (p.legend.scale || !p.legend.entries.empty());
     rooms = roomsOf(canvas.width(), canvas.height(), needs);
+    note = {rooms.body.left, rooms.body.top, rooms.body.width, 0};
+    if (!bare && !p.note.empty()) {
+      note.height = std::min(static_cast<int>(std::lround(1.5 * toolkit.letter())), rooms.body.height / 3);
+    }
+    rooms.body.top += note.height;
+    rooms.body.height -= note.height;
     pane.place(p.image.width, p.image.height, rooms.body);
     if (pictureChanged) toolkit.setImage(kImage, p.image);
     pictureChanged = false;
@@ -150,8 +155,7 @@ struct ImageSession::State {
     const bool several = images.files.size() > 1;
     if (!bare) {
       titleRow(rooms.title, several ? images.title + ": " + images.names[index] : images.title,
-               fmt::format("{}{}{} ({} of {}), {} x {}", p.name, p.note.empty() ? "" : ": ", p.note, plane + 1,
-                           planes.size(), p.image.width, p.image.height));
+               fmt::format("{} ({} of {}), {} x {}", p.name, plane + 1, planes.size(), p.image.width, p.image.height));
     }
     std::optional<std::pair<double, double>> mark;
     Rgb under{};
@@ -159,22 +163,14 @@ struct ImageSession::State {
       under = image().at(pixel->first, pixel->second);
       mark = pane.placeOf(pixel->first, pixel->second);
     }
+    panelAt("##note", note, false, [&] {
+      const double letter = toolkit.letter();
+      wordsAt(note.left + letter / 2, note.top + letter / 4, note.width - letter, p.note, true);
+    });
     panelAt("##image", rooms.body, false,
             [&] { overImage = imageAt(kImage, pane.rect(), bare ? std::nullopt : mark); });
     if (bare) return;
-    panelAt("##side", rooms.side, !still, [&] {
-      section(p.legend.scale           ? scaleTitle(p.legend)
-              : p.legend.title.empty() ? p.name
-                                       : p.legend.title,
-              still, [&] {
-                ScaleRange range;
-                if (p.legend.scale) {
-                  scaleBar(p.legend, true, range);
-                } else {
-                  legendRows(p.legend, {}, false, still);
-                }
-              });
-    });
+    panelAt("##side", rooms.side, !still, [&] { legendSection(p.legend, still); });
     if (mark) tip(p.name, under, *valuesAt(pointerX, pointerY));
     if (still) return;
     FrameBar bar;
@@ -285,6 +281,7 @@ struct ImageSession::State {
   std::size_t plane = 0;
   ImagePane pane;
   PanelRooms rooms;
+  PixelRect note;  // what the colours span, above the image
   std::vector<std::string> problems, notices;
   bool playing = false;
   bool legends = true;

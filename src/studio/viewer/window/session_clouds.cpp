@@ -179,17 +179,15 @@ void ViewSession::State::applyFilter() {
       canvas.showAll(cloudItem(k));
       continue;
     }
-    std::vector<std::uint8_t> classShown(std::size_t{UINT16_MAX} + 1, hiddenWhole ? 0 : 1);
-    if (!hiddenWhole) {
-      for (std::size_t id = 0; id < classShown.size(); ++id) {
-        classShown[id] = filter.shows(static_cast<std::uint16_t>(id)) ? 1 : 0;
-      }
+    std::vector<std::uint8_t> classShown(std::size_t{UINT16_MAX} + 1);
+    for (std::size_t id = 0; id < classShown.size(); ++id) {
+      classShown[id] = filter.shows(static_cast<std::uint16_t>(id)) ? 1 : 0;
     }
     cloud.shown.assign(scan.size(), 0);
     cloud.visible = 0;
     std::vector<std::uint32_t> indices;
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (hiddenWhole || (!scan[kLabel].empty() && classShown[scan[kLabel][i]] == 0)) continue;
+    for (std::size_t i = 0; i < scan.size() && !hiddenWhole; ++i) {
+      if (!scan[kLabel].empty() && classShown[scan[kLabel][i]] == 0) continue;
       if (!aloneInstances.empty() && (scan[kInstance].empty() || !aloneInstances.contains(scan[kInstance][i])))
         continue;
       cloud.shown[i] = 1;

@@ -154,8 +154,8 @@ void ViewSession::State::drawLegends(bool ofScales) {
     }
     section(name, options.still, [&] {
       if (legend.scale) {
-        ScaleRange range;
-        if (!scaleBar(legend, !choose, range)) return;
+        const auto range = scaleBar(legend, !choose);
+        if (!range) return;
         for (const std::size_t view : block.views) {
           scales[view] = range;
           recolor(view);

@@ -147,8 +147,7 @@ TEST_F(Panels, AScaleHasTheColoursOfTheMap) {
   legend.title = "range (m)";
   legend.scale = true;
   legend.high = 50;
-  ScaleRange range;
-  draw([&] { panelAt("panel", {0, 0, 400, 200}, true, [&] { scaleBar(legend, true, range); }); });
+  draw([&] { panelAt("panel", {0, 0, 400, 200}, true, [&] { scaleBar(legend, true); }); });
   int row = 0;
   while (row < 100 && !canvas_.isOverlay(200, row, canvas_.read().at(200, row))) ++row;
   const Image image = canvas_.read();
