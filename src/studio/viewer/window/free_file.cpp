@@ -19,7 +19,7 @@ std::filesystem::path freeFile(const std::string& name, const std::string& suffi
 }
 
 std::filesystem::path savePictureOf(Canvas& canvas) {
-  const std::filesystem::path file = freeFile("scanmill_view", ".png");
+  std::filesystem::path file = freeFile("scanmill_view", ".png");
   writeFile(file, encodePng(canvas.read()));
   return file;
 }
