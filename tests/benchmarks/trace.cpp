@@ -7,9 +7,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
+#include "base/error.h"
 #include "base/random.h"
+#include "methods/ray_tracing/filter.h"
+#include "methods/ray_tracing/packet.h"
+#include "methods/ray_tracing/unobstructed.h"
+#include "methods/world/worlds.h"
 #include "sense/sense.h"
 #include "sensors/footprint.h"
 #include "tests/benchmarks/bare_embree.h"
@@ -121,6 +127,58 @@ void footprintAgainstBeams(benchmark::State& state) {
   state.counters["ray_of_beam"] = median(tracedSeconds) / (static_cast<double>(state.range(0)) * median(narrowSeconds));
 }
 BENCHMARK(footprintAgainstBeams)->Arg(7)->Arg(19)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(10);
+
+// The share of the rays of a shot that the device leaves to Embree.
+double shareLeft(const Shot& shot) {
+  const Worlds worlds(scene(), Instancing::Auto,
+                      {true, HierarchyQuality::Medium, tieFilter, alphaTieFilter, thingFilter});
+  const auto world = worlds.near(shot.worldFromSensor.front().translation);
+  const ShotFrame frame = frameOf(shot, world->origin);
+  FoundTriangles found;
+  StageClock clock;
+  GlTracer().trace(world, shot, frame, searchDistance(*shot.beams),
+                   coplanarFloor(static_cast<float>(length(frame.position.front()))), found, clock);
+  return static_cast<double>(std::count(found.triangle.begin(), found.triangle.end(), kUnsureHit)) /
+         static_cast<double>(found.triangle.size());
+}
+
+// The same scan by the processor and by a device of OpenGL, all columns. Stages are milliseconds a scan of the device's
+// way; the counter `of_processor` is the ratio of both times in one run, `left_to_embree` the share of the rays that
+// the device is not sure of.
+void traceOnDevice(benchmark::State& state) {
+  const Shot shot = shotAt(spinning(static_cast<std::uint32_t>(state.range(0)), 2048, -24.8, 2, 120));
+  const auto processor = rayTracing(scene(), "{backend: cpu}");
+  std::unique_ptr<Method> device;
+  try {
+    device = rayTracing(scene(), "{backend: gl}");
+  } catch (const Error& error) {
+    return state.SkipWithError(error.what());
+  }
+  Hits hits;
+  TraceAccount account;
+  const auto there = [&] { account += device->trace(shot, Channels::all(), hits); };
+  const auto here = [&] { processor->trace(shot, Channels::all(), hits); };
+  there();
+  here();
+  account = {};
+  std::vector<double> thereSeconds;
+  std::vector<double> hereSeconds;
+  std::size_t scans = 0;
+  for (auto _ : state) {
+    const std::vector<double> each = secondsOfEach(5, there);
+    scans += each.size();
+    thereSeconds.push_back(median(each));
+    state.SetIterationTime(thereSeconds.back());
+    hereSeconds.push_back(median(secondsOfEach(5, here)));
+  }
+  for (const auto& [stage, seconds] : account.seconds) {
+    state.counters[stage + "_ms"] = 1e3 * seconds / static_cast<double>(scans);
+  }
+  state.counters["rays/s"] = static_cast<double>(hits.size()) / median(thereSeconds);
+  state.counters["of_processor"] = median(thereSeconds) / median(hereSeconds);
+  state.counters["left_to_embree"] = shareLeft(shot);
+}
+BENCHMARK(traceOnDevice)->Arg(64)->Arg(512)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(10);
 
 void setUp(benchmark::State& state) {
   const Shot shot = shotAt(spinning(1, 1, 0, 0));

@@ -22,8 +22,14 @@ constexpr std::array kMethods{
                         "robust: true, watertight at the edges of triangles; "
                         "bvh: medium, low or high, quality of the hierarchy; "
                         "instancing: auto, always or never; "
-                        "simplify: 1, share of the triangles that is kept, as in collision meshes",
-                .can = {.footprints = true, .transmission = true, .motion = true, .moving = true, .reference = true},
+                        "simplify: 1, share of the triangles that is kept, as in collision meshes; "
+                        "backend: auto, cpu or gl",
+                .can = {.footprints = true,
+                        .transmission = true,
+                        .motion = true,
+                        .moving = true,
+                        .reference = true,
+                        .openGl = true},
                 .color = {235, 40, 40},
                 .autoSettings = "- ray_tracing\n- {ray_tracing: {simplify: [0.5, 0.25]}}\n",
                 .make = makeRayTracing},

@@ -16,7 +16,9 @@
 
 #include "base/stage_clock.h"
 #include "methods/field/distance_field.h"
+#include "methods/world/resolve.h"
 #include "methods/world/world.h"
+#include "sensors/shot.h"
 
 namespace scanmill {
 
@@ -55,6 +57,12 @@ struct HitRecords {
   void reset(std::size_t count);  // of particles that have taken no step
   Outcome outcomeOf(std::size_t i) const { return static_cast<Outcome>(outcome[i] & 3u); }
   std::uint32_t stepsOf(std::size_t i) const { return outcome[i] >> 2; }
+  // Takes record `j` of others for record i.
+  void copy(std::size_t i, const HitRecords& others, std::size_t j) {
+    way[i] = others.way[j];
+    triangle[i] = others.triangle[j];
+    outcome[i] = others.outcome[j];
+  }
 };
 
 // Marches the particles with the numbers `which` on the calling thread, as many at a time as the processor has lanes,
@@ -63,10 +71,27 @@ struct HitRecords {
 void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
               const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records);
 
+// The particles of a shot: 16 columns of a ring after the other, ring after ring, then the next 16 columns. Those that
+// the last columns lack do not march.
+struct ParticleLaunch {
+  static constexpr std::uint32_t kTogether = 16;  // columns
+  const Shot* shot;
+  const ShotFrame* frame;  // of the world's origin
+  Box box;                 // m, relative to the world's origin: where particles may march
+  double farthest;         // m, how far they go
+  std::size_t size() const {
+    return std::size_t{shot->beams->rings} * ((shot->beams->columns + kTogether - 1) / kTogether) * kTogether;
+  }
+};
+
 // Marches particles by a compute shader of OpenGL 4.3, one invocation a particle.
 class GlMarcher {
  public:
   virtual ~GlMarcher() = default;
+  // Makes the particles of a shot on the device, with the bits that launch() gives them (methods/particle/march_job.h),
+  // and marches them as below. Throws Error, too, where the device's buffers do not hold the beams.
+  virtual void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world,
+                     std::uint32_t steps, const ParticleLaunch& launch, HitRecords& records, StageClock& clock) = 0;
   // Marches all particles, as marchCpu() does with those that have taken no step. `field` and `triangles` are uploaded
   // where they are not those of the call before. Safe to call from several threads: one waits for the other. Throws
   // Error, also where the field is larger than the device's buffers may be. Adds to the stages "upload" (of the field

@@ -9,7 +9,6 @@
 #include <array>
 #include <bit>
 #include <exception>
-#include <filesystem>
 #include <mutex>
 #include <span>
 #include <string>
@@ -20,6 +19,7 @@
 #include "base/parallel.h"
 #include "gpu/compute.h"
 #include "gpu/device.h"
+#include "methods/device_beams.h"
 
 namespace scanmill {
 
@@ -39,6 +39,29 @@ struct MarchBlock {
   std::uint32_t unused[3];
 };
 static_assert(sizeof(MarchBlock) == 32);
+
+// Likewise.
+struct LaunchBlock {
+  double low[4], high[4], centre[4];
+  double farthest;
+  std::uint32_t rings, columns, first, count, withOrigins;
+  std::uint32_t unused[5];
+};
+static_assert(sizeof(LaunchBlock) == 144);
+
+LaunchBlock launchBlock(const DistanceField& field, const ParticleLaunch& launch) {
+  const Box& box = launch.box;
+  const Vec3d& centre = field.shape.centre;
+  LaunchBlock block{};
+  std::copy_n(std::array{box.low.x, box.low.y, box.low.z}.begin(), 3, block.low);
+  std::copy_n(std::array{box.high.x, box.high.y, box.high.z}.begin(), 3, block.high);
+  std::copy_n(std::array{centre.x, centre.y, centre.z, 1 / field.shape.voxel}.begin(), 4, block.centre);
+  block.farthest = launch.farthest;
+  block.rings = launch.shot->beams->rings;
+  block.columns = launch.shot->beams->columns;
+  block.withOrigins = launch.shot->beams->origin.empty() ? 0 : 1;
+  return block;
+}
 
 MarchBlock marchBlock(const DistanceField& field, std::uint32_t steps, std::size_t count) {
   MarchBlock block{};
@@ -99,26 +122,72 @@ class ComputeMarcher : public GlMarcher {
   void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world, std::uint32_t steps,
              const Particles& particles, HitRecords& records, StageClock& clock) override {
     const std::scoped_lock lock(mutex_);
-    records.reset(particles.size());
-    if (particles.size() == 0) return;
     upload(field, world, clock);
-    for (std::size_t first = 0; first < particles.size(); first += slice_) {
-      const std::size_t count = std::min<std::size_t>(slice_, particles.size() - first);
-      marchSlice(*field, steps, particles, first, count, clock);
-      const StageTimer timer(clock, "read_back");
-      readRecords(*field, records, first, count);
+    const Columns columns = columnsOf(particles, field->shape.lists);
+    marchAll(*field, steps, particles.size(), records, clock, [&](std::size_t first, std::size_t count) {
+      std::vector<ComputeBuffer::Source> pieces;
+      for (std::size_t k = 0; k < columns.size(); ++k) {
+        pieces.push_back({k * count * sizeof(float), std::as_bytes(std::span(*columns[k]).subspan(first, count))});
+      }
+      particles_.write(pieces);
+    });
+  }
+
+  void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world, std::uint32_t steps,
+             const ParticleLaunch& launch, HitRecords& records, StageClock& clock) override {
+    const std::scoped_lock lock(mutex_);
+    upload(field, world, clock);
+    const BeamTable& beams = *launch.shot->beams;
+    if (beams.size() * DeviceBeams::kBytesPerRay > std::min(mostTableBytes_, device_.mostBufferBytes())) {
+      device_.fail("the sensor's beams do not fit into a buffer");
     }
+    {
+      const StageTimer timer(clock, "upload");
+      beams_.hold(*launch.shot, *launch.frame, 0, beams.size(), false);
+    }
+    LaunchBlock block = launchBlock(*field, launch);
+    marchAll(*field, steps, launch.size(), records, clock, [&](std::size_t first, std::size_t count) {
+      block.first = static_cast<std::uint32_t>(first);
+      block.count = static_cast<std::uint32_t>(count);
+      programOf(launchers_, "launch", launchShader, field->shape.lists)
+          .run(
+              count,
+              {&beams_.directions(), &beams_.origins(), &beams_.times(), &beams_.poses(), &beams_.steps(), &particles_},
+              std::as_bytes(std::span(&block, 1)));
+    });
   }
 
   std::string device() const override { return device_.name(); }
 
  private:
-  static constexpr std::uint64_t kMostColumns = 14;
+  static constexpr std::uint64_t kMostColumns = 14;  // of particles, for fields with lists
+  static constexpr std::uint64_t kFewestColumns = 8;
 
-  ComputeProgram& programOf(bool lists) {
-    std::unique_ptr<ComputeProgram>& program = programs_[lists ? 1 : 0];
-    if (program == nullptr) program = std::make_unique<ComputeProgram>(device_, "particle", marchShader(lists));
+  using Programs = std::array<std::unique_ptr<ComputeProgram>, 2>;  // without lists and with, made when first needed
+
+  ComputeProgram& programOf(Programs& programs, const char* name, std::string (*shader)(bool), bool lists) {
+    std::unique_ptr<ComputeProgram>& program = programs[lists ? 1 : 0];
+    if (program == nullptr) program = std::make_unique<ComputeProgram>(device_, name, shader(lists));
     return *program;
+  }
+
+  // `fill` brings particles into their buffer.
+  template <class Fill>
+  void marchAll(const DistanceField& field, std::uint32_t steps, std::size_t size, HitRecords& records,
+                StageClock& clock, const Fill& fill) {
+    records.reset(size);
+    for (std::size_t first = 0; first < size; first += slice_) {
+      const std::size_t count = std::min<std::size_t>(slice_, size - first);
+      {
+        const StageTimer timer(clock, "march");
+        particles_.reserve((field.shape.lists ? kMostColumns : kFewestColumns) * count * sizeof(float));
+        records_.reserve(5 * count * sizeof(float));
+        fill(first, count);
+        marchSlice(field, steps, count);
+      }
+      const StageTimer timer(clock, "read_back");
+      readRecords(field, records, first, count);
+    }
   }
 
   void upload(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world,
@@ -161,19 +230,9 @@ class ComputeMarcher : public GlMarcher {
     if (!array.empty()) buffer.hold(array);
   }
 
-  void marchSlice(const DistanceField& field, std::uint32_t steps, const Particles& particles, std::size_t first,
-                  std::size_t count, StageClock& clock) {
-    const StageTimer timer(clock, "march");
-    const Columns columns = columnsOf(particles, field.shape.lists);
-    particles_.reserve(columns.size() * count * sizeof(float));
-    records_.reserve(5 * count * sizeof(float));
-    std::vector<ComputeBuffer::Source> pieces;
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-      pieces.push_back({k * count * sizeof(float), std::as_bytes(std::span(*columns[k]).subspan(first, count))});
-    }
-    particles_.write(pieces);
+  void marchSlice(const DistanceField& field, std::uint32_t steps, std::size_t count) {
     const MarchBlock block = marchBlock(field, steps, count);
-    programOf(field.shape.lists)
+    programOf(marchers_, "particle", marchShader, field.shape.lists)
         .run(count, {&particles_, &records_}, std::as_bytes(std::span(&block, 1)),
              {{&levels_, Uint32x4},
               {&table_, Uint32},
@@ -210,7 +269,8 @@ class ComputeMarcher : public GlMarcher {
   ComputeDevice device_;
   const std::uint64_t mostTableBytes_;
   const std::uint64_t slice_;
-  std::array<std::unique_ptr<ComputeProgram>, 2> programs_;  // made when first needed
+  Programs launchers_, marchers_;
+  DeviceBeams beams_{device_};
   ComputeBuffer particles_{device_};
   ComputeBuffer levels_{device_};
   ComputeBuffer table_{device_};
@@ -225,19 +285,6 @@ class ComputeMarcher : public GlMarcher {
   std::vector<float> denominator_;
 };
 
-// Whether the kernel knows of a graphics card: loading OpenGL to ask would cost more than most scans, and
-// OpenGL on the processor is slower than its own lanes (docs/particle.md).
-bool kernelHasCard() {
-  for (const std::string_view file : {"/dev/nvidiactl", "/dev/dxg"}) {
-    if (std::filesystem::exists(file)) return true;
-  }
-  const std::filesystem::path folder = "/dev/dri";
-  if (!std::filesystem::is_directory(folder)) return false;
-  const std::filesystem::directory_iterator files(folder);
-  return std::any_of(begin(files), end(files),
-                     [](const auto& file) { return file.path().filename().string().starts_with("renderD"); });
-}
-
 }  // namespace
 
 std::unique_ptr<GlMarcher> makeGlMarcher(const GlMarcherLimits& limits) {
@@ -250,7 +297,7 @@ std::unique_ptr<GlMarcher> makeGlMarcher() {
 
 std::unique_ptr<GlMarcher> findGlMarcher() {
   try {
-    return kernelHasCard() || !namedDevice().empty() ? makeGlMarcher() : nullptr;
+    return mayHaveCard() ? makeGlMarcher() : nullptr;
   } catch (const std::exception&) {
     return nullptr;
   }

@@ -27,6 +27,10 @@ struct GlMarcherLimits {
 // world's origin). Parameters: MarchBlock of march_gl.cpp.
 std::string marchShader(bool lists);
 
+// The compute program that makes the particles of ParticleLaunch. Storage buffers: 0 to 4 those of DeviceBeams, 5
+// particles as above. Parameters: LaunchBlock of march_gl.cpp.
+std::string launchShader(bool lists);
+
 std::unique_ptr<GlMarcher> makeGlMarcher(const GlMarcherLimits& limits);
 
 }  // namespace scanmill

@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "methods/device_beams.h"
 #include "methods/march/march.h"
 #include "methods/march/march_gl.h"
 #include "methods/march/march_rule.h"
@@ -269,7 +270,66 @@ std::string constantOf(const char* name, std::uint32_t value) {
   return fmt::format("const uint {} = {:#x}u;\n", name, value);
 }
 
+// What launch() does (methods/particle/march_job.cpp), in its order, in double.
+constexpr const char* kLaunch = R"(
+layout(std140, binding = 0) uniform LaunchParameters {
+  dvec4 low, high;    // m, of the box where particles may march
+  dvec4 centre;       // m, of the field; and level 0's voxels a metre
+  double farthest;    // m
+  uint rings, columns;
+  uint first;         // particle of the slice
+  uint count;         // of the slice
+  uint withOrigins;
+};
+layout(std430, binding = 5) writeonly restrict buffer Particles { float particles[]; };
+
+void put(uint column, uint i, double value) {
+  particles[column * count + i] = float(value);
+}
+
+double inverseOf(double component) {
+  return 1.0LF / (abs(component) < 1e-12LF ? 1e-12LF : component);
+}
+
+void invoke(uint i) {
+  uint particle = first + i;
+  uint tile = particle / kTogether;
+  uint column = tile / rings * kTogether + particle % kTogether;
+  bool there = column < columns;
+  column = min(column, columns - 1u);
+  dvec3 o, d;
+  rayOf(tile % rings * columns + column, column, withOrigins != 0u, o, d);
+  precise double begin = 0.0LF;
+  precise double end = there ? farthest : 0.0LF;
+  for (int k = 0; k < 3; ++k) {
+    precise double inverse = inverseOf(d[k]);
+    precise double a = (low[k] - o[k]) * inverse;
+    precise double b = (high[k] - o[k]) * inverse;
+    begin = max(begin, min(a, b));
+    end = min(end, max(a, b));
+  }
+  for (uint k = 0u; k < 3u; ++k) {
+    precise double place = (o[k] - centre[k]) * centre.w;
+    put(k, i, place);
+    put(3u + k, i, d[k]);
+    if (kLists) {
+      put(8u + k, i, o[k]);
+      put(11u + k, i, inverseOf(d[k]));
+    }
+  }
+  precise double from = begin * centre.w;
+  precise double to = there ? end * centre.w : 0.0LF;
+  put(6u, i, from);
+  put(7u, i, to);
+}
+)";
+
 }  // namespace
+
+std::string launchShader(bool lists) {
+  return constantOf("kTogether", ParticleLaunch::kTogether + 0u) + fmt::format("const bool kLists = {};\n", lists) +
+         DeviceBeams::shader() + kLaunch;
+}
 
 std::string marchShader(bool lists) {
   std::string text =

@@ -10,11 +10,6 @@ namespace scanmill {
 
 namespace {
 
-// Particles march a little past the sensor's maximum range: float32 must not decide what lies at exactly the maximum.
-double farthest(const BeamTable& beams) {
-  return beams.maxRange * (1 + 1e-4) + 1e-3;
-}
-
 constexpr double kSteep = 1e-12;  // components of directions that are smaller count as this
 
 double inverseOf(double d) {
@@ -34,6 +29,17 @@ void cut(double low, double high, const Lane& from, const Lane& direction, Stret
     s.begin[i] = std::max(s.begin[i], std::min(a, b));
     s.end[i] = std::min(s.end[i], std::max(a, b));
   }
+}
+
+// Of the ways of particles, those inside of the box.
+Stretches stretchesOf(const MarchJob& job, const Rays& rays) {
+  Stretches inside;
+  std::fill_n(inside.begin, kPacket, 0.0);
+  std::fill_n(inside.end, kPacket, farthest(*job.shot.beams));
+  cut(job.box.low.x, job.box.high.x, rays.ox, rays.dx, inside);
+  cut(job.box.low.y, job.box.high.y, rays.oy, rays.dy, inside);
+  cut(job.box.low.z, job.box.high.z, rays.oz, rays.dz, inside);
+  return inside;
 }
 
 bool insideBox(const Box& box, const Vec3d& p) {
@@ -120,33 +126,46 @@ Vec3d directionOf(const Rays& rays, int lane) {
 }
 
 // Lets particles march on through transparent triangles.
-void passTransparent(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, std::size_t first,
-                     HitRecords& records) {
+void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size_t first, HitRecords& records) {
   const TriangleBlock& block = job.world.baked;
   if (block.firstAlpha >= block.triangles.size()) return;
   const auto mayPass = [&](std::size_t i) {
-    return records.outcomeOf(i) == Outcome::Hit && records.triangle[i] >= block.firstAlpha;
+    return records.outcomeOf(first + i) == Outcome::Hit && records.triangle[first + i] >= block.firstAlpha;
   };
   std::vector<std::uint32_t> open;
-  for (std::size_t i = first; i < first + tiles.size() * kPacket; ++i) {
-    if (mayPass(i)) open.push_back(static_cast<std::uint32_t>(i));
+  for (std::uint32_t i = 0; i < tiles.size() * kPacket; ++i) {
+    if (mayPass(i)) open.push_back(i);
   }
+  if (open.empty()) return;
+  Particles particles;  // of tiles with open ones
+  particles.resize(tiles.size() * kPacket, true);
+  std::size_t known = tiles.size();
+  for (const std::uint32_t i : open) {
+    const std::size_t tile = i / kPacket;
+    if (tile != known) launch(job, tiles.subspan(tile, 1), particles, tile * kPacket);
+    known = tile;
+  }
+  HitRecords ends;
+  ends.reset(particles.size());
   Rays rays;
   while (!open.empty()) {
     std::vector<std::uint32_t> passing;
-    std::size_t known = tiles.size();  // whose rays are set up
+    known = tiles.size();  // whose rays are set up
     for (const std::uint32_t i : open) {
-      const std::size_t tile = (i - first) / kPacket;
-      const auto lane = static_cast<int>((i - first) % kPacket);
+      const std::size_t tile = i / kPacket;
+      const auto lane = static_cast<int>(i % kPacket);
       if (tile != known) setUp(job.shot, job.frame, tiles[tile], rays);
       known = tile;
-      const Vec3d point = originOf(rays, lane) + directionOf(rays, lane) * rangeOf(job, records, i);
-      const Vec2d at = barycentric({&block, nullptr, records.triangle[i]}, point);
-      if (!transparentAt(job.world, block, records.triangle[i], at.x, at.y)) continue;
-      particles.begin[i] = records.way[i] + std::max(2e-3f, records.way[i] * 1e-5f);
+      const std::uint32_t triangle = records.triangle[first + i];
+      const Vec3d point = originOf(rays, lane) + directionOf(rays, lane) * rangeOf(job, records, first + i);
+      const Vec2d at = barycentric({&block, nullptr, triangle}, point);
+      if (!transparentAt(job.world, block, triangle, at.x, at.y)) continue;
+      particles.begin[i] = records.way[first + i] + std::max(2e-3f, records.way[first + i] * 1e-5f);
+      ends.copy(i, records, first + i);
       passing.push_back(i);
     }
-    marchCpu(job.field, block, job.steps, particles, passing, records);
+    marchCpu(job.field, block, job.steps, particles, passing, ends);
+    for (const std::uint32_t i : passing) records.copy(first + i, ends, i);
     open.clear();
     std::copy_if(passing.begin(), passing.end(), std::back_inserter(open), mayPass);
   }
@@ -163,6 +182,10 @@ void expect(const MarchJob& job, const HitRecords& records, std::size_t first, s
 
 }  // namespace
 
+double farthest(const BeamTable& beams) {
+  return beams.maxRange * (1 + 1e-4) + 1e-3;
+}
+
 MarchCounts& MarchCounts::operator+=(const MarchCounts& o) {
   exhausted += o.exhausted;
   left += o.left;
@@ -174,16 +197,10 @@ void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particl
   const bool lists = job.field.shape.lists;
   const Vec3d centre = job.field.shape.centre;
   const double perVoxel = 1 / job.field.shape.voxel;
-  const double end = farthest(*job.shot.beams);
   Rays rays;
-  Stretches inside;
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     setUp(job.shot, job.frame, tiles[t], rays);
-    std::fill_n(inside.begin, kPacket, 0.0);
-    std::fill_n(inside.end, kPacket, end);
-    cut(job.box.low.x, job.box.high.x, rays.ox, rays.dx, inside);
-    cut(job.box.low.y, job.box.high.y, rays.oy, rays.dy, inside);
-    cut(job.box.low.z, job.box.high.z, rays.oz, rays.dz, inside);
+    Stretches inside = stretchesOf(job, rays);
     std::fill(inside.end + rays.count, inside.end + kPacket, 0.0);
     const std::size_t at = first + t * kPacket;
     const auto fill = [at](std::vector<float>& column, const auto& valueOf) {
@@ -209,18 +226,16 @@ void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particl
 }
 
 MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
-                    Particles& particles, HitRecords& records, std::size_t first, Hits& hits,
-                    std::vector<std::uint32_t>& unresolved) {
+                    HitRecords& records, std::size_t first, Hits& hits, std::vector<std::uint32_t>& unresolved) {
   const bool lists = job.field.shape.lists;
   const TriangleBlock& block = job.world.baked;
   const BeamTable& beams = *job.shot.beams;
-  // Of the way of a particle that nothing stops.
-  const auto end = static_cast<float>(farthest(beams) / job.field.shape.voxel);
-  if (lists) passTransparent(job, tiles, particles, first, records);
+  if (lists) passTransparent(job, tiles, first, records);
   MarchCounts counts;
   Rays rays;
   Resolved planes;
   HitTriangle triangles[kPacket];
+  Stretches inside;
   expect(job, records, first, tiles.size());
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     const Tile& tile = tiles[t];
@@ -231,6 +246,7 @@ MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& mat
     }
     expectStore(tile, hits);
     setUp(job.shot, job.frame, tile, rays);
+    if (!job.whole) inside = stretchesOf(job, rays);
     for (int lane = 0; lane < kPacket; ++lane) {
       const std::size_t i = at + static_cast<std::size_t>(lane);
       const Outcome outcome = records.outcomeOf(i);
@@ -247,7 +263,7 @@ MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& mat
         continue;
       }
       loadMiss(planes, lane);
-      const bool left = outcome == Outcome::Miss && !job.whole && particles.end[i] < end;
+      const bool left = outcome == Outcome::Miss && !job.whole && inside.end[lane] < farthest(beams);
       if (lane >= rays.count || (outcome == Outcome::Miss && !left)) continue;
       ++(left ? counts.left : counts.exhausted);
       const auto l = static_cast<std::uint32_t>(lane);

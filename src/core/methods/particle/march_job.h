@@ -37,6 +37,10 @@ struct MarchCounts {
   MarchCounts& operator+=(const MarchCounts& o);
 };
 
+// How far particles march (m): a little past the sensor's maximum range, since float32 must not decide what lies at
+// exactly the maximum.
+double farthest(const BeamTable& beams);
+
 // Fills kPacket particles for each tile, from number `first` on. A tile of fewer beams fills the rest with particles
 // that miss.
 void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, std::size_t first);
@@ -44,7 +48,6 @@ void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particl
 // Makes hits of the same particles once they have marched: lets them go on through what is transparent (in fields with
 // lists), fills the channels that `hits` has, and adds the beams that are neither hits nor misses to `unresolved`.
 MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
-                    Particles& particles, HitRecords& records, std::size_t first, Hits& hits,
-                    std::vector<std::uint32_t>& unresolved);
+                    HitRecords& records, std::size_t first, Hits& hits, std::vector<std::uint32_t>& unresolved);
 
 }  // namespace scanmill

@@ -38,7 +38,7 @@ T named(Fields& fields, std::string_view key, const std::pair<const char*, T> (&
   return found->second;
 }
 
-using Backend = ParticleOptions::Backend;
+using Backend = BackendChoice::Asked;
 using Extent = ParticleOptions::Extent;
 using Refine = ParticleOptions::Refine;
 

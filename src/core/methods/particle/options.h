@@ -4,6 +4,7 @@
 #include <string>
 
 #include "config/fields.h"
+#include "methods/backend_choice.h"
 #include "methods/field/distance_field.h"
 
 namespace scanmill {
@@ -14,7 +15,7 @@ inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // whole bricks 
 
 // The map `particle: {...}` of a pipeline.
 struct ParticleOptions {
-  enum class Backend { Auto, Cpu, Gl } backend = Backend::Auto;
+  BackendChoice::Asked backend = BackendChoice::Asked::Auto;
   enum class Extent { Sensor, Scene } extent = Extent::Sensor;  // levels around the sensor, or one level for all
   double voxel = 0.1;                                           // m, of the finest level
   std::uint32_t voxels = 256;                                   // across each level

@@ -10,10 +10,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -22,6 +22,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stage_clock.h"
+#include "methods/backend_choice.h"
 #include "methods/march/march.h"
 #include "methods/particle/field_store.h"
 #include "methods/particle/march_job.h"
@@ -46,17 +47,13 @@ std::vector<Tile> tilesOf(const BeamTable& beams) {
   return tiles;
 }
 
-// Where particles fly; Open and Asked until the first scan has told which of the two is faster.
-enum class FlyingBackend { Open, Asked, Processor, Device };
-
 class ParticleMethod : public Method {
  public:
   ParticleMethod(const Scene& scene, ParticleOptions options)
       : scene_(scene), options_(std::move(options)), fields_(scene, options_), materials_(compactMaterials(scene)) {
-    if (options_.backend == ParticleOptions::Backend::Gl) gl_ = makeGlMarcher();
-    if (options_.backend == ParticleOptions::Backend::Auto) gl_ = findGlMarcher();
-    const bool open = options_.backend == ParticleOptions::Backend::Auto && gl_ != nullptr;
-    backend_ = open ? FlyingBackend::Open : gl_ != nullptr ? FlyingBackend::Device : FlyingBackend::Processor;
+    if (options_.backend == BackendChoice::Asked::Gl) gl_ = makeGlMarcher();
+    if (options_.backend == BackendChoice::Asked::Auto) gl_ = findGlMarcher();
+    backend_.emplace(options_.backend, gl_ != nullptr, "particles fly");
   }
 
   TraceAccount prepare(const Shot& shot) const override {
@@ -66,22 +63,22 @@ class ParticleMethod : public Method {
   }
 
   TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
-    const BeamTable& beams = *shot.beams;
-    hits.reset(beams.rings, beams.columns, channels);
     StageClock clock({"launch", "march", "resolve"});
     const FieldStore::Place place = placeOf(shot, clock);
     const ShotFrame frame = frameOf(shot, place.world->origin);
     const MarchJob job{shot,           *place.world, *place.field, frame, options_.refine,
                        options_.steps, place.box,    place.whole};
-    const std::vector<Tile> tiles = tilesOf(beams);
-    FlyingBackend open = FlyingBackend::Open;
-    if (backend_.compare_exchange_strong(open, FlyingBackend::Asked)) {
-      const WallTimer timer;
-      backend_ = fasterBackend(job, place, tiles, channels);
-      clock.add("backend_choice", timer.seconds());
-    }
-    const MarchCounts counts = backend_ == FlyingBackend::Device ? marchOnDevice(job, place, tiles, hits, clock)
-                                                                 : marchOnProcessor(job, tiles, hits, clock);
+    const std::vector<Tile> tiles = tilesOf(*shot.beams);
+    MarchCounts counts;
+    const auto onDevice = [&](Hits& made, StageClock& stages) {
+      made.reset(shot.beams->rings, shot.beams->columns, channels);
+      counts = marchOnDevice(job, place, tiles, made, stages);
+    };
+    const auto onProcessor = [&](Hits& made, StageClock& stages) {
+      made.reset(shot.beams->rings, shot.beams->columns, channels);
+      counts = marchOnProcessor(job, tiles, made, stages);
+    };
+    backend_->trace(onDevice, onProcessor, hits, clock);
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
     return account(clock, shot, counts);
   }
@@ -106,9 +103,10 @@ class ParticleMethod : public Method {
     lines.emplace_back(any([](const Material& m) { return m.textured && m.texture != nullptr; })
                            ? "reflectance textures: modelled"
                            : "reflectance textures: left out, no material has one");
-    lines.push_back(options_.backend == ParticleOptions::Backend::Auto && gl_ != nullptr
-                        ? "particles fly on " + gl_->device() +
-                              " or on the processor, whichever takes the first scan faster: both give the same bytes"
+    // The same on every machine, unless the pipeline asks for a device.
+    lines.push_back(options_.backend == BackendChoice::Asked::Auto
+                        ? "particles fly on the processor or a graphics card, whichever takes the first scan faster: "
+                          "both give the same bytes"
                         : "particles fly on " + (gl_ != nullptr ? gl_->device() : std::string("the processor")));
     lines.emplace_back("transmission through glass, mirror images, motion of objects: left out");
     return lines;
@@ -127,34 +125,6 @@ class ParticleMethod : public Method {
 
   FieldStore::Place placeOf(const Shot& shot, StageClock& clock) const {
     return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
-  }
-
-  // Traces a shot by both, twice each, since the first time uploads the field. A device that finds other hits than the
-  // processor is never taken, so that scans do not depend on what was chosen. Shots that come meanwhile fly on the
-  // processor, as they would beside later ones.
-  FlyingBackend fasterBackend(const MarchJob& job, const FieldStore::Place& place, std::span<const Tile> tiles,
-                              Channels channels) const {
-    Hits there;
-    Hits here;
-    double device = INFINITY;
-    double processor = INFINITY;
-    StageClock ignored({"launch", "march", "resolve"});
-    const auto empty = [&](Hits& hits) { hits.reset(job.shot.beams->rings, job.shot.beams->columns, channels); };
-    try {
-      for (int round = 0; round < 2; ++round) {
-        empty(there);
-        empty(here);
-        device = std::min(device, secondsOf([&] { marchOnDevice(job, place, tiles, there, ignored); }));
-        processor = std::min(processor, secondsOf([&] { marchOnProcessor(job, tiles, here, ignored); }));
-      }
-      if (there.range != here.range || there.instance != here.instance || there.primitive != here.primitive) {
-        throw Error(gl_->device() + " does not keep IEEE 754");
-      }
-    } catch (const Error& error) {
-      warn(fmt::format("particles fly on the processor: {}", error.what()));
-      return FlyingBackend::Processor;
-    }
-    return device < processor ? FlyingBackend::Device : FlyingBackend::Processor;
   }
 
   MarchCounts marchOnProcessor(const MarchJob& job, std::span<const Tile> tiles, Hits& hits, StageClock& clock) const {
@@ -182,7 +152,7 @@ class ParticleMethod : public Method {
           marchCpu(job.field, job.world.baked, job.steps, particles, all, records);
         }
         const StageTimer timer(clock, "resolve");
-        mine += resolve(job, materials_, some, particles, records, 0, hits, unresolved);
+        mine += resolve(job, materials_, some, records, 0, hits, unresolved);
       }
       const std::scoped_lock lock(mutex);
       counts += mine;
@@ -194,34 +164,24 @@ class ParticleMethod : public Method {
   MarchCounts marchOnDevice(const MarchJob& job, const FieldStore::Place& place, std::span<const Tile> tiles,
                             Hits& hits, StageClock& clock) const {
     const std::size_t pieces = (tiles.size() + kTilesAtOnce - 1) / kTilesAtOnce;
-    const auto piece = [&](std::size_t p) {
-      return tiles.subspan(p * kTilesAtOnce, std::min(kTilesAtOnce, tiles.size() - p * kTilesAtOnce));
-    };
-    Particles particles;
     HitRecords records;
-    particles.resize(tiles.size() * kPacket, job.field.shape.lists);
-    inPieces(pieces, clock, "launch",
-             [&](std::size_t p) { launch(job, piece(p), particles, p * kTilesAtOnce * kPacket); });
-    gl_->march(place.field, place.world, job.steps, particles, records, clock);
+    gl_->march(place.field, place.world, job.steps, {&job.shot, &job.frame, job.box, farthest(*job.shot.beams)},
+               records, clock);
     MarchCounts counts;
     std::mutex mutex;
-    inPieces(pieces, clock, "resolve", [&](std::size_t p) {
+    parallelFor(pieces, 1, [&](std::size_t from, std::size_t to) {
+      const StageTimer timer(clock, "resolve");
       std::vector<std::uint32_t> unresolved;
-      const MarchCounts mine =
-          resolve(job, materials_, piece(p), particles, records, p * kTilesAtOnce * kPacket, hits, unresolved);
+      MarchCounts mine;
+      for (std::size_t p = from; p < to; ++p) {
+        const auto some = tiles.subspan(p * kTilesAtOnce, std::min(kTilesAtOnce, tiles.size() - p * kTilesAtOnce));
+        mine += resolve(job, materials_, some, records, p * kTilesAtOnce * kPacket, hits, unresolved);
+      }
       const std::scoped_lock lock(mutex);
       counts += mine;
       hits.unresolved.insert(hits.unresolved.end(), unresolved.begin(), unresolved.end());
     });
     return counts;
-  }
-
-  template <class Work>
-  static void inPieces(std::size_t pieces, StageClock& clock, const char* stage, const Work& work) {
-    parallelFor(pieces, 1, [&](std::size_t first, std::size_t last) {
-      const StageTimer timer(clock, stage);
-      for (std::size_t p = first; p < last; ++p) work(p);
-    });
   }
 
   double fieldBytes() const { return scanmill::fieldBytes(options_, scene_.bounds()); }
@@ -267,7 +227,7 @@ class ParticleMethod : public Method {
   FieldStore fields_;
   std::vector<CompactMaterial> materials_;
   std::unique_ptr<GlMarcher> gl_;  // null: none
-  mutable std::atomic<FlyingBackend> backend_;
+  mutable std::optional<BackendChoice> backend_;
 };
 
 }  // namespace

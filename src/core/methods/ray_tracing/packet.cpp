@@ -13,11 +13,6 @@ namespace scanmill {
 
 namespace {
 
-// Embree searches a little past the maximum: its float32 distance must not decide what lies at exactly the maximum.
-float searchDistance(const BeamTable& beams) {
-  return static_cast<float>(beams.maxRange * (1 + 1e-4) + 1e-3);
-}
-
 // Embree 3.13 takes components nearer to zero than 1e-18 for positive where it divides by them, but not where it asks
 // for their sign: with -4e-19 in one lane, all of a packet of coherent rays missed what they should have hit.
 float component(double direction) {
@@ -97,12 +92,10 @@ struct Pending {
   HitTriangle triangles[kPacket];
   float traced[kPacket];  // m
   float parts[kPacket];
+  bool found = false;  // by the device: `traced` says nothing
 };
 
-SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pending& p) {
-  p.tile = tile;
-  setUp(job.shot, job.frame, tile, p.rays);
-  findParts(job, tile, p.parts);
+void intersect(const PacketJob& job, Pending& p) {
   TieContext context;
   rtcInitIntersectContext(&context.embree);
   context.world = &job.world;
@@ -113,10 +106,44 @@ SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pe
   } else {
     intersectAll(job, p.rays, p.parts, context);
   }
-  for (int i = 0; i < kPacket; ++i) {
-    p.triangles[i] = i < p.rays.count ? triangleOf(job.world, context, i) : HitTriangle{};
-    p.triangles[i].part = p.parts[i];
+  for (int i = 0; i < p.rays.count; ++i) {
+    p.triangles[i] = triangleOf(job.world, context, i);
     p.traced[i] = context.distance[i];
+  }
+}
+
+// Takes what the device has found, unless it leaves a ray to Embree. That then traces the whole packet: what it finds
+// on an edge that two triangles share depends on which rays travel together.
+bool takeFound(const PacketJob& job, const Tile& tile, Pending& p) {
+  const std::uint32_t columns = job.shot.beams->columns;
+  const auto rayOf = [&](int lane) {
+    const auto l = static_cast<std::uint32_t>(lane);
+    return std::size_t{tile.ring + l / tile.width} * columns + tile.column + l % tile.width;
+  };
+  for (int i = 0; i < p.rays.count; ++i) {
+    if (job.found->triangle[rayOf(i)] == kUnsureHit) return false;
+  }
+  for (int i = 0; i < p.rays.count; ++i) {
+    const std::size_t ray = rayOf(i);
+    const std::uint32_t triangle = job.found->triangle[ray];
+    if (triangle == kNothingFound) continue;
+    const std::uint32_t place = job.found->place[ray];
+    const PlacedBlock* placed = place == 0 ? nullptr : &job.world.placed[place - 1];
+    p.triangles[i] = {placed == nullptr ? &job.world.baked : placed->block, placed, triangle};
+  }
+  return true;
+}
+
+SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pending& p) {
+  p.tile = tile;
+  setUp(job.shot, job.frame, tile, p.rays);
+  findParts(job, tile, p.parts);
+  std::fill_n(p.triangles, kPacket, HitTriangle{});
+  std::fill_n(p.traced, kPacket, INFINITY);
+  p.found = job.found != nullptr && takeFound(job, tile, p);
+  if (!p.found) intersect(job, p);
+  for (int i = 0; i < kPacket; ++i) {
+    p.triangles[i].part = p.parts[i];
     if (p.triangles[i].block != nullptr) prefetch(p.triangles[i].block->triangles[p.triangles[i].index]);
   }
 }
@@ -130,11 +157,16 @@ SCANMILL_BEST_INSTRUCTIONS void finish(const PacketJob& job, const Pending& p, H
       loadMiss(resolved, i);
     }
   }
+  if (p.found) trustPlanes(p.rays, resolved);
   intersectPlanes(p.rays, *job.shot.beams, resolved);
   store(job.materials, p.tile, p.rays, resolved, p.triangles, hits);
 }
 
 }  // namespace
+
+float searchDistance(const BeamTable& beams) {
+  return static_cast<float>(beams.maxRange * (1 + 1e-4) + 1e-3);
+}
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits) {
   // Two packets in flight: while Embree traces one, what resolving the other reads comes from memory.

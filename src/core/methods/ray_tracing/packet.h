@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "methods/ray_tracing/filter.h"
+#include "methods/ray_tracing/gl_tracer.h"
 #include "methods/world/resolve.h"
 #include "methods/world/world.h"
 #include "scan/hits.h"
@@ -20,8 +21,13 @@ struct PacketJob {
   const Shot& shot;
   const ShotFrame& frame;
   int raysPerCall;
-  float coplanarFloor;  // m
+  float coplanarFloor;                    // m
+  const FoundTriangles* found = nullptr;  // what a device has found already; null: nothing
 };
+
+// How far rays are traced (m): a little past the maximum range, since a distance in float32 must not decide what lies
+// at exactly the maximum.
+float searchDistance(const BeamTable& beams);
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits);
 

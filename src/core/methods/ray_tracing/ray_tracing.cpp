@@ -1,7 +1,8 @@
 // Ray tracing with Embree: the reference of all methods.
 //
 // The scene is rebased to an origin near the sensor and traced in float32, 16 beams at a time; the range is recomputed
-// in double from the triangle that was hit.
+// in double from the triangle that was hit. Where a device of OpenGL is asked for, or is faster, it finds the triangles
+// of most rays, and Embree those of which rounding leaves a doubt (gl_tracer.h): with the same bytes.
 
 #include "methods/ray_tracing/ray_tracing.h"
 
@@ -11,6 +12,10 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/stage_clock.h"
+#include "gpu/device.h"
+#include "methods/backend_choice.h"
+#include "methods/ray_tracing/gl_tracer.h"
 #include "methods/ray_tracing/options.h"
 #include "methods/ray_tracing/packet.h"
 #include "methods/ray_tracing/unobstructed.h"
@@ -23,6 +28,17 @@ namespace {
 
 constexpr double kRingWeight = 3.5;
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // measured: the scene's own mesh
+
+// Null where the processor traces.
+std::unique_ptr<GlTracer> tracerOf(const RayTracingOptions& options) {
+  if (options.backend == BackendChoice::Asked::Gl) return std::make_unique<GlTracer>();
+  if (options.backend == BackendChoice::Asked::Cpu || !mayHaveCard()) return nullptr;
+  try {
+    return std::make_unique<GlTracer>();
+  } catch (const Error&) {
+    return nullptr;
+  }
+}
 
 HierarchyOptions hierarchy(const RayTracingOptions& options) {
   return {options.robust, options.quality, tieFilter, alphaTieFilter, thingFilter};
@@ -37,7 +53,9 @@ class RayTracing : public Method {
         scene_(simplified_ ? *simplified_ : scene),
         options_(options),
         worlds_(scene_, options.instancing, hierarchy(options)),
-        materials_(compactMaterials(scene_)) {}
+        materials_(compactMaterials(scene_)),
+        gl_(tracerOf(options)),
+        backend_(options.backend, gl_ != nullptr, "rays are traced") {}
 
   TraceAccount prepare(const Shot& shot) const override {
     worldOf(shot);
@@ -45,27 +63,22 @@ class RayTracing : public Method {
   }
 
   TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
-    const BeamTable& beams = *shot.beams;
-    hits.reset(beams.rings, beams.columns, channels);
     const std::shared_ptr<const World> world = worldOf(shot);
     const ShotFrame frame = frameOf(shot, world->origin);
     const PacketJob job{*world, materials_,      shot,
                         frame,  options_.packet, coplanarFloor(static_cast<float>(length(frame.position.front())))};
-    const std::uint32_t width = tileColumns(beams);
-    const std::uint32_t rows = kPacket / width;
-    const std::uint32_t across = (beams.columns + width - 1) / width;
-    const std::uint32_t down = (beams.rings + rows - 1) / rows;
-    parallelFor(std::size_t{across} * down, 128, [&](std::size_t first, std::size_t last) {
-      std::vector<Tile> tiles;
-      tiles.reserve(last - first);
-      for (std::size_t i = first; i < last; ++i) {
-        const auto ring = static_cast<std::uint32_t>(i / across) * rows;
-        const auto column = static_cast<std::uint32_t>(i % across) * width;
-        tiles.push_back({ring, column, std::min(rows, beams.rings - ring), std::min(width, beams.columns - column)});
-      }
-      tracePackets(job, tiles, hits);
-    });
-    return {};
+    StageClock clock;
+    const auto onProcessor = [&](Hits& made, StageClock&) { traceAll(job, channels, made); };
+    const auto onDevice = [&](Hits& made, StageClock& stages) {
+      FoundTriangles found;
+      gl_->trace(world, shot, frame, searchDistance(*shot.beams), job.coplanarFloor, found, stages);
+      PacketJob rest = job;
+      rest.found = &found;
+      const StageTimer timer(stages, "resolve");
+      traceAll(rest, channels, made);
+    };
+    backend_.trace(onDevice, onProcessor, hits, clock);
+    return {clock.seconds(), {}};
   }
 
   std::vector<std::string> modelled() const override {
@@ -88,6 +101,7 @@ class RayTracing : public Method {
         worlds_.moves()
             ? "motion of objects: every beam meets them where they are when it fires; shapes change from turn to turn"
             : "motion of objects: left out, none moves",
+        backendLine(),
     };
   }
 
@@ -101,6 +115,43 @@ class RayTracing : public Method {
  private:
   std::shared_ptr<const World> worldOf(const Shot& shot) const {
     return worlds_.near(shot.worldFromSensor.front().translation, shot.time, shot.duration);
+  }
+
+  void traceAll(const PacketJob& job, Channels channels, Hits& hits) const {
+    const BeamTable& beams = *job.shot.beams;
+    hits.reset(beams.rings, beams.columns, channels);
+    const std::uint32_t width = tileColumns(beams);
+    const std::uint32_t rows = kPacket / width;
+    const std::uint32_t across = (beams.columns + width - 1) / width;
+    const std::uint32_t down = (beams.rings + rows - 1) / rows;
+    parallelFor(std::size_t{across} * down, 128, [&](std::size_t first, std::size_t last) {
+      std::vector<Tile> tiles;
+      tiles.reserve(last - first);
+      for (std::size_t i = first; i < last; ++i) {
+        const auto ring = static_cast<std::uint32_t>(i / across) * rows;
+        const auto column = static_cast<std::uint32_t>(i % across) * width;
+        tiles.push_back({ring, column, std::min(rows, beams.rings - ring), std::min(width, beams.columns - column)});
+      }
+      tracePackets(job, tiles, hits);
+    });
+  }
+
+  // The same on every machine, unless the pipeline asks for a device.
+  std::string backendLine() const {
+    switch (options_.backend) {
+      case BackendChoice::Asked::Cpu:
+        return "rays meet triangles on the processor";
+      case BackendChoice::Asked::Auto:
+        return "rays meet triangles on the processor or a graphics card, whichever takes the first scan faster: both "
+               "give the same bytes";
+      case BackendChoice::Asked::Gl:
+        break;
+    }
+    constexpr double kMebibyte = 1024.0 * 1024;
+    return fmt::format(
+        "rays meet triangles on {}, which take about {:.0f} MiB there, and on the processor where "
+        "rounding leaves a doubt",
+        gl_->device(), static_cast<double>(worlds_.triangles() * kDeviceBytesPerTriangle) / kMebibyte);
   }
 
   // Columns of a packet's tile: as square as possible in angle, since packets trace best when their beams stay
@@ -130,6 +181,8 @@ class RayTracing : public Method {
   RayTracingOptions options_;
   Worlds worlds_;
   std::vector<CompactMaterial> materials_;
+  std::unique_ptr<GlTracer> gl_;  // null: none
+  mutable BackendChoice backend_;
 };
 
 }  // namespace

@@ -169,6 +169,14 @@ SCANMILL_BEST_INSTRUCTIONS void setUp(const Shot& shot, const ShotFrame& frame, 
   }
 }
 
+SCANMILL_BEST_INSTRUCTIONS void trustPlanes(const Rays& rays, Resolved& r) {
+  for (int i = 0; i < kPacket; ++i) {
+    const double along = r.nx[i] * rays.dx[i] + r.ny[i] * rays.dy[i] + r.nz[i] * rays.dz[i];
+    const double origin = r.nx[i] * rays.ox[i] + r.ny[i] * rays.oy[i] + r.nz[i] * rays.oz[i];
+    r.traced[i] = along != 0 ? (r.offset[i] - origin) / along : kNothing;
+  }
+}
+
 SCANMILL_BEST_INSTRUCTIONS void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r) {
   const RangeLimits limits = limitsOf(beams);
   for (int i = 0; i < kPacket; ++i) {

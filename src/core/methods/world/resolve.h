@@ -80,6 +80,8 @@ inline void loadMiss(Resolved& r, int lane) {
   r.traced[lane] = std::numeric_limits<double>::infinity();
 }
 
+// Takes the distances to the planes of hits for those at which they were traced.
+void trustPlanes(const Rays& rays, Resolved& r);
 // Sets each range to the distance along the ray to the plane of its triangle. Outside of the sensor's range limits it
 // is a miss.
 void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r);

@@ -268,6 +268,7 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
   world->scene = &scene;
   world->time = time;
   world->duration = duration;
+  world->shared = &shared;
   bake(*world, instanced);
   world->embree = newScene(device, options);
   attachBlock(device, world->embree.get(), world->baked, options);

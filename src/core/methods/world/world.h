@@ -103,8 +103,9 @@ SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const st
 struct World {
   Vec3d origin;
   const Scene* scene = nullptr;
-  TriangleBlock baked;              // frame: world axes, relative to origin
-  std::vector<PlacedBlock> placed;  // Embree instance id k + kFirstPlaced
+  TriangleBlock baked;                   // frame: world axes, relative to origin
+  std::vector<PlacedBlock> placed;       // Embree instance id k + kFirstPlaced
+  const SharedMeshes* shared = nullptr;  // of which blocks are placed; it outlives the world
   SceneHandle embree;
   bool alpha = false;
   double time = 0;                                  // s, when the revolution starts, of a scene that moves

@@ -22,14 +22,18 @@ Worlds::Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions
       instanced_(instancedMeshes(scene, instancing)),
       shared_(buildSharedMeshes(device_.get(), scene, instanced_, options)) {}
 
-std::uint64_t Worlds::memoryBytes() const {
-  std::uint64_t triangles = 0;  // each baked copy, each instanced mesh once
+std::uint64_t Worlds::triangles() const {
+  std::uint64_t triangles = 0;
   for (const Instance& i : scene_.instances)
     triangles += instanced_[i.mesh] ? 0 : scene_.meshes[i.mesh].triangles.size();
   for (std::size_t m = 0; m < scene_.meshes.size(); ++m) {
     triangles += instanced_[m] ? scene_.meshes[m].triangles.size() : 0;
   }
-  return triangles * kBytesPerTriangle;
+  return triangles;
+}
+
+std::uint64_t Worlds::memoryBytes() const {
+  return triangles() * kBytesPerTriangle;
 }
 
 std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double time, double duration) const {

@@ -25,7 +25,9 @@ class Worlds {
   std::shared_ptr<const World> near(const Vec3d& sensor, double time, double duration) const;
   bool moves() const { return moves_; }
   bool instanced(std::size_t mesh) const { return instanced_[mesh]; }
-  // What a world takes with all that it shares with others.
+  // Of a world with all that it shares with others: each baked copy, each shared mesh once.
+  std::uint64_t triangles() const;
+  // What these take.
   std::uint64_t memoryBytes() const;
 
  private:

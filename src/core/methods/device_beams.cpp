@@ -1,0 +1,93 @@
+#include "methods/device_beams.h"
+
+#include <span>
+#include <vector>
+
+namespace scanmill {
+
+namespace {
+
+std::vector<float> firingTimes(const BeamTable& beams) {
+  if (!beams.time.empty()) return beams.time;
+  std::vector<float> times(beams.size());
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const auto column = static_cast<std::uint32_t>(i % beams.columns);
+    times[i] = static_cast<float>(beams.columnTime(column / beams.raysPerBeam * beams.raysPerBeam));
+  }
+  return times;
+}
+
+// Rows of rotation and position, pose after pose.
+std::vector<double> posesOf(const ShotFrame& frame) {
+  std::vector<double> rows;
+  for (std::size_t step = 0; step < frame.rotation.size(); ++step) {
+    const Mat3& r = frame.rotation[step];
+    const Vec3d& p = frame.position[step];
+    rows.insert(rows.end(), {r.x.x, r.y.x, r.z.x, p.x, r.x.y, r.y.y, r.z.y, p.y, r.x.z, r.y.z, r.z.z, p.z});
+  }
+  return rows;
+}
+
+std::vector<std::uint32_t> stepsOf(const Shot& shot) {
+  std::vector<std::uint32_t> steps(shot.beams->columns);
+  for (std::uint32_t c = 0; c < steps.size(); ++c) steps[c] = static_cast<std::uint32_t>(shot.stepOf(c));
+  return steps;
+}
+
+}  // namespace
+
+DeviceBeams::DeviceBeams(const ComputeDevice& device)
+    : directions_(device), origins_(device), times_(device), poses_(device), steps_(device) {
+  // Buffers without storage cannot be bound.
+  origins_.reserve(16);
+  times_.reserve(16);
+}
+
+void DeviceBeams::hold(const Shot& shot, const ShotFrame& frame, std::size_t first, std::size_t count, bool timed) {
+  const std::vector<double> poses = posesOf(frame);
+  const std::vector<std::uint32_t> steps = stepsOf(shot);
+  poses_.hold(std::span(poses));
+  steps_.hold(std::span(steps));
+  const BeamTable& beams = *shot.beams;
+  if (beams_.lock() == shot.beams && first == first_ && count == count_ && (timed_ || !timed)) return;
+  beams_.reset();  // what is there is of no table until all is there
+  directions_.hold(std::span(beams.direction).subspan(first, count));
+  if (!beams.origin.empty()) origins_.hold(std::span(beams.origin).subspan(first, count));
+  if (timed) {
+    const std::vector<float> times = firingTimes(beams);
+    times_.hold(std::span(times).subspan(first, count));
+  }
+  beams_ = shot.beams;
+  first_ = first;
+  count_ = count;
+  timed_ = timed;
+}
+
+std::string DeviceBeams::shader() {
+  return R"(
+layout(std430, binding = 0) readonly restrict buffer Directions { double directions[]; };
+layout(std430, binding = 1) readonly restrict buffer Origins { float origins[]; };
+layout(std430, binding = 2) readonly restrict buffer Times { float times[]; };
+layout(std430, binding = 3) readonly restrict buffer Poses { double poses[]; };  // rows of rotation and position
+layout(std430, binding = 4) readonly restrict buffer Steps { uint stepOfColumn[]; };
+
+double turned(uint row, dvec3 v) {
+  precise double x = poses[row] * v.x + poses[row + 1u] * v.y + poses[row + 2u] * v.z;
+  return x;
+}
+
+void rayOf(uint ray, uint column, bool withOrigins, out dvec3 o, out dvec3 d) {
+  uint pose = 12u * stepOfColumn[column];
+  dvec3 along = dvec3(directions[3u * ray], directions[3u * ray + 1u], directions[3u * ray + 2u]);
+  d = dvec3(turned(pose, along), turned(pose + 4u, along), turned(pose + 8u, along));
+  o = dvec3(poses[pose + 3u], poses[pose + 7u], poses[pose + 11u]);
+  if (withOrigins) {
+    dvec3 shift = dvec3(origins[3u * ray], origins[3u * ray + 1u], origins[3u * ray + 2u]);
+    precise dvec3 moved = o + dvec3(turned(pose, shift), turned(pose + 4u, shift), turned(pose + 8u, shift));
+    o = moved;
+  }
+}
+)";
+}
+
+}  // namespace scanmill

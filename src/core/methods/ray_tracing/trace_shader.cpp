@@ -1,0 +1,326 @@
+#include <fmt/format.h>
+
+#include <bit>
+#include <string>
+
+#include "methods/device_beams.h"
+#include "methods/ray_tracing/filter.h"
+#include "methods/ray_tracing/gl_tracer.h"
+#include "methods/ray_tracing/wide_hierarchy.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kRays = R"(
+layout(std140, binding = 0) uniform TraceParameters {
+  uint columns;       // of the table of beams
+  uint sliceRings;
+  uint meshRoot;      // of what is baked; kNoRoot where nothing is
+  uint placesRoot;    // kNoRoot where nothing is placed
+  uint withOrigins;
+  float duration;     // s, of the revolution, where something moves
+  float farthest;     // m, how far rays go
+  float coplanar;     // m, within which surfaces tie beside their share of the distance
+};
+layout(std430, binding = 5) writeonly restrict buffer Found { uint found[]; };
+layout(binding = 0) uniform usamplerBuffer nodes;
+layout(binding = 1) uniform usamplerBuffer triangles;
+layout(binding = 2) uniform usamplerBuffer cutouts;
+layout(binding = 3) uniform usamplerBuffer holes;
+layout(binding = 4) uniform usamplerBuffer placeNodes;
+layout(binding = 5) uniform usamplerBuffer places;
+
+const float kInfinite = uintBitsToFloat(0x7F800000u);
+
+// A ray in the frame of the triangles that it is to meet. Its parameter is m in the world.
+struct Line {
+  vec3 o, d;
+  vec3 inverse;  // of d
+  uint signs;    // bit k: d is negative along axis k
+  float doubt;   // m in this frame, by how much o may be off
+};
+
+// What one invocation has found so far.
+vec3 worldDirection;
+float part;       // of the revolution
+float best;       // m; infinite: nothing
+float bestOff;    // m, by how much it may be off along the ray
+float bestCosine;
+uint bestTriangle, bestPlace;
+float unsure;     // m, the least distance at which something may or may not be the first that the ray meets
+float reach;      // m, how far to look on
+
+float longest(vec3 v) {
+  vec3 a = abs(v);
+  return max(a.x, max(a.y, a.z));
+}
+
+Line lineOf(vec3 o, vec3 d, float doubt) {
+  vec3 steep = mix(d, mix(vec3(kLeast), vec3(-kLeast), lessThan(d, vec3(0.0))), lessThan(abs(d), vec3(kLeast)));
+  uint signs = (steep.x < 0.0 ? 1u : 0u) | (steep.y < 0.0 ? 2u : 0u) | (steep.z < 0.0 ? 4u : 0u);
+  return Line(o, d, vec3(1.0) / steep, signs, doubt);
+}
+
+void doubtAt(float distance) {
+  unsure = min(unsure, max(distance, 0.0));
+}
+
+// Bounds of children are m from the frame's origin: what is subtracted must not be folded into the sum.
+vec3 planes(uvec3 steps, vec3 scale, vec3 origin) {
+  precise vec3 bound = vec3(steps) * scale + origin;
+  return bound;
+}
+
+// Which children of a node the line meets within reach: bits 24 to 31 nodes, by the order in which it meets them, the
+// first highest; bits 0 to 23 primitives of leaves. `after`: where they start, and which slots hold nodes.
+uint meet(usamplerBuffer from, uint index, Line line, out uvec3 after) {
+  int at = int(5u * index);
+  uvec4 head = texelFetch(from, at);
+  uvec4 mid = texelFetch(from, at + 1);
+  uvec4 a = texelFetch(from, at + 2);
+  uvec4 b = texelFetch(from, at + 3);
+  uvec4 c = texelFetch(from, at + 4);
+  after = uvec3(mid.x, mid.y, head.w >> 24);
+  vec3 origin = uintBitsToFloat(head.xyz);
+  vec3 scale = uintBitsToFloat(uvec3(head.w & 255u, head.w >> 8 & 255u, head.w >> 16 & 255u) << 23u);
+  bvec3 negative = bvec3((line.signs & 1u) != 0u, (line.signs & 2u) != 0u, (line.signs & 4u) != 0u);
+  uint hits = 0u;
+  for (uint half_ = 0u; half_ < 2u; ++half_) {
+    bool second = half_ == 1u;
+    uint leaf = second ? mid.w : mid.z;
+    uvec3 low = second ? uvec3(a.y, a.w, b.y) : uvec3(a.x, a.z, b.x);
+    uvec3 high = second ? uvec3(b.w, c.y, c.w) : uvec3(b.z, c.x, c.z);
+    uvec3 near = uvec3(negative.x ? high.x : low.x, negative.y ? high.y : low.y, negative.z ? high.z : low.z);
+    uvec3 far = uvec3(negative.x ? low.x : high.x, negative.y ? low.y : high.y, negative.z ? low.z : high.z);
+    for (uint k = 0u; k < 4u; ++k) {
+      uint shift = 8u * k;
+      uint meta = leaf >> shift & 255u;
+      vec3 enter = (planes(near >> shift & uvec3(255u), scale, origin) - line.o) * line.inverse;
+      vec3 leave = (planes(far >> shift & uvec3(255u), scale, origin) - line.o) * line.inverse;
+      float first = max(max(enter.x, enter.y), max(enter.z, 0.0)) * kSooner;
+      float last = min(min(leave.x, leave.y), min(leave.z, reach)) * kLater;
+      if (meta == 0u || first > last) continue;
+      uint slot = 4u * half_ + k;
+      hits |= (after.z >> slot & 1u) != 0u ? 0x80000000u >> (slot ^ line.signs) : (meta >> 5) << (meta & 31u);
+    }
+  }
+  return hits;
+}
+
+// Whether the texture lets a ray pass at barycentric coordinates, which may be off by `blur`; `sure` is false near the
+// edge of a texel.
+bool passes(uint cutout, vec2 at, vec2 blur, out bool sure) {
+  uvec4 ab = texelFetch(cutouts, int(2u * cutout));
+  uvec4 rest = texelFetch(cutouts, int(2u * cutout + 1u));
+  vec2 a = uintBitsToFloat(ab.xy);
+  vec2 b = uintBitsToFloat(ab.zw);
+  vec2 c = uintBitsToFloat(rest.xy);
+  vec2 uv = a * (1.0 - at.x - at.y) + b * at.x + c * at.y;
+  vec2 off = abs(b - a) * blur.x + abs(c - a) * blur.y + kRounding * (abs(a) + abs(b) + abs(c));
+  uvec2 size = uvec2(rest.z & 0xFFFFu, rest.z >> 16);
+  vec2 place = (uv - floor(uv)) * vec2(size);
+  sure = all(greaterThan(abs(place - round(place)), off * vec2(size)));
+  uvec2 texel = min(uvec2(place), size - 1u);
+  uint number = texel.y * size.x + texel.x;
+  return (texelFetch(holes, int(rest.w + number / 32u)).x >> (number % 32u) & 1u) != 0u;
+}
+
+// Meets a triangle by the volumes that the ray makes with its edges (T. Davidovic, T. Engelhardt, I. Georgiev, P.
+// Slusallek, C. Dachsbacher, "3D rasterization: a bridge between rasterization and ray casting", 2012): signs alone
+// decide, so that no ray passes between two triangles. Each volume is twice the edge's length times how far the ray
+// passes it: where that is within rounding, the ray is unsure. `toNormal`: rows that turn a normal into the world.
+void meetTriangle(uint t, Line line, uint place, mat3 toNormal) {
+  uvec4 wordsA = texelFetch(triangles, int(3u * t));
+  uvec4 wordsB = texelFetch(triangles, int(3u * t + 1u));
+  precise vec3 a = uintBitsToFloat(wordsA.xyz) - line.o;
+  precise vec3 b = uintBitsToFloat(wordsB.xyz) - line.o;
+  precise vec3 c = uintBitsToFloat(texelFetch(triangles, int(3u * t + 2u)).xyz) - line.o;
+  precise vec3 e0 = c - a;
+  precise vec3 e1 = a - b;
+  precise vec3 e2 = b - c;
+  precise vec3 volumes = vec3(dot(cross(e0, c + a), line.d), dot(cross(e1, a + b), line.d),
+                              dot(cross(e2, b + c), line.d));
+  float along = max(longest(a), max(longest(b), longest(c)));
+  float doubt = line.doubt + kRounding * along;
+  float steepness = abs(line.d.x) + abs(line.d.y) + abs(line.d.z);
+  vec3 edges = abs(vec3(e0.x, e1.x, e2.x)) + abs(vec3(e0.y, e1.y, e2.y)) + abs(vec3(e0.z, e1.z, e2.z));
+  vec3 margin = 2.0 * doubt * steepness * edges;
+  bool front = any(greaterThan(volumes, margin));
+  bool back = any(lessThan(volumes, -margin));
+  if (front && back) return;
+  vec3 normal = cross(e0, e1);
+  float facing = dot(normal, line.d);
+  float square = dot(line.d, line.d);
+  bool met = all(greaterThanEqual(volumes, margin)) || all(lessThanEqual(volumes, -margin));
+  vec3 corners = vec3(dot(a, line.d), dot(b, line.d), dot(c, line.d)) / square;
+  float slack = doubt / sqrt(square);
+  float nearest = min(corners.x, min(corners.y, corners.z)) - slack;
+  float farther = max(corners.x, max(corners.y, corners.z)) + slack;
+  if (farther < 0.0 || nearest > reach) return;
+  float distance = dot(a, normal) / facing;
+  float off = doubt * length(normal) / abs(facing);
+  if (!met || !(off < kInfinite)) {
+    // The ray meets the plane where it passes the edge, if it meets the triangle at all.
+    bool plane = distance >= nearest && distance <= farther && off < farther - nearest;
+    float least = plane ? max(nearest, distance - 2.0 * off) : nearest;
+    if (least <= reach) doubtAt(least);
+    return;
+  }
+  if (distance < -off || distance - off > reach) return;
+  if (distance < off) {
+    doubtAt(0.0);
+    return;
+  }
+  if (wordsB.w != 0u) {
+    bool sure;
+    float sum = volumes.x + volumes.y + volumes.z;
+    bool open = passes(wordsB.w - 1u, volumes.xy / sum, (margin.xy + margin.z) / abs(sum), sure);
+    if (!sure) {
+      doubtAt(distance - off);
+      return;
+    }
+    if (open) return;
+  }
+  vec3 turned = vec3(dot(toNormal[0], normal), dot(toNormal[1], normal), dot(toNormal[2], normal));
+  float cosine = abs(dot(turned, worldDirection)) / length(turned);
+  if (off > kTrusted * (1.0 + distance)) doubtAt(distance - off);
+  float gap = abs(distance - best);
+  if (gap <= off + bestOff || gap * max(cosine, bestCosine) <= 2.0 * (kCoplanar * distance + coplanar)) {
+    doubtAt(min(distance - off, best - bestOff));
+  }
+  if (!(distance < best)) return;
+  best = distance;
+  bestOff = off;
+  bestCosine = cosine;
+  bestTriangle = wordsA.w;
+  bestPlace = place;
+  reach = min(reach, best * (1.0 + kReach) + coplanar + 2.0 * off + 4.0 * (kCoplanar * best + coplanar) / cosine);
+}
+)";
+
+// From the node `root` on, nearest first. `leaf` is what happens to a primitive.
+std::string traversal(const std::string& head, const std::string& nodes, const std::string& leaf) {
+  return head + R"( {
+  uvec2 stack[kDepth];
+  int top = 0;
+  uvec2 open = uvec2(root, 0x80000000u);  // nodes: where they start; which are left, and which slots hold nodes
+  while (true) {
+    uvec2 leaves = uvec2(0u);
+    if (open.y > 0x00FFFFFFu) {
+      int bit = findMSB(open.y);
+      uint slot = uint(31 - bit) ^ line.signs;
+      uint index = open.x + uint(bitCount(open.y & 0xFFu & ~(0xFFFFFFFFu << slot)));
+      open.y &= ~(1u << bit);
+      if (open.y > 0x00FFFFFFu) stack[top++] = open;
+      uvec3 after;
+      uint hits = meet()" +
+         nodes + R"(, index, line, after);
+      open = uvec2(after.x, (hits & 0xFF000000u) | after.z);
+      leaves = uvec2(after.y, hits & 0x00FFFFFFu);
+    }
+    while (leaves.y != 0u) {
+      uint primitive = leaves.x + uint(findLSB(leaves.y));
+      leaves.y &= leaves.y - 1u;
+      )" +
+         leaf + R"(
+    }
+    if (open.y <= 0x00FFFFFFu) {
+      if (top == 0) break;
+      open = stack[--top];
+    }
+  }
+}
+)";
+}
+
+constexpr const char* kEnter = R"(
+// Takes the ray into the frame of a placed mesh.
+void enter(uint number, Line line) {
+  int at = int(7u * number);
+  uvec4 words = texelFetch(places, at + 6);
+  vec4 row[3];
+  for (int k = 0; k < 3; ++k) row[k] = uintBitsToFloat(texelFetch(places, at + k));
+  if (words.z != 0u) {
+    for (int k = 0; k < 3; ++k) {
+      row[k] += (uintBitsToFloat(texelFetch(places, at + 3 + k)) - row[k]) * part;
+    }
+    vec3 cofactor[3] = vec3[](cross(row[1].xyz, row[2].xyz), cross(row[2].xyz, row[0].xyz),
+                              cross(row[0].xyz, row[1].xyz));
+    float determinant = dot(row[0].xyz, cofactor[0]);
+    vec3 translation = vec3(row[0].w, row[1].w, row[2].w);
+    vec3 inverse[3];
+    for (int k = 0; k < 3; ++k) inverse[k] = vec3(cofactor[0][k], cofactor[1][k], cofactor[2][k]) / determinant;
+    for (int k = 0; k < 3; ++k) row[k] = vec4(inverse[k], -dot(inverse[k], translation));
+  }
+  mat3 rows = mat3(row[0].xyz, row[1].xyz, row[2].xyz);  // in columns
+  vec3 translation = vec3(row[0].w, row[1].w, row[2].w);
+  vec3 o = line.o * rows + translation;
+  vec3 d = line.d * rows;
+  vec3 size = abs(line.o) * mat3(abs(rows[0]), abs(rows[1]), abs(rows[2])) + abs(translation);
+  float doubt = 2.0 * kRounding * longest(size);
+  // The inverse's transpose turns normals: its rows are the columns of `rows`.
+  mat3 toNormal = mat3(rows[0].x, rows[1].x, rows[2].x, rows[0].y, rows[1].y, rows[2].y, rows[0].z, rows[1].z,
+                       rows[2].z);
+  traverseMesh(words.x, lineOf(o, d, doubt), words.y + 1u, toNormal);
+}
+)";
+
+constexpr const char* kInvoke = R"(
+// Invocations that run together take eight neighbouring columns of four rings.
+void invoke(uint i) {
+  uint across = (columns + 7u) / 8u;
+  uint tile = i / 32u;
+  uint row = tile / across * 4u + (i % 32u) / 8u;
+  uint column = tile % across * 8u + i % 8u;
+  if (row >= sliceRings || column >= columns) return;
+  uint ray = row * columns + column;
+  dvec3 exactOrigin, exactDirection;
+  rayOf(ray, column, withOrigins != 0u, exactOrigin, exactDirection);
+  vec3 o = vec3(exactOrigin);
+  vec3 d = vec3(exactDirection);
+  worldDirection = d;
+  part = duration > 0.0 ? clamp(times[ray] / duration, 0.0, 1.0) : 0.0;
+  best = kInfinite;
+  bestOff = 0.0;
+  bestCosine = 0.0;
+  bestTriangle = kNothing;
+  bestPlace = 0u;
+  unsure = kInfinite;
+  reach = farthest;
+  Line line = lineOf(o, d, kRounding * longest(o));
+  if (meshRoot != kNoRoot) traverseMesh(meshRoot, line, 0u, mat3(1.0));
+  if (placesRoot != kNoRoot) traversePlaces(placesRoot, line);
+  bool known = !(unsure <= reach);
+  uint count = sliceRings * columns;
+  found[ray] = known ? bestTriangle : kUnsure;
+  found[count + ray] = bestPlace;
+}
+)";
+
+std::string constantOf(const char* name, float value) {
+  return fmt::format("const float {} = uintBitsToFloat({:#x}u);\n", name, std::bit_cast<std::uint32_t>(value));
+}
+
+std::string constantOf(const char* name, std::uint32_t value) {
+  return fmt::format("const uint {} = {:#x}u;\n", name, value);
+}
+
+}  // namespace
+
+std::string traceShader() {
+  constexpr float kUnit = 0x1p-24f;  // half of the step of numbers near 1
+  const std::string constants = constantOf("kNoRoot", kNoRoot) + constantOf("kNothing", kNothingFound) +
+                                constantOf("kUnsure", kUnsureHit) + constantOf("kCoplanar", kCoplanar) +
+                                constantOf("kReach", kReach) + constantOf("kLeast", 1e-18f) +
+                                constantOf("kSooner", 1 - 16 * kUnit) + constantOf("kLater", 1 + 16 * kUnit) +
+                                constantOf("kRounding", 16 * kUnit) + constantOf("kTrusted", 5e-3f) +
+                                fmt::format("const int kDepth = {};\n", kMostWideDepth);
+  return constants + DeviceBeams::shader() + kRays +
+         traversal("void traverseMesh(uint root, Line line, uint place, mat3 toNormal)", "nodes",
+                   "meetTriangle(primitive, line, place, toNormal);") +
+         kEnter + traversal("void traversePlaces(uint root, Line line)", "placeNodes", "enter(primitive, line);") +
+         kInvoke;
+}
+
+}  // namespace scanmill
