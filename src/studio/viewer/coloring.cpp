@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "scan/reasons.h"
 
 namespace scanmill {
 
@@ -96,7 +97,22 @@ Coloring byInstance(const Scan& scan) {
   return out;
 }
 
-// A colour each: the numbers are few, and no scale.
+// A colour each: the values are kinds, and no scale.
+Coloring byCause(const Scan& scan) {
+  Coloring out;
+  out.legend.title = kCause.row.name;
+  const auto cause = [&](std::size_t i) { return scan[kCause][i]; };
+  const auto reason = [](std::uint32_t of) { return findReason(static_cast<std::uint8_t>(of)); };
+  const auto color = [&](std::uint32_t of) { return reason(of) == nullptr ? kNoValue : Rgb(reason(of)->color); };
+  for (const auto& [of, held] : paint(scan, cause, color, out.colors)) {
+    const ReasonEntry* const known = reason(of);
+    const std::string name = known == nullptr ? fmt::format("cause {}", of) : std::string(known->name);
+    out.legend.entries.push_back({name, held.color, -1, held.points});
+  }
+  return out;
+}
+
+// Likewise: the numbers are few.
 Coloring byReturn(const Scan& scan) {
   constexpr double kFirstReturn = 0.7;  // of the colour map
   const bool single = scan[kReturn].empty() && scan.planes == 1;
@@ -283,6 +299,7 @@ Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, cons
   }
   if (by == kByError) return byError(scan, context);
   if (by == kByReturn) return byReturn(scan);
+  if (by == kByCause && !scan[kCause].empty()) return byCause(scan);
   if (const Column* const column = by.column()) {
     if (!holds(scan, *column) && scan.size() > 0) failForColumn(scan, by, column->name);
     return byColumn(scan, *column, context);

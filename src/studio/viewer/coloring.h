@@ -41,6 +41,7 @@ inline const ColorBy kByClass{kLabel.row};
 inline const ColorBy kByInstance{kInstance.row};
 inline const ColorBy kByIntensity{kIntensity.row};
 inline const ColorBy kByReturn{kReturn.row};
+inline const ColorBy kByCause{kCause.row};
 inline const ColorBy kByRange{"range"};
 inline const ColorBy kByHeight{"height"};
 inline const ColorBy kByError{"error"};
@@ -70,7 +71,7 @@ struct ScaleRange {
 
 // Colours by numbers, which have a scale.
 inline bool isNumeric(const ColorBy& by) {
-  return by != kByClass && by != kByInstance && by != kByReturn;
+  return by != kByClass && by != kByInstance && by != kByReturn && by != kByCause;
 }
 
 // Either named colours or a scale from `low` to `high`.

@@ -16,6 +16,7 @@
 #include "viewer/panels/board.h"
 #include "viewer/panels/parts.h"
 #include "viewer/panels/rooms.h"
+#include "viewer/scale_ticks.h"
 
 namespace scanmill {
 
@@ -111,6 +112,7 @@ void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>&
     canvas.setPoints(static_cast<ItemId>(size), item.points, item.colors);
     ItemLook look;
     look.size = size;
+    look.round = size > 3;  // smaller ones would lose their corners to no shape at all
     canvas.setLook(static_cast<ItemId>(size), look);
   }
 }
@@ -144,7 +146,7 @@ Image drawOverlay(const std::vector<NamedScan>& scans, const PictureOptions& opt
   for (const NamedScan& named : scans) {
     const Rgb color = overlayColor(legend.entries.size());
     const auto shown = countShown(named.scan.position, options.closeUp);
-    legend.entries.push_back({fmt::format("{}, {} points", named.name, shown), color});
+    legend.entries.push_back({titleWithPoints(named.name, shown), color});
     points.insert(points.end(), named.scan.position.begin(), named.scan.position.end());
     colors.resize(points.size(), color);
   }
@@ -189,7 +191,8 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
       std::none_of(scan.position.begin(), scan.position.end(), [](const Vec3f& p) { return isFinite(p); });
   return board.draw([&] {
     titleRow(top, fmt::format("{}, {}", title, describeStrip(strip, order)),
-             fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top", legend.title));
+             fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top",
+                         legend.scale ? scaleTitle(legend) : legend.title));
     panelAt("##strip", body, false, [&] { imageAt(kStrip, body); });
     panelAt("##legend", below, false, [&] { legendTable(legend); });
     if (empty) drawMessage(body, "no points");

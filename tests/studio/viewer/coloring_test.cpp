@@ -162,6 +162,19 @@ TEST(ColorScan, EntriesKnowTheirClassAndHowManyPointsTheyHave) {
   EXPECT_EQ(instances.entries[0].id, -1) << "of no class";
 }
 
+TEST(ColorScan, CausesAreKindsWithNames) {
+  Scan scan = scanOf(5);
+  scan[kCause] = {1, 3, 1, 200, 4};
+  const Coloring c = colorScan(scan, ColorBy("cause"), nullptr);
+  EXPECT_FALSE(c.legend.scale);
+  EXPECT_FALSE(isNumeric(ColorBy("cause")));
+  EXPECT_THAT(names(c.legend), testing::ElementsAre("surface", "through_glass", "mirrored", "cause 200"));
+  EXPECT_THAT(counts(c.legend), testing::ElementsAre(2, 1, 1, 1));
+  EXPECT_EQ(c.colors[0], c.colors[2]);
+  EXPECT_NE(c.colors[0], c.colors[1]);
+  EXPECT_THAT(messageOf([&] { colorScan(scanOf(2), ColorBy("cause"), nullptr); }), testing::HasSubstr("cause"));
+}
+
 TEST(ColorScan, AllPointsAreFirstReturns) {
   Scan scan = scanOf(3);
   scan.position[1].x = std::numeric_limits<float>::quiet_NaN();

@@ -59,6 +59,7 @@ struct ItemLook {
   double opacity = 1;       // 0 to 1
   std::uint32_t views = 1;  // bit k: drawn in view k
   bool lit = true;          // triangles are shaded by a light at the eye
+  bool round = false;       // points are discs, in place of squares
 };
 
 // What lies over the views, as panels and their text are made of: triangles, each of which multiplies its colours with

@@ -1,0 +1,86 @@
+// Particles that a device launches and flies give the processor's bytes.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "base/random.h"
+#include "tests/core/methods/trace.h"
+#include "tests/support/gl.h"
+#include "tests/support/same_hits.h"
+#include "tests/support/street.h"
+#include "tests/support/test_scene.h"
+
+namespace scanmill {
+namespace {
+
+void expectTheProcessorsBytes(const Scene& scene, const Shot& shot, const std::string& options) {
+  SCOPED_TRACE(options);
+  const auto here = methodOf("particle", scene, "{backend: cpu, " + options + "}");
+  const auto there = methodOf("particle", scene, "{backend: gl, " + options + "}");
+  expectSameHits(traced(*there, shot), traced(*here, shot));
+}
+
+TEST(ParticlesOnADevice, GiveTheProcessorsBytes) {
+  SKIP_WITHOUT_GL();
+  const Scene street = proceduralStreet();
+  const Shot shot = streetShot(spinning(16, 500, -25, 5, 60), -20);  // the last columns lack particles
+  for (const char* refine : {"none", "normal", "triangle"}) {
+    expectTheProcessorsBytes(street, shot, std::string("voxel_m: 0.2, voxels: 128, refine: ") + refine);
+  }
+}
+
+// Beams that leave the field, poses that change, beams with origins of their own, a sensor that looks along an axis.
+TEST(ParticlesOnADevice, WhereverTheyStart) {
+  SKIP_WITHOUT_GL();
+  const Scene street = proceduralStreet();
+  auto beams = std::make_shared<BeamTable>(*spinning(9, 100, -20, 20, 80));
+  for (std::size_t i = 0; i < beams->size(); ++i) {
+    beams->origin.push_back({0.1f, 0.01f * static_cast<float>(i % 50), -0.2f});
+  }
+  beams->direction[0] = {1, 0, 0};
+  beams->direction[1] = {0, 0, -1};
+  Shot shot = streetShot(beams, 10);
+  for (int step = 1; step < 7; ++step) {
+    shot.worldFromSensor.push_back({fromYawPitchRoll(0.02 * step, 0.01, 0), {10 + 0.3 * step, -1.75, 1.9}});
+  }
+  for (const char* refine : {"none", "triangle"}) {
+    expectTheProcessorsBytes(street, shot, std::string("voxel_m: 0.2, voxels: 128, levels: 2, refine: ") + refine);
+  }
+}
+
+TEST(ParticlesOnADevice, PassTheSameHoles) {
+  SKIP_WITHOUT_GL();
+  SceneBuilder builder = testBuilder();
+  Material leaf;
+  leaf.name = "leaf";
+  leaf.alphaTested = true;
+  auto texture = std::make_shared<Texture>();
+  texture->width = 31;
+  texture->height = 17;
+  texture->hasAlpha = true;
+  for (std::uint32_t i = 0; i < texture->width * texture->height; ++i) {
+    const auto alpha = static_cast<std::uint8_t>(randomBlock({.beam = i, .purpose = Purpose::Test})[0] & 255u);
+    texture->rgba.insert(texture->rgba.end(), {10, 200, 30, alpha});
+  }
+  leaf.texture = texture;
+  Mesh curtain;
+  curtain.surfaces.push_back({builder.addMaterial(leaf), 2, 1, "", "", {}});
+  appendQuad(curtain, 0, {0, 5, -5}, {0, -5, -5}, {0, -5, 5}, {0, 5, 5});
+  curtain.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  const std::uint32_t mesh = builder.addMesh(std::move(curtain));
+  for (int i = 0; i < 3; ++i) builder.place(mesh, at(4.0 + i, 0.3 * i, 0), "curtain");
+  Mesh wall = meshOf(builder, "ground");
+  appendQuad(wall, 0, {9, 20, -20}, {9, -20, -20}, {9, -20, 20}, {9, 20, 20});
+  builder.place(builder.addMesh(wall), {}, "wall");
+  const Scene scene = builder.finish();
+  const Shot shot = shotAt(spinning(48, 500, -30, 30, 40));
+  expectTheProcessorsBytes(scene, shot, "refine: triangle");
+  const Hits hits = traced(*methodOf("particle", scene, "{backend: gl}"), shot);
+  EXPECT_GT(std::count(hits.semantic.begin(), hits.semantic.end(), 1), 100) << "some pass all three";
+  EXPECT_GT(std::count(hits.semantic.begin(), hits.semantic.end(), 2), 1000);
+}
+
+}  // namespace
+}  // namespace scanmill
