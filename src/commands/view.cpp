@@ -14,6 +14,7 @@
 #include "viewer/frames/image_list.h"
 #include "viewer/picture.h"
 #include "viewer/window/image_session.h"
+#include "viewer/window/mesh_coloring.h"
 #include "viewer/window/session.h"
 
 namespace scanmill {
@@ -285,7 +286,8 @@ void addOptions(cxxopts::Options& options) {
       "names and colours of the classes, in place of the dataset's: a file, or a name of `scanmill list ontologies`",
       text(), "FILE|NAME")(
       "color",
-      fmt::format("{}; the first that the scan has where not given; once per view", fmt::join(colorNames(), ", ")),
+      fmt::format("{}; the first that the scan has where not given; once per view; of a scene by itself {}",
+                  fmt::join(colorNames(), ", "), fmt::join(kMeshColorNames, ", ")),
       list(), "WHAT")(
       "scale", "first and last value of the colours that show numbers; follows from the values where not given", text(),
       "LOW,HIGH")("layout", fmt::format("{}: how the scans of a sample are shown", fmt::join(kLayoutNames, ", ")),

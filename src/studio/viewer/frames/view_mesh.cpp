@@ -12,6 +12,7 @@
 
 #include "base/parallel.h"
 #include "pipeline/plan/scene_shares.h"
+#include "pipeline/plan/warnings.h"
 
 namespace scanmill {
 
@@ -59,15 +60,29 @@ std::string shortPlace(const Scene& scene, const Location& where) {
                                        : fmt::format("{}, line {}", file.string(), where.line);
 }
 
+std::string ruleKey(const Surface& surface) {
+  if (!surface.labelledBy.file.empty()) return surface.labelledBy.text();
+  return surface.semantic == 0 ? "none" : "own";
+}
+
+// What gave a surface its class where it was no rule.
+std::string ofTheObject(const Scene& scene, const Surface& surface) {
+  const SemanticClass* const known = scene.ontology.find(surface.semantic);
+  return fmt::format("{}: {} (of the object)", shortPlace(scene, surface.labelledBy),
+                     known == nullptr ? std::to_string(surface.semantic) : known->name);
+}
+
 // Lists the surfaces of the scene and what they name, objects without triangles left out. Gives the place of each
 // instance's first surface.
 std::vector<std::uint32_t> listSurfaces(const Scene& scene, ViewMesh& view) {
   NameList textures(view.textures);
   NameList rules(view.rules);
   textures.number("", "no texture");
-  rules.number("", "no rule");
+  rules.number("none", "none: no rule matches");
+  rules.number("own", "the object itself");
   for (const RuleUse& use : scene.rules) {
-    rules.number(use.where.text(), fmt::format("{}: {} ({})", shortPlace(scene, use.where), use.gives, use.match));
+    rules.number(use.where.text(), fmt::format("{}: {} ({})", shortPlace(scene, use.where),
+                                               use.gives.substr(0, use.gives.find(", material ")), use.match));
   }
   std::vector<std::uint32_t> first;
   first.reserve(scene.instances.size());
@@ -79,9 +94,8 @@ std::vector<std::uint32_t> listSurfaces(const Scene& scene, ViewMesh& view) {
     for (const Surface& surface : mesh.surfaces) {
       const auto [part, added] = partOf.emplace(surface.node, static_cast<std::uint32_t>(view.parts.size()));
       if (added) view.parts.push_back(partName(instance.name, surface.node));
-      const Location& by = surface.labelledBy;
       view.surfaces.push_back({part->second, surface.material, textures.number(surface.texture),
-                               rules.number(by.text(), shortPlace(scene, by) + ": class")});
+                               rules.number(ruleKey(surface), ofTheObject(scene, surface))});
     }
   }
   return first;
@@ -255,6 +269,7 @@ ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, dou
     }
     ViewMesh view = makeViewMesh(scene);
     view.moves = moves;
+    view.warnings = ruleWarnings(scene);
     return view;
   } catch (const std::exception& e) {
     ViewMesh none;

@@ -38,14 +38,15 @@ struct ViewMesh {
   std::vector<std::string> materials;
   std::vector<float> reflectance;     // of each material
   std::vector<std::string> textures;  // their names in the assets; the first stands for no texture
-  // What gave the class: "line 12: wall (node: Wall*)", a rule of the scene's file, or "line 30: class".
-  // The first stands for neither.
+  // What gave the class: "line 12: wall (node: Wall*)", a rule of the scene's file, or "line 30: wall (of the object)".
+  // The first two stand for neither: triangles without a class, and those whose object or file brings its own.
   std::vector<std::string> rules;
   Ontology ontology;
-  Box bounds;              // m, from `origin`
-  Box core;                // m, from `origin`: where the most of it is
-  bool moves = false;      // objects of the scene move: this is how they stand at one time
-  std::vector<Box> boxes;  // m, from `origin`; each holds the next kTrianglesPerBox triangles
+  Box bounds;                         // m, from `origin`
+  Box core;                           // m, from `origin`: where the most of it is
+  std::vector<std::string> warnings;  // of rules that match nothing, or decide on nothing
+  bool moves = false;                 // objects of the scene move: this is how they stand at one time
+  std::vector<Box> boxes;             // m, from `origin`; each holds the next kTrianglesPerBox triangles
 
   static constexpr std::size_t kTrianglesPerBox = 256;
   std::size_t size() const { return semantic.size(); }

@@ -107,6 +107,9 @@ bool legendRow(int id, const LegendRow& row, bool clickable, float width) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float left = at.x + letter() * 1.25F;
   const std::string name = fitted(row.name, width - letter() * 1.25F - count);
+  if (name != row.name && ImGui::IsMouseHoveringRect(at, {at.x + width, at.y + letter() + 2})) {
+    ImGui::SetTooltip("%s", row.name.c_str());
+  }
   list.AddText({left, at.y + 1}, color, name.data(), name.data() + name.size());
   if (row.look == Look::Hidden) {
     list.AddLine({left, at.y + 1 + letter() * 0.55F}, {left + sizeOf(name).x, at.y + 1 + letter() * 0.55F}, color);

@@ -54,7 +54,7 @@ Legend objectLegend(const ViewMesh& mesh) {
   return legend;
 }
 
-// Of what surfaces name. The most frequent first. `firstColor`: of the list's first name.
+// Of what surfaces name. The most frequent first, but for rules. `firstColor`: of the list's first name.
 Legend nameLegend(const ViewMesh& mesh, const std::vector<std::string>& names, std::uint32_t ViewSurface::*which,
                   std::uint32_t firstColor) {
   std::vector<std::uint64_t> triangles(names.size(), 0);
@@ -64,6 +64,7 @@ Legend nameLegend(const ViewMesh& mesh, const std::vector<std::string>& names, s
     if (triangles[i] == 0) continue;
     legend.entries.push_back({names[i], instanceColor(firstColor + static_cast<std::uint32_t>(i)), -1, triangles[i]});
   }
+  if (which == &ViewSurface::rule) return legend;  // in the order of the file
   std::stable_sort(legend.entries.begin(), legend.entries.end(),
                    [](const LegendEntry& a, const LegendEntry& b) { return a.points > b.points; });
   return legend;

@@ -206,7 +206,7 @@ PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const V
   thing.heading = instance == 0 ? name : fmt::format("{} {}", name, instance);
   thing.rows.emplace_back("object", mesh.parts[surface.part]);
   thing.rows.emplace_back("class", fmt::format("{} ({})", name, semantic));
-  thing.rows.emplace_back("labelled by", mesh.rules[surface.rule]);
+  thing.rows.emplace_back("class by", mesh.rules[surface.rule]);
   thing.rows.emplace_back("instance", instance == 0 ? "none" : fmt::format("{}", instance));
   thing.rows.emplace_back("material", mesh.materials[surface.material]);
   thing.rows.emplace_back("reflectance", fmt::format("{:.3g}", mesh.reflectance[surface.material]));
@@ -215,7 +215,7 @@ PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const V
   thing.rows.emplace_back("world y", fmt::format("{:.3f} m", worldPlace.y));
   thing.rows.emplace_back("world z", fmt::format("{:.3f} m", worldPlace.z));
   thing.rows.emplace_back("triangle", fmt::format("{} of {}", triangle, grouped(mesh.size())));
-  for (const char* row : {"object", "labelled by", "material", "reflectance"}) {
+  for (const char* row : {"object", "class by", "material", "reflectance"}) {
     if (const std::string value = valueIn(thing.rows, row); !value.empty()) thing.brief.emplace_back(row, value);
   }
   return thing;

@@ -197,7 +197,9 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::DriverView:
       return setCamera(preset(View::Driver));
     case KeyAction::AboveView:
-      return setCamera(preset(View::Above));
+      setCamera(preset(View::Above));
+      if (source->isScene()) tellWhatEncloses();
+      return;
     case KeyAction::NextPreset:
       if (camera == preset(View::Chase)) return setCamera(preset(View::Driver));
       return setCamera(preset(camera == preset(View::Driver) ? View::Above : View::Chase));

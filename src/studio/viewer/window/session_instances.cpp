@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/grouped.h"
 #include "viewer/window/guides.h"
 #include "viewer/window/session_state.h"
 
@@ -61,8 +62,11 @@ void ViewSession::State::drawInstances() {
   const float high = ImGui::GetTextLineHeightWithSpacing() * kRows;
   if (!ImGui::BeginTable("instances", 4, kTable, {0, high})) return;
   ImGui::TableSetupScrollFreeze(0, 1);
-  for (const auto& [name, share] : {std::pair("class", 0.3F), {"id", 0.14F}, {"points", 0.2F}, {"box (m)", 0.36F}}) {
-    ImGui::TableSetupColumn(name, ImGuiTableColumnFlags_WidthStretch, share);
+  // Of points and sizes the largest come first.
+  for (const auto& [name, share] : {std::pair("class", 0.28F), {"id", 0.12F}, {"points", 0.19F}, {"box (m)", 0.41F}}) {
+    const bool large = name[0] == 'p' || name[0] == 'b';
+    ImGui::TableSetupColumn(
+        name, ImGuiTableColumnFlags_WidthStretch | (large ? ImGuiTableColumnFlags_PreferSortDescending : 0), share);
   }
   ImGui::TableHeadersRow();
   std::vector<const InstanceSummary*> rows;
@@ -100,7 +104,7 @@ void ViewSession::State::drawInstances() {
       ImGui::TableNextColumn();
       ImGui::Text("%u", instance.id);
       ImGui::TableNextColumn();
-      ImGui::Text("%zu", instance.points.size());
+      ImGui::TextUnformatted(grouped(instance.points.size()).c_str());
       ImGui::TableNextColumn();
       ImGui::Text("%.1f %.1f %.1f", instance.size.x, instance.size.y, instance.size.z);
     }

@@ -250,12 +250,15 @@ void ViewSession::State::drawPrompt() {
   ImGui::Separator();
   std::size_t found = 0;
   std::optional<std::string> chosen;
-  for (const std::string& key : source->keys()) {
-    if (key.find(*prompt) == std::string::npos) continue;
+  const bool byIndex = prompt->starts_with('#');
+  for (std::size_t i = 0; i < source->keys().size(); ++i) {
+    const std::string& key = source->keys()[i];
+    const bool fits = byIndex ? fmt::format("#{}", i).starts_with(*prompt) : key.find(*prompt) != std::string::npos;
+    if (!fits) continue;
     if (found++ < kMost && ImGui::Selectable(key.c_str())) chosen = key;
   }
   if (found > kMost) ImGui::TextDisabled("and %s more", grouped(found - kMost).c_str());
-  if (found == 0) ImGui::TextDisabled("no key holds this; an index counts from 0");
+  if (found == 0) ImGui::TextDisabled("no key holds this");
   ImGui::End();
   if (entered) chosen = *prompt;
   if (ImGui::IsKeyPressed(ImGuiKey_Escape) || (entered && prompt->empty())) return prompt.reset();

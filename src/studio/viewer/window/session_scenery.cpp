@@ -149,6 +149,7 @@ void ViewSession::State::placeMesh() {
   if (source->isScene() && !sceneFramed) {
     sceneFramed = true;
     setCamera(firstCamera());
+    for (const std::string& warning : mesh->warnings) hint(warning);
     tellWhatEncloses();
   }
 }
@@ -157,7 +158,7 @@ void ViewSession::State::placeMesh() {
 // outside.
 void ViewSession::State::tellWhatEncloses() {
   constexpr int kAcross = 7;
-  constexpr double kEnough = 0.5;  // of the lines of sight
+  constexpr double kEnough = 0.1;  // of the lines of sight
   const ViewCamera view = camera.camera(canvas.width(), canvas.height());
   std::optional<std::size_t> first;  // triangle
   int met = 0;

@@ -91,11 +91,12 @@ TEST_F(SceneViewer, APickNamesTextureAndRule) {
     const auto row = [&](const std::string& name) {
       return std::ranges::find(thing.rows, name, [](const auto& r) { return r.first; })->second;
     };
-    texturesAndRules.insert(row("object") + " | " + row("texture") + " | " + row("labelled by"));
+    texturesAndRules.insert(row("object") + " | " + row("texture") + " | " + row("class by"));
   }
-  EXPECT_THAT(texturesAndRules, testing::UnorderedElementsAre(
-                                    "own: left | wall.png | line 8: building (texture: wall*)",
-                                    "own: right | none | line 9: fence (node: right)", "box | none | line 10: class"));
+  EXPECT_THAT(texturesAndRules,
+              testing::UnorderedElementsAre("own: left | wall.png | line 8: building (texture: wall*)",
+                                            "own: right | none | line 9: fence (node: right)",
+                                            "box | none | line 10: car (of the object)"));
   for (const auto& [by, colorsExpected] : {std::pair(MeshColor::Texture, 2), {MeshColor::Rule, 3}}) {
     const Coloring coloring = colorMesh(mesh, by);
     std::uint64_t counted = 0;
@@ -105,6 +106,19 @@ TEST_F(SceneViewer, APickNamesTextureAndRule) {
     EXPECT_EQ(std::set(coloring.colors.begin(), coloring.colors.end()).size(),
               static_cast<std::size_t>(colorsExpected));
   }
+}
+
+TEST_F(SceneViewer, WarnsOfRulesThatGiveNothing) {
+  folder_.write("own.obj", "v 0 -4 0\nv 0 4 0\nv 0 4 4\no left\nf 1 2 3\n");
+  const std::filesystem::path file = folder_.write("own.yaml", std::string(kWallScene) +
+                                                                   "  - file: own.obj\n    up: z\n    rules:\n"
+                                                                   "      - {match: {node: l*}, class: building}\n"
+                                                                   "      - {match: {node: left}, class: fence}\n"
+                                                                   "      - {match: {node: rigth}, class: wall}\n");
+  ViewSession session(openFrames({.path = file}), canvas_, {});
+  session.settle();
+  EXPECT_THAT(session.hints(),
+              testing::ElementsAre(testing::HasSubstr("own.yaml:10:9"), testing::HasSubstr("own.yaml:11:9")));
 }
 
 // A picture of nothing but the box about everything comes with a word; a ground that fills it, or a box whose class is
