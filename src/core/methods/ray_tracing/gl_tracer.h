@@ -41,9 +41,10 @@ class GlTracer {
   GlTracer(const GlTracer&) = delete;
   GlTracer& operator=(const GlTracer&) = delete;
 
-  // Of a triangle that `found` names, Embree with the tie rule (filter.h) would have found the same, and the distance to
-  // its plane is that to the triangle (intersectPlanes() in methods/world/resolve.h). `farthest`: m, how far rays go. Hierarchies stay on the device between calls, and so do beams. Adds "upload", "trace" and "read_back"
-  // to the clock. Throws Error where the scene does not fit.
+  // Of a triangle that `found` names, Embree with the tie rule (filter.h) would have found the same, and the distance
+  // to its plane is that to the triangle (intersectPlanes() in methods/world/resolve.h). `farthest`: m, how far rays
+  // go. Hierarchies stay on the device between calls, and so do beams. Adds "upload", "trace" and "read_back" to the
+  // clock. Throws Error where the scene does not fit.
   void trace(const std::shared_ptr<const World>& world, const Shot& shot, const ShotFrame& frame, float farthest,
              float coplanar, FoundTriangles& found, StageClock& clock);
 
