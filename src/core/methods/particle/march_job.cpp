@@ -246,7 +246,7 @@ MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& mat
     }
     expectStore(tile, hits);
     setUp(job.shot, job.frame, tile, rays);
-    if (!job.whole) inside = stretchesOf(job, rays);
+    bool known = false;  // the stretches
     for (int lane = 0; lane < kPacket; ++lane) {
       const std::size_t i = at + static_cast<std::size_t>(lane);
       const Outcome outcome = records.outcomeOf(i);
@@ -263,6 +263,10 @@ MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& mat
         continue;
       }
       loadMiss(planes, lane);
+      if (outcome == Outcome::Miss && !job.whole && !known) {
+        inside = stretchesOf(job, rays);
+        known = true;
+      }
       const bool left = outcome == Outcome::Miss && !job.whole && inside.end[lane] < farthest(beams);
       if (lane >= rays.count || (outcome == Outcome::Miss && !left)) continue;
       ++(left ? counts.left : counts.exhausted);

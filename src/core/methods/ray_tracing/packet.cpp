@@ -106,8 +106,8 @@ void intersect(const PacketJob& job, Pending& p) {
   } else {
     intersectAll(job, p.rays, p.parts, context);
   }
-  for (int i = 0; i < p.rays.count; ++i) {
-    p.triangles[i] = triangleOf(job.world, context, i);
+  for (int i = 0; i < kPacket; ++i) {
+    p.triangles[i] = i < p.rays.count ? triangleOf(job.world, context, i) : HitTriangle{};
     p.traced[i] = context.distance[i];
   }
 }
@@ -123,6 +123,8 @@ bool takeFound(const PacketJob& job, const Tile& tile, Pending& p) {
   for (int i = 0; i < p.rays.count; ++i) {
     if (job.found->triangle[rayOf(i)] == kUnsureHit) return false;
   }
+  std::fill_n(p.triangles, kPacket, HitTriangle{});
+  std::fill_n(p.traced, kPacket, 0.0f);
   for (int i = 0; i < p.rays.count; ++i) {
     const std::size_t ray = rayOf(i);
     const std::uint32_t triangle = job.found->triangle[ray];
@@ -138,8 +140,6 @@ SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pe
   p.tile = tile;
   setUp(job.shot, job.frame, tile, p.rays);
   findParts(job, tile, p.parts);
-  std::fill_n(p.triangles, kPacket, HitTriangle{});
-  std::fill_n(p.traced, kPacket, INFINITY);
   p.found = job.found != nullptr && takeFound(job, tile, p);
   if (!p.found) intersect(job, p);
   for (int i = 0; i < kPacket; ++i) {
