@@ -163,8 +163,10 @@ void ViewSession::State::tellWhatEncloses() {
   std::optional<std::size_t> first;  // triangle
   int met = 0;
   for (int line = 0; line < kAcross * kAcross; ++line) {
-    const double x = (line % kAcross + 0.5) * canvas.width() / kAcross;
-    const double y = (line / kAcross + 0.5) * canvas.height() / kAcross;
+    const int column = line % kAcross;
+    const int row = line / kAcross;
+    const double x = (column + 0.5) * canvas.width() / kAcross;
+    const double y = (row + 0.5) * canvas.height() / kAcross;
     const auto thing = pickMesh(sightLine(view, x, y));
     if (!thing) continue;
     ++met;
