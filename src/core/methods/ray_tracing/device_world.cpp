@@ -133,6 +133,16 @@ PrimitiveBox placedBox(const PlacedBlock& placed, const Box& mesh) {
   return {Vec3f(box.low - Vec3d{slack, slack, slack}), Vec3f(box.high + Vec3d{slack, slack, slack})};
 }
 
+// The baked block and those that worlds share, placed in this one or not, as far as they hold triangles.
+std::vector<const TriangleBlock*> blocksOf(const World& world) {
+  std::vector<const TriangleBlock*> blocks;
+  if (!world.baked.triangles.empty()) blocks.push_back(&world.baked);
+  for (const std::unique_ptr<TriangleBlock>& block : world.shared->blocks) {
+    if (block != nullptr && !block->triangles.empty()) blocks.push_back(block.get());
+  }
+  return blocks;
+}
+
 std::array<DeviceWord, 3> rowsOf(const Affine& a) {
   const auto row = [&](double Vec3d::*axis) {
     return DeviceWord{bits(a.linear.x.*axis), bits(a.linear.y.*axis), bits(a.linear.z.*axis),
@@ -150,15 +160,6 @@ std::uint64_t DeviceMeshes::bytes() const {
 
 std::uint64_t DevicePlaces::bytes() const {
   return nodes.size() * sizeof(WideNode) + places.size() * sizeof(DeviceWord);
-}
-
-std::vector<const TriangleBlock*> blocksOf(const World& world) {
-  std::vector<const TriangleBlock*> blocks;
-  if (!world.baked.triangles.empty()) blocks.push_back(&world.baked);
-  for (const std::unique_ptr<TriangleBlock>& block : world.shared->blocks) {
-    if (block != nullptr && !block->triangles.empty()) blocks.push_back(block.get());
-  }
-  return blocks;
 }
 
 DeviceMeshes deviceMeshes(RTCDeviceTy* device, const World& world) {

@@ -51,9 +51,6 @@ struct DevicePlaces {
   std::uint64_t bytes() const;
 };
 
-// The baked block and those that its worlds share, placed in this one or not, as far as they hold triangles.
-std::vector<const TriangleBlock*> blocksOf(const World& world);
-
 // Throws Error where memory is out or a texture is larger than 65535 texels a side.
 DeviceMeshes deviceMeshes(RTCDeviceTy* device, const World& world);
 DevicePlaces devicePlaces(RTCDeviceTy* device, const World& world, const DeviceMeshes& meshes);

@@ -114,10 +114,9 @@ class GlTracer::Inside {
   void holdWorld(const std::shared_ptr<const World>& world) {
     if (world_.lock() == world) return;
     world_.reset();
-    std::vector<const TriangleBlock*> blocks = blocksOf(*world);
     const bool baked = !world->baked.triangles.empty();
-    if (baked || blocks != blocks_) {
-      blocks_.clear();
+    if (baked || world->shared->number != shared_) {
+      shared_ = 0;
       meshes_ = deviceMeshes(embree_.get(), *world);
       hold(nodes_, Uint32x4, std::span<const WideNode>(meshes_.nodes), "hierarchies");
       hold(triangles_, Uint32x4, std::span<const DeviceWord>(meshes_.triangles), "triangles");
@@ -126,7 +125,7 @@ class GlTracer::Inside {
       DeviceMeshes kept;
       kept.blocks = std::move(meshes_.blocks);
       meshes_ = std::move(kept);
-      blocks_ = std::move(blocks);
+      if (!baked) shared_ = world->shared->number;
     }
     const DevicePlaces places = devicePlaces(embree_.get(), *world, meshes_);
     hold(placeNodes_, Uint32x4, std::span<const WideNode>(places.nodes), "hierarchy of placed meshes");
@@ -158,9 +157,9 @@ class GlTracer::Inside {
   ComputeBuffer found_{device_};
   ComputeBuffer nodes_{device_}, triangles_{device_}, cutouts_{device_}, holes_{device_};
   ComputeBuffer placeNodes_{device_}, places_{device_};
-  std::weak_ptr<const World> world_;          // whose data the buffers hold
-  std::vector<const TriangleBlock*> blocks_;  // likewise
-  DeviceMeshes meshes_;                       // their blocks alone
+  std::weak_ptr<const World> world_;  // whose data the buffers hold
+  std::uint64_t shared_ = 0;          // likewise: the number of the shared meshes, if nothing is baked besides
+  DeviceMeshes meshes_;               // their blocks alone
   std::uint32_t meshRoot_ = kNoRoot;
   std::uint32_t placesRoot_ = kNoRoot;
 };

@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "base/parallel.h"
 #include "base/stage_clock.h"
@@ -29,15 +31,29 @@ namespace {
 constexpr double kRingWeight = 3.5;
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // measured: the scene's own mesh
 
-// Null where the processor traces.
-std::unique_ptr<GlTracer> tracerOf(const RayTracingOptions& options) {
-  if (options.backend == BackendChoice::Asked::Gl) return std::make_unique<GlTracer>();
-  if (options.backend == BackendChoice::Asked::Cpu || !mayHaveCard()) return nullptr;
+// A device, and whether it takes the shots.
+struct TracingBackend {
+  std::unique_ptr<GlTracer> gl;  // null: none
+  BackendChoice choice;
+
+  TracingBackend(BackendChoice::Asked asked, std::unique_ptr<GlTracer> tracer)
+      : gl(std::move(tracer)), choice(asked, gl != nullptr, "rays are traced") {}
+};
+
+// One that may be faster than the processor; null where there is none, or none that works.
+std::unique_ptr<GlTracer> findTracer() {
   try {
-    return std::make_unique<GlTracer>();
+    return mayHaveCard() ? std::make_unique<GlTracer>() : nullptr;
   } catch (const Error&) {
     return nullptr;
   }
+}
+
+// That of all scenes of a run, since a choice costs four scans. A device is opened for the first shot, which plans and
+// reports have none of, and never closed: the driver may be gone by the time that the program ends.
+TracingBackend& automaticBackend() {
+  static auto* const one = new TracingBackend(BackendChoice::Asked::Auto, findTracer());
+  return *one;
 }
 
 HierarchyOptions hierarchy(const RayTracingOptions& options) {
@@ -54,8 +70,11 @@ class RayTracing : public Method {
         options_(options),
         worlds_(scene_, options.instancing, hierarchy(options)),
         materials_(compactMaterials(scene_)),
-        gl_(tracerOf(options)),
-        backend_(options.backend, gl_ != nullptr, "rays are traced") {}
+        asked_(options.backend == BackendChoice::Asked::Auto
+                   ? nullptr
+                   : std::make_unique<TracingBackend>(options.backend, options.backend == BackendChoice::Asked::Gl
+                                                                           ? std::make_unique<GlTracer>()
+                                                                           : nullptr)) {}
 
   TraceAccount prepare(const Shot& shot) const override {
     worldOf(shot);
@@ -67,17 +86,22 @@ class RayTracing : public Method {
     const ShotFrame frame = frameOf(shot, world->origin);
     const PacketJob job{*world, materials_,      shot,
                         frame,  options_.packet, coplanarFloor(static_cast<float>(length(frame.position.front())))};
+    TracingBackend& backend = asked_ != nullptr ? *asked_ : automaticBackend();
     StageClock clock;
-    const auto onProcessor = [&](Hits& made, StageClock&) { traceAll(job, channels, made); };
+    const auto onProcessor = [&](Hits& made, StageClock& stages) {
+      const WallTimer timer;
+      traceAll(job, channels, made);
+      if (backend.gl != nullptr) stages.add("trace", timer.seconds());  // else it is the only stage
+    };
     const auto onDevice = [&](Hits& made, StageClock& stages) {
       FoundTriangles found;
-      gl_->trace(world, shot, frame, searchDistance(*shot.beams), job.coplanarFloor, found, stages);
+      backend.gl->trace(world, shot, frame, searchDistance(*shot.beams), job.coplanarFloor, found, stages);
       PacketJob rest = job;
       rest.found = &found;
       const StageTimer timer(stages, "resolve");
       traceAll(rest, channels, made);
     };
-    backend_.trace(onDevice, onProcessor, hits, clock);
+    backend.choice.trace(onDevice, onProcessor, hits, clock);
     return {clock.seconds(), {}};
   }
 
@@ -151,7 +175,7 @@ class RayTracing : public Method {
     return fmt::format(
         "rays meet triangles on {}, which take about {:.0f} MiB there, and on the processor where "
         "rounding leaves a doubt",
-        gl_->device(), static_cast<double>(worlds_.triangles() * kDeviceBytesPerTriangle) / kMebibyte);
+        asked_->gl->device(), static_cast<double>(worlds_.triangles() * kDeviceBytesPerTriangle) / kMebibyte);
   }
 
   // Columns of a packet's tile: as square as possible in angle, since packets trace best when their beams stay
@@ -181,8 +205,7 @@ class RayTracing : public Method {
   RayTracingOptions options_;
   Worlds worlds_;
   std::vector<CompactMaterial> materials_;
-  std::unique_ptr<GlTracer> gl_;  // null: none
-  mutable BackendChoice backend_;
+  std::unique_ptr<TracingBackend> asked_;  // null: automaticBackend()
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 
 #include "base/error.h"
@@ -246,7 +247,9 @@ std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing) {
 
 SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
                                const HierarchyOptions& options) {
+  static std::atomic<std::uint64_t> built = 0;
   SharedMeshes shared;
+  shared.number = ++built;
   shared.blocks.resize(scene.meshes.size());
   shared.scenes.resize(scene.meshes.size());
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {

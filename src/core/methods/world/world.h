@@ -88,6 +88,7 @@ struct HierarchyOptions {
 
 // Meshes that many instances share: built once, whatever the origin.
 struct SharedMeshes {
+  std::uint64_t number = 0;                            // of those that this process has built, from 1 on
   std::vector<std::unique_ptr<TriangleBlock>> blocks;  // per mesh of the scene; null where it is baked
   std::vector<SceneHandle> scenes;
 };

@@ -235,6 +235,31 @@ TEST(GlTracer, SlicesAndChangesDoNotMatter) {
   }
 }
 
+// Scenes take turns on one device; the memory of one that is gone may be the next one's.
+TEST(GlTracer, ScenesTakeTurns) {
+  SKIP_WITHOUT_GL();
+  GlTracer one;
+  StageClock clock;
+  for (int round = 0; round < 6; ++round) {
+    SceneBuilder builder = testBuilder();
+    Mesh box = meshOf(builder, "thing");
+    appendBox(box, 0, {}, {4.0 + round, 4.0 + round % 2, 4});
+    builder.place(builder.addMesh(std::move(box)), at(8, 0, 0), "box");
+    const Scene scene = builder.finish();
+    const Worlds worlds(scene, Instancing::Always,
+                        {true, HierarchyQuality::Medium, tieFilter, alphaTieFilter, thingFilter});
+    const Shot shot = shotAt(spinning(16, 256, -20, 20));
+    const auto world = worlds.near({});
+    const ShotFrame frame = frameOf(shot, world->origin);
+    GlTracer fresh;
+    FoundTriangles a, b;
+    one.trace(world, shot, frame, 1000, 1e-5f, a, clock);
+    fresh.trace(world, shot, frame, 1000, 1e-5f, b, clock);
+    EXPECT_EQ(a.triangle, b.triangle) << round;
+    EXPECT_EQ(a.place, b.place) << round;
+  }
+}
+
 // What `plan` says of the device's memory.
 TEST(GlTracer, TrianglesTakeAsMuchMemoryAsIsSaid) {
   const Scene street = proceduralStreet();
