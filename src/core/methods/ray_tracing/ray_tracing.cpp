@@ -52,7 +52,7 @@ std::unique_ptr<GlTracer> findTracer() {
 // That of all scenes of a run, since a choice costs four scans. A device is opened for the first shot, which plans and
 // reports have none of, and never closed: the driver may be gone by the time that the program ends.
 TracingBackend& automaticBackend() {
-  static auto* const one = new TracingBackend(BackendChoice::Asked::Auto, findTracer());
+  static auto* const one = std::make_unique<TracingBackend>(BackendChoice::Asked::Auto, findTracer()).release();
   return *one;
 }
 
