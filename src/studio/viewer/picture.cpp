@@ -112,7 +112,7 @@ void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>&
     canvas.setPoints(static_cast<ItemId>(size), item.points, item.colors);
     ItemLook look;
     look.size = size;
-    look.round = size > 3;  // smaller ones would lose their corners to no shape at all
+    look.round = size > 3;  // smaller ones have too few pixels for a shape
     canvas.setLook(static_cast<ItemId>(size), look);
   }
 }
