@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <new>
 
 #include "base/error.h"
@@ -145,6 +146,26 @@ void ComputeProgram::run(std::uint64_t invocations, std::initializer_list<const 
     shown.push_back({table.buffer->number_, table.texel});
   }
   context.told([&] { context.backend->run({number_, numbers, shown, parameters, invocations}); });
+}
+
+void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
+               std::span<const std::byte> array, std::uint64_t most, const std::string& what, const std::string& mend) {
+  const std::uint64_t held = std::min(most, device.mostTableTexels() * texelBytes(texel));
+  if (array.size() > held) {
+    constexpr double kMebi = 1 << 20;
+    device.fail(fmt::format("the {} take {:.1f} MiB, of which a table on {} holds {:.1f} MiB{}", what,
+                            static_cast<double>(array.size()) / kMebi, device.name(), static_cast<double>(held) / kMebi,
+                            mend));
+  }
+  if (!array.empty()) buffer.hold(array);
+}
+
+std::string glslConstant(const char* name, float value) {
+  return fmt::format("const float {} = uintBitsToFloat({:#x}u);\n", name, std::bit_cast<std::uint32_t>(value));
+}
+
+std::string glslConstant(const char* name, std::uint32_t value) {
+  return fmt::format("const uint {} = {:#x}u;\n", name, value);
 }
 
 }  // namespace scanmill

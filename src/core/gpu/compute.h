@@ -95,6 +95,16 @@ struct ComputeTable {
 
 std::uint64_t texelBytes(ComputeTable::Texel texel);
 
+// Copies an array into the buffer of a table. Fails in the device's words where a table, or `most` bytes, hold less:
+// "the <what> take 3.0 MiB, of which a table on <device> holds 2.0 MiB<mend>".
+void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
+               std::span<const std::byte> array, std::uint64_t most, const std::string& what,
+               const std::string& mend = "");
+
+// A line of GLSL that defines a constant: the same float32, whatever the shader's compiler makes of decimals.
+std::string glslConstant(const char* name, float value);
+std::string glslConstant(const char* name, std::uint32_t value);
+
 class ComputeProgram {
  public:
   // GLSL 4.30 without the version line and main(). It defines `void invoke(uint i)`, and declares storage buffers

@@ -220,14 +220,7 @@ class ComputeMarcher : public GlMarcher {
   template <class T>
   void hold(ComputeBuffer& buffer, ComputeTable::Texel texel, std::span<const T> array, const char* what,
             const std::string& mend) {
-    const std::uint64_t most = std::min(mostTableBytes_, device_.mostTableTexels() * texelBytes(texel));
-    if (array.size_bytes() > most) {
-      constexpr double kMebi = 1 << 20;
-      device_.fail(fmt::format("the {} take {:.1f} MiB, of which a table on {} holds {:.1f} MiB: {}", what,
-                               static_cast<double>(array.size_bytes()) / kMebi, device_.name(),
-                               static_cast<double>(most) / kMebi, mend));
-    }
-    if (!array.empty()) buffer.hold(array);
+    holdTable(device_, buffer, texel, std::as_bytes(array), mostTableBytes_, what, ": " + mend);
   }
 
   void marchSlice(const DistanceField& field, std::uint32_t steps, std::size_t count) {

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
-#include <bit>
-
+#include "gpu/compute.h"
 #include "methods/device_beams.h"
 #include "methods/march/march.h"
 #include "methods/march/march_gl.h"
@@ -261,15 +260,6 @@ void invoke(uint i) {
 }
 )";
 
-// The same float32 in the shader, whatever its compiler makes of decimals.
-std::string constantOf(const char* name, float value) {
-  return fmt::format("const float {} = uintBitsToFloat({:#x}u);\n", name, std::bit_cast<std::uint32_t>(value));
-}
-
-std::string constantOf(const char* name, std::uint32_t value) {
-  return fmt::format("const uint {} = {:#x}u;\n", name, value);
-}
-
 // What launch() does (methods/particle/march_job.cpp), in its order, in double.
 constexpr const char* kLaunch = R"(
 layout(std140, binding = 0) uniform LaunchParameters {
@@ -327,21 +317,21 @@ void invoke(uint i) {
 }  // namespace
 
 std::string launchShader(bool lists) {
-  return constantOf("kTogether", ParticleLaunch::kTogether + 0u) + fmt::format("const bool kLists = {};\n", lists) +
+  return glslConstant("kTogether", ParticleLaunch::kTogether + 0u) + fmt::format("const bool kLists = {};\n", lists) +
          DeviceBeams::shader() + kLaunch;
 }
 
 std::string marchShader(bool lists) {
   std::string text =
-      constantOf("kDistanceStep", kDistanceStep) + constantOf("kBrickStride", kBrickStride + 0u) +
-      constantOf("kNoWord", kNoWord) + constantOf("kFullBrick", kFullBrick) + constantOf("kLastOfList", kLastOfList) +
-      constantOf("kNamed", kNamed) + constantOf("kListed", kListed) + constantOf("kRest", kRest) +
-      constantOf("kHit", static_cast<std::uint32_t>(Outcome::Hit)) +
-      constantOf("kMiss", static_cast<std::uint32_t>(Outcome::Miss)) +
-      constantOf("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) + constantOf("kEmptyBend", kEmptyBend) +
-      constantOf("kNamedBend", kNamedBend) + constantOf("kListedBend", kListedBend) + constantOf("kSeam", kSeam) +
-      constantOf("kBehind", kBehind) + constantOf("kTie", kTie) + constantOf("kNudge", kNudge) +
-      constantOf("kFace", kFace);
+      glslConstant("kDistanceStep", kDistanceStep) + glslConstant("kBrickStride", kBrickStride + 0u) +
+      glslConstant("kNoWord", kNoWord) + glslConstant("kFullBrick", kFullBrick) +
+      glslConstant("kLastOfList", kLastOfList) + glslConstant("kNamed", kNamed) + glslConstant("kListed", kListed) +
+      glslConstant("kRest", kRest) + glslConstant("kHit", static_cast<std::uint32_t>(Outcome::Hit)) +
+      glslConstant("kMiss", static_cast<std::uint32_t>(Outcome::Miss)) +
+      glslConstant("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) +
+      glslConstant("kEmptyBend", kEmptyBend) + glslConstant("kNamedBend", kNamedBend) +
+      glslConstant("kListedBend", kListedBend) + glslConstant("kSeam", kSeam) + glslConstant("kBehind", kBehind) +
+      glslConstant("kTie", kTie) + glslConstant("kNudge", kNudge) + glslConstant("kFace", kFace);
   return text + kCommon + (lists ? kLists : kNearest);
 }
 

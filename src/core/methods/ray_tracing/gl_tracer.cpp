@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <mutex>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "gpu/compute.h"
@@ -138,14 +139,7 @@ class GlTracer::Inside {
 
   template <class T>
   void hold(ComputeBuffer& buffer, ComputeTable::Texel texel, std::span<const T> array, const char* what) {
-    const std::uint64_t most = std::min(most_, device_.mostTableTexels() * texelBytes(texel));
-    if (array.size_bytes() > most) {
-      constexpr double kMebi = 1 << 20;
-      device_.fail(fmt::format("the scene's {} take {:.1f} MiB, of which a table on {} holds {:.1f} MiB", what,
-                               static_cast<double>(array.size_bytes()) / kMebi, device_.name(),
-                               static_cast<double>(most) / kMebi));
-    }
-    if (!array.empty()) buffer.hold(array);
+    holdTable(device_, buffer, texel, std::as_bytes(array), most_, std::string("scene's ") + what);
   }
 
   std::mutex mutex_;

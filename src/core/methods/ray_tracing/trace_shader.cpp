@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <bit>
 #include <string>
 
+#include "gpu/compute.h"
 #include "methods/device_beams.h"
 #include "methods/ray_tracing/filter.h"
 #include "methods/ray_tracing/gl_tracer.h"
@@ -298,23 +298,15 @@ void invoke(uint i) {
 }
 )";
 
-std::string constantOf(const char* name, float value) {
-  return fmt::format("const float {} = uintBitsToFloat({:#x}u);\n", name, std::bit_cast<std::uint32_t>(value));
-}
-
-std::string constantOf(const char* name, std::uint32_t value) {
-  return fmt::format("const uint {} = {:#x}u;\n", name, value);
-}
-
 }  // namespace
 
 std::string traceShader() {
   constexpr float kUnit = 0x1p-24f;  // half of the step of numbers near 1
-  const std::string constants = constantOf("kNoRoot", kNoRoot) + constantOf("kNothing", kNothingFound) +
-                                constantOf("kUnsure", kUnsureHit) + constantOf("kCoplanar", kCoplanar) +
-                                constantOf("kReach", kReach) + constantOf("kLeast", 1e-18f) +
-                                constantOf("kSooner", 1 - 16 * kUnit) + constantOf("kLater", 1 + 16 * kUnit) +
-                                constantOf("kRounding", 16 * kUnit) + constantOf("kTrusted", 5e-3f) +
+  const std::string constants = glslConstant("kNoRoot", kNoRoot) + glslConstant("kNothing", kNothingFound) +
+                                glslConstant("kUnsure", kUnsureHit) + glslConstant("kCoplanar", kCoplanar) +
+                                glslConstant("kReach", kReach) + glslConstant("kLeast", 1e-18f) +
+                                glslConstant("kSooner", 1 - 16 * kUnit) + glslConstant("kLater", 1 + 16 * kUnit) +
+                                glslConstant("kRounding", 16 * kUnit) + glslConstant("kTrusted", 5e-3f) +
                                 fmt::format("const int kDepth = {};\n", kMostWideDepth);
   return constants + DeviceBeams::shader() + kRays +
          traversal("void traverseMesh(uint root, Line line, uint place, mat3 toNormal)", "nodes",
