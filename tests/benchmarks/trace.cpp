@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "methods/ray_tracing/filter.h"
+#include "methods/ray_tracing/gl_tracer.h"
 #include "methods/ray_tracing/packet.h"
 #include "methods/ray_tracing/unobstructed.h"
 #include "methods/world/worlds.h"
@@ -134,12 +135,13 @@ double shareLeft(const Shot& shot) {
                       {true, HierarchyQuality::Medium, tieFilter, alphaTieFilter, thingFilter});
   const auto world = worlds.near(shot.worldFromSensor.front().translation);
   const ShotFrame frame = frameOf(shot, world->origin);
-  FoundTriangles found;
+  Hits hits;
+  hits.reset(shot.beams->rings, shot.beams->columns, Channels::all());
+  std::vector<UndecidedRay> undecided;
   StageClock clock;
   GlTracer().trace(world, shot, frame, searchDistance(*shot.beams),
-                   coplanarFloor(static_cast<float>(length(frame.position.front()))), found, clock);
-  return static_cast<double>(std::count(found.triangle.begin(), found.triangle.end(), kUnsureHit)) /
-         static_cast<double>(found.triangle.size());
+                   coplanarFloor(static_cast<float>(length(frame.position.front()))), hits, undecided, clock);
+  return static_cast<double>(undecided.size()) / static_cast<double>(hits.rays());
 }
 
 // The same scan by the processor and by a device of OpenGL, all columns. Stages are milliseconds a scan of the device's

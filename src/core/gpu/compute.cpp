@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <new>
+#include <thread>
 
 #include "base/error.h"
+#include "base/wall_timer.h"
 #include "gpu/compute_interface.h"
 #include "gpu/device.h"
 
@@ -86,6 +89,10 @@ void ComputeDevice::finish() {
   context_->told([&] { context_->backend->finish(); });
 }
 
+void ComputeDevice::atOnce(const std::function<void()>& work) const {
+  context_->backend->atOnce(work);
+}
+
 void ComputeDevice::fail(const std::string& why) const {
   context_->fail(why);
 }
@@ -110,6 +117,30 @@ void ComputeBuffer::write(std::span<const Source> pieces) {
 
 void ComputeBuffer::read(std::span<const Target> pieces) const {
   context_->told([&] { context_->backend->read(number_, pieces); });
+}
+
+ComputeReadback::ComputeReadback(const ComputeDevice& device)
+    : context_(device.context_), number_(context_->told([&] { return context_->backend->makeReadback(); })) {}
+
+ComputeReadback::~ComputeReadback() {
+  context_->backend->dropReadback(number_);
+}
+
+void ComputeReadback::start(const ComputeBuffer& buffer, std::uint64_t bytes) {
+  context_->told([&] { context_->backend->startCopy(number_, buffer.number_, bytes); });
+  bytes_ = bytes;
+}
+
+std::span<const std::byte> ComputeReadback::wait() {
+  constexpr double kSpin = 1e-3;  // s, a device that is fast is asked again at once
+  constexpr double kMost = 120;   // s
+  constexpr auto kPause = std::chrono::microseconds(50);
+  const WallTimer waiting;
+  while (!context_->told([&] { return context_->backend->copied(number_); })) {
+    if (waiting.seconds() > kSpin) std::this_thread::sleep_for(kPause);
+    if (waiting.seconds() > kMost) context_->fail(fmt::format("{} has not answered for {} s", context_->name, kMost));
+  }
+  return {context_->backend->copyOf(number_), bytes_};
 }
 
 ComputeProgram::ComputeProgram(const ComputeDevice& device, const std::string& name, const std::string& text)

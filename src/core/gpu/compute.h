@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <memory>
 #include <span>
@@ -36,12 +37,16 @@ class ComputeDevice {
   std::uint32_t mostTables() const;       // of one program; OpenGL promises 16
   // Waits until everything asked for is done.
   void finish();
+  // Does work that makes several calls of this device, its buffers and programs. They are made on the device's own
+  // thread: together they wait for it once.
+  void atOnce(const std::function<void()>& work) const;
   // Throws an Error in the device's words.
   [[noreturn]] void fail(const std::string& why) const;
 
  private:
   friend class ComputeBuffer;
   friend class ComputeProgram;
+  friend class ComputeReadback;
   std::shared_ptr<ComputeContext> context_;
 };
 
@@ -80,6 +85,28 @@ class ComputeBuffer {
 
  private:
   friend class ComputeProgram;
+  friend class ComputeReadback;
+  std::shared_ptr<ComputeContext> context_;
+  std::uint32_t number_ = 0;
+  std::uint64_t bytes_ = 0;
+};
+
+// Memory of the processor to which a device copies a buffer, while other programs run already. It is mapped for good
+// (OpenGL 4.4, ARB_buffer_storage); where the driver cannot do that, start() waits for the copy.
+class ComputeReadback {
+ public:
+  explicit ComputeReadback(const ComputeDevice& device);
+  ~ComputeReadback();
+  ComputeReadback(const ComputeReadback&) = delete;
+  ComputeReadback& operator=(const ComputeReadback&) = delete;
+
+  // Asks for a copy of the first bytes of a buffer as the programs leave it that were run before. Later programs may
+  // write to the buffer.
+  void start(const ComputeBuffer& buffer, std::uint64_t bytes);
+  // Waits for the copy, which stays until the next start(). Other threads may use the device meanwhile.
+  std::span<const std::byte> wait();
+
+ private:
   std::shared_ptr<ComputeContext> context_;
   std::uint32_t number_ = 0;
   std::uint64_t bytes_ = 0;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -51,10 +52,19 @@ class ComputeBackend {
   virtual void resize(std::uint32_t buffer, std::uint64_t bytes) = 0;
   virtual void write(std::uint32_t buffer, std::span<const ComputeBuffer::Source> pieces) = 0;
   virtual void read(std::uint32_t buffer, std::span<const ComputeBuffer::Target> pieces) = 0;
+  // Memory of the processor that a device copies to, by the number that it gives out: see ComputeReadback.
+  virtual std::uint32_t makeReadback() = 0;
+  virtual void dropReadback(std::uint32_t readback) noexcept = 0;
+  virtual void startCopy(std::uint32_t readback, std::uint32_t buffer, std::uint64_t bytes) = 0;
+  // Whether the copy is there.
+  virtual bool copied(std::uint32_t readback) = 0;
+  virtual const std::byte* copyOf(std::uint32_t readback) = 0;
   // Runs invoke() for 0 to invocations - 1. What is written shows in later runs and reads.
   virtual void run(const ComputeRun& run) = 0;
   // Waits until everything asked for is done.
   virtual void finish() = 0;
+  // Does work that makes several of these calls without a change of threads between them.
+  virtual void atOnce(const std::function<void()>& work) = 0;
 };
 
 class ComputeModule {

@@ -5,8 +5,10 @@
 #include <vtk_glew.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <memory>
+#include <new>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -109,6 +111,75 @@ class BufferTexture {
   GLuint name_ = 0;
 };
 
+// Memory of the processor that the device copies to.
+class MappedCopy {
+ public:
+  MappedCopy() = default;
+  ~MappedCopy() { drop(); }
+  MappedCopy(const MappedCopy&) = delete;
+  MappedCopy& operator=(const MappedCopy&) = delete;
+
+  void start(GLuint buffer, std::size_t bytes) {
+    glBindBuffer(GL_COPY_READ_BUFFER, buffer);
+    if (!canMap()) {
+      held_.resize(bytes);
+      glGetBufferSubData(GL_COPY_READ_BUFFER, 0, static_cast<GLsizeiptr>(bytes), held_.data());
+      checkGl("a buffer cannot be read back");
+      return;
+    }
+    if (bytes > bytes_) map(bytes);
+    glBindBuffer(GL_COPY_WRITE_BUFFER, name_);
+    glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes));
+    glDeleteSync(fence_);
+    fence_ = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    glFlush();
+    checkGl("a buffer cannot be copied");
+  }
+
+  bool done() {
+    if (fence_ == nullptr) return true;
+    const GLenum state = glClientWaitSync(fence_, 0, 0);
+    if (state == GL_WAIT_FAILED) checkGl("the device failed");
+    if (state == GL_TIMEOUT_EXPIRED) return false;
+    glDeleteSync(fence_);
+    fence_ = nullptr;
+    return true;
+  }
+
+  const std::byte* bytes() const { return memory_ != nullptr ? memory_ : held_.data(); }
+
+ private:
+  static bool canMap() { return GLEW_VERSION_4_4 || GLEW_ARB_buffer_storage; }
+
+  void map(std::size_t bytes) {
+    drop();
+    constexpr GLbitfield kHow = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+    glGenBuffers(1, &name_);
+    glBindBuffer(GL_COPY_WRITE_BUFFER, name_);
+    glBufferStorage(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, kHow | GL_CLIENT_STORAGE_BIT);
+    memory_ =
+        static_cast<const std::byte*>(glMapBufferRange(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), kHow));
+    checkGl("a buffer cannot be mapped");
+    if (memory_ == nullptr) throw std::bad_alloc();
+    bytes_ = bytes;
+  }
+
+  void drop() {
+    glDeleteSync(fence_);
+    glDeleteBuffers(1, &name_);
+    fence_ = nullptr;
+    name_ = 0;
+    memory_ = nullptr;
+    bytes_ = 0;
+  }
+
+  GLuint name_ = 0;
+  std::size_t bytes_ = 0;
+  const std::byte* memory_ = nullptr;
+  GLsync fence_ = nullptr;
+  std::vector<std::byte> held_;  // where buffers cannot stay mapped
+};
+
 // What a context has, made and used while it is current.
 struct ContextState {
   explicit ContextState(const std::string& device) : context(device) {
@@ -119,6 +190,7 @@ struct ContextState {
   EglContext context;
   std::map<std::uint32_t, std::unique_ptr<GlProgram>> programs;
   std::map<std::uint32_t, std::unique_ptr<GlBuffer>> buffers;
+  std::map<std::uint32_t, std::unique_ptr<MappedCopy>> readbacks;
   std::uint32_t lastNumber = 0;
   std::unique_ptr<GlBuffer> parameters;
   std::vector<std::unique_ptr<BufferTexture>> textures;  // by binding
@@ -128,6 +200,7 @@ class GlCompute final : public ComputeBackend {
  public:
   explicit GlCompute(const std::string& device) {
     thread_->run([&] {
+      current_ = nullptr;
       auto made = std::make_unique<ContextState>(device);
       name_ = rendererName();
       software_ = isSoftware(name_);
@@ -137,14 +210,15 @@ class GlCompute final : public ComputeBackend {
                  static_cast<std::uint32_t>(limitOf(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS)),
                  static_cast<std::uint32_t>(limitOf(GL_MAX_COMPUTE_TEXTURE_IMAGE_UNITS))};
       checkGl("the device cannot be asked for its limits");
-      made->context.release();
       state_ = std::move(made);
+      current_ = state_.get();
     });
   }
 
   ~GlCompute() override {
     thread_->run([&]() noexcept {
-      state_->context.tryMakeCurrent();
+      if (current_ != state_.get()) state_->context.tryMakeCurrent();
+      current_ = nullptr;
       state_.reset();
     });
   }
@@ -177,21 +251,45 @@ class GlCompute final : public ComputeBackend {
     return number;
   }
 
-  void dropProgram(std::uint32_t program) noexcept override {
-    thread_->run([&]() noexcept {
-      state_->context.tryMakeCurrent();
-      state_->programs.erase(program);
-      state_->context.release();
+  std::uint32_t makeReadback() override {
+    std::uint32_t number = 0;
+    withContext([&](ContextState& state) {
+      number = ++state.lastNumber;
+      state.readbacks[number] = std::make_unique<MappedCopy>();
     });
+    return number;
+  }
+
+  void dropProgram(std::uint32_t program) noexcept override {
+    dropping([&] { state_->programs.erase(program); });
   }
 
   void dropBuffer(std::uint32_t buffer) noexcept override {
-    thread_->run([&]() noexcept {
-      state_->context.tryMakeCurrent();
-      state_->buffers.erase(buffer);
-      state_->context.release();
-    });
+    dropping([&] { state_->buffers.erase(buffer); });
   }
+
+  void dropReadback(std::uint32_t readback) noexcept override {
+    dropping([&] { state_->readbacks.erase(readback); });
+  }
+
+  void startCopy(std::uint32_t readback, std::uint32_t buffer, std::uint64_t bytes) override {
+    withContext(
+        [&](ContextState& state) { state.readbacks.at(readback)->start(state.buffers.at(buffer)->name(), bytes); });
+  }
+
+  bool copied(std::uint32_t readback) override {
+    bool done = false;
+    withContext([&](ContextState& state) { done = state.readbacks.at(readback)->done(); });
+    return done;
+  }
+
+  const std::byte* copyOf(std::uint32_t readback) override {
+    const std::byte* bytes = nullptr;
+    withContext([&](ContextState& state) { bytes = state.readbacks.at(readback)->bytes(); });
+    return bytes;
+  }
+
+  void atOnce(const std::function<void()>& work) override { thread_->run(work); }
 
   // Memory of the device is asked for: programs, not the processor, read and write most.
   void resize(std::uint32_t buffer, std::uint64_t bytes) override {
@@ -258,15 +356,28 @@ class GlCompute final : public ComputeBackend {
   }
 
  private:
-  // Does the work on the thread of all OpenGL, with the context current.
+  // Does the work on the thread of all OpenGL, with the context current. It stays so until another one's turn.
   template <class Work>
   void withContext(const Work& work) {
     thread_->run([&] {
-      const CurrentContext current(state_->context);
+      if (current_ != state_.get()) {
+        current_ = nullptr;
+        state_->context.makeCurrent();
+        current_ = state_.get();
+      }
       work(*state_);
     });
   }
 
+  template <class Work>
+  void dropping(const Work& work) noexcept {
+    thread_->run([&]() noexcept {
+      if (current_ != state_.get() && state_->context.tryMakeCurrent()) current_ = state_.get();
+      work();
+    });
+  }
+
+  static inline const ContextState* current_ = nullptr;  // whose context is current on that thread
   std::shared_ptr<GlThread> thread_ = GlThread::shared();
   std::unique_ptr<ContextState> state_;
   std::string name_;

@@ -7,14 +7,10 @@ namespace scanmill {
 
 namespace {
 
-std::vector<float> firingTimes(const BeamTable& beams) {
-  if (!beams.time.empty()) return beams.time;
-  std::vector<float> times(beams.size());
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    const auto column = static_cast<std::uint32_t>(i % beams.columns);
-    times[i] = static_cast<float>(beams.columnTime(column / beams.raysPerBeam * beams.raysPerBeam));
-  }
-  return times;
+std::vector<float> partsOf(const BeamTable& beams, std::size_t first, std::size_t count, double duration) {
+  std::vector<float> parts(count);
+  for (std::size_t i = 0; i < count; ++i) parts[i] = partOf(beams, first + i, duration);
+  return parts;
 }
 
 // Rows of rotation and position, pose after pose.
@@ -37,37 +33,39 @@ std::vector<std::uint32_t> stepsOf(const Shot& shot) {
 }  // namespace
 
 DeviceBeams::DeviceBeams(const ComputeDevice& device)
-    : directions_(device), origins_(device), times_(device), poses_(device), steps_(device) {
+    : directions_(device), origins_(device), parts_(device), poses_(device), steps_(device) {
   // Buffers without storage cannot be bound.
   origins_.reserve(16);
-  times_.reserve(16);
+  parts_.reserve(16);
 }
 
-void DeviceBeams::hold(const Shot& shot, const ShotFrame& frame, std::size_t first, std::size_t count, bool timed) {
+void DeviceBeams::hold(const Shot& shot, const ShotFrame& frame, std::size_t first, std::size_t count,
+                       double duration) {
   const std::vector<double> poses = posesOf(frame);
   const std::vector<std::uint32_t> steps = stepsOf(shot);
   poses_.hold(std::span(poses));
   steps_.hold(std::span(steps));
   const BeamTable& beams = *shot.beams;
-  if (beams_.lock() == shot.beams && first == first_ && count == count_ && (timed_ || !timed)) return;
+  if (beams_.lock() == shot.beams && first == first_ && count == count_ && (duration == 0 || duration == duration_))
+    return;
   beams_.reset();  // what is there is of no table until all is there
   directions_.hold(std::span(beams.direction).subspan(first, count));
   if (!beams.origin.empty()) origins_.hold(std::span(beams.origin).subspan(first, count));
-  if (timed) {
-    const std::vector<float> times = firingTimes(beams);
-    times_.hold(std::span(times).subspan(first, count));
+  if (duration > 0) {
+    const std::vector<float> parts = partsOf(beams, first, count, duration);
+    parts_.hold(std::span(parts));
   }
   beams_ = shot.beams;
   first_ = first;
   count_ = count;
-  timed_ = timed;
+  duration_ = duration;
 }
 
 std::string DeviceBeams::shader() {
   return R"(
 layout(std430, binding = 0) readonly restrict buffer Directions { double directions[]; };
 layout(std430, binding = 1) readonly restrict buffer Origins { float origins[]; };
-layout(std430, binding = 2) readonly restrict buffer Times { float times[]; };
+layout(std430, binding = 2) readonly restrict buffer Parts { float parts[]; };
 layout(std430, binding = 3) readonly restrict buffer Poses { double poses[]; };  // rows of rotation and position
 layout(std430, binding = 4) readonly restrict buffer Steps { uint stepOfColumn[]; };
 

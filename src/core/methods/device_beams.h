@@ -20,14 +20,14 @@ class DeviceBeams {
   // So many bytes of a ray are in the largest buffer, of directions.
   static constexpr std::uint64_t kBytesPerRay = 24;
 
-  // Uploads the rays [first, first + count) of the shot's table, unless they are there, and its poses. `timed`: firing
-  // times, too. `frame` is the shot's (frameOf()).
-  void hold(const Shot& shot, const ShotFrame& frame, std::size_t first, std::size_t count, bool timed);
+  // Uploads the rays [first, first + count) of the shot's table, unless they are there, and its poses. `frame` is the
+  // shot's (frameOf()). `duration`: s, of the revolution, where something moves; else 0.
+  void hold(const Shot& shot, const ShotFrame& frame, std::size_t first, std::size_t count, double duration);
 
   // Bindings 0 to 4 of programs that use shader().
   const ComputeBuffer& directions() const { return directions_; }
   const ComputeBuffer& origins() const { return origins_; }
-  const ComputeBuffer& times() const { return times_; }
+  const ComputeBuffer& parts() const { return parts_; }
   const ComputeBuffer& poses() const { return poses_; }
   const ComputeBuffer& steps() const { return steps_; }
 
@@ -36,15 +36,16 @@ class DeviceBeams {
   //     void rayOf(uint ray, uint column, bool withOrigins, out dvec3 o, out dvec3 d)
   //
   // which gives the origin (m, relative to the world's origin) and the unit direction of a ray, counted from `first`,
-  // with the bits that setUp() in methods/world/resolve.h gives them; times[ray] is when it fires (s).
+  // with the bits that setUp() in methods/world/resolve.h gives them; parts[ray] is when it fires, as part of the
+  // revolution (partOf() there).
   static std::string shader();
 
  private:
-  ComputeBuffer directions_, origins_, times_, poses_, steps_;
+  ComputeBuffer directions_, origins_, parts_, poses_, steps_;
   std::weak_ptr<const BeamTable> beams_;  // whose rays the buffers hold
   std::size_t first_ = 0;
   std::size_t count_ = 0;
-  bool timed_ = false;
+  double duration_ = 0;
 };
 
 }  // namespace scanmill

@@ -5,7 +5,11 @@
 namespace scanmill {
 
 float CompactMaterial::texturedAt(const Vec2f& uv) const {
-  return std::min(1.0f, textureGain * luminance(texture->texel(uv.x, uv.y)));
+  return ofTexel(texture->texel(uv.x, uv.y));
+}
+
+float CompactMaterial::ofTexel(const std::uint8_t* texel) const {
+  return std::min(1.0f, textureGain * luminance(texel));
 }
 
 CompactMaterial compact(const Material& material) {

@@ -20,6 +20,7 @@ struct CompactMaterial {
   // The reflectance at these texture coordinates: the texture's luminance there, scaled so that its mean gives the
   // material's reflectance, and at most 1. The material is textured.
   float texturedAt(const Vec2f& uv) const;
+  float ofTexel(const std::uint8_t* texel) const;  // the same at a texel (RGBA)
 };
 
 CompactMaterial compact(const Material& material);

@@ -5,9 +5,11 @@
 
 #include <bit>
 #include <cstdlib>
+#include <cstring>
 #include <numeric>
 #include <optional>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "tests/support/gl.h"
 #include "tests/support/message_of.h"
@@ -124,6 +126,48 @@ TEST(Compute, WritesAndReadsPieces) {
   buffer.reserve(4);  // large enough: nothing is lost
   EXPECT_EQ(buffer.bytes(), 32u);
   EXPECT_EQ(read(buffer, 8)[6], 9u);
+}
+
+// A copy holds what programs had written when it was asked for, however they go on.
+TEST(Compute, CopiesComeBackWhileProgramsRunOn) {
+  SKIP_WITHOUT_GL();
+  const ComputeDevice device(kWords);
+  ComputeProgram program(device, "count on", R"(
+layout(std430, binding = 0) buffer Counts { uint counts[]; };
+void invoke(uint i) { counts[i] += i + 1u; }
+)");
+  constexpr std::size_t kCount = 70'000;
+  ComputeBuffer counts(device);
+  counts.hold(std::span<const std::uint32_t>(Words(kCount, 0u)));
+  ComputeReadback first(device), second(device);
+  device.atOnce([&] {
+    program.run(kCount, {&counts});
+    first.start(counts, 4 * kCount);
+    program.run(kCount, {&counts});
+    second.start(counts, 400);
+    program.run(kCount, {&counts});
+  });
+  const auto words = [](std::span<const std::byte> bytes) {
+    Words copied(bytes.size() / 4);
+    std::memcpy(copied.data(), bytes.data(), bytes.size());
+    return copied;
+  };
+  Words expected(kCount);
+  std::iota(expected.begin(), expected.end(), 1u);
+  EXPECT_EQ(words(first.wait()), expected);
+  Words twice(100);
+  for (std::uint32_t i = 0; i < 100; ++i) twice[i] = 2 * (i + 1);
+  EXPECT_EQ(words(second.wait()), twice);
+  second.start(counts, 4 * kCount);  // larger than before
+  for (std::uint32_t& word : expected) word *= 3;
+  EXPECT_EQ(words(second.wait()), expected);
+}
+
+TEST(Compute, WhatFailsAtOnceIsTold) {
+  SKIP_WITHOUT_GL();
+  const ComputeDevice device(kWords);
+  ComputeBuffer buffer(device);
+  EXPECT_THROW(device.atOnce([&] { buffer.reserve(~std::uint64_t{0} / 4); }), Error);
 }
 
 // `precise` forbids contraction: x * y + z is rounded twice, as on the processor.

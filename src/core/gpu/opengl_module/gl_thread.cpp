@@ -26,6 +26,7 @@ GlThread::~GlThread() {
 }
 
 void GlThread::run(const std::function<void()>& work) {
+  if (std::this_thread::get_id() == thread_.get_id()) return work();
   Job job{&work, nullptr};
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return job_ == nullptr; });

@@ -23,7 +23,7 @@ class GlThread {
   GlThread(const GlThread&) = delete;
   GlThread& operator=(const GlThread&) = delete;
 
-  // Waits until the work is done, and throws what it throws. From any thread but this one.
+  // Waits until the work is done, and throws what it throws. Called by work on this thread, it is done at once.
   void run(const std::function<void()>& work);
 
  private:

@@ -143,7 +143,7 @@ class ComputeMarcher : public GlMarcher {
     }
     {
       const StageTimer timer(clock, "upload");
-      beams_.hold(*launch.shot, *launch.frame, 0, beams.size(), false);
+      beams_.hold(*launch.shot, *launch.frame, 0, beams.size(), 0);
     }
     LaunchBlock block = launchBlock(*field, launch);
     marchAll(*field, steps, launch.size(), records, clock, [&](std::size_t first, std::size_t count) {
@@ -152,7 +152,7 @@ class ComputeMarcher : public GlMarcher {
       programOf(launchers_, "launch", launchShader, field->shape.lists)
           .run(
               count,
-              {&beams_.directions(), &beams_.origins(), &beams_.times(), &beams_.poses(), &beams_.steps(), &particles_},
+              {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(), &particles_},
               std::as_bytes(std::span(&block, 1)));
     });
   }

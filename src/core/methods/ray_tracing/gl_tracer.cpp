@@ -1,8 +1,7 @@
 #include "methods/ray_tracing/gl_tracer.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <condition_variable>
 #include <mutex>
 #include <span>
 #include <string>
@@ -22,19 +21,20 @@ const ComputeErrorWords kWords{"rays cannot be traced by OpenGL", "'backend: cpu
 constexpr std::uint32_t kTileColumns = 8;  // of the shader
 constexpr std::uint32_t kTileRings = 4;
 
-// As the shader declares it, by the rules of std140.
+// As the shaders declare them, by the rules of std140.
 struct TraceBlock {
-  std::uint32_t columns, sliceRings, meshRoot, placesRoot, withOrigins;
-  float duration, farthest, coplanar;
+  std::uint32_t columns, sliceRings, meshRoot, placesRoot, withOrigins, moves;
+  float farthest, coplanar;
 };
 static_assert(sizeof(TraceBlock) == 32);
+struct ResolveBlock {
+  ResolverBlock common;
+  std::uint32_t columns, withOrigins, moves;
+  std::uint32_t unused[3];
+};
+static_assert(sizeof(ResolveBlock) == 48);
 
 }  // namespace
-
-void FoundTriangles::resize(std::size_t rays) {
-  triangle.resize(rays);
-  place.resize(rays);
-}
 
 class GlTracer::Inside {
  public:
@@ -42,73 +42,123 @@ class GlTracer::Inside {
     // Buffers without storage cannot be read from.
     for (ComputeBuffer* buffer : {&nodes_, &triangles_, &cutouts_, &holes_, &placeNodes_, &places_})
       buffer->reserve(16);
+    for (std::size_t k = 0; k < kInFlight; ++k) free_.push_back(std::make_unique<ComputeReadback>(device_));
     embree_ = makeDevice();
   }
 
   void trace(const std::shared_ptr<const World>& world, const Shot& shot, const ShotFrame& frame, float farthest,
-             float coplanar, FoundTriangles& found, StageClock& clock) {
-    const std::scoped_lock lock(mutex_);
+             float coplanar, Hits& hits, std::vector<UndecidedRay>& undecided, StageClock& clock) {
     const BeamTable& beams = *shot.beams;
-    found.resize(beams.size());
-    TraceBlock block{};
-    {
-      const StageTimer timer(clock, "upload");
-      holdWorld(world);
-    }
-    block.columns = beams.columns;
-    block.meshRoot = meshRoot_;
-    block.placesRoot = placesRoot_;
-    block.withOrigins = beams.origin.empty() ? 0 : 1;
-    block.duration = static_cast<float>(world->duration);
-    block.farthest = farthest;
-    block.coplanar = coplanar;
-    const std::uint32_t rings = ringsAtOnce(beams);
+    const std::uint32_t rings = ringsAtOnce(beams, hits.channels);
     for (std::uint32_t first = 0; first < beams.rings; first += rings) {
+      TraceBlock block{};
+      block.columns = beams.columns;
       block.sliceRings = std::min(rings, beams.rings - first);
-      traceSlice(shot, frame, first, block, world->duration > 0, found, clock);
+      block.withOrigins = beams.origin.empty() ? 0 : 1;
+      block.moves = world->duration > 0 ? 1 : 0;
+      block.farthest = farthest;
+      block.coplanar = coplanar;
+      const Slice slice{world, shot, frame, std::size_t{first} * beams.columns, hits.channels};
+      traceSlice(slice, block, hits, undecided, clock);
     }
   }
 
   std::string device() const { return device_.name(); }
 
  private:
-  std::uint32_t ringsAtOnce(const BeamTable& beams) const {
+  // Of shots whose hits the device makes, or the processor copies.
+  static constexpr std::size_t kInFlight = 3;
+
+  struct Slice {
+    const std::shared_ptr<const World>& world;
+    const Shot& shot;
+    const ShotFrame& frame;
+    std::size_t firstRay;
+    Channels channels;
+  };
+
+  // A place to copy to that no other shot has.
+  class Lease {
+   public:
+    explicit Lease(Inside& inside) : inside_(inside) {
+      std::unique_lock lock(inside.freeMutex_);
+      inside.freed_.wait(lock, [&] { return !inside.free_.empty(); });
+      readback_ = std::move(inside.free_.back());
+      inside.free_.pop_back();
+    }
+    ~Lease() {
+      {
+        const std::scoped_lock lock(inside_.freeMutex_);
+        inside_.free_.push_back(std::move(readback_));
+      }
+      inside_.freed_.notify_one();
+    }
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    ComputeReadback& operator*() const { return *readback_; }
+
+   private:
+    Inside& inside_;
+    std::unique_ptr<ComputeReadback> readback_;
+  };
+
+  std::uint32_t ringsAtOnce(const BeamTable& beams, Channels channels) const {
     const std::uint64_t bytes = std::min(most_, device_.mostBufferBytes());
-    const std::uint64_t rings = bytes / (DeviceBeams::kBytesPerRay * beams.columns);
+    const std::uint64_t ray = std::max(DeviceBeams::kBytesPerRay, DeviceResolver::bytesPerRay(channels));
+    const std::uint64_t rings = bytes / (ray * beams.columns);
     if (rings == 0) device_.fail("a ring of the sensor does not fit into a buffer");
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(rings, beams.rings));
   }
 
-  void traceSlice(const Shot& shot, const ShotFrame& frame, std::uint32_t firstRing, const TraceBlock& block,
-                  bool moves, FoundTriangles& found, StageClock& clock) {
-    const std::size_t first = std::size_t{firstRing} * block.columns;
+  void traceSlice(const Slice& slice, TraceBlock& block, Hits& hits, std::vector<UndecidedRay>& undecided,
+                  StageClock& clock) {
     const std::size_t count = std::size_t{block.sliceRings} * block.columns;
+    const Lease readback(*this);
     {
+      const std::scoped_lock lock(mutex_);
       const StageTimer timer(clock, "upload");
-      beams_.hold(shot, frame, first, count, moves);
-      found_.reserve(2 * count * sizeof(std::uint32_t));
+      holdWorld(slice.world);
+      block.meshRoot = meshRoot_;
+      block.placesRoot = placesRoot_;
+      device_.atOnce([&] {
+        beams_.hold(slice.shot, slice.frame, slice.firstRay, count, slice.world->duration);
+        found_.reserve(2 * count * sizeof(std::uint32_t));
+        resolver_.reserve(slice.channels, count);
+        run(slice, block, count);
+        (*readback).start(resolver_.columns(), DeviceResolver::bytesPerRay(slice.channels) * count);
+      });
     }
+    std::span<const std::byte> columns;
     {
       const StageTimer timer(clock, "trace");
-      const std::uint64_t tiles = std::uint64_t{(block.columns + kTileColumns - 1) / kTileColumns} *
-                                  ((block.sliceRings + kTileRings - 1) / kTileRings);
-      program_.run(
-          tiles * kTileColumns * kTileRings,
-          {&beams_.directions(), &beams_.origins(), &beams_.times(), &beams_.poses(), &beams_.steps(), &found_},
-          std::as_bytes(std::span(&block, 1)),
-          {{&nodes_, Uint32x4},
-           {&triangles_, Uint32x4},
-           {&cutouts_, Uint32x4},
-           {&holes_, Uint32},
-           {&placeNodes_, Uint32x4},
-           {&places_, Uint32x4}});
-      device_.finish();
+      columns = (*readback).wait();
     }
     const StageTimer timer(clock, "read_back");
-    const auto part = [&](auto& column) { return std::as_writable_bytes(std::span(column).subspan(first, count)); };
-    const std::uint64_t bytes = count * sizeof(std::uint32_t);
-    const ComputeBuffer::Target targets[]{{0, part(found.triangle)}, {bytes, part(found.place)}};
-    found_.read(targets);
+    DeviceResolver::take(columns, slice.firstRay, count, hits, undecided);
+  }
+
+  void run(const Slice& slice, const TraceBlock& block, std::size_t count) {
+    const std::uint64_t tiles = std::uint64_t{(block.columns + kTileColumns - 1) / kTileColumns} *
+                                ((block.sliceRings + kTileRings - 1) / kTileRings);
+    tracer_.run(tiles * kTileColumns * kTileRings,
+                {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(), &found_},
+                std::as_bytes(std::span(&block, 1)),
+                {{&nodes_, Uint32x4},
+                 {&triangles_, Uint32x4},
+                 {&cutouts_, Uint32x4},
+                 {&holes_, Uint32},
+                 {&placeNodes_, Uint32x4},
+                 {&places_, Uint32x4}});
+    const ResolveBlock resolve{DeviceResolver::block(*slice.shot.beams, slice.channels, count),
+                               block.columns,
+                               block.withOrigins,
+                               block.moves,
+                               {}};
+    resolve_.run(count,
+                 {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(), &found_,
+                  &resolver_.columns()},
+                 std::as_bytes(std::span(&resolve, 1)),
+                 {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3), resolver_.table(4)});
   }
 
   // Meshes that revolutions share stay; where they stand is told anew for each.
@@ -126,11 +176,13 @@ class GlTracer::Inside {
       DeviceMeshes kept;
       kept.blocks = std::move(meshes_.blocks);
       meshes_ = std::move(kept);
+      resolver_.holdMeshes(*world);
       if (!baked) shared_ = world->shared->number;
     }
     const DevicePlaces places = devicePlaces(embree_.get(), *world, meshes_);
     hold(placeNodes_, Uint32x4, std::span<const WideNode>(places.nodes), "hierarchy of placed meshes");
     hold(places_, Uint32x4, std::span<const DeviceWord>(places.places), "placed meshes");
+    resolver_.holdPlaces(*world);
     meshRoot_ = baked ? meshes_.blocks.at(&world->baked).root : kNoRoot;
     placesRoot_ = places.nodes.empty() ? kNoRoot : 0;
     device_.finish();
@@ -142,12 +194,14 @@ class GlTracer::Inside {
     holdTable(device_, buffer, texel, std::as_bytes(array), most_, std::string("scene's ") + what);
   }
 
-  std::mutex mutex_;
+  std::mutex mutex_;  // of the device and what it holds
   DeviceHandle embree_;
   ComputeDevice device_;
   const std::uint64_t most_;
-  ComputeProgram program_{device_, "ray tracing", traceShader()};
+  ComputeProgram tracer_{device_, "ray tracing", traceShader()};
+  ComputeProgram resolve_{device_, "resolving", resolveShader()};
   DeviceBeams beams_{device_};
+  DeviceResolver resolver_{device_, most_};
   ComputeBuffer found_{device_};
   ComputeBuffer nodes_{device_}, triangles_{device_}, cutouts_{device_}, holes_{device_};
   ComputeBuffer placeNodes_{device_}, places_{device_};
@@ -156,6 +210,9 @@ class GlTracer::Inside {
   DeviceMeshes meshes_;               // their blocks alone
   std::uint32_t meshRoot_ = kNoRoot;
   std::uint32_t placesRoot_ = kNoRoot;
+  std::mutex freeMutex_;
+  std::condition_variable freed_;
+  std::vector<std::unique_ptr<ComputeReadback>> free_;
 };
 
 GlTracer::GlTracer(const GlTracerLimits& limits) : inside_(std::make_unique<Inside>(limits)) {}
@@ -163,8 +220,9 @@ GlTracer::GlTracer(const GlTracerLimits& limits) : inside_(std::make_unique<Insi
 GlTracer::~GlTracer() = default;
 
 void GlTracer::trace(const std::shared_ptr<const World>& world, const Shot& shot, const ShotFrame& frame,
-                     float farthest, float coplanar, FoundTriangles& found, StageClock& clock) {
-  inside_->trace(world, shot, frame, farthest, coplanar, found, clock);
+                     float farthest, float coplanar, Hits& hits, std::vector<UndecidedRay>& undecided,
+                     StageClock& clock) {
+  inside_->trace(world, shot, frame, farthest, coplanar, hits, undecided, clock);
 }
 
 std::string GlTracer::device() const {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Ray tracing by a compute shader: finds the triangles that rays meet first, where rounding leaves no doubt of them.
+// Ray tracing by compute shaders: hits of the rays of which rounding leaves no doubt.
 
 #include <cstdint>
 #include <limits>
@@ -9,30 +9,21 @@
 #include <vector>
 
 #include "base/stage_clock.h"
+#include "methods/device_resolver.h"
 #include "methods/ray_tracing/device_world.h"
 #include "methods/world/resolve.h"
 #include "methods/world/world.h"
+#include "scan/hits.h"
 #include "sensors/shot.h"
 
 namespace scanmill {
-
-constexpr std::uint32_t kNothingFound = 0xFFFFFFFFu;  // in the place of a triangle: the ray meets nothing
-constexpr std::uint32_t kUnsureHit = 0xFFFFFFFEu;     // the shader cannot say: Embree must
-
-// What the rays of a shot meet, ring * columns + column.
-struct FoundTriangles {
-  std::vector<std::uint32_t> triangle;  // number in its block, kNothingFound or kUnsureHit
-  std::vector<std::uint32_t> place;     // 1 + index into World::placed; 0: the baked block
-
-  void resize(std::size_t rays);
-};
 
 struct GlTracerLimits {
   // Of a table or buffer; the device's own limits hold too.
   std::uint64_t bytes = std::numeric_limits<std::uint64_t>::max();
 };
 
-// Calls may come from any thread.
+// Calls may come from any thread: while one waits for the device, or copies what it has made, others give it work.
 class GlTracer {
  public:
   // Throws Error where the machine has no OpenGL 4.3.
@@ -41,12 +32,12 @@ class GlTracer {
   GlTracer(const GlTracer&) = delete;
   GlTracer& operator=(const GlTracer&) = delete;
 
-  // Of a triangle that `found` names, Embree with the tie rule (filter.h) would have found the same, and the distance
-  // to its plane is that to the triangle (intersectPlanes() in methods/world/resolve.h). `farthest`: m, how far rays
-  // go. Hierarchies stay on the device between calls, and so do beams. Adds "upload", "trace" and "read_back" to the
-  // clock. Throws Error where the scene does not fit.
+  // Fills the channels that `hits` has, one ray after the other, with what Embree with the tie rule (filter.h) and
+  // methods/world/resolve.h would give, and adds the rays that it leaves to the processor, ascending. `farthest`: m,
+  // how far rays go. Hierarchies, labels and textures stay on the device between calls, and so do beams. Adds to the
+  // stages "upload", "trace" (waiting for the device) and "read_back". Throws Error where the scene does not fit.
   void trace(const std::shared_ptr<const World>& world, const Shot& shot, const ShotFrame& frame, float farthest,
-             float coplanar, FoundTriangles& found, StageClock& clock);
+             float coplanar, Hits& hits, std::vector<UndecidedRay>& undecided, StageClock& clock);
 
   std::string device() const;
 
@@ -55,9 +46,15 @@ class GlTracer {
   std::unique_ptr<Inside> inside_;
 };
 
-// The compute program; see gpu/compute.h. Storage buffers: 0 directions, 1 origins, 2 firing times, 3 poses, 4 the
-// step of each column, 5 what is found (columns of FoundTriangles). Tables: 0 nodes, 1 triangles, 2 cutouts, 3 holes of
-// DeviceMeshes, 4 nodes and 5 places of DevicePlaces.
+constexpr std::uint32_t kNothingFound = 0xFFFFFFFFu;  // in the place of a triangle: the ray meets nothing
+constexpr std::uint32_t kUnsureHit = 0xFFFFFFFEu;     // the shader cannot say: Embree must
+
+// The compute programs; see gpu/compute.h. Storage buffers: 0 to 4 those of DeviceBeams, 5 what is found: the
+// triangle's number in its block, kNothingFound or kUnsureHit of each ray, then 1 + its place in World::placed or 0 of
+// each. Tables of the first: 0 nodes, 1 triangles, 2 cutouts, 3 holes of DeviceMeshes, 4 nodes and 5 places of
+// DevicePlaces.
 std::string traceShader();
+// It makes hits of what is found: storage buffer 6 and tables are those of DeviceResolver.
+std::string resolveShader();
 
 }  // namespace scanmill

@@ -27,12 +27,8 @@ void findParts(const PacketJob& job, const Tile& tile, float* parts) {
   const BeamTable& beams = *job.shot.beams;
   int lane = 0;
   for (std::uint32_t r = 0; r < tile.rows; ++r) {
-    for (std::uint32_t c = 0; c < tile.width; ++c, ++lane) {
-      const std::uint32_t column = tile.column + c;
-      const double time = beams.time.empty() ? beams.columnTime(column / beams.raysPerBeam * beams.raysPerBeam)
-                                             : double{beams.time[std::size_t{tile.ring + r} * beams.columns + column]};
-      parts[lane] = static_cast<float>(std::clamp(time / job.world.duration, 0.0, 1.0));
-    }
+    const std::size_t first = std::size_t{tile.ring + r} * beams.columns + tile.column;
+    for (std::uint32_t c = 0; c < tile.width; ++c, ++lane) parts[lane] = partOf(beams, first + c, job.world.duration);
   }
 }
 
@@ -92,7 +88,6 @@ struct Pending {
   HitTriangle triangles[kPacket];
   float traced[kPacket];  // m
   float parts[kPacket];
-  bool found = false;  // by the device: `traced` says nothing
 };
 
 void intersect(const PacketJob& job, Pending& p) {
@@ -112,36 +107,11 @@ void intersect(const PacketJob& job, Pending& p) {
   }
 }
 
-// Takes what the device has found, unless it leaves a ray to Embree. That then traces the whole packet: what it finds
-// on an edge that two triangles share depends on which rays travel together.
-bool takeFound(const PacketJob& job, const Tile& tile, Pending& p) {
-  const std::uint32_t columns = job.shot.beams->columns;
-  const auto rayOf = [&](int lane) {
-    const auto l = static_cast<std::uint32_t>(lane);
-    return std::size_t{tile.ring + l / tile.width} * columns + tile.column + l % tile.width;
-  };
-  for (int i = 0; i < p.rays.count; ++i) {
-    if (job.found->triangle[rayOf(i)] == kUnsureHit) return false;
-  }
-  std::fill_n(p.triangles, kPacket, HitTriangle{});
-  std::fill_n(p.traced, kPacket, 0.0f);
-  for (int i = 0; i < p.rays.count; ++i) {
-    const std::size_t ray = rayOf(i);
-    const std::uint32_t triangle = job.found->triangle[ray];
-    if (triangle == kNothingFound) continue;
-    const std::uint32_t place = job.found->place[ray];
-    const PlacedBlock* placed = place == 0 ? nullptr : &job.world.placed[place - 1];
-    p.triangles[i] = {placed == nullptr ? &job.world.baked : placed->block, placed, triangle};
-  }
-  return true;
-}
-
 SCANMILL_BEST_INSTRUCTIONS void begin(const PacketJob& job, const Tile& tile, Pending& p) {
   p.tile = tile;
   setUp(job.shot, job.frame, tile, p.rays);
   findParts(job, tile, p.parts);
-  p.found = job.found != nullptr && takeFound(job, tile, p);
-  if (!p.found) intersect(job, p);
+  intersect(job, p);
   for (int i = 0; i < kPacket; ++i) {
     p.triangles[i].part = p.parts[i];
     if (p.triangles[i].block != nullptr) prefetch(p.triangles[i].block->triangles[p.triangles[i].index]);
@@ -157,7 +127,6 @@ SCANMILL_BEST_INSTRUCTIONS void finish(const PacketJob& job, const Pending& p, H
       loadMiss(resolved, i);
     }
   }
-  if (p.found) trustPlanes(p.rays, resolved);
   intersectPlanes(p.rays, *job.shot.beams, resolved);
   store(job.materials, p.tile, p.rays, resolved, p.triangles, hits);
 }

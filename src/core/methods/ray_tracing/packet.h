@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "methods/ray_tracing/filter.h"
-#include "methods/ray_tracing/gl_tracer.h"
 #include "methods/world/resolve.h"
 #include "methods/world/world.h"
 #include "scan/hits.h"
@@ -21,8 +20,7 @@ struct PacketJob {
   const Shot& shot;
   const ShotFrame& frame;
   int raysPerCall;
-  float coplanarFloor;                    // m
-  const FoundTriangles* found = nullptr;  // what a device has found already; null: nothing
+  float coplanarFloor;  // m
 };
 
 // How far rays are traced (m): a little past the maximum range, since a distance in float32 must not decide what lies

@@ -1,8 +1,8 @@
 // Ray tracing with Embree: the reference of all methods.
 //
 // The scene is rebased to an origin near the sensor and traced in float32, 16 beams at a time; the range is recomputed
-// in double from the triangle that was hit. Where a device of OpenGL is asked for, or is faster, it finds the triangles
-// of most rays, and Embree those of which rounding leaves a doubt (gl_tracer.h): with the same bytes.
+// in double from the triangle that was hit. Where a device of OpenGL is asked for, or is faster, it makes the hits of
+// most rays, and the processor those of which rounding leaves a doubt (gl_tracer.h): with the same bytes.
 
 #include "methods/ray_tracing/ray_tracing.h"
 
@@ -56,6 +56,61 @@ TracingBackend& automaticBackend() {
   return *one;
 }
 
+// Columns of a packet's tile: as square as possible in angle, since packets trace best when their beams stay together.
+std::uint32_t bestTileColumns(const BeamTable& beams) {
+  if (beams.rings < 2 || beams.raysPerBeam > 1) return kPacket;
+  const auto [low, high] = std::minmax_element(beams.elevation.begin(), beams.elevation.end());
+  const double down = beams.elevation.empty() ? 0 : (*high - *low) / (beams.rings - 1);
+  const double across = 2 * kPi / beams.columns;
+  std::uint32_t best = kPacket;
+  double bestSpread = INFINITY;
+  for (std::uint32_t width = kPacket; width >= 1; width /= 2) {
+    const std::uint32_t rings = kPacket / width;
+    const double spread = std::max(across * width, kRingWeight * down * rings);
+    if (spread < bestSpread) {
+      bestSpread = spread;
+      best = width;
+    }
+  }
+  return best;
+}
+
+// How a table's rays are split into packets.
+class Tiling {
+ public:
+  // `columns` of a packet; 0: what is best.
+  Tiling(const BeamTable& beams, int columns)
+      : beams_(beams),
+        width_(columns != 0 ? static_cast<std::uint32_t>(columns) : bestTileColumns(beams)),
+        rows_(kPacket / width_),
+        across_((beams.columns + width_ - 1) / width_) {}
+
+  std::size_t size() const { return std::size_t{across_} * ((beams_.rings + rows_ - 1) / rows_); }
+
+  Tile tile(std::size_t i) const {
+    const auto ring = static_cast<std::uint32_t>(i / across_) * rows_;
+    const auto column = static_cast<std::uint32_t>(i % across_) * width_;
+    return {ring, column, std::min(rows_, beams_.rings - ring), std::min(width_, beams_.columns - column)};
+  }
+
+  // Numbers of the packets that hold these rays. What Embree finds on an edge that two triangles share depends on which
+  // rays travel together.
+  std::vector<std::size_t> of(std::span<const UndecidedRay> rays) const {
+    std::vector<std::size_t> numbers;
+    for (const UndecidedRay& undecided : rays) {
+      const std::uint32_t ring = undecided.ray / beams_.columns;
+      numbers.push_back(std::size_t{ring / rows_} * across_ + undecided.ray % beams_.columns / width_);
+    }
+    std::sort(numbers.begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    return numbers;
+  }
+
+ private:
+  const BeamTable& beams_;
+  std::uint32_t width_, rows_, across_;
+};
+
 HierarchyOptions hierarchy(const RayTracingOptions& options) {
   return {options.robust, options.quality, tieFilter, alphaTieFilter, thingFilter};
 }
@@ -90,16 +145,21 @@ class RayTracing : public Method {
     StageClock clock;
     const auto onProcessor = [&](Hits& made, StageClock& stages) {
       const WallTimer timer;
-      traceAll(job, channels, made);
+      made.reset(shot.beams->rings, shot.beams->columns, channels);
+      const Tiling tiling(*shot.beams, options_.tileColumns);
+      traceTiles(
+          job, tiling.size(), [&](std::size_t i) { return tiling.tile(i); }, made);
       if (backend.gl != nullptr) stages.add("trace", timer.seconds());  // else it is the only stage
     };
     const auto onDevice = [&](Hits& made, StageClock& stages) {
-      FoundTriangles found;
-      backend.gl->trace(world, shot, frame, searchDistance(*shot.beams), job.coplanarFloor, found, stages);
-      PacketJob rest = job;
-      rest.found = &found;
-      const StageTimer timer(stages, "resolve");
-      traceAll(rest, channels, made);
+      made.reset(shot.beams->rings, shot.beams->columns, channels);
+      std::vector<UndecidedRay> open;
+      backend.gl->trace(world, shot, frame, searchDistance(*shot.beams), job.coplanarFloor, made, open, stages);
+      const StageTimer timer(stages, "undecided");
+      const Tiling tiling(*shot.beams, options_.tileColumns);
+      const std::vector<std::size_t> numbers = tiling.of(open);
+      traceTiles(
+          job, numbers.size(), [&](std::size_t i) { return tiling.tile(numbers[i]); }, made);
     };
     backend.choice.trace(onDevice, onProcessor, hits, clock);
     return {clock.seconds(), {}};
@@ -141,21 +201,12 @@ class RayTracing : public Method {
     return worlds_.near(shot.worldFromSensor.front().translation, shot.time, shot.duration);
   }
 
-  void traceAll(const PacketJob& job, Channels channels, Hits& hits) const {
-    const BeamTable& beams = *job.shot.beams;
-    hits.reset(beams.rings, beams.columns, channels);
-    const std::uint32_t width = tileColumns(beams);
-    const std::uint32_t rows = kPacket / width;
-    const std::uint32_t across = (beams.columns + width - 1) / width;
-    const std::uint32_t down = (beams.rings + rows - 1) / rows;
-    parallelFor(std::size_t{across} * down, 128, [&](std::size_t first, std::size_t last) {
+  template <class TileAt>
+  static void traceTiles(const PacketJob& job, std::size_t count, const TileAt& tileAt, Hits& hits) {
+    parallelFor(count, 128, [&](std::size_t first, std::size_t last) {
       std::vector<Tile> tiles;
       tiles.reserve(last - first);
-      for (std::size_t i = first; i < last; ++i) {
-        const auto ring = static_cast<std::uint32_t>(i / across) * rows;
-        const auto column = static_cast<std::uint32_t>(i % across) * width;
-        tiles.push_back({ring, column, std::min(rows, beams.rings - ring), std::min(width, beams.columns - column)});
-      }
+      for (std::size_t i = first; i < last; ++i) tiles.push_back(tileAt(i));
       tracePackets(job, tiles, hits);
     });
   }
@@ -175,28 +226,8 @@ class RayTracing : public Method {
     return fmt::format(
         "rays meet triangles on {}, which take about {:.0f} MiB there, and on the processor where "
         "rounding leaves a doubt",
-        asked_->gl->device(), static_cast<double>(worlds_.triangles() * kDeviceBytesPerTriangle) / kMebibyte);
-  }
-
-  // Columns of a packet's tile: as square as possible in angle, since packets trace best when their beams stay
-  // together.
-  std::uint32_t tileColumns(const BeamTable& beams) const {
-    if (options_.tileColumns != 0) return static_cast<std::uint32_t>(options_.tileColumns);
-    if (beams.rings < 2 || beams.raysPerBeam > 1) return kPacket;
-    const auto [low, high] = std::minmax_element(beams.elevation.begin(), beams.elevation.end());
-    const double down = beams.elevation.empty() ? 0 : (*high - *low) / (beams.rings - 1);
-    const double across = 2 * kPi / beams.columns;
-    std::uint32_t best = kPacket;
-    double bestSpread = INFINITY;
-    for (std::uint32_t width = kPacket; width >= 1; width /= 2) {
-      const std::uint32_t rings = kPacket / width;
-      const double spread = std::max(across * width, kRingWeight * down * rings);
-      if (spread < bestSpread) {
-        bestSpread = spread;
-        best = width;
-      }
-    }
-    return best;
+        asked_->gl->device(),
+        static_cast<double>(worlds_.triangles() * (kDeviceBytesPerTriangle + kResolverBytesPerTriangle)) / kMebibyte);
   }
 
   const Scene& original_;

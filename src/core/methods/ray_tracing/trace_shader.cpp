@@ -4,6 +4,7 @@
 
 #include "gpu/compute.h"
 #include "methods/device_beams.h"
+#include "methods/device_resolver.h"
 #include "methods/ray_tracing/filter.h"
 #include "methods/ray_tracing/gl_tracer.h"
 #include "methods/ray_tracing/wide_hierarchy.h"
@@ -19,7 +20,7 @@ layout(std140, binding = 0) uniform TraceParameters {
   uint meshRoot;      // of what is baked; kNoRoot where nothing is
   uint placesRoot;    // kNoRoot where nothing is placed
   uint withOrigins;
-  float duration;     // s, of the revolution, where something moves
+  uint moves;         // 1: something moves during the revolution
   float farthest;     // m, how far rays go
   float coplanar;     // m, within which surfaces tie beside their share of the distance
 };
@@ -280,7 +281,7 @@ void invoke(uint i) {
   vec3 o = vec3(exactOrigin);
   vec3 d = vec3(exactDirection);
   worldDirection = d;
-  part = duration > 0.0 ? clamp(times[ray] / duration, 0.0, 1.0) : 0.0;
+  part = moves != 0u ? parts[ray] : 0.0;
   best = kInfinite;
   bestOff = 0.0;
   bestCosine = 0.0;
@@ -299,6 +300,31 @@ void invoke(uint i) {
 )";
 
 }  // namespace
+
+std::string resolveShader() {
+  return glslConstant("kNothing", kNothingFound) + glslConstant("kUnsure", kUnsureHit) + DeviceBeams::shader() +
+         DeviceResolver::shader("uint columns, withOrigins, moves;") + R"(
+layout(std430, binding = 5) readonly restrict buffer Found { uint found[]; };
+
+void invoke(uint ray) {
+  uint triangle = found[ray];
+  if (triangle == kUnsure) {
+    leave(ray, kOpen);
+    return;
+  }
+  if (triangle == kNothing) {
+    miss(ray);
+    return;
+  }
+  dvec3 o, d;
+  rayOf(ray, ray % columns, withOrigins != 0u, o, d);
+  Plane plane = planeOf(triangle, found[rays + ray], moves != 0u ? parts[ray] : 0.0, o, d);
+  double doubt;
+  double range = distanceTo(plane, o, doubt);
+  hit(ray, plane, range, doubt, o, d);
+}
+)";
+}
 
 std::string traceShader() {
   constexpr float kUnit = 0x1p-24f;  // half of the step of numbers near 1

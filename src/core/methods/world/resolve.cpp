@@ -15,15 +15,6 @@ constexpr double kTrust = 1e-2;  // of the distance, and m
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();
 
-struct RangeLimits {
-  double nearest, farthest;  // m
-};
-
-RangeLimits limitsOf(const BeamTable& beams) {
-  return {beams.minRange > 0 ? beams.minRange : std::numeric_limits<double>::denorm_min(),
-          beams.maxRange * (1 + 1e-12)};
-}
-
 float texturedReflectance(const HitTriangle& hit, const CompactMaterial& material, const Rays& rays, const Resolved& r,
                           int i) {
   const Vec3d point =
@@ -98,10 +89,10 @@ void storeNormals(const Tile& tile, const Resolved& r, Hits& hits) {
   alignas(64) float x[kPacket], y[kPacket], z[kPacket];
   for (int i = 0; i < kPacket; ++i) {
     const double towards = r.cosine[i] > 0 ? -1 : 1;
-    const double scale = r.range[i] < kMiss ? towards : 0;
-    x[i] = static_cast<float>(r.nx[i] * scale);
-    y[i] = static_cast<float>(r.ny[i] * scale);
-    z[i] = static_cast<float>(r.nz[i] * scale);
+    const bool hit = r.range[i] < kMiss;
+    x[i] = static_cast<float>(hit ? r.nx[i] * towards : 0);
+    y[i] = static_cast<float>(hit ? r.ny[i] * towards : 0);
+    z[i] = static_cast<float>(hit ? r.nz[i] * towards : 0);
   }
   Vec3f normal[kPacket];
   for (int i = 0; i < kPacket; ++i) normal[i] = {x[i], y[i], z[i]};
@@ -126,6 +117,11 @@ void setUpRow(const ShotFrame& frame, const Vec3d* directions, Rays& rays) {
 
 }  // namespace
 
+RangeLimits limitsOf(const BeamTable& beams) {
+  return {beams.minRange > 0 ? beams.minRange : std::numeric_limits<double>::denorm_min(),
+          beams.maxRange * (1 + 1e-12)};
+}
+
 ShotFrame frameOf(const Shot& shot, const Vec3d& origin) {
   ShotFrame frame;
   for (const Pose& pose : shot.worldFromSensor) {
@@ -133,6 +129,14 @@ ShotFrame frameOf(const Shot& shot, const Vec3d& origin) {
     frame.position.push_back(pose.translation - origin);
   }
   return frame;
+}
+
+float partOf(const BeamTable& beams, std::size_t ray, double duration) {
+  if (duration <= 0) return 0;
+  const auto column = static_cast<std::uint32_t>(ray % beams.columns);
+  const double time =
+      beams.time.empty() ? beams.columnTime(column / beams.raysPerBeam * beams.raysPerBeam) : double{beams.time[ray]};
+  return static_cast<float>(std::clamp(time / duration, 0.0, 1.0));
 }
 
 SCANMILL_BEST_INSTRUCTIONS void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays) {
@@ -166,14 +170,6 @@ SCANMILL_BEST_INSTRUCTIONS void setUp(const Shot& shot, const ShotFrame& frame, 
     rays.dx[lane] = rays.dx[0];
     rays.dy[lane] = rays.dy[0];
     rays.dz[lane] = rays.dz[0];
-  }
-}
-
-SCANMILL_BEST_INSTRUCTIONS void trustPlanes(const Rays& rays, Resolved& r) {
-  for (int i = 0; i < kPacket; ++i) {
-    const double along = r.nx[i] * rays.dx[i] + r.ny[i] * rays.dy[i] + r.nz[i] * rays.dz[i];
-    const double origin = r.nx[i] * rays.ox[i] + r.ny[i] * rays.oy[i] + r.nz[i] * rays.oz[i];
-    r.traced[i] = along != 0 ? (r.offset[i] - origin) / along : kNothing;
   }
 }
 

@@ -2,6 +2,7 @@
 
 // Makes hits of the triangles that beams meet: ranges, normals, labels. In double, 16 beams at a time.
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -53,6 +54,10 @@ struct Resolved {
   alignas(64) Lane cosine;      // of normal and beam, signed
 };
 
+// When a ray of the table fires, as part of a revolution of so many seconds, 0 to 1; 0 where nothing moves
+// (duration 0).
+float partOf(const BeamTable& beams, std::size_t ray, double duration);
+
 void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays);
 
 // Loads the plane of a triangle that was hit at about the distance `traced` (m).
@@ -80,8 +85,13 @@ inline void loadMiss(Resolved& r, int lane) {
   r.traced[lane] = std::numeric_limits<double>::infinity();
 }
 
-// Takes the distances to the planes of hits for those at which they were traced.
-void trustPlanes(const Rays& rays, Resolved& r);
+// Within which a sensor reports hits.
+struct RangeLimits {
+  double nearest, farthest;  // m
+};
+
+RangeLimits limitsOf(const BeamTable& beams);
+
 // Sets each range to the distance along the ray to the plane of its triangle. Outside of the sensor's range limits it
 // is a miss.
 void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r);

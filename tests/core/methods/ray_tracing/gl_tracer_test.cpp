@@ -8,7 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "base/random.h"
 #include "methods/ray_tracing/filter.h"
@@ -67,18 +70,48 @@ void expectTheProcessorsBytes(const Scene& scene, const Shot& shot, const std::s
   expectSameHits(traced(scene, shot, "{backend: gl" + more + "}"), here);
 }
 
+// What a tracer makes of a shot; undecided rays are misses.
+struct Made {
+  Hits hits;
+  std::vector<std::uint32_t> undecided;
+};
+
+Made madeBy(GlTracer& tracer, const std::shared_ptr<const World>& world, const Shot& shot) {
+  Made made;
+  made.hits.reset(shot.beams->rings, shot.beams->columns, Channels::all());
+  std::vector<UndecidedRay> undecided;
+  StageClock clock;
+  tracer.trace(world, shot, frameOf(shot, world->origin), 1000, 1e-5f, made.hits, undecided, clock);
+  for (const UndecidedRay& open : undecided) {
+    EXPECT_EQ(open.verdict, RayVerdict::Open);
+    made.undecided.push_back(open.ray);
+    made.hits.range[open.ray] = kMiss;
+    made.hits.normal[open.ray] = {};
+    for (auto* column : {&made.hits.reflectance, &made.hits.incidence}) (*column)[open.ray] = 0;
+    for (auto* column : {&made.hits.instance, &made.hits.primitive}) (*column)[open.ray] = 0;
+    for (auto* column : {&made.hits.semantic, &made.hits.material}) (*column)[open.ray] = 0;
+  }
+  return made;
+}
+
+void expectSameWork(const Made& a, const Made& b) {
+  expectSameHits(a.hits, b.hits);
+  EXPECT_EQ(a.undecided, b.undecided);
+}
+
 // What share of the rays the shader leaves to Embree.
 double unsureShare(const Scene& scene, const Shot& shot, Instancing instancing, const GlTracerLimits& limits = {}) {
   const Worlds worlds(scene, instancing, {true, HierarchyQuality::Medium, tieFilter, alphaTieFilter, thingFilter});
   const auto world = worlds.near(shot.worldFromSensor.front().translation, shot.time, shot.duration);
   const ShotFrame frame = frameOf(shot, world->origin);
   GlTracer tracer(limits);
-  FoundTriangles found;
+  Hits hits;
+  hits.reset(shot.beams->rings, shot.beams->columns, Channels::all());
+  std::vector<UndecidedRay> undecided;
   StageClock clock;
   tracer.trace(world, shot, frame, searchDistance(*shot.beams),
-               coplanarFloor(static_cast<float>(length(frame.position.front()))), found, clock);
-  return static_cast<double>(std::count(found.triangle.begin(), found.triangle.end(), kUnsureHit)) /
-         static_cast<double>(found.triangle.size());
+               coplanarFloor(static_cast<float>(length(frame.position.front()))), hits, undecided, clock);
+  return static_cast<double>(undecided.size()) / static_cast<double>(hits.rays());
 }
 
 TEST(GlTracer, GivesTheProcessorsBytes) {
@@ -203,6 +236,102 @@ TEST(GlTracer, WhatMovesIsMetWhereItIsWhenTheBeamFires) {
   }
 }
 
+// A wall whose texture repeats, of texels of any colour.
+Scene papered(const std::shared_ptr<const Movement>& movement) {
+  SceneBuilder builder = testBuilder();
+  Material paper;
+  paper.name = "paper";
+  paper.reflectance = 0.4f;
+  paper.textured = true;
+  paper.textureMean = 0.3f;
+  auto texture = std::make_shared<Texture>();
+  texture->width = 61;
+  texture->height = 17;
+  for (std::uint32_t i = 0; i < texture->width * texture->height; ++i) {
+    const RandomBlock b = randomBlock({.beam = i, .purpose = Purpose::Test});
+    for (const std::uint32_t word : {b[0], b[1], b[2]}) texture->rgba.push_back(static_cast<std::uint8_t>(word & 255u));
+    texture->rgba.push_back(255);
+  }
+  paper.texture = texture;
+  Mesh wall;
+  wall.surfaces.push_back({builder.addMaterial(paper), 2, 1, "", "", {}});
+  appendQuad(wall, 0, {0, 5, -5}, {0, -5, -5}, {0, -5, 5}, {0, 5, 5});
+  wall.uvs = {{-1.3f, 0.1f}, {2.9f, 0}, {3, 2.2f}, {0, 1.9f}};
+  const std::uint32_t mesh = builder.addMesh(std::move(wall));
+  for (int i = 0; i < 5; ++i) {
+    const double angle = 0.2 + 1.3 * i;
+    builder.place(mesh,
+                  {toMatrix(fromYawPitchRoll(angle, 0.1 * i, 0.2 * i)) * Mat3::scale({1, 1 - 0.3 * i, 0.7}),
+                   {7 * std::cos(angle), 7 * std::sin(angle), 0}},
+                  "wall", {}, movement);
+  }
+  return builder.finish();
+}
+
+TEST(GlTracer, TexturesGiveTheSameReflectance) {
+  SKIP_WITHOUT_GL();
+  const Scene scene = papered(nullptr);
+  const Shot shot = shotAt(spinning(64, 1024, -30, 30), {fromYawPitchRoll(0.3, 0.02, 0.1), {0.2, 0.1, 0}});
+  for (const char* instancing : {", instancing: never", ", instancing: always"}) {
+    SCOPED_TRACE(instancing);
+    expectTheProcessorsBytes(scene, shot, instancing);
+  }
+  EXPECT_LT(unsureShare(scene, shot, Instancing::Always), 0.02);
+  EXPECT_LT(unsureShare(scene, shot, Instancing::Never), 0.02);
+  const Scene moving = papered(std::make_shared<Movement>(Vec3d{3, 15, 1}));
+  Shot turning = shot;
+  turning.duration = 0.1;
+  expectTheProcessorsBytes(moving, turning);
+  EXPECT_LT(unsureShare(moving, turning, Instancing::Always), 0.02);
+}
+
+// Only what is asked for is made and comes back.
+TEST(GlTracer, AnyChannelsAreThoseOfAll) {
+  SKIP_WITHOUT_GL();
+  const Scene scene = crowd(0, 40);
+  const auto cpu = rayTracing(scene, "{backend: cpu}");
+  const auto gl = rayTracing(scene, "{backend: gl}");
+  const Shot shot = shotAt(spinning(16, 500, -25, 5));
+  for (const Channels channels :
+       {Channels(Channel::Range), Channel::Range | Channel::Normal, Channel::Material | Channel::Range,
+        Channel::Semantic | Channel::Incidence, Channels(Channel::Primitive) | Channel::Normal | Channel::Instance,
+        Channels(Channel::Reflectance)}) {
+    expectSameHits(traced(*gl, shot, channels), traced(*cpu, shot, channels));
+  }
+}
+
+// Hits nearer or farther than the sensor reports are misses on both.
+TEST(GlTracer, RangeLimitsAreTheSame) {
+  SKIP_WITHOUT_GL();
+  const Scene scene = crowd(0, 60);
+  auto beams = spinning(32, 1024, -25, 5);
+  beams->minRange = 6;
+  beams->maxRange = 21.5;
+  expectTheProcessorsBytes(scene, shotAt(beams));
+}
+
+TEST(GlTracer, ShotsOfManyThreadsShareTheDevice) {
+  SKIP_WITHOUT_GL();
+  const Scene scene = crowd(0, 40);
+  const auto cpu = rayTracing(scene, "{backend: cpu}");
+  const auto gl = rayTracing(scene, "{backend: gl}");
+  const auto beams = spinning(16, 500, -25, 5);
+  const auto other = spinning(8, 300, -15, 15);
+  constexpr std::size_t kShots = 24;
+  std::vector<Hits> made(kShots);
+  const auto shot = [&](std::size_t i) {
+    return shotAt(i % 3 == 0 ? other : beams, {fromYawPitchRoll(0.1 * static_cast<double>(i), 0, 0), {0, 0, 0}});
+  };
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < 8; ++t) {
+    threads.emplace_back([&, t] {
+      for (std::size_t i = t; i < kShots; i += 8) made[i] = traced(*gl, shot(i));
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (std::size_t i = 0; i < kShots; ++i) expectSameHits(made[i], traced(*cpu, shot(i)));
+}
+
 TEST(GlTracer, BeamsWithOriginsAndSeveralRays) {
   SKIP_WITHOUT_GL();
   const Scene scene = crowd(0, 40);
@@ -222,16 +351,10 @@ TEST(GlTracer, SlicesAndChangesDoNotMatter) {
                       {true, HierarchyQuality::Medium, tieFilter, alphaTieFilter, thingFilter});
   GlTracer whole;
   GlTracer sliced({.bytes = 1 << 20});
-  StageClock clock;
   for (const auto& [rings, x] : {std::pair(64u, 0.0), {16u, 0.0}, {64u, 5.0}, {64u, 3000.0}}) {
     const Shot shot = shotAt(spinning(rings, 1024, -25, 5), {{}, {x, 0, 0}});
     const auto world = worlds.near(shot.worldFromSensor.front().translation, 0, 0);
-    const ShotFrame frame = frameOf(shot, world->origin);
-    FoundTriangles a, b;
-    whole.trace(world, shot, frame, 1000, 1e-5f, a, clock);
-    sliced.trace(world, shot, frame, 1000, 1e-5f, b, clock);
-    EXPECT_EQ(a.triangle, b.triangle);
-    EXPECT_EQ(a.place, b.place);
+    expectSameWork(madeBy(whole, world, shot), madeBy(sliced, world, shot));
   }
 }
 
@@ -239,7 +362,6 @@ TEST(GlTracer, SlicesAndChangesDoNotMatter) {
 TEST(GlTracer, ScenesTakeTurns) {
   SKIP_WITHOUT_GL();
   GlTracer one;
-  StageClock clock;
   for (int round = 0; round < 6; ++round) {
     SceneBuilder builder = testBuilder();
     Mesh box = meshOf(builder, "thing");
@@ -250,13 +372,9 @@ TEST(GlTracer, ScenesTakeTurns) {
                         {true, HierarchyQuality::Medium, tieFilter, alphaTieFilter, thingFilter});
     const Shot shot = shotAt(spinning(16, 256, -20, 20));
     const auto world = worlds.near({});
-    const ShotFrame frame = frameOf(shot, world->origin);
     GlTracer fresh;
-    FoundTriangles a, b;
-    one.trace(world, shot, frame, 1000, 1e-5f, a, clock);
-    fresh.trace(world, shot, frame, 1000, 1e-5f, b, clock);
-    EXPECT_EQ(a.triangle, b.triangle) << round;
-    EXPECT_EQ(a.place, b.place) << round;
+    SCOPED_TRACE(round);
+    expectSameWork(madeBy(one, world, shot), madeBy(fresh, world, shot));
   }
 }
 
