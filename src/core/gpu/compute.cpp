@@ -143,6 +143,25 @@ std::span<const std::byte> ComputeReadback::wait() {
   return {context_->backend->copyOf(number_), bytes_};
 }
 
+ComputeReadbacks::ComputeReadbacks(const ComputeDevice& device, std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k) free_.push_back(std::make_unique<ComputeReadback>(device));
+}
+
+ComputeReadbacks::Lease::Lease(ComputeReadbacks& all) : all_(all) {
+  std::unique_lock lock(all_.mutex_);
+  all_.freed_.wait(lock, [&] { return !all_.free_.empty(); });
+  one_ = std::move(all_.free_.back());
+  all_.free_.pop_back();
+}
+
+ComputeReadbacks::Lease::~Lease() {
+  {
+    const std::scoped_lock lock(all_.mutex_);
+    all_.free_.push_back(std::move(one_));
+  }
+  all_.freed_.notify_one();
+}
+
 ComputeProgram::ComputeProgram(const ComputeDevice& device, const std::string& name, const std::string& text)
     : context_(device.context_), number_(context_->told([&] { return context_->backend->makeProgram(name, text); })) {}
 

@@ -3,11 +3,13 @@
 // Computing by compute shaders of OpenGL 4.3, without an X server. OpenGL is in a module (gpu/compute_interface.h) that
 // is loaded with the first device.
 
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
@@ -131,6 +133,31 @@ void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable:
 // A line of GLSL that defines a constant: the same float32, whatever the shader's compiler makes of decimals.
 std::string glslConstant(const char* name, float value);
 std::string glslConstant(const char* name, std::uint32_t value);
+
+// Places to copy to, for as many pieces of work as may be in flight.
+class ComputeReadbacks {
+ public:
+  ComputeReadbacks(const ComputeDevice& device, std::size_t count);
+
+  // One that nobody else has as long as the lease lives. Waits until there is one.
+  class Lease {
+   public:
+    explicit Lease(ComputeReadbacks& all);
+    ~Lease();
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    ComputeReadback* operator->() const { return one_.get(); }
+
+   private:
+    ComputeReadbacks& all_;
+    std::unique_ptr<ComputeReadback> one_;
+  };
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable freed_;
+  std::vector<std::unique_ptr<ComputeReadback>> free_;
+};
 
 class ComputeProgram {
  public:

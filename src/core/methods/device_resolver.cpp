@@ -231,17 +231,20 @@ dvec4 placedRow(uint place, uint row, bool moving, double part) {
   return between;
 }
 
+void planeRecord(uint record, out dvec3 normal, out double offset) {
+  uvec4 a = texelFetch(planeRecords, int(3u * record));
+  uvec4 b = texelFetch(planeRecords, int(3u * record + 1u));
+  normal = dvec3(packDouble2x32(a.xy), packDouble2x32(a.zw), packDouble2x32(b.xy));
+  offset = packDouble2x32(b.zw);
+}
+
 Plane planeOf(uint triangle, uint place, float part, dvec3 o, dvec3 d) {
   uvec4 head = texelFetch(stands, int(13u * place));
-  int at = int(3u * (head.x + triangle));
-  uvec4 a = texelFetch(planeRecords, at);
-  uvec4 b = texelFetch(planeRecords, at + 1);
   Plane p;
-  p.normal = dvec3(packDouble2x32(a.xy), packDouble2x32(a.zw), packDouble2x32(b.xy));
+  planeRecord(head.x + triangle, p.normal, p.offset);
   p.normalDoubt = dvec3(0.0LF);
-  p.offset = packDouble2x32(b.zw);
   p.offsetDoubt = 0.0LF;
-  p.label = texelFetch(planeRecords, at + 2);
+  p.label = texelFetch(planeRecords, int(3u * (head.x + triangle) + 2u));
   p.instance = p.label.x;
   p.place = place;
   p.part = double(part);
@@ -551,8 +554,8 @@ std::string DeviceResolver::shader(const std::string& parameters) {
          channel("kPrimitive", Channel::Primitive) + channel("kReflectance", Channel::Reflectance) +
          channel("kIncidence", Channel::Incidence) + verdict("kOpen", RayVerdict::Open) +
          verdict("kExhaustedRay", RayVerdict::Exhausted) + verdict("kLeftRay", RayVerdict::Left) +
-         verdict("kTouchingRay", RayVerdict::Touching) + glslConstant("kInfinite", bits(kMiss)) +
-         glslConstant("kLetsPass", kLetsPass) + glslConstant("kTextured", Materials::kTextured + 0u) +
+         glslConstant("kInfinite", bits(kMiss)) + glslConstant("kLetsPass", kLetsPass) +
+         glslConstant("kTextured", Materials::kTextured + 0u) +
          glslConstant("kMoving", static_cast<std::uint32_t>(Standing::Moving)) +
          "const double kSlack = 8.8817841970012523e-16LF;  // eight roundings\n" + kDeclared + kHit;
 }

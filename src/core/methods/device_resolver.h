@@ -27,7 +27,6 @@ enum class RayVerdict : std::uint32_t {
   Open = 0x7FC00001u,       // left to the processor
   Exhausted = 0x7FC00002u,  // a particle used up its steps
   Left = 0x7FC00003u,       // a particle left the field
-  Touching = 0x7FC00004u,   // a particle started at a surface: a miss
 };
 
 struct UndecidedRay {
@@ -75,7 +74,9 @@ class DeviceResolver {
   //     void hit(uint ray, Plane plane, double range, double doubt, dvec3 o, dvec3 d)
   //     void miss(uint ray)
   //     void leave(uint ray, uint verdict)
-  //     bool settled(double value, double doubt, out float rounded)
+  //     bool letsPass(Plane plane, double range, double doubt, dvec3 o, dvec3 d, out bool sure)  // by its texture
+  //     void planeRecord(uint triangle, out dvec3 normal, out double offset)  // of what is baked
+  //     bool settled(double value, double doubt, out float rounded)  // whatever the doubt, it is the same float32
   //
   // `place` is 1 + the index into World::placed, or 0; `part` that of the revolution. It declares the program's uniform
   // block, too: the members of ResolverBlock, and then `parameters`, GLSL such as "uint columns;".

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/stage_clock.h"
+#include "methods/device_resolver.h"
 #include "methods/field/distance_field.h"
 #include "methods/world/resolve.h"
 #include "methods/world/world.h"
@@ -79,6 +80,8 @@ struct ParticleLaunch {
   const ShotFrame* frame;  // of the world's origin
   Box box;                 // m, relative to the world's origin: where particles may march
   double farthest;         // m, how far they go
+  bool whole;              // nothing of the scene lies outside of the box
+  bool corrected;          // without lists: to the plane of the triangle at which a particle rests
   std::size_t size() const {
     return std::size_t{shot->beams->rings} * ((shot->beams->columns + kTogether - 1) / kTogether) * kTogether;
   }
@@ -88,10 +91,14 @@ struct ParticleLaunch {
 class GlMarcher {
  public:
   virtual ~GlMarcher() = default;
-  // Makes the particles of a shot on the device, with the bits that launch() gives them (methods/particle/march_job.h),
-  // and marches them as below. Throws Error, too, where the device's buffers do not hold the beams.
+  // Launches the particles of a shot, marches them and fills the channels that `hits` has with what resolve() gives
+  // (methods/particle/march_job.h); all of it on the device, bit by bit as the processor. Adds the rays that end as
+  // neither hit nor miss, or that it leaves to the processor, ascending. While one thread waits for the device, or
+  // copies what it has made, others may give it work. Adds to the stages "upload", "march" (waiting for the device) and
+  // "read_back". Throws Error, too, where the device's buffers do not hold the beams or the hits.
   virtual void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world,
-                     std::uint32_t steps, const ParticleLaunch& launch, HitRecords& records, StageClock& clock) = 0;
+                     std::uint32_t steps, const ParticleLaunch& launch, Hits& hits,
+                     std::vector<UndecidedRay>& undecided, StageClock& clock) = 0;
   // Marches all particles, as marchCpu() does with those that have taken no step. `field` and `triangles` are uploaded
   // where they are not those of the call before. Safe to call from several threads: one waits for the other. Throws
   // Error, also where the field is larger than the device's buffers may be. Adds to the stages "upload" (of the field

@@ -20,6 +20,8 @@
 #include "gpu/compute.h"
 #include "gpu/device.h"
 #include "methods/device_beams.h"
+#include "methods/device_resolver.h"
+#include "methods/march/march_rule.h"
 
 namespace scanmill {
 
@@ -36,7 +38,8 @@ struct MarchBlock {
   float metres;
   std::uint32_t steps;
   std::uint32_t count;
-  std::uint32_t unused[3];
+  std::uint32_t again;
+  std::uint32_t unused[2];
 };
 static_assert(sizeof(MarchBlock) == 32);
 
@@ -49,6 +52,19 @@ struct LaunchBlock {
 };
 static_assert(sizeof(LaunchBlock) == 144);
 
+// Likewise.
+struct HitsBlock {
+  ResolverBlock common;
+  std::uint32_t rings, columns, first, count, withOrigins, firstAlpha, corrected, whole, last;
+  std::int32_t lastLevel;
+  float reach, metres;
+  double voxel, ends, unused;
+  double low[4], high[4], centre[4];
+  double trust, aside, layer, alike, trusted, there;
+  double unusedToo[2];
+};
+static_assert(sizeof(HitsBlock) == 256);
+
 LaunchBlock launchBlock(const DistanceField& field, const ParticleLaunch& launch) {
   const Box& box = launch.box;
   const Vec3d& centre = field.shape.centre;
@@ -60,6 +76,34 @@ LaunchBlock launchBlock(const DistanceField& field, const ParticleLaunch& launch
   block.rings = launch.shot->beams->rings;
   block.columns = launch.shot->beams->columns;
   block.withOrigins = launch.shot->beams->origin.empty() ? 0 : 1;
+  return block;
+}
+
+HitsBlock hitsBlock(const DistanceField& field, const World& world, const LaunchBlock& launched,
+                    const ParticleLaunch& launch, Channels channels) {
+  const BeamTable& beams = *launch.shot->beams;
+  HitsBlock block{};
+  block.common = DeviceResolver::block(beams, channels, beams.size());
+  block.rings = launched.rings;
+  block.columns = launched.columns;
+  block.withOrigins = launched.withOrigins;
+  block.firstAlpha = world.baked.firstAlpha;
+  block.corrected = launch.corrected ? 1 : 0;
+  block.whole = launch.whole ? 1 : 0;
+  block.lastLevel = static_cast<std::int32_t>(field.levels.size()) - 1;
+  block.reach = field.shape.reach;
+  block.metres = static_cast<float>(field.shape.voxel);
+  block.voxel = field.shape.voxel;
+  block.ends = launch.farthest;
+  std::copy_n(launched.low, 4, block.low);
+  std::copy_n(launched.high, 4, block.high);
+  std::copy_n(launched.centre, 4, block.centre);
+  block.trust = kTrust;
+  block.aside = kAside;
+  block.layer = kLayer;
+  block.alike = kAlike;
+  block.trusted = double{kTrusted};
+  block.there = double{kThere};
   return block;
 }
 
@@ -134,27 +178,35 @@ class ComputeMarcher : public GlMarcher {
   }
 
   void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world, std::uint32_t steps,
-             const ParticleLaunch& launch, HitRecords& records, StageClock& clock) override {
-    const std::scoped_lock lock(mutex_);
-    upload(field, world, clock);
-    const BeamTable& beams = *launch.shot->beams;
-    if (beams.size() * DeviceBeams::kBytesPerRay > std::min(mostTableBytes_, device_.mostBufferBytes())) {
-      device_.fail("the sensor's beams do not fit into a buffer");
-    }
+             const ParticleLaunch& launch, Hits& hits, std::vector<UndecidedRay>& undecided,
+             StageClock& clock) override {
+    const std::size_t rays = launch.shot->beams->size();
+    const std::uint64_t bytes = DeviceResolver::bytesPerRay(hits.channels) * rays;
+    const ComputeReadbacks::Lease readback(readbacks_);
     {
+      const std::scoped_lock lock(mutex_);
+      upload(field, world, clock);
       const StageTimer timer(clock, "upload");
-      beams_.hold(*launch.shot, *launch.frame, 0, beams.size(), 0);
+      holdLabels(world);
+      if (std::max(bytes, DeviceBeams::kBytesPerRay * rays) > std::min(mostTableBytes_, device_.mostBufferBytes())) {
+        device_.fail("the sensor's beams do not fit into a buffer");
+      }
+      device_.atOnce([&] {
+        beams_.hold(*launch.shot, *launch.frame, 0, rays, 0);
+        resolver_.reserve(hits.channels, rays);
+        for (std::size_t first = 0; first < launch.size(); first += slice_) {
+          fly(*field, *world, steps, launch, hits.channels, first);
+        }
+        readback->start(resolver_.columns(), bytes);
+      });
     }
-    LaunchBlock block = launchBlock(*field, launch);
-    marchAll(*field, steps, launch.size(), records, clock, [&](std::size_t first, std::size_t count) {
-      block.first = static_cast<std::uint32_t>(first);
-      block.count = static_cast<std::uint32_t>(count);
-      programOf(launchers_, "launch", launchShader, field->shape.lists)
-          .run(
-              count,
-              {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(), &particles_},
-              std::as_bytes(std::span(&block, 1)));
-    });
+    std::span<const std::byte> columns;
+    {
+      const StageTimer timer(clock, "march");
+      columns = readback->wait();
+    }
+    const StageTimer timer(clock, "read_back");
+    DeviceResolver::take(columns, 0, rays, hits, undecided);
   }
 
   std::string device() const override { return device_.name(); }
@@ -162,6 +214,10 @@ class ComputeMarcher : public GlMarcher {
  private:
   static constexpr std::uint64_t kMostColumns = 14;  // of particles, for fields with lists
   static constexpr std::uint64_t kFewestColumns = 8;
+  // In a row, that a particle passes on the device; what passes more is left to the processor.
+  static constexpr std::uint32_t kMostHoles = 6;
+  // Shots whose hits the device makes, or the processor copies.
+  static constexpr std::size_t kInFlight = 3;
 
   using Programs = std::array<std::unique_ptr<ComputeProgram>, 2>;  // without lists and with, made when first needed
 
@@ -169,6 +225,48 @@ class ComputeMarcher : public GlMarcher {
     std::unique_ptr<ComputeProgram>& program = programs[lists ? 1 : 0];
     if (program == nullptr) program = std::make_unique<ComputeProgram>(device_, name, shader(lists));
     return *program;
+  }
+
+  // Launches a slice of a shot's particles, marches them and makes their hits.
+  void fly(const DistanceField& field, const World& world, std::uint32_t steps, const ParticleLaunch& launch,
+           Channels channels, std::size_t first) {
+    const bool lists = field.shape.lists;
+    const std::size_t count = std::min<std::size_t>(slice_, launch.size() - first);
+    reserve(lists, count);
+    LaunchBlock block = launchBlock(field, launch);
+    block.first = static_cast<std::uint32_t>(first);
+    block.count = static_cast<std::uint32_t>(count);
+    programOf(launchers_, "launch", launchShader, lists)
+        .run(count,
+             {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(), &particles_},
+             std::as_bytes(std::span(&block, 1)));
+    HitsBlock hits = hitsBlock(field, world, block, launch, channels);
+    hits.first = block.first;
+    hits.count = block.count;
+    const bool holes = lists && world.baked.firstAlpha < world.baked.triangles.size();
+    for (std::uint32_t hole = 0; hole <= (holes ? kMostHoles : 0); ++hole) {
+      runMarch(field, steps, count, hole > 0);
+      hits.last = hole == kMostHoles || !holes ? 1 : 0;
+      programOf(resolvers_, "particles' hits", particleHitsShader, lists)
+          .run(count,
+               {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(), &records_,
+                &resolver_.columns(), &particles_},
+               std::as_bytes(std::span(&hits, 1)),
+               {resolver_.table(0),
+                resolver_.table(1),
+                resolver_.table(2),
+                resolver_.table(3),
+                resolver_.table(4),
+                {&levels_, Uint32x4},
+                {&table_, Uint32},
+                {&distances_, Uint16},
+                {&words_, Uint32}});
+    }
+  }
+
+  void reserve(bool lists, std::size_t count) {
+    particles_.reserve((lists ? kMostColumns : kFewestColumns) * count * sizeof(float));
+    records_.reserve(5 * count * sizeof(float));
   }
 
   // `fill` brings particles into their buffer.
@@ -180,10 +278,10 @@ class ComputeMarcher : public GlMarcher {
       const std::size_t count = std::min<std::size_t>(slice_, size - first);
       {
         const StageTimer timer(clock, "march");
-        particles_.reserve((field.shape.lists ? kMostColumns : kFewestColumns) * count * sizeof(float));
-        records_.reserve(5 * count * sizeof(float));
+        reserve(field.shape.lists, count);
         fill(first, count);
-        marchSlice(field, steps, count);
+        runMarch(field, steps, count, false);
+        device_.finish();
       }
       const StageTimer timer(clock, "read_back");
       readRecords(field, records, first, count);
@@ -223,8 +321,18 @@ class ComputeMarcher : public GlMarcher {
     holdTable(device_, buffer, texel, std::as_bytes(array), mostTableBytes_, what, ": " + mend);
   }
 
-  void marchSlice(const DistanceField& field, std::uint32_t steps, std::size_t count) {
-    const MarchBlock block = marchBlock(field, steps, count);
+  void holdLabels(const std::shared_ptr<const World>& world) {
+    if (labelled_.lock() == world) return;
+    labelled_.reset();
+    resolver_.holdMeshes(*world);
+    resolver_.holdPlaces(*world);
+    labelled_ = world;
+  }
+
+  // `again`: those alone that go on behind a hole.
+  void runMarch(const DistanceField& field, std::uint32_t steps, std::size_t count, bool again) {
+    MarchBlock block = marchBlock(field, steps, count);
+    block.again = again ? 1 : 0;
     programOf(marchers_, "particle", marchShader, field.shape.lists)
         .run(count, {&particles_, &records_}, std::as_bytes(std::span(&block, 1)),
              {{&levels_, Uint32x4},
@@ -233,7 +341,6 @@ class ComputeMarcher : public GlMarcher {
               {&words_, Uint32},
               {&lists_, Uint32},
               {&triangles_, Float32x4}});
-    device_.finish();
   }
 
   void readRecords(const DistanceField& field, HitRecords& records, std::size_t first, std::size_t count) {
@@ -262,7 +369,7 @@ class ComputeMarcher : public GlMarcher {
   ComputeDevice device_;
   const std::uint64_t mostTableBytes_;
   const std::uint64_t slice_;
-  Programs launchers_, marchers_;
+  Programs launchers_, marchers_, resolvers_;
   DeviceBeams beams_{device_};
   ComputeBuffer particles_{device_};
   ComputeBuffer levels_{device_};
@@ -272,9 +379,12 @@ class ComputeMarcher : public GlMarcher {
   ComputeBuffer lists_{device_};
   ComputeBuffer triangles_{device_};
   ComputeBuffer records_{device_};
+  DeviceResolver resolver_{device_, mostTableBytes_};
+  ComputeReadbacks readbacks_{device_, kInFlight};
   std::weak_ptr<const DistanceField> field_;  // whose data the buffers hold
-  std::weak_ptr<const World> world_;
-  std::vector<float> numerator_;  // of the slice
+  std::weak_ptr<const World> world_;          // whose triangles
+  std::weak_ptr<const World> labelled_;       // whose planes and labels
+  std::vector<float> numerator_;              // of the slice
   std::vector<float> denominator_;
 };
 

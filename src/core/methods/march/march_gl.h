@@ -31,6 +31,15 @@ std::string marchShader(bool lists);
 // particles as above. Parameters: LaunchBlock of march_gl.cpp.
 std::string launchShader(bool lists);
 
+// What stands in the place of an Outcome.
+constexpr std::uint32_t kGoOn = 3;                    // the particle goes on behind a hole
+constexpr std::uint32_t kParticleDone = 0x80000000u;  // its hit is made
+
+// The compute program that makes hits of what became of particles, for fields with lists or without. Storage buffers: 0
+// to 4 those of DeviceBeams, 5 hit records and 7 particles as above, 6 and tables 0 to 4 those of DeviceResolver.
+// Tables without lists: 5 the field's levels, 6 its table, 7 distances, 8 words. Parameters: HitsBlock of march_gl.cpp.
+std::string particleHitsShader(bool lists);
+
 std::unique_ptr<GlMarcher> makeGlMarcher(const GlMarcherLimits& limits);
 
 }  // namespace scanmill

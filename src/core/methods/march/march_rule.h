@@ -22,4 +22,22 @@ constexpr float kNudge = 1e-3f;   // past a voxel's face
 // next voxel for certain, and so that a particle that moves along the face, on it, need not leave.
 constexpr float kFace = 0.5f + kNudge;
 
+// Behind a hole of a texture particles go on after the larger of a length and a share of their way, both in the field
+// frame.
+constexpr float kBehindHole = 2e-3f;
+constexpr float kBehindHoleShare = 1e-5f;
+
+// How far from its plane a particle's triangle may be for the plane to be trusted: what rests at kRest voxels of a
+// surface is named by a corner at most half a diagonal from there.
+constexpr float kTrusted = 1.5f;
+// Where the distance at the corrected place is larger, there is no surface: beyond the edge of the triangle's plane.
+constexpr float kThere = 0.6f;
+
+// Thin layers, such as markings on a road, are told by corners of the side from which the beam comes, beyond the layer:
+// a place kAside from the surface is nearest to a corner that is at least kLayer from it. On the street 0.6 % of all
+// beams get their label so, on truck_town 0.03 %.
+constexpr double kLayer = 0.1;  // how thick layers may be; what is farther off is another thing
+constexpr double kAside = 0.5 + kLayer;
+constexpr double kAlike = 0.9;  // cosine of the angle between a layer and what it lies on
+
 }  // namespace scanmill

@@ -19,9 +19,10 @@ layout(std140, binding = 0) uniform MarchParameters {
   float metres;
   uint steps;
   uint count;
+  uint again;  // 1: those alone that go on behind a hole
 };
 layout(std430, binding = 0) readonly restrict buffer Particles { float particles[]; };
-layout(std430, binding = 1) writeonly restrict buffer HitRecords { uint records[]; };
+layout(std430, binding = 1) restrict buffer HitRecords { uint records[]; };
 layout(binding = 0) uniform usamplerBuffer levels;
 layout(binding = 1) uniform usamplerBuffer table;
 layout(binding = 2) uniform usamplerBuffer distances;
@@ -171,6 +172,11 @@ void invoke(uint i) {
   precise vec3 side = mix(vec3(kFace), vec3(-kFace), lessThan(reciprocal, vec3(0.0)));
   precise float way = begin;
   uint taken = 0u;
+  if (again != 0u) {
+    uint before = records[2u * count + i];
+    if ((before & 3u) != kGoOn) return;
+    taken = before >> 2;
+  }
   while (true) {
     precise float ahead = 0.0;
     float grow = 1.0;
@@ -322,16 +328,17 @@ std::string launchShader(bool lists) {
 }
 
 std::string marchShader(bool lists) {
-  std::string text =
-      glslConstant("kDistanceStep", kDistanceStep) + glslConstant("kBrickStride", kBrickStride + 0u) +
-      glslConstant("kNoWord", kNoWord) + glslConstant("kFullBrick", kFullBrick) +
-      glslConstant("kLastOfList", kLastOfList) + glslConstant("kNamed", kNamed) + glslConstant("kListed", kListed) +
-      glslConstant("kRest", kRest) + glslConstant("kHit", static_cast<std::uint32_t>(Outcome::Hit)) +
-      glslConstant("kMiss", static_cast<std::uint32_t>(Outcome::Miss)) +
-      glslConstant("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) +
-      glslConstant("kEmptyBend", kEmptyBend) + glslConstant("kNamedBend", kNamedBend) +
-      glslConstant("kListedBend", kListedBend) + glslConstant("kSeam", kSeam) + glslConstant("kBehind", kBehind) +
-      glslConstant("kTie", kTie) + glslConstant("kNudge", kNudge) + glslConstant("kFace", kFace);
+  std::string text = glslConstant("kDistanceStep", kDistanceStep) + glslConstant("kBrickStride", kBrickStride + 0u) +
+                     glslConstant("kNoWord", kNoWord) + glslConstant("kFullBrick", kFullBrick) +
+                     glslConstant("kLastOfList", kLastOfList) + glslConstant("kNamed", kNamed) +
+                     glslConstant("kListed", kListed) + glslConstant("kRest", kRest) +
+                     glslConstant("kHit", static_cast<std::uint32_t>(Outcome::Hit)) +
+                     glslConstant("kMiss", static_cast<std::uint32_t>(Outcome::Miss)) +
+                     glslConstant("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) +
+                     glslConstant("kEmptyBend", kEmptyBend) + glslConstant("kNamedBend", kNamedBend) +
+                     glslConstant("kListedBend", kListedBend) + glslConstant("kSeam", kSeam) +
+                     glslConstant("kBehind", kBehind) + glslConstant("kTie", kTie) + glslConstant("kGoOn", kGoOn) +
+                     glslConstant("kNudge", kNudge) + glslConstant("kFace", kFace);
   return text + kCommon + (lists ? kLists : kNearest);
 }
 

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "methods/field/lookup.h"
+#include "methods/march/march_rule.h"
 
 namespace scanmill {
 
@@ -57,18 +58,6 @@ struct Rest {
   double range;  // m
 };
 
-// How far from its plane a particle's triangle may be for the plane to be trusted: what rests at kRest voxels of a
-// surface is named by a corner at most half a diagonal from there.
-constexpr float kTrusted = 1.5f;  // voxels
-// Where the distance at the corrected place is larger, there is no surface: beyond the edge of the triangle's plane.
-constexpr float kThere = 0.6f;  // voxels
-
-// Thin layers, such as markings on a road, are told by corners of the side from which the beam comes, beyond the layer:
-// a place kAside from the surface is nearest to a corner that is at least kLayer from it. On the street 0.6 % of all
-// beams get their label so, on truck_town 0.03 %.
-constexpr double kLayer = 0.1;           // voxels, how thick layers may be; what is farther off is another thing
-constexpr double kAside = 0.5 + kLayer;  // voxels
-
 // The triangle that a beam along `d` sees at a place on the plane of `triangle`: that one, or one that lies on it.
 std::uint32_t seenAt(const MarchJob& job, std::uint32_t triangle, const Vec3d& place, const Vec3d& d, double voxel) {
   const BlockTriangle& plane = job.world.baked.triangles[triangle];
@@ -77,7 +66,7 @@ std::uint32_t seenAt(const MarchJob& job, std::uint32_t triangle, const Vec3d& p
   const std::uint32_t named = triangleAt(job.field, fieldFrame(job.field, aside));
   if (named == kNoWord || named == triangle) return triangle;
   const BlockTriangle& other = job.world.baked.triangles[named];
-  const bool layer = std::abs(dot(other.normal, plane.normal)) > 0.9 &&
+  const bool layer = std::abs(dot(other.normal, plane.normal)) > kAlike &&
                      std::abs(dot(other.normal, place) - other.offset) <= kLayer * voxel;
   return layer ? named : triangle;
 }
@@ -160,7 +149,7 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size
       const Vec3d point = originOf(rays, lane) + directionOf(rays, lane) * rangeOf(job, records, first + i);
       const Vec2d at = barycentric({&block, nullptr, triangle}, point);
       if (!transparentAt(job.world, block, triangle, at.x, at.y)) continue;
-      particles.begin[i] = records.way[first + i] + std::max(2e-3f, records.way[first + i] * 1e-5f);
+      particles.begin[i] = records.way[first + i] + std::max(kBehindHole, records.way[first + i] * kBehindHoleShare);
       ends.copy(i, records, first + i);
       passing.push_back(i);
     }

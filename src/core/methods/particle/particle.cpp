@@ -1,9 +1,8 @@
 // The particle method (LiDAR-GEIL): one particle per beam, sphere-traced through a distance field.
 //
 // The field is built around the sensor and moves with it (distance_field.h). Particles march in float32, on the
-// processor or by a compute shader, which take the same steps (march.h); what they met is resolved in double on the
-// processor, from the triangles that the field names, so that labels and normals come without a further trace
-// (march_job.h).
+// processor or by a compute shader, which take the same steps (march.h); what they met is resolved in double, from the
+// triangles that the field names, so that labels and normals come without a further trace (march_job.h).
 
 #include "methods/particle/particle.h"
 
@@ -11,9 +10,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <numeric>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -47,13 +47,34 @@ std::vector<Tile> tilesOf(const BeamTable& beams) {
   return tiles;
 }
 
+// A device, and whether it takes the shots.
+struct FlyingBackend {
+  GlMarcher* gl;  // null: none
+  BackendChoice choice;
+
+  FlyingBackend(BackendChoice::Asked asked, GlMarcher* marcher)
+      : gl(marcher), choice(asked, gl != nullptr, "particles fly") {}
+};
+
+// That of all scenes of a run with such particles, since a choice costs four scans. The device is opened for the first
+// shot, which plans and reports have none of, and never closed: the driver may be gone by the time that the program
+// ends.
+FlyingBackend& automaticBackend(ParticleOptions::Refine refine) {
+  static GlMarcher* const gl = findGlMarcher().release();
+  static std::mutex mutex;
+  static auto* const known = std::make_unique<std::map<ParticleOptions::Refine, FlyingBackend>>().release();
+  const std::scoped_lock lock(mutex);
+  return known->try_emplace(refine, BackendChoice::Asked::Auto, gl).first->second;
+}
+
 class ParticleMethod : public Method {
  public:
   ParticleMethod(const Scene& scene, ParticleOptions options)
       : scene_(scene), options_(std::move(options)), fields_(scene, options_), materials_(compactMaterials(scene)) {
     if (options_.backend == BackendChoice::Asked::Gl) gl_ = makeGlMarcher();
-    if (options_.backend == BackendChoice::Asked::Auto) gl_ = findGlMarcher();
-    backend_.emplace(options_.backend, gl_ != nullptr, "particles fly");
+    if (options_.backend != BackendChoice::Asked::Auto) {
+      asked_ = std::make_unique<FlyingBackend>(options_.backend, gl_.get());
+    }
   }
 
   TraceAccount prepare(const Shot& shot) const override {
@@ -70,15 +91,16 @@ class ParticleMethod : public Method {
                        options_.steps, place.box,    place.whole};
     const std::vector<Tile> tiles = tilesOf(*shot.beams);
     MarchCounts counts;
+    FlyingBackend& backend = asked_ != nullptr ? *asked_ : automaticBackend(options_.refine);
     const auto onDevice = [&](Hits& made, StageClock& stages) {
       made.reset(shot.beams->rings, shot.beams->columns, channels);
-      counts = marchOnDevice(job, place, tiles, made, stages);
+      counts = marchOnDevice(*backend.gl, job, place, made, stages);
     };
     const auto onProcessor = [&](Hits& made, StageClock& stages) {
       made.reset(shot.beams->rings, shot.beams->columns, channels);
       counts = marchOnProcessor(job, tiles, made, stages);
     };
-    backend_->trace(onDevice, onProcessor, hits, clock);
+    backend.choice.trace(onDevice, onProcessor, hits, clock);
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
     return account(clock, shot, counts);
   }
@@ -161,26 +183,36 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  MarchCounts marchOnDevice(const MarchJob& job, const FieldStore::Place& place, std::span<const Tile> tiles,
-                            Hits& hits, StageClock& clock) const {
-    const std::size_t pieces = (tiles.size() + kTilesAtOnce - 1) / kTilesAtOnce;
-    HitRecords records;
-    gl_->march(place.field, place.world, job.steps, {&job.shot, &job.frame, job.box, farthest(*job.shot.beams)},
-               records, clock);
+  // What the device leaves undecided is marched anew by the tiles that hold it.
+  MarchCounts marchOnDevice(GlMarcher& gl, const MarchJob& job, const FieldStore::Place& place, Hits& hits,
+                            StageClock& clock) const {
+    std::vector<UndecidedRay> undecided;
+    const ParticleLaunch launch{&job.shot, &job.frame,
+                                job.box,   farthest(*job.shot.beams),
+                                job.whole, job.refine == ParticleOptions::Refine::ByNormal};
+    gl.march(place.field, place.world, job.steps, launch, hits, undecided, clock);
+    const StageTimer timer(clock, "undecided");
+    std::vector<Tile> open;
+    for (const UndecidedRay& ray : undecided) {
+      if (ray.verdict != RayVerdict::Open) continue;
+      const std::uint32_t column = ray.ray % hits.columns / kPacket * kPacket;
+      const std::uint32_t ring = ray.ray / hits.columns;
+      if (!open.empty() && open.back().ring == ring && open.back().column == column) continue;
+      open.push_back({ring, column, 1, std::min<std::uint32_t>(kPacket, hits.columns - column)});
+    }
     MarchCounts counts;
-    std::mutex mutex;
-    parallelFor(pieces, 1, [&](std::size_t from, std::size_t to) {
-      const StageTimer timer(clock, "resolve");
-      std::vector<std::uint32_t> unresolved;
-      MarchCounts mine;
-      for (std::size_t p = from; p < to; ++p) {
-        const auto some = tiles.subspan(p * kTilesAtOnce, std::min(kTilesAtOnce, tiles.size() - p * kTilesAtOnce));
-        mine += resolve(job, materials_, some, records, p * kTilesAtOnce * kPacket, hits, unresolved);
-      }
-      const std::scoped_lock lock(mutex);
-      counts += mine;
-      hits.unresolved.insert(hits.unresolved.end(), unresolved.begin(), unresolved.end());
-    });
+    auto next = open.begin();
+    for (const UndecidedRay& ray : undecided) {
+      const auto firstOf = [&](const Tile& tile) { return tile.ring * hits.columns + tile.column; };
+      while (next != open.end() && firstOf(*next) + next->width <= ray.ray) ++next;
+      if (next != open.end() && firstOf(*next) <= ray.ray) continue;
+      counts.exhausted += ray.verdict == RayVerdict::Exhausted ? 1 : 0;
+      counts.left += ray.verdict == RayVerdict::Left ? 1 : 0;
+      hits.range[ray.ray] = kMiss;
+      hits.unresolved.push_back(ray.ray);
+    }
+    StageClock ignored;
+    counts += marchOnProcessor(job, open, hits, ignored);
     return counts;
   }
 
@@ -226,8 +258,8 @@ class ParticleMethod : public Method {
   ParticleOptions options_;
   FieldStore fields_;
   std::vector<CompactMaterial> materials_;
-  std::unique_ptr<GlMarcher> gl_;  // null: none
-  mutable std::optional<BackendChoice> backend_;
+  std::unique_ptr<GlMarcher> gl_;         // that the pipeline asks for; else null
+  std::unique_ptr<FlyingBackend> asked_;  // null: automaticBackend()
 };
 
 }  // namespace

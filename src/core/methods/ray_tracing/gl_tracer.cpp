@@ -1,7 +1,6 @@
 #include "methods/ray_tracing/gl_tracer.h"
 
 #include <algorithm>
-#include <condition_variable>
 #include <mutex>
 #include <span>
 #include <string>
@@ -42,7 +41,6 @@ class GlTracer::Inside {
     // Buffers without storage cannot be read from.
     for (ComputeBuffer* buffer : {&nodes_, &triangles_, &cutouts_, &holes_, &placeNodes_, &places_})
       buffer->reserve(16);
-    for (std::size_t k = 0; k < kInFlight; ++k) free_.push_back(std::make_unique<ComputeReadback>(device_));
     embree_ = makeDevice();
   }
 
@@ -77,31 +75,6 @@ class GlTracer::Inside {
     Channels channels;
   };
 
-  // A place to copy to that no other shot has.
-  class Lease {
-   public:
-    explicit Lease(Inside& inside) : inside_(inside) {
-      std::unique_lock lock(inside.freeMutex_);
-      inside.freed_.wait(lock, [&] { return !inside.free_.empty(); });
-      readback_ = std::move(inside.free_.back());
-      inside.free_.pop_back();
-    }
-    ~Lease() {
-      {
-        const std::scoped_lock lock(inside_.freeMutex_);
-        inside_.free_.push_back(std::move(readback_));
-      }
-      inside_.freed_.notify_one();
-    }
-    Lease(const Lease&) = delete;
-    Lease& operator=(const Lease&) = delete;
-    ComputeReadback& operator*() const { return *readback_; }
-
-   private:
-    Inside& inside_;
-    std::unique_ptr<ComputeReadback> readback_;
-  };
-
   std::uint32_t ringsAtOnce(const BeamTable& beams, Channels channels) const {
     const std::uint64_t bytes = std::min(most_, device_.mostBufferBytes());
     const std::uint64_t ray = std::max(DeviceBeams::kBytesPerRay, DeviceResolver::bytesPerRay(channels));
@@ -113,7 +86,7 @@ class GlTracer::Inside {
   void traceSlice(const Slice& slice, TraceBlock& block, Hits& hits, std::vector<UndecidedRay>& undecided,
                   StageClock& clock) {
     const std::size_t count = std::size_t{block.sliceRings} * block.columns;
-    const Lease readback(*this);
+    const ComputeReadbacks::Lease readback(readbacks_);
     {
       const std::scoped_lock lock(mutex_);
       const StageTimer timer(clock, "upload");
@@ -125,13 +98,13 @@ class GlTracer::Inside {
         found_.reserve(2 * count * sizeof(std::uint32_t));
         resolver_.reserve(slice.channels, count);
         run(slice, block, count);
-        (*readback).start(resolver_.columns(), DeviceResolver::bytesPerRay(slice.channels) * count);
+        readback->start(resolver_.columns(), DeviceResolver::bytesPerRay(slice.channels) * count);
       });
     }
     std::span<const std::byte> columns;
     {
       const StageTimer timer(clock, "trace");
-      columns = (*readback).wait();
+      columns = readback->wait();
     }
     const StageTimer timer(clock, "read_back");
     DeviceResolver::take(columns, slice.firstRay, count, hits, undecided);
@@ -210,9 +183,7 @@ class GlTracer::Inside {
   DeviceMeshes meshes_;               // their blocks alone
   std::uint32_t meshRoot_ = kNoRoot;
   std::uint32_t placesRoot_ = kNoRoot;
-  std::mutex freeMutex_;
-  std::condition_variable freed_;
-  std::vector<std::unique_ptr<ComputeReadback>> free_;
+  ComputeReadbacks readbacks_{device_, kInFlight};
 };
 
 GlTracer::GlTracer(const GlTracerLimits& limits) : inside_(std::make_unique<Inside>(limits)) {}

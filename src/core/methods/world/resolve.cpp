@@ -10,9 +10,6 @@ namespace scanmill {
 
 namespace {
 
-// How far the distance to a plane may lie from Embree's. Seen edge-on, a plane says little of where its triangle is.
-constexpr double kTrust = 1e-2;  // of the distance, and m
-
 constexpr double kNothing = std::numeric_limits<double>::infinity();
 
 float texturedReflectance(const HitTriangle& hit, const CompactMaterial& material, const Rays& rays, const Resolved& r,

@@ -92,6 +92,10 @@ struct RangeLimits {
 
 RangeLimits limitsOf(const BeamTable& beams);
 
+// How far the distance to a plane may lie from the one that was traced. Seen edge-on, a plane says little of where its
+// triangle is.
+constexpr double kTrust = 1e-2;  // of the distance, and m
+
 // Sets each range to the distance along the ray to the plane of its triangle. Outside of the sensor's range limits it
 // is a miss.
 void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r);

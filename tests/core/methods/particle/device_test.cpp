@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "base/random.h"
+#include "methods/march/march.h"
+#include "methods/particle/field_store.h"
+#include "methods/particle/march_job.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/gl.h"
 #include "tests/support/same_hits.h"
@@ -29,6 +33,40 @@ TEST(ParticlesOnADevice, GiveTheProcessorsBytes) {
   for (const char* refine : {"none", "normal", "triangle"}) {
     expectTheProcessorsBytes(street, shot, std::string("voxel_m: 0.2, voxels: 128, refine: ") + refine);
   }
+}
+
+// How many of a shot's particles end so on the device.
+std::size_t endsOf(const Scene& scene, const Shot& shot, const ParticleOptions& options, RayVerdict verdict) {
+  const FieldStore fields(scene, options);
+  StageClock clock;
+  const FieldStore::Place place = fields.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
+  const ShotFrame frame = frameOf(shot, place.world->origin);
+  Hits hits;
+  hits.reset(shot.beams->rings, shot.beams->columns, Channels::all());
+  std::vector<UndecidedRay> undecided;
+  const bool corrected = options.refine == ParticleOptions::Refine::ByNormal;
+  makeGlMarcher()->march(place.field, place.world, options.steps,
+                         {&shot, &frame, place.box, farthest(*shot.beams), place.whole, corrected}, hits, undecided,
+                         clock);
+  return static_cast<std::size_t>(std::count_if(undecided.begin(), undecided.end(),
+                                                [&](const UndecidedRay& ray) { return ray.verdict == verdict; }));
+}
+
+// Rounding of quotients rarely decides anything: markings that lie as high as layers may be are the most of it.
+TEST(ParticlesOnADevice, LeaveLittleToTheProcessor) {
+  SKIP_WITHOUT_GL();
+  const Scene street = proceduralStreet();
+  const Shot shot = streetShot(spinning(64, 1024, -25, 5, 60), -20);
+  ParticleOptions options;
+  options.voxel = 0.2;
+  options.voxels = 128;
+  using enum ParticleOptions::Refine;
+  for (const auto refine : {None, ByNormal, ByTriangle}) {
+    options.refine = refine;
+    EXPECT_LT(endsOf(street, shot, options, RayVerdict::Open), shot.beams->size() / 500) << static_cast<int>(refine);
+  }
+  options.steps = 5;
+  EXPECT_GT(endsOf(street, shot, options, RayVerdict::Exhausted), shot.beams->size() / 2);
 }
 
 // Beams that leave the field, poses that change, beams with origins of their own, a sensor that looks along an axis.

@@ -15,6 +15,7 @@
 #include "base/random.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/directions.h"
+#include "tests/support/gl.h"
 #include "tests/support/same_hits.h"
 #include "tests/support/test_scene.h"
 
@@ -512,22 +513,22 @@ TEST(Particle, BothBackendsGiveTheSameBytes) {
 }
 
 // The first scan tells which backend is the faster one, the others know; and scans do not depend on it.
+// One choice serves all scenes of a process: none is left where a test before this one has made it.
 TEST(Particle, TheFasterBackendIsChosenOnceAndGivesTheSameBytes) {
+  SKIP_WITHOUT_GL();
   const Scene scene = things();
   const Shot shot = shotAt(spinning(32, 500, -25, 5, 120));
   const Hits expected = flown(scene, shot, "backend: cpu");
   ::setenv("SCANMILL_GL_DEVICE", "software", 1);
-  const auto method = particle(scene, "backend: auto");
-  const std::vector<std::string> lines = method->modelled();
-  ::unsetenv("SCANMILL_GL_DEVICE");
-  if (std::none_of(lines.begin(), lines.end(), [](const auto& line) { return line.find("whichever") != line.npos; })) {
-    GTEST_SKIP() << "no OpenGL";
-  }
-  for (const std::size_t choices : {1u, 0u, 0u}) {
+  std::size_t choices = 0;
+  for (int round = 0; round < 3; ++round) {
+    const auto method = particle(scene, "backend: auto");
     Hits hits;
-    EXPECT_EQ(method->trace(shot, Channels::all(), hits).seconds.count("backend_choice"), choices);
+    choices += method->trace(shot, Channels::all(), hits).seconds.count("backend_choice");
     expectSameHits(hits, expected);
   }
+  ::unsetenv("SCANMILL_GL_DEVICE");
+  EXPECT_LE(choices, 1u);
 }
 
 }  // namespace
