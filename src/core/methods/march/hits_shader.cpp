@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "gpu/compute.h"
-#include "methods/device_beams.h"
-#include "methods/device_resolver.h"
+#include "methods/device/device_beams.h"
+#include "methods/device/device_resolver.h"
 #include "methods/field/distance_field.h"
 #include "methods/march/march.h"
 #include "methods/march/march_gl.h"
@@ -87,7 +87,7 @@ void invoke(uint i) {
   if (column >= columns) return;
   uint ray = tile % rings * columns + column;
   dvec3 o, d;
-  rayOf(ray, column, withOrigins != 0u, o, d);
+  rayOf(ray, column, 0u, withOrigins != 0u, o, d);
   if ((word & 3u) == kHit) {
     if (!resolve(i, ray, word, o, d)) return;
   } else {

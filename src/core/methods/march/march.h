@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "base/stage_clock.h"
-#include "methods/device_resolver.h"
+#include "methods/device/device_resolver.h"
 #include "methods/field/distance_field.h"
 #include "methods/world/resolve.h"
 #include "methods/world/world.h"

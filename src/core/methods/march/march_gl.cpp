@@ -19,8 +19,8 @@
 #include "base/parallel.h"
 #include "gpu/compute.h"
 #include "gpu/device.h"
-#include "methods/device_beams.h"
-#include "methods/device_resolver.h"
+#include "methods/device/device_beams.h"
+#include "methods/device/device_resolver.h"
 #include "methods/march/march_rule.h"
 
 namespace scanmill {
@@ -192,7 +192,7 @@ class ComputeMarcher : public GlMarcher {
         device_.fail("the sensor's beams do not fit into a buffer");
       }
       device_.atOnce([&] {
-        beams_.hold(*launch.shot, *launch.frame, 0, rays, 0);
+        beams_.hold({{launch.shot}, {launch.frame}}, 0, rays, 0);
         resolver_.reserve(hits.channels, rays);
         for (std::size_t first = 0; first < launch.size(); first += slice_) {
           fly(*field, *world, steps, launch, hits.channels, first);
@@ -206,7 +206,7 @@ class ComputeMarcher : public GlMarcher {
       columns = readback->wait();
     }
     const StageTimer timer(clock, "read_back");
-    DeviceResolver::take(columns, 0, rays, hits, undecided);
+    DeviceResolver::take(columns, {rays, 0, rays}, 0, hits, undecided);
   }
 
   std::string device() const override { return device_.name(); }

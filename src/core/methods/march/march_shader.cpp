@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "gpu/compute.h"
-#include "methods/device_beams.h"
+#include "methods/device/device_beams.h"
 #include "methods/march/march.h"
 #include "methods/march/march_gl.h"
 #include "methods/march/march_rule.h"
@@ -294,7 +294,7 @@ void invoke(uint i) {
   bool there = column < columns;
   column = min(column, columns - 1u);
   dvec3 o, d;
-  rayOf(tile % rings * columns + column, column, withOrigins != 0u, o, d);
+  rayOf(tile % rings * columns + column, column, 0u, withOrigins != 0u, o, d);
   precise double begin = 0.0LF;
   precise double end = there ? farthest : 0.0LF;
   for (int k = 0; k < 3; ++k) {

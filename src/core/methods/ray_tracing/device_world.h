@@ -9,12 +9,11 @@
 #include <memory>
 #include <vector>
 
+#include "methods/device/device_tables.h"
 #include "methods/ray_tracing/wide_hierarchy.h"
 #include "methods/world/world.h"
 
 namespace scanmill {
-
-using DeviceWord = std::array<std::uint32_t, 4>;
 
 constexpr std::uint64_t kDeviceBytesPerTriangle = 64;  // about; measured on the procedural street
 

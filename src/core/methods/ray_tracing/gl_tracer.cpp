@@ -1,13 +1,16 @@
 #include "methods/ray_tracing/gl_tracer.h"
 
 #include <algorithm>
+#include <condition_variable>
+#include <exception>
+#include <list>
 #include <mutex>
 #include <span>
 #include <string>
 #include <utility>
 
 #include "gpu/compute.h"
-#include "methods/device_beams.h"
+#include "methods/device/device_beams.h"
 
 namespace scanmill {
 
@@ -19,19 +22,39 @@ const ComputeErrorWords kWords{"rays cannot be traced by OpenGL", "'backend: cpu
 
 constexpr std::uint32_t kTileColumns = 8;  // of the shader
 constexpr std::uint32_t kTileRings = 4;
+constexpr std::uint64_t kFoundBytes = 8;  // of a ray
 
 // As the shaders declare them, by the rules of std140.
 struct TraceBlock {
-  std::uint32_t columns, sliceRings, meshRoot, placesRoot, withOrigins, moves;
+  std::uint32_t columns, sliceRings, shotRays, shotPoses, rays, meshRoot, placesRoot, withOrigins, moves;
   float farthest, coplanar;
+  std::uint32_t unused;
 };
-static_assert(sizeof(TraceBlock) == 32);
+static_assert(sizeof(TraceBlock) == 48);
 struct ResolveBlock {
   ResolverBlock common;
-  std::uint32_t columns, withOrigins, moves;
-  std::uint32_t unused[3];
+  std::uint32_t columns, shotRays, shotPoses, withOrigins, moves;
+  std::uint32_t unused;
 };
 static_assert(sizeof(ResolveBlock) == 48);
+
+// Some rings of a shot, whose hits a thread waits for.
+struct Slice {
+  const std::shared_ptr<const World>& world;
+  const Shot& shot;
+  const ShotFrame& frame;
+  Channels channels;
+  std::uint32_t firstRing, rings;
+  float farthest, coplanar;
+
+  std::size_t rays() const { return std::size_t{rings} * shot.beams->columns; }
+  std::size_t firstRay() const { return std::size_t{firstRing} * shot.beams->columns; }
+  // One dispatch does both.
+  bool goesWith(const Slice& o) const {
+    return world == o.world && shot.beams == o.shot.beams && channels == o.channels && firstRing == o.firstRing &&
+           rings == o.rings && farthest == o.farthest && shot.worldFromSensor.size() == o.shot.worldFromSensor.size();
+  }
+};
 
 }  // namespace
 
@@ -49,30 +72,33 @@ class GlTracer::Inside {
     const BeamTable& beams = *shot.beams;
     const std::uint32_t rings = ringsAtOnce(beams, hits.channels);
     for (std::uint32_t first = 0; first < beams.rings; first += rings) {
-      TraceBlock block{};
-      block.columns = beams.columns;
-      block.sliceRings = std::min(rings, beams.rings - first);
-      block.withOrigins = beams.origin.empty() ? 0 : 1;
-      block.moves = world->duration > 0 ? 1 : 0;
-      block.farthest = farthest;
-      block.coplanar = coplanar;
-      const Slice slice{world, shot, frame, std::size_t{first} * beams.columns, hits.channels};
-      traceSlice(slice, block, hits, undecided, clock);
+      const Slice slice{world,    shot,    frame, hits.channels, first, std::min(rings, beams.rings - first),
+                        farthest, coplanar};
+      traceSlice(slice, hits, undecided, clock);
     }
   }
 
   std::string device() const { return device_.name(); }
 
  private:
-  // Of shots whose hits the device makes, or the processor copies.
+  // Dispatches whose hits the device makes, or the processor copies. While so many are, shots queue up, and then go
+  // together.
   static constexpr std::size_t kInFlight = 3;
+  static constexpr std::uint64_t kMostBytesTogether = std::uint64_t{256} << 20;  // of hits
 
-  struct Slice {
-    const std::shared_ptr<const World>& world;
-    const Shot& shot;
-    const ShotFrame& frame;
-    std::size_t firstRay;
-    Channels channels;
+  // Shots of one dispatch.
+  struct Batch {
+    explicit Batch(ComputeReadbacks& readbacks) : hits(readbacks) {}
+    ComputeReadbacks::Lease hits;
+    std::size_t rays = 0;
+  };
+
+  // What a thread waits for.
+  struct Waiting {
+    const Slice& slice;
+    std::shared_ptr<Batch> batch;  // once the device has it
+    std::size_t from = 0;          // ray of the batch
+    std::exception_ptr failure;
   };
 
   std::uint32_t ringsAtOnce(const BeamTable& beams, Channels channels) const {
@@ -83,37 +109,110 @@ class GlTracer::Inside {
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(rings, beams.rings));
   }
 
-  void traceSlice(const Slice& slice, TraceBlock& block, Hits& hits, std::vector<UndecidedRay>& undecided,
-                  StageClock& clock) {
-    const std::size_t count = std::size_t{block.sliceRings} * block.columns;
-    const ComputeReadbacks::Lease readback(readbacks_);
-    {
-      const std::scoped_lock lock(mutex_);
-      const StageTimer timer(clock, "upload");
-      holdWorld(slice.world);
-      block.meshRoot = meshRoot_;
-      block.placesRoot = placesRoot_;
-      device_.atOnce([&] {
-        beams_.hold(slice.shot, slice.frame, slice.firstRay, count, slice.world->duration);
-        found_.reserve(2 * count * sizeof(std::uint32_t));
-        resolver_.reserve(slice.channels, count);
-        run(slice, block, count);
-        readback->start(resolver_.columns(), DeviceResolver::bytesPerRay(slice.channels) * count);
-      });
-    }
+  void traceSlice(const Slice& slice, Hits& hits, std::vector<UndecidedRay>& undecided, StageClock& clock) {
+    Waiting mine{slice, nullptr, 0, nullptr};
     std::span<const std::byte> columns;
     {
       const StageTimer timer(clock, "trace");
-      columns = readback->wait();
+      submit(mine);
+      columns = mine.batch->hits->wait();
     }
     const StageTimer timer(clock, "read_back");
-    DeviceResolver::take(columns, slice.firstRay, count, hits, undecided);
+    DeviceResolver::take(columns, {mine.batch->rays, mine.from, slice.rays()}, slice.firstRay(), hits, undecided);
   }
 
-  void run(const Slice& slice, const TraceBlock& block, std::size_t count) {
-    const std::uint64_t tiles = std::uint64_t{(block.columns + kTileColumns - 1) / kTileColumns} *
-                                ((block.sliceRings + kTileRings - 1) / kTileRings);
-    tracer_.run(tiles * kTileColumns * kTileRings,
+  // One thread after the other gives the device work: its own and what others wait for.
+  void submit(Waiting& mine) {
+    std::unique_lock lock(queueMutex_);
+    queue_.push_back(&mine);
+    while (mine.batch == nullptr && !mine.failure) {
+      if (leading_) {
+        changed_.wait(lock);
+        continue;
+      }
+      leading_ = true;
+      lock.unlock();
+      std::shared_ptr<Batch> batch;
+      std::vector<Waiting*> together;
+      std::exception_ptr failure;
+      try {
+        batch = std::make_shared<Batch>(readbacks_);
+        lock.lock();
+        together = takeTogether();
+        lock.unlock();
+        run(together, *batch);
+      } catch (...) {
+        failure = std::current_exception();
+      }
+      if (!lock.owns_lock()) lock.lock();
+      if (together.empty()) together = takeTogether();  // they fail, too
+      for (Waiting* waiting : together) {
+        waiting->failure = failure;
+        if (!failure) waiting->batch = batch;
+      }
+      leading_ = false;
+      changed_.notify_all();
+    }
+    if (mine.failure) std::rethrow_exception(mine.failure);
+  }
+
+  // The first in the queue, and what one dispatch can do besides.
+  std::vector<Waiting*> takeTogether() {
+    const Slice& first = queue_.front()->slice;
+    const std::uint64_t bytes = std::max(DeviceResolver::bytesPerRay(first.channels), kFoundBytes) * first.rays();
+    const std::uint64_t most =
+        std::max<std::uint64_t>(std::min({most_, device_.mostBufferBytes(), kMostBytesTogether}) / bytes, 1);
+    std::vector<Waiting*> together;
+    for (auto it = queue_.begin(); it != queue_.end() && together.size() < most;) {
+      if ((*it)->slice.goesWith(first)) {
+        together.push_back(*it);
+        it = queue_.erase(it);
+      } else {
+        ++it;
+      }
+    }
+    return together;
+  }
+
+  void run(const std::vector<Waiting*>& together, Batch& batch) {
+    const Slice& slice = together.front()->slice;
+    DeviceBeams::Shots shots;
+    float coplanar = 0;
+    for (Waiting* waiting : together) {
+      waiting->from = batch.rays;
+      batch.rays += slice.rays();
+      shots.shots.push_back(&waiting->slice.shot);
+      shots.frames.push_back(&waiting->slice.frame);
+      coplanar = std::max(coplanar, waiting->slice.coplanar);
+    }
+    holdWorld(slice.world);
+    device_.atOnce([&] {
+      beams_.hold(shots, slice.firstRay(), slice.rays(), slice.world->duration);
+      found_.reserve(kFoundBytes * batch.rays);
+      resolver_.reserve(slice.channels, batch.rays);
+      runTrace(slice, together.size(), coplanar, batch.rays);
+      runResolve(slice, batch.rays);
+      batch.hits->start(resolver_.columns(), DeviceResolver::bytesPerRay(slice.channels) * batch.rays);
+    });
+  }
+
+  void runTrace(const Slice& slice, std::size_t shots, float coplanar, std::size_t rays) {
+    const BeamTable& beams = *slice.shot.beams;
+    TraceBlock block{};
+    block.columns = beams.columns;
+    block.sliceRings = slice.rings;
+    block.shotRays = static_cast<std::uint32_t>(slice.rays());
+    block.shotPoses = static_cast<std::uint32_t>(slice.shot.worldFromSensor.size());
+    block.rays = static_cast<std::uint32_t>(rays);
+    block.meshRoot = meshRoot_;
+    block.placesRoot = placesRoot_;
+    block.withOrigins = beams.origin.empty() ? 0 : 1;
+    block.moves = slice.world->duration > 0 ? 1 : 0;
+    block.farthest = slice.farthest;
+    block.coplanar = coplanar;
+    const std::uint64_t tiles = std::uint64_t{(beams.columns + kTileColumns - 1) / kTileColumns} *
+                                ((slice.rings + kTileRings - 1) / kTileRings);
+    tracer_.run(shots * tiles * kTileColumns * kTileRings,
                 {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(), &found_},
                 std::as_bytes(std::span(&block, 1)),
                 {{&nodes_, Uint32x4},
@@ -122,15 +221,21 @@ class GlTracer::Inside {
                  {&holes_, Uint32},
                  {&placeNodes_, Uint32x4},
                  {&places_, Uint32x4}});
-    const ResolveBlock resolve{DeviceResolver::block(*slice.shot.beams, slice.channels, count),
-                               block.columns,
-                               block.withOrigins,
-                               block.moves,
-                               {}};
-    resolve_.run(count,
+  }
+
+  void runResolve(const Slice& slice, std::size_t rays) {
+    const BeamTable& beams = *slice.shot.beams;
+    ResolveBlock block{};
+    block.common = DeviceResolver::block(beams, slice.channels, rays);
+    block.columns = beams.columns;
+    block.shotRays = static_cast<std::uint32_t>(slice.rays());
+    block.shotPoses = static_cast<std::uint32_t>(slice.shot.worldFromSensor.size());
+    block.withOrigins = beams.origin.empty() ? 0 : 1;
+    block.moves = slice.world->duration > 0 ? 1 : 0;
+    resolve_.run(rays,
                  {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(), &found_,
                   &resolver_.columns()},
-                 std::as_bytes(std::span(&resolve, 1)),
+                 std::as_bytes(std::span(&block, 1)),
                  {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3), resolver_.table(4)});
   }
 
@@ -167,7 +272,6 @@ class GlTracer::Inside {
     holdTable(device_, buffer, texel, std::as_bytes(array), most_, std::string("scene's ") + what);
   }
 
-  std::mutex mutex_;  // of the device and what it holds
   DeviceHandle embree_;
   ComputeDevice device_;
   const std::uint64_t most_;
@@ -184,6 +288,11 @@ class GlTracer::Inside {
   std::uint32_t meshRoot_ = kNoRoot;
   std::uint32_t placesRoot_ = kNoRoot;
   ComputeReadbacks readbacks_{device_, kInFlight};
+
+  std::mutex queueMutex_;
+  std::condition_variable changed_;
+  std::list<Waiting*> queue_;
+  bool leading_ = false;  // some thread gives the device work: it alone touches what the device holds
 };
 
 GlTracer::GlTracer(const GlTracerLimits& limits) : inside_(std::make_unique<Inside>(limits)) {}

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/stage_clock.h"
-#include "methods/device_resolver.h"
+#include "methods/device/device_resolver.h"
 #include "methods/ray_tracing/device_world.h"
 #include "methods/world/resolve.h"
 #include "methods/world/world.h"
@@ -23,7 +23,8 @@ struct GlTracerLimits {
   std::uint64_t bytes = std::numeric_limits<std::uint64_t>::max();
 };
 
-// Calls may come from any thread: while one waits for the device, or copies what it has made, others give it work.
+// Calls may come from any thread: while one waits for the device, or copies what it has made, others give it work; and
+// shots that wait for their turn are traced together.
 class GlTracer {
  public:
   // Throws Error where the machine has no OpenGL 4.3.
@@ -35,7 +36,8 @@ class GlTracer {
   // Fills the channels that `hits` has, one ray after the other, with what Embree with the tie rule (filter.h) and
   // methods/world/resolve.h would give, and adds the rays that it leaves to the processor, ascending. `farthest`: m,
   // how far rays go. Hierarchies, labels and textures stay on the device between calls, and so do beams. Adds to the
-  // stages "upload", "trace" (waiting for the device) and "read_back". Throws Error where the scene does not fit.
+  // stages "trace" (giving the device work, and waiting for it) and "read_back". Throws Error where the scene does not
+  // fit.
   void trace(const std::shared_ptr<const World>& world, const Shot& shot, const ShotFrame& frame, float farthest,
              float coplanar, Hits& hits, std::vector<UndecidedRay>& undecided, StageClock& clock);
 

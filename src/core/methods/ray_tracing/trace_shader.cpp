@@ -3,8 +3,8 @@
 #include <string>
 
 #include "gpu/compute.h"
-#include "methods/device_beams.h"
-#include "methods/device_resolver.h"
+#include "methods/device/device_beams.h"
+#include "methods/device/device_resolver.h"
 #include "methods/ray_tracing/filter.h"
 #include "methods/ray_tracing/gl_tracer.h"
 #include "methods/ray_tracing/wide_hierarchy.h"
@@ -17,6 +17,9 @@ constexpr const char* kRays = R"(
 layout(std140, binding = 0) uniform TraceParameters {
   uint columns;       // of the table of beams
   uint sliceRings;
+  uint shotRays;      // of a shot
+  uint shotPoses;
+  uint rays;          // of all shots
   uint meshRoot;      // of what is baked; kNoRoot where nothing is
   uint placesRoot;    // kNoRoot where nothing is placed
   uint withOrigins;
@@ -271,13 +274,15 @@ constexpr const char* kInvoke = R"(
 // Invocations that run together take eight neighbouring columns of four rings.
 void invoke(uint i) {
   uint across = (columns + 7u) / 8u;
-  uint tile = i / 32u;
+  uint tiles = across * ((sliceRings + 3u) / 4u);
+  uint shot = i / (32u * tiles);
+  uint tile = i / 32u % tiles;
   uint row = tile / across * 4u + (i % 32u) / 8u;
   uint column = tile % across * 8u + i % 8u;
   if (row >= sliceRings || column >= columns) return;
   uint ray = row * columns + column;
   dvec3 exactOrigin, exactDirection;
-  rayOf(ray, column, withOrigins != 0u, exactOrigin, exactDirection);
+  rayOf(ray, column, shot * shotPoses, withOrigins != 0u, exactOrigin, exactDirection);
   vec3 o = vec3(exactOrigin);
   vec3 d = vec3(exactDirection);
   worldDirection = d;
@@ -293,9 +298,9 @@ void invoke(uint i) {
   if (meshRoot != kNoRoot) traverseMesh(meshRoot, line, 0u, mat3(1.0));
   if (placesRoot != kNoRoot) traversePlaces(placesRoot, line);
   bool known = !(unsure <= reach);
-  uint count = sliceRings * columns;
-  found[ray] = known ? bestTriangle : kUnsure;
-  found[count + ray] = bestPlace;
+  uint at = shot * shotRays + ray;
+  found[at] = known ? bestTriangle : kUnsure;
+  found[rays + at] = bestPlace;
 }
 )";
 
@@ -303,25 +308,26 @@ void invoke(uint i) {
 
 std::string resolveShader() {
   return glslConstant("kNothing", kNothingFound) + glslConstant("kUnsure", kUnsureHit) + DeviceBeams::shader() +
-         DeviceResolver::shader("uint columns, withOrigins, moves;") + R"(
+         DeviceResolver::shader("uint columns, shotRays, shotPoses, withOrigins, moves;") + R"(
 layout(std430, binding = 5) readonly restrict buffer Found { uint found[]; };
 
-void invoke(uint ray) {
-  uint triangle = found[ray];
+void invoke(uint i) {
+  uint triangle = found[i];
   if (triangle == kUnsure) {
-    leave(ray, kOpen);
+    leave(i, kOpen);
     return;
   }
   if (triangle == kNothing) {
-    miss(ray);
+    miss(i);
     return;
   }
+  uint ray = i % shotRays;
   dvec3 o, d;
-  rayOf(ray, ray % columns, withOrigins != 0u, o, d);
-  Plane plane = planeOf(triangle, found[rays + ray], moves != 0u ? parts[ray] : 0.0, o, d);
+  rayOf(ray, ray % columns, i / shotRays * shotPoses, withOrigins != 0u, o, d);
+  Plane plane = planeOf(triangle, found[rays + i], moves != 0u ? parts[ray] : 0.0, o, d);
   double doubt;
   double range = distanceTo(plane, o, doubt);
-  hit(ray, plane, range, doubt, o, d);
+  hit(i, plane, range, doubt, o, d);
 }
 )";
 }

@@ -62,9 +62,15 @@ class DeviceResolver {
   static constexpr std::size_t kTables = 5;
   ComputeTable table(std::size_t binding) const;
 
-  // Copies what a program has made of the rays first, first + 1, ... to the channels that `hits` has, and adds those
-  // that are neither hits nor misses, ascending. `columns` is all of columns() (the buffer may be in use again).
-  static void take(std::span<const std::byte> columns, std::size_t first, std::size_t rays, Hits& hits,
+  // Some of the rays in columns().
+  struct Piece {
+    std::size_t all;  // rays of the columns
+    std::size_t from;
+    std::size_t count;
+  };
+  // Copies what a program has made of a piece to the channels that `hits` has, from its ray `first` on, and adds the
+  // rays that are neither hits nor misses, ascending. `columns` is a copy of all of columns().
+  static void take(std::span<const std::byte> columns, const Piece& piece, std::size_t first, Hits& hits,
                    std::vector<UndecidedRay>& undecided);
 
   // GLSL that declares the tables, the buffer of columns (binding kColumns) and
