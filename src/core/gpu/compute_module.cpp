@@ -139,7 +139,7 @@ class MappedCopy {
   bool done() {
     if (fence_ == nullptr) return true;
     const GLenum state = glClientWaitSync(fence_, 0, 0);
-    if (state == GL_WAIT_FAILED) checkGl("the device failed");
+    checkGl("the device failed");
     if (state == GL_TIMEOUT_EXPIRED) return false;
     glDeleteSync(fence_);
     fence_ = nullptr;
@@ -200,7 +200,6 @@ class GlCompute final : public ComputeBackend {
  public:
   explicit GlCompute(const std::string& device) {
     thread_->run([&] {
-      current_ = nullptr;
       auto made = std::make_unique<ContextState>(device);
       name_ = rendererName();
       software_ = isSoftware(name_);
@@ -211,14 +210,12 @@ class GlCompute final : public ComputeBackend {
                  static_cast<std::uint32_t>(limitOf(GL_MAX_COMPUTE_TEXTURE_IMAGE_UNITS))};
       checkGl("the device cannot be asked for its limits");
       state_ = std::move(made);
-      current_ = state_.get();
     });
   }
 
   ~GlCompute() override {
     thread_->run([&]() noexcept {
-      if (current_ != state_.get()) state_->context.tryMakeCurrent();
-      current_ = nullptr;
+      state_->context.tryMakeCurrent();
       state_.reset();
     });
   }
@@ -356,15 +353,11 @@ class GlCompute final : public ComputeBackend {
   }
 
  private:
-  // Does the work on the thread of all OpenGL, with the context current. It stays so until another one's turn.
+  // Does the work on the thread of all OpenGL, with the context current.
   template <class Work>
   void withContext(const Work& work) {
     thread_->run([&] {
-      if (current_ != state_.get()) {
-        current_ = nullptr;
-        state_->context.makeCurrent();
-        current_ = state_.get();
-      }
+      state_->context.makeCurrent();
       work(*state_);
     });
   }
@@ -372,12 +365,11 @@ class GlCompute final : public ComputeBackend {
   template <class Work>
   void dropping(const Work& work) noexcept {
     thread_->run([&]() noexcept {
-      if (current_ != state_.get() && state_->context.tryMakeCurrent()) current_ = state_.get();
+      state_->context.tryMakeCurrent();
       work();
     });
   }
 
-  static inline const ContextState* current_ = nullptr;  // whose context is current on that thread
   std::shared_ptr<GlThread> thread_ = GlThread::shared();
   std::unique_ptr<ContextState> state_;
   std::string name_;

@@ -77,6 +77,26 @@ std::vector<Candidate> chosen(const std::string& device) {
   return list;
 }
 
+// One that tells where a reset of the graphics card has lost it, if the driver can do that.
+EGLContext newContext(EGLDisplay display, EGLConfig config) {
+  for (const EGLint version : {5, 3}) {
+    for (const bool tellsResets : {true, false}) {
+      const std::array<EGLint, 9> attributes{EGL_CONTEXT_MAJOR_VERSION,
+                                             4,
+                                             EGL_CONTEXT_MINOR_VERSION,
+                                             version,
+                                             EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                             EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                             tellsResets ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY : EGL_NONE,
+                                             EGL_LOSE_CONTEXT_ON_RESET,
+                                             EGL_NONE};
+      EGLContext made = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
+      if (made != EGL_NO_CONTEXT) return made;
+    }
+  }
+  return EGL_NO_CONTEXT;
+}
+
 // Makes a context of the candidate and leaves it current. Tells why it cannot; empty where it can.
 std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLContext& context) {
   const auto getDisplay = entry<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
@@ -94,17 +114,7 @@ std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLCon
   if (eglChooseConfig(display, configuration.data(), &config, 1, &configs) != EGL_TRUE || configs == 0) {
     config = nullptr;  // EGL_NO_CONFIG_KHR
   }
-  for (const EGLint version : {5, 3}) {
-    const std::array<EGLint, 7> attributes{EGL_CONTEXT_MAJOR_VERSION,
-                                           4,
-                                           EGL_CONTEXT_MINOR_VERSION,
-                                           version,
-                                           EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                           EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                           EGL_NONE};
-    context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
-    if (context != EGL_NO_CONTEXT) break;
-  }
+  context = newContext(display, config);
   if (context == EGL_NO_CONTEXT) return "it has no OpenGL 4.3";
   if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) != EGL_TRUE) {
     eglDestroyContext(display, context);
@@ -128,12 +138,13 @@ EglContext::EglContext(const std::string& device) {
 
 // The display is not terminated: other contexts of the process may share it.
 EglContext::~EglContext() {
-  release();
+  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);
 }
 
 bool EglContext::tryMakeCurrent() noexcept {
   eglBindAPI(EGL_OPENGL_API);
+  if (eglGetCurrentContext() == context_) return true;
   return eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_TRUE;
 }
 
@@ -141,10 +152,6 @@ void EglContext::makeCurrent() {
   if (!tryMakeCurrent()) {
     throw std::runtime_error(fmt::format("the OpenGL context cannot be used (EGL error {:#x})", eglGetError()));
   }
-}
-
-void EglContext::release() noexcept {
-  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
 }
 
 }  // namespace scanmill

@@ -18,28 +18,14 @@ class EglContext {
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
-  // Makes it current on the calling thread. Throws std::runtime_error.
+  // Makes it current on the calling thread, where it stays until another one's turn: drivers flush when contexts change,
+  // which may take as long as a scan. Throws std::runtime_error.
   void makeCurrent();
   // Does the same where it can be done; false elsewhere.
   bool tryMakeCurrent() noexcept;
-  // Leaves the calling thread without a context.
-  void release() noexcept;
-
  private:
   EGLDisplay display_ = EGL_NO_DISPLAY;
   EGLContext context_ = EGL_NO_CONTEXT;
-};
-
-// Keeps a context current on the calling thread as long as it lives.
-class CurrentContext {
- public:
-  explicit CurrentContext(EglContext& context) : context_(context) { context_.makeCurrent(); }
-  ~CurrentContext() { context_.release(); }
-  CurrentContext(const CurrentContext&) = delete;
-  CurrentContext& operator=(const CurrentContext&) = delete;
-
- private:
-  EglContext& context_;
 };
 
 }  // namespace scanmill

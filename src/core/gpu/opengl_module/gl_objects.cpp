@@ -24,8 +24,12 @@ std::string logOf(GLuint object, void (*length)(GLuint, GLenum, GLint*),
 
 void checkGl(std::string_view doing) {
   const GLenum error = glGetError();
+  if (GLEW_VERSION_4_5 && glGetGraphicsResetStatus() != GL_NO_ERROR) {
+    throw std::runtime_error("the graphics card was reset, and all that it held is lost");
+  }
   if (error == GL_NO_ERROR) return;
-  while (glGetError() != GL_NO_ERROR) continue;
+  constexpr int kMostErrors = 64;
+  for (int k = 0; k < kMostErrors && glGetError() != GL_NO_ERROR; ++k) continue;
   if (error == GL_OUT_OF_MEMORY) throw std::bad_alloc();
   throw std::runtime_error(fmt::format("{}: OpenGL error {:#x}", doing, error));
 }

@@ -39,6 +39,9 @@ struct LabelTables {
   std::vector<std::uint32_t> texels;  // bits of the reflectance (float32), kLetsPass
 };
 
+// What the texels of a scene's materials take, about.
+std::uint64_t texelTableBytes(const Scene& scene);
+
 // Throws Error where a texture is larger than 65535 texels a side.
 LabelTables labelTables(const World& world);
 

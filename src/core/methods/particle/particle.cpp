@@ -23,6 +23,7 @@
 #include "base/parallel.h"
 #include "base/stage_clock.h"
 #include "methods/backend_choice.h"
+#include "methods/device/device_tables.h"
 #include "methods/march/march.h"
 #include "methods/particle/field_store.h"
 #include "methods/particle/march_job.h"
@@ -127,8 +128,9 @@ class ParticleMethod : public Method {
                            : "reflectance textures: left out, no material has one");
     // The same on every machine, unless the pipeline asks for a device.
     lines.push_back(options_.backend == BackendChoice::Asked::Auto
-                        ? "particles fly on the processor or a graphics card, whichever takes the first scan faster: "
-                          "both give the same bytes"
+                        ? fmt::format("particles fly on the processor or a graphics card (about {} there), whichever "
+                                      "takes the first scan faster: both give the same bytes",
+                                      memoryText(deviceBytes()))
                         : "particles fly on " + (gl_ != nullptr ? gl_->device() : std::string("the processor")));
     lines.emplace_back("transmission through glass, mirror images, motion of objects: left out");
     return lines;
@@ -214,6 +216,14 @@ class ParticleMethod : public Method {
     StageClock ignored;
     counts += marchOnProcessor(job, open, hits, ignored);
     return counts;
+  }
+
+  // Of a field, and of what hits are made of.
+  double deviceBytes() const {
+    constexpr std::uint64_t kBytesOfCorners = 48;  // with lists
+    const std::uint64_t each =
+        kResolverBytesPerTriangle + (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
+    return fieldBytes() + static_cast<double>(scene_.placedTriangles() * each + texelTableBytes(scene_));
   }
 
   double fieldBytes() const { return scanmill::fieldBytes(options_, scene_.bounds()); }

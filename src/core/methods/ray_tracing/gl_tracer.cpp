@@ -79,6 +79,7 @@ class GlTracer::Inside {
   }
 
   std::string device() const { return device_.name(); }
+  std::uint64_t mostTableBytes() const { return std::min(most_, device_.mostTableTexels() * sizeof(DeviceWord)); }
 
  private:
   // Dispatches whose hits the device makes, or the processor copies. While so many are, shots queue up, and then go
@@ -307,6 +308,10 @@ void GlTracer::trace(const std::shared_ptr<const World>& world, const Shot& shot
 
 std::string GlTracer::device() const {
   return inside_->device();
+}
+
+std::uint64_t GlTracer::mostTableBytes() const {
+  return inside_->mostTableBytes();
 }
 
 }  // namespace scanmill

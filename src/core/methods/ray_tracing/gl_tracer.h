@@ -42,6 +42,7 @@ class GlTracer {
              float coplanar, Hits& hits, std::vector<UndecidedRay>& undecided, StageClock& clock);
 
   std::string device() const;
+  std::uint64_t mostTableBytes() const;  // that a table may take there
 
  private:
   class Inside;

@@ -17,6 +17,7 @@
 #include "base/stage_clock.h"
 #include "gpu/device.h"
 #include "methods/backend_choice.h"
+#include "methods/device/device_tables.h"
 #include "methods/ray_tracing/gl_tracer.h"
 #include "methods/ray_tracing/options.h"
 #include "methods/ray_tracing/packet.h"
@@ -217,17 +218,25 @@ class RayTracing : public Method {
       case BackendChoice::Asked::Cpu:
         return "rays meet triangles on the processor";
       case BackendChoice::Asked::Auto:
-        return "rays meet triangles on the processor or a graphics card, whichever takes the first scan faster: both "
-               "give the same bytes";
+        return fmt::format(
+            "rays meet triangles on the processor or a graphics card (about {:.0f} MiB there), whichever takes the "
+            "first scan faster: both give the same bytes",
+            deviceMebibytes());
       case BackendChoice::Asked::Gl:
         break;
     }
-    constexpr double kMebibyte = 1024.0 * 1024;
+    const bool fits = worlds_.triangles() * kResolverBytesPerTriangle <= asked_->gl->mostTableBytes();
     return fmt::format(
-        "rays meet triangles on {}, which take about {:.0f} MiB there, and on the processor where "
-        "rounding leaves a doubt",
-        asked_->gl->device(),
-        static_cast<double>(worlds_.triangles() * (kDeviceBytesPerTriangle + kResolverBytesPerTriangle)) / kMebibyte);
+        "rays meet triangles on {}, which take about {:.0f} MiB there, and on the processor where rounding leaves a "
+        "doubt{}",
+        asked_->gl->device(), deviceMebibytes(),
+        fits ? "" : "; their planes and labels are more than a table there holds: take backend: cpu");
+  }
+
+  double deviceMebibytes() const {
+    constexpr double kMebibyte = 1024.0 * 1024;
+    const std::uint64_t meshes = worlds_.triangles() * (kDeviceBytesPerTriangle + kResolverBytesPerTriangle);
+    return static_cast<double>(meshes + texelTableBytes(scene_)) / kMebibyte;
   }
 
   const Scene& original_;

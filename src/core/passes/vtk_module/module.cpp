@@ -60,7 +60,6 @@ class GlDevice final : public VtkDevice {
       glGetIntegerv(GL_MAX_TEXTURE_SIZE, &size);
       limits_ = {static_cast<std::uint32_t>(size), 0x7FFFFFFFu / 3};  // a vertex's index is signed
       name_ = describeGl();
-      made->context.release();
       state_ = std::move(made);
     });
   }
@@ -113,10 +112,8 @@ class GlDevice final : public VtkDevice {
   void withContext(const Work& work) {
     thread_->run([&] {
       Quiet quiet;
-      {
-        const CurrentContext current(state_->context);
-        work(*state_);
-      }
+      state_->context.makeCurrent();
+      work(*state_);
       quiet.check();
     });
   }
