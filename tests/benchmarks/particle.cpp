@@ -78,7 +78,7 @@ BENCHMARK_CAPTURE(field, lists, true)->UseManualTime()->Iterations(5)->Unit(benc
 void scan(benchmark::State& state, const std::string& options) {
   const Shot shot = streetShot(streetBeams(state.range(0)), -20);
   const auto particle = methodOf("particle", street(), "{" + options + "}");
-  const auto tracing = rayTracing(street());
+  const auto tracing = rayTracing(street(), "{backend: cpu}");
   Hits hits;
   TraceAccount account;
   const auto ours = [&] { account += particle->trace(shot, kChannels, hits); };
