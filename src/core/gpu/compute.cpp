@@ -127,6 +127,7 @@ ComputeReadback::~ComputeReadback() {
 }
 
 void ComputeReadback::start(const ComputeBuffer& buffer, std::uint64_t bytes) {
+  copy_ = nullptr;
   context_->told([&] { context_->backend->startCopy(number_, buffer.number_, bytes); });
   bytes_ = bytes;
 }
@@ -135,12 +136,15 @@ std::span<const std::byte> ComputeReadback::wait() {
   constexpr double kSpin = 1e-3;  // s, a device that is fast is asked again at once
   constexpr double kMost = 120;   // s
   constexpr auto kPause = std::chrono::microseconds(50);
+  const std::scoped_lock lock(asking_);
   const WallTimer waiting;
-  while (!context_->told([&] { return context_->backend->copied(number_); })) {
+  while (copy_ == nullptr) {
+    copy_ = context_->told([&] { return context_->backend->copied(number_); });
+    if (copy_ != nullptr) break;
     if (waiting.seconds() > kSpin) std::this_thread::sleep_for(kPause);
     if (waiting.seconds() > kMost) context_->fail(fmt::format("{} has not answered for {} s", context_->name, kMost));
   }
-  return {context_->backend->copyOf(number_), bytes_};
+  return {copy_, bytes_};
 }
 
 ComputeReadbacks::ComputeReadbacks(const ComputeDevice& device, std::size_t count) {

@@ -105,13 +105,15 @@ class ComputeReadback {
   // Asks for a copy of the first bytes of a buffer as the programs leave it that were run before. Later programs may
   // write to the buffer.
   void start(const ComputeBuffer& buffer, std::uint64_t bytes);
-  // Waits for the copy, which stays until the next start(). Other threads may use the device meanwhile.
+  // Waits for the copy, which stays until the next start(). Other threads may use the device meanwhile, or wait, too.
   std::span<const std::byte> wait();
 
  private:
   std::shared_ptr<ComputeContext> context_;
   std::uint32_t number_ = 0;
   std::uint64_t bytes_ = 0;
+  std::mutex asking_;  // of those that wait one asks the device
+  const std::byte* copy_ = nullptr;  // once it is there
 };
 
 // A buffer that a program only reads, by texelFetch() of a usamplerBuffer (Uint16 ...) or a samplerBuffer (Float32x4).

@@ -56,9 +56,8 @@ class ComputeBackend {
   virtual std::uint32_t makeReadback() = 0;
   virtual void dropReadback(std::uint32_t readback) noexcept = 0;
   virtual void startCopy(std::uint32_t readback, std::uint32_t buffer, std::uint64_t bytes) = 0;
-  // Whether the copy is there.
-  virtual bool copied(std::uint32_t readback) = 0;
-  virtual const std::byte* copyOf(std::uint32_t readback) = 0;
+  // The copy, or null while it is not there.
+  virtual const std::byte* copied(std::uint32_t readback) = 0;
   // Runs invoke() for 0 to invocations - 1. What is written shows in later runs and reads.
   virtual void run(const ComputeRun& run) = 0;
   // Waits until everything asked for is done.

@@ -136,17 +136,16 @@ class MappedCopy {
     checkGl("a buffer cannot be copied");
   }
 
-  bool done() {
-    if (fence_ == nullptr) return true;
+  // Null while it is not there.
+  const std::byte* copied() {
+    if (fence_ == nullptr) return memory_ != nullptr ? memory_ : held_.data();
     const GLenum state = glClientWaitSync(fence_, 0, 0);
     checkGl("the device failed");
-    if (state == GL_TIMEOUT_EXPIRED) return false;
+    if (state == GL_TIMEOUT_EXPIRED) return nullptr;
     glDeleteSync(fence_);
     fence_ = nullptr;
-    return true;
+    return memory_;
   }
-
-  const std::byte* bytes() const { return memory_ != nullptr ? memory_ : held_.data(); }
 
  private:
   static bool canMap() { return GLEW_VERSION_4_4 || GLEW_ARB_buffer_storage; }
@@ -274,16 +273,10 @@ class GlCompute final : public ComputeBackend {
         [&](ContextState& state) { state.readbacks.at(readback)->start(state.buffers.at(buffer)->name(), bytes); });
   }
 
-  bool copied(std::uint32_t readback) override {
-    bool done = false;
-    withContext([&](ContextState& state) { done = state.readbacks.at(readback)->done(); });
-    return done;
-  }
-
-  const std::byte* copyOf(std::uint32_t readback) override {
-    const std::byte* bytes = nullptr;
-    withContext([&](ContextState& state) { bytes = state.readbacks.at(readback)->bytes(); });
-    return bytes;
+  const std::byte* copied(std::uint32_t readback) override {
+    const std::byte* copy = nullptr;
+    withContext([&](ContextState& state) { copy = state.readbacks.at(readback)->copied(); });
+    return copy;
   }
 
   void atOnce(const std::function<void()>& work) override { thread_->run(work); }
