@@ -112,7 +112,7 @@ class ComputeReadback {
   std::shared_ptr<ComputeContext> context_;
   std::uint32_t number_ = 0;
   std::uint64_t bytes_ = 0;
-  std::mutex asking_;  // of those that wait one asks the device
+  std::mutex asking_;                // of those that wait one asks the device
   const std::byte* copy_ = nullptr;  // once it is there
 };
 

@@ -18,11 +18,12 @@ class EglContext {
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
-  // Makes it current on the calling thread, where it stays until another one's turn: drivers flush when contexts change,
-  // which may take as long as a scan. Throws std::runtime_error.
+  // Makes it current on the calling thread, where it stays until another one's turn: drivers flush when contexts
+  // change, which may take as long as a scan. Throws std::runtime_error.
   void makeCurrent();
   // Does the same where it can be done; false elsewhere.
   bool tryMakeCurrent() noexcept;
+
  private:
   EGLDisplay display_ = EGL_NO_DISPLAY;
   EGLContext context_ = EGL_NO_CONTEXT;

@@ -35,6 +35,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kTilesAtOnce = 128;  // 2048 particles: their columns stay in the second cache
+constexpr std::size_t kFewestPieces = 64;  // so that all cores have some of few tiles
 
 // Stretches of 16 beams of a ring, sector by sector of the revolution: particles that march together stay near each
 // other, and so do the parts of the field that they read.
@@ -154,7 +155,8 @@ class ParticleMethod : public Method {
   MarchCounts marchOnProcessor(const MarchJob& job, std::span<const Tile> tiles, Hits& hits, StageClock& clock) const {
     MarchCounts counts;
     std::mutex mutex;
-    const std::size_t pieces = (tiles.size() + kTilesAtOnce - 1) / kTilesAtOnce;
+    const std::size_t atOnce = std::clamp(tiles.size() / kFewestPieces, std::size_t{1}, kTilesAtOnce);
+    const std::size_t pieces = (tiles.size() + atOnce - 1) / atOnce;
     parallelFor(pieces, 1, [&](std::size_t first, std::size_t last) {
       Particles particles;
       HitRecords records;
@@ -162,7 +164,7 @@ class ParticleMethod : public Method {
       MarchCounts mine;
       std::vector<std::uint32_t> unresolved;
       for (std::size_t p = first; p < last; ++p) {
-        const auto some = tiles.subspan(p * kTilesAtOnce, std::min(kTilesAtOnce, tiles.size() - p * kTilesAtOnce));
+        const auto some = tiles.subspan(p * atOnce, std::min(atOnce, tiles.size() - p * atOnce));
         {
           const StageTimer timer(clock, "launch");
           particles.resize(some.size() * kPacket, job.field.shape.lists);
