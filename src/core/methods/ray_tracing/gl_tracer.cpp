@@ -240,7 +240,7 @@ class GlTracer::Inside {
                  {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3), resolver_.table(4)});
   }
 
-  // Meshes that revolutions share stay; where they stand is told anew for each.
+  // Meshes that revolutions share stay; where they stand is told anew for each, without waiting for the one before.
   void holdWorld(const std::shared_ptr<const World>& world) {
     if (world_.lock() == world) return;
     world_.reset();
@@ -256,6 +256,7 @@ class GlTracer::Inside {
       kept.blocks = std::move(meshes_.blocks);
       meshes_ = std::move(kept);
       resolver_.holdMeshes(*world);
+      device_.finish();
       if (!baked) shared_ = world->shared->number;
     }
     const DevicePlaces places = devicePlaces(embree_.get(), *world, meshes_);
@@ -264,7 +265,6 @@ class GlTracer::Inside {
     resolver_.holdPlaces(*world);
     meshRoot_ = baked ? meshes_.blocks.at(&world->baked).root : kNoRoot;
     placesRoot_ = places.nodes.empty() ? kNoRoot : 0;
-    device_.finish();
     world_ = world;
   }
 
