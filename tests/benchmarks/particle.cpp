@@ -53,20 +53,25 @@ void field(benchmark::State& state, bool lists) {
   std::shared_ptr<const DistanceField> built;
   std::vector<double> build;
   std::vector<double> update;
+  double fresh = 0;  // share of the bricks that a metre brings
   for (auto _ : state) {
     build.push_back(secondsOf([&] { built = buildField(*here.world, here.shape, nullptr); }));
     state.SetIterationTime(build.back());
     // Moves are of whole bricks of 0.8 m and more; averaged over ten metres.
     std::shared_ptr<const DistanceField> at = built;
     update.push_back(secondsOf([&] {
+                       fresh = 0;
                        for (int metre = 1; metre <= 10; ++metre) {
                          at = buildField(*here.world, placeAt(-20 + metre, lists).shape, at.get());
+                         fresh += 0.1 * static_cast<double>(std::count(at->before.begin(), at->before.end(), kNoWord)) /
+                                  static_cast<double>(at->before.size());
                        }
                      }) /
                      10);
   }
   state.counters["MB"] = static_cast<double>(built->bytes()) * 1e-6;
   state.counters["full_bricks"] = built->fullBricks();
+  state.counters["new_bricks"] = fresh;
   state.counters["update_ms"] = 1e3 * median(update);
   state.counters["update_of_build"] = median(update) / median(build);
 }
@@ -102,6 +107,37 @@ void scan(benchmark::State& state, const std::string& options) {
   state.counters["beams/s"] = static_cast<double>(hits.size()) / median(oursSeconds);
   state.counters["of_ray_tracing"] = median(oursSeconds) / median(tracedSeconds);
 }
+
+// A sensor that drives on by a metre from scan to scan, 64 x 2048 beams: its field moves along. Stages in milliseconds
+// a scan.
+void drive(benchmark::State& state, const std::string& options) {
+  const auto particle = methodOf("particle", street(), "{" + options + "}");
+  const auto beams = streetBeams(64);
+  Hits hits;
+  const auto scanAt = [&](double x) { return particle->trace(streetShot(beams, x), kChannels, hits); };
+  TraceAccount account;
+  std::vector<double> seconds;
+  constexpr int kMetres = 10;
+  scanAt(-21);
+  for (auto _ : state) {
+    scanAt(-20);
+    const double each = secondsOf([&] {
+                          for (int metre = 1; metre <= kMetres; ++metre) account += scanAt(-20 + metre);
+                        }) /
+                        kMetres;
+    seconds.push_back(each);
+    state.SetIterationTime(each);
+  }
+  for (const auto& [stage, sum] : account.seconds) {
+    state.counters[stage + "_ms"] = 1e3 * sum / static_cast<double>(kMetres * seconds.size());
+  }
+}
+#define DRIVES(name, options) \
+  BENCHMARK_CAPTURE(drive, name, options)->UseManualTime()->Iterations(3)->Unit(benchmark::kMillisecond)
+DRIVES(none, "refine: none, backend: cpu");
+DRIVES(triangle, "refine: triangle, backend: cpu");
+DRIVES(none_gl, "refine: none, backend: gl");
+DRIVES(triangle_gl, "refine: triangle, backend: gl");
 
 #define SCANS(name, options)             \
   BENCHMARK_CAPTURE(scan, name, options) \

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -22,11 +23,6 @@ constexpr std::uint32_t kNew = kNoWord;  // instead of an index of a brick of th
 constexpr float kNothing = 1e30f;        // voxels, to the nearest surface of an empty world
 constexpr std::size_t kBricksPerTask = 8;
 
-struct FullBrick {
-  std::uint32_t entry;   // of the table
-  std::uint32_t before;  // its index in the field before, or kNew
-};
-
 class Builder {
  public:
   Builder(const World& world, const FieldShape& shape, const DistanceField* before);
@@ -41,14 +37,14 @@ class Builder {
   void fillRow(std::size_t level, std::size_t row, FacetCache& facets);
   void numberBricks();
   void makeBricks();
+  void placeLists();
   void assemble();
-  std::vector<std::uint32_t> firstListsBefore() const;
 
   const World& world_;
   const DistanceField* before_;
   std::shared_ptr<DistanceField> field_;
-  std::vector<std::uint32_t> keptBefore_;  // per entry, full ones only: see FullBrick
-  std::vector<FullBrick> bricks_;
+  std::vector<std::uint32_t> keptBefore_;            // per entry, full ones only: see DistanceField::before
+  std::vector<std::uint32_t> bricks_;                // per full brick, its entry of the table
   std::vector<std::vector<std::uint32_t>> entries_;  // per full brick, its lists; of new ones
 };
 
@@ -58,6 +54,9 @@ Builder::Builder(const World& world, const FieldShape& shape, const DistanceFiel
   if (before_ != nullptr && (before_->shape.voxel != shape.voxel || before_->shape.lists != shape.lists)) {
     before_ = nullptr;
   }
+  static std::atomic<std::uint64_t> built{0};
+  field_->number = ++built;
+  field_->movedFrom = before_ != nullptr ? before_->number : 0;
   field_->shape = shape;
   field_->levels = fieldLevels(shape);
 }
@@ -134,7 +133,8 @@ void Builder::numberBricks() {
                       field_->shape.voxel, kMost / 1'000'000));
     }
     entry = kFullBrick + static_cast<std::uint32_t>(bricks_.size());
-    bricks_.push_back({i, keptBefore_[i]});
+    bricks_.push_back(i);
+    field_->before.push_back(keptBefore_[i]);
   }
 }
 
@@ -144,14 +144,14 @@ void Builder::makeBricks() {
   entries_.resize(field_->shape.lists ? bricks_.size() : 0);
   std::vector<std::uint32_t> made;
   for (std::uint32_t i = 0; i < bricks_.size(); ++i) {
-    if (bricks_[i].before == kNew) made.push_back(i);
+    if (field_->before[i] == kNew) made.push_back(i);
   }
   parallelFor(made.size(), kBricksPerTask, [&](std::size_t first, std::size_t last) {
     BrickMaker maker(world_, field_->shape.lists);
     std::vector<std::uint32_t> entries;
     for (std::size_t i = first; i < last; ++i) {
       const std::uint32_t index = made[i];
-      const std::uint32_t entry = bricks_[index].entry;
+      const std::uint32_t entry = bricks_[index];
       const std::size_t level = levelOf(entry);
       const std::size_t at = std::size_t{index} * kBrickStride;
       entries.clear();
@@ -161,62 +161,45 @@ void Builder::makeBricks() {
   });
 }
 
-// Where the lists of each full brick of the field before begin; one more entry: where the last ones end.
-std::vector<std::uint32_t> Builder::firstListsBefore() const {
-  const std::uint32_t bricks = before_->fullBricks();
-  std::vector<std::uint32_t> first(bricks + 1, kNoWord);
-  first[bricks] = static_cast<std::uint32_t>(before_->lists.size());
-  parallelFor(bricks, kBricksPerTask, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      // A brick's lists lie in the order of the corners that first name them.
-      const std::uint32_t* word = &before_->word[i * kBrickStride];
-      const std::uint32_t* named = std::find_if(word, word + kCornersPerBrick, [](auto w) { return w != kNoWord; });
-      if (named != word + kCornersPerBrick) first[i] = *named;
+void Builder::placeLists() {
+  std::vector<std::uint32_t>& first = field_->firstList;
+  first.assign(bricks_.size() + 1, 0);
+  std::uint64_t end = 0;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const std::uint32_t from = field_->before[i];
+    end += from == kNew ? entries_[i].size() : before_->firstList[from + 1] - before_->firstList[from];
+    if (end >= kNoWord) {
+      throw Error(
+          fmt::format("particle: with voxels of {:g} m the field would name over 4 billion triangles: choose "
+                      "larger voxels, or refine: normal",
+                      field_->shape.voxel));
     }
-  });
-  for (std::uint32_t i = bricks; i-- > 0;) {
-    if (first[i] == kNoWord) first[i] = first[i + 1];
+    first[i + 1] = static_cast<std::uint32_t>(end);
   }
-  return first;
+  field_->lists.resize(end);
 }
 
 // Copies the bricks taken over, and all lists to their places.
 void Builder::assemble() {
   const bool lists = field_->shape.lists;
-  std::vector<std::uint32_t> before;  // first lists
-  if (lists && before_ != nullptr) before = firstListsBefore();
-  std::vector<std::uint64_t> first(bricks_.size() + 1);
-  for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    const std::uint32_t from = bricks_[i].before;
-    const std::size_t count = !lists ? 0 : from == kNew ? entries_[i].size() : before[from + 1] - before[from];
-    first[i + 1] = first[i] + count;
-  }
-  if (first.back() >= kNoWord) {
-    throw Error(
-        fmt::format("particle: with voxels of {:g} m the field would name over 4 billion triangles: choose "
-                    "larger voxels, or refine: normal",
-                    field_->shape.voxel));
-  }
-  field_->lists.resize(first.back());
+  if (lists) placeLists();
   parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t from = bricks_[i].before;
+      const std::uint32_t from = field_->before[i];
       std::uint32_t* word = &field_->word[i * kBrickStride];
       const std::uint32_t* source = word;
-      const std::uint32_t* entries = lists && from == kNew ? entries_[i].data() : nullptr;
-      auto moved = static_cast<std::uint32_t>(first[i]);
       if (from != kNew) {
         std::memcpy(&field_->distance[i * kBrickStride], &before_->distance[std::size_t{from} * kBrickStride],
                     kBrickStride * sizeof(std::uint16_t));
         source = &before_->word[std::size_t{from} * kBrickStride];
-        if (lists) {
-          entries = before_->lists.data() + before[from];
-          moved -= before[from];
-        }
       }
       if (lists) {
+        const std::uint32_t first = field_->firstList[i];
+        const std::uint32_t* entries =
+            from == kNew ? entries_[i].data() : before_->lists.data() + before_->firstList[from];
+        const std::uint32_t moved = from == kNew ? first : first - before_->firstList[from];
         for (int c = 0; c < kBrickStride; ++c) word[c] = source[c] == kNoWord ? kNoWord : source[c] + moved;
-        std::copy_n(entries, first[i + 1] - first[i], field_->lists.begin() + static_cast<std::ptrdiff_t>(first[i]));
+        std::copy_n(entries, field_->firstList[i + 1] - first, field_->lists.begin() + first);
       } else if (from != kNew) {
         std::memcpy(word, source, kBrickStride * sizeof(std::uint32_t));
       }

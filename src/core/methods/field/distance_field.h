@@ -17,6 +17,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/raw_vector.h"
 #include "base/vec.h"
 
 namespace scanmill {
@@ -93,20 +94,27 @@ struct DistanceField {
   // voxels of its level (at least kEmptyBrick; rounded down).
   std::vector<std::uint32_t> table;
   // Per full brick kBrickStride values, of its corners, in kDistanceStep of a voxel.
-  std::vector<std::uint16_t> distance;
+  RawVector<std::uint16_t> distance;
   // Per full brick kBrickStride words, of its corners. Without lists: the nearest triangle. With lists: where the
   // corner's list begins in `lists`. kNoWord where the corner is farther than kNamed from all triangles; with lists,
   // where it is farther than kListed or its list is empty.
-  std::vector<std::uint32_t> word;
+  RawVector<std::uint32_t> word;
   // Triangles that meet the cube around a corner (kListedHalf), in ascending order of (instance id, triangle), the last
   // marked by kLastOfList; in the order of corners. Were equal lists of neighbours shared, fields would be 4 % smaller
   // on the street and 7 % on truck_town.
-  std::vector<std::uint32_t> lists;
+  RawVector<std::uint32_t> lists;
+  // With lists, per full brick: where its lists begin; one more entry: where the last ones end.
+  std::vector<std::uint32_t> firstList;
+
+  // How it came to be, so that a device which has the field before is given the new bricks alone (build.h).
+  std::uint64_t number = 0;           // of all fields that the process has built, from 1 on
+  std::uint64_t movedFrom = 0;        // the number of the field whose bricks were copied; 0: of none
+  std::vector<std::uint32_t> before;  // per full brick: its index in that field, or kNoWord
 
   std::uint32_t fullBricks() const { return static_cast<std::uint32_t>(distance.size() / kBrickStride); }
   std::uint64_t bytes() const {
     const auto of = [](const auto& array) { return std::uint64_t{array.size()} * sizeof array[0]; };
-    return of(levels) + of(table) + of(distance) + of(word) + of(lists);
+    return of(levels) + of(table) + of(distance) + of(word) + of(lists) + of(firstList) + of(before);
   }
 };
 

@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -129,6 +131,54 @@ std::vector<DeviceLevel> deviceLevels(const DistanceField& field) {
   return made;
 }
 
+const std::string kMend = ": take coarser voxels (voxel_m) or fewer levels";
+
+constexpr std::uint64_t kDistanceWords = kBrickStride / 2;  // of a brick: two distances each
+
+// What is new of a field that has moved: distances, words and lists of its new bricks, one kind after the other. Per
+// brick: its index in the field before, or kNewBrick + its number among the new ones; where its lists lie there, where
+// they are to lie, and how many entries they have.
+struct MovedBricks {
+  std::vector<std::array<std::uint32_t, 4>> bricks;
+  std::vector<std::uint32_t> fresh;
+  std::uint32_t firstWords = 0;  // in `fresh`
+  std::uint32_t firstLists = 0;
+};
+
+// `firstList` is that of the field before.
+MovedBricks movedBricks(const DistanceField& field, const std::vector<std::uint32_t>& firstList) {
+  const bool lists = field.shape.lists;
+  MovedBricks made;
+  made.bricks.resize(field.fullBricks());
+  std::vector<std::uint32_t> fresh;
+  std::uint32_t entries = 0;
+  for (std::uint32_t b = 0; b < made.bricks.size(); ++b) {
+    const std::uint32_t from = field.before[b];
+    const std::uint32_t to = lists ? field.firstList[b] : 0;
+    const std::uint32_t count = lists ? field.firstList[b + 1] - to : 0;
+    if (from != kNoWord) {
+      made.bricks[b] = {from, lists ? firstList[from] : 0, to, count};
+      continue;
+    }
+    made.bricks[b] = {kNewBrick + static_cast<std::uint32_t>(fresh.size()), entries, to, count};
+    entries += count;
+    fresh.push_back(b);
+  }
+  made.firstWords = static_cast<std::uint32_t>(fresh.size() * kDistanceWords);
+  made.firstLists = made.firstWords + static_cast<std::uint32_t>(fresh.size() * kBrickStride);
+  made.fresh.resize(made.firstLists + entries);
+  parallelFor(fresh.size(), 64, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const std::size_t at = std::size_t{fresh[i]} * kBrickStride;
+      std::memcpy(&made.fresh[i * kDistanceWords], &field.distance[at], kBrickStride * sizeof field.distance[0]);
+      std::copy_n(&field.word[at], kBrickStride, &made.fresh[made.firstWords + i * kBrickStride]);
+      const auto& [from, listFrom, listTo, count] = made.bricks[fresh[i]];
+      std::copy_n(field.lists.begin() + listTo, count, made.fresh.begin() + made.firstLists + listFrom);
+    }
+  });
+  return made;
+}
+
 using Columns = std::vector<const std::vector<float>*>;
 
 Columns columnsOf(const Particles& p, bool lists) {
@@ -160,7 +210,7 @@ class ComputeMarcher : public GlMarcher {
         mostTableBytes_(limits.tableBytes),
         slice_(std::min<std::uint64_t>(device_.mostBufferBytes() / (kMostColumns * sizeof(float)), limits.particles)) {
     // Buffers without storage cannot be read from.
-    for (ComputeBuffer* buffer : {&table_, &distances_, &words_, &lists_, &triangles_}) buffer->reserve(16);
+    for (ComputeBuffer* buffer : {&table_, &triangles_}) buffer->reserve(16);
   }
 
   void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world, std::uint32_t steps,
@@ -212,6 +262,14 @@ class ComputeMarcher : public GlMarcher {
   std::string device() const override { return device_.name(); }
 
  private:
+  using Buffer = std::unique_ptr<ComputeBuffer>;
+
+  Buffer newBuffer() const {
+    auto made = std::make_unique<ComputeBuffer>(device_);
+    made->reserve(16);  // buffers without storage cannot be read from
+    return made;
+  }
+
   static constexpr std::uint64_t kMostColumns = 14;  // of particles, for fields with lists
   static constexpr std::uint64_t kFewestColumns = 8;
   // In a row, that a particle passes on the device; what passes more is left to the processor.
@@ -259,8 +317,8 @@ class ComputeMarcher : public GlMarcher {
                 resolver_.table(4),
                 {&levels_, Uint32x4},
                 {&table_, Uint32},
-                {&distances_, Uint16},
-                {&words_, Uint32}});
+                {distances_.get(), Uint16},
+                {words_.get(), Uint32}});
     }
   }
 
@@ -291,34 +349,62 @@ class ComputeMarcher : public GlMarcher {
   void upload(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world,
               StageClock& clock) {
     const StageTimer timer(clock, "upload");
-    const bool newField = field_.lock() != field;
+    const bool newField = held_ == 0 || field->number != held_;
     const bool newWorld = field->shape.lists && world_.lock() != world;
     if (!newField && !newWorld) return;
     if (newField) {
-      field_.reset();  // what is there is of no field until all is there
-      const std::string mend = "take coarser voxels (voxel_m) or fewer levels";
+      const bool moves = field->movedFrom != 0 && field->movedFrom == held_;
+      held_ = 0;  // what is there is of no field until all is there
       const std::vector<DeviceLevel> levels = deviceLevels(*field);
-      hold(levels_, Uint32x4, std::span(levels), "levels", mend);
-      hold(table_, Uint32, std::span(field->table), "table of bricks", mend);
-      hold(distances_, Uint16, std::span(field->distance), "distances", mend);
-      hold(words_, Uint32, std::span(field->word), "triangles named at corners", mend);
-      hold(lists_, Uint32, std::span(field->lists), "lists of triangles", mend);
-      field_ = field;
+      hold(levels_, Uint32x4, std::span(levels), "levels");
+      hold(table_, Uint32, std::span(field->table), "table of bricks");
+      if (moves) {
+        moveBricks(*field);
+      } else {
+        hold(*distances_, Uint16, std::span(field->distance), "distances");
+        hold(*words_, Uint32, std::span(field->word), "triangles named at corners");
+        hold(*lists_, Uint32, std::span(field->lists), "lists of triangles");
+      }
+      firstList_ = field->firstList;
+      held_ = field->number;
     }
     if (newWorld) {
       world_.reset();
       const std::vector<DeviceTriangle> triangles = deviceTriangles(world->baked);
-      hold(triangles_, Float32x4, std::span(triangles), "scene's triangles",
-           "take 'refine: normal', which does not look at them");
+      holdTable(device_, triangles_, Float32x4, std::as_bytes(std::span(triangles)), mostTableBytes_,
+                "scene's triangles", ": take 'refine: normal', which does not look at them");
       world_ = world;
     }
     device_.finish();
   }
 
   template <class T>
-  void hold(ComputeBuffer& buffer, ComputeTable::Texel texel, std::span<const T> array, const char* what,
-            const std::string& mend) {
-    holdTable(device_, buffer, texel, std::as_bytes(array), mostTableBytes_, what, ": " + mend);
+  void hold(ComputeBuffer& buffer, ComputeTable::Texel texel, std::span<const T> array, const char* what) {
+    holdTable(device_, buffer, texel, std::as_bytes(array), mostTableBytes_, what, kMend);
+  }
+
+  // Makes the arrays of bricks of those that are there and of the new ones, which alone are uploaded.
+  void moveBricks(const DistanceField& field) {
+    checkTable(device_, Uint16, field.distance.size() * sizeof field.distance[0], mostTableBytes_, "distances", kMend);
+    checkTable(device_, Uint32, field.word.size() * sizeof field.word[0], mostTableBytes_, "triangles named at corners",
+               kMend);
+    checkTable(device_, Uint32, field.lists.size() * sizeof field.lists[0], mostTableBytes_, "lists of triangles",
+               kMend);
+    const MovedBricks moved = movedBricks(field, firstList_);
+    bricks_.hold(std::span(moved.bricks));
+    fresh_.hold(std::span(moved.fresh));
+    nextDistances_->reserve(field.distance.size() * sizeof field.distance[0]);
+    nextWords_->reserve(field.word.size() * sizeof field.word[0]);
+    nextLists_->reserve(field.lists.size() * sizeof field.lists[0]);
+    if (mover_ == nullptr) mover_ = std::make_unique<ComputeProgram>(device_, "moving a field", moveShader());
+    const std::array<std::uint32_t, 4> block{moved.firstWords, moved.firstLists};
+    mover_->run(std::uint64_t{kMoveLanes} * field.fullBricks(),
+                {distances_.get(), words_.get(), lists_.get(), &fresh_, &bricks_, nextDistances_.get(),
+                 nextWords_.get(), nextLists_.get()},
+                std::as_bytes(std::span(block)));
+    distances_.swap(nextDistances_);
+    words_.swap(nextWords_);
+    lists_.swap(nextLists_);
   }
 
   void holdLabels(const std::shared_ptr<const World>& world) {
@@ -337,9 +423,9 @@ class ComputeMarcher : public GlMarcher {
         .run(count, {&particles_, &records_}, std::as_bytes(std::span(&block, 1)),
              {{&levels_, Uint32x4},
               {&table_, Uint32},
-              {&distances_, Uint16},
-              {&words_, Uint32},
-              {&lists_, Uint32},
+              {distances_.get(), Uint16},
+              {words_.get(), Uint32},
+              {lists_.get(), Uint32},
               {&triangles_, Float32x4}});
   }
 
@@ -374,17 +460,20 @@ class ComputeMarcher : public GlMarcher {
   ComputeBuffer particles_{device_};
   ComputeBuffer levels_{device_};
   ComputeBuffer table_{device_};
-  ComputeBuffer distances_{device_};
-  ComputeBuffer words_{device_};
-  ComputeBuffer lists_{device_};
+  // Of full bricks, and where the next field's are made of them.
+  Buffer distances_ = newBuffer(), words_ = newBuffer(), lists_ = newBuffer();
+  Buffer nextDistances_ = newBuffer(), nextWords_ = newBuffer(), nextLists_ = newBuffer();
+  ComputeBuffer bricks_{device_}, fresh_{device_};
+  std::unique_ptr<ComputeProgram> mover_;  // made when a field first moves
   ComputeBuffer triangles_{device_};
   ComputeBuffer records_{device_};
   DeviceResolver resolver_{device_, mostTableBytes_};
   ComputeReadbacks readbacks_{device_, kInFlight};
-  std::weak_ptr<const DistanceField> field_;  // whose data the buffers hold
-  std::weak_ptr<const World> world_;          // whose triangles
-  std::weak_ptr<const World> labelled_;       // whose planes and labels
-  std::vector<float> numerator_;              // of the slice
+  std::uint64_t held_ = 0;                // number of the field that the buffers hold
+  std::vector<std::uint32_t> firstList_;  // of that field
+  std::weak_ptr<const World> world_;      // whose triangles
+  std::weak_ptr<const World> labelled_;   // whose planes and labels
+  std::vector<float> numerator_;          // of the slice
   std::vector<float> denominator_;
 };
 

@@ -220,12 +220,12 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  // Of a field, and of what hits are made of.
+  // Of a field, which moves to a second place, and of what hits are made of.
   double deviceBytes() const {
     constexpr std::uint64_t kBytesOfCorners = 48;  // with lists
     const std::uint64_t each =
         kResolverBytesPerTriangle + (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
-    return fieldBytes() + static_cast<double>(scene_.placedTriangles() * each + texelTableBytes(scene_));
+    return 2 * fieldBytes() + static_cast<double>(scene_.placedTriangles() * each + texelTableBytes(scene_));
   }
 
   double fieldBytes() const { return scanmill::fieldBytes(options_, scene_.bounds()); }

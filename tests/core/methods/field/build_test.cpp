@@ -215,6 +215,37 @@ bool sameField(const DistanceField& a, const DistanceField& b) {
   return a.shape == b.shape && a.table == b.table && a.distance == b.distance && a.word == b.word && a.lists == b.lists;
 }
 
+// What a device that has one field needs to know of the next.
+TEST(Build, AFieldTellsWhichBricksItTookOver) {
+  const Scene scene = sceneOf(soup(60, 3, 0.003, 5));
+  const auto world = worldOf(scene);
+  for (const bool lists : {false, true}) {
+    const auto before = buildField(*world, shapeAt({0, 0, 0}, 0.1, 32, 3, lists), nullptr);
+    EXPECT_EQ(before->movedFrom, 0u);
+    EXPECT_EQ(std::count(before->before.begin(), before->before.end(), kNoWord), before->fullBricks());
+    const auto moved = buildField(*world, shapeAt({1, 0.8, 0}, 0.1, 32, 3, lists), before.get());
+    EXPECT_NE(moved->number, before->number);
+    EXPECT_EQ(moved->movedFrom, before->number);
+    ASSERT_EQ(moved->before.size(), moved->fullBricks());
+    EXPECT_EQ(moved->firstList.size(), lists ? moved->fullBricks() + 1 : 0);
+    std::size_t kept = 0;
+    for (std::size_t b = 0; b < moved->fullBricks(); ++b) {
+      const std::uint32_t from = moved->before[b];
+      if (from == kNoWord) continue;
+      ++kept;
+      const auto here = moved->distance.begin() + static_cast<std::ptrdiff_t>(b * kBrickStride);
+      const auto there = before->distance.begin() + static_cast<std::ptrdiff_t>(std::size_t{from} * kBrickStride);
+      EXPECT_TRUE(std::equal(here, here + kBrickStride, there));
+      if (!lists) continue;
+      EXPECT_TRUE(std::equal(moved->lists.begin() + moved->firstList[b], moved->lists.begin() + moved->firstList[b + 1],
+                             before->lists.begin() + before->firstList[from],
+                             before->lists.begin() + before->firstList[from + 1]));
+    }
+    EXPECT_GT(kept, 20u);
+    EXPECT_LT(kept, moved->fullBricks());
+  }
+}
+
 TEST(Build, ScatteredTrianglesOfAllSizes) {
   const Scene scene = sceneOf(soup(60, 3, 0.003, 5));
   const auto world = worldOf(scene);

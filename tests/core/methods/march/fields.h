@@ -50,7 +50,7 @@ inline FieldShape levelsAround(const Vec3d& middle, double voxel, std::uint32_t 
 
 // What a corner of a full brick knows, from triangles at these squared distances (voxels of the level).
 inline std::uint32_t cornerWord(const FieldShape& shape, const std::vector<double>& distance2, double distance,
-                                std::vector<std::uint32_t>& lists) {
+                                RawVector<std::uint32_t>& lists) {
   if (distance > kNamed) return kNoWord;
   if (distance2.empty()) return shape.lists ? kNoWord : 0;
   const auto nearest =

@@ -230,9 +230,37 @@ TEST(GlMarcher, AFieldIsUploadedOnce) {
   marcher->march(field, place.world, kUsual, particles, second, clock);
   EXPECT_EQ(first.outcome, second.outcome);
   EXPECT_EQ(first.way, second.way);
-  // Another object is another field.
-  marcher->march(std::make_shared<DistanceField>(*field), place.world, kUsual, particles, second, clock);
+  // Another number is another field.
+  const auto other = std::make_shared<DistanceField>(*field);
+  other->number = 0;
+  marcher->march(other, place.world, kUsual, particles, second, clock);
   EXPECT_NE(first.outcome, second.outcome);
+}
+
+// Of a field that has moved the device gets the new bricks alone, and makes the others of those that it has.
+TEST(GlMarcher, AFieldMovesOnTheDevice) {
+  SKIP_WITHOUT_GL();
+  const Scene scene = furnished();
+  for (const bool lists : {false, true}) {
+    const Surroundings start = surroundingsOf(scene, lists);
+    ParticleOptions options;
+    options.voxel = 0.25;
+    options.voxels = 64;
+    options.levels = 3;
+    options.refine = lists ? ParticleOptions::Refine::ByTriangle : ParticleOptions::Refine::None;
+    const auto marcher = makeGlMarcher();
+    Surroundings place = start;
+    for (const double x : {0.0, 2.0, 4.5, 4.5, 9.0, -3.0, 400.0, 2.0}) {  // there is nothing at 400 m
+      const FieldShape shape = shapeOf(options, {x, 0.3 * x, 0}, scene.bounds(), 30);
+      place.field = buildField(*start.world, shape, place.field.get());
+      EXPECT_NE(place.field->movedFrom, 0u);
+      flown(*marcher, place, kUsual, particlesIn(*place.field, 3000));
+    }
+    // From one that the device does not have.
+    const auto skipped = buildField(*start.world, shapeOf(options, {1, 0, 0}, scene.bounds(), 30), place.field.get());
+    place.field = buildField(*start.world, shapeOf(options, {3, 0, 0}, scene.bounds(), 30), skipped.get());
+    flown(*marcher, place, kUsual, particlesIn(*place.field, 3000));
+  }
 }
 
 TEST(GlMarcher, SlicesDoNotMatter) {
