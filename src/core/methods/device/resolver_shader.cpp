@@ -43,6 +43,8 @@ double largest(dvec3 v) {
   return max(a.x, max(a.y, a.z));
 }
 
+// kSlack is a share of 2^-48: 16 units in the last place, where OpenGL lets quotients err by 2.5 and roots by 4.5.
+
 // Whether a float32 has the same bits wherever within the doubt the value lies.
 bool settled(double value, double doubt, out float rounded) {
   rounded = float(value);
@@ -279,7 +281,7 @@ std::string DeviceResolver::shader(const std::string& parameters) {
          glslConstant("kInfinite", std::bit_cast<std::uint32_t>(kMiss)) + glslConstant("kLetsPass", kLetsPass) +
          glslConstant("kCutOut", kCutOut + 0u) + glslConstant("kTextured", kTextured + 0u) +
          glslConstant("kMoving", static_cast<std::uint32_t>(Standing::Moving)) +
-         "const double kSlack = 8.8817841970012523e-16LF;  // eight roundings\n" + kDeclared + kHit;
+         "const double kSlack = 3.5527136788005009e-15LF;\n" + kDeclared + kHit;
 }
 
 }  // namespace scanmill
