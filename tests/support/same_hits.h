@@ -2,26 +2,42 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cstdint>
+#include <vector>
+
 #include "scan/hits.h"
 
 namespace scanmill {
+
+inline std::vector<std::uint32_t> bitsOf(const std::vector<float>& values) {
+  std::vector<std::uint32_t> bits;
+  for (const float value : values) bits.push_back(std::bit_cast<std::uint32_t>(value));
+  return bits;
+}
+
+inline std::vector<std::uint32_t> bitsOf(const std::vector<Vec3f>& values) {
+  std::vector<float> numbers;
+  for (const Vec3f& value : values) numbers.insert(numbers.end(), {value.x, value.y, value.z});
+  return bitsOf(numbers);
+}
 
 // To the bit.
 inline void expectSameHits(const Hits& a, const Hits& b) {
   EXPECT_EQ(a.rings, b.rings);
   EXPECT_EQ(a.columns, b.columns);
   EXPECT_EQ(a.channels, b.channels);
-  EXPECT_EQ(a.range, b.range);
-  EXPECT_EQ(a.normal, b.normal);
+  EXPECT_EQ(bitsOf(a.range), bitsOf(b.range));
+  EXPECT_EQ(bitsOf(a.normal), bitsOf(b.normal));
   EXPECT_EQ(a.instance, b.instance);
   EXPECT_EQ(a.semantic, b.semantic);
   EXPECT_EQ(a.material, b.material);
   EXPECT_EQ(a.primitive, b.primitive);
-  EXPECT_EQ(a.reflectance, b.reflectance);
-  EXPECT_EQ(a.incidence, b.incidence);
-  EXPECT_EQ(a.roughness, b.roughness);
-  EXPECT_EQ(a.metallic, b.metallic);
-  EXPECT_EQ(a.retroreflectance, b.retroreflectance);
+  EXPECT_EQ(bitsOf(a.reflectance), bitsOf(b.reflectance));
+  EXPECT_EQ(bitsOf(a.incidence), bitsOf(b.incidence));
+  EXPECT_EQ(bitsOf(a.roughness), bitsOf(b.roughness));
+  EXPECT_EQ(bitsOf(a.metallic), bitsOf(b.metallic));
+  EXPECT_EQ(bitsOf(a.retroreflectance), bitsOf(b.retroreflectance));
   EXPECT_EQ(a.unresolved, b.unresolved);
 }
 

@@ -34,6 +34,10 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
   });
 }
 
+void isolated(const std::function<void()>& work) {
+  tbb::this_task_arena::isolate(work);
+}
+
 ThreadLimit::ThreadLimit(int threads) {
   const int limit = threads > 0 ? threads : tbb::info::default_concurrency();
   control_ = new tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(limit));

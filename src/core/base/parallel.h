@@ -12,6 +12,10 @@ namespace scanmill {
 // body() does for an index must not depend on its range, and it may write only to what belongs to its range.
 void parallelFor(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
+// Does work in which a library runs loops of oneTBB. Meanwhile this thread starts no unrelated work, which might wait
+// for what it holds; in parallelFor() neither.
+void isolated(const std::function<void()>& work);
+
 // Limits how many threads all parallel work takes, as long as the object lives; 0 means one for each core.
 class ThreadLimit {
  public:

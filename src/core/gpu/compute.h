@@ -126,11 +126,8 @@ struct ComputeTable {
 
 std::uint64_t texelBytes(ComputeTable::Texel texel);
 
-// Fails in the device's words where a table, or `most` bytes, hold less than so many bytes: "the <what> take 3.0 MiB,
-// of which a table on <device> holds 2.0 MiB<mend>".
-void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes, std::uint64_t most,
-                const std::string& what, const std::string& mend = "");
-// Copies an array into the buffer of a table, if checkTable() lets it.
+// Copies an array into the buffer of a table. Fails in the device's words where a table, or `most` bytes, hold less:
+// "the <what> take 3.0 MiB, of which a table on <device> holds 2.0 MiB<mend>".
 void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
                std::span<const std::byte> array, std::uint64_t most, const std::string& what,
                const std::string& mend = "");

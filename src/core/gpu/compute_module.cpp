@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -142,6 +143,7 @@ class MappedCopy {
     const GLenum state = glClientWaitSync(fence_, 0, 0);
     checkGl("the device failed");
     if (state == GL_TIMEOUT_EXPIRED) return nullptr;
+    if (state != GL_ALREADY_SIGNALED && state != GL_CONDITION_SATISFIED) throw std::runtime_error("the device failed");
     glDeleteSync(fence_);
     fence_ = nullptr;
     return memory_;
@@ -332,7 +334,7 @@ class GlCompute final : public ComputeBackend {
         glUniform1ui(kEnd, static_cast<GLuint>(end));
         glDispatchCompute(static_cast<GLuint>((end - first + kGroup - 1) / kGroup), 1, 1);
       }
-      glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+      glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
       glUseProgram(0);
       checkGl("a program cannot be run");
     });

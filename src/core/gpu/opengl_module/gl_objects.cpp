@@ -24,9 +24,10 @@ std::string logOf(GLuint object, void (*length)(GLuint, GLenum, GLint*),
 
 void checkGl(std::string_view doing) {
   const GLenum error = glGetError();
-  if (GLEW_VERSION_4_5 && glGetGraphicsResetStatus() != GL_NO_ERROR) {
-    throw std::runtime_error("the graphics card was reset, and all that it held is lost");
-  }
+  const GLenum reset = GLEW_VERSION_4_5      ? glGetGraphicsResetStatus()
+                       : GLEW_ARB_robustness ? glGetGraphicsResetStatusARB()
+                                             : GLenum{GL_NO_ERROR};
+  if (reset != GL_NO_ERROR) throw std::runtime_error("the graphics card was reset, and all that it held is lost");
   if (error == GL_NO_ERROR) return;
   constexpr int kMostErrors = 64;
   for (int k = 0; k < kMostErrors && glGetError() != GL_NO_ERROR; ++k) continue;

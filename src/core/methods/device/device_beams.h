@@ -47,6 +47,11 @@ class DeviceBeams {
   // which gives the origin (m, relative to the world's origin) and the unit direction of a ray, counted from `first`,
   // with the bits that setUp() in methods/world/resolve.h gives them. `firstPose`: of the shot, counted from that of
   // the first. parts[ray] is when the ray fires, as part of the revolution (partOf() there).
+  //
+  //     bool settled(double value, double doubt, out float rounded)
+  //
+  // tells whether a float32 has the same bits wherever within the doubt the value lies; kSlack is the share by which a
+  // quotient or a root may err.
   static std::string shader();
 
  private:

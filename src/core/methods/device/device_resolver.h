@@ -82,7 +82,6 @@ class DeviceResolver {
   //     void leave(uint ray, uint verdict)
   //     bool letsPass(Plane plane, double range, double doubt, dvec3 o, dvec3 d, out bool sure)  // by its texture
   //     void planeRecord(uint triangle, out dvec3 normal, out double offset)  // of what is baked
-  //     bool settled(double value, double doubt, out float rounded)  // whatever the doubt, it is the same float32
   //
   // `place` is 1 + the index into World::placed, or 0; `part` that of the revolution. It declares the program's uniform
   // block, too: the members of ResolverBlock, and then `parameters`, GLSL such as "uint columns;".

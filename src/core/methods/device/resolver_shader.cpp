@@ -43,15 +43,6 @@ double largest(dvec3 v) {
   return max(a.x, max(a.y, a.z));
 }
 
-// kSlack is a share of 2^-48: 16 units in the last place, where OpenGL lets quotients err by 2.5 and roots by 4.5.
-
-// Whether a float32 has the same bits wherever within the doubt the value lies.
-bool settled(double value, double doubt, out float rounded) {
-  rounded = float(value);
-  if (doubt == 0.0LF) return true;
-  return float(value - doubt) == rounded && float(value + doubt) == rounded && abs(rounded) > 1e-30;
-}
-
 dvec4 standRow(uint place, uint row) {
   int at = int(13u * place + 1u + 2u * row);
   uvec4 a = texelFetch(stands, at);
@@ -103,10 +94,15 @@ Plane planeOf(uint triangle, uint place, float part, dvec3 o, dvec3 d) {
       dvec3 yz = across(columnY, columnZ);
       dvec3 zx = across(columnZ, columnX);
       dvec3 xy = across(columnX, columnY);
-      turned = yz * p.normal.x + zx * p.normal.y + xy * p.normal.z;
       determinant = sum3(columnX, yz);
-      if (determinant < 0.0LF) turned = -turned;
-      determinant = abs(determinant);
+      if (determinant < 0.0LF) {
+        yz = -yz;
+        zx = -zx;
+        xy = -xy;
+        determinant = -determinant;
+      }
+      precise dvec3 sum = yz * p.normal.x + zx * p.normal.y + xy * p.normal.z;
+      turned = sum;
       dvec3 lx = abs(columnX), ly = abs(columnY), lz = abs(columnZ), n = abs(p.normal);
       blur = (ly.yzx * lz.zxy + ly.zxy * lz.yzx) * n.x + (lz.yzx * lx.zxy + lz.zxy * lx.yzx) * n.y +
              (lx.yzx * ly.zxy + lx.zxy * ly.yzx) * n.z;
@@ -280,8 +276,7 @@ std::string DeviceResolver::shader(const std::string& parameters) {
          verdict("kExhaustedRay", RayVerdict::Exhausted) + verdict("kLeftRay", RayVerdict::Left) +
          glslConstant("kInfinite", std::bit_cast<std::uint32_t>(kMiss)) + glslConstant("kLetsPass", kLetsPass) +
          glslConstant("kCutOut", kCutOut + 0u) + glslConstant("kTextured", kTextured + 0u) +
-         glslConstant("kMoving", static_cast<std::uint32_t>(Standing::Moving)) +
-         "const double kSlack = 3.5527136788005009e-15LF;\n" + kDeclared + kHit;
+         glslConstant("kMoving", static_cast<std::uint32_t>(Standing::Moving)) + kDeclared + kHit;
 }
 
 }  // namespace scanmill

@@ -36,6 +36,7 @@ constexpr const char* kParameters = R"(
 // quotient could change what is decided, the particle is left to the processor.
 constexpr const char* kEnds = R"(
 layout(std430, binding = 5) restrict buffer HitRecords { uint records[]; };
+layout(std430, binding = 7) restrict buffer Particles { float particles[]; };
 
 dvec3 onRay(dvec3 o, dvec3 d, double range) {
   precise dvec3 point = o + d * range;
@@ -88,7 +89,9 @@ void invoke(uint i) {
   uint ray = tile % rings * columns + column;
   dvec3 o, d;
   rayOf(ray, column, 0u, withOrigins != 0u, o, d);
-  if ((word & 3u) == kHit) {
+  if (particles[6u * count + i] == kLeftOut) {
+    leave(ray, kOpen);
+  } else if ((word & 3u) == kHit) {
     if (!resolve(i, ray, word, o, d)) return;
   } else {
     finish(ray, word & 3u, o, d);
@@ -98,8 +101,6 @@ void invoke(uint i) {
 )";
 
 constexpr const char* kLists = R"(
-layout(std430, binding = 7) restrict buffer Particles { float particles[]; };
-
 // Returns whether the particle is done; else it goes on behind a hole.
 bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
   uint triangle = records[count + i];
@@ -325,8 +326,8 @@ std::string particleHitsShader(bool lists) {
       glslConstant("kBrickStride", kBrickStride + 0u) + glslConstant("kNoWord", kNoWord) +
       glslConstant("kFullBrick", kFullBrick) + glslConstant("kHit", static_cast<std::uint32_t>(Outcome::Hit)) +
       glslConstant("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) + glslConstant("kGoOn", kGoOn) +
-      glslConstant("kDone", kParticleDone) + glslConstant("kBehindHole", kBehindHole) +
-      glslConstant("kBehindHoleShare", kBehindHoleShare);
+      glslConstant("kLeftOut", kLeftOut) + glslConstant("kDone", kParticleDone) +
+      glslConstant("kBehindHole", kBehindHole) + glslConstant("kBehindHoleShare", kBehindHoleShare);
   return constants + DeviceBeams::shader() + DeviceResolver::shader(kParameters) + kEnds + (lists ? kLists : kNearest) +
          kInvoke;
 }

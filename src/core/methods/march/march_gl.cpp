@@ -353,13 +353,14 @@ class ComputeMarcher : public GlMarcher {
     const bool newWorld = field->shape.lists && world_.lock() != world;
     if (!newField && !newWorld) return;
     if (newField) {
-      const bool moves = field->movedFrom != 0 && field->movedFrom == held_;
+      MovedBricks moved;
+      const bool moves = field->movedFrom != 0 && field->movedFrom == held_ && canMove(*field, moved);
       held_ = 0;  // what is there is of no field until all is there
       const std::vector<DeviceLevel> levels = deviceLevels(*field);
       hold(levels_, Uint32x4, std::span(levels), "levels");
       hold(table_, Uint32, std::span(field->table), "table of bricks");
       if (moves) {
-        moveBricks(*field);
+        moveBricks(*field, moved);
       } else {
         hold(*distances_, Uint16, std::span(field->distance), "distances");
         hold(*words_, Uint32, std::span(field->word), "triangles named at corners");
@@ -383,19 +384,31 @@ class ComputeMarcher : public GlMarcher {
     holdTable(device_, buffer, texel, std::as_bytes(array), mostTableBytes_, what, kMend);
   }
 
+  // Whether all that it takes fits into buffers, which programs write, and tables; and what that is.
+  bool canMove(const DistanceField& field, MovedBricks& moved) const {
+    const std::uint64_t most = std::min(mostTableBytes_, device_.mostBufferBytes());
+    const auto fits = [&](const ComputeBuffer& here, const ComputeBuffer& next, std::uint64_t bytes,
+                          ComputeTable::Texel texel) {
+      return std::max({here.bytes(), next.bytes(), bytes}) <= most &&
+             bytes <= device_.mostTableTexels() * texelBytes(texel);
+    };
+    if (!fits(*distances_, *nextDistances_, std::span(field.distance).size_bytes(), Uint16) ||
+        !fits(*words_, *nextWords_, std::span(field.word).size_bytes(), Uint32) ||
+        !fits(*lists_, *nextLists_, std::span(field.lists).size_bytes(), Uint32)) {
+      return false;
+    }
+    moved = movedBricks(field, firstList_);
+    return std::max(std::span(moved.fresh).size_bytes(), std::span(moved.bricks).size_bytes()) <= most;
+  }
+
   // Makes the arrays of bricks of those that are there and of the new ones, which alone are uploaded.
-  void moveBricks(const DistanceField& field) {
-    checkTable(device_, Uint16, field.distance.size() * sizeof field.distance[0], mostTableBytes_, "distances", kMend);
-    checkTable(device_, Uint32, field.word.size() * sizeof field.word[0], mostTableBytes_, "triangles named at corners",
-               kMend);
-    checkTable(device_, Uint32, field.lists.size() * sizeof field.lists[0], mostTableBytes_, "lists of triangles",
-               kMend);
-    const MovedBricks moved = movedBricks(field, firstList_);
+  void moveBricks(const DistanceField& field, const MovedBricks& moved) {
     bricks_.hold(std::span(moved.bricks));
     fresh_.hold(std::span(moved.fresh));
-    nextDistances_->reserve(field.distance.size() * sizeof field.distance[0]);
-    nextWords_->reserve(field.word.size() * sizeof field.word[0]);
-    nextLists_->reserve(field.lists.size() * sizeof field.lists[0]);
+    nextDistances_->reserve(std::span(field.distance).size_bytes());
+    nextWords_->reserve(std::span(field.word).size_bytes());
+    nextLists_->reserve(std::span(field.lists).size_bytes());
+    for (ComputeBuffer* buffer : {&bricks_, &fresh_}) buffer->reserve(16);
     if (mover_ == nullptr) mover_ = std::make_unique<ComputeProgram>(device_, "moving a field", moveShader());
     const std::array<std::uint32_t, 4> block{moved.firstWords, moved.firstLists};
     mover_->run(std::uint64_t{kMoveLanes} * field.fullBricks(),

@@ -31,6 +31,8 @@ std::string marchShader(bool lists);
 // particles as above. Parameters: LaunchBlock of march_gl.cpp.
 std::string launchShader(bool lists);
 
+constexpr float kLeftOut = -1;  // in the place of where a particle begins: the processor makes it
+
 // What stands in the place of an Outcome.
 constexpr std::uint32_t kGoOn = 3;                    // the particle goes on behind a hole
 constexpr std::uint32_t kParticleDone = 0x80000000u;  // its hit is made

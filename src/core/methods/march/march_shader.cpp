@@ -279,8 +279,17 @@ layout(std140, binding = 0) uniform LaunchParameters {
 };
 layout(std430, binding = 5) writeonly restrict buffer Particles { float particles[]; };
 
+// Numbers with the processor's bits.
 void put(uint column, uint i, double value) {
   particles[column * count + i] = float(value);
+}
+
+// Numbers that come of quotients. False where a float32 could have other bits than the processor's.
+bool putQuotient(uint column, uint i, double value) {
+  float rounded;
+  bool sure = settled(value, 2.0LF * abs(value) * kSlack, rounded);
+  particles[column * count + i] = rounded;
+  return sure;
 }
 
 double inverseOf(double component) {
@@ -304,19 +313,24 @@ void invoke(uint i) {
     begin = max(begin, min(a, b));
     end = min(end, max(a, b));
   }
+  bool sure = true;
   for (uint k = 0u; k < 3u; ++k) {
     precise double place = (o[k] - centre[k]) * centre.w;
     put(k, i, place);
     put(3u + k, i, d[k]);
     if (kLists) {
       put(8u + k, i, o[k]);
-      put(11u + k, i, inverseOf(d[k]));
+      sure = putQuotient(11u + k, i, inverseOf(d[k])) && sure;
     }
   }
   precise double from = begin * centre.w;
   precise double to = there ? end * centre.w : 0.0LF;
-  put(6u, i, from);
-  put(7u, i, to);
+  sure = putQuotient(6u, i, from) && sure;
+  sure = putQuotient(7u, i, to) && sure;
+  if (!sure) {  // it misses at once, and is left to the processor
+    put(6u, i, double(kLeftOut));
+    put(7u, i, double(kLeftOut));
+  }
 }
 )";
 
@@ -324,7 +338,7 @@ void invoke(uint i) {
 
 std::string launchShader(bool lists) {
   return glslConstant("kTogether", ParticleLaunch::kTogether + 0u) + fmt::format("const bool kLists = {};\n", lists) +
-         DeviceBeams::shader() + kLaunch;
+         glslConstant("kLeftOut", kLeftOut) + DeviceBeams::shader() + kLaunch;
 }
 
 std::string marchShader(bool lists) {

@@ -186,7 +186,13 @@ DevicePlaces devicePlaces(RTCDeviceTy* device, const World& world, const DeviceM
     const PlacedBlock& placed = world.placed[k];
     const std::array<DeviceWord, 3> first =
         rowsOf(placed.moves ? placed.originFromMesh : inverse(placed.originFromMesh));
-    const std::array<DeviceWord, 3> last = rowsOf(placed.moves ? placed.atEnd : Affine{});
+    std::array<DeviceWord, 3> last{};
+    if (placed.moves) {
+      last = rowsOf(placed.atEnd);
+    } else {
+      const Vec3d& stands = placed.originFromMesh.translation;
+      last[0] = {bits(stands.x), bits(stands.y), bits(stands.z), 0};
+    }
     made.places.insert(made.places.end(), first.begin(), first.end());
     made.places.insert(made.places.end(), last.begin(), last.end());
     made.places.push_back({meshes.blocks.at(placed.block).root, k, placed.moves ? 1u : 0u, 0});

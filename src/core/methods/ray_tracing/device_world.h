@@ -43,8 +43,9 @@ struct DevicePlaces {
   static constexpr std::size_t kWords = 7;
   std::vector<WideNode> nodes;  // of boxes around placed meshes, where they are during the revolution
   // In the order of the leaves, kWords words each. Of what stands still: the rows of meshFromOrigin (bits of float32:
-  // linear part and translation), and three words of nothing; of what moves: the rows of originFromMesh when the
-  // revolution starts, and when it ends. Then the mesh's root, its place in World::placed, and whether it moves.
+  // linear part and translation), where it stands (m), and two words of nothing; of what moves: the rows of
+  // originFromMesh when the revolution starts, and when it ends. Then the mesh's root, its place in World::placed, and
+  // whether it moves.
   std::vector<DeviceWord> places;
 
   std::uint64_t bytes() const;

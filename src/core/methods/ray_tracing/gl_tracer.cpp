@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "base/parallel.h"
 #include "gpu/compute.h"
 #include "methods/device/device_beams.h"
 
@@ -141,7 +142,7 @@ class GlTracer::Inside {
         lock.lock();
         together = takeTogether();
         lock.unlock();
-        run(together, *batch);
+        isolated([&] { run(together, *batch); });
       } catch (...) {
         failure = std::current_exception();
       }
@@ -164,6 +165,7 @@ class GlTracer::Inside {
     const std::uint64_t most =
         std::max<std::uint64_t>(std::min({most_, device_.mostBufferBytes(), kMostBytesTogether}) / bytes, 1);
     std::vector<Waiting*> together;
+    together.reserve(queue_.size());
     for (auto it = queue_.begin(); it != queue_.end() && together.size() < most;) {
       if ((*it)->slice.goesWith(first)) {
         together.push_back(*it);

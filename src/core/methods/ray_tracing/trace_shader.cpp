@@ -88,6 +88,7 @@ uint meet(usamplerBuffer from, uint index, Line line, out uvec3 after) {
   after = uvec3(mid.x, mid.y, head.w >> 24);
   vec3 origin = uintBitsToFloat(head.xyz);
   vec3 scale = uintBitsToFloat(uvec3(head.w & 255u, head.w >> 8 & 255u, head.w >> 16 & 255u) << 23u);
+  vec3 blur = line.doubt * abs(line.inverse);
   bvec3 negative = bvec3((line.signs & 1u) != 0u, (line.signs & 2u) != 0u, (line.signs & 4u) != 0u);
   uint hits = 0u;
   for (uint half_ = 0u; half_ < 2u; ++half_) {
@@ -100,8 +101,8 @@ uint meet(usamplerBuffer from, uint index, Line line, out uvec3 after) {
     for (uint k = 0u; k < 4u; ++k) {
       uint shift = 8u * k;
       uint meta = leaf >> shift & 255u;
-      vec3 enter = (planes(near >> shift & uvec3(255u), scale, origin) - line.o) * line.inverse;
-      vec3 leave = (planes(far >> shift & uvec3(255u), scale, origin) - line.o) * line.inverse;
+      vec3 enter = (planes(near >> shift & uvec3(255u), scale, origin) - line.o) * line.inverse - blur;
+      vec3 leave = (planes(far >> shift & uvec3(255u), scale, origin) - line.o) * line.inverse + blur;
       float first = max(max(enter.x, enter.y), max(enter.z, 0.0)) * kSooner;
       float last = min(min(leave.x, leave.y), min(leave.z, reach)) * kLater;
       if (meta == 0u || first > last) continue;
@@ -121,7 +122,7 @@ bool passes(uint cutout, vec2 at, vec2 blur, out bool sure) {
   vec2 b = uintBitsToFloat(ab.zw);
   vec2 c = uintBitsToFloat(rest.xy);
   vec2 uv = a * (1.0 - at.x - at.y) + b * at.x + c * at.y;
-  vec2 off = abs(b - a) * blur.x + abs(c - a) * blur.y + kRounding * (abs(a) + abs(b) + abs(c));
+  vec2 off = abs(b - a) * blur.x + abs(c - a) * blur.y + kRounding * (abs(a) + abs(b) + abs(c) + 1.0);
   uvec2 size = uvec2(rest.z & 0xFFFFu, rest.z >> 16);
   vec2 place = (uv - floor(uv)) * vec2(size);
   sure = all(greaterThan(abs(place - round(place)), off * vec2(size)));
@@ -188,7 +189,7 @@ void meetTriangle(uint t, Line line, uint place, mat3 toNormal) {
   }
   vec3 turned = vec3(dot(toNormal[0], normal), dot(toNormal[1], normal), dot(toNormal[2], normal));
   float cosine = abs(dot(turned, worldDirection)) / length(turned);
-  if (off > kTrusted * (1.0 + distance)) doubtAt(distance - off);
+  if (off > kTrusted * (1.0 + distance) || distance + off > farthest) doubtAt(distance - off);
   float gap = abs(distance - best);
   if (gap <= off + bestOff || gap * max(cosine, bestCosine) <= 2.0 * (kCoplanar * distance + coplanar)) {
     doubtAt(min(distance - off, best - bestOff));
@@ -243,6 +244,7 @@ constexpr const char* kEnter = R"(
 void enter(uint number, Line line) {
   int at = int(7u * number);
   uvec4 words = texelFetch(places, at + 6);
+  vec3 stands = uintBitsToFloat(texelFetch(places, at + 3).xyz);  // where, in the world; of what moves see below
   vec4 row[3];
   for (int k = 0; k < 3; ++k) row[k] = uintBitsToFloat(texelFetch(places, at + k));
   if (words.z != 0u) {
@@ -253,6 +255,7 @@ void enter(uint number, Line line) {
                               cross(row[0].xyz, row[1].xyz));
     float determinant = dot(row[0].xyz, cofactor[0]);
     vec3 translation = vec3(row[0].w, row[1].w, row[2].w);
+    stands = translation;
     vec3 inverse[3];
     for (int k = 0; k < 3; ++k) inverse[k] = vec3(cofactor[0][k], cofactor[1][k], cofactor[2][k]) / determinant;
     for (int k = 0; k < 3; ++k) row[k] = vec4(inverse[k], -dot(inverse[k], translation));
@@ -261,7 +264,8 @@ void enter(uint number, Line line) {
   vec3 translation = vec3(row[0].w, row[1].w, row[2].w);
   vec3 o = line.o * rows + translation;
   vec3 d = line.d * rows;
-  vec3 size = abs(line.o) * mat3(abs(rows[0]), abs(rows[1]), abs(rows[2])) + abs(translation);
+  // Either side rounds before what lies far from the world's origin cancels.
+  vec3 size = (abs(line.o) + abs(stands)) * mat3(abs(rows[0]), abs(rows[1]), abs(rows[2])) + abs(translation);
   float doubt = 2.0 * kRounding * longest(size);
   // The inverse's transpose turns normals: its rows are the columns of `rows`.
   mat3 toNormal = mat3(rows[0].x, rows[1].x, rows[2].x, rows[0].y, rows[1].y, rows[2].y, rows[0].z, rows[1].z,

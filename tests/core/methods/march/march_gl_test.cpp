@@ -256,6 +256,18 @@ TEST(GlMarcher, AFieldMovesOnTheDevice) {
       EXPECT_NE(place.field->movedFrom, 0u);
       flown(*marcher, place, kUsual, particlesIn(*place.field, 3000));
     }
+    // A device whose buffers hold the field's arrays, but not all that is new at once, is given all of it.
+    std::uint64_t most = 0;
+    for (const double x : {2.0, -3.0}) {
+      const auto field = buildField(*start.world, shapeOf(options, {x, 0, 0}, scene.bounds(), 30), nullptr);
+      most = std::max({most, std::uint64_t{std::span(field->word).size_bytes()},
+                       std::uint64_t{std::span(field->lists).size_bytes()}});
+    }
+    const auto small = makeGlMarcher(GlMarcherLimits{.tableBytes = most});
+    for (const double x : {400.0, 2.0, 2.0, -3.0}) {
+      place.field = buildField(*start.world, shapeOf(options, {x, 0, 0}, scene.bounds(), 30), place.field.get());
+      flown(*small, place, kUsual, particlesIn(*place.field, 1000));
+    }
     // From one that the device does not have.
     const auto skipped = buildField(*start.world, shapeOf(options, {1, 0, 0}, scene.bounds(), 30), place.field.get());
     place.field = buildField(*start.world, shapeOf(options, {3, 0, 0}, scene.bounds(), 30), skipped.get());

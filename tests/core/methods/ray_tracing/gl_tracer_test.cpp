@@ -220,6 +220,13 @@ TEST(GlTracer, WhatMovesIsMetWhereItIsWhenTheBeamFires) {
     builder.place(balls, at(12 * std::cos(angle), 12 * std::sin(angle), -0.5), "ball", {},
                   std::make_shared<Movement>(Vec3d{30 * std::sin(2 * angle), 15, 3}));
   }
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, {}, {1, 2, 3});
+  const std::uint32_t boxes = builder.addMesh(box);
+  for (const Vec3d& size : {Vec3d{-1, 1, 1}, Vec3d{1, -0.5, 2}, Vec3d{-1, -1, -1}}) {  // normals with zeros
+    builder.place(boxes, {Mat3::scale(size), {6 * size.x, 7 * size.y, 0}}, "box", {},
+                  std::make_shared<Movement>(Vec3d{0, 4, 0}));
+  }
   const Scene scene = builder.finish();
   const auto beams = spinning(32, 1024, -25, 15);
   const auto cpu = rayTracing(scene, "{backend: cpu}");
