@@ -10,14 +10,18 @@
 
 namespace scanmill {
 
-BackendChoice::BackendChoice(Asked asked, bool device, std::string doing)
+BackendChoice::BackendChoice(Asked asked, std::string device, std::string doing)
     : asked_(asked),
+      device_(std::move(device)),
       doing_(std::move(doing)),
-      state_(!device                ? State::Processor
+      state_(device_.empty()        ? State::Processor
              : asked == Asked::Auto ? State::Open
-                                    : State::Device) {}
+                                    : State::Device),
+      outcome_(state_ == State::Device ? device_ : std::string()) {}
 
-void BackendChoice::trace(const Way& onDevice, const Way& onProcessor, Hits& hits, StageClock& clock) {
+void BackendChoice::trace(std::size_t rays, const Way& onDevice, const Way& onProcessor, Hits& hits,
+                          StageClock& clock) {
+  if (rays < kFewRays) return onProcessor(hits, clock);
   State open = State::Open;
   if (state_.compare_exchange_strong(open, State::Choosing)) {
     const StageTimer timer(clock, "backend_choice");
@@ -29,13 +33,24 @@ void BackendChoice::trace(const Way& onDevice, const Way& onProcessor, Hits& hit
     } catch (const Error& error) {
       if (asked_ != Asked::Auto) throw;
       warn(fmt::format("{} on the processor: {}", doing_, error.what()));
+      tell(fmt::format("the processor, after {} had failed", device_));
       state_ = State::Processor;
     }
   }
   onProcessor(hits, clock);
 }
 
-BackendChoice::State BackendChoice::faster(const Way& onDevice, const Way& onProcessor) const {
+std::string BackendChoice::outcome() const {
+  const std::scoped_lock lock(mutex_);
+  return outcome_;
+}
+
+void BackendChoice::tell(std::string outcome) {
+  const std::scoped_lock lock(mutex_);
+  outcome_ = std::move(outcome);
+}
+
+BackendChoice::State BackendChoice::faster(const Way& onDevice, const Way& onProcessor) {
   double device = INFINITY;
   double processor = INFINITY;
   StageClock ignored;
@@ -51,9 +66,14 @@ BackendChoice::State BackendChoice::faster(const Way& onDevice, const Way& onPro
     }
   } catch (const Error& error) {
     warn(fmt::format("{} on the processor: {}", doing_, error.what()));
+    tell(fmt::format("the processor, since {} had failed", device_));
     return State::Processor;
   }
-  return device < processor ? State::Device : State::Processor;
+  const bool faster = device < processor;
+  tell(fmt::format("{} ({:.1f} ms a scan; {} {:.1f} ms)", faster ? device_ : "the processor",
+                   1e3 * std::min(device, processor), faster ? "the processor" : device_,
+                   1e3 * std::max(device, processor)));
+  return faster ? State::Device : State::Processor;
 }
 
 }  // namespace scanmill

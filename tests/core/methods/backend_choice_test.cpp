@@ -1,5 +1,6 @@
 #include "methods/backend_choice.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -37,7 +38,7 @@ bool takesDevice(BackendChoice& choice, Way& device, Way& processor) {
   StageClock clock;
   Hits hits;
   const int before = device.done;
-  choice.trace(device.work(), processor.work(), hits, clock);
+  choice.trace(BackendChoice::kFewRays, device.work(), processor.work(), hits, clock);
   EXPECT_EQ(hits.range.size(), 1u);
   EXPECT_EQ(clock.seconds().at("worked"), 1) << "tries do not count";
   return device.done > before && hits.range == std::vector{device.range};
@@ -46,7 +47,7 @@ bool takesDevice(BackendChoice& choice, Way& device, Way& processor) {
 TEST(BackendChoice, TakesWhatIsAskedForWithoutTrying) {
   for (const auto& [asked, there, expected] :
        {std::tuple(Asked::Cpu, false, false), {Asked::Gl, true, true}, {Asked::Auto, false, false}}) {
-    BackendChoice choice(asked, there, "tests run");
+    BackendChoice choice(asked, there ? "a card" : "", "tests run");
     Way device{.range = 6};
     Way processor;
     EXPECT_EQ(takesDevice(choice, device, processor), expected);
@@ -56,7 +57,7 @@ TEST(BackendChoice, TakesWhatIsAskedForWithoutTrying) {
 
 TEST(BackendChoice, AutoTakesTheFasterOneForGood) {
   for (const bool faster : {false, true}) {
-    BackendChoice choice(Asked::Auto, true, "tests run");
+    BackendChoice choice(Asked::Auto, "a card", "tests run");
     Way device{.milliseconds = faster ? 1 : 60};
     Way processor{.milliseconds = faster ? 60 : 1};
     for (int shot = 1; shot < 4; ++shot) {
@@ -67,8 +68,40 @@ TEST(BackendChoice, AutoTakesTheFasterOneForGood) {
   }
 }
 
+// They would choose by what it takes to ask the device.
+TEST(BackendChoice, FewRaysAreTheProcessors) {
+  for (const Asked asked : {Asked::Auto, Asked::Gl}) {
+    BackendChoice choice(asked, "a card", "tests run");
+    Way device;
+    Way processor;
+    StageClock clock;
+    Hits hits;
+    choice.trace(BackendChoice::kFewRays - 1, device.work(), processor.work(), hits, clock);
+    EXPECT_EQ(device.done, 0);
+    EXPECT_EQ(processor.done, 1);
+    EXPECT_EQ(choice.outcome(), asked == Asked::Gl ? "a card" : "");
+  }
+}
+
+TEST(BackendChoice, TellsWhoTakesTheShots) {
+  for (const bool faster : {false, true}) {
+    BackendChoice choice(Asked::Auto, "a card", "tests run");
+    Way device{.milliseconds = faster ? 1 : 60};
+    Way processor{.milliseconds = faster ? 60 : 1};
+    takesDevice(choice, device, processor);
+    EXPECT_THAT(choice.outcome(),
+                testing::MatchesRegex(faster ? "a card \\([0-9.]+ ms a scan; the processor [0-9.]+ ms\\)"
+                                             : "the processor \\([0-9.]+ ms a scan; a card [0-9.]+ ms\\)"));
+  }
+  BackendChoice failing(Asked::Auto, "a card", "tests run, told");
+  Way device{.fails = 0};
+  Way processor;
+  takesDevice(failing, device, processor);
+  EXPECT_EQ(failing.outcome(), "the processor, since a card had failed");
+}
+
 TEST(BackendChoice, ADeviceThatFindsOtherHitsIsNotTaken) {
-  BackendChoice choice(Asked::Auto, true, "tests run");
+  BackendChoice choice(Asked::Auto, "a card", "tests run");
   Way device{.range = 5.0000005f};
   Way processor{.milliseconds = 30};
   const std::size_t before = warningCount();
@@ -79,7 +112,7 @@ TEST(BackendChoice, ADeviceThatFindsOtherHitsIsNotTaken) {
 // At once, or in the midst of a run.
 TEST(BackendChoice, TheProcessorTakesOverFromADeviceThatFails) {
   for (const int fails : {0, 2, 5}) {
-    BackendChoice choice(Asked::Auto, true, "tests run after " + std::to_string(fails));
+    BackendChoice choice(Asked::Auto, "a card", "tests run after " + std::to_string(fails));
     Way device{.fails = fails};
     Way processor{.milliseconds = 20};
     const std::size_t before = warningCount();
@@ -87,7 +120,7 @@ TEST(BackendChoice, TheProcessorTakesOverFromADeviceThatFails) {
     EXPECT_EQ(device.done, fails + 1) << "it is not asked again";
     EXPECT_EQ(warningCount(), before + 1);
   }
-  BackendChoice asked(Asked::Gl, true, "tests run");
+  BackendChoice asked(Asked::Gl, "a card", "tests run");
   Way device{.fails = 0};
   Way processor;
   EXPECT_THROW(takesDevice(asked, device, processor), Error);

@@ -236,8 +236,11 @@ class ComputeMarcher : public GlMarcher {
     {
       const std::scoped_lock lock(mutex_);
       upload(field, world, clock);
-      const StageTimer timer(clock, "upload");
-      holdLabels(world);
+      {
+        const StageTimer timer(clock, "upload");
+        holdLabels(world);
+      }
+      const StageTimer timer(clock, "march");  // some devices work while they are given work
       if (std::max(bytes, DeviceBeams::kBytesPerRay * rays) > std::min(mostTableBytes_, device_.mostBufferBytes())) {
         device_.fail("the sensor's beams do not fit into a buffer");
       }
@@ -503,7 +506,8 @@ std::unique_ptr<GlMarcher> makeGlMarcher() {
 std::unique_ptr<GlMarcher> findGlMarcher() {
   try {
     return mayHaveCard() ? makeGlMarcher() : nullptr;
-  } catch (const std::exception&) {
+  } catch (const Error& error) {
+    if (!namedDevice().empty()) warn(fmt::format("particles fly on the processor: {}", error.what()));
     return nullptr;
   }
 }

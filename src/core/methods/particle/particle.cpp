@@ -55,7 +55,7 @@ struct FlyingBackend {
   BackendChoice choice;
 
   FlyingBackend(BackendChoice::Asked asked, GlMarcher* marcher)
-      : gl(marcher), choice(asked, gl != nullptr, "particles fly") {}
+      : gl(marcher), choice(asked, gl != nullptr ? gl->device() : "", "particles fly") {}
 };
 
 // That of all scenes of a run with such particles, since a choice costs four scans. The device is opened for the first
@@ -102,9 +102,11 @@ class ParticleMethod : public Method {
       made.reset(shot.beams->rings, shot.beams->columns, channels);
       counts = marchOnProcessor(job, tiles, made, stages);
     };
-    backend.choice.trace(onDevice, onProcessor, hits, clock);
+    backend.choice.trace(shot.beams->size(), onDevice, onProcessor, hits, clock);
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
-    return account(clock, shot, counts);
+    TraceAccount told = account(clock, shot, counts);
+    if (const std::string by = backend.choice.outcome(); !by.empty()) told.backends.insert("particles: " + by);
+    return told;
   }
 
   std::vector<std::string> modelled() const override {

@@ -38,14 +38,16 @@ struct TracingBackend {
   BackendChoice choice;
 
   TracingBackend(BackendChoice::Asked asked, std::unique_ptr<GlTracer> tracer)
-      : gl(std::move(tracer)), choice(asked, gl != nullptr, "rays are traced") {}
+      : gl(std::move(tracer)), choice(asked, gl != nullptr ? gl->device() : "", "rays are traced") {}
 };
 
-// One that may be faster than the processor; null where there is none, or none that works.
+// One that may be faster than the processor; null where there is none, or none that works. Who names one is told why it
+// does not.
 std::unique_ptr<GlTracer> findTracer() {
   try {
     return mayHaveCard() ? std::make_unique<GlTracer>() : nullptr;
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (!namedDevice().empty()) warn(fmt::format("rays are traced on the processor: {}", error.what()));
     return nullptr;
   }
 }
@@ -162,8 +164,10 @@ class RayTracing : public Method {
       traceTiles(
           job, numbers.size(), [&](std::size_t i) { return tiling.tile(numbers[i]); }, made);
     };
-    backend.choice.trace(onDevice, onProcessor, hits, clock);
-    return {clock.seconds(), {}};
+    backend.choice.trace(shot.beams->size(), onDevice, onProcessor, hits, clock);
+    TraceAccount account{clock.seconds(), {}};
+    if (const std::string by = backend.choice.outcome(); !by.empty()) account.backends.insert("rays: " + by);
+    return account;
   }
 
   std::vector<std::string> modelled() const override {

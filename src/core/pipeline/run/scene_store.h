@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,8 @@ class SceneStore {
   // in; no line twice.
   std::vector<std::string> warnings() const;
   // By the method's own stages; empty where it has but one.
+  // Who took the shots, where there was a choice (TraceAccount).
+  std::set<std::string> backends() const;
   StageSeconds methodSeconds() const;
   double setupSeconds() const;
 
