@@ -129,12 +129,7 @@ class ParticleMethod : public Method {
     lines.emplace_back(any([](const Material& m) { return m.textured && m.texture != nullptr; })
                            ? "reflectance textures: modelled"
                            : "reflectance textures: left out, no material has one");
-    // The same on every machine, unless the pipeline asks for a device.
-    lines.push_back(options_.backend == BackendChoice::Asked::Auto
-                        ? fmt::format("particles fly on the processor or a graphics card (about {} there), whichever "
-                                      "takes the first scan faster: both give the same bytes",
-                                      memoryText(deviceBytes()))
-                        : "particles fly on " + (gl_ != nullptr ? gl_->device() : std::string("the processor")));
+    lines.push_back(backendLine());
     lines.emplace_back("transmission through glass, mirror images, motion of objects: left out");
     return lines;
   }
@@ -220,6 +215,22 @@ class ParticleMethod : public Method {
     StageClock ignored;
     counts += marchOnProcessor(job, open, hits, ignored);
     return counts;
+  }
+
+  // The same on every machine.
+  std::string backendLine() const {
+    switch (options_.backend) {
+      case BackendChoice::Asked::Cpu:
+        return "particles fly on the processor";
+      case BackendChoice::Asked::Auto:
+        return fmt::format(
+            "particles fly on the processor or, where there is one, a graphics card (about {} there), whichever takes "
+            "the first scan faster: both give the same bytes",
+            memoryText(deviceBytes()));
+      case BackendChoice::Asked::Gl:
+        break;
+    }
+    return fmt::format("particles fly by OpenGL (about {} on the device)", memoryText(deviceBytes()));
   }
 
   // Of a field, which moves to a second place, and of what hits are made of.

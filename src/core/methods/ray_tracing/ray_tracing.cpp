@@ -216,24 +216,24 @@ class RayTracing : public Method {
     });
   }
 
-  // The same on every machine, unless the pipeline asks for a device.
+  // The same on every machine, but where the device that is asked for holds too little.
   std::string backendLine() const {
     switch (options_.backend) {
       case BackendChoice::Asked::Cpu:
         return "rays meet triangles on the processor";
       case BackendChoice::Asked::Auto:
         return fmt::format(
-            "rays meet triangles on the processor or a graphics card (about {:.0f} MiB there), whichever takes the "
-            "first scan faster: both give the same bytes",
+            "rays meet triangles on the processor or, where there is one, a graphics card (about {:.0f} MiB there), "
+            "whichever takes the first scan faster: both give the same bytes",
             deviceMebibytes());
       case BackendChoice::Asked::Gl:
         break;
     }
     const bool fits = worlds_.triangles() * kResolverBytesPerTriangle <= asked_->gl->mostTableBytes();
     return fmt::format(
-        "rays meet triangles on {}, which take about {:.0f} MiB there, and on the processor where rounding leaves a "
+        "rays meet triangles by OpenGL (about {:.0f} MiB on the device), and on the processor where rounding leaves a "
         "doubt{}",
-        asked_->gl->device(), deviceMebibytes(),
+        deviceMebibytes(),
         fits ? "" : "; their planes and labels are more than a table there holds: take backend: cpu");
   }
 
