@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -24,6 +23,7 @@
 #include "methods/device/device_beams.h"
 #include "methods/device/device_resolver.h"
 #include "methods/march/march_rule.h"
+#include "methods/march/moved_bricks.h"
 
 namespace scanmill {
 
@@ -132,52 +132,6 @@ std::vector<DeviceLevel> deviceLevels(const DistanceField& field) {
 }
 
 const std::string kMend = ": take coarser voxels (voxel_m) or fewer levels";
-
-constexpr std::uint64_t kDistanceWords = kBrickStride / 2;  // of a brick: two distances each
-
-// What is new of a field that has moved: distances, words and lists of its new bricks, one kind after the other. Per
-// brick: its index in the field before, or kNewBrick + its number among the new ones; where its lists lie there, where
-// they are to lie, and how many entries they have.
-struct MovedBricks {
-  std::vector<std::array<std::uint32_t, 4>> bricks;
-  std::vector<std::uint32_t> fresh;
-  std::uint32_t firstWords = 0;  // in `fresh`
-  std::uint32_t firstLists = 0;
-};
-
-// `firstList` is that of the field before.
-MovedBricks movedBricks(const DistanceField& field, const std::vector<std::uint32_t>& firstList) {
-  const bool lists = field.shape.lists;
-  MovedBricks made;
-  made.bricks.resize(field.fullBricks());
-  std::vector<std::uint32_t> fresh;
-  std::uint32_t entries = 0;
-  for (std::uint32_t b = 0; b < made.bricks.size(); ++b) {
-    const std::uint32_t from = field.before[b];
-    const std::uint32_t to = lists ? field.firstList[b] : 0;
-    const std::uint32_t count = lists ? field.firstList[b + 1] - to : 0;
-    if (from != kNoWord) {
-      made.bricks[b] = {from, lists ? firstList[from] : 0, to, count};
-      continue;
-    }
-    made.bricks[b] = {kNewBrick + static_cast<std::uint32_t>(fresh.size()), entries, to, count};
-    entries += count;
-    fresh.push_back(b);
-  }
-  made.firstWords = static_cast<std::uint32_t>(fresh.size() * kDistanceWords);
-  made.firstLists = made.firstWords + static_cast<std::uint32_t>(fresh.size() * kBrickStride);
-  made.fresh.resize(made.firstLists + entries);
-  parallelFor(fresh.size(), 64, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      const std::size_t at = std::size_t{fresh[i]} * kBrickStride;
-      std::memcpy(&made.fresh[i * kDistanceWords], &field.distance[at], kBrickStride * sizeof field.distance[0]);
-      std::copy_n(&field.word[at], kBrickStride, &made.fresh[made.firstWords + i * kBrickStride]);
-      const auto& [from, listFrom, listTo, count] = made.bricks[fresh[i]];
-      std::copy_n(field.lists.begin() + listTo, count, made.fresh.begin() + made.firstLists + listFrom);
-    }
-  });
-  return made;
-}
 
 using Columns = std::vector<const std::vector<float>*>;
 

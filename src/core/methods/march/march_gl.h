@@ -42,14 +42,6 @@ constexpr std::uint32_t kParticleDone = 0x80000000u;  // its hit is made
 // Tables without lists: 5 the field's levels, 6 its table, 7 distances, 8 words. Parameters: HitsBlock of march_gl.cpp.
 std::string particleHitsShader(bool lists);
 
-constexpr std::uint32_t kMoveLanes = 32;          // invocations that copy a brick
-constexpr std::uint32_t kNewBrick = 0x80000000u;  // of a brick that the field before has not
-
-// The compute program that makes the arrays of a field that has moved. Storage buffers: 0 distances, 1 words, 2 lists
-// of the field before, 3 what is new, 4 how the bricks come about (MovedBricks of march_gl.cpp), 5 to 7 the arrays of
-// the new field. Parameters: MovedBricks::firstWords and firstLists.
-std::string moveShader();
-
 std::unique_ptr<GlMarcher> makeGlMarcher(const GlMarcherLimits& limits);
 
 }  // namespace scanmill

@@ -1,10 +1,16 @@
+#include "methods/march/moved_bricks.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/parallel.h"
 #include "gpu/compute.h"
-#include "methods/field/distance_field.h"
-#include "methods/march/march_gl.h"
 
 namespace scanmill {
 
 namespace {
+
+constexpr std::size_t kDistanceWords = kBrickStride / 2;  // of a brick: two distances each
 
 // Distances go two to a word. Words of bricks with lists count from the beginning of all lists.
 constexpr const char* kMove = R"(
@@ -42,6 +48,39 @@ void invoke(uint i) {
 )";
 
 }  // namespace
+
+MovedBricks movedBricks(const DistanceField& field, const std::vector<std::uint32_t>& firstList) {
+  const bool lists = field.shape.lists;
+  MovedBricks made;
+  made.bricks.resize(field.fullBricks());
+  std::vector<std::uint32_t> fresh;
+  std::uint32_t entries = 0;
+  for (std::uint32_t b = 0; b < made.bricks.size(); ++b) {
+    const std::uint32_t from = field.before[b];
+    const std::uint32_t to = lists ? field.firstList[b] : 0;
+    const std::uint32_t count = lists ? field.firstList[b + 1] - to : 0;
+    if (from != kNoWord) {
+      made.bricks[b] = {from, lists ? firstList[from] : 0, to, count};
+      continue;
+    }
+    made.bricks[b] = {kNewBrick + static_cast<std::uint32_t>(fresh.size()), entries, to, count};
+    entries += count;
+    fresh.push_back(b);
+  }
+  made.firstWords = static_cast<std::uint32_t>(fresh.size() * kDistanceWords);
+  made.firstLists = made.firstWords + static_cast<std::uint32_t>(fresh.size() * kBrickStride);
+  made.fresh.resize(made.firstLists + entries);
+  parallelFor(fresh.size(), 64, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const std::size_t at = std::size_t{fresh[i]} * kBrickStride;
+      std::memcpy(&made.fresh[i * kDistanceWords], &field.distance[at], kBrickStride * sizeof field.distance[0]);
+      std::copy_n(&field.word[at], kBrickStride, &made.fresh[made.firstWords + i * kBrickStride]);
+      const auto& [from, listFrom, listTo, count] = made.bricks[fresh[i]];
+      std::copy_n(field.lists.begin() + listTo, count, made.fresh.begin() + made.firstLists + listFrom);
+    }
+  });
+  return made;
+}
 
 std::string moveShader() {
   return glslConstant("kBrickStride", kBrickStride + 0u) + glslConstant("kMoveLanes", kMoveLanes + 0u) +
