@@ -215,7 +215,8 @@ void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable:
 }
 
 std::string glslConstant(const char* name, float value) {
-  return fmt::format("const float {} = uintBitsToFloat({:#x}u);\n", name, std::bit_cast<std::uint32_t>(value));
+  // No `const float`: some compilers do not take the call for a constant.
+  return fmt::format("#define {} uintBitsToFloat({:#x}u)\n", name, std::bit_cast<std::uint32_t>(value));
 }
 
 std::string glslConstant(const char* name, std::uint32_t value) {

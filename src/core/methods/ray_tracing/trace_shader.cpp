@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <limits>
 #include <string>
 
 #include "gpu/compute.h"
@@ -34,8 +35,6 @@ layout(binding = 2) uniform usamplerBuffer cutouts;
 layout(binding = 3) uniform usamplerBuffer holes;
 layout(binding = 4) uniform usamplerBuffer placeNodes;
 layout(binding = 5) uniform usamplerBuffer places;
-
-const float kInfinite = uintBitsToFloat(0x7F800000u);
 
 // A ray in the frame of the triangles that it is to meet. Its parameter is m in the world.
 struct Line {
@@ -343,6 +342,7 @@ std::string traceShader() {
                                 glslConstant("kReach", kReach) + glslConstant("kLeast", 1e-18f) +
                                 glslConstant("kSooner", 1 - 16 * kUnit) + glslConstant("kLater", 1 + 16 * kUnit) +
                                 glslConstant("kRounding", 16 * kUnit) + glslConstant("kTrusted", 5e-3f) +
+                                glslConstant("kInfinite", std::numeric_limits<float>::infinity()) +
                                 fmt::format("const int kDepth = {};\n", kMostWideDepth);
   return constants + DeviceBeams::shader() + kRays +
          traversal("void traverseMesh(uint root, Line line, uint place, mat3 toNormal)", "nodes",
