@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "config/value.h"
 #include "methods/depth_camera/depth_camera.h"
 #include "methods/particle/particle.h"
 #include "methods/ray_tracing/ray_tracing.h"
@@ -16,7 +17,7 @@ namespace {
 // Settings of `auto`: cheap to measure, and between them some way from exact to fast on processors and GPUs.
 constexpr std::array kMethods{
     MethodEntry{.name = "ray_tracing",
-                .summary = "Embree on all cores: exact, the reference of the other methods",
+                .summary = "Embree on all cores, or a graphics card: exact, the reference of the other methods",
                 .keys = "packet: 16 or 1, rays a call; "
                         "tile_columns: auto, 1, 2, 4, 8 or 16, columns of a packet; "
                         "robust: true, watertight at the edges of triangles; "
@@ -32,6 +33,7 @@ constexpr std::array kMethods{
                         .openGl = true},
                 .color = {235, 40, 40},
                 .autoSettings = "- ray_tracing\n- {ray_tracing: {simplify: [0.5, 0.25]}}\n",
+                .referenceOptions = "{backend: cpu}",
                 .make = makeRayTracing},
     MethodEntry{
         .name = "depth_camera",
@@ -88,6 +90,13 @@ const MethodEntry& requireMethod(std::string_view name, const Location& where) {
 
 const MethodEntry& firstMethodThat(bool MethodCapabilities::*can) {
   return *std::find_if(kMethods.begin(), kMethods.end(), [&](const MethodEntry& e) { return e.can.*can; });
+}
+
+std::unique_ptr<Method> makeReference(const Scene& scene) {
+  const MethodEntry& entry = firstMethodThat(&MethodCapabilities::reference);
+  const Value value = parseYaml(entry.referenceOptions, "reference method");
+  Fields options(value, "method");
+  return entry.make(scene, options);
 }
 
 }  // namespace scanmill

@@ -86,10 +86,7 @@ TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOpti
 
 std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, const MeasureOptions& options) {
   const ExactTracer tracer(scene);
-  const Value none;
-  const MethodEntry& reference = firstMethodThat(&MethodCapabilities::reference);
-  Fields defaults(none, std::string(reference.name));
-  const std::unique_ptr<Method> rays = reference.make(scene, defaults);
+  const std::unique_ptr<Method> rays = makeReference(scene);
   std::vector<TrueShot> all;
   all.reserve(shots.size());
   for (Shot& shot : shots) {

@@ -93,15 +93,22 @@ class ParticleMethod : public Method {
                        options_.steps, place.box,    place.whole};
     const std::vector<Tile> tiles = tilesOf(*shot.beams);
     MarchCounts counts;
-    FlyingBackend& backend = asked_ != nullptr ? *asked_ : automaticBackend(options_.refine);
+    GlMarcher* gl = nullptr;
     const auto onDevice = [&](Hits& made, StageClock& stages) {
       made.reset(shot.beams->rings, shot.beams->columns, channels);
-      counts = marchOnDevice(*backend.gl, job, place, made, stages);
+      counts = marchOnDevice(*gl, job, place, made, stages);
     };
     const auto onProcessor = [&](Hits& made, StageClock& stages) {
       made.reset(shot.beams->rings, shot.beams->columns, channels);
       counts = marchOnProcessor(job, tiles, made, stages);
     };
+    if (asked_ == nullptr && shot.beams->size() < BackendChoice::kFewRays) {  // no device is opened for it
+      onProcessor(hits, clock);
+      std::sort(hits.unresolved.begin(), hits.unresolved.end());
+      return account(clock, shot, counts);
+    }
+    FlyingBackend& backend = asked_ != nullptr ? *asked_ : automaticBackend(options_.refine);
+    gl = backend.gl;
     backend.choice.trace(shot.beams->size(), onDevice, onProcessor, hits, clock);
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
     TraceAccount told = account(clock, shot, counts);
@@ -224,13 +231,15 @@ class ParticleMethod : public Method {
         return "particles fly on the processor";
       case BackendChoice::Asked::Auto:
         return fmt::format(
-            "particles fly on the processor or, where there is one, a graphics card (about {} there), whichever takes "
+            "particles fly on the processor or, where there is one, a graphics card (about {} there for field and "
+            "scene), whichever takes "
             "the first scan faster: both give the same bytes",
             memoryText(deviceBytes()));
       case BackendChoice::Asked::Gl:
         break;
     }
-    return fmt::format("particles fly by OpenGL (about {} on the device)", memoryText(deviceBytes()));
+    return fmt::format("particles fly by OpenGL (about {} on the device for field and scene)",
+                       memoryText(deviceBytes()));
   }
 
   // Of a field, which moves to a second place, and of what hits are made of.

@@ -144,14 +144,15 @@ class RayTracing : public Method {
     const ShotFrame frame = frameOf(shot, world->origin);
     const PacketJob job{*world, materials_,      shot,
                         frame,  options_.packet, coplanarFloor(static_cast<float>(length(frame.position.front())))};
-    TracingBackend& backend = asked_ != nullptr ? *asked_ : automaticBackend();
     StageClock clock;
+    if (asked_ == nullptr && shot.beams->size() < BackendChoice::kFewRays) {  // no device is opened for it
+      traceOnProcessor(job, channels, hits);
+      return {};
+    }
+    TracingBackend& backend = asked_ != nullptr ? *asked_ : automaticBackend();
     const auto onProcessor = [&](Hits& made, StageClock& stages) {
       const WallTimer timer;
-      made.reset(shot.beams->rings, shot.beams->columns, channels);
-      const Tiling tiling(*shot.beams, options_.tileColumns);
-      traceTiles(
-          job, tiling.size(), [&](std::size_t i) { return tiling.tile(i); }, made);
+      traceOnProcessor(job, channels, made);
       if (backend.gl != nullptr) stages.add("trace", timer.seconds());  // else it is the only stage
     };
     const auto onDevice = [&](Hits& made, StageClock& stages) {
@@ -206,6 +207,14 @@ class RayTracing : public Method {
     return worlds_.near(shot.worldFromSensor.front().translation, shot.time, shot.duration);
   }
 
+  void traceOnProcessor(const PacketJob& job, Channels channels, Hits& hits) const {
+    const BeamTable& beams = *job.shot.beams;
+    hits.reset(beams.rings, beams.columns, channels);
+    const Tiling tiling(beams, options_.tileColumns);
+    traceTiles(
+        job, tiling.size(), [&](std::size_t i) { return tiling.tile(i); }, hits);
+  }
+
   template <class TileAt>
   static void traceTiles(const PacketJob& job, std::size_t count, const TileAt& tileAt, Hits& hits) {
     parallelFor(count, 128, [&](std::size_t first, std::size_t last) {
@@ -223,7 +232,8 @@ class RayTracing : public Method {
         return "rays meet triangles on the processor";
       case BackendChoice::Asked::Auto:
         return fmt::format(
-            "rays meet triangles on the processor or, where there is one, a graphics card (about {:.0f} MiB there), "
+            "rays meet triangles on the processor or, where there is one, a graphics card (about {:.0f} MiB there for "
+            "the scene), "
             "whichever takes the first scan faster: both give the same bytes",
             deviceMebibytes());
       case BackendChoice::Asked::Gl:
@@ -231,7 +241,8 @@ class RayTracing : public Method {
     }
     const bool fits = worlds_.triangles() * kResolverBytesPerTriangle <= asked_->gl->mostTableBytes();
     return fmt::format(
-        "rays meet triangles by OpenGL (about {:.0f} MiB on the device), and on the processor where rounding leaves a "
+        "rays meet triangles by OpenGL (about {:.0f} MiB on the device for the scene), and on the processor where "
+        "rounding leaves a "
         "doubt{}",
         deviceMebibytes(),
         fits ? "" : "; their planes and labels are more than a table there holds: take backend: cpu");

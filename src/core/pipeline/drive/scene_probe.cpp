@@ -13,9 +13,7 @@ constexpr std::size_t kMost = 100;
 SceneProbe::SceneProbe(const Scene& scene, const Method* method, const MethodEntry* entry)
     : scene_(scene), method_(method) {
   if (method != nullptr && entry != nullptr && entry->can.reference) return;
-  Value none;
-  Fields options(none, "method");
-  own_ = firstMethodThat(&MethodCapabilities::reference).make(scene, options);
+  own_ = makeReference(scene);
   method_ = own_.get();
 }
 

@@ -13,7 +13,7 @@ Hits traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose& vehic
   Shot shot;
   shot.beams = std::move(near);
   shot.worldFromSensor = {vehicleFromSensor};
-  const auto method = makeMethod({&firstMethodThat(&MethodCapabilities::reference), {}, false}, vehicle);
+  const auto method = makeReference(vehicle);
   Hits hits;
   method->trace(shot, Channels::all(), hits);
   return hits;

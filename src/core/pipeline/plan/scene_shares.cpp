@@ -103,7 +103,7 @@ std::string inWords(const std::vector<ShareBound>& bounds) {
 }  // namespace
 
 void measureShares(Scene& scene, const std::vector<Vec3d>& lane) {
-  const auto method = makeMethod({&firstMethodThat(&MethodCapabilities::reference), {}, false}, scene);
+  const auto method = makeReference(scene);
   std::map<std::uint16_t, std::uint64_t> met;
   std::uint64_t all = 0;
   Shot shot;

@@ -249,7 +249,7 @@ class StudyRun {
   void takeEncodings() {
     const ThreadLimit one(1);
     progress_.say("encodings");
-    const auto tracer = makeMethod({&firstMethodThat(&MethodCapabilities::reference), {}, false}, scene_);
+    const auto tracer = makeReference(scene_);
     std::vector<Scan> scans;
     double effects = 0;
     constexpr std::size_t kMostScans = 4;

@@ -95,7 +95,7 @@ class SensingStudy {
   std::vector<SensingResult> run() {
     const std::vector<Variation> variations = variationsOf();
     if (variations.empty()) return {};
-    method_ = makeMethod({&firstMethodThat(&MethodCapabilities::reference), {}, false}, scene_);
+    method_ = makeReference(scene_);
     for (const Shot& shot : shots_) method_->prepare(shot);
     std::vector<SensingResult> results;
     results.reserve(variations.size());
