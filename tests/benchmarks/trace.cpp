@@ -148,6 +148,16 @@ double shareLeft(const Shot& shot) {
   return static_cast<double>(undecided.size()) / static_cast<double>(hits.rays());
 }
 
+// Null where there is none; the benchmark then says why.
+std::unique_ptr<Method> onDevice(benchmark::State& state) {
+  try {
+    return rayTracing(scene(), "{backend: gl}");
+  } catch (const Error& error) {
+    state.SkipWithError(error.what());
+    return nullptr;
+  }
+}
+
 // The same scan by the processor and by a device of OpenGL, all columns. Stages are milliseconds a scan of the device's
 // way; the counter `of_processor` is the ratio of both times in one run, `left_to_embree` the share of the rays that
 // the device is not sure of, `back_B/ray` what travels back, and `of_bandwidth` the share of the device's memory
@@ -155,12 +165,8 @@ double shareLeft(const Shot& shot) {
 void traceOnDevice(benchmark::State& state) {
   const Shot shot = shotAt(spinning(static_cast<std::uint32_t>(state.range(0)), 2048, -24.8, 2, 120));
   const auto processor = rayTracing(scene(), "{backend: cpu}");
-  std::unique_ptr<Method> device;
-  try {
-    device = rayTracing(scene(), "{backend: gl}");
-  } catch (const Error& error) {
-    return state.SkipWithError(error.what());
-  }
+  const std::unique_ptr<Method> device = onDevice(state);
+  if (device == nullptr) return;
   Hits hits;
   TraceAccount account;
   const auto there = [&] { account += device->trace(shot, Channels::all(), hits); };
@@ -196,12 +202,8 @@ BENCHMARK(traceOnDevice)->Arg(64)->Arg(512)->UseManualTime()->Unit(benchmark::kM
 void shotsInFlight(benchmark::State& state) {
   const auto beams = spinning(static_cast<std::uint32_t>(state.range(0)), 2048, -24.8, 2, 120);
   const auto processor = rayTracing(scene(), "{backend: cpu}");
-  std::unique_ptr<Method> device;
-  try {
-    device = rayTracing(scene(), "{backend: gl}");
-  } catch (const Error& error) {
-    return state.SkipWithError(error.what());
-  }
+  const std::unique_ptr<Method> device = onDevice(state);
+  if (device == nullptr) return;
   constexpr std::size_t kShots = 32;
   const auto all = [&](const Method& method) {
     return secondsOf([&] {

@@ -19,6 +19,7 @@ namespace {
 using enum ComputeTable::Texel;
 
 constexpr std::size_t kGrain = 16384;
+
 std::uint32_t bitsOf(Channels channels) {
   std::uint32_t set = 0;
   for (std::uint32_t bit = 1; bit < 0x100u; bit <<= 1) set |= channels.has(static_cast<Channel>(bit)) ? bit : 0u;

@@ -29,7 +29,7 @@ constexpr const char* kParameters = R"(
   dvec4 low, high;     // m, of the box where particles may march
   dvec4 centre;        // m, of the field; and level 0's voxels a metre
   double trust;        // kTrust of methods/world/resolve.h
-  double aside, layer, alike, trusted, there;  // ParticleRule
+  double aside, layer, alike, trusted, there;  // those of march_rule.h
 )";
 
 // What resolve() does with a particle (methods/particle/march_job.cpp), in its order, in double. Where rounding of a

@@ -153,15 +153,6 @@ std::array<DeviceWord, 3> rowsOf(const Affine& a) {
 
 }  // namespace
 
-std::uint64_t DeviceMeshes::bytes() const {
-  return nodes.size() * sizeof(WideNode) + (triangles.size() + cutouts.size()) * sizeof(DeviceWord) +
-         holes.size() * sizeof(std::uint32_t);
-}
-
-std::uint64_t DevicePlaces::bytes() const {
-  return nodes.size() * sizeof(WideNode) + places.size() * sizeof(DeviceWord);
-}
-
 DeviceMeshes deviceMeshes(RTCDeviceTy* device, const World& world) {
   DeviceMeshes made;
   Holes holes(*world.scene, made.holes);

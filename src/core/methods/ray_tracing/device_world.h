@@ -34,8 +34,6 @@ struct DeviceMeshes {
     Box box;  // m, in the block's frame
   };
   std::map<const TriangleBlock*, Block> blocks;
-
-  std::uint64_t bytes() const;
 };
 
 // The meshes that are placed, and how they stand.
@@ -47,8 +45,6 @@ struct DevicePlaces {
   // originFromMesh when the revolution starts, and when it ends. Then the mesh's root, its place in World::placed, and
   // whether it moves.
   std::vector<DeviceWord> places;
-
-  std::uint64_t bytes() const;
 };
 
 // Throws Error where memory is out or a texture is larger than 65535 texels a side.

@@ -237,6 +237,36 @@ TEST(GlMarcher, AFieldIsUploadedOnce) {
   EXPECT_NE(first.outcome, second.outcome);
 }
 
+// What it took over is not looked at again: it may be another thing by now.
+TEST(GlMarcher, BricksThatStayAreNotUploadedAgain) {
+  SKIP_WITHOUT_GL();
+  const Scene scene = furnished();
+  for (const bool lists : {false, true}) {
+    Surroundings place = surroundingsOf(scene, lists);
+    const auto marcher = makeGlMarcher();
+    flown(*marcher, place, kUsual, particlesIn(*place.field, 10));
+    ParticleOptions options;
+    options.voxel = 0.25;
+    options.voxels = 64;
+    options.levels = 3;
+    options.refine = lists ? ParticleOptions::Refine::ByTriangle : ParticleOptions::Refine::None;
+    place.field = buildField(*place.world, shapeOf(options, {4.5, 1, 0}, scene.bounds(), 30), place.field.get());
+    const auto spoilt = std::make_shared<DistanceField>(*place.field);
+    std::size_t stay = 0;
+    for (std::size_t b = 0; b < spoilt->before.size(); ++b) {
+      if (spoilt->before[b] == kNoWord) continue;
+      ++stay;
+      std::fill_n(spoilt->distance.begin() + static_cast<std::ptrdiff_t>(b * kBrickStride), kBrickStride, 0xFFFF);
+    }
+    EXPECT_GT(stay, 20u);
+    const Particles particles = particlesIn(*place.field, 2000);
+    HitRecords records;
+    StageClock clock;
+    marcher->march(spoilt, place.world, kUsual, particles, records, clock);
+    compared(place, kUsual, particles, records);
+  }
+}
+
 // Of a field that has moved the device gets the new bricks alone, and makes the others of those that it has.
 TEST(GlMarcher, AFieldMovesOnTheDevice) {
   SKIP_WITHOUT_GL();
