@@ -163,8 +163,13 @@ class HeaderReader {
       h.rowBytes += field.size * field.count;
       h.rowWords += field.count;
     }
+    if (h.rowWords == 0) throw InputError(where, "the header's fields hold no values: every COUNT is 0");
     if (!heightKnown_) h.height = 1;
     if (!pointsKnown_) h.points = h.width * h.height;
+    if (h.points > UINT32_MAX) {
+      throw InputError(where,
+                       fmt::format("{} x {} (WIDTH x HEIGHT) are more than {} points", h.width, h.height, UINT32_MAX));
+    }
     if (h.width * h.height != h.points) {
       throw InputError(where, fmt::format("{} x {} (WIDTH x HEIGHT) are not {} POINTS", h.width, h.height, h.points));
     }

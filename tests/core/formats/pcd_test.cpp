@@ -277,6 +277,8 @@ TEST(Pcd, LyingHeadersAreRefused) {
       "FIELDS x y z\nSIZE 4 4\nTYPE F F F\nWIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA ascii\n",
       "SIZE 4 4 4\nFIELDS x y z\nTYPE F F F\nWIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA ascii\n",
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 2\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3 4\n",
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 0 0\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n",
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2147483648\nHEIGHT 2147483648\nDATA binary\n" + zeros,
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F Q\nWIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA ascii\n",
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH -1\nHEIGHT 1\nPOINTS 0\nDATA ascii\n",
   };
