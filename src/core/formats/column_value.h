@@ -13,16 +13,18 @@
 namespace scanmill {
 
 // Returns the number as a value of a column of the type T. Throws an InputError at `where` that names column and point
-// where T is an integer that cannot hold the number: a negative one, one that is too large, a fraction, or NaN.
+// where T is an integer that cannot hold the number: one that is too small or too large, a fraction, or NaN.
 template <class T, class Stored>
 T columnValue(Stored stored, std::string_view name, std::size_t point, const Location& where) {
   if constexpr (!std::is_same_v<Stored, T> && std::is_integral_v<T>) {
     // Written so that NaN fails it too.
-    const bool fits = stored >= Stored(0) && static_cast<long double>(stored) <= std::numeric_limits<T>::max();
-    const T value = fits ? static_cast<T>(stored) : T{};  // NOLINT(bugprone-signed-char-misuse): it is not negative
+    using Limits = std::numeric_limits<T>;
+    const auto number = static_cast<long double>(stored);
+    const bool fits = number >= Limits::min() && number <= Limits::max();
+    const T value = fits ? static_cast<T>(stored) : T{};  // NOLINT(bugprone-signed-char-misuse): it fits
     if (!fits || static_cast<Stored>(value) != stored) {
-      throw InputError(where, fmt::format("{} of point {} is {}: no integer of 0 to {}", name, point, stored,
-                                          std::numeric_limits<T>::max()));
+      throw InputError(where, fmt::format("{} of point {} is {}: no integer of {} to {}", name, point, stored,
+                                          Limits::min(), Limits::max()));
     }
     return value;
   } else {

@@ -187,8 +187,14 @@ class Reader {
     return cloud;
   }
 
-  static ForeignColumn::Values valuesOf(const PlyColumn& column) {
-    const auto as = [&]<class T>(T) { return std::vector<T>(column.values.begin(), column.values.end()); };
+  ForeignColumn::Values valuesOf(const PlyColumn& column) const {
+    const auto as = [&]<class T>(T) {
+      std::vector<T> values;
+      for (const double value : column.values) {
+        values.push_back(columnValue<T>(value, column.name, values.size(), where_));
+      }
+      return values;
+    };
     const bool isSigned = column.type.kind == PlyType::Kind::Signed;
     if (column.type.kind == PlyType::Kind::Float) {
       return column.type.size == 8 ? ForeignColumn::Values(as(double{})) : ForeignColumn::Values(as(float{}));

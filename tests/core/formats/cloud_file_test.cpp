@@ -173,6 +173,16 @@ TEST_F(CloudFiles, PlyInAllItsFormats) {
   }
   EXPECT_THAT(refused("b.ply", header("ascii") + text.substr(0, 40)), HasSubstr("b.ply"));
   EXPECT_THAT(refused("b.ply", header("binary_little_endian") + binary(false).substr(0, 50)), HasSubstr("truncated"));
+  // Numbers that their type cannot hold.
+  const auto one = [&](const char* type, const char* number) {
+    return refused("b.ply", fmt::format("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+                                        "property float z\nproperty {} red\nend_header\n1 2 3 {}\n",
+                                        type, number));
+  };
+  EXPECT_THAT(one("uchar", "300"), AllOf(HasSubstr("red of point 0 is 300"), HasSubstr("0 to 255")));
+  EXPECT_THAT(one("char", "-129"), AllOf(HasSubstr("red of point 0 is -129"), HasSubstr("-128 to 127")));
+  EXPECT_THAT(one("uint", "-1"), HasSubstr("red of point 0 is -1"));
+  EXPECT_EQ(one("char", "-128"), "accepted");
   EXPECT_THAT(refused("b.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n"),
               HasSubstr("no property y"));
   EXPECT_THAT(refused("b.ply",
