@@ -202,15 +202,22 @@ void ComputeProgram::run(std::uint64_t invocations, std::initializer_list<const 
   context.told([&] { context.backend->run({number_, numbers, shown, parameters, invocations}); });
 }
 
+std::uint64_t mostTableBytes(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t most) {
+  return std::min(most, device.mostTableTexels() * texelBytes(texel));
+}
+
+void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes, std::uint64_t most,
+                const std::string& what, const std::string& mend) {
+  const std::uint64_t held = mostTableBytes(device, texel, most);
+  if (bytes <= held) return;
+  constexpr double kMebi = 1 << 20;
+  device.fail(fmt::format("the {} take {:.1f} MiB, of which a table on {} holds {:.1f} MiB{}", what,
+                          static_cast<double>(bytes) / kMebi, device.name(), static_cast<double>(held) / kMebi, mend));
+}
+
 void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
                std::span<const std::byte> array, std::uint64_t most, const std::string& what, const std::string& mend) {
-  const std::uint64_t held = std::min(most, device.mostTableTexels() * texelBytes(texel));
-  if (array.size() > held) {
-    constexpr double kMebi = 1 << 20;
-    device.fail(fmt::format("the {} take {:.1f} MiB, of which a table on {} holds {:.1f} MiB{}", what,
-                            static_cast<double>(array.size()) / kMebi, device.name(), static_cast<double>(held) / kMebi,
-                            mend));
-  }
+  checkTable(device, texel, array.size(), most, what, mend);
   if (!array.empty()) buffer.hold(array);
 }
 

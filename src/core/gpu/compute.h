@@ -126,8 +126,15 @@ struct ComputeTable {
 
 std::uint64_t texelBytes(ComputeTable::Texel texel);
 
-// Copies an array into the buffer of a table. Fails in the device's words where a table, or `most` bytes, hold less:
-// "the <what> take 3.0 MiB, of which a table on <device> holds 2.0 MiB<mend>".
+// The bytes of a table on the device that are at most `most`.
+std::uint64_t mostTableBytes(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t most);
+
+// Fails in the device's words where a table, or `most` bytes, hold less: "the <what> take 3.0 MiB, of which a table on
+// <device> holds 2.0 MiB<mend>".
+void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes, std::uint64_t most,
+                const std::string& what, const std::string& mend = "");
+
+// Copies an array into the buffer of a table, which checkTable() lets pass.
 void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
                std::span<const std::byte> array, std::uint64_t most, const std::string& what,
                const std::string& mend = "");

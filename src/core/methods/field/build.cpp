@@ -3,15 +3,16 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <mutex>
 #include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "methods/field/brick.h"
+#include "methods/field/brick_pool.h"
 #include "methods/field/nearby.h"
 #include "methods/particle/shape.h"
 
@@ -19,13 +20,21 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint32_t kNew = kNoWord;  // instead of an index of a brick of the field before
-constexpr float kNothing = 1e30f;        // voxels, to the nearest surface of an empty world
+constexpr std::uint32_t kUnmade = 0xFFFFFFFFu;  // a table's entry of a full brick without a place
+constexpr std::uint32_t kNone = 0xFFFFFFFFu;    // instead of an index
+constexpr float kNothing = 1e30f;               // voxels, to the nearest surface of an empty world
 constexpr std::size_t kBricksPerTask = 8;
+// Lanes find distances by offsets of 31 bits.
+constexpr std::size_t kMostBricks = 0x7FFFFFFFu / (kBrickStride * sizeof(std::uint16_t));
+
+// Of a field that moves: so that, on a street, it moves some twenty times until its bricks are copied.
+constexpr std::size_t withRoom(std::size_t count) {
+  return count + count / 2;
+}
 
 class Builder {
  public:
-  Builder(const World& world, const FieldShape& shape, const DistanceField* before);
+  Builder(const World& world, const FieldShape& shape, const std::vector<std::shared_ptr<const DistanceField>>& before);
 
   std::shared_ptr<const DistanceField> build();
 
@@ -33,30 +42,44 @@ class Builder {
   BrickPlace placeOf(std::size_t level, const Corner& brick) const;
   Corner brickOf(std::size_t level, std::uint32_t entry) const;
   std::size_t levelOf(std::uint32_t entry) const;
+  static const std::uint32_t* entryOf(const DistanceField& field, std::size_t level, const Corner& brick);
   const std::uint32_t* entryBefore(std::size_t level, const Corner& brick) const;
   void fillRow(std::size_t level, std::size_t row, FacetCache& facets);
-  void numberBricks();
+  void findUnmade();
+  void append();
+  void startPool();
   void makeBricks();
-  void placeLists();
+  std::uint64_t placeLists();
   void assemble();
 
   const World& world_;
-  const DistanceField* before_;
+  std::vector<const DistanceField*> before_;  // fields of one pool
+  std::shared_ptr<BrickPool> poolBefore_;     // null: none
   std::shared_ptr<DistanceField> field_;
-  std::vector<std::uint32_t> keptBefore_;            // per entry, full ones only: see DistanceField::before
-  std::vector<std::uint32_t> bricks_;                // per full brick, its entry of the table
-  std::vector<std::vector<std::uint32_t>> entries_;  // per full brick, its lists; of new ones
+  std::shared_ptr<BrickPool> pool_;
+
+  // A full brick that gets its place in the pool.
+  struct Brick {
+    std::uint32_t entry;   // of the table
+    std::uint32_t made;    // of a new one, its number; else kNone
+    std::uint32_t copied;  // of one that is copied from the pool of the fields before, its place there; else kNone
+  };
+  std::vector<Brick> bricks_;                      // in the order of their places, which follow each other
+  std::size_t first_ = kNone;                      // place of the first of bricks_
+  std::vector<std::uint32_t> unmade_;              // entries of the table
+  std::size_t kept_ = 0;                           // bricks of fields before
+  std::vector<std::vector<std::uint32_t>> lists_;  // of new bricks, whose words count from their beginning
 };
 
-Builder::Builder(const World& world, const FieldShape& shape, const DistanceField* before)
-    : world_(world), before_(before), field_(std::make_shared<DistanceField>()) {
+Builder::Builder(const World& world, const FieldShape& shape,
+                 const std::vector<std::shared_ptr<const DistanceField>>& before)
+    : world_(world), field_(std::make_shared<DistanceField>()) {
   if (!world.placed.empty()) throw Error("particle: a field is built of a world without instanced meshes");
-  if (before_ != nullptr && (before_->shape.voxel != shape.voxel || before_->shape.lists != shape.lists)) {
-    before_ = nullptr;
+  for (const auto& field : before) {
+    if (field->shape.voxel != shape.voxel || field->shape.lists != shape.lists) continue;
+    if (poolBefore_ == nullptr) poolBefore_ = field->pool;
+    if (field->pool == poolBefore_) before_.push_back(field.get());
   }
-  static std::atomic<std::uint64_t> built{0};
-  field_->number = ++built;
-  field_->movedFrom = before_ != nullptr ? before_->number : 0;
   field_->shape = shape;
   field_->levels = fieldLevels(shape);
 }
@@ -80,17 +103,25 @@ Corner Builder::brickOf(std::size_t level, std::uint32_t entry) const {
           box.firstBrick[2] + i / box.bricks[0] / box.bricks[1]};
 }
 
-// Of the field before; null where it has no such brick.
-const std::uint32_t* Builder::entryBefore(std::size_t level, const Corner& brick) const {
-  if (before_ == nullptr || level >= before_->levels.size()) return nullptr;
-  const LevelBox& box = before_->shape.levels[level];
+// Null where the field has no such brick.
+const std::uint32_t* Builder::entryOf(const DistanceField& field, std::size_t level, const Corner& brick) {
+  if (level >= field.levels.size()) return nullptr;
+  const LevelBox& box = field.shape.levels[level];
   std::array<std::uint32_t, 3> at;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::int64_t i = brick[k] - box.firstBrick[k];
     if (i < 0 || i >= box.bricks[k]) return nullptr;
     at[k] = static_cast<std::uint32_t>(i);
   }
-  return &before_->table[before_->levels[level].firstEntry + (at[2] * box.bricks[1] + at[1]) * box.bricks[0] + at[0]];
+  return &field.table[field.levels[level].firstEntry + (at[2] * box.bricks[1] + at[1]) * box.bricks[0] + at[0]];
+}
+
+// Null where no field before has it.
+const std::uint32_t* Builder::entryBefore(std::size_t level, const Corner& brick) const {
+  for (const DistanceField* field : before_) {
+    if (const std::uint32_t* entry = entryOf(*field, level, brick)) return entry;
+  }
+  return nullptr;
 }
 
 // Which bricks of a row along x are empty, and how far they are from everything.
@@ -103,10 +134,8 @@ void Builder::fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
     std::uint32_t& entry = field_->table[first + i];
     if (const std::uint32_t* before = entryBefore(level, brick)) {
       entry = *before;
-      keptBefore_[first + i] = *before >= kFullBrick ? *before - kFullBrick : 0;
       continue;
     }
-    keptBefore_[first + i] = kNew;
     float distance = kNothing;
     if (!world_.baked.triangles.empty()) {
       const BrickPlace place = placeOf(level, brick);
@@ -116,102 +145,118 @@ void Builder::fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
       nearest = found.triangle;
       distance = std::sqrt(found.distance2) * (1 - 1e-5f);  // for float32
     }
-    entry = distance >= kEmptyBrick ? std::bit_cast<std::uint32_t>(distance) : kFullBrick;
+    entry = distance >= kEmptyBrick ? std::bit_cast<std::uint32_t>(distance) : kUnmade;
   }
 }
 
-void Builder::numberBricks() {
-  // Lanes find distances by offsets of 31 bits.
-  constexpr std::uint64_t kMost = 0x7FFFFFFFu / (kBrickStride * sizeof(std::uint16_t));
+void Builder::findUnmade() {
+  for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
+    const std::uint32_t entry = field_->table[i];
+    if (entry == kUnmade) {
+      unmade_.push_back(i);
+    } else if (entry >= kFullBrick) {
+      ++kept_;
+    }
+  }
+  if (kept_ + unmade_.size() <= kMostBricks) return;
+  throw Error(
+      fmt::format("particle: with voxels of {:g} m over {} million bricks are near surfaces: choose larger voxels or "
+                  "fewer of them",
+                  field_->shape.voxel, kMostBricks / 1'000'000));
+}
+
+// New bricks get places behind those that are there.
+void Builder::append() {
+  pool_ = poolBefore_;
+  first_ = pool_->bricks;
+  for (const std::uint32_t entry : unmade_) {
+    const auto made = static_cast<std::uint32_t>(bricks_.size());
+    field_->table[entry] = kFullBrick + static_cast<std::uint32_t>(first_) + made;
+    bricks_.push_back({entry, made, kNone});
+  }
+}
+
+// All bricks get places in a pool of the field's own: new ones, too, that are in the pool of the field before already.
+void Builder::startPool() {
+  const std::size_t count = kept_ + unmade_.size();
+  pool_ = std::make_shared<BrickPool>(poolBefore_ != nullptr ? std::min(withRoom(count), kMostBricks) : count);
+  std::vector<Brick> placed;
+  placed.reserve(count);
+  std::uint32_t made = 0;
   for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
     std::uint32_t& entry = field_->table[i];
     if (entry < kFullBrick) continue;
-    if (bricks_.size() == kMost) {
-      throw Error(
-          fmt::format("particle: with voxels of {:g} m over {} million bricks are near surfaces: choose larger "
-                      "voxels or fewer of them",
-                      field_->shape.voxel, kMost / 1'000'000));
-    }
-    entry = kFullBrick + static_cast<std::uint32_t>(bricks_.size());
-    bricks_.push_back(i);
-    field_->before.push_back(keptBefore_[i]);
+    const std::uint32_t copied = entry == kUnmade ? kNone : entry - kFullBrick;
+    const bool isNew = copied >= first_;
+    placed.push_back({i, isNew ? made++ : kNone, copied});
+    entry = kFullBrick + static_cast<std::uint32_t>(placed.size() - 1);
   }
+  bricks_ = std::move(placed);
+  first_ = 0;
 }
 
 void Builder::makeBricks() {
-  field_->distance.resize(bricks_.size() * kBrickStride);
-  field_->word.resize(bricks_.size() * kBrickStride);
-  entries_.resize(field_->shape.lists ? bricks_.size() : 0);
-  std::vector<std::uint32_t> made;
-  for (std::uint32_t i = 0; i < bricks_.size(); ++i) {
-    if (field_->before[i] == kNew) made.push_back(i);
-  }
-  parallelFor(made.size(), kBricksPerTask, [&](std::size_t first, std::size_t last) {
+  lists_.resize(unmade_.size());
+  parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t first, std::size_t last) {
     BrickMaker maker(world_, field_->shape.lists);
-    std::vector<std::uint32_t> entries;
+    std::vector<std::uint32_t> lists;
     for (std::size_t i = first; i < last; ++i) {
-      const std::uint32_t index = made[i];
-      const std::uint32_t entry = bricks_[index];
-      const std::size_t level = levelOf(entry);
-      const std::size_t at = std::size_t{index} * kBrickStride;
-      entries.clear();
-      maker.make(placeOf(level, brickOf(level, entry)), &field_->distance[at], &field_->word[at], entries);
-      if (field_->shape.lists) entries_[index].assign(entries.begin(), entries.end());
+      const Brick& brick = bricks_[i];
+      if (brick.made == kNone) continue;
+      const std::size_t level = levelOf(brick.entry);
+      const std::size_t at = (first_ + i) * kBrickStride;
+      lists.clear();
+      maker.make(placeOf(level, brickOf(level, brick.entry)), &pool_->distance[at], &pool_->word[at], lists);
+      lists_[brick.made].assign(lists.begin(), lists.end());
     }
   });
 }
 
-void Builder::placeLists() {
-  std::vector<std::uint32_t>& first = field_->firstList;
-  first.assign(bricks_.size() + 1, 0);
-  std::uint64_t end = 0;
+// Where the lists of all bricks begin. Returns where the last ones end: anywhere, there may be no room for so many.
+std::uint64_t Builder::placeLists() {
+  const auto countOf = [&](const Brick& brick) -> std::uint64_t {
+    if (brick.made != kNone) return lists_[brick.made].size();
+    const auto& first = poolBefore_->firstList;
+    return first[brick.copied + 1] - first[brick.copied];
+  };
+  std::uint64_t end = pool_->firstList[first_];
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    const std::uint32_t from = field_->before[i];
-    end += from == kNew ? entries_[i].size() : before_->firstList[from + 1] - before_->firstList[from];
-    if (end >= kNoWord) {
-      throw Error(
-          fmt::format("particle: with voxels of {:g} m the field would name over 4 billion triangles: choose "
-                      "larger voxels, or refine: normal",
-                      field_->shape.voxel));
-    }
-    first[i + 1] = static_cast<std::uint32_t>(end);
+    end += countOf(bricks_[i]);
+    pool_->firstList[first_ + i + 1] = static_cast<std::uint32_t>(end);
   }
-  field_->lists.resize(end);
+  return end;
 }
 
-// Copies the bricks taken over, and all lists to their places.
+// Copies bricks of the pool before, and all lists to their places.
 void Builder::assemble() {
-  const bool lists = field_->shape.lists;
-  if (lists) placeLists();
+  const BrickPool* from = poolBefore_.get();
   parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t from = field_->before[i];
-      std::uint32_t* word = &field_->word[i * kBrickStride];
-      const std::uint32_t* source = word;
-      if (from != kNew) {
-        std::memcpy(&field_->distance[i * kBrickStride], &before_->distance[std::size_t{from} * kBrickStride],
-                    kBrickStride * sizeof(std::uint16_t));
-        source = &before_->word[std::size_t{from} * kBrickStride];
+      const Brick& brick = bricks_[i];
+      const std::size_t at = (first_ + i) * kBrickStride;
+      std::uint32_t* word = &pool_->word[at];
+      if (brick.copied != kNone) {
+        const std::size_t there = std::size_t{brick.copied} * kBrickStride;
+        std::copy_n(&from->distance[there], kBrickStride, &pool_->distance[at]);
+        std::copy_n(&from->word[there], kBrickStride, word);
       }
-      if (lists) {
-        const std::uint32_t first = field_->firstList[i];
-        const std::uint32_t* entries =
-            from == kNew ? entries_[i].data() : before_->lists.data() + before_->firstList[from];
-        const std::uint32_t moved = from == kNew ? first : first - before_->firstList[from];
-        for (int c = 0; c < kBrickStride; ++c) word[c] = source[c] == kNoWord ? kNoWord : source[c] + moved;
-        std::copy_n(entries, field_->firstList[i + 1] - first, field_->lists.begin() + first);
-      } else if (from != kNew) {
-        std::memcpy(word, source, kBrickStride * sizeof(std::uint32_t));
-      }
+      if (!field_->shape.lists) continue;
+      const bool isNew = brick.made != kNone;
+      const std::uint32_t first = pool_->firstList[first_ + i];
+      const std::uint32_t base = isNew ? 0 : from->firstList[brick.copied];
+      const std::uint32_t* lists = isNew ? lists_[brick.made].data() : from->lists.data() + base;
+      for (int c = 0; c < kBrickStride; ++c) word[c] += word[c] == kNoWord ? 0 : first - base;
+      std::copy_n(lists, pool_->firstList[first_ + i + 1] - first, pool_->lists.begin() + first);
     }
   });
 }
 
 std::shared_ptr<const DistanceField> Builder::build() {
+  std::unique_lock<std::mutex> lock;
+  if (poolBefore_ != nullptr) lock = std::unique_lock(poolBefore_->appending);
   std::uint64_t entries = 0;
   for (const LevelBox& box : field_->shape.levels) entries += box.size();
   field_->table.resize(entries);
-  keptBefore_.resize(entries);
   for (std::size_t level = 0; level < field_->levels.size(); ++level) {
     const LevelBox& box = field_->shape.levels[level];
     parallelFor(std::size_t{box.bricks[1]} * box.bricks[2], 4, [&](std::size_t first, std::size_t last) {
@@ -219,16 +264,38 @@ std::shared_ptr<const DistanceField> Builder::build() {
       for (std::size_t row = first; row < last; ++row) fillRow(level, row, facets);
     });
   }
-  numberBricks();
+  findUnmade();
+  const bool appended = poolBefore_ != nullptr && poolBefore_->room() >= unmade_.size();
+  appended ? append() : startPool();
   makeBricks();
+  if (field_->shape.lists) {
+    std::uint64_t end = placeLists();
+    if (appended && end > pool_->lists.size()) {
+      startPool();
+      end = placeLists();
+    }
+    if (end >= kNoWord) {
+      throw Error(
+          fmt::format("particle: with voxels of {:g} m the field would name over 4 billion triangles: choose larger "
+                      "voxels, or refine: normal",
+                      field_->shape.voxel));
+    }
+    const std::uint64_t most = poolBefore_ != nullptr ? std::min<std::uint64_t>(withRoom(end), kNoWord - 1) : end;
+    if (pool_->lists.empty()) pool_->lists.resize(most);
+  }
   assemble();
+  pool_->bricks = first_ + bricks_.size();
+  field_->distance = std::span(pool_->distance).first(pool_->bricks * kBrickStride);
+  field_->word = std::span(pool_->word).first(pool_->bricks * kBrickStride);
+  field_->lists = std::span(pool_->lists).first(pool_->firstList[pool_->bricks]);
+  field_->pool = std::move(pool_);
   return std::move(field_);
 }
 
 }  // namespace
 
 std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
-                                                const DistanceField* before) {
+                                                const std::vector<std::shared_ptr<const DistanceField>>& before) {
   return Builder(world, shape, before).build();
 }
 

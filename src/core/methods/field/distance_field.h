@@ -5,6 +5,7 @@
 // Nested levels ("clipmaps", as in Unreal's global distance fields), each of twice the voxel size, or one level that
 // holds the whole scene. A level is a box of bricks of 8 x 8 x 8 voxels. A brick near a surface keeps the distances at
 // the 9 x 9 x 9 corners of its voxels; any other brick keeps one distance. Memory follows the surface, not the volume.
+// Fields that move share bricks (brick_pool.h).
 //
 // Frames. "Lattice": corners of voxels have integer coordinates, counted from the world's origin (world.h) in voxels of
 // the level; brick b holds corners 8b to 8b + 8 of each axis. The values at a corner follow from its place alone, not
@@ -15,9 +16,9 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
-#include "base/raw_vector.h"
 #include "base/vec.h"
 
 namespace scanmill {
@@ -86,6 +87,8 @@ struct FieldLevel {
   std::uint32_t firstEntry = 0;  // of its bricks in DistanceField::table; x fastest, then y, then z
 };
 
+struct BrickPool;  // brick_pool.h
+
 // Read-only once built.
 struct DistanceField {
   FieldShape shape;
@@ -94,28 +97,18 @@ struct DistanceField {
   // voxels of its level (at least kEmptyBrick; rounded down).
   std::vector<std::uint32_t> table;
   // Per full brick kBrickStride values, of its corners, in kDistanceStep of a voxel.
-  RawVector<std::uint16_t> distance;
+  std::span<const std::uint16_t> distance;
   // Per full brick kBrickStride words, of its corners. Without lists: the nearest triangle. With lists: where the
   // corner's list begins in `lists`. kNoWord where the corner is farther than kNamed from all triangles; with lists,
   // where it is farther than kListed or its list is empty.
-  RawVector<std::uint32_t> word;
+  std::span<const std::uint32_t> word;
   // Triangles that meet the cube around a corner (kListedHalf), in ascending order of (instance id, triangle), the last
   // marked by kLastOfList; in the order of corners. Were equal lists of neighbours shared, fields would be 4 % smaller
   // on the street and 7 % on truck_town.
-  RawVector<std::uint32_t> lists;
-  // With lists, per full brick: where its lists begin; one more entry: where the last ones end.
-  std::vector<std::uint32_t> firstList;
-
-  // How it came to be, so that a device which has the field before is given the new bricks alone (build.h).
-  std::uint64_t number = 0;           // of all fields that the process has built, from 1 on
-  std::uint64_t movedFrom = 0;        // the number of the field whose bricks were copied; 0: of none
-  std::vector<std::uint32_t> before;  // per full brick: its index in that field, or kNoWord
-
-  std::uint32_t fullBricks() const { return static_cast<std::uint32_t>(distance.size() / kBrickStride); }
-  std::uint64_t bytes() const {
-    const auto of = [](const auto& array) { return std::uint64_t{array.size()} * sizeof array[0]; };
-    return of(levels) + of(table) + of(distance) + of(word) + of(lists) + of(firstList) + of(before);
-  }
+  std::span<const std::uint32_t> lists;
+  // Whose arrays these are, as far as they were there when the field was built. Where the field has moved there are
+  // bricks among them that only fields before it had.
+  std::shared_ptr<BrickPool> pool;
 };
 
 }  // namespace scanmill

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -22,14 +21,12 @@
 #include "gpu/device.h"
 #include "methods/device/device_beams.h"
 #include "methods/device/device_resolver.h"
+#include "methods/march/device_fields.h"
 #include "methods/march/march_rule.h"
-#include "methods/march/moved_bricks.h"
 
 namespace scanmill {
 
 namespace {
-
-using enum ComputeTable::Texel;
 
 const ComputeErrorWords kWords{"particles cannot fly by OpenGL", "'backend: cpu' does without it"};
 
@@ -119,20 +116,6 @@ MarchBlock marchBlock(const DistanceField& field, std::uint32_t steps, std::size
   return block;
 }
 
-// Bits of the offset and the first entry of the table, then the bricks.
-using DeviceLevel = std::array<std::uint32_t, 8>;
-
-std::vector<DeviceLevel> deviceLevels(const DistanceField& field) {
-  std::vector<DeviceLevel> made;
-  for (const FieldLevel& level : field.levels) {
-    const auto bits = [&](std::size_t k) { return std::bit_cast<std::uint32_t>(level.offset[k]); };
-    made.push_back({bits(0), bits(1), bits(2), level.firstEntry, level.bricks[0], level.bricks[1], level.bricks[2], 0});
-  }
-  return made;
-}
-
-const std::string kMend = ": take coarser voxels (voxel_m) or fewer levels";
-
 using Columns = std::vector<const std::vector<float>*>;
 
 Columns columnsOf(const Particles& p, bool lists) {
@@ -163,8 +146,7 @@ class ComputeMarcher : public GlMarcher {
       : device_(kWords),
         mostTableBytes_(limits.tableBytes),
         slice_(std::min<std::uint64_t>(device_.mostBufferBytes() / (kMostColumns * sizeof(float)), limits.particles)) {
-    // Buffers without storage cannot be read from.
-    for (ComputeBuffer* buffer : {&table_, &triangles_}) buffer->reserve(16);
+    triangles_.reserve(16);  // buffers without storage cannot be read from
   }
 
   void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world, std::uint32_t steps,
@@ -219,14 +201,6 @@ class ComputeMarcher : public GlMarcher {
   std::string device() const override { return device_.name(); }
 
  private:
-  using Buffer = std::unique_ptr<ComputeBuffer>;
-
-  Buffer newBuffer() const {
-    auto made = std::make_unique<ComputeBuffer>(device_);
-    made->reserve(16);  // buffers without storage cannot be read from
-    return made;
-  }
-
   static constexpr std::uint64_t kMostColumns = 14;  // of particles, for fields with lists
   static constexpr std::uint64_t kFewestColumns = 8;
   // In a row, that a particle passes on the device; what passes more is left to the processor.
@@ -267,15 +241,8 @@ class ComputeMarcher : public GlMarcher {
                {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(), &records_,
                 &resolver_.columns(), &particles_},
                std::as_bytes(std::span(&hits, 1)),
-               {resolver_.table(0),
-                resolver_.table(1),
-                resolver_.table(2),
-                resolver_.table(3),
-                resolver_.table(4),
-                {&levels_, Uint32x4},
-                {&table_, Uint32},
-                {distances_.get(), Uint16},
-                {words_.get(), Uint32}});
+               {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3), resolver_.table(4),
+                fields_.levels(), fields_.table(), fields_.distances(), fields_.words()});
     }
   }
 
@@ -306,75 +273,14 @@ class ComputeMarcher : public GlMarcher {
   void upload(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world,
               StageClock& clock) {
     const StageTimer timer(clock, "upload");
-    const bool newField = held_ == 0 || field->number != held_;
-    const bool newWorld = field->shape.lists && world_.lock() != world;
-    if (!newField && !newWorld) return;
-    if (newField) {
-      MovedBricks moved;
-      const bool moves = field->movedFrom != 0 && field->movedFrom == held_ && canMove(*field, moved);
-      held_ = 0;  // what is there is of no field until all is there
-      const std::vector<DeviceLevel> levels = deviceLevels(*field);
-      hold(levels_, Uint32x4, std::span(levels), "levels");
-      hold(table_, Uint32, std::span(field->table), "table of bricks");
-      if (moves) {
-        moveBricks(*field, moved);
-      } else {
-        hold(*distances_, Uint16, std::span(field->distance), "distances");
-        hold(*words_, Uint32, std::span(field->word), "triangles named at corners");
-        hold(*lists_, Uint32, std::span(field->lists), "lists of triangles");
-      }
-      firstList_ = field->firstList;
-      held_ = field->number;
-    }
-    if (newWorld) {
+    fields_.hold(field);
+    if (field->shape.lists && world_.lock() != world) {
       world_.reset();
       const std::vector<DeviceTriangle> triangles = deviceTriangles(world->baked);
-      holdTable(device_, triangles_, Float32x4, std::as_bytes(std::span(triangles)), mostTableBytes_,
-                "scene's triangles", ": take 'refine: normal', which does not look at them");
+      holdTable(device_, triangles_, ComputeTable::Texel::Float32x4, std::as_bytes(std::span(triangles)),
+                mostTableBytes_, "scene's triangles", ": take 'refine: normal', which does not look at them");
       world_ = world;
     }
-    device_.finish();
-  }
-
-  template <class T>
-  void hold(ComputeBuffer& buffer, ComputeTable::Texel texel, std::span<const T> array, const char* what) {
-    holdTable(device_, buffer, texel, std::as_bytes(array), mostTableBytes_, what, kMend);
-  }
-
-  // Whether all that it takes fits into buffers, which programs write, and tables; and what that is.
-  bool canMove(const DistanceField& field, MovedBricks& moved) const {
-    const std::uint64_t most = std::min(mostTableBytes_, device_.mostBufferBytes());
-    const auto fits = [&](const ComputeBuffer& here, const ComputeBuffer& next, std::uint64_t bytes,
-                          ComputeTable::Texel texel) {
-      return std::max({here.bytes(), next.bytes(), bytes}) <= most &&
-             bytes <= device_.mostTableTexels() * texelBytes(texel);
-    };
-    if (!fits(*distances_, *nextDistances_, std::span(field.distance).size_bytes(), Uint16) ||
-        !fits(*words_, *nextWords_, std::span(field.word).size_bytes(), Uint32) ||
-        !fits(*lists_, *nextLists_, std::span(field.lists).size_bytes(), Uint32)) {
-      return false;
-    }
-    moved = movedBricks(field, firstList_);
-    return std::max(std::span(moved.fresh).size_bytes(), std::span(moved.bricks).size_bytes()) <= most;
-  }
-
-  // Makes the arrays of bricks of those that are there and of the new ones, which alone are uploaded.
-  void moveBricks(const DistanceField& field, const MovedBricks& moved) {
-    bricks_.hold(std::span(moved.bricks));
-    fresh_.hold(std::span(moved.fresh));
-    nextDistances_->reserve(std::span(field.distance).size_bytes());
-    nextWords_->reserve(std::span(field.word).size_bytes());
-    nextLists_->reserve(std::span(field.lists).size_bytes());
-    for (ComputeBuffer* buffer : {&bricks_, &fresh_}) buffer->reserve(16);
-    if (mover_ == nullptr) mover_ = std::make_unique<ComputeProgram>(device_, "moving a field", moveShader());
-    const std::array<std::uint32_t, 4> block{moved.firstWords, moved.firstLists};
-    mover_->run(std::uint64_t{kMoveLanes} * field.fullBricks(),
-                {distances_.get(), words_.get(), lists_.get(), &fresh_, &bricks_, nextDistances_.get(),
-                 nextWords_.get(), nextLists_.get()},
-                std::as_bytes(std::span(block)));
-    distances_.swap(nextDistances_);
-    words_.swap(nextWords_);
-    lists_.swap(nextLists_);
   }
 
   void holdLabels(const std::shared_ptr<const World>& world) {
@@ -391,12 +297,12 @@ class ComputeMarcher : public GlMarcher {
     block.again = again ? 1 : 0;
     programOf(marchers_, "particle", marchShader, field.shape.lists)
         .run(count, {&particles_, &records_}, std::as_bytes(std::span(&block, 1)),
-             {{&levels_, Uint32x4},
-              {&table_, Uint32},
-              {distances_.get(), Uint16},
-              {words_.get(), Uint32},
-              {lists_.get(), Uint32},
-              {&triangles_, Float32x4}});
+             {fields_.levels(),
+              fields_.table(),
+              fields_.distances(),
+              fields_.words(),
+              fields_.lists(),
+              {&triangles_, ComputeTable::Texel::Float32x4}});
   }
 
   void readRecords(const DistanceField& field, HitRecords& records, std::size_t first, std::size_t count) {
@@ -428,22 +334,14 @@ class ComputeMarcher : public GlMarcher {
   Programs launchers_, marchers_, resolvers_;
   DeviceBeams beams_{device_};
   ComputeBuffer particles_{device_};
-  ComputeBuffer levels_{device_};
-  ComputeBuffer table_{device_};
-  // Of full bricks, and where the next field's are made of them.
-  Buffer distances_ = newBuffer(), words_ = newBuffer(), lists_ = newBuffer();
-  Buffer nextDistances_ = newBuffer(), nextWords_ = newBuffer(), nextLists_ = newBuffer();
-  ComputeBuffer bricks_{device_}, fresh_{device_};
-  std::unique_ptr<ComputeProgram> mover_;  // made when a field first moves
+  DeviceFields fields_{device_, mostTableBytes_};
   ComputeBuffer triangles_{device_};
   ComputeBuffer records_{device_};
   DeviceResolver resolver_{device_, mostTableBytes_};
   ComputeReadbacks readbacks_{device_, kInFlight};
-  std::uint64_t held_ = 0;                // number of the field that the buffers hold
-  std::vector<std::uint32_t> firstList_;  // of that field
-  std::weak_ptr<const World> world_;      // whose triangles
-  std::weak_ptr<const World> labelled_;   // whose planes and labels
-  std::vector<float> numerator_;          // of the slice
+  std::weak_ptr<const World> world_;     // whose triangles
+  std::weak_ptr<const World> labelled_;  // whose planes and labels
+  std::vector<float> numerator_;         // of the slice
   std::vector<float> denominator_;
 };
 

@@ -27,9 +27,14 @@ class FieldStore {
     bool whole;  // nothing of the scene lies outside of the box
   };
   // Around a sensor (m), reaching `range` (m) far where the options do not say otherwise. Safe to call from several
-  // threads: one waits while another builds. The seconds of building a field, or of moving one along with the sensor,
-  // are added to the stage "field_build" or "field_update" of `clock`.
+  // threads: fields are built one after the other, each out of those before, and whoever waits for one helps with it.
+  // The seconds of building a field, or of moving one along with the sensor, are added to the stage "field_build" or
+  // "field_update" of `clock`.
   Place around(const Vec3d& sensor, double range, StageClock& clock) const;
+
+  // How many whole fields may be in memory: one for each thread, which works on a drive of its own, and two more, as
+  // far as a quarter of the memory holds them; at least 4.
+  std::size_t mostFields() const { return mostFields_; }
 
  private:
   struct Known {
@@ -37,14 +42,21 @@ class FieldStore {
     std::shared_ptr<const DistanceField> field;
   };
 
+  struct Work;  // a field that is being built
+
   std::shared_ptr<const DistanceField> fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape,
                                                StageClock& clock) const;
+  std::shared_ptr<const DistanceField> known(const std::shared_ptr<const World>& world, const FieldShape& shape) const;
+  void build(Work& work, StageClock& clock) const;
+  void forget() const;
 
   ParticleOptions options_;
   Box bounds_;  // m, world
+  std::size_t mostFields_;
   Worlds worlds_;
   mutable std::mutex mutex_;
   mutable std::list<Known> fields_;  // the last one first
+  mutable std::shared_ptr<Work> work_;
 };
 
 }  // namespace scanmill

@@ -142,15 +142,13 @@ class ParticleMethod : public Method {
   }
 
   std::uint64_t memoryBytes() const override {
-    const std::uint64_t fields = options_.extent == ParticleOptions::Extent::Sensor ? kFieldsAtOnce : 1;
-    return static_cast<std::uint64_t>(fieldBytes()) * fields + scene_.placedTriangles() * kBytesPerPlacedTriangle +
-           scene_.triangles() * kBytesPerSceneTriangle;
+    return static_cast<std::uint64_t>(fieldBytes()) * fields_.mostFields() +
+           scene_.placedTriangles() * kBytesPerPlacedTriangle + scene_.triangles() * kBytesPerSceneTriangle;
   }
 
  private:
   static constexpr std::uint64_t kBytesPerSceneTriangle = 40;    // the scene's own mesh
   static constexpr std::uint64_t kBytesPerPlacedTriangle = 190;  // measured: hierarchy, corners, records, all flattened
-  static constexpr std::uint64_t kFieldsAtOnce = 4;              // of frames in flight
 
   FieldStore::Place placeOf(const Shot& shot, StageClock& clock) const {
     return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
@@ -242,12 +240,13 @@ class ParticleMethod : public Method {
                        memoryText(deviceBytes()));
   }
 
-  // Of a field, which moves to a second place, and of what hits are made of.
+  // Of a field, with room for the bricks that moving brings, and of what hits are made of.
   double deviceBytes() const {
     constexpr std::uint64_t kBytesOfCorners = 48;  // with lists
     const std::uint64_t each =
         kResolverBytesPerTriangle + (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
-    return 2 * fieldBytes() + static_cast<double>(scene_.placedTriangles() * each + texelTableBytes(scene_));
+    const double room = options_.extent == ParticleOptions::Extent::Sensor ? 1.5 : 1;
+    return room * fieldBytes() + static_cast<double>(scene_.placedTriangles() * each + texelTableBytes(scene_));
   }
 
   double fieldBytes() const { return scanmill::fieldBytes(options_, scene_.bounds()); }

@@ -13,6 +13,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "methods/field/brick_pool.h"
 #include "methods/field/distance_field.h"
 #include "methods/field/facet.h"
 #include "methods/march/march.h"
@@ -50,7 +51,7 @@ inline FieldShape levelsAround(const Vec3d& middle, double voxel, std::uint32_t 
 
 // What a corner of a full brick knows, from triangles at these squared distances (voxels of the level).
 inline std::uint32_t cornerWord(const FieldShape& shape, const std::vector<double>& distance2, double distance,
-                                RawVector<std::uint32_t>& lists) {
+                                std::vector<std::uint32_t>& lists) {
   if (distance > kNamed) return kNoWord;
   if (distance2.empty()) return shape.lists ? kNoWord : 0;
   const auto nearest =
@@ -65,6 +66,18 @@ inline std::uint32_t cornerWord(const FieldShape& shape, const std::vector<doubl
   return begin;
 }
 
+// Gives a field bricks that no builder made.
+inline void setBricks(DistanceField& field, const std::vector<std::uint16_t>& distance,
+                      const std::vector<std::uint32_t>& word, const std::vector<std::uint32_t>& lists) {
+  field.pool = std::make_shared<BrickPool>(0);
+  field.pool->distance.assign(distance.begin(), distance.end());
+  field.pool->word.assign(word.begin(), word.end());
+  field.pool->lists.assign(lists.begin(), lists.end());
+  field.distance = field.pool->distance;
+  field.word = field.pool->word;
+  field.lists = field.pool->lists;
+}
+
 // The field of surfaces that are so far away; the triangles, which approximate the surfaces, are named.
 inline DistanceField fieldOf(const FieldShape& shape, const DistanceFunction& distance,
                              const LooseTriangles& triangles) {
@@ -74,6 +87,9 @@ inline DistanceField fieldOf(const FieldShape& shape, const DistanceFunction& di
   std::vector<Facet<double>> facets;
   for (const auto& t : triangles) facets.push_back(facetOf(t[0], t[1], t[2]));
   std::vector<double> distance2(triangles.size());
+  std::vector<std::uint16_t> distances;
+  std::vector<std::uint32_t> words;
+  std::vector<std::uint32_t> lists;
   for (std::size_t l = 0; l < shape.levels.size(); ++l) {
     const LevelBox& box = shape.levels[l];
     const double voxel = std::ldexp(shape.voxel, static_cast<int>(l));
@@ -91,7 +107,7 @@ inline DistanceField fieldOf(const FieldShape& shape, const DistanceFunction& di
         field.table.push_back(std::bit_cast<std::uint32_t>(std::nextafter(static_cast<float>(free), 0.0f)));
         continue;
       }
-      field.table.push_back(kFullBrick + field.fullBricks());
+      field.table.push_back(kFullBrick + static_cast<std::uint32_t>(words.size() / kBrickStride));
       for (int i = 0; i < kCornersPerBrick; ++i) {
         const Vec3d p =
             corner(i % kBrickCorners, i / kBrickCorners % kBrickCorners, double(i / (kBrickCorners * kBrickCorners)));
@@ -100,13 +116,14 @@ inline DistanceField fieldOf(const FieldShape& shape, const DistanceFunction& di
         for (std::size_t t = 0; named && t < facets.size(); ++t) {
           distance2[t] = facets[t].distance2(p.x, p.y, p.z) / (voxel * voxel);
         }
-        field.distance.push_back(static_cast<std::uint16_t>(std::min(away / kDistanceStep, 65535.0)));
-        field.word.push_back(cornerWord(shape, distance2, away, field.lists));
+        distances.push_back(static_cast<std::uint16_t>(std::min(away / kDistanceStep, 65535.0)));
+        words.push_back(cornerWord(shape, distance2, away, lists));
       }
-      field.distance.push_back(0);
-      field.word.push_back(kNoWord);
+      distances.push_back(0);
+      words.push_back(kNoWord);
     }
   }
+  setBricks(field, distances, words, lists);
   return field;
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "methods/field/brick_pool.h"
 #include "methods/field/build.h"
 #include "methods/march/march.h"
 #include "methods/particle/shape.h"
@@ -32,17 +33,22 @@ struct Surroundings {
   std::shared_ptr<const DistanceField> field;
 };
 
-Surroundings surroundingsOf(const Scene& scene, bool lists, double voxel = 0.25) {
-  const DeviceHandle device = makeDevice();
-  const std::vector<bool> instanced(scene.meshes.size(), false);
-  const SharedMeshes shared = buildSharedMeshes(device.get(), scene, instanced, {});
+ParticleOptions optionsOf(bool lists, double voxel = 0.25) {
   ParticleOptions options;
   options.voxel = voxel;
   options.voxels = 64;
   options.levels = 3;
   options.refine = lists ? ParticleOptions::Refine::ByTriangle : ParticleOptions::Refine::None;
+  return options;
+}
+
+Surroundings surroundingsOf(const Scene& scene, bool lists, double voxel = 0.25) {
+  const DeviceHandle device = makeDevice();
+  const std::vector<bool> instanced(scene.meshes.size(), false);
+  const SharedMeshes shared = buildSharedMeshes(device.get(), scene, instanced, {});
+  const ParticleOptions options = optionsOf(lists, voxel);
   Surroundings made{buildWorld(device.get(), scene, {}, instanced, shared, {}), nullptr};
-  made.field = buildField(*made.world, shapeOf(options, {}, scene.bounds(), 30), nullptr);
+  made.field = buildField(*made.world, shapeOf(options, {}, scene.bounds(), 30));
   return made;
 }
 
@@ -197,7 +203,7 @@ TEST(GlMarcher, NothingIsMetInAnEmptyField) {
   const Scene scene = nothing();
   for (const bool lists : {false, true}) {
     const Surroundings place = surroundingsOf(scene, lists);
-    EXPECT_EQ(place.field->fullBricks(), 0u);
+    EXPECT_TRUE(place.field->distance.empty());
     EXPECT_EQ(flown(*marcher, place, kUsual, particlesIn(*place.field, 300)).misses, 300u);
   }
 }
@@ -214,94 +220,116 @@ TEST(GlMarcher, FieldsAndWorldsTakeTurns) {
   }
 }
 
-TEST(GlMarcher, AFieldIsUploadedOnce) {
-  SKIP_WITHOUT_GL();
-  const auto marcher = makeGlMarcher();
-  const Scene scene = furnished();
-  const Surroundings place = surroundingsOf(scene, true);
-  const auto field = std::make_shared<DistanceField>(*place.field);
-  const Particles particles = particlesIn(*field, 100);
-  HitRecords first;
-  StageClock clock;
-  marcher->march(field, place.world, kUsual, particles, first, clock);
-  // Were it looked at again, it would be seen that it is another one now.
-  field->distance.assign(field->distance.size(), 0xFFFF);
-  HitRecords second;
-  marcher->march(field, place.world, kUsual, particles, second, clock);
-  EXPECT_EQ(first.outcome, second.outcome);
-  EXPECT_EQ(first.way, second.way);
-  // Another number is another field.
-  const auto other = std::make_shared<DistanceField>(*field);
-  other->number = 0;
-  marcher->march(other, place.world, kUsual, particles, second, clock);
-  EXPECT_NE(first.outcome, second.outcome);
+// A copy whose distances are other ones: shorter than they are, so that particles stop early.
+std::shared_ptr<DistanceField> spoilt(const DistanceField& field, std::size_t bricks) {
+  auto made = std::make_shared<DistanceField>(field);
+  const auto pool = std::make_shared<BrickPool>(0);
+  pool->distance.assign(field.distance.begin(), field.distance.end());
+  std::fill_n(pool->distance.begin(), bricks * kBrickStride, 0);
+  made->distance = pool->distance;
+  pool->word.assign(field.word.begin(), field.word.end());
+  made->word = pool->word;
+  pool->lists.assign(field.lists.begin(), field.lists.end());
+  made->lists = pool->lists;
+  made->pool = pool;
+  return made;
 }
 
-// What it took over is not looked at again: it may be another thing by now.
-TEST(GlMarcher, BricksThatStayAreNotUploadedAgain) {
+TEST(GlMarcher, BricksAreUploadedOnce) {
   SKIP_WITHOUT_GL();
   const Scene scene = furnished();
   for (const bool lists : {false, true}) {
     Surroundings place = surroundingsOf(scene, lists);
+    // The second has room for more.
+    for (const double x : {0.5, 4.5}) {
+      const FieldShape shape = shapeOf(optionsOf(lists), {x, 1, 0}, scene.bounds(), 30);
+      place.field = buildField(*place.world, shape, {place.field});
+    }
     const auto marcher = makeGlMarcher();
     flown(*marcher, place, kUsual, particlesIn(*place.field, 10));
-    ParticleOptions options;
-    options.voxel = 0.25;
-    options.voxels = 64;
-    options.levels = 3;
-    options.refine = lists ? ParticleOptions::Refine::ByTriangle : ParticleOptions::Refine::None;
-    place.field = buildField(*place.world, shapeOf(options, {4.5, 1, 0}, scene.bounds(), 30), place.field.get());
-    const auto spoilt = std::make_shared<DistanceField>(*place.field);
-    std::size_t stay = 0;
-    for (std::size_t b = 0; b < spoilt->before.size(); ++b) {
-      if (spoilt->before[b] == kNoWord) continue;
-      ++stay;
-      std::fill_n(spoilt->distance.begin() + static_cast<std::ptrdiff_t>(b * kBrickStride), kBrickStride, 0xFFFF);
-    }
-    EXPECT_GT(stay, 20u);
+    const std::size_t bricks = place.field->distance.size() / kBrickStride;
+    const auto before = place.field;
+    const FieldShape shape = shapeOf(optionsOf(lists), {6.5, 1, 0}, scene.bounds(), 30);
+    place.field = buildField(*place.world, shape, {before});
+    ASSERT_EQ(place.field->pool, before->pool);
+    ASSERT_GT(place.field->distance.size(), before->distance.size());
     const Particles particles = particlesIn(*place.field, 2000);
+    // Were the bricks before looked at again, it would be seen that they are others now.
+    const auto other = spoilt(*place.field, bricks);
+    const auto keeps = other->pool;
+    other->pool = place.field->pool;
     HitRecords records;
     StageClock clock;
-    marcher->march(spoilt, place.world, kUsual, particles, records, clock);
+    marcher->march(other, place.world, kUsual, particles, records, clock);
     compared(place, kUsual, particles, records);
+    // Those of another pool are looked at.
+    HitRecords differ;
+    other->pool = keeps;
+    marcher->march(std::make_shared<DistanceField>(*other), place.world, kUsual, particles, differ, clock);
+    EXPECT_NE(records.way, differ.way);
   }
 }
 
-// Of a field that has moved the device gets the new bricks alone, and makes the others of those that it has.
+// Of a field that has moved the device gets the new bricks alone.
 TEST(GlMarcher, AFieldMovesOnTheDevice) {
   SKIP_WITHOUT_GL();
   const Scene scene = furnished();
   for (const bool lists : {false, true}) {
     const Surroundings start = surroundingsOf(scene, lists);
-    ParticleOptions options;
-    options.voxel = 0.25;
-    options.voxels = 64;
-    options.levels = 3;
-    options.refine = lists ? ParticleOptions::Refine::ByTriangle : ParticleOptions::Refine::None;
+    const auto shape = [&](double x) { return shapeOf(optionsOf(lists), {x, 0.3 * x, 0}, scene.bounds(), 30); };
     const auto marcher = makeGlMarcher();
     Surroundings place = start;
     for (const double x : {0.0, 2.0, 4.5, 4.5, 9.0, -3.0, 400.0, 2.0}) {  // there is nothing at 400 m
-      const FieldShape shape = shapeOf(options, {x, 0.3 * x, 0}, scene.bounds(), 30);
-      place.field = buildField(*start.world, shape, place.field.get());
-      EXPECT_NE(place.field->movedFrom, 0u);
+      place.field = buildField(*start.world, shape(x), {place.field});
       flown(*marcher, place, kUsual, particlesIn(*place.field, 3000));
     }
-    // A device whose buffers hold the field's arrays, but not all that is new at once, is given all of it.
+    // A device whose tables hold the bricks, but not the room for more.
+    std::vector<std::shared_ptr<const DistanceField>> fields{buildField(*start.world, shape(400))};
     std::uint64_t most = 0;
-    for (const double x : {2.0, -3.0}) {
-      const auto field = buildField(*start.world, shapeOf(options, {x, 0, 0}, scene.bounds(), 30), nullptr);
-      most = std::max({most, std::uint64_t{std::span(field->word).size_bytes()},
-                       std::uint64_t{std::span(field->lists).size_bytes()}});
+    std::uint64_t room = 0;
+    for (const double x : {2.0, 2.0, -3.0}) {
+      fields.push_back(buildField(*start.world, shape(x), {fields.back()}));
+      most = std::max({most, fields.back()->word.size_bytes(), fields.back()->lists.size_bytes()});
+      room = std::max(room, fields.back()->pool->word.size() * sizeof(std::uint32_t));
     }
+    ASSERT_GT(room, most);
     const auto small = makeGlMarcher(GlMarcherLimits{.tableBytes = most});
-    for (const double x : {400.0, 2.0, 2.0, -3.0}) {
-      place.field = buildField(*start.world, shapeOf(options, {x, 0, 0}, scene.bounds(), 30), place.field.get());
+    for (const auto& field : fields) {
+      place.field = field;
       flown(*small, place, kUsual, particlesIn(*place.field, 1000));
     }
-    // From one that the device does not have.
-    const auto skipped = buildField(*start.world, shapeOf(options, {1, 0, 0}, scene.bounds(), 30), place.field.get());
-    place.field = buildField(*start.world, shapeOf(options, {3, 0, 0}, scene.bounds(), 30), skipped.get());
-    flown(*marcher, place, kUsual, particlesIn(*place.field, 3000));
+    // Back to one that it had, and on from one that it has not seen.
+    const auto had = place.field;
+    const auto skipped = buildField(*start.world, shape(1), {had});
+    place.field = buildField(*start.world, shape(3), {skipped});
+    for (const auto& field : {place.field, had, skipped}) {
+      place.field = field;
+      flown(*marcher, place, kUsual, particlesIn(*place.field, 3000));
+    }
+  }
+}
+
+// Threads that work on drives of their own take turns: the bricks of each stay.
+TEST(GlMarcher, FieldsOfSeveralDrivesStay) {
+  SKIP_WITHOUT_GL();
+  const Scene scene = furnished();
+  const auto marcher = makeGlMarcher();
+  std::vector<Surroundings> drives;
+  for (const bool lists : {false, true}) {
+    drives.push_back(surroundingsOf(scene, lists));
+    drives.push_back(surroundingsOf(scene, lists, 0.4));
+    flown(*marcher, drives[drives.size() - 2], kUsual, particlesIn(*drives[drives.size() - 2].field, 100));
+    flown(*marcher, drives.back(), kUsual, particlesIn(*drives.back().field, 100));
+  }
+  for (const Surroundings& place : drives) {
+    // Were it uploaded again, it would be seen that it is another one now.
+    const auto other = spoilt(*place.field, place.field->distance.size() / kBrickStride);
+    other->pool = place.field->pool;
+    const Particles particles = particlesIn(*place.field, 500);
+    HitRecords records;
+    StageClock clock;
+    marcher->march(other, place.world, kUsual, particles, records, clock);
+    compared(place, kUsual, particles, records);
   }
 }
 

@@ -124,7 +124,7 @@ TEST(MarchCpu, AllInstructionSetsTakeTheSameSteps) {
   for (const bool lists : {false, true}) {
     for (const std::uint32_t levels : {1u, 3u, 7u}) {
       SCOPED_TRACE(testing::Message() << levels << " levels, lists " << lists);
-      const auto field = buildField(*world, levelsAround({0.3, -0.2, 0.1}, 0.11, 64, levels, lists), nullptr);
+      const auto field = buildField(*world, levelsAround({0.3, -0.2, 0.1}, 0.11, 64, levels, lists));
       const Particles particles = assortedParticles(*field, 20011);
       AnyTarget::take(0);
       const HitRecords best = flown(*field, world->baked, 512, particles);
@@ -157,7 +157,7 @@ TEST(MarchCpu, ParticlesDoNotMindTheOthers) {
 TEST(MarchCpu, NothingIsMetInAnEmptyField) {
   for (const bool lists : {false, true}) {
     const Place place = placeOf(levelsAround({}, 0.1, 64, 3, lists), [](const Vec3d&) { return 1e6; }, {});
-    EXPECT_EQ(place.field.fullBricks(), 0u);
+    EXPECT_TRUE(place.field.distance.empty());
     const HitRecords records = flown(place.field, place.triangles, kSteps, assortedParticles(place.field, 1000));
     EXPECT_EQ(countOf(records, Outcome::Miss), 1000u);
   }
@@ -166,7 +166,7 @@ TEST(MarchCpu, NothingIsMetInAnEmptyField) {
 TEST(MarchCpu, OnlyWhatIsAskedForIsTouched) {
   const std::unique_ptr<World> world = scatteredWorld();
   for (const bool lists : {false, true}) {
-    const auto field = buildField(*world, levelsAround({}, 0.11, 64, 3, lists), nullptr);
+    const auto field = buildField(*world, levelsAround({}, 0.11, 64, 3, lists));
     const Particles particles = assortedParticles(*field, 5003);
     const HitRecords whole = flown(*field, world->baked, kSteps, particles);
     HitRecords some;
@@ -187,7 +187,7 @@ TEST(MarchCpu, OnlyWhatIsAskedForIsTouched) {
 TEST(MarchCpu, ParticlesGoOn) {
   const std::unique_ptr<World> world = scatteredWorld();
   for (const bool lists : {false, true}) {
-    const auto field = buildField(*world, levelsAround({}, 0.11, 64, 3, lists), nullptr);
+    const auto field = buildField(*world, levelsAround({}, 0.11, 64, 3, lists));
     const Particles particles = assortedParticles(*field, 3000);
     const HitRecords whole = flown(*field, world->baked, 512, particles);
     HitRecords again;
@@ -438,7 +438,7 @@ TEST(March, GrazingStepsAreBetweenTheClosedForms) {
 TEST(March, AnExhaustedBudgetIsNoMiss) {
   const std::unique_ptr<World> world = scatteredWorld();
   for (const bool lists : {false, true}) {
-    const auto field = buildField(*world, levelsAround({}, 0.11, 64, 3, lists), nullptr);
+    const auto field = buildField(*world, levelsAround({}, 0.11, 64, 3, lists));
     const Particles particles = assortedParticles(*field, 3000);
     for (std::size_t i = 0; i < particles.size(); ++i) {
       const HitRecord whole = flownAlone(*field, world->baked, kSteps, particles, i);

@@ -153,17 +153,18 @@ DistanceField ballField(const Vec3d& middle, double radius) {
   field.shape.levels = {{{-1, -1, -1}, {3, 3, 3}}};
   field.shape.reach = 12;
   field.levels = {{{12, 12, 12}, 1, {3, 3, 3}, 0}};
+  std::vector<std::uint16_t> distances;
   for (std::uint32_t brick = 0; brick < 27; ++brick) {
     field.table.push_back(kFullBrick + brick);
     const Vec3d first{brick % 3 * 8 - 12.0, brick / 3 % 3 * 8 - 12.0, brick / 9 * 8 - 12.0};
     for (int i = 0; i < kCornersPerBrick; ++i) {
       const Vec3d corner = first + Vec3d{i % 9 * 1.0, i / 9 % 9 * 1.0, i / 81 * 1.0};
       const double distance = std::fabs(length(corner - middle) - radius);
-      field.distance.push_back(static_cast<std::uint16_t>(std::lround(distance / kDistanceStep)));
+      distances.push_back(static_cast<std::uint16_t>(std::lround(distance / kDistanceStep)));
     }
-    field.distance.push_back(0);
+    distances.push_back(0);
   }
-  field.word.assign(field.distance.size(), 0);
+  setBricks(field, distances, std::vector<std::uint32_t>(distances.size(), 0), {});
   return field;
 }
 
