@@ -114,11 +114,11 @@ void drive(benchmark::State& state, const std::string& options) {
   TraceAccount account;
   std::vector<double> seconds;
   constexpr int kMetres = 10;
-  scanAt(-21);
+  double x = -30;
+  scanAt(x);
   for (auto _ : state) {
-    scanAt(-20);
     const double each = secondsOf([&] {
-                          for (int metre = 1; metre <= kMetres; ++metre) account += scanAt(-20 + metre);
+                          for (int metre = 0; metre < kMetres; ++metre) account += scanAt(++x);
                         }) /
                         kMetres;
     seconds.push_back(each);
