@@ -1,0 +1,129 @@
+#include "methods/particle/field_store.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "base/parallel.h"
+#include "methods/field/lookup.h"
+#include "tests/support/test_scene.h"
+
+namespace scanmill {
+namespace {
+
+// A ground 600 m long with a ball every ten metres.
+Scene alley() {
+  SceneBuilder builder = testBuilder();
+  Mesh mesh = meshOf(builder, "ground");
+  appendPlane(mesh, 0, at(0, 0, -1), 600, 40, 20);
+  builder.place(builder.addMesh(mesh), {}, "ground");
+  Mesh ball = meshOf(builder, "thing");
+  appendSphere(ball, 0, {}, 0.7, 8);
+  const std::uint32_t number = builder.addMesh(ball);
+  for (int x = -290; x <= 290; x += 10) builder.place(number, at(x, x % 20 == 0 ? 3 : -3, -0.3), "ball");
+  return builder.finish();
+}
+
+ParticleOptions smallField() {
+  ParticleOptions options;
+  options.voxel = 0.2;
+  options.voxels = 32;
+  options.levels = 3;
+  options.refine = ParticleOptions::Refine::None;
+  return options;
+}
+
+constexpr double kRange = 20;  // m
+
+// How far it is from places around the sensor to what is nearest, m.
+std::vector<float> distancesAt(const FieldStore::Place& place) {
+  std::vector<float> distances;
+  for (int i = 0; i < 500; ++i) {
+    const double angle = 0.7 * i;
+    const double way = 0.02 * i;
+    const Vec3f q{static_cast<float>(way * std::cos(angle) / 0.2), static_cast<float>(way * std::sin(angle) / 0.2),
+                  static_cast<float>(-0.01 * i)};
+    distances.push_back(distanceAt(*place.field, q));
+  }
+  return distances;
+}
+
+// Threads work on drives of their own: each field comes from the one before in its drive, though others came between.
+TEST(FieldStore, DrivesDoNotDisturbEachOther) {
+  const Scene scene = alley();
+  const ThreadLimit limit(2);
+  const FieldStore store(scene, smallField());
+  StageClock clock;
+  std::vector<std::shared_ptr<const DistanceField>> last(2);
+  std::size_t kept = 0;
+  constexpr int kSteps = 12;
+  for (int step = 0; step < kSteps; ++step) {
+    for (std::size_t drive = 0; drive < 2; ++drive) {
+      const Vec3d sensor{(drive == 0 ? -200.0 : 150.0) + step, 0, 0.5};
+      const FieldStore::Place place = store.around(sensor, kRange, clock);
+      EXPECT_EQ(distancesAt(place), distancesAt(FieldStore(scene, smallField()).around(sensor, kRange, clock)));
+      if (last[drive] != nullptr && place.field->pool == last[drive]->pool) ++kept;
+      last[drive] = place.field;
+    }
+  }
+  EXPECT_GT(kept, kSteps / 2u);
+  EXPECT_NE(last[0]->pool, last[1]->pool);
+}
+
+TEST(FieldStore, OldDrivesAreForgotten) {
+  const Scene scene = alley();
+  const ThreadLimit limit(2);
+  const FieldStore store(scene, smallField());
+  EXPECT_EQ(store.mostFields(), 4u);
+  StageClock clock;
+  std::vector<std::weak_ptr<const DistanceField>> fields;
+  for (int k = 0; k < 10; ++k) fields.push_back(store.around({-290.0 + 60 * k, 0, 0.5}, kRange, clock).field);
+  std::size_t alive = 0;
+  for (const auto& field : fields) alive += field.expired() ? 0 : 1;
+  EXPECT_EQ(alive, store.mostFields() - 1);
+  EXPECT_FALSE(fields.back().expired());
+}
+
+TEST(FieldStore, OfAWholeSceneThereIsOne) {
+  const Scene scene = alley();
+  ParticleOptions options = smallField();
+  options.extent = ParticleOptions::Extent::Scene;
+  options.voxel = 1;
+  const FieldStore store(scene, options);
+  EXPECT_EQ(store.mostFields(), 1u);
+  StageClock clock;
+  const auto here = store.around({-100, 0, 0.5}, kRange, clock).field;
+  EXPECT_EQ(store.around({200, 0, 0.5}, kRange, clock).field, here);
+  EXPECT_EQ(clock.seconds().count("field_update"), 0u);
+}
+
+// All that wait for a field get it, and help with those that others wait for.
+TEST(FieldStore, ServesSeveralThreads) {
+  const Scene scene = alley();
+  std::vector<std::vector<float>> expected;
+  StageClock ignored;
+  const auto sensorAt = [](int k) { return Vec3d{-100.0 + 2 * k, 0, 0.5}; };
+  constexpr int kPlaces = 6;
+  for (int k = 0; k < kPlaces; ++k) {
+    expected.push_back(distancesAt(FieldStore(scene, smallField()).around(sensorAt(k), kRange, ignored)));
+  }
+  const FieldStore store(scene, smallField());
+  StageClock clock;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t) {
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 2 * kPlaces; ++i) {
+        const int k = (i * (t + 1) + t) % kPlaces;
+        EXPECT_EQ(distancesAt(store.around(sensorAt(k), kRange, clock)), expected[static_cast<std::size_t>(k)]);
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(clock.seconds().count("field_build"), 1u);
+}
+
+}  // namespace
+}  // namespace scanmill
