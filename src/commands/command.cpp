@@ -32,7 +32,7 @@ std::span<const Command> commands() {
       Command{"info", "FILE|DIR", "a dataset, shard, scan, recording, scene, sensor or pipeline as tables", runInfo},
       Command{"picture", "DATASET|SHARD|SCAN|EXR|SCENE -o FILE.png",
               "a look at a scan, passes or the objects of a scene, without a display", runPicture},
-      Command{"list", "[KIND]", "methods, sensors, effects, formats, ontologies; with KIND, their keys", runList},
+      Command{"list", "[KIND]", "methods, sensors, effects, formats ...; with KIND, their keys; devices", runList},
   };
   return kCommands;
 }

@@ -9,6 +9,8 @@
 #include "config/fields.h"
 #include "config/resources.h"
 #include "formats/format.h"
+#include "gpu/compute.h"
+#include "gpu/device.h"
 #include "methods/method.h"
 #include "pipeline/read/corruption.h"
 #include "scan/columns.h"
@@ -122,6 +124,26 @@ Rows exampleRows(const char* folder) {
   return rows;
 }
 
+// Each is opened for a moment.
+Rows deviceRows() {
+  Rows rows;
+  for (const FoundDevice& device : findDevices()) {
+    rows.push_back({device.name, device.usable ? device.driver + (device.software ? ", on the processor" : "")
+                                               : "cannot be used: " + device.driver});
+  }
+  return rows;
+}
+
+void printDevices() {
+  const Rows rows = deviceRows();
+  printText("devices:\n{}", rows.empty() ? "  none\n" : formatTable(rows));
+  printText(
+      "\nThe first one that can be used computes and draws, or the one that SCANMILL_GL_DEVICE names. `backend: auto` "
+      "tries {}.\n",
+      mayHaveCard() ? "it, and goes on with it where it takes the first scan faster than the processor"
+                    : "none: the kernel knows of no graphics card, and software runs on the processor");
+}
+
 }  // namespace
 
 int runList(const std::vector<std::string>& arguments) {
@@ -142,8 +164,8 @@ int runList(const std::vector<std::string>& arguments) {
       {"scenes", [] { return exampleRows("scenes"); }},
       {"pipelines", [] { return exampleRows("pipelines"); }},
   };
-  std::vector<std::string> names;
-  names.reserve(kinds.size());
+  constexpr const char* kDevices = "devices";  // only where it is asked for: opening them takes time
+  std::vector<std::string> names{kDevices};
   for (const auto& [name, rows] : kinds) names.push_back(name);
   if (!wanted.empty() && std::find(names.begin(), names.end(), wanted) == names.end()) {
     throw InputError(fmt::format("nothing is called '{}' here{}", wanted, suggestion(wanted, names)));
@@ -151,6 +173,7 @@ int runList(const std::vector<std::string>& arguments) {
   for (const auto& [name, rows] : kinds) {
     if (wanted.empty() || wanted == name) printText("{}:\n{}", name, formatTable(rows()));
   }
+  if (wanted == kDevices) printDevices();
   if (wanted == "methods") printCapabilities();
   if (wanted == "methods") printKeys(methods());
   if (wanted == "effects") printKeys(effects());

@@ -7,9 +7,11 @@
 
 #include "base/file.h"
 #include "formats/format.h"
+#include "gpu/compute.h"
 #include "methods/method.h"
 #include "sense/sense.h"
 #include "tests/commands/program.h"
+#include "tests/support/gl.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {
@@ -231,6 +233,14 @@ TEST(Keys, AreListedForOneKindOnly) {
               AllOf(HasSubstr("keys, with their defaults"), HasSubstr("\n  range_noise\n    sigma_m: 0 m")));
   EXPECT_THAT(scanmill({"list", "formats"}).out, AllOf(HasSubstr("max_error_mm: 1 mm"), HasSubstr("  csv: none\n")));
   EXPECT_THAT(scanmill({"list"}).out, Not(HasSubstr("sigma_m")));
+  EXPECT_THAT(scanmill({"list"}).out, Not(HasSubstr("devices")));
+}
+
+TEST(Devices, AreListedWhereTheyAreAskedFor) {
+  SKIP_WITHOUT_GL();
+  const Outcome listed = scanmill({"list", "devices"});
+  EXPECT_EQ(listed.code, 0);
+  EXPECT_THAT(listed.out, AllOf(HasSubstr(findDevices().front().driver), HasSubstr("SCANMILL_GL_DEVICE")));
 }
 
 }  // namespace

@@ -46,6 +46,20 @@ struct ComputeContext {
   std::string name;
 };
 
+std::vector<FoundDevice> findDevices() {
+  const ComputeModule& module = moduleOf<ComputeModule>();
+  std::vector<FoundDevice> found;
+  for (const std::string& name : module.devices()) {
+    try {
+      const std::unique_ptr<ComputeBackend> device = module.open(name);
+      found.push_back({name, device->name(), true, device->software()});
+    } catch (const std::exception& e) {
+      found.push_back({name, e.what()});
+    }
+  }
+  return found;
+}
+
 std::uint64_t texelBytes(ComputeTable::Texel texel) {
   switch (texel) {
     case ComputeTable::Texel::Uint16:

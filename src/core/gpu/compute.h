@@ -52,6 +52,17 @@ class ComputeDevice {
   std::shared_ptr<ComputeContext> context_;
 };
 
+// A device that SCANMILL_GL_DEVICE may name (gpu/device.h).
+struct FoundDevice {
+  std::string name;    // what the variable says
+  std::string driver;  // as ComputeDevice::name() has it; of one that cannot compute: why not
+  bool usable = false;
+  bool software = false;  // it runs on the processor
+};
+
+// In the order in which they are tried. Each is opened for a moment. Throws Error where OpenGL cannot be loaded.
+std::vector<FoundDevice> findDevices();
+
 // Memory of a device. Buffers and programs may outlive the ComputeDevice. Calls may come from any thread, one after the
 // other.
 class ComputeBuffer {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "base/module.h"
 #include "gpu/compute.h"
@@ -73,6 +74,8 @@ class ComputeModule {
   virtual ~ComputeModule() = default;
   // `device` is as namedDevice() gives it. Throws NoDevice, and std::invalid_argument where there is none of that name.
   virtual std::unique_ptr<ComputeBackend> open(const std::string& device) const = 0;
+  // What namedDevice() may name, in the order in which open() tries them.
+  virtual std::vector<std::string> devices() const = 0;
 };
 
 }  // namespace scanmill

@@ -378,6 +378,7 @@ class GlComputeModule final : public ComputeModule {
   std::unique_ptr<ComputeBackend> open(const std::string& device) const override {
     return std::make_unique<GlCompute>(device);
   }
+  std::vector<std::string> devices() const override { return eglDevices(); }
 };
 
 }  // namespace

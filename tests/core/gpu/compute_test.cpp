@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdlib>
 #include <cstring>
@@ -301,6 +302,24 @@ void invoke(uint i) {
     ASSERT_EQ(got[4 * i + 1], words[k]);
     ASSERT_EQ(got[4 * i + 2], quads[4 * k] ^ quads[4 * k + 1] ^ quads[4 * k + 2] ^ quads[4 * k + 3]);
     ASSERT_EQ(got[4 * i + 3], bits(4 * k) ^ bits(4 * k + 1) ^ bits(4 * k + 3));
+  }
+}
+
+// Each name that is told opens the device that is told, and the first usable one is that which is taken.
+TEST(Compute, FindsTheDevicesThatMayBeNamed) {
+  SKIP_WITHOUT_GL();
+  const std::vector<FoundDevice> found = findDevices();
+  const auto first = std::find_if(found.begin(), found.end(), [](const FoundDevice& d) { return d.usable; });
+  ASSERT_NE(first, found.end());
+  EXPECT_EQ(ComputeDevice(kWords).name(), first->driver);
+  for (const FoundDevice& device : found) {
+    EXPECT_FALSE(device.driver.empty());
+    if (!device.usable) continue;
+    ::setenv("SCANMILL_GL_DEVICE", device.name.c_str(), 1);
+    const ComputeDevice opened(kWords);
+    ::unsetenv("SCANMILL_GL_DEVICE");
+    EXPECT_EQ(opened.name(), device.driver);
+    EXPECT_EQ(opened.software(), device.software);
   }
 }
 

@@ -126,6 +126,15 @@ std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLCon
 
 }  // namespace
 
+std::vector<std::string> eglDevices() {
+  std::vector<std::string> found;
+  for (const Candidate& candidate : candidates()) {
+    const std::string name = candidate.software ? "software" : candidate.name;
+    if (found.empty() || found.back() != name) found.push_back(name);
+  }
+  return found;
+}
+
 EglContext::EglContext(const std::string& device) {
   std::string tried;
   for (const Candidate& candidate : chosen(device)) {

@@ -5,8 +5,12 @@
 #include <EGL/egl.h>
 
 #include <string>
+#include <vector>
 
 namespace scanmill {
+
+// The names of devices that a context may be asked of, in the order in which they are tried.
+std::vector<std::string> eglDevices();
 
 class EglContext {
  public:

@@ -14,7 +14,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kShareOfMemory = 0.25;     // that fields may take
+constexpr double kShareOfMemory = 0.125;    // that fields may take
 constexpr std::size_t kFewestFields = 4;    // two drives, one that is built, one that is given up
 constexpr std::size_t kFieldsOfThread = 2;  // that share their bricks: of two sensors of a vehicle
 
@@ -58,6 +58,10 @@ FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options)
       bounds_(scene.bounds()),
       mostFields_(mostFieldsOf(options, bounds_)),
       worlds_(scene, Instancing::Never, {}) {}
+
+std::size_t FieldStore::fewestFields() const {
+  return options_.extent == ParticleOptions::Extent::Scene ? 1 : kFewestFields;
+}
 
 FieldStore::Place FieldStore::around(const Vec3d& sensor, double range, StageClock& clock) const {
   Place place;

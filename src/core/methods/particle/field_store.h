@@ -32,9 +32,9 @@ class FieldStore {
   // "field_update" of `clock`.
   Place around(const Vec3d& sensor, double range, StageClock& clock) const;
 
-  // How many whole fields may be in memory: one for each thread, which works on a drive of its own, and two more, as
-  // far as a quarter of the memory holds them; at least 4.
-  std::size_t mostFields() const { return mostFields_; }
+  // How many fields there is to be memory for. There may be more: one for each thread, which works on a drive of its
+  // own, and two, as far as an eighth of the memory holds them.
+  std::size_t fewestFields() const;
 
  private:
   struct Known {

@@ -142,7 +142,7 @@ class ParticleMethod : public Method {
   }
 
   std::uint64_t memoryBytes() const override {
-    return static_cast<std::uint64_t>(fieldBytes()) * fields_.mostFields() +
+    return static_cast<std::uint64_t>(fieldBytes()) * fields_.fewestFields() +
            scene_.placedTriangles() * kBytesPerPlacedTriangle + scene_.triangles() * kBytesPerSceneTriangle;
   }
 
