@@ -140,6 +140,13 @@ double distanceTo(Plane p, dvec3 o, out double doubt) {
   return range;
 }
 
+// Along a side of so many texels.
+uint texelOf(float coordinate, uint side) {
+  precise float part = coordinate - floor(coordinate);
+  precise float place = part * float(side);
+  return part > 0.0 ? min(uint(place), side - 1u) : 0u;
+}
+
 // Where the line of sight meets the triangle, in its texture. False where rounding could make it another texel.
 bool texelAt(Plane p, double range, double doubt, dvec3 o, dvec3 d, uvec4 material, out uint texel) {
   int at = int(4u * (p.label.w - 1u));
@@ -172,20 +179,19 @@ bool texelAt(Plane p, double range, double doubt, dvec3 o, dvec3 d, uvec4 materi
   double blur = (doubt + size * (8.0LF * kSlack)) * 16.0LF * (largest(ab) + largest(ac) + largest(point)) /
                 sqrt(square);
   double first = 1.0LF - second - third;
-  vec2 uv;
+  uvec2 sides = uvec2(material.z & 0xFFFFu, material.z >> 16);
+  uvec2 index;
   bool sure = true;
   for (int k = 0; k < 2; ++k) {
     dvec3 v = dvec3(k == 0 ? vec3(u[0], u[1], u[2]) : uintBitsToFloat(behind.xyz));
     double value = first * v.x + second * v.y + third * v.z;
     double off = blur * (abs(v.y - v.x) + abs(v.z - v.x)) + (abs(v.x) + abs(v.y) + abs(v.z)) * (4.0LF * kSlack);
-    float rounded;
-    sure = settled(value, off, rounded) && sure;
-    uv[k] = rounded;
+    // What lies between two coordinates of a repetition that are in one texel is in it, too.
+    float low = float(value - off);
+    float high = float(value + off);
+    index[k] = texelOf(low, sides[k]);
+    sure = floor(low) == floor(high) && index[k] == texelOf(high, sides[k]) && sure;
   }
-  uvec2 sides = uvec2(material.z & 0xFFFFu, material.z >> 16);
-  precise vec2 part = uv - floor(uv);
-  precise vec2 place = part * vec2(sides);
-  uvec2 index = min(uvec2(place), sides - 1u) * uvec2(greaterThan(part, vec2(0.0)));
   texel = texelFetch(texels, int(material.y + index.y * sides.x + index.x)).x;
   return sure;
 }
