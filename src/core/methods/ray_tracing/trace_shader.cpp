@@ -87,7 +87,9 @@ uint meet(usamplerBuffer from, uint index, Line line, out uvec3 after) {
   after = uvec3(mid.x, mid.y, head.w >> 24);
   vec3 origin = uintBitsToFloat(head.xyz);
   vec3 scale = uintBitsToFloat(uvec3(head.w & 255u, head.w >> 8 & 255u, head.w >> 16 & 255u) << 23u);
-  vec3 blur = line.doubt * abs(line.inverse);
+  // What is met there may be off by as much as triangles are: see meetTriangle().
+  float away = longest(max(abs(origin - line.o), abs(planes(uvec3(255u), scale, origin) - line.o)));
+  vec3 blur = (line.doubt + kRounding * away) * abs(line.inverse);
   bvec3 negative = bvec3((line.signs & 1u) != 0u, (line.signs & 2u) != 0u, (line.signs & 4u) != 0u);
   uint hits = 0u;
   for (uint half_ = 0u; half_ < 2u; ++half_) {
@@ -112,8 +114,8 @@ uint meet(usamplerBuffer from, uint index, Line line, out uvec3 after) {
   return hits;
 }
 
-// Whether the texture lets a ray pass at barycentric coordinates, which may be off by `blur`; `sure` is false near the
-// edge of a texel.
+// Whether the texture lets a ray pass at barycentric coordinates, which may be off by `blur`; `sure` is false where it
+// lets some of the texels pass on which the ray may lie, or where these are too many.
 bool passes(uint cutout, vec2 at, vec2 blur, out bool sure) {
   uvec4 ab = texelFetch(cutouts, int(2u * cutout));
   uvec4 rest = texelFetch(cutouts, int(2u * cutout + 1u));
@@ -122,12 +124,32 @@ bool passes(uint cutout, vec2 at, vec2 blur, out bool sure) {
   vec2 c = uintBitsToFloat(rest.xy);
   vec2 uv = a * (1.0 - at.x - at.y) + b * at.x + c * at.y;
   vec2 off = abs(b - a) * blur.x + abs(c - a) * blur.y + kRounding * (abs(a) + abs(b) + abs(c) + 1.0);
-  uvec2 size = uvec2(rest.z & 0xFFFFu, rest.z >> 16);
+  ivec2 size = ivec2(rest.z & 0xFFFFu, rest.z >> 16);
   vec2 place = (uv - floor(uv)) * vec2(size);
-  sure = all(greaterThan(abs(place - round(place)), off * vec2(size)));
-  uvec2 texel = min(uvec2(place), size - 1u);
-  uint number = texel.y * size.x + texel.x;
-  return (texelFetch(holes, int(rest.w + number / 32u)).x >> (number % 32u) & 1u) != 0u;
+  vec2 around = off * vec2(size);
+  sure = all(lessThan(around, vec2(kMostTexels)));
+  if (!sure) return false;
+  ivec2 low = ivec2(floor(place - around));
+  ivec2 high = ivec2(floor(place + around));
+  bool open = false;
+  for (int y = low.y; y <= high.y; ++y) {
+    for (int x = low.x; x <= high.x; ++x) {
+      ivec2 texel = (ivec2(x, y) + int(kMostTexels) * size) % size;  // textures repeat
+      uint number = uint(texel.y * size.x + texel.x);
+      bool here = (texelFetch(holes, int(rest.w + number / 32u)).x >> (number % 32u) & 1u) != 0u;
+      if (x == low.x && y == low.y) open = here;
+      if (here != open) sure = false;
+    }
+  }
+  return open;
+}
+
+// By how much the volumes of an edge, whose ends have this sum, may differ here and in Embree. Both begin with the same
+// numbers, and lose up to six units of 2^-24 of each product; where o may be off, both ends are.
+float marginOf(vec3 edge, vec3 sum, Line line) {
+  vec3 e = abs(edge);
+  vec3 s = abs(sum) * kRounding + 2.0 * line.doubt;
+  return dot(abs(line.d), vec3(e.y * s.z + e.z * s.y, e.z * s.x + e.x * s.z, e.x * s.y + e.y * s.x));
 }
 
 // Meets a triangle by the volumes that the ray makes with its edges (T. Davidovic, T. Engelhardt, I. Georgiev, P.
@@ -147,9 +169,8 @@ void meetTriangle(uint t, Line line, uint place, mat3 toNormal) {
                               dot(cross(e2, b + c), line.d));
   float along = max(longest(a), max(longest(b), longest(c)));
   float doubt = line.doubt + kRounding * along;
-  float steepness = abs(line.d.x) + abs(line.d.y) + abs(line.d.z);
-  vec3 edges = abs(vec3(e0.x, e1.x, e2.x)) + abs(vec3(e0.y, e1.y, e2.y)) + abs(vec3(e0.z, e1.z, e2.z));
-  vec3 margin = 2.0 * doubt * steepness * edges;
+  vec3 margin = vec3(marginOf(e0, c + a, line), marginOf(e1, a + b, line), marginOf(e2, b + c, line)) +
+                kInside * abs(volumes.x + volumes.y + volumes.z);
   bool front = any(greaterThan(volumes, margin));
   bool back = any(lessThan(volumes, -margin));
   if (front && back) return;
@@ -297,9 +318,9 @@ void invoke(uint i) {
   bestPlace = 0u;
   unsure = kInfinite;
   reach = farthest;
-  Line line = lineOf(o, d, kRounding * longest(o));
-  if (meshRoot != kNoRoot) traverseMesh(meshRoot, line, 0u, mat3(1.0));
-  if (placesRoot != kNoRoot) traversePlaces(placesRoot, line);
+  // The processor rounds the ray to the same float32, and only then takes it into other frames.
+  if (meshRoot != kNoRoot) traverseMesh(meshRoot, lineOf(o, d, 0.0), 0u, mat3(1.0));
+  if (placesRoot != kNoRoot) traversePlaces(placesRoot, lineOf(o, d, kRounding * longest(o)));
   bool known = !(unsure <= reach);
   uint at = shot * shotRays + ray;
   found[at] = known ? bestTriangle : kUnsure;
@@ -337,13 +358,15 @@ void invoke(uint i) {
 
 std::string traceShader() {
   constexpr float kUnit = 0x1p-24f;  // half of the step of numbers near 1
-  const std::string constants = glslConstant("kNoRoot", kNoRoot) + glslConstant("kNothing", kNothingFound) +
-                                glslConstant("kUnsure", kUnsureHit) + glslConstant("kCoplanar", kCoplanar) +
-                                glslConstant("kReach", kReach) + glslConstant("kLeast", 1e-18f) +
-                                glslConstant("kSooner", 1 - 16 * kUnit) + glslConstant("kLater", 1 + 16 * kUnit) +
-                                glslConstant("kRounding", 16 * kUnit) + glslConstant("kTrusted", 5e-3f) +
-                                glslConstant("kInfinite", std::numeric_limits<float>::infinity()) +
-                                fmt::format("const int kDepth = {};\n", kMostWideDepth);
+  const std::string constants =
+      glslConstant("kNoRoot", kNoRoot) + glslConstant("kNothing", kNothingFound) + glslConstant("kUnsure", kUnsureHit) +
+      glslConstant("kCoplanar", kCoplanar) + glslConstant("kReach", kReach) + glslConstant("kLeast", 1e-18f) +
+      glslConstant("kSooner", 1 - 16 * kUnit) + glslConstant("kLater", 1 + 16 * kUnit) +
+      glslConstant("kRounding", 16 * kUnit) +
+      // Embree takes volumes for positive that are so little less, of their sum: 2 units.
+      glslConstant("kInside", 4 * kUnit) + glslConstant("kTrusted", 5e-3f) + glslConstant("kMostTexels", 4.0f) +
+      glslConstant("kInfinite", std::numeric_limits<float>::infinity()) +
+      fmt::format("const int kDepth = {};\n", kMostWideDepth);
   return constants + DeviceBeams::shader() + kRays +
          traversal("void traverseMesh(uint root, Line line, uint place, mat3 toNormal)", "nodes",
                    "meetTriangle(primitive, line, place, toNormal);") +
