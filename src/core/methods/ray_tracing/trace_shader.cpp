@@ -41,7 +41,8 @@ struct Line {
   vec3 o, d;
   vec3 inverse;  // of d
   uint signs;    // bit k: d is negative along axis k
-  float doubt;   // m in this frame, by how much o may be off
+  vec3 doubt;    // m in this frame, by how much o may be off
+  vec3 turned;   // by how much d may be
 };
 
 // What one invocation has found so far.
@@ -59,10 +60,10 @@ float longest(vec3 v) {
   return max(a.x, max(a.y, a.z));
 }
 
-Line lineOf(vec3 o, vec3 d, float doubt) {
+Line lineOf(vec3 o, vec3 d, vec3 doubt, vec3 turned) {
   vec3 steep = mix(d, mix(vec3(kLeast), vec3(-kLeast), lessThan(d, vec3(0.0))), lessThan(abs(d), vec3(kLeast)));
   uint signs = (steep.x < 0.0 ? 1u : 0u) | (steep.y < 0.0 ? 2u : 0u) | (steep.z < 0.0 ? 4u : 0u);
-  return Line(o, d, vec3(1.0) / steep, signs, doubt);
+  return Line(o, d, vec3(1.0) / steep, signs, doubt, turned);
 }
 
 void doubtAt(float distance) {
@@ -89,7 +90,7 @@ uint meet(usamplerBuffer from, uint index, Line line, out uvec3 after) {
   vec3 scale = uintBitsToFloat(uvec3(head.w & 255u, head.w >> 8 & 255u, head.w >> 16 & 255u) << 23u);
   // What is met there may be off by as much as triangles are: see meetTriangle().
   float away = longest(max(abs(origin - line.o), abs(planes(uvec3(255u), scale, origin) - line.o)));
-  vec3 blur = (line.doubt + kRounding * away) * abs(line.inverse);
+  vec3 blur = (line.doubt + (kRounding + 2.0 * line.turned / length(line.d)) * away) * abs(line.inverse);
   bvec3 negative = bvec3((line.signs & 1u) != 0u, (line.signs & 2u) != 0u, (line.signs & 4u) != 0u);
   uint hits = 0u;
   for (uint half_ = 0u; half_ < 2u; ++half_) {
@@ -144,12 +145,16 @@ bool passes(uint cutout, vec2 at, vec2 blur, out bool sure) {
   return open;
 }
 
+// The sizes of the products of a cross product, component by component.
+vec3 products(vec3 a, vec3 b) {
+  return abs(a.yzx * b.zxy) + abs(a.zxy * b.yzx);
+}
+
 // By how much the volumes of an edge, whose ends have this sum, may differ here and in Embree. Both begin with the same
-// numbers, and lose up to six units of 2^-24 of each product; where o may be off, both ends are.
+// triangle, and lose up to six units of 2^-24 of each product; where o may be off, both ends are.
 float marginOf(vec3 edge, vec3 sum, Line line) {
-  vec3 e = abs(edge);
-  vec3 s = abs(sum) * kRounding + 2.0 * line.doubt;
-  return dot(abs(line.d), vec3(e.y * s.z + e.z * s.y, e.z * s.x + e.x * s.z, e.x * s.y + e.y * s.x));
+  return dot(abs(line.d) * kRounding + line.turned, products(edge, sum)) +
+         dot(abs(line.d), products(edge, 2.0 * line.doubt));
 }
 
 // Meets a triangle by the volumes that the ray makes with its edges (T. Davidovic, T. Engelhardt, I. Georgiev, P.
@@ -168,7 +173,7 @@ void meetTriangle(uint t, Line line, uint place, mat3 toNormal) {
   precise vec3 volumes = vec3(dot(cross(e0, c + a), line.d), dot(cross(e1, a + b), line.d),
                               dot(cross(e2, b + c), line.d));
   float along = max(longest(a), max(longest(b), longest(c)));
-  float doubt = line.doubt + kRounding * along;
+  float doubt = longest(line.doubt) + (kRounding + 2.0 * longest(line.turned) / length(line.d)) * along;
   vec3 margin = vec3(marginOf(e0, c + a, line), marginOf(e1, a + b, line), marginOf(e2, b + c, line)) +
                 kInside * abs(volumes.x + volumes.y + volumes.z);
   bool front = any(greaterThan(volumes, margin));
@@ -260,37 +265,67 @@ std::string traversal(const std::string& head, const std::string& nodes, const s
 }
 
 constexpr const char* kEnter = R"(
-// Takes the ray into the frame of a placed mesh.
+// Rows of the cofactors of a matrix of three rows, and the sizes of the products that they are made of.
+void cofactors(vec3 row[3], out vec3 cofactor[3], out vec3 size[3]) {
+  for (int k = 0; k < 3; ++k) {
+    cofactor[k] = cross(row[(k + 1) % 3], row[(k + 2) % 3]);
+    size[k] = products(row[(k + 1) % 3], row[(k + 2) % 3]);
+  }
+}
+
+// Takes the ray into the frame of a placed mesh. Embree does so by the inverse of the matrix in float32: cofactors over
+// the determinant, which lose up to 8 units of 2^-24 of their products each; the ray's way to where the mesh stands is
+// off by as much, the products with the matrix by 12 units, here and there together.
 void enter(uint number, Line line) {
   int at = int(7u * number);
   uvec4 words = texelFetch(places, at + 6);
-  vec3 stands = uintBitsToFloat(texelFetch(places, at + 3).xyz);  // where, in the world; of what moves see below
+  bool moving = words.z != 0u;
   vec4 row[3];
   for (int k = 0; k < 3; ++k) row[k] = uintBitsToFloat(texelFetch(places, at + k));
-  if (words.z != 0u) {
-    for (int k = 0; k < 3; ++k) {
-      row[k] += (uintBitsToFloat(texelFetch(places, at + 3 + k)) - row[k]) * part;
-    }
-    vec3 cofactor[3] = vec3[](cross(row[1].xyz, row[2].xyz), cross(row[2].xyz, row[0].xyz),
-                              cross(row[0].xyz, row[1].xyz));
-    float determinant = dot(row[0].xyz, cofactor[0]);
-    vec3 translation = vec3(row[0].w, row[1].w, row[2].w);
-    stands = translation;
-    vec3 inverse[3];
-    for (int k = 0; k < 3; ++k) inverse[k] = vec3(cofactor[0][k], cofactor[1][k], cofactor[2][k]) / determinant;
-    for (int k = 0; k < 3; ++k) row[k] = vec4(inverse[k], -dot(inverse[k], translation));
+  if (moving) {
+    for (int k = 0; k < 3; ++k) row[k] += (uintBitsToFloat(texelFetch(places, at + 3 + k)) - row[k]) * part;
   }
-  mat3 rows = mat3(row[0].xyz, row[1].xyz, row[2].xyz);  // in columns
+  vec3 cofactor[3], size[3], forward[3], inverse[3];
+  vec3 stands;  // where, in the world
   vec3 translation = vec3(row[0].w, row[1].w, row[2].w);
+  vec3 linear[3] = vec3[](row[0].xyz, row[1].xyz, row[2].xyz);
+  cofactors(linear, cofactor, size);
+  vec3 other[3];
+  float determinant = dot(linear[0], cofactor[0]);
+  for (int k = 0; k < 3; ++k) other[k] = vec3(cofactor[0][k], cofactor[1][k], cofactor[2][k]) / determinant;
+  if (moving) {
+    forward = linear;
+    inverse = other;
+    stands = translation;
+    for (int k = 0; k < 3; ++k) row[k].w = -dot(inverse[k], stands);
+    translation = vec3(row[0].w, row[1].w, row[2].w);
+  } else {
+    forward = other;
+    inverse = linear;
+    stands = uintBitsToFloat(texelFetch(places, at + 3).xyz);
+    cofactors(forward, cofactor, size);
+    determinant = dot(forward[0], cofactor[0]);
+  }
+  mat3 rows = mat3(inverse[0], inverse[1], inverse[2]);  // in columns
   vec3 o = line.o * rows + translation;
   vec3 d = line.d * rows;
-  // Either side rounds before what lies far from the world's origin cancels.
-  vec3 size = (abs(line.o) + abs(stands)) * mat3(abs(rows[0]), abs(rows[1]), abs(rows[2])) + abs(translation);
-  float doubt = 2.0 * kRounding * longest(size);
+  vec3 gap = abs(line.o - stands);
+  vec3 both = abs(line.o) + abs(stands);
+  float spread = dot(abs(forward[0]), size[0]) / abs(determinant);
+  bool exact = !moving;  // but for the quotient 1 / 1: the mesh stands along the axes
+  for (int k = 0; k < 3; ++k) exact = exact && all(equal(abs(inverse[k]) * (1.0 - abs(inverse[k])), vec3(0.0)));
+  float ofMatrix = (exact ? 4.0 : moving ? 16.0 + 16.0 * spread : 8.0 + 8.0 * spread) * kUnit;
+  float ofProducts = (exact ? 0.0 : moving ? 24.0 : 12.0) * kUnit;
+  vec3 doubt, turned;
+  for (int k = 0; k < 3; ++k) {
+    vec3 most = exact ? abs(inverse[k]) : vec3(size[0][k], size[1][k], size[2][k]) / abs(determinant);
+    doubt[k] = ofMatrix * dot(most, gap) + ofProducts * dot(most, both);
+    turned[k] = (ofMatrix + 4.0 * kUnit) * dot(most, abs(line.d));
+  }
   // The inverse's transpose turns normals: its rows are the columns of `rows`.
   mat3 toNormal = mat3(rows[0].x, rows[1].x, rows[2].x, rows[0].y, rows[1].y, rows[2].y, rows[0].z, rows[1].z,
                        rows[2].z);
-  traverseMesh(words.x, lineOf(o, d, doubt), words.y + 1u, toNormal);
+  traverseMesh(words.x, lineOf(o, d, doubt, turned), words.y + 1u, toNormal);
 }
 )";
 
@@ -319,8 +354,8 @@ void invoke(uint i) {
   unsure = kInfinite;
   reach = farthest;
   // The processor rounds the ray to the same float32, and only then takes it into other frames.
-  if (meshRoot != kNoRoot) traverseMesh(meshRoot, lineOf(o, d, 0.0), 0u, mat3(1.0));
-  if (placesRoot != kNoRoot) traversePlaces(placesRoot, lineOf(o, d, kRounding * longest(o)));
+  if (meshRoot != kNoRoot) traverseMesh(meshRoot, lineOf(o, d, vec3(0.0), vec3(0.0)), 0u, mat3(1.0));
+  if (placesRoot != kNoRoot) traversePlaces(placesRoot, lineOf(o, d, vec3(kRounding * longest(o)), vec3(0.0)));
   bool known = !(unsure <= reach);
   uint at = shot * shotRays + ray;
   found[at] = known ? bestTriangle : kUnsure;
@@ -362,7 +397,7 @@ std::string traceShader() {
       glslConstant("kNoRoot", kNoRoot) + glslConstant("kNothing", kNothingFound) + glslConstant("kUnsure", kUnsureHit) +
       glslConstant("kCoplanar", kCoplanar) + glslConstant("kReach", kReach) + glslConstant("kLeast", 1e-18f) +
       glslConstant("kSooner", 1 - 16 * kUnit) + glslConstant("kLater", 1 + 16 * kUnit) +
-      glslConstant("kRounding", 16 * kUnit) +
+      glslConstant("kRounding", 16 * kUnit) + glslConstant("kUnit", kUnit) +
       // Embree takes volumes for positive that are so little less, of their sum: 2 units.
       glslConstant("kInside", 4 * kUnit) + glslConstant("kTrusted", 5e-3f) + glslConstant("kMostTexels", 4.0f) +
       glslConstant("kInfinite", std::numeric_limits<float>::infinity()) +

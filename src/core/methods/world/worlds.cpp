@@ -2,12 +2,15 @@
 
 #include <cmath>
 
+#include "base/parallel.h"
+
 namespace scanmill {
 
 namespace {
 
 constexpr double kOriginGrid = 1024;        // m
-constexpr std::size_t kWorldsInMemory = 2;  // origins that a drive across a grid line needs at once, or revolutions
+constexpr double kOriginGridOfMoving = 16;  // m
+constexpr std::size_t kWorldsInMemory = 2;  // origins that a drive across a grid line needs at once
 
 constexpr std::uint64_t kBytesPerTriangle = 150;  // measured: hierarchy, corners, records
 
@@ -37,7 +40,8 @@ std::uint64_t Worlds::memoryBytes() const {
 }
 
 std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double time, double duration) const {
-  const auto cell = [](double d) { return std::round(d / kOriginGrid) * kOriginGrid; };
+  const double grid = moves_ ? kOriginGridOfMoving : kOriginGrid;
+  const auto cell = [&](double d) { return std::round(d / grid) * grid; };
   const Vec3d offset = sensor - anchor_;
   const Vec3d origin = anchor_ + Vec3d{cell(offset.x), cell(offset.y), cell(offset.z)};
   if (!moves_) time = duration = 0;
@@ -48,7 +52,8 @@ std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double time, doub
       return worlds_.front();
     }
   }
-  if (worlds_.size() >= kWorldsInMemory) worlds_.pop_back();
+  const auto most = moves_ ? static_cast<std::size_t>(threadCount()) + 1 : kWorldsInMemory;
+  if (worlds_.size() >= most) worlds_.pop_back();
   worlds_.push_front(buildWorld(device_.get(), scene_, origin, instanced_, shared_, options_, time, duration));
   return worlds_.front();
 }
