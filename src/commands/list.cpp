@@ -125,18 +125,16 @@ Rows exampleRows(const char* folder) {
 }
 
 // Each is opened for a moment.
-Rows deviceRows() {
+void printDevices() {
   Rows rows;
+  bool any = false;
   for (const FoundDevice& device : findDevices()) {
+    any = any || device.usable;
     rows.push_back({device.name, device.usable ? device.driver + (device.software ? ", on the processor" : "")
                                                : "cannot be used: " + device.driver});
   }
-  return rows;
-}
-
-void printDevices() {
-  const Rows rows = deviceRows();
   printText("devices:\n{}", rows.empty() ? "  none\n" : formatTable(rows));
+  if (!any) return;
   printText(
       "\nThe first one that can be used computes and draws, or the one that SCANMILL_GL_DEVICE names. `backend: auto` "
       "tries {}.\n",

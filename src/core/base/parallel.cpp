@@ -7,10 +7,29 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/tsan_order.h"
 
 namespace scanmill {
+
+namespace {
+
+// This thread's loops are isolated already, together with the threads that wait for its work.
+thread_local bool withOthers = false;
+
+class WithOthers {
+ public:
+  explicit WithOthers(bool now) : before_(std::exchange(withOthers, now)) {}
+  ~WithOthers() { withOthers = before_; }
+  WithOthers(const WithOthers&) = delete;
+  WithOthers& operator=(const WithOthers&) = delete;
+
+ private:
+  bool before_;
+};
+
+}  // namespace
 
 void parallelFor(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body) {
   if (count == 0) return;
@@ -24,14 +43,25 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
   TaskOrder begun;
   TaskOrder done;
   const TaskOrder::Wait wait(begun, done);
-  // Isolated: a thread that waits here must not start unrelated outer work, which would hold its buffers meanwhile.
-  tbb::this_task_arena::isolate([&] {
+  const auto loop = [&] {
     const tbb::blocked_range<std::size_t> all(0, grains);
     tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& r) SCANMILL_UNWATCHED {
       const TaskOrder::Task turn(begun, done);
       body(r.begin() * grain, r.end() == grains ? count : r.end() * grain);
     });
-  });
+  };
+  // Isolated: a thread that waits here must not start unrelated outer work, which would hold its buffers meanwhile.
+  if (withOthers) {
+    const WithOthers no(false);  // loops within this one
+    loop();
+  } else {
+    tbb::this_task_arena::isolate(loop);
+  }
+}
+
+void withWaiters(const std::function<void()>& work) {
+  const WithOthers yes(true);
+  work();
 }
 
 void isolated(const std::function<void()>& work) {

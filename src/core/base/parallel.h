@@ -16,6 +16,10 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
 // for what it holds; in parallelFor() neither.
 void isolated(const std::function<void()>& work);
 
+// Does work within tbb::collaborative_call_once(): the threads that wait for it help with its loops of parallelFor(),
+// and with nothing else.
+void withWaiters(const std::function<void()>& work);
+
 // Limits how many threads all parallel work takes, as long as the object lives; 0 means one for each core.
 class ThreadLimit {
  public:

@@ -1,9 +1,16 @@
 #include "base/parallel.h"
 
 #include <gtest/gtest.h>
+#include <tbb/blocked_range.h>
+#include <tbb/collaborative_call_once.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
 
 #include <atomic>
+#include <chrono>
 #include <mutex>
+#include <set>
+#include <thread>
 #include <vector>
 
 #include "base/error.h"
@@ -62,6 +69,37 @@ TEST_P(ParallelFor, HandsErrorsOn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, ParallelFor, ::testing::Values(1, 2, 8));
+
+// Of two threads that want the same thing, one makes it; the other, which waits for it, takes parts of its loops. There
+// is no third thread that could.
+TEST(WithWaiters, WhoeverWaitsHelps) {
+  const ThreadLimit limit(2);
+  tbb::collaborative_once_flag once;
+  std::mutex mutex;
+  std::set<std::thread::id> helpers;
+  std::atomic<int> here{0};
+  tbb::parallel_for(
+      tbb::blocked_range<int>(0, 2, 1),
+      [&](const tbb::blocked_range<int>&) {
+        ++here;
+        const auto late = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+        while (here < 2 && std::chrono::steady_clock::now() < late) std::this_thread::yield();
+        tbb::collaborative_call_once(once, [&] {
+          withWaiters([&] {
+            for (int loop = 0; loop < 2; ++loop) {
+              parallelFor(100, 1, [&](std::size_t, std::size_t) {
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                const std::scoped_lock lock(mutex);
+                helpers.insert(std::this_thread::get_id());
+              });
+            }
+          });
+        });
+      },
+      tbb::simple_partitioner());
+  EXPECT_EQ(here, 2);
+  EXPECT_EQ(helpers.size(), 2u);
+}
 
 TEST(ThreadLimit, HoldsWhileItLives) {
   const int before = threadCount();

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <mutex>
 #include <utility>
 
@@ -65,7 +64,7 @@ class Builder {
     std::uint32_t copied;  // of one that is copied from the pool of the fields before, its place there; else kNone
   };
   std::vector<Brick> bricks_;                      // in the order of their places, which follow each other
-  std::size_t first_ = kNone;                      // place of the first of bricks_
+  std::size_t first_ = 0;                          // place of the first of bricks_
   std::vector<std::uint32_t> unmade_;              // entries of the table
   std::size_t kept_ = 0;                           // bricks of fields before
   std::vector<std::vector<std::uint32_t>> lists_;  // of new bricks, whose words count from their beginning
@@ -176,8 +175,9 @@ void Builder::append() {
   }
 }
 
-// All bricks get places in a pool of the field's own: new ones, too, that are in the pool of the field before already.
+// All bricks get places in a pool of the field's own: new ones, too, where they were appended to another one.
 void Builder::startPool() {
+  const bool wereAppended = !bricks_.empty();
   const std::size_t count = kept_ + unmade_.size();
   pool_ = std::make_shared<BrickPool>(poolBefore_ != nullptr ? std::min(withRoom(count), kMostBricks) : count);
   std::vector<Brick> placed;
@@ -187,7 +187,7 @@ void Builder::startPool() {
     std::uint32_t& entry = field_->table[i];
     if (entry < kFullBrick) continue;
     const std::uint32_t copied = entry == kUnmade ? kNone : entry - kFullBrick;
-    const bool isNew = copied >= first_;
+    const bool isNew = copied == kNone || (wereAppended && copied >= first_);
     placed.push_back({i, isNew ? made++ : kNone, copied});
     entry = kFullBrick + static_cast<std::uint32_t>(placed.size() - 1);
   }
@@ -265,7 +265,8 @@ std::shared_ptr<const DistanceField> Builder::build() {
     });
   }
   findUnmade();
-  const bool appended = poolBefore_ != nullptr && poolBefore_->room() >= unmade_.size();
+  // Of a field that is mostly elsewhere the pool before is none of its own.
+  const bool appended = poolBefore_ != nullptr && kept_ >= unmade_.size() && poolBefore_->room() >= unmade_.size();
   appended ? append() : startPool();
   makeBricks();
   if (field_->shape.lists) {

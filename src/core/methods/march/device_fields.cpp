@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <iterator>
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "methods/field/brick_pool.h"
 
 namespace scanmill {
@@ -29,7 +31,7 @@ std::vector<DeviceLevel> deviceLevels(const DistanceField& field) {
 
 }  // namespace
 
-DeviceFields::Field::Field(const ComputeDevice& device)
+DeviceFields::HeldPool::HeldPool(const ComputeDevice& device)
     : levels(device),
       table(device),
       distances{ComputeBuffer(device)},
@@ -39,7 +41,7 @@ DeviceFields::Field::Field(const ComputeDevice& device)
   for (ComputeBuffer* buffer : {&table, &distances.buffer, &words.buffer, &lists.buffer}) buffer->reserve(16);
 }
 
-std::uint64_t DeviceFields::Field::bytes() const {
+std::uint64_t DeviceFields::HeldPool::bytes() const {
   return levels.bytes() + table.bytes() + distances.buffer.bytes() + words.buffer.bytes() + lists.buffer.bytes();
 }
 
@@ -49,27 +51,37 @@ DeviceFields::DeviceFields(const ComputeDevice& device, std::uint64_t mostTableB
 // Brings the place of a pool to the front: its own, that of one that is gone, a new one, or that of the one that was
 // not used for the longest time.
 void DeviceFields::take(const std::shared_ptr<const BrickPool>& pool) {
-  auto found = std::find_if(fields_.begin(), fields_.end(), [&](const Field& f) { return f.pool.lock() == pool; });
-  if (found == fields_.end()) {
-    found = std::find_if(fields_.begin(), fields_.end(), [](const Field& f) { return f.pool.expired(); });
-    if (found == fields_.end()) {
+  auto found = std::find_if(pools_.begin(), pools_.end(), [&](const HeldPool& p) { return p.pool.lock() == pool; });
+  if (found == pools_.end()) {
+    found = std::find_if(pools_.begin(), pools_.end(), [](const HeldPool& p) { return p.pool.expired(); });
+    if (found == pools_.end()) {
       std::uint64_t bytes = 0;
-      for (const Field& field : fields_) bytes += field.bytes();
+      for (const HeldPool& held : pools_) bytes += held.bytes();
       // The new one is about as large as the others.
-      const bool fits = fields_.empty() || bytes + bytes / fields_.size() <= kMostBytes;
-      found = fits ? fields_.emplace(fields_.end(), device_) : std::prev(fields_.end());
+      const bool fits = pools_.empty() || bytes + bytes / pools_.size() <= kMostBytes;
+      found = fits ? pools_.emplace(pools_.end(), device_) : std::prev(pools_.end());
     }
     for (Array* array : {&found->distances, &found->words, &found->lists}) array->there = 0;
     found->field.reset();
     found->pool = pool;
   }
-  fields_.splice(fields_.begin(), fields_, found);
+  pools_.splice(pools_.begin(), pools_, found);
 }
 
 void DeviceFields::hold(const std::shared_ptr<const DistanceField>& field) {
   take(field->pool);
-  Field& held = fields_.front();
-  if (held.field.lock() == field) return;
+  if (pools_.front().field.lock() == field) return;
+  try {
+    upload(field);
+  } catch (const Error&) {
+    if (pools_.size() == 1) throw;
+    pools_.erase(std::next(pools_.begin()), pools_.end());
+    upload(field);
+  }
+}
+
+void DeviceFields::upload(const std::shared_ptr<const DistanceField>& field) {
+  HeldPool& held = pools_.front();
   held.field.reset();  // what is there is of no field until all is there
   const std::vector<DeviceLevel> levels = deviceLevels(*field);
   holdTable(device_, held.levels, Uint32x4, std::as_bytes(std::span(levels)), mostTableBytes_, "levels", kMend);

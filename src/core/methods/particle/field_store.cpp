@@ -3,7 +3,9 @@
 #include <tbb/collaborative_call_once.h>
 
 #include <algorithm>
+#include <exception>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "base/memory.h"
@@ -14,9 +16,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kShareOfMemory = 0.125;    // that fields may take
-constexpr std::size_t kFewestFields = 4;    // two drives, one that is built, one that is given up
-constexpr std::size_t kFieldsOfThread = 2;  // that share their bricks: of two sensors of a vehicle
+constexpr double kShareOfMemory = 0.125;   // that fields may take
+constexpr std::size_t kFewestPools = 4;    // two drives, one that is built, one that is given up
+constexpr std::size_t kFewestFields = 6;   // of these pools, which have half as much again as a field
+constexpr std::size_t kFieldsOfPool = 2;   // of two sensors of a vehicle
+constexpr double kOriginsFarApart = 1000;  // m: a larger scene may have worlds with several origins
 
 bool holds(const Box& outer, const Box& inner) {
   return inner.empty() ||
@@ -30,11 +34,12 @@ const ParticleOptions& checked(const Scene& scene, const ParticleOptions& option
   return options;
 }
 
-std::size_t mostFieldsOf(const ParticleOptions& options, const Box& scene) {
-  if (options.extent == ParticleOptions::Extent::Scene) return 1;
+// With the one that is being built.
+std::size_t mostPoolsOf(const ParticleOptions& options, const Box& scene) {
+  if (options.extent == ParticleOptions::Extent::Scene) return 3;
   const double fit = kShareOfMemory * static_cast<double>(memoryLimitBytes()) / fieldBytes(options, scene);
   const auto wanted = static_cast<double>(threadCount() + 2);
-  return std::max(static_cast<std::size_t>(std::min(fit, wanted)), kFewestFields);
+  return std::max(static_cast<std::size_t>(std::min(fit, wanted)), kFewestPools);
 }
 
 // How far apart the centres of two fields are, squared (m^2).
@@ -46,21 +51,26 @@ double apart2(const FieldShape& a, const FieldShape& b) {
 }  // namespace
 
 struct FieldStore::Work {
-  std::shared_ptr<const World> world;
-  FieldShape shape;
+  Work(std::shared_ptr<const World> of, const FieldShape& asked) : world(std::move(of)), shape(asked) {}
+
+  const std::shared_ptr<const World> world;
+  const FieldShape shape;
   tbb::collaborative_once_flag once;
   TaskOrder done;
-  std::shared_ptr<const DistanceField> field;
+  std::shared_ptr<const DistanceField> field;  // null: see failure
+  std::exception_ptr failure;
 };
 
 FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options)
     : options_(checked(scene, options)),
       bounds_(scene.bounds()),
-      mostFields_(mostFieldsOf(options, bounds_)),
+      mostPools_(mostPoolsOf(options, bounds_)),
       worlds_(scene, Instancing::Never, {}) {}
 
 std::size_t FieldStore::fewestFields() const {
-  return options_.extent == ParticleOptions::Extent::Scene ? 1 : kFewestFields;
+  if (options_.extent == ParticleOptions::Extent::Sensor) return kFewestFields;
+  const Vec3d size = bounds_.empty() ? Vec3d{} : bounds_.high - bounds_.low;
+  return std::max({size.x, size.y, size.z}) > kOriginsFarApart ? 2 : 1;
 }
 
 FieldStore::Place FieldStore::around(const Vec3d& sensor, double range, StageClock& clock) const {
@@ -80,21 +90,17 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
                                                          const FieldShape& shape, StageClock& clock) const {
   for (;;) {
     std::shared_ptr<Work> work;
-    bool own = false;
     {
       const std::scoped_lock lock(mutex_);
       if (auto field = known(world, shape)) return field;
-      own = work_ == nullptr;
-      if (own) {
-        work_ = std::make_shared<Work>();
-        work_->world = world;
-        work_->shape = shape;
-      }
+      if (work_ == nullptr) work_ = std::make_shared<Work>(world, shape);
       work = work_;
     }
     tbb::collaborative_call_once(work->once, [&]() SCANMILL_UNWATCHED { build(*work, clock); });
     work->done.take();
-    if (own) return work->field;
+    if (work->world != world || !(work->shape == shape)) continue;  // it was another thread's
+    if (work->failure) std::rethrow_exception(work->failure);
+    return work->field;
   }
 }
 
@@ -102,7 +108,7 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
 std::shared_ptr<const DistanceField> FieldStore::known(const std::shared_ptr<const World>& world,
                                                        const FieldShape& shape) const {
   const auto found = std::find_if(fields_.begin(), fields_.end(), [&](const Known& known) {
-    return known.world == world && known.field->shape == shape;
+    return known.world.lock() == world && known.field->shape == shape;
   });
   if (found == fields_.end()) return nullptr;
   fields_.splice(fields_.begin(), fields_, found);
@@ -111,43 +117,37 @@ std::shared_ptr<const DistanceField> FieldStore::known(const std::shared_ptr<con
 
 void FieldStore::build(Work& work, StageClock& clock) const {
   const TaskOrder::Task task(work.done, work.done);
-  std::vector<std::shared_ptr<const DistanceField>> before;
-  {
-    const std::scoped_lock lock(mutex_);
-    for (const Known& known : fields_) {
-      if (known.world == work.world) before.push_back(known.field);
-    }
-  }
-  // Threads work on drives that are far from each other: the nearest field is of the same one.
-  std::ranges::stable_sort(before, {}, [&](const auto& field) { return apart2(field->shape, work.shape); });
-  const auto end = [&] {
-    if (work_.get() == &work) work_ = nullptr;
-  };
   try {
+    std::vector<std::shared_ptr<const DistanceField>> before;
+    {
+      const std::scoped_lock lock(mutex_);
+      for (const Known& known : fields_) {
+        if (known.world.lock() == work.world) before.push_back(known.field);
+      }
+    }
+    // Threads work on drives that are far from each other: the nearest field is of the same one.
+    std::ranges::stable_sort(before, {}, [&](const auto& field) { return apart2(field->shape, work.shape); });
     const WallTimer timer;
-    work.field = buildField(*work.world, work.shape, before);
+    withWaiters([&] { work.field = buildField(*work.world, work.shape, before); });
     clock.add(before.empty() ? "field_build" : "field_update", timer.seconds());
   } catch (...) {
-    const std::scoped_lock lock(mutex_);
-    end();
-    throw;
+    work.failure = std::current_exception();
   }
   const std::scoped_lock lock(mutex_);
-  end();
-  fields_.push_front({work.world, work.field});
-  forget();
+  work_ = nullptr;
+  if (!work.failure) keep(work);
 }
 
-// Called with mutex_ locked: lets go of those that were not used for the longest time.
-void FieldStore::forget() const {
+// Called with mutex_ locked. Lets go of what was not used for the longest time.
+void FieldStore::keep(const Work& work) const {
+  std::erase_if(fields_, [](const Known& known) { return known.world.expired(); });
+  fields_.push_front({work.world, work.field});
   const auto pools = [&] {
     std::set<const BrickPool*> all;
     for (const Known& known : fields_) all.insert(known.field->pool.get());
     return all.size();
   };
-  while (fields_.size() > 1 && (fields_.size() > kFieldsOfThread * mostFields_ || pools() + 1 > mostFields_)) {
-    fields_.pop_back();
-  }
+  while (fields_.size() > kFieldsOfPool * mostPools_ || pools() + 1 > mostPools_) fields_.pop_back();
 }
 
 }  // namespace scanmill

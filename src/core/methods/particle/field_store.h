@@ -32,31 +32,30 @@ class FieldStore {
   // "field_update" of `clock`.
   Place around(const Vec3d& sensor, double range, StageClock& clock) const;
 
-  // How many fields there is to be memory for. There may be more: one for each thread, which works on a drive of its
-  // own, and two, as far as an eighth of the memory holds them.
+  // So many fields are in memory at least where the sensors drive, with the room that moving needs. There are more, one
+  // for each thread, which works on a drive of its own, as far as an eighth of the memory holds them.
   std::size_t fewestFields() const;
 
  private:
   struct Known {
-    std::shared_ptr<const World> world;
+    std::weak_ptr<const World> world;
     std::shared_ptr<const DistanceField> field;
   };
-
   struct Work;  // a field that is being built
 
   std::shared_ptr<const DistanceField> fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape,
                                                StageClock& clock) const;
   std::shared_ptr<const DistanceField> known(const std::shared_ptr<const World>& world, const FieldShape& shape) const;
   void build(Work& work, StageClock& clock) const;
-  void forget() const;
+  void keep(const Work& work) const;
 
   ParticleOptions options_;
   Box bounds_;  // m, world
-  std::size_t mostFields_;
+  std::size_t mostPools_;
   Worlds worlds_;
   mutable std::mutex mutex_;
-  mutable std::list<Known> fields_;  // the last one first
-  mutable std::shared_ptr<Work> work_;
+  mutable std::list<Known> fields_;     // the last used one first
+  mutable std::shared_ptr<Work> work_;  // one at a time: the next one is built out of it
 };
 
 }  // namespace scanmill

@@ -120,16 +120,19 @@ void appendBlock(RTCDeviceTy* device, const TriangleBlock& block, Holes& holes, 
 
 PrimitiveBox placedBox(const PlacedBlock& placed, const Box& mesh) {
   Box box;
+  double largest = 1;                     // m, of what is rounded: the shader's rays on their way into the mesh's frame
   for (const double part : {0.0, 1.0}) {  // between them corners move along straight lines
     const Affine place = placed.at(part);
+    const double corners = std::max(length(mesh.low), length(mesh.high));
+    const double scale = length(place.linear.x) + length(place.linear.y) + length(place.linear.z);
+    largest = std::max(largest, length(place.translation) + corners * scale);
     for (int corner = 0; corner < 8; ++corner) {
       box.add(place * Vec3d{corner & 1 ? mesh.high.x : mesh.low.x, corner & 2 ? mesh.high.y : mesh.low.y,
                             corner & 4 ? mesh.high.z : mesh.low.z});
     }
   }
-  // The shader's rays are rounded on their way into the mesh's frame.
   constexpr double kRounding = 4e-6;
-  const double slack = kRounding * std::max({length(box.low), length(box.high), 1.0});
+  const double slack = kRounding * std::max({length(box.low), length(box.high), largest});
   return {Vec3f(box.low - Vec3d{slack, slack, slack}), Vec3f(box.high + Vec3d{slack, slack, slack})};
 }
 

@@ -28,8 +28,7 @@ constexpr std::uint64_t kFoundBytes = 8;  // of a ray
 // As the shaders declare them, by the rules of std140.
 struct TraceBlock {
   std::uint32_t columns, sliceRings, shotRays, shotPoses, rays, meshRoot, placesRoot, withOrigins, moves;
-  float farthest, coplanar;
-  std::uint32_t unused;
+  float farthest, coplanar, splitDoubt;
 };
 static_assert(sizeof(TraceBlock) == 48);
 struct ResolveBlock {
@@ -86,6 +85,7 @@ class GlTracer::Inside {
   // Dispatches whose hits the device makes, or the processor copies. While so many are, shots queue up, and then go
   // together.
   static constexpr std::size_t kInFlight = 3;
+  static constexpr float kSplitDoubt = 0x1p-22f;                                 // Embree rounds the corners of parts
   static constexpr std::uint64_t kMostBytesTogether = std::uint64_t{256} << 20;  // of hits
 
   // Shots of one dispatch.
@@ -213,6 +213,7 @@ class GlTracer::Inside {
     block.moves = slice.world->duration > 0 ? 1 : 0;
     block.farthest = slice.farthest;
     block.coplanar = coplanar;
+    block.splitDoubt = slice.world->splits ? kSplitDoubt : 0;
     const std::uint64_t tiles = std::uint64_t{(beams.columns + kTileColumns - 1) / kTileColumns} *
                                 ((slice.rings + kTileRings - 1) / kTileRings);
     tracer_.run(shots * tiles * kTileColumns * kTileRings,

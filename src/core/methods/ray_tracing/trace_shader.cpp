@@ -27,6 +27,7 @@ layout(std140, binding = 0) uniform TraceParameters {
   uint moves;         // 1: something moves during the revolution
   float farthest;     // m, how far rays go
   float coplanar;     // m, within which surfaces tie beside their share of the distance
+  float splitDoubt;   // share of the origin's distance by which boxes around parts of triangles may be off
 };
 layout(std430, binding = 5) writeonly restrict buffer Found { uint found[]; };
 layout(binding = 0) uniform usamplerBuffer nodes;
@@ -43,6 +44,7 @@ struct Line {
   uint signs;    // bit k: d is negative along axis k
   vec3 doubt;    // m in this frame, by how much o may be off
   vec3 turned;   // by how much d may be
+  float corners; // share by which what leads from o to a corner may be off
 };
 
 // What one invocation has found so far.
@@ -60,10 +62,10 @@ float longest(vec3 v) {
   return max(a.x, max(a.y, a.z));
 }
 
-Line lineOf(vec3 o, vec3 d, vec3 doubt, vec3 turned) {
+Line lineOf(vec3 o, vec3 d, vec3 doubt, vec3 turned, float corners) {
   vec3 steep = mix(d, mix(vec3(kLeast), vec3(-kLeast), lessThan(d, vec3(0.0))), lessThan(abs(d), vec3(kLeast)));
   uint signs = (steep.x < 0.0 ? 1u : 0u) | (steep.y < 0.0 ? 2u : 0u) | (steep.z < 0.0 ? 4u : 0u);
-  return Line(o, d, vec3(1.0) / steep, signs, doubt, turned);
+  return Line(o, d, vec3(1.0) / steep, signs, doubt, turned, corners);
 }
 
 void doubtAt(float distance) {
@@ -150,11 +152,12 @@ vec3 products(vec3 a, vec3 b) {
   return abs(a.yzx * b.zxy) + abs(a.zxy * b.yzx);
 }
 
-// By how much the volumes of an edge, whose ends have this sum, may differ here and in Embree. Both begin with the same
-// triangle, and lose up to six units of 2^-24 of each product; where o may be off, both ends are.
-float marginOf(vec3 edge, vec3 sum, Line line) {
-  return dot(abs(line.d) * kRounding + line.turned, products(edge, sum)) +
-         dot(abs(line.d), products(edge, 2.0 * line.doubt));
+// By how much the volume of the edge from q to p may differ here and in Embree. Both begin with the same triangle, and
+// lose up to seven units of 2^-24 of each product; where o may be off, both ends are.
+float marginOf(vec3 p, vec3 q, Line line) {
+  vec3 edge = p - q;
+  return dot(abs(line.d) * kRounding + line.turned, products(edge, p + q)) +
+         dot(abs(line.d), products(edge, 2.0 * line.doubt + line.corners * (abs(p) + abs(q))));
 }
 
 // Meets a triangle by the volumes that the ray makes with its edges (T. Davidovic, T. Engelhardt, I. Georgiev, P.
@@ -174,7 +177,7 @@ void meetTriangle(uint t, Line line, uint place, mat3 toNormal) {
                               dot(cross(e2, b + c), line.d));
   float along = max(longest(a), max(longest(b), longest(c)));
   float doubt = longest(line.doubt) + (kRounding + 2.0 * longest(line.turned) / length(line.d)) * along;
-  vec3 margin = vec3(marginOf(e0, c + a, line), marginOf(e1, a + b, line), marginOf(e2, b + c, line)) +
+  vec3 margin = vec3(marginOf(c, a, line), marginOf(a, b, line), marginOf(b, c, line)) +
                 kInside * abs(volumes.x + volumes.y + volumes.z);
   bool front = any(greaterThan(volumes, margin));
   bool back = any(lessThan(volumes, -margin));
@@ -189,7 +192,8 @@ void meetTriangle(uint t, Line line, uint place, mat3 toNormal) {
   float farther = max(corners.x, max(corners.y, corners.z)) + slack;
   if (farther < 0.0 || nearest > reach) return;
   float distance = dot(a, normal) / facing;
-  float off = doubt * length(normal) / abs(facing);
+  float edge = sqrt(max(dot(e0, e0), max(dot(e1, e1), dot(e2, e2))));
+  float off = (doubt * length(normal) + kRounding * length(products(e0, e1)) * edge) / abs(facing);
   if (!met || !(off < kInfinite)) {
     // The ray meets the plane where it passes the edge, if it meets the triangle at all.
     bool plane = distance >= nearest && distance <= farther && off < farther - nearest;
@@ -205,7 +209,7 @@ void meetTriangle(uint t, Line line, uint place, mat3 toNormal) {
   if (wordsB.w != 0u) {
     bool sure;
     float sum = volumes.x + volumes.y + volumes.z;
-    bool open = passes(wordsB.w - 1u, volumes.xy / sum, (margin.xy + margin.z) / abs(sum), sure);
+    bool open = passes(wordsB.w - 1u, volumes.xy / sum, vec2(margin.x + margin.y + margin.z) / abs(sum), sure);
     if (!sure) {
       doubtAt(distance - off);
       return;
@@ -216,7 +220,7 @@ void meetTriangle(uint t, Line line, uint place, mat3 toNormal) {
   float cosine = abs(dot(turned, worldDirection)) / length(turned);
   if (off > kTrusted * (1.0 + distance) || distance + off > farthest) doubtAt(distance - off);
   float gap = abs(distance - best);
-  if (gap <= off + bestOff || gap * max(cosine, bestCosine) <= 2.0 * (kCoplanar * distance + coplanar)) {
+  if (gap <= off + bestOff + 2.0 * (kCoplanar * distance + coplanar) / max(cosine, bestCosine)) {
     doubtAt(min(distance - off, best - bestOff));
   }
   if (!(distance < best)) return;
@@ -274,58 +278,68 @@ void cofactors(vec3 row[3], out vec3 cofactor[3], out vec3 size[3]) {
 }
 
 // Takes the ray into the frame of a placed mesh. Embree does so by the inverse of the matrix in float32: cofactors over
-// the determinant, which lose up to 8 units of 2^-24 of their products each; the ray's way to where the mesh stands is
-// off by as much, the products with the matrix by 12 units, here and there together.
+// the determinant, which lose up to 8 units of 2^-24 of their products each, and so does the ray's way to where the mesh
+// stands; then products with the matrix, which lose 9, and boxes, which lose 4 (they are not made robust where meshes
+// are placed). Of what moves Embree mixes two matrices first, and here the inverse is in float32, too.
 void enter(uint number, Line line) {
   int at = int(7u * number);
   uvec4 words = texelFetch(places, at + 6);
   bool moving = words.z != 0u;
-  vec4 row[3];
-  for (int k = 0; k < 3; ++k) row[k] = uintBitsToFloat(texelFetch(places, at + k));
-  if (moving) {
-    for (int k = 0; k < 3; ++k) row[k] += (uintBitsToFloat(texelFetch(places, at + 3 + k)) - row[k]) * part;
+  vec4 row[3], most[3];  // of the matrix, or of its inverse where it stands still; and its largest elements on the way
+  for (int k = 0; k < 3; ++k) {
+    row[k] = uintBitsToFloat(texelFetch(places, at + k));
+    most[k] = abs(row[k]);
+    if (moving) {
+      vec4 last = uintBitsToFloat(texelFetch(places, at + 3 + k));
+      most[k] = max(most[k], abs(last));
+      row[k] += (last - row[k]) * part;
+    }
   }
-  vec3 cofactor[3], size[3], forward[3], inverse[3];
-  vec3 stands;  // where, in the world
-  vec3 translation = vec3(row[0].w, row[1].w, row[2].w);
+  vec3 cofactor[3], size[3], other[3];
   vec3 linear[3] = vec3[](row[0].xyz, row[1].xyz, row[2].xyz);
   cofactors(linear, cofactor, size);
-  vec3 other[3];
   float determinant = dot(linear[0], cofactor[0]);
   for (int k = 0; k < 3; ++k) other[k] = vec3(cofactor[0][k], cofactor[1][k], cofactor[2][k]) / determinant;
+  vec3 translation = vec3(row[0].w, row[1].w, row[2].w);
+  vec3 inverse[3] = linear;
+  vec3 stands, far;  // where, in the world, and how far at most
+  vec3 sizes[3];     // of the matrix's elements
   if (moving) {
-    forward = linear;
     inverse = other;
     stands = translation;
-    for (int k = 0; k < 3; ++k) row[k].w = -dot(inverse[k], stands);
-    translation = vec3(row[0].w, row[1].w, row[2].w);
+    far = vec3(most[0].w, most[1].w, most[2].w);
+    translation = vec3(-dot(inverse[0], stands), -dot(inverse[1], stands), -dot(inverse[2], stands));
+    sizes = vec3[](most[0].xyz, most[1].xyz, most[2].xyz);
   } else {
-    forward = other;
-    inverse = linear;
     stands = uintBitsToFloat(texelFetch(places, at + 3).xyz);
-    cofactors(forward, cofactor, size);
-    determinant = dot(forward[0], cofactor[0]);
+    far = abs(stands);
+    determinant = 1.0 / determinant;
+    for (int k = 0; k < 3; ++k) sizes[k] = abs(other[k]);
+  }
+  cofactors(sizes, cofactor, size);
+  float spread = dot(sizes[0], size[0]) / abs(determinant);
+  if (!(spread < kMostSpread)) {  // nearly flat
+    doubtAt(0.0);
+    return;
   }
   mat3 rows = mat3(inverse[0], inverse[1], inverse[2]);  // in columns
   vec3 o = line.o * rows + translation;
   vec3 d = line.d * rows;
-  vec3 gap = abs(line.o - stands);
-  vec3 both = abs(line.o) + abs(stands);
-  float spread = dot(abs(forward[0]), size[0]) / abs(determinant);
   bool exact = !moving;  // but for the quotient 1 / 1: the mesh stands along the axes
   for (int k = 0; k < 3; ++k) exact = exact && all(equal(abs(inverse[k]) * (1.0 - abs(inverse[k])), vec3(0.0)));
-  float ofMatrix = (exact ? 4.0 : moving ? 16.0 + 16.0 * spread : 8.0 + 8.0 * spread) * kUnit;
-  float ofProducts = (exact ? 0.0 : moving ? 24.0 : 12.0) * kUnit;
+  float ofMatrix = (exact ? 4.0 : moving ? 32.0 + 40.0 * spread : 8.0 + 8.0 * spread) * kUnit;
+  float ofProducts = (exact ? 4.0 : moving ? 32.0 : 16.0) * kUnit;
   vec3 doubt, turned;
   for (int k = 0; k < 3; ++k) {
-    vec3 most = exact ? abs(inverse[k]) : vec3(size[0][k], size[1][k], size[2][k]) / abs(determinant);
-    doubt[k] = ofMatrix * dot(most, gap) + ofProducts * dot(most, both);
-    turned[k] = (ofMatrix + 4.0 * kUnit) * dot(most, abs(line.d));
+    vec3 whole = exact ? abs(inverse[k]) : vec3(size[0][k], size[1][k], size[2][k]) / abs(determinant);
+    doubt[k] = ofMatrix * dot(whole, abs(line.o - stands)) + ofProducts * dot(whole, abs(line.o) + far) +
+               splitDoubt * longest(o);
+    turned[k] = (ofMatrix + 4.0 * kUnit) * dot(whole, abs(line.d));
   }
   // The inverse's transpose turns normals: its rows are the columns of `rows`.
   mat3 toNormal = mat3(rows[0].x, rows[1].x, rows[2].x, rows[0].y, rows[1].y, rows[2].y, rows[0].z, rows[1].z,
                        rows[2].z);
-  traverseMesh(words.x, lineOf(o, d, doubt, turned), words.y + 1u, toNormal);
+  traverseMesh(words.x, lineOf(o, d, doubt, turned, 4.0 * kUnit), words.y + 1u, toNormal);
 }
 )";
 
@@ -343,7 +357,7 @@ void invoke(uint i) {
   dvec3 exactOrigin, exactDirection;
   rayOf(ray, column, shot * shotPoses, withOrigins != 0u, exactOrigin, exactDirection);
   vec3 o = vec3(exactOrigin);
-  vec3 d = vec3(exactDirection);
+  vec3 d = vec3(mix(exactDirection, dvec3(0.0LF), lessThan(abs(exactDirection), dvec3(1e-12LF))));  // see packet.cpp
   worldDirection = d;
   part = moves != 0u ? parts[ray] : 0.0;
   best = kInfinite;
@@ -354,8 +368,8 @@ void invoke(uint i) {
   unsure = kInfinite;
   reach = farthest;
   // The processor rounds the ray to the same float32, and only then takes it into other frames.
-  if (meshRoot != kNoRoot) traverseMesh(meshRoot, lineOf(o, d, vec3(0.0), vec3(0.0)), 0u, mat3(1.0));
-  if (placesRoot != kNoRoot) traversePlaces(placesRoot, lineOf(o, d, vec3(kRounding * longest(o)), vec3(0.0)));
+  if (meshRoot != kNoRoot) traverseMesh(meshRoot, lineOf(o, d, vec3(splitDoubt * longest(o)), vec3(0.0), 0.0), 0u, mat3(1.0));
+  if (placesRoot != kNoRoot) traversePlaces(placesRoot, lineOf(o, d, vec3(kRounding * longest(o)), vec3(0.0), 0.0));
   bool known = !(unsure <= reach);
   uint at = shot * shotRays + ray;
   found[at] = known ? bestTriangle : kUnsure;
@@ -397,7 +411,7 @@ std::string traceShader() {
       glslConstant("kNoRoot", kNoRoot) + glslConstant("kNothing", kNothingFound) + glslConstant("kUnsure", kUnsureHit) +
       glslConstant("kCoplanar", kCoplanar) + glslConstant("kReach", kReach) + glslConstant("kLeast", 1e-18f) +
       glslConstant("kSooner", 1 - 16 * kUnit) + glslConstant("kLater", 1 + 16 * kUnit) +
-      glslConstant("kRounding", 16 * kUnit) + glslConstant("kUnit", kUnit) +
+      glslConstant("kRounding", 16 * kUnit) + glslConstant("kUnit", kUnit) + glslConstant("kMostSpread", 1e4f) +
       // Embree takes volumes for positive that are so little less, of their sum: 2 units.
       glslConstant("kInside", 4 * kUnit) + glslConstant("kTrusted", 5e-3f) + glslConstant("kMostTexels", 4.0f) +
       glslConstant("kInfinite", std::numeric_limits<float>::infinity()) +

@@ -232,11 +232,15 @@ DeviceHandle makeDevice() {
   return device;
 }
 
+bool worldsMove(const Scene& scene, Instancing instancing) {
+  return scene.whole != nullptr && instancing != Instancing::Never ? scene.whole->moves : scene.moves();
+}
+
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing) {
   const WholeScene* const whole = scene.whole.get();
   const std::vector<std::uint64_t> copies = whole != nullptr ? whole->copies : scene.copies();
   const bool large = (whole != nullptr ? whole->placedTriangles : scene.placedTriangles()) > kFlattenedTriangles;
-  const bool moves = whole != nullptr ? whole->moves : scene.moves();
+  const bool moves = worldsMove(scene, instancing);
   std::vector<bool> instanced(scene.meshes.size());
   for (std::size_t m = 0; m < instanced.size(); ++m) {
     instanced[m] =
@@ -272,6 +276,7 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
   world->time = time;
   world->duration = duration;
   world->shared = &shared;
+  world->splits = options.quality == HierarchyQuality::High;
   bake(*world, instanced);
   world->embree = newScene(device, options);
   attachBlock(device, world->embree.get(), world->baked, options);

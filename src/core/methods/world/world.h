@@ -93,6 +93,10 @@ struct SharedMeshes {
   std::vector<SceneHandle> scenes;
 };
 
+// Whether worlds of the scene move. Parts of a scene (Scene::whole) are made as the whole is, unless nothing of the
+// whole may be instanced.
+bool worldsMove(const Scene& scene, Instancing instancing);
+
 // Which meshes are instanced. With Instancing::Auto: those placed more than once in a scene too large to be flattened.
 // All of a scene in which something moves, so that no hierarchy of triangles is built anew for a revolution.
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing);
@@ -109,6 +113,7 @@ struct World {
   const SharedMeshes* shared = nullptr;  // of which blocks are placed; it outlives the world
   SceneHandle embree;
   bool alpha = false;
+  bool splits = false;                              // hierarchies hold parts of triangles
   double time = 0;                                  // s, when the revolution starts, of a scene that moves
   double duration = 0;                              // s
   static constexpr std::uint32_t kFirstPlaced = 2;  // 0 and 1 are the baked geometries

@@ -9,7 +9,6 @@ namespace scanmill {
 namespace {
 
 constexpr double kOriginGrid = 1024;        // m
-constexpr double kOriginGridOfMoving = 16;  // m
 constexpr std::size_t kWorldsInMemory = 2;  // origins that a drive across a grid line needs at once
 
 constexpr std::uint64_t kBytesPerTriangle = 150;  // measured: hierarchy, corners, records
@@ -21,7 +20,7 @@ Worlds::Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions
       options_(options),
       anchor_(scene.bounds().empty() ? Vec3d{} : scene.bounds().center()),
       device_(makeDevice()),
-      moves_(scene.whole != nullptr ? scene.whole->moves : scene.moves()),
+      moves_(worldsMove(scene, instancing)),
       instanced_(instancedMeshes(scene, instancing)),
       shared_(buildSharedMeshes(device_.get(), scene, instanced_, options)) {}
 
@@ -40,8 +39,7 @@ std::uint64_t Worlds::memoryBytes() const {
 }
 
 std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double time, double duration) const {
-  const double grid = moves_ ? kOriginGridOfMoving : kOriginGrid;
-  const auto cell = [&](double d) { return std::round(d / grid) * grid; };
+  const auto cell = [](double d) { return std::round(d / kOriginGrid) * kOriginGrid; };
   const Vec3d offset = sensor - anchor_;
   const Vec3d origin = anchor_ + Vec3d{cell(offset.x), cell(offset.y), cell(offset.z)};
   if (!moves_) time = duration = 0;

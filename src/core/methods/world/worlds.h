@@ -12,10 +12,9 @@
 
 namespace scanmill {
 
-// Origins lie on a grid anchored at the scene's centre, so that they depend on the shot alone and move with the scene.
-// Its step is 1024 m. Where something moves each revolution has a world of its own, in which little but places of
-// shared meshes is built: then it is 16 m, so that places are rounded to float32 near the sensor, and as many worlds
-// are kept as threads work on revolutions, and one.
+// Origins lie on a grid of 1024 m anchored at the scene's centre, so that they depend on the shot alone and move with
+// the scene. Where something moves each revolution has a world of its own, in which little but places of shared meshes
+// is built; as many are kept as threads work on revolutions, and one.
 class Worlds {
  public:
   // The scene must outlive it.

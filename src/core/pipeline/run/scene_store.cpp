@@ -12,6 +12,7 @@
 
 #include "base/append_new.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "base/tsan_order.h"
 #include "pipeline/plan/heading_warnings.h"
 #include "pipeline/plan/scene_shares.h"
@@ -107,7 +108,7 @@ void SceneStore::leave(std::size_t sequence) {
 
 std::shared_ptr<const ReadyScene> SceneStore::enter(std::size_t sequence) {
   const std::shared_ptr<Slot> slot = slotOf(sceneOf_[sequence]);
-  tbb::collaborative_call_once(slot->once, [&]() SCANMILL_UNWATCHED { load(sequence, *slot); });
+  tbb::collaborative_call_once(slot->once, [&]() SCANMILL_UNWATCHED { withWaiters([&] { load(sequence, *slot); }); });
   slot->loaded.take();
   if (slot->failure) std::rethrow_exception(slot->failure);
   lookAtWay(sequence, slot->ready);
