@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "base/error.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
@@ -135,11 +136,22 @@ void printDevices() {
   }
   printText("devices:\n{}", rows.empty() ? "  none\n" : formatTable(rows));
   if (!any) return;
-  printText(
-      "\nThe first one that can be used computes and draws, or the one that SCANMILL_GL_DEVICE names. `backend: auto` "
-      "tries {}.\n",
-      mayHaveCard() ? "it, and goes on with it where it takes the first scan faster than the processor"
-                    : "none: the kernel knows of no graphics card, and software runs on the processor");
+  constexpr const char* kAuto =
+      "`backend: auto` tries it, and goes on with it where it takes the first scan faster than the processor";
+  const std::string named = namedDevice();
+  if (!named.empty()) {
+    try {
+      const ComputeDevice device({"no device is taken", "without the variable the first one is"});
+      printText("\nSCANMILL_GL_DEVICE names '{}', {}: {}.\n", named, device.name(), kAuto);
+    } catch (const Error& error) {
+      printText("\n{}\n", error.what());
+    }
+    return;
+  }
+  printText("\nThe first one that can be used computes and draws, or the one that SCANMILL_GL_DEVICE names. {}.\n",
+            mayHaveCard() ? kAuto
+                          : "`backend: auto` tries none: the kernel knows of no graphics card, and software runs on "
+                            "the processor");
 }
 
 }  // namespace

@@ -218,8 +218,9 @@ void DatasetFolder::begin(FolderUse use) {
   if ((shared_ || use == FolderUse::Resume) && fs::exists(planFile)) {
     if (readFile(planFile) == toJson(plan_)) return;
     throw InputError({folder_.string()},
-                     "holds an unfinished dataset of another pipeline, other files that it names, or another version "
-                     "of this program: begin anew, in another folder or with --overwrite");
+                     "holds an unfinished dataset of another pipeline (other `--set` make it another one), other files "
+                     "that it names, or another version of this program: begin anew, in another folder or with "
+                     "--overwrite");
   }
   // Of a run that was killed while it replaced a dataset. One that is whole stays until the new one is.
   if (!fs::exists(folder_ / kManifestName)) {

@@ -183,9 +183,10 @@ class DatasetRun {
   GenerateSummary endedByOthers() {
     std::optional<Manifest> made = wholeDatasetOf(planned_, options_.folder);
     if (!made) {
-      throw InputError({options_.folder.string()},
-                       "holds a whole dataset of another pipeline, other files that it names, or another version of "
-                       "this program: choose another output folder with -o");
+      throw InputError(
+          {options_.folder.string()},
+          "holds a whole dataset of another pipeline (other `--set` make it another one), other files that "
+          "it names, or another version of this program: choose another output folder with -o");
     }
     summary_.manifest = std::move(*made);
     summary_.whole = true;
