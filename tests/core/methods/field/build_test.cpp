@@ -6,59 +6,16 @@
 #include <bit>
 #include <cmath>
 #include <functional>
-#include <thread>
 
 #include "base/parallel.h"
 #include "base/random.h"
 #include "methods/particle/shape.h"
+#include "tests/core/methods/field/triangle_soup.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {
 namespace {
-
-// Triangles as they are, with nothing cleaned: each third of them is of an instance of its own, whose ids fall as the
-// triangles' indices rise.
-Scene sceneOf(const std::vector<std::array<Vec3f, 3>>& triangles, const Vec3d& place = {}) {
-  Scene scene;
-  scene.materials.resize(1);
-  Mesh mesh;
-  for (std::uint32_t object = 1; object <= 3; ++object) mesh.surfaces.push_back({0, 1, 4 - object, "", "", {}});
-  mesh.objects = 3;
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    for (const Vec3f& corner : triangles[t]) mesh.positions.push_back(corner);
-    mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
-    mesh.surfaceOf.push_back(static_cast<std::uint16_t>(3 * t / triangles.size()));
-  }
-  scene.meshes.push_back(std::move(mesh));
-  scene.instances.push_back({0, at(place.x, place.y, place.z), 1, "soup"});
-  return scene;
-}
-
-std::unique_ptr<World> worldOf(const Scene& scene, const Vec3d& origin = {},
-                               HierarchyQuality quality = HierarchyQuality::Medium) {
-  const DeviceHandle device = makeDevice();
-  HierarchyOptions options;
-  options.quality = quality;
-  return buildWorld(device.get(), scene, origin, std::vector<bool>(scene.meshes.size(), false), {}, options);
-}
-
-Vec3d randomPoint(std::uint32_t i, std::uint32_t j) {
-  const RandomBlock r = randomBlock({.seed = 9, .frame = j, .beam = i});
-  return {2 * uniform(r[0]) - 1, 2 * uniform(r[1]) - 1, 2 * uniform(r[2]) - 1};
-}
-
-// Of sizes from `least` to `most`, spread over a cube of +-`spread`.
-std::vector<std::array<Vec3f, 3>> soup(std::uint32_t count, double spread, double least, double most) {
-  std::vector<std::array<Vec3f, 3>> triangles;
-  for (std::uint32_t t = 0; t < count; ++t) {
-    const Vec3d middle = randomPoint(t, 0) * spread;
-    const double size = least * std::pow(most / least, (randomPoint(t, 1).x + 1) / 2);
-    const auto corner = [&](std::uint32_t j) { return Vec3f(middle + randomPoint(t, j) * size); };
-    triangles.push_back({corner(2), corner(3), corner(4)});
-  }
-  return triangles;
-}
 
 double toSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   const double length2 = dot(b - a, b - a);
@@ -132,14 +89,6 @@ void eachBrick(const DistanceField& field,
   }
 }
 
-std::vector<std::uint32_t> listAt(const DistanceField& field, std::uint32_t word) {
-  std::vector<std::uint32_t> list;
-  do {
-    list.push_back(field.lists[word] & ~kLastOfList);
-  } while (field.lists[word++] < kLastOfList);
-  return list;
-}
-
 // Holds one corner, at p, against brute force; distances in voxels.
 void checkCorner(const World& world, const DistanceField& field, const std::vector<double>& distances,
                  std::size_t corner, const Vec3d& p, double voxel) {
@@ -201,115 +150,6 @@ std::size_t checkAgainstBruteForce(const World& world, const DistanceField& fiel
     next -= kCornersPerBrick;
   });
   return named;
-}
-
-FieldShape shapeAt(const Vec3d& sensor, double voxel, std::uint32_t voxels, std::uint32_t levels, bool lists) {
-  ParticleOptions options;
-  options.voxel = voxel;
-  options.voxels = voxels;
-  options.levels = levels;
-  options.refine = lists ? ParticleOptions::Refine::ByTriangle : ParticleOptions::Refine::None;
-  return shapeOf(options, sensor, Box{}, 100);
-}
-
-// Whether particles read the same of both, wherever each keeps its bricks.
-bool sameField(const DistanceField& a, const DistanceField& b) {
-  if (!(a.shape == b.shape) || a.table.size() != b.table.size()) return false;
-  const auto part = [](const auto& array, std::uint32_t entry) {
-    return array.subspan(std::size_t{entry - kFullBrick} * kBrickStride, kBrickStride);
-  };
-  for (std::size_t i = 0; i < a.table.size(); ++i) {
-    if (a.table[i] < kFullBrick || b.table[i] < kFullBrick) {
-      if (a.table[i] != b.table[i]) return false;
-      continue;
-    }
-    if (!std::ranges::equal(part(a.distance, a.table[i]), part(b.distance, b.table[i]))) return false;
-    const auto wordsA = part(a.word, a.table[i]);
-    const auto wordsB = part(b.word, b.table[i]);
-    for (std::size_t c = 0; c < kBrickStride; ++c) {
-      const bool lists = a.shape.lists && wordsA[c] != kNoWord && wordsB[c] != kNoWord;
-      if (lists ? listAt(a, wordsA[c]) != listAt(b, wordsB[c]) : wordsA[c] != wordsB[c]) return false;
-    }
-  }
-  return true;
-}
-
-std::size_t fullBricks(const DistanceField& field) {
-  return static_cast<std::size_t>(
-      std::count_if(field.table.begin(), field.table.end(), [](std::uint32_t entry) { return entry >= kFullBrick; }));
-}
-
-// A field that moves appends its new bricks to those that are there, until there is no more room; what is there stays
-// as it is, for others may be reading it.
-TEST(Build, MovedFieldsShareTheirBricks) {
-  const Scene scene = sceneOf(soup(60, 3, 0.003, 5));
-  const auto world = worldOf(scene);
-  for (const bool lists : {false, true}) {
-    const auto shape = [&](double x) { return shapeAt({x, 0.3 * x, 0}, 0.1, 32, 3, lists); };
-    const auto first = buildField(*world, shape(0));
-    EXPECT_EQ(first->distance.size(), fullBricks(*first) * kBrickStride);
-    auto at = buildField(*world, shape(0.4), {first});
-    EXPECT_NE(at->pool, first->pool) << "a field that has not moved before has no room";
-    std::size_t shared = 0;
-    std::size_t pools = 1;
-    for (int step = 2; step < 40; ++step) {
-      const std::vector<std::uint16_t> distance(at->distance.begin(), at->distance.end());
-      const std::vector<std::uint32_t> word(at->word.begin(), at->word.end());
-      const std::vector<std::uint32_t> entries(at->lists.begin(), at->lists.end());
-      const auto next = buildField(*world, shape(step % 2 == 0 ? 0 : 0.1 * step), {at});
-      EXPECT_TRUE(std::ranges::equal(distance, at->distance));
-      EXPECT_TRUE(std::ranges::equal(word, at->word));
-      EXPECT_TRUE(std::ranges::equal(entries, at->lists));
-      if (next->pool == at->pool) {
-        ++shared;
-        EXPECT_GE(next->distance.size(), at->distance.size());
-        EXPECT_EQ(next->distance.data(), at->distance.data());
-      } else {
-        ++pools;
-        EXPECT_EQ(next->distance.size(), fullBricks(*next) * kBrickStride) << "no brick that nobody reads";
-      }
-      EXPECT_TRUE(sameField(*next, *buildField(*world, shape(step % 2 == 0 ? 0 : 0.1 * step))));
-      at = next;
-    }
-    EXPECT_GT(shared, 5u);
-    EXPECT_GT(pools, 1u);
-  }
-}
-
-// Between two places, of which each field is known, nothing is made anew.
-TEST(Build, TakesOverFromSeveralFields) {
-  const Scene scene = sceneOf(soup(60, 3, 0.003, 5));
-  const auto world = worldOf(scene);
-  const auto shape = [](double x) { return shapeAt({x, 0, 0}, 0.1, 32, 1, true); };
-  const auto start = buildField(*world, shape(0));
-  const auto here = buildField(*world, shape(0.8), {start});
-  const auto there = buildField(*world, shape(1.6), {here});
-  ASSERT_EQ(there->pool, here->pool);
-  const auto both = buildField(*world, shape(0.8), {there, here});
-  EXPECT_EQ(both->distance.size(), there->distance.size());
-  EXPECT_EQ(both->table, here->table);
-  const auto one = buildField(*world, shape(0.8), {there});
-  EXPECT_GT(one->distance.size(), there->distance.size());
-  EXPECT_TRUE(sameField(*one, *both));
-}
-
-// Several threads may move the same field, while others read it.
-TEST(Build, FieldsMoveOnSeveralThreads) {
-  const Scene scene = sceneOf(soup(60, 3, 0.003, 5));
-  const auto world = worldOf(scene);
-  const auto start = buildField(*world, shapeAt({}, 0.1, 32, 3, true));
-  const auto roomy = buildField(*world, shapeAt({0.8, 0, 0}, 0.1, 32, 3, true), {start});
-  std::vector<std::thread> threads;
-  for (int t = 0; t < 4; ++t) {
-    threads.emplace_back([&, t] {
-      for (int step = 1; step <= 4; ++step) {
-        const FieldShape shape = shapeAt({0.8 + 0.8 * (t % 2), 0.4 * step, 0}, 0.1, 32, 3, true);
-        const auto moved = buildField(*world, shape, {roomy});
-        EXPECT_TRUE(sameField(*moved, *buildField(*world, shape)));
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
 }
 
 TEST(Build, ScatteredTrianglesOfAllSizes) {
@@ -471,41 +311,6 @@ TEST(Build, MillionTriangles) {
       ASSERT_GE(stored, std::min(truth, 4.0) - 2e-3);
     }
   });
-}
-
-TEST(Build, MovedFieldIsAsIfBuiltAnew) {
-  auto triangles = soup(40, 8, 0.05, 6);
-  for (const auto& leaf : soup(4000, 0.7, 0.01, 0.1)) triangles.push_back(leaf);
-  const Scene scene = sceneOf(triangles);
-  const auto world = worldOf(scene);
-  for (const bool lists : {false, true}) {
-    std::vector<std::shared_ptr<const DistanceField>> before;  // one, then two
-    const std::vector<Vec3d> path{{0, 0, 0},   {1.7, 0, 0}, {1.7, 3.3, -1.6}, {1.7, 3.3, -1.6}, {5, 4, 1},
-                                  {-3, -4, 2}, {0, 0, 0},   {40, 0, 0},       {0.9, 0, 0},      {0.9, 0.9, 0}};
-    for (const Vec3d& sensor : path) {
-      const FieldShape shape = shapeAt(sensor, 0.2, 32, 3, lists);
-      const auto fresh = buildField(*world, shape);
-      const auto moved = buildField(*world, shape, before);
-      EXPECT_TRUE(sameField(*moved, *fresh)) << "lists " << lists << ", at " << sensor.x;
-      before.insert(before.begin(), moved);
-      if (before.size() > 2) before.pop_back();
-    }
-  }
-}
-
-TEST(Build, TakesOverNothingOfAnotherKind) {
-  const Scene scene = sceneOf(soup(40, 2, 0.05, 2));
-  const auto world = worldOf(scene);
-  const auto before = buildField(*world, shapeAt({}, 0.1, 32, 2, false));
-  for (const FieldShape& shape : {shapeAt({}, 0.1, 32, 2, true), shapeAt({}, 0.2, 32, 2, false)}) {
-    const auto built = buildField(*world, shape, {before});
-    EXPECT_TRUE(sameField(*built, *buildField(*world, shape)));
-  }
-  // Other levels, and other boxes, are taken over as far as they go.
-  for (const FieldShape& shape : {shapeAt({}, 0.1, 32, 3, false), shapeAt({}, 0.1, 16, 1, false)}) {
-    const auto built = buildField(*world, shape, {before});
-    EXPECT_TRUE(sameField(*built, *buildField(*world, shape)));
-  }
 }
 
 TEST(Build, SameBytesWithAnyNumberOfThreads) {
