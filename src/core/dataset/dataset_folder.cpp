@@ -69,8 +69,8 @@ void checkUse(const fs::path& folder, FolderUse use) {
   if (use == FolderUse::Resume && contents.manifest) {
     throw InputError(
         {folder.string()},
-        "holds a whole dataset, of another pipeline, other files that it names, or another version of this "
-        "program: choose another output folder, or --overwrite");
+        "holds a whole dataset, of another pipeline (other `--set` make it another one), other files that it names, or "
+        "another version of this program: choose another output folder, or --overwrite");
   }
   if (contents.empty()) return;
   const char* const remedy =

@@ -269,14 +269,6 @@ std::string traversal(const std::string& head, const std::string& nodes, const s
 }
 
 constexpr const char* kEnter = R"(
-// Rows of the cofactors of a matrix of three rows, and the sizes of the products that they are made of.
-void cofactors(vec3 row[3], out vec3 cofactor[3], out vec3 size[3]) {
-  for (int k = 0; k < 3; ++k) {
-    cofactor[k] = cross(row[(k + 1) % 3], row[(k + 2) % 3]);
-    size[k] = products(row[(k + 1) % 3], row[(k + 2) % 3]);
-  }
-}
-
 // Takes the ray into the frame of a placed mesh. Embree does so by the inverse of the matrix in float32: cofactors over
 // the determinant, which lose up to 8 units of 2^-24 of their products each, and so does the ray's way to where the mesh
 // stands; then products with the matrix, which lose 9, and boxes, which lose 4 (they are not made robust where meshes
@@ -295,9 +287,9 @@ void enter(uint number, Line line) {
       row[k] += (last - row[k]) * part;
     }
   }
-  vec3 cofactor[3], size[3], other[3];
   vec3 linear[3] = vec3[](row[0].xyz, row[1].xyz, row[2].xyz);
-  cofactors(linear, cofactor, size);
+  vec3 cofactor[3] = vec3[](cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
+  vec3 other[3];
   float determinant = dot(linear[0], cofactor[0]);
   for (int k = 0; k < 3; ++k) other[k] = vec3(cofactor[0][k], cofactor[1][k], cofactor[2][k]) / determinant;
   vec3 translation = vec3(row[0].w, row[1].w, row[2].w);
@@ -316,7 +308,7 @@ void enter(uint number, Line line) {
     determinant = 1.0 / determinant;
     for (int k = 0; k < 3; ++k) sizes[k] = abs(other[k]);
   }
-  cofactors(sizes, cofactor, size);
+  vec3 size[3] = vec3[](products(sizes[1], sizes[2]), products(sizes[2], sizes[0]), products(sizes[0], sizes[1]));
   float spread = dot(sizes[0], size[0]) / abs(determinant);
   if (!(spread < kMostSpread)) {  // nearly flat
     doubtAt(0.0);
