@@ -9,6 +9,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kOriginGrid = 1024;        // m
+constexpr double kMovingOriginGrid = 16;    // m
 constexpr std::size_t kWorldsInMemory = 2;  // origins that a drive across a grid line needs at once
 
 constexpr std::uint64_t kBytesPerTriangle = 150;  // measured: hierarchy, corners, records
@@ -39,7 +40,8 @@ std::uint64_t Worlds::memoryBytes() const {
 }
 
 std::shared_ptr<const World> Worlds::near(const Vec3d& sensor, double time, double duration) const {
-  const auto cell = [](double d) { return std::round(d / kOriginGrid) * kOriginGrid; };
+  const double grid = moves_ ? kMovingOriginGrid : kOriginGrid;
+  const auto cell = [grid](double d) { return std::round(d / grid) * grid; };
   const Vec3d offset = sensor - anchor_;
   const Vec3d origin = anchor_ + Vec3d{cell(offset.x), cell(offset.y), cell(offset.z)};
   if (!moves_) time = duration = 0;

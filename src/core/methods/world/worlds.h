@@ -14,7 +14,8 @@ namespace scanmill {
 
 // Origins lie on a grid of 1024 m anchored at the scene's centre, so that they depend on the shot alone and move with
 // the scene. Where something moves each revolution has a world of its own, in which little but places of shared meshes
-// is built; as many are kept as threads work on revolutions, and one.
+// is built; as many are kept as threads work on revolutions, and one. Their grid is of 16 m: the nearer the origin, the
+// less is rounded, and the fewer rays a device leaves to the processor.
 class Worlds {
  public:
   // The scene must outlive it.
