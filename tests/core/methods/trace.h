@@ -1,8 +1,12 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <thread>
+#include <vector>
 
 #include "config/fields.h"
 #include "methods/method.h"
@@ -28,6 +32,21 @@ inline Hits traced(const Method& method, const Shot& shot, Channels channels = C
 
 inline Hits traced(const Scene& scene, const Shot& shot, const std::string& options = "{}") {
   return traced(*rayTracing(scene, options), shot);
+}
+
+// Shots that eight threads trace at once.
+inline std::vector<Hits> tracedByThreads(const Method& method, std::size_t shots,
+                                         const std::function<Shot(std::size_t)>& shotOf) {
+  constexpr std::size_t kThreads = 8;
+  std::vector<Hits> made(shots);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < kThreads; ++t) {
+    threads.emplace_back([&, t] {
+      for (std::size_t i = t; i < shots; i += kThreads) made[i] = traced(method, shotOf(i));
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  return made;
 }
 
 }  // namespace scanmill

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "methods/device/device_tables.h"
 #include "methods/world/resolve.h"
 
 namespace scanmill {
@@ -67,16 +66,14 @@ void DeviceResolver::hold(ComputeBuffer& buffer, ComputeTable::Texel texel, std:
 }
 
 void DeviceResolver::holdMeshes(const World& world) {
-  LabelTables tables = labelTables(world);
+  const LabelTables tables = labelTables(world);
   hold(records_, Uint32x4, std::span<const TriangleRecord>(tables.records), "scene's planes and labels");
   hold(textured_, Uint32x4, std::span<const TexturedTriangle>(tables.textured), "scene's textured triangles");
   hold(materials_, Uint32x4, std::span<const DeviceWord>(tables.materials), "scene's materials");
   hold(reflectances_, Uint32, std::span<const std::uint32_t>(tables.texels), "scene's textures");
-  firstRecord_ = std::move(tables.firstRecord);
 }
 
-void DeviceResolver::holdPlaces(const World& world) {
-  const std::vector<Stand> stands = standsOf(world, firstRecord_);
+void DeviceResolver::holdPlaces(const std::vector<Stand>& stands) {
   hold(stands_, Uint32x4, std::span<const Stand>(stands), "scene's placed meshes");
 }
 

@@ -7,13 +7,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "gpu/compute.h"
+#include "methods/device/device_tables.h"
 #include "methods/world/world.h"
 #include "scan/hits.h"
 #include "sensors/beams.h"
@@ -48,8 +48,8 @@ class DeviceResolver {
 
   // Uploads the planes and labels of all triangles of a world, with its materials.
   void holdMeshes(const World& world);
-  // Uploads how its meshes are placed.
-  void holdPlaces(const World& world);
+  // Uploads how its meshes are placed: standsOf() in device_tables.h.
+  void holdPlaces(const std::vector<Stand>& stands);
 
   static ResolverBlock block(const BeamTable& beams, Channels channels, std::size_t rays);
 
@@ -96,7 +96,6 @@ class DeviceResolver {
   std::uint64_t most_;
   ComputeBuffer columns_;
   ComputeBuffer records_, stands_, materials_, reflectances_, textured_;
-  std::map<const TriangleBlock*, std::uint32_t> firstRecord_;  // of shared meshes; what is baked comes first
 };
 
 }  // namespace scanmill

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <map>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 
 #include "base/error.h"
@@ -131,14 +133,19 @@ LabelTables labelTables(const World& world) {
   for (const Material& material : world.scene->materials) materials.append(material);
   appendBlock(world.baked, made);
   for (const std::unique_ptr<TriangleBlock>& block : world.shared->blocks) {
-    if (block == nullptr) continue;
-    made.firstRecord[block.get()] = static_cast<std::uint32_t>(made.records.size());
-    appendBlock(*block, made);
+    if (block != nullptr) appendBlock(*block, made);
   }
   return made;
 }
 
-std::vector<Stand> standsOf(const World& world, const std::map<const TriangleBlock*, std::uint32_t>& firstRecord) {
+std::vector<Stand> standsOf(const World& world) {
+  std::unordered_map<const TriangleBlock*, std::uint32_t> firstRecord;  // of blocks that worlds share
+  auto next = static_cast<std::uint32_t>(world.baked.triangles.size());
+  for (const std::unique_ptr<TriangleBlock>& block : world.shared->blocks) {
+    if (block == nullptr) continue;
+    firstRecord[block.get()] = next;
+    next += static_cast<std::uint32_t>(block->triangles.size());
+  }
   std::vector<Stand> stands(1 + world.placed.size());
   stands[0].head = {0, 0, static_cast<std::uint32_t>(Standing::Baked), 0};
   for (std::size_t k = 0; k < world.placed.size(); ++k) {

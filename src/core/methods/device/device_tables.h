@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <vector>
 
 #include "methods/world/world.h"
@@ -32,9 +31,8 @@ constexpr std::uint32_t kTextured = 1;  // they scale the reflectance
 constexpr std::uint32_t kCutOut = 2;    // some let beams pass
 
 struct LabelTables {
-  std::vector<TriangleRecord> records;                        // of the baked block, then of those that worlds share
-  std::map<const TriangleBlock*, std::uint32_t> firstRecord;  // of shared blocks
-  std::vector<TexturedTriangle> textured;                     // whose material's texels are looked at
+  std::vector<TriangleRecord> records;     // of the baked block, then of those that worlds share
+  std::vector<TexturedTriangle> textured;  // whose material's texels are looked at
   std::vector<DeviceWord> materials;  // bits of the reflectance, first texel, width | height << 16, kTextured | kCutOut
   std::vector<std::uint32_t> texels;  // bits of the reflectance (float32), kLetsPass
 };
@@ -45,9 +43,9 @@ std::uint64_t texelTableBytes(const Scene& scene);
 // Throws Error where a texture is larger than 65535 texels a side.
 LabelTables labelTables(const World& world);
 
-// How a block stands: its first record, the id of the mesh's first instance, and a Standing; then originFromMesh in
-// rows of four doubles (linear part and translation), and as rows of the same length normalFromMesh or, where it moves,
-// originFromMesh when the revolution ends.
+// How a block stands: its first record (in LabelTables::records), the id of the mesh's first instance, and a Standing;
+// then originFromMesh in rows of four doubles (linear part and translation), and as rows of the same length
+// normalFromMesh or, where it moves, originFromMesh when the revolution ends.
 enum class Standing : std::uint32_t { Baked, Placed, Moving };
 struct Stand {
   DeviceWord head;
@@ -56,6 +54,6 @@ struct Stand {
 static_assert(sizeof(Stand) == 13 * sizeof(DeviceWord));
 
 // Of the baked block, then of World::placed.
-std::vector<Stand> standsOf(const World& world, const std::map<const TriangleBlock*, std::uint32_t>& firstRecord);
+std::vector<Stand> standsOf(const World& world);
 
 }  // namespace scanmill

@@ -14,9 +14,10 @@ namespace {
 
 constexpr const char* kParameters = R"(
   uint rings, columns;
-  uint first;          // particle of the slice
+  uint first;          // particle of the slice, shot after shot
   uint count;          // of the slice
   uint withOrigins;
+  uint shotParticles, shotRays, shotPoses;
   uint firstAlpha;     // triangles from here on are alpha-tested
   uint corrected;      // 1: to the plane of the nearest triangle
   uint whole;          // 1: nothing of the scene lies outside of the box
@@ -24,6 +25,7 @@ constexpr const char* kParameters = R"(
   int lastLevel;
   float reach;         // of the field's first level
   float metres;        // of a voxel
+  uint unused;
   double voxel;        // m
   double ends;         // m, how far particles go
   dvec4 low, high;     // m, of the box where particles may march
@@ -82,13 +84,15 @@ constexpr const char* kInvoke = R"(
 void invoke(uint i) {
   uint word = records[2u * count + i];
   if ((word & kDone) != 0u) return;
-  uint particle = first + i;
+  uint shot = (first + i) / shotParticles;
+  uint particle = (first + i) % shotParticles;
   uint tile = particle / kTogether;
   uint column = tile / rings * kTogether + particle % kTogether;
   if (column >= columns) return;
-  uint ray = tile % rings * columns + column;
+  uint ofShot = tile % rings * columns + column;
+  uint ray = shot * shotRays + ofShot;
   dvec3 o, d;
-  rayOf(ray, column, 0u, withOrigins != 0u, o, d);
+  rayOf(ofShot, column, shot * shotPoses, withOrigins != 0u, o, d);
   if (particles[6u * count + i] == kLeftOut) {
     leave(ray, kOpen);
   } else if ((word & 3u) == kHit) {

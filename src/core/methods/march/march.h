@@ -94,9 +94,9 @@ class GlMarcher {
   // Launches the particles of a shot, marches them and fills the channels that `hits` has with what resolve() gives
   // (methods/particle/march_job.h); all of it on the device, bit by bit as the processor. Adds the rays that end as
   // neither hit nor miss, or that it leaves to the processor, ascending. While one thread waits for the device, or
-  // copies what it has made, others may give it work. Adds to the stages "upload" (of field and scene), "march" (giving
-  // the device work, and waiting for it) and "read_back". Throws Error, too, where the device's buffers do not hold the
-  // beams or the hits.
+  // copies what it has made, others may give it work, and shots in one field that wait for their turn fly together.
+  // Adds to the stages "upload" (of field and scene), "march" (giving the device work, and waiting for it) and
+  // "read_back". Throws Error, too, where the device's buffers do not hold the beams or the hits.
   virtual void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world,
                      std::uint32_t steps, const ParticleLaunch& launch, Hits& hits,
                      std::vector<UndecidedRay>& undecided, StageClock& clock) = 0;

@@ -20,6 +20,7 @@
 #include "gpu/device.h"
 #include "methods/device/device_beams.h"
 #include "methods/device/device_resolver.h"
+#include "methods/device/shot_queue.h"
 #include "methods/march/device_fields.h"
 #include "methods/march/march_rule.h"
 
@@ -45,23 +46,25 @@ static_assert(sizeof(MarchBlock) == 32);
 struct LaunchBlock {
   double low[4], high[4], centre[4];
   double farthest;
-  std::uint32_t rings, columns, first, count, withOrigins;
-  std::uint32_t unused[5];
+  std::uint32_t rings, columns, first, count, withOrigins, shotParticles, shotPoses;
+  std::uint32_t unused[3];
 };
 static_assert(sizeof(LaunchBlock) == 144);
 
 // Likewise.
 struct HitsBlock {
   ResolverBlock common;
-  std::uint32_t rings, columns, first, count, withOrigins, firstAlpha, corrected, whole, last;
+  std::uint32_t rings, columns, first, count, withOrigins, shotParticles, shotRays, shotPoses;
+  std::uint32_t firstAlpha, corrected, whole, last;
   std::int32_t lastLevel;
   float reach, metres;
-  double voxel, ends, unused;
+  std::uint32_t unused;
+  double voxel, ends, unusedToo[3];
   double low[4], high[4], centre[4];
   double trust, aside, layer, alike, trusted, there;
-  double unusedToo[2];
+  double unusedNeither[2];
 };
-static_assert(sizeof(HitsBlock) == 256);
+static_assert(sizeof(HitsBlock) == 288);
 
 LaunchBlock launchBlock(const DistanceField& field, const ParticleLaunch& launch) {
   const Box& box = launch.box;
@@ -74,17 +77,24 @@ LaunchBlock launchBlock(const DistanceField& field, const ParticleLaunch& launch
   block.rings = launch.shot->beams->rings;
   block.columns = launch.shot->beams->columns;
   block.withOrigins = launch.shot->beams->origin.empty() ? 0 : 1;
+  block.shotParticles = static_cast<std::uint32_t>(launch.size());
+  block.shotPoses = static_cast<std::uint32_t>(launch.shot->worldFromSensor.size());
   return block;
 }
 
 HitsBlock hitsBlock(const DistanceField& field, const World& world, const LaunchBlock& launched,
-                    const ParticleLaunch& launch, Channels channels) {
+                    const ParticleLaunch& launch, Channels channels, std::size_t rays) {
   const BeamTable& beams = *launch.shot->beams;
   HitsBlock block{};
-  block.common = DeviceResolver::block(beams, channels, beams.size());
+  block.common = DeviceResolver::block(beams, channels, rays);
   block.rings = launched.rings;
   block.columns = launched.columns;
+  block.first = launched.first;
+  block.count = launched.count;
   block.withOrigins = launched.withOrigins;
+  block.shotParticles = launched.shotParticles;
+  block.shotRays = static_cast<std::uint32_t>(beams.size());
+  block.shotPoses = launched.shotPoses;
   block.firstAlpha = world.baked.firstAlpha;
   block.corrected = launch.corrected ? 1 : 0;
   block.whole = launch.whole ? 1 : 0;
@@ -139,6 +149,27 @@ std::vector<DeviceTriangle> deviceTriangles(const TriangleBlock& block) {
   return made;
 }
 
+// A shot's particles, of launch to hits.
+struct Flight {
+  const std::shared_ptr<const DistanceField>& field;
+  const std::shared_ptr<const World>& world;
+  std::uint32_t steps;
+  const ParticleLaunch* launch;
+  Channels channels;
+  mutable double upload = 0;  // s, where this thread gave it to the device
+
+  std::size_t rays() const { return launch->shot->beams->size(); }
+  std::uint64_t bytes() const { return DeviceResolver::bytesPerRay(channels) * rays(); }
+  bool goesWith(const Flight& o) const {
+    const ParticleLaunch& a = *launch;
+    const ParticleLaunch& b = *o.launch;
+    return field == o.field && world == o.world && steps == o.steps && channels == o.channels &&
+           a.shot->beams == b.shot->beams && a.shot->worldFromSensor.size() == b.shot->worldFromSensor.size() &&
+           a.box.low == b.box.low && a.box.high == b.box.high && a.farthest == b.farthest && a.whole == b.whole &&
+           a.corrected == b.corrected;
+  }
+};
+
 class ComputeMarcher : public GlMarcher {
  public:
   explicit ComputeMarcher(const GlMarcherLimits& limits)
@@ -151,7 +182,10 @@ class ComputeMarcher : public GlMarcher {
   void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world, std::uint32_t steps,
              const Particles& particles, HitRecords& records, StageClock& clock) override {
     const std::scoped_lock lock(mutex_);
-    upload(field, world, clock);
+    {
+      const StageTimer timer(clock, "upload");
+      upload(field, world);
+    }
     const Columns columns = columnsOf(particles, field->shape.lists);
     marchAll(*field, steps, particles.size(), records, clock, [&](std::size_t first, std::size_t count) {
       std::vector<ComputeBuffer::Source> pieces;
@@ -165,36 +199,14 @@ class ComputeMarcher : public GlMarcher {
   void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world, std::uint32_t steps,
              const ParticleLaunch& launch, Hits& hits, std::vector<UndecidedRay>& undecided,
              StageClock& clock) override {
-    const std::size_t rays = launch.shot->beams->size();
-    const std::uint64_t bytes = DeviceResolver::bytesPerRay(hits.channels) * rays;
-    const ComputeReadbacks::Lease readback(readbacks_);
-    {
-      const std::scoped_lock lock(mutex_);
-      upload(field, world, clock);
-      {
-        const StageTimer timer(clock, "upload");
-        holdLabels(world);
-      }
-      const StageTimer timer(clock, "march");  // some devices work while they are given work
-      if (std::max(bytes, DeviceBeams::kBytesPerRay * rays) > std::min(mostTableBytes_, device_.mostBufferBytes())) {
-        device_.fail("the sensor's beams do not fit into a buffer");
-      }
-      device_.atOnce([&] {
-        beams_.hold({{launch.shot}, {launch.frame}}, 0, rays, 0);
-        resolver_.reserve(hits.channels, rays);
-        for (std::size_t first = 0; first < launch.size(); first += slice_) {
-          fly(*field, *world, steps, launch, hits.channels, first);
-        }
-        readback->start(resolver_.columns(), bytes);
-      });
-    }
-    std::span<const std::byte> columns;
-    {
-      const StageTimer timer(clock, "march");
-      columns = readback->wait();
-    }
-    const StageTimer timer(clock, "read_back");
-    DeviceResolver::take(columns, {rays, 0, rays}, 0, hits, undecided);
+    const Flight flight{field, world, steps, &launch, hits.channels};
+    const WallTimer timer;
+    const Queue::Given given = queue_.give(flight);
+    const std::span<const std::byte> columns = given.batch->hits->wait();
+    clock.add("upload", flight.upload);
+    clock.add("march", timer.seconds() - flight.upload);
+    const StageTimer copying(clock, "read_back");
+    DeviceResolver::take(columns, {given.batch->rays, given.from, flight.rays()}, 0, hits, undecided);
   }
 
   std::string device() const override { return device_.name(); }
@@ -204,9 +216,8 @@ class ComputeMarcher : public GlMarcher {
   static constexpr std::uint64_t kFewestColumns = 8;
   // In a row, that a particle passes on the device; what passes more is left to the processor.
   static constexpr std::uint32_t kMostHoles = 6;
-  // Shots whose hits the device makes, or the processor copies.
-  static constexpr std::size_t kInFlight = 3;
 
+  using Queue = ShotQueue<Flight>;
   using Programs = std::array<std::unique_ptr<ComputeProgram>, 2>;  // without lists and with, made when first needed
 
   ComputeProgram& programOf(Programs& programs, const char* name, std::string (*shader)(bool), bool lists) {
@@ -215,25 +226,52 @@ class ComputeMarcher : public GlMarcher {
     return *program;
   }
 
-  // Launches a slice of a shot's particles, marches them and makes their hits.
-  void fly(const DistanceField& field, const World& world, std::uint32_t steps, const ParticleLaunch& launch,
-           Channels channels, std::size_t first) {
+  void run(const std::vector<const Flight*>& together, Queue::Batch& batch) {
+    const Flight& flight = *together.front();
+    const std::scoped_lock lock(mutex_);
+    const WallTimer timer;
+    upload(flight.field, flight.world);
+    holdLabels(flight.world);
+    flight.upload = timer.seconds();
+    if (std::max(flight.bytes(), DeviceBeams::kBytesPerRay * flight.rays()) > mostBytes()) {
+      device_.fail("the sensor's beams do not fit into a buffer");
+    }
+    DeviceBeams::Shots shots;
+    for (const Flight* one : together) {
+      shots.shots.push_back(one->launch->shot);
+      shots.frames.push_back(one->launch->frame);
+    }
+    device_.atOnce([&] {
+      beams_.hold(shots, 0, flight.rays(), 0);
+      resolver_.reserve(flight.channels, batch.rays);
+      const std::size_t particles = flight.launch->size() * together.size();
+      for (std::size_t first = 0; first < particles; first += slice_) {
+        fly(flight, batch.rays, first, std::min<std::size_t>(slice_, particles - first));
+      }
+      batch.hits->start(resolver_.columns(), DeviceResolver::bytesPerRay(flight.channels) * batch.rays);
+    });
+  }
+
+  std::uint64_t mostBytes() const { return std::min(mostTableBytes_, device_.mostBufferBytes()); }
+
+  // Launches `count` particles from `first` on, counted shot after shot, marches them and makes their hits, which are
+  // of `rays` in all.
+  void fly(const Flight& flight, std::size_t rays, std::size_t first, std::size_t count) {
+    const DistanceField& field = *flight.field;
+    const World& world = *flight.world;
     const bool lists = field.shape.lists;
-    const std::size_t count = std::min<std::size_t>(slice_, launch.size() - first);
     reserve(lists, count);
-    LaunchBlock block = launchBlock(field, launch);
+    LaunchBlock block = launchBlock(field, *flight.launch);
     block.first = static_cast<std::uint32_t>(first);
     block.count = static_cast<std::uint32_t>(count);
     programOf(launchers_, "launch", launchShader, lists)
         .run(count,
              {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(), &particles_},
              std::as_bytes(std::span(&block, 1)));
-    HitsBlock hits = hitsBlock(field, world, block, launch, channels);
-    hits.first = block.first;
-    hits.count = block.count;
+    HitsBlock hits = hitsBlock(field, world, block, *flight.launch, flight.channels, rays);
     const bool holes = lists && world.baked.firstAlpha < world.baked.triangles.size();
     for (std::uint32_t hole = 0; hole <= (holes ? kMostHoles : 0); ++hole) {
-      runMarch(field, steps, count, hole > 0);
+      runMarch(field, flight.steps, count, hole > 0);
       hits.last = hole == kMostHoles || !holes ? 1 : 0;
       programOf(resolvers_, "particles' hits", particleHitsShader, lists)
           .run(count,
@@ -269,9 +307,7 @@ class ComputeMarcher : public GlMarcher {
     }
   }
 
-  void upload(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world,
-              StageClock& clock) {
-    const StageTimer timer(clock, "upload");
+  void upload(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world) {
     fields_.hold(field);
     if (field->shape.lists && world_.lock() != world) {
       world_.reset();
@@ -286,7 +322,7 @@ class ComputeMarcher : public GlMarcher {
     if (labelled_.lock() == world) return;
     labelled_.reset();
     resolver_.holdMeshes(*world);
-    resolver_.holdPlaces(*world);
+    resolver_.holdPlaces(standsOf(*world));
     labelled_ = world;
   }
 
@@ -337,11 +373,12 @@ class ComputeMarcher : public GlMarcher {
   ComputeBuffer triangles_{device_};
   ComputeBuffer records_{device_};
   DeviceResolver resolver_{device_, mostTableBytes_};
-  ComputeReadbacks readbacks_{device_, kInFlight};
   std::weak_ptr<const World> world_;     // whose triangles
   std::weak_ptr<const World> labelled_;  // whose planes and labels
   std::vector<float> numerator_;         // of the slice
   std::vector<float> denominator_;
+  Queue queue_{device_, mostBytes(),
+               [this](const std::vector<const Flight*>& together, Queue::Batch& batch) { run(together, batch); }};
 };
 
 }  // namespace

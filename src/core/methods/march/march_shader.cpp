@@ -273,9 +273,11 @@ layout(std140, binding = 0) uniform LaunchParameters {
   dvec4 centre;       // m, of the field; and level 0's voxels a metre
   double farthest;    // m
   uint rings, columns;
-  uint first;         // particle of the slice
+  uint first;         // particle of the slice, shot after shot
   uint count;         // of the slice
   uint withOrigins;
+  uint shotParticles;
+  uint shotPoses;
 };
 layout(std430, binding = 5) writeonly restrict buffer Particles { float particles[]; };
 
@@ -297,13 +299,14 @@ double inverseOf(double component) {
 }
 
 void invoke(uint i) {
-  uint particle = first + i;
+  uint shot = (first + i) / shotParticles;
+  uint particle = (first + i) % shotParticles;
   uint tile = particle / kTogether;
   uint column = tile / rings * kTogether + particle % kTogether;
   bool there = column < columns;
   column = min(column, columns - 1u);
   dvec3 o, d;
-  rayOf(tile % rings * columns + column, column, 0u, withOrigins != 0u, o, d);
+  rayOf(tile % rings * columns + column, column, shot * shotPoses, withOrigins != 0u, o, d);
   precise double begin = 0.0LF;
   precise double end = there ? farthest : 0.0LF;
   for (int k = 0; k < 3; ++k) {

@@ -163,12 +163,13 @@ DeviceMeshes deviceMeshes(RTCDeviceTy* device, const World& world) {
   return made;
 }
 
-DevicePlaces devicePlaces(RTCDeviceTy* device, const World& world, const DeviceMeshes& meshes) {
+DevicePlaces devicePlaces(RTCDeviceTy* device, const World& world,
+                          const std::map<const TriangleBlock*, DeviceMeshes::Block>& blocks) {
   std::vector<PrimitiveBox> boxes;
   std::vector<std::uint32_t> numbers;  // into World::placed
   for (std::uint32_t k = 0; k < world.placed.size(); ++k) {
-    const auto block = meshes.blocks.find(world.placed[k].block);
-    if (block == meshes.blocks.end()) continue;  // it has no triangles
+    const auto block = blocks.find(world.placed[k].block);
+    if (block == blocks.end()) continue;  // it has no triangles
     boxes.push_back(placedBox(world.placed[k], block->second.box));
     numbers.push_back(k);
   }
@@ -189,7 +190,7 @@ DevicePlaces devicePlaces(RTCDeviceTy* device, const World& world, const DeviceM
     }
     made.places.insert(made.places.end(), first.begin(), first.end());
     made.places.insert(made.places.end(), last.begin(), last.end());
-    made.places.push_back({meshes.blocks.at(placed.block).root, k, placed.moves ? 1u : 0u, 0});
+    made.places.push_back({blocks.at(placed.block).root, k, placed.moves ? 1u : 0u, 0});
   }
   append(made.nodes, std::move(hierarchy), 0);
   return made;

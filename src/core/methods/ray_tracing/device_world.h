@@ -49,6 +49,7 @@ struct DevicePlaces {
 
 // Throws Error where memory is out or a texture is larger than 65535 texels a side.
 DeviceMeshes deviceMeshes(RTCDeviceTy* device, const World& world);
-DevicePlaces devicePlaces(RTCDeviceTy* device, const World& world, const DeviceMeshes& meshes);
+DevicePlaces devicePlaces(RTCDeviceTy* device, const World& world,
+                          const std::map<const TriangleBlock*, DeviceMeshes::Block>& blocks);
 
 }  // namespace scanmill

@@ -120,5 +120,29 @@ TEST(ParticlesOnADevice, PassTheSameHoles) {
   EXPECT_GT(std::count(hits.semantic.begin(), hits.semantic.end(), 2), 1000);
 }
 
+// Those in one field may fly together.
+TEST(ParticlesOnADevice, ShotsOfManyThreadsShareIt) {
+  SKIP_WITHOUT_GL();
+  const Scene street = proceduralStreet();
+  auto beams = std::make_shared<BeamTable>(*spinning(12, 250, -25, 5, 60));
+  beams->origin.assign(beams->size(), {0.1f, 0, -0.05f});
+  const auto other = spinning(8, 160, -20, 5, 60);
+  const auto shotOf = [&](std::size_t i) {
+    Shot shot = streetShot(i % 4 == 3 ? other : beams, -20);
+    for (int step = 1; step < 4; ++step) {  // from the same place, turned
+      shot.worldFromSensor.push_back({fromYawPitchRoll(0.3 * static_cast<double>(i) + 0.02 * step, 0.01, 0),
+                                      shot.worldFromSensor.front().translation});
+    }
+    return shot;
+  };
+  for (const char* refine : {"normal", "triangle"}) {
+    const std::string options = std::string("voxel_m: 0.2, voxels: 128, refine: ") + refine;
+    const auto here = methodOf("particle", street, "{backend: cpu, " + options + "}");
+    const auto there = methodOf("particle", street, "{backend: gl, " + options + "}");
+    const std::vector<Hits> made = tracedByThreads(*there, 32, shotOf);
+    for (std::size_t i = 0; i < made.size(); ++i) expectSameHits(made[i], traced(*here, shotOf(i)));
+  }
+}
+
 }  // namespace
 }  // namespace scanmill

@@ -11,7 +11,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "base/random.h"
@@ -325,19 +324,28 @@ TEST(GlTracer, ShotsOfManyThreadsShareTheDevice) {
   const auto gl = rayTracing(scene, "{backend: gl}");
   const auto beams = spinning(16, 500, -25, 5);
   const auto other = spinning(8, 300, -15, 15);
-  constexpr std::size_t kShots = 24;
-  std::vector<Hits> made(kShots);
   const auto shot = [&](std::size_t i) {
     return shotAt(i % 3 == 0 ? other : beams, {fromYawPitchRoll(0.1 * static_cast<double>(i), 0, 0), {0, 0, 0}});
   };
-  std::vector<std::thread> threads;
-  for (std::size_t t = 0; t < 8; ++t) {
-    threads.emplace_back([&, t] {
-      for (std::size_t i = t; i < kShots; i += 8) made[i] = traced(*gl, shot(i));
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  for (std::size_t i = 0; i < kShots; ++i) expectSameHits(made[i], traced(*cpu, shot(i)));
+  const std::vector<Hits> made = tracedByThreads(*gl, 24, shot);
+  for (std::size_t i = 0; i < made.size(); ++i) expectSameHits(made[i], traced(*cpu, shot(i)));
+}
+
+// Each thread says where the meshes of its revolution stand.
+TEST(GlTracer, RevolutionsOfManyThreadsShareMeshes) {
+  SKIP_WITHOUT_GL();
+  const Scene moving = papered(std::make_shared<Movement>(Vec3d{3, 15, 1}));
+  const auto cpu = rayTracing(moving, "{backend: cpu}");
+  const auto gl = rayTracing(moving, "{backend: gl}");
+  const auto beams = spinning(16, 500, -30, 30);
+  const auto revolution = [&](std::size_t i) {
+    Shot shot = shotAt(beams, {fromYawPitchRoll(0.3, 0.02, 0.1), {0.2, 0.1, 0}});
+    shot.time = 0.05 * static_cast<double>(i / 2);  // two sensors of a vehicle
+    shot.duration = 0.1;
+    return shot;
+  };
+  const std::vector<Hits> made = tracedByThreads(*gl, 24, revolution);
+  for (std::size_t i = 0; i < made.size(); ++i) expectSameHits(made[i], traced(*cpu, revolution(i)));
 }
 
 TEST(GlTracer, BeamsWithOriginsAndSeveralRays) {
@@ -394,7 +402,7 @@ TEST(GlTracer, TrianglesTakeAsMuchMemoryAsIsSaid) {
     const Worlds worlds(street, instancing, {});
     const auto world = worlds.near({});
     const DeviceMeshes meshes = deviceMeshes(device.get(), *world);
-    const DevicePlaces places = devicePlaces(device.get(), *world, meshes);
+    const DevicePlaces places = devicePlaces(device.get(), *world, meshes.blocks);
     const auto bytesOf = [](const auto& array) { return static_cast<double>(std::span(array).size_bytes()); };
     const double bytes = bytesOf(meshes.nodes) + bytesOf(meshes.triangles) + bytesOf(meshes.cutouts) +
                          bytesOf(meshes.holes) + bytesOf(places.nodes) + bytesOf(places.places);

@@ -1,0 +1,134 @@
+#pragma once
+
+// Gives a device the shots of many threads. While some are on their way, others queue up; what one dispatch can do then
+// goes together.
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+#include "gpu/compute.h"
+
+namespace scanmill {
+
+// Work: what a thread waits for, all or some rays of a shot. It has
+//
+//     std::size_t rays() const
+//     std::uint64_t bytes() const              // on the device, of the largest array that grows with it
+//     bool goesWith(const Work& other) const   // one dispatch does both: they have as many rays each
+//
+template <class Work>
+class ShotQueue {
+ public:
+  // Of one dispatch: where the hits come back, work after work in the order in which it was given.
+  struct Batch {
+    explicit Batch(ComputeReadbacks& readbacks) : hits(readbacks) {}
+    ComputeReadbacks::Lease hits;
+    std::size_t rays = 0;  // of all
+  };
+  // Gives the device some work, and starts `hits` of the batch. One thread at a time calls it.
+  using Give = std::function<void(const std::vector<const Work*>& together, Batch& batch)>;
+
+  // `most`: bytes of what goes together.
+  ShotQueue(const ComputeDevice& device, std::uint64_t most, Give give)
+      : readbacks_(device, kInFlight), most_(std::min(most, kMostBytesTogether)), give_(std::move(give)) {}
+
+  struct Given {
+    std::shared_ptr<Batch> batch;
+    std::size_t from = 0;  // the work's first ray there
+  };
+  // Returns once the device has the work, given by this thread or another one, and throws what went wrong then.
+  Given give(const Work& work) {
+    Waiting mine{work, {}, nullptr};
+    std::unique_lock lock(mutex_);
+    queue_.push_back(&mine);
+    while (mine.given.batch == nullptr && !mine.failure) {
+      if (leading_) {
+        changed_.wait(lock);
+      } else {
+        lead(lock);
+      }
+    }
+    if (mine.failure) std::rethrow_exception(mine.failure);
+    return mine.given;
+  }
+
+ private:
+  // Dispatches whose hits the device makes, or the processor copies.
+  static constexpr std::size_t kInFlight = 3;
+  static constexpr std::uint64_t kMostBytesTogether = std::uint64_t{256} << 20;
+
+  struct Waiting {
+    const Work& work;
+    Given given;
+    std::exception_ptr failure;
+  };
+
+  // Gives the device what waits first, and what goes with it, as soon as fewer than kInFlight dispatches are on their
+  // way.
+  void lead(std::unique_lock<std::mutex>& lock) {
+    leading_ = true;
+    lock.unlock();
+    std::shared_ptr<Batch> batch;
+    std::vector<Waiting*> together;
+    std::exception_ptr failure;
+    try {
+      batch = std::make_shared<Batch>(readbacks_);
+      lock.lock();
+      together = takeTogether();
+      lock.unlock();
+      std::vector<const Work*> works;
+      for (Waiting* waiting : together) {
+        works.push_back(&waiting->work);
+        waiting->given.from = batch->rays;
+        batch->rays += waiting->work.rays();
+      }
+      isolated([&] { give_(works, *batch); });
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    if (!lock.owns_lock()) lock.lock();
+    if (together.empty()) together = takeTogether();  // they fail, too
+    for (Waiting* waiting : together) {
+      waiting->failure = failure;
+      if (!failure) waiting->given.batch = batch;
+    }
+    leading_ = false;
+    changed_.notify_all();
+  }
+
+  std::vector<Waiting*> takeTogether() {
+    const Work& first = queue_.front()->work;
+    const std::uint64_t most = std::max<std::uint64_t>(most_ / std::max<std::uint64_t>(first.bytes(), 1), 1);
+    std::vector<Waiting*> together;
+    together.reserve(queue_.size());
+    for (auto it = queue_.begin(); it != queue_.end() && together.size() < most;) {
+      if ((*it)->work.goesWith(first)) {
+        together.push_back(*it);
+        it = queue_.erase(it);
+      } else {
+        ++it;
+      }
+    }
+    return together;
+  }
+
+  ComputeReadbacks readbacks_;
+  const std::uint64_t most_;
+  const Give give_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::list<Waiting*> queue_;
+  bool leading_ = false;  // some thread gives the device work
+};
+
+}  // namespace scanmill
