@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "methods/field/build.h"
+#include "methods/field/device_bricks.h"
 #include "methods/march/march.h"
 #include "methods/particle/shape.h"
 #include "methods/world/worlds.h"
@@ -46,21 +47,26 @@ Place placeAt(double x, bool lists) {
   return {world, shapeOf(options, sensor - world->origin, scene, kRange)};
 }
 
-// A whole field, and what moving it by a metre takes.
-void field(benchmark::State& state, bool lists) {
+// A whole field, and what moving it by a metre takes; on a device without what bringing the scene there takes.
+void field(benchmark::State& state, bool lists, bool onDevice) {
   const Place here = placeAt(-20, lists);
-  const Place there = placeAt(-19, lists);
+  std::unique_ptr<DeviceBricks> device;
+  if (onDevice) {
+    device = std::make_unique<DeviceBricks>();
+    state.counters["scene_ms"] = 1e3 * secondsOf([&] { device->hold(here.world); });
+    state.SetLabel(device->device());
+  }
   std::shared_ptr<const DistanceField> built;
   std::vector<double> build;
   std::vector<double> update;
   for (auto _ : state) {
-    build.push_back(secondsOf([&] { built = buildField(*here.world, here.shape); }));
+    build.push_back(secondsOf([&] { built = buildField(*here.world, here.shape, {}, device.get()); }));
     state.SetIterationTime(build.back());
     // Moves are of whole bricks of 0.8 m and more; averaged over ten metres.
     std::shared_ptr<const DistanceField> at = built;
     update.push_back(secondsOf([&] {
                        for (int metre = 1; metre <= 10; ++metre) {
-                         at = buildField(*here.world, placeAt(-20 + metre, lists).shape, {at});
+                         at = buildField(*here.world, placeAt(-20 + metre, lists).shape, {at}, device.get());
                        }
                      }) /
                      10);
@@ -71,8 +77,12 @@ void field(benchmark::State& state, bool lists) {
   state.counters["update_ms"] = 1e3 * median(update);
   state.counters["update_of_build"] = median(update) / median(build);
 }
-BENCHMARK_CAPTURE(field, nearest, false)->UseManualTime()->Iterations(5)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(field, lists, true)->UseManualTime()->Iterations(5)->Unit(benchmark::kMillisecond);
+#define FIELDS(name, lists, onDevice) \
+  BENCHMARK_CAPTURE(field, name, lists, onDevice)->UseManualTime()->Iterations(5)->Unit(benchmark::kMillisecond)
+FIELDS(nearest, false, false);
+FIELDS(lists, true, false);
+FIELDS(nearest_gl, false, true);
+FIELDS(lists_gl, true, true);
 
 // A scan, the field being there, against one by ray tracing. Stages are of the processor's time, in milliseconds a scan
 // (of the device's where it flies there).

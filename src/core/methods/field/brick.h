@@ -100,6 +100,7 @@ namespace brick {
 
 // Distances computed in float32 err by up to 1e-5. They are shortened by this much, so that they are never too large.
 constexpr float kRounding = 2e-5f;
+constexpr float kShortened = 1 - 1e-5f;   // and distances of bricks' centres to this share
 constexpr float kRadius = 6.93f;          // a little more than 4 sqrt(3), from a brick's centre to its corners
 constexpr float kListedRadius = 0.9536f;  // a little more than sqrt(3) kListedHalf: of a ball that holds the cube
 constexpr float kBlockRadius = 1.7322f;   // a little more than sqrt(3), from a block's centre to its corners

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "methods/field/brick.h"
 #include "methods/field/brick_pool.h"
+#include "methods/field/device_bricks.h"
 #include "methods/field/nearby.h"
 #include "methods/particle/shape.h"
 
@@ -20,6 +21,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::uint32_t kUnmade = 0xFFFFFFFFu;  // a table's entry of a full brick without a place
+constexpr std::uint32_t kUnseen = 0xFFFFFFFEu;  // of a brick of which it is not known whether it is empty
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;    // instead of an index
 constexpr float kNothing = 1e30f;               // voxels, to the nearest surface of an empty world
 constexpr std::size_t kBricksPerTask = 8;
@@ -33,7 +35,8 @@ constexpr std::size_t withRoom(std::size_t count) {
 
 class Builder {
  public:
-  Builder(const World& world, const FieldShape& shape, const std::vector<std::shared_ptr<const DistanceField>>& before);
+  Builder(const World& world, const FieldShape& shape, const std::vector<std::shared_ptr<const DistanceField>>& before,
+          DeviceBricks* device);
 
   std::shared_ptr<const DistanceField> build();
 
@@ -43,15 +46,21 @@ class Builder {
   std::size_t levelOf(std::uint32_t entry) const;
   static const std::uint32_t* entryOf(const DistanceField& field, std::size_t level, const Corner& brick);
   const std::uint32_t* entryBefore(std::size_t level, const Corner& brick) const;
+  void fillTable();
   void fillRow(std::size_t level, std::size_t row, FacetCache& facets);
+  float distanceOf(const BrickPlace& place, std::uint32_t& nearest, FacetCache& facets) const;
+  void fillByDevice();
   void findUnmade();
   void append();
   void startPool();
   void makeBricks();
+  void makeBrick(std::size_t i, BrickMaker& maker, std::vector<std::uint32_t>& lists);
+  void makeBricksByDevice();
   std::uint64_t placeLists();
   void assemble();
 
   const World& world_;
+  DeviceBricks* const device_;                // null: the processor makes all
   std::vector<const DistanceField*> before_;  // fields of one pool
   std::shared_ptr<BrickPool> poolBefore_;     // null: none
   std::shared_ptr<DistanceField> field_;
@@ -71,8 +80,10 @@ class Builder {
 };
 
 Builder::Builder(const World& world, const FieldShape& shape,
-                 const std::vector<std::shared_ptr<const DistanceField>>& before)
-    : world_(world), field_(std::make_shared<DistanceField>()) {
+                 const std::vector<std::shared_ptr<const DistanceField>>& before, DeviceBricks* device)
+    : world_(world),
+      device_(world.baked.triangles.empty() ? nullptr : device),
+      field_(std::make_shared<DistanceField>()) {
   if (!world.placed.empty()) throw Error("particle: a field is built of a world without instanced meshes");
   for (const auto& field : before) {
     if (field->shape.voxel != shape.voxel || field->shape.lists != shape.lists) continue;
@@ -123,6 +134,19 @@ const std::uint32_t* Builder::entryBefore(std::size_t level, const Corner& brick
   return nullptr;
 }
 
+// Of a brick's centre, voxels. `nearest`: a triangle that may be the nearest, and then is.
+float Builder::distanceOf(const BrickPlace& place, std::uint32_t& nearest, FacetCache& facets) const {
+  facets.startBrick();
+  const float known2 = facets.of(world_.baked, nearest, place).distance2(0, 0, 0);
+  const NearestFacet found = nearestFacet(world_, place, {}, {known2, nearest}, facets);
+  nearest = found.triangle;
+  return std::sqrt(found.distance2) * brick::kShortened;
+}
+
+constexpr std::uint32_t tableEntry(float distance) {
+  return distance >= kEmptyBrick ? std::bit_cast<std::uint32_t>(distance) : kUnmade;
+}
+
 // Which bricks of a row along x are empty, and how far they are from everything.
 void Builder::fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
   const LevelBox& box = field_->shape.levels[level];
@@ -133,19 +157,48 @@ void Builder::fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
     std::uint32_t& entry = field_->table[first + i];
     if (const std::uint32_t* before = entryBefore(level, brick)) {
       entry = *before;
-      continue;
+    } else if (world_.baked.triangles.empty()) {
+      entry = tableEntry(kNothing);
+    } else {
+      entry = device_ != nullptr ? kUnseen : tableEntry(distanceOf(placeOf(level, brick), nearest, facets));
     }
-    float distance = kNothing;
-    if (!world_.baked.triangles.empty()) {
-      const BrickPlace place = placeOf(level, brick);
-      facets.startBrick();
-      const float known2 = facets.of(world_.baked, nearest, place).distance2(0, 0, 0);
-      const NearestFacet found = nearestFacet(world_, place, {}, {known2, nearest}, facets);
-      nearest = found.triangle;
-      distance = std::sqrt(found.distance2) * (1 - 1e-5f);  // for float32
-    }
-    entry = distance >= kEmptyBrick ? std::bit_cast<std::uint32_t>(distance) : kUnmade;
   }
+}
+
+void Builder::fillTable() {
+  std::uint64_t entries = 0;
+  for (const LevelBox& box : field_->shape.levels) entries += box.size();
+  field_->table.resize(entries);
+  for (std::size_t level = 0; level < field_->levels.size(); ++level) {
+    const LevelBox& box = field_->shape.levels[level];
+    parallelFor(std::size_t{box.bricks[1]} * box.bricks[2], 4, [&](std::size_t first, std::size_t last) {
+      FacetCache facets;
+      for (std::size_t row = first; row < last; ++row) fillRow(level, row, facets);
+    });
+  }
+  if (device_ != nullptr) fillByDevice();
+}
+
+// Those of the table that fillRow() has left open.
+void Builder::fillByDevice() {
+  std::vector<std::uint32_t> open;
+  std::vector<BrickPlace> places;
+  for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
+    if (field_->table[i] != kUnseen) continue;
+    open.push_back(i);
+    const std::size_t level = levelOf(i);
+    places.push_back(placeOf(level, brickOf(level, i)));
+  }
+  std::vector<float> distances(open.size());
+  device_->centres(places, distances);
+  parallelFor(open.size(), 1024, [&](std::size_t first, std::size_t last) {
+    FacetCache facets;
+    std::uint32_t nearest = 0;
+    for (std::size_t i = first; i < last; ++i) {
+      const float distance = std::isnan(distances[i]) ? distanceOf(places[i], nearest, facets) : distances[i];
+      field_->table[open[i]] = tableEntry(distance);
+    }
+  });
 }
 
 void Builder::findUnmade() {
@@ -197,18 +250,53 @@ void Builder::startPool() {
 
 void Builder::makeBricks() {
   lists_.resize(unmade_.size());
+  if (device_ != nullptr) {
+    makeBricksByDevice();
+    return;
+  }
   parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t first, std::size_t last) {
     BrickMaker maker(world_, field_->shape.lists);
     std::vector<std::uint32_t> lists;
     for (std::size_t i = first; i < last; ++i) {
-      const Brick& brick = bricks_[i];
-      if (brick.made == kNone) continue;
-      const std::size_t level = levelOf(brick.entry);
-      const std::size_t at = (first_ + i) * kBrickStride;
-      lists.clear();
-      maker.make(placeOf(level, brickOf(level, brick.entry)), &pool_->distance[at], &pool_->word[at], lists);
-      lists_[brick.made].assign(lists.begin(), lists.end());
+      if (bricks_[i].made != kNone) makeBrick(i, maker, lists);
     }
+  });
+}
+
+void Builder::makeBrick(std::size_t i, BrickMaker& maker, std::vector<std::uint32_t>& lists) {
+  const Brick& brick = bricks_[i];
+  const std::size_t level = levelOf(brick.entry);
+  const std::size_t at = (first_ + i) * kBrickStride;
+  lists.clear();
+  maker.make(placeOf(level, brickOf(level, brick.entry)), &pool_->distance[at], &pool_->word[at], lists);
+  lists_[brick.made].assign(lists.begin(), lists.end());
+}
+
+void Builder::makeBricksByDevice() {
+  std::vector<std::size_t> numbers;  // into bricks_
+  std::vector<BrickPlace> places;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    if (bricks_[i].made == kNone) continue;
+    numbers.push_back(i);
+    const std::size_t level = levelOf(bricks_[i].entry);
+    places.push_back(placeOf(level, brickOf(level, bricks_[i].entry)));
+  }
+  device_->make(places, field_->shape.lists, [&](std::size_t place, const DeviceBricks::Made& made) {
+    const std::size_t i = numbers[place];
+    if (made.left) {
+      BrickMaker maker(world_, field_->shape.lists);
+      std::vector<std::uint32_t> lists;
+      makeBrick(i, maker, lists);
+      return;
+    }
+    const std::size_t at = (first_ + i) * kBrickStride;
+    for (std::size_t c = 0; c < kCornersPerBrick; ++c) {
+      pool_->distance[at + c] = static_cast<std::uint16_t>(made.corners[2 * c]);
+      pool_->word[at + c] = made.corners[2 * c + 1];
+    }
+    pool_->distance[at + kCornersPerBrick] = 0;
+    pool_->word[at + kCornersPerBrick] = kNoWord;
+    lists_[bricks_[i].made].assign(made.lists.begin(), made.lists.end());
   });
 }
 
@@ -254,16 +342,7 @@ void Builder::assemble() {
 std::shared_ptr<const DistanceField> Builder::build() {
   std::unique_lock<std::mutex> lock;
   if (poolBefore_ != nullptr) lock = std::unique_lock(poolBefore_->appending);
-  std::uint64_t entries = 0;
-  for (const LevelBox& box : field_->shape.levels) entries += box.size();
-  field_->table.resize(entries);
-  for (std::size_t level = 0; level < field_->levels.size(); ++level) {
-    const LevelBox& box = field_->shape.levels[level];
-    parallelFor(std::size_t{box.bricks[1]} * box.bricks[2], 4, [&](std::size_t first, std::size_t last) {
-      FacetCache facets;
-      for (std::size_t row = first; row < last; ++row) fillRow(level, row, facets);
-    });
-  }
+  fillTable();
   findUnmade();
   // Of a field that is mostly elsewhere the pool before is none of its own.
   const bool appended = poolBefore_ != nullptr && kept_ >= unmade_.size() && poolBefore_->room() >= unmade_.size();
@@ -296,8 +375,9 @@ std::shared_ptr<const DistanceField> Builder::build() {
 }  // namespace
 
 std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
-                                                const std::vector<std::shared_ptr<const DistanceField>>& before) {
-  return Builder(world, shape, before).build();
+                                                const std::vector<std::shared_ptr<const DistanceField>>& before,
+                                                DeviceBricks* device) {
+  return Builder(world, shape, before, device).build();
 }
 
 }  // namespace scanmill

@@ -61,8 +61,9 @@ struct FieldStore::Work {
   std::exception_ptr failure;
 };
 
-FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options)
+FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options, Backend backend)
     : options_(checked(scene, options)),
+      backend_(std::move(backend)),
       bounds_(scene.bounds()),
       mostPools_(mostPoolsOf(options, bounds_)),
       worlds_(scene, Instancing::Never, {}) {}
@@ -128,7 +129,7 @@ void FieldStore::build(Work& work, StageClock& clock) const {
     // Threads work on drives that are far from each other: the nearest field is of the same one.
     std::ranges::stable_sort(before, {}, [&](const auto& field) { return apart2(field->shape, work.shape); });
     const WallTimer timer;
-    withWaiters([&] { work.field = buildField(*work.world, work.shape, before); });
+    withWaiters([&] { work.field = backend_().build(work.world, work.shape, before); });
     clock.add(before.empty() ? "field_build" : "field_update", timer.seconds());
   } catch (...) {
     work.failure = std::current_exception();

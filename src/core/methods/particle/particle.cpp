@@ -24,6 +24,7 @@
 #include "base/stage_clock.h"
 #include "methods/backend_choice.h"
 #include "methods/device/device_tables.h"
+#include "methods/device/wide_hierarchy.h"
 #include "methods/march/march.h"
 #include "methods/particle/field_store.h"
 #include "methods/particle/march_job.h"
@@ -69,10 +70,21 @@ FlyingBackend& automaticBackend(ParticleOptions::Refine refine) {
   return known->try_emplace(refine, BackendChoice::Asked::Auto, gl).first->second;
 }
 
+// That of all fields of a run, likewise.
+FieldBackend& fieldBackend(BackendChoice::Asked asked) {
+  static auto* const processor = std::make_unique<FieldBackend>(nullptr).release();
+  if (asked == BackendChoice::Asked::Cpu) return *processor;
+  static auto* const card = std::make_unique<FieldBackend>(findDeviceBricks()).release();
+  return *card;
+}
+
 class ParticleMethod : public Method {
  public:
   ParticleMethod(const Scene& scene, ParticleOptions options)
-      : scene_(scene), options_(std::move(options)), fields_(scene, options_), materials_(compactMaterials(scene)) {
+      : scene_(scene),
+        options_(std::move(options)),
+        fields_(scene, options_, [asked = options_.backend]() -> FieldBackend& { return fieldBackend(asked); }),
+        materials_(compactMaterials(scene)) {
     if (options_.backend == BackendChoice::Asked::Gl) gl_ = makeGlMarcher();
     if (options_.backend != BackendChoice::Asked::Auto) {
       asked_ = std::make_unique<FlyingBackend>(options_.backend, gl_.get());
@@ -113,6 +125,9 @@ class ParticleMethod : public Method {
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
     TraceAccount told = account(clock, shot, counts);
     if (const std::string by = backend.choice.outcome(); !by.empty()) told.backends.insert("particles: " + by);
+    if (const std::string by = fieldBackend(options_.backend).outcome(); !by.empty()) {
+      told.backends.insert("fields: " + by);
+    }
     return told;
   }
 
@@ -240,11 +255,11 @@ class ParticleMethod : public Method {
                        memoryText(deviceBytes()));
   }
 
-  // Of a field, with room for the bricks that moving brings, and of what hits are made of.
+  // Of a field, with room for the bricks that moving brings, of what bricks are made of, and hits.
   double deviceBytes() const {
     constexpr std::uint64_t kBytesOfCorners = 48;  // with lists
-    const std::uint64_t each =
-        kResolverBytesPerTriangle + (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
+    const std::uint64_t each = kDeviceBytesPerTriangle + kResolverBytesPerTriangle +
+                               (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
     const double room = options_.extent == ParticleOptions::Extent::Sensor ? 1.5 : 1;
     return room * fieldBytes() + static_cast<double>(scene_.placedTriangles() * each + texelTableBytes(scene_));
   }

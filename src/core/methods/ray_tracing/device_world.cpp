@@ -27,17 +27,6 @@ std::uint32_t bits(double d) {
   return bits(static_cast<float>(d));
 }
 
-PrimitiveBox boxOf(const TriangleBlock& block, std::uint32_t triangle) {
-  const Triangle& corners = block.corners[triangle];
-  PrimitiveBox box{block.vertices[corners[0]], block.vertices[corners[0]]};
-  for (const std::uint32_t corner : corners) {
-    const Vec3f& p = block.vertices[corner];
-    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
-    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
-  }
-  return box;
-}
-
 // Adds hierarchies to those that are there.
 void append(std::vector<WideNode>& nodes, WideHierarchy hierarchy, std::uint32_t firstPrimitive) {
   const auto first = static_cast<std::uint32_t>(nodes.size());
@@ -91,11 +80,7 @@ void appendCutouts(const TriangleBlock& block, Holes& holes, std::vector<DeviceW
 }
 
 void appendBlock(RTCDeviceTy* device, const TriangleBlock& block, Holes& holes, DeviceMeshes& made) {
-  std::vector<PrimitiveBox> boxes(block.triangles.size());
-  parallelFor(boxes.size(), kGrain, [&](std::size_t first, std::size_t last) {
-    for (std::size_t t = first; t < last; ++t) boxes[t] = boxOf(block, static_cast<std::uint32_t>(t));
-  });
-  WideHierarchy hierarchy = buildWideHierarchy(device, boxes);
+  WideHierarchy hierarchy = wideHierarchyOf(device, block);
   const std::size_t firstTriangle = made.triangles.size() / 3;
   const std::size_t firstCutout = made.cutouts.size() / 2;
   made.triangles.resize(made.triangles.size() + 3 * hierarchy.primitives.size());

@@ -10,12 +10,10 @@
 #include <vector>
 
 #include "methods/device/device_tables.h"
-#include "methods/ray_tracing/wide_hierarchy.h"
+#include "methods/device/wide_hierarchy.h"
 #include "methods/world/world.h"
 
 namespace scanmill {
-
-constexpr std::uint64_t kDeviceBytesPerTriangle = 64;  // about; measured on the procedural street
 
 constexpr std::uint32_t kNoRoot = 0xFFFFFFFFu;
 

@@ -6,9 +6,9 @@
 #include "gpu/compute.h"
 #include "methods/device/device_beams.h"
 #include "methods/device/device_resolver.h"
+#include "methods/device/traversal_shader.h"
 #include "methods/ray_tracing/filter.h"
 #include "methods/ray_tracing/gl_tracer.h"
-#include "methods/ray_tracing/wide_hierarchy.h"
 
 namespace scanmill {
 
@@ -70,12 +70,6 @@ Line lineOf(vec3 o, vec3 d, vec3 doubt, vec3 turned, float corners) {
 
 void doubtAt(float distance) {
   unsure = min(unsure, max(distance, 0.0));
-}
-
-// Bounds of children are m from the frame's origin: what is subtracted must not be folded into the sum.
-vec3 planes(uvec3 steps, vec3 scale, vec3 origin) {
-  precise vec3 bound = vec3(steps) * scale + origin;
-  return bound;
 }
 
 // Which children of a node the line meets within reach: bits 24 to 31 nodes, by the order in which it meets them, the
@@ -233,41 +227,6 @@ void meetTriangle(uint t, Line line, uint place, mat3 toNormal) {
 }
 )";
 
-// From the node `root` on, nearest first. `leaf` is what happens to a primitive.
-std::string traversal(const std::string& head, const std::string& nodes, const std::string& leaf) {
-  return head + R"( {
-  uvec2 stack[kDepth];
-  int top = 0;
-  uvec2 open = uvec2(root, 0x80000000u);  // nodes: where they start; which are left, and which slots hold nodes
-  while (true) {
-    uvec2 leaves = uvec2(0u);
-    if (open.y > 0x00FFFFFFu) {
-      int bit = findMSB(open.y);
-      uint slot = uint(31 - bit) ^ line.signs;
-      uint index = open.x + uint(bitCount(open.y & 0xFFu & ~(0xFFFFFFFFu << slot)));
-      open.y &= ~(1u << bit);
-      if (open.y > 0x00FFFFFFu) stack[top++] = open;
-      uvec3 after;
-      uint hits = meet()" +
-         nodes + R"(, index, line, after);
-      open = uvec2(after.x, (hits & 0xFF000000u) | after.z);
-      leaves = uvec2(after.y, hits & 0x00FFFFFFu);
-    }
-    while (leaves.y != 0u) {
-      uint primitive = leaves.x + uint(findLSB(leaves.y));
-      leaves.y &= leaves.y - 1u;
-      )" +
-         leaf + R"(
-    }
-    if (open.y <= 0x00FFFFFFu) {
-      if (top == 0) break;
-      open = stack[--top];
-    }
-  }
-}
-)";
-}
-
 constexpr const char* kEnter = R"(
 // Takes the ray into the frame of a placed mesh. Embree does so by the inverse of the matrix in float32: cofactors over
 // the determinant, which lose up to 8 units of 2^-24 of their products each, and so does the ray's way to where the mesh
@@ -406,9 +365,12 @@ std::string traceShader() {
       glslConstant("kRounding", 16 * kUnit) + glslConstant("kUnit", kUnit) + glslConstant("kMostSpread", 1e4f) +
       // Embree takes volumes for positive that are so little less, of their sum: 2 units.
       glslConstant("kInside", 4 * kUnit) + glslConstant("kTrusted", 5e-3f) + glslConstant("kMostTexels", 4.0f) +
-      glslConstant("kInfinite", std::numeric_limits<float>::infinity()) +
-      fmt::format("const int kDepth = {};\n", kMostWideDepth);
-  return constants + DeviceBeams::shader() + kRays +
+      glslConstant("kInfinite", std::numeric_limits<float>::infinity());
+  // A slot's number differs from the ray's signs by how late the ray meets it.
+  const auto traversal = [](const std::string& head, const std::string& nodes, const std::string& leaf) {
+    return traversalShader({head, "hits = meet(" + nodes + ", index, line, after);", "line.signs", leaf});
+  };
+  return constants + DeviceBeams::shader() + boundsShader() + kRays +
          traversal("void traverseMesh(uint root, Line line, uint place, mat3 toNormal)", "nodes",
                    "meetTriangle(primitive, line, place, toNormal);") +
          kEnter + traversal("void traversePlaces(uint root, Line line)", "placeNodes", "enter(primitive, line);") +

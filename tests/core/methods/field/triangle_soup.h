@@ -11,6 +11,7 @@
 
 #include "base/random.h"
 #include "methods/field/build.h"
+#include "methods/field/same_field.h"
 #include "methods/particle/shape.h"
 #include "methods/world/world.h"
 #include "tests/support/test_scene.h"
@@ -75,28 +76,6 @@ inline FieldShape shapeAt(const Vec3d& sensor, double voxel, std::uint32_t voxel
   options.levels = levels;
   options.refine = lists ? ParticleOptions::Refine::ByTriangle : ParticleOptions::Refine::None;
   return shapeOf(options, sensor, Box{}, 100);
-}
-
-// Whether particles read the same of both, wherever each keeps its bricks.
-inline bool sameField(const DistanceField& a, const DistanceField& b) {
-  if (!(a.shape == b.shape) || a.table.size() != b.table.size()) return false;
-  const auto part = [](const auto& array, std::uint32_t entry) {
-    return array.subspan(std::size_t{entry - kFullBrick} * kBrickStride, kBrickStride);
-  };
-  for (std::size_t i = 0; i < a.table.size(); ++i) {
-    if (a.table[i] < kFullBrick || b.table[i] < kFullBrick) {
-      if (a.table[i] != b.table[i]) return false;
-      continue;
-    }
-    if (!std::ranges::equal(part(a.distance, a.table[i]), part(b.distance, b.table[i]))) return false;
-    const auto wordsA = part(a.word, a.table[i]);
-    const auto wordsB = part(b.word, b.table[i]);
-    for (std::size_t c = 0; c < kBrickStride; ++c) {
-      const bool lists = a.shape.lists && wordsA[c] != kNoWord && wordsB[c] != kNoWord;
-      if (lists ? listAt(a, wordsA[c]) != listAt(b, wordsB[c]) : wordsA[c] != wordsB[c]) return false;
-    }
-  }
-  return true;
 }
 
 inline std::size_t fullBricks(const DistanceField& field) {

@@ -37,7 +37,8 @@ TEST(ParticlesOnADevice, GiveTheProcessorsBytes) {
 
 // How many of a shot's particles end so on the device.
 std::size_t endsOf(const Scene& scene, const Shot& shot, const ParticleOptions& options, RayVerdict verdict) {
-  const FieldStore fields(scene, options);
+  FieldBackend processor(nullptr);
+  const FieldStore fields(scene, options, [&]() -> FieldBackend& { return processor; });
   StageClock clock;
   const FieldStore::Place place = fields.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
   const ShotFrame frame = frameOf(shot, place.world->origin);

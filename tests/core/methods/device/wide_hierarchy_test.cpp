@@ -1,4 +1,4 @@
-#include "methods/ray_tracing/wide_hierarchy.h"
+#include "methods/device/wide_hierarchy.h"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "base/vec.h"
-
-struct RTCDeviceTy;
+#include "methods/world/world.h"
 
 namespace scanmill {
 
@@ -36,6 +35,9 @@ struct WideNode {
 };
 static_assert(sizeof(WideNode) == 80);
 
+// About: three words of corners, and its share of the nodes; measured on the procedural street.
+constexpr std::uint64_t kDeviceBytesPerTriangle = 64;
+
 struct PrimitiveBox {
   Vec3f low, high;  // m
 };
@@ -52,5 +54,7 @@ float wideBound(const WideNode& node, std::size_t axis, std::uint8_t steps);
 // Builds it with Embree's builder (rtcBuildBVH), by the surface area heuristic. Throws Error where memory is out, or
 // where it would be deeper than kMostWideDepth.
 WideHierarchy buildWideHierarchy(RTCDeviceTy* device, std::span<const PrimitiveBox> boxes);
+// Of the triangles of a block.
+WideHierarchy wideHierarchyOf(RTCDeviceTy* device, const TriangleBlock& block);
 
 }  // namespace scanmill

@@ -1,4 +1,4 @@
-#include "methods/ray_tracing/wide_hierarchy.h"
+#include "methods/device/wide_hierarchy.h"
 
 #include <embree3/rtcore.h>
 
@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace scanmill {
 
@@ -183,6 +184,17 @@ WideHierarchy flatten(const TreeInner& root) {
   return made;
 }
 
+PrimitiveBox boxOf(const TriangleBlock& block, std::uint32_t triangle) {
+  const Triangle& corners = block.corners[triangle];
+  PrimitiveBox box{block.vertices[corners[0]], block.vertices[corners[0]]};
+  for (const std::uint32_t corner : corners) {
+    const Vec3f& p = block.vertices[corner];
+    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+  }
+  return box;
+}
+
 struct HierarchyDeleter {
   void operator()(RTCBVHTy* hierarchy) const { rtcReleaseBVH(hierarchy); }
 };
@@ -222,6 +234,14 @@ WideHierarchy buildWideHierarchy(RTCDeviceTy* device, std::span<const PrimitiveB
   above.children[0] = root;
   above.boxes[0] = boundsOf(boxes);
   return flatten(above);
+}
+
+WideHierarchy wideHierarchyOf(RTCDeviceTy* device, const TriangleBlock& block) {
+  std::vector<PrimitiveBox> boxes(block.triangles.size());
+  parallelFor(boxes.size(), 16384, [&](std::size_t first, std::size_t last) {
+    for (std::size_t t = first; t < last; ++t) boxes[t] = boxOf(block, static_cast<std::uint32_t>(t));
+  });
+  return buildWideHierarchy(device, boxes);
 }
 
 }  // namespace scanmill
