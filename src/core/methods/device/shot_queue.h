@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -74,51 +73,67 @@ class ShotQueue {
   };
 
   // Gives the device what waits first, and what goes with it, as soon as fewer than kInFlight dispatches are on their
-  // way.
+  // way. Whoever has what it waits for may be gone.
   void lead(std::unique_lock<std::mutex>& lock) {
     leading_ = true;
     lock.unlock();
-    std::shared_ptr<Batch> batch;
     std::vector<Waiting*> together;
-    std::exception_ptr failure;
     try {
-      batch = std::make_shared<Batch>(readbacks_);
+      auto batch = std::make_shared<Batch>(readbacks_);
       lock.lock();
       together = takeTogether();
       lock.unlock();
-      std::vector<const Work*> works;
-      for (Waiting* waiting : together) {
-        works.push_back(&waiting->work);
-        waiting->given.from = batch->rays;
-        batch->rays += waiting->work.rays();
+      try {
+        giveAll(together, std::move(batch));
+      } catch (...) {
+        if (together.size() == 1) throw;
+        for (Waiting* waiting : together) giveAlone(waiting);
       }
-      isolated([&] { give_(works, *batch); });
+      lock.lock();
     } catch (...) {
-      failure = std::current_exception();
-    }
-    if (!lock.owns_lock()) lock.lock();
-    if (together.empty()) together = takeTogether();  // they fail, too
-    for (Waiting* waiting : together) {
-      waiting->failure = failure;
-      if (!failure) waiting->given.batch = batch;
+      if (!lock.owns_lock()) lock.lock();
+      if (together.empty()) together.swap(queue_);
+      for (Waiting* waiting : together) waiting->failure = std::current_exception();
     }
     leading_ = false;
     changed_.notify_all();
+  }
+
+  // What did not go together may fit by itself.
+  void giveAlone(Waiting* waiting) {
+    try {
+      giveAll({waiting}, std::make_shared<Batch>(readbacks_));
+    } catch (...) {
+      const std::scoped_lock lock(mutex_);
+      waiting->failure = std::current_exception();
+    }
+    changed_.notify_all();
+  }
+
+  void giveAll(const std::vector<Waiting*>& together, std::shared_ptr<Batch> batch) {
+    std::vector<const Work*> works;
+    std::vector<std::size_t> from;
+    for (const Waiting* waiting : together) {
+      works.push_back(&waiting->work);
+      from.push_back(batch->rays);
+      batch->rays += waiting->work.rays();
+    }
+    isolated([&] { give_(works, *batch); });
+    const std::scoped_lock lock(mutex_);
+    for (std::size_t i = 0; i < together.size(); ++i) together[i]->given = {batch, from[i]};
   }
 
   std::vector<Waiting*> takeTogether() {
     const Work& first = queue_.front()->work;
     const std::uint64_t most = std::max<std::uint64_t>(most_ / std::max<std::uint64_t>(first.bytes(), 1), 1);
     std::vector<Waiting*> together;
+    std::vector<Waiting*> left;
     together.reserve(queue_.size());
-    for (auto it = queue_.begin(); it != queue_.end() && together.size() < most;) {
-      if ((*it)->work.goesWith(first)) {
-        together.push_back(*it);
-        it = queue_.erase(it);
-      } else {
-        ++it;
-      }
+    left.reserve(queue_.size());
+    for (Waiting* waiting : queue_) {
+      (together.size() < most && waiting->work.goesWith(first) ? together : left).push_back(waiting);
     }
+    queue_ = std::move(left);
     return together;
   }
 
@@ -127,7 +142,7 @@ class ShotQueue {
   const Give give_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::list<Waiting*> queue_;
+  std::vector<Waiting*> queue_;
   bool leading_ = false;  // some thread gives the device work
 };
 

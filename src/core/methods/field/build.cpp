@@ -183,22 +183,29 @@ void Builder::fillTable() {
 void Builder::fillByDevice() {
   std::vector<std::uint32_t> open;
   std::vector<BrickPlace> places;
+  std::vector<float> distances;
+  const auto measure = [&] {
+    distances.resize(open.size());
+    device_->centres(places, distances);
+    parallelFor(open.size(), 1024, [&](std::size_t first, std::size_t last) {
+      FacetCache facets;
+      std::uint32_t nearest = 0;
+      for (std::size_t i = first; i < last; ++i) {
+        const float distance = std::isnan(distances[i]) ? distanceOf(places[i], nearest, facets) : distances[i];
+        field_->table[open[i]] = tableEntry(distance);
+      }
+    });
+    open.clear();
+    places.clear();
+  };
   for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
     if (field_->table[i] != kUnseen) continue;
     open.push_back(i);
     const std::size_t level = levelOf(i);
     places.push_back(placeOf(level, brickOf(level, i)));
+    if (open.size() == DeviceBricks::kCentresAtOnce) measure();
   }
-  std::vector<float> distances(open.size());
-  device_->centres(places, distances);
-  parallelFor(open.size(), 1024, [&](std::size_t first, std::size_t last) {
-    FacetCache facets;
-    std::uint32_t nearest = 0;
-    for (std::size_t i = first; i < last; ++i) {
-      const float distance = std::isnan(distances[i]) ? distanceOf(places[i], nearest, facets) : distances[i];
-      field_->table[open[i]] = tableEntry(distance);
-    }
-  });
+  if (!open.empty()) measure();
 }
 
 void Builder::findUnmade() {

@@ -21,8 +21,7 @@ using enum ComputeTable::Texel;
 
 const ComputeErrorWords kWords{"fields cannot be built by OpenGL", "'backend: cpu' does without it"};
 
-constexpr std::size_t kBricksAtOnce = 2048;     // 12 MB come back of so many
-constexpr std::size_t kCentresAtOnce = 262144;  // of bricks that may be empty
+constexpr std::size_t kBricksAtOnce = 2048;  // 12 MB come back of so many
 constexpr std::size_t kGrain = 16384;
 
 using DeviceWord = std::array<std::uint32_t, 4>;
@@ -46,9 +45,7 @@ std::vector<std::uint32_t> orderedTriangles(const TriangleBlock& block) {
 
 class DeviceBricks::Inside {
  public:
-  explicit Inside(std::uint64_t most) : device_(kWords), most_(most), embree_(makeDevice()) {
-    lists_.reserve(16);  // buffers without storage cannot be bound
-  }
+  explicit Inside(std::uint64_t most) : device_(kWords), most_(most), embree_(makeDevice()) {}
 
   void hold(const std::shared_ptr<const World>& world) {
     if (world_.lock() == world) return;
@@ -75,18 +72,14 @@ class DeviceBricks::Inside {
   }
 
   void centres(std::span<const BrickPlace> places, std::span<float> distances) {
-    for (std::size_t first = 0; first < places.size(); first += kCentresAtOnce) {
-      const std::size_t count = std::min(kCentresAtOnce, places.size() - first);
-      const std::span<float> some = distances.subspan(first, count);
-      device_.atOnce([&] {
-        holdPlaces(places.subspan(first, count));
-        blocks_.reserve(count * sizeof(std::uint32_t));
-        run(findCentres_, count, {&places_, &blocks_});
-        read(blocks_, std::as_writable_bytes(some));
-      });
-      for (float& distance : some) {
-        if (std::bit_cast<std::uint32_t>(distance) == kLeftBrick) distance = std::numeric_limits<float>::quiet_NaN();
-      }
+    device_.atOnce([&] {
+      holdPlaces(places);
+      blocks_.reserve(places.size() * sizeof(std::uint32_t));
+      run(findCentres_, places.size(), {&places_, &blocks_});
+      read(blocks_, std::as_writable_bytes(distances));
+    });
+    for (float& distance : distances) {
+      if (std::bit_cast<std::uint32_t>(distance) == kLeftBrick) distance = std::numeric_limits<float>::quiet_NaN();
     }
   }
 
@@ -110,6 +103,7 @@ class DeviceBricks::Inside {
       brick_.reserve(made_.size() * sizeof(std::uint32_t));
       run(findBlocks_, places.size() * kBlocksPerBrick, {&places_, &blocks_});
       run(findCorners_, corners, {&places_, &blocks_, &brick_});
+      lists_.reserve(16);  // buffers without storage cannot be bound
       if (lists) run(countLists_, corners, {&places_, &brick_, &lists_});
       read(brick_, std::as_writable_bytes(std::span(made_)));
     });
@@ -120,12 +114,17 @@ class DeviceBricks::Inside {
         const std::span<std::uint32_t> words = std::span(made_).subspan(2 * kCornersPerBrick * i, 2 * kCornersPerBrick);
         const std::span<std::uint32_t> listed =
             std::span(entries_).subspan(firstList[i], firstList[i + 1] - firstList[i]);
-        for (std::uint32_t& entry : listed) entry = triangles_[entry & ~kLastOfList] | (entry & kLastOfList);
         Made made{false, words, listed};
+        const auto triangleAt = [&](std::uint32_t place) {
+          const bool known = place < triangles_.size();  // a device that errs may name anything
+          made.left = made.left || !known;
+          return known ? triangles_[place] : 0;
+        };
+        for (std::uint32_t& entry : listed) entry = triangleAt(entry & ~kLastOfList) | (entry & kLastOfList);
         for (std::size_t c = 0; c < kCornersPerBrick; ++c) {
           std::uint32_t& word = words[2 * c + 1];
           made.left = made.left || words[2 * c] == kLeftBrick;
-          if (word != kNoWord) word = lists ? word - static_cast<std::uint32_t>(firstList[i]) : triangles_[word];
+          if (word != kNoWord) word = lists ? word - static_cast<std::uint32_t>(firstList[i]) : triangleAt(word);
         }
         take(i, made);
       }
@@ -134,7 +133,7 @@ class DeviceBricks::Inside {
 
   // Turns the numbers of triangles in made_ into the places of their lists, and fetches these.
   void makeLists(std::size_t bricks, std::vector<std::size_t>& firstList) {
-    std::uint32_t next = 0;
+    std::uint64_t next = 0;
     ends_.clear();
     for (std::size_t i = 0; i < bricks; ++i) {
       firstList[i] = next;
@@ -142,17 +141,18 @@ class DeviceBricks::Inside {
         std::uint32_t& word = made_[2 * c + 1];
         if (word == kNoWord) continue;
         const std::uint32_t entries = word;
-        word = next;
+        word = static_cast<std::uint32_t>(next);
         next += entries;
         ends_.push_back(next);
       }
     }
     firstList[bricks] = next;
+    const std::uint64_t bytes = next * sizeof(std::uint32_t);
+    checkTable(device_, Uint32, bytes, std::min(most_, device_.mostBufferBytes()),
+               "lists of triangles of " + std::to_string(bricks) + " bricks",
+               ": take larger voxels, or 'refine: normal'");
     entries_.resize(next);
     if (next == 0) return;
-    const std::uint64_t bytes = entries_.size() * sizeof(std::uint32_t);
-    checkTable(device_, Uint32, bytes, most_, "lists of triangles of " + std::to_string(bricks) + " bricks",
-               ": take larger voxels, or 'refine: normal'");
     device_.atOnce([&] {
       lists_.reserve(bytes);
       const ComputeBuffer::Source places{0, std::as_bytes(std::span(made_))};
@@ -198,7 +198,7 @@ class DeviceBricks::Inside {
 
   std::vector<std::uint32_t> made_;     // of the bricks at once: two words a corner
   std::vector<std::uint32_t> entries_;  // their lists
-  std::vector<std::uint32_t> ends_;     // where each list ends
+  std::vector<std::size_t> ends_;       // where each list ends
 };
 
 DeviceBricks::DeviceBricks(std::uint64_t most) : inside_(std::make_unique<Inside>(most)) {}

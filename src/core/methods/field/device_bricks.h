@@ -27,8 +27,9 @@ class DeviceBricks {
   // This and what follows is for one thread at a time.
   void hold(const std::shared_ptr<const World>& world);
 
-  // Of bricks' centres, as a field's table has them (voxels); NaN where the processor must tell. The world that is held
-  // has triangles.
+  // Of bricks' centres, at most kCentresAtOnce, as a field's table has them (voxels); NaN where the processor must
+  // tell. The world that is held has triangles.
+  static constexpr std::size_t kCentresAtOnce = 262'144;
   void centres(std::span<const BrickPlace> places, std::span<float> distances);
 
   // What BrickMaker::make() makes of a brick.

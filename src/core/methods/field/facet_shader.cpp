@@ -36,19 +36,41 @@ double productError(double a, double b, double product) {
   return error;
 }
 
-// Both rounded correctly: one step of Newton's from a number that is off by a few units, whose remainder is exact.
+// The numbers next to one.
+void neighbours(double x, out double below, out double above) {
+  precise double half_ = 1.1102230246251568e-16LF * x;
+  precise double less = x - half_;
+  precise double more = x + half_;
+  below = less;
+  above = more;
+}
+
+// Both rounded correctly: one step of Newton's from a number that is off by a few units, and then the neighbour where
+// that is nearer; what is left of x is exact.
 double rootOf(double x, double about) {
-  precise double product = about * about;
-  precise double left = (x - product) - productError(about, about, product);
-  precise double root = about + left / (2.0LF * about);
-  return root;
+  precise double square = about * about;
+  precise double off = (x - square) - productError(about, about, square);
+  precise double root = about + off / (2.0LF * about);
+  double below, above;
+  neighbours(root, below, above);
+  precise double product = root * root;
+  precise double left = (x - product) - productError(root, root, product);
+  precise double upwards = root * (above - root);
+  precise double downwards = -(root * (root - below));
+  return left > upwards ? above : left <= downwards ? below : root;
 }
 
 double inverseOf(double x, double about) {
-  precise double product = about * x;
-  precise double left = (1.0LF - product) - productError(about, x, product);
-  precise double inverse = about + left * about;
-  return inverse;
+  precise double one = about * x;
+  precise double off = (1.0LF - one) - productError(about, x, one);
+  precise double inverse = about + off * about;
+  double below, above;
+  neighbours(inverse, below, above);
+  precise double product = inverse * x;
+  precise double left = 2.0LF * ((1.0LF - product) - productError(inverse, x, product));
+  precise double upwards = x * (above - inverse);
+  precise double downwards = -(x * (inverse - below));
+  return left > upwards ? above : left < downwards ? below : inverse;
 }
 
 // Rounded once more it is still the correct one.

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include "base/error.h"
@@ -15,63 +16,71 @@ namespace scanmill {
 
 using Fields = std::vector<std::shared_ptr<const DistanceField>>;
 
-FieldBackend::FieldBackend(std::unique_ptr<DeviceBricks> device)
-    : device_(std::move(device)), open_(device_ != nullptr) {}
+FieldBackend::FieldBackend(std::unique_ptr<DeviceBricks> device) : device_(std::move(device)) {
+  states_.fill(device_ != nullptr ? State::Open : State::Processor);
+}
 
 std::shared_ptr<const DistanceField> FieldBackend::build(const std::shared_ptr<const World>& world,
                                                          const FieldShape& shape, const Fields& before) {
   std::unique_lock lock(building_);
-  const bool first = std::exchange(open_, false);
-  if (!first && !taken_) {
+  State& state = states_[shape.lists ? 1 : 0];
+  if (state == State::Processor || world->baked.triangles.empty()) {
     lock.unlock();
     return buildField(*world, shape, before);
   }
-  double there = 0;
-  double here = 0;
+  std::string failed;
+  std::shared_ptr<const DistanceField> there;
+  double onDevice = 0;
   try {
-    auto made = byDevice(world, shape, before, there);
-    if (taken_) return made;
-    std::shared_ptr<const DistanceField> known;
-    here = secondsOf([&] { known = buildField(*world, shape, before); });
-    if (!sameField(*made, *known)) throw Error("the device does not keep IEEE 754");
-    taken_ = there < here;
-    const std::string device = device_->device();
-    outcome_ =
-        fmt::format("{} ({:.0f} ms a field; {} {:.0f} ms)", taken_ ? device : "the processor",
-                    1e3 * (taken_ ? there : here), taken_ ? "the processor" : device, 1e3 * (taken_ ? here : there));
-    return known;
+    there = byDevice(world, shape, before, onDevice);
+    if (state == State::Device) return there;
   } catch (const Error& error) {
-    giveUp(error.what());
+    failed = error.what();
+  } catch (const std::bad_alloc&) {
+    failed = "memory is out";
   }
-  lock.unlock();
-  return buildField(*world, shape, before);
+  std::shared_ptr<const DistanceField> here;
+  // What is wrong with the field itself is thrown here, too, and says nothing of the device.
+  const double onProcessor = secondsOf([&] { here = buildField(*world, shape, before); });
+  if (failed.empty() && !sameField(*there, *here)) failed = "the device does not keep IEEE 754";
+  if (!failed.empty()) {
+    warn(fmt::format("fields are built on the processor: {}", failed));
+    tell(shape.lists, fmt::format("the processor, since {} had failed", device_->device()));
+    state = State::Processor;
+  } else if (!here->distance.empty()) {
+    state = chosen(onDevice, onProcessor, shape.lists);
+  }
+  return here;
+}
+
+FieldBackend::State FieldBackend::chosen(double onDevice, double onProcessor, bool lists) {
+  const bool faster = onDevice < onProcessor;
+  const std::string device = device_->device();
+  tell(lists, fmt::format("{} ({:.0f} ms a field; {} {:.0f} ms)", faster ? device : "the processor",
+                          1e3 * std::min(onDevice, onProcessor), faster ? "the processor" : device,
+                          1e3 * std::max(onDevice, onProcessor)));
+  return faster ? State::Device : State::Processor;
 }
 
 // The seconds are those of building alone: the scene is brought there once.
 std::shared_ptr<const DistanceField> FieldBackend::byDevice(const std::shared_ptr<const World>& world,
                                                             const FieldShape& shape, const Fields& before,
                                                             double& seconds) {
-  if (!world->baked.triangles.empty()) device_->hold(world);
+  device_->hold(world);
   const WallTimer timer;
   auto made = buildField(*world, shape, before, device_.get());
   seconds = timer.seconds();
   return made;
 }
 
-void FieldBackend::giveUp(const std::string& why) {
-  warn(fmt::format("fields are built on the processor: {}", why));
-  taken_ = false;
-  tell(fmt::format("the processor, since {} had failed", device_->device()));
+void FieldBackend::tell(bool lists, std::string outcome) {
+  const std::scoped_lock lock(telling_);
+  outcomes_[lists ? 1 : 0] = std::move(outcome);
 }
 
-void FieldBackend::tell(std::string outcome) {
+std::string FieldBackend::outcome(bool lists) const {
   const std::scoped_lock lock(telling_);
-  outcome_ = std::move(outcome);
-}
-
-std::string FieldBackend::outcome() const {
-  const std::scoped_lock lock(telling_);
-  return outcome_;
+  return outcomes_[lists ? 1 : 0];
 }
 
 std::unique_ptr<DeviceBricks> findDeviceBricks() {

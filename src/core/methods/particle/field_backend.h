@@ -2,6 +2,7 @@
 
 // Who builds fields: the processor, or a graphics card.
 
+#include <array>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -18,30 +19,30 @@ class FieldBackend {
   // Without a device the processor builds all.
   explicit FieldBackend(std::unique_ptr<DeviceBricks> device);
 
-  // What buildField() gives (methods/field/build.h). The first field is built on both, and who is faster builds the
-  // next. A device that fails, or that gives another field, is not taken: then it warns, and the processor takes over.
-  // Safe to call from several threads.
+  // What buildField() gives (methods/field/build.h). The first field that has full bricks is built on both, with lists
+  // and without, and who is faster builds the next. A device that fails, or that gives another field, is not taken:
+  // then it warns, and the processor takes over. Safe to call from several threads.
   std::shared_ptr<const DistanceField> build(const std::shared_ptr<const World>& world, const FieldShape& shape,
                                              const std::vector<std::shared_ptr<const DistanceField>>& before);
 
-  // For the summary of a run: "llvmpipe (51 ms a field; the processor 214 ms)"; empty where there is no device, or
-  // where nothing was built yet.
-  std::string outcome() const;
+  // Of fields with lists or without, for the summary of a run: "llvmpipe (51 ms a field; the processor 214 ms)"; empty
+  // where there is no device, or where nothing was built yet.
+  std::string outcome(bool lists) const;
 
  private:
   std::shared_ptr<const DistanceField> byDevice(const std::shared_ptr<const World>& world, const FieldShape& shape,
                                                 const std::vector<std::shared_ptr<const DistanceField>>& before,
                                                 double& seconds);
-  void giveUp(const std::string& why);
 
-  void tell(std::string outcome);
+  enum class State { Open, Processor, Device };
+  State chosen(double onDevice, double onProcessor, bool lists);  // s that a field takes
+  void tell(bool lists, std::string outcome);
 
   std::mutex building_;  // of what follows, and held while the device builds
   const std::unique_ptr<DeviceBricks> device_;
-  bool open_;           // it is to be tried
-  bool taken_ = false;  // it builds
+  std::array<State, 2> states_;  // of fields without lists, and with
   mutable std::mutex telling_;
-  std::string outcome_;
+  std::array<std::string, 2> outcomes_;
 };
 
 // A device that may build fields faster than the processor does: a graphics card, where the machine has one that works.

@@ -131,12 +131,13 @@ void FieldStore::build(Work& work, StageClock& clock) const {
     const WallTimer timer;
     withWaiters([&] { work.field = backend_().build(work.world, work.shape, before); });
     clock.add(before.empty() ? "field_build" : "field_update", timer.seconds());
+    const std::scoped_lock lock(mutex_);
+    keep(work);
   } catch (...) {
     work.failure = std::current_exception();
   }
   const std::scoped_lock lock(mutex_);
   work_ = nullptr;
-  if (!work.failure) keep(work);
 }
 
 // Called with mutex_ locked. Lets go of what was not used for the longest time.

@@ -125,7 +125,7 @@ class ParticleMethod : public Method {
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
     TraceAccount told = account(clock, shot, counts);
     if (const std::string by = backend.choice.outcome(); !by.empty()) told.backends.insert("particles: " + by);
-    if (const std::string by = fieldBackend(options_.backend).outcome(); !by.empty()) {
+    if (const std::string by = fieldBackend(options_.backend).outcome(place.field->shape.lists); !by.empty()) {
       told.backends.insert("fields: " + by);
     }
     return told;

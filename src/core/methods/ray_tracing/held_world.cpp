@@ -1,6 +1,5 @@
 #include "methods/ray_tracing/held_world.h"
 
-#include <map>
 #include <span>
 #include <string>
 #include <utility>
@@ -30,27 +29,29 @@ HeldWorld::HeldWorld(const ComputeDevice& device, std::uint64_t most)
 }
 
 std::shared_ptr<const WorldPlaces> HeldWorld::placesOf(const std::shared_ptr<const World>& world) const {
-  std::shared_ptr<const Blocks> blocks;
+  std::shared_ptr<const DeviceBlocks> blocks;
   {
     const std::scoped_lock lock(mutex_);
     if (world->shared->number == shared_ && world_.lock() != world) blocks = blocks_;
   }
-  return blocks != nullptr && world->baked.triangles.empty() ? makePlaces(*world, *blocks) : nullptr;
+  return blocks != nullptr && world->baked.triangles.empty() ? makePlaces(*world, std::move(blocks)) : nullptr;
 }
 
-std::shared_ptr<const WorldPlaces> HeldWorld::makePlaces(const World& world, const Blocks& blocks) const {
+std::shared_ptr<const WorldPlaces> HeldWorld::makePlaces(const World& world,
+                                                         std::shared_ptr<const DeviceBlocks> blocks) const {
   auto made = std::make_shared<WorldPlaces>();
   isolated([&] {
-    made->places = devicePlaces(embree_.get(), world, blocks);
+    made->places = devicePlaces(embree_.get(), world, *blocks);
     made->stands = standsOf(world);
   });
+  made->blocks = std::move(blocks);
   return made;
 }
 
 void HeldWorld::hold(const std::shared_ptr<const World>& world, std::shared_ptr<const WorldPlaces> places,
                      DeviceResolver& resolver) {
   const bool baked = !world->baked.triangles.empty();
-  std::shared_ptr<const Blocks> blocks;
+  std::shared_ptr<const DeviceBlocks> blocks;
   {
     const std::scoped_lock lock(mutex_);
     if (world_.lock() == world) return;
@@ -59,7 +60,7 @@ void HeldWorld::hold(const std::shared_ptr<const World>& world, std::shared_ptr<
     if (blocks == nullptr) shared_ = 0;
   }
   if (blocks == nullptr) blocks = holdMeshes(*world, resolver);
-  if (places == nullptr) places = makePlaces(*world, *blocks);
+  if (places == nullptr || places->blocks != blocks) places = makePlaces(*world, blocks);
   hold(placeNodes_, places->places.nodes, "hierarchy of placed meshes");
   hold(places_, places->places.places, "placed meshes");
   resolver.holdPlaces(places->stands);
@@ -71,7 +72,7 @@ void HeldWorld::hold(const std::shared_ptr<const World>& world, std::shared_ptr<
   blocks_ = std::move(blocks);
 }
 
-std::shared_ptr<const HeldWorld::Blocks> HeldWorld::holdMeshes(const World& world, DeviceResolver& resolver) {
+std::shared_ptr<const DeviceBlocks> HeldWorld::holdMeshes(const World& world, DeviceResolver& resolver) {
   DeviceMeshes meshes = deviceMeshes(embree_.get(), world);
   hold(nodes_, meshes.nodes, "hierarchies");
   hold(triangles_, meshes.triangles, "triangles");
@@ -79,7 +80,7 @@ std::shared_ptr<const HeldWorld::Blocks> HeldWorld::holdMeshes(const World& worl
   hold(holes_, meshes.holes, "cut-outs");
   resolver.holdMeshes(world);
   device_.finish();
-  return std::make_shared<const Blocks>(std::move(meshes.blocks));
+  return std::make_shared<const DeviceBlocks>(std::move(meshes.blocks));
 }
 
 template <class T>

@@ -3,6 +3,7 @@
 // The world that a device holds for tracing rays.
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -15,8 +16,11 @@
 
 namespace scanmill {
 
+using DeviceBlocks = std::map<const TriangleBlock*, DeviceMeshes::Block>;
+
 // How a world's meshes stand.
 struct WorldPlaces {
+  std::shared_ptr<const DeviceBlocks> blocks;  // of the meshes on the device, which the places name
   DevicePlaces places;
   std::vector<Stand> stands;
 };
@@ -43,10 +47,8 @@ class HeldWorld {
   std::uint32_t placesRoot() const { return placesRoot_; }
 
  private:
-  using Blocks = std::map<const TriangleBlock*, DeviceMeshes::Block>;
-
-  std::shared_ptr<const Blocks> holdMeshes(const World& world, DeviceResolver& resolver);
-  std::shared_ptr<const WorldPlaces> makePlaces(const World& world, const Blocks& blocks) const;
+  std::shared_ptr<const DeviceBlocks> holdMeshes(const World& world, DeviceResolver& resolver);
+  std::shared_ptr<const WorldPlaces> makePlaces(const World& world, std::shared_ptr<const DeviceBlocks> blocks) const;
   template <class T>
   void hold(ComputeBuffer& buffer, const std::vector<T>& array, const char* what);
 
@@ -57,10 +59,10 @@ class HeldWorld {
   std::uint32_t meshRoot_ = kNoRoot;
   std::uint32_t placesRoot_ = kNoRoot;
 
-  mutable std::mutex mutex_;              // of what follows
-  std::weak_ptr<const World> world_;      // whose data the buffers hold
-  std::uint64_t shared_ = 0;              // likewise: the number of the shared meshes, if nothing is baked besides
-  std::shared_ptr<const Blocks> blocks_;  // of these meshes
+  mutable std::mutex mutex_;          // of what follows
+  std::weak_ptr<const World> world_;  // whose data the buffers hold
+  std::uint64_t shared_ = 0;          // likewise: the number of the shared meshes, if nothing is baked besides
+  std::shared_ptr<const DeviceBlocks> blocks_;  // of these meshes
 };
 
 }  // namespace scanmill

@@ -16,14 +16,19 @@ namespace {
 
 constexpr std::size_t kNumbers = 200'000;
 
-// From 1e-60 to 1e60, and squares of numbers with few digits, whose roots are exact.
+// From 1e-60 to 1e60, squares of numbers with few digits, whose roots are exact, and what lies a few units beside a
+// power of two, where the distance between numbers changes.
 std::vector<double> numbers() {
   std::vector<double> made(kNumbers);
   for (std::uint32_t i = 0; i < kNumbers; ++i) {
     const RandomBlock r = randomBlock({.beam = i, .purpose = Purpose::Test});
     const double x = std::pow(10.0, 120 * uniform(r[0]) - 60) * (1 + uniform(r[1]) + 0x1p-32 * uniform(r[2]));
     const double few = std::floor(1e7 * uniform(r[3])) + 1;
-    made[i] = i % 8 == 0 ? few * few : x;
+    const double beside = std::ldexp(1.0, static_cast<int>(r[0] % 200) - 100);
+    made[i] = i % 8 == 0   ? few * few
+              : i % 8 == 1 ? beside * (1 + 0x1p-52 * (r[1] % 12))
+              : i % 8 == 2 ? beside * (1 - 0x1p-53 * (r[1] % 12))
+                           : x;
   }
   return made;
 }
