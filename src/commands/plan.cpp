@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -113,7 +114,7 @@ void printFeatures(const FeatureCosts& costs) {
                     part(f.cost.effectsSeconds), part(f.cost.encodeSeconds), part(f.cost.seconds()),
                     told ? fmt::format("{:+.1f} %", 100 * f.cost.seconds() / whole.seconds())
                          : fmt::format("< {:.1f} %", 100 * std::max(f.scatter, -f.cost.seconds()) / whole.seconds()),
-                    fmt::format("{:+.0f}", f.cost.bytes * 1e-3)});
+                    fmt::format("{:+}", std::lround(f.cost.bytes * 1e-3))});
   }
   printText(
       "\n{}measured on {}: the least times of frames with and without, tracing on all cores, the rest on one; a share\n"

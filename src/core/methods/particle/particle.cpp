@@ -268,11 +268,12 @@ class ParticleMethod : public Method {
 
   std::string fieldLine() const {
     const bool around = options_.extent == ParticleOptions::Extent::Sensor;
-    return fmt::format("distance field: {}, voxels of {:g} m{}, about {}",
-                       around ? fmt::format("levels of {} voxels across around the sensor", options_.voxels)
-                              : std::string("one for the whole scene"),
-                       options_.voxel, around ? " in the finest, twice as large from level to level" : "",
-                       memoryText(fieldBytes()));
+    return fmt::format(
+        "distance field: {}, voxels of {:g} m{}, about {}{}",
+        around ? fmt::format("levels of {} voxels across around the sensor", options_.voxels)
+               : std::string("one for the whole scene"),
+        options_.voxel, around ? " in the finest, twice as large from level to level" : "", memoryText(fieldBytes()),
+        around ? fmt::format("; memory for {} of them while sensors drive", fields_.fewestFields()) : "");
   }
 
   std::string smallestLine() const {
