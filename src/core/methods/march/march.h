@@ -100,12 +100,6 @@ class GlMarcher {
   virtual void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world,
                      std::uint32_t steps, const ParticleLaunch& launch, Hits& hits,
                      std::vector<UndecidedRay>& undecided, StageClock& clock) = 0;
-  // Marches all particles, as marchCpu() does with those that have taken no step. `field` and `triangles` are uploaded
-  // where they are not those of the call before. Safe to call from several threads: one waits for the other. Throws
-  // Error, also where the field is larger than the device's buffers may be. Adds to the stages "upload" (of the field
-  // and the triangles), "march" (particles uploaded and flown) and "read_back" (hit records) of `clock`.
-  virtual void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world,
-                     std::uint32_t steps, const Particles& particles, HitRecords& records, StageClock& clock) = 0;
   virtual std::string device() const = 0;  // "llvmpipe (LLVM 15.0.6, 256 bits)"
 };
 

@@ -1,5 +1,4 @@
-// Marches particles by a compute shader. Fields and triangles stay on the device between calls; particles go there and
-// hit records come back, a slice at a time.
+// Launches particles, lets them march and makes their hits, all on a device, a slice at a time.
 
 #include "methods/march/march_gl.h"
 
@@ -8,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,7 +19,7 @@
 #include "methods/device/device_beams.h"
 #include "methods/device/device_resolver.h"
 #include "methods/device/shot_queue.h"
-#include "methods/march/device_fields.h"
+#include "methods/march/device_march.h"
 #include "methods/march/march_rule.h"
 
 namespace scanmill {
@@ -31,18 +29,6 @@ namespace {
 const ComputeErrorWords kWords{"particles cannot fly by OpenGL", "'backend: cpu' does without it"};
 
 // As the shader declares it, by the rules of std140.
-struct MarchBlock {
-  std::int32_t lastLevel;
-  float perReach;
-  float metres;
-  std::uint32_t steps;
-  std::uint32_t count;
-  std::uint32_t again;
-  std::uint32_t unused[2];
-};
-static_assert(sizeof(MarchBlock) == 32);
-
-// Likewise.
 struct LaunchBlock {
   double low[4], high[4], centre[4];
   double farthest;
@@ -115,40 +101,6 @@ HitsBlock hitsBlock(const DistanceField& field, const World& world, const Launch
   return block;
 }
 
-MarchBlock marchBlock(const DistanceField& field, std::uint32_t steps, std::size_t count) {
-  MarchBlock block{};
-  block.lastLevel = static_cast<std::int32_t>(field.levels.size()) - 1;
-  block.perReach = 1.0f / field.shape.reach;
-  block.metres = static_cast<float>(field.shape.voxel);
-  block.steps = steps;
-  block.count = static_cast<std::uint32_t>(count);
-  return block;
-}
-
-using Columns = std::vector<const std::vector<float>*>;
-
-Columns columnsOf(const Particles& p, bool lists) {
-  if (!lists) return {&p.ox, &p.oy, &p.oz, &p.dx, &p.dy, &p.dz, &p.begin, &p.end};
-  return {&p.ox, &p.oy, &p.oz, &p.dx, &p.dy, &p.dz, &p.begin, &p.end, &p.wx, &p.wy, &p.wz, &p.ix, &p.iy, &p.iz};
-}
-
-// A corner and the two edges from it.
-using DeviceTriangle = std::array<std::array<float, 4>, 3>;
-
-std::vector<DeviceTriangle> deviceTriangles(const TriangleBlock& block) {
-  std::vector<DeviceTriangle> made(block.corners.size());
-  parallelFor(made.size(), 16384, [&](std::size_t first, std::size_t last) {
-    for (std::size_t t = first; t < last; ++t) {
-      const Triangle& corners = block.corners[t];
-      const Vec3f a = block.vertices[corners[0]];
-      const Vec3f ab = block.vertices[corners[1]] - a;
-      const Vec3f ac = block.vertices[corners[2]] - a;
-      made[t] = {{{a.x, a.y, a.z, 0}, {ab.x, ab.y, ab.z, 0}, {ac.x, ac.y, ac.z, 0}}};
-    }
-  });
-  return made;
-}
-
 // A shot's particles, of launch to hits.
 struct Flight {
   const std::shared_ptr<const DistanceField>& field;
@@ -175,26 +127,8 @@ class ComputeMarcher : public GlMarcher {
   explicit ComputeMarcher(const GlMarcherLimits& limits)
       : device_(kWords),
         mostTableBytes_(limits.tableBytes),
-        slice_(std::min<std::uint64_t>(device_.mostBufferBytes() / (kMostColumns * sizeof(float)), limits.particles)) {
-    triangles_.reserve(16);  // buffers without storage cannot be read from
-  }
-
-  void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world, std::uint32_t steps,
-             const Particles& particles, HitRecords& records, StageClock& clock) override {
-    const std::scoped_lock lock(mutex_);
-    {
-      const StageTimer timer(clock, "upload");
-      upload(field, world);
-    }
-    const Columns columns = columnsOf(particles, field->shape.lists);
-    marchAll(*field, steps, particles.size(), records, clock, [&](std::size_t first, std::size_t count) {
-      std::vector<ComputeBuffer::Source> pieces;
-      for (std::size_t k = 0; k < columns.size(); ++k) {
-        pieces.push_back({k * count * sizeof(float), std::as_bytes(std::span(*columns[k]).subspan(first, count))});
-      }
-      particles_.write(pieces);
-    });
-  }
+        slice_(std::min<std::uint64_t>(device_.mostBufferBytes() / (DeviceMarch::kMostColumns * sizeof(float)),
+                                       limits.particles)) {}
 
   void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world, std::uint32_t steps,
              const ParticleLaunch& launch, Hits& hits, std::vector<UndecidedRay>& undecided,
@@ -212,25 +146,14 @@ class ComputeMarcher : public GlMarcher {
   std::string device() const override { return device_.name(); }
 
  private:
-  static constexpr std::uint64_t kMostColumns = 14;  // of particles, for fields with lists
-  static constexpr std::uint64_t kFewestColumns = 8;
   // In a row, that a particle passes on the device; what passes more is left to the processor.
   static constexpr std::uint32_t kMostHoles = 6;
 
   using Queue = ShotQueue<Flight>;
-  using Programs = std::array<std::unique_ptr<ComputeProgram>, 2>;  // without lists and with, made when first needed
-
-  ComputeProgram& programOf(Programs& programs, const char* name, std::string (*shader)(bool), bool lists) {
-    std::unique_ptr<ComputeProgram>& program = programs[lists ? 1 : 0];
-    if (program == nullptr) program = std::make_unique<ComputeProgram>(device_, name, shader(lists));
-    return *program;
-  }
-
   void run(const std::vector<const Flight*>& together, Queue::Batch& batch) {
     const Flight& flight = *together.front();
-    const std::scoped_lock lock(mutex_);
     const WallTimer timer;
-    upload(flight.field, flight.world);
+    march_.hold(flight.field, flight.world);
     holdLabels(flight.world);
     flight.upload = timer.seconds();
     if (std::max(flight.bytes(), DeviceBeams::kBytesPerRay * flight.rays()) > mostBytes()) {
@@ -260,61 +183,26 @@ class ComputeMarcher : public GlMarcher {
     const DistanceField& field = *flight.field;
     const World& world = *flight.world;
     const bool lists = field.shape.lists;
-    reserve(lists, count);
+    march_.reserve(lists, count);
     LaunchBlock block = launchBlock(field, *flight.launch);
     block.first = static_cast<std::uint32_t>(first);
     block.count = static_cast<std::uint32_t>(count);
-    programOf(launchers_, "launch", launchShader, lists)
-        .run(count,
-             {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(), &particles_},
-             std::as_bytes(std::span(&block, 1)));
+    launchers_.of(lists).run(count,
+                             {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(),
+                              &beams_.steps(), &march_.particles()},
+                             std::as_bytes(std::span(&block, 1)));
     HitsBlock hits = hitsBlock(field, world, block, *flight.launch, flight.channels, rays);
     const bool holes = lists && world.baked.firstAlpha < world.baked.triangles.size();
     for (std::uint32_t hole = 0; hole <= (holes ? kMostHoles : 0); ++hole) {
-      runMarch(field, flight.steps, count, hole > 0);
+      march_.run(field, flight.steps, count, hole > 0);
       hits.last = hole == kMostHoles || !holes ? 1 : 0;
-      programOf(resolvers_, "particles' hits", particleHitsShader, lists)
-          .run(count,
-               {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(), &records_,
-                &resolver_.columns(), &particles_},
-               std::as_bytes(std::span(&hits, 1)),
-               {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3), resolver_.table(4),
-                fields_.levels(), fields_.table(), fields_.distances(), fields_.words()});
-    }
-  }
-
-  void reserve(bool lists, std::size_t count) {
-    particles_.reserve((lists ? kMostColumns : kFewestColumns) * count * sizeof(float));
-    records_.reserve(5 * count * sizeof(float));
-  }
-
-  // `fill` brings particles into their buffer.
-  template <class Fill>
-  void marchAll(const DistanceField& field, std::uint32_t steps, std::size_t size, HitRecords& records,
-                StageClock& clock, const Fill& fill) {
-    records.reset(size);
-    for (std::size_t first = 0; first < size; first += slice_) {
-      const std::size_t count = std::min<std::size_t>(slice_, size - first);
-      {
-        const StageTimer timer(clock, "march");
-        reserve(field.shape.lists, count);
-        fill(first, count);
-        runMarch(field, steps, count, false);
-        device_.finish();
-      }
-      const StageTimer timer(clock, "read_back");
-      readRecords(field, records, first, count);
-    }
-  }
-
-  void upload(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world) {
-    fields_.hold(field);
-    if (field->shape.lists && world_.lock() != world) {
-      world_.reset();
-      const std::vector<DeviceTriangle> triangles = deviceTriangles(world->baked);
-      holdTable(device_, triangles_, ComputeTable::Texel::Float32x4, std::as_bytes(std::span(triangles)),
-                mostTableBytes_, "scene's triangles", ": take 'refine: normal', which does not look at them");
-      world_ = world;
+      resolvers_.of(lists).run(
+          count,
+          {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(),
+           &march_.records(), &resolver_.columns(), &march_.particles()},
+          std::as_bytes(std::span(&hits, 1)),
+          {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3), resolver_.table(4),
+           march_.fields().levels(), march_.fields().table(), march_.fields().distances(), march_.fields().words()});
     }
   }
 
@@ -326,57 +214,15 @@ class ComputeMarcher : public GlMarcher {
     labelled_ = world;
   }
 
-  // `again`: those alone that go on behind a hole.
-  void runMarch(const DistanceField& field, std::uint32_t steps, std::size_t count, bool again) {
-    MarchBlock block = marchBlock(field, steps, count);
-    block.again = again ? 1 : 0;
-    programOf(marchers_, "particle", marchShader, field.shape.lists)
-        .run(count, {&particles_, &records_}, std::as_bytes(std::span(&block, 1)),
-             {fields_.levels(),
-              fields_.table(),
-              fields_.distances(),
-              fields_.words(),
-              fields_.lists(),
-              {&triangles_, ComputeTable::Texel::Float32x4}});
-  }
-
-  void readRecords(const DistanceField& field, HitRecords& records, std::size_t first, std::size_t count) {
-    const std::size_t bytes = count * sizeof(float);
-    const auto part = [&](auto& column) { return std::as_writable_bytes(std::span(column).subspan(first, count)); };
-    std::vector<ComputeBuffer::Target> pieces{
-        {0, part(records.way)}, {bytes, part(records.triangle)}, {2 * bytes, part(records.outcome)}};
-    if (field.shape.lists) {
-      numerator_.resize(count);
-      denominator_.resize(count);
-      pieces.push_back({3 * bytes, std::as_writable_bytes(std::span(numerator_))});
-      pieces.push_back({4 * bytes, std::as_writable_bytes(std::span(denominator_))});
-    }
-    records_.read(pieces);
-    if (!field.shape.lists) return;
-    const auto metres = static_cast<float>(field.shape.voxel);
-    parallelFor(count, 65536, [&](std::size_t from, std::size_t to) {
-      for (std::size_t i = from; i < to; ++i) {
-        if (records.outcomeOf(first + i) != Outcome::Hit) continue;
-        records.way[first + i] += numerator_[i] / (denominator_[i] * metres);
-      }
-    });
-  }
-
-  std::mutex mutex_;
   ComputeDevice device_;
   const std::uint64_t mostTableBytes_;
   const std::uint64_t slice_;
-  Programs launchers_, marchers_, resolvers_;
+  MarchPrograms launchers_{device_, "launch", launchShader};
+  MarchPrograms resolvers_{device_, "particles' hits", particleHitsShader};
   DeviceBeams beams_{device_};
-  ComputeBuffer particles_{device_};
-  DeviceFields fields_{device_, mostTableBytes_};
-  ComputeBuffer triangles_{device_};
-  ComputeBuffer records_{device_};
+  DeviceMarch march_{device_, mostTableBytes_};
   DeviceResolver resolver_{device_, mostTableBytes_};
-  std::weak_ptr<const World> world_;     // whose triangles
-  std::weak_ptr<const World> labelled_;  // whose planes and labels
-  std::vector<float> numerator_;         // of the slice
-  std::vector<float> denominator_;
+  std::weak_ptr<const World> labelled_;  // whose planes and labels are there
   Queue queue_{device_, mostBytes(),
                [this](const std::vector<const Flight*>& together, Queue::Batch& batch) { run(together, batch); }};
 };

@@ -2,12 +2,14 @@
 
 // Inside of a GlMarcher: its shader, and what it asks of its device at a time, for tests to make it smaller.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
 
+#include "gpu/compute.h"
 #include "methods/march/march.h"
 
 namespace scanmill {
@@ -24,7 +26,7 @@ struct GlMarcherLimits {
 // triangle, outcome; with lists also the bits of a numerator and a denominator, whose quotient in m the way lacks).
 // Tables: 0 the field's levels (two uvec4 each: bits of the offset and the first entry, then the bricks), 1 its table,
 // 2 distances, 3 words, 4 lists, 5 triangles (three vec4 each: a corner and the two edges from it; m, relative to the
-// world's origin). Parameters: MarchBlock of march_gl.cpp.
+// world's origin). Parameters: MarchBlock of device_march.cpp.
 std::string marchShader(bool lists);
 
 // The compute program that makes the particles of ParticleLaunch. Storage buffers: 0 to 4 those of DeviceBeams, 5
@@ -41,6 +43,24 @@ constexpr std::uint32_t kParticleDone = 0x80000000u;  // its hit is made
 // to 4 those of DeviceBeams, 5 hit records and 7 particles as above, 6 and tables 0 to 4 those of DeviceResolver.
 // Tables without lists: 5 the field's levels, 6 its table, 7 distances, 8 words. Parameters: HitsBlock of march_gl.cpp.
 std::string particleHitsShader(bool lists);
+
+// One of these programs, for fields without lists and with, each made when it is first needed.
+class MarchPrograms {
+ public:
+  MarchPrograms(const ComputeDevice& device, const char* name, std::string (*shader)(bool lists))
+      : device_(device), name_(name), shader_(shader) {}
+  ComputeProgram& of(bool lists) {
+    std::unique_ptr<ComputeProgram>& program = programs_[lists ? 1 : 0];
+    if (program == nullptr) program = std::make_unique<ComputeProgram>(device_, name_, shader_(lists));
+    return *program;
+  }
+
+ private:
+  ComputeDevice device_;
+  const char* name_;
+  std::string (*shader_)(bool lists);
+  std::array<std::unique_ptr<ComputeProgram>, 2> programs_;
+};
 
 std::unique_ptr<GlMarcher> makeGlMarcher(const GlMarcherLimits& limits);
 

@@ -17,6 +17,7 @@
 #include "methods/particle/shape.h"
 #include "methods/world/world.h"
 #include "tests/core/methods/march/fields.h"
+#include "tests/core/methods/march/gl_march.h"
 #include "tests/support/gl.h"
 #include "tests/support/message_of.h"
 #include "tests/support/sanitizers.h"
@@ -171,52 +172,49 @@ Counts compared(const Surroundings& place, std::uint32_t steps, const Particles&
   return counts;
 }
 
-Counts flown(GlMarcher& marcher, const Surroundings& place, std::uint32_t steps, const Particles& particles) {
-  HitRecords records;
-  StageClock clock;
-  marcher.march(place.field, place.world, steps, particles, records, clock);
-  return compared(place, steps, particles, records);
+Counts flown(GlMarch& marcher, const Surroundings& place, std::uint32_t steps, const Particles& particles) {
+  return compared(place, steps, particles, marcher.march(place.field, place.world, steps, particles));
 }
 
 constexpr std::uint32_t kUsual = 512;
 
 TEST(GlMarcher, TakesTheStepsOfTheProcessorBitByBit) {
   SKIP_WITHOUT_GL();
-  const auto marcher = makeGlMarcher();
+  GlMarch marcher;
   for (const bool lists : {false, true}) {
     for (const Scene& scene : {furnished(), openGround()}) {
       const Surroundings place = surroundingsOf(scene, lists);
       const Particles particles = particlesIn(*place.field, 5000);
-      const Counts usual = flown(*marcher, place, kUsual, particles);
+      const Counts usual = flown(marcher, place, kUsual, particles);
       EXPECT_GT(usual.hits, 500u);
       EXPECT_GT(usual.misses, 100u);
-      const Counts few = flown(*marcher, place, 4, particles);
+      const Counts few = flown(marcher, place, 4, particles);
       EXPECT_GT(few.exhausted, 500u);
-      EXPECT_EQ(flown(*marcher, place, 0, particles).exhausted, particles.size());
+      EXPECT_EQ(flown(marcher, place, 0, particles).exhausted, particles.size());
     }
   }
 }
 
 TEST(GlMarcher, NothingIsMetInAnEmptyField) {
   SKIP_WITHOUT_GL();
-  const auto marcher = makeGlMarcher();
+  GlMarch marcher;
   const Scene scene = nothing();
   for (const bool lists : {false, true}) {
     const Surroundings place = surroundingsOf(scene, lists);
     EXPECT_TRUE(place.field->distance.empty());
-    EXPECT_EQ(flown(*marcher, place, kUsual, particlesIn(*place.field, 300)).misses, 300u);
+    EXPECT_EQ(flown(marcher, place, kUsual, particlesIn(*place.field, 300)).misses, 300u);
   }
 }
 
 TEST(GlMarcher, FieldsAndWorldsTakeTurns) {
   SKIP_WITHOUT_GL();
-  const auto marcher = makeGlMarcher();
+  GlMarch marcher;
   const Scene room = furnished();
   const Scene ground = openGround();
   const std::vector<Surroundings> places{surroundingsOf(room, true), surroundingsOf(ground, true),
                                          surroundingsOf(room, false), surroundingsOf(room, true, 0.4)};
   for (const std::size_t k : {0u, 0u, 1u, 0u, 2u, 1u, 3u, 0u, 2u, 3u}) {
-    flown(*marcher, places[k], kUsual, particlesIn(*places[k].field, 500));
+    flown(marcher, places[k], kUsual, particlesIn(*places[k].field, 500));
   }
 }
 
@@ -245,8 +243,8 @@ TEST(GlMarcher, BricksAreUploadedOnce) {
       const FieldShape shape = shapeOf(optionsOf(lists), {x, 1, 0}, scene.bounds(), 30);
       place.field = buildField(*place.world, shape, {place.field});
     }
-    const auto marcher = makeGlMarcher();
-    flown(*marcher, place, kUsual, particlesIn(*place.field, 10));
+    GlMarch marcher;
+    flown(marcher, place, kUsual, particlesIn(*place.field, 10));
     const std::size_t bricks = place.field->distance.size() / kBrickStride;
     const auto before = place.field;
     const FieldShape shape = shapeOf(optionsOf(lists), {6.5, 1, 0}, scene.bounds(), 30);
@@ -258,14 +256,11 @@ TEST(GlMarcher, BricksAreUploadedOnce) {
     const auto other = spoilt(*place.field, bricks);
     const auto keeps = other->pool;
     other->pool = place.field->pool;
-    HitRecords records;
-    StageClock clock;
-    marcher->march(other, place.world, kUsual, particles, records, clock);
+    const HitRecords records = marcher.march(other, place.world, kUsual, particles);
     compared(place, kUsual, particles, records);
     // Those of another pool are looked at.
-    HitRecords differ;
     other->pool = keeps;
-    marcher->march(std::make_shared<DistanceField>(*other), place.world, kUsual, particles, differ, clock);
+    const HitRecords differ = marcher.march(std::make_shared<DistanceField>(*other), place.world, kUsual, particles);
     EXPECT_NE(records.way, differ.way);
   }
 }
@@ -277,11 +272,11 @@ TEST(GlMarcher, AFieldMovesOnTheDevice) {
   for (const bool lists : {false, true}) {
     const Surroundings start = surroundingsOf(scene, lists);
     const auto shape = [&](double x) { return shapeOf(optionsOf(lists), {x, 0.3 * x, 0}, scene.bounds(), 30); };
-    const auto marcher = makeGlMarcher();
+    GlMarch marcher;
     Surroundings place = start;
     for (const double x : {0.0, 2.0, 4.5, 4.5, 9.0, -3.0, 400.0, 2.0}) {  // there is nothing at 400 m
       place.field = buildField(*start.world, shape(x), {place.field});
-      flown(*marcher, place, kUsual, particlesIn(*place.field, 3000));
+      flown(marcher, place, kUsual, particlesIn(*place.field, 3000));
     }
     // A device whose tables hold the bricks, but not the room for more.
     std::vector<std::shared_ptr<const DistanceField>> fields{buildField(*start.world, shape(400))};
@@ -293,10 +288,10 @@ TEST(GlMarcher, AFieldMovesOnTheDevice) {
       room = std::max(room, fields.back()->pool->word.size() * sizeof(std::uint32_t));
     }
     ASSERT_GT(room, most);
-    const auto small = makeGlMarcher(GlMarcherLimits{.tableBytes = most});
+    GlMarch small(most);
     for (const auto& field : fields) {
       place.field = field;
-      flown(*small, place, kUsual, particlesIn(*place.field, 1000));
+      flown(small, place, kUsual, particlesIn(*place.field, 1000));
     }
     // Back to one that it had, and on from one that it has not seen.
     const auto had = place.field;
@@ -304,7 +299,7 @@ TEST(GlMarcher, AFieldMovesOnTheDevice) {
     place.field = buildField(*start.world, shape(3), {skipped});
     for (const auto& field : {place.field, had, skipped}) {
       place.field = field;
-      flown(*marcher, place, kUsual, particlesIn(*place.field, 3000));
+      flown(marcher, place, kUsual, particlesIn(*place.field, 3000));
     }
   }
 }
@@ -313,60 +308,40 @@ TEST(GlMarcher, AFieldMovesOnTheDevice) {
 TEST(GlMarcher, FieldsOfSeveralDrivesStay) {
   SKIP_WITHOUT_GL();
   const Scene scene = furnished();
-  const auto marcher = makeGlMarcher();
+  GlMarch marcher;
   std::vector<Surroundings> drives;
   for (const bool lists : {false, true}) {
     drives.push_back(surroundingsOf(scene, lists));
     drives.push_back(surroundingsOf(scene, lists, 0.4));
-    flown(*marcher, drives[drives.size() - 2], kUsual, particlesIn(*drives[drives.size() - 2].field, 100));
-    flown(*marcher, drives.back(), kUsual, particlesIn(*drives.back().field, 100));
+    flown(marcher, drives[drives.size() - 2], kUsual, particlesIn(*drives[drives.size() - 2].field, 100));
+    flown(marcher, drives.back(), kUsual, particlesIn(*drives.back().field, 100));
   }
   for (const Surroundings& place : drives) {
     // Were it uploaded again, it would be seen that it is another one now.
     const auto other = spoilt(*place.field, place.field->distance.size() / kBrickStride);
     other->pool = place.field->pool;
     const Particles particles = particlesIn(*place.field, 500);
-    HitRecords records;
-    StageClock clock;
-    marcher->march(other, place.world, kUsual, particles, records, clock);
+    const HitRecords records = marcher.march(other, place.world, kUsual, particles);
     compared(place, kUsual, particles, records);
-  }
-}
-
-TEST(GlMarcher, SlicesDoNotMatter) {
-  SKIP_WITHOUT_GL();
-  const Scene scene = furnished();
-  for (const bool lists : {false, true}) {
-    const Surroundings place = surroundingsOf(scene, lists);
-    for (const std::size_t slice : {1u, 100u, 500u}) {
-      const auto marcher = makeGlMarcher(GlMarcherLimits{.particles = slice});
-      for (const std::size_t count : {1u, 99u, 100u, 101u, 250u}) {
-        flown(*marcher, place, kUsual, particlesIn(*place.field, count));
-      }
-    }
   }
 }
 
 TEST(GlMarcher, NoParticlesAndOne) {
   SKIP_WITHOUT_GL();
-  const auto marcher = makeGlMarcher();
+  GlMarch marcher;
   const Scene scene = furnished();
   const Surroundings place = surroundingsOf(scene, true);
-  HitRecords records;
-  records.reset(7);
-  StageClock clock;
-  marcher->march(place.field, place.world, kUsual, particlesIn(*place.field, 0), records, clock);
-  EXPECT_EQ(records.size(), 0u);
-  EXPECT_EQ(flown(*marcher, place, kUsual, particlesIn(*place.field, 2)).wrong, 0u);
+  EXPECT_EQ(marcher.march(place.field, place.world, kUsual, particlesIn(*place.field, 0)).size(), 0u);
+  EXPECT_EQ(flown(marcher, place, kUsual, particlesIn(*place.field, 2)).wrong, 0u);
   Particles one;
   one.resize(1, true);
   setParticle(*place.field, one, 0, {0, 0, 0}, {0, 0, -1}, 0);
-  EXPECT_EQ(flown(*marcher, place, kUsual, one).hits, 1u);
+  EXPECT_EQ(flown(marcher, place, kUsual, one).hits, 1u);
 }
 
 TEST(GlMarcher, ThreadsTakeTurns) {
   SKIP_WITHOUT_GL();
-  const auto marcher = makeGlMarcher();
+  GlMarch marcher;
   const Scene room = furnished();
   const Scene ground = openGround();
   const std::vector<Surroundings> places{surroundingsOf(room, true), surroundingsOf(ground, false)};
@@ -378,13 +353,12 @@ TEST(GlMarcher, ThreadsTakeTurns) {
     for (std::size_t t = 0; t < kThreads; ++t) {
       threads.emplace_back([&, t] {
         const Surroundings& place = places[t % 2];
-        StageClock clock;
-        const auto own = t == 3 ? makeGlMarcher() : nullptr;
+        const auto own = t == 3 ? std::make_unique<GlMarch>() : nullptr;
         for (std::size_t round = 0; round < static_cast<std::size_t>(rounds); ++round) {
           const auto stream = static_cast<std::uint32_t>(10 * t + round);
-          (own != nullptr ? *own : *marcher)
-              .march(place.field, place.world, kUsual, particlesIn(*place.field, 300 + t, stream),
-                     got[t * static_cast<std::size_t>(rounds) + round], clock);
+          GlMarch& taken = own != nullptr ? *own : marcher;
+          got[t * static_cast<std::size_t>(rounds) + round] =
+              taken.march(place.field, place.world, kUsual, particlesIn(*place.field, 300 + t, stream));
         }
       });
     }
@@ -397,28 +371,14 @@ TEST(GlMarcher, ThreadsTakeTurns) {
   }
 }
 
-TEST(GlMarcher, TellsItsDeviceAndTimes) {
-  SKIP_WITHOUT_GL();
-  const auto marcher = makeGlMarcher();
-  EXPECT_FALSE(marcher->device().empty());
-  const Scene scene = furnished();
-  const Surroundings place = surroundingsOf(scene, true);
-  HitRecords records;
-  StageClock clock;
-  marcher->march(place.field, place.world, kUsual, particlesIn(*place.field, 100), records, clock);
-  for (const char* stage : {"upload", "march", "read_back"}) EXPECT_GT(clock.seconds().at(stage), 0) << stage;
-}
-
 TEST(GlMarcher, FieldsLargerThanTheDeviceTakesAreRefused) {
   SKIP_WITHOUT_GL();
   const Scene scene = furnished();
   const Surroundings place = surroundingsOf(scene, true);
   const Particles particles = particlesIn(*place.field, 10);
-  HitRecords records;
-  StageClock clock;
   const auto refusal = [&](std::uint64_t bytes) {
-    const auto marcher = makeGlMarcher(GlMarcherLimits{.tableBytes = bytes});
-    return messageOf<Error>([&] { marcher->march(place.field, place.world, kUsual, particles, records, clock); });
+    GlMarch marcher(bytes);
+    return messageOf<Error>([&] { marcher.march(place.field, place.world, kUsual, particles); });
   };
   const std::uint64_t largest = place.field->word.size() * sizeof(std::uint32_t);
   const std::string message = refusal(largest - 1);
@@ -428,12 +388,11 @@ TEST(GlMarcher, FieldsLargerThanTheDeviceTakesAreRefused) {
   EXPECT_THAT(message, HasSubstr("backend: cpu"));
   EXPECT_EQ(refusal(std::uint64_t{1} << 30), "accepted");
   // After a refusal the marcher takes what it can.
-  const auto marcher = makeGlMarcher(GlMarcherLimits{.tableBytes = largest / 2});
-  EXPECT_NE(messageOf<Error>([&] { marcher->march(place.field, place.world, kUsual, particles, records, clock); }),
-            "accepted");
+  GlMarch marcher(largest / 2);
+  EXPECT_NE(messageOf<Error>([&] { marcher.march(place.field, place.world, kUsual, particles); }), "accepted");
   const Scene empty = nothing();
   const Surroundings little = surroundingsOf(empty, true);
-  EXPECT_EQ(flown(*marcher, little, kUsual, particlesIn(*little.field, 10)).misses, 10u);
+  EXPECT_EQ(flown(marcher, little, kUsual, particlesIn(*little.field, 10)).misses, 10u);
 }
 
 TEST(GlMarcher, SaysWhatToDoWithoutADevice) {

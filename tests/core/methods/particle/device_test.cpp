@@ -1,17 +1,21 @@
 // Particles that a device launches and flies give the processor's bytes.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "base/random.h"
 #include "methods/march/march.h"
+#include "methods/march/march_gl.h"
 #include "methods/particle/field_store.h"
 #include "methods/particle/march_job.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/gl.h"
+#include "tests/support/message_of.h"
 #include "tests/support/same_hits.h"
 #include "tests/support/street.h"
 #include "tests/support/test_scene.h"
@@ -35,22 +39,75 @@ TEST(ParticlesOnADevice, GiveTheProcessorsBytes) {
   }
 }
 
-// How many of a shot's particles end so on the device.
-std::size_t endsOf(const Scene& scene, const Shot& shot, const ParticleOptions& options, RayVerdict verdict) {
+// What a device makes of a shot by itself.
+struct Made {
+  Hits hits;
+  std::vector<UndecidedRay> undecided;
+  StageClock clock;
+};
+
+std::unique_ptr<Made> madeOf(const Scene& scene, const Shot& shot, const ParticleOptions& options,
+                             const GlMarcherLimits& limits = {}) {
+  auto made = std::make_unique<Made>();
   FieldBackend processor(nullptr);
   const FieldStore fields(scene, options, [&]() -> FieldBackend& { return processor; });
-  StageClock clock;
-  const FieldStore::Place place = fields.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
+  StageClock ignored;
+  const FieldStore::Place place =
+      fields.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, ignored);
   const ShotFrame frame = frameOf(shot, place.world->origin);
-  Hits hits;
-  hits.reset(shot.beams->rings, shot.beams->columns, Channels::all());
-  std::vector<UndecidedRay> undecided;
+  made->hits.reset(shot.beams->rings, shot.beams->columns, Channels::all());
   const bool corrected = options.refine == ParticleOptions::Refine::ByNormal;
-  makeGlMarcher()->march(place.field, place.world, options.steps,
-                         {&shot, &frame, place.box, farthest(*shot.beams), place.whole, corrected}, hits, undecided,
-                         clock);
-  return static_cast<std::size_t>(std::count_if(undecided.begin(), undecided.end(),
+  const auto marcher = makeGlMarcher(limits);
+  EXPECT_FALSE(marcher->device().empty());
+  marcher->march(place.field, place.world, options.steps,
+                 {&shot, &frame, place.box, farthest(*shot.beams), place.whole, corrected}, made->hits, made->undecided,
+                 made->clock);
+  return made;
+}
+
+// How many of a shot's particles end so on the device.
+std::size_t endsOf(const Scene& scene, const Shot& shot, const ParticleOptions& options, RayVerdict verdict) {
+  const auto made = madeOf(scene, shot, options);
+  return static_cast<std::size_t>(std::count_if(made->undecided.begin(), made->undecided.end(),
                                                 [&](const UndecidedRay& ray) { return ray.verdict == verdict; }));
+}
+
+ParticleOptions smallOptions(ParticleOptions::Refine refine) {
+  ParticleOptions options;
+  options.voxel = 0.2;
+  options.voxels = 128;
+  options.refine = refine;
+  return options;
+}
+
+// However many march at once; beams that do not fit are refused.
+TEST(ParticlesOnADevice, SlicesDoNotMatter) {
+  SKIP_WITHOUT_GL();
+  SceneBuilder builder = testBuilder();
+  Mesh mesh = meshOf(builder, "ground");
+  appendPlane(mesh, 0, at(0, 0, -2), 100, 100, 9);
+  appendSphere(mesh, 0, at(6, 1, -1), 1, 16);
+  builder.place(builder.addMesh(mesh), {}, "ground");
+  const Scene scene = builder.finish();
+  const Shot shot = shotAt(spinning(6, 50, -25, 5, 60));
+  using enum ParticleOptions::Refine;
+  for (const auto refine : {None, ByTriangle}) {
+    const auto whole = madeOf(scene, shot, smallOptions(refine));
+    for (const char* stage : {"upload", "march", "read_back"}) EXPECT_GT(whole->clock.seconds().at(stage), 0) << stage;
+    for (const std::size_t slice : {1u, 37u, 384u}) {
+      const auto some = madeOf(scene, shot, smallOptions(refine), {.particles = slice});
+      ASSERT_EQ(some->undecided.size(), whole->undecided.size());
+      for (const UndecidedRay& ray : whole->undecided) {  // their other columns mean nothing
+        for (Hits* hits : {&some->hits, &whole->hits}) hits->range[ray.ray] = kMiss;
+      }
+      EXPECT_EQ(some->hits.range, whole->hits.range);
+      EXPECT_EQ(some->hits.instance, whole->hits.instance);
+    }
+  }
+  EXPECT_THAT(messageOf<Error>([&] {
+                madeOf(scene, shotAt(spinning(1000, 1000, -20, 20)), smallOptions(None), {.tableBytes = 30'000'000});
+              }),
+              testing::HasSubstr("the sensor's beams do not fit into a buffer"));
 }
 
 // Rounding of quotients rarely decides anything: markings that lie as high as layers may be are the most of it.
@@ -58,14 +115,12 @@ TEST(ParticlesOnADevice, LeaveLittleToTheProcessor) {
   SKIP_WITHOUT_GL();
   const Scene street = proceduralStreet();
   const Shot shot = streetShot(spinning(64, 1024, -25, 5, 60), -20);
-  ParticleOptions options;
-  options.voxel = 0.2;
-  options.voxels = 128;
   using enum ParticleOptions::Refine;
   for (const auto refine : {None, ByNormal, ByTriangle}) {
-    options.refine = refine;
-    EXPECT_LT(endsOf(street, shot, options, RayVerdict::Open), shot.beams->size() / 500) << static_cast<int>(refine);
+    EXPECT_LT(endsOf(street, shot, smallOptions(refine), RayVerdict::Open), shot.beams->size() / 500)
+        << static_cast<int>(refine);
   }
+  ParticleOptions options = smallOptions(ByTriangle);
   options.steps = 5;
   EXPECT_GT(endsOf(street, shot, options, RayVerdict::Exhausted), shot.beams->size() / 2);
 }
