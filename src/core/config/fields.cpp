@@ -1,12 +1,24 @@
 #include "config/fields.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 
 #include "config/text.h"
 
 namespace scanmill {
+
+namespace {
+
+// Which of some words was meant; and all of them, where they are few.
+std::string oneOf(std::string_view word, const std::vector<std::string>& names) {
+  constexpr std::size_t kFew = 6;
+  const std::string near = nearest(word, names);
+  if (near.empty() || names.size() > kFew) return suggestion(word, names);
+  return fmt::format(" (did you mean '{}'? known: {})", near, fmt::join(names, ", "));
+}
+
+}  // namespace
 
 Fields::Fields(const Value& value, std::string what) : value_(value), what_(std::move(what)) {
   if (value.kind == Value::Kind::Map || value.kind == Value::Kind::Null) return;
@@ -73,7 +85,7 @@ std::string Fields::choice(std::string_view key, const std::vector<std::string>&
   std::string name = text(key);
   if (std::find(names.begin(), names.end(), name) != names.end()) return name;
   throw InputError(value->where,
-                   fmt::format("{}: {} may not be {}{}", what_, key, quotedForMessage(name), suggestion(name, names)));
+                   fmt::format("{}: {} may not be {}{}", what_, key, quotedForMessage(name), oneOf(name, names)));
 }
 
 Vec3d Fields::vec3(std::string_view key, const Vec3d& fallback) {

@@ -32,6 +32,7 @@ class ComputeDevice {
   explicit ComputeDevice(ComputeErrorWords words);
 
   const std::string& name() const;        // "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string nameAndPlace() const;       // what runs on the processor is told: "llvmpipe (...), on the processor"
   bool software() const;                  // it runs on the processor
   std::uint64_t mostBufferBytes() const;  // of one buffer that a program reads and writes
   std::uint64_t mostTableTexels() const;  // of one table, which a program only reads

@@ -225,10 +225,11 @@ TEST(Fields, UnknownKeysFromTheCommandLineNameTheOption) {
 TEST(Fields, ChoicesSuggest) {
   const Value root = yaml("motion: per_colum\nkind: spinning\n");
   Fields f(root, "shot");
-  EXPECT_EQ(messageOf([&] {
-              f.choice("motion", {"none", "per_column"}, "none");
-            }),
-            "pipelines/x.yaml:1:9: shot: motion may not be 'per_colum' (did you mean 'per_column'?)");
+  EXPECT_EQ(
+      messageOf([&] {
+        f.choice("motion", {"none", "per_column"}, "none");
+      }),
+      "pipelines/x.yaml:1:9: shot: motion may not be 'per_colum' (did you mean 'per_column'? known: none, per_column)");
   EXPECT_THAT(messageOf([&] { f.choice("kind", {"a", "b"}, "a"); }), HasSubstr("(known: a, b)"));
 }
 

@@ -66,13 +66,12 @@ std::vector<Candidate> candidates() {
 std::vector<Candidate> chosen(const std::string& device) {
   std::vector<Candidate> list = candidates();
   if (device.empty()) return list;
-  const auto numbered =
-      std::count_if(list.begin(), list.end(), [](const Candidate& c) { return c.platform == EGL_PLATFORM_DEVICE_EXT; });
+  std::string known;
+  for (const Candidate& c : list) known += c.software ? "" : c.name + ", ";
   std::erase_if(list, [&](const Candidate& c) { return device == "software" ? !c.software : c.name != device; });
   if (list.empty()) {
-    std::string numbers = numbered == 0 ? "" : numbered == 1 ? "0 or " : fmt::format("0 to {} or ", numbered - 1);
     throw std::invalid_argument(
-        fmt::format("SCANMILL_GL_DEVICE: there is no device '{}': take {}'software'", device, numbers));
+        fmt::format("SCANMILL_GL_DEVICE: there is no device '{}' (known: {}software)", device, known));
   }
   return list;
 }

@@ -100,7 +100,7 @@ class GlMarcher {
   virtual void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world,
                      std::uint32_t steps, const ParticleLaunch& launch, Hits& hits,
                      std::vector<UndecidedRay>& undecided, StageClock& clock) = 0;
-  virtual std::string device() const = 0;  // "llvmpipe (LLVM 15.0.6, 256 bits)"
+  virtual std::string device() const = 0;  // ComputeDevice::nameAndPlace()
 };
 
 // Throws Error where the machine has no OpenGL 4.3 by EGL: the text names the CPU backend.

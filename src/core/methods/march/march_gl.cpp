@@ -143,7 +143,7 @@ class ComputeMarcher : public GlMarcher {
     DeviceResolver::take(columns, {given.batch->rays, given.from, flight.rays()}, 0, hits, undecided);
   }
 
-  std::string device() const override { return device_.name(); }
+  std::string device() const override { return device_.nameAndPlace(); }
 
  private:
   // In a row, that a particle passes on the device; what passes more is left to the processor.

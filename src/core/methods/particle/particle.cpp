@@ -251,7 +251,7 @@ class ParticleMethod : public Method {
       case BackendChoice::Asked::Gl:
         break;
     }
-    return fmt::format("particles fly by OpenGL (about {} on the device for field and scene)",
+    return fmt::format("particles fly by OpenGL on {} (about {} there for field and scene)", gl_->device(),
                        memoryText(deviceBytes()));
   }
 

@@ -68,7 +68,7 @@ class GlTracer::Inside {
     }
   }
 
-  std::string device() const { return device_.name(); }
+  std::string device() const { return device_.nameAndPlace(); }
   std::uint64_t mostTableBytes() const { return std::min(most_, device_.mostTableTexels() * sizeof(DeviceWord)); }
 
  private:

@@ -41,7 +41,7 @@ class GlTracer {
   void trace(const std::shared_ptr<const World>& world, const Shot& shot, const ShotFrame& frame, float farthest,
              float coplanar, Hits& hits, std::vector<UndecidedRay>& undecided, StageClock& clock);
 
-  std::string device() const;
+  std::string device() const;            // ComputeDevice::nameAndPlace()
   std::uint64_t mostTableBytes() const;  // that a table may take there
 
  private:

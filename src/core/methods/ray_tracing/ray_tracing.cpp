@@ -241,10 +241,10 @@ class RayTracing : public Method {
     }
     const bool fits = worlds_.triangles() * kResolverBytesPerTriangle <= asked_->gl->mostTableBytes();
     return fmt::format(
-        "rays meet triangles by OpenGL (about {:.0f} MiB on the device for the scene), and on the processor where "
+        "rays meet triangles by OpenGL on {} (about {:.0f} MiB there for the scene), and by Embree where "
         "rounding leaves a "
         "doubt{}",
-        deviceMebibytes(),
+        asked_->gl->device(), deviceMebibytes(),
         fits ? "" : "; their planes and labels are more than a table there holds: take backend: cpu");
   }
 
