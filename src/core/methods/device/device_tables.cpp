@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <map>
 #include <tuple>
@@ -82,14 +83,14 @@ class MaterialTables {
 };
 
 TexturedTriangle texturedTriangle(const TriangleBlock& block, std::uint32_t triangle) {
-  const Triangle& corners = block.corners[triangle];
   TexturedTriangle made{};
+  std::array<std::uint32_t, 3> u{};
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3f& p = block.vertices[corners[k]];
-    const Vec2f uv = block.uvs.empty() ? Vec2f{} : block.uvs[corners[k]];
-    made.words[k] = {bits(p.x), bits(p.y), bits(p.z), bits(uv.x)};
+    const Vec2f uv = block.uvs.empty() ? Vec2f{} : block.uvs[block.corners[triangle][k]];
+    u[k] = bits(uv.x);
     made.words[3][k] = bits(uv.y);
   }
+  std::ranges::copy(cornerWords(block, triangle, u), made.words.begin());
   return made;
 }
 
@@ -114,6 +115,16 @@ void appendBlock(const TriangleBlock& block, LabelTables& made) {
 }
 
 }  // namespace
+
+std::array<DeviceWord, 3> cornerWords(const TriangleBlock& block, std::uint32_t triangle,
+                                      const std::array<std::uint32_t, 3>& behind) {
+  std::array<DeviceWord, 3> words;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3f& p = block.vertices[block.corners[triangle][k]];
+    words[k] = {bits(p.x), bits(p.y), bits(p.z), behind[k]};
+  }
+  return words;
+}
 
 std::uint64_t texelTableBytes(const Scene& scene) {
   std::map<std::pair<const Texture*, float>, std::uint64_t> bytes;

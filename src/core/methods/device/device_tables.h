@@ -12,6 +12,10 @@ namespace scanmill {
 
 using DeviceWord = std::array<std::uint32_t, 4>;
 
+// The corners of a triangle (bits of float32, m, in the block's frame), and what stands behind each.
+std::array<DeviceWord, 3> cornerWords(const TriangleBlock& block, std::uint32_t triangle,
+                                      const std::array<std::uint32_t, 3>& behind);
+
 // Two words of the plane (its normal's x, y, z and the offset in double), one of what the triangle says: the object
 // (instance id where baked), class | material << 16, its index in its mesh, and 1 + its place among the textured
 // triangles or 0.

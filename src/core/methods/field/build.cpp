@@ -42,6 +42,7 @@ class Builder {
 
  private:
   BrickPlace placeOf(std::size_t level, const Corner& brick) const;
+  BrickPlace placeOf(std::uint32_t entry) const;
   Corner brickOf(std::size_t level, std::uint32_t entry) const;
   std::size_t levelOf(std::uint32_t entry) const;
   static const std::uint32_t* entryOf(const DistanceField& field, std::size_t level, const Corner& brick);
@@ -111,6 +112,11 @@ Corner Builder::brickOf(std::size_t level, std::uint32_t entry) const {
   const std::uint32_t i = entry - field_->levels[level].firstEntry;
   return {box.firstBrick[0] + i % box.bricks[0], box.firstBrick[1] + i / box.bricks[0] % box.bricks[1],
           box.firstBrick[2] + i / box.bricks[0] / box.bricks[1]};
+}
+
+BrickPlace Builder::placeOf(std::uint32_t entry) const {
+  const std::size_t level = levelOf(entry);
+  return placeOf(level, brickOf(level, entry));
 }
 
 // Null where the field has no such brick.
@@ -201,8 +207,7 @@ void Builder::fillByDevice() {
   for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
     if (field_->table[i] != kUnseen) continue;
     open.push_back(i);
-    const std::size_t level = levelOf(i);
-    places.push_back(placeOf(level, brickOf(level, i)));
+    places.push_back(placeOf(i));
     if (open.size() == DeviceBricks::kCentresAtOnce) measure();
   }
   if (!open.empty()) measure();
@@ -272,10 +277,9 @@ void Builder::makeBricks() {
 
 void Builder::makeBrick(std::size_t i, BrickMaker& maker, std::vector<std::uint32_t>& lists) {
   const Brick& brick = bricks_[i];
-  const std::size_t level = levelOf(brick.entry);
   const std::size_t at = (first_ + i) * kBrickStride;
   lists.clear();
-  maker.make(placeOf(level, brickOf(level, brick.entry)), &pool_->distance[at], &pool_->word[at], lists);
+  maker.make(placeOf(brick.entry), &pool_->distance[at], &pool_->word[at], lists);
   lists_[brick.made].assign(lists.begin(), lists.end());
 }
 
@@ -285,8 +289,7 @@ void Builder::makeBricksByDevice() {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     if (bricks_[i].made == kNone) continue;
     numbers.push_back(i);
-    const std::size_t level = levelOf(bricks_[i].entry);
-    places.push_back(placeOf(level, brickOf(level, bricks_[i].entry)));
+    places.push_back(placeOf(bricks_[i].entry));
   }
   device_->make(places, field_->shape.lists, [&](std::size_t place, const DeviceBricks::Made& made) {
     const std::size_t i = numbers[place];

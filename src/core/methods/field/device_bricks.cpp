@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "gpu/compute.h"
+#include "methods/device/device_tables.h"
 #include "methods/device/wide_hierarchy.h"
 #include "methods/field/brick.h"
 #include "methods/field/bricks_shader.h"
@@ -23,8 +24,6 @@ const ComputeErrorWords kWords{"fields cannot be built by OpenGL", "'backend: cp
 
 constexpr std::size_t kBricksAtOnce = 2048;  // 12 MB come back of so many
 constexpr std::size_t kGrain = 16384;
-
-using DeviceWord = std::array<std::uint32_t, 4>;
 
 std::vector<BrickPlaceWords> wordsOf(std::span<const BrickPlace> places) {
   std::vector<BrickPlaceWords> words;
@@ -59,11 +58,7 @@ class DeviceBricks::Inside {
     parallelFor(hierarchy.primitives.size(), kGrain, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         const std::uint32_t t = hierarchy.primitives[i];
-        for (std::size_t k = 0; k < 3; ++k) {
-          const Vec3f& p = block.vertices[block.corners[t][k]];
-          words[3 * i + k] = {std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
-                              std::bit_cast<std::uint32_t>(p.z), k == 0 ? placeOf[t] : 0};
-        }
+        std::ranges::copy(cornerWords(block, t, {placeOf[t], 0, 0}), &words[3 * i]);
       }
     });
     holdTable(device_, nodes_, Uint32x4, std::as_bytes(std::span(hierarchy.nodes)), most_, "scene's hierarchy");

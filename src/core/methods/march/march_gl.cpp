@@ -9,11 +9,10 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "base/stage_clock.h"
 #include "gpu/compute.h"
 #include "gpu/device.h"
 #include "methods/device/device_beams.h"
@@ -150,6 +149,7 @@ class ComputeMarcher : public GlMarcher {
   static constexpr std::uint32_t kMostHoles = 6;
 
   using Queue = ShotQueue<Flight>;
+
   void run(const std::vector<const Flight*>& together, Queue::Batch& batch) {
     const Flight& flight = *together.front();
     const WallTimer timer;

@@ -89,15 +89,11 @@ void appendBlock(RTCDeviceTy* device, const TriangleBlock& block, Holes& holes, 
       const std::uint32_t t = hierarchy.primitives[i];
       const bool cut = t >= block.firstAlpha;
       const auto cutout = static_cast<std::uint32_t>(cut ? firstCutout + t - block.firstAlpha + 1 : 0);
-      const std::array<std::uint32_t, 3> behind{t, cutout, 0};
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3f& p = block.vertices[block.corners[t][k]];
-        made.triangles[3 * (firstTriangle + i) + k] = {bits(p.x), bits(p.y), bits(p.z), behind[k]};
-      }
+      std::ranges::copy(cornerWords(block, t, {t, cutout, 0}), &made.triangles[3 * (firstTriangle + i)]);
     }
   });
   appendCutouts(block, holes, made.cutouts);
-  DeviceMeshes::Block& known = made.blocks[&block];
+  DeviceBlock& known = made.blocks[&block];
   known.root = static_cast<std::uint32_t>(made.nodes.size());
   for (const Vec3f& p : std::span(block.vertices).first(block.vertices.size() - 1)) known.box.add(Vec3d(p));
   append(made.nodes, std::move(hierarchy), static_cast<std::uint32_t>(firstTriangle));
@@ -148,8 +144,7 @@ DeviceMeshes deviceMeshes(RTCDeviceTy* device, const World& world) {
   return made;
 }
 
-DevicePlaces devicePlaces(RTCDeviceTy* device, const World& world,
-                          const std::map<const TriangleBlock*, DeviceMeshes::Block>& blocks) {
+DevicePlaces devicePlaces(RTCDeviceTy* device, const World& world, const DeviceBlocks& blocks) {
   std::vector<PrimitiveBox> boxes;
   std::vector<std::uint32_t> numbers;  // into World::placed
   for (std::uint32_t k = 0; k < world.placed.size(); ++k) {

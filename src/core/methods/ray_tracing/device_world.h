@@ -17,6 +17,13 @@ namespace scanmill {
 
 constexpr std::uint32_t kNoRoot = 0xFFFFFFFFu;
 
+// Where the hierarchies of blocks are.
+struct DeviceBlock {
+  std::uint32_t root = 0;
+  Box box;  // m, in the block's frame
+};
+using DeviceBlocks = std::map<const TriangleBlock*, DeviceBlock>;
+
 // The triangles of some blocks.
 struct DeviceMeshes {
   std::vector<WideNode> nodes;
@@ -27,11 +34,7 @@ struct DeviceMeshes {
   // width | height << 16, and the first of its words in `holes`.
   std::vector<DeviceWord> cutouts;
   std::vector<std::uint32_t> holes;  // a bit a texel, row by row, lowest bit first: beams pass
-  struct Block {
-    std::uint32_t root = 0;
-    Box box;  // m, in the block's frame
-  };
-  std::map<const TriangleBlock*, Block> blocks;
+  DeviceBlocks blocks;
 };
 
 // The meshes that are placed, and how they stand.
@@ -47,7 +50,6 @@ struct DevicePlaces {
 
 // Throws Error where memory is out or a texture is larger than 65535 texels a side.
 DeviceMeshes deviceMeshes(RTCDeviceTy* device, const World& world);
-DevicePlaces devicePlaces(RTCDeviceTy* device, const World& world,
-                          const std::map<const TriangleBlock*, DeviceMeshes::Block>& blocks);
+DevicePlaces devicePlaces(RTCDeviceTy* device, const World& world, const DeviceBlocks& blocks);
 
 }  // namespace scanmill

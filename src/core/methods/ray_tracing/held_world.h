@@ -3,7 +3,6 @@
 // The world that a device holds for tracing rays.
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -15,8 +14,6 @@
 #include "methods/world/world.h"
 
 namespace scanmill {
-
-using DeviceBlocks = std::map<const TriangleBlock*, DeviceMeshes::Block>;
 
 // How a world's meshes stand.
 struct WorldPlaces {
