@@ -17,6 +17,7 @@
 #include <ctime>
 #include <string>
 
+#include "base/descriptor.h"
 #include "base/error.h"
 
 namespace scanmill {
@@ -54,31 +55,63 @@ bool mayBeHeld(const std::string& words) {
   return pid > 0 && pid != ::getpid() && (::kill(pid, 0) == 0 || errno == EPERM);
 }
 
-bool isStillThere(int descriptor, const std::filesystem::path& file) {
-  struct stat own {};
-  struct stat named {};
-  return ::fstat(descriptor, &own) == 0 && ::stat(file.c_str(), &named) == 0 && own.st_ino == named.st_ino &&
-         own.st_dev == named.st_dev;
+[[noreturn]] void refuseForeign(const std::filesystem::path& file, const char* what) {
+  throw ForeignFile({file.string()}, fmt::format("is {}, which this program does not make: remove it", what));
+}
+
+// Opens the folder that `file` lies in, step by step from `folder`, and follows no link on the way. Where there is one,
+// or something else than a folder, `foreign` becomes its path.
+int openPlace(const std::filesystem::path& folder, const std::filesystem::path& file, std::filesystem::path& foreign) {
+  int place = ::open(folder.empty() ? "." : folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
+  std::filesystem::path at = folder;
+  for (const std::filesystem::path& step : file.parent_path().lexically_relative(folder)) {
+    if (place < 0) break;
+    if (step == ".") continue;
+    at /= step;
+    const int next = ::openat(place, step.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    const int reason = errno;
+    ::close(place);
+    place = next;
+    if (next < 0 && (reason == ELOOP || reason == ENOTDIR)) foreign = at;
+    errno = reason;
+  }
+  return place;
 }
 
 }  // namespace
 
 FolderLock::FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind) {
   std::string holder;
-  if (take(file, kind, holder)) return;
+  if (take(folder, file, kind, holder)) return;
   throw InputError({folder.string()},
                    fmt::format("is being written by {}: wait for it, or choose another folder (where that process "
                                "is gone for certain, remove {})",
                                holder, file.string()));
 }
 
-std::unique_ptr<FolderLock> FolderLock::tryTake(const std::filesystem::path& file, LockKind kind, std::string& holder) {
+std::unique_ptr<FolderLock> FolderLock::tryTake(const std::filesystem::path& folder, const std::filesystem::path& file,
+                                                LockKind kind, std::string& holder) {
   std::unique_ptr<FolderLock> lock(new FolderLock);
-  if (!lock->take(file, kind, holder)) return nullptr;
+  if (!lock->take(folder, file, kind, holder)) return nullptr;
   return lock;
 }
 
-bool FolderLock::take(const std::filesystem::path& file, LockKind kind, std::string& holder) {
+// True where the path still leads to the file that is held; then removes it, if asked to.
+bool FolderLock::isStillThere(bool remove) const {
+  struct stat own {};
+  struct stat named {};
+  std::filesystem::path foreign;
+  const Descriptor place(openPlace(folder_, file_, foreign));
+  const bool there = place.number >= 0 && ::fstat(descriptor_, &own) == 0 &&
+                     ::fstatat(place.number, file_.filename().c_str(), &named, AT_SYMLINK_NOFOLLOW) == 0 &&
+                     own.st_ino == named.st_ino && own.st_dev == named.st_dev;
+  if (there && remove) ::unlinkat(place.number, file_.filename().c_str(), 0);
+  return there;
+}
+
+bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind,
+                      std::string& holder) {
+  folder_ = folder;
   file_ = file;
   kind_ = kind;
   const auto refuse = [&](const std::string& words) {
@@ -88,8 +121,25 @@ bool FolderLock::take(const std::filesystem::path& file, LockKind kind, std::str
   };
   while (true) {
     constexpr int kMode = 0644;
-    descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kMode);
-    if (descriptor_ < 0) fail(file, "cannot be made");
+    std::filesystem::path foreign;
+    const Descriptor place(openPlace(folder, file, foreign));
+    if (!foreign.empty()) refuseForeign(foreign, "not a folder, or a link to one");
+    // Non-blocking, so that a pipe nobody reads from is refused below and not waited for.
+    constexpr int kHow = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+    descriptor_ = place.number < 0 ? -1 : ::openat(place.number, file.filename().c_str(), kHow, kMode);
+    struct stat status {};
+    if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) {
+      const int reason = errno;
+      release();
+      if (reason == ELOOP) refuseForeign(file, "a link");
+      if (reason == EISDIR) refuseForeign(file, "a folder");
+      errno = reason;
+      fail(file, "cannot be made");
+    }
+    if (!S_ISREG(status.st_mode) || status.st_nlink > 1) {
+      release();
+      refuseForeign(file, S_ISREG(status.st_mode) ? "a file that has another name, too" : "not a file");
+    }
     locked_ = ::flock(descriptor_, (kind == LockKind::Alone ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0;
     if (!locked_) {
       if (errno == EWOULDBLOCK) return refuse(readWords(descriptor_));
@@ -99,7 +149,7 @@ bool FolderLock::take(const std::filesystem::path& file, LockKind kind, std::str
       }
       if (const std::string words = readWords(descriptor_); mayBeHeld(words)) return refuse(words);
     }
-    if (isStillThere(descriptor_, file)) break;
+    if (isStillThere()) break;
     release();  // its holder has just removed it
   }
   if (kind == LockKind::Shared && !locked_) return true;  // words would keep others from sharing
@@ -123,7 +173,7 @@ bool FolderLock::makeAlone() {
   // The shared lock goes first, which network file systems would keep where they cannot give the other. Meanwhile
   // another process may take the lock, and may remove the file with it.
   if (!locked_ || ::flock(descriptor_, LOCK_UN) != 0 || ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 ||
-      !isStillThere(descriptor_, file_)) {
+      !isStillThere()) {
     release();
     return false;
   }
@@ -138,7 +188,7 @@ void FolderLock::release() {
 
 FolderLock::~FolderLock() {
   if (descriptor_ < 0 || !makeAlone()) return;
-  if (isStillThere(descriptor_, file_)) ::unlink(file_.c_str());
+  isStillThere(true);
   release();
 }
 

@@ -6,7 +6,16 @@
 #include <memory>
 #include <string>
 
+#include "base/error.h"
+
 namespace scanmill {
+
+// In the place of a lock file lies something that this program did not make: a link, a folder, or a file that has
+// another name as well. It is left as it is, and so is what a link names. The text says what to remove.
+class ForeignFile : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 enum class LockKind {
   Alone,   // no other process holds the lock
@@ -20,15 +29,17 @@ enum class LockKind {
 // taken alone counts as held if its process runs on this host, or was made on another one.
 class FolderLock {
  public:
-  // `folder` is there already; it is named in errors. Throws an InputError that says who holds it, and Error where the
-  // file cannot be made.
+  // `folder` is there already; it may be a link, and is named in errors. `file` lies in it or in folders of it, none of
+  // which may be a link. Throws an InputError that says who holds the lock, ForeignFile, and Error where the file
+  // cannot be made.
   FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind = LockKind::Alone);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
   // The same as the constructor, but gives null where another process holds it, and says which in `holder`.
-  static std::unique_ptr<FolderLock> tryTake(const std::filesystem::path& file, LockKind kind, std::string& holder);
+  static std::unique_ptr<FolderLock> tryTake(const std::filesystem::path& folder, const std::filesystem::path& file,
+                                             LockKind kind, std::string& holder);
 
   // From shared to alone; false, and the lock is lost, where another process holds it as well, or where nobody can
   // know.
@@ -38,9 +49,11 @@ class FolderLock {
 
  private:
   FolderLock() = default;
-  bool take(const std::filesystem::path& file, LockKind kind, std::string& holder);
+  bool take(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind, std::string& holder);
+  bool isStillThere(bool remove = false) const;
   void release();
 
+  std::filesystem::path folder_;
   std::filesystem::path file_;
   LockKind kind_ = LockKind::Alone;
   bool locked_ = false;

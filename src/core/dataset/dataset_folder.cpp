@@ -140,7 +140,7 @@ void DatasetFolder::tidy(const fs::path& folder) {
   std::error_code ignored;
   if (isUnfinished(folder) || !fs::is_directory(fs::symlink_status(hidden, ignored))) return;
   std::string holder;
-  if (const auto lock = FolderLock::tryTake(hidden / kLockName, LockKind::Alone, holder)) clearHidden(hidden);
+  if (const auto lock = FolderLock::tryTake(folder, hidden / kLockName, LockKind::Alone, holder)) clearHidden(hidden);
   fs::remove(hidden, ignored);
 }
 
@@ -192,6 +192,8 @@ void DatasetFolder::share() {
     try {
       fs::create_directories(staging_);
       lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName, LockKind::Shared);
+    } catch (const ForeignFile&) {
+      throw;
     } catch (const InputError&) {  // another holds it
       if (std::chrono::steady_clock::now() > end) throw;
     } catch (const Error&) {  // nothing was there, or the disk fails
@@ -207,7 +209,7 @@ void DatasetFolder::begin(FolderUse use) {
   std::string holder;
   const auto end = std::chrono::steady_clock::now() + kPatience;
   while (shared_ && lock_->isKept() && turn == nullptr) {
-    turn = FolderLock::tryTake(staging_ / kTurnName, LockKind::Alone, holder);
+    turn = FolderLock::tryTake(folder_, staging_ / kTurnName, LockKind::Alone, holder);
     if (turn != nullptr) break;
     if (std::chrono::steady_clock::now() > end) {
       throw InputError({folder_.string()}, "is being begun by " + holder + ": wait for it");
@@ -267,7 +269,7 @@ std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
   if (failure) throw Error(fmt::format("{}: cannot be made: {}", file.parent_path().string(), failure.message()));
   std::string holder;
   // Without locks every process makes what it wants to make: the bytes are the same, whoever is the last.
-  return FolderLock::tryTake(file, lock_->isKept() ? LockKind::Alone : LockKind::Shared, holder);
+  return FolderLock::tryTake(folder_, file, lock_->isKept() ? LockKind::Alone : LockKind::Shared, holder);
 }
 
 void DatasetFolder::keep(const DatasetPart& part) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,7 +23,7 @@ class FolderLockTest : public testing::Test {
  protected:
   std::unique_ptr<FolderLock> take(LockKind kind) {
     holder_.clear();
-    return FolderLock::tryTake(file_, kind, holder_);
+    return FolderLock::tryTake(folder_.path(), file_, kind, holder_);
   }
 
   TemporaryFolder folder_;
@@ -94,6 +95,49 @@ TEST_F(FolderLockTest, ADeadProcessHoldsNothing) {
     ASSERT_EQ(::waitpid(child, &status, 0), child);
     EXPECT_NE(take(LockKind::Alone), nullptr);
   }
+}
+
+// A dataset may come from somebody else, with links in it.
+TEST_F(FolderLockTest, NothingIsWrittenThroughLinks) {
+  const std::filesystem::path precious = folder_.write("precious", "precious");
+  const auto refused = [&](const std::filesystem::path& named, const char* what) {
+    std::string holder;
+    const std::string message = messageOf<ForeignFile>(
+        [&] { FolderLock::tryTake(folder_.path(), folder_.path() / "own/lock", LockKind::Alone, holder); });
+    EXPECT_THAT(message, AllOf(HasSubstr((folder_.path() / named).string()), HasSubstr(what), HasSubstr("remove it")));
+    EXPECT_EQ(readFile(precious), "precious");
+    std::filesystem::remove_all(folder_.path() / "own");
+  };
+  const std::filesystem::path own = folder_.path() / "own";
+  std::filesystem::create_directory(own);
+  std::filesystem::create_symlink(precious, own / "lock");
+  refused("own/lock", "a link");
+  std::filesystem::create_directory(own);
+  std::filesystem::create_symlink(folder_.path() / "nowhere", own / "lock");
+  refused("own/lock", "a link");
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "nowhere"));
+  std::filesystem::create_directory(own);
+  std::filesystem::create_hard_link(precious, own / "lock");
+  refused("own/lock", "another name");
+  std::filesystem::create_directories(own / "lock");
+  refused("own/lock", "a folder");
+  std::filesystem::create_directory(own);
+  ASSERT_EQ(::mkfifo((own / "lock").c_str(), 0600), 0);
+  refused("own/lock", "not a file");
+  std::filesystem::create_directory(folder_.path() / "elsewhere");
+  std::filesystem::create_directory_symlink(folder_.path() / "elsewhere", own);
+  refused("own", "a link to one");
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path() / "elsewhere"));
+}
+
+TEST_F(FolderLockTest, TheFolderItselfMayBeALink) {
+  const std::filesystem::path named = folder_.path() / "named";
+  std::filesystem::create_directory(folder_.path() / "meant");
+  std::filesystem::create_directory_symlink("meant", named);
+  std::string holder;
+  const auto lock = FolderLock::tryTake(named, named / "lock", LockKind::Alone, holder);
+  EXPECT_NE(lock, nullptr);
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "meant/lock"));
 }
 
 }  // namespace

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <unistd.h>
+
+namespace scanmill {
+
+// A file descriptor that is closed in the end; negative where opening failed.
+struct Descriptor {
+  explicit Descriptor(int opened) : number(opened) {}
+  ~Descriptor() {
+    if (number >= 0) ::close(number);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int number;
+};
+
+}  // namespace scanmill
